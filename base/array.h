@@ -14,10 +14,10 @@ namespace gs {
 
 /// Growable array with copy-on-write storage.
 ///
-/// Field values pass through DEF/USE, PROTO instances, events and meshes; sharing makes each copy a pointer copy. The
-/// reference count is atomic: copies may live on different threads, but one object must not be used by two threads at
-/// once. Storage of trivially copyable elements grows with realloc, which moves pages instead of bytes for large
-/// arrays. An empty array owns nothing. Throws std::bad_alloc if memory is exhausted.
+/// DEF/USE, PROTO instances, events and meshes copy field values often; sharing makes each copy a pointer copy. The
+/// reference count is atomic: copies may live on different threads. Two threads must not use one object at the same
+/// time. Storage of trivially copyable elements grows with realloc, which moves pages instead of bytes for large
+/// arrays. An empty array owns no memory. Throws std::bad_alloc if memory is exhausted.
 template <class T>
 class Array {
  public:
@@ -52,7 +52,7 @@ class Array {
   /// Reports whether both arrays use the same storage.
   [[nodiscard]] bool shares_with(const Array& other) const { return block_ == other.block_; }
 
-  /// Returns writable elements; un-shares first. Returns null if empty.
+  /// Returns writable elements. Copies shared storage first, so that other arrays do not change. Returns null if empty.
   [[nodiscard]] T* mutable_data() {
     if (!block_) return nullptr;
     own(block_->size);
@@ -96,8 +96,8 @@ class Array {
     if (block_ && !shared() && block_->capacity > block_->size) reallocate(block_->size);
   }
 
-  /// Returns room for at least `count` more elements after the last one; trivially copyable types only. Write there,
-  /// then call `commit` with the number written.
+  /// Returns memory for at least `count` more elements after the last one. The caller writes there, then calls `commit`
+  /// with the number of elements written. Trivially copyable types only.
   [[nodiscard]] T* prepare(std::size_t count) requires std::is_trivially_copyable_v<T> {
     if (size() + count > capacity() || shared()) own(grown(size() + count));
     return block_ ? elements(block_) + block_->size : nullptr;
@@ -127,7 +127,7 @@ class Array {
     if (capacity > (SIZE_MAX / 2 - kHeader) / sizeof(T)) throw std::bad_alloc();
     return kHeader + capacity * sizeof(T);
   }
-  // A copy's capacity grows from its size, not from the source's capacity, or copies of copies would grow without
+  // A copy's capacity grows from its size. If it grew from the source's capacity, copies of copies would grow without
   // limit.
   [[nodiscard]] std::size_t grown(std::size_t least) const {
     const std::size_t doubled = (shared() ? size() : capacity()) * 2;
@@ -138,7 +138,7 @@ class Array {
     if (!memory) throw std::bad_alloc();
     return new (memory) Block{{1}, 0, capacity};
   }
-  /// Makes this the only owner, with exactly `capacity` >= size() elements of room.
+  /// Makes this array the only owner of its storage, with room for exactly `capacity` elements. `capacity` >= size().
   void own(std::size_t capacity) {
     if (!block_) {
       block_ = allocate(capacity);

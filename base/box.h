@@ -32,13 +32,13 @@ struct BasicBox {
     add(other.upper);
   }
   [[nodiscard]] Vector center() const { return (lower + upper) * Number(0.5); }
-  /// Returns the extents in single precision, infinite if they do not fit.
+  /// Returns the extents in single precision. An extent that does not fit is infinite.
   [[nodiscard]] glm::vec3 size() const { return glm::vec3(upper - lower); }
   friend bool operator==(const BasicBox&, const BasicBox&) = default;
 };
 
 using Box = BasicBox<float>;
-/// Box in double precision: world space, exact even far from 0.
+/// Box in double precision, for world space; precise even far from 0.
 using WideBox = BasicBox<double>;
 
 }  // namespace gs

@@ -7,7 +7,7 @@ namespace {
 
 const ResourceRow& row_of(Resource resource) { return kResources[static_cast<std::size_t>(resource)]; }
 
-// The table follows the order of the enumeration.
+// Checks that the table has the order of the enumeration.
 static_assert([] {
   for (std::size_t i = 0; i < kResources.size(); ++i)
     if (static_cast<std::size_t>(kResources[i].resource) != i) return false;
@@ -59,7 +59,7 @@ std::string Budget::refusal(Resource resource) const {
   constexpr std::uint64_t kMebi = std::uint64_t{1} << 20;
   const ResourceRow& row = row_of(resource);
   const std::uint64_t own = limit(resource), sum = part_of(limits_.memory, kHeldShare);
-  // Tighter one of the two limits.
+  // Selects the tighter limit: the limit for all held memory, or the limit of the resource.
   const bool all = row.held && left(resource) < rest(own, used(resource));
   const std::uint64_t most = all ? sum : own;
   const std::string name(all ? "memory in use" : row.name);

@@ -12,8 +12,8 @@
 
 namespace gs {
 
-/// Amounts that one world has used of its limits, and its cancellation check. Every allocation with a size that a file
-/// determines is drawn from here first. Thread-safe, except for `stop_when`.
+/// Limits of a world, the amounts used of them, and the world's cancellation check. Before each allocation with a size
+/// that a file determines, code must take the memory from the budget. Thread-safe, except for `stop_when`.
 class Budget {
  public:
   explicit Budget(const Limits& limits = {}) : limits_(limits) {}
@@ -24,22 +24,22 @@ class Budget {
   /// Draws `amount` units. Returns false and draws nothing if fewer are left.
   [[nodiscard]] bool take(Resource resource, std::uint64_t amount);
   void give_back(Resource resource, std::uint64_t amount);
-  /// Return the units of a resource that are left, the limit, and the units used.
+  /// Returns the unused units of a resource. limit() returns all units, used() the used ones.
   [[nodiscard]] std::uint64_t left(Resource resource) const;
   [[nodiscard]] std::uint64_t limit(Resource resource) const;
   [[nodiscard]] std::uint64_t used(Resource resource) const;
-  /// Returns why no more can be drawn: "more than the limit for meshes, 1024 MiB of one world (--memory raises it)". If
-  /// that resource has enough left, the message names the limit for all held memory.
+  /// Returns the reason for a refusal: "more than the limit for meshes, 1024 MiB of one world (--memory raises it)".
+  /// Names the limit for all held memory instead if that limit is the tighter one.
   [[nodiscard]] std::string refusal(Resource resource) const;
 
-  /// Reserves `count` generations for NodeIds, unique in the world, and returns the first. They wrap at 2^32; only an
-  /// id kept for that long could be mistaken for another.
+  /// Reserves `count` generations for NodeIds, unique in the world, and returns the first. The numbers start again
+  /// after 2^32 generations. Only an id that is stored for so long could name a wrong node.
   [[nodiscard]] std::uint32_t draw_generations(std::uint32_t count) {
     return generations_.fetch_add(count, std::memory_order_relaxed);
   }
 
-  /// Sets the check that cancels work for the world, for example on timeout; null means never. Do not call it while
-  /// other threads work for the world. Long loops call `stopped` at least ten times a second.
+  /// Sets the check that cancels work for the world, for example on timeout; null means that work is never cancelled.
+  /// Call it only while no other thread works for the world. Long loops call `stopped` at least ten times a second.
   void stop_when(std::function<bool()> stop) { stop_ = std::move(stop); }
   [[nodiscard]] bool stopped() const { return stop_ && stop_(); }
 
@@ -68,13 +68,14 @@ class Share {
     if (budget_ && amount_ > 0) budget_->give_back(resource_, amount_);
   }
 
-  /// Draws more. Returns false and draws nothing if less is left. Without a budget it always succeeds.
+  /// Draws more from the budget. Returns false and draws nothing if the budget has less left. Without a budget, always
+  /// returns true.
   [[nodiscard]] bool grow(std::uint64_t amount) {
     if (budget_ && !budget_->take(resource_, amount)) return false;
     amount_ += amount;
     return true;
   }
-  /// Gives back all but `amount`.
+  /// Gives back the excess over `amount`.
   void shrink_to(std::uint64_t amount) {
     if (amount >= amount_) return;
     if (budget_) budget_->give_back(resource_, amount_ - amount);

@@ -24,7 +24,7 @@ class ByteWriter {
   std::vector<std::byte>& out_;
 };
 
-/// Reads little-endian numbers from a span. Past the end it returns zeros, and good() becomes false.
+/// Reads little-endian numbers from a span. Reading past the end returns zeros and makes good() false.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}

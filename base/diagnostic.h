@@ -27,8 +27,8 @@ struct Diagnostic {
   [[nodiscard]] std::string text() const;
 };
 
-/// Diagnostics of one load. Counts all but keeps only the first `capacity`, so that a hostile file cannot exhaust
-/// memory.
+/// Diagnostics of one load. Counts all of them but stores only the first `capacity`, so that a hostile file cannot
+/// exhaust memory.
 class Diagnostics {
  public:
   static constexpr std::size_t kCapacity = 1000;
@@ -41,7 +41,7 @@ class Diagnostics {
   [[nodiscard]] const std::vector<Diagnostic>& entries() const { return entries_; }
   [[nodiscard]] std::size_t errors() const { return errors_; }
   [[nodiscard]] std::size_t warnings() const { return warnings_; }
-  /// Returns the number of diagnostics that were counted but not kept.
+  /// Returns the number of diagnostics that were counted but not stored.
   [[nodiscard]] std::size_t dropped() const { return dropped_; }
 
  private:

@@ -24,9 +24,9 @@ struct Gunzip::State {
   z_stream stream{};
   std::vector<char> piece = std::vector<char>(kUnpackedBytes);
   WorldBudget budget;
-  std::uint64_t taken = 0, total = 0;  // compressed and decompressed bytes
-  std::size_t mark = 0;                // number of received bytes of the two that start another member
-  bool between = false;                // after a member, before the next one
+  std::uint64_t taken = 0, total = 0;  // numbers of compressed and decompressed bytes so far
+  std::size_t mark = 0;  // received bytes of the next member's mark: 0, 1 or 2
+  bool between = false;  // a member has ended, and the next one has not begun
   bool over = false;                   // further input is ignored
   bool stopped = false;                // the sink returned false
   std::optional<std::string> problem;
@@ -36,7 +36,7 @@ struct Gunzip::State {
     over = true;
   }
 
-  // Looks for another member (RFC 1952 2.2). Ignores other bytes after the last member.
+  // Looks for another member (RFC 1952 2.2). Ignores all further input if other bytes follow the last member.
   void look_for_member(std::span<const std::byte>& bytes) {
     static constexpr Bytef kMark[] = {0x1f, 0x8b};
     while (mark < 2 && !bytes.empty()) {
@@ -74,11 +74,11 @@ struct Gunzip::State {
       return fail("unpacks to more than " + std::to_string(limits.unpack_ratio) + " times its size");
     bool room = budget->take(Resource::unpacked, made);
     if (!room) {
-      // The budget limits the output exactly, independent of the sizes of the input pieces.
+      // Limits the output exactly to the budget, whatever the sizes of the input pieces.
       made = std::min<std::size_t>(made, budget->left(Resource::unpacked));
       (void)budget->take(Resource::unpacked, made);
     }
-    // Passes the output on even if the time is over.
+    // Passes the output on even if the time limit has passed.
     if (made > 0 && !sink(std::string_view(piece.data(), made))) {
       over = stopped = true;
       return;
@@ -109,7 +109,7 @@ bool Gunzip::push(std::span<const std::byte> bytes, const Sink& sink) {
     else
       s.inflate_some(bytes, sink);
   }
-  // If the output exactly fills a piece, zlib may hold more.
+  // If the output exactly fills a piece, zlib may have more output ready.
   while (!s.over && !s.between && s.stream.avail_out == 0) s.inflate_some(bytes, sink);
   return !s.over;
 }

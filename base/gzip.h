@@ -24,15 +24,15 @@ class Gunzip {
   /// Receiver of the decompressed bytes; returns false to stop.
   using Sink = std::function<bool(std::string_view)>;
 
-  /// Creates a decompressor. All decompressed bytes count against `budget`, even if they are not kept. Stops at members
-  /// that expand too much (Limits::unpack_ratio), and when the time of the budget is over.
+  /// Creates a decompressor. All decompressed bytes count against `budget`, even discarded ones. Stops at members that
+  /// expand too much (Limits::unpack_ratio), and when `budget` reports a stop.
   explicit Gunzip(WorldBudget budget);
   ~Gunzip();
   Gunzip(const Gunzip&) = delete;
   Gunzip& operator=(const Gunzip&) = delete;
 
-  /// Decompresses the next bytes. Returns false if no more are useful: after an error (see `finish`), at the end, or if
-  /// the sink stopped.
+  /// Decompresses the next bytes. Returns false if it needs no more input: after an error (see `finish`), at the end,
+  /// or if the sink returned false.
   bool push(std::span<const std::byte> bytes, const Sink& sink);
   /// Ends the input. Returns the error of the data (truncated, bad checksum, larger than the limit), or nullopt.
   [[nodiscard]] std::optional<std::string> finish();
@@ -42,7 +42,7 @@ class Gunzip {
   std::unique_ptr<State> state_;
 };
 
-/// Decompresses complete data. Returns the error, or nullopt; everything before the error was passed to `sink`.
+/// Decompresses complete data. Returns the error, or nullopt. Passes all output before the error to `sink`.
 [[nodiscard]] std::optional<std::string> gunzip(std::span<const std::byte> bytes, const WorldBudget& budget,
                                                 const Gunzip::Sink& sink);
 
@@ -50,9 +50,9 @@ class Gunzip {
 struct UnpackedBytes {
   Array<std::byte> bytes;
   Share share;
-  std::optional<std::string> problem;  // reason why the rest is missing
+  std::optional<std::string> problem;  // error after which the rest is missing; nullopt if complete
 };
-/// Decompresses gzip members to the end, or as far as the budget for `resource` allows.
+/// Decompresses gzip members up to the end, or up to the limit of `budget` for `resource`.
 [[nodiscard]] UnpackedBytes unpack_gzip(std::span<const std::byte> bytes, const WorldBudget& budget, Resource resource);
 
 /// Compresses bytes to one gzip member.

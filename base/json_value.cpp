@@ -20,7 +20,7 @@ std::string plain_text(const OrderedJson& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_number_float()) {
     char text[32];
-    // Uses the precision of float32, but shows millimetres at distances of thousands of kilometres.
+    // Rounds numbers to the precision of float32. Shows millimetres even at distances of thousands of kilometres.
     const double number = value.get<double>();
     std::snprintf(text, sizeof text, std::abs(number) < 1e5 ? "%.7g" : "%.11g", number);
     return text;

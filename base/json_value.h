@@ -38,17 +38,17 @@ class JsonValue {
   [[nodiscard]] static JsonValue list(std::initializer_list<JsonValue> values = {});
   [[nodiscard]] static JsonValue named(std::initializer_list<Named> values = {});
 
-  /// Sets the value of a name: appends it, or replaces the existing one. Null becomes an object.
+  /// Sets the member `name`: appends it, or replaces the existing one. A null value becomes an object first.
   void put(std::string_view name, JsonValue value);
-  /// Appends a value to a list. Null becomes a list.
+  /// Appends a value to a list. A null value becomes a list first.
   void add(JsonValue value);
   /// Returns true for a value without list elements and without members.
   [[nodiscard]] bool empty() const;
 
   /// Returns indented ASCII JSON with a trailing line end. Invalid UTF-8 becomes U+FFFD.
   [[nodiscard]] std::string json() const;
-  /// Returns lines for users, one per named value. Lists of values other than numbers, and the member "metadata", have
-  /// one line per element.
+  /// Returns lines for users, one per member. The member "metadata", and lists of values other than numbers, have one
+  /// line per element.
   [[nodiscard]] std::vector<std::string> lines() const;
 
  private:

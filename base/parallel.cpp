@@ -35,7 +35,7 @@ bool parallel_for(std::size_t count, const std::function<void(std::size_t)>& wor
     try {
       for (unsigned i = 1; i < threads; ++i) helpers.emplace_back(run);
     } catch (const std::system_error&) {
-      // Continue with the threads already started; the system allows no more.
+      // The system allows no more threads. Continues with the threads that have started.
     }
     run();
   }

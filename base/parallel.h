@@ -6,15 +6,15 @@
 
 namespace gs {
 
-/// Progress of a long task, and its cancellation flag. Each task has its own. Any thread may set `cancelled`.
+/// Progress of one long task, and its cancellation flag. Any thread may set `cancelled`.
 struct Progress {
   std::atomic<bool> cancelled{false};
   std::atomic<std::uint64_t> done{0}, total{0};  // in the unit of the current stage
   std::atomic<const char*> stage{""};            // "reading", "encoding", ...; must be a string literal
 };
 
-/// Calls work(i) for every i < count, in no defined order, on `threads` threads (0: one per core). Returns when all
-/// calls are done. Returns false, soon, if `progress->cancelled` is set; some calls may then be missing. Rethrows an
+/// Calls work(i) for every i < count, in undefined order, on `threads` threads (0 means one per core). Returns when all
+/// calls are done. If `progress->cancelled` is set, soon returns false; some calls may then be missing. Rethrows an
 /// exception of `work`.
 bool parallel_for(std::size_t count, const std::function<void(std::size_t)>& work, unsigned threads = 0,
                   Progress* progress = nullptr);

@@ -13,8 +13,8 @@ enum class Phase : std::uint8_t { other, read, parse, tessellate, compile, uploa
 inline constexpr std::array<std::string_view, 9> kPhaseNames = {"other",  "read", "parse", "tessellate", "compile",
                                                                 "upload", "cut",  "draw",  "write"};
 
-/// Attributes elapsed time to phases, so that their sum is the total: one phase lasts until the next begins.
-/// Single-threaded; work of other threads counts towards the phase of this thread.
+/// Clock that divides elapsed time into phases: one phase lasts until the next begins, so their sum is the total.
+/// Single-threaded. Work of other threads counts towards the current phase of this thread.
 class PhaseClock {
  public:
   /// `now` returns the time in seconds. The first phase, `other`, starts at `begin`.
@@ -41,7 +41,7 @@ class PhaseClock {
   std::array<double, kPhaseNames.size()> seconds_{};
 };
 
-/// Enters a phase for its lifetime, then returns to the previous phase. Does nothing without a clock.
+/// Guard that enters a phase for its lifetime, then returns to the previous phase. Does nothing without a clock.
 class PhaseScope {
  public:
   PhaseScope(PhaseClock* clock, Phase phase) : clock_(clock), before_(clock ? clock->enter(phase) : phase) {}

@@ -21,11 +21,11 @@ namespace gs {
   return result;
 }
 
-/// Returns the last part of a path.
+/// Returns the part of a path after the last slash.
 [[nodiscard]] inline std::string file_name(const std::string& path) { return path.substr(path.rfind('/') + 1); }
 
-/// Returns text cut to about `length` bytes at a character boundary. Control characters become blanks, because names of
-/// worlds are untrusted.
+/// Returns text cut to about `length` bytes at a character boundary. Replaces control characters by blanks, because
+/// names in worlds are untrusted.
 [[nodiscard]] std::string shortened(std::string_view text, std::size_t length);
 
 /// Returns a size such as "1.5 MB".

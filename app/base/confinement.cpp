@@ -19,23 +19,23 @@
 namespace gs::app {
 namespace {
 
-// Newer than the headers of Debian 12 (linux/landlock.h).
+// Landlock access rights that the headers of Debian 12 lack (linux/landlock.h).
 constexpr std::uint64_t kTruncate = std::uint64_t{1} << 14, kIoctlDevice = std::uint64_t{1} << 15;
 struct Ruleset {
   std::uint64_t files = 0, net = 0, scoped = 0;
 };
-constexpr std::uint64_t kBindTcp = 1, kConnectTcp = 2;                 // from version 4
-constexpr std::uint64_t kAbstractSockets = 1, kSignals = 2;            // from version 6
-constexpr std::uint64_t kFirstVersion = (std::uint64_t{1} << 13) - 1;  // all access rights of version 1
+constexpr std::uint64_t kBindTcp = 1, kConnectTcp = 2;  // from Landlock version 4 on
+constexpr std::uint64_t kAbstractSockets = 1, kSignals = 2;  // from Landlock version 6 on
+constexpr std::uint64_t kFirstVersion = (std::uint64_t{1} << 13) - 1;  // all file access rights of version 1
 
 constexpr std::uint64_t kRead = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;
 constexpr std::uint64_t kWrite =
     kRead | LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_FS_REMOVE_FILE | LANDLOCK_ACCESS_FS_MAKE_REG | kTruncate;
-// Access rights that apply to files other than folders.
+// Access rights that are valid for files. The others are only for folders.
 constexpr std::uint64_t kOfFiles = LANDLOCK_ACCESS_FS_EXECUTE | LANDLOCK_ACCESS_FS_WRITE_FILE |
                                    LANDLOCK_ACCESS_FS_READ_FILE | kTruncate | kIoctlDevice;
 
-// Paths that libraries need at run time. Contains no user data, and only the listed paths of /etc.
+// Paths that libraries read at run time. They contain no user data; of /etc, only some paths are listed.
 constexpr const char* kSystem[] = {
     "/usr",
     "/lib",
@@ -69,7 +69,7 @@ std::uint64_t accesses_of(int version) {
   return all;
 }
 
-// Allows access below a path. Returns false and sets errno on failure.
+// Allows the access rights `access` for `path` and everything below it. Returns false and sets errno on failure.
 bool allow(const net::Descriptor& rules, const std::string& path, std::uint64_t access) {
   const net::Descriptor place(::open(path.c_str(), O_PATH | O_CLOEXEC));
   struct stat status {};
@@ -86,7 +86,7 @@ std::optional<std::string> confine_files(const Confinement& confinement, int ver
   set.files = all;
   if (version >= 4) set.net = kBindTcp | kConnectTcp;
   if (version >= 6) set.scoped = kAbstractSockets | kSignals;
-  // Older kernels accept a longer structure if the unknown members are zero.
+  // Older kernels accept this longer structure, as long as the members unknown to them are zero.
   const net::Descriptor rules(static_cast<int>(::syscall(SYS_landlock_create_ruleset, &set, sizeof set, 0)));
   if (!rules) return reason("Landlock rules cannot be created");
   for (const char* path : kSystem)
@@ -117,7 +117,7 @@ std::optional<std::string> confine(const Confinement& confinement) {
   if (support.landlock > 0)
     if (auto problem = confine_files(confinement, support.landlock)) return "cannot be confined: " + *problem;
   if (support.seccomp && !refuse_calls()) return reason("cannot be confined: seccomp");
-  clear_environment();  // Landlock cannot exclude /proc/self/environ, which is below /proc/self
+  clear_environment();  // Landlock cannot exclude /proc/self/environ, because it allows /proc/self.
   return std::nullopt;
 }
 

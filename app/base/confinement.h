@@ -5,28 +5,29 @@
 
 namespace gs::app {
 
-/// Permissions of a process that reads untrusted files.
+/// Permissions of a process after confine().
 struct Confinement {
-  std::string read;   // folder below which files may be read, besides the system's libraries and fonts
+  std::string read;  // readable folder, in addition to the system's libraries and fonts
   std::string write;  // folder below which files may be created, written, renamed and removed; empty means none
 };
 
-/// Confinement features of this kernel.
+/// Confinement features that this kernel supports.
 struct ConfinementSupport {
-  int landlock = 0;  // version of the Landlock interface; 0 means none
+  int landlock = 0;  // version of the Landlock interface; 0 means that the kernel lacks it
   bool seccomp = false;
 
-  /// Returns a text for operators of servers: the active and the missing features.
+  /// Returns a text for operators of servers that lists active and missing features.
   [[nodiscard]] std::string text() const;
 };
 [[nodiscard]] ConfinementSupport confinement_support();
 
-/// Confines this process permanently. Landlock limits its files; seccomp refuses sockets, other processes and programs,
-/// and calls that change the machine or files in other ways. Also removes environment variables that may hold secrets
-/// (environment.h). Omits features that the kernel lacks (see confinement_support()).
+/// Confines this process permanently, so that it may read untrusted files. Landlock restricts access to files. seccomp
+/// refuses sockets, other processes and programs, and other calls that change files or the machine. Environment
+/// variables that may hold secrets are removed (environment.h). Skips features that the kernel lacks (see
+/// confinement_support()).
 ///
-/// Returns the reason if a supported feature fails; the process must then not read untrusted data. Call before there
-/// are threads. See docs/security.md.
+/// Returns an error if a supported feature fails. The process must then not read untrusted data. Call before other
+/// threads start. See docs/security.md.
 [[nodiscard]] std::optional<std::string> confine(const Confinement& confinement);
 
 }  // namespace gs::app

@@ -13,14 +13,15 @@
 namespace gs::app {
 namespace {
 
-int output_error = 0;  // errno of the first failure of standard output; 0 means none
+int output_error = 0;  // errno of the first write to standard output that failed; 0 means none
 
 struct CodePoint {
   std::uint32_t value = 0;
-  std::size_t bytes = 0;  // 0 if the bytes are not UTF-8
+  std::size_t bytes = 0;  // length in UTF-8; 0 means that the bytes are not UTF-8
 };
 
-// Returns the first code point of a non-empty text. RFC 3629: no overlong forms, no surrogates, nothing above U+10FFFF.
+// Decodes the first code point of a text that is not empty. Rejects overlong forms, surrogates, and values above
+// U+10FFFF (RFC 3629).
 CodePoint first_code_point(std::string_view text) {
   const auto at = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char lead = at(0);
@@ -37,7 +38,7 @@ CodePoint first_code_point(std::string_view text) {
   return {value, bytes};
 }
 
-// Returns true if a terminal interprets the character, or reorders the text after it.
+// Returns true for control characters of a terminal, and for characters that reorder the text after them.
 bool controls(std::uint32_t c) {
   if (c < 0x20 || (c >= 0x7f && c < 0xa0)) return true;
   return c == 0x061c || c == 0x200e || c == 0x200f || (c >= 0x2028 && c <= 0x202e) || (c >= 0x2066 && c <= 0x2069);
@@ -54,7 +55,7 @@ std::string escape_of(const CodePoint& c, unsigned char byte) {
   return text;
 }
 
-// Escapes control characters. With `lines`, line ends and tabs stay.
+// Returns `text` with escaped control characters. `lines` preserves line ends and tabs.
 std::string without_controls(std::string_view text, bool lines) {
   std::string out;
   out.reserve(text.size());
@@ -130,7 +131,7 @@ void show_progress(std::string_view text) {
 void prepare_console() {
   for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(number, F_GETFD) >= 0 || errno != EBADF) continue;
-    // open() returns the lowest free number, which is this one. Writes to a closed output still fail, as expected.
+    // open() returns the lowest free descriptor, here `number`. Writing to it fails, as it does for a closed output.
     (void)!::open("/dev/null", number == STDERR_FILENO ? O_WRONLY : O_RDONLY);
   }
 }
@@ -138,7 +139,7 @@ void prepare_console() {
 std::optional<std::string> finish_output() {
   errno = 0;
   if (std::fflush(stdout) != 0 && output_error == 0) output_error = errno != 0 ? errno : EIO;
-  // Some file systems report a full disk only on close. Closes a copy, so that the original stays open.
+  // Some file systems report a full disk only in close(). Close a copy, so that the original descriptor stays open.
   const int copy = ::dup(STDOUT_FILENO);
   if (copy >= 0 && ::close(copy) != 0 && output_error == 0) output_error = errno;
   if (output_error == 0) return std::nullopt;

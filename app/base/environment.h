@@ -5,16 +5,16 @@
 
 namespace gs::app {
 
-/// Returns true for variables that a process with untrusted input keeps: language, time zone, temporary folder, search
-/// paths, and settings of fonts, drivers and sanitizers. All others may hold secrets.
+/// Returns true if a process keeps this variable while it reads untrusted input. These are language, time zone,
+/// temporary folder, search paths, and settings of fonts, drivers and sanitizers. All other variables may hold secrets.
 [[nodiscard]] bool is_kept_variable(std::string_view name);
 
-/// Returns the kept `NAME=VALUE` entries, ended by a null pointer, as execve expects. Any change of the environment
-/// invalidates them.
+/// Returns the `NAME=VALUE` entries that is_kept_variable() accepts, and a null pointer at the end, as for execve. The
+/// pointers are valid until the environment changes.
 [[nodiscard]] std::vector<char*> kept_environment();
 
-/// Removes all entries that are not kept. Overwrites their bytes with zeros, so that /proc/self/environ does not show
-/// them. Call before starting threads.
+/// Removes all variables that is_kept_variable() rejects. Overwrites their bytes with zeros, so that /proc/self/environ
+/// does not show them. Call before other threads start.
 void clear_environment();
 
 }  // namespace gs::app

@@ -12,7 +12,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Returns the path of an existing file that differs from `path` only in case, or an empty string.
+// Returns the path of an existing file that equals `path` except for upper and lower case. Returns an empty string if
+// there is none.
 std::string find_ignoring_case(const fs::path& path) {
   std::error_code error;
   fs::path found = path.is_absolute() ? path.root_path() : fs::path(".");
@@ -36,7 +37,7 @@ LocalFile open_local_file(const net::Url& url, const net::ReferencePolicy& polic
                           const std::string& given, const net::CheckFirstBytes& check) {
   LocalFile result;
   result.path = given.empty() ? net::path_of_url(url) : given;
-  // Returns false if the file does not exist.
+  // Sets `result`. Returns false if the file does not exist.
   const auto open = [&](const std::string& path) {
     if (const auto refused = policy.refuse_file(from, path)) {
       result.problem = path + ": " + refused->message;

@@ -74,7 +74,7 @@ std::optional<std::vector<std::string>> file_series(const std::string& path) {
 }
 
 std::size_t series_place(double seconds, double rate, std::size_t count) {
-  // Tolerates rounding: a multiple of 1 / rate shows the file that begins at that time.
+  // Rounding must not select the previous file: at a multiple of 1 / rate, a new file begins.
   const double place = std::floor(seconds * rate + 1e-6);
   return place > 0 ? std::min(static_cast<std::size_t>(std::min(place, 1e9)), count - 1) : 0;
 }

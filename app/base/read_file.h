@@ -15,22 +15,22 @@ class MappedFile;
 
 namespace gs::app {
 
-/// Bytes with their shared owner: a mapped file or memory.
+/// Bytes with shared ownership: a mapped file, or memory.
 struct SharedBytes {
   std::shared_ptr<const void> owner;
   std::span<const std::byte> bytes;
-  const net::MappedFile* file = nullptr;  // the owner if it is a mapped file, which other processes may change
+  const net::MappedFile* file = nullptr;  // mapped file that owns the bytes, or null; other processes may change it
 };
 [[nodiscard]] inline SharedBytes shared_bytes(std::vector<std::byte> bytes) {
   auto owner = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
   return {owner, std::span<const std::byte>(*owner)};
 }
 
-/// Bytes, or the reason why they are missing.
+/// Bytes, or the error message.
 using BytesResult = std::variant<SharedBytes, std::string>;
 
-/// Function that reads a file that another file refers to. The name is a URL reference as written in that file; for a
-/// path, see net::reference_of_path(). The callee resolves it and applies the reference policy
+/// Function that reads a file to which another file refers. `reference` is a URL reference as written in that other
+/// file; for a path, use net::reference_of_path(). The function resolves the reference and applies the reference policy
 /// (net/base/reference_policy.h).
 using ReadFile = std::function<BytesResult(const std::string& reference)>;
 

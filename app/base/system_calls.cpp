@@ -24,17 +24,17 @@ constexpr std::uint32_t kArchitecture = AUDIT_ARCH_AARCH64;
 #elif defined(__riscv) && __riscv_xlen == 64
 constexpr std::uint32_t kArchitecture = AUDIT_ARCH_RISCV64;
 #else
-constexpr std::uint32_t kArchitecture = 0;  // other architectures are not supported
+constexpr std::uint32_t kArchitecture = 0;  // unsupported architecture
 #endif
 
-// Newer than the headers of Debian 12; the numbers are the same on all architectures.
+// System calls that the headers of Debian 12 lack. Their numbers are the same on all architectures.
 constexpr long kFchmodat2 = 452, kSetxattrat = 463, kRemovexattrat = 466, kOpenTreeAttr = 467, kFileSetattr = 469;
 
-// Deny list rather than allow list, because libraries of C, OpenGL and LLVM change their system calls with each
-// version. Landlock restricts files. This list contains calls that reach beyond files, and file operations that
-// Landlock lacks (attributes in all versions, truncation before version 3).
+// System calls that are refused. A list of allowed calls would not work, because the libraries for C, OpenGL and LLVM
+// use different calls in each version. Landlock already restricts files. This list has calls that affect more than
+// files, and file operations that Landlock does not control: attributes, and truncation before version 3.
 constexpr long kRefused[] = {
-    // Network and communication with other processes
+    // Network, and communication with other processes
     SYS_socket,
     SYS_socketpair,
     SYS_connect,
@@ -83,7 +83,7 @@ constexpr long kRefused[] = {
     SYS_fork,
     SYS_vfork,
 #endif
-    // Attributes of files and their names
+    // Attributes of files, and their names
     SYS_fchmod,
     SYS_fchmodat,
     SYS_fchown,
@@ -113,7 +113,7 @@ constexpr long kRefused[] = {
     SYS_utimes,
     SYS_futimesat,
 #endif
-    // State of the machine
+    // State of the machine.
     SYS_mount,
     SYS_umount2,
     SYS_pivot_root,
@@ -159,7 +159,7 @@ constexpr long kRefused[] = {
 #endif
 };
 
-// Builder of a BPF program. Rules run in order; each one ends the program or continues.
+// Builder of a BPF program. Its rules run in order. Each rule ends the program or continues with the next rule.
 class Filter {
  public:
   Filter() {
@@ -168,7 +168,7 @@ class Filter {
     finish(SECCOMP_RET_KILL_PROCESS);
     load(offsetof(seccomp_data, nr));
 #ifdef __x86_64__
-    constexpr std::uint32_t kX32 = 0x40000000;  // the same calls with other numbers
+    constexpr std::uint32_t kX32 = 0x40000000;  // bit of x32 calls, which are the same calls with other numbers
     jump(BPF_JGE, kX32, 0, 1);
     finish(kRefuse);
 #endif
@@ -177,7 +177,7 @@ class Filter {
     jump(BPF_JEQ, static_cast<std::uint32_t>(call), 0, 1);
     finish(answer);
   }
-  /// Refuses a call if the argument has all of `bits` and no other bits of `mask`.
+  /// Refuses a call if, among the bits of `mask`, exactly `bits` are set in the argument.
   void refuse_bits(long call, unsigned argument, std::uint32_t mask, std::uint32_t bits) {
     begin(call, 5);
     load(low_word(argument));
@@ -186,7 +186,7 @@ class Filter {
     finish(kRefuse);
     load(offsetof(seccomp_data, nr));
   }
-  /// Refuses a call unless the argument has all of these bits.
+  /// Refuses a call unless all of `bits` are set in the argument.
   void require_bits(long call, unsigned argument, std::uint32_t bits) {
     begin(call, 5);
     load(low_word(argument));
@@ -195,7 +195,7 @@ class Filter {
     finish(kRefuse);
     load(offsetof(seccomp_data, nr));
   }
-  /// Refuses a call unless the argument has this value.
+  /// Refuses a call unless the argument equals `number`.
   void require(long call, unsigned argument, std::uint32_t number) {
     begin(call, 6);
     load(low_word(argument));
@@ -223,7 +223,7 @@ class Filter {
     step(BPF_JMP | test | BPF_K, value, yes, no);
   }
   void finish(std::uint32_t answer) { step(BPF_RET | BPF_K, answer); }
-  // Begins the rule of a call, with `length` instructions. Other calls skip it.
+  // Begins a rule of `length` instructions for one call. All other calls skip these instructions.
   void begin(long call, unsigned length) { jump(BPF_JEQ, static_cast<std::uint32_t>(call), 0, length); }
   static std::size_t word(unsigned argument, bool high) {
     const bool second = high == (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
@@ -245,20 +245,21 @@ bool can_refuse_calls() {
 bool refuse_calls() {
   Filter filter;
   for (const long call : kRefused) filter.refuse(call);
-  // Allows threads, but no processes. A filter cannot read the flags of clone3; without it, libc uses clone.
+  // Threads are allowed, processes are not. A filter cannot read the flags of clone3, so clone3 fails as unknown and
+  // libc uses clone.
   filter.refuse(SYS_clone3, Filter::kUnknown);
   filter.require_bits(SYS_clone, 0, CLONE_THREAD);
-  // Allows signals only to this process, and limits only to be read.
+  // Signals may go only to this process. Limits may be read, not set.
   const auto self = static_cast<std::uint32_t>(::getpid());
   filter.require(SYS_kill, 0, self);
   filter.require(SYS_tgkill, 0, self);
   filter.require(SYS_prlimit64, 2, 0);
-  // Before version 3 of Landlock, readable files could be truncated this way.
+  // Before version 3, Landlock allowed to truncate readable files in this way.
   filter.refuse_bits(SYS_openat, 2, O_ACCMODE | O_TRUNC, O_RDONLY | O_TRUNC);
 #ifdef SYS_open
   filter.refuse_bits(SYS_open, 1, O_ACCMODE | O_TRUNC, O_RDONLY | O_TRUNC);
 #endif
-  // Memory that process limits do not count.
+  // Shared memory does not count towards the limits of a process.
   filter.refuse(SYS_memfd_create);
   filter.refuse_bits(SYS_mmap, 3, MAP_SHARED | MAP_ANONYMOUS, MAP_SHARED | MAP_ANONYMOUS);
   return filter.apply();

@@ -2,10 +2,10 @@
 
 namespace gs::app {
 
-/// Returns true if this kernel can refuse system calls (seccomp).
+/// Returns true if this kernel supports seccomp filters, which refuse system calls.
 [[nodiscard]] bool can_refuse_calls();
-/// Refuses the system calls of the table in system_calls.cpp permanently, in all threads of this process; they fail
-/// with EPERM. PR_SET_NO_NEW_PRIVS must be set. Returns false and sets errno if that is not possible.
+/// Refuses the system calls listed in system_calls.cpp, permanently and in all threads of this process. They then fail
+/// with EPERM. PR_SET_NO_NEW_PRIVS must be set. Returns false and sets errno on failure.
 [[nodiscard]] bool refuse_calls();
 
 }  // namespace gs::app

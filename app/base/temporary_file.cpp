@@ -47,7 +47,7 @@ void remove_abandoned_files() {
 void remove_unfinished_beside(const std::string& file) {
   if (file.empty()) return;
   std::error_code error;
-  const fs::path target = fs::weakly_canonical(file, error);  // symbolic links are resolved, as for writing
+  const fs::path target = fs::weakly_canonical(file, error);  // writing resolves symbolic links, too
   const std::string folder = (error ? fs::path(file) : target).parent_path().string();
   (void)net::remove_unfinished_files(folder.empty() ? "." : folder);
 }

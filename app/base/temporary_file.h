@@ -8,15 +8,15 @@
 
 namespace gs::app {
 
-/// Temporary file that is removed with this object.
+/// Temporary file. Removed when this object is destroyed.
 class TemporaryFile {
  public:
-  /// Creates a file. Its name ends in `name`, so that the extension gives its type. Only plain letters of `name` are
-  /// kept.
+  /// Creates a file. Its name ends in `name`, because the extension may identify the type. Replaces unusual characters
+  /// by '_'.
   TemporaryFile(const std::string& name, std::span<const std::byte> bytes);
 
   [[nodiscard]] const std::string& path() const { return path_; }
-  /// Returns the reason why there is no file; empty on success.
+  /// Returns the reason why the file could not be created. Empty on success.
   [[nodiscard]] const std::string& problem() const { return problem_; }
 
  private:
@@ -24,11 +24,11 @@ class TemporaryFile {
   std::string path_, problem_;
 };
 
-/// Removes the temporary folders of killed processes. Call once, at the start.
+/// Removes temporary folders that killed processes have left behind. Call once, at the start.
 void remove_abandoned_files();
 
-/// Removes the unfinished files (net/files/unfinished_file.h) of killed processes in the folder of `file`. Does nothing
-/// if `file` is empty.
+/// Removes unfinished files (net/files/unfinished_file.h) that killed processes have left in the folder of `file`. Does
+/// nothing if `file` is empty.
 void remove_unfinished_beside(const std::string& file);
 
 }  // namespace gs::app

@@ -7,10 +7,11 @@
 
 namespace gs::app {
 
-/// Converts the origin of a text for storage in vrml::SourceText.
+/// Converts an origin to the form that vrml::SourceText stores.
 [[nodiscard]] std::shared_ptr<const vrml::TextSource> source_of(const net::Origin& origin);
 
-/// Converts back. A null source gives the least trusted origin, that of a data: URL from the Internet.
+/// Converts the form of source_of() back to an origin. Null gives the least trusted origin: that of a data: URL from
+/// the Internet.
 [[nodiscard]] net::Origin origin_of(const std::shared_ptr<const vrml::TextSource>& source);
 
 }  // namespace gs::app

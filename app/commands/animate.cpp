@@ -20,16 +20,16 @@
 #include <utility>
 #include <vector>
 
-// `animate`: draws simulated time or the files of a series, picture by picture.
+// Command `animate`: draws pictures of simulated time, or of the files of a series, one after the other.
 namespace gs::app {
 namespace {
 
-/// World that is drawn repeatedly.
+/// World from which several pictures are drawn.
 class AnimatedWorld {
  public:
   explicit AnimatedWorld(const AnimateCommand& options) : options_(options) {}
 
-  /// Opens a world. Returns the problem, or nullopt; an empty problem was already printed.
+  /// Opens a world. Returns an error, or nullopt. An empty error means that diagnostics were printed instead.
   std::optional<std::string> open(const std::string& file, const std::string& viewpoint) {
     show_ = nullptr;
     simulation_.reset();
@@ -46,7 +46,7 @@ class AnimatedWorld {
   }
   void run(double time) { simulation_->run(time); }
 
-  /// Returns the camera before a turntable or tour changes it.
+  /// Returns the camera of the options, else that of the world. A turntable or tour starts there.
   [[nodiscard]] render::Camera own_camera() {
     const View& seen = simulation_->look();
     const auto asked = camera_of_options(options_, *seen.list);
@@ -60,7 +60,7 @@ class AnimatedWorld {
     scene.camera = camera;
     scene.draw = picture_draw(options_, simulation_->look());
     scene.unit = simulation_->look().scale;
-    // Call last, because levels of detail and billboards follow the camera.
+    // Collect the render list last: levels of detail and billboards depend on the camera.
     const render::RenderList& shown =
         simulation_->look_from(glm::dvec3(camera.world_from_camera[3]), glm::dvec3(camera.world_from_camera[1]));
     scene.list = &shown;
@@ -82,7 +82,7 @@ class AnimatedWorld {
   std::unique_ptr<VolumeShow> show_;
 };
 
-/// Returns the cameras of a tour, or an error if a Viewpoint is missing.
+/// Returns the camera at each Viewpoint of a tour. Returns an error if a Viewpoint does not exist.
 std::variant<std::vector<render::Camera>, std::string> tour_of(const AnimateCommand& options,
                                                                const render::RenderList& list) {
   std::vector<render::Camera> cameras;
@@ -170,7 +170,7 @@ int run_animate(const AnimateCommand& given_options) {
       camera = camera_between(cameras[*step.from], cameras[*step.from + 1], step.part);
     else if (!series && !request.turntable)
       camera = world.own_camera();
-    // The world may move its viewer, but a turntable always turns about the initial pose.
+    // The world may move its viewer, but a turntable must always turn about the initial pose.
     auto picture =
         world.paint(*opened.renderer, request.turntable ? turned_camera(camera, center, up, step.turned) : camera);
     if (auto* problem = std::get_if<std::string>(&picture)) return fail(*problem);

@@ -6,7 +6,7 @@ namespace gs::app {
 
 /// Options of `check`.
 struct CheckCommand : LoadingOptions, ReportOptions {
-  bool scripts = false;  // also compiles the programs of Scripts
+  bool scripts = false;  // true also compiles the programs of Scripts
 };
 int run_check(const CheckCommand& options);
 

@@ -40,7 +40,7 @@ int run_encode(const EncodeCommand& options) {
   if (options.outlines) return encode_outlines(options);
   const std::string &in = options.files[0], &out = options.files[1];
   const auto start = std::chrono::steady_clock::now();
-  // Checks before the work whether the result may be written.
+  // The work may be long. Check before it whether the output may be written.
   if (const auto refusal = refuse_to_replace(out, in, qnv::encode_header({}))) return fail(*refusal);
   const auto input = open_input(options, in);
   if (!input) return kFailed;

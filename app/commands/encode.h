@@ -7,9 +7,9 @@ namespace gs::app {
 /// Options of `encode`.
 struct EncodeCommand : ConversionOptions, ReportOptions {
   bool outlines = false;
-  std::optional<double> tolerance;  // of outline groups, in units; nullopt derives it from the model's size
-  double merge = 0;                 // of their polygons, in units
-  std::size_t groups = 0;           // approximate; 0 means as few as the tolerance allows
+  std::optional<double> tolerance;  // outline groups: max deviation in units; nullopt means a fraction of the size
+  double merge = 0;  // tolerance for merging their polygons, in units
+  std::size_t groups = 0;  // approximate number of groups; 0 means as few as `tolerance` allows
   int position_bits = 16;
 };
 int run_encode(const EncodeCommand& options);

@@ -23,7 +23,7 @@
 namespace gs::app {
 namespace {
 
-// Default deviation of a group from its plane, as a fraction of the diagonal.
+// Default for the maximum deviation of a group from its plane, as a fraction of the model's diagonal.
 constexpr double kOutlineTolerance = 1.0 / 200;
 
 std::string_view extension(const std::string& path) {
@@ -50,7 +50,7 @@ std::variant<OutlineModel, std::string> model_of(const EncodeCommand& options, c
   return isosurface_outlines(options, *volume, progress);
 }
 
-// Makes texture paths relative to the file that is written.
+// Makes texture paths relative to the output file.
 void make_relative(std::vector<qnv::OutlineAppearance>& appearances, const std::string& out) {
   namespace fs = std::filesystem;
   for (qnv::OutlineAppearance& look : appearances) {
@@ -110,7 +110,7 @@ int encode_outlines(const EncodeCommand& options) {
   settings.outline_tolerance = options.tolerance.value_or(kOutlineTolerance * diagonal);
   settings.tolerance = settings.outline_tolerance;
   if (options.groups > 0) {
-    // Makes the requested number of groups, even if they are not flat.
+    // The number of groups has priority: groups may be far from flat.
     settings.groups = options.groups;
     settings.tolerance = options.tolerance.value_or(std::numeric_limits<double>::infinity());
     settings.angle = 1.5;
@@ -134,7 +134,7 @@ int encode_outlines(const EncodeCommand& options) {
     if (const auto* problem = std::get_if<qnv::EncodeError>(&encoded)) return fail(in + ": " + problem->message);
     bytes = std::move(std::get<qnv::Encoding>(encoded).stream.bytes);
   } else {
-    // A model with the axes of VRML97 needs no Viewpoint.
+    // With the axes of VRML97, the default Viewpoint is good.
     Box box;
     for (const glm::vec3& position : model.model.positions) box.add(position);
     bytes = outline_world(groups, model.appearances, input->title,

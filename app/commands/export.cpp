@@ -23,7 +23,8 @@ const ExportFormat* format_of(const ExportCommand& options) {
   return options.vrml97 && format && !format->name.starts_with("vrml97") ? nullptr : format;
 }
 
-// Returns the first `count` vectors of the progressive order. A surface keeps its area.
+// Returns the first `count` vectors in progressive order. For a surface, scales the areas so that their sum stays the
+// same.
 qnv::Geometry thinned(const qnv::VectorView& all, std::size_t count, const ConversionOptions& options,
                       Progress& progress) {
   qnv::OrderOptions order_options;
@@ -52,7 +53,7 @@ qnv::Geometry thinned(const qnv::VectorView& all, std::size_t count, const Conve
   return geometry;
 }
 
-// Returns the URL of the stream `in`, relative to a world at `out`.
+// Returns the URL of the file `in`, relative to a world in the file `out`.
 std::string url_between(const std::string& out, const std::string& in) {
   std::error_code error;
   const auto folder = std::filesystem::absolute(out, error).parent_path();
@@ -62,9 +63,9 @@ std::string url_between(const std::string& out, const std::string& in) {
   return url.substr(std::min<std::size_t>(url.size(), 1));
 }
 
-// Writes a stream of outlines as a world for any VRML97 browser.
+// Writes a stream of outlines as a world that any VRML97 browser shows.
 int export_outlines(vrml::SceneGraph& scene, const std::string& in, const std::string& out) {
-  // `complete` is set by the browser and does not belong to the world.
+  // Only the browser sets the field `complete`. Worlds must not contain it.
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i)
     if (const vrml::NodeId id = scene.resolve_as(scene.id_at(i), vrml::NodeKind::outline_group))
       scene.set<vrml::SFBool>(id, "complete", false);

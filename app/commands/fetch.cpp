@@ -18,10 +18,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Measurements of a fetch.
+/// Measurements of one fetch.
 struct Report {
   std::uint64_t bytes = 0, first_bytes = 0;
-  double seconds = 0, first_seconds = -1;  // first_seconds is -1 if no picture was possible
+  double seconds = 0, first_seconds = -1;  // in seconds; first_seconds is -1 if nothing could be drawn
   std::uint64_t vectors = 0, triangles = 0;
   bool is_cells = false, complete = true;
   net::CellClientStatistics cells;
@@ -113,8 +113,8 @@ std::optional<std::string> check_fetch(const FetchCommand& options) {
 int run_fetch(const FetchCommand& options) {
   const std::string& url = options.files.front();
   LoadOptions load = load_options(options);
-  load.whole_surfaces = true;  // the report counts their vectors
-  load.cache_folder.clear();   // the report measures transfers over the network
+  load.whole_surfaces = true;  // the report counts vectors, which patches do not have
+  load.cache_folder.clear();  // the report must measure transfers, not the cache
   Report report;
   report.is_cells = comes_as_cells(url);
   ProgressBar progress;

@@ -41,7 +41,7 @@ void put_metadata(JsonValue& facts, const std::vector<std::pair<std::string, std
   if (!all.empty()) facts.put("metadata", std::move(all));
 }
 
-// Returns the colour in the notation of the web.
+// Returns a colour as "#rrggbb".
 std::string written(const qnv::Rgb8& color) {
   char text[8];
   std::snprintf(text, sizeof text, "#%02x%02x%02x", static_cast<unsigned>(color.r), static_cast<unsigned>(color.g),
@@ -68,12 +68,12 @@ void put_vectors(JsonValue& facts, const qnv::VectorView& vectors) {
   if (d.origin != glm::dvec3(0)) facts.put("local_origin", fact_of(d.origin));
 }
 
-// Received parts of one octree level or layer.
+// Received parts of one level of an octree, or of one layer.
 struct Level {
   std::size_t chunks = 0, bytes = 0, vectors = 0;
 };
 
-// Returns the chunks of a stream by level. Counts vectors only for records, because their chunks give the number.
+// Sums up the chunks of a stream per level. Counts vectors only in chunks of records, which store their number.
 std::map<int, Level> levels_of(std::span<const std::byte> bytes) {
   std::map<int, Level> levels;
   qnv::StreamReader reader;
@@ -115,7 +115,7 @@ void put_levels(JsonValue& facts, const qnv::StreamHeader& header, const qnv::Ve
     while (level > 0 && header.lattice.reach(level) < cell.edge) --level;
     return level;
   };
-  // Counts the voxels of an octree that no finer voxels have replaced.
+  // For octrees, count the voxels that no finer voxels have replaced.
   if (octree)
     for (const qnv::Cell& cell : shown.cells)
       if (voxels || cell.edge > 0) ++levels[level_of(cell)].vectors;
@@ -133,7 +133,7 @@ bool describe_outlines(JsonValue& facts, std::span<const std::byte> bytes, const
   qnv::OutlineDecoder decoder;
   for (auto rest = bytes; !rest.empty(); rest = rest.subspan(std::min(kPiece, rest.size()))) {
     if (!decoder.push(rest.first(std::min(kPiece, rest.size())))) break;
-    (void)decoder.take();  // only counted
+    (void)decoder.take();  // the polygons are not needed, only their number
   }
   decoder.finish();
   const qnv::StreamHeader* header = decoder.header();

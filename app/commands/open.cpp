@@ -14,7 +14,7 @@
 namespace gs::app {
 namespace {
 
-constexpr double kNoTimeout = 1e6;  // seconds
+constexpr double kNoTimeout = 1e6;  // seconds; longer than any loading
 
 }  // namespace
 
@@ -62,7 +62,7 @@ int run_open(const OpenCommand& options) {
     viewer.folders = user_folders(options.config);
   if (options.files.empty()) viewer.not_kept = first;
   LoadOptions load = load_options(options);
-  // In a window, the user sees the progress and can cancel, so there is no default timeout.
+  // A window shows the progress and lets the user cancel, so there is no default time limit.
   load.timeout_seconds = options.timeout_given ? options.timeout_seconds : kNoTimeout;
   load.by_view = true;
   std::string error;

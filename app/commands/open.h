@@ -8,20 +8,20 @@ namespace gs::app {
 
 /// Options of `open`.
 struct OpenCommand : LoadingOptions, PictureOptions, SimulationOptions, ReportOptions {
-  std::string snapshot;             // image to write; if empty, a window opens
-  double time = 0;                  // simulated seconds before the picture
-  std::optional<SplitTree> layout;  // of the window; nullopt derives it from the number of files
+  std::string snapshot;  // image file to write; empty opens a window instead
+  double time = 0;  // simulated seconds before the picture is drawn
+  std::optional<SplitTree> layout;  // layout of the window; nullopt derives it from the number of files
   bool muted = false;
-  bool reuse = false;  // passes the files to an open window
+  bool reuse = false;  // true passes the files to a window that is already open
   ControlPlaces control;
-  std::string config;  // settings file; empty means the user's
+  std::string config;  // path of the settings file; empty means the user's
   bool no_config = false;
 };
 int run_open(const OpenCommand& options);
-/// Returns the problem with its subject, an option or the command.
+/// Checks the options together. Returns an error that names the option or the command, or nullopt.
 std::optional<std::string> check_open(const OpenCommand& options);
 
-/// Draws one world without a window (`--snapshot`).
+/// Draws one world to an image file, without a window (`--snapshot`).
 int run_snapshot(const OpenCommand& options, const std::string& file);
 
 }  // namespace gs::app

@@ -4,7 +4,7 @@
 
 namespace gs::app {
 
-/// Prints a file as VRML97 text.
+/// Prints the scene of a file as VRML97 text.
 int run_print(const LoadingOptions& options);
 
 }  // namespace gs::app

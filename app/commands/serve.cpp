@@ -27,7 +27,7 @@ int run_serve(const ServeCommand& given_options) {
   options.folder = given_options.files.front();
   if (!options.http_port && !options.cells_port) options.http_port = kHttpPort;
   options.report = [](const std::string& message) { complain("ghostspace: %s", message.c_str()); };
-  // Blocks the signals before any thread exists, so that all threads inherit this and only sigwait below receives them.
+  // Block the signals before other threads start. All threads inherit this, so only sigwait below receives the signals.
   sigset_t signals, before;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
@@ -50,7 +50,7 @@ int run_serve(const ServeCommand& given_options) {
   int signal = 0;
   while (sigwait(&signals, &signal) != 0) {
   }
-  // A second signal has its default action and ends the program at once.
+  // From now on, a second signal ends the program at once.
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
   complain("ghostspace: stopping; transfers may take %d s more", static_cast<int>(kGrace.count()));
   archive.stop(kGrace);

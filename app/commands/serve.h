@@ -7,8 +7,8 @@ namespace gs::app {
 
 /// Options of `serve`.
 struct ServeCommand : CommandOptions, ArchiveOptions {};
-/// Serves a folder until SIGINT or SIGTERM. Running transfers may then finish for up to ten seconds; a second signal
-/// ends them at once. Prints the addresses; returns the exit status.
+/// Serves a folder until SIGINT or SIGTERM. Then waits up to ten seconds for running transfers; a second signal ends
+/// them at once. Prints the addresses. Returns the exit status.
 int run_serve(const ServeCommand& options);
 
 }  // namespace gs::app

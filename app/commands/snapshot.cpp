@@ -48,15 +48,15 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Bytes of a world above which the memory of the driver's compiler is worth freeing, which takes 5 ms.
+// Minimum size of a world in bytes for which the memory of the driver's compiler is freed. That takes 5 ms.
 constexpr std::size_t kLargeWorld = 16 << 20;
-constexpr int kMaxAtFirst = 2048;  // max side in pixels that the driver prepares; larger pictures are drawn in parts
+constexpr int kMaxAtFirst = 2048;  // max width and height in pixels of a band; the driver prepares for it
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 double seconds_now() { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); }
 
-/// Returns the processor time before this call. It is mostly dynamic linking, which keeps the processor busy.
+/// Returns the processor time that the program has used so far. Most of it is dynamic linking, which never waits.
 double seconds_so_far() {
   timespec used{};
   return clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used) == 0
@@ -64,7 +64,7 @@ double seconds_so_far() {
              : 0;
 }
 
-/// Adds the phases of the program so far; their sum is `total_s`.
+/// Adds the durations of all phases so far, in seconds. `total_s` is their sum.
 void add_phases(PhaseClock& phases, JsonValue& stats) {
   phases.enter(Phase::other);
   for (std::size_t i = 0; i < kPhaseNames.size(); ++i)
@@ -72,8 +72,7 @@ void add_phases(PhaseClock& phases, JsonValue& stats) {
   stats.put("total_s", phases.total());
 }
 
-// Returns true if `path` may be written: only pictures are replaced, so that a mistyped OUT.png does not destroy a
-// world.
+// Returns true if `path` may be written. Only pictures are replaced, so that a wrong OUT.png does not destroy a world.
 bool may_write(const std::string& path, const std::string& world) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return true;
@@ -85,7 +84,7 @@ bool may_write(const std::string& path, const std::string& world) {
   return file->bytes().empty() || (file->bytes().size() >= 4 && std::memcmp(file->bytes().data(), kPng, 4) == 0);
 }
 
-// Counter of the different colours of a picture, to detect a blank one.
+// Counter of the different colours in a picture. A blank picture has only one.
 class ColorCount {
  public:
   void add(const render::Image& image) {
@@ -100,8 +99,8 @@ class ColorCount {
   std::unordered_set<std::uint32_t> seen_;
 };
 
-// Limit of the drawing time. A world of two kilobytes can request more pixels than a software rasteriser fills in a
-// day, and a frame cannot be interrupted. The program then exits with one line.
+// Time limit of drawing. A world of two kilobytes can request more pixels than a software rasteriser draws in a day. A
+// frame cannot be interrupted, so at the limit the program prints one line and exits.
 
 extern "C" void give_up(int) {
   static constexpr char kMessage[] = "ghostspace: error: drawing exceeded --timeout\n";
@@ -109,7 +108,7 @@ extern "C" void give_up(int) {
   _exit(kFailed);
 }
 
-// Starts the time limit; 0 seconds removes it.
+// Starts the time limit of drawing. 0 seconds ends it.
 void limit_drawing(double timeout_seconds) {
   const double seconds = std::min(timeout_seconds, 1e6);
   std::signal(SIGALRM, give_up);
@@ -119,8 +118,8 @@ void limit_drawing(double timeout_seconds) {
   setitimer(ITIMER_REAL, &timer, nullptr);
 }
 
-/// Exits without destructors after the picture was written. Destroying a large world and the driver takes a tenth of
-/// the total time. Leak checkers still need the destructors. The loader is always destroyed, because it may own
+/// Exits after the picture was written, without calling destructors. Destroying a large world and the driver would take
+/// a tenth of the total time. With leak checkers, destructors run. The loader is always destroyed, because it may own
 /// temporary files.
 int leave(std::optional<WorldLoading>& loading, int status) {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -151,13 +150,13 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
   load.phases = measured;
   if (options.backend == "glfw")
     return fail("--backend glfw needs a window; expected auto, egl or osmesa with --snapshot");
-  // A confined process must not use drivers and devices, so it draws on the processor.
+  // A confined process must not use drivers and devices, so it draws on the software path.
   const bool confined = !options.confine.empty() && options.backend == "auto";
   render::DrawOptions first_part;
   first_part.width = std::min(options.width, kMaxAtFirst);
   first_part.height = std::min(options.height, kMaxAtFirst);
   first_part.samples = options.samples;
-  // The driver starts while the world is read.
+  // Start the driver while the world is read.
   std::future<OpenedRenderer> opening =
       std::async(std::launch::async, open_renderer, confined ? "osmesa" : options.backend, first_part);
   phases.enter(Phase::read);
@@ -192,7 +191,7 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
   simulation.stand_at(camera);
   const render::DrawOptions draw = picture_draw(options, simulation.look());
   const double unit = simulation.look().scale;
-  // Levels of detail and billboards follow the camera, which is known only now.
+  // The camera is final only here. Levels of detail and billboards depend on it.
   const render::RenderList& list =
       simulation.look_from(glm::dvec3(camera.world_from_camera[3]), glm::dvec3(camera.world_from_camera[1]));
   if (options.display != render::DisplayMode::surface && !has_faces(list))
@@ -222,7 +221,7 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
     return fail(*problem);
   volume.apply(scene);
   auto picture = paint_png(renderer, scene, options.picture, &statistics, [&](double) {
-    limit_drawing(options.timeout_seconds);  // for each band of a large picture
+    limit_drawing(options.timeout_seconds);  // start again for each band of a large picture
     return true;
   });
   if (auto* problem = std::get_if<std::string>(&picture)) return fail(*problem);

@@ -54,7 +54,7 @@ void tell_of_simulation(const SimulationOptions& options, const std::string& pat
     complain("%s: warning: %s", file, problem.c_str());
 }
 
-// Writes the sound. Replaces only sound files, so that a mistyped FILE.wav does not destroy a world.
+// Writes the sound. Replaces only sound files, so that a wrong FILE.wav does not destroy a world.
 int write_sound(const SimulationOptions& options, const WaveFile& sound) {
   if (options.sound.empty()) return kDone;
   const auto opened = net::map_file(options.sound);

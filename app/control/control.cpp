@@ -9,8 +9,8 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMaxSeen = 20'000;  // max number of events that wait to be sent
-constexpr std::size_t kMaxId = 256;       // max bytes of the id of a call
+constexpr std::size_t kMaxSeen = 20'000;  // max number of watched events that are not sent yet
+constexpr std::size_t kMaxId = 256;  // max length of the id of a call, in bytes
 
 // Error codes of JSON-RPC 2.0, 5.1.
 enum class RpcError : int {
@@ -31,10 +31,10 @@ void append_error(std::string& out, std::string_view id, RpcError code, std::str
 
 std::uint64_t node_key(vrml::NodeId id) { return std::uint64_t{id.generation} << 32 | id.index; }
 
-/// Call of JSON-RPC 2.0; `method` is nullopt if it is invalid.
+/// Call of JSON-RPC 2.0. `method` is nullopt if the call is invalid.
 struct RpcCall {
   std::optional<std::string> method;
-  std::string_view id, parameters;  // JSON texts; empty means not given
+  std::string_view id, parameters;  // JSON texts; empty if the call has no such member
   std::string problem;
 };
 
@@ -73,7 +73,7 @@ RpcCall read_call(JsonCursor& json) {
   return call;
 }
 
-// Reads parameters by name or position. Returns the problem, or nullopt.
+// Reads the parameters of a call, by name or by position. Returns the error, or nullopt.
 std::optional<std::string> take_parameters(std::string_view text, const ServiceRow& row,
                                            std::vector<std::optional<std::string_view>>& given) {
   const std::size_t count = parameter_count(row);
@@ -141,7 +141,7 @@ bool Control::act(Session& session) {
 
 void Control::step_is_over() { tell_events(); }
 
-// Removes worlds that no longer exist, with the state of their clients.
+// Removes the state of worlds that no longer exist, and that of their clients.
 void Control::prune() {
   for (auto& [number, client] : clients_)
     if (client.world && client.world->document.expired()) {
@@ -246,7 +246,7 @@ void Control::answer_call(Session& session, ControlClient& client, JsonCursor js
     return append_error(out, asked.id.empty() ? "null" : asked.id, RpcError::invalid, asked.problem);
   const auto fail = [&](RpcError code, const std::string& why) {
     if (!asked.id.empty()) return append_error(out, asked.id, code, why);
-    // Notifications get errors, too, unless the client reads too slowly.
+    // A call without id gets no answer. Its errors are sent as notifications, unless the client reads too slowly.
     if (channel_.is_behind(client.number)) return;
     std::string told = "{\"jsonrpc\":\"2.0\",\"method\":\"problem\",\"params\":{\"method\":";
     append_json_string(told, asked.method->substr(0, 80));
@@ -328,7 +328,8 @@ bool Control::unwatch(ControlClient& client, std::uint64_t number) {
   return true;
 }
 
-// Observes the events of a world only while a client watches, because an observer receives all events.
+// Starts or stops observing the events of a world. Without a watching client the observer would cost time, because it
+// gets all events.
 void Control::observe(ControlledWorld& world) {
   const auto document = world.document.lock();
   if (!document || !document->runtime) return;
@@ -350,7 +351,7 @@ void Control::note(ControlledWorld& world, const vrml::SentEvent& event) {
       seen_.push_back({number, place, event.time, *event.value});
       continue;
     }
-    // Keeps only the last event for a slow client; ISO/IEC 14772-2 leaves this open.
+    // The client reads slowly. Keep only the last event for it; ISO/IEC 14772-2 allows that.
     if (watch.latest) {
       ++watch.missed;
     } else {
@@ -388,7 +389,7 @@ void Control::tell_events() {
   }
 }
 
-// Sends the latest values to clients that read slowly but have caught up.
+// Sends the last values of watches to slow clients that have read all earlier messages.
 void Control::tell_late() {
   for (auto& [number, client] : clients_) {
     if (client.late.empty() || channel_.is_behind(number)) continue;

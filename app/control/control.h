@@ -17,17 +17,16 @@
 
 namespace gs::app {
 
-/// Server of control clients for the worlds of a session: the services of ISO/IEC 14772-2 as JSON-RPC 2.0
-/// (docs/control.md). Used by the session's thread. In each step it acts after time has advanced and before the user's
-/// input.
+/// Server of control clients for the worlds of a session. Offers the services of ISO/IEC 14772-2 as JSON-RPC 2.0
+/// (docs/control.md). In each step, it acts after time has advanced and before the user's input. Session's thread.
 class Control final : public SessionExtension {
  public:
-  /// Function that draws a view with the given size in pixels. Returns a PNG file or an error.
+  /// Function that draws a view with a size in pixels. Returns a PNG file, or an error.
   using Painter =
       std::function<std::variant<std::vector<std::byte>, std::string>(const View& view, int width, int height)>;
 
-  /// Creates the server on a channel, which must outlive it. `wake` requests another step at once, because the messages
-  /// of this one took longer than `most_of_step`.
+  /// Creates the server on a channel, which must outlive it. The messages of a step are handled for at most
+  /// `most_of_step`. If more messages wait then, `wake` requests another step at once.
   Control(ControlChannel& channel, std::function<void()> wake,
           std::chrono::steady_clock::duration most_of_step = std::chrono::milliseconds(10));
   ~Control() override;
@@ -35,15 +34,15 @@ class Control final : public SessionExtension {
   Control& operator=(const Control&) = delete;
 
   void set_painter(Painter painter) { painter_ = std::move(painter); }
-  /// Returns true if a client has requested the end of the program.
+  /// Returns true if a client has asked the program to end.
   [[nodiscard]] bool wants_to_end() const { return ends_; }
 
   bool act(Session& session) override;
   void step_is_over() override;
 
-  // For services.
+  // Functions for services.
 
-  /// Returns the number by which a client refers to a node. The node is kept alive.
+  /// Returns the number with which a client refers to a node. The number keeps the node alive.
   [[nodiscard]] std::uint64_t number_of(ControlClient& client, vrml::SceneGraph& scene, vrml::NodeId node);
   void dispose(ControlClient& client, std::uint64_t node);
   [[nodiscard]] vrml::NodeId find_name(ControlClient& client, std::string_view name);
@@ -52,9 +51,9 @@ class Control final : public SessionExtension {
   [[nodiscard]] bool unwatch(ControlClient& client, std::uint64_t watch);
   [[nodiscard]] const Painter& painter() const { return painter_; }
   void end() { ends_ = true; }
-  /// Moves a client to the world that its viewport shows now.
+  /// Assigns a client to the world that its viewport shows now.
   void follow_viewport(Session& session, ControlClient& client);
-  /// Sends the collected events before anything else is sent.
+  /// Sends the collected events. Any later message must follow them.
   void tell_events();
 
  private:
@@ -68,7 +67,7 @@ class Control final : public SessionExtension {
   void observe(ControlledWorld& world);
   void prune();
 
-  /// Watched event that is not sent yet.
+  /// Event of a watch that is not sent yet.
   struct Seen {
     std::uint64_t client, watch;
     double time;

@@ -8,7 +8,7 @@
 
 namespace gs::app {
 
-/// Interface for messages from and to clients; net::ControlServer implements it.
+/// Channel for messages from and to control clients. Implemented by net::ControlServer.
 class ControlChannel {
  public:
   virtual ~ControlChannel() = default;

@@ -20,7 +20,7 @@ class ServerChannel final : public ControlChannel {
   std::unique_ptr<net::ControlServer> server_;
 };
 
-// Returns the last message for a rejected client that sends lines.
+// Returns the last message for a rejected client of a line-based connection.
 std::string farewell(const std::string& why) {
   std::string out = "{\"jsonrpc\":\"2.0\",\"id\":null,\"error\":{\"code\":-32001,\"message\":";
   append_json_string(out, why);

@@ -11,20 +11,20 @@
 
 namespace gs::app {
 
-/// Addresses for clients, from the command line.
+/// Addresses on which clients may connect, from the command line.
 struct ControlPlaces {
-  std::vector<std::string> paths;    // Unix sockets
-  std::vector<std::uint16_t> ports;  // WebSockets on 127.0.0.1; 0 means any free port
-  std::string token_file;            // if empty, the token is printed on standard error
+  std::vector<std::string> paths;  // paths of Unix sockets
+  std::vector<std::uint16_t> ports;  // ports of WebSockets on 127.0.0.1; 0 means any free port
+  std::string token_file;  // file for the token; if empty, the token is printed on standard error
 
   [[nodiscard]] bool any() const { return !paths.empty() || !ports.empty(); }
 };
 
-/// Control with its server.
+/// Control together with its network server.
 class ControlService {
  public:
-  /// Starts the server and prints the addresses on standard error. `wake` is that of net::ControlServer. The error
-  /// names the address.
+  /// Starts the server and prints its addresses on standard error. `wake` is passed to net::ControlServer. Returns an
+  /// error that contains the address.
   [[nodiscard]] static std::variant<std::unique_ptr<ControlService>, std::string> start(const ControlPlaces& places,
                                                                                         std::function<void()> wake);
   ~ControlService();

@@ -13,7 +13,7 @@ constexpr std::size_t kDeepest = 64;
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// Parses the four digits of "\u12AB". Returns -1 if there are not four hexadecimal digits.
+// Parses the four digits of an escape such as "\u12AB". Returns -1 unless there are four hexadecimal digits.
 int code_unit(const char* at, const char* end) {
   if (end - at < 4) return -1;
   unsigned value = 0;
@@ -32,7 +32,7 @@ void append_utf8(std::string& out, unsigned code) {
   for (int i = more - 1; i >= 0; --i) out += static_cast<char>(0x80 | (code >> (6 * i) & 0x3f));
 }
 
-/// One-pass checker with one bit per nesting level.
+/// Checker that reads the text once. Stores one bit per nesting level.
 class Checker {
  public:
   explicit Checker(std::string_view text) : begin_(text.data()), at_(begin_), end_(begin_ + text.size()) {}
@@ -56,7 +56,7 @@ class Checker {
   }
   [[nodiscard]] bool is(char c) const { return at_ != end_ && *at_ == c; }
 
-  // Checks a value, or the start of a list or an object.
+  // Checks a complete value, or only the start of a list or object.
   bool value() {
     blanks();
     if (at_ == end_) return fail("the text ends before a value");
@@ -81,7 +81,7 @@ class Checker {
         return number();
     }
   }
-  // Checks the innermost list or object up to its next value or its end.
+  // Continues in the innermost list or object. Checks its next value, or its end.
   bool go_on() {
     const bool object = is_object_[depth_ - 1];
     blanks();
@@ -163,7 +163,7 @@ class Checker {
   const char *begin_, *at_, *end_;
   bool is_object_[kDeepest] = {};
   std::size_t depth_ = 0;
-  bool first_ = false;  // the innermost list or object is still empty
+  bool first_ = false;  // true if the innermost list or object has no value yet
   std::optional<JsonProblem> problem_;
 };
 
@@ -206,7 +206,8 @@ double JsonCursor::number() {
   double value = 0;
   const auto result = std::from_chars(at_, end_, value);
   if (result.ec == std::errc::result_out_of_range) {
-    // Too large or too small: a negative exponent, or zeros after the point, mean too small.
+    // The number is out of range. It is too small if its exponent is negative; without exponent, if it begins with
+    // "0.". Otherwise it is too large.
     const std::string_view text(at_, static_cast<std::size_t>(result.ptr - at_));
     const std::size_t exponent = text.find_first_of("eE");
     const bool small = exponent != std::string_view::npos ? text.substr(exponent + 1).starts_with('-')
@@ -239,7 +240,7 @@ std::string_view JsonCursor::string(std::string& made) {
           at_ += 6;
         }
       }
-      /// Half of a surrogate pair is not a character.
+      /// Half of a surrogate pair is no character and becomes U+FFFD.
       append_utf8(made, code >= 0xd800 && code < 0xe000 ? 0xfffd : code);
     } else {
       constexpr std::string_view kEscapes = "bfnrt", kMeant = "\b\f\n\r\t";
@@ -268,7 +269,7 @@ bool JsonCursor::more() {
 std::string_view JsonCursor::name(std::string& made) {
   const std::string_view text = string(made);
   skip_blanks();
-  ++at_;  // the colon
+  ++at_;  // skip the colon
   return text;
 }
 
@@ -308,7 +309,7 @@ void append_json_string(std::string& out, std::string_view text) {
       out += kDigits[c & 15];
       ++i;
     } else {
-      // The longest prefix of the rest that may be a UTF-8 character (RFC 3629).
+      // Length of the UTF-8 character that this byte begins, or 0 (RFC 3629). Invalid bytes may follow.
       const std::size_t size = c >= 0xc2 && c <= 0xdf ? 2 : c >= 0xe0 && c <= 0xef ? 3 : c >= 0xf0 && c <= 0xf4 ? 4 : 0;
       bool good = size != 0 && i + size <= text.size();
       for (std::size_t j = 1; good && j < size; ++j) good = (static_cast<unsigned char>(text[i + j]) & 0xc0) == 0x80;

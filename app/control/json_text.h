@@ -13,36 +13,37 @@ struct JsonProblem {
   std::size_t place = 0;
   std::string why;
 };
-/// Checks that a text is one JSON value. Lists and objects nest at most 64 levels. Returns nullopt for valid JSON. Time
-/// and memory are linear in the length. Does not check that strings are UTF-8. Safe for untrusted texts.
+/// Checks that a text is one JSON value. Lists and objects may be nested up to 64 levels. Returns nullopt for valid
+/// JSON. Does not check that strings are valid UTF-8. Time and memory are linear in the length. Safe for untrusted
+/// texts.
 [[nodiscard]] std::optional<JsonProblem> check_json(std::string_view text);
 
 enum class JsonKind : std::uint8_t { null, boolean, number, string, list, object };
 
-/// Forward cursor over a text that check_json() has accepted. It builds no tree, so thousands of numbers are read
-/// directly into their destination. A copy continues at its position. Pure.
+/// Cursor for reading a text that check_json() has accepted, from front to back. Builds no tree; numbers are converted
+/// directly to their destination. A copy of the cursor continues at the same position independently.
 class JsonCursor {
  public:
   explicit JsonCursor(std::string_view text) : at_(text.data()), end_(at_ + text.size()) {}
 
-  /// Returns the kind of the next value.
+  /// Returns the kind of the next value. Does not move.
   [[nodiscard]] JsonKind kind();
 
-  // Each of these expects a value of its kind and moves past it.
+  // Each of the following functions expects a value of its kind, and moves to its end.
   [[nodiscard]] bool boolean();
-  /// Returns the nearest double; infinity if the number is too large.
+  /// Reads a number as the nearest double. Infinity if it is too large.
   [[nodiscard]] double number();
-  /// Returns the string with escapes resolved. The bytes are in the text or in `made`.
+  /// Reads a string and resolves its escapes. The result refers to the text or to `made`.
   [[nodiscard]] std::string_view string(std::string& made);
-  /// Enters a list or an object.
+  /// Enters the list or object that is the next value.
   void open();
-  /// Returns true before the next value or member name; moves past the end of the list or object and returns false
-  /// there.
+  /// Returns true if the current list or object has another value or member. At its end, leaves the list or object and
+  /// returns false.
   [[nodiscard]] bool more();
-  /// Returns the name of a member; its value is next.
+  /// Reads the name of the next member. The member's value follows. The result refers to the text or to `made`.
   [[nodiscard]] std::string_view name(std::string& made);
 
-  /// Moves past a value of any kind and returns its text.
+  /// Skips a value of any kind. Returns its text.
   std::string_view skip();
 
  private:
@@ -50,10 +51,10 @@ class JsonCursor {
   const char *at_, *end_;
 };
 
-/// Appends a JSON string. Invalid UTF-8 becomes U+FFFD.
+/// Appends a string as JSON. Replaces invalid UTF-8 by U+FFFD.
 void append_json_string(std::string& out, std::string_view text);
-/// Appends the shortest decimal number that reads back as the same value. NaN and infinities, which JSON lacks, become
-/// the strings "NaN", "Infinity" and "-Infinity".
+/// Appends a number as the shortest decimal that reads back as the same double. JSON has no NaN and infinities; these
+/// become the strings "NaN", "Infinity" and "-Infinity".
 void append_json_number(std::string& out, double number);
 void append_json_number(std::string& out, float number);
 

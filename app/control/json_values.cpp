@@ -10,7 +10,7 @@
 namespace gs::app {
 namespace {
 
-/// Value types that consist of numbers: their count and conversion.
+/// Conversion of the value types that consist of numbers, with the count of these numbers.
 template <class T>
 struct Tuple {
   static constexpr std::size_t kSize = 0;
@@ -103,7 +103,7 @@ class ValueReader {
     value = static_cast<Whole>(number);
     return true;
   }
-  // VRML97 5.5: width times height pixels, with one byte per component.
+  // Reads an image (VRML97 5.5): width, height, components, then one number per pixel with one byte per component.
   bool read_image(vrml::PixelImage& value) {
     if (json_.kind() != JsonKind::list) return expected("a list of width, height, components and pixels");
     json_.open();

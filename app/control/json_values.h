@@ -18,16 +18,16 @@ namespace gs::app {
 //
 // Lists of colours, rotations and vectors may also be flat: [1,2,3,4,5,6] for [[1,2,3],[4,5,6]].
 
-/// Function that reads a node from JSON. Returns nullopt and sets `problem` if it is not a node.
+/// Function that reads a node from JSON. If there is no valid node, returns nullopt and sets `problem`.
 using ReadNode = std::function<std::optional<vrml::NodeId>(JsonCursor& json, std::string& problem)>;
-/// Function that appends a node other than NULL.
+/// Function that appends a node as JSON. Not called for NULL.
 using WriteNode = std::function<void(std::string& out, vrml::NodeId node)>;
 
-/// Reads a value and moves past it. Numbers must be finite in their type. Returns nullopt and sets `problem` to the
-/// expected form if the value is wrong; the position is then undefined.
+/// Reads a value of a field type, and moves to its end. Numbers must be finite in that type. If the value is wrong,
+/// returns nullopt and sets `problem` to the expected form. The position of the cursor is then undefined.
 [[nodiscard]] std::optional<vrml::FieldValue> read_json_value(JsonCursor& json, vrml::FieldType type,
                                                               const ReadNode& node, std::string& problem);
-/// Appends a value on one line.
+/// Appends a value as JSON on one line.
 void append_json_value(std::string& out, const vrml::FieldValue& value, const WriteNode& node);
 
 }  // namespace gs::app

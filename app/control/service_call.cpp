@@ -10,7 +10,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMaxUpdate = std::size_t{16} << 20;  // max bytes of JSON between beginUpdate and endUpdate
+constexpr std::size_t kMaxUpdate = std::size_t{16} << 20;  // max bytes of JSON until endUpdate
 
 std::string in_quotes(std::string_view text) { return "'" + std::string(text.substr(0, 80)) + "'"; }
 
@@ -147,7 +147,7 @@ std::optional<ClientEvent> ServiceCall::event(const PlacedNode& node, const std:
     problem = type.name + " has no eventIn " + in_quotes(event_in);
     return std::nullopt;
   }
-  // Fields may refer only to nodes of their own scene.
+  // A field may refer only to nodes of its own scene.
   const ReadNode of_scene = [&](JsonCursor& from, std::string& why) -> std::optional<vrml::NodeId> {
     const auto found = read_node(from);
     if (found && found->scene == node.scene) return found->id;
@@ -194,7 +194,7 @@ bool ServiceCall::send(std::vector<ClientEvent>&& events) {
     problem = "an update exceeds " + std::to_string(kMaxUpdate >> 20) + " MiB; expected endUpdate earlier";
     return false;
   }
-  // The client's numbers keep the nodes alive until then.
+  // The nodes exist until endUpdate, because the client's numbers keep them alive.
   for (ClientEvent& event : events) client.update.push_back(std::move(event));
   return true;
 }

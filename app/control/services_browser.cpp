@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-// Services of the browser (ISO/IEC 14772-2 4.4), and messages between clients.
+// Services for the browser (ISO/IEC 14772-2 4.4), and for messages between clients.
 namespace gs::app {
 namespace {
 
@@ -62,7 +62,7 @@ bool get_world_url(ServiceCall& call) {
   return true;
 }
 
-// Makes a request to the session with the permissions of the world's file.
+// Creates a request to the session. It has the permissions of the world's file.
 ScriptRequest request_of(const ServiceCall& call, ScriptRequest::Kind kind) {
   ScriptRequest request;
   request.kind = kind;
@@ -122,7 +122,7 @@ bool create_from_string(ServiceCall& call) {
   call.result = "{";
   put_nodes(call, call.result, scene, made.roots);
   call.result += ",\"messages\":" + messages + "]}";
-  call.changes = true;  // a new TimeSensor runs from the next step on
+  call.changes = true;  // a new TimeSensor starts in the next step
   return true;
 }
 
@@ -179,7 +179,7 @@ bool change_route(ServiceCall& call) {
   }
   const vrml::Route& route = std::get<vrml::Route>(found);
   vrml::Execution& execution = call.document->runtime->execution();
-  // Adding an existing ROUTE or removing a missing one has no effect (VRML97 4.10.2).
+  // Nothing happens if a ROUTE that is added already exists, or one that is removed does not (VRML97 4.10.2).
   const bool done = kAdd ? execution.routes().add(*from->scene, route) : execution.routes().remove(*from->scene, route);
   call.result = done ? "{\"changed\":true}" : "{\"changed\":false}";
   return true;

@@ -4,13 +4,13 @@
 
 #include <limits>
 
-// Services of nodes and their events (ISO/IEC 14772-2 4.5 to 4.8).
+// Services for nodes and their events (ISO/IEC 14772-2 4.5 to 4.8).
 namespace gs::app {
 namespace {
 
 constexpr ParameterRow kNode{"node", "node"};
 constexpr ParameterRow kEventOut{"event", "name of an eventOut or exposedField"};
-constexpr std::size_t kMaxWatches = 100'000, kMaxNodes = 1'000'000;  // max numbers per client
+constexpr std::size_t kMaxWatches = 100'000, kMaxNodes = 1'000'000;  // max numbers of watches and of nodes per client
 
 void put_node(ServiceCall& call, const PlacedNode& node) {
   const vrml::Node& of = node.scene->node(node.id);
@@ -61,7 +61,7 @@ bool dispose(ServiceCall& call) {
   return true;
 }
 
-// Returns the eventOut that the second parameter names, of the node of the first parameter; null on failure.
+// Returns an eventOut. The first parameter is the node, the second the name of the eventOut. Returns null on failure.
 const vrml::InterfaceDeclaration* event_out(ServiceCall& call, std::optional<PlacedNode>& node) {
   node = call.node(0);
   const auto name = node ? call.text(1) : std::nullopt;

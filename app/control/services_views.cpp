@@ -10,11 +10,11 @@
 #include <algorithm>
 #include <cmath>
 
-// Services of views. They are ours, because ISO/IEC 14772-2 has none.
+// Services for views. They are our own, because ISO/IEC 14772-2 has none for views.
 namespace gs::app {
 namespace {
 
-constexpr int kMaxSide = 4096;  // max pixels per side
+constexpr int kMaxSide = 4096;  // max width and height in pixels
 
 void put_numbers(std::string& out, std::string_view name, std::span<const double> numbers) {
   out += (out.size() > 1 ? ",\"" : "\"") + std::string(name) + "\":[";
@@ -99,7 +99,7 @@ bool set_viewer(ServiceCall& call) {
     }
     pose.orientation = glm::angleAxis(turn[3], axis / length);
   }
-  // Normalises the pose, because the numbers may be arbitrary.
+  // The numbers of the client may be arbitrary, so normalise the pose.
   const double height = pose.height;
   pose = pose_of(world_from_viewer(pose), pose.field_of_view);
   pose.height = height;

@@ -13,10 +13,10 @@
 namespace gs::app {
 namespace {
 
-constexpr float kSame = 0.9999f;    // min cosine to treat a corner's normals on both faces as equal
-constexpr float kBeyond = 3.1416f;  // radians; all edges are smooth
+constexpr float kSame = 0.9999f;  // min cosine of two normals that count as equal
+constexpr float kBeyond = 3.1416f;  // radians; above the largest angle between faces
 
-/// Returns an index for each position; equal positions share one.
+/// Returns an index for each vertex. Vertices at equal positions have the same index.
 std::vector<std::uint32_t> welded(const vrml::Mesh& mesh) {
   std::vector<std::uint32_t> order(mesh.positions.size()), first(mesh.positions.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<std::uint32_t>(i);
@@ -33,7 +33,7 @@ std::vector<std::uint32_t> welded(const vrml::Mesh& mesh) {
 }
 
 struct Side {
-  std::uint32_t low, high;  // welded ends of the edge
+  std::uint32_t low, high;  // indices from welded() of the ends
   std::uint32_t at_low, at_high, triangle;
 };
 
@@ -60,13 +60,13 @@ float crease_angle_of(const vrml::Mesh& mesh) {
   std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
     return std::array{a.low, a.high, a.triangle} < std::array{b.low, b.high, b.triangle};
   });
-  std::vector<std::pair<float, bool>> edges;  // angle between the faces, and whether normals are smooth across the edge
+  std::vector<std::pair<float, bool>> edges;  // angle between the two faces; true if the normals are smooth
   std::size_t smooth = 0;
   for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
     const Side &s = sides[i], &t = sides[i + 1];
     if (s.low != t.low || s.high != t.high) continue;
     const float cosine = glm::dot(face_normal(mesh, s.triangle), face_normal(mesh, t.triangle));
-    if (cosine > kSame) continue;  // flat edge: no information
+    if (cosine > kSame) continue;  // the faces are in one plane, so any angle fits
     const bool same = glm::dot(mesh.normals[s.at_low], mesh.normals[t.at_low]) > kSame &&
                       glm::dot(mesh.normals[s.at_high], mesh.normals[t.at_high]) > kSame;
     smooth += same ? 1 : 0;
@@ -74,9 +74,9 @@ float crease_angle_of(const vrml::Mesh& mesh) {
     ++i;
   }
   if (smooth == 0) return 0;
-  // Choose the threshold angle with the fewest wrong edges.
+  // Choose the angle for which the fewest edges are wrong.
   std::sort(edges.begin(), edges.end());
-  std::size_t wrong = smooth, least = smooth;  // number of errors for an angle of 0
+  std::size_t wrong = smooth, least = smooth;  // number of wrong edges at angle 0
   float angle = 0;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     wrong = edges[i].second ? wrong - 1 : wrong + 1;

@@ -16,8 +16,8 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kPutAsideEvery = std::size_t{64} << 20;  // bytes read before memory is released
-constexpr std::size_t kColorsLookedAt = 65'536;                // facets to check for colours
+constexpr std::size_t kPutAsideEvery = std::size_t{64} << 20;  // number of bytes to read before memory is released
+constexpr std::size_t kColorsLookedAt = 65'536;  // number of facets to check for colours
 const qnv::Rgb8 kPlainGrey{204, 204, 204};                     // default Material.diffuseColor (VRML97 6.27)
 
 std::optional<MeshStream> stl_stream(std::span<const std::byte> bytes, const PutAside& put_aside) {
@@ -48,13 +48,13 @@ std::optional<MeshStream> stl_stream(std::span<const std::byte> bytes, const Put
   return stream;
 }
 
-/// Property in a row of fixed size.
+/// Column of a property in rows of fixed size.
 struct RowColumn {
   std::size_t offset = 0;
   PlyType type = PlyType::float32;
 };
 
-/// Returns the columns of these properties; nullopt if one is missing.
+/// Returns the columns of three properties, or nullopt if a property is missing.
 std::optional<std::array<RowColumn, 3>> columns_of(const PlyElement& element,
                                                    const std::array<std::string_view, 3>& names) {
   std::array<RowColumn, 3> columns;
@@ -71,7 +71,7 @@ std::optional<std::array<RowColumn, 3>> columns_of(const PlyElement& element,
   return found == 7 ? std::optional(columns) : std::nullopt;
 }
 
-/// Vertices of a PLY, read from the file.
+/// Vertices of a binary PLY file. They are read from the file when needed.
 template <bool big>
 class VertexRows {
  public:
@@ -98,7 +98,7 @@ class VertexRows {
     }
     return to_rgb8({parts[0], parts[1], parts[2]});
   }
-  /// Reports whether coordinates have more precision than triangles can store.
+  /// Returns true if the file has double coordinates, which triangles cannot store exactly.
   [[nodiscard]] bool wide() const { return places_[0].type == PlyType::float64; }
 
  private:
@@ -113,7 +113,7 @@ class VertexRows {
   std::optional<std::array<RowColumn, 3>> colors_;
 };
 
-/// Calls `each` with the corners of each face, until it returns false.
+/// Calls `each` with the corners of each face. Stops when `each` returns false.
 template <bool big, class Each>
 bool for_each_face(std::span<const std::byte> bytes, const PlyElement& element, const Each& each) {
   PlyBinarySource<big> source(bytes);
@@ -165,7 +165,7 @@ std::optional<MeshStream> ply_stream(std::span<const std::byte> bytes, PlyTable 
   for (std::size_t i = 0; i < rows->size(); ++i)
     if (const glm::dvec3 p = rows->place(i); finite(p)) box.add(p);
   if (!box.empty()) stream.size = glm::vec3(box.upper - box.lower);
-  // float32 coordinates gain nothing from another origin.
+  // Only double coordinates gain precision from another origin.
   if (rows->wide()) stream.origin = qnv::local_origin(box);
   stream.source = [rows, data, faces, origin = stream.origin](const qnv::TriangleSink& sink) {
     TriangleBatches batches(sink);

@@ -12,21 +12,21 @@
 
 namespace gs::app {
 
-/// Mesh that is read triangle by triangle from its file, which may exceed memory: binary STL, or binary PLY with faces
-/// after vertices. Polygons become fans. Corners have no normals. Skips faces with invalid corners; a truncated file
-/// yields only its complete faces. Callable from any thread, one at a time.
+/// Mesh that is read from its file triangle by triangle, so that it may exceed memory. Files are binary STL, or binary
+/// PLY with faces after vertices. Polygons become fans of triangles. Corners have no normals. Faces with invalid
+/// corners are skipped. A truncated file gives its complete faces. Any thread, but only one at a time.
 struct MeshStream {
-  std::uint64_t faces = 0;  // number of faces present, by the file's header and length
-  glm::vec3 size{0};        // size of the bounding box, if known without reading the whole file
-  glm::dvec3 origin{0};     // origin of the triangles, in world units
+  std::uint64_t faces = 0;  // number of faces that the file contains
+  glm::vec3 size{0};  // size of the bounding box; 0 if only reading all triangles would tell
+  glm::dvec3 origin{0};  // origin of the triangle coordinates, in world units
   qnv::TriangleSource source;
 };
 
-/// Callback that may release the file's first bytes from memory; the argument is their number.
+/// Callback that may release the first bytes of the file from memory. The argument is the number of these bytes.
 using PutAside = std::function<void(std::size_t)>;
 
-/// Opens a mesh file. Returns nullopt for other formats and for compressed files. `bytes` must outlive the result. Safe
-/// for untrusted input.
+/// Opens a mesh file. Returns nullopt if the format is another one, or if the file is compressed. `bytes` must outlive
+/// the result. Safe for untrusted input.
 [[nodiscard]] std::optional<MeshStream> open_mesh_stream(std::span<const std::byte> bytes,
                                                          const PutAside& put_aside = {});
 

@@ -22,7 +22,7 @@ auto key_of(const qnv::OutlineAppearance& a) {
                     a.lit, a.solid, a.textured, a.crease_angle, a.texture_url);
 }
 
-// Reports whether vertex normals of a triangle differ from its face normal.
+// Returns true if a vertex normal of a triangle differs from the normal of its face.
 bool is_bent(const vrml::Mesh& mesh, const std::array<std::uint32_t, 3>& corners) {
   constexpr float kFlat = 0.99999f;
   const auto at = [&](std::size_t k) { return mesh.positions[corners[k]]; };
@@ -69,7 +69,7 @@ class Builder {
       for (const std::uint32_t corner : corners) {
         model.corners.push_back(base + corner);
         if (!look.textured) continue;
-        // Pad for earlier polygons, which had no texture coordinates.
+        // Earlier polygons may have no texture coordinates. Add zeros for them.
         model.texture_coordinates.resize(model.corners.size() - 1);
         const glm::vec3 st = item.texture.transform * glm::vec3(mesh.texture_coordinates[corner], 1.0f);
         model.texture_coordinates.emplace_back(st.x, st.y);
@@ -117,7 +117,7 @@ class Builder {
       out_.averaged = out_.averaged || c.r != first.r || c.g != first.g || c.b != first.b;
     }
     look.diffuse = to_rgb8(sum);
-    // Too many colours would give as many groups as triangles, so reduce them to five bits per channel.
+    // With too many colours, each triangle could become a group. Reduce the colours to five bits per channel.
     if (out_.appearances.size() > kManyColors)
       for (std::uint8_t* c : {&look.diffuse.r, &look.diffuse.g, &look.diffuse.b})
         *c = static_cast<std::uint8_t>((*c & 0xf8) | *c >> 5);
@@ -153,11 +153,11 @@ TextureUrls texture_urls(const LoadedWorld& world) {
     if (found == world.images.end() || !world.scene->resolve_as(id, vrml::NodeKind::image_texture)) continue;
     const auto& list = world.scene->get<vrml::MFString>(id, "url");
     const int slot = world.scene->node(id).type->find_field("url")->slot;
-    // The url in a PROTO library is relative to the library.
+    // In a PROTO library, the url is relative to the library, not to the world.
     if (!list.empty() && &world.scene->text_of(id, slot) == world.scene.get())
       urls.emplace(found->second.get(), net::resolve(base, net::parse_url(net::tidy_url(list.front().view()))).text());
   }
-  // Embed all other pictures: those of Inlines, libraries, importers and PixelTextures.
+  // Embed all other textures as data: URLs. They come from Inlines, libraries, importers and PixelTextures.
   for (const auto& [place, image] : world.images)
     if (image && !urls.contains(image.get()))
       urls.emplace(image.get(), "data:image/png;base64," + base64(render::encode_png(*image)));

@@ -16,7 +16,7 @@ SurfaceCorners::SurfaceCorners(const vrml::Mesh& mesh, const glm::dmat4& world_f
       has_normals_(mesh.normals.size() == mesh.positions.size()),
       has_colors_(mesh.colors.size() == mesh.positions.size()) {
   place_[3] -= glm::dvec4(origin, 0);
-  // The adjugate replaces the inverse transpose, and also exists for singular matrices.
+  // Normals need the inverse transpose. The adjugate is proportional to it and exists for singular matrices, too.
   const glm::mat3 m(world_from_node);
   normal_matrix_ = glm::mat3(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
   flipped_ = glm::dot(m[0], glm::cross(m[1], m[2])) < 0;

@@ -23,7 +23,7 @@
 /// Triangles of tessellated meshes, for all encoders. Needs no renderer.
 namespace gs::app {
 
-/// Convert 0..1 to 0..255, rounded to nearest.
+/// Convert 0..1 to 0..255, rounded to the nearest integer.
 [[nodiscard]] std::uint8_t to_byte(float value);
 [[nodiscard]] qnv::Rgb8 to_rgb8(const glm::vec3& color);
 
@@ -79,13 +79,13 @@ class SurfaceCorners {
 
  private:
   const vrml::Mesh& mesh_;
-  glm::dmat4 place_;  // from node space to world space relative to the origin
+  glm::dmat4 place_;  // from node space to world space, relative to the origin
   glm::mat3 normal_matrix_{1.0f};
   glm::vec3 color_;
   bool flipped_ = false, has_normals_, has_colors_;
 };
 
-/// Buffer that passes triangles to the sink in batches.
+/// Buffer that passes triangles to a sink, in batches.
 class TriangleBatches {
  public:
   explicit TriangleBatches(const qnv::TriangleSink& sink) : sink_(sink) {}
@@ -113,11 +113,11 @@ class TriangleBatches {
 
 /// Summary of the triangles of a surface.
 struct SurfaceSummary {
-  WideBox box;                // bounds of the used corners
-  std::size_t triangles = 0;  // number before subdivision
-  bool two_sided = false;     // some mesh is visible from behind, too
+  WideBox box;  // bounds of all corners in use
+  std::size_t triangles = 0;  // number of triangles before subdivision
+  bool two_sided = false;  // true if some mesh is also visible from behind
   bool textured = false;
-  std::optional<qnv::Shine> shine;  // shine of all shapes; empty if they differ
+  std::optional<qnv::Shine> shine;  // shine of all Shapes; nullopt if it differs between them
 
   void add(const vrml::Mesh& mesh, const glm::dmat4& world_from_node, const qnv::Shine& of_shape);
 

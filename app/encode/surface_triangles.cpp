@@ -15,26 +15,27 @@
 namespace gs::app {
 namespace {
 
-// Edges of textured triangles are halved down to this length in texels, but at most kMaxDivisions times.
+// Textured triangles are subdivided: each edge is halved until it is kTexels long, at most kMaxDivisions times.
 constexpr float kTexels = 2;
 constexpr int kMaxDivisions = 7;
 
-// An edge is curved if the cosine of its end normals exceeds kBentCosine; the offset is limited to kMaxBend of its
-// length.
+// An edge is curved if the cosine between its end normals exceeds kBentCosine. The midpoint moves by at most kMaxBend
+// of the edge's length.
 constexpr float kBentCosine = 0.5f, kMaxBend = 0.15f;
 
-/// Number of times an edge is halved, and whether its midpoint follows the normals or a straight line.
+/// Subdivision of an edge: how often it is halved, and whether its midpoint follows the normals (`bent`) or stays on
+/// the straight line.
 struct EdgeCut {
   int halvings = 0;
   bool bent = false;
 };
-/// Cuts of a triangle: edge k goes from corner k to corner k + 1.
+/// Subdivision of a triangle's edges. Edge k is from corner k to corner k + 1.
 using EdgeCuts = std::array<EdgeCut, 3>;
 struct SharedEdge {
   EdgeCut cut;
-  std::array<glm::vec3, 2> normals;  // normals at the smaller end and the larger end
+  std::array<glm::vec3, 2> normals;  // normals at the smaller and at the larger end, in the order of EdgePlaces
 };
-/// Key of an edge: coordinates of its ends, the smaller one first.
+/// Key of an edge: the coordinates of both ends. The end that is smaller in the order x, y, z comes first.
 using EdgePlaces = std::array<float, 6>;
 struct HashEdge {
   std::size_t operator()(const EdgePlaces& edge) const {
@@ -49,19 +50,20 @@ EdgePlaces edge_places(const glm::vec3& a, const glm::vec3& b) {
   return {least.x, least.y, least.z, most.x, most.y, most.z};
 }
 
-// Converts a texture coordinate to a texel index.
+// Converts a texture coordinate to the index of a texel.
 std::uint32_t texel(float at, std::uint32_t size, bool repeat) {
   if (!std::isfinite(at)) return 0;
   at = repeat ? at - std::floor(at) : std::clamp(at, 0.0f, 1.0f);
   return std::min(static_cast<std::uint32_t>(at * static_cast<float>(size)), size - 1);
 }
 
-// Samples a texture: RGB replaces the colour, intensity multiplies it (VRML97 Table 4.6).
+// Returns the colour at a texture coordinate. An RGB texture replaces `color`, an intensity texture multiplies it
+// (VRML97 Table 4.6).
 glm::vec3 sample(const render::TextureUse& texture, const glm::vec2& at, const glm::vec3& color) {
   const render::Image& image = *texture.image;
   const glm::vec3 p = texture.transform * glm::vec3(at, 1.0f);
   const std::uint32_t x = texel(p.x, image.width, texture.repeat_s), y = texel(p.y, image.height, texture.repeat_t);
-  const std::size_t row = image.height - 1 - y;  // t points up
+  const std::size_t row = image.height - 1 - y;  // the texture coordinate t increases upwards
   const std::uint8_t* c = image.pixels.data() + (row * image.width + x) * image.components;
   if (image.components < 3) return color * (static_cast<float>(c[0]) / 255.0f);
   return {static_cast<float>(c[0]) / 255.0f, static_cast<float>(c[1]) / 255.0f, static_cast<float>(c[2]) / 255.0f};
@@ -114,7 +116,7 @@ class Emitter {
     }
     return c;
   }
-  /// Calls `work` with the corners of each triangle until it returns false.
+  /// Calls `work` with the corners of each triangle. Stops when `work` returns false.
   template <class Work>
   bool each(const Work& work) const {
     return corners_.each([this](std::uint32_t index) { return corner(index); }, work);
@@ -133,8 +135,9 @@ class Emitter {
     return n;
   }
 
-  // Records how to cut the edges, so that the surface stays closed. The triangle with the most texels sets the number
-  // of halvings. The edge is curved where the triangles share its normals.
+  // Records how to subdivide the edges of a triangle, so that the surface stays closed. The adjacent triangle with the
+  // most texels gives the number of halvings. An edge is curved only if its adjacent triangles have the same normals
+  // there.
   bool measure_edges(const std::array<SurfaceCorner, 3>& corners) {
     for (std::size_t k = 0; k < 3; ++k) {
       const SurfaceCorner *least = &corners[k], *most = &corners[(k + 1) % 3];
@@ -157,7 +160,7 @@ class Emitter {
     SurfaceCorner c{};
     c.position = (a.position + b.position) * 0.5f;
     if (bent) {
-      // Place the midpoint half way to the tangent planes at both ends; this is exact for a circle.
+      // Move the midpoint half way to the tangent planes at both ends. For a circle, that is exact.
       const glm::vec3 half = (b.position - a.position) * 0.5f;
       const glm::vec3 off = 0.25f * (glm::dot(half, b.normal) * b.normal - glm::dot(half, a.normal) * a.normal);
       const float size = glm::length(off), most = kMaxBend * 2 * glm::length(half);
@@ -171,19 +174,20 @@ class Emitter {
     return c;
   }
 
-  // Subdivides a triangle by its edge cuts alone. The triangle on the other side of an edge thus creates the same
-  // vertices. `depth` is the number of divisions so far.
+  // Subdivides a triangle. The vertices on an edge depend only on that edge, so that the adjacent triangle gets the
+  // same ones. `depth` is the number of subdivisions so far.
   bool emit(const std::array<SurfaceCorner, 3>& c, const EdgeCuts& cuts, int depth) {
     const auto is_cut = [&](std::size_t k) { return cuts[k % 3].halvings > 0; };
     const int halved = is_cut(0) + is_cut(1) + is_cut(2);
     if (halved == 0) return batches_.add_finite(c);
-    // Inner edges are cut by their own length; the total depth stays within kMaxDivisions.
+    // Halvings of a new inner edge depend on its own length. They are limited, so that the depth stays within
+    // kMaxDivisions.
     const auto inside = [&](const SurfaceCorner& a, const SurfaceCorner& b) {
       return EdgeCut{std::min(halvings_of(a.texture, b.texture), kMaxDivisions - depth - 1),
                      glm::dot(a.normal, b.normal) > kBentCosine};
     };
     const auto half = [&](std::size_t k) { return EdgeCut{cuts[k % 3].halvings - 1, cuts[k % 3].bent}; };
-    const auto cut = [&](std::size_t k) {  // both triangles compute the shared midpoint from the same end
+    const auto cut = [&](std::size_t k) {  // start at the smaller end, so that both triangles compute the same midpoint
       const SurfaceCorner &a = c[k % 3], &b = c[(k + 1) % 3];
       return before(b.position, a.position) ? middle(b, a, cuts[k % 3].bent) : middle(a, b, cuts[k % 3].bent);
     };
@@ -195,7 +199,7 @@ class Emitter {
              emit({ca, bc, c[2]}, {near_c, half(1), half(2)}, depth + 1) &&
              emit({ab, bc, ca}, {near_b, near_c, near_a}, depth + 1);
     }
-    // One cut edge; or, of two cut edges, the first of the adjacent pair. Start at corner k.
+    // One or two edges are subdivided. Let k be the first of them; if there are two, edge k + 1 is the other.
     std::size_t k = 0;
     while (!is_cut(k) || (halved == 2 && !is_cut(k + 1))) ++k;
     const SurfaceCorner &p = c[k], &q = c[(k + 1) % 3], &r = c[(k + 2) % 3];
@@ -215,7 +219,7 @@ class Emitter {
   SurfaceCorners corners_;
   TriangleBatches batches_;
   bool textured_;
-  std::unordered_map<EdgePlaces, SharedEdge, HashEdge> edges_;  // edges to halve
+  std::unordered_map<EdgePlaces, SharedEdge, HashEdge> edges_;  // edges to subdivide
 };
 
 }  // namespace

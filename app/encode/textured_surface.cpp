@@ -25,30 +25,30 @@ namespace {
 using render::DrawItem;
 using render::Image;
 
-// Margin around tiles in pixels, for mipmaps; size of single-colour tiles.
+// In pixels: margin around each tile, for mipmaps; size of a tile with a single colour.
 constexpr std::uint32_t kMargin = 8, kSolid = 16;
-// Max repetitions of a repeated texture, and max size of the atlas in pixels per axis.
+// Limits of the atlas: repetitions of a repeated texture, and pixels per axis.
 constexpr float kMaxRepeats = 8;
 constexpr std::uint32_t kMaxPixels = 4096;
-// A single texture keeps its coordinates unless they repeat more often than this.
+// If there is only one texture, it keeps its coordinates up to this number of repetitions.
 constexpr float kMaxSpan = 16;
 
-// Coarse previews start at kCoarsest to 2 * kCoarsest pixels per axis. A preview is omitted if it exceeds
-// 1/kWorthOfCoarse of the picture's bytes. A PNG, which decodes row by row, gets several previews, each kFiner times
-// finer.
+// Coarse previews precede the image. The first preview has kCoarsest to 2 * kCoarsest pixels per axis. A preview larger
+// than 1/kWorthOfCoarse of the image's bytes is omitted. A PNG is decoded row by row, so it gets several previews, each
+// one kFiner times finer.
 constexpr std::uint32_t kCoarsest = 48, kFiner = 4;
 constexpr std::size_t kWorthOfCoarse = 3;
 constexpr int kCoarseQuality = 50, kFullChroma = 95;
-// PNG is used only if it is smaller than JPEG by this factor.
+// PNG is used only if it is at least this factor smaller than JPEG.
 constexpr std::size_t kWorthOfPng = 3;
 
 /// Tile of the texture atlas.
 struct TextureTile {
-  const Image* image = nullptr;  // null means a single colour
+  const Image* image = nullptr;  // texture; null for a tile with a single colour
   bool repeat_s = true, repeat_t = true;
-  glm::vec3 color{1};  // single colour, or factor of an intensity texture
+  glm::vec3 color{1};  // the single colour; with an intensity texture, its factor
   glm::vec2 lower{std::numeric_limits<float>::max()}, upper{std::numeric_limits<float>::lowest()};  // used coordinates
-  std::uint32_t x = 0, y = 0, width = 0, height = 0;  // rectangle in the atlas, with margins
+  std::uint32_t x = 0, y = 0, width = 0, height = 0;  // rectangle in the atlas in pixels, with margins
 };
 using TileKey = std::tuple<const Image*, bool, bool, float, float, float>;
 
@@ -61,8 +61,8 @@ bool seen_through(const Image& image) {
 
 glm::vec3 rounded_color(const qnv::Rgb8& c) { return glm::vec3(c.r, c.g, c.b) / 255.0f; }
 
-/// Returns the colour of an item without texture, or the factor of its texture. Returns nullopt if there are several
-/// colours.
+/// Returns the single colour of an item, which is also the factor of an intensity texture. Returns nullopt if the item
+/// has several colours.
 std::optional<glm::vec3> one_color_of(const DrawItem& item) {
   const vrml::Mesh& mesh = *item.mesh;
   if (mesh.colors.size() == mesh.positions.size()) {
@@ -82,7 +82,7 @@ std::uint32_t pixel(std::int64_t at, std::uint32_t size, bool repeat) {
   return static_cast<std::uint32_t>(repeat ? ((at % n) + n) % n : std::clamp<std::int64_t>(at, 0, n - 1));
 }
 
-/// Returns a pixel of a tile's texture; the origin is the lower left corner.
+/// Returns a pixel of a tile's texture. Pixel (0, 0) is in the lower left corner.
 glm::vec3 pixel_of(const TextureTile& tile, std::int64_t x, std::int64_t y) {
   if (!tile.image) return tile.color;
   const Image& image = *tile.image;
@@ -93,7 +93,7 @@ glm::vec3 pixel_of(const TextureTile& tile, std::int64_t x, std::int64_t y) {
   return glm::vec3(c[0], c[1], c[2]) / 255.0f;
 }
 
-/// Lays out tiles in rows for an atlas of this width. Returns the height.
+/// Arranges tiles in rows of an atlas with this width. Returns the height of the atlas in pixels.
 std::uint32_t lay_out(std::vector<TextureTile>& tiles, std::uint32_t width) {
   std::vector<std::size_t> order(tiles.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -113,7 +113,7 @@ std::uint32_t lay_out(std::vector<TextureTile>& tiles, std::uint32_t width) {
   return y + high;
 }
 
-/// Returns the first used pixel of a tile's texture.
+/// Returns the lowest pixel of a tile's texture that is in use, as x and y.
 glm::vec2 first_pixel(const TextureTile& tile) {
   return tile.image ? glm::floor(tile.lower * glm::vec2(static_cast<float>(tile.image->width),
                                                         static_cast<float>(tile.image->height)))
@@ -124,7 +124,7 @@ class PictureGatherer {
  public:
   explicit PictureGatherer(qnv::TexturedSurface& to) : to_(to) {}
 
-  /// Starts an item. Returns false if it cannot be part of the atlas.
+  /// Starts an item; its triangles follow. Returns false if an atlas cannot represent the item.
   bool begin(const DrawItem& item) {
     TextureTile tile;
     if (shows_picture(item)) {
@@ -156,7 +156,7 @@ class PictureGatherer {
       tile.upper = glm::max(tile.upper, p);
     }
   }
-  /// Shifts repeated texture coordinates of each triangle to the first repetition.
+  /// Shifts the texture coordinates of each triangle by whole repetitions, so that they start in the first repetition.
   void shift() {
     for (TextureTile& tile : tiles) {
       tile.lower = glm::vec2(std::numeric_limits<float>::max());
@@ -175,7 +175,7 @@ class PictureGatherer {
   }
 
   std::vector<TextureTile> tiles;
-  std::vector<std::size_t> of;  // tile index by triangle
+  std::vector<std::size_t> of;  // index in `tiles` for each triangle
 
  private:
   qnv::TexturedSurface& to_;
@@ -184,7 +184,7 @@ class PictureGatherer {
   std::size_t now_ = 0;
 };
 
-/// Paints all tiles into one atlas and updates the texture coordinates. Returns nullopt if they do not fit.
+/// Paints all tiles into one atlas and adapts the texture coordinates. Returns nullopt if the tiles do not fit.
 std::optional<Image> painted(PictureGatherer& gathered, qnv::TexturedSurface& surface) {
   std::vector<TextureTile>& tiles = gathered.tiles;
   double pixels = 0;
@@ -192,7 +192,7 @@ std::optional<Image> painted(PictureGatherer& gathered, qnv::TexturedSurface& su
   for (TextureTile& tile : tiles) {
     glm::vec2 size(kSolid);
     if (tile.image) {
-      // A non-repeating texture extends its border.
+      // Outside a texture without repetition, the border colour continues, so coordinates may exceed 0..1.
       const glm::vec2 shown = tile.upper - tile.lower;
       if (!(shown.x * shown.y <= kMaxRepeats) || !(std::max(shown.x, shown.y) <= kMaxSpan)) return std::nullopt;
       const glm::vec2 of(static_cast<float>(tile.image->width), static_cast<float>(tile.image->height));
@@ -255,7 +255,7 @@ Image without_alpha(const Image& image) {
   return plain;
 }
 
-/// Downsamples by averaging squares of pixels.
+/// Downsamples an image. Each pixel is the average of a square with `by` pixels per side.
 Image smaller(const Image& image, std::uint32_t by) {
   Image out;
   out.components = image.components;
@@ -274,7 +274,7 @@ Image smaller(const Image& image, std::uint32_t by) {
   return out;
 }
 
-/// Returns the error of a coarse picture at the resolution of the fine one.
+/// Returns the error of a coarse image against the fine image, at the resolution of the fine one.
 double error_of(const Image& coarse, const Image& fine) {
   double sum = 0;
   for (std::uint32_t y = 0; y < fine.height; ++y) {
@@ -291,7 +291,8 @@ double error_of(const Image& coarse, const Image& fine) {
   return sum;
 }
 
-/// Number of bytes from which a file improves on a given error, and the error of the whole file.
+/// Quality of an image file: number of first bytes that give a smaller error than a given one, and the error of the
+/// whole file.
 struct Enough {
   std::size_t bytes = 0;
   double error = 0;
@@ -312,7 +313,7 @@ Enough enough_of(std::span<const std::byte> jpeg, const Image& image, double err
   return enough;
 }
 
-/// Encodes the picture with a coarse preview before it, so that the first bytes already show the texture.
+/// Encodes an image with coarse previews before it, so that the first received bytes already show the texture.
 void pack(const Image& image, int quality, qnv::TexturedSurface& surface) {
   surface.width = image.width;
   surface.height = image.height;
@@ -320,13 +321,13 @@ void pack(const Image& image, int quality, qnv::TexturedSurface& surface) {
   std::vector<std::byte> png = render::encode_png(image);
   const bool as_png = fine.empty() || (!png.empty() && png.size() < fine.size() / kWorthOfPng);
   if (as_png) fine = std::move(png);
-  double error = std::numeric_limits<double>::infinity();  // error of the files so far
+  double error = std::numeric_limits<double>::infinity();  // error of the last preview so far
   std::uint32_t by = std::bit_floor(std::max(image.width, image.height) / kCoarsest);
   for (; by > 1; by = as_png ? by / kFiner : 0) {
-    // Atlas tiles are adjacent, so chroma needs full resolution.
+    // Reduced chroma would mix the colours of adjacent tiles, so keep full chroma resolution.
     std::vector<std::byte> coarse = render::encode_jpeg(smaller(image, by), {kCoarseQuality, true});
     if (coarse.empty() || coarse.size() > fine.size() / kWorthOfCoarse) break;
-    // The first preview is small, and its first scans have almost no colour. Require it completely.
+    // The first preview is small, and its first scans have almost no colour. So all of it is required.
     const Enough all = enough_of(coarse, image, error);
     const std::size_t enough = surface.picture.empty() ? coarse.size() : all.bytes;
     error = all.error;

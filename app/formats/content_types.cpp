@@ -53,7 +53,7 @@ Asset read_vectors(const ImportSource& source) {
   return {};
 }
 
-// Splats as pictures of WebP, in a ZIP archive or beside their meta.json.
+// Detects SOG: splats as WebP images, in a ZIP archive or beside their meta.json.
 bool is_sog(Bytes bytes) {
   const std::string_view text = text_of(bytes).substr(0, 4096);
   if (text.starts_with("PK\x03\x04")) {
@@ -68,7 +68,7 @@ ImportedCloud refuse_sog(Bytes, const WorldBudget&) {
          "compressed PLY, SPZ, KSplat or .splat";
 }
 
-// Known types that are not read. Messages name them.
+// Formats that are detected but not supported. Messages name them.
 constexpr ContentType kNotRead[] = {
     {"SOG", "model/x-sog", ".sog ", is_sog, ContentClass::cloud, read_vectors<refuse_sog>},
 };
@@ -76,7 +76,7 @@ constexpr ContentType kNotRead[] = {
 Asset read_volume(const ImportSource& source) {
   auto opened = open_volume(source.path, {}, {source.read_file, source.name}, source.budget);
   if (auto* volume = std::get_if<qnv::VolumeSource>(&opened)) return std::move(*volume);
-  // The message already contains the file name.
+  // open_volume() puts the file name first. Remove it, because diagnostics have it too.
   std::string& problem = std::get<std::string>(opened);
   if (problem.starts_with(source.path + ": ")) problem.erase(0, source.path.size() + 2);
   source.diagnostics.add({Severity::error, source.path, {}, std::move(problem)});
@@ -88,7 +88,8 @@ Asset read_volume(const ImportSource& source) {
 std::span<const ContentType> content_types() {
   static const std::vector<ContentType> types = [] {
     constexpr auto kCloud = ContentClass::cloud;
-    // Of types that share a mark the more special one comes first. Volumes follow, from their own table.
+    // Table of types. If several types share a mark, the most specific one comes first. content_types() appends the
+    // volumes from their own table.
     std::vector<ContentType> all = {
         {"VRML97", "model/vrml", ".wrl .wrz .vrml ", is_vrml},
         {"QNV", "model/x-qnv", ".qnv ", qnv::is_stream, ContentClass::stream},
@@ -152,7 +153,7 @@ std::optional<std::string> refuse_first_bytes(std::string_view path, Bytes first
 }
 
 std::vector<std::byte> first_bytes(Bytes bytes) {
-  constexpr std::size_t kEnough = 8192;  // headers of PLY splats list a hundred properties
+  constexpr std::size_t kEnough = 8192;  // the header of a PLY file with splats has a hundred properties
   if (!is_gzip(bytes)) {
     const Bytes head = bytes.first(std::min(bytes.size(), kEnough));
     return {head.begin(), head.end()};

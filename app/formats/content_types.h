@@ -14,24 +14,24 @@ namespace gs::app {
 
 [[nodiscard]] std::span<const ContentType> content_types();
 
-/// Returns the type of a file by its first bytes (see `first_bytes`), else by its name without a final `.gz`, else
-/// VRML97, which reports errors best.
+/// Returns the type of a file. Decides by the first bytes (see `first_bytes`), else by the name without a final `.gz`.
+/// Otherwise returns VRML97, because its parser reports the best errors.
 [[nodiscard]] const ContentType& content_type_of(std::string_view path, std::span<const std::byte> bytes);
 
-/// Rejects a file by its first bytes (at most 8 KiB) if its name promises a type with a mark that they lack. Returns
-/// nullopt if reading it makes sense. A large file can be refused before it is mapped.
+/// Refuses a file if its name belongs to a type with a `mark` and the file does not begin with that mark. Returns the
+/// message, or nullopt to read the file. `first` may be limited to 8 KiB, so that a large file need not be mapped.
 [[nodiscard]] std::optional<std::string> refuse_first_bytes(std::string_view path, std::span<const std::byte> first);
 
-/// Returns the type that the first bytes identify, or null if there is none.
+/// Returns the type that the first bytes identify, or null.
 [[nodiscard]] const ContentType* content_type_by_mark(std::span<const std::byte> bytes);
 
-/// The first bytes of a file, behind its gzip wrapper if it has one: enough to tell its type.
+/// Returns the first bytes of a file, enough to detect its type. Decompresses them if the file is gzip-compressed.
 [[nodiscard]] std::vector<std::byte> first_bytes(std::span<const std::byte> bytes);
 
-/// "VRML97 (.wrl .wrz .vrml), PLY (.ply), ...": for help.
+/// Returns the list of types for help texts: "VRML97 (.wrl .wrz .vrml), PLY (.ply), ...".
 [[nodiscard]] std::string content_type_list();
 
-/// Reports whether bytes begin like a QNV stream with the outlines payload, which has polygons instead of vectors.
+/// Returns true if the bytes begin like a QNV stream with the outlines payload, which has polygons instead of vectors.
 [[nodiscard]] bool is_outline_stream(std::span<const std::byte> bytes);
 
 }  // namespace gs::app

@@ -7,9 +7,9 @@
 namespace gs::app {
 namespace {
 
-// Bytes per pixel: decoded, up to 4 components, and the renderer's copy with mipmaps.
+// Bytes per pixel. kMaxPixelBytes: 4 components and the renderer's copy. kCopyBytes: only that copy, with its mipmaps.
 constexpr std::uint64_t kMaxPixelBytes = 10, kCopyBytes = 6;
-// Minimum size; smaller pictures are useless.
+// Minimum number of pixels. A smaller image is useless.
 constexpr std::uint64_t kMinPixels = 64 * 64;
 
 std::string size_of(std::uint32_t width, std::uint32_t height) {

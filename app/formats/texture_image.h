@@ -14,15 +14,15 @@ namespace gs::app {
 /// Decoded texture image with its share of the budget.
 struct Texture {
   std::shared_ptr<const render::Image> image;
-  std::string note;  // message about a size reduction and the limit behind it; else empty
+  std::string note;  // message about a reduced size and the limit that caused it; else empty
 };
 
-/// Returns the limits for decoding a texture from the remaining pixel budget. 0 kept pixels mean that the budget is
-/// spent.
+/// Returns the limits for decoding a texture, from the remaining pixel budget. If the budget is exhausted, the number
+/// of kept pixels is 0.
 [[nodiscard]] render::ImageLimits texture_limits(const WorldBudget& budget);
 
-/// Decodes a texture image. Scales large images down while decoding, depending on the remaining pixel budget. Safe for
-/// untrusted bytes.
+/// Decodes a texture image. Scales a large image down while decoding, if the remaining pixel budget requires that. Safe
+/// for untrusted bytes.
 [[nodiscard]] std::variant<Texture, render::ImageError> decode_texture(std::span<const std::byte> bytes,
                                                                        const WorldBudget& budget);
 

@@ -6,7 +6,7 @@
 namespace gs::app {
 namespace {
 
-// Converts a diagnostic of a program to a console line; nullopt for other diagnostics.
+// Converts a diagnostic about a Script's program to a console line. Returns nullopt for other diagnostics.
 std::optional<ProgramLine> line_of(const Diagnostic& one) {
   if (one.severity == Severity::note && one.file == "print")
     return ProgramLine{ProgramLine::Kind::printed, {}, one.message};

@@ -9,29 +9,29 @@
 
 namespace gs::app {
 
-/// Live statistics of a world's events: last time and rate of each eventOut. Costs nothing while not watching. Use on
-/// the world's thread.
+/// Live statistics of a world's events: the last time and the rate of each eventOut. Costs nothing unless it watches a
+/// world. World's thread.
 class EventWatch {
  public:
   struct Seen {
-    double time = 0;            // time of the last event, in world time
-    std::uint64_t count = 0;    // events since watching began
-    double a_second = 0;        // events per second in the last interval
-    std::uint64_t counted = 0;  // `count` at the start of the interval
+    double time = 0;  // timestamp of the last event
+    std::uint64_t count = 0;  // number of events since watch()
+    double a_second = 0;  // events per second in the last complete interval
+    std::uint64_t counted = 0;  // value of `count` at the start of the current interval
   };
   EventWatch() = default;
   ~EventWatch();
   EventWatch(const EventWatch&) = delete;
   EventWatch& operator=(const EventWatch&) = delete;
 
-  /// Watches this world instead of the former one; null watches none. The world must outlive this object or be replaced
-  /// first.
+  /// Watches this world instead of the previous one. Null ends watching. The world must outlive this object, or be
+  /// replaced before it ends.
   void watch(vrml::Execution* world);
-  /// Updates the rates once a second of world time. Returns true if there is something new to show since the last call.
+  /// Updates the rates once per second of world time. Returns true if anything changed since the last call.
   bool take_news();
-  /// Returns null if the eventOut has not sent anything.
+  /// Returns the statistics of an eventOut, or null if it has sent nothing.
   [[nodiscard]] const Seen* find(const NodeAt& node, const vrml::InterfaceDeclaration& event) const;
-  /// Max number of eventOuts tracked; later ones are ignored.
+  /// Maximum number of eventOuts with statistics. Further ones are ignored.
   static constexpr std::size_t kMax = 100'000;
   [[nodiscard]] std::size_t size() const { return seen_.size(); }
 
@@ -50,7 +50,7 @@ class EventWatch {
 
   vrml::Execution* world_ = nullptr;
   std::unordered_map<Key, Seen, Hash> seen_;
-  double second_ = 0;  // world time at which the present interval began
+  double second_ = 0;  // world time at the start of the current interval
   bool news_ = false;
 };
 

@@ -25,7 +25,7 @@ struct Interval {
   }
 };
 
-// Parses a bound: "2", "inf", "-2pi", "pi/2".
+// Parses one bound of an interval: "2", "inf", "-2pi", "pi/2".
 std::optional<double> bound_of(std::string_view text) {
   const bool negative = text.starts_with('-');
   if (negative) text.remove_prefix(1);
@@ -50,7 +50,7 @@ std::optional<double> bound_of(std::string_view text) {
   return (negative ? -number : number) * factor / divisor;
 }
 
-// Parses "[0,1]" at the start of a text and removes it.
+// Parses an interval such as "[0,1]" at the start of a text, and removes it from the text.
 std::optional<Interval> take_interval(std::string_view& text) {
   const std::size_t comma = text.find(','), end = text.find_first_of(")]");
   if (text.empty() || (text[0] != '[' && text[0] != '(') || comma == text.npos || end == text.npos || comma > end)
@@ -79,8 +79,8 @@ std::string range_words(const Interval& one) {
 }
 
 struct Ranges {
-  std::optional<Interval> numbers;  // range of the numbers; for a rotation, of its axis
-  std::optional<Interval> angle;    // range of a rotation's angle
+  std::optional<Interval> numbers;  // range of numbers; for a rotation, of the numbers of its axis
+  std::optional<Interval> angle;  // for a rotation, range of its angle
   std::string_view alternative;     // special value outside the range: "-1,-1,-1"
 };
 Ranges ranges_of(std::string_view text) {
@@ -95,7 +95,7 @@ Ranges ranges_of(std::string_view text) {
   return ranges;
 }
 
-// Checks a number. Returns a message if it is invalid.
+// Returns a message if a number is not finite or out of range, else nullopt.
 std::optional<std::string> why_not(double number, const std::optional<Interval>& range) {
   if (!std::isfinite(number)) return "expected finite numbers";
   if (range && !range->has(number)) return number_text(number) + " is out of range; expected " + range_words(*range);
@@ -151,7 +151,7 @@ struct Check {
   std::optional<std::string> operator()(const vrml::PixelImage&) const { return std::nullopt; }
 };
 
-// Returns the declaration that holds the range: for an eventIn set_x, the field x.
+// Returns the declaration with the range. For an eventIn set_x, that is the field x.
 const vrml::InterfaceDeclaration& with_range(const vrml::NodeType& type, const vrml::InterfaceDeclaration& event_in) {
   if (event_in.access != AccessType::eventIn || !event_in.name.starts_with("set_")) return event_in;
   const vrml::InterfaceDeclaration* const field = type.find_field(event_in.name.substr(4));

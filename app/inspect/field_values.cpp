@@ -17,10 +17,11 @@ namespace {
 using vrml::FieldType;
 using vrml::NodeKind;
 
-constexpr std::size_t kElements = 6, kText = 200;          // max elements and text length displayed
-constexpr std::size_t kEdited = 64, kEditedText = 16'000;  // max elements and bytes editable on a line
+constexpr std::size_t kElements = 6, kText = 200;  // max number of elements and of characters to show
+constexpr std::size_t kEdited = 64, kEditedText = 16'000;  // max number of elements and of bytes to edit on one line
 
-// Unit by field name and type, as in the standard's nodes. NodeKind::other means all nodes.
+// Row of the table of units. Gives the unit of the fields with this name and type, for one node type or
+// (NodeKind::other) for all.
 struct UnitRow {
   std::string_view field;
   FieldType type;
@@ -81,7 +82,7 @@ std::string_view plain_name(std::string_view name) {
   return name.ends_with(kChanged) ? name.substr(0, name.size() - kChanged.size()) : name;
 }
 
-// Replaces control characters to keep the text on one line.
+// Replaces control characters, so that the text stays on one line.
 std::string on_a_line(std::string text) {
   for (char& letter : text)
     if (static_cast<unsigned char>(letter) < 0x20) letter = ' ';
@@ -193,7 +194,7 @@ std::string degrees_text(double radians) {
 }
 
 bool is_date(double seconds) {
-  constexpr double kFirst = 315532800, kLast = 32503680000;  // 1980 to 3000
+  constexpr double kFirst = 315532800, kLast = 32503680000;  // seconds from 1970 to the years 1980 and 3000
   return seconds >= kFirst && seconds < kLast;
 }
 

@@ -6,9 +6,9 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kWork = 200'000;    // max nodes visited per step
-constexpr double kBetweenPictures = 0.1;  // min seconds between pictures of continuous changes
-constexpr double kLit = 0.6;              // seconds of highlight after an event
+constexpr std::size_t kWork = 200'000;  // max number of nodes to visit per step
+constexpr double kBetweenPictures = 0.1;  // min seconds between two pictures while values change
+constexpr double kLit = 0.6;  // seconds for which an event highlights its ROUTE
 
 std::shared_ptr<Document> document_of(Session& session) {
   const View* const seen = session.view();
@@ -122,7 +122,7 @@ void Inspection::select(const NodeAt& node, bool reveal) {
 void Inspection::reveal_pending() {
   if (!reveal_) return;
   const std::vector<HeldStep> way = index_.way_to(selected_);
-  if (way.empty() && !index_.complete()) return;  // not indexed yet
+  if (way.empty() && !index_.complete()) return;  // the node is not in the index yet
   reveal_ = false;
   revealed_ = outline_.reveal(way);
 }

@@ -19,17 +19,17 @@
 
 namespace gs::app {
 
-/// Open panels of the inspection; closed ones cost nothing.
+/// Flags of the panels that are open. A closed panel costs nothing.
 struct InspectionWants {
   bool tree = false, inspector = false, routes = false, console = false, streams = false;
-  bool arrows = false;  // arrow keys go to the tree instead of the viewer
+  bool arrows = false;  // true if arrow keys move in the tree, false if they move the viewer
   [[nodiscard]] bool any() const { return tree || inspector || routes || console || streams; }
   [[nodiscard]] bool world() const { return tree || inspector || routes || console; }
 };
 
-/// Inspection of the world in a session's active viewport: node tree, selected node, ROUTEs, programs and streams. It
-/// applies the user's edits as a SessionExtension in the session's next step. Events thus take the same path as those
-/// of remote control. Use on the session's thread. The session must outlive it or remove it.
+/// Inspection of the world in the active viewport of a session: node tree, selected node, ROUTEs, programs and streams.
+/// Applies the user's edits in the next step, as a SessionExtension. Edits thus have the same effects as events of
+/// remote control. Session's thread. The session must outlive the inspection or remove it.
 class Inspection final : public SessionExtension {
  public:
   Inspection() = default;
@@ -37,21 +37,21 @@ class Inspection final : public SessionExtension {
   Inspection& operator=(const Inspection&) = delete;
 
   bool act(Session& session) override;
-  /// Updates all data below to the present world. Call before drawing the interface, with the pictures of the worlds.
-  /// `now` is in seconds of any clock.
+  /// Updates all data of the panels to the current world. Call before the interface is drawn, with the pictures of the
+  /// worlds. `now` is in seconds of any clock.
   void prepare(Session& session, std::span<const Frame::Picture> pictures, double now);
-  /// Reports whether work or changes are pending that no event announces: step and draw again at once.
+  /// Returns true if the next step and picture must follow at once, because work remains or changes have no event.
   [[nodiscard]] bool busy() const;
-  /// Returns the seconds until its display changes without an event; nullopt if it will not.
+  /// Returns the number of seconds until the panels change without an event, or nullopt if they will not.
   [[nodiscard]] std::optional<double> next_change() const;
-  /// Reports whether displayed data changed since the last call. Limits the rate of updates.
+  /// Returns true if data of the panels have changed since the last call. Limits the rate of such changes.
   [[nodiscard]] bool take_news(double now);
 
-  /// Panels that are drawn in the present picture. Each panel sets its flag every time; its data are current from the
-  /// next step on.
+  /// Returns flags for the panels that are being drawn. Each panel sets its flag in each picture. Its data are up to
+  /// date from the next step on.
   [[nodiscard]] InspectionWants& drawn() { return drawn_; }
   [[nodiscard]] bool takes_arrows() const { return wants_.arrows; }
-  /// Returns null if no live world is shown.
+  /// Returns the world, or null if the viewport shows no running world.
   [[nodiscard]] vrml::Execution* world() const { return world_; }
   [[nodiscard]] SceneOutline& outline() { return outline_; }
   [[nodiscard]] SceneIndex& index() { return index_; }
@@ -59,28 +59,28 @@ class Inspection final : public SessionExtension {
   [[nodiscard]] RouteList& routes() { return routes_; }
   [[nodiscard]] ScriptConsole& console() { return console_; }
   [[nodiscard]] StreamList& streams() { return streams_; }
-  /// Returns the values of the selected node, and edits of them.
+  /// Returns the editor, which has the values of the selected node and sends edits of them.
   [[nodiscard]] NodeEditor& editor() { return editor_; }
-  /// Returns the outline of the selected node in the pictures.
+  /// Returns the mark: the outline of the selected node in the pictures.
   [[nodiscard]] const SelectionMark& mark() const { return mark_; }
 
-  /// Selects a node; null selects none. `reveal` expands the tree and scrolls to the node.
+  /// Selects a node; a null node ends the selection. `reveal` expands the tree down to the node and scrolls there.
   void select(const NodeAt& node, bool reveal);
   [[nodiscard]] const NodeAt& selected() const { return selected_; }
-  /// Returns the tree line to scroll to, once.
+  /// Returns the tree line to scroll to, the first time; then nullopt.
   [[nodiscard]] std::optional<std::size_t> take_revealed() { return std::exchange(revealed_, std::nullopt); }
-  /// Selects the node at a framebuffer pixel. Returns false if there is none.
+  /// Selects the node that is visible at a framebuffer pixel. Returns false if there is none.
   bool pick(Session& session, const glm::vec2& pixel);
-  /// Makes the next click in the picture select a node.
+  /// Sets whether the next click in the picture selects a node.
   void set_picking(bool picking) { picking_ = picking; }
   [[nodiscard]] bool picking() const { return picking_; }
-  /// Moves the viewer to frame the selected node. Returns false if nothing of it is visible.
+  /// Moves the viewer so that the selected node fills the picture. Returns false if the node is not visible.
   bool fly_to_selected();
-  /// Selects the next (or, if `before`, the previous) match in the order of the text.
+  /// Selects the next match of the search, in the order of the text. With `before`, selects the previous match.
   void find_next(bool before);
-  /// Searches nodes by DEF name and type (see SceneIndex::find), and selects the first.
+  /// Searches nodes with this text in their DEF name or type (see SceneIndex::find), and selects the first match.
   void find(const std::string& text);
-  /// Returns the index of the selected match.
+  /// Returns the index of the selected match, or nullopt.
   [[nodiscard]] std::optional<std::size_t> match() const { return match_; }
 
  private:
@@ -88,7 +88,7 @@ class Inspection final : public SessionExtension {
   void reveal_pending();
 
   InspectionWants wants_, drawn_;
-  std::shared_ptr<Document> document_;  // declared before all members that refer to it
+  std::shared_ptr<Document> document_;  // first, because members below refer to it
   vrml::Execution* world_ = nullptr;
   SceneIndex index_;
   SceneOutline outline_;
@@ -100,7 +100,7 @@ class Inspection final : public SessionExtension {
   SelectionMark mark_;
 
   NodeAt selected_;
-  bool finds_ = false;  // select the first match when it is found
+  bool finds_ = false;  // true until the first match was selected
   bool reveal_ = false, picking_ = false, fly_ = false, more_ = false;
   std::optional<std::size_t> revealed_, match_;
   double last_news_ = 0, shown_at_ = 0, clock_ = 0;

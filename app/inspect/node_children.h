@@ -10,7 +10,7 @@
 
 namespace gs::app {
 
-/// Node of a live world, with its scene: the root scene or an Inline's content. A null id means NULL.
+/// Node of a running world with its scene, which is the root scene or the content of an Inline. A null id means NULL.
 struct NodeAt {
   const vrml::SceneGraph* scene = nullptr;
   vrml::NodeId id;
@@ -19,26 +19,25 @@ struct NodeAt {
   friend bool operator==(const NodeAt&, const NodeAt&) = default;
 };
 
-/// Child nodes in one field of a node, or its implicit children: the content of an Inline, or the body of a PROTO
-/// instance.
+/// Children of a node in one of its fields. The content of an Inline and the body of a PROTO instance count as fields.
 struct HeldNodes {
   static constexpr std::uint16_t kContent = 0xfffe, kBody = 0xffff;
-  std::uint16_t place = 0;  // index of the field in the type's interfaces, or kContent or kBody
+  std::uint16_t place = 0;  // index of the field in the type's interfaces, or kContent, or kBody
   std::string_view field;   // field name, "content" or "body"
   const vrml::SceneGraph* scene = nullptr;
   std::span<const vrml::NodeId> nodes;  // never empty
-  bool list = false;                    // true for an MFNode
+  bool list = false;  // true for MFNode, false for SFNode
 };
 
-/// Reports whether the node is part of the world now.
+/// Returns true if the node is part of the world now.
 [[nodiscard]] bool is_in(const vrml::Execution& world, const NodeAt& node);
-/// Stores all children of a node in `held`, in the order of its interface; for a null node, the world's top-level
-/// nodes. Valid until the world's next step. The cost depends on the node's interface, not on the length of its lists.
+/// Stores all children of a node in `held`, in the order of the node's interface. For a null node, stores the top-level
+/// nodes of the world. Valid until the next step of the world. The cost does not depend on the length of lists.
 void held_nodes(const vrml::Execution& world, const NodeAt& node, std::vector<HeldNodes>& held);
 
-/// Step of the path from a world's root to a node.
+/// One step of the path from the top level of a world to a node.
 struct HeldStep {
-  std::uint16_t place = 0;  // HeldNodes::place in the previous step's node; 0 in the first step
+  std::uint16_t place = 0;  // HeldNodes::place in the node of the previous step; 0 in the first step
   std::uint32_t element = 0;
   NodeAt node;
 };

@@ -11,7 +11,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMaxEdits = 10'000;  // max pending edits
+constexpr std::size_t kMaxEdits = 10'000;  // max number of edits that are not sent yet
 
 }  // namespace
 
@@ -33,7 +33,7 @@ const vrml::FieldValue* NodeEditor::value_of(const vrml::InterfaceDeclaration& i
 
 std::optional<std::string> NodeEditor::send_text(const vrml::InterfaceDeclaration& event_in, const std::string& text) {
   if (!world_ || !node_) return "the node no longer exists";
-  // DEF names resolve in the world's main file only.
+  // DEF names are resolved only in the world's own file, not in Inlines.
   if (vrml::holds_nodes(event_in.type) && node_.scene != &world_->scenes().root())
     return "nodes of Inlines cannot be set to nodes here";
   auto read = read_edit(*node_.scene->node(node_.id).type, event_in, text, names());

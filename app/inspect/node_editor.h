@@ -12,34 +12,36 @@
 
 namespace gs::app {
 
-/// Values of the selected node, and edits of them as events. Functions that send return a message, and send nothing, if
-/// the value is invalid. Use on the world's thread.
+/// Editor of the selected node. Shows its values, and sends edits as events. If a value is invalid, the send functions
+/// return a message and send nothing. World's thread.
 class NodeEditor {
  public:
-  /// Edits nodes of this world from now on, and drops pending edits. Null means no world.
+  /// Sets the world with the nodes to edit. Drops edits that are not sent yet. Null means no world.
   void set_world(vrml::Execution* world);
   void select(const NodeAt& node) { node_ = node; }
 
-  /// Returns the value of an interface; null for an eventIn. Valid until the world's next step.
+  /// Returns the value of an interface, or null for an eventIn. Valid until the next step of the world.
   [[nodiscard]] const vrml::FieldValue* value_of(const vrml::InterfaceDeclaration& interface) const;
-  /// Send an event, from VRML97 text or a value.
+  /// Send an event. The value is VRML97 text in the first function.
   [[nodiscard]] std::optional<std::string> send_text(const vrml::InterfaceDeclaration& event_in,
                                                      const std::string& text);
   [[nodiscard]] std::optional<std::string> send(const vrml::InterfaceDeclaration& event_in, vrml::FieldValue value);
-  /// Send a list with one element replaced.
+  /// Send `list` with one element replaced. The element is VRML97 text in the second function.
   [[nodiscard]] std::optional<std::string> send_element(const vrml::InterfaceDeclaration& event_in,
                                                         const vrml::FieldValue& list, std::size_t index,
                                                         const vrml::FieldValue& element);
   [[nodiscard]] std::optional<std::string> send_element_text(const vrml::InterfaceDeclaration& event_in,
                                                              const vrml::FieldValue& list, std::size_t index,
                                                              const std::string& text);
-  /// Resolves a url, so that the caller can open it. Returns nullopt if it cannot be resolved.
+  /// Returns the absolute URL of one element of a url field, so that the caller can open it. Returns nullopt if the URL
+  /// cannot be resolved.
   [[nodiscard]] std::optional<std::string> target_of_url(const vrml::InterfaceDeclaration& url,
                                                          std::size_t index) const;
-  /// Returns the node if it is a Script, in which lines of the console run; else null.
+  /// Returns the selected node if it is a Script, in which input lines of the console run. Otherwise returns a null
+  /// node.
   [[nodiscard]] NodeAt script() const;
 
-  /// Sends the pending events to their nodes. Returns false if there were none.
+  /// Sends all events of edits to their nodes. Returns false if there were none.
   bool deliver();
   [[nodiscard]] bool pending() const { return !edits_.empty(); }
 
@@ -53,7 +55,7 @@ class NodeEditor {
 
   vrml::Execution* world_ = nullptr;
   NodeAt node_;
-  std::unique_ptr<vrml::NodeNames> names_;  // null until an edit names a node
+  std::unique_ptr<vrml::NodeNames> names_;  // null until an edit refers to a node by name
   std::vector<Edit> edits_;
 };
 

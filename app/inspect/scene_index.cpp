@@ -6,10 +6,10 @@
 namespace gs::app {
 namespace {
 
-constexpr double kBetween = 2;                         // min seconds between two rebuilds
-constexpr std::size_t kMaxDepth = 100'000;             // far above the nesting limit of texts
-constexpr std::size_t kMaxScenes = 0xffff;             // max scenes that entries can number
-constexpr std::size_t kDrawn = std::size_t{64} << 10;  // entries charged to the budget at a time
+constexpr double kBetween = 2;  // min seconds between two rebuilds of the index
+constexpr std::size_t kMaxDepth = 100'000;  // max depth of the tree; texts have a far lower limit
+constexpr std::size_t kMaxScenes = 0xffff;  // max number of scenes, because an entry stores 16 bits
+constexpr std::size_t kDrawn = std::size_t{64} << 10;  // number of entries for which memory is charged at a time
 
 char small(char letter) { return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter + 32) : letter; }
 
@@ -66,7 +66,7 @@ bool SceneIndex::go_on(std::size_t work, double now) {
     made_of_ = made_of;
   }
   if (!walked_) {
-    // Values may have changed since the last call. Nodes on the path that are gone have no children.
+    // Values may have changed since the last call. Nodes of the path that no longer exist have no children.
     for (std::size_t i = 0; i < depth_; ++i)
       held_nodes(*world_, way_[i].entry == kNone ? NodeAt{} : node_of(way_[i].entry), way_[i].held);
     work -= std::min(work, walk(work));
@@ -83,7 +83,7 @@ std::uint32_t SceneIndex::entry_of(const NodeAt& node) const {
   return found != kNone && entries_[found].id == node.id ? found : kNone;
 }
 
-// Adds a node. Returns false if it is already indexed or the budget is spent.
+// Adds a node to the index. Returns false if the node is in the index already, or if the budget is exhausted.
 bool SceneIndex::enter(const NodeAt& node, std::uint32_t parent, std::uint16_t place, std::uint32_t element) {
   if (!is_in(*world_, node) || entry_of(node) != kNone) return false;
   if (entries_.size() % kDrawn == 0) {
@@ -103,7 +103,7 @@ bool SceneIndex::enter(const NodeAt& node, std::uint32_t parent, std::uint16_t p
   return true;
 }
 
-// Continues the traversal in text order. Returns the work done.
+// Continues to visit the nodes in the order of the text. Returns the amount of work that was done.
 std::size_t SceneIndex::walk(std::size_t work) {
   std::size_t done = 0;
   while (depth_ > 0 && done < work && !cut_short_) {
@@ -167,7 +167,7 @@ bool SceneIndex::is_use(const NodeAt& node, const NodeAt& holder, std::uint16_t 
   const Entry& entry = entries_[found];
   const NodeAt first = entry.parent == kNone ? NodeAt{} : node_of(entry.parent);
   if (first == holder && entry.place == place && entry.element == element) return false;
-  // Lists can change without added or removed nodes.
+  // A list can change although no node was added or removed.
   const bool stands = holds(first, entry, node);
   stale_ = stale_ || !stands;
   return stands;

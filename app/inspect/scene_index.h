@@ -12,55 +12,58 @@
 
 namespace gs::app {
 
-/// Index of a world's nodes: the first position of each node in the text, and a search by DEF name and type. All other
-/// positions are USEs. It is built incrementally, so that worlds with millions of nodes do not block. Memory is charged
-/// to the world's budget; nodes that do not fit are not indexed. Use on the world's thread.
+/// Index of all nodes of a world. Stores the first position of each node in the text; all other positions are USEs.
+/// Searches nodes by DEF name and type. The index is built in small parts, so that a world of a million nodes does not
+/// block the program. Memory is charged to the world's budget. Nodes beyond it are not in the index. World's thread.
 class SceneIndex {
  public:
-  /// Starts again with this world; null clears the index. The world must outlive this object or be replaced first.
+  /// Clears the index and sets the world, which may be null. The world must outlive this object, or be replaced before
+  /// it ends.
   void set_world(const vrml::Execution* world);
   [[nodiscard]] const vrml::Execution* world() const { return world_; }
-  /// Continues the index for up to `work` visits of nodes. Starts again after nodes were added or removed, but only
-  /// every few seconds. `now` is in seconds of any clock. Returns true if more work remains.
+  /// Continues to build the index with up to `work` visits of nodes. After nodes were added or removed, starts again,
+  /// but only every few seconds. `now` is in seconds of any clock. Returns true if work remains.
   bool go_on(std::size_t work, double now);
-  /// Reports whether all nodes that fit are indexed.
+  /// Returns true if the index has all nodes for which its memory suffices.
   [[nodiscard]] bool complete() const { return walked_; }
   [[nodiscard]] bool cut_short() const { return cut_short_; }
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
 
-  /// Reports whether this position of the node is a USE. Returns false also if that is not known yet.
+  /// Returns true if the position of the node is a USE. The position is `element` of field `place` in `holder`. Returns
+  /// false if the index does not have the node yet.
   [[nodiscard]] bool is_use(const NodeAt& node, const NodeAt& holder, std::uint16_t place, std::uint32_t element) const;
-  /// Returns the path to the node's first position; empty if unknown or no longer present.
+  /// Returns the path to the first position of a node. Empty if the index does not have the node, or if the node is no
+  /// longer there.
   [[nodiscard]] std::vector<HeldStep> way_to(const NodeAt& node) const;
 
-  /// Searches nodes with this text in DEF name or type, ignoring case. An empty text ends the search.
+  /// Starts a search for nodes with this text in their DEF name or type, ignoring case. An empty text ends the search.
   void find(std::string_view text);
   [[nodiscard]] const std::string& sought() const { return sought_; }
-  /// Number of matches, up to kMaxMatches; matches are in text order.
+  /// Returns the number of matches, at most kMaxMatches. Matches are in the order of the text.
   [[nodiscard]] std::size_t matches() const { return matches_.size(); }
   [[nodiscard]] NodeAt match(std::size_t index) const { return node_of(matches_[index]); }
-  /// Reports whether the search has covered all indexed nodes.
+  /// Returns true if the search has checked all nodes of the index, or found kMaxMatches.
   [[nodiscard]] bool searched() const { return scanned_ == entries_.size() || matches_.size() >= kMaxMatches; }
   static constexpr std::size_t kMaxMatches = 100'000;
 
-  /// Returns the total number of nodes and entries visited, as a measure of cost.
+  /// Returns the number of visits of nodes and entries so far, as a measure of cost.
   [[nodiscard]] std::uint64_t work_done() const { return work_done_; }
 
  private:
   static constexpr std::uint32_t kNone = UINT32_MAX;
   struct Entry {
     vrml::NodeId id;
-    std::uint32_t parent = kNone;  // index in entries_
+    std::uint32_t parent = kNone;  // index in entries_; kNone at the top level
     std::uint32_t element = 0;
-    std::uint16_t place = 0;  // HeldNodes::place
+    std::uint16_t place = 0;  // as in HeldNodes
     std::uint16_t scene = 0;  // index in scenes_
   };
   struct Scene {
     const vrml::SceneGraph* scene;
-    std::vector<std::uint32_t> entries;  // by node index
+    std::vector<std::uint32_t> entries;  // index in entries_, for each node index
   };
   struct Standing {
-    std::uint32_t entry = kNone;  // kNone means the roots
+    std::uint32_t entry = kNone;  // index in entries_; kNone for the top level
     std::size_t group = 0, element = 0;
     std::vector<HeldNodes> held;
   };
@@ -83,15 +86,15 @@ class SceneIndex {
   std::unordered_map<const vrml::SceneGraph*, std::uint16_t> scene_numbers_;
   Share share_;
   std::vector<Standing> way_;
-  std::size_t depth_ = 0;  // used length of way_; its lists are reused
+  std::size_t depth_ = 0;  // number of elements of way_ in use; the others keep their memory
   bool walked_ = false, cut_short_ = false;
-  std::uint64_t made_of_ = 0;  // sum of scene revisions at the start
+  std::uint64_t made_of_ = 0;  // sum of the scenes' revisions when the index was begun
   double begun_at_ = 0;
   bool begun_ = false;
-  mutable bool stale_ = false;  // a node was no longer at its indexed position
+  mutable bool stale_ = false;  // true if a node has left its position in the index
   mutable std::vector<HeldNodes> looked_at_;
 
-  std::string sought_;  // lower case
+  std::string sought_;  // text of the search, in lower case
   std::vector<std::uint32_t> matches_;
   std::size_t scanned_ = 0;
   std::unordered_map<const vrml::NodeType*, bool> fitting_types_;

@@ -7,7 +7,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMoved = 64;  // search distance for an expanded line after siblings were added or removed
+constexpr std::size_t kMoved = 64;  // max shift of an expanded line after children were added or removed before it
 
 }  // namespace
 
@@ -26,7 +26,8 @@ std::size_t SceneOutline::count_held(const NodeAt& node) const {
   return sum;
 }
 
-// Finds the child with index `number` of a branch.
+// Returns the child at `number` among all children of a branch, as its group and its index there. Returns false if
+// there are fewer children.
 bool SceneOutline::held(const Branch& branch, std::size_t number, HeldNodes& group, std::size_t& element) const {
   held_nodes(*world_, branch.node, held_);
   work_done_ += 1 + held_.size();
@@ -48,7 +49,7 @@ void SceneOutline::refresh() {
     top_ = {};
 }
 
-// Recurses as deep as expanded lines.
+// Updates a branch and, recursively, its expanded lines.
 void SceneOutline::refresh(Branch& branch) {
   branch.own = branch.rows = count_held(branch.node);
   HeldNodes group;
@@ -87,7 +88,7 @@ SceneOutline::Found SceneOutline::find(std::size_t index) const {
   std::size_t rest = index;
   found.way.push_back(at);
   while (true) {
-    std::size_t before = 0;  // lines below preceding expanded siblings
+    std::size_t before = 0;  // number of lines below the expanded siblings so far
     Branch* below = nullptr;
     for (auto& [number, one] : at->open) {
       ++work_done_;
@@ -113,7 +114,7 @@ SceneOutline::Found SceneOutline::find(std::size_t index) const {
 }
 
 bool SceneOutline::is_use(const Found& found, const NodeAt& node) const {
-  // A node inside itself is a USE; otherwise the tree would be infinite.
+  // A node inside itself must count as a USE, or the tree would be infinite.
   for (const Branch* const one : found.way)
     if (one->node == node) return true;
   return index_ &&
@@ -166,7 +167,7 @@ std::optional<std::size_t> SceneOutline::holder(std::size_t index) const {
 std::optional<std::size_t> SceneOutline::reveal(std::span<const HeldStep> way) {
   if (!world_ || way.empty()) return std::nullopt;
   Branch* at = &top_;
-  std::size_t line = 0;  // first line below `at`
+  std::size_t line = 0;  // number of the first line below `at`
   for (std::size_t i = 0; i < way.size(); ++i) {
     held_nodes(*world_, at->node, held_);
     work_done_ += 1 + held_.size();

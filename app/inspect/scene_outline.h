@@ -14,48 +14,48 @@
 
 namespace gs::app {
 
-/// Line of the node tree: a node at one of its positions.
+/// Line of the node tree: a node at one of its positions in the world.
 struct OutlineRow {
-  NodeAt node;  // null means NULL in a list
+  NodeAt node;  // a null node is NULL in a list
   std::string_view field;
-  std::optional<std::size_t> element;  // index in a list
+  std::optional<std::size_t> element;  // index in the list, if the node is in a list
   std::size_t depth = 0;
   bool can_open = false, open = false;
-  bool use = false;  // the node is defined elsewhere and only used here (VRML97 4.6.2); cannot be expanded
+  bool use = false;  // true for a USE of the node (VRML97 4.6.2); it cannot be expanded
 };
 
-/// Expandable tree of a world's nodes, as lines. Its cost depends on what is expanded and displayed, not on the world's
-/// size. It always shows the present world and is valid until the next step; then call `refresh`. Use on the world's
-/// thread.
+/// Tree of a world's nodes as lines that can be expanded. Its cost depends on the expanded and displayed lines, not on
+/// the size of the world. It shows the world as it is. After each step of the world, call `refresh`. World's thread.
 class SceneOutline {
  public:
-  /// Sets the world. `index` identifies USEs. Both must outlive this object or be replaced first; null means no world.
+  /// Sets the world, and the index that identifies USEs. Both must outlive this object, or be replaced before they end.
+  /// Null means no world.
   void set_world(const vrml::Execution* world, const SceneIndex* index);
-  /// Updates the lines: drops expanded nodes that are gone, and adapts to changed lists. Call before each frame.
+  /// Updates the lines. Drops expanded nodes that no longer exist, and adapts to changed lists. Call before each frame.
   void refresh();
   [[nodiscard]] std::size_t size() const { return top_.rows; }
   [[nodiscard]] OutlineRow row(std::size_t index) const;
   void set_open(std::size_t index, bool open);
-  /// Returns the parent line; nullopt for a root.
+  /// Returns the line of the parent, or nullopt for a top-level node.
   [[nodiscard]] std::optional<std::size_t> holder(std::size_t index) const;
-  /// Expands all parents of a node and returns its line. Returns nullopt if the node is gone.
+  /// Expands all ancestors of a node. Returns the line of the node, or nullopt if the node no longer exists.
   std::optional<std::size_t> reveal(std::span<const HeldStep> way);
-  /// Returns the total number of lines and lists visited, as a measure of cost.
+  /// Returns the number of visits of lines and lists so far, as a measure of cost.
   [[nodiscard]] std::uint64_t work_done() const { return work_done_; }
 
  private:
   static constexpr std::size_t kMaxDepth = 1000;
-  /// An open line, or the whole.
+  /// Expanded line, or the top level of the tree.
   struct Branch {
     NodeAt node;
     std::size_t own = 0;                                  // number of direct children
-    std::size_t rows = 0;                                 // number of lines below
-    std::map<std::size_t, std::unique_ptr<Branch>> open;  // by child index
+    std::size_t rows = 0;  // number of lines below, including expanded ones
+    std::map<std::size_t, std::unique_ptr<Branch>> open;  // expanded children, by child index
   };
   struct Found {
-    std::vector<Branch*> way;        // the root and expanded lines; the last one is the parent
-    std::vector<std::size_t> lines;  // line numbers of `way`, without the root
-    std::size_t number = 0;          // child index in the parent
+    std::vector<Branch*> way;  // top level and expanded lines on the path; the last is the parent
+    std::vector<std::size_t> lines;  // line numbers of `way`, without the top level
+    std::size_t number = 0;  // index among the children of the parent
     HeldNodes group;
     std::size_t element = 0;
   };

@@ -13,7 +13,7 @@
 namespace gs::app {
 
 WideBox bounds_in(const render::RenderList& list, std::span<const NodeAt> nodes) {
-  // A PROTO instance is drawn as the node that implements it.
+  // The nodes of a PROTO body are drawn instead of the PROTO instance.
   std::vector<NodeAt> drawn;
   for (const NodeAt& node : nodes)
     drawn.push_back(
@@ -55,7 +55,7 @@ std::vector<PixelLine> edges_of(const WideBox& box, const Pose& pose, const View
     corners[i] = viewer_from_world * (corner - pose.position);
     size = std::max(size, glm::length(corners[i]));
   }
-  // The field of view applies to the smaller side of the picture.
+  // VRML97 applies the field of view to the smaller side of the picture.
   const double smaller = std::max(1, std::min(viewport.width, viewport.height));
   const double pixels = smaller / (2 * std::tan(double{pose.field_of_view} / 2));
   const double near = std::max(1e-4 * size, 1e-9);
@@ -91,7 +91,7 @@ void SelectionMark::find_bounds(const NodeAt& node, const SceneIndex& index, con
   for (auto step = way.rbegin(); step != way.rend(); ++step)
     if (!(step->node == node)) nodes.push_back(step->node);
   bounds_ = bounds_in(*view.list, nodes);
-  // Limit the share of time in large worlds.
+  // In large worlds, the search takes long. Limit its share of the time to 1 / kShare.
   constexpr double kShare = 30;
   due_ = now + kShare * (world_time() - begin);
 }

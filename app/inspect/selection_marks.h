@@ -14,28 +14,30 @@
 #include <utility>
 #include <vector>
 
-// Position of a node in the picture.
+// Positions of nodes in the picture.
 namespace gs::app {
 
-/// Returns the world-space bounds of the first of `nodes` that is visible in a list, with all its USEs. Empty if none
-/// is visible. The time is proportional to the list.
+/// Returns the world-space bounds of a node with all its USEs. The node is the first of `nodes` that is visible in the
+/// list. Empty if none is visible. The time is proportional to the length of the list.
 [[nodiscard]] WideBox bounds_in(const render::RenderList& list, std::span<const NodeAt> nodes);
 
 /// Line between two framebuffer pixels.
 using PixelLine = std::pair<glm::vec2, glm::vec2>;
-/// Projects the edges of a box into a viewport. Clips them to the front of the viewer, not to the viewport.
+/// Projects the edges of a box into a viewport. Clips them at the viewer, so that they are in front of it. Does not
+/// clip them at the borders of the viewport.
 [[nodiscard]] std::vector<PixelLine> edges_of(const WideBox& box, const Pose& pose, const Viewport& viewport);
 
-/// Bounds of the selected node, and its outline in the pictures.
+/// Bounds of the selected node, and its outline in pictures.
 class SelectionMark {
  public:
-  /// Finds the bounds of a node in a view, at a rate that limits the time in large worlds. `now` is in seconds.
+  /// Finds the bounds of a node in a view. In large worlds, the rate of searches is limited. `now` is in seconds of any
+  /// clock.
   void find_bounds(const NodeAt& node, const SceneIndex& index, const View& view, double now);
-  /// Returns the bounds in world space. Empty if nothing of the node is visible.
+  /// Returns the bounds in world space. Empty if the node is not visible.
   [[nodiscard]] const WideBox& bounds() const { return bounds_; }
   void forget_bounds() { bounds_ = {}; }
 
-  /// Outline in framebuffer pixels, with the viewport that clips it.
+  /// Outline in framebuffer pixels, and the viewport that clips it.
   struct Outline {
     Viewport viewport;
     std::vector<PixelLine> lines;
@@ -49,8 +51,8 @@ class SelectionMark {
 
  private:
   WideBox bounds_;
-  NodeAt node_;     // node of `bounds_`
-  double due_ = 0;  // time at which to find the bounds again
+  NodeAt node_;  // node with the bounds `bounds_`
+  double due_ = 0;  // time of the next search
   std::vector<Outline> outlines_;
 };
 

@@ -13,7 +13,7 @@ std::string count_text(std::size_t count, const char* what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
-// Describes the state of a QNV stream that is loading.
+// Returns text about the state of a QNV stream that is being loaded.
 std::string detail_of(const Document& document, const LoadRow& load) {
   for (const auto& feed : document.world.feeds) {
     if (feed.get() != load.feed || !feed->stream()) continue;
@@ -28,7 +28,7 @@ std::string detail_of(const Document& document, const LoadRow& load) {
   return {};
 }
 
-// Finds the node by address only, because it may no longer exist.
+// Requests the url of a row's node again. Compares only the address of the node, which may no longer exist.
 void send_again(Session& session, const StreamList::Row& row) {
   const std::shared_ptr<Document>& document = row.document;
   if (document && document->runtime && row.load.node) {
@@ -65,10 +65,10 @@ bool RateHistory::note(std::uint64_t bytes, double now) {
   }
   const double seconds = now - at_;
   if (seconds < kSeconds) return false;
-  // A restarted download counts from 0 again.
+  // If the total is smaller than before, the download has restarted at 0.
   const std::uint64_t more = bytes >= *bytes_ ? bytes - *bytes_ : bytes;
   const auto rate = static_cast<float>(static_cast<double>(more) * 8 / seconds);
-  // After a pause, fill in the average rate.
+  // After a pause, several samples are due. All get the average rate.
   const auto times = static_cast<std::size_t>(std::min(seconds / kSeconds, static_cast<double>(kSamples)));
   for (std::size_t i = 0; i < times; ++i) rates_[count_++ % kSamples] = rate;
   bytes_ = bytes;

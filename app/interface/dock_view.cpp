@@ -79,9 +79,9 @@ void DockView::tabs(DockSide side, const PanelFrame& frame, const UiModel& model
   if (!ImGui::BeginTabBar("##tabs", ImGuiTabBarFlags_Reorderable | ImGuiTabBarFlags_FittingPolicyScroll |
                                         ImGuiTabBarFlags_NoCloseWithMiddleMouseButton))
     return;
-  // Keys and menus set the front tab; clicks are read from the tab bar.
+  // True if a key or menu changed the front tab. A click changes it in the tab bar, where it is read below.
   const bool told = shown != dock_.front_at(side);
-  const std::vector<std::size_t> open = dock_.open_at(side);  // a copy, because tabs may close
+  const std::vector<std::size_t> open = dock_.open_at(side);  // a copy, because closing tabs changes the list
   for (const std::size_t panel : open) {
     const PanelRow& row = panel_rows()[panel];
     const bool front = dock_.is_front(panel);

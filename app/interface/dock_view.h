@@ -16,11 +16,11 @@ class DockView {
 
   [[nodiscard]] Dock& dock() { return dock_; }
   [[nodiscard]] const Dock& dock() const { return dock_; }
-  /// Computes the layout of the next frame. `whole` is the window without the bars.
+  /// Computes the layout of the next frame. `whole` is the window without its bars.
   void lay_out(const DockRectangle& whole, float scale);
   [[nodiscard]] const DockLayout& layout() const { return layout_; }
   void build(const PanelFrame& frame, const UiModel& model, UiActions& actions);
-  /// Closes an open list or dialog in a visible panel. Returns false if there is none.
+  /// Closes an open list or dialog of a visible panel. Returns false if none is open.
   bool close_one();
 
  private:
@@ -32,9 +32,9 @@ class DockView {
   Dock dock_;
   DockLayout layout_;
   DockRectangle whole_;
-  std::vector<std::unique_ptr<Panel>> panels_;                // by the table of panels
-  std::array<std::optional<std::size_t>, kDockSides> shown_;  // front tab's panel on screen
-  std::array<float, kDockSides> grabbed_{};                   // offset from the pointer to the dragged divider
+  std::vector<std::unique_ptr<Panel>> panels_;  // by index in the table of panels
+  std::array<std::optional<std::size_t>, kDockSides> shown_;  // by DockSide: panel of the visible tab
+  std::array<float, kDockSides> grabbed_{};  // by DockSide: offset from the pointer to the divider
 };
 
 }  // namespace gs::app

@@ -20,7 +20,7 @@ constexpr ImGuiWindowFlags kListFlags = ImGuiWindowFlags_NoDecoration | ImGuiWin
 
 }  // namespace
 
-// Returns completions of a typed path, else matching bookmarks, recent files and files of the present folder.
+// Returns suggestions for typed text: matching bookmarks and recent files, then completions of the text as a path.
 std::vector<UiOverlay::State::Suggestion> UiOverlay::State::suggestions(const UiModel& model,
                                                                         const std::string& typed) {
   std::vector<Suggestion> result;
@@ -68,7 +68,7 @@ void UiOverlay::State::address_bar(const UiModel& model, UiActions& actions, flo
   const ImVec2 lower = ImGui::GetItemRectMin(), upper = ImGui::GetItemRectMax();
   if (events.active && !bar.active) listing.forget();
   if (events.changed) bar.chosen.reset();
-  // On Enter, the field has already lost the focus.
+  // In the frame of Enter, the field has already lost the focus but its text counts as typed.
   bar.typed = (events.active || events.entered) && (bar.typed || events.changed);
   bar.active = events.active;
   const bool listed = bar.active || bar.list_hovered || events.entered;

@@ -11,13 +11,13 @@
 #include <cmath>
 #include <string>
 
-// Axes widget in a corner of the picture, and the size of the grid squares.
+// Axes widget in a corner of the picture, and the label with the size of the grid squares.
 namespace gs::app {
 namespace {
 
 struct AxisEnd {
   glm::vec3 along;
-  glm::vec3 seen;  // right, up and towards the viewer
+  glm::vec3 seen;  // in view space: right, up, towards the viewer
   int axis = 0;
   bool positive = true;
 };
@@ -31,7 +31,7 @@ ImVec2 in_units(const glm::vec2& pixels) {
   return {pixels.x / std::max(scale.x, 0.01f), pixels.y / std::max(scale.y, 0.01f)};
 }
 
-/// Returns the action that views the object from the end of an axis.
+/// Returns the action that views the world from the direction of `along`.
 Action side_along(const glm::vec3& along, const Upright& upright) {
   const std::pair<glm::vec3, Action> sides[] = {
       {upright.front, Action::side_front},   {-upright.front, Action::side_back}, {-upright.right(), Action::side_left},
@@ -88,7 +88,7 @@ void ViewportWidgets::axes_widget(const UiViewport& viewport, const UiModel& mod
     return ImVec2(center.x + end.seen.x * length, center.y - end.seen.y * length);
   };
   if (!viewport.active) {
-    // A click there activates the viewport.
+    // Draw without buttons, because a click there activates the viewport.
     for (const AxisEnd& end : axis_ends(viewport.pose))
       draw_axis(*ImGui::GetBackgroundDrawList(), end, center, place_of(end), dot, scale_);
     return;

@@ -38,7 +38,7 @@ void group_gap() { ImGui::SameLine(0, ImGui::GetStyle().ItemSpacing.x * 2.5f); }
 
 constexpr std::size_t kLabelLength = 80;  // max bytes of a name in a list
 
-/// Draws a list of labels, which may contain any text and duplicates.
+/// Draws a list of labels, which may contain any text and duplicates. Returns the index that the user chose.
 std::optional<std::size_t> choose(const char* id, const std::string& preview, const std::vector<std::string>& labels,
                                   std::optional<std::size_t> chosen, float width) {
   std::optional<std::size_t> result;
@@ -69,7 +69,7 @@ constexpr ModeIcon kModeIcons[] = {{NavigationMode::examine, Icon::examine},
                                    {NavigationMode::pan, Icon::pan},
                                    {NavigationMode::look_at, Icon::look_at}};
 
-/// Elements of the tool bar for a given width. Each row omits more than the previous one.
+/// Elements that the tool bar shows if its width allows. Each row of kBarPlans omits more than the row before.
 struct BarPlan {
   float files, viewpoints;  // widths at scale 1; 0 means omitted
   bool mode_words, words, arrows, panels, layouts, link;
@@ -84,7 +84,7 @@ constexpr BarPlan kBarPlans[] = {
 
 float layout_button_width() { return ImGui::GetFrameHeight() * 1.2f; }
 
-/// Returns the width that a plan needs, without the elements at the right end.
+/// Returns the width that a plan needs, without the elements at the right end of the bar.
 float width_of(const BarPlan& plan, const UiModel& model, float scale) {
   const float gap = ImGui::GetStyle().ItemSpacing.x, group = gap * 2.5f;
   const auto button = [&](std::string_view word, bool with_word) {
@@ -126,7 +126,7 @@ std::string counted(std::size_t count) {
 float UiOverlay::State::tool_bar_height() const { return ImGui::GetFrameHeight() + std::round(8 * scale); }
 float UiOverlay::State::status_bar_height() const { return statistics ? ImGui::GetTextLineHeight() + 8 * scale : 0.0f; }
 
-// Draws a button with an icon, and its label if there is room.
+// Draws the button of an action with an icon, and with its label if `with_word`.
 void UiOverlay::State::tool(Action action, Icon icon, bool with_word, const UiModel& model, UiActions& actions) {
   const ActionRow& row = row_of(action);
   ImGui::BeginDisabled(!is_possible(action, model));
@@ -232,7 +232,7 @@ void UiOverlay::State::status_bar(const UiModel& model) {
   begin_bar("##status", ImGui::GetIO().DisplaySize.y - height, height, 4 * scale);
   char numbers[96];
   std::string line;
-  if (model.frames_a_second > 0) {  // only motion has a frame rate; static pictures are not redrawn
+  if (model.frames_a_second > 0) {  // positive only during motion, because still pictures are not redrawn
     std::snprintf(numbers, sizeof numbers, "%.0f fps   ", model.frames_a_second);
     line += numbers;
   }

@@ -8,14 +8,14 @@
 #include <cmath>
 #include <string>
 
-// Menu bar: all actions of the table, recent files and bookmarks.
+// Menu bar: all actions of the action table, recent files and bookmarks.
 namespace gs::app {
 namespace {
 
 constexpr std::size_t kMaxShown = 15;
-constexpr float kRoomForTwo = 62;  // min width for a menu with a submenu beside it, in font heights
+constexpr float kRoomForTwo = 62;  // min window width at which a submenu fits beside its menu, in font heights
 
-// Begins a part of the menu row.
+// Begins a window for one part of the row of menus.
 void begin_row(const char* name, float left, float width, float height, const ImVec2& padding, bool menus) {
   ImGui::SetNextWindowPos({left, 0});
   ImGui::SetNextWindowSize({width, height});
@@ -122,7 +122,7 @@ bool UiOverlay::State::is_possible(Action action, const UiModel& model) {
 }
 
 void UiOverlay::State::MenuBar::menu_item(const ActionRow& row, const UiModel& model, UiActions& actions) {
-  // A panel's menu item has the title of its tab.
+  // The menu item of a panel has the title of the panel's tab.
   const auto panel = panel_of(row.action);
   const std::string_view words = panel ? panel_rows()[*panel].title : row.help;
   const ImVec2 place = ImGui::GetCursorScreenPos();
@@ -135,15 +135,15 @@ void UiOverlay::State::MenuBar::menu_item(const ActionRow& row, const UiModel& m
               ImGui::GetColorU32(UiColors::kQuiet));
 }
 
-// Begins a menu that fits the window below the menu bar, scrolling if needed.
+// Begins a menu. Its height is limited to the window below the menu bar; a longer menu scrolls.
 bool UiOverlay::State::MenuBar::begin_menu(const std::string& label, bool enabled) {
   const float below = ImGui::GetIO().DisplaySize.y - ui_.menu_bar_height() - ImGui::GetStyle().DisplaySafeAreaPadding.y;
   ImGui::SetNextWindowSizeConstraints({0, 0}, {FLT_MAX, std::max(below, ui_.menu_bar_height())});
   return ImGui::BeginMenu(label.c_str(), enabled);
 }
 
-// Begins a submenu. In a narrow window, where it would cover its parent, adds its items to the parent instead. Call
-// `end_part` if this returns true.
+// Begins a submenu. In a narrow window, a submenu would cover its parent; then its items are added to the parent. Call
+// end_part() if this function returns true.
 bool UiOverlay::State::MenuBar::begin_part(const std::string& title, bool enabled) {
   const std::string label = "      " + title;
   if (ImGui::GetIO().DisplaySize.x >= kRoomForTwo * ImGui::GetFontSize()) return begin_menu(label, enabled);
@@ -186,7 +186,7 @@ void UiOverlay::State::MenuBar::bookmark_menu(const UiModel& model, UiActions& a
   ImGui::EndMenu();
 }
 
-// Draws the submenu of a group at its first row.
+// Draws the submenu of a group. Does nothing unless `first` is the first row of the group.
 void UiOverlay::State::MenuBar::group_menu(const ActionRow& first, const UiModel& model, UiActions& actions) {
   const ActionRow* before = &first == app::actions().data() ? nullptr : &first - 1;
   if (before && before->group == first.group && before->menu == first.menu) return;
@@ -206,7 +206,7 @@ void UiOverlay::State::MenuBar::menus(const UiModel& model, UiActions& actions) 
       bool parted = !panels;
       for (const ActionRow& row : app::actions()) {
         if (row.menu != menu || panel_of(row.action).has_value() != panels) continue;
-        if (row.action == Action::quit) continue;  // added last
+        if (row.action == Action::quit) continue;  // the caller adds it at the end
         if (!std::exchange(parted, true)) ImGui::Separator();
         if (!row.group.empty()) {
           group_menu(row, model, actions);
@@ -247,7 +247,7 @@ void UiOverlay::State::MenuBar::draw(const UiModel& model, UiActions& actions) {
   ImGui::End();
 }
 
-// Draws Back, Forward, Reload or Stop, the address bar and the bookmark button.
+// Draws the buttons Back, Forward, and Reload or Stop, the address bar and the bookmark button.
 void UiOverlay::State::places_of_travel(const UiModel& model, UiActions& actions) {
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {7 * scale, std::round(3 * scale)});
   const auto button = [&](Action action, Icon icon) {

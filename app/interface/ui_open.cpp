@@ -9,7 +9,7 @@
 #include <string>
 #include <system_error>
 
-// Built-in Open dialog, for desktops without one.
+// Built-in Open dialog, for desktops that have none.
 namespace gs::app {
 namespace {
 
@@ -18,8 +18,8 @@ constexpr std::size_t kMaxRecentShown = 5;
 
 }  // namespace
 
-// Opens a folder in the list, or a file. The dialog stays until the file is displayed, so that errors can be corrected
-// there.
+// Opens a folder in the dialog's list, or opens a file. The dialog stays open until the file is displayed, so that the
+// user can correct the path after an error.
 void UiOverlay::State::choose_in_dialog(const std::string& typed, UiActions& actions) {
   const std::string path = opened_path(typed);
   if (path.empty()) return;
@@ -37,7 +37,7 @@ void UiOverlay::State::choose_in_dialog(const std::string& typed, UiActions& act
   dialog.problem.clear();
 }
 
-// Returns the entries of the typed folder that match the last component.
+// Returns the entries of the typed folder that match the last component of the path.
 std::vector<FolderListing::Entry> UiOverlay::State::dialog_rows(const TypedPath& path) {
   std::vector<FolderListing::Entry> rows;
   const std::string part = lower_case(path.part);
@@ -89,7 +89,7 @@ void UiOverlay::State::open_dialog(const UiModel& model, UiActions& actions) {
     if (dialog.chosen)
       choice = path.before + rows[*dialog.chosen].name;
     else if (rows.size() == 1 && !is_there)
-      choice = path.before + rows.front().name;  // unique match of a partial name
+      choice = path.before + rows.front().name;  // the only match of a partial name
     else
       choice = dialog.typed;
   }

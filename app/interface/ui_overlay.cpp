@@ -15,12 +15,12 @@
 namespace gs::app {
 namespace {
 
-constexpr int kFramesToFocus = 4;  // max frames until a new text field has the focus
+constexpr int kFramesToFocus = 4;  // max frames until a new text field gets the focus
 const std::string kSideNames[kDockSides] = {"left", "right", "bottom"};
 
 }  // namespace
 
-// Applies colours and text size, and adds glyphs that the last frame lacked.
+// Applies the theme and the text size. Adds glyphs that the last frame lacked.
 void UiOverlay::State::apply_appearance(bool at_first) {
   const float wanted = screen_scale * static_cast<float>(settings.text_size);
   if (!at_first && wanted != scale) menus_width = 0;
@@ -63,7 +63,7 @@ void UiOverlay::begin_frame(double now, const std::vector<WindowEvent>& events) 
   for (const WindowEvent& event : events)
     if (event.kind == WindowEvent::Kind::button_down || event.kind == WindowEvent::Kind::key_down)
       state_->address.opening.clear();
-  // Dear ImGui keeps a field that lost the focus active for a frame. This is not the field that waits.
+  // A field that lost the focus remains active in Dear ImGui for one frame. Only a newly active field ends the wait.
   const bool had_text = std::exchange(state_->has_text, ImGui::GetIO().WantTextInput);
   if (state_->has_text && !had_text) state_->text_waits = 0;
   if (state_->text_waits > 0) --state_->text_waits;
@@ -96,7 +96,7 @@ UiActions UiOverlay::build(const UiModel& model) {
   for (std::size_t i = 0; i < model.viewports.size(); ++i) {
     const UiViewport& viewport = model.viewports[i];
     if (model.panes > 1) widgets.pane_bar(viewport, model, actions);
-    // A playing series loads its next file all the time.
+    // A playing series always loads its next file; do not show that.
     const bool plays = viewport.active && model.tools.playing;
     if (!viewport.loading.empty() && !plays)
       widgets.loading_line(viewport, i, actions);
@@ -104,7 +104,7 @@ UiActions UiOverlay::build(const UiModel& model) {
       widgets.failure_card(viewport, model, state.is_on(Action::log, model), actions);
     else if (viewport.label.empty() && !state.dialog.open)
       widgets.welcome(viewport, i);
-    // The ruler's own line takes their position.
+    // The line of the ruler uses the position of the first steps.
     else if (model.first_steps && viewport.active && !state.dialog.open && !model.tools.measuring)
       widgets.first_steps(viewport, model, actions);
   }
@@ -224,9 +224,9 @@ void UiOverlay::open_ended(const std::string& problem) {
   dialog.problem = problem;
   if (problem.empty()) {
     dialog.open = false;
-    dialog.typed = typed_path(dialog.typed).before;  // the next dialog starts in the same folder
+    dialog.typed = typed_path(dialog.typed).before;  // keep the folder for the next dialog
   } else if (dialog.open) {
-    // Let the user type another path.
+    // Focus the path again, so that the user can correct it.
     dialog.wanted = true;
     state_->text_waits = kFramesToFocus;
   }
@@ -235,7 +235,7 @@ void UiOverlay::open_ended(const std::string& problem) {
 bool UiOverlay::close_over() {
   State& state = *state_;
   if (state.question) return state.question_refused = true;
-  if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup)) {  // a menu or a list
+  if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup)) {  // a menu or list is open
     ImGui::ClosePopupToLevel(0, true);
     return true;
   }
@@ -245,7 +245,7 @@ bool UiOverlay::close_over() {
   }
   for (bool* open : {&state.dialog.open, &state.preferences, &state.help})
     if (std::exchange(*open, false)) return true;
-  return state.address.active;  // the field drops the focus by itself
+  return state.address.active;  // Dear ImGui itself unfocuses the address field
 }
 
 bool UiOverlay::close_beside() { return state_->dock.close_one() || state_->notices.close_one(); }

@@ -18,7 +18,7 @@
 
 namespace gs::app {
 
-/// Platform of the interface: a window, or a null implementation in tests.
+/// Interface between Dear ImGui and the platform: a window, or a null implementation in tests.
 class InterfaceBackend {
  public:
   InterfaceBackend() = default;
@@ -26,64 +26,68 @@ class InterfaceBackend {
   InterfaceBackend& operator=(const InterfaceBackend&) = delete;
   virtual ~InterfaceBackend() = default;
 
-  /// Initialises the backend; called once in the Dear ImGui context.
+  /// Initialises the backend. Called once, when the Dear ImGui context is current.
   virtual void begin() = 0;
-  /// Sets size and time of the new frame in Dear ImGui.
+  /// Passes the size and time of the new frame to Dear ImGui.
   virtual void begin_frame() = 0;
-  /// Handles a rebuilt font atlas.
+  /// Uploads a rebuilt font atlas.
   virtual void fonts_changed() = 0;
   /// Draws the layout into the bound framebuffer.
   virtual void draw() = 0;
 };
 
-/// Bars and panels around the picture. Use on the window's thread with its context current. Writes no files.
+/// User interface around and over the picture: bars, panels, dialogs. Use on the window's thread with its OpenGL
+/// context current. Writes no files.
 class UiOverlay {
  public:
-  /// `scale` is the screen scale; 1 is normal.
+  /// `scale` is the scale of the screen; 1 is normal.
   UiOverlay(std::unique_ptr<InterfaceBackend> backend, float scale, const UserSettings& settings = {});
   ~UiOverlay();
   UiOverlay(const UiOverlay&) = delete;
   UiOverlay& operator=(const UiOverlay&) = delete;
 
-  /// Starts a frame with the events since the last one. Afterwards, `wants_*` reflect the pointer position.
+  /// Starts a frame with the events since the last frame. Afterwards, wants_pointer() and wants_keys() hold for these
+  /// events.
   void begin_frame(double now, const std::vector<WindowEvent>& events);
-  /// Lays out the interface. Call once after `begin_frame`.
+  /// Lays out the interface and returns the user's requests. Call once after begin_frame().
   [[nodiscard]] UiActions build(const UiModel& model);
   /// Draws the layout into the bound framebuffer.
   void draw();
 
-  /// Report whether the pointer is over a panel, or a text field has the keyboard focus.
+  /// Reports whether pointer events belong to the interface, not to the picture. wants_keys() reports whether a text
+  /// field has the keyboard.
   [[nodiscard]] bool wants_pointer() const;
   [[nodiscard]] bool wants_keys() const;
-  /// Reports whether another frame is needed to process input.
+  /// Reports whether events are pending that need another frame.
   [[nodiscard]] bool has_input_left() const;
 
-  /// Returns the area left for the picture in a framebuffer of this size, for the next frame.
+  /// Returns the area that the bars and panels leave for the picture in the next frame, in framebuffer pixels.
   [[nodiscard]] Viewport picture_area(const glm::ivec2& framebuffer);
   /// Returns the seconds until the interface changes without an event; nullopt if it will not.
   [[nodiscard]] std::optional<double> next_change() const;
 
-  /// Runs an action that only affects the interface. Returns false for other actions.
+  /// Runs an action that affects only the interface. Returns false, without effect, for other actions.
   bool run(Action action);
-  /// Shows the built-in file dialog, for desktops without one.
+  /// Opens the built-in file dialog, for desktops that have none.
   void show_open_dialog();
-  /// Panel positions and dock area sizes (left, right, bottom), for saving and restoring.
+  /// Returns the positions of the panels. arrange() restores them, and the sizes of the dock areas in the order left,
+  /// right, bottom.
   [[nodiscard]] std::vector<PanelMemory> panels() const;
   [[nodiscard]] std::array<double, kDockSides> areas() const;
   void arrange(const std::vector<PanelMemory>& panels, const std::array<double, kDockSides>& areas);
-  /// Opens the panel of an action, or brings it to the front.
+  /// Opens the panel that an action toggles, or brings it to the front.
   void show_panel(Action toggle);
-  /// Clipboard of the desktop, as UTF-8.
+  /// Returns the text on the clipboard of the desktop, in UTF-8.
   [[nodiscard]] std::string clipboard() const;
   void set_clipboard(const std::string& text);
-  /// Shows a notice that disappears after a while; errors stay longer.
+  /// Shows a notice (toast) for a few seconds; errors stay longer.
   void show_notice(std::string text, bool is_error, std::string_view about = {});
   void clear_notices();
-  /// Ends the wait of the Open panel. An empty `problem` closes the panel; otherwise it stays open and shows the
-  /// message.
+  /// Reports whether the file that the Open dialog is waiting for could be opened. Closes the dialog if `problem` is
+  /// empty; otherwise the dialog stays open and shows the message.
   void open_ended(const std::string& problem);
-  /// close_over() closes the topmost overlay: a menu, list or dialog. close_beside() closes a panel or notice beside
-  /// the picture. Both return false if there is none.
+  /// Closes the topmost overlay: a menu, list or dialog. close_beside() closes a list of a panel, or a notice. Both
+  /// return false if there is nothing to close.
   bool close_over();
   bool close_beside();
 

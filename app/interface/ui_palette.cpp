@@ -8,12 +8,12 @@
 #include <cmath>
 #include <string>
 
-// Command palette: finds actions by part of their name.
+// Command palette, which finds actions by parts of their names.
 namespace gs::app {
 namespace {
 
 constexpr std::size_t kMaxRows = 400;
-constexpr int kFramesToType = 4;  // max frames until its field has the focus
+constexpr int kFramesToType = 4;  // max frames until the palette's text field gets the focus
 
 }  // namespace
 
@@ -96,7 +96,7 @@ void UiOverlay::State::palette_dialog(const UiModel& model, UiActions& actions) 
   if (wanted || left) {
     palette = {};
   } else if (events.entered) {
-    // No match: keep the focus in the palette.
+    // Enter without a match: keep the palette open and focused.
     palette.appears = true;
     text_waits = kFramesToType;
   }

@@ -27,7 +27,7 @@ constexpr KeyHelp kPointerHelp[] = {
     {"Click", "Look at: go to the point under the pointer"},
     {"Hand", "Pointer over a sensor or link: click or drag with the left button"},
 };
-// Keys that move the viewer while held.
+// Keys that move the viewer while they are held.
 constexpr KeyHelp kHeldKeyHelp[] = {
     {"Arrows", "Turn in Examine; move forward or back and turn in Fly and Walk"},
     {"W A S D, Q E", "Forward, left, back, right, down, up; with Shift faster"},
@@ -50,7 +50,7 @@ void help_table(const char* id, const KeyHelp (&rows)[N]) {
   ImGui::EndTable();
 }
 
-// Draws keys and their actions in two columns.
+// Draws all keys with their actions in two columns.
 void action_table() {
   if (!ImGui::BeginTable("##actions", 4, ImGuiTableFlags_None)) return;
   const float keys = ImGui::CalcTextSize("Ctrl+Shift+Tab ").x;

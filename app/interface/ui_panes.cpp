@@ -11,12 +11,12 @@
 #include <cstdio>
 #include <string>
 
-// Overlays of viewports: bars and menus, dividers, and error cards.
+// Elements over the viewports: their bars and menus, dividers, and cards for errors.
 namespace gs::app {
 namespace {
 
 constexpr float kHandle = 8;                            // width of a divider's handle, at scale 1
-constexpr float kMinViewport = 96;                      // min side of a viewport, at scale 1
+constexpr float kMinViewport = 96;  // min width and height of a viewport, at scale 1
 constexpr std::size_t kBarLabel = 40, kMenuLabel = 60;  // max bytes of a name
 
 std::string name_of_pane(std::size_t pane, const std::string& label) {
@@ -35,7 +35,7 @@ std::string thousands(std::size_t count) {
   return digits;
 }
 
-// Formats "180 kbit/s of 200 kbit/s".
+// Formats the received rate and the limit: "180 kbit/s of 200 kbit/s".
 std::string arriving_text(const UiViewport& viewport) {
   const std::string arriving = readable_rate(viewport.arriving);
   return viewport.rate > 0 ? arriving + " of " + readable_rate(static_cast<double>(viewport.rate)) : arriving;
@@ -116,7 +116,7 @@ void ViewportWidgets::pane_bar(const UiViewport& viewport, const UiModel& model,
     colored_text(UiColors::kQuiet, arriving_text(viewport));
     tooltips_.show("Rate of received data; the menu sets its limit");
   }
-  // Show buttons only in the active or hovered viewport, because they cover the picture.
+  // Show buttons only in the active or hovered viewport, because buttons cover the picture.
   const bool wanted = viewport.active || area.contains(ImGui::GetIO().MousePos);
   const auto button = [&](const char* id, Icon icon, const std::string& words) {
     const bool pressed = icon_button(id, icon, "");
@@ -175,7 +175,7 @@ void ViewportWidgets::pane_menu(const UiViewport& viewport, const UiModel& model
   ImGui::EndPopup();
 }
 
-// Draws the viewport's weight in the shared resources.
+// Draws the controls of the viewport's weight, its shares of vectors and bandwidth, and its bandwidth limit.
 void ViewportWidgets::pane_shares(const UiViewport& viewport, UiActions& actions) {
   colored_text(UiColors::kQuiet, "Weight");
   auto weight = static_cast<float>(viewport.weight);
@@ -203,7 +203,7 @@ void ViewportWidgets::failure_card(const UiViewport& viewport, const UiModel& mo
   const ViewportArea area = area_of(viewport.place);
   const float gap = std::round(10 * scale_), width = std::min(area.width() - 2 * gap, 460 * scale_);
   if (width < 60 * scale_) return;
-  // Do not cover a world that is still displayed.
+  // If a world is displayed, put the card at the lower edge instead of the centre.
   const bool beside = !viewport.label.empty();
   ImGui::SetNextWindowPos({std::floor((area.lower.x + area.upper.x) / 2),
                            beside ? area.upper.y - gap : std::floor((area.lower.y + area.upper.y) / 2)},

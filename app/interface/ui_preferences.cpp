@@ -8,11 +8,11 @@
 #include <cstdio>
 #include <string>
 
-// Preferences dialog, with a row for each setting.
+// Preferences dialog, with one row for each setting.
 namespace gs::app {
 namespace {
 
-// Draws the control of a setting. Returns true if the value changed.
+// Draws the control of one setting. Returns true if the user changed the value.
 bool setting_control(UserSettings& settings, const SettingRow& row) {
   const std::string value = row.get(settings);
   const std::string id = "##" + std::string(row.name);
@@ -73,7 +73,7 @@ void UiOverlay::State::preferences_dialog(const UiModel& model, UiActions& actio
       text(row.label);
       ImGui::TableNextColumn();
       changed |= setting_control(chosen, row);
-      // Put the help beside the control if the remaining width allows more than single words per line.
+      // Put the help text beside the control if at least 12 font heights remain, else below it.
       const float end = ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x;
       if (end - ImGui::GetItemRectMax().x > 12 * ImGui::GetFontSize()) ImGui::SameLine(0, 10 * scale);
       ImGui::PushTextWrapPos(0);
@@ -90,7 +90,7 @@ void UiOverlay::State::preferences_dialog(const UiModel& model, UiActions& actio
   ImGui::End();
 }
 
-// Draws the offer to restore the last session below the bars; it takes its height from the picture.
+// Draws a line below the bars with the offer to restore the last session. The line takes its height from the picture.
 void UiOverlay::State::restore_line(const UiModel& model, UiActions& actions) {
   if (model.to_restore == 0) return;
   const float width = ImGui::GetIO().DisplaySize.x, height = restore_height();

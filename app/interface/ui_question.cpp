@@ -25,7 +25,7 @@ void ask_for_network(const UiQuestion& question) {
 
 }  // namespace
 
-// Asks a question about a world. The panels wait for the answer.
+// Asks the user a question about the permission of a world. Panels are disabled until the answer.
 void UiOverlay::State::question_panel(const UiModel& model, UiActions& actions) {
   question = model.question.has_value();
   const bool refused = std::exchange(question_refused, false);

@@ -22,20 +22,20 @@
 
 namespace gs::app {
 
-/// Interface state between frames; shared only by the ui_*.cpp files.
+/// State of the interface between frames. Only the ui_*.cpp files use it.
 struct UiOverlay::State {
-  UserSettings settings;  // the user's settings, from the model
+  UserSettings settings;  // copy of UiModel::settings
   Theme theme = Theme::dark;
-  float screen_scale = 1, scale = 1;  // screen scale alone; with the user's text size
+  float screen_scale = 1, scale = 1;  // scale of the screen; that scale times the user's text size
   double now = 0;
   bool help = false, statistics = false, preferences = false;
   std::unique_ptr<InterfaceBackend> backend;
   std::unique_ptr<InterfaceFonts> fonts;
-  int text_waits = 0;     // frames until a new text field has the focus
-  bool has_text = false;  // some text field has the focus
+  int text_waits = 0;  // frames until a new text field gets the focus
+  bool has_text = false;  // a text field has the focus
   std::size_t to_restore = 0;
 
-  /// Suggestion for typed text.
+  /// Row in the list below the address field.
   struct Suggestion {
     std::string place, label;
     Icon icon;
@@ -45,10 +45,10 @@ struct UiOverlay::State {
   struct Address {
     std::string text;
     bool wanted = false, active = false, list_hovered = false;
-    bool typed = false;                 // text differs from when the field got the focus
-    std::string opening;                // last entered text, until the user does something else
-    std::string retried;                // text that failed to open, restored for another try
-    std::optional<std::size_t> chosen;  // index in the suggestions
+    bool typed = false;  // the user changed the text after the field got the focus
+    std::string opening;  // text entered last; empty after any other input
+    std::string retried;  // text that failed to open, shown again for correction
+    std::optional<std::size_t> chosen;  // index in the list of suggestions
   } address;
 
   /// Row of the command palette.
@@ -65,25 +65,25 @@ struct UiOverlay::State {
 
   struct OpenDialog {
     bool open = false, appears = false;
-    bool wanted = false;  // its field requests the focus
+    bool wanted = false;  // the text field requests the focus
     std::string typed;
-    std::optional<std::size_t> chosen;  // index in the list
-    bool all_files = false;             // shows files of unknown type, too
-    bool opening = false;               // the chosen file is loading; nothing is shown yet
+    std::optional<std::size_t> chosen;  // index in the list of files
+    bool all_files = false;  // also lists files of unknown type
+    bool opening = false;  // the chosen file is loading but not displayed yet
     std::string problem;                // error message
   } dialog;
 
   Notices notices;
   InterfaceInput input;
 
-  // Whether a question is shown, and whether a key has refused it.
+  // A question is open; the user refused it by a key.
   bool question = false, question_refused = false;
 
-  float menus_width = 0;  // width of the menu row; 0 means unknown
+  float menus_width = 0;  // width of the menu bar's items; 0 means unknown
   Tooltips tooltips;
   DockView dock;
 
-  /// Menus of one frame.
+  /// Menu bar of one frame.
   class MenuBar {
    public:
     explicit MenuBar(State& ui) : ui_(ui) {}
@@ -110,7 +110,7 @@ struct UiOverlay::State {
 
   void address_bar(const UiModel& model, UiActions& actions, float width);
   [[nodiscard]] std::vector<Suggestion> suggestions(const UiModel& model, const std::string& typed);
-  /// Returns the clicked row.
+  /// Draws the rows of suggestions. Returns the index of the clicked row.
   static std::optional<std::size_t> suggestion_rows(const std::vector<Suggestion>& rows,
                                                     std::optional<std::size_t> chosen);
 
@@ -133,15 +133,15 @@ struct UiOverlay::State {
   void question_panel(const UiModel& model, UiActions& actions);
   void notice_lines();
 
-  // Heights in Dear ImGui units.
+  // Height in Dear ImGui units.
   [[nodiscard]] float menu_bar_height() const;
   [[nodiscard]] float tool_bar_height() const;
   [[nodiscard]] float restore_height() const {
     return to_restore > 0 ? ImGui::GetFrameHeight() + 2 * std::round(4 * scale) : 0.0f;
   }
   [[nodiscard]] float top_height() const { return menu_bar_height() + tool_bar_height() + restore_height(); }
-  [[nodiscard]] float status_bar_height() const;  // 0 if it is hidden
-  /// Sets the tooltip of the previous item.
+  [[nodiscard]] float status_bar_height() const;  // 0 if the bar is hidden
+  /// Sets the tooltip of the item drawn last.
   void tooltip(std::string_view text) { tooltips.show(text); }
 };
 

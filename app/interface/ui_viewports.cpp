@@ -22,10 +22,10 @@ constexpr struct LayoutRow {
     {ViewportLayout::four, "##four", "Four viewports (F6)", 2, 2},
 };
 
-/// Draws a button with a small picture of the layout.
+/// Draws a button with a symbol of the layout.
 bool layout_button(const LayoutRow& row, bool on, float scale) {
   const float height = ImGui::GetFrameHeight();
-  // switch_button takes its size from the label, so blanks of a known width reserve room for the picture.
+  // The button gets its size from the padding, because its label is empty; the symbol is drawn over it.
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {height * 0.6f, ImGui::GetStyle().FramePadding.y});
   const bool pressed = switch_button(row.id, on);
   ImGui::PopStyleVar();
@@ -84,7 +84,7 @@ void ViewportWidgets::viewport_marks(const UiModel& model) const {
 void ViewportWidgets::loading_line(const UiViewport& viewport, std::size_t index, UiActions& actions) {
   const ViewportArea area = area_of(viewport.place);
   const float thickness = std::round(3 * scale_);
-  // Draw an indeterminate progress bar along the upper edge.
+  // Draw a moving progress bar along the upper edge, because the end is unknown.
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   const float phase = static_cast<float>(std::fmod(now_ * 0.8, 1.0));
   const float from = area.lower.x + (phase * 1.3f - 0.3f) * area.width();

@@ -8,10 +8,11 @@
 
 namespace gs::app {
 
-/// Widgets over the pictures of the viewports: bars, dividers, progress, errors, axes and marks. Valid for one frame.
+/// Widgets over the pictures of the viewports: bars, dividers, progress, errors, axes and marks. An object is valid for
+/// one frame.
 class ViewportWidgets {
  public:
-  /// `scale` is the size of a unit in pixels, `now` the time of the frame in seconds.
+  /// `scale` is the number of pixels per unit of the design; `now` is the time of the frame in seconds.
   ViewportWidgets(float scale, double now, Tooltips& tooltips) : scale_(scale), now_(now), tooltips_(tooltips) {}
 
   /// Draws the borders of the viewports, and marks the active one.
@@ -21,7 +22,7 @@ class ViewportWidgets {
   void first_steps(const UiViewport& viewport, const UiModel& model, UiActions& actions);
   void divider_handles(const UiModel& model, UiActions& actions);
   void pane_bar(const UiViewport& viewport, const UiModel& model, UiActions& actions);
-  /// Shows the error of a viewport. `log_open` hides the button that opens the log.
+  /// Draws a card with the error of a viewport. If `log_open`, omits the button that opens the log.
   void failure_card(const UiViewport& viewport, const UiModel& model, bool log_open, UiActions& actions);
   void travel_mark(const UiModel& model);
   void tool_marks(const UiModel& model) const;

@@ -6,8 +6,8 @@ struct GLFWwindow;
 
 namespace gs::app {
 
-/// Creates the backend for a window with a current context. It handles only window size and cursor; events come through
-/// UiOverlay.
+/// Creates the backend of a window with a current OpenGL context. The backend handles only window size and cursor;
+/// events are passed through UiOverlay.
 [[nodiscard]] std::unique_ptr<InterfaceBackend> make_window_backend(GLFWwindow* window);
 
 }  // namespace gs::app

@@ -31,7 +31,7 @@ struct WorldLoading::State {
   SceneContext context{loading};
   std::shared_ptr<SceneHandler> root;
   render::MeshCache meshes;
-  NetworkTransfers::Importance importance;  // as the owner of the world computes it
+  NetworkTransfers::Importance importance;  // importance from the world's owner
 };
 
 WorldLoading::State::State(const std::string& path, const LoadOptions& options)
@@ -46,7 +46,7 @@ void WorldLoading::State::start() {
   if (asked.scheme.empty() || asked.scheme == "file") {
     const std::string path = asked.scheme.empty() ? asked_path : net::path_of_url(asked);
     std::error_code error;
-    // A text on standard input refers to files in the working directory.
+    // A world from standard input resolves references in the working directory.
     const std::string place = path == net::kStandardInputPath ? "stdin" : path;
     const std::filesystem::path absolute = std::filesystem::absolute(place, error);
     first->candidates = {net::url_of_path(error ? place : absolute.lexically_normal().string())};

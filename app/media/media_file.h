@@ -14,10 +14,10 @@
 
 namespace gs::app {
 
-/// Encoded sound or movie file, decoded during playback. Immutable; usable on any thread.
+/// Encoded sound or movie file that is decoded during playback. Immutable. Any thread.
 class MediaFile {
  public:
-  /// Holds a file from the network. `held` is the budget share of the bytes.
+  /// Holds the bytes of a file from the network, with their share of the memory budget.
   MediaFile(std::vector<std::byte> bytes, Share held) : copy_(std::move(bytes)), held_(std::move(held)) {}
   explicit MediaFile(net::MappedFile file, Share held) : held_(std::move(held)), file_(std::move(file)) {}
   MediaFile(const MediaFile&) = delete;
@@ -26,7 +26,7 @@ class MediaFile {
   [[nodiscard]] std::span<const std::byte> bytes() const { return file_ ? file_->bytes() : copy_; }
 
   render::MediaInfo info;
-  std::string name;  // for messages
+  std::string name;  // name of the file in messages
 
  private:
   std::vector<std::byte> copy_;

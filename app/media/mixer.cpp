@@ -13,12 +13,12 @@
 namespace gs::app {
 namespace {
 
-constexpr double kFade = 0.005;     // fade-out of a cut sound, in seconds
-constexpr double kMaxApart = 0.02;  // max drift in seconds before a sound jumps to its position
-constexpr double kNear = 0.02;      // tolerance in pairs; above the precision of times since 1970
-constexpr double kFastest = 64;     // max file samples per output sample; faster sounds are inaudible
-constexpr int kLobes = 8;           // filter lobes on each side
-constexpr int kFilterSteps = 512;   // table entries per lobe
+constexpr double kFade = 0.005;  // seconds; fade-out of a sound that ends early
+constexpr double kMaxApart = 0.02;  // seconds; max drift of a sound before its position is corrected by a jump
+constexpr double kNear = 0.02;  // sample pairs; tolerance that covers the rounding of times since 1970
+constexpr double kFastest = 64;  // max file samples per output sample; a faster sound is not played
+constexpr int kLobes = 8;  // lobes of the sinc filter on each side
+constexpr int kFilterSteps = 512;  // table entries per lobe of the filter
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 /// Windowed sinc function for resampling.
@@ -51,14 +51,14 @@ const SincFilter& sinc_filter() {
 
 struct Mixer::Playing {
   Voice voice;
-  std::unique_ptr<VoiceStream> stream;  // null if it cannot be read
-  double place = 0;                     // position in the stream, in pairs
-  bool placed = false;                  // it has played
-  bool leaves = false;                  // no longer wanted; plays until its end
+  std::unique_ptr<VoiceStream> stream;  // null if the file cannot be decoded
+  double place = 0;  // next position in the stream, in sample pairs
+  bool placed = false;  // `place` is valid
+  bool leaves = false;  // absent from the voices last set; plays until `end`
   double left = 0, right = 0;           // channel gains at the end of the last block
-  bool began = false;                   // the gains are valid
+  bool began = false;  // `left` and `right` are valid
   double end = kNever;
-  bool cut = false;  // ends before the sound does
+  bool cut = false;  // `end` is before the natural end of the sound
 };
 
 Mixer::Mixer() = default;
@@ -82,7 +82,7 @@ bool Mixer::sounding() const {
   return sounding_;
 }
 
-// Matches the wanted voices with those that play.
+// Replaces the playing sounds by the voices last set. A sound with an unchanged voice continues.
 void Mixer::take_over() {
   std::vector<Voice> wanted;
   double now = 0;
@@ -131,11 +131,12 @@ void Mixer::take_over() {
 void Mixer::mix_one(Playing& playing, double from, double to, std::span<float> pairs) {
   const Voice& voice = playing.voice;
   const std::size_t count = pairs.size() / 2;
-  // Times since 1970 resolve some tenths of a microsecond. Treat a block of about the usual length as exact.
+  // Times since 1970 have a resolution of some tenths of a microsecond. A block of nearly the usual length is treated
+  // as having exactly that length.
   constexpr double kRounding = 5e-7;
   const double usual = static_cast<double>(count) / kMixRate;
   const double a_pair = (std::abs(to - from - usual) < kRounding ? usual : to - from) / static_cast<double>(count);
-  // A new sound starts at full level; one already playing elsewhere fades in.
+  // A sound that starts now begins at its full level. A sound that started earlier fades in over this block.
   if (!playing.began && voice.start >= from - kFade) {
     playing.left = voice.left;
     playing.right = voice.right;
@@ -153,14 +154,14 @@ void Mixer::mix_one(Playing& playing, double from, double to, std::span<float> p
   const double time = from + static_cast<double>(first) * a_pair;
   const double step = a_pair * voice.rate * stream.rate();
   if (!(step > 0) || step > kFastest || first >= count) return;
-  // Compute the target position; a loop may be in any turn.
+  // Compute the position at which the stream should be. The position in a loop is compared modulo its length.
   double should = std::max(0.0, time - voice.start) * voice.rate * stream.rate();
   const auto turn = static_cast<double>(stream.length());
   if (voice.loop && turn > 0) should = std::fmod(should, turn);
   double apart = should - (voice.loop && turn > 0 ? std::fmod(playing.place, turn) : playing.place);
   if (voice.loop && turn > 0) apart -= turn * std::round(apart / turn);
   if (!playing.placed || std::abs(apart) > kMaxApart * stream.rate() * voice.rate) playing.place = should;
-  // Snap to the file's samples if the rates match.
+  // If the sample rates match, round the position to a sample of the file.
   if (std::abs(step - 1) < 1e-9 && std::abs(playing.place - std::round(playing.place)) < kNear)
     playing.place = std::round(playing.place);
   playing.placed = true;

@@ -11,25 +11,25 @@
 
 namespace gs::app {
 
-/// Sample rate of the mix: stereo pairs per second.
+/// Sample rate of the mix in stereo pairs per second.
 inline constexpr int kMixRate = 48000;
-/// Maximum number of sounds played at a time; see SoundRank.
+/// Maximum number of sounds that play at a time. SoundRank orders the candidates.
 inline constexpr std::size_t kMaxVoices = 32;
 
-/// One sound to be mixed.
+/// Sound for the mixer.
 struct Voice {
-  const void* who = nullptr;  // identity of the sound, together with `number`
+  const void* who = nullptr;  // with `number`, the identity of the sound; never dereferenced
   std::size_t number = 0;
   std::shared_ptr<const MediaFile> file;
-  double start = 0, end = 0;  // seconds since 1970; an infinite `end` means unknown
-  double rate = 1;            // > 0; scales pitch or speed
-  double duration = -1;       // duration of the file in seconds; negative means unknown
+  double start = 0, end = 0;  // seconds since 1970; an infinite `end` means that the end is unknown
+  double rate = 1;  // playback speed, > 0; also scales the pitch
+  double duration = -1;  // seconds of the whole file; negative means unknown
   bool loop = false;
   double left = 1, right = 1;  // channel gains
 };
 
-/// Mixes voices. `set` and the other functions may run on any thread. `mix` decodes and must run on one thread, never
-/// the thread that draws frames.
+/// Mixer of voices. Any thread, except for mix(): it decodes files and must run on one thread, which must not draw
+/// frames.
 class Mixer {
  public:
   Mixer();
@@ -37,15 +37,15 @@ class Mixer {
   Mixer(const Mixer&) = delete;
   Mixer& operator=(const Mixer&) = delete;
 
-  /// Replaces the voices as of `now`, in seconds since 1970. A voice that is missing from `voices` stops at its former
-  /// `end` if that has passed, else at `now`.
+  /// Sets the voices that play from `now` on, in seconds since 1970. A voice that is missing from `voices` stops at
+  /// `now` or at its `end`, whichever is earlier.
   void set(std::vector<Voice> voices, double now);
-  /// Sets the master gain, >= 0.
+  /// Sets the master gain; 1 is unchanged, 0 is silent.
   void set_gain(double gain);
-  /// Mixes stereo pairs in -1..1 for the time span `from`..`to`, about one pair per 1/kMixRate seconds. Gains ramp
-  /// linearly to the values last set.
+  /// Mixes the time span `from`..`to`, in seconds since 1970, into stereo pairs in -1..1. The span should be about as
+  /// long as the pairs at kMixRate. Gains ramp linearly to the values set last.
   void mix(double from, double to, std::span<float> pairs);
-  /// Reports whether any voice plays now or later.
+  /// Reports whether any voice plays now or will play later.
   [[nodiscard]] bool sounding() const;
 
  private:

@@ -10,16 +10,18 @@
 
 namespace gs::app {
 
-/// Decoder state. `movie` and `opened` belong to the decoding thread; MoviePlayers::mutex_ guards the rest.
+/// State of a player's decoder. Only the decoding thread uses `movie` and `opened`; MoviePlayers::mutex_ guards the
+/// other members.
 struct MoviePlayers::Player::Decoder {
   std::unique_ptr<render::Movie> movie;
   bool opened = false;
-  double wanted = -1, done = -1;  // seconds
+  double wanted = -1, done = -1;  // seconds of movie time
   bool busy = false;
   std::optional<render::Movie::Frame> ready;
-  double ready_time = -1;  // time of the last ready picture
+  double ready_time = -1;  // requested movie time of the picture decoded last
 
-  /// Decodes the picture at a time. Returns nullopt if it is the same as the one at `before`.
+  /// Decodes the picture at `seconds` of movie time. Returns nullopt if the picture begins at `before`, which the
+  /// caller has, or on failure.
   std::optional<render::Movie::Frame> decode(const Player& of, double seconds, double before) {
     if (!std::exchange(opened, true)) {
       render::ImageLimits limits = texture_limits(of.budget_);
@@ -31,7 +33,7 @@ struct MoviePlayers::Player::Decoder {
     const auto found = movie->at(seconds);
     const auto* frame = std::get_if<const render::Movie::Frame*>(&found);
     if (!frame || !*frame) {
-      movie.reset();  // damaged from here on; keep the last picture
+      movie.reset();  // the file is damaged here; the last picture stays
       return std::nullopt;
     }
     if ((*frame)->time == before) return std::nullopt;
@@ -53,7 +55,7 @@ MoviePlayers::~MoviePlayers() { *over_ = true; }
 
 std::shared_ptr<MoviePlayers::Player> MoviePlayers::open(std::shared_ptr<const MediaFile> file,
                                                          const render::Image& first, const WorldBudget& budget) {
-  // Room for this picture, a ready one, one being decoded, and the decoder's reference pictures.
+  // pictures in memory: the visible one, a ready one, one in decoding, and the decoder's reference pictures
   constexpr std::size_t kPictures = 12;
   Share share(budget, Resource::pixels);
   if (!share.grow(kPictures * first.pixels.size())) return nullptr;
@@ -107,7 +109,7 @@ void MoviePlayers::run(const std::stop_token& stop) {
           player = one->lock();
           const bool turn = player && player->decoder_->wanted != player->decoder_->done;
           if (turn) {
-            std::rotate(one, one + 1, asked_.end());  // the other players get the next turn
+            std::rotate(one, one + 1, asked_.end());  // serve the other players next
             return true;
           }
           one = asked_.erase(one);

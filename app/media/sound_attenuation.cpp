@@ -14,7 +14,7 @@ double factor_of(double decibels) { return std::pow(10, decibels / 20); }
 
 }  // namespace
 
-// Uses the conic r = p / (1 - e cos), with the focus at the origin.
+// Uses the polar form of a conic, r = p / (1 - e cos), with the focus at the origin.
 double ellipsoid_radius(double front, double back, double cosine) {
   const double below = (front + back) - (front - back) * cosine;
   return below > 0 ? 2 * front * back / below : 0;
@@ -24,10 +24,10 @@ double intensity_factor(double intensity) {
   return intensity > 0 ? factor_of(kOuterDecibels * (1 - std::min(intensity, 1.0))) : 0;
 }
 
-// Follows Figure 7.1 of VRML97: 0.5 ahead and behind, 0 left, 1 right, linear in the angle.
+// Follows Figure 7.1 of VRML97: 0.5 in front and behind, 0 at the left, 1 at the right, linear in the angle.
 Pan pan_of(const glm::dvec3& viewer) {
   if (viewer.x == 0 && viewer.z == 0) return pan_of({0, 0, -1});
-  double angle = std::atan2(viewer.x, -viewer.z);  // from straight ahead to the right
+  double angle = std::atan2(viewer.x, -viewer.z);  // 0 is straight ahead; positive is to the right
   constexpr double kHalf = glm::half_pi<double>();
   if (angle > kHalf) angle = 2 * kHalf - angle;
   if (angle < -kHalf) angle = -2 * kHalf - angle;
@@ -37,7 +37,8 @@ Pan pan_of(const glm::dvec3& viewer) {
 
 Heard sound_attenuation(const render::SoundState& sound, const glm::dmat4& world_from_viewer) {
   Heard heard;
-  // Ratios along a line are invariant under transforms, so the ellipsoids are measured in the sound's own space.
+  // Affine transforms keep ratios of lengths along a line. Therefore the ratios are computed in the local space of the
+  // Sound.
   const double volume = glm::determinant(glm::dmat3(sound.world_from_local));
   if (!std::isfinite(volume) || volume == 0) return heard;
   const glm::dvec3 viewer(glm::inverse(sound.world_from_local) * world_from_viewer[3]);
@@ -62,7 +63,8 @@ Heard sound_attenuation(const render::SoundState& sound, const glm::dmat4& world
   return heard;
 }
 
-// Orders sounds to play first: high priority, then the newest for cues, else the loudest.
+// Orders sounds by precedence (7.3.4.1): higher priority first; then the later start if the priority exceeds 0.5; then
+// the louder sound.
 bool operator<(const SoundRank& a, const SoundRank& b) {
   constexpr double kCue = 0.5;
   if (a.priority != b.priority) return a.priority > b.priority;

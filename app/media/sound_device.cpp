@@ -14,7 +14,7 @@
 #include <type_traits>
 #include <utility>
 
-/// OpenAL functions in use.
+/// OpenAL functions that this file uses.
 #define GHOSTSPACE_OPENAL_FUNCTIONS(X) \
   X(alBufferData)                      \
   X(alDeleteBuffers)                   \
@@ -39,13 +39,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kPairs = 512;  // pairs per buffer
+constexpr std::size_t kPairs = 512;  // stereo pairs per buffer
 constexpr int kBuffers = 4;
-constexpr double kBuffer = static_cast<double>(kPairs) / kMixRate;  // seconds
-constexpr double kClocksApart = 0.05;                               // max clock difference in seconds, else jump
-constexpr double kSilence = 2;                                      // seconds of silence before the device pauses
+constexpr double kBuffer = static_cast<double>(kPairs) / kMixRate;  // seconds per buffer
+constexpr double kClocksApart = 0.05;  // seconds; a larger clock difference causes a jump
+constexpr double kSilence = 2;  // seconds without sound before the device is closed
 
-/// OpenAL library, loaded with the first sound.
+/// OpenAL library. It is loaded when the first sound plays.
 struct OpenAl {
 #define GHOSTSPACE_OPENAL_MEMBER(name) decltype(&::name) name = nullptr;
   GHOSTSPACE_OPENAL_FUNCTIONS(GHOSTSPACE_OPENAL_MEMBER)
@@ -71,7 +71,7 @@ const OpenAl& openal() {
 
 void say_nothing(const char*, int, const char*, int, const char*, ...) {}
 
-/// Silences ALSA's messages on the terminal.
+/// Suppresses ALSA's messages on the terminal.
 void keep_alsa_quiet() {
   using Handler = void (*)(const char*, int, const char*, int, const char*, ...);
   void* const library = dlopen("libasound.so.2", RTLD_NOW | RTLD_GLOBAL);
@@ -80,7 +80,7 @@ void keep_alsa_quiet() {
   if (set) (void)set(say_nothing);
 }
 
-/// Open device with one source and a queue of buffers.
+/// Sound device that is open, with one source and a queue of buffers.
 class Output {
  public:
   ~Output() {
@@ -113,7 +113,7 @@ class Output {
     return al.alGetError() == AL_NO_ERROR;
   }
 
-  /// Reports whether there is room for another buffer.
+  /// Reports whether a buffer is free.
   bool wants() {
     const OpenAl& al = openal();
     ALint done = 0;
@@ -126,7 +126,7 @@ class Output {
     return !free_.empty();
   }
 
-  /// Returns the seconds of queued sound still to play.
+  /// Returns the seconds of queued sound that have not played yet.
   double waiting() {
     ALint offset = 0;
     openal().alGetSourcei(source_, AL_SAMPLE_OFFSET, &offset);
@@ -188,18 +188,18 @@ void SoundDevice::run(const std::stop_token& stop) {
   }
 }
 
-// Plays until no sound is left. Returns false if there is no device.
+// Plays until there has been no sound for kSilence. Returns false if the device cannot be opened or fails.
 bool SoundDevice::play(const std::stop_token& stop) {
   Output output;
   if (!output.open()) return false;
   std::array<float, 2 * kPairs> pairs{};
-  std::optional<double> next;  // time of the next pair to mix
+  std::optional<double> next;  // world time of the next pair to mix
   double silent_since = clock_();
   while (!stop.stop_requested()) {
     while (output.wants()) {
       const double heard_at = clock_() + output.waiting() - kBehind;
       if (!next || std::abs(*next - heard_at) > kClocksApart) next = heard_at;
-      // The device and system clocks drift apart. Correct by at most 0.1 %, which is inaudible.
+      // The clocks of device and system drift apart. Correct the speed by at most 0.1 %, which is inaudible.
       const double correction = std::clamp((heard_at - *next) * 0.05, -0.001 * kBuffer, 0.001 * kBuffer);
       const bool even = std::abs(heard_at - *next) < 0.01;
       const double to = *next + kBuffer + (even ? 0 : correction);

@@ -10,23 +10,24 @@
 
 namespace gs::app {
 
-/// Plays a mixer's output on the system's sound device through OpenAL, on its own thread. Decoding and mixing never
-/// delay frames, and sounds continue while no frame is drawn. Without the library or a device, stays silent.
+/// Output of a mixer on the system's sound device through OpenAL. It decodes and mixes on its own thread: this never
+/// delays frames, and sounds continue while no frame is drawn. Without the library or a device, it stays silent.
 class SoundDevice {
  public:
-  /// Delay of sound relative to pictures, in seconds. The device requests samples in advance. The delay ensures that a
-  /// sound plays from its first sample.
+  /// Delay of sound relative to pictures, in seconds. The device mixes in advance; because of the delay, a sound that
+  /// has just started still plays from its first sample.
   static constexpr double kBehind = 0.06;
 
-  /// `clock` returns seconds since 1970 and may be called on any thread. `mixer` and `clock` must outlive this object.
+  /// `clock` returns the present time in seconds since 1970, on any thread. `mixer` and `clock` must outlive this
+  /// object.
   SoundDevice(Mixer& mixer, std::function<double()> clock);
   ~SoundDevice();
   SoundDevice(const SoundDevice&) = delete;
   SoundDevice& operator=(const SoundDevice&) = delete;
 
-  /// Tells the thread that there may be sound to play.
+  /// Wakes the thread, because there may be sound to play.
   void wake();
-  enum class State : std::uint8_t { resting, playing, silent };  // silent: no output device
+  enum class State : std::uint8_t { resting, playing, silent };  // silent means that there is no output device
   [[nodiscard]] State state() const { return state_; }
 
  private:

@@ -12,13 +12,13 @@ namespace gs::app {
 void SoundStage::add(const render::RenderList& list, vrml::Execution& execution, const MediaFiles& media,
                      const glm::dmat4& world_from_viewer) {
   if (media.empty()) return;
-  std::unordered_map<const vrml::Node*, std::size_t> places;  // occurrences of each Sound so far
+  std::unordered_map<const vrml::Node*, std::size_t> places;  // instances of each Sound node so far
   for (const render::SoundState& sound : render::sounds_of(list, schemas_)) {
     const std::size_t number = places[sound.node]++;
     const auto file = media.find(&sound.scene->node(sound.source));
     if (file == media.end() || !file->second->info.sound) continue;
     const auto play = vrml::media_play(execution, *sound.scene, sound.source);
-    // Reversed and stopped sounds are silent.
+    // Skip sounds that are stopped or play backwards.
     if (!play || !play->active || !(play->rate > 0)) continue;
     const Heard heard = sound_attenuation(sound, world_from_viewer);
     if (heard.level <= 0) continue;

@@ -15,23 +15,23 @@
 
 namespace gs::app {
 
-/// Media files of a world, by the node that plays them.
+/// Media files of a world, by the node that plays each file.
 using MediaFiles = std::unordered_map<const vrml::Node*, std::shared_ptr<const MediaFile>>;
 
-/// Turns the Sounds of worlds into voices of a mixer, according to the viewer's position. Use from one thread; only the
-/// mixer is thread-safe.
+/// Converter from the Sounds of worlds to the voices of a mixer, by the viewer's position. One thread; only mixer() may
+/// be used on other threads.
 class SoundStage {
  public:
-  /// Starts a new set of sounds. For each moment call `begin`, then `add` for every audible world, then `end`.
+  /// Begins the set of sounds of one frame. In each frame call begin(), then add() for every audible world, then end().
   void begin() { heard_.clear(); }
-  /// Adds the audible sounds of one world. `list` must be up to date.
+  /// Adds the audible sounds of one world. `list` must be updated to the present frame.
   void add(const render::RenderList& list, vrml::Execution& execution, const MediaFiles& media,
            const glm::dmat4& world_from_viewer);
   void end(double now);
 
   void set_muted(bool muted);
   [[nodiscard]] bool muted() const { return muted_; }
-  /// Changes the volume by `steps` of kVolumeStep dB, clamped to kMinVolume..0.
+  /// Changes the volume by `steps` times kVolumeStep dB. Clamps it to kMinVolume..0 dB.
   void change_volume(int steps);
   [[nodiscard]] int volume() const { return volume_; }  // dB
   static constexpr int kVolumeStep = 3, kMinVolume = -36;

@@ -8,9 +8,9 @@
 namespace gs::app {
 namespace {
 
-constexpr std::int64_t kFarAhead = 1 << 16;  // pairs; seek instead of reading beyond this
-constexpr std::size_t kPiece = 1024;         // pairs per read
-constexpr std::int64_t kShort = 1 << 16;     // max pairs of a loop that is kept whole
+constexpr std::int64_t kFarAhead = 1 << 16;  // sample pairs; to skip more than this, seek instead of reading
+constexpr std::size_t kPiece = 1024;  // sample pairs per read
+constexpr std::int64_t kShort = 1 << 16;  // sample pairs; max length of a loop that is kept in memory as a whole
 
 }  // namespace
 
@@ -46,7 +46,7 @@ const float* VoiceStream::window(std::int64_t first, std::size_t count) {
     }
   }
   if (next_ < end) fill(static_cast<std::size_t>(end - next_));
-  // Drop data before the window.
+  // Remove the pairs before the requested window.
   const auto before = static_cast<std::size_t>(first - first_);
   if (before > 4 * kPiece) {
     held_.erase(held_.begin(), held_.begin() + static_cast<std::ptrdiff_t>(2 * before));

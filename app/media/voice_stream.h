@@ -10,21 +10,21 @@
 
 namespace gs::app {
 
-/// Endless stream of samples of one sound: it loops, or is silent after its end. Buffers the current window and a
-/// little more, or one whole loop if that is short. Use from one thread at a time.
+/// Samples of one sound as an endless stream: the sound repeats, or is followed by silence. Buffers little more than
+/// the requested window, or one whole repetition if that is short. One thread at a time.
 class VoiceStream {
  public:
   /// `duration` is in seconds; negative means until the samples end.
   VoiceStream(std::shared_ptr<const MediaFile> file, std::unique_ptr<render::SampleReader> reader, double duration,
               bool loop);
 
-  /// Sample rate in Hz.
+  /// Returns the sample rate in Hz.
   [[nodiscard]] double rate() const { return rate_; }
-  /// Number of stereo pairs in one loop; 0 means unknown.
+  /// Returns the number of stereo pairs in one repetition; 0 means unknown.
   [[nodiscard]] std::int64_t length() const { return length_; }
-  /// Returns `count` stereo pairs from index `first` on. Negative indices are silent; indices count on across loops.
-  /// Calls should move forward: a step back, or one beyond the buffer, makes the reader seek. Valid until the next
-  /// call.
+  /// Returns `count` stereo pairs from index `first` on. Pairs at negative indices are silent. Indices continue to
+  /// count across repetitions. A call with an earlier `first`, or one far beyond the buffer, needs a slow seek. The
+  /// result is valid until the next call.
   [[nodiscard]] const float* window(std::int64_t first, std::size_t count);
 
  private:
@@ -36,11 +36,11 @@ class VoiceStream {
   double rate_;
   std::int64_t length_ = 0;
   bool loop_;
-  std::vector<float> turn_;  // one whole loop, if the sound repeats and is short
+  std::vector<float> turn_;  // one whole repetition, if the sound repeats and is short
   std::vector<float> held_;
   std::int64_t first_ = 0;  // index of the first buffered pair
   std::int64_t next_ = 0;   // index of the pair to read next
-  bool over_ = false;       // this loop has no more samples
+  bool over_ = false;  // the samples of this repetition have ended
 };
 
 }  // namespace gs::app

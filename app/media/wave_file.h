@@ -9,10 +9,10 @@
 
 namespace gs::app {
 
-/// Recorder that writes a mixer's output as a 16-bit stereo WAV.
+/// Recorder of a mixer's output as a 16-bit stereo WAV file.
 class WaveFile {
  public:
-  /// Maximum recorded length in seconds; later samples are dropped.
+  /// Maximum recorded length in seconds. Later samples are dropped.
   static constexpr double kLongest = 3600;
 
   void add(std::span<const float> pairs);

@@ -8,14 +8,14 @@
 
 namespace gs::app {
 
-/// Animation options of a request.
+/// Request for an animation.
 struct AnimationRequest {
-  bool turntable = false;                          // one turn about the up axis
-  std::optional<std::pair<double, double>> times;  // world times to show, in seconds from the start
-  std::vector<std::string> tour;                   // Viewpoints by description, DEF name or number
-  std::size_t pictures = 0;                        // 0 means rate times length
+  bool turntable = false;  // move the camera once around the up axis
+  std::optional<std::pair<double, double>> times;  // range of world time to show, in seconds from the start
+  std::vector<std::string> tour;  // Viewpoints to visit, by description, DEF name or number
+  std::size_t pictures = 0;  // number of pictures; 0 means rate times length
   double rate = 25;                                // pictures per second
-  double length = 0;                               // seconds per turn, or per pair of Viewpoints; 0 means the default
+  double length = 0;  // seconds per turn, or between two Viewpoints; 0 means the default
 };
 
 }  // namespace gs::app

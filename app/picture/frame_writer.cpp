@@ -12,7 +12,8 @@
 namespace gs::app {
 namespace {
 
-/// Refuses to overwrite a file that is no picture or movie, so that a mistyped name cannot destroy a world.
+/// Returns a message if `name` is an existing file that is not a PNG picture or movie. A mistyped name must not
+/// overwrite a world.
 std::optional<std::string> refuse_frame_file(const std::string& name, bool movie) {
   std::error_code error;
   if (!std::filesystem::exists(name, error)) return std::nullopt;

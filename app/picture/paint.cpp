@@ -14,7 +14,8 @@ render::PictureOptions options_of(const PictureScene& scene, const PictureReques
   return options;
 }
 
-/// Renders bands with their overlay and passes them to `take`. Returns an error message on failure.
+/// Renders the picture in bands of rows, draws the overlay over each band, and passes the band to `take`. Returns an
+/// error message on failure.
 std::optional<std::string> paint(render::Renderer& renderer, const PictureScene& scene, const PictureRequest& request,
                                  render::FrameStatistics* statistics, const std::function<bool(render::Image&)>& take) {
   int top = 0;

@@ -12,8 +12,8 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kFine = 1;  // index in vrml::kTextTolerances
-constexpr int kSide = 4;          // samples per pixel and axis
+constexpr std::size_t kFine = 1;  // tolerance for glyphs, as an index in vrml::kTextTolerances
+constexpr int kSide = 4;  // samples along each axis of a pixel
 
 const vrml::FontRequest& label_font() {
   static const vrml::FontRequest font{{"SANS"}, false, false, {}};
@@ -32,7 +32,7 @@ void blend_pixel(std::uint8_t* pixel, std::uint32_t components, const glm::vec3&
   if (components == 4) pixel[3] = static_cast<std::uint8_t>(std::lround(std::clamp(alpha, 0.0f, 1.0f) * 255));
 }
 
-/// Coverage of a rectangle's samples by triangles.
+/// Samples of a rectangle of pixels, each covered by a triangle or not.
 class Coverage {
  public:
   Coverage(const glm::ivec2& from, const glm::ivec2& to)
@@ -77,7 +77,7 @@ class Coverage {
   std::vector<bool> samples_;
 };
 
-/// Clips a rectangle to the band. Returns false if nothing is left.
+/// Clips a rectangle of pixels to the band. Returns false if the result is empty.
 bool clip_to(const PictureBand& band, glm::ivec2& from, glm::ivec2& to) {
   const int width = static_cast<int>(band.image.width), height = static_cast<int>(band.image.height);
   from = glm::max(from, glm::ivec2(0, band.top));

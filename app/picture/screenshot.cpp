@@ -45,7 +45,7 @@ std::string pictures_folder() {
 }
 
 std::string picture_name(std::string_view title, double time, std::string_view extension) {
-  constexpr std::size_t kMaxTitle = 80;  // bytes
+  constexpr std::size_t kMaxTitle = 80;  // max bytes of the title in a file name
   std::string name;
   for (const char c : title) {
     const auto byte = static_cast<unsigned char>(c);

@@ -15,42 +15,45 @@
 
 namespace gs::app {
 
-/// Options for how a picture shows a volume.
+/// Options that determine how a picture shows a volume.
 struct VolumeWishes {
-  std::string transfer;  // colour map or transfer function file; empty means the volume's own
+  std::string transfer;  // colour map or transfer function file; empty means the volume's own transfer function
   std::vector<SliceWish> slices;
-  VolumeSlices slice_look;  // slice options other than which slices are shown, and where
+  VolumeSlices slice_look;  // look of the slices; their number and positions are in `slices`
   bool color_bar = false;
   [[nodiscard]] bool any() const { return !transfer.empty() || !slices.empty() || color_bar; }
 };
 
-/// Effects of VolumeWishes on one picture.
+/// Object that applies VolumeWishes to one picture.
 class VolumeShow {
  public:
-  /// Prepares the picture; returns a message on failure. `path` is the file of the world, from which slices read
-  /// values. `key` describes the values that surface colours stand for.
+  /// Reads the data that the options need. Returns a message on failure. `path` is the file of the world, from which
+  /// slices read voxel values. `key` describes the values that surface colours stand for.
   [[nodiscard]] std::optional<std::string> prepare(const VolumeWishes& wishes, const std::string& path,
                                                    const render::RenderList& list, const std::optional<ColorKey>& key,
                                                    const WorldBudget& budget);
-  /// Applies the options to the list, the splat style and the overlay of `scene`. This object must outlive `scene`.
+  /// Applies the options to the render list, the splat style and the overlay of `scene`. This object must outlive
+  /// `scene`.
   void apply(PictureScene& scene);
 
  private:
   VolumeWishes wishes_;
   std::optional<ColorBar> surface_bar_;
-  Transfer transfer_;  // empty means the volumes' own
+  Transfer transfer_;  // empty means the volume's own transfer function
   VolumeSlices slices_;
   std::shared_ptr<const VolumeGrid> grid_;
   SliceScene slice_scene_;
 };
 
-/// Returns the transfer function for a colour map's or file's name, or a message if it is neither.
+/// Returns the transfer function with the name of a colour map, or from a file with the path `name`. Returns a message
+/// if `name` is neither.
 [[nodiscard]] std::variant<Transfer, std::string> named_transfer(const std::string& name,
                                                                  const qnv::Description& volume);
-/// Returns the colour bar of a displayed volume: of its transfer function, or of its slices if only they are shown.
+/// Returns the colour bar of a displayed volume: that of its slices if only slices are visible, else that of its
+/// transfer function.
 [[nodiscard]] ColorBar shown_color_bar(const qnv::Description& volume, const Transfer& transfer,
                                        const VolumeSlices& slices);
-/// Returns the first volume of a list, or null.
+/// Returns the description of the first volume in a list; null if the list has no volume.
 [[nodiscard]] const qnv::Description* first_volume(const render::RenderList& list);
 
 }  // namespace gs::app

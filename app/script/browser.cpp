@@ -12,12 +12,12 @@
 #include <cmath>
 #include <utility>
 
-// The Browser object (VRML97 4.12.10, C.6.3), print() and trace(), constants, and what programs of the time expect
-// beside them.
+// The Browser object (VRML97 4.12.10, C.6.3), print() and trace(), constants, and further functions that browsers of
+// the VRML97 era offered.
 namespace gs::app::script {
 namespace {
 
-constexpr std::size_t kMaxTold = 4096;  // characters of a line and of a description
+constexpr std::size_t kMaxTold = 4096;  // max characters of a printed line and of a description
 
 bool texts_argument(JSContext* context, const JS::CallArgs& args, unsigned index, std::vector<std::string>& texts) {
   if (index >= args.length() || args[index].isNullOrUndefined()) return true;
@@ -121,12 +121,13 @@ bool change_route(JSContext* context, unsigned argc, JS::Value* vp) {
   const auto found = route_between(*scene, from->id, out, to->id, in);
   if (const auto* const why = std::get_if<std::string>(&found)) return fail(context, *why);
   const vrml::Route& route = std::get<vrml::Route>(found);
-  // A ROUTE tells its target the values of its source, and may replace the program of a Script.
+  // Adding a ROUTE lets the target read values of the source, and may replace the program of a Script. Both need
+  // permission.
   const vrml::Node &source = scene->node(from->id), &target = scene->node(to->id);
   const bool same_source = source.text->source() == target.text->source();
   if (kAdd && !same_source && !world.may_read(source)) return true;
   if (kAdd && sets_program(*target.type, *route.event_in) && !world.may_read(target)) return true;
-  // A second ROUTE between the same events changes nothing (4.10.2).
+  // Adding a ROUTE that exists already has no effect (4.10.2).
   if (kAdd)
     (void)world.execution().routes().add(*scene, route);
   else
@@ -168,7 +169,7 @@ bool print(JSContext* context, unsigned argc, JS::Value* vp) {
   return true;
 }
 
-// Ignores functions of other browsers that have no meaning here.
+// Accepts calls of functions that only other browsers implement.
 bool do_nothing(JSContext*, unsigned argc, JS::Value* vp) {
   JS::CallArgsFromVp(argc, vp).rval().setUndefined();
   return true;
@@ -189,7 +190,7 @@ bool give_empty(JSContext* context, unsigned argc, JS::Value* vp) {
   return make_string(context, "", JS::CallArgsFromVp(argc, vp).rval());
 }
 
-// ---- Where the viewer is (Blaxxun Contact)
+// ---- Position and orientation of the viewer (Blaxxun Contact)
 
 bool viewpoint_position(JSContext* context, unsigned argc, JS::Value* vp) {
   const glm::dmat4 viewer = world_of(context).execution().viewer().pose();
@@ -212,7 +213,8 @@ bool viewpoint_orientation(JSContext* context, unsigned argc, JS::Value* vp) {
 
 // ---- Functions without an object
 
-// Numbers lose what is behind the point; the engine's own would read the text of a very small or large one.
+// Implements parseInt(). Truncates a number directly: SpiderMonkey's own parseInt would parse the text of the number,
+// which has an exponent if the number is very small or large.
 bool parse_int(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   if (args.get(0).isNumber() && args.length() < 2) {
@@ -226,7 +228,7 @@ bool parse_int(JSContext* context, unsigned argc, JS::Value* vp) {
   return true;
 }
 
-// `SFFloat(x)` and the like: the number itself, or with `new` an object that stands for it.
+// Implements conversions such as SFFloat(x): returns the primitive value, or an object for it if called with `new`.
 enum class Plain : std::uint8_t { number, integer, truth, text };
 template <Plain kPlain>
 bool plain(JSContext* context, unsigned argc, JS::Value* vp) {
@@ -252,7 +254,7 @@ bool plain(JSContext* context, unsigned argc, JS::Value* vp) {
   return true;
 }
 
-// See modern_text.
+// Implements $copy(); see modern_text().
 bool copy(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   args.rval().set(args.get(0));
@@ -278,7 +280,7 @@ bool copy(JSContext* context, unsigned argc, JS::Value* vp) {
   return made != nullptr;
 }
 
-// See mended_text: what `for each` goes over.
+// Implements $values(), which returns the values that `for each` loops over; see mended_text().
 bool values(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   JS::RootedValueVector result(context);
@@ -301,19 +303,19 @@ bool random_number(JSContext* context, unsigned argc, JS::Value* vp) {
 }
 
 const JSFunctionSpec kBrowser[] = {
-    // Table C.1
+    // Functions of Table C.1
     JS_FN("getName", get_name, 0, 0), JS_FN("getVersion", get_version, 0, 0), JS_FN("getCurrentSpeed", get_speed, 0, 0),
     JS_FN("getCurrentFrameRate", get_frame_rate, 0, 0), JS_FN("getWorldURL", get_world_url, 0, 0),
     JS_FN("replaceWorld", replace_world, 1, 0), JS_FN("createVrmlFromString", create_from_string, 1, 0),
     JS_FN("createVrmlFromURL", create_from_url, 3, 0), JS_FN("addRoute", change_route<true>, 4, 0),
     JS_FN("deleteRoute", change_route<false>, 4, 0), JS_FN("loadURL", load_url, 2, 0),
     JS_FN("setDescription", tell_text<ScriptRequest::Kind::description>, 1, 0),
-    // As they were written, too; even in the examples of Annex C
+    // Other spellings of these functions, which worlds and even the examples of Annex C use
     JS_FN("createVRMLFromString", create_from_string, 1, 0), JS_FN("createVRMLFromURL", create_from_url, 3, 0),
     JS_FN("createVrmlFromUrl", create_from_url, 3, 0), JS_FN("createX3DFromString", create_from_string, 1, 0),
     JS_FN("createX3DFromURL", create_from_url, 3, 0), JS_FN("loadUrl", load_url, 2, 0),
     JS_FN("getWorldUrl", get_world_url, 0, 0), JS_FN("print", print, 1, 0), JS_FN("println", print, 1, 0),
-    // Cosmo Player, Blaxxun Contact, Cortona
+    // Functions of Cosmo Player, Blaxxun Contact and Cortona
     JS_FN("getTime", get_time, 0, 0), JS_FN("getCurrentTime", get_time, 0, 0),
     JS_FN("setViewpoint", tell_text<ScriptRequest::Kind::viewpoint>, 1, 0), JS_FN("showConsole", do_nothing, 0, 0),
     JS_FN("hideConsole", do_nothing, 0, 0), JS_FN("beginUpdate", do_nothing, 0, 0),

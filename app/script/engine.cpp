@@ -19,15 +19,15 @@
 namespace gs::app::script {
 namespace {
 
-// Of garbage and what is not; limits of single worlds are below it.
+// bytes of the whole heap, including garbage; the limits of single worlds are lower
 constexpr std::uint32_t kHeapOfEngine = 1024U << 20;
-// Recursion ends long before the thread's own stack does.
+// bytes; exceeded by endless recursion before the thread's stack is full
 constexpr std::size_t kStack = std::size_t{512} << 10;
 constexpr std::chrono::milliseconds kLook{10};
-constexpr int kLooksAtNothing = 100;  // before the watcher sleeps
+constexpr int kLooksAtNothing = 100;  // number of looks without a turn before the watcher sleeps
 constexpr std::chrono::seconds kOverdue{2};
 
-/// Function of Engine::on_overdue.
+/// Function that Engine::on_overdue() sets.
 struct OverdueObserver {
   std::mutex mutex;
   std::function<void(const std::string&)> call;
@@ -37,7 +37,8 @@ OverdueObserver& overdue_observer() {
   return the_observer;
 }
 
-// Of the whole program: it begins with the first engine and ends behind the last one.
+// The SpiderMonkey library. Initialised with the first engine; shut down at the end of this program if no engine is
+// left.
 struct Library {
   Library() {
     (void)BlockLimit::install();
@@ -83,7 +84,8 @@ Engine::Engine(JSContext* context) : context_(context), jobs_(std::make_unique<J
   JS::SetJobQueue(context_, jobs_.get());
   JS_SetContextPrivate(context_, this);
   JS_SetNativeStackQuota(context_, kStack);
-  // Programs of strangers get the compilers that are simplest; garbage goes at once, since nodes go with it.
+  // Use only the simplest compilers, because programs are untrusted. Collect garbage without increments, so that nodes
+  // are released at once.
   JS::ContextOptionsRef(context_).setWasm(false).setAsmJS(false);
   JS_SetGlobalJitCompilerOption(context_, JSJITCOMPILER_ION_ENABLE, 0);
   JS_SetGCParameter(context_, JSGC_INCREMENTAL_GC_ENABLED, 0);
@@ -101,7 +103,7 @@ Engine::~Engine() {
     wake_.notify_all();
     watcher_.join();
   }
-  // The queue roots objects of the context.
+  // Destroy the queue before the context, because it roots objects of the context.
   JS::SetJobQueue(context_, nullptr);
   jobs_.reset();
   JS_DestroyContext(context_);
@@ -133,12 +135,13 @@ Engine::Turn::~Turn() {
   if (--engine_.depth_ != 0) return;
   engine_.busy_.store(false, std::memory_order_release);
   if (Clock::now() - engine_.deadline_.load() <= kOverdue) return;
-  // The watcher may be using the message.
+  // Wait until the watcher no longer uses the message.
   const std::lock_guard lock(overdue_observer().mutex);
   engine_.late_message_ = nullptr;
 }
 
-// Asks a program that goes on for its time now and then, and sleeps while there is none.
+// Runs on the watcher thread. Interrupts a running turn regularly, so that on_interrupt() checks its limits. Sleeps
+// while no turn runs.
 void Engine::watch() {
   std::unique_lock lock(mutex_);
   int nothing = 0;
@@ -182,16 +185,17 @@ bool Engine::on_interrupt(JSContext* context) {
     return false;
   }
   if (!engine->over_memory()) return true;
-  // Garbage of other programs does not count.
+  // Collect first, because garbage of other programs does not count.
   JS_GC(context);
   if (!engine->over_memory()) return true;
   engine->stop_ = Stop::memory;
-  engine->nodes_made_ = engine->next_collection_;  // collects the garbage of the program at once
+  engine->nodes_made_ = engine->next_collection_;  // makes rest() collect the garbage of the program
   return false;
 }
 
-// The engine counts objects only; what they hold beside, such as the elements of arrays, is measured behind each
-// collection, which it begins itself when that has grown.
+// Reports whether programs exceed the memory limit. SpiderMonkey's own count includes only objects, not their blocks
+// such as the elements of arrays. Therefore everything is measured after each collection; SpiderMonkey begins a
+// collection when blocks have grown.
 bool Engine::over_memory() {
   const std::uint32_t number = JS_GetGCParameter(context_, JSGC_MAJOR_GC_NUMBER);
   if (number != measured_at_) {
@@ -212,7 +216,8 @@ bool Engine::may_have(std::size_t bytes) const {
   return bytes <= heap_limit_ && own <= heap_limit_ - bytes;
 }
 
-// Values of earlier programs must not count against this one. Collects only after growth, since they may be in use.
+// Collects values of earlier programs, so that they do not count against this one. Collects again only after growth by
+// a quarter, because the values may still be in use.
 void Engine::collect_leftovers() {
   const bool is_little = own_bytes_ <= static_cast<std::ptrdiff_t>(heap_limit_ / 2);
   if (is_little) next_own_collection_ = 0;

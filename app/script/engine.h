@@ -17,15 +17,16 @@
 
 namespace gs::app::script {
 
-/// Why a program was stopped that nothing of its own can catch.
+/// Reason why the engine stopped a program. The program cannot catch this.
 enum class Stop : std::uint8_t { none, time, memory };
 
 class JobQueue;
 
-/// SpiderMonkey on one thread, for all worlds of that thread; and the clock that ends programs which take too long.
+/// SpiderMonkey on one thread, for all worlds of that thread. Also contains the watcher, which ends programs that take
+/// too long.
 class Engine {
  public:
-  /// Returns the engine of the calling thread, made by the first call. Returns null if there is no memory for it.
+  /// Returns the engine of the calling thread. The first call creates it. Returns null if memory is insufficient.
   static Engine* of_this_thread();
   ~Engine();
   Engine(const Engine&) = delete;
@@ -33,20 +34,21 @@ class Engine {
 
   [[nodiscard]] JSContext* context() const { return context_; }
 
-  /// Max size of one memory block of a program: a string of 2^24 characters, with room to grow.
+  /// Max bytes of one memory block of a program. Suffices for a string of 2^24 characters that grows.
   static constexpr std::size_t kMaxBlock = std::size_t{20} << 20;
 
-  /// Time that a program has the engine for. Inside another turn, the outer one's limits hold. `late_message` outlives
-  /// the turn; see on_overdue.
+  /// Scope in which a program may use the engine, for at most `seconds` and `heap_bytes`. Within another turn, the
+  /// limits of the outer turn apply. `late_message` must outlive the turn; see on_overdue().
   class Turn {
    public:
     Turn(Engine& engine, double seconds, std::size_t heap_bytes, const std::string& late_message);
     ~Turn();
     Turn(const Turn&) = delete;
     Turn& operator=(const Turn&) = delete;
-    /// Returns the reason that ended it, if any.
+    /// Returns the reason why the engine stopped the program; Stop::none if it did not.
     [[nodiscard]] Stop stop() const { return engine_.stop_; }
-    /// Runs one promise job that this turn enqueued. Returns false if there is none. `*good`: see JobQueue::run_one.
+    /// Runs one promise job that was enqueued in this turn. Returns false if there is none. For `*good`, see
+    /// JobQueue::run_one().
     bool run_job(bool* good);
 
    private:
@@ -56,17 +58,17 @@ class Engine {
     BlockLimit blocks_{kMaxBlock};
   };
 
-  /// Bytes of values that the engine does not count itself.
+  /// Adds to the bytes of values that SpiderMonkey does not count; `bytes` may be negative.
   void add_bytes(std::ptrdiff_t bytes) { own_bytes_ += bytes; }
-  /// Whether programs may have so many more bytes.
+  /// Reports whether these further bytes would stay within the heap limit of programs.
   [[nodiscard]] bool may_have(std::size_t bytes) const;
-  /// Collects garbage when so many nodes have been made since the last time.
+  /// Counts new nodes. After enough of them, rest() collects garbage.
   void note_nodes(std::size_t count);
-  /// Between programs: what has been put off.
+  /// Collects garbage if enough nodes were made since the last collection. Call between programs.
   void rest();
 
-  /// Sets the function that gets `late_message` of a turn that exceeds its time by over 2 s. It is called about a
-  /// hundred times a second, on another thread, until the turn ends.
+  /// Sets the function that receives `late_message` when a turn exceeds its time by over 2 s. Another thread calls it
+  /// about a hundred times a second until the turn ends.
   static void on_overdue(std::function<void(const std::string&)> observer);
 
  private:
@@ -87,7 +89,7 @@ class Engine {
   std::size_t heap_limit_ = 0;
   std::ptrdiff_t own_bytes_ = 0, next_own_collection_ = 0;
   std::size_t nodes_made_ = 0, next_collection_ = 2000;
-  std::uint32_t measured_at_ = 0;  // number of the collection
+  std::uint32_t measured_at_ = 0;  // number of collections at the last measurement
   std::size_t measured_ = 0;
   std::atomic<bool> busy_ = false;
   std::atomic<std::uint32_t> turns_ = 0;

@@ -7,13 +7,13 @@
 
 #include <utility>
 
-// Lines that somebody types, as parts of programs.
+// Evaluation of lines that a user types in the console, in the name of a Script.
 namespace gs::app::script {
 namespace {
 
-constexpr std::size_t kMaxText = 2000;  // of a value
+constexpr std::size_t kMaxText = 2000;  // max bytes of the text of a value
 
-// As programs write it: a text in quotes.
+// Returns the text of a result. A string is put in quotes, as in a program.
 bool text_of_result(JSContext* context, JS::HandleValue value, std::string& text) {
   if (value.isSymbol()) return text = "a symbol", true;
   if (!text_of_value(context, value, text)) return false;

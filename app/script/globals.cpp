@@ -10,15 +10,15 @@
 #include <unordered_set>
 #include <utility>
 
-// The global object of a Script, with its fields and eventOuts (VRML97 C.5.1), and the library that all of a world
-// share.
+// The global object of a Script, with its fields and eventOuts (VRML97 C.5.1). Names that it does not have are looked
+// up in the shared library.
 namespace gs::app::script {
 namespace {
 
 constexpr std::uint32_t kProgramSlot = 0;
 
-// Memory that the engine would not see grow, other threads, and promises to clean up later: nothing that programs of
-// VRML97 know.
+// Returns names of standard objects that are omitted. Their memory would not be counted, or they need other threads or
+// delayed clean-up. Programs of VRML97 do not use them.
 const std::unordered_set<std::string_view>& left_out() {
   static const std::unordered_set<std::string_view> names = {
       "ArrayBuffer",   "SharedArrayBuffer",    "DataView",       "Int8Array",
@@ -79,11 +79,11 @@ JS::RealmOptions realm_options() {
   options.creationOptions()
       .setSharedMemoryAndAtomicsEnabled(false)
       .setWeakRefsEnabled(JS::WeakRefSpecifier::Disabled)
-      .setToSourceEnabled(true);  // toSource and uneval of engines of that time
+      .setToSourceEnabled(true);  // for toSource() and uneval() of old engines
   return options;
 }
 
-// A field or eventOut of the Script by its name (C.5.1).
+// Returns the Script of a getter or setter, and the index `place` of its field or eventOut (C.5.1).
 Program* program_of_call(const JS::CallArgs& args, std::uint32_t& place) {
   JSObject* const function = &args.callee();
   place = static_cast<std::uint32_t>(js::GetFunctionNativeReserved(function, 0).toInt32());

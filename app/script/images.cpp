@@ -44,7 +44,7 @@ bool set_array(JSContext* context, JS::HandleObject image, JS::HandleValue value
   if (!to_field(context, value, vrml::FieldType::MFInt32, nullptr, numbers)) return false;
   ListBox box;
   box.value = std::move(numbers);
-  // An element that is assigned later is one of this image.
+  // A later assignment to an element of this list changes the image.
   JSObject* const list = make_list(context, std::move(box), {image, 0});
   if (!list) return false;
   JS::SetReservedSlot(image, kArray, JS::ObjectValue(*list));
@@ -133,7 +133,7 @@ JSObject* make_image(JSContext* context, const vrml::PixelImage& image, Source s
   return made;
 }
 
-// As many pixels as the measures say: what lacks is 0.
+// Converts an SFImage object. The number of pixels is width times height; missing pixels are 0.
 bool image_of(JSContext* context, JS::HandleObject object, vrml::PixelImage& image) {
   const auto number = [&](std::uint32_t slot) {
     const JS::Value value = JS::GetReservedSlot(object, slot);

@@ -38,7 +38,7 @@ bool JobQueue::run_one(JSContext* context, std::size_t from, bool* good) {
     jobs.erase(jobs.begin() + from, jobs.begin() + from + done_);
     done_ = 0;
   }
-  // Saves the count: a job may start a nested turn, which counts its own jobs from 0.
+  // Save the count, because the job may start a nested turn, which counts its own jobs from 0.
   const std::size_t done = std::exchange(done_, 0);
   const JSAutoRealm realm(context, job);
   JS::RootedValue ignored(context);

@@ -18,17 +18,17 @@ struct Token {
   TokenKind kind = TokenKind::mark;
   std::size_t begin = 0, end = 0;
   bool on_new_line = false;
-  bool open = false;  // a string that does not end in its line; a comment that does not end, others are no tokens
+  bool open = false;  // a string without a closing quote, or a comment without an end; other comments are no tokens
 };
 
 bool begins_word(char c) { return std::isalpha(static_cast<unsigned char>(c)) || c == '_' || c == '$' || (c & 0x80); }
 bool in_word(char c) { return begins_word(c) || std::isdigit(static_cast<unsigned char>(c)); }
 
-/// The tokens of a program, as far as they matter here. `whole_strings`: a string goes on over line ends.
+/// Splits a program into the tokens that the rewriting needs. If `whole_strings`, a string may contain line ends.
 std::vector<Token> tokens_of(std::string_view text, bool whole_strings) {
   std::vector<Token> tokens;
   bool new_line = true;
-  // Whether a slash begins a regular expression rather than divides.
+  // Reports whether a slash here begins a regular expression. Otherwise it divides.
   const auto slash_begins = [&] {
     if (tokens.empty()) return true;
     const Token& last = tokens.back();
@@ -125,8 +125,9 @@ std::string changed(std::string_view text, std::vector<Change> changes) {
 
 }  // namespace
 
-// Annex C has `a = eventOut` and `c = list[1]` copy (C.6.2), which ECMAScript cannot tell from `list[1].x = 1`: where
-// the right side is such a name and nothing else, it is told to copy.
+// In Annex C, `a = eventOut` and `c = list[1]` copy the value (C.6.2), while `list[1].x = 1` changes it in place.
+// ECMAScript never copies. Where the right side is only such a name or element, the assignment is rewritten to call
+// $copy().
 std::string modern_text(std::string_view text, const std::vector<std::string>& values) {
   if (values.empty()) return std::string(text);
   const std::unordered_set<std::string_view> names(values.begin(), values.end());
@@ -157,7 +158,8 @@ std::string modern_text(std::string_view text, const std::vector<std::string>& v
 
 namespace {
 
-// Of the bracket that `open` is, or the last token and one where nothing closes it.
+// Returns the index of the token that closes the bracket at index `open`. Returns the number of tokens if no token
+// does.
 std::size_t closing(std::string_view text, const std::vector<Token>& tokens, std::size_t open) {
   std::size_t depth = 0;
   for (std::size_t i = open; i < tokens.size(); ++i) {
@@ -169,7 +171,7 @@ std::size_t closing(std::string_view text, const std::vector<Token>& tokens, std
   return tokens.size();
 }
 
-// `for each (v in list)` of JavaScript 1.6, which goes over values.
+// Rewrites `for each (v in list)` of JavaScript 1.6, which loops over values, to `for (v of $values(list))`.
 void mend_for_each(std::string_view text, const std::vector<Token>& tokens, std::size_t each,
                    std::vector<Change>& changes) {
   const std::size_t close = closing(text, tokens, each + 1);
@@ -182,7 +184,8 @@ void mend_for_each(std::string_view text, const std::vector<Token>& tokens, std:
   }
 }
 
-// `function (x) x * 2` of JavaScript 1.8. `word`: of the token "function".
+// Rewrites `function (x) x * 2` of JavaScript 1.8 to have braces and `return`. `word` is the index of the token
+// "function".
 void mend_closure(std::string_view text, const std::vector<Token>& tokens, std::size_t word,
                   std::vector<Change>& changes) {
   std::size_t open = word + 1;
@@ -238,7 +241,7 @@ std::string mended_text(std::string_view text) {
     } else if (of == "{") {
       ++depth;
     } else if (of == "}") {
-      // One that closes nothing.
+      // Replace a brace that closes nothing by a blank.
       if (depth == 0)
         changes.push_back({token.begin, 1, " "});
       else
@@ -268,7 +271,7 @@ ProgramPlace program_place(std::string_view url) {
   };
   if (ends_with(".class") || ends_with(".jar") || net::has_scheme(url, "java")) return {ProgramPlace::Kind::java, {}};
   if (url.empty()) return {};
-  // A language that is not known here, rather than a place.
+  // A scheme that is not in this list is the name of an unknown language.
   constexpr std::string_view kPlaces[] = {"http", "https", "file", "ftp", "data", "memory", "cells", "urn"};
   const std::string_view scheme = url.substr(0, url.find_first_of(":/.?#\n\\ "));
   if (scheme.size() > 1 && scheme.size() < url.size() && url[scheme.size()] == ':' &&

@@ -8,7 +8,7 @@
 
 #include <utility>
 
-// Libraries of Scripts, and the rule for reading nodes (docs/security.md).
+// Libraries of Scripts, and the rule for which nodes a Script may read (docs/security.md).
 namespace gs::app::script {
 
 ScriptLibrary::ScriptLibrary(World& of, JSContext* context) : world(&of), global(context) {
@@ -22,7 +22,7 @@ const vrml::SourceText& text_of_program(const Program& program) {
   return url ? program.scene->text_of(program.id, url->slot) : *node.text;
 }
 
-// Returns null if there is no memory for a library.
+// Returns the library for Scripts of this source. Creates it if necessary. Returns null if memory is insufficient.
 ScriptLibrary* World::library_of_source(const std::shared_ptr<const vrml::TextSource>& source) {
   std::unique_ptr<ScriptLibrary>& library = libraries_[library_key(origin_of(source))];
   if (!library) library = std::make_unique<ScriptLibrary>(*this, engine_.context());
@@ -46,7 +46,7 @@ bool World::make_library(ScriptLibrary& library) {
     return false;
   }
   library.global = global;
-  // Freezes the shared prototypes, so that no program can change them for others.
+  // Freeze the prototypes, because several programs share them and none may change them for the others.
   for (const JS::PersistentRootedObject& prototype : prototypes) {
     JS::RootedObject object(context, prototype);
     if (object) (void)JS_FreezeObject(context, object);

@@ -17,8 +17,9 @@
 #include <type_traits>
 #include <utility>
 
-// The MF types (VRML97 C.6.10 to C.6.18). The object of a Script's own field or eventOut has no value: it reads and
-// writes there. All others have one; that of a list read from a node goes there again when the function is over.
+// The MF types (VRML97 C.6.10 to C.6.18). The list of a Script's own field or eventOut stores no value; it reads and
+// writes the field. Every other list stores a value. If it was read from a node and changed, its value is sent to that
+// node at the end of the function.
 namespace gs::app::script {
 namespace {
 
@@ -27,7 +28,7 @@ using vrml::FieldValue;
 
 constexpr std::size_t kParentSlot = 0, kPlaceSlot = 1;
 constexpr std::uint32_t kMaxElements = 1U << 26, kMaxNodes = 1U << 20;
-constexpr std::size_t kMaxPrinted = std::size_t{1} << 20;  // elements
+constexpr std::size_t kMaxPrinted = std::size_t{1} << 20;  // max elements of a list that is converted to text
 
 bool index_of(jsid id, std::uint32_t& index) {
   if (!id.isInt() || id.toInt() < 0) return false;
@@ -56,7 +57,7 @@ void release(ListBox& box) {
   box.held.clear();
 }
 
-// Adds to the bytes that the list counts against the heap of programs.
+// Adds `change` to the bytes that the list counts against the heap of programs.
 void count(ListBox& box, std::ptrdiff_t change) {
   if (!box.engine) return;
   std::size_t& counted = box.program ? box.program->counted[box.place] : box.counted;
@@ -65,7 +66,7 @@ void count(ListBox& box, std::ptrdiff_t change) {
   box.engine->add_bytes(change);
 }
 
-// Holds the nodes of a list.
+// Holds the nodes of a list, so that they are not removed.
 void keep(ListBox& box) {
   if (box.program) return;
   const vrml::SceneGraph* const scene = box.scene.in(box.link.get());
@@ -159,7 +160,7 @@ class ListHandler final : public LiveProxyHandler {
            JS::ObjectOpResult& result) const override {
     std::uint32_t index = 0;
     if (index_of(id, index)) return set_element(context, proxy, index, value) && result.succeed();
-    if (!is_length(context, id)) return result.succeed();  // has no other properties
+    if (!is_length(context, id)) return result.succeed();  // a list has no other properties
     double length = 0;
     if (!JS::ToNumber(context, value, &length)) return false;
     if (!(length >= 0 && length <= kMaxElements)) return fail(context, "invalid length of a list");
@@ -188,7 +189,7 @@ class ListHandler final : public LiveProxyHandler {
               JS_ReportOutOfMemory(context);
               return false;
             }
-            // Room for more than that, since lists are often filled from front to back.
+            // Reserve more than the requested length, because lists are often filled element by element.
             if (length > array.capacity()) array.reserve(std::max<std::size_t>(length, array.capacity() * 3 / 2 + 4));
             array.resize(length);
           }
@@ -212,7 +213,7 @@ class ListHandler final : public LiveProxyHandler {
   bool element(JSContext* context, JS::HandleObject proxy, const ListBox& box, const FieldValue* value,
                std::uint32_t index, JS::MutableHandleValue result) const {
     if (!value || index >= count_of(*value)) {
-      // A number of it may be assigned, which makes the list longer (C.6.10.1).
+      // Return a new element beyond the end. Assigning a component of it extends the list (C.6.10.1).
       const FieldType of = value ? element_of(vrml::type_of(*value)) : FieldType::SFNode;
       if (of == FieldType::SFColor || of == FieldType::SFVec2f || of == FieldType::SFVec3f ||
           of == FieldType::SFRotation)
@@ -259,7 +260,7 @@ bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
   JS::RootedValue element(context);
   JS::RootedObject source(context);
   std::uint32_t count = args.length();
-  // One list or array: its elements.
+  // If the only argument is a list or array, copy its elements.
   if (count == 1 && args[0].isObject()) {
     bool is_array = false;
     JS::RootedObject object(context, &args[0].toObject());
@@ -295,7 +296,7 @@ bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   if (value && count_of(*value) > kMaxPrinted)
     return fail_range(context, "a list of " + std::to_string(count_of(*value)) + " elements is too long for a string");
   const vrml::SceneGraph* const scene = box->scene.in(box->link.get());
-  // Names of nodes are a part of them.
+  // The text contains names of nodes; omit nodes that the program may not read.
   FieldValue readable;
   if (const auto* const nodes = scene && value ? std::get_if<vrml::MFNode>(value) : nullptr) {
     vrml::MFNode some;
@@ -375,7 +376,7 @@ bool set_element(JSContext* context, JS::HandleObject list, std::uint32_t index,
   if (!field) return true;
   FieldValue element;
   if (!to_field(context, value, element_of(vrml::type_of(*field)), box.scene.in(box.link.get()), element)) return false;
-  field = list_value(box);  // the program may have changed it meanwhile
+  field = list_value(box);  // the conversion may have run code that changed the list
   const bool is_new = index >= count_of(*field);
   const auto* const text = std::get_if<vrml::SFString>(&element);
   const std::size_t text_bytes = text ? text->view().size() : 0;

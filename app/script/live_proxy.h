@@ -39,7 +39,7 @@ class LiveProxyHandler : public js::BaseProxyHandler {
   }
 
  protected:
-  // Programs may set any prototype, also null.
+  // Reports whether the prototype has a property. Programs may set any prototype, even null.
   static bool has_inherited(JSContext* context, JS::HandleObject proxy, JS::HandleId id, bool* found) {
     JS::RootedObject prototype(context, js::GetStaticPrototype(proxy));
     *found = false;

@@ -14,8 +14,8 @@
 #include <charconv>
 #include <cmath>
 
-// VrmlMatrix (VRML97 C.6.19): four rows of numbers, the translation in the fourth; vectors are rows. A glm matrix with
-// columns of vectors has the same numbers in the same order.
+// VrmlMatrix (VRML97 C.6.19): four rows of numbers, with the translation in the fourth row; vectors are rows. A glm
+// matrix, in which vectors are columns, stores the same numbers in the same order.
 namespace gs::app::script {
 namespace {
 
@@ -72,7 +72,7 @@ glm::dmat4 turn(const double* c) {
   return glm::length(axis) > 0 ? glm::rotate(glm::dmat4(1), c[3], glm::normalize(axis)) : glm::dmat4(1);
 }
 
-// The fields of a Transform (6.52), of which the last ones may lack.
+// Sets the matrix from the fields of a Transform (6.52). Trailing arguments may be missing.
 bool set_transform(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   glm::dmat4 ignored;
@@ -103,7 +103,7 @@ bool assign(JSContext* context, JS::HandleValue target, const double* c, unsigne
   return true;
 }
 
-// Shear is ignored; a mirror image scales by negative numbers.
+// Computes the fields of a Transform. Ignores shear. A mirrored matrix gives negative scale factors.
 bool get_transform(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   glm::dmat4 matrix;
@@ -115,7 +115,7 @@ bool get_transform(JSContext* context, unsigned argc, JS::Value* vp) {
     scale[i] = sign * glm::length(axes[i]);
     axes[i] = scale[i] != 0 ? axes[i] / scale[i] : glm::dvec3(i == 0, i == 1, i == 2);
   }
-  // At right angles to each other, whatever shear there is.
+  // Make the axes orthogonal, which removes any shear.
   axes[1] -= axes[0] * glm::dot(axes[0], axes[1]);
   if (glm::length(axes[1]) > 0) axes[1] = glm::normalize(axes[1]);
   axes[2] = glm::cross(axes[0], axes[1]);
@@ -150,11 +150,11 @@ bool mult(JSContext* context, unsigned argc, JS::Value* vp) {
   if (!this_matrix(context, args, matrix)) return false;
   if (!is_matrix(args.get(0))) return fail(context, "expected a VrmlMatrix");
   const glm::dmat4 other = matrix_of(&args[0].toObject());
-  // Rows here are columns there, so that the order turns round.
+  // The order is reversed, because rows of a VrmlMatrix are columns in glm.
   return give(context, args, kLeft ? matrix * other : other * matrix);
 }
 
-// A vector as a row in front of the matrix, or as a column behind it.
+// Multiplies the matrix by a vector. The vector is a row on the left if kRow, else a column on the right.
 template <bool kRow>
 bool mult_vec(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);

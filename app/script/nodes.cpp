@@ -11,8 +11,9 @@
 #include <algorithm>
 #include <utility>
 
-// SFNode (VRML97 C.6.6): the eventIns, eventOuts and exposedFields of a node as properties (C.5.2). A node has one
-// object a world, so that comparing objects compares nodes; it is held as long as its object is there.
+// SFNode (VRML97 C.6.6). The eventIns, eventOuts and exposedFields of a node are properties (C.5.2). Each library has
+// at most one object for a node, so that comparing objects compares nodes. The object holds the node as long as it
+// exists.
 namespace gs::app::script {
 namespace {
 
@@ -21,7 +22,7 @@ using vrml::InterfaceDeclaration;
 
 NodeKey key_of(const NodeBox& box) { return {box.scene.serial(), box.id}; }
 
-// The name of a property; empty: it is no name.
+// Returns the name of a property in `name`; empty for a symbol or index.
 bool name_of_id(JSContext* context, JS::HandleId id, std::string& name) {
   name.clear();
   if (!id.isString()) return true;
@@ -29,13 +30,14 @@ bool name_of_id(JSContext* context, JS::HandleId id, std::string& name) {
   return text_of_value(context, value, name);
 }
 
-// Returns null if the node is no longer part of the world.
+// Returns the node of an SFNode object; null if the node is no longer part of the world.
 const vrml::Node* node_in_world(const NodeBox& box) {
   const vrml::SceneGraph* const scene = box.live_scene();
   return scene ? &scene->node(box.id) : nullptr;
 }
 
-// Returns null for nodes that the running program may not read, as well.
+// Returns the node of an SFNode object. Returns null if it is no longer part of the world, or if the running program
+// may not read it.
 const vrml::Node* readable_node(JSContext* context, const NodeBox& box) {
   const vrml::Node* const node = node_in_world(box);
   return node && world_of(context).may_read(*node) ? node : nullptr;
@@ -50,14 +52,16 @@ std::uint32_t place_of(const vrml::NodeType& type, const InterfaceDeclaration& d
   return place;
 }
 
-// `bind` of Viewpoints and the like, as browsers of the time had it, for `set_bind`; also eventIns by half their names.
+// Returns the eventIn of a name. Like browsers of the VRML97 era, also finds an eventIn without its prefix: `bind`
+// means `set_bind`.
 const InterfaceDeclaration* event_in(const vrml::NodeType& type, const std::string& name) {
   if (const InterfaceDeclaration* found = type.find_event_in(name)) return found;
   const InterfaceDeclaration* found = type.find("set_" + name);
   return found && found->access == AccessType::eventIn ? found : nullptr;
 }
 
-// Fields may not be accessed (C.5.2), but browsers of the time let programs read them.
+// Returns the field, exposedField or eventOut of a name. Fields are not accessible by the standard (C.5.2), but
+// browsers of the VRML97 era let programs read them.
 const InterfaceDeclaration* readable(const vrml::NodeType& type, const std::string& name) {
   if (const InterfaceDeclaration* found = type.find_event_out(name)) return found;
   if (const InterfaceDeclaration* found = type.find_field(name)) return found;
@@ -129,7 +133,7 @@ class NodeHandler final : public LiveProxyHandler {
     if (!declaration) return get_inherited(context, proxy, id, receiver, result);
     World& world = world_of(context);
     if (!world.flush_changed(context)) return false;
-    vrml::SceneGraph* const scene = box.live_scene();  // flushing runs setters of the program
+    vrml::SceneGraph* const scene = box.live_scene();  // again, because flushing may have run code of the program
     if (!scene) return true;
     const vrml::FieldValue* value = world.posted(*scene, box.id, *declaration);
     if (!value) value = world.execution().cascade().last_value(*scene, box.id, *declaration);
@@ -182,8 +186,8 @@ bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
   return made != nullptr;
 }
 
-// "If the browser is unable to reproduce this node, the name of the node followed by the open brace and close brace"
-// (C.6.6.4).
+// Returns text as in C.6.6.4: "If the browser is unable to reproduce this node, the name of the node followed by the
+// open brace and close brace".
 bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   const NodeBox* const box = args.thisv().isObject() ? node_of(&args.thisv().toObject()) : nullptr;
@@ -191,7 +195,7 @@ bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   return make_string(context, node ? node->type->name + " { }" : std::string("NULL"), args.rval());
 }
 
-// SAI's names, which later content has.
+// Returns the name of the node type. Later worlds call this function by its names in the SAI.
 bool type_name(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   const NodeBox* const box = args.thisv().isObject() ? node_of(&args.thisv().toObject()) : nullptr;
@@ -259,7 +263,7 @@ bool set_node_field(JSContext* context, JS::HandleObject object, std::uint32_t p
   vrml::SceneGraph* scene = box.live_scene();
   vrml::FieldValue field;
   if (!to_field(context, value, declaration.type, scene, field)) return false;
-  scene = box.live_scene();  // the conversion may call functions of the program
+  scene = box.live_scene();  // get it again, because the conversion may have run code of the program
   return !scene || world_of(context).post(context, *scene, box.id, declaration, std::move(field));
 }
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-// Functions of World that programs call.
+// Functions of World for calls from programs.
 namespace gs::app::script {
 namespace {
 
@@ -12,8 +12,8 @@ constexpr std::size_t kMaxRequests = 256, kMaxRequestText = std::size_t{32} << 2
 
 }  // namespace
 
-// Returns the simulated time, constant during a function. After kLooks reads, each read adds kLook, so that waiting
-// loops end.
+// Returns the simulated time, which is constant during a function. After kLooks reads in one function, each read adds
+// kLook, so that a loop that waits for time to pass ends.
 double World::date() {
   constexpr std::uint32_t kLooks = 1000;
   constexpr double kLook = 1e-3;  // seconds
@@ -36,7 +36,7 @@ void World::print(std::string text) {
 
 void World::warn_once(std::string text) { report(Severity::warning, *running_, std::move(text)); }
 
-// Drops requests when too many of them, or too much text, wait for the session.
+// Adds a request for the session. Drops it if too many requests, or too much text, are already waiting.
 void World::request(ScriptRequest request) {
   std::size_t bytes = request.text.size();
   for (const auto* const texts : {&request.urls, &request.parameters})

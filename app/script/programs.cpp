@@ -13,7 +13,7 @@
 #include <algorithm>
 #include <utility>
 
-// Texts of programs to what the engine runs, and what it says of them.
+// Compilation of programs, and conversion of exceptions to diagnostics.
 namespace gs::app::script {
 
 namespace {
@@ -42,7 +42,7 @@ JSScript* compile_mended(JSContext* context, const std::string& text, const std:
   return check_integers(context, mended) ? made.get() : nullptr;
 }
 
-/// Clears the pending exception and returns its text. Returns nullopt if it has no text.
+/// Clears the pending exception and returns its text and position. Returns nullopt if it has no text.
 std::optional<Diagnostic> take_exception(JSContext* context, bool& recursion) {
   JS::ExceptionStack stack(context);
   JS::ErrorReportBuilder builder(context);
@@ -87,7 +87,7 @@ void check_programs(const vrml::SceneGraph& scene, Diagnostics& diagnostics) {
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
     const vrml::Node& node = scene.node_at(i);
     if (!node.type || !vrml::has(node.type->role, vrml::Role::script) || !scene.contains(scene.id_at(i))) continue;
-    if (node.instance != 0) continue;  // a copy
+    if (node.instance != 0) continue;  // a copy in a PROTO instance; its original is checked
     const vrml::InterfaceDeclaration* const url = node.type->find_field("url");
     const auto* const list = url ? std::get_if<vrml::MFString>(&node.values[url->slot]) : nullptr;
     if (!list) continue;

@@ -14,13 +14,14 @@ bool same_text_or_site(const net::Origin& a, const net::Origin& b) {
 Reading reading(const net::Origin& script, const net::Origin& document, const net::Origin& node) {
   if (same_text_or_site(script, node)) return Reading::allowed;
   const bool of_document = same_text_or_site(document, node);
-  // A file that passes nodes to a PROTO from the network lets that PROTO read them.
+  // A network Script may read nodes of its document: if a document passes nodes to a PROTO from the network, that PROTO
+  // may read them.
   if (is_network(script)) {
     if (!of_document) return Reading::refused;
     return is_network(node) ? Reading::allowed : Reading::confidential;
   }
   if (of_document) return Reading::allowed;
-  // Files of public hosts are not private.
+  // Files from public hosts are not confidential.
   return is_network(node) && node.space == net::AddressSpace::global ? Reading::allowed : Reading::confidential;
 }
 

@@ -36,7 +36,7 @@ std::optional<vrml::FieldValue> read_nodes(const std::string& text, vrml::FieldT
 std::optional<vrml::FieldValue> read_value(const std::string& text, vrml::FieldType type, vrml::NodeNames& names) {
   if (vrml::holds_nodes(type)) return read_nodes(text, type, names);
   vrml::NodeType holder;
-  // As a field of a PROTO; a bracket or comment too many would end that.
+  // Parse the text as the initial value of a PROTO field. Text after the value would add interfaces or fail.
   if (!vrml::parse_interface("field " + std::string(vrml::name_of(type)) + " value " + text, holder))
     return std::nullopt;
   if (holder.interfaces.size() != 1 || holder.interfaces[0].type != type) return std::nullopt;

@@ -11,31 +11,33 @@
 #include <string_view>
 #include <variant>
 
-// Changes that programs of Scripts and external clients make to a running world (VRML97 4.12.10, ISO/IEC 14772-2). On
-// the thread of the world.
+// Changes to a running world by Scripts and by external clients (VRML97 4.12.10, ISO/IEC 14772-2). Call on the thread
+// of the world.
 namespace gs::app {
 
-/// Makes nodes of a text (createVrmlFromString). No field holds them yet: hold them before events go on. `label` names
-/// the text in messages. `written_by` and `fetched_from`: see vrml::read_into.
+/// Makes nodes from VRML text, as createVrmlFromString does. No field refers to the nodes yet: the caller must hold
+/// them before further events. `label` is the name of the text in messages. For `written_by` and `fetched_from`, see
+/// vrml::read_into().
 [[nodiscard]] vrml::RunTimeNodes make_nodes(vrml::Execution& execution, vrml::SceneGraph& scene,
                                             const std::string& label, std::string_view text, Diagnostics& diagnostics,
                                             const vrml::SourceText* written_by,
                                             std::shared_ptr<const vrml::TextSource> fetched_from = nullptr);
 
-/// Sends created nodes to the target of create_from_url. Returns false if the target no longer exists.
+/// Sends nodes to the eventIn that a create_from_url request names. Returns false if the target node no longer exists.
 bool send_made(vrml::Execution& execution, const ScriptRequest& request, const vrml::MFNode& nodes);
 
-/// Returns the eventIn for the nodes of create_from_url. Returns null if the node has no such eventIn of type MFNode.
+/// Returns the eventIn that receives the nodes of create_from_url. Returns null if the node has no MFNode eventIn of
+/// this name.
 [[nodiscard]] const vrml::InterfaceDeclaration* event_for_nodes(const vrml::SceneGraph& scene, vrml::NodeId node,
                                                                 std::string_view event_in);
 
-/// The ROUTE between two nodes of a scene, or why there can be none (4.10.2).
+/// Returns the ROUTE between an eventOut and an eventIn, or the reason why it is impossible (4.10.2).
 [[nodiscard]] std::variant<vrml::Route, std::string> route_between(const vrml::SceneGraph& scene, vrml::NodeId from,
                                                                    const std::string& event_out, vrml::NodeId to,
                                                                    const std::string& event_in);
 
-/// Reads a value of a field type as the text of a file has it (VRML97 clause 5); nodes by what traces call them. Null
-/// where the text is no such value.
+/// Parses a value in the syntax of VRML97 files (clause 5). Nodes are written by their names in `names`, as in traces.
+/// Returns nullopt if the text is no value of this type.
 [[nodiscard]] std::optional<vrml::FieldValue> read_value(const std::string& text, vrml::FieldType type,
                                                          vrml::NodeNames& names);
 

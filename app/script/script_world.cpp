@@ -28,9 +28,9 @@ namespace {
 
 constexpr std::size_t kMaxMessages = 1000, kMaxSaid = 4000;
 constexpr int kMaxFaults = 3;
-constexpr std::size_t kWorthCollecting = 64;               // nodes
-constexpr std::size_t kMaxCreated = std::size_t{4} << 20;  // bytes of a text of nodes
-constexpr std::size_t kTextOfNode = 16;                    // octets at least, of nodes below the roots of a text
+constexpr std::size_t kWorthCollecting = 64;  // min nodes to count for one text of nodes
+constexpr std::size_t kMaxCreated = std::size_t{4} << 20;  // max bytes of a text of nodes
+constexpr std::size_t kTextOfNode = 16;  // min bytes of text for a node
 
 bool is_object(vrml::FieldType type) {
   using vrml::FieldType;
@@ -42,7 +42,7 @@ bool is_object(vrml::FieldType type) {
 
 namespace {
 
-// Returns the time of Date, in microseconds since 1970.
+// Returns the time for Date, in microseconds since 1970: the world's time if results must be repeatable, else `now`.
 double date_of(double now, JSContext* context) {
   const JS::Realm* const realm = js::GetContextRealm(context);
   const auto* const library =
@@ -62,7 +62,7 @@ World::World(vrml::Execution& execution, Engine& engine, Settings settings)
 
 World::~World() {
   ends_ = true;
-  // In the order in which they came (4.12.3).
+  // Shut down in the order in which the Scripts began (4.12.3).
   std::vector<vrml::EventNode> nodes;
   for (const auto& [node, program] : programs_) nodes.push_back(node);
   std::sort(nodes.begin(), nodes.end());
@@ -89,7 +89,7 @@ std::string World::modern_text_of(const Program& program, std::string_view text)
   return modern_text(text, values);
 }
 
-// The places are those of the text in its file, so that messages say where.
+// Compiles and runs the text of a program. `place` is the position of the text in its file, for messages.
 bool World::load(Program& program, std::string_view text, const std::string& file, SourceLocation place) {
   JSContext* const context = engine_.context();
   bool good = false;
@@ -130,7 +130,7 @@ void World::run(Program& program, const Do& what) {
   }
 }
 
-// Jobs run after an exception as well, as in web browsers, but not after a stop: the turn discards them.
+// Runs the promise jobs of a turn. They also run after an exception, as in web browsers, but not after a stop.
 void World::run_jobs(Program& program, Engine::Turn& turn) {
   bool good = true;
   while (turn.stop() == Stop::none && turn.run_job(&good))
@@ -150,7 +150,7 @@ void World::report_failure(Program& program, const Engine::Turn& turn) {
   JS_ClearPendingException(context);
 }
 
-// Events of what was assigned, at the completion of the function (C.5.2, C.5.3).
+// Sends the events of eventOuts and nodes to which the function assigned (C.5.2, C.5.3). Called after the function.
 void World::send_all(Program& program) {
   std::vector<Post> posts = std::exchange(posts_, {});
   engine_.add_bytes(-static_cast<std::ptrdiff_t>(std::exchange(post_bytes_, 0)));
@@ -166,7 +166,7 @@ void World::send_all(Program& program) {
 }
 
 bool World::begin(vrml::EventNode node) {
-  // A Script that replaces its own program keeps its faults.
+  // A Script that replaces its own program keeps its number of faults.
   int faults = 0;
   if (const Program* const before = program_of(node)) {
     faults = before->faults;
@@ -240,7 +240,7 @@ bool World::go_on(vrml::EventNode node) {
       wanted.origin = &text_of_program(program).origin();
       wanted.source = program.source;
       wanted.from_scene = program.scene;
-      // All files up to the next program that is held here: whoever fetches takes the first that can be had.
+      // Request all files up to the next inline program; the loader takes the first one that can be read.
       while (program.next_url < urls.size() &&
              program_place(urls[program.next_url].view()).kind == ProgramPlace::Kind::file)
         wanted.urls.push_back(urls[program.next_url++].str());
@@ -274,7 +274,7 @@ void World::call(Program& program, const char* name) {
 bool World::deliver(vrml::EventNode node, std::uint32_t interface, const vrml::FieldValue& value, double time) {
   Program* const program = program_of(node);
   if (!program || !program->runs) return false;
-  // A copy: the program may change what it was sent from.
+  // A copy is needed, because the program may change the original.
   const vrml::FieldValue copy = value;
   run(*program, [&] {
     JSContext* const context = engine_.context();
@@ -350,7 +350,7 @@ void World::provide(const vrml::SceneGraph& scene, vrml::NodeId script, std::opt
   if (const vrml::EventNode node = execution_.scenes().event_node(scene, script)) texts_[node] = {std::move(text), url};
 }
 
-// ---- What programs write
+// ---- Assignments by programs
 
 void World::own_changed(Program& program, std::uint32_t place) {
   const auto& interface = execution_.nodes().schema_of(program.node).interfaces[place];
@@ -378,8 +378,7 @@ bool World::post(JSContext* context, vrml::SceneGraph& scene, vrml::NodeId node,
     post_bytes_ += bytes - replaced;
     engine_.add_bytes(static_cast<std::ptrdiff_t>(bytes) - static_cast<std::ptrdiff_t>(replaced));
   };
-  // Each event that adds or removes children is sent, though otherwise only the last event of an eventIn counts
-  // (C.5.2).
+  // Only the last value for an eventIn is sent (C.5.2). But events that add or remove children are all sent.
   const bool each = event_in.access == vrml::AccessType::eventIn && event_in.type == vrml::FieldType::MFNode;
   const PostKey key{{scene.serial(), node}, &event_in};
   if (!each)
@@ -410,7 +409,7 @@ bool World::flush_changed(JSContext* context) {
   bool good = true;
   for (std::size_t i = 0; i < changed_.get().length(); ++i) {
     JS::RootedObject list(context, changed_.get()[i]);
-    const JSAutoRealm realm(context, list);  // a turn inside another one may belong to another library
+    const JSAutoRealm realm(context, list);  // the list may belong to another library than this turn
     good = flush_list(context, list) && good;
   }
   changed_.get().clear();
@@ -431,7 +430,7 @@ bool World::create_from_string(JSContext* context, std::string_view text, vrml::
   if (made.outcome == vrml::ParseOutcome::refused) return fail(context, "not VRML97 text");
   engine_.note_nodes(std::max({kWorthCollecting, made.roots.size(), text.size() / kTextOfNode}));
   nodes = std::move(made.roots);
-  // Held by objects, which a collection may take away before the list has them: hold them by making the objects now.
+  // Make an object for each node now. The object holds the node, so that garbage collection cannot remove it.
   for (const vrml::NodeId id : nodes)
     if (!object_of_node(context, *scene, id)) return false;
   return true;

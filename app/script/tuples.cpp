@@ -12,8 +12,8 @@
 #include <algorithm>
 #include <cmath>
 
-// SFColor (VRML97 C.6.4), SFRotation (C.6.7), SFVec2f (C.6.8), SFVec3f (C.6.9): numbers in double precision. One that
-// was read from a field, an eventOut or a list goes there again when a number of it is assigned.
+// SFColor (VRML97 C.6.4), SFRotation (C.6.7), SFVec2f (C.6.8), SFVec3f (C.6.9), with components in double precision. If
+// the object was read from a field, an eventOut or a list, assigning a component writes it back there.
 namespace gs::app::script {
 namespace {
 
@@ -46,7 +46,8 @@ const TupleKind& kind_of(FieldType type) {
   return *std::find_if(std::begin(kKinds), std::end(kKinds), [&](const TupleKind& one) { return one.type == type; });
 }
 
-// The object a method was called on, with its numbers.
+// Returns the kind of the object on which a method was called, and its components in `c`. Throws an exception and
+// returns null for another object.
 const TupleKind* this_tuple(JSContext* context, const JS::CallArgs& args, double* c) {
   if (args.thisv().isObject()) {
     JSObject* const object = &args.thisv().toObject();
@@ -60,7 +61,7 @@ const TupleKind* this_tuple(JSContext* context, const JS::CallArgs& args, double
   return nullptr;
 }
 
-// Three numbers at least.
+// Reads a vector argument into `c`, which has room for 4 components.
 bool vector_argument(JSContext* context, const JS::CallArgs& args, unsigned index, double* c) {
   FieldType type{};
   if (args.get(index).isObject() && is_tuple(&args.get(index).toObject(), type, c)) return true;
@@ -87,7 +88,7 @@ bool give(JSContext* context, const JS::CallArgs& args, FieldType type, const do
   return made != nullptr;
 }
 
-// Assigned numbers: to the object, and to where it was read from.
+// Sets the components of an object and writes the object back to its origin.
 bool put(JSContext* context, JS::HandleObject object, int count, const double* c) {
   for (int i = 0; i < count; ++i) JS::SetReservedSlot(object, static_cast<std::uint32_t>(i), JS::DoubleValue(c[i]));
   const JS::Value parent = JS::GetReservedSlot(object, kParentSlot);
@@ -260,7 +261,7 @@ void hsv_of(const double* c, double* hsv) {
   hsv[2] = most;
 }
 
-// Hue 0 to 1, as Cosmo Player had it; nothing is said of its range.
+// Implements setHSV(). The hue is 0 to 1, as in Cosmo Player; the standard does not define its range.
 bool set_hsv(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   double c[4] = {}, hsv[3] = {};
@@ -334,7 +335,7 @@ bool rotation_argument(JSContext* context, const JS::CallArgs& args, double* c) 
   return fail(context, "expected an SFRotation");
 }
 
-// Vectors are rows, as with VrmlMatrix: this rotation first, then that.
+// Implements multiply(). Applies this rotation first, then the argument, because vectors are rows, as with VrmlMatrix.
 bool multiply_rotation(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   double a[4] = {}, b[4] = {};
@@ -363,7 +364,7 @@ bool slerp(JSContext* context, unsigned argc, JS::Value* vp) {
   return give(context, args, FieldType::SFRotation, a);
 }
 
-// ---- Making
+// ---- Constructors
 
 template <int kIndexOfKind>
 bool construct_tuple(JSContext* context, unsigned argc, JS::Value* vp) {
@@ -382,7 +383,7 @@ bool construct_tuple(JSContext* context, unsigned argc, JS::Value* vp) {
         const glm::dvec3 from(first[0], first[1], first[2]), to(second[0], second[1], second[2]);
         glm::dvec3 axis = glm::cross(from, to);
         const double sine = glm::length(axis), cosine = glm::dot(from, to);
-        // Opposite ones: about any axis at right angles.
+        // For opposite vectors, take any axis at right angles to them.
         if (!(sine > 0))
           axis = cosine < 0 ? glm::cross(from, std::abs(from.x) < 0.9 * glm::length(from) ? glm::dvec3(1, 0, 0)
                                                                                           : glm::dvec3(0, 1, 0))
@@ -433,7 +434,7 @@ const JSFunctionSpec kVectorMethods[] = {JS_FN("add", add, 1, 0),
                                          JS_FN("subtract", subtract, 1, 0),
                                          JS_FN("toString", tuple_to_text, 0, 0),
                                          JS_FS_END};
-const JSFunctionSpec kVec3fMethods[] = {JS_FN("cross", cross, 1, 0), JS_FS_END};  // and those of all vectors
+const JSFunctionSpec kVec3fMethods[] = {JS_FN("cross", cross, 1, 0), JS_FS_END};  // in addition to kVectorMethods
 
 template <int kIndex>
 bool define_index(JSContext* context, JS::HandleObject prototype) {

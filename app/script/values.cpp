@@ -15,17 +15,17 @@
 #include <limits>
 #include <utility>
 
-// Values of fields to values of programs, and back (VRML97 C.6.2).
+// Conversions between field values and values of programs (VRML97 C.6.2).
 namespace gs::app::script {
 namespace {
 
 using vrml::FieldType;
 using vrml::FieldValue;
 
-constexpr std::size_t kMaxListText = std::size_t{32} << 20;  // bytes of all texts of a new list
+constexpr std::size_t kMaxListText = std::size_t{32} << 20;  // max bytes of all texts of a new list
 
 bool is_true(JSContext* context, JS::HandleValue value) {
-  // An object made by `new SFBool(FALSE)`.
+  // An object made by `new SFBool(FALSE)` is false.
   if (value.isObject()) {
     JS::RootedObject object(context, &value.toObject());
     js::ESClass of = js::ESClass::Other;
@@ -54,13 +54,14 @@ bool to_int(JSContext* context, JS::HandleValue value, std::int32_t& number) {
   if (value.isBoolean()) return number = value.toBoolean() ? 1 : 0, true;
   if (!to_number(context, value, wide)) return false;
   if (!std::isfinite(wide)) wide = 0;
-  // Colours of pictures go beyond the positive numbers.
+  // Accept unsigned 32-bit numbers, because pixels of images may exceed the largest signed number.
   number = wide >= -2147483648.0 && wide < 4294967296.0 ? static_cast<std::int32_t>(static_cast<std::int64_t>(wide))
                                                         : JS::ToInt32(wide);
   return true;
 }
 
-// `nested`: the value is the first element of a list or an array, which may hold numbers but no further arrays.
+// Converts a value to the components of a tuple. `nested` means that the value is the first element of a list or array;
+// further nesting is rejected.
 bool tuple_components(JSContext* context, JS::HandleValue value, FieldType type, double* components,
                       bool nested = false) {
   const int count = type == FieldType::SFVec2f ? 2 : type == FieldType::SFRotation ? 4 : 3;
@@ -73,7 +74,7 @@ bool tuple_components(JSContext* context, JS::HandleValue value, FieldType type,
       bool is_array = false;
       if (!JS::IsArrayObject(context, object, &is_array)) return false;
       const ListBox* const list = list_of(object);
-      // A list of one, or an array of numbers.
+      // Accept a list that contains a tuple, or an array of numbers.
       if (list || is_array) {
         JS::RootedValue element(context);
         if (!JS_GetElement(context, object, 0, &element)) return false;
@@ -89,7 +90,8 @@ bool tuple_components(JSContext* context, JS::HandleValue value, FieldType type,
   return fail(context, "expected an " + std::string(vrml::name_of(type)));
 }
 
-// `nested`: as above.
+// Converts a value to a node. `nested` means that the value is the first element of a list or array; further nesting is
+// rejected.
 bool to_node(JSContext* context, JS::HandleValue value, vrml::SceneGraph* scene, vrml::NodeId& node,
              bool nested = false) {
   node = {};
@@ -183,7 +185,7 @@ bool fail(JSContext* context, const std::string& why) {
 bool make_string(JSContext* context, std::string_view text, JS::MutableHandleValue value) {
   JSString* made = JS_NewStringCopyUTF8N(context, JS::UTF8Chars(text.data(), text.size()));
   if (!made) {
-    // Not UTF-8 after all.
+    // The text is not UTF-8.
     if (JS_IsExceptionPending(context)) JS_ClearPendingException(context);
     made = JS_NewStringCopyN(context, text.data(), text.size());
     if (!made) return false;

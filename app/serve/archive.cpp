@@ -14,8 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Makes a file in an own process without network, confined to the served folder, because files and clients are
-// untrusted.
+// Runs the program that makes a file, in a separate process without network and with access only to the served folder.
+// This confinement is needed because files and clients are untrusted.
 std::optional<net::MakeFailure> run_confined(const std::string& program, const std::string& served,
                                              std::vector<std::string> arguments, const ChildLimits& limits,
                                              const std::stop_token& stop) {
@@ -51,7 +51,7 @@ net::Maker stream_maker(const std::string& program, const std::string& served) {
   maker.type.mime = "model/x-qnv";
   maker.extension = ".qnv";
   maker.for_missing = true;
-  maker.at_once = 1;  // each may need gigabytes
+  maker.at_once = 1;  // one at a time, because each may need gigabytes of memory
   maker.source_of = [](const std::string& name, const std::string&) -> std::optional<std::string> {
     const std::string source = name.ends_with(".qnv") ? name.substr(0, name.size() - 4) : std::string();
     if (!can_be_encoded(source)) return std::nullopt;
@@ -66,7 +66,7 @@ net::Maker stream_maker(const std::string& program, const std::string& served) {
   return maker;
 }
 
-// Creates the folder for made files. Returns the problem, or nullopt.
+// Creates the folder for made files. Returns the error, or nullopt.
 std::optional<std::string> prepare(const std::string& cache, const std::string& served) {
   std::error_code error;
   fs::create_directories(cache, error);

@@ -47,18 +47,18 @@ constexpr WebType kWebTypes[] = {
     {".zip ", "application/zip", false},
     {kLinkWebExtension, kLinkMime, false},
 };
-// Content types that are mostly text.
+// Extensions of content types that are mostly text.
 constexpr std::string_view kTexts = ".wrl .vrml .obj .mgf .geom .geo .inp .ucd .xyz ";
 
-// Returns ".wrl " for "a.WRL", or an empty string without an extension.
+// Returns the extension in lower case with a trailing blank: ".wrl " for "a.WRL". Returns "" if there is none.
 std::string extension_of(std::string_view name) {
   const std::size_t point = name.rfind('.');
   if (point == std::string_view::npos || point + 1 == name.size() || point == 0) return {};
   return lower_case(name.substr(point)) + " ";
 }
 
-// Returns true if the list contains the extension. Extensions begin with a point and end with a blank, so that parts
-// never match.
+// Returns true if a list of extensions contains `extension`. Each extension begins with a point and ends with a blank,
+// so that no part of an extension matches.
 bool lists(std::string_view extensions, const std::string& extension) {
   return !extension.empty() && extensions.find(extension) != std::string_view::npos;
 }
@@ -89,7 +89,7 @@ std::string html(std::string_view text) {
   return out;
 }
 
-// Returns a relative link. The leading "./" keeps names with a colon from being parsed as URLs.
+// Returns a relative link. The leading "./" is needed, because a name with a colon would be parsed as a URL.
 std::string link(std::string_view name, bool folder) { return "./" + net::encode_name(name) + (folder ? "/" : ""); }
 
 std::string json_page(const net::FolderListing& listing, bool made) {
@@ -109,14 +109,15 @@ std::string json_page(const net::FolderListing& listing, bool made) {
   return page.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-// Returns the name that a click opens: the made stream of other files, or the world or stream itself.
+// Returns the name that a click on a file opens: for a format other than VRML that can be encoded, the made stream;
+// else the file.
 std::string opened_name(const std::string& name, bool made) {
   const ContentType* type = content_type_by_name(name);
   return type && made && type->content != ContentClass::vrml && can_be_encoded(name) ? name + ".qnv" : name;
 }
 
-// Formats a date from year to minute, so that dates compare at a glance. Uses UTC, because the reader's time zone is
-// unknown.
+// Formats a date from year to minute, so that dates are easily compared. Uses UTC, because the time zone of the client
+// is unknown.
 std::string readable_date(std::int64_t unix_seconds) {
   const auto time = static_cast<std::time_t>(unix_seconds);
   std::tm parts{};
@@ -127,7 +128,7 @@ std::string readable_date(std::int64_t unix_seconds) {
   return text;
 }
 
-// Returns the decoded value of a form field: "search=a+b%20c&sort=size".
+// Returns the decoded value of a form field in a query such as "search=a+b%20c&sort=size".
 std::string field_of(std::string_view query, std::string_view name) {
   while (!query.empty()) {
     const std::size_t end = std::min(query.find('&'), query.size());
@@ -202,7 +203,7 @@ std::string html_row(const net::FolderEntry& entry, bool made) {
          "</td><td class=\"number\">" + readable_date(entry.modified) + "</td></tr>\n";
 }
 
-/// Sort columns of a folder. Folders always come first.
+/// Column by which the page of a folder can be sorted. Folders always precede files.
 struct SortRow {
   std::string_view name, heading;
   bool (*before)(const net::FolderEntry& a, const net::FolderEntry& b);
@@ -243,7 +244,7 @@ std::string form_text(std::string_view text) {
 }
 
 std::string column_heading(const SortRow& row, const std::string& search, const std::string& sort) {
-  const bool down = sort == row.name;  // the next click reverses the order
+  const bool down = sort == row.name;  // a click on the current column reverses its order
   const bool chosen = down || sort == "-" + std::string(row.name);
   std::string href = "?sort=" + std::string(down ? "-" : "") + std::string(row.name);
   if (!search.empty()) href += "&amp;search=" + form_text(search);

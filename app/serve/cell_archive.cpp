@@ -18,22 +18,23 @@
 namespace gs::app {
 namespace {
 
-// Ten symbols of the erasure code: the initial window of a server before it knows the path (RFC 6928).
+// Size of ten symbols of the erasure code. This is the initial window of a server that does not know the path yet (RFC
+// 6928).
 constexpr std::size_t kBaseBytes = 12'000;
 constexpr std::uint32_t kMaxIndexed = std::uint32_t{1} << 20;
 constexpr std::size_t kMaxDirectoryBytes = std::size_t{64} << 20;
 
 struct Place {
   std::uint64_t offset = 0;
-  std::uint32_t bytes = 0;  // with the chunk header
+  std::uint32_t bytes = 0;  // including the chunk header
   std::optional<net::CellBox> box;
 };
 
-/// Source for one file, which stays open while clients use it.
+/// Cell source of one stream file. The file stays open while clients use it.
 class QnvSource : public net::CellSource {
  public:
   explicit QnvSource(net::ServedFile file) : file_(std::move(file)) {}
-  /// Reads the header and the directory. Returns the problem, or nullopt.
+  /// Reads the header and the list of chunks. Returns the error, or nullopt.
   [[nodiscard]] std::optional<std::string> read();
 
   [[nodiscard]] std::uint32_t version() const override { return version_; }
@@ -58,7 +59,7 @@ class QnvSource : public net::CellSource {
   std::vector<Place> places_;
 };
 
-// Reads bytes of the file. Returns fewer at its end.
+// Reads `count` bytes at `offset`. Returns fewer bytes at the end of the file.
 std::vector<std::byte> QnvSource::bytes(std::uint64_t offset, std::size_t count) const {
   if (offset >= file_.stamp.size) return {};
   std::vector<std::byte> all(static_cast<std::size_t>(std::min<std::uint64_t>(count, file_.stamp.size - offset)));
@@ -74,14 +75,14 @@ std::vector<std::byte> QnvSource::bytes(std::uint64_t offset, std::size_t count)
   return all;
 }
 
-// Returns the chunks of the directory; empty if it is missing or damaged.
+// Returns the chunks that the directory lists; empty if the directory is missing or damaged.
 std::vector<Place> QnvSource::from_directory(const qnv::StreamHeader& header) const {
   if (header.directory == 0 || header.directory >= file_.stamp.size) return {};
   const std::uint64_t length = file_.stamp.size - header.directory;
   if (length > kMaxDirectoryBytes) return {};
   const auto raw = bytes(header.directory, static_cast<std::size_t>(length));
   std::vector<Place> places;
-  // The reader needs a header first.
+  // Give the reader the header first, because it accepts nothing else before.
   qnv::StreamReader reader;
   const auto on_chunk = [&](qnv::ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
     if (type != qnv::ChunkType::directory) return;
@@ -95,7 +96,8 @@ std::vector<Place> QnvSource::from_directory(const qnv::StreamHeader& header) co
   return places;
 }
 
-// Finds the chunks of a file without directory, one after the other, until the bytes are not a chunk.
+// Returns the chunks of a file without a directory, by reading one header after the other. Stops at bytes that are no
+// chunk.
 std::vector<Place> QnvSource::from_chunks(std::uint64_t begin) const {
   std::vector<Place> places;
   while (places.size() < kMaxIndexed) {
@@ -118,7 +120,7 @@ std::optional<std::string> QnvSource::read() {
   payload_ = &qnv::row_of(header);
   std::vector<Place> all = from_directory(header);
   if (all.empty()) all = from_chunks(header_bytes);
-  // The protected base is the start of the file: the header and the following chunks that fit.
+  // The protected base consists of the header and the following chunks that fit in kBaseBytes.
   std::uint64_t end = header_bytes;
   std::size_t first = 0;
   while (first < all.size() && all[first].offset == end &&
@@ -137,7 +139,7 @@ std::optional<net::CellChunk> QnvSource::chunk(std::size_t, std::uint32_t number
   const Place& place = places_[number];
   if (place.bytes > qnv::kChunkHeaderBytes + qnv::kMaxChunkBytes) return std::nullopt;
   const std::vector<std::byte> all = bytes(place.offset, place.bytes);
-  // The file has changed, or its directory is wrong.
+  // Cutting fails if the file has changed or its directory is wrong.
   const auto parts = all.size() == place.bytes ? qnv::cut_chunk(*payload_, all) : std::nullopt;
   if (!parts || !(net::stamp_of(file_.descriptor) == file_.stamp)) return std::nullopt;
   return net::CellChunk{{parts->head.begin(), parts->head.end()}, {parts->body.begin(), parts->body.end()}};

@@ -10,14 +10,14 @@
 
 namespace gs::app {
 
-/// Library that sends the QNV streams of a folder as cells. The header and the first chunks, which are the start of the
-/// file, form the protected base. The other chunks follow in their order. The head of a records chunk is its chunk
-/// header and the 48 bytes before the records. Other chunks are sent as in the file, with their header.
+/// Library that sends the QNV streams of a folder as cells. The protected base is the start of the file: header and
+/// first chunks. The other chunks follow in the order of the file, each with its chunk header. For a records chunk, the
+/// chunk header and the 48 bytes before the records are its head, which is sent separately.
 class CellArchive : public net::CellLibrary {
  public:
   [[nodiscard]] static std::variant<std::shared_ptr<CellArchive>, std::string> of_folder(const std::string& folder);
-  /// Opens the file at the path of an HTTP request, with or without a leading slash. All clients of one version share
-  /// the source.
+  /// Opens the file at the path of an HTTP request, with or without a leading slash. All clients of the same version of
+  /// a file share its source.
   [[nodiscard]] std::variant<std::shared_ptr<net::CellSource>, std::string> open(const std::string& path) override;
 
  private:

@@ -24,7 +24,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kCannotStart = 127;  // as in shells
+constexpr int kCannotStart = 127;  // exit status that shells use for this case
 
 // Returns the last line of a file.
 std::string last_line(const net::Descriptor& file) {
@@ -38,10 +38,10 @@ std::string last_line(const net::Descriptor& file) {
   return line == std::string::npos ? text : text.substr(line + 1);
 }
 
-// Runs between fork and exec, in a process without its other threads: makes system calls only.
+// Runs in the child between fork and exec. Only this thread exists there, so it may only make system calls.
 [[noreturn]] void become(const char* program, char* const* arguments, char* const* environment, int error_output,
                          const ChildLimits& limits) {
-  // The child ends with this program, and ignores Ctrl-C on the terminal.
+  // The child is killed when this program ends. It ignores Ctrl-C on the terminal.
   (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
   (void)::setpgid(0, 0);
   sigset_t none;
@@ -55,19 +55,19 @@ std::string last_line(const net::Descriptor& file) {
     return ::setrlimit(which, &both) == 0;
   };
   bool good = set(RLIMIT_FSIZE, limits.file_bytes) && set(RLIMIT_CORE, 0);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // shadow memory needs terabytes
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // sanitizers need terabytes of address space
   good = good && set(RLIMIT_DATA, limits.memory);
 #endif
   const int nothing = ::open("/dev/null", O_RDWR);
   good = good && ::dup2(nothing, STDIN_FILENO) >= 0 && ::dup2(nothing, STDOUT_FILENO) >= 0 &&
          ::dup2(error_output, STDERR_FILENO) >= 0;
-  // Closes all other descriptors, including those that lack the close-on-exec flag.
+  // Close all other descriptors, because some may lack the close-on-exec flag.
   (void)::close_range(STDERR_FILENO + 1, ~0U, 0);
   if (good) (void)::execve(program, arguments, environment);
   ::_exit(kCannotStart);
 }
 
-// Starts the program. Returns 0 if no process could be created.
+// Starts the program. Returns the process ID, or 0 if no process could be created.
 pid_t spawn(const std::string& program, const std::vector<std::string>& arguments, int error_output,
             const ChildLimits& limits) {
   std::vector<char*> list{const_cast<char*>(program.c_str())};
@@ -79,11 +79,11 @@ pid_t spawn(const std::string& program, const std::vector<std::string>& argument
   return std::max<pid_t>(child, 0);
 }
 
-// Returns the failure for an exit status. `line` is the last line on standard error.
+// Returns the failure that an exit status stands for; nullopt on success. `line` is the last line on standard error.
 std::optional<ChildFailure> failure_of(int status, const std::string& line) {
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
-    // SIGKILL comes from the system when memory runs out, so a retry may succeed.
+    // The system sends SIGKILL when memory runs out, so a retry may succeed.
     return ChildFailure{std::string("ended by signal ") + ::strsignal(signal), signal != SIGKILL};
   }
   if (WEXITSTATUS(status) == kDone) return std::nullopt;

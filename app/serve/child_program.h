@@ -12,20 +12,20 @@ namespace gs::app {
 /// Limits of a child process.
 struct ChildLimits {
   std::chrono::seconds time{60};
-  std::uint64_t memory = std::uint64_t{4} << 30;       // bytes of its data, without mapped files (RLIMIT_DATA)
-  std::uint64_t file_bytes = std::uint64_t{16} << 30;  // of each file that it writes
+  std::uint64_t memory = std::uint64_t{4} << 30;  // max bytes of data, without mapped files (RLIMIT_DATA)
+  std::uint64_t file_bytes = std::uint64_t{16} << 30;  // max bytes of each file that the child writes
 };
 
-/// Reason of the failure of a child process.
+/// Reason why a child process failed.
 struct ChildFailure {
-  std::string message;  // last line on standard error, if there is one
-  bool lasting = true;  // a retry would fail, too; false if this machine lacked a resource
+  std::string message;  // last line on standard error; a general message if there is none
+  bool lasting = true;  // true if a retry would also fail; false if this machine lacked a resource
 };
 
-/// Runs a program with these arguments, without input, with its output discarded and with the kept part of the
-/// environment (app/base/environment.h). Waits for its end and returns the reason of a failure. Kills the child after
-/// its time, or when stopped; the child also ends with this process. Meant for work on untrusted files: no failure of
-/// the child ends this process. Interprets the exit statuses of this program.
+/// Runs a program with these arguments, and returns the reason if it fails. Blocks until the program ends. The program
+/// has no input, its output is discarded, and it gets the environment variables of app/base/environment.h. Kills the
+/// program after `limits.time` or when `stop` is requested; it also ends with this process. Meant for work on untrusted
+/// files: a crash of the program does not affect this process. Expects the exit statuses of GhostSpace.
 [[nodiscard]] std::optional<ChildFailure> run_child(const std::string& program,
                                                     const std::vector<std::string>& arguments,
                                                     const ChildLimits& limits, const std::stop_token& stop);

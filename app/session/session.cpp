@@ -8,10 +8,11 @@
 namespace gs::app {
 namespace {
 
-constexpr double kLifeStep = 1.0 / 60;  // seconds between time steps of the worlds
+constexpr double kLifeStep = 1.0 / 60;  // min seconds between two steps of worlds
 constexpr double kLongLife = 0.05;
 
-// Returns the worker that makes large meshes; null in simulated time, which waits for them.
+// Returns the worker that makes large meshes in the background. Returns null in simulated time, where all meshes are
+// made at once.
 std::shared_ptr<render::MeshWorker> mesh_worker(bool simulated, const std::function<void()>& wake, Picker& picker) {
   if (simulated) return nullptr;
   return std::make_shared<render::MeshWorker>(
@@ -20,7 +21,7 @@ std::shared_ptr<render::MeshWorker> mesh_worker(bool simulated, const std::funct
 
 }  // namespace
 
-// A step ------------------------------------------------------------------------------------------
+// Step --------------------------------------------------------------------------------------------
 
 Session::Session(const SessionOptions& options, LoadOptions load, const std::function<void()>& wake)
     : load_(std::move(load)),
@@ -82,7 +83,7 @@ void Session::handle_input(const SessionInput& input, float seconds) {
 
 // Time --------------------------------------------------------------------------------------------
 
-// Returns the visible running worlds, each once.
+// Returns the running worlds in visible viewports, each once.
 std::vector<Document*> Session::running() const {
   std::vector<Document*> result;
   for (const std::size_t i : panes().visible()) {
@@ -94,20 +95,20 @@ std::vector<Document*> Session::running() const {
   return result;
 }
 
-// Returns the time of the next event in the visible worlds, or of the next file of a series.
+// Returns the time of the next event in the visible worlds, or the time at which a series shows its next file.
 std::optional<double> Session::next_event() const {
   std::optional<double> next;
   for (const Document* document : running())
     if (const auto time = document->runtime->next_time()) next = std::min(next.value_or(*time), *time);
-  // Actions of an extension cause events and requests for files.
+  // After an extension has acted, step soon: its actions may cause events and requests.
   if (acted_) next = life_due_;
   if (next) next = std::max(*next, life_due_);
   if (const auto due = series_.next_due()) next = std::min(next.value_or(*due), *due);
   return next;
 }
 
-// Sets the viewer position for the sensors of a world. A viewer at the bound Viewpoint follows it at each timestamp. A
-// viewer that jumps to a Viewpoint is at its destination already (VRML97 6.53).
+// Sets the viewer's position in a world, for its sensors. A viewer that rests at a bound Viewpoint is not set, because
+// it moves with the Viewpoint. For a viewer on its way to a Viewpoint, the destination is set (VRML97 6.53).
 void Session::place_viewer(Document& document, const View& leader) const {
   vrml::Execution& execution = document.runtime->execution();
   if (const Viewport place = viewports_.place_of(leader); place.height > 0)
@@ -121,7 +122,7 @@ void Session::place_viewer(Document& document, const View& leader) const {
     execution.viewer().set(world_from_viewer(way ? way->to : leader.navigation.pose));
 }
 
-// Advances the visible worlds. Returns true if the picture changed.
+// Advances time in the visible worlds. Returns true if a picture changed.
 bool Session::advance_worlds(bool look) {
   if (step_.now < life_due_) return false;
   acted_ = false;
@@ -131,22 +132,22 @@ bool Session::advance_worlds(bool look) {
   for (Document* document : running()) any = advance_world(*document, look) || any;
   sound_.end();
   if (step_.simulated) return any;
-  // Worlds with slow events leave time for the user's input.
+  // If this took long, wait before the next step of worlds, so that time remains for the user's input.
   const double took = world_time() - started;
   life_due_ = step_.now + std::max(kLifeStep, took > kLongLife ? 3 * took : 0);
   return any;
 }
 
-// Advances one world, and updates its views. Returns true if the picture changed.
+// Advances time in one world and updates its views. Returns true if a picture changed.
 bool Session::advance_world(Document& document, bool look) {
   bool any = false;
   std::vector<View*> views;
   for (const std::size_t i : panes().visible())
     if (View* seen = panes().at(i).view(); seen && seen->document.get() == &document) views.push_back(seen);
-  // The world has one viewer: that of the active viewport, if it shows this world.
+  // A world has only one viewer. Use the view of the active viewport if it shows this world, else the first view.
   View* leader = view() && view()->document.get() == &document ? view() : views.front();
   vrml::Execution& execution = document.runtime->execution();
-  // Changing the viewport moves the viewer without walking.
+  // If another view is used now, the viewer jumps instead of moving through the world.
   const void* before = std::exchange(document.viewer, leader);
   if (before && before != leader) execution.viewer().jump();
   place_viewer(document, *leader);

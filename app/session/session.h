@@ -29,53 +29,54 @@ namespace gs::app {
 class Session;
 
 struct SessionOptions {
-  std::vector<std::string> files;  // opened at start, one per viewport as far as possible
-  std::string viewpoint;           // description, DEF name or number of the initial Viewpoint of worlds
-  std::optional<bool> headlight;   // overrides the worlds' NavigationInfo
-  /// Uses only the time passed to `step`, so that results depend on the input alone. Moves to Viewpoints are instant.
-  /// No step is skipped after a slow one. Frames are shown only when they are up to date.
+  std::vector<std::string> files;  // opened at the start, each in its own viewport if possible
+  std::string viewpoint;  // initial Viewpoint of worlds: its description, DEF name or number
+  std::optional<bool> headlight;  // overrides the NavigationInfo of worlds
+  /// Simulated time: results depend only on the input and on the times given to step(). Moves to Viewpoints are
+  /// instant. A slow step does not delay later ones. Pictures wait until all data for them are ready.
   bool simulated = false;
-  bool audible = false;              // sounds are played on the system's device
-  bool muted = false;                // until the user turns the sound on
-  double speed = 1;                  // factor on the worlds' viewer speed
+  bool audible = false;  // play sounds on the system's device
+  bool muted = false;  // silent until the user turns the sound on
+  double speed = 1;  // factor on the viewer speed that worlds set
   ViewStyle style{};                 // initial style of views
-  std::optional<Pose> camera{};      // initial camera of the first file
-  std::optional<SplitTree> split{};  // split of the window; nullopt derives it from the number of files
+  std::optional<Pose> camera{};  // initial camera, only for the first file
+  std::optional<SplitTree> split{};  // arrangement of the viewports; nullopt derives it from the number of files
 };
 
-/// Extension that acts in each step of a session, beside the user; see Session::add_extension().
+/// Extension that acts in each step of a session, in addition to the user; see Session::add_extension().
 class SessionExtension {
  public:
   virtual ~SessionExtension() = default;
-  /// Acts after time has advanced and before the user's input. Returns true if worlds or views changed.
+  /// Acts in a step, after time has advanced and before the user's input is handled. Returns true if worlds or views
+  /// changed.
   virtual bool act(Session& session) = 0;
-  /// Called at the end of each step.
+  /// Called at the end of each step, before the pictures are drawn.
   virtual void step_is_over() {}
 };
 
-/// Open worlds, their viewports and time. The window, `--snapshot` and `trace` call `step`, and draw or print its
-/// result. The session draws nothing, and reads the clock only to measure durations. Each part does one kind of work;
-/// `step` calls the parts in a fixed order. One thread.
+/// Documents, viewports and time of one program run. The window, `--snapshot` and `trace` call step() and draw or print
+/// its result. The session itself draws nothing. It reads the clock only to measure durations. step() calls the parts
+/// of the session in a fixed order. One thread.
 class Session {
  public:
-  /// Creates a session. `wake` is called on other threads when a step would find news, and must be thread-safe.
+  /// Creates a session. Other threads call `wake` when the next step has something to do; it must be thread-safe.
   Session(const SessionOptions& options, LoadOptions load, const std::function<void()>& wake);
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Applies received data and the user's input, and advances time to `now`, in seconds since 1970. Times never go
-  /// back.
+  /// Runs one step: applies received data and the user's input, and advances time to `now`, in seconds since 1970.
+  /// `now` must never decrease.
   Frame step(double now, const SessionInput& input);
-  /// Adds an extension that acts in each step, after those that were added before. It must outlive the session or be
-  /// removed.
+  /// Adds an extension. It acts in each step, after the extensions that were added earlier. It must be removed before
+  /// it is destroyed, unless it outlives the session.
   void add_extension(SessionExtension& extension) { extensions_.push_back(&extension); }
   void remove_extension(SessionExtension& extension) { std::erase(extensions_, &extension); }
 
-  // Parts.
+  // Parts of the session.
   [[nodiscard]] SessionViewports& viewports() { return viewports_; }
   [[nodiscard]] Panes& panes() { return viewports_.panes(); }
   [[nodiscard]] const Panes& panes() const { return viewports_.panes(); }
-  /// Returns the view of the active viewport, or null if it is empty.
+  /// Returns the view of the active viewport; null if the viewport is empty.
   [[nodiscard]] View* view() { return viewports_.view(); }
   [[nodiscard]] Opening& opening() { return opening_; }
   [[nodiscard]] DocumentReaders& readers() { return readers_; }
@@ -89,7 +90,7 @@ class Session {
   [[nodiscard]] SeriesPlayback& series() { return series_; }
   [[nodiscard]] SessionQuestions& questions() { return questions_; }
   [[nodiscard]] InputHandler& input() { return input_; }
-  /// Returns the diagnostics of the session's files.
+  /// Returns the log of diagnostics of all files.
   [[nodiscard]] SessionLog& log() { return log_; }
 
  private:
@@ -101,7 +102,7 @@ class Session {
   void handle_input(const SessionInput& input, float seconds);
   [[nodiscard]] std::optional<double> next_event() const;
 
-  LoadOptions load_;  // with the folders that the user has allowed
+  LoadOptions load_;  // options for files, including the folders that the user has allowed
   StepContext step_;
   Picker picker_;
   SessionLog log_;
@@ -120,9 +121,9 @@ class Session {
   StreamTransfers streams_;
   InputHandler input_;
   std::vector<SessionExtension*> extensions_;
-  double life_due_ = 0;      // time of the next event in the worlds, if there is one
-  bool acted_ = false;       // an extension has acted since time advanced in the worlds
-  bool was_moving_ = false;  // in the previous step
+  double life_due_ = 0;  // earliest time of the next step of worlds, in seconds since 1970
+  bool acted_ = false;  // an extension acted after the last step of worlds
+  bool was_moving_ = false;  // a viewer moved in the previous step
 };
 
 }  // namespace gs::app

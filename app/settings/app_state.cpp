@@ -27,7 +27,7 @@ std::string string_in(const json& object, const char* name) {
   const json& value = member(object, name);
   if (!value.is_string()) return {};
   std::string text = value.get<std::string>();
-  // Stored texts never contain line ends or zero bytes.
+  // Drop texts with line ends or zero bytes, which this program never writes.
   return text.size() > kMaxText || text.find_first_of(std::string("\n\r\0", 3)) != std::string::npos ? std::string()
                                                                                                      : text;
 }

@@ -37,7 +37,7 @@ void LogFile::add(std::string_view text, std::size_t most) {
   }
   const net::Descriptor file(::open(path_.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (file.get() < 0) return;
-  // One write, so that lines of concurrent programs do not mix.
+  // Write the line with one call, so that the lines of concurrent programs do not mix.
   const std::string line = time_of_day() + " " + printable(text) + "\n";
   [[maybe_unused]] const ssize_t written = ::write(file.get(), line.data(), line.size());
 }

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr char kMemoryFile[] = "/memory.json", kLogFile[] = "/log", kSessionStart[] = "session-",
                kSessionEnd[] = ".json";
-constexpr std::size_t kMaxSessions = 16;  // max number of files that are read
+constexpr std::size_t kMaxSessions = 16;  // max number of session files that are read
 
 // Returns the process ID in the name of a session file.
 std::optional<pid_t> process_of(const std::string& name) {
@@ -92,7 +92,7 @@ void SettingsStore::read() {
 void SettingsStore::write(const std::string& path, const std::string& text) {
   if (path.empty()) return;
   if (auto problem = write_user_file(path, text)) {
-    // Reports the same problem only once.
+    // Report an equal problem only once.
     if (std::find(problems_.begin(), problems_.end(), *problem) == problems_.end())
       problems_.push_back(std::move(*problem));
   }
@@ -131,7 +131,7 @@ SessionMemory SettingsStore::take_lost_sessions() {
     std::string problem;
     const auto text = read_user_file(file.string(), problem);
     const auto session = text ? read_session(*text) : std::nullopt;
-    // Restores the split of the first window; the files of other windows are only listed.
+    // Restore the arrangement of the first session only. The other sessions only add their files.
     if (session && lost.files.empty()) {
       lost.split = session->split;
       lost.viewports = session->viewports;

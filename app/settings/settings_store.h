@@ -11,16 +11,16 @@
 
 namespace gs::app {
 
-/// Returns the stored state of the program, as far as it is readable. Reports no errors.
+/// Returns the saved state of the program; defaults for all values that cannot be read. Reports no errors.
 [[nodiscard]] AppState remembered(const UserFolders& folders);
 
-/// Store of the user's settings, bookmarks and state between windows. Each change writes its file atomically. An
-/// unreadable file is reported once, saved as FILE.bad, and otherwise ignored. Without folders, nothing is read or
-/// written. One thread.
+/// Store of the user's settings and bookmarks, and of the state that is kept between windows. Each change writes its
+/// file atomically. An unreadable file is copied to FILE.bad, reported once, and otherwise ignored. If `folders` is
+/// empty, nothing is read or written. One thread.
 class SettingsStore {
  public:
   explicit SettingsStore(UserFolders folders);
-  /// Removes the session's file, because a clean end leaves nothing to restore.
+  /// Removes this window's session file, because after a regular end there is nothing to restore.
   ~SettingsStore();
   SettingsStore(const SettingsStore&) = delete;
   SettingsStore& operator=(const SettingsStore&) = delete;
@@ -32,14 +32,14 @@ class SettingsStore {
   [[nodiscard]] const std::vector<Bookmark>& bookmarks() const { return bookmarks_; }
   void set(const std::vector<Bookmark>& bookmarks);
 
-  /// Stores the files of this window, to restore them if the program ends unexpectedly.
+  /// Saves the files of this window, so that they can be restored after a crash.
   void note_session(const SessionMemory& session);
-  /// Returns the sessions that ended unexpectedly, and forgets them.
+  /// Returns the files of all sessions that crashed, and removes the session files.
   [[nodiscard]] SessionMemory take_lost_sessions();
 
-  /// Returns the problems since the last call, one line each: `FILE:LINE: error: ...`.
+  /// Returns the problems since the previous call, one line each: `FILE:LINE: error: ...`.
   [[nodiscard]] std::vector<std::string> take_problems();
-  /// Writes a line to the log on disk, if the settings allow it.
+  /// Appends a line to the log on disk, if the settings allow a log.
   void log(std::string_view line);
 
  private:
@@ -50,7 +50,7 @@ class SettingsStore {
   UserSettings settings_;
   AppState state_;
   std::vector<Bookmark> bookmarks_;
-  std::optional<SessionMemory> session_;  // as last written
+  std::optional<SessionMemory> session_;  // contents of the session file, as written last
   std::string session_file_;
   std::vector<std::string> problems_;
   LogFile log_;

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
 constexpr char kFolderOfOurs[] = "/ghostspace";
 
-// Returns the folder in an environment variable. Relative paths are ignored (XDG Base Directory Specification).
+// Returns the folder in an environment variable. Ignores a relative path (XDG Base Directory Specification).
 std::string folder_in(const char* variable) {
   const char* value = std::getenv(variable);
   return value && value[0] == '/' ? std::string(value) : std::string();

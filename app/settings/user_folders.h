@@ -7,11 +7,12 @@
 
 namespace gs::app {
 
-/// Paths of persistent user data (XDG Base Directory Specification). If empty, nothing is read or written.
+/// Paths of persistent user data (XDG Base Directory Specification). If a path is empty, its data are neither read nor
+/// written.
 struct UserFolders {
-  std::string settings_file;   // path of the settings
-  std::string bookmarks_file;  // path of the bookmarks
-  std::string state;           // folder for state that the program stores by itself
+  std::string settings_file;  // settings file
+  std::string bookmarks_file;  // bookmarks file
+  std::string state;  // folder of the state that the program itself saves
 
   [[nodiscard]] bool any() const { return !settings_file.empty(); }
 };
@@ -22,16 +23,16 @@ struct UserFolders {
 
 /// Replaces a leading "~" by the user's home folder.
 [[nodiscard]] std::string with_home(std::string_view path);
-/// Replaces the user's home folder by "~", to show a path.
+/// Replaces the user's home folder at the start of a path by "~", for display.
 [[nodiscard]] std::string without_home(std::string_view path);
 
-/// Reads a small file of the user. Returns nullopt if the file is missing, too large or unreadable; `problem` is the
-/// reason, unless it is missing.
+/// Reads a small file of the user. Returns nullopt if the file is missing, too large or unreadable. Sets `problem` to
+/// the error, except for a missing file.
 [[nodiscard]] std::optional<std::string> read_user_file(const std::string& path, std::string& problem);
-/// Writes a file atomically. Creates its folder, readable only by the user, if it is missing. Returns the error, or
+/// Writes a file atomically. Creates its folder if necessary, accessible only to the user. Returns the error, or
 /// nullopt.
 [[nodiscard]] std::optional<std::string> write_user_file(const std::string& path, std::string_view text);
-/// Saves text that could not be parsed as `path`.bad, replacing an earlier one.
+/// Saves a text that could not be parsed as `path`.bad. Replaces an earlier file of that name.
 void keep_bad_file(const std::string& path, std::string_view text);
 
 }  // namespace gs::app

@@ -89,7 +89,7 @@ constexpr SettingRow kSettings[] = {
      [](UserSettings& s, std::string_view v) { s.budget = static_cast<std::size_t>(number_in(v)); }},
 };
 
-// Returns the expected values of a row, such as "dark or light".
+// Returns a description of the valid values of a setting, such as "dark or light".
 std::string expected_by(const SettingRow& row) {
   if (row.kind == kNumber)
     return std::string(row.whole ? "a whole number from " : "a number from ") + text_of_number(row.least) + " to " +

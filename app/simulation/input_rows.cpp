@@ -22,7 +22,7 @@ struct LineReader {
   const std::string& file;
   Diagnostics& diagnostics;
 
-  // Returns the position of a key in the line, in columns from 1. Returns column 1 if the key is written with escapes.
+  // Returns the position of a key in the line. The column counts from 1; it is 1 if the key is written with escapes.
   [[nodiscard]] SourceLocation place_of(std::string_view key) const {
     const std::size_t at = line.find('"' + std::string(key) + '"');
     return {number, at == std::string_view::npos ? 1 : static_cast<std::uint32_t>(at + 1)};

@@ -8,7 +8,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::uint64_t kPressesOfVisit = 4;  // presses between two visits of a ProximitySensor
+constexpr std::uint64_t kPressesOfVisit = 4;  // number of presses between visits of ProximitySensors
 
 void add_scenes(const vrml::SceneGraph& scene, std::vector<const vrml::SceneGraph*>& scenes) {
   scenes.push_back(&scene);
@@ -55,7 +55,7 @@ bool SensorTour::press_next() {
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.presses < b.presses; });
-  // Tries only a few, because some sensors have no collidable geometry, for example lines.
+  // Try only a few sensors in each step. press_sensor() fails for a sensor without collidable geometry, such as lines.
   constexpr std::size_t kTries = 4;
   for (std::size_t i = 0; i < std::min(kTries, candidates.size()); ++i) {
     const Candidate& one = candidates[i];
@@ -87,7 +87,7 @@ void SensorTour::visit_next() {
 
 void SensorTour::step() {
   if (!world()) return;
-  constexpr glm::dvec2 kWay(60, -25);  // pixels
+  constexpr glm::dvec2 kWay(60, -25);  // pixels; movement of a drag
   switch (phase_) {
     case 0:
       if (came_from_ || round_ % kPressesOfVisit == 0) visit_next();
@@ -98,7 +98,7 @@ void SensorTour::step() {
       session_.pointing().drag_sensor(round_ % 2 == 0 ? kWay : -kWay);
       break;
     case 2:
-      // A click releases at the pressed position; a drag releases at its end.
+      // A click is released where it was pressed. A drag is released where it ends.
       if (!drags_) session_.pointing().drag_sensor(round_ % 2 == 0 ? -kWay : kWay);
       break;
     default:

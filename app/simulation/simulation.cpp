@@ -147,14 +147,14 @@ const View& Simulation::look() {
 
 render::Camera Simulation::camera() {
   const View& seen = look();
-  // Uses the Viewpoint's own matrix, because a pose is less exact.
+  // Use the Viewpoint's own matrix, which is more exact than a pose.
   if (at_home(seen) && seen.viewpoint && !seen.style.parallel)
     return viewpoint_camera(*seen.list, seen.bound, seen.home_size);
   return camera_of(seen.navigation.pose);
 }
 
 void Simulation::stand_at(const render::Camera& camera) {
-  constexpr double kSame = 1e-9;  // relative to the distance from the origin
+  constexpr double kSame = 1e-9;  // tolerance, relative to the distance from the origin
   vrml::Execution& world = execution();
   const glm::dmat4 before = world.viewer().pose(), &after = camera.world_from_camera;
   bool there = true;
@@ -233,7 +233,8 @@ void Simulation::act(double time) {
   }
 }
 
-// Fetches the urls that the last step has set. Urls that their contents set are fetched after the next step.
+// Fetches the urls that were set in the last step. If the fetched content sets further urls, the next step fetches
+// them.
 void Simulation::fetch() {
   if (!loading_) return;
   std::vector<UrlRequest> requests = document_->runtime->take_url_requests();
@@ -254,14 +255,14 @@ void Simulation::run(double seconds, const std::function<bool()>& go_on) {
     step(0, false);
     act(0);
     if (begins_elsewhere_) {
-      // The sensors already have this time; objects that follow the viewer are updated again.
+      // The event time of sensors does not change here; only objects that follow the viewer are updated again.
       execution().begin_update();
       step(0, false);
     }
     fetch();
     steps_ = 1;
   }
-  // Step times are multiples of the step, so that rounding errors do not accumulate.
+  // Each step ends at a multiple of kSimulationStep, so that rounding errors do not accumulate.
   double time = time_;
   while (time < seconds && (!go_on || go_on())) {
     const double tick = static_cast<double>(steps_) * kSimulationStep;

@@ -11,20 +11,21 @@
 namespace gs::app {
 namespace {
 
-constexpr int kParts = 8;     // parts per axis of a box that are tested one by one
-constexpr int kPasses = 5;    // each pass refines the result of the last one, down to 1/32768 of the whole
-constexpr float kAll = 0.9f;  // fraction of the volume above which the whole stream is requested
+constexpr int kParts = 8;  // number of parts per axis in each pass
+constexpr int kPasses = 5;  // number of passes; each one divides the result of the previous one, to 1/32768 at last
+constexpr float kAll = 0.9f;  // if the regions cover a larger fraction of the volume, the whole stream is requested
 
 bool outside(const glm::vec3& lower, const glm::vec3& upper, const qnv::LodView& view) {
   return std::any_of(view.planes.begin(), view.planes.end(), [&](const glm::vec4& plane) {
-    // The corner that is furthest inside.
+    // Take the corner that is furthest on the inner side of the plane.
     const glm::vec3 p(plane.x >= 0 ? upper.x : lower.x, plane.y >= 0 ? upper.y : lower.y,
                       plane.z >= 0 ? upper.z : lower.z);
     return plane != glm::vec4(0) && plane.x * p.x + plane.y * p.y + plane.z * p.z + plane.w < 0;
   });
 }
 
-// Returns the bounds of the parts of a box that a view may see, or nullopt.
+// Divides a box into parts. Returns the bounds of those parts that may be visible in the view, or nullopt if there are
+// none.
 std::optional<Box> seen_part(const Box& box, const qnv::LodView& view) {
   const glm::vec3 step = (box.upper - box.lower) / static_cast<float>(kParts);
   std::optional<Box> seen;
@@ -40,7 +41,7 @@ std::optional<Box> seen_part(const Box& box, const qnv::LodView& view) {
   return seen;
 }
 
-// Returns the volume fraction of a part. Ignores axes without extent.
+// Returns the volume of `part` as a fraction of `all`. Ignores axes along which `all` has no extent.
 float share(const Box& part, const Box& all) {
   float share = 1;
   for (int axis = 0; axis < 3; ++axis) {
@@ -59,7 +60,7 @@ net::CellBox cell_box(const Box& box, const Box& all) {
     const auto part = [&](double value, bool up) {
       if (!(extent > 0)) return up ? 65535.0 : 0.0;
       const double scaled = (value - begin) / extent * 65535;
-      // Avoids rounding the directory's own steps twice.
+      // The directory has already rounded its bounds to such steps. Do not round twice.
       const double nearest = std::round(scaled);
       const double exact = std::abs(scaled - nearest) < 1e-2 ? nearest : up ? std::ceil(scaled) : std::floor(scaled);
       return std::clamp(exact, 0.0, 65535.0);

@@ -10,12 +10,12 @@
 
 namespace gs::app {
 
-/// Returns a box in the coordinates of a cell server: 1/65535 of the stream's box `all`, rounded outwards.
+/// Converts a box to the units of a cell server: 1/65535 of the box `all` of the stream. Rounds outwards.
 [[nodiscard]] net::CellBox cell_box(const Box& box, const Box& all);
 
-/// Returns the regions of a stream with the box `all` that these views see, at most net::kMaxRegions. Each view has
-/// one region, which may be an eighth too large on each side. Views that see nothing or nearly everything add none.
-/// Node space, as the views are.
+/// Returns the regions of a stream that are visible in `views`, at most net::kMaxRegions. `all` is the box of the
+/// stream. Each view gives one region, which may be up to an eighth too large on each side. A view of nothing or of
+/// nearly everything gives none. All boxes and views are in node space.
 [[nodiscard]] std::vector<net::Region> regions_of(std::span<const qnv::LodView> views, const Box& all);
 
 }  // namespace gs::app

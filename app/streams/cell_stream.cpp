@@ -10,9 +10,9 @@
 namespace gs::app {
 namespace {
 
-constexpr std::uint16_t kCellsPort = 6635;             // MPLS in UDP, RFC 7510
-constexpr std::uint64_t kAnyRate = 1'000'000'000;      // bits per second; the server reduces it to its limit
-constexpr std::size_t kAtOnce = std::size_t{4} << 20;  // max bytes handled between two checks of the time
+constexpr std::uint16_t kCellsPort = 6635;  // UDP port of MPLS in UDP (RFC 7510)
+constexpr std::uint64_t kAnyRate = 1'000'000'000;  // bits per second; servers reduce it to their limit
+constexpr std::size_t kAtOnce = std::size_t{4} << 20;  // max number of bytes to handle before the time is checked
 constexpr std::size_t kMaxEarly = std::size_t{64} << 20;
 constexpr std::size_t kSlot = 0;
 
@@ -61,11 +61,11 @@ bool CellStream::step() {
   return any;
 }
 
-// Scales the rate by the weight of the feed.
+// Multiplies the requested rate by the weight of the feed.
 void CellStream::follow_weight() {
   if (!feed_ || feed_->weight() == weight_) return;
   if (rate_ == 0) rate_ = static_cast<std::uint64_t>(driver_->statistics().granted);
-  if (rate_ == 0) return;  // not known yet
+  if (rate_ == 0) return;  // no rate was granted yet
   weight_ = feed_->weight();
   driver_->set_rate(std::max<std::uint64_t>(1, static_cast<std::uint64_t>(static_cast<double>(rate_) * weight_)));
 }
@@ -79,7 +79,7 @@ void CellStream::set_rate(std::uint64_t rate) {
 void CellStream::take(net::CellEvent& event) {
   using Kind = net::CellEvent::Kind;
   if (event.kind == Kind::granted) {
-    // After lost contact, the server may have a new version of the file.
+    // Contact was lost and is back. The server may have a new version of the file.
     if (version_ && *version_ != event.version)
       return end(name_ +
                  ": the file changed on the server during the transfer; the earlier version is shown; reload to get "
@@ -92,7 +92,7 @@ void CellStream::take(net::CellEvent& event) {
     sink_.base(std::move(event.bytes));
     for (const net::CellEvent& early : std::exchange(early_, {})) sink_.piece(early);
   } else if (event.kind == Kind::piece && !base_) {
-    // Pieces are kept until the base is received, because they need it.
+    // Pieces cannot be decoded without the base. Keep them until it is received.
     early_bytes_ += event.bytes.size() + sizeof event;
     if (early_bytes_ <= kMaxEarly) early_.push_back(std::move(event));
   } else if (event.kind == Kind::piece) {

@@ -16,39 +16,39 @@ namespace gs::app {
 
 /// Options of a cell stream.
 struct CellStreamOptions {
-  std::uint64_t rate = 0;  // bits per second; 0 means the server's limit
-  double loss = 0;         // fraction of the received datagrams to drop, to simulate loss
+  std::uint64_t rate = 0;  // requested rate in bits per second; 0 means the server's limit
+  double loss = 0;  // fraction of received datagrams to drop as simulated loss
   std::uint64_t loss_seed = 1;
-  std::uint64_t budget = 0;                              // bytes; 0 means unlimited
-  bool repair = false;                                   // requests lost data again after everything was sent
-  net::AddressSpace reach = net::AddressSpace::special;  // most private address space that the server may be in
+  std::uint64_t budget = 0;  // max bytes to receive; 0 means unlimited
+  bool repair = false;  // true requests lost data again after everything was sent
+  net::AddressSpace reach = net::AddressSpace::special;  // most private address space in which the server may be
 };
 
-/// Stream that a server sends as cells: its protected base, then chunks in any order, some of which may be lost. The
-/// views of its feed choose which chunks are sent first. Used by the reader thread.
+/// Stream that a server sends as cells. First comes its protected base, then its chunks in any order; some may be lost.
+/// If a feed is set, its views choose which chunks the server sends first. Reader thread only.
 class CellStream {
  public:
-  /// Receiver of the stream.
+  /// Callbacks for the parts of the stream.
   struct Sink {
-    std::function<void()> granted;                     // the server accepts the request and sends
-    std::function<void(std::vector<std::byte>)> base;  // start of the file
-    std::function<void(const net::CellEvent&)> piece;  // a chunk, or some of its records
-    /// Everything was sent, or the reason why no more follows.
+    std::function<void()> granted;  // the server has accepted the request
+    std::function<void(std::vector<std::byte>)> base;  // bytes of the protected base, the start of the file
+    std::function<void(const net::CellEvent&)> piece;  // chunk, or some records of a chunk
+    /// End of the stream, with the error if it ended too early.
     std::function<void(const std::optional<std::string>&)> ended;
   };
-  /// Requests the stream at `url`, cells://host:port/path. `wake` is called on another thread when data was received.
+  /// Requests the stream at `url` (cells://host:port/path). Another thread calls `wake` after it has received data.
   CellStream(const net::Url& url, const CellStreamOptions& options, Sink sink, std::function<void()> wake);
 
-  /// Handles received data. Returns true if there was any.
+  /// Handles received data. Returns true if there were any.
   bool step();
-  /// Lets the views of this feed set the priorities from now on.
+  /// Sets the feed. From now on, its views choose which chunks the server sends first.
   void follow(std::shared_ptr<StreamFeed> feed) { feed_ = std::move(feed); }
-  /// Sets the requested rate in bits per second; 0 means the server's limit.
+  /// Sets the requested rate in bits per second. 0 means the server's limit.
   void set_rate(std::uint64_t rate);
-  /// Returns true if the server has sent anything.
+  /// Returns true if the server has sent anything so far.
   [[nodiscard]] bool answered() const { return answered_; }
   [[nodiscard]] bool over() const { return over_; }
-  /// Returns the number of received and lost datagrams.
+  /// Returns the statistics of received and lost datagrams.
   [[nodiscard]] net::CellClientStatistics statistics() const;
 
  private:
@@ -56,16 +56,16 @@ class CellStream {
   void follow_weight();
   void end(const std::optional<std::string>& problem);
 
-  std::string name_;  // for messages
+  std::string name_;  // URL, for messages
   Sink sink_;
   std::unique_ptr<net::CellClientDriver> driver_;
-  net::CellClientStatistics last_;  // statistics at the end of the driver
+  net::CellClientStatistics last_;  // final statistics, after the driver has ended
   std::shared_ptr<StreamFeed> feed_;
-  std::string problem_;     // error at the start
-  std::uint64_t rate_ = 0;  // bits per second: requested, or else the first grant of the server
-  double weight_ = 1;       // weight of the feed, as last sent to the server
+  std::string problem_;  // error before the first request
+  std::uint64_t rate_ = 0;  // bits per second: as requested, else the server's first grant
+  double weight_ = 1;  // weight of the feed that is in effect
   std::optional<std::uint32_t> version_;
-  std::vector<net::CellEvent> early_;  // pieces received before the base
+  std::vector<net::CellEvent> early_;  // pieces that were received before the base
   std::size_t early_bytes_ = 0;
   bool granted_ = false, base_ = false, answered_ = false, over_ = false;
 };

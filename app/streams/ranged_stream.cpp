@@ -10,14 +10,14 @@
 namespace gs::app {
 namespace {
 
-// Max gap between ranges that is read along, because another request costs about as much.
+// Maximum gap in bytes between two ranges of one request. Reading a smaller gap costs less than another request.
 constexpr std::uint64_t kJoin = 16384;
-constexpr std::uint64_t kBatch = std::uint64_t{256} << 10;  // bytes per request
-constexpr std::size_t kMaxOpen = 3;  // max concurrent requests, so that the connection never idles
+constexpr std::uint64_t kBatch = std::uint64_t{256} << 10;  // max bytes per request
+constexpr std::size_t kMaxOpen = 3;  // max concurrent requests; several keep the connection busy
 constexpr unsigned kMaxFailures = 5;
 constexpr std::uint64_t kLongDirectory = std::uint64_t{128} << 10;
 constexpr std::uint64_t kMaxDirectory = std::uint64_t{256} << 20;
-constexpr int kDirectoryPriority = 1900, kChunkPriority = 1500;  // for vectors; see Urgency
+constexpr int kDirectoryPriority = 1900, kChunkPriority = 1500;  // between Urgency::vectors and the next one
 
 }  // namespace
 
@@ -28,7 +28,7 @@ RangedStream::RangedStream(net::Loader& loader, std::shared_ptr<StreamFeed> feed
     give_up("its directory exceeds the limit");
   else
     directory_request_ = request({{place_.directory, place_.total}}, kDirectoryPriority);
-  // Until views can choose chunks, the file order is a good order.
+  // Views cannot choose chunks before the directory is here. Meanwhile, read the chunks in the order of the file.
   if (!over_ && place_.total - place_.directory > kLongDirectory)
     front_request_ = request({{place_.front, place_.directory}}, kDirectoryPriority);
 }
@@ -47,7 +47,7 @@ bool RangedStream::ask_for_more() {
   if (over_ || directory_request_) return false;
   (void)feed_->take_wanted(wanted_);
   bool any = false;
-  // Streams share a connection in proportion to their requested bytes.
+  // A stream with a lower weight requests fewer bytes, so that it gets a smaller part of the connection.
   const std::uint64_t most = std::max(static_cast<std::uint64_t>(kBatch * feed_->weight()), kJoin);
   while (open_.size() < kMaxOpen) {
     Batch batch;
@@ -110,7 +110,7 @@ bool RangedStream::take(net::LoadEvent& event) {
   return true;
 }
 
-// Ranges begin at chunks, and the gaps between them contain complete chunks.
+// Takes the chunks out of received data. A range begins at a chunk, and a gap consists of complete chunks.
 void RangedStream::take_data(Batch& batch, const net::LoadData& data) {
   std::vector<std::byte> run;
   if (const auto before = batch.runs.find(data.offset); before != batch.runs.end()) {

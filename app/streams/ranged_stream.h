@@ -15,35 +15,34 @@
 
 namespace gs::app {
 
-/// Reader of a long packed stream from a server with HTTP Range. It reads the directory first, and the bytes after the
-/// front meanwhile if the directory is long. Then it reads the chunks that views want, one by one. Used by the reader
-/// thread.
+/// Reader of a long packed stream from an HTTP server, with Range requests. First it reads the directory. If that is
+/// long, it also reads the bytes after `front` meanwhile. Then it reads the chunks that views want. Reader thread only.
 class RangedStream {
  public:
   struct Place {
     std::string url;
     net::Origin from;
     net::Validator validator;
-    std::uint64_t front = 0;      // bytes that the stream already has
-    std::uint64_t directory = 0;  // offset of the directory
+    std::uint64_t front = 0;  // number of first bytes that the stream already has
+    std::uint64_t directory = 0;  // byte offset of the directory
     std::uint64_t total = 0;
-    std::shared_ptr<LoadLedger> ledger;  // receives the progress in `row`; never null
+    std::shared_ptr<LoadLedger> ledger;  // ledger for the progress of `row`; never null
     std::uint64_t row = 0;
   };
   RangedStream(net::Loader& loader, std::shared_ptr<StreamFeed> feed, Place place);
 
-  /// Requests the chunks that views want now. Returns true if it made a request.
+  /// Requests chunks that views want now. Returns true if it made a request.
   bool ask_for_more();
-  /// Handles an event of one of its requests. Returns false if the event belongs to another stream.
+  /// Handles an event of the loader. Returns false if the event belongs to another stream.
   bool take(net::LoadEvent& event);
   [[nodiscard]] std::uint64_t row() const { return place_.row; }
-  /// Stops reading.
+  /// Cancels all requests and ends the stream.
   void cancel();
-  /// Returns true if nothing more can be read.
+  /// Returns true if the stream is complete, failed or cancelled.
   [[nodiscard]] bool over() const { return over_; }
 
  private:
-  /// Incomplete chunks of one request, by their end offset.
+  /// Request for several chunks, with the chunks that are still incomplete, by their end offsets.
   struct Batch {
     std::map<std::uint64_t, std::vector<std::byte>> runs;
     std::vector<qnv::ChunkRange> chunks;
@@ -60,9 +59,9 @@ class RangedStream {
   std::optional<net::RequestId> directory_request_, front_request_;
   std::vector<std::byte> directory_;
   std::vector<qnv::ChunkRange> wanted_;
-  std::unordered_set<std::uint64_t> asked_;  // offsets of chunks
-  std::map<std::uint64_t, Batch> open_;      // by request
-  unsigned failures_ = 0;                    // consecutive failures
+  std::unordered_set<std::uint64_t> asked_;  // offsets of all requested chunks
+  std::map<std::uint64_t, Batch> open_;  // open requests, by request number
+  unsigned failures_ = 0;  // number of consecutive failed requests
   bool over_ = false;
 };
 

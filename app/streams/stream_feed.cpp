@@ -23,7 +23,7 @@ void StreamFeed::add(std::uint64_t offset, std::vector<std::byte> chunk) {
 }
 
 void StreamFeed::add_loose(std::uint32_t number, std::vector<std::byte> chunk) {
-  // Beyond the end of any stream, so that the offset is unique.
+  // Offset beyond the end of any stream. A chunk without a known offset gets a unique offset from here on.
   constexpr std::uint64_t kNowhere = std::uint64_t{1} << 62;
   add(kNowhere + number, std::move(chunk));
 }

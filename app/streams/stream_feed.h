@@ -14,47 +14,48 @@
 
 namespace gs::app {
 
-/// Hand-over of one stream: passes received bytes from the reader thread to the drawing thread, and wanted chunks back.
-/// Only the drawing thread uses the stream itself.
+/// Hand-over between reader thread and drawing thread for one stream. Passes received bytes to the drawing thread, and
+/// wanted chunks to the reader thread. Only the drawing thread uses the stream itself.
 class StreamFeed {
  public:
-  /// Creates a feed. `wake` is called on the drawing thread when other bytes are wanted.
+  /// Creates a feed. The drawing thread calls `wake` when it wants other chunks.
   StreamFeed(std::shared_ptr<qnv::LodStream> stream, std::function<void()> wake);
 
-  // For the reader thread.
-  /// Adds the next bytes of a stream that is read front to back.
+  // Functions for the reader thread.
+  // Adds the next bytes of a stream that is read from front to back.
   void push(std::span<const std::byte> bytes);
-  /// Sets all directory chunks of the stream.
+  /// Adds all directory chunks of the stream.
   void set_directory(std::vector<std::byte> chunks);
-  /// Adds a complete chunk with its offset in the stream.
+  /// Adds a complete chunk. `offset` is its position in the stream.
   void add(std::uint64_t offset, std::vector<std::byte> chunk);
-  /// Adds a complete chunk that is identified only by its number.
+  /// Adds a complete chunk with an unknown offset. `number` identifies the chunk.
   void add_loose(std::uint32_t number, std::vector<std::byte> chunk);
-  /// Marks the stream as complete.
+  /// Marks the stream as completely received.
   void finish();
-  /// Marks the rest of the stream as unavailable.
+  /// Marks the stream as failed: no more bytes follow. `why` is the reason.
   void fail(std::string why);
-  /// Stores the chunks that views want in `ranges`, most wanted first. Returns false if they have not changed.
+  /// Copies the chunks that views want to `ranges`, the most wanted first. Returns false if they have not changed since
+  /// the last call.
   [[nodiscard]] bool take_wanted(std::vector<qnv::ChunkRange>& ranges);
-  /// Returns the last value of `set_weight`.
+  /// Returns the weight that set_weight() has set.
   [[nodiscard]] double weight() const { return weight_; }
-  /// Stores the views that see the stream in `views`. Returns false if they have not changed.
+  /// Copies the views that show the stream to `views`. Returns false if they have not changed since the last call.
   [[nodiscard]] bool take_views(std::vector<qnv::LodView>& views);
 
-  // For the drawing thread.
-  /// Passes received data to the stream. Returns true if there was any.
+  // Functions for the drawing thread.
+  // Passes received bytes to the stream. Returns true if there were any.
   bool apply();
-  /// Returns the number of calls of `apply` that had data.
+  /// Returns the number of calls of `apply` that returned true.
   [[nodiscard]] std::uint64_t applied() const { return applied_; }
-  /// Returns the reason why no more can be read, once.
+  /// Returns the reason of fail(), the first time; else an empty string.
   [[nodiscard]] std::string take_problem();
   /// Requests the chunks that the last cuts lacked. Call after each picture.
   void ask();
-  /// Forgets the wanted chunks of a viewport that no longer shows the stream.
+  /// Drops the wanted chunks of a viewport, because it no longer shows the stream.
   void forget(std::uint32_t viewport) { stream_->forget(viewport); }
-  /// Sets the bandwidth share relative to the most favoured stream, above 0 and up to 1.
+  /// Sets the bandwidth of this stream relative to that of the most important stream: above 0, at most 1.
   void set_weight(double weight) { weight_ = weight; }
-  /// Returns true if views lack parts that may still be received.
+  /// Returns true if views lack chunks that may still be received.
   [[nodiscard]] bool reading() const { return !asked_.empty() && !over_; }
 
   [[nodiscard]] const qnv::LodStream* stream() const { return stream_.get(); }
@@ -70,7 +71,7 @@ class StreamFeed {
   std::vector<qnv::LodView> told_;      // drawing thread only
   std::uint64_t applied_ = 0;           // drawing thread only
   std::atomic<double> weight_ = 1;
-  std::atomic<bool> over_ = false;  // no more data can be received
+  std::atomic<bool> over_ = false;  // complete or failed
 
   std::mutex mutex_;  // guards all members below
   std::vector<std::byte> front_, directory_;

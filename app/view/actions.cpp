@@ -158,7 +158,7 @@ const ActionRow* action_of(const WindowEvent& event) {
     if (row.key == Key::unknown || row.key != event.key || row.control != event.control || row.alt != event.alt)
       continue;
     if (row.shift == event.shift) return &row;
-    // Ignore Shift, which many keyboards need for +. Shift+Tab is an action of its own.
+    // Accept the key with Shift, because many keyboards need Shift to type +. Shift+Tab is a different action.
     if (!row.shift && row.key != Key::tab) without_shift = &row;
   }
   return without_shift;

@@ -9,7 +9,7 @@
 
 namespace gs::app {
 
-/// Command that the user can trigger by key, button, menu or palette.
+/// Command that the user can run by key, button, menu or command palette.
 enum class Action : std::uint8_t {
   next_viewpoint,
   previous_viewpoint,
@@ -104,7 +104,8 @@ enum class Action : std::uint8_t {
   quit,
 };
 
-/// Returns the index of `action` in a group of choices, consecutive from `first` to `last`; nullopt if it is outside.
+/// Returns the index of `action` among the consecutive actions from `first` to `last`. Returns nullopt if `action` is
+/// not one of them.
 [[nodiscard]] constexpr std::optional<int> place_in(Action first, Action last, Action action) {
   if (action < first || action > last) return std::nullopt;
   return static_cast<int>(action) - static_cast<int>(first);
@@ -118,25 +119,25 @@ inline constexpr std::size_t kMenus = 5;
 /// Row of the action table. Menus, command palette, shortcuts, tooltips and the list of keys are built from it.
 struct ActionRow {
   Action action;
-  Key key;  // unknown means no key
+  Key key;  // Key::unknown if the action has no key
   bool control = false, shift = false;
-  bool of_world = false;   // acts on the active viewport; text fields and panels get the key first
-  std::string_view label;  // button label
-  std::string_view help;   // one-line description, used in menus
+  bool of_world = false;  // acts on the active viewport; a focused text field or panel gets the key first
+  std::string_view label;  // text on the button
+  std::string_view help;  // one-line description; also the text of the menu item
   Menu menu = Menu::view;
-  bool alt = false;             // Alt is held with the key
-  std::string_view group = {};  // submenu; empty means none. Rows of a submenu must be adjacent
+  bool alt = false;  // the shortcut includes Alt
+  std::string_view group = {};  // name of the submenu; empty means none. The rows of a submenu must be adjacent
 };
 [[nodiscard]] std::span<const ActionRow> actions();
 [[nodiscard]] const ActionRow& row_of(Action action);
-/// Returns the action of a key press with its modifiers; null if there is none. Ignores Shift unless a row needs it.
+/// Returns the row of the action that a key press runs; null if there is none. Shift is ignored unless a row has Shift.
 [[nodiscard]] const ActionRow* action_of(const WindowEvent& event);
-/// Returns the key for a name as `keys_of` prints it (ignoring case), or for the character that it types. Returns
-/// nullopt if there is no such key.
+/// Returns the key with a name as in keys_of() (case is ignored), or the key that types a character. Returns nullopt if
+/// there is no such key.
 [[nodiscard]] std::optional<Key> find_key(std::string_view name);
-/// Returns the shortcut as text: "Ctrl+O", "Page Down".
+/// Returns the shortcut of a row as text, such as "Ctrl+O" or "Page Down".
 [[nodiscard]] std::string keys_of(const ActionRow& row);
-/// Returns the tooltip with the shortcut: "Open a file (Ctrl+O)".
+/// Returns the tooltip of an action with its shortcut, such as "Open a file (Ctrl+O)".
 [[nodiscard]] std::string tooltip_of(Action action);
 
 }  // namespace gs::app

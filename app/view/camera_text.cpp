@@ -20,8 +20,8 @@ namespace {
 constexpr std::string_view kExpectedCamera =
     "expected position=X,Y,Z orientation=X,Y,Z,RADIANS fieldOfView=RADIANS and, for parallel rays, height=H, or the "
     "text of a Viewpoint";
-constexpr std::string_view kNodeWords[] = {"OrthoViewpoint", "Viewpoint"};  // words that identify the text as a node
-constexpr std::size_t kMaxCameraText = 4096;                                // bytes
+constexpr std::string_view kNodeWords[] = {"OrthoViewpoint", "Viewpoint"};  // first words of a text that is a node
+constexpr std::size_t kMaxCameraText = 4096;  // max bytes of a text
 
 std::string numbers_text(std::span<const double> numbers, char separator) {
   std::string text;
@@ -47,7 +47,7 @@ CameraNumbers numbers_of_camera(const Pose& pose) {
           {double{pose.field_of_view}}};
 }
 
-/// Tokenizer of words, names and numbers; ignores separators.
+/// Tokenizer that returns words, names and numbers, and skips separators.
 class CameraWords {
  public:
   explicit CameraWords(std::string_view text) : left_(text) {}

@@ -14,10 +14,10 @@ namespace gs::app {
 namespace {
 
 constexpr double kSquares = 10;         // approximate number of squares under the scene
-constexpr double kBright = 10;          // a bright line every so many lines
-constexpr std::size_t kMaxLines = 200;  // per direction
+constexpr double kBright = 10;  // every line with a number divisible by this is bright
+constexpr std::size_t kMaxLines = 200;  // max lines in each direction
 
-/// Bounding box along the orientation's right, up and front.
+/// Bounding box in the axes of an Upright: right, up and front.
 struct OwnBox {
   glm::dvec3 lower{0}, upper{0};
 };
@@ -39,7 +39,7 @@ OwnBox own_box(const WideBox& bounds, const Upright& upright) {
   return box;
 }
 
-/// Adds lines; `ends` are relative to `origin`.
+/// Adds lines to a render list. Each two consecutive `ends` are a line, relative to `origin`.
 void add_lines(render::RenderList& list, const std::vector<glm::vec3>& ends, const glm::dvec3& origin,
                const glm::vec3& color) {
   if (ends.empty()) return;
@@ -67,7 +67,7 @@ double grid_spacing(const WideBox& bounds, const Upright& upright) {
   if (!fills_something(bounds)) return 0;
   const OwnBox box = own_box(bounds, upright);
   const glm::dvec3 size = box.upper - box.lower;
-  // Tall content on a small ground needs a coarser grid, too.
+  // The height counts half, so that tall content on a small ground also gets a coarse grid.
   const double wanted = std::max({size.x, size.z, size.y / 2}) / kSquares;
   const double power = std::pow(10.0, std::floor(std::log10(wanted)));
   const double part = wanted / power;
@@ -79,7 +79,7 @@ std::shared_ptr<const render::RenderList> ground_grid(const WideBox& bounds, con
   if (!(spacing > 0)) return nullptr;
   const OwnBox box = own_box(bounds, upright);
   const glm::dmat3 world_from_own = world_from_upright(upright);
-  // Extend the grid beyond the scene by some squares.
+  // The grid extends beyond the scene by this number of squares.
   const double margin = 3;
   const double left = std::floor(box.lower.x / spacing - margin), right = std::ceil(box.upper.x / spacing + margin);
   const double back = std::floor(box.lower.z / spacing - margin), front = std::ceil(box.upper.z / spacing + margin);

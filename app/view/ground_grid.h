@@ -9,15 +9,15 @@
 
 namespace gs::app {
 
-/// Returns the line spacing of a ground grid for a scene of size `bounds`: 1, 2 or 5 times a power of ten, so that the
-/// scene spans about ten squares. Returns 0 for empty bounds.
+/// Returns the distance of the lines of a ground grid for a scene with these bounds. It is 1, 2 or 5 times a power of
+/// ten, so that the scene is about ten squares wide. Returns 0 for empty bounds.
 [[nodiscard]] double grid_spacing(const WideBox& bounds, const Upright& upright);
 
-/// Builds ground lines at multiples of `grid_spacing` in world space; every tenth line is brighter. Returns null for
-/// empty bounds.
+/// Makes the lines of a ground grid, at multiples of grid_spacing() in world space. Every tenth line is brighter.
+/// Returns null for empty bounds.
 [[nodiscard]] std::shared_ptr<const render::RenderList> ground_grid(const WideBox& bounds, const Upright& upright);
 
-/// Cache of the most recently used grids.
+/// Cache of ground grids. If it is full, the oldest grid is replaced.
 class GroundGrids {
  public:
   [[nodiscard]] std::shared_ptr<const render::RenderList> of(const WideBox& bounds, const Upright& upright);

@@ -9,9 +9,9 @@
 namespace gs::app {
 namespace {
 
-constexpr double kDoubleClickTime = 0.4;  // seconds
-constexpr float kDoubleClickRange = 6;    // pixels
-constexpr float kPixelsANotch = 20;       // per notch, in a zoom drag
+constexpr double kDoubleClickTime = 0.4;  // max seconds between two presses
+constexpr float kDoubleClickRange = 6;  // max pixels between two presses
+constexpr float kPixelsANotch = 20;  // pixels of a zoom drag that equal one wheel notch
 
 DragButton drag_button(MouseButton button) {
   switch (button) {
@@ -54,7 +54,7 @@ InputTracker::Gesture InputTracker::take(const WindowEvent& event, NavigationMod
       break;
     case Kind::button_down:
       pointer_ = event.pointer;
-      if (drag_ != Drag::none) break;  // the first button pressed determines the drag
+      if (drag_ != Drag::none) break;  // a further button does not change a drag that has begun
       drag_ = drag_of(mode, drag_button(event.button), event.shift || event.control);
       button_ = event.button;
       press_ = event.pointer;

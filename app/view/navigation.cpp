@@ -13,14 +13,14 @@ namespace gs::app {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-constexpr glm::vec3 kUp(0, 1, 0);            // world up (VRML97 4.4.5)
-constexpr float kLongestStep = 0.25f;        // seconds
-constexpr float kEaseTime = 0.08f;           // time constant of keys in seconds (63 %)
-constexpr float kZoomTime = 0.06f;           // time constant of the wheel in seconds
-constexpr float kZoomNotch = 0.85f;          // distance factor per notch
-constexpr float kTurnRate = kPi / 3;         // radians per second, by key
-constexpr float kSteepest = 85 * kPi / 180;  // max pitch in WALK
-constexpr float kLevelTime = 0.15f;          // time constant for removal of roll in WALK, in seconds
+constexpr glm::vec3 kUp(0, 1, 0);  // up direction of a world (VRML97 4.4.5)
+constexpr float kLongestStep = 0.25f;  // seconds; longer steps are shortened to this
+constexpr float kEaseTime = 0.08f;  // seconds; time constant of the speed after a key changes (63 %)
+constexpr float kZoomTime = 0.06f;  // seconds; time constant of the wheel
+constexpr float kZoomNotch = 0.85f;  // factor on the distance for one notch
+constexpr float kTurnRate = kPi / 3;  // radians/s for a held key
+constexpr float kSteepest = 85 * kPi / 180;  // radians; max pitch in WALK
+constexpr float kLevelTime = 0.15f;  // seconds; time constant with which WALK removes roll
 constexpr float kFast = 4;
 
 glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise) {
@@ -36,19 +36,20 @@ glm::dvec3 clean_place(const glm::dvec3& v) {
 }
 float clean(float v, float limit) { return finite(v) ? std::clamp(v, -limit, limit) : 0.0f; }
 
-/// Returns the size of a pixel in metres at `distance` along the view.
+/// Returns the size of a pixel in metres at `distance` metres along the view direction.
 float pixel_size(const Pose& pose, float distance, const glm::vec2& viewport) {
   const float pixels = std::max(1.0f, std::min(viewport.x, viewport.y));
   if (pose.height > 0) return static_cast<float>(pose.height) / pixels;
   return 2 * distance * std::tan(pose.field_of_view / 2) / pixels;
 }
 
-// In parallel projection, scales the height as the distance scales by `left`.
+// Scales the height of a parallel projection by `left`, the factor by which the viewer's distance changes.
 void scale_height(Pose& pose, double left) {
   if (pose.height > 0) pose.height *= left;
 }
 
-/// Returns the distance of the objects that EXAMINE shows, limited so that movement stays possible.
+/// Returns the distance of the object that the viewer examines, in metres. The result is limited, so that movement
+/// remains possible.
 float examined_distance(const Navigation& state, const std::optional<glm::dvec3>& target) {
   const glm::vec3 to_target(target.value_or(state.center) - state.pose.position);
   const float along = glm::dot(to_target, state.pose.forward());
@@ -66,45 +67,47 @@ glm::quat rotation_between(const glm::vec3& from, const glm::vec3& to) {
   return glm::normalize(glm::quat(1 + cosine, axis.x, axis.y, axis.z));
 }
 
-/// Returns the horizontal part of a direction as a unit vector; 0 if there is none.
+/// Returns the horizontal part of a direction as a unit vector; a zero vector if there is none.
 glm::vec3 level(const Navigation& state, const glm::vec3& direction) {
   return unit_or(direction - state.up * glm::dot(direction, state.up), glm::vec3(0));
 }
 
-/// Turns the view by `right` and `up` radians; yaw is about the world's up, so that a level view stays level.
+/// Turns the view by `right` and `up` radians. Yaw is about the world's up direction, so that a level view stays level.
 glm::quat turned(const Navigation& state, float right, float up) {
   const Pose& pose = state.pose;
-  const float sense = glm::dot(pose.up(), state.up) < 0 ? -1.0f : 1.0f;  // upside down, right stays right
+  const float sense = glm::dot(pose.up(), state.up) < 0 ? -1.0f : 1.0f;  // keeps right and left for an upside-down view
   const glm::quat yaw = glm::angleAxis(-right * sense, state.up);
   const glm::quat pitch = glm::angleAxis(up, glm::vec3(1, 0, 0));
   return glm::normalize(yaw * pose.orientation * pitch);
 }
 
-/// Turns the view in WALK: limits pitch to 85 degrees and keeps the fraction `roll_left` of the roll.
+/// Turns the view in WALK by `right` and `up` radians. Limits the pitch to 85 degrees, and multiplies the roll by
+/// `roll_left`.
 glm::quat turned_level(const Navigation& state, float right, float up, float roll_left) {
-  // Work in a space where +Y is up.
+  // Compute in a space in which +Y is up.
   const glm::quat upright = rotation_between(state.up, kUp);
   Pose pose;
   pose.orientation = upright * state.pose.orientation;
   const glm::vec3 forward = pose.forward();
   const glm::vec3 ahead = glm::vec3(forward.x, 0, forward.z);
-  // Looking straight up or down, use the top of the view as the heading.
+  // If the view direction is vertical, the top of the picture is the heading.
   const glm::vec3 heading = glm::length(ahead) > 1e-3f ? ahead : pose.up() * (forward.y > 0 ? -1.0f : 1.0f);
   const float yaw = std::atan2(-heading.x, -heading.z);
   const float pitch = std::asin(std::clamp(forward.y, -1.0f, 1.0f));
   const glm::quat level = glm::angleAxis(yaw, kUp) * glm::angleAxis(pitch, glm::vec3(1, 0, 0));
-  const glm::quat tilt = glm::inverse(level) * pose.orientation;  // about the view axis
+  const glm::quat tilt = glm::inverse(level) * pose.orientation;  // roll about the view direction
   float roll = 2 * std::atan2(tilt.z, tilt.w);
   if (roll > kPi) roll -= 2 * kPi;
   if (roll < -kPi) roll += 2 * kPi;
   roll = std::abs(roll) < 1e-4f ? 0.0f : roll * roll_left;
-  const float steep = std::max(kSteepest, std::abs(pitch));  // a steeper initial view is kept
+  const float steep = std::max(kSteepest, std::abs(pitch));  // an initial view that is steeper stays allowed
   return glm::inverse(upright) * glm::angleAxis(yaw - right, kUp) *
          glm::angleAxis(std::clamp(pitch + up, -steep, steep), glm::vec3(1, 0, 0)) *
          glm::angleAxis(roll, glm::vec3(0, 0, 1));
 }
 
-/// Eases `value` towards `target`. Returns the mean over the step, so that paths do not depend on its length.
+/// Moves `value` exponentially towards `target`. Returns the mean of `value` over the step. Using the mean makes paths
+/// independent of the step length.
 template <class Vector>
 Vector ease(Vector& value, const Vector& target, float seconds) {
   const float left = std::exp(-seconds / kEaseTime);
@@ -121,7 +124,7 @@ void rotate_about_center(Navigation& state, float right, float up) {
   state.pose.position = state.center + glm::dquat(change) * (before.position - state.center);
 }
 
-/// Applies drags: rotating and panning in EXAMINE and PAN, looking and sliding in FLY and WALK.
+/// Applies a drag: rotating and panning in EXAMINE and PAN, looking around and sliding in FLY and WALK.
 void apply_drag(Navigation& state, const NavigationInput& input) {
   const float radians = kPi / std::max(1.0f, std::min(input.viewport.x, input.viewport.y));
   const glm::vec2 moved = input.moved;
@@ -146,7 +149,7 @@ void apply_drag(Navigation& state, const NavigationInput& input) {
   }
 }
 
-/// Applies the pending wheel zoom; the total distance does not depend on the step size.
+/// Applies a part of the pending wheel notches. The total movement does not depend on the step length.
 void apply_zoom(Navigation& state, float seconds) {
   if (state.zoom_left == 0) return;
   const float left = std::exp(-seconds / kZoomTime);
@@ -172,12 +175,12 @@ void apply_zoom(Navigation& state, float seconds) {
   if (distance > 0) scale_height(state.pose, double{next} / double{distance});
 }
 
-/// Applies held keys and the travel drag, which acts like an analog key.
+/// Applies held keys, and the travel drag, which sets the speed like an analog key.
 void apply_keys(Navigation& state, const NavigationInput& input, float seconds) {
   glm::vec3 want_move = glm::clamp(input.move, glm::vec3(-1), glm::vec3(1)) * (input.fast ? kFast : 1.0f);
   glm::vec2 want_turn = glm::clamp(input.turn, glm::vec2(-1), glm::vec2(1));
   if (input.drag == Drag::travel) {
-    // A third of the window is full speed; the first pixels are a dead zone.
+    // A third of the window gives full speed. The first 2 % of that have no effect.
     const float unit = std::max(1.0f, std::min(input.viewport.x, input.viewport.y)) / 3;
     glm::vec2 pull = input.from_press / unit;
     pull *= std::max(0.0f, 1 - 0.02f / std::max(glm::length(pull), 1e-6f));
@@ -194,7 +197,8 @@ void apply_keys(Navigation& state, const NavigationInput& input, float seconds) 
       break;
     case NavigationMode::examine:
     case NavigationMode::look_at: {
-      // Turn by half before and half after the move, here and below: this follows the chord of the arc.
+      // In each mode, apply half of the turn before the move and half after it. The move then follows the chord of the
+      // arc.
       rotate_about_center(state, turn.x / 2, turn.y / 2);
       const glm::vec3 away(pose.position - state.center);
       const float distance = std::max(glm::length(away), state.scene_size * 1e-3f);
@@ -209,7 +213,7 @@ void apply_keys(Navigation& state, const NavigationInput& input, float seconds) 
     }
     case NavigationMode::pan: {
       const float distance = examined_distance(state, {});
-      const float ahead = 1 - std::exp(-move.z * 0.5f);  // fraction of the distance
+      const float ahead = 1 - std::exp(-move.z * 0.5f);  // as a fraction of the distance
       pose.position += glm::dvec3(pose.forward() * (distance * ahead) +
                                   (pose.right() * (move.x + turn.x) + pose.up() * (move.y + turn.y)) *
                                       (distance * (1 - ahead / 2) * 0.5f));
@@ -345,7 +349,7 @@ Navigation with_mode(Navigation state, NavigationMode mode) {
 Navigation travel_to(Navigation state, const Pose& pose, bool jump) {
   state = with_mode(std::move(state), state.mode);
   Pose to = valid_pose(pose, state.pose);
-  // The transition keeps the present kind of projection.
+  // Keep the kind of projection that the viewer has now.
   if ((to.height > 0) != (state.pose.height > 0)) {
     const double ahead = glm::dot(state.center - to.position, glm::dvec3(to.forward()));
     const double distance = glm::length(state.center - to.position);
@@ -357,14 +361,15 @@ Navigation travel_to(Navigation state, const Pose& pose, bool jump) {
 
 Navigation approach(Navigation state, const glm::dvec3& point, const WideBox& bounds, const glm::vec2& viewport) {
   if (!finite(point)) return state;
-  constexpr double kNearer = 1.0 / 3;  // remaining fraction of the distance for a viewer inside the bounds
+  constexpr double kNearer = 1.0 / 3;  // fraction of the distance that remains if the viewer is inside the bounds
   const glm::dvec3 position = state.pose.position;
   const bool around = !bounds.empty() && finite(bounds.center()) && glm::length(bounds.size()) > 0 &&
                       (glm::any(glm::lessThan(position, glm::dvec3(bounds.lower))) ||
                        glm::any(glm::greaterThan(position, glm::dvec3(bounds.upper))));
   const glm::dvec3 target = clean_place(around ? glm::dvec3(bounds.center()) : point);
   const glm::vec3 ahead = unit_or(glm::vec3(target - position), state.pose.forward());
-  // Keep the view level. Straight above or below, do not roll the picture.
+  // Make the view level. If the direction is nearly vertical, keep the right direction, so that the picture does not
+  // roll.
   const glm::vec3 side = glm::cross(ahead, state.up);
   const glm::vec3 right = unit_or(glm::length(side) > 1e-3f ? side : state.pose.right(), state.pose.right());
   Pose to = state.pose;

@@ -9,7 +9,7 @@
 namespace gs::app {
 namespace {
 
-constexpr double kSizesOfAvatar = 12;  // min ratio of world size to avatar height without NavigationInfo
+constexpr double kSizesOfAvatar = 12;  // without a NavigationInfo, min ratio of the world's size to the avatar's height
 
 }  // namespace
 
@@ -60,7 +60,7 @@ NavigationRules default_navigation_rules(const WideBox& bounds, bool has_viewpoi
   const float size = bounds.empty() ? 0.0f : glm::length(bounds.size());
   if (std::isfinite(size) && size > 0) {
     rules.speed = size / 8;
-    // Shrink the avatar in a model of a few centimetres.
+    // In a small model, of a few centimetres for example, shrink the avatar.
     const double part = std::min(1.0, double{size} / kSizesOfAvatar / rules.avatar.height);
     rules.avatar.radius *= part;
     rules.avatar.height *= part;

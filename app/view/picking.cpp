@@ -14,7 +14,7 @@
 namespace gs::app {
 namespace {
 
-constexpr float kSolid = 0.5f;  // opacity from which a volume hides content behind it
+constexpr float kSolid = 0.5f;  // a volume with at least this opacity hides objects behind it
 
 }  // namespace
 
@@ -42,7 +42,7 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const render::Si
                hit.triangle,
                hit.patch_color};
   };
-  // Overlays are drawn on top, so they are hit first.
+  // Test overlays first, because they are drawn on top of everything.
   if (list.overlays)
     if (const auto hit = items_.nearest(list, line, options.max_triangles, render::Sought::overlay, options.pixel))
       return surface_hit(*hit);
@@ -93,7 +93,7 @@ std::vector<vrml::PathStep> path_of(const render::RenderList& list, const Hit& h
   for (std::uint32_t at = hit.splat ? list.splats[*hit.splat].place : list.items[hit.item].place; at < places.size();
        at = places[at].parent) {
     const render::Place& place = places[at];
-    // Use the space of the parent's children; roots are in world space.
+    // A step needs the space of the parent's children; for a root, this is world space.
     const bool root = place.parent >= places.size();
     path.push_back({place.scene, place.node, root ? glm::dmat4(1) : list.world_from_frame[places[place.parent].frame]});
   }
@@ -104,11 +104,11 @@ std::vector<vrml::PathStep> path_of(const render::RenderList& list, const Hit& h
 std::vector<SensorGeometry> sensor_geometry(vrml::Execution& world, const render::RenderList& list) {
   std::vector<SensorGeometry> result;
   std::unordered_map<const vrml::Node*, std::size_t> known;
-  std::unordered_map<std::uint32_t, std::vector<std::size_t>> of_parent;  // indices of `result`, by parent position
+  std::unordered_map<std::uint32_t, std::vector<std::size_t>> of_parent;  // indices in `result`, by the parent's index
   for (std::size_t i = 0; i < list.items.size(); ++i) {
     const render::DrawItem& item = list.items[i];
     if (!item.visible || item.place >= list.places.size()) continue;
-    // Siblings have the same sensors.
+    // Children of one parent have the same sensors; look them up once.
     const auto [found, fresh] = of_parent.try_emplace(list.places[item.place].parent);
     if (fresh) {
       Hit hit;
@@ -143,7 +143,7 @@ std::optional<render::SightLine> line_that_meets(const render::RenderList& list,
     const auto in_world = [&](const glm::vec3& point) {
       return glm::dvec3(item.world_from_node * glm::dvec4(glm::dvec3(point), 1));
     };
-    // For a single query, a tree of the triangles would cost more than it saves.
+    // Test all triangles, because building a search tree would not pay off for a single query.
     const glm::dmat4 node_from_world = glm::inverse(item.world_from_node);
     const auto meets = [&](const glm::dvec3& point) -> std::optional<render::SightLine> {
       const glm::dvec3 way = point - eye;
@@ -155,7 +155,7 @@ std::optional<render::SightLine> line_that_meets(const render::RenderList& list,
       return render::nearest_of_all(mesh, in_node) ? std::optional(line) : std::nullopt;
     };
     if (const auto line = meets(in_world(mesh.bounds.center()))) return line;
-    // Take the triangle with the largest apparent size.
+    // Otherwise aim at the triangle with the largest apparent size.
     double largest = 0;
     glm::dvec3 middle(0);
     for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {

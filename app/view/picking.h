@@ -15,40 +15,41 @@
 
 namespace gs::app {
 
-/// Intersection of a ray with the world.
+/// Point at which a ray hits the world.
 struct Hit {
-  float distance = 0;                // metres from the ray's origin
-  std::size_t item = 0;              // index into RenderList::items, if `splat` is empty
-  std::optional<std::size_t> splat;  // index into RenderList::splats
-  // World space; see render::SurfaceHit. Without a surface normal, `normal` points towards the ray's origin.
+  float distance = 0;  // metres from the origin of the ray
+  std::size_t item = 0;  // index in RenderList::items, if `splat` is nullopt
+  std::optional<std::size_t> splat;  // index in RenderList::splats; nullopt if a triangle was hit
+  // World space; see render::SurfaceHit. For a hit without a surface normal, `normal` points to the origin of the ray.
   glm::dvec3 point{0}, normal{0};
   glm::vec2 texture_coordinate{0};
-  render::TriangleHit triangle;  // valid if `splat` is empty; see render::SurfaceHit
-  /// Own colour of the vector or stream patch that was hit, 0..1; empty if it has none.
+  render::TriangleHit triangle;  // valid if `splat` is nullopt; see render::SurfaceHit
+  /// Colour 0..1 of the vector or stream patch that was hit; nullopt if it has no own colour.
   std::optional<glm::vec3> stream_color{};
 };
 
 struct PickOptions {
   float pixel = 0.001f;                              // width of a pixel at distance 1
-  render::SplatStyle clouds;                         // must match the drawn style
-  std::size_t max_triangles = std::size_t{1} << 24;  // max triangles to cache
+  render::SplatStyle clouds;  // style with which the splats are drawn
+  std::size_t max_triangles = std::size_t{1} << 24;  // max triangles in the cache
 };
 
-/// Finds the object under the pointer. Belongs to the thread that draws. Caches costly data for meshes and volumes as
-/// long as their owners exist.
+/// Search for the object under the pointer. Use on the drawing thread. Caches search data for meshes and volumes as
+/// long as these exist.
 class Picker {
  public:
-  /// Returns the nearest triangle or splat of `list` along `line`, or the point in a volume where opacity reaches 0.5.
-  /// Triangles count from both sides, splats as they are drawn (render/rays/splat_pick.h). Lines and points are not
-  /// hit. A fainter volume is hit only if nothing else is.
+  /// Returns the nearest hit of a triangle or splat in `list` along `line`. In a volume, the hit is the point where the
+  /// accumulated opacity reaches 0.5; a fainter volume is hit only if nothing else is. Triangles are hit from both
+  /// sides, and splats as they are drawn (render/rays/splat_pick.h). Lines and points are not hit.
   ///
-  /// Takes microseconds for triangles, more for changed items and new meshes (render/rays/item_bvh.h). Splats without
-  /// levels take time proportional to their number (5 M: 30 ms). `line.direction` has unit length.
+  /// Takes microseconds for triangles, and more for changed items and new meshes (render/rays/item_bvh.h). For splats
+  /// without levels of detail, the time is proportional to their number: 30 ms for 5 million. `line.direction` must
+  /// have unit length.
   [[nodiscard]] std::optional<Hit> pick(const render::RenderList& list, const render::SightLine& line,
                                         const PickOptions& options = {});
   [[nodiscard]] std::optional<Hit> pick(const render::RenderList& list, const Ray& ray,
                                         const PickOptions& options = {});
-  /// Returns the triangle cache, for other queries on the same lists.
+  /// Returns the cache of triangles, for other searches in the same lists.
   [[nodiscard]] render::ItemBvh& items() { return items_; }
 
  private:
@@ -61,28 +62,29 @@ class Picker {
   std::unordered_map<const qnv::Volume*, Held> models_;
 };
 
-/// Pointing-device sensor or Anchor, with its geometry in a list (VRML97 4.6.7.3).
+/// Pointing-device sensor or Anchor, with the draw items that belong to it (VRML97 4.6.7.3).
 struct SensorGeometry {
   vrml::NodePlace sensor;
-  std::vector<std::size_t> items;  // indices into RenderList::items; never empty
+  std::vector<std::size_t> items;  // indices in RenderList::items; never empty
 };
-/// Returns the enabled sensors that `list` shows, in the order of their first items. Ignores splats.
+/// Returns the enabled sensors and Anchors with draw items in `list`, in the order of their first items. Ignores
+/// splats.
 [[nodiscard]] std::vector<SensorGeometry> sensor_geometry(vrml::Execution& world, const render::RenderList& list);
-/// Returns a copy of `list` with only these items.
+/// Returns a copy of `list` that contains only these items.
 [[nodiscard]] render::RenderList only(const render::RenderList& list, const std::vector<std::size_t>& items);
-/// Returns a line from `eye` that hits a triangle of the list, near the middle of an item if possible. Returns nullopt
-/// if there are only lines, points and triangles seen edge-on.
+/// Returns a line from `eye` that hits a triangle of the list, if possible in the middle of an item. Returns nullopt if
+/// the list has only lines, points, and triangles that are edge-on to `eye`.
 [[nodiscard]] std::optional<render::SightLine> line_that_meets(const render::RenderList& list, const glm::dvec3& eye);
 
-/// Returns the path from the root of the world to the hit Shape. Returns an empty path if limits omitted it.
+/// Returns the path from the root of the world to the Shape that was hit; empty if limits omitted the path.
 [[nodiscard]] std::vector<vrml::PathStep> path_of(const render::RenderList& list, const Hit& hit);
 
-/// Returns the half line through `pointer`, in pixels from the upper left of a viewport of `size` pixels; see
-/// ray_through.
+/// Returns the half-line through `pointer`, which is in pixels from the upper left of a viewport of `size` pixels. Like
+/// ray_through(), but in double precision.
 [[nodiscard]] render::SightLine sight_line(const Pose& pose, const glm::dvec2& pointer, const glm::dvec2& size);
 
-/// Updates the world's sensors with the pointer's line and button state, at the present timestamp (VRML97 4.6.7.3).
-/// `list` must match the present world.
+/// Passes the pointer's line and its button state to the sensors of a world, at the present timestamp (VRML97 4.6.7.3).
+/// `list` must be updated to the present state of the world. Returns the hit.
 std::optional<Hit> point(vrml::Execution& world, Picker& picker, const render::RenderList& list,
                          const render::SightLine& line, bool down, const PickOptions& options = {});
 

@@ -16,7 +16,7 @@ void PoseHistory::moved(const Pose& from, const Pose& to, double now) {
   if (taken_) {
     if (goal_ && same_place(to, *goal_)) {
       taken_ = false;
-      last_ = -1e9;  // the next movement starts a new entry
+      last_ = -1e9;  // so that the next movement starts a new entry
     }
     return;
   }
@@ -29,7 +29,7 @@ void PoseHistory::moved(const Pose& from, const Pose& to, double now) {
 std::optional<Pose> PoseHistory::go(int direction, const Pose& from) {
   std::vector<Pose>&places = direction < 0 ? behind_ : ahead_, &others = direction < 0 ? ahead_ : behind_;
   if (places.empty()) return std::nullopt;
-  // During a transition, remember its goal instead of the present pose.
+  // During a transition of go(), store its goal instead of the present pose.
   others.push_back(taken_ && goal_ ? *goal_ : from);
   goal_ = places.back();
   places.pop_back();

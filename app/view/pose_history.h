@@ -8,26 +8,27 @@
 
 namespace gs::app {
 
-/// Undo history of viewer poses. Movements without a rest in between count as one. A plain value.
+/// History of the viewer's poses, for undo and redo. Movements without a rest between them count as one.
 class PoseHistory {
  public:
-  static constexpr std::size_t kMaxPlaces = 100;  // max entries; the oldest ones are dropped
-  static constexpr double kRest = 0.5;            // seconds without movement that end a movement
+  static constexpr std::size_t kMaxPlaces = 100;  // max entries; beyond it, the oldest are dropped
+  static constexpr double kRest = 0.5;  // seconds without movement that count as a rest
 
   /// Records a movement from one pose to another at `now`, in seconds.
   void moved(const Pose& from, const Pose& to, double now);
-  /// Returns the previous resting pose (-1), or the one that was undone (1); nullopt if there is none. `from` is the
-  /// present pose. The transition lasts until `moved` reports the returned pose.
+  /// Returns the pose before the last movement (-1), or the pose that was undone last (1); nullopt if there is none.
+  /// `from` is the present pose. The caller must start a transition to the result. The transition ends when moved()
+  /// reports that pose.
   [[nodiscard]] std::optional<Pose> go(int direction, const Pose& from);
   [[nodiscard]] bool can_go(int direction) const { return !(direction < 0 ? behind_ : ahead_).empty(); }
-  /// Makes the next movement count as the user's own, even during a transition of `go`.
+  /// Ends a transition of go(), so that the next movement counts as one of the user.
   void interrupt() { taken_ = false; }
 
  private:
-  std::vector<Pose> behind_, ahead_;  // nearest in time last
-  std::optional<Pose> goal_;          // goal of the current transition
+  std::vector<Pose> behind_, ahead_;  // for undo and for redo; the next pose is the last one
+  std::optional<Pose> goal_;  // goal of the last transition of go()
   bool taken_ = false;
-  double last_ = -1e9;  // time of the last movement
+  double last_ = -1e9;  // time of the last movement, in seconds
 };
 
 }  // namespace gs::app

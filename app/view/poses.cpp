@@ -9,21 +9,21 @@
 #include <cmath>
 #include <numbers>
 
-// Viewer poses: framing of objects, and projection.
+// Functions about viewer poses: views that show whole objects, and projections.
 namespace gs::app {
 namespace {
 
 
 constexpr float kHalfTurn = std::numbers::pi_v<float>;
-constexpr glm::vec3 kWorldUp(0, 1, 0);  // VRML97 4.4.5
-constexpr double kLowest = 1e-9;        // min height of a parallel projection, in world units
+constexpr glm::vec3 kWorldUp(0, 1, 0);  // up direction of a world (VRML97 4.4.5)
+constexpr double kLowest = 1e-9;  // world units; min height of a parallel projection
 
 glm::vec3 unit_vector(const glm::vec3& v, const glm::vec3& otherwise) {
   const float length = glm::length(v);
   return finite(length) && length > 1e-6f ? v / length : otherwise;
 }
 
-// Rotates the pose with the world.
+// Rotates a pose about the origin of the world.
 Pose turned(Pose pose, const glm::dmat3& rotation) {
   if (rotation == glm::dmat3(1)) return pose;
   pose.position = rotation * pose.position;
@@ -41,7 +41,8 @@ WideBox turned(const WideBox& bounds, const glm::dmat3& rotation) {
   return result;
 }
 
-/// Returns a pose that shows all of `bounds` from an azimuth and elevation, with the field of view of `pose`.
+/// Returns a pose that shows all of `bounds` from an azimuth and elevation in radians. Keeps the field of view and the
+/// kind of projection of `pose`.
 Pose fitted(const Pose& pose, const WideBox& bounds, const glm::vec2& viewport, const Upright& upright, float azimuth,
             float elevation) {
   if (bounds.empty()) return pose;
@@ -157,7 +158,7 @@ Pose with_parallel_rays(Pose pose, bool parallel, double distance) {
   const double tangent = std::tan(double{pose.field_of_view} / 2);
   if (parallel && pose.height <= 0) pose.height = 2 * distance * tangent;
   if (!parallel && pose.height > 0) {
-    // Move to where the content has the same size in perspective.
+    // Move to the position from which objects at `distance` keep their size in perspective.
     pose.position += glm::dvec3(pose.forward()) * (distance - pose.height / (2 * tangent));
     pose.height = 0;
   }
@@ -198,7 +199,7 @@ std::optional<glm::vec2> pixel_that_sees(const Pose& pose, const glm::dvec3& pla
   const glm::dvec3 seen = glm::conjugate(glm::dquat(pose.orientation)) * (place - pose.position);
   if (pose.height <= 0 && !(seen.z < 0)) return std::nullopt;
   const double half =
-      pose.height > 0 ? pose.height / 2 : -seen.z * std::tan(double{pose.field_of_view} / 2);  // along the smaller side
+      pose.height > 0 ? pose.height / 2 : -seen.z * std::tan(double{pose.field_of_view} / 2);  // half the smaller side
   const double unit = std::max(1.0, static_cast<double>(std::min(size.x, size.y))) / 2 / half;
   return glm::vec2(static_cast<double>(size.x) / 2 + seen.x * unit, static_cast<double>(size.y) / 2 - seen.y * unit);
 }

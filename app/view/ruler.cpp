@@ -47,7 +47,7 @@ std::optional<double> Ruler::angle_at(std::size_t point) const {
   const glm::dvec3 a = points_[point - 1] - points_[point], b = points_[point + 1] - points_[point];
   const glm::dvec3 across = glm::cross(a, b);
   if (!(glm::dot(a, a) > 0 && glm::dot(b, b) > 0)) return std::nullopt;
-  return std::atan2(glm::length(across), glm::dot(a, b)) * 180 / std::numbers::pi;  // accurate for small angles, too
+  return std::atan2(glm::length(across), glm::dot(a, b)) * 180 / std::numbers::pi;  // also accurate for small angles
 }
 
 std::optional<double> Ruler::area() const {

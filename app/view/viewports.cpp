@@ -18,7 +18,7 @@ std::optional<std::size_t> PointerRouter::route(const WindowEvent& event, std::s
   const unsigned bit = button ? 1u << static_cast<unsigned>(event.button) : 0u;
   const bool dragging = held_ != 0 && owner_ < viewports.size();
   const std::optional<std::size_t> under = viewport_at(viewports, event.pointer);
-  // Wheel and drop events go to the viewport under the pointer, even during a drag.
+  // Wheel and drop events belong to the viewport under the pointer, even during a drag.
   const bool place_counts = event.kind == Kind::wheel || event.kind == Kind::drop;
   const std::optional<std::size_t> target = dragging && !place_counts ? std::optional(owner_) : under;
   if (event.kind == Kind::button_down && target) {

@@ -12,7 +12,7 @@
 
 namespace gs::app {
 
-/// Rectangle of a viewport in framebuffer pixels; `top` counts from the upper edge.
+/// Rectangle of a viewport in framebuffer pixels. `top` is measured from the upper edge.
 struct Viewport {
   int left = 0, top = 0, width = 1, height = 1;
 
@@ -27,32 +27,32 @@ struct Viewport {
   }
 };
 
-/// Returns the index of the viewport that contains the pixel under `pointer`.
+/// Returns the index of the viewport under `pointer`, in framebuffer pixels; nullopt if there is none.
 [[nodiscard]] std::optional<std::size_t> viewport_at(std::span<const Viewport> viewports, const glm::vec2& pointer);
 
-/// Routes pointer events to viewports. A drag stays with the viewport where it began.
+/// Assignment of pointer events to viewports. A drag belongs to the viewport in which it began.
 class PointerRouter {
  public:
-  /// Returns the index of the viewport for `event`. Returns nullopt for other kinds of events and outside all
-  /// viewports. A button press starts a drag.
+  /// Returns the index of the viewport that must handle `event`. Returns nullopt if it is no pointer event, or if the
+  /// pointer is outside of all viewports. Pressing a button starts a drag.
   std::optional<std::size_t> route(const WindowEvent& event, std::span<const Viewport> viewports);
-  /// Ends all drags, for example when viewports change.
+  /// Ends all drags. Call when the viewports change.
   void release() { held_ = 0; }
 
  private:
   std::size_t owner_ = 0;
-  unsigned held_ = 0;  // bit mask of held buttons
+  unsigned held_ = 0;  // held buttons, one bit each
 };
 
-/// Splits `total` in proportion to `weights`. Each share is at least 1; a weight of 0 gets 0.
+/// Divides `total` in proportion to `weights`. Each share is at least 1, but 0 if the weight is 0.
 [[nodiscard]] std::vector<std::size_t> shares_of(std::size_t total, std::span<const std::size_t> weights);
 
-/// Decides whether to draw again for more detail. Stops after kMaxFramesAlike frames without progress, so that an idle
-/// window costs nothing.
+/// Decision whether drawing again would add detail. After kMaxFramesAlike frames without progress the answer is no, so
+/// that an idle window needs no processor time.
 class Refinement {
  public:
-  /// Records the last frame: whether any viewport has pending detail, the total number of splats, and whether view or
-  /// input `changed`.
+  /// Records the last frame: whether more detail is `pending`, the number of splats drawn, and whether view or input
+  /// `changed`.
   void note(bool pending, std::size_t discs, bool changed);
   [[nodiscard]] bool wanted() const { return pending_ && frames_ < kMaxFramesAlike; }
 
@@ -61,7 +61,7 @@ class Refinement {
  private:
   bool pending_ = false;
   std::size_t discs_ = 0;
-  int frames_ = 0;  // consecutive frames without progress
+  int frames_ = 0;  // number of consecutive frames without progress
 };
 
 }  // namespace gs::app

@@ -14,24 +14,24 @@ namespace {
 using glm::dvec3;
 using render::WorldTriangle;
 
-constexpr double kGravity = 9.81 / 1.6;  // eye heights per second squared: worlds have their own units
-constexpr double kTerminal = 40;         // eye heights per second
-constexpr double kLagTime = 0.08;        // time constant of the view after a step, in seconds (63 %)
-constexpr double kMinLag = 1e-4;         // eye heights
-constexpr double kTolerance = 1e-3;      // tolerated penetration, in radii
-constexpr double kSteepestGround = 0.5;  // min cosine of a slope to stand on
-constexpr int kRounds = 8;               // max iterations to resolve collisions
-constexpr double kLongestWalk = 0.25;    // seconds
+constexpr double kGravity = 9.81 / 1.6;  // eye heights/s^2; eye heights are used because worlds have different units
+constexpr double kTerminal = 40;  // eye heights/s; max speed of falling
+constexpr double kLagTime = 0.08;  // seconds; time constant with which the view follows a step (63 %)
+constexpr double kMinLag = 1e-4;  // eye heights; a smaller lag is removed at once
+constexpr double kTolerance = 1e-3;  // radii; allowed penetration
+constexpr double kSteepestGround = 0.5;  // min cosine of the slope on which the viewer can stand
+constexpr int kRounds = 8;  // max iterations to leave obstacles
+constexpr double kLongestWalk = 0.25;  // seconds; longer times are shortened to this
 
-/// Returns the closest point to p on the segment from `a` to `b`.
+/// Returns the point closest to `p` on the segment from `a` to `b`.
 dvec3 nearest_on_line(const dvec3& a, const dvec3& b, const dvec3& p) {
   const dvec3 ab = b - a;
   const double square = glm::dot(ab, ab);
   return square > 0 ? a + ab * std::clamp(glm::dot(p - a, ab) / square, 0.0, 1.0) : a;
 }
 
-/// Returns the closest point on a triangle (Ericson, Real-Time Collision Detection, 5.1.5: by regions of corners and
-/// edges).
+/// Returns the point of a triangle that is closest to `p` (Ericson, Real-Time Collision Detection, 5.1.5: distinguishes
+/// the regions of corners and edges).
 dvec3 nearest_on_triangle(const std::array<dvec3, 3>& t, const dvec3& p) {
   const dvec3 ab = t[1] - t[0], ac = t[2] - t[0], normal = glm::cross(ab, ac);
   const double square = glm::dot(normal, normal);
@@ -60,7 +60,7 @@ struct Pair {
   dvec3 on_line, on_triangle;
 };
 
-/// Returns the closest points of the segments from `a` to `b` and from `c` to `d`.
+/// Returns the points at which the segments from `a` to `b` and from `c` to `d` are closest to each other.
 Pair nearest_of_lines(const dvec3& a, const dvec3& b, const dvec3& c, const dvec3& d) {
   const dvec3 u = b - a, v = d - c, w = a - c;
   const double uu = glm::dot(u, u), uv = glm::dot(u, v), vv = glm::dot(v, v), uw = glm::dot(u, w), vw = glm::dot(v, w);
@@ -71,7 +71,7 @@ Pair nearest_of_lines(const dvec3& a, const dvec3& b, const dvec3& c, const dvec
   return {p, nearest_on_line(c, d, p)};
 }
 
-/// Returns the closest points of a vertical segment and a triangle.
+/// Returns the points at which a vertical segment and a triangle are closest to each other.
 Pair nearest_pair(const dvec3& low, const dvec3& high, const std::array<dvec3, 3>& t) {
   Pair best{low, nearest_on_triangle(t, low)};
   double least = glm::distance(best.on_line, best.on_triangle);
@@ -84,7 +84,7 @@ Pair nearest_pair(const dvec3& low, const dvec3& high, const std::array<dvec3, 3
   if (low == high) return best;
   consider({high, nearest_on_triangle(t, high)});
   for (std::size_t i = 0; i < 3; ++i) consider(nearest_of_lines(low, high, t[i], t[(i + 1) % 3]));
-  // Also consider the point where the segment crosses the triangle's plane.
+  // Also consider the point at which the segment crosses the plane of the triangle.
   const dvec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
   const double below = glm::dot(low - t[0], normal), above = glm::dot(high - t[0], normal);
   if (below * above < 0) {
@@ -94,12 +94,12 @@ Pair nearest_pair(const dvec3& low, const dvec3& high, const std::array<dvec3, 3
   return best;
 }
 
-/// Body with the triangles around its path.
+/// Capsule of the viewer, with the triangles near its path.
 class Body {
  public:
   Body(const Avatar& avatar, std::vector<WorldTriangle> triangles, const dvec3& start)
       : avatar_(avatar), triangles_(std::move(triangles)) {
-    // Initial penetrations may stay, but not grow.
+    // If the body penetrates a triangle at the start, it may stay there but not go deeper.
     room_.reserve(triangles_.size());
     for (const WorldTriangle& triangle : triangles_) {
       const Pair pair = nearest_pair(low(start), start, triangle.corners);
@@ -107,13 +107,14 @@ class Body {
     }
   }
 
-  /// Returns the lower end of the capsule's axis for an eye position.
+  /// Returns the lower end of the capsule's axis when the eye is at `eye`.
   [[nodiscard]] dvec3 low(const dvec3& eye) const {
     if (!avatar_.gravity) return eye;
     return eye - avatar_.up * std::max(0.0, avatar_.height - avatar_.step - avatar_.radius);
   }
 
-  /// Moves from the free position `eye` by a short `way`, sliding along obstacles.
+  /// Moves the body by a short way from an eye position without collisions. Slides along obstacles. Returns the new eye
+  /// position, and sets `item` to the last item touched.
   dvec3 slide(const dvec3& eye, const dvec3& way, std::optional<std::size_t>& item) const {
     dvec3 at = eye + way;
     for (int round = 0; round < kRounds; ++round) {
@@ -129,7 +130,7 @@ class Body {
         if (distance > 1e-9 * avatar_.radius) {
           push = away * (depth / distance);
         } else {
-          // The axis intersects the triangle: push back to the side of the start.
+          // The axis intersects the triangle. Push the body back to the side from which it came.
           const dvec3 normal = glm::cross(triangles_[i].corners[1] - triangles_[i].corners[0],
                                           triangles_[i].corners[2] - triangles_[i].corners[0]);
           const double length = glm::length(normal);
@@ -139,18 +140,18 @@ class Body {
       }
       if (push == dvec3(0)) return at;
       if (avatar_.gravity) {
-        // Walls push sideways: they neither lift the viewer nor press it into the ground.
+        // Push only sideways, so that a wall neither lifts the viewer nor presses the viewer into the ground.
         const dvec3 sideways = push - avatar_.up * glm::dot(push, avatar_.up);
         const double part = glm::length(sideways), all = glm::length(push);
-        if (part < 0.1 * all) return eye;  // a low ceiling, or a step that is too high
+        if (part < 0.1 * all) return eye;  // stop at a low ceiling, or at a step that is too high
         push = sideways * std::min(all * all / (part * part), 4.0);
       }
       at += push;
     }
-    return eye;  // no way out
+    return eye;  // no free position found; stay
   }
 
-  /// Returns the depth of the highest ground below the eye, between `highest` and `deepest`.
+  /// Returns the depth of the highest ground below the eye. Considers only depths from `highest` to `deepest`.
   [[nodiscard]] std::optional<double> ground(const dvec3& eye, double highest, double deepest) const {
     const dvec3 up = avatar_.up, side = std::abs(up.x) < 0.7 ? dvec3(1, 0, 0) : dvec3(0, 0, 1);
     const dvec3 across = glm::normalize(glm::cross(up, side)) * (avatar_.radius * 0.5), along = glm::cross(up, across);
@@ -164,7 +165,8 @@ class Body {
   }
 
  private:
-  /// Returns the depth below a point of a triangle that is flat enough to stand on.
+  /// Returns the depth of a triangle below a point. Returns nullopt if the triangle is not below it, or too steep to
+  /// stand on.
   [[nodiscard]] std::optional<double> below(const dvec3& p, const std::array<dvec3, 3>& t) const {
     const dvec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
     const double rise = glm::dot(normal, avatar_.up);
@@ -179,7 +181,7 @@ class Body {
 
   const Avatar& avatar_;
   std::vector<WorldTriangle> triangles_;
-  std::vector<double> room_;  // permitted distance to each triangle
+  std::vector<double> room_;  // min distance to keep from each triangle
 };
 
 }  // namespace
@@ -196,7 +198,7 @@ Walk walk(const Walk& from, const Avatar& avatar, const Obstacles& obstacles, co
   const double gone = std::min(length, pieces * piece);
   const dvec3 step = pieces > 0 ? flat * (gone / length / pieces) : dvec3(0);
 
-  // Use the mean speed, so that falling does not depend on the step size.
+  // Use the mean speed of the step, so that falling does not depend on the step length.
   const double gravity = kGravity * avatar.height, fastest = kTerminal * avatar.height;
   const double speed = std::min(from.falling + gravity * seconds, fastest);
   const double fall = avatar.gravity ? (from.falling + speed) / 2 * seconds : 0;
@@ -209,7 +211,7 @@ Walk walk(const Walk& from, const Avatar& avatar, const Obstacles& obstacles, co
     upper = glm::max(upper, from.eye - avatar.up * down + dvec3(reach));
   }
   const Body body(avatar, obstacles.near(lower, upper), from.eye);
-  // On ground, follow steps up and down. Otherwise fall, or rise if the start was too low.
+  // On the ground, follow steps upwards and downwards. Otherwise fall, or rise if the body began below the ground.
   double left = fall;
   const auto settle = [&](double most) {
     const bool stood = next.on_ground;
@@ -219,7 +221,7 @@ Walk walk(const Walk& from, const Avatar& avatar, const Obstacles& obstacles, co
     if (depth) {
       const double rise = avatar.height - *depth;
       next.eye += avatar.up * rise;
-      if (stood || rise > 0) next.lag += rise;  // only steps are smoothed, not falls
+      if (stood || rise > 0) next.lag += rise;  // smooth the view at steps, not at the end of a fall
       next.falling = 0;
       left = 0;
     }
@@ -234,7 +236,7 @@ Walk walk(const Walk& from, const Avatar& avatar, const Obstacles& obstacles, co
     if (!next.on_ground) {
       settle(left);
       if (!next.on_ground) {
-        // Without ground below, do not fall.
+        // If there is no ground anywhere below, do not fall.
         if (obstacles.distance(next.eye, -avatar.up)) {
           next.eye -= avatar.up * left;
           next.falling = speed;

@@ -38,7 +38,7 @@ void Doorbell::wait(double seconds) {
 }
 
 void Doorbell::wait() {
-  while (sem_wait(&semaphore_) != 0) {  // interrupted by a signal
+  while (sem_wait(&semaphore_) != 0) {  // repeat if a signal interrupted the wait
   }
 }
 
@@ -47,7 +47,7 @@ EndOnSignals::EndOnSignals(Doorbell& bell) {
   signal_bell = &bell;
   struct sigaction action {};
   action.sa_handler = end_on_signal;
-  action.sa_flags = static_cast<int>(SA_RESETHAND);  // the second signal has its default action and ends the program
+  action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second signal has its default effect: it ends the program
   (void)sigaction(SIGINT, &action, &before_[0]);
   (void)sigaction(SIGTERM, &action, &before_[1]);
 }

@@ -8,7 +8,7 @@
 
 namespace gs::app {
 
-/// Semaphore that wakes a waiting thread; may be rung from other threads and signal handlers.
+/// Semaphore that wakes a waiting thread. Other threads and signal handlers may call ring().
 class Doorbell {
  public:
   Doorbell() { (void)sem_init(&semaphore_, 0, 0); }
@@ -24,8 +24,8 @@ class Doorbell {
   sem_t semaphore_{};
 };
 
-/// Handler of SIGINT and SIGTERM while the object exists: the first signal rings `bell`, the second ends the program.
-/// Only one object at a time.
+/// Handler of SIGINT and SIGTERM, as long as the object exists. The first signal rings `bell`; the second one ends the
+/// program. Only one object may exist at a time.
 class EndOnSignals {
  public:
   explicit EndOnSignals(Doorbell& bell);
@@ -40,7 +40,8 @@ class EndOnSignals {
   struct sigaction before_[2]{};
 };
 
-/// Like EndOnSignals, for threads that cannot wait for a Doorbell. `wake` is called from another thread after a signal.
+/// Handler like EndOnSignals, for a main thread that cannot wait for a Doorbell. Calls `wake` on another thread after a
+/// signal.
 class EndWatch {
  public:
   explicit EndWatch(std::function<void()> wake);
@@ -54,9 +55,10 @@ class EndWatch {
   std::thread thread_;
 };
 
-/// Watchdog that ends the process, with a line on standard error, if a call of a Script exceeds its time limit by 2 s
-/// and `is_asked_to_close` returns true. Another thread calls that function. The session's file remains, so that the
-/// next start can restore the session. Only one object at a time.
+/// Watchdog for Scripts that block the program. It acts if a call of a Script exceeds its time limit by 2 s and
+/// `is_asked_to_close` returns true. Then it ends the process with a line on standard error. It calls
+/// `is_asked_to_close` on another thread. The session file remains, so that the next start can restore the session.
+/// Only one object may exist at a time.
 class EndOverdueScripts {
  public:
   explicit EndOverdueScripts(std::function<bool()> is_asked_to_close);

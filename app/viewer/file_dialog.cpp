@@ -22,7 +22,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::size_t kMaxOutput = std::size_t{1} << 20;
-constexpr int kChosenNone = 1;  // exit status of all programs when the user cancels
+constexpr int kChosenNone = 1;  // exit status of each program when the user cancels
 
 bool has_desktop() {
   for (const char* variable : {"DISPLAY", "WAYLAND_DISPLAY"})
@@ -56,7 +56,7 @@ struct FileDialog::Running {
   net::Descriptor output;
   std::mutex mutex;
   std::optional<Answer> answer;  // guarded by the mutex
-  std::thread reader;            // declared after the members that it uses
+  std::thread reader;  // last member: its thread uses the others
 };
 
 FileDialog::FileDialog(std::function<void()> wake, std::span<const DialogProgram> programs)
@@ -82,7 +82,7 @@ bool FileDialog::show(const std::string& folder) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, input.get(), STDOUT_FILENO);
-  // Discards messages of toolkits about the desktop.
+  // Discard the messages that toolkits write about the desktop.
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
   bool started = false;
   for (const DialogProgram& program : programs_) {
@@ -99,7 +99,7 @@ bool FileDialog::show(const std::string& folder) {
   posix_spawn_file_actions_destroy(&actions);
   if (!started) return false;
   running_ = std::move(running);
-  // `input` closes with this scope, so that only the child keeps its end open.
+  // `input` is closed at the end of this function; then only the child can write to the pipe.
   running_->reader = std::thread([run = running_.get(), wake = wake_] {
     std::string text;
     char buffer[4096];
@@ -114,7 +114,7 @@ bool FileDialog::show(const std::string& folder) {
     }
     Answer answer;
     {
-      // The child may be killed only until it is reaped; afterwards its process ID may be reused.
+      // Reap the child under the mutex: a reaped process ID may be reused, and the destructor must not kill it then.
       const std::lock_guard lock(run->mutex);
       int status = 0;
       (void)::waitpid(run->child, &status, 0);

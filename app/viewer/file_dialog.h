@@ -9,35 +9,36 @@
 
 namespace gs::app {
 
-/// Program of a desktop that lets the user choose files.
+/// Program of a desktop that shows a file dialog.
 struct DialogProgram {
-  std::string name;                    // searched in $PATH unless it contains a /
-  std::vector<std::string> arguments;  // make it print the chosen files, one per line; see kFolderArgument
+  std::string name;  // file name; searched in $PATH unless it contains a /
+  std::vector<std::string> arguments;  // make it print the chosen files, one per line; may contain kFolderArgument
 };
-/// Placeholder in an argument for the initial folder.
+/// Placeholder in an argument for the folder that the dialog shows first.
 inline constexpr const char kFolderArgument[] = "{folder}";
 /// Returns the known programs, best first.
 [[nodiscard]] std::span<const DialogProgram> dialog_programs();
 
-/// File dialog of the desktop, as a child process, so that the window keeps running. Only one at a time.
+/// File dialog of the desktop. It runs as a child process, so that the window stays responsive. Only one is shown at a
+/// time.
 class FileDialog {
  public:
-  /// Creates the dialog without showing it. `wake` is called on another thread when `take` has an answer.
+  /// Prepares the dialog without showing it. Another thread calls `wake` when take() has an answer.
   explicit FileDialog(std::function<void()> wake, std::span<const DialogProgram> programs = dialog_programs());
   ~FileDialog();
   FileDialog(const FileDialog&) = delete;
   FileDialog& operator=(const FileDialog&) = delete;
 
-  /// Shows the dialog in `folder`, unless it is already shown. Returns false if no desktop or none of the programs is
-  /// available.
+  /// Shows the dialog with the contents of `folder`. Does nothing if a dialog is already shown. Returns false if there
+  /// is no desktop, or none of the programs.
   [[nodiscard]] bool show(const std::string& folder = ".");
   [[nodiscard]] bool is_shown() const { return running_ != nullptr; }
   /// Result of the dialog.
   struct Answer {
     std::vector<std::string> files;  // empty if the user cancelled
-    bool failed = false;             // the program failed before it asked
+    bool failed = false;  // the program failed before the user could choose
   };
-  /// Returns the answer, or nullopt if the dialog is still shown or was not shown.
+  /// Returns the answer of the user. Returns nullopt while the dialog is shown, and if it was not shown.
   [[nodiscard]] std::optional<Answer> take();
 
  private:

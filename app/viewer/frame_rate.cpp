@@ -3,7 +3,7 @@
 namespace gs::app {
 
 void FrameRate::drawn(double time, bool in_motion) {
-  constexpr double kLookedAt = 1;  // seconds
+  constexpr double kLookedAt = 1;  // seconds over which the rate is measured
   if (!in_motion || (!begun_.empty() && time < begun_.back())) begun_.clear();
   begun_.push_back(time);
   while (begun_.size() > 2 && begun_.front() < time - kLookedAt) begun_.pop_front();

@@ -4,16 +4,17 @@
 
 namespace gs::app {
 
-/// Rate of pictures in motion, over the last second or at least the last two pictures.
+/// Frame rate during motion, measured over the last second, or over the last two pictures if these are further apart.
 class FrameRate {
  public:
-  /// Records a picture that was begun at `time`, in seconds. `in_motion` is false for the last picture of a motion.
+  /// Records a picture that was begun at `time`, in seconds. `in_motion` is false if it is the last picture of a
+  /// motion.
   void drawn(double time, bool in_motion);
-  /// Returns the pictures per second, or 0 without motion.
+  /// Returns the number of pictures per second; 0 if nothing moves.
   [[nodiscard]] double a_second() const;
 
  private:
-  std::deque<double> begun_;  // ascending
+  std::deque<double> begun_;  // times at which pictures were begun, in ascending order
 };
 
 }  // namespace gs::app

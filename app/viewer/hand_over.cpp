@@ -23,8 +23,8 @@
 namespace gs::app {
 namespace {
 
-constexpr std::chrono::milliseconds kPatience{5000};  // max wait of the sender, which then opens an own window
-constexpr std::size_t kMaxFilesHanded = 1000;         // in one message
+constexpr std::chrono::milliseconds kPatience{5000};  // max wait of the sending process; then it opens its own window
+constexpr std::size_t kMaxFilesHanded = 1000;  // max files in one message
 constexpr char kSocketName[] = "/window.sock", kTokenName[] = "/window.token";
 
 bool is_ours_alone(const std::string& folder) {

@@ -11,29 +11,29 @@ class ControlServer;
 
 namespace gs::app {
 
-/// Returns the folder in which a window listens for files that other processes open. It lies in $XDG_RUNTIME_DIR, which
-/// only the user can read. Returns an empty string if there is none, or if others can access it.
+/// Returns the folder with the socket at which a window receives files from other processes. It is in $XDG_RUNTIME_DIR,
+/// to which only the user has access. Returns "" if there is no such folder, or if others can access it.
 [[nodiscard]] std::string hand_over_folder();
 
-/// Returns a path or URL in a form that is independent of the working directory.
+/// Returns a path or URL in a form that does not depend on the working directory.
 [[nodiscard]] std::string absolute_place(const std::string& place);
 
-/// Sends files and URLs to the window that is already open. Returns false if there is none. Relative paths are relative
-/// to this process.
+/// Sends files and URLs to a window that is already open. Returns false if no window took them. Relative paths refer to
+/// the working directory of this process.
 [[nodiscard]] bool hand_over(const std::string& folder, const std::vector<std::string>& files);
 
-/// Receiver of files that other processes hand over to this window. Only the first window of a desktop session has one.
+/// Receiver of files from other processes for this window. Only the first window of a desktop session has a receiver.
 class HandOver {
  public:
-  /// Starts to listen. `wake` is called on another thread when `take` has files. Returns null if another window listens
-  /// already or there is no folder.
+  /// Starts to listen in `folder`. Another thread calls `wake` when take() has files. Returns null if there is no
+  /// folder, or if another window listens already.
   [[nodiscard]] static std::unique_ptr<HandOver> listen(const std::string& folder, std::function<void()> wake);
   ~HandOver();
   HandOver(const HandOver&) = delete;
   HandOver& operator=(const HandOver&) = delete;
 
-  /// Requests since the last call. `asked` is true if there was one, even without files, so that the window comes to
-  /// the front.
+  /// Files that were received since the previous call. `asked` is true if there was a request, even one without files;
+  /// then the window should come to the front.
   struct Taken {
     std::vector<std::string> files;
     bool asked = false;

@@ -13,11 +13,11 @@
 namespace gs::app {
 namespace {
 
-constexpr double kNobodyWait = 30;        // seconds; any request ends it
-constexpr double kMovingWait = 1.0 / 60;  // while the viewer moves
-constexpr double kReadingWait = 0.25;     // while a world is read
+constexpr double kNobodyWait = 30;  // seconds; max wait without events; a request ends it
+constexpr double kMovingWait = 1.0 / 60;  // seconds; max wait while a viewer moves
+constexpr double kReadingWait = 0.25;  // seconds; max wait while a world is read
 
-// Prints new notices and diagnostics of the worlds.
+// Prints the new notices and the new diagnostics of the worlds.
 void tell(Session& session, const Frame& frame) {
   for (const Notice& notice : frame.notices) complain("ghostspace: %s", notice.text.c_str());
   for (const std::string& line : session.log().take_untold()) complain("%s", line.c_str());
@@ -47,7 +47,8 @@ int run_headless(const ViewerOptions& options, const LoadOptions& load, const st
   }
   const auto service = std::move(std::get<std::unique_ptr<ControlService>>(started));
   Control& control = service->control();
-  // Opens the renderer for the first requested picture, because clients that only use events need no driver.
+  // Open the renderer only when a client requests the first picture, because clients that only use events need no
+  // graphics driver.
   control.set_painter(
       [&](const View& view, int width, int height) -> std::variant<std::vector<std::byte>, std::string> {
         if (!opened) {

@@ -8,7 +8,7 @@
 
 namespace gs::app {
 
-/// Renderer without a window; `problem` is set if there is none.
+/// Renderer without a window. If there is none, `problem` is the reason.
 struct OpenedRenderer {
   std::unique_ptr<render::GlContext> context;
   std::unique_ptr<render::Renderer> renderer;
@@ -17,11 +17,11 @@ struct OpenedRenderer {
   OpenedRenderer() = default;
   OpenedRenderer(OpenedRenderer&&) = default;
   OpenedRenderer& operator=(OpenedRenderer&&) = delete;
-  ~OpenedRenderer() { renderer.reset(); }  // destroyed while its context exists
+  ~OpenedRenderer() { renderer.reset(); }  // destroys the renderer before its context
 };
 
-/// Opens a renderer that can draw pictures with `draw`. Its context is not current on any thread afterwards. Any
-/// thread.
+/// Opens a renderer that can draw with the options `draw`. The caller may be any thread; afterwards the renderer's
+/// context is current on no thread.
 [[nodiscard]] OpenedRenderer open_renderer(const std::string& backend, const render::DrawOptions& draw);
 
 }  // namespace gs::app

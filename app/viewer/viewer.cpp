@@ -13,10 +13,10 @@
 namespace gs::app {
 namespace {
 
-constexpr int kSettlingFrames = 3;     // the interface needs further frames after a change
-constexpr double kIdleWait = 30;       // seconds; any event ends it
-constexpr double kLongPicture = 0.3;   // seconds; a delay that users notice
-constexpr double kLoadingWait = 0.25;  // between pictures of the progress line
+constexpr int kSettlingFrames = 3;  // number of frames until the interface has adapted to a change
+constexpr double kIdleWait = 30;  // seconds; max wait without events
+constexpr double kLongPicture = 0.3;  // seconds; longer drawing is a delay that users notice
+constexpr double kLoadingWait = 0.25;  // seconds between pictures of the moving progress line
 
 ViewerControllerOptions controller_options(const ViewerOptions& options, float scale) {
   ViewerControllerOptions result;
@@ -29,7 +29,7 @@ ViewerControllerOptions controller_options(const ViewerOptions& options, float s
   return result;
 }
 
-// Returns the size of the last window, unless the options give one.
+// Returns the size for a new window: that of the last window, unless the options set one.
 glm::ivec2 first_size(const ViewerOptions& options) {
   if (!options.size_given && options.folders.any()) {
     const AppState memory = remembered(options.folders);
@@ -98,7 +98,7 @@ void Viewer::run() {
     if (in_sight) input.area = ui_.picture_area(size);
     if (!events.empty()) {
       frames_wanted_ = kSettlingFrames;
-      ui_.begin_frame(now, events);  // the interface handles events first
+      ui_.begin_frame(now, events);  // the interface has precedence over the worlds
       input.events = controller_.take(events);
     }
     frame_ = session_.step(world_time(), input);
@@ -106,13 +106,13 @@ void Viewer::run() {
     if (controller_.inspection().busy() || controller_.inspection().take_news(now))
       frames_wanted_ = std::max(frames_wanted_, 1);
     if (!in_sight) continue;
-    // If pictures of the worlds take long, the interface shows finished loading and typed text before them.
+    // If drawing the worlds takes long, draw the interface first after typing and at the end of loading.
     const bool typed = std::any_of(events.begin(), events.end(), [](const WindowEvent& event) {
       return event.kind == WindowEvent::Kind::key_down || event.kind == WindowEvent::Kind::character;
     });
     const bool was_read = std::exchange(was_loading_, frame_.loading) && !frame_.loading;
     interface_first_ = picture_seconds_ > kLongPicture && (was_read || (typed && !frame_.moving));
-    // Without changes, the picture on the screen stays valid.
+    // Draw nothing if nothing has changed.
     if (frames_wanted_ == 0 && !frame_.moving && !wants_finer() && !frame_.loading) {
       was_in_motion_ = false;
       continue;
@@ -155,17 +155,17 @@ void Viewer::wait_idle() {
   double wait = frame_.loading || tools_.reads_values() ? kLoadingWait : kIdleWait;
   if (controller_.shows_rates()) {
     wait = std::min(wait, kLoadingWait);
-    frames_wanted_ = std::max(frames_wanted_, 2);  // items that appear or disappear are measured one frame earlier
+    frames_wanted_ = std::max(frames_wanted_, 2);  // a new item is measured in one frame and shown in the next
   }
   if (frame_.next_life) wait = std::clamp(*frame_.next_life - world_time(), 0.0, wait);
   if (const auto next = controller_.inspection().next_change()) wait = std::min(wait, *next);
   const bool interface_first = change && *change <= wait;
   window_->wait(interface_first ? *change : wait);
-  /// New items are measured in one frame and shown in the next.
+  /// A new item is measured in one frame and shown in the next.
   if (interface_first) frames_wanted_ = std::max(frames_wanted_, 2);
 }
 
-// Handles the results of a step.
+// Reports the result of a step to the user, and decides how many frames must be drawn.
 void Viewer::tell(const Frame& frame) {
   if (frame.news) frames_wanted_ = kSettlingFrames;
   if (frame.changed) frames_wanted_ = std::max(frames_wanted_, 1);
@@ -218,7 +218,7 @@ int run_viewer(const ViewerOptions& options, const LoadOptions& load, std::strin
       error = "cannot be controlled: " + *problem;
       return 1;
     }
-  // A logout closes the window as its button does, so that nothing needs to be restored.
+  // Close the window in the regular way after a signal, for example at logout, so that there is nothing to restore.
   const EndWatch signals([] { Window::wake(); });
   const CloseWatch closing;
   const EndOverdueScripts overdue([&] { return EndOnSignals::told() || closing.is_asked_to_close(); });

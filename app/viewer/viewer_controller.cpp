@@ -15,11 +15,11 @@ namespace gs::app {
 namespace {
 
 constexpr double kTextStep = 0.1;
-constexpr double kSameCamera = 1e-4;  // max difference of the numbers of equal cameras
+constexpr double kSameCamera = 1e-4;  // max difference between numbers of cameras that count as equal
 
-// Returns the title of the window: the world's title and its file.
+// Returns the title of the window, made of the title and the file name of the world.
 std::string title_of(const std::string& title, const std::string& file) {
-  constexpr std::size_t kMax = 100;  // bytes
+  constexpr std::size_t kMax = 100;  // max bytes of the world's title
   if (title.empty() || title == file) return file;
   return shortened(title, kMax) + " (" + file + ")";
 }
@@ -42,7 +42,7 @@ bool are_alike(const std::vector<double>& one, const std::vector<double>& other)
                     [](double a, double b) { return std::abs(a - b) <= kSameCamera * (1 + std::abs(a)); });
 }
 
-// Returns the pose of a camera with the current field of view.
+// Returns the pose for the numbers of a camera. The field of view is that of `before`.
 std::optional<Pose> pose_of_camera(const std::vector<double>& camera, const Pose& before) {
   if (camera.size() != Bookmark::kCameraNumbers && camera.size() != Bookmark::kParallelNumbers) return std::nullopt;
   for (const double number : camera)
@@ -124,8 +124,8 @@ std::vector<SessionInput::Event> ViewerController::take(const std::vector<Window
   return result;
 }
 
-// Handles a click that selects a node of the world (Alt+click, or the click after Action::pick). Returns true if it
-// did.
+// Selects the node under the pointer, if the event is Alt+click or the click after Action::pick. Returns true if it
+// handled the event.
 bool ViewerController::picks(const WindowEvent& event) {
   if (event.kind != WindowEvent::Kind::button_down || event.button != MouseButton::left || ui_.wants_pointer() ||
       !(event.alt || inspection_.picking()))
@@ -137,7 +137,7 @@ bool ViewerController::picks(const WindowEvent& event) {
   return true;
 }
 
-// Runs an action of the interface, the settings or the window. Returns false if the session must run it.
+// Runs an action that concerns the interface, the settings or the window. Returns false if the session must run it.
 bool ViewerController::run(Action action) {
   UserSettings settings = store_.settings();
   switch (action) {
@@ -155,13 +155,13 @@ bool ViewerController::run(Action action) {
       if (inspection_.picking()) ui_.show_notice("Click an object to select its node", false);
       return true;
     case Action::close:
-      if (session_.camera().seeking()) return false;  // handled by the session
+      if (session_.camera().seeking()) return false;  // the session must end seeking
       if (inspection_.picking()) {
         inspection_.set_picking(false);
         return true;
       }
       if (ui_.close_over() || window_.run_tool(action)) return true;
-      if (session_.panes().loading(session_.panes().active())) return false;  // handled by the session
+      if (session_.panes().loading(session_.panes().active())) return false;  // the session must cancel loading
       return ui_.close_beside();
     case Action::larger_text:
       settings.text_size += kTextStep;
@@ -198,7 +198,7 @@ bool ViewerController::run(Action action) {
   return true;
 }
 
-// Returns the folder of the visible file, as the initial folder of dialogs.
+// Returns the folder of the file in the active viewport. Dialogs show it first.
 std::string ViewerController::folder_of_file() const {
   const Pane& pane = session_.panes().at(session_.panes().active());
   std::error_code error;
@@ -207,7 +207,7 @@ std::string ViewerController::folder_of_file() const {
   return folder.empty() ? "." : folder.string();
 }
 
-// Copies or pastes the camera through the clipboard.
+// Copies the camera to the clipboard, or applies the camera in the clipboard.
 void ViewerController::exchange_camera(Action action) {
   const View* seen = session_.view();
   if (!seen) return;
@@ -274,7 +274,8 @@ void ViewerController::apply(const UiActions& actions) {
 
 // Bookmarks ---------------------------------------------------------------------------------------
 
-// Returns a bookmark of the active viewport: its Viewpoint, and the pose of a viewer that has moved away from it.
+// Returns a bookmark of the active viewport's Viewpoint. If the viewer has moved away from the Viewpoint, the bookmark
+// also has the pose.
 std::optional<Bookmark> ViewerController::bookmark_of_view() {
   const Pane& pane = session_.panes().at(session_.panes().active());
   const View* seen = pane.view();
@@ -317,7 +318,7 @@ void ViewerController::open_bookmark(std::size_t index) {
   if (index >= store_.bookmarks().size()) return;
   const Bookmark bookmark = store_.bookmarks()[index];
   const View* seen = session_.view();
-  // The file may be open already under another spelling of its path.
+  // If the file is already open by another spelling of its path, use that spelling.
   std::string place = bookmark.place;
   for (const DocumentList::Entry& entry : session_.panes().documents().entries())
     if (absolute_place(entry.path) == place) place = entry.path;

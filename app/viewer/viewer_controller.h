@@ -18,16 +18,18 @@
 
 namespace gs::app {
 
-/// Window operations. The last four are optional and need a renderer: measuring and saving pictures.
+/// Operations of a window. The last four functions are optional: they belong to the tools for measuring and saving
+/// pictures, and need a renderer.
 class WindowOperations {
  public:
   virtual ~WindowOperations() = default;
   virtual void toggle_full_screen() = 0;
   virtual void close() = 0;
 
-  /// Runs an action of the tools. Returns false if it is another action, or if there was nothing to close.
+  /// Runs an action of the tools. Returns false if the action is not theirs, or if it should close a tool and none is
+  /// open.
   virtual bool run_tool(Action) { return false; }
-  /// Handles an event before the session. Returns true if the session must not receive it.
+  /// Handles an event before the session does. Returns true if the session must not receive the event.
   virtual bool take(const SessionInput::Event&) { return false; }
   virtual void describe_tools(UiTools&) {}
   virtual void apply_tools(const UiToolActions&) {}
@@ -35,26 +37,26 @@ class WindowOperations {
 
 struct ViewerControllerOptions {
   SessionOptions session;
-  UserFolders folders;                     // if empty, no user data is read or written
-  std::string not_kept;                    // file that is not remembered, such as the demo world
-  float scale = 1;                         // of the screen
-  bool up_given = false;                   // session.style.up overrides the setting
-  std::span<const DialogProgram> dialogs;  // if empty, the built-in dialog chooses files
+  UserFolders folders;  // paths of user data; if empty, none are read or written
+  std::string not_kept;  // file that is not added to the recent files, such as the demo world
+  float scale = 1;  // scale of the screen; 1 is normal
+  bool up_given = false;  // `session.style.up` has precedence over the setting
+  std::span<const DialogProgram> dialogs;  // programs for file dialogs; if empty, the built-in dialog is used
 };
 
-/// Divides `budget` vectors among the pictures of a frame, by size and viewport weight. An entry is 0 if the picture
-/// shows no vectors.
+/// Divides `budget` vectors among the pictures of a frame, by their sizes and the weights of their viewports. A picture
+/// without vectors gets 0.
 [[nodiscard]] std::vector<std::size_t> budgets_of(const Frame& frame, const Panes& panes, std::size_t budget);
 
-/// Measurements of the last picture, for the status bar.
+/// Measurements of the last frame, for the status bar.
 struct PictureMeasures {
   double frame_ms = 0, frames_a_second = 0;
-  std::size_t budget = 0;  // vectors of all viewports together
+  std::size_t budget = 0;  // max vectors in all viewports together
   std::string gl_renderer;
 };
 
-/// Session with its interface and the user's settings: a window without window system and drawing, so that tests need
-/// neither. Main thread.
+/// Session with its interface and the user's settings: everything of a window except for the window system and drawing.
+/// Therefore tests need neither. Main thread.
 class ViewerController {
  public:
   ViewerController(ViewerControllerOptions options, LoadOptions load, std::unique_ptr<InterfaceBackend> backend,
@@ -68,21 +70,22 @@ class ViewerController {
   [[nodiscard]] Inspection& inspection() { return inspection_; }
   [[nodiscard]] const SettingsStore& kept() const { return store_; }
 
-  /// Runs the interface's own events and returns those for the session. Call after UiOverlay::begin_frame().
+  /// Handles events that belong to the interface, and returns those for the session. Call after
+  /// UiOverlay::begin_frame().
   [[nodiscard]] std::vector<SessionInput::Event> take(const std::vector<WindowEvent>& events);
-  /// Reports the results of a step to the user and the log. Returns true if the interface has changed.
+  /// Reports the result of a step to the user and to the log. Returns true if the interface must be drawn again.
   bool tell(const Frame& frame);
-  /// Returns the data that the interface shows.
+  /// Returns the state that the interface shows in this frame.
   [[nodiscard]] UiModel model(const Frame& frame, const PictureMeasures& measures);
-  /// Returns true if the interface shows transfer rates, so that it must be redrawn soon.
+  /// Returns true if the interface shows transfer rates, which must be updated regularly.
   [[nodiscard]] bool shows_rates() const;
-  /// Runs the user's requests.
+  /// Carries out the user's requests of a frame.
   void apply(const UiActions& actions);
-  /// Opens the files chosen in the desktop's dialog. Returns true if the dialog has ended.
+  /// Opens the files that the user has chosen in the desktop's dialog. Returns true if the dialog has ended.
   bool take_chosen_files();
-  /// Returns the title of the window.
+  /// Returns the present title of the window.
   [[nodiscard]] std::string title();
-  /// Stores the size and position of the window for the next start.
+  /// Saves the size and position of the window for the next start, in screen units.
   void note_window(int width, int height, const std::optional<std::array<int, 2>>& place);
 
  private:
@@ -111,8 +114,8 @@ class ViewerController {
   Inspection inspection_;  // extension of the session
   std::array<RateHistory, kMaxViewports> readings_;
   FileDialog dialog_;
-  SessionMemory lost_;   // sessions that ended unexpectedly, until the user has answered
-  std::string opening_;  // last choice in the Open dialog
+  SessionMemory lost_;  // files of sessions that crashed, until the user has decided about them
+  std::string opening_;  // file that the user chose in the Open dialog and that is still loading
 };
 
 }  // namespace gs::app

@@ -12,11 +12,11 @@
 #include <utility>
 #include <vector>
 
-// Model of the interface, made from the session of a ViewerController.
+// Collection of the state that the interface shows, from the session of a ViewerController.
 namespace gs::app {
 namespace {
 
-constexpr double kWeightSteps = 64;  // steps of a weight of 1
+constexpr double kWeightSteps = 64;  // integer steps for a weight of 1
 
 }  // namespace
 
@@ -30,7 +30,7 @@ std::vector<std::size_t> budgets_of(const Frame& frame, const Panes& panes, std:
   return shares_of(budget, weights);
 }
 
-// Returns a text such as "city.wrl: 3.1 of 12.0 MB, 4 files to come".
+// Returns the name of a file with its progress, such as "city.wrl: 3.1 of 12.0 MB, 4 files left".
 std::string ViewerController::progress_of(const std::string& path) {
   std::string text = file_label(path);
   for (const LoadingState& state : session_.readers().progress_of(path)) {

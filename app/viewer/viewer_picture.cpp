@@ -6,14 +6,14 @@
 namespace gs::app {
 namespace {
 
-// Max number of vectors of streams that are decoded per frame for all viewports: about 20 ms of one core.
+// Max vectors of streams that are decoded in a frame for all viewports. Takes about 20 ms of one core.
 constexpr std::size_t kMaxDecoded = 250'000;
-constexpr double kMaxUninterrupted = 0.4;  // seconds of drawing before events are polled
+constexpr double kMaxUninterrupted = 0.4;  // seconds of drawing after which new events can cancel a picture
 constexpr glm::vec3 kEmptyBackground(0.17f, 0.18f, 0.20f);
 
 }  // namespace
 
-// Returns the vector budget: that of the command line, else that of the settings.
+// Returns the vector budget: from the command line, else from the settings, else the default.
 std::size_t Viewer::budget() const {
   if (options_.budget > 0) return options_.budget;
   return controller_.kept().settings().budget > 0 ? controller_.kept().settings().budget : kWindowBudget;
@@ -43,7 +43,7 @@ void Viewer::draw_viewports() {
   }
 }
 
-// Returns true if drawing again would refine a visible picture.
+// Returns true if drawing again would add detail to a visible picture.
 bool Viewer::wants_finer() const {
   return std::any_of(frame_.pictures.begin(), frame_.pictures.end(),
                      [this](const Frame::Picture& picture) { return pictures_.wants_more(picture.pane); });
@@ -74,7 +74,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   if (seen.document->runtime) source.grown += seen.document->runtime->movies().pictures();
   const bool busy = frames_wanted_ > 0 || frame_.moving, same = pictures_.is_same(picture.pane, source);
   if (same && pictures_.stands(picture.pane, busy) && renderer_->show_again(draw)) return;
-  // Long pictures are interrupted by events; without events, all pixels are drawn.
+  // User input can cancel a picture that takes longer than kMaxUninterrupted. Without input, the picture is completed.
   PictureDetail& detail = details_[picture.pane];
   const double begin = Window::now();
   draw.coarseness = detail.coarseness(busy && !same);
@@ -90,7 +90,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   pane.statistics = renderer_->draw(list, camera, draw);
   const double end = Window::now();
   if (frame_.loading) pace_.note(pane.statistics.given_up, begin, end);
-  // A picture that was interrupted to show progress does not measure the detail for motion.
+  // If drawing was cancelled only to show progress or the interface, its time says nothing about the detail for motion.
   const bool given_up = pane.statistics.given_up;
   if (given_up)
     pictures_.note_given_up(picture.pane, pane.statistics);

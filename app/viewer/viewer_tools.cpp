@@ -23,8 +23,8 @@
 namespace gs::app {
 namespace {
 
-constexpr float kClick = 4;      // max pointer movement of a click, in pixels
-constexpr float kSliceEdge = 6;  // max distance from the edge of a slice to drag it, in pixels
+constexpr float kClick = 4;  // pixels; max movement of the pointer between press and release of a click
+constexpr float kSliceEdge = 6;  // pixels; max distance from the edge of a slice at which it can be dragged
 
 double seconds_since_1970() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
@@ -125,7 +125,8 @@ std::optional<SliceGrip> ViewerTools::slice_under_pointer(const View& seen, cons
                        pointer_ - glm::vec2(place.left, place.top), kSliceEdge);
 }
 
-// Describes the slice with its edge under the pointer, so that the interface can highlight it.
+// Adds the state of the slices, and the corners of the slice with an edge under the pointer, which the interface
+// highlights.
 void ViewerTools::describe_slices(UiTools& tools, const View& seen, const Viewport& place) {
   tools.slices = seen.slices;
   const std::optional<SliceGrip> grip = grip_ ? grip_ : slice_under_pointer(seen, place);
@@ -155,7 +156,7 @@ std::shared_ptr<const render::RenderList> ViewerTools::guides(const View& view) 
   return view.style.grid ? grids_.of(view.list->bounds, upright_of(view)) : nullptr;
 }
 
-// Applies the initial display of the command line, once for each opened volume.
+// Applies the options of the command line for volumes, once to each opened document.
 void ViewerTools::show_as_wished(View& seen, const Tell& tell) {
   const VolumeWishes& wishes = options_.volume;
   const qnv::Description* const volume = wishes.any() ? first_volume(*seen.list) : nullptr;
@@ -185,8 +186,8 @@ void ViewerTools::show_as_wished(View& seen, const Tell& tell) {
   for (const SliceWish& wish : wishes.slices) gs::app::apply(wish, values.grid->dimensions(), seen.slices);
 }
 
-// Reads the value under the pointer. A volume gives its value at the visible depth, plane or surface; a stream that of
-// the nearest vector; a surface the meaning of its colour.
+// Determines the value under the pointer. For a volume, it is the value at the visible depth, on a slice or surface;
+// for a stream, the value of the nearest vector; for another surface, the value that its colour stands for.
 void ViewerTools::probe(const View& seen, const Viewport& place) {
   value_.clear();
   const glm::vec2 at = pointer_ - glm::vec2(place.left, place.top), size(place.size());
@@ -243,7 +244,7 @@ void ViewerTools::describe(UiTools& tools, const View* seen, const Viewport& pla
       tools.legs.push_back(readable_value(ruler_.length_of(i)));
     tools.measured_text = ruler_.text();
   }
-  // The points of the ruler are valid only in their own world.
+  // Points that were measured in another document are not shown.
   tools.measured = (ruled_.lock() == seen->document ? ruler_ : Ruler()).summary();
   tools.tour = toured_.lock() == seen->document ? tour_.size() : 0;
   describe_slices(tools, *seen, place);
@@ -456,7 +457,7 @@ void ViewerTools::save_transfer(const std::string& path, const Transfer& shown, 
   }
   const Transfer transfer = shown.empty() ? own_transfer(volume) : shown;
   const std::string text = transfer_text(transfer, volume.value_range, value_unit(volume));
-  // Creates the folder that the panel proposes; a folder that the user types must exist.
+  // Create the folder that the panel proposes. A folder that the user typed must already exist.
   if (std::filesystem::path(path).parent_path() == folder_) std::filesystem::create_directories(folder_, error);
   remove_unfinished_beside(path);
   if (const auto problem = net::write_file_atomically(path, std::as_bytes(std::span(text))))

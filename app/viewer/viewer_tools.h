@@ -24,7 +24,7 @@
 
 namespace gs::app {
 
-/// Tools for the active viewport: measuring, values and slices of volumes, saving pictures. Main thread.
+/// Tools of the active viewport: measuring, values and slices of volumes, saving pictures. Main thread.
 class ViewerTools {
  public:
   ViewerTools(const ViewerOptions& options, render::Renderer& renderer);
@@ -32,27 +32,27 @@ class ViewerTools {
   ViewerTools(const ViewerTools&) = delete;
   ViewerTools& operator=(const ViewerTools&) = delete;
 
-  /// Handles a click or movement of the pointer. Returns true if the session must not receive the event.
+  /// Handles a click or a movement of the pointer. Returns true if the session must not receive the event.
   bool take(const SessionInput::Event& event, const View* seen, const Viewport& place);
-  /// Returns the render list that a viewport draws: that of the view, with slices.
+  /// Returns the render list to draw in viewport `pane`: the list of the view, with its slices.
   [[nodiscard]] const render::RenderList& shown(std::size_t pane, const View& view);
-  /// Returns the render list of a view's ground grid, or null if the grid is off.
+  /// Returns the render list of the ground grid of a view; null if the grid is off.
   [[nodiscard]] std::shared_ptr<const render::RenderList> guides(const View& view);
   void describe(UiTools& tools, const View* seen, const Viewport& place);
-  /// Receiver of notices.
+  /// Function that shows a notice to the user.
   using Tell = std::function<void(std::string text, bool is_problem)>;
   void apply(const UiToolActions& actions, View* seen, const Viewport& place, const Tell& tell);
   void take_picture(const View& seen, const Viewport& place, const Tell& tell);
-  /// Adds the current view to the tour of its file.
+  /// Adds the present camera to the tour of the view's file.
   void add_to_tour(const View& seen, const Tell& tell);
   void toggle_ruler();
-  /// Ends the ruler (Esc). Returns false if there is none.
+  /// Ends measuring (Esc). Returns false if the ruler is not in use.
   bool close();
-  /// Returns true while values of volumes are being read. `take_values` returns true if more values were read since the
-  /// last call.
+  /// Returns true while a thread reads values of a volume. take_values() takes values that were read, and returns true
+  /// if there were any.
   [[nodiscard]] bool reads_values() const;
   bool take_values();
-  /// Draws the next picture of an animation that is being saved. Returns true if another frame is needed.
+  /// Draws and saves the next picture of an animation. Returns true if further frames are needed.
   bool go_on(const View* seen, const Tell& tell);
 
  private:
@@ -70,7 +70,7 @@ class ViewerTools {
     std::weak_ptr<Document> of;
     render::Camera camera;
     glm::dvec3 center{0}, up{0, 1, 0};
-    std::vector<render::Camera> tour;  // empty means a turntable
+    std::vector<render::Camera> tour;  // cameras to visit; empty means a turntable
     glm::ivec2 size{0};
     PictureRequest request;
   };
@@ -96,25 +96,25 @@ class ViewerTools {
   bool measuring_ = false, wants_value_ = false, probe_due_ = false;
   glm::vec2 pressed_{0}, pointer_{0};
   std::string value_;
-  std::optional<SliceGrip> grip_;  // grip of the slice through the volume that is being drawn
+  std::optional<SliceGrip> grip_;  // grip on the slice that the user is dragging
   GroundGrids grids_;
-  std::weak_ptr<Document> ruled_;  // document that the ruler measures
-  std::atomic<bool> stop_{false};  // stops the threads that read values
+  std::weak_ptr<Document> ruled_;  // document in which the points of the ruler are
+  std::atomic<bool> stop_{false};  // true stops the threads that read values
   std::map<const Document*, Values> values_;
   struct Wished {
     std::weak_ptr<Document> of;
-    bool all = false;  // otherwise planes wait until the number of voxels is known
+    bool all = false;  // all options are applied; false while slices wait for the dimensions of the volume
   };
-  std::vector<Wished> wished_;                      // initial display from the command line
-  std::map<std::size_t, SliceScene> slice_scenes_;  // by viewport; kMaxViewports is the key of saved pictures
+  std::vector<Wished> wished_;  // documents to which the options of the command line were applied
+  std::map<std::size_t, SliceScene> slice_scenes_;  // by viewport; kMaxViewports is used for saved pictures and values
   PictureWish wish_;
   std::string folder_;
-  std::string replaceable_transfer_;  // file that was read, written or confirmed here, so that it may be replaced
-  std::weak_ptr<Document> asked_;     // document for which `asked_is_volume_` holds
+  std::string replaceable_transfer_;  // file that was read, written or confirmed here, and may be overwritten
+  std::weak_ptr<Document> asked_;  // document to which `asked_is_volume_` refers
   bool asked_is_volume_ = false;
   std::optional<Export> export_;
   std::vector<render::Camera> tour_;
-  std::weak_ptr<Document> toured_;  // document of the tour
+  std::weak_ptr<Document> toured_;  // document to which `tour_` belongs
 };
 
 }  // namespace gs::app

@@ -18,15 +18,16 @@
 
 namespace gs::app {
 
-/// Session in a window. Passes the user's input to it, draws its pictures, and lays the user interface over them. Main
-/// thread.
+/// Window of a session. It passes the user's input to the session, draws the pictures, and draws the interface over
+/// them. Main thread.
 ///
-/// viewer.cpp: the loop; viewer_picture.cpp: the drawing; viewer_controller.h: the parts without a window.
+/// The main loop is in viewer.cpp, the drawing in viewer_picture.cpp. The parts that need no window are in
+/// viewer_controller.h.
 class Viewer final : public WindowOperations {
  public:
   Viewer(const ViewerOptions& options, const LoadOptions& load, std::unique_ptr<Window> window,
          std::unique_ptr<render::Renderer> renderer);
-  /// Opens the sockets for clients. Returns the problem, or nullopt.
+  /// Opens the sockets for clients. Returns the error, or nullopt.
   [[nodiscard]] std::optional<std::string> start_control();
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
@@ -51,7 +52,7 @@ class Viewer final : public WindowOperations {
   bool take(const SessionInput::Event& event) override;
   void describe_tools(UiTools& tools) override;
   void apply_tools(const UiToolActions& actions) override;
-  /// Returns the rectangle of the active viewport, in framebuffer pixels.
+  /// Returns the rectangle of the active viewport in framebuffer pixels.
   [[nodiscard]] Viewport active_place() const;
   [[nodiscard]] ViewerTools::Tell teller();
 
@@ -66,8 +67,8 @@ class Viewer final : public WindowOperations {
   ViewerController controller_;
   UiOverlay& ui_;                            // owned by controller_
   Session& session_;                         // owned by controller_
-  std::unique_ptr<ControlService> control_;  // null if no client may control the window
-  std::unique_ptr<HandOver> hand_over_;      // null if other processes cannot hand over files
+  std::unique_ptr<ControlService> control_;  // null if no client can control the program
+  std::unique_ptr<HandOver> hand_over_;  // null if other processes cannot send files to this window
   Frame frame_;                              // result of the last step
   ViewerTools tools_;
   PictureLedger pictures_;
@@ -78,8 +79,8 @@ class Viewer final : public WindowOperations {
   FrameRate rate_;
   int frames_wanted_;
   bool was_in_motion_ = false, was_loading_ = false;
-  bool interface_first_ = false;  // the next picture of the interface need not wait for a new picture of the worlds
-  double picture_seconds_ = 0;    // duration of the last complete pictures
+  bool interface_first_ = false;  // draw the interface at once, without waiting for a new picture of the worlds
+  double picture_seconds_ = 0;  // seconds; duration of the last picture
 };
 
 }  // namespace gs::app

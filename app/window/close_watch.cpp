@@ -14,7 +14,7 @@ namespace gs::app {
 
 namespace {
 
-// Returns a function of an already loaded library; null if absent, as with Wayland. GLFW loads libX11 when it uses X11.
+// Returns a function of this program; null if it does not exist.
 template <class Function>
 Function* loaded(const char* name) {
   return reinterpret_cast<Function*>(::dlsym(RTLD_DEFAULT, name));
@@ -25,14 +25,15 @@ Function* loaded_from(void* library, const char* name) {
   return library ? reinterpret_cast<Function*>(::dlsym(library, name)) : nullptr;
 }
 
-/// Search criteria, and the result.
+/// Input and result of the search in the event queue.
 struct Search {
   Atom protocols, delete_window;
   unsigned quit_key;
   bool found = false;
 };
 
-// Records a close request. Always returns False, so that the event stays in the queue for the main thread.
+// Records whether an event is a request to close. Always returns False, so that XCheckIfEvent leaves all events to the
+// main thread.
 Bool note_request(Display*, XEvent* event, XPointer argument) {
   auto& search = *reinterpret_cast<Search*>(argument);
   if (event->type == ClientMessage && event->xclient.message_type == search.protocols &&
@@ -47,7 +48,7 @@ Bool note_request(Display*, XEvent* event, XPointer argument) {
 
 CloseWatch::CloseWatch() {
   auto* const display = loaded<Display*()>("glfwGetX11Display");
-  // The library is already loaded; this only adds a reference.
+  // GLFW has already loaded libX11 if it uses X11; this only adds a reference. Null on Wayland, for example.
   void* const library = ::dlopen("libX11.so.6", RTLD_NOW | RTLD_NOLOAD);
   auto* const atom = loaded_from<decltype(XInternAtom)>(library, "XInternAtom");
   auto* const key = loaded_from<decltype(XKeysymToKeycode)>(library, "XKeysymToKeycode");

@@ -8,12 +8,12 @@
 namespace gs::app {
 namespace {
 
-constexpr float kStickAtRest = 0.15f;  // dead zone of a stick, 0..1; worn sticks do not return to the centre
+constexpr float kStickAtRest = 0.15f;  // dead zone of a stick, 0..1, because worn sticks do not return to the centre
 
 float number(float value) { return std::isfinite(value) ? std::clamp(value, -1.0f, 1.0f) : 0.0f; }
 
-/// Applies a round dead zone, so that movement along one axis does not drift along the other. Quadratic for fine
-/// control near the centre.
+/// Converts the position of a stick. The dead zone is a circle, so that it does not change the direction. The result is
+/// quadratic, for fine control near the centre.
 glm::vec2 stick(float x, float y) {
   const glm::vec2 place(number(x), number(y));
   const float length = glm::length(place);

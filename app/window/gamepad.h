@@ -8,20 +8,20 @@
 
 namespace gs::app {
 
-/// State of a gamepad, in the button and axis order of SDL and GLFW.
+/// State of a gamepad. Buttons and axes have the order of SDL and GLFW.
 struct GamepadState {
   bool connected = false;
-  /// -1..1, y down: left stick x, y; right stick x, y; left and right trigger, -1 if released.
+  /// In -1..1, y downwards: left stick x, y; right stick x, y; left and right trigger. A released trigger is -1.
   std::array<float, 6> axes{0, 0, 0, 0, -1, -1};
   /// A, B, X, Y, left and right bumper, back, start, guide, left and right stick, up, right, down, left.
   std::array<bool, 15> buttons{};
 };
 
-/// Converts gamepad state to events: the left stick moves, the right one turns, the triggers move down and up, buttons
-/// are keys. Deterministic given the previous state.
+/// Converter from the state of a gamepad to events. The left stick moves, the right stick turns, the triggers move down
+/// and up, and buttons act as keys. The events depend only on the present and previous state.
 class Gamepad {
  public:
-  /// Returns the events since the last call, at `time`.
+  /// Returns the events for the changes since the previous call. `time` is their time in seconds.
   [[nodiscard]] std::vector<WindowEvent> take(const GamepadState& state, double time);
 
  private:
@@ -30,9 +30,9 @@ class Gamepad {
   std::array<bool, 15> buttons_{};
 };
 
-/// Row of the table of buttons, worded for the help.
+/// Row of the table of buttons. The help shows its texts.
 struct GamepadButtonRow {
-  std::size_t button;  // index into GamepadState::buttons
+  std::size_t button;  // index in GamepadState::buttons
   Key key;
   const char* name;
 };

@@ -8,10 +8,10 @@
 namespace gs::app {
 namespace {
 
-constexpr int kSpnavMotion = 1, kSpnavButton = 2;  // event types of spnav.h
+constexpr int kSpnavMotion = 1, kSpnavButton = 2;  // values of Event::type, from spnav.h
 constexpr float kFullPush = 350;                   // value at full deflection
-constexpr float kRestingHand = 0.08f;              // dead zone; a cap is rarely pushed along one axis only
-constexpr int kMaxSpnavEvents = 256;               // max per poll, so that a flooding daemon cannot block the window
+constexpr float kRestingHand = 0.08f;  // dead zone; users rarely push the cap along only one axis
+constexpr int kMaxSpnavEvents = 256;  // max events per take(), so that a flood cannot block the window
 constexpr std::array<Key, 2> kSpnavKeys = {Key::page_up, letter_key('F')};
 
 float axis(int value) {
@@ -48,12 +48,12 @@ std::vector<WindowEvent> SpaceMouse::take(double time) {
     WindowEvent event;
     event.time = time;
     if (raw.type == kSpnavMotion) {
-      // x points right, y up, z towards the user or, depending on the daemon, away; rotations use the same axes.
+      // x points to the right, y upwards, z to the user or, with some daemons, away. Rotations are about the same axes.
       event.kind = WindowEvent::Kind::axes;
       event.device = AxisDevice::space_mouse;
       event.move = {axis(raw.values[0]), axis(raw.values[1]), axis(raw.values[2])};
       event.turn = {-axis(raw.values[4]), axis(raw.values[3])};
-      // Only the latest position of the cap matters.
+      // Replace the previous position of the cap, because only the latest one matters.
       if (!events.empty() && events.back().kind == WindowEvent::Kind::axes) events.pop_back();
     } else if (raw.type == kSpnavButton && raw.values[1] >= 0 && raw.values[1] < static_cast<int>(kSpnavKeys.size())) {
       event.kind = raw.values[0] != 0 ? WindowEvent::Kind::key_down : WindowEvent::Kind::key_up;

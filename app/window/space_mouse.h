@@ -8,22 +8,24 @@
 
 namespace gs::app {
 
-/// Functions of libspnav in use, declared as in spnav.h. The library talks to spacenavd, the daemon for 3D mice.
+/// Functions of libspnav that this program uses, declared as in spnav.h. The library connects to spacenavd, the daemon
+/// for 3D mice.
 struct SpnavLibrary {
-  /// Layout of spnav.h: a union that begins with its type, of eight to ten numbers and a pointer.
+  /// Event with the layout of spnav.h. There it is a union that begins with the type and contains eight to ten numbers
+  /// and a pointer.
   struct Event {
-    int type = 0;  // 1: motion, 2: button
+    int type = 0;  // 1 is a motion, 2 a button
     int values[15] = {};
   };
-  int (*open)() = nullptr;  // -1 means no daemon
+  int (*open)() = nullptr;  // returns -1 if there is no daemon
   int (*close)() = nullptr;
-  int (*poll_event)(Event* event) = nullptr;  // 0 means no event
+  int (*poll_event)(Event* event) = nullptr;  // returns 0 if there is no event
 };
-/// Opens the system's library at run time. Returns nullopt if it is missing.
+/// Loads the library of the system. Returns nullopt if it is missing.
 [[nodiscard]] std::optional<SpnavLibrary> open_spnav();
 
-/// 3D mouse: the cap moves and turns, the first two buttons are keys. Absent without a message if there is no library
-/// or daemon. Use from one thread.
+/// 3D mouse. The cap moves and turns the viewer; the first two buttons act as keys. Without the library or the daemon,
+/// it produces no events and no message. One thread.
 class SpaceMouse {
  public:
   explicit SpaceMouse(std::optional<SpnavLibrary> library);
@@ -33,7 +35,7 @@ class SpaceMouse {
   SpaceMouse& operator=(const SpaceMouse&) = delete;
 
   [[nodiscard]] bool there() const { return open_; }
-  /// Returns the events since the last call, at `time`.
+  /// Returns the events since the previous call. `time` is their time in seconds.
   [[nodiscard]] std::vector<WindowEvent> take(double time);
 
  private:

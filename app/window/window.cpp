@@ -8,7 +8,7 @@
 namespace gs::app {
 namespace {
 
-std::string last_error;  // GLFW's last error; main thread only
+std::string last_error;  // message of the last GLFW error; main thread only
 
 void on_error(int, const char* description) { last_error = description ? description : ""; }
 
@@ -58,7 +58,7 @@ Key key_of(int glfw, int scancode) {
   if (glfw >= GLFW_KEY_KP_0 && glfw <= GLFW_KEY_KP_9) return static_cast<Key>('0' + (glfw - GLFW_KEY_KP_0));
   if (glfw >= '0' && glfw <= '9') return static_cast<Key>(glfw);
   if (glfw < 'A' || glfw > 'Z') return Key::unknown;
-  // Shortcuts follow the letter printed on the key, not its position on a US keyboard.
+  // Use the letter printed on the key instead of its position on a US keyboard, because shortcuts are letters.
   const char* name = glfwGetKeyName(glfw, scancode);
   if (name && name[0] >= 'a' && name[0] <= 'z' && name[1] == 0) return static_cast<Key>(name[0] - 'a' + 'A');
   return static_cast<Key>(glfw);
@@ -79,7 +79,7 @@ GLFWwindow* create(const std::string& title, int width, int height) {
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-  // Pictures are rendered off screen, so the window needs no depth or stencil buffer.
+  // The window needs no depth or stencil buffer, because pictures are rendered off screen.
   glfwWindowHint(GLFW_DEPTH_BITS, 0);
   glfwWindowHint(GLFW_STENCIL_BITS, 0);
   glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
@@ -88,7 +88,7 @@ GLFWwindow* create(const std::string& title, int width, int height) {
 
 }  // namespace
 
-/// GLFW callbacks, which convert input to WindowEvents.
+/// GLFW callbacks that convert input to WindowEvents.
 struct Window::Callbacks {
   static Window& self(GLFWwindow* window) { return *static_cast<Window*>(glfwGetWindowUserPointer(window)); }
 
@@ -134,7 +134,7 @@ struct Window::Callbacks {
   }
   static void drop(GLFWwindow* window, int count, const char** paths) {
     WindowEvent e = event(window, WindowEvent::Kind::drop);
-    double x = 0, y = 0;  // GLFW reports no pointer movement during a drag and drop
+    double x = 0, y = 0;  // query the position, because GLFW reports no pointer movement during a drag and drop
     glfwGetCursorPos(window, &x, &y);
     e.pointer = glm::vec2(x, y) * pixels_per_unit(window);
     e.paths.assign(paths, paths + std::max(count, 0));
@@ -218,7 +218,7 @@ void Window::wait(double seconds) {
   ask_devices();
 }
 
-// Polls the first gamepad with a known button mapping.
+// Reads the state of the first gamepad with a known mapping of its buttons, and of the 3D mouse.
 void Window::ask_devices() {
   GamepadState state;
   for (int i = GLFW_JOYSTICK_1; i <= GLFW_JOYSTICK_LAST && !state.connected; ++i) {
@@ -283,7 +283,7 @@ std::optional<glm::ivec2> Window::place() const {
 }
 
 void Window::move_to(const glm::ivec2& place) {
-  constexpr int kHold = 100;  // min visible extent right of and below the corner, in screen coordinates
+  constexpr int kHold = 100;  // screen units; min width and height of the window that must be on a monitor
   int count = 0;
   GLFWmonitor** const monitors = glfwGetMonitors(&count);
   for (int i = 0; i < count; ++i) {

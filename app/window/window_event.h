@@ -10,7 +10,7 @@
 
 namespace gs::app {
 
-/// Known keys. Letters and digits are upper-case ASCII.
+/// Keys that shortcuts can use. Letters and digits have their upper-case ASCII codes.
 enum class Key : int {
   unknown = 0,
   space = 32,
@@ -43,11 +43,11 @@ enum class Key : int {
 
 enum class MouseButton : std::uint8_t { left, right, middle };
 
-/// Device with analog axes: gamepad sticks, or the cap of a 3D mouse.
+/// Device with analog axes: the sticks of a gamepad, or the cap of a 3D mouse.
 enum class AxisDevice : std::uint8_t { gamepad, space_mouse };
 inline constexpr std::size_t kAxisDevices = 2;
 
-/// Event from the user or the window system. Pointer positions are framebuffer pixels from the upper left.
+/// Event from the user or the window system. Pointer positions are in framebuffer pixels from the upper left.
 struct WindowEvent {
   enum class Kind : std::uint8_t {
     key_down,
@@ -55,8 +55,8 @@ struct WindowEvent {
     button_down,
     button_up,
     pointer,
-    pointer_left,  // pointer left the window
-    character,     // text character from the keyboard
+    pointer_left,  // the pointer left the window
+    character,  // the keyboard typed a character
     wheel,
     drop,
     focus_lost,
@@ -65,16 +65,16 @@ struct WindowEvent {
   };
   Kind kind = Kind::refresh;
   Key key = Key::unknown;
-  int code = 0;  // key number of the window library; for `character`, the code point
+  int code = 0;  // key code of GLFW; for Kind::character, the code point
   MouseButton button = MouseButton::left;
   bool shift = false, control = false, alt = false;
   glm::vec2 pointer{0.0f};
-  float wheel = 0;  // notches; positive is away from the user
+  float wheel = 0;  // notches; positive means turned away from the user
   AxisDevice device = AxisDevice::gamepad;
-  glm::vec3 move{0};               // for `axes`: right, up, forward in -1..1, valid until the device's next event
-  glm::vec2 turn{0};               // for `axes`: right, up in -1..1
-  double time = 0;                 // seconds since the window system started
-  std::vector<std::string> paths;  // dropped files
+  glm::vec3 move{0};  // for Kind::axes: right, up, forward in -1..1; until the next event of the device
+  glm::vec2 turn{0};  // for Kind::axes: right, up in -1..1; until the next event of the device
+  double time = 0;  // seconds since the window system was started
+  std::vector<std::string> paths;  // paths of dropped files
 };
 
 }  // namespace gs::app

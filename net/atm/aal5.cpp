@@ -10,7 +10,7 @@
 namespace gs::net {
 namespace {
 
-constexpr std::uint8_t kLastCell = 1, kNoUserData = 4;  // bits of the PTI
+constexpr std::uint8_t kLastCell = 1, kNoUserData = 4;  // bits of the payload type (Cell::type)
 
 struct Trailer {
   std::uint8_t user_to_user = 0;
@@ -28,7 +28,7 @@ Trailer trailer_of(const std::array<std::byte, kCellPayload>& payload) {
   return trailer;
 }
 
-/// Joins consecutive cells, of which the last has the trailer, to a complete PDU. Returns nullopt if the length or the
+/// Joins consecutive cells to a complete PDU. The last cell must hold the trailer. Returns nullopt if the length or the
 /// CRC is wrong.
 std::optional<Pdu> whole_pdu(Vc vc, std::span<const Pdu::Part> parts) {
   const Trailer trailer = trailer_of(parts.back().payload);
@@ -56,7 +56,7 @@ void hand_out_parts(Vc vc, std::uint64_t key, std::span<const Pdu::Part> parts, 
 }  // namespace
 
 std::uint32_t aal5_crc(std::span<const std::byte> bytes) {
-  // ISA-L takes a non-const pointer, and inverts start value and result itself.
+  // ISA-L expects a pointer to non-const bytes. It inverts the start value and the result.
   return crc32_ieee(0, reinterpret_cast<unsigned char*>(const_cast<std::byte*>(bytes.data())), bytes.size());
 }
 
@@ -117,7 +117,7 @@ void Reassembler::push(const Cell& cell, std::vector<Pdu>& out) {
   state.used = used;
 }
 
-/// Ends a PDU after its last cell.
+/// Ends the current PDU after its last cell. Appends the PDU to `out`.
 void Reassembler::end(Vc vc, State& state, std::vector<Pdu>& out) {
   if (!state.placed) return end_after_gap(vc, state, out);
   if (state.gap) return hand_out_parts(vc, state.key, state.parts, out);
@@ -129,7 +129,7 @@ void Reassembler::end(Vc vc, State& state, std::vector<Pdu>& out) {
   }
 }
 
-/// Ends a PDU after a gap of unknown length, in which the PDU may have begun.
+/// Ends a PDU of which leading cells may be missing. Derives the indexes of its cells from the length in the trailer.
 void Reassembler::end_after_gap(Vc vc, State& state, std::vector<Pdu>& out) {
   const std::size_t total = cells_of_pdu(trailer_of(state.parts.back().payload).length);
   const auto first = static_cast<std::uint32_t>(total - state.parts.size());
@@ -146,7 +146,7 @@ void Reassembler::end_after_gap(Vc vc, State& state, std::vector<Pdu>& out) {
 
 void Reassembler::lost(Vc vc, State& state, std::vector<Pdu>& out) {
   if (state.overflow) return;
-  // Without its start, no cell has a known index.
+  // If the first cell is unknown, no cell has a known index, so all are dropped.
   if (state.placed) hand_out_parts(vc, state.key, state.parts, out);
   const std::uint64_t used = state.used;
   state = State{};

@@ -12,8 +12,8 @@
 namespace gs::net {
 
 // AAL type 5 (ITU-T I.363.5): user data, padding and a trailer of 8 bytes fill a whole number of cells. The trailer
-// holds the user-to-user byte, common part indicator, length and CRC-32. The header of the last cell marks it as the
-// last.
+// holds the user-to-user byte, common part indicator, length and CRC-32. A bit in the header of the last cell marks the
+// end.
 
 constexpr std::size_t kAal5Trailer = 8;
 constexpr std::size_t kMaxPdu = 65535;
@@ -21,29 +21,31 @@ constexpr std::size_t kMaxPdu = 65535;
 constexpr std::size_t kRecordBytes = 8, kRecordsOfPdu = 47, kRecordPdu = kRecordBytes * kRecordsOfPdu;
 constexpr std::size_t kRecordPduCells = 8;
 
-/// Computes the CRC-32 of AAL5: polynomial 04C11DB7, most significant bit first, start value and result inverted.
+/// Computes the CRC-32 of AAL5: polynomial 04C11DB7, most significant bit first. The start value is all ones, and the
+/// result is inverted.
 [[nodiscard]] std::uint32_t aal5_crc(std::span<const std::byte> bytes);
 
-/// Returns the number of cells of a PDU.
+/// Returns the number of cells for `bytes` bytes of user data.
 [[nodiscard]] constexpr std::size_t cells_of_pdu(std::size_t bytes) {
   return (bytes + kAal5Trailer + kCellPayload - 1) / kCellPayload;
 }
 
-/// Appends the cells of one PDU. Returns false and appends nothing if `user` is empty or longer than kMaxPdu.
+/// Appends the cells of one PDU with the data `user`. Returns false and appends nothing if `user` is empty or longer
+/// than kMaxPdu.
 bool segment(std::span<const std::byte> user, Vc vc, std::uint8_t user_to_user, bool low_priority,
              std::vector<Cell>& cells);
 
-/// Received PDU.
+/// PDU that the Reassembler returns.
 struct Pdu {
-  /// Cell of an incomplete PDU.
+  /// Received cell of an incomplete PDU.
   struct Part {
     std::uint32_t place = 0;  // index of the cell in the PDU, from 0
-    bool last = false;        // the last 8 bytes are the trailer
+    bool last = false;  // true if the last 8 bytes are the trailer
     std::array<std::byte, kCellPayload> payload{};
   };
   Vc vc;
   bool whole = false;
-  std::uint64_t key = 0;          // key that `seek` gave; 0 means none
+  std::uint64_t key = 0;  // caller's key from Reassembler::seek(); 0 means none
   std::uint8_t user_to_user = 0;  // complete PDUs only
   std::vector<std::byte> bytes;   // complete PDUs only: the user data
   std::vector<Part> parts;        // incomplete PDUs only: the received cells, in order
@@ -51,36 +53,35 @@ struct Pdu {
 
 /// Reassembles PDUs.
 ///
-/// Returns a PDU as soon as its last cell is received and its CRC is right. Of an incomplete PDU, it returns the
-/// received cells with their indexes. No checksum covers those cells here; in UDP, the checksum of the datagram does.
-/// It drops a PDU that is complete but has a wrong CRC or length. When the next PDU begins, it stops waiting for the
-/// rest of this one.
+/// Returns a PDU when its last cell is received and its CRC is right. Drops a complete PDU with a wrong CRC or length.
+/// Returns the received cells of an incomplete PDU with their indexes when the next PDU begins. No checksum of AAL5
+/// covers these cells; in UDP, the checksum of the datagram does.
 ///
-/// Memory: at most `most_vcs` times `most_pdu`. If a channel is added beyond that, the channel that was silent longest
-/// is removed. One thread. Safe for untrusted cells.
+/// Memory: at most `most_vcs` times `most_pdu`. A further channel replaces the channel that was silent longest. One
+/// thread. Safe for untrusted cells.
 class Reassembler {
  public:
   explicit Reassembler(std::size_t most_vcs = 64, std::size_t most_pdu = kMaxPdu);
 
-  /// Takes the next cell of its channel.
+  /// Takes the next cell of its channel. Appends finished PDUs to `out`.
   void push(const Cell& cell, std::vector<Pdu>& out);
-  /// Records that cells of any channel may have been lost.
+  /// Records that cells of any channel may be lost. Appends all incomplete PDUs to `out`.
   void lost_anywhere(std::vector<Pdu>& out);
   /// Announces that the next cell of this channel has index `place` in the PDU with the caller's key `key` (not 0).
-  /// Returns the current PDU as it is if it has another key or has passed that index.
+  /// If the current PDU has another key, or is already past `place`, appends that PDU to `out` as incomplete.
   void seek(Vc vc, std::uint64_t key, std::uint32_t place, std::vector<Pdu>& out);
 
-  /// Returns the number of complete PDUs with a wrong CRC or length.
+  /// Returns the number of complete PDUs that were dropped, because of a wrong CRC or length.
   [[nodiscard]] std::uint64_t damaged() const { return damaged_; }
 
  private:
   struct State {
     std::uint64_t key = 0, used = 0;
-    // Index of the next cell. After a gap of unknown length, the number of cells since the gap.
+    // Index of the next cell in the PDU. After a gap of unknown length, it counts the cells after the gap.
     std::uint32_t next = 0;
-    bool placed = true;     // false after a gap of unknown length
-    bool gap = false;       // cells of a PDU with a key are missing
-    bool overflow = false;  // longer than any PDU; ignores cells until its end
+    bool placed = true;  // the index of the next cell is known; false after a gap of unknown length
+    bool gap = false;  // cells of the current PDU are missing
+    bool overflow = false;  // the PDU exceeds the maximum; its cells are dropped
     std::vector<Pdu::Part> parts;
   };
   State& state(Vc vc, std::vector<Pdu>& out);

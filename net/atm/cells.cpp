@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint32_t kBottomOfStack = 1U << 8;
 constexpr std::uint32_t kTimeToLive = 64;
 constexpr std::uint32_t kLargestVpi = 0xfff;
-constexpr std::uint64_t kSequences = 65535;  // 1 to 65535; 0 is skipped
+constexpr std::uint64_t kSequences = 65535;  // Sequence numbers run from 1 to 65535. 0 is never used.
 
 std::uint32_t header_word(const Cell& cell) {
   return (cell.vc.vpi & kLargestVpi) << 20 | static_cast<std::uint32_t>(cell.vc.vci) << 4 | (cell.type & 7U) << 1 |
@@ -30,7 +30,7 @@ std::vector<std::byte> encode_datagram(std::uint32_t label, std::uint16_t sequen
   bytes.reserve(kDatagramHeader + cells.size() * kPackedCell);
   NetworkWriter writer(bytes);
   writer.integer(label << 12 | kBottomOfStack | kTimeToLive);
-  // RFC 4717 8.1: the length field is needed only for Ethernet's padding, up to 63 bytes with the control word.
+  // RFC 4717 8.1: the length is only necessary if Ethernet may pad the datagram: up to 63 bytes with the control word.
   const std::size_t length = 4 + cells.size() * kPackedCell;
   writer.integer(static_cast<std::uint16_t>(length < 64 ? length : 0));
   writer.integer(sequence);
@@ -67,7 +67,7 @@ std::variant<CellDatagram, CellError> decode_datagram(std::span<const std::byte>
 void put_associated_channel(std::vector<std::byte>& out, std::uint32_t label, std::uint16_t type) {
   NetworkWriter writer(out);
   writer.integer(label << 12 | kBottomOfStack | kTimeToLive);
-  writer.integer(std::uint16_t{0x1000});  // 0001, version 0
+  writer.integer(std::uint16_t{0x1000});  // the bits 0001, then version 0
   writer.integer(type);
 }
 
@@ -86,7 +86,7 @@ std::uint64_t widen_sequence(std::uint16_t sequence, std::uint64_t expected) {
   const std::uint64_t residue = (sequence + kSequences - 1) % kSequences;
   const std::uint64_t base = expected - expected % kSequences;
   std::uint64_t best = base + residue;
-  // The number of the previous or the next round may be nearer.
+  // The same 16 bits in the previous or the next round may be nearer to `expected`.
   if (best > expected + kSequences / 2 && best >= kSequences) return best - kSequences;
   if (best + kSequences / 2 < expected) return best + kSequences;
   return best;

@@ -19,14 +19,15 @@ bool is_ipv4(const IpAddress& address) {
   return std::equal(kIpv4Prefix.begin(), kIpv4Prefix.begin() + kMappedBytes, address.begin());
 }
 
-/// Returns the IPv4 address at offset `at` of an IPv6 address.
+/// Returns the IPv4 address that an IPv6 address contains at byte offset `at`.
 IpAddress carried(const IpAddress& address, std::size_t at) {
   IpAddress result = kIpv4Prefix;
   std::copy_n(address.begin() + static_cast<std::ptrdiff_t>(at), 4, result.begin() + kMappedBytes);
   return result;
 }
 
-/// Special-purpose addresses of IANA's registries, then the Internet. The first matching row applies.
+/// Row of the table of special-purpose addresses (IANA's registries). The first row with the address applies. The last
+/// rows cover the Internet.
 struct SpaceRow {
   std::string_view block;
   AddressSpace space;
@@ -36,7 +37,7 @@ constexpr SpaceRow kSpaces[] = {
     {"10.0.0.0/8", AddressSpace::local},        // RFC 1918
     {"100.64.0.0/10", AddressSpace::local},     // carrier-grade NAT, RFC 6598
     {"127.0.0.0/8", AddressSpace::loopback},    //
-    {"169.254.0.0/16", AddressSpace::local},    // link-local; metadata services of clouds
+    {"169.254.0.0/16", AddressSpace::local},  // link-local; includes the metadata services of cloud providers
     {"172.16.0.0/12", AddressSpace::local},     // RFC 1918
     {"192.0.0.0/24", AddressSpace::special},    // protocol assignments
     {"192.0.2.0/24", AddressSpace::special},    // documentation
@@ -47,7 +48,7 @@ constexpr SpaceRow kSpaces[] = {
     {"203.0.113.0/24", AddressSpace::special},
     {"224.0.0.0/3", AddressSpace::special},  // multicast, reserved, broadcast
     {"0.0.0.0/0", AddressSpace::global},
-    {"::/127", AddressSpace::loopback},        // unspecified, which connects to this machine, and ::1
+    {"::/127", AddressSpace::loopback},  // unspecified address, which connects to this machine; ::1
     {"64:ff9b:1::/48", AddressSpace::local},   // local-use NAT64
     {"2001::/23", AddressSpace::special},      // protocol assignments; Teredo
     {"2001:db8::/32", AddressSpace::special},  // documentation

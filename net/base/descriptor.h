@@ -27,7 +27,7 @@ class Descriptor {
   [[nodiscard]] explicit operator bool() const { return number_ >= 0; }
   /// Passes ownership of the descriptor to the caller.
   [[nodiscard]] int release() { return std::exchange(number_, -1); }
-  /// Returns false and sets errno if the system could not store written data.
+  /// Closes the descriptor. Returns false and sets errno if the system could not store written data.
   bool close() {
     const int number = release();
     return number < 0 || ::close(number) == 0;

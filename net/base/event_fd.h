@@ -9,7 +9,7 @@
 
 namespace gs::net {
 
-/// Wakes a thread that waits for sockets: `ring` makes the descriptor readable. `ring` is safe on any thread.
+/// Descriptor that wakes a thread that waits for sockets. ring() makes it readable, on any thread.
 class EventFd {
  public:
   EventFd() : event_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
@@ -22,7 +22,7 @@ class EventFd {
     std::uint64_t count = 0;
     if (event_) (void)!::read(event_.get(), &count, sizeof count);
   }
-  /// Returns the descriptor; negative if the system has none left.
+  /// Returns the descriptor. It is negative if the system had no free descriptor.
   [[nodiscard]] int descriptor() const { return event_.get(); }
 
  private:

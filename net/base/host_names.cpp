@@ -5,7 +5,7 @@
 namespace gs::net {
 namespace {
 
-// Accepts "PORT" and the empty text.
+// Returns true for "PORT" and for the empty text.
 bool is_port(std::string_view text) {
   return text.size() <= 5 && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
@@ -20,7 +20,7 @@ std::string_view trimmed_blanks(std::string_view text) {
   return text;
 }
 
-// Parses an address as proxies write it, with or without brackets and port.
+// Parses an address in the spelling of X-Forwarded-For, with or without brackets and port.
 std::optional<IpAddress> forwarded_address(std::string_view text) {
   if (const auto plain = ip_address_of(std::string(text))) return plain;
   const auto host = host_of(text);

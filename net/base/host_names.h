@@ -16,20 +16,19 @@ namespace gs::net {
 /// spelling: lower case, no trailing dot, addresses as in address_text(). Returns nullopt for other text.
 [[nodiscard]] std::optional<std::string> host_of(std::string_view authority);
 
-/// Names that a server answers to. A page of a foreign site can make its own name resolve to an address of this machine
-/// (DNS rebinding). A browser then treats the page and the server as one origin; only the requested name differs. So a
-/// server that listens on loopback only answers to these names: localhost, 127.0.0.1, [::1], its listening address, and
-/// the given names. Other servers check names only if names are given. Ports are ignored: tunnels change them, and a
-/// page cannot choose the name.
+/// Names that a server answers to. Protects against DNS rebinding: a foreign site makes its own name resolve to an
+/// address of this machine, and a browser then treats site and server as one origin. Only the requested name differs.
+///
+/// A server that listens on loopback answers to localhost, 127.0.0.1, [::1], its listening address and the given names.
+/// Other servers check names only if names are given. Ports are ignored, because tunnels change them.
 class HostNames {
  public:
-  /// Sets the names. `bind` is an address or "*". `more` holds names as in a Host field, without ports.
+  /// Sets the names. `bind` is the listening address or "*". `more` holds names as in a Host field, without ports.
   HostNames(const std::string& bind, const std::vector<std::string>& more);
 
   /// Reports whether a request with this Host field may be answered.
   [[nodiscard]] bool admits(std::string_view authority) const;
-  /// Reports whether `authority` is one of this machine's own names (localhost, 127.0.0.1, [::1], the listening
-  /// address).
+  /// Reports whether `authority` is a name of this machine: localhost, 127.0.0.1, [::1] or the listening address.
   [[nodiscard]] bool is_own(std::string_view authority) const;
 
  private:
@@ -37,8 +36,8 @@ class HostNames {
   bool checked_ = false;
 };
 
-/// Returns the client of a request: the peer of the connection or, if the peer is one of `proxies`, the last address of
-/// X-Forwarded-For that is not a proxy. Earlier addresses in that field can be forged.
+/// Returns the client of a request. This is the peer of the connection, unless the peer is one of `proxies`. Then it is
+/// the last address in X-Forwarded-For that is not a proxy; earlier addresses in that field can be forged.
 [[nodiscard]] IpAddress client_of(const IpAddress& peer, std::string_view forwarded_for,
                                   const std::vector<AddressBlock>& proxies);
 [[nodiscard]] bool is_one_of(const std::vector<AddressBlock>& blocks, const IpAddress& address);

@@ -22,7 +22,7 @@ class NetworkWriter {
   std::vector<std::byte>& out_;
 };
 
-/// Reads numbers in network order. Past the end, it returns zeros and `good` returns false.
+/// Reads numbers in network order. After the end, returns zeros, and `good` returns false.
 class NetworkReader {
  public:
   explicit NetworkReader(std::span<const std::byte> bytes) : bytes_(bytes) {}

@@ -5,7 +5,7 @@
 namespace gs::net {
 namespace {
 
-/// Returns the first range that ends at or after `place`.
+/// Returns the first range that ends at or after byte `place`.
 auto first_reaching(std::vector<ByteRange>& ranges, std::uint64_t place) {
   return std::lower_bound(ranges.begin(), ranges.end(), place,
                           [](const ByteRange& range, std::uint64_t at) { return range.end < at; });

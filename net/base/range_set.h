@@ -7,10 +7,10 @@
 
 namespace gs::net {
 
-/// End of a range that reaches to the end of a resource of unknown length.
+/// End of a range that extends to the end of a resource with unknown length.
 constexpr std::uint64_t kOpenEnd = std::numeric_limits<std::uint64_t>::max();
 
-/// Bytes from `begin` to `end` of a resource, without `end`.
+/// Bytes from `begin` to before `end` of a resource.
 struct ByteRange {
   std::uint64_t begin = 0;
   std::uint64_t end = kOpenEnd;
@@ -20,7 +20,7 @@ struct ByteRange {
   friend bool operator==(const ByteRange&, const ByteRange&) = default;
 };
 
-/// Set of bytes as sorted ranges that neither overlap nor touch. Copyable. One thread.
+/// Set of byte positions, stored as sorted ranges that neither overlap nor touch. Copyable. One thread.
 class RangeSet {
  public:
   RangeSet() = default;
@@ -33,16 +33,16 @@ class RangeSet {
 
   [[nodiscard]] bool empty() const { return ranges_.empty(); }
   [[nodiscard]] bool contains(ByteRange range) const;
-  /// Returns the number of bytes; for a set with an open end, kOpenEnd minus the first byte.
+  /// Returns the number of bytes. For a set with an open end, returns kOpenEnd minus the first byte.
   [[nodiscard]] std::uint64_t size() const;
   [[nodiscard]] std::span<const ByteRange> ranges() const { return ranges_; }
 
-  /// Returns the bytes that are in both.
+  /// Returns the bytes of this set that are in `range`.
   [[nodiscard]] RangeSet within(ByteRange range) const;
   [[nodiscard]] RangeSet within(const RangeSet& other) const;
-  /// Returns the bytes that are not in `other`.
+  /// Returns the bytes of this set that are not in `other`.
   [[nodiscard]] RangeSet without(const RangeSet& other) const;
-  /// Returns the ranges with gaps of fewer than `gap` bytes closed: a few unneeded bytes cost less than another
+  /// Returns the ranges, and closes gaps of fewer than `gap` bytes. A few unneeded bytes cost less than another
   /// request.
   [[nodiscard]] std::vector<ByteRange> joined(std::uint64_t gap) const;
 

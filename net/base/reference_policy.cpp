@@ -11,7 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Lower ports belong to system services (RFC 6335): name servers, clocks, mail.
+/// First port that a reference may use. Lower ports belong to system services (RFC 6335): name servers, clocks, mail.
+/// FTP is an exception.
 constexpr std::uint16_t kFirstFreePort = 1024, kFtpPort = 21;
 
 std::string known_schemes(bool from_network_only) {
@@ -36,14 +37,14 @@ std::string Origin::site() const {
   if (is_file()) return "file";
   const Url parts = parse_url(url);
   const auto canonical = canonical_url(parts);
-  // Without a host there is no site, so the text shares nothing with others.
+  // A URL without a valid host has no site. Its whole text equals no site of other documents.
   if (!canonical) return url;
   return canonical->scheme + "://" + canonical->authority + " " + std::to_string(static_cast<int>(space));
 }
 
 AddressSpace Origin::reach() const {
   if (is_user()) return AddressSpace::special;
-  // No reference may reach an address of no host.
+  // `special` addresses are not usable hosts, so no document may refer to them.
   return is_file() ? AddressSpace::loopback : std::max(space, AddressSpace::loopback);
 }
 
@@ -61,7 +62,7 @@ std::optional<ReferenceRefusal> ReferencePolicy::refuse(const Origin& from, cons
         "the scheme " + to.scheme.substr(0, 32) + ": is not known; expected one of " + known_schemes(false), {}};
   }
   const auto named = canonical_url(to);
-  // Other parsers, such as curl's, would read a host from the path.
+  // Refuse a URL without a host: other parsers, such as curl's, would take a host from its path.
   if (!named)
     return ReferenceRefusal{"it has no host or an invalid port; expected " + to.scheme + "://HOST:PORT/PATH", {}};
   if (from.is_user()) return std::nullopt;
@@ -73,7 +74,7 @@ std::optional<ReferenceRefusal> ReferencePolicy::refuse(const Origin& from, cons
                                 (own.scheme.empty() ? "unknown origin" : own.scheme.substr(0, 32) + ":") +
                                 " may not refer to " + to.scheme + ":; expected one of " + known_schemes(true),
                             {}};
-  // A relative reference keeps the user name and password that the user typed.
+  // A relative reference retains the user name and password of the base URL.
   const bool same_host = own.scheme == to.scheme && own.authority == named->authority;
   if (has_password(to) && !same_host)
     return ReferenceRefusal{"a document may not specify a user or password; expected " + to.scheme + "://HOST/PATH",
@@ -134,7 +135,7 @@ std::string reference_of_path(std::string_view path) {
     else
       result.append("%").append(1, kDigits[byte >> 4]).append(1, kDigits[byte & 15]);
   }
-  // A path with two leading slashes would be read as a host name.
+  // Remove extra leading slashes: after two, a host name would follow.
   const std::size_t first = result.find_first_not_of('/');
   if (first != std::string::npos && first > 1) result.erase(0, first - 1);
   return result;

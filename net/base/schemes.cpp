@@ -48,7 +48,7 @@ std::string url_for_messages(std::string_view url) {
   const std::size_t scheme_end = url.find(':');
   std::string result;
   if (scheme_end != std::string_view::npos && url.substr(scheme_end).starts_with(":/") && !has_scheme(url, "file")) {
-    // Some clients read a host, and with it a password, after any number of slashes.
+    // Some clients take a host, and a password, after any number of slashes.
     const std::size_t start = std::min(url.find_first_not_of('/', scheme_end + 1), url.size());
     const std::size_t end = std::min(url.find_first_of("/?#", start), url.size());
     const std::size_t at = url.substr(start, end - start).rfind('@');

@@ -40,7 +40,7 @@ std::string decoded(std::string_view text) {
   return result;
 }
 
-/// Reports whether a path begins with `C:`, followed by a slash, a backslash or its end.
+/// Reports whether a path begins with a drive such as `C:`. A slash, a backslash or the end of the path must follow.
 bool starts_with_drive(std::string_view path) {
   return path.size() >= 2 && is_letter(path[0]) && path[1] == ':' &&
          (path.size() == 2 || path[2] == '/' || path[2] == '\\');
@@ -55,7 +55,7 @@ std::size_t scheme_length(std::string_view text) {
   return i < text.size() && text[i] == ':' && i > 1 ? i : 0;
 }
 
-/// Implements RFC 3986 5.2.4.
+/// Removes "." and ".." segments from a path (RFC 3986 5.2.4).
 std::string remove_dot_segments(std::string_view input) {
   std::string output;
   const auto drop_last = [&output] {
@@ -86,7 +86,7 @@ std::string remove_dot_segments(std::string_view input) {
   return output;
 }
 
-/// Implements RFC 3986 5.2.3.
+/// Joins a relative path to the path of a base URL (RFC 3986 5.2.3).
 std::string merged(const Url& base, std::string_view path) {
   if (base.has_authority && base.path.empty()) return std::string("/").append(path);
   const std::size_t slash = base.path.rfind('/');
@@ -99,10 +99,10 @@ std::string Url::text() const {
   std::string result;
   if (!scheme.empty()) result.append(scheme).append(":");
   if (has_authority) result.append("//").append(authority);
-  // Without an authority, two leading slashes would be read as one.
+  // If there is no authority, protect two leading slashes, which would begin an authority.
   else if (path.starts_with("//"))
     result += "/.";
-  // The first segment of a path must not be read as a scheme (RFC 3986 4.2).
+  // Protect the first segment of a path, which could be taken for a scheme (RFC 3986 4.2).
   else if (scheme.empty() && scheme_length(path) > 0)
     result += "./";
   result += path;
@@ -160,7 +160,7 @@ std::optional<HostAndPort> host_and_port(std::string_view authority) {
     rest = authority.substr(end);
   }
   if (result.host.empty() || (!rest.empty() && rest.front() != ':')) return std::nullopt;
-  if (rest.size() <= 1) return result;  // an empty port counts as missing, RFC 3986 3.2.3
+  if (rest.size() <= 1) return result;  // an empty port counts as missing (RFC 3986 3.2.3)
   std::uint16_t port = 0;
   const auto [end, error] = std::from_chars(rest.data() + 1, rest.data() + rest.size(), port);
   if (error != std::errc() || end != rest.data() + rest.size() || port == 0) return std::nullopt;
@@ -169,7 +169,7 @@ std::optional<HostAndPort> host_and_port(std::string_view authority) {
 }
 
 Url resolve(const Url& base, const Url& reference) {
-  // A path with a drive letter is absolute although it looks relative; it keeps only the scheme of the base.
+  // A path with a drive letter is absolute, although it looks relative. It becomes a file: URL.
   if (reference.scheme.empty() && !reference.has_authority && starts_with_drive(reference.path)) {
     Url result = reference;
     result.scheme = "file";
@@ -217,9 +217,9 @@ Url url_of_path(std::string_view path) {
     if (!whole.ends_with('/')) whole += '/';
     whole += path;
   }
-  // RFC 3986 3.3: characters that a path segment may hold unencoded.
+  // Characters that need no encoding in a path segment (RFC 3986 3.3).
   constexpr std::string_view kPlain = "/-._~!$&'()*+,;=:@";
-  // `..` stays, because the folder before it may be a link that only the system can resolve.
+  // Keep `..`: the folder before it may be a link, which only the system can resolve.
   const bool climbs = (whole + "/").find("/../") != std::string::npos;
   Url result;
   result.scheme = "file";
@@ -235,7 +235,7 @@ Url url_of_path(std::string_view path) {
 std::string path_of_url(const Url& url) {
   if (url.scheme != "file") return {};
   std::string path = decoded(url.path);
-  // The system would cut the name at a zero byte.
+  // Refuse a zero byte, at which the system would end the name.
   if (path.find('\0') != std::string::npos) return {};
   if (path.starts_with('/') && starts_with_drive(std::string_view(path).substr(1))) path.erase(0, 1);
   return path;
@@ -245,7 +245,7 @@ std::string tidy_url(std::string_view text) {
   const auto is_blank = [](char c) { return c == ' ' || (c >= '\t' && c <= '\r'); };
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  // Program text and inline data are not addresses; their backslashes stay.
+  // Leave these URLs unchanged: they are program text or inline data, in which backslashes have a meaning.
   const std::string scheme = parse_url(text).scheme;
   const bool is_text = scheme == "javascript" || scheme == "vrmlscript" || scheme == "ecmascript" || scheme == "data";
   if (is_text) return std::string(text);

@@ -7,7 +7,7 @@
 
 namespace gs::net {
 
-/// Parts of a URI reference (RFC 3986 appendix B). The `has_` fields distinguish an empty part from a missing one.
+/// Parts of a URI reference (RFC 3986 appendix B). The `has_` fields tell an empty part from a missing part.
 struct Url {
   std::string scheme, authority, path, query, fragment;
   bool has_authority = false, has_query = false, has_fragment = false;
@@ -24,13 +24,13 @@ struct HostAndPort {
 /// Splits an authority. Returns nullopt if it has no host or an invalid port.
 [[nodiscard]] std::optional<HostAndPort> host_and_port(std::string_view authority);
 
-/// Splits any text into parts; never fails. Treats a one-letter scheme as a drive letter, that is, as part of a path.
+/// Splits any text into parts; never fails. Reads a one-letter scheme as a drive letter, which belongs to the path.
 [[nodiscard]] Url parse_url(std::string_view text);
 
 /// Reports whether a URL has this scheme, given in lower case without its colon. Schemes ignore case (RFC 3986 3.1).
 [[nodiscard]] bool has_scheme(std::string_view url, std::string_view scheme);
 
-/// Resolves `reference` against `base` (RFC 3986 5.2.2).
+/// Resolves a reference against a base URL (RFC 3986 5.2.2).
 [[nodiscard]] Url resolve(const Url& base, const Url& reference);
 
 /// Returns the file: URL of a path (absolute or relative to the current folder), percent-encoded.
@@ -38,8 +38,8 @@ struct HostAndPort {
 /// Returns the path of a file: URL, percent-decoded; empty for other schemes.
 [[nodiscard]] std::string path_of_url(const Url& url);
 
-/// Normalises a url of a VRML file: turns backslashes into slashes, removes surrounding blanks and percent-encodes
-/// inner ones.
+/// Normalises an entry of a VRML `url` field. Turns backslashes into slashes, removes surrounding blanks and
+/// percent-encodes inner blanks.
 [[nodiscard]] std::string tidy_url(std::string_view text);
 
 }  // namespace gs::net

@@ -5,14 +5,14 @@
 namespace gs::net {
 namespace {
 
-// A PDU of a server fits into one datagram.
+// Maximum bytes of a received PDU: the servers send each PDU in one datagram.
 constexpr std::size_t kMaxPduHere = kMaxCells * kCellPayload;
 
 std::uint64_t key_of(std::uint32_t chunk, std::uint32_t pdu) { return (std::uint64_t{chunk} << 32 | pdu) + 1; }
 
 using Ranges = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-/// Adds a range. Returns false if all of it was present.
+/// Adds a range. Returns false if the ranges already contained all of it.
 bool add_range(Ranges& ranges, std::uint32_t begin, std::uint32_t end) {
   const auto first = std::lower_bound(ranges.begin(), ranges.end(), begin,
                                       [](const auto& range, auto at) { return range.second < at; });
@@ -26,7 +26,7 @@ bool add_range(Ranges& ranges, std::uint32_t begin, std::uint32_t end) {
   return true;
 }
 
-/// Returns the missing parts of a range.
+/// Returns the parts of the range from `begin` to `end` that `ranges` does not contain.
 Ranges missing_in(const Ranges& ranges, std::uint32_t begin, std::uint32_t end) {
   Ranges missing;
   for (const auto& [from, to] : ranges) {
@@ -62,7 +62,7 @@ CellAssembly::CellAssembly(std::size_t slot, const GrantMessage& grant)
 
 bool CellAssembly::continues(const GrantMessage& grant) const {
   if (grant.version != version_ || grant.base_crc != base_crc_ || grant.streams.size() != streams_.size()) return false;
-  // An incomplete base must have the same layout.
+  // If the base is incomplete, its layout must be equal, because its symbols would not fit another layout.
   if (!base_done_ &&
       (grant.base.bytes != layout_.bytes || grant.base.symbol != layout_.symbol || grant.base.source != layout_.source))
     return false;
@@ -88,7 +88,7 @@ void CellAssembly::handle_cell(const Cell& cell, std::vector<CellEvent>& out) {
   const bool data = cell.vc.vci >= kFirstDataVci && stream < streams_.size();
   if (!data && cell.vc.vci != kBaseVci && cell.vc.vci != kPlaceVci) return;
   if (data && streams_[stream].records) {
-    // Cells of records carry no chunk number; without a place they are unusable.
+    // Cells of records hold no chunk number. Without a preceding place PDU, they are useless.
     Group& group = streams_[stream].group;
     if (!group.current || group.next >= cells_of_records(group.place.total)) return;
     const std::uint32_t number = group.next++;
@@ -124,7 +124,7 @@ void CellAssembly::handle_place(const Pdu& pdu) {
   Stream& stream = streams_[place->stream];
   if (place->chunk >= stream.done.size()) return;
   stamp_ = place->time;
-  // Cells of the previous chunk may still wait in the reassembler.
+  // Cells of the previous chunk may still wait in the reassembler, so keep its place.
   if (place->chunk != stream.group.place.chunk) stream.previous = std::move(stream.group);
   stream.group = {true, *place, {head.begin(), head.end()}, place->at};
 }
@@ -138,7 +138,7 @@ void CellAssembly::handle_base(const Pdu& pdu, std::vector<CellEvent>& out) {
   (void)base_->add(place->chunk, place->at, symbol);
   if (!base_->done()) return;
   if (aal5_crc(base_->data()) != base_crc_) {
-    base_.emplace(base_->layout());  // a symbol is wrong, so receive the base again
+    base_.emplace(base_->layout());  // a symbol was wrong: receive the base again
     return;
   }
   CellEvent event;
@@ -200,7 +200,7 @@ void CellAssembly::handle_records(std::size_t stream, const Pdu& pdu, std::vecto
   }
   for (const Pdu::Part& part : pdu.parts) {
     const std::size_t from = std::size_t{part.place} * kCellPayload;
-    // If the PDU does not end where the place says, these cells belong to another chunk.
+    // If the PDU ends at another cell than the place says, its cells belong to another chunk.
     if (part.last != (part.place + 1 == cells_of_pdu(size)) || from >= size) continue;
     put_records(stream, *group, offset + static_cast<std::uint32_t>(from),
                 std::span(part.payload).first(std::min(kCellPayload, size - from)), out);
@@ -224,7 +224,7 @@ void CellAssembly::put_records(std::size_t stream, const Group& group, std::uint
 
 void CellAssembly::hand_out_records(const ChunkName& name, const Group& group, std::uint32_t offset,
                                     std::span<const std::byte> bytes, std::vector<CellEvent>& out) {
-  // Join consecutive pieces.
+  // Append to the previous event if its bytes end where these begin.
   if (!out.empty()) {
     CellEvent& last = out.back();
     if (last.kind == CellEvent::Kind::piece && last.records && last.name == name && last.total == group.place.total &&
@@ -263,7 +263,7 @@ CellAssembly::Progress& CellAssembly::progress(const ChunkName& name, std::uint3
   if (const auto found = progress_.find(name); found != progress_.end()) {
     found->second.touched = ++clock_;
     if (found->second.total == total) return found->second;
-    forget(found);  // the chunk has another length, so it has changed
+    forget(found);  // another length means that the chunk has changed
   }
   while (progress_.size() >= kMaxProgress || (!records && waiting_bytes_ + total > kMaxWaiting && !progress_.empty()))
     forget_one();

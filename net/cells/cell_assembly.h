@@ -15,23 +15,23 @@
 
 namespace gs::net {
 
-/// Event of a client of cells, for its owner.
+/// Event that a client of cells reports to its owner.
 struct CellEvent {
   enum class Kind : std::uint8_t {
-    granted,       // `rate`; the pieces of the slot follow
-    refused,       // `text`
-    base,          // `bytes`: the whole base
+    granted,  // `rate`; chunks of the slot will follow
+    refused,  // `text`: the reason
+    base,  // `bytes`: the complete base
     piece,         // `bytes` of chunk `name` from `offset` on
-    ended,         // the server has sent everything; missing data was lost
-    complete,      // nothing is missing; follows `ended`
-    lost_contact,  // no datagrams are received; the client asks again
-    failed,        // `text`; the client has given up
+    ended,  // the server has sent everything; data that is missing was lost
+    complete,  // no data is missing; follows `ended`
+    lost_contact,  // no datagrams are received; the client asks the server again
+    failed,  // `text`: the reason; the client has stopped
   };
   Kind kind = Kind::failed;
   std::uint8_t slot = 0;
   ChunkName name;
-  bool records = false;       // piece: complete records of 8 bytes; otherwise the whole chunk
-  std::uint32_t version = 0;  // of the source
+  bool records = false;  // piece: true if `bytes` are whole records of 8 bytes; false if they are the whole chunk
+  std::uint32_t version = 0;  // version of the source
   std::uint32_t total = 0, offset = 0;
   std::uint64_t rate = 0;       // bits per second
   std::vector<std::byte> head;  // head of the chunk, for a piece of records
@@ -39,7 +39,7 @@ struct CellEvent {
   std::string text;
 };
 
-/// Assembles a base and pieces of chunks from the cells of one slot. Returns received data at once, even after losses.
+/// Assembles the base and the chunks of one slot from its cells. Returns received data at once, even after losses.
 /// Memory: the base twice, kMaxWaiting bytes of incomplete chunks, and one bit per chunk. One thread. Safe for
 /// untrusted cells.
 class CellAssembly {
@@ -48,27 +48,27 @@ class CellAssembly {
 
   CellAssembly(std::size_t slot, const GrantMessage& grant);
 
-  /// Takes the cells of one datagram. Ignores cells of other slots.
+  /// Takes the cells of one datagram and appends events to `out`. Ignores cells of other slots.
   void take(std::span<const Cell> cells, std::vector<CellEvent>& out);
-  /// Reports lost datagrams or a pause: returns the cells of incomplete PDUs.
+  /// Records that datagrams are missing, or a pause. Appends the received cells of incomplete PDUs to `out`.
   void gap(std::vector<CellEvent>& out);
 
-  /// Reports whether a grant is for the same content, so that earlier data remains valid.
+  /// Reports whether a new grant is for the same content. If so, the received data remains valid.
   [[nodiscard]] bool continues(const GrantMessage& grant) const;
   [[nodiscard]] bool base_done() const { return base_done_; }
-  /// Returns and clears the time stamp of the newest place PDU.
+  /// Returns and clears the time stamp of the newest place or symbol.
   [[nodiscard]] std::optional<std::uint32_t> take_stamp() { return std::exchange(stamp_, std::nullopt); }
-  /// Returns the incomplete chunks of these streams (bits), most important first, at most `most`.
+  /// Returns at most `most` incomplete chunks of the streams in the bit set `streams`, most important first.
   [[nodiscard]] std::vector<ChunkName> missing(std::uint32_t streams, std::size_t most) const;
   [[nodiscard]] std::uint64_t damaged() const { return reassembler_.damaged(); }
 
  private:
-  /// Chunk of records that the cells of a stream belong to.
+  /// Chunk of records to which the next cells of a stream belong.
   struct Group {
-    bool current = false;  // announced in the current datagram
+    bool current = false;  // the current datagram contains the place PDU of the chunk
     Place place;
     std::vector<std::byte> head;
-    std::uint32_t next = 0;  // cell
+    std::uint32_t next = 0;  // index of the next cell
   };
   struct Stream {
     bool records = false;
@@ -78,8 +78,8 @@ class CellAssembly {
   struct Progress {
     std::uint32_t total = 0;
     std::uint64_t touched = 0;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> ranges;  // begin and end; disjoint and sorted
-    std::vector<std::byte> bytes;                                 // bytes of chunks without records
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> ranges;  // sorted pairs of begin and end; disjoint
+    std::vector<std::byte> bytes;  // empty for chunks of records
   };
   void handle_cell(const Cell& cell, std::vector<CellEvent>& out);
   void handle_pdus(std::vector<CellEvent>& out);

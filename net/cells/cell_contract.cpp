@@ -10,7 +10,7 @@ namespace gs::net {
 namespace {
 
 constexpr std::uint8_t kContractVersion = 1;
-constexpr std::size_t kMinReport = 64;  // longer than a goodbye without text
+constexpr std::size_t kMinReport = 64;  // bytes; longer than a ByeMessage without text
 
 void put_text(NetworkWriter& out, std::string_view text, std::size_t most) {
   text = text.substr(0, most);
@@ -166,7 +166,7 @@ Parsed grant_from(NetworkReader& in) {
     if (stream.chunks > kMaxChunks) return std::nullopt;
     message.streams.push_back(stream);
   }
-  // The answer to an empty request has no base.
+  // The answer to a request that clears a slot has no base.
   if (message.base.bytes != 0 && !message.base.sound()) return std::nullopt;
   return message;
 }
@@ -252,7 +252,7 @@ Parsed bye_from(NetworkReader& in) {
   return message;
 }
 
-/// Parsers of messages. The index is the number of the type and the index in ContractMessage.
+/// Parser of a message. The table's index is the type number of the message and its index in ContractMessage.
 using Parse = Parsed (*)(NetworkReader&);
 constexpr Parse kParsers[] = {[](NetworkReader& in) -> Parsed { return HelloMessage{in.integer<std::uint64_t>()}; },
                               [](NetworkReader& in) -> Parsed { return cookie_from(in); },

@@ -24,7 +24,7 @@ std::uint64_t random_number() {
   return std::uint64_t{device()} << 32 | device();
 }
 
-/// Sends a datagram, and waits briefly if the system has no room. If there is still no room, the datagram is lost.
+/// Sends a datagram. Waits briefly if the system has no buffer space, then drops the datagram.
 void send_patiently(UdpSocket& socket, const Endpoint& to, std::span<const std::byte> bytes) {
   if (socket.send(to, bytes)) return;
   socket.wait(Instant(2000), true, -1);
@@ -141,7 +141,8 @@ struct CellClientDriver::State {
   }
   void turn() {
     Endpoint from;
-    // While the owner is behind, datagrams stay in the system, which then drops some, so that the server slows down.
+    // While the owner is slow, leave datagrams in the system. The system drops some, and the losses slow the server
+    // down.
     const bool behind = waiting > most_waiting;
     for (int i = 0; i < kReceivedAtOnce && !behind; ++i) {
       const auto bytes = socket.receive(from);
@@ -193,8 +194,8 @@ struct CellClientDriver::State {
   Endpoint server;
   EventFd bell;
   std::atomic<bool> stopping = false;
-  std::atomic<std::size_t> waiting = 0;  // bytes of waiting events
-  mutable std::mutex mutex;              // guards the following members
+  std::atomic<std::size_t> waiting = 0;  // bytes of events that the owner has not taken
+  mutable std::mutex mutex;  // guards the members below
   std::deque<std::function<void(CellClient&, Instant)>> commands;
   std::deque<CellEvent> events;
   CellClientStatistics statistics;

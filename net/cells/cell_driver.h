@@ -13,18 +13,18 @@
 
 namespace gs::net {
 
-/// Serves cells on a UDP port with its own thread. The destructor says goodbye to all clients and waits for the thread
-/// for some milliseconds. Only that thread uses the library.
+/// Serves cells on a UDP port with its own thread, the only thread that uses the library. The destructor says goodbye
+/// to all clients and waits some milliseconds for the thread.
 class CellServerDriver {
  public:
-  /// Starts the server. `port` 0 means any free port. Replaces a secret of zeros by a random one.
+  /// Starts the server. `port` 0 means any free port. If the secret is all zeros, replaces it by a random secret.
   [[nodiscard]] static std::variant<std::unique_ptr<CellServerDriver>, UdpError> start(
       CellServerOptions options, std::shared_ptr<CellLibrary> library, std::uint16_t port, bool loopback);
   ~CellServerDriver();
   CellServerDriver(const CellServerDriver&) = delete;
   CellServerDriver& operator=(const CellServerDriver&) = delete;
   [[nodiscard]] std::uint16_t port() const;
-  /// Any thread.
+  /// Returns the statistics. Any thread.
   [[nodiscard]] CellServerStatistics statistics() const;
 
  private:
@@ -33,13 +33,12 @@ class CellServerDriver {
   std::unique_ptr<State> state_;
 };
 
-/// Client of cells with its own thread and socket. All calls from one thread; only `poll` returns results. The
-/// destructor says goodbye and waits for the thread for some milliseconds, or longer while a name server resolves the
-/// host.
+/// Client of cells with its own thread and socket. Call all functions on one thread. Only `poll` returns results. The
+/// destructor says goodbye and waits some milliseconds for the thread, or longer while it resolves the host name.
 class CellClientDriver {
  public:
-  /// Starts the client. The client's thread calls `wake` when `poll` has events; `wake` may be empty. Replaces an
-  /// options.nonce of 0 by a random one.
+  /// Starts the client. The client's thread calls `wake` when `poll` has events; `wake` may be empty. If options.nonce
+  /// is 0, replaces it by a random number.
   [[nodiscard]] static std::variant<std::unique_ptr<CellClientDriver>, UdpError> start(CellClientOptions options,
                                                                                        std::string host,
                                                                                        std::uint16_t port,
@@ -47,11 +46,11 @@ class CellClientDriver {
   ~CellClientDriver();
   CellClientDriver(const CellClientDriver&) = delete;
   CellClientDriver& operator=(const CellClientDriver&) = delete;
-  /// These functions forward to CellClient.
+  /// Forwards to the function of CellClient, as do the following functions.
   void want(std::size_t slot, CellWish wish);
   void prefer(std::size_t slot, std::vector<Region> regions, std::vector<ChunkName> chunks);
   void set_rate(std::uint64_t bits_per_second);
-  /// Returns the events, with about `most_bytes` bytes at most.
+  /// Returns events and removes them. Stops after about `most_bytes` bytes of data.
   [[nodiscard]] std::vector<CellEvent> poll(std::size_t most_bytes);
   [[nodiscard]] CellClientStatistics statistics() const;
 

@@ -98,7 +98,7 @@ std::size_t ChunkCutter::cut_records(std::size_t cells, bool fill, std::uint32_t
   (void)segment(encode_place(place_, chunk_.head), place_vc_, 0, false, out);
   const std::size_t used = out.size() - before;
   std::size_t count = std::min(cells > used ? cells - used : 1, end_ - at_);
-  // Send whole PDUs if possible, so that a lost datagram does not damage PDUs of others.
+  // End at the end of a PDU if possible. Otherwise a lost datagram would damage PDUs in other datagrams.
   if (!fill && at_ + count < end_ && count >= kRecordPduCells) count -= (at_ + count) % kRecordPduCells;
   const auto bytes_before = [](std::size_t cell) {
     return cell / kRecordPduCells * kRecordPdu + cell % kRecordPduCells * kCellPayload;
@@ -107,7 +107,7 @@ std::size_t ChunkCutter::cut_records(std::size_t cells, bool fill, std::uint32_t
   out.insert(out.end(), cells_.begin() + static_cast<std::ptrdiff_t>(at_),
              cells_.begin() + static_cast<std::ptrdiff_t>(at_ + count));
   at_ += count;
-  // The last cell may hold only padding and the trailer.
+  // The last cell may hold only padding and the trailer, so count to the end of the body.
   return done() ? chunk_.body.size() - std::min(from, chunk_.body.size()) : to - std::min(from, to);
 }
 

@@ -8,18 +8,18 @@
 namespace gs::net {
 namespace {
 
-constexpr double kWindow = 2e6;  // microseconds of reports that count
+constexpr double kWindow = 2e6;  // time constant in microseconds for the weight of older reports
 constexpr double kFewDatagrams = 8, kEnoughDatagrams = 64;
 constexpr std::uint64_t kMaxOfReport = 1'000'000;
 constexpr double kWorstLoss = 0.9;
-constexpr double kSpreadSamples = 24, kWildest = 40;  // weight of one sample, and its maximum value
-// Maximum parity datagrams per data datagram, or per small group if that is more.
+constexpr double kSpreadSamples = 24, kWildest = 40;  // the mean covers about 24 samples; maximum of one sample
+// Maximum parity datagrams of a group: kMaxTimes per data datagram, but at least kMaxOfFew.
 constexpr std::size_t kMaxTimes = 2, kMaxOfFew = 8;
 constexpr Instant kHeldFor{2'000'000};
 
 std::byte bit_of(std::size_t number) { return static_cast<std::byte>(0x80 >> number % 8); }
 
-/// Returns the increase of a count over the highest count so far.
+/// Returns how far `count` exceeds the highest count so far, `most`, and updates `most`.
 std::uint64_t more(std::uint64_t& most, std::uint64_t count) {
   const std::uint64_t before = most;
   most = std::max(most, count);
@@ -64,7 +64,7 @@ std::optional<Parity> decode_parity(std::span<const std::byte> bytes, std::span<
     }
   if (count == 0 || count > kMaxMembers || parity.members.count() != count || !parity.members[0]) return std::nullopt;
   if (parity.symbol < count || parity.symbol >= ErasureLayout::kMaxSymbols) return std::nullopt;
-  // A group is complete before it gets parity.
+  // Parity is sent after all members of its group, so the members precede this datagram.
   if (parity.back > kMaxParityBack || last >= parity.back) return std::nullopt;
   rest = in.rest();
   if (rest.size() < kSymbolHead + kPackedCell || rest.size() > kSymbolHead + kMaxCells * kPackedCell ||
@@ -122,7 +122,7 @@ double LossMeter::likely() const {
 std::size_t ParitySender::wanted(std::size_t source) const {
   if (!known_ || !lossy_) return 0;
   const std::size_t most = std::min(ErasureLayout::kMaxSymbols, source + std::max(kMaxTimes * source, kMaxOfFew));
-  // Treat a burst of r losses as the loss of one symbol.
+  // Losses occur in bursts of r = meter_.runs() datagrams. Count each burst as the loss of one longer symbol.
   const auto few = std::max<std::size_t>(std::lround(static_cast<double>(source) / meter_.runs()), 1);
   const std::size_t symbols = symbols_for(few, meter_.likely(), kFailure);
   return std::clamp((symbols * source + few - 1) / few, source, most) - source;
@@ -134,7 +134,8 @@ std::size_t ParitySender::pending_count() const {
   return count;
 }
 
-/// Spreads the pending parity evenly over `over` data datagrams, so that a burst of losses hits both alike.
+/// Spreads the pending parity evenly over the next `over` data datagrams, so that a burst of losses affects both
+/// equally.
 void ParitySender::spread(std::size_t over) {
   step_ = static_cast<double>(pending_count()) / static_cast<double>(std::max<std::size_t>(over, 1));
 }
@@ -191,7 +192,7 @@ void ParitySender::report(std::uint64_t received, std::uint64_t lost, bool quiet
   std::erase_if(held_, [&](const Group& group) { return group.sent >= group.wanted && now > group.closed + kHeldFor; });
   bool grown = false;
   for (Group& group : held_) {
-    // Ignore small changes of the measured loss.
+    // Ignore a small increase of the measured loss.
     const std::size_t now_wanted = wanted(group.source());
     if (now_wanted <= group.wanted + group.wanted / 4) continue;
     group.wanted = now_wanted;
@@ -211,7 +212,7 @@ std::vector<Cell> ParitySender::next(std::uint64_t number, std::uint32_t time) {
   credit_ = std::max(credit_ - 1, 0.0);
   std::vector<Cell> cells;
   for (Group& group : held_) {
-    if (number - group.first > kMaxParityBack) group.wanted = group.sent;  // no client still holds its members
+    if (number - group.first > kMaxParityBack) group.wanted = group.sent;  // clients have dropped the group
     if (group.sent >= group.wanted) continue;
     Parity parity;
     parity.symbol = static_cast<std::uint8_t>(group.source() + group.sent++);

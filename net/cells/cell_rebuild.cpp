@@ -5,7 +5,7 @@
 namespace gs::net {
 namespace {
 
-/// Returns the single PDU of a parity datagram, or nullopt.
+/// Returns the PDU of a parity datagram. Returns nullopt if the cells are not exactly one PDU.
 std::optional<Pdu> pdu_of(std::span<const Cell> cells) {
   Reassembler reassembler(1, kMaxCells * kCellPayload);
   std::vector<Pdu> pdus;
@@ -27,7 +27,7 @@ void CellRebuilder::keep(std::uint64_t number, std::span<const std::byte> cells)
   for (; kept_bytes_ > kMaxKept; kept_.erase(kept_.begin())) kept_bytes_ -= kept_.begin()->second.size();
 }
 
-/// Drops the symbols of a group; the group itself stays known.
+/// Drops the parity symbols of a group, but remembers the group.
 void CellRebuilder::forget(Groups::iterator at) {
   parity_bytes_ -= at->second.symbols.size() * at->second.size;
   at->second.symbols.clear();
@@ -36,7 +36,7 @@ void CellRebuilder::forget(Groups::iterator at) {
 void CellRebuilder::add(std::uint64_t number, std::span<const std::byte> cells, std::vector<Rebuilt>& out) {
   if (cells.size() > kMaxCells * kPackedCell) return;
   keep(number, cells);
-  // A late datagram may be the missing one.
+  // A late data datagram may complete the symbols of a group.
   for (auto at = groups_.begin(); at != groups_.end() && at->first <= number; ++at)
     if (!at->second.done && number - at->first < kParitySpan && at->second.members[number - at->first]) look(at, out);
 }
@@ -80,13 +80,13 @@ void CellRebuilder::rebuild(std::uint64_t first, const Group& group, std::vector
   const std::size_t count = group.members.count();
   ErasureDecoder decoder({static_cast<std::uint32_t>(count * group.size), static_cast<std::uint16_t>(group.size),
                           static_cast<std::uint8_t>(count)});
-  std::vector<std::pair<std::uint64_t, std::size_t>> missing;  // running number, index in the group
+  std::vector<std::pair<std::uint64_t, std::size_t>> missing;  // running number, and index among the members
   std::size_t member = 0;
   for (std::size_t i = 0; i < kParitySpan; ++i) {
     if (!group.members[i]) continue;
     if (const auto found = kept_.find(first + i); found != kept_.end()) {
       auto symbol = symbol_of_cells(found->second);
-      if (symbol.size() > group.size) return;  // not a member of this group
+      if (symbol.size() > group.size) return;  // too long for a member of this group
       symbol.resize(group.size);
       (void)decoder.add(0, member, symbol);
     } else {

@@ -8,8 +8,8 @@ namespace gs::net {
 namespace {
 
 constexpr Instant kReportAtLeastEvery{200'000}, kReportAtMostEvery{20'000}, kLongestBackoff{2'000'000};
-constexpr std::size_t kRepairs = 64;    // chunks per report that are requested again
-constexpr std::size_t kMaxNamed = 128;  // chunk names per report, over all slots, so that it fits into one datagram
+constexpr std::size_t kRepairs = 64;  // maximum lost chunks that one report requests again
+constexpr std::size_t kMaxNamed = 128;  // maximum chunk names in a report; fits one datagram
 constexpr std::size_t kMaxEarly = 128;
 constexpr std::uint64_t kFarAhead = 16384;
 
@@ -140,7 +140,7 @@ void CellClient::handle_grant(const GrantMessage& grant, Instant now) {
     return;
   }
   slot.state = Slot::State::granted;
-  // Keep the received data if the content is unchanged, for example after a new budget or a lost contact.
+  // Keep received data if the content is the same, for example after a new budget or after contact was lost.
   if (!slot.assembly || !slot.assembly->continues(grant))
     slot.assembly = std::make_unique<CellAssembly>(grant.slot, grant);
   CellEvent event;
@@ -188,7 +188,7 @@ void CellClient::handle_sync(const SyncMessage& sync, Instant now) {
   }
 }
 
-// Reports completion once per request.
+// Reports `complete` to the owner, once per request.
 void CellClient::tell_complete(std::size_t number) {
   Slot& slot = slots_[number];
   if (!slot.ended || slot.complete || !slot.assembly->base_done()) return;
@@ -209,14 +209,14 @@ void CellClient::handle_bye(const ByeMessage& bye, Instant now) {
 }
 
 void CellClient::stamp(std::uint32_t time, Instant now) {
-  echo_ = time == 0 ? 1 : time;  // 0 means none
+  echo_ = time == 0 ? 1 : time;  // 0 means that no time stamp was received
   echo_at_ = now;
 }
 
 void CellClient::handle_cells(const CellDatagram& datagram, std::span<const std::byte> bytes, Instant now) {
   heard_ = now;
   if (waiting_ > options_.most_waiting) {
-    // The owner is slow. Dropped datagrams make the server slow down.
+    // The owner is slow. The dropped datagrams count as lost, so the server slows down.
     ++statistics_.refused_for_space;
     return;
   }
@@ -244,7 +244,7 @@ void CellClient::handle_cells(const CellDatagram& datagram, std::span<const std:
   statistics_.bytes += bytes.size();
 }
 
-/// Passes the cells of one datagram to all slots. `gap` means that datagrams before it are missing.
+/// Passes the cells of one datagram to all slots. `gap` means that datagrams directly before it are missing.
 void CellClient::assemble(std::span<const Cell> cells, bool gap, Instant now) {
   for (std::size_t i = 0; i < kMaxSlots; ++i) {
     CellAssembly* assembly = slots_[i].assembly.get();
@@ -262,7 +262,8 @@ void CellClient::assemble(std::span<const Cell> cells, bool gap, Instant now) {
   }
 }
 
-/// Passes on restored datagrams like late ones, but ignores their time and number, because they were not received.
+/// Passes restored datagrams to the slots like late datagrams. Ignores their times and numbers, because the network
+/// lost them.
 void CellClient::handle_rebuilt(std::span<const CellRebuilder::Rebuilt> rebuilt) {
   for (const CellRebuilder::Rebuilt& datagram : rebuilt) {
     ++statistics_.rebuilt;
@@ -330,7 +331,7 @@ std::vector<std::byte> CellClient::report(Instant now) {
   for (std::size_t i = 0; i < kMaxSlots; ++i) {
     Slot& slot = slots_[i];
     if (slot.state != Slot::State::granted) continue;
-    // If no datagrams are received, return the cells of incomplete PDUs.
+    // During a pause, hand out the received cells of incomplete PDUs.
     if (now >= cells_at_ + round_trip_) {
       std::vector<CellEvent> made;
       slot.assembly->gap(made);

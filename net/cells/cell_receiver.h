@@ -16,59 +16,59 @@
 namespace gs::net {
 
 struct CellClientOptions {
-  std::uint64_t nonce = 0;          // random number
-  std::uint64_t rate = 10'000'000;  // initial request, bits per second
-  Instant hello_again{250'000};     // retry interval; doubles after eight tries, up to 2 s
-  std::size_t most_tries = 16;      // tries without an answer
-  Instant contact_lost{3'000'000};  // time without a datagram after which the client asks again
-  // Bytes of events that the owner has not taken; data beyond it is dropped.
+  std::uint64_t nonce = 0;  // random number that distinguishes sessions of the client
+  std::uint64_t rate = 10'000'000;  // requested rate, bits per second
+  Instant hello_again{250'000};  // retry interval; doubles after eight tries, at most 2 s
+  std::size_t most_tries = 16;  // maximum number of tries without an answer
+  Instant contact_lost{3'000'000};  // time without a datagram until the client asks again
+  // Maximum bytes of events that the owner has not taken. Further datagrams are dropped.
   std::size_t most_waiting = std::size_t{64} << 20;
-  double loss = 0;  // driver only: share of received datagrams to drop, for trials
+  double loss = 0;  // only for drivers: share of received datagrams to drop, 0 to 1, for trials
   std::uint64_t loss_seed = 1;
-  AddressSpace reach = AddressSpace::special;  // driver only: the most private space in which the server may be
+  AddressSpace reach = AddressSpace::special;  // only for drivers: most private space in which the server may be
   AddressSpaceOf space_of = address_space_of;
 };
 
 /// Request of a client for one of its slots.
 struct CellWish {
   std::string path;
-  std::uint32_t streams = 0xffff;  // one bit per stream
-  std::uint64_t budget = 0;        // bytes; 0 means unlimited
-  std::uint8_t weight = 1;         // share of the rate
+  std::uint32_t streams = 0xffff;  // bit set of the wanted streams
+  std::uint64_t budget = 0;  // maximum bytes of chunks; 0 means unlimited
+  std::uint8_t weight = 1;  // share of the rate, 1 to 255
   std::uint8_t cells = kMaxCells;  // maximum cells of a datagram
-  bool repair = false;             // requests lost chunks again after everything was sent
+  bool repair = false;  // after everything was sent, requests lost chunks again
 };
 
 struct CellClientStatistics {
   std::uint64_t datagrams = 0, lost = 0, foreign = 0, refused_for_space = 0, damaged_pdus = 0;
   std::uint64_t bytes = 0;  // bytes of datagrams
-  // Parity datagrams; data datagrams restored from parity, which also count as lost.
+  // Received parity datagrams, and data datagrams restored from them. The latter also count as lost.
   std::uint64_t parity = 0, rebuilt = 0;
   double loss_event_rate = 0;
   Instant round_trip{};
   std::uint64_t granted = 0,
-                server_rate = 0;  // bits per second, as the server reports
+                server_rate = 0;  // bits per second; the server reports both
 };
 
-/// Requests sources from a server and returns the received data. State machine without I/O and clock: the owner passes
-/// it the server's datagrams and asks it for datagrams to send. One thread. Safe for untrusted datagrams.
+/// Requests sources from a server and returns the received data. State machine without I/O and clock. The owner passes
+/// it the server's datagrams and sends the datagrams that it returns. One thread. Safe for untrusted datagrams.
 class CellClient {
  public:
   explicit CellClient(CellClientOptions options);
 
-  /// Requests a source in slot 0 to 7, replacing the slot's earlier request. An empty path clears the slot.
+  /// Requests a source in slot 0 to 7. Replaces the slot's earlier request. An empty path clears the slot.
   void want(std::size_t slot, CellWish wish, Instant now);
-  /// Sets preferences: regions (of the source's box), or chunks by name, even if sent before. The next report contains
-  /// them, at most kMaxRegions and kMaxWishes.
+  /// Sets preferred parts of a source: regions in its box, or chunks by name, even if sent before. The next report
+  /// requests at most kMaxRegions regions and kMaxWishes chunks.
   void prefer(std::size_t slot, std::vector<Region> regions, std::vector<ChunkName> chunks);
   void set_rate(std::uint64_t bits_per_second) { options_.rate = bits_per_second; }
-  /// Queues a goodbye message, which `next` returns.
+  /// Queues a goodbye message. `next` returns it.
   void bye(Instant now);
 
   void receive(std::span<const std::byte> bytes, Instant now);
   [[nodiscard]] std::optional<std::vector<std::byte>> next(Instant now);
   [[nodiscard]] Instant deadline(Instant now) const;
-  /// Returns the events since the last call.
+  /// Returns the events since the previous call.
   [[nodiscard]] std::vector<CellEvent> take_events();
   [[nodiscard]] CellClientStatistics statistics() const;
 
@@ -78,7 +78,7 @@ class CellClient {
     enum class State : std::uint8_t { empty, asking, granted } state = State::empty;
     CellWish wish;
     std::uint32_t number = 0;
-    Instant ask{};  // time of the next request
+    Instant ask{};  // time of the next attempt to request
     std::size_t tries = 0;
     std::unique_ptr<CellAssembly> assembly;
     std::vector<Region> regions;
@@ -125,7 +125,7 @@ class CellClient {
     std::vector<std::byte> bytes;
     Instant at{};
   };
-  std::vector<Early> early_;  // cells that arrived before the grant
+  std::vector<Early> early_;  // cells that were received before the grant
   std::vector<CellEvent> events_;
   std::size_t waiting_ = 0;
   CellClientStatistics statistics_;

@@ -35,7 +35,7 @@ void CellServer::receive(const Endpoint& from, std::span<const std::byte> bytes,
   } else if (const auto* report = std::get_if<ReportMessage>(&*message)) {
     const auto found = sessions_.find(from);
     if (found == sessions_.end() || found->second->id() != report->session)
-      return answer(from, ByeMessage{report->session, ""});  // shorter than any report
+      return answer(from, ByeMessage{report->session, ""});  // shorter than a report: no amplification
     const std::uint64_t wanted = found->second->wanted();
     const bool silent = found->second->silent(now);
     found->second->report(*report, now);
@@ -62,14 +62,14 @@ void CellServer::refuse(const Endpoint& to, const RequestMessage& request, Refus
 
 void CellServer::handle_request(const Endpoint& from, const RequestMessage& request, Instant now) {
   const auto age = cookies_.age(request.cookie, from, now);
-  if (!age) return;  // not made by this server: no answer, so that it cannot be used to attack others
+  if (!age) return;  // this server did not make the cookie: do not answer, because the address may be forged
   CellSession* session = session_for(from, request, *age, now);
   if (!session) return;
   const std::uint32_t known = session->number(request.slot);
   if (request.number < known || request.number == 0) return;
   if (request.number > known) {
     TokenBucket& opens = opens_.try_emplace(from, kOpensPerSecond, kOpensAtOnce, now).first->second;
-    if (!opens.has(1, now)) return;  // the client will repeat its request
+    if (!opens.has(1, now)) return;  // too many new sessions; the client will repeat its request
     opens.take(1, now);
     session->set_wanted(request.rate / 8);
     divide(now);
@@ -96,7 +96,7 @@ CellSession* CellServer::session_for(const Endpoint& from, const RequestMessage&
   }
   ++statistics_.accepted;
   auto& place = sessions_[from];
-  // The cookie's age is one round trip plus the reaction time of the client.
+  // The age of the cookie is one round trip and the client's reaction time, so it bounds the round trip.
   place = std::make_unique<CellSession>(options_.session, cookies_.session(from, request.cookie.nonce),
                                         request.cookie.nonce, age, now);
   return place.get();
@@ -114,7 +114,7 @@ void CellServer::open(const Endpoint& from, CellSession& session, const RequestM
   session.set(request, std::move(source), std::move(base));
 }
 
-/// Returns the encoder of a source; clients of one source share it.
+/// Returns the erasure encoder of a source's base. Clients of one source share it.
 std::shared_ptr<const ErasureEncoder> CellServer::encoder(const std::shared_ptr<CellSource>& source,
                                                           std::size_t cells) {
   std::erase_if(encoders_, [](const auto& entry) { return entry.second.encoder.expired(); });
@@ -127,8 +127,8 @@ std::shared_ptr<const ErasureEncoder> CellServer::encoder(const std::shared_ptr<
   return made;
 }
 
-/// Divides the total rate. Each client gets the requested rate or, if that is too much, an equal share (max-min
-/// fairness).
+/// Divides the total rate among clients (max-min fairness). A client gets its requested rate, or an equal share if the
+/// total is too low.
 void CellServer::divide(Instant now) {
   std::vector<std::pair<std::uint64_t, CellSession*>> wants;
   for (const auto& [endpoint, session] : sessions_)
@@ -159,12 +159,12 @@ std::optional<OutgoingDatagram> CellServer::next(Instant now) {
   for (auto it = sessions_.begin(); !result && it != sessions_.end(); ++it) {
     if (it->second->sync_due(now) > now) continue;
     result = {it->first, encode_contract(it->second->sync(now))};
-    // A grant may be lost, so repeat it with each sync until a report of the client mentions the slot.
+    // A grant may be lost. Repeat it with each sync message until a report of the client mentions the slot.
     for (std::size_t slot = 0; slot < kMaxSlots; ++slot)
       if (it->second->unknown(slot)) answer(it->first, it->second->answer(slot));
   }
   if (!result && total_.has(kMaxDatagram + kPacketHeaders, now)) {
-    // Serve clients in turn, beginning after the one that was served last.
+    // Serve clients in turn, beginning after the client that was served last.
     auto it = sessions_.upper_bound(turn_);
     for (std::size_t i = 0; i < sessions_.size() && !result; ++i, ++it) {
       if (it == sessions_.end()) it = sessions_.begin();

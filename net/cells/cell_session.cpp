@@ -9,7 +9,7 @@ namespace {
 constexpr Instant kSyncEvery{100'000}, kRegionsAtMostEvery{100'000};
 constexpr std::uint64_t kFirstDatagrams = 10;
 constexpr std::size_t kMaxWished = 1024, kMaxTried = 16384;
-// Minimum free cells for a second chunk in a protected datagram; its place takes one or two.
+// Minimum free cells to begin another chunk in a datagram with parity. The place PDU of the chunk takes one or two.
 constexpr std::size_t kBegin = 6;
 
 std::uint32_t stamp(Instant now) { return static_cast<std::uint32_t>(now.count()); }
@@ -37,7 +37,7 @@ void CellSession::grant(std::uint64_t bytes_per_second, Instant now) {
   if (granted_ == 0 && bytes_per_second > 0)
     controller_ =
         RateController(options_.response, static_cast<double>(bytes_per_second), controller_.round_trip(), now);
-  // As in TCP (RFC 6928): send the first ten datagrams at once, and no more in the first round trip.
+  // As in TCP (RFC 6928), send the first ten datagrams at once, then nothing more in the first round trip.
   if (granted_ == 0) bucket_.allow_debt(std::min<std::uint64_t>(kFirstDatagrams * kMaxDatagram, bytes_per_second / 4));
   granted_ = bytes_per_second;
   controller_.set_grant(static_cast<double>(bytes_per_second));
@@ -57,7 +57,7 @@ void CellSession::set(const RequestMessage& request, std::shared_ptr<CellSource>
   slot.cells = request.cells;
   slot.streams = request.streams;
   slot.budget = request.budget;
-  // If only the streams or the budget of a source change, keep the record of sent data.
+  // If a new request changes only streams or budget, keep the record of sent data.
   Slot& old = slots_[request.slot];
   if (source && old.source == source && old.base == base) {
     slot.states = std::move(old.states);
@@ -76,7 +76,8 @@ void CellSession::set(const RequestMessage& request, std::shared_ptr<CellSource>
     const ErasureLayout& layout = slot.base->layout();
     slot.base_first = layout.blocks() * symbols_for(layout.source, options_.base_loss, options_.base_failure);
   }
-  // A new slot starts at the turn of the others, so that it does not catch up.
+  // Start a new slot at the highest turn of all slots. From 0, the slot would get the whole rate until it has caught
+  // up.
   for (const Slot& other : slots_)
     if (other.source) slot.turn = std::max(slot.turn, other.turn);
   old = std::move(slot);
@@ -104,7 +105,7 @@ void CellSession::report(const ReportMessage& report, Instant now) {
   if (report.number <= last_report_) return;
   last_report_ = report.number;
   bucket_.allow_debt(0);
-  // After a silence the path may have changed, so start slowly again.
+  // After silence, the network path may have changed, so start slowly again.
   if (silent(now))
     controller_ = RateController(options_.response, static_cast<double>(granted_), controller_.round_trip(), now);
   last_heard_ = now;
@@ -127,15 +128,15 @@ void CellSession::report(const ReportMessage& report, Instant now) {
 }
 
 void CellSession::report_loss(const ReportMessage& report, Instant now) {
-  // If nothing is in flight, the last datagrams without a report are lost. Otherwise only later datagrams can prove a
-  // loss.
+  // If nothing is in flight, all datagrams that are not reported as received are lost. Otherwise only datagrams that
+  // are received later can prove a loss.
   const bool idle = std::all_of(slots_.begin(), slots_.end(),
                                 [](const Slot& slot) { return !slot.source || (slot.ended && slot.base_done); });
   const bool quiet = idle && next_ > 0 && !parity_.pending() && now >= last_cells_ + 2 * controller_.round_trip();
   const std::uint64_t lost = quiet ? std::max(report.lost, next_ - std::min(next_, report.received)) : report.lost;
   const bool settled = parity_.settled(~std::uint64_t{0});
   parity_.report(report.received, lost, quiet, now);
-  if (!settled && parity_.settled(~std::uint64_t{0})) sync_now_ = true;  // slots that have ended can be reported now
+  if (!settled && parity_.settled(~std::uint64_t{0})) sync_now_ = true;  // the end of slots can be reported now
 }
 
 void CellSession::handle_report(Slot& slot, const SlotReport& report, Instant now) {
@@ -158,7 +159,8 @@ void CellSession::handle_report(Slot& slot, const SlotReport& report, Instant no
   }
 }
 
-/// Returns the next wish. Skips chunks in flight, because the client repeats a wish until it is fulfilled.
+/// Returns the next wish of the client. Skips chunks in flight, because the client repeats a wish until it has the
+/// chunk.
 std::optional<ChunkName> CellSession::next_wish(Slot& slot, Instant now) {
   const Instant trip = controller_.round_trip() * 3 / 2 + Instant(250'000);
   while (!slot.wishes.empty()) {
@@ -175,7 +177,8 @@ std::optional<ChunkName> CellSession::next_wish(Slot& slot, Instant now) {
   return std::nullopt;
 }
 
-/// Returns the next unsent chunk that intersects a region. The index after the last region means the whole source.
+/// Returns the next unsent chunk that intersects a region. If `region` is past the last region, returns any unsent
+/// chunk.
 std::optional<ChunkName> CellSession::next_in(Slot& slot, std::size_t region) {
   for (std::size_t stream = 0; stream < slot.states.size(); ++stream) {
     if ((slot.streams >> stream & 1) == 0) continue;
@@ -184,8 +187,8 @@ std::optional<ChunkName> CellSession::next_in(Slot& slot, std::size_t region) {
     std::uint32_t& cursor = state.cursors[anywhere ? kMaxRegions : region];
     for (std::size_t tried = 0; cursor < state.sent.size(); ++cursor) {
       if (state.sent[cursor]) continue;
-      // A region with few chunks of a large source must not delay other clients; the next call continues at the next
-      // chunk.
+      // Limit the search: a large source with few chunks in the region must not delay other clients. The next call
+      // continues the search.
       if (!anywhere && ++tried > kMaxTried) return std::nullopt;
       const auto box = anywhere ? std::nullopt : slot.source->box(stream, cursor);
       if (!box || meet(*box, slot.regions[region].box)) return ChunkName{static_cast<std::uint8_t>(stream), cursor};
@@ -201,7 +204,7 @@ std::optional<ChunkName> CellSession::next_chunk(Slot& slot, Instant now) {
   return std::nullopt;
 }
 
-/// Starts the next chunk if none is in progress. Returns false if there is none.
+/// Starts the next chunk unless a chunk is in progress. Returns false if no chunk is left.
 bool CellSession::start_chunk(Slot& slot, std::size_t number, Instant now) {
   if (slot.cutter && !slot.cutter->done()) return true;
   slot.cutter.reset();
@@ -262,7 +265,7 @@ CellSession::Datagram CellSession::datagram(Instant now) {
     if (slot_ready(slot, now) <= now && (!best || slot.turn < best->turn)) best = &slot;
   if (parity_.pending() && (!best || parity_.due())) {
     auto made = encode(parity_.next(next_, stamp(now)), true, now);
-    if (!parity_.pending()) sync_now_ = sync_now_ || !best;  // slots that have ended can be reported now
+    if (!parity_.pending()) sync_now_ = sync_now_ || !best;  // the end of slots can be reported now
     return made;
   }
   if (!best) return {};
@@ -270,8 +273,8 @@ CellSession::Datagram CellSession::datagram(Instant now) {
   std::vector<Cell> cells;
   const ErasureLayout& layout = best->base->layout();
   const bool base_due = base_waits(*best) && (best->base_sent < best->base_first || now >= best->base_next);
-  // Send the data of the base first. Then mix its other symbols with one chunk in four, because nothing is visible
-  // without the base.
+  // Send the data symbols of the base first. Then send its parity symbols in three of four datagrams, and chunks in the
+  // fourth. Nothing is visible without the base.
   const bool base_first = base_due && (best->base_sent < layout.blocks() * layout.source || ++best->base_turn % 4 != 0);
   if (!base_first) put_data(*best, number, now, cells);
   const bool data = !cells.empty();
@@ -293,7 +296,7 @@ void CellSession::put_base(Slot& slot, std::size_t number, Instant now, std::vec
   place.total = layout.bytes;
   (void)segment(encode_place(place, slot.base->symbol(place.chunk, place.at)), {path_of_slot(number), kBaseVci}, 0,
                 false, cells);
-  // After the first pass, send more symbols at intervals until the client reports a complete base.
+  // After the first pass, send further symbols at intervals until the client reports that the base is complete.
   if (++slot.base_sent >= slot.base_first) slot.base_next = now + std::max(controller_.round_trip() / 8, Instant(2000));
 }
 
@@ -302,8 +305,8 @@ void CellSession::put_data(Slot& slot, std::size_t number, Instant now, std::vec
   const std::size_t most = guarded ? protected_cells(slot.cells) : slot.cells;
   while (start_chunk(slot, number, now)) {
     const std::size_t left = most - cells.size();
-    // Add only a complete second chunk, so that a lost datagram costs one chunk. With parity, fill datagrams, because a
-    // symbol is as long as the longest datagram.
+    // Without parity, add another chunk only if all of it fits, so that a lost datagram damages one chunk. With parity,
+    // fill each datagram, because all symbols are as long as the longest datagram.
     if (!cells.empty() && !slot.cutter->fits(left) && (!guarded || left < kBegin)) return;
     slot.bytes += slot.cutter->cut(left, guarded, stamp(now), cells);
     if (cells.size() >= most) return;

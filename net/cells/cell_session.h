@@ -15,15 +15,16 @@
 
 namespace gs::net {
 
-/// Session of one client of a server: its data, their order and their rate. Part of CellServer. No I/O, no clock.
+/// Session of one client of a cell server: selects the data, their order and their rate. Part of CellServer. No I/O, no
+/// clock.
 class CellSession {
  public:
   struct Options {
     CongestionResponse response = CongestionResponse::equation;
     double base_loss = 0.3,
-           base_failure = 1e-6;  // first pass of the base: maximum probability of failure at this loss
+           base_failure = 1e-6;  // first pass of the base: maximum probability of failure at a loss of base_loss
     Instant silence{2'000'000};  // time without reports after which sending stops
-    bool parity = true;          // parity after the base, as the client's losses require
+    bool parity = true;  // sends parity after the base if the client reports losses
   };
   CellSession(const Options& options, std::uint64_t id, std::uint64_t nonce, Instant round_trip, Instant now);
 
@@ -37,33 +38,33 @@ class CellSession {
   void set_wanted(std::uint64_t bytes_per_second) { wanted_ = bytes_per_second; }
   void grant(std::uint64_t bytes_per_second, Instant now);
 
-  /// Returns the number of the request in a slot; 0 means none.
+  /// Returns the number of the request in a slot. 0 means that the slot had no request.
   [[nodiscard]] std::uint32_t number(std::size_t slot) const { return slots_[slot].number; }
-  /// Puts a source into a slot. `base` encodes its base. A null source clears the slot.
+  /// Puts a source into the slot of a request. `base` encodes the source's base. A null source clears the slot.
   void set(const RequestMessage& request, std::shared_ptr<CellSource> source,
            std::shared_ptr<const ErasureEncoder> base);
-  /// Returns the answer to the request in a slot.
+  /// Returns the grant for the request in a slot.
   [[nodiscard]] GrantMessage answer(std::size_t slot) const;
-  /// Reports whether a slot is filled but no report of the client has confirmed it yet.
+  /// Reports whether a slot has a source that no report of the client has mentioned yet.
   [[nodiscard]] bool unknown(std::size_t slot) const { return slots_[slot].source && !slots_[slot].known; }
   void report(const ReportMessage& report, Instant now);
 
-  /// Returns the time of the next datagram of cells; Instant::max() means that there is none.
+  /// Returns the time of the next datagram of cells. Instant::max() means that no datagram waits.
   [[nodiscard]] Instant ready(Instant now);
   struct Datagram {
     std::vector<std::byte> bytes;
     bool parity = false;
   };
-  /// Returns the next datagram of cells; empty if there is none.
+  /// Returns the next datagram of cells. Returns an empty datagram if nothing may be sent now.
   [[nodiscard]] Datagram datagram(Instant now);
-  /// Return the time of the next sync message, and the message.
+  /// Returns the time of the next sync message. `sync` returns the message.
   [[nodiscard]] Instant sync_due(Instant now) const;
   [[nodiscard]] SyncMessage sync(Instant now);
 
  private:
   struct StreamState {
     std::vector<bool> sent;
-    std::array<std::uint32_t, kMaxRegions + 1> cursors{};  // by region; the last one is the whole source
+    std::array<std::uint32_t, kMaxRegions + 1> cursors{};  // next chunk index by region; last: whole source
   };
   struct Slot {
     std::uint32_t number = 0;
@@ -79,10 +80,10 @@ class CellSession {
     std::vector<StreamState> states;
     std::vector<Region> regions;
     std::deque<ChunkName> wishes;
-    std::map<ChunkName, Instant> wished;  // time at which each wish was last granted
+    std::map<ChunkName, Instant> wished;  // time at which each wish was last fulfilled
     std::optional<ChunkCutter> cutter;
-    std::uint64_t last_group = 0;  // after the end: last parity group that may hold data of this slot
-    double turn = 0;               // weighted bytes
+    std::uint64_t last_group = 0;  // after the end: last parity group that may contain data of the slot
+    double turn = 0;  // sent bytes divided by weight; the lowest slot is next
   };
   [[nodiscard]] bool base_waits(const Slot& slot) const { return slot.source && !slot.base_done; }
   [[nodiscard]] Instant slot_ready(const Slot& slot, Instant now) const;

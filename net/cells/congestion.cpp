@@ -8,11 +8,11 @@
 namespace gs::net {
 namespace {
 
-constexpr double kPacket = 1388;  // bytes, with the headers of IP and UDP
+constexpr double kPacket = 1388;  // bytes of a typical datagram, with the headers of IP and UDP
 constexpr std::size_t kMaxMissing = 1024;
-constexpr std::uint64_t kLater = 3;  // number of later datagrams after which a missing one is lost (RFC 5348 5.1)
+constexpr std::uint64_t kLater = 3;  // number of later datagrams that prove a loss (RFC 5348 5.1)
 constexpr std::array<double, 8> kWeights{1, 1, 1, 1, 0.8, 0.6, 0.4, 0.2};
-constexpr double kMinQueue = 10'000;  // microseconds; less is noise
+constexpr double kMinQueue = 10'000;  // microseconds; a smaller range of delays is noise
 constexpr Instant kShortestTrip{500}, kLongestTrip{5'000'000};
 constexpr std::array<CongestionName, 3> kNames{{
     {"equation", CongestionResponse::equation, "slows down at any loss, like TCP; safe on every network"},
@@ -70,7 +70,7 @@ void LossHistory::arrived(std::uint64_t number, std::uint64_t bytes, Instant now
     return;
   }
   const std::uint64_t gap = number - next_;
-  // After a long silence, only the newest datagrams are tracked one by one.
+  // After a long silence, record single losses only for the newest missing datagrams.
   const std::uint64_t skipped = gap > kMaxMissing ? gap - kMaxMissing : 0;
   if (skipped > 0) {
     lost_ += missing_.size() + skipped;
@@ -94,7 +94,7 @@ void LossHistory::lose(std::uint64_t number, Instant now, Instant round_trip, bo
     intervals_[0] = static_cast<double>(number - std::min(event_first_, number));
     interval_count_ = std::min(interval_count_ + 1, intervals_.size());
   } else {
-    // Initialise as if the rate until now were TCP's (RFC 5348 6.3.1).
+    // Begin with the loss interval at which TCP would have the rate so far (RFC 5348 6.3.1).
     const double span = std::max(seconds(now - window_start_), 1e-3);
     const double rate = std::max(last_rate_, static_cast<double>(window_bytes_) / span);
     intervals_[0] = 1 / tcp_loss(mean_packet_, std::max(seconds(round_trip), 1e-3), std::max(rate, 1.0));
@@ -107,7 +107,7 @@ void LossHistory::lose(std::uint64_t number, Instant now, Instant round_trip, bo
 
 double LossHistory::event_rate() const {
   if (!any_event_) return 0;
-  // RFC 5348 5.4: use the longer mean, with or without the open interval.
+  // RFC 5348 5.4: use the longer mean, with or without the current interval.
   const auto open = static_cast<double>(next_ - std::min(event_first_, next_));
   double closed_sum = 0, closed_weight = 0, open_sum = open * kWeights[0], open_weight = kWeights[0];
   for (std::size_t i = 0; i < interval_count_; ++i) {
@@ -158,7 +158,7 @@ void RateController::feedback(const Feedback& feedback, Instant now) {
   const Instant sample = std::clamp(feedback.round_trip, kShortestTrip, kLongestTrip);
   round_trip_ = sampled_ ? (round_trip_ * 9 + sample) / 10 : sample;
   sampled_ = true;
-  // Twice the received rate, in the better of the last two intervals (RFC 5348 4.3).
+  // Limit the rate to twice the received rate, the maximum of the last two reports (RFC 5348 4.3).
   const double arrived = std::max(feedback.receive_rate, previous_receive_);
   previous_receive_ = feedback.receive_rate;
   const double most = feedback.limited ? std::numeric_limits<double>::infinity() : 2 * arrived;
@@ -169,7 +169,7 @@ void RateController::feedback(const Feedback& feedback, Instant now) {
     doubled_ = now;
   }
   limit();
-  // Reports arrive up to five times per second.
+  // Reports are received up to five times per second.
   const double patience = std::max({4 * seconds(round_trip_), 2 * kPacket / std::max(rate_, 1.0), 0.5});
   silence_ = now + Instant(static_cast<std::int64_t>(std::min(patience, 60.0) * 1e6));
 }

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kBlockSource = 64;
 
-/// Returns rows of the identity, then of a Cauchy matrix: any k rows are independent.
+/// Returns the coding matrix: rows of the identity, then rows of a Cauchy matrix. Any k of its rows are independent.
 std::vector<unsigned char> coding_matrix(std::size_t source) {
   std::vector<unsigned char> matrix(ErasureLayout::kMaxSymbols * source);
   gf_gen_cauchy1_matrix(matrix.data(), static_cast<int>(ErasureLayout::kMaxSymbols), static_cast<int>(source));
@@ -41,8 +41,8 @@ std::size_t symbols_for(std::size_t source, double loss, double failure) {
   std::size_t symbols = source;
   if (loss <= 0) return symbols;
   if (loss >= 1) return ErasureLayout::kMaxSymbols;
-  // With n symbols sent, the last of the k required ones is the n-th with a probability of C(n - 1, k - 1) (1 - loss)^k
-  // loss^(n - k).
+  // The n-th sent symbol is the k-th received symbol with probability C(n - 1, k - 1) (1 - loss)^k loss^(n - k).
+  // `arrived` sums this over n.
   double last = std::pow(1 - loss, static_cast<double>(source)), arrived = last;
   while (symbols < ErasureLayout::kMaxSymbols && 1 - arrived >= failure) {
     last *= loss * static_cast<double>(symbols) / static_cast<double>(symbols - source + 1);
@@ -96,7 +96,7 @@ void ErasureDecoder::solve(std::size_t number) {
                 rows.begin() + static_cast<std::ptrdiff_t>(sources.size() * source));
     sources.push_back(raw(bytes.data()));
   }
-  // A Cauchy matrix is never singular.
+  // The chosen rows are independent, so the inversion cannot fail.
   if (gf_invert_matrix(rows.data(), inverse.data(), static_cast<int>(source)) != 0) return;
   for (std::size_t i = 0; i < source; ++i) {
     std::byte* const place = data_.data() + (number * source + i) * size;

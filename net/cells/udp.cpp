@@ -57,7 +57,7 @@ std::optional<Endpoint> endpoint_of(const sockaddr* from) {
 
 std::string reason() { return std::generic_category().message(errno); }
 
-/// Opens and binds a socket of one family. Returns -1 and sets errno on failure.
+/// Opens a socket of one family and binds it. Returns -1 and sets errno on failure.
 int bound_socket(bool ipv6, std::uint16_t port, bool loopback) {
   const int made = ::socket(ipv6 ? AF_INET6 : AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (made < 0) return -1;
@@ -118,7 +118,7 @@ std::variant<UdpSocket, UdpError> UdpSocket::open(std::uint16_t port, bool loopb
   UdpSocket result;
   result.ipv6_ = true;
   result.socket_ = bound_socket(true, port, loopback);
-  if (result.socket_ < 0) {  // a system without IPv6
+  if (result.socket_ < 0) {  // the system has no IPv6: use IPv4
     result.ipv6_ = false;
     result.socket_ = bound_socket(false, port, loopback);
   }
@@ -141,7 +141,7 @@ bool UdpSocket::send(const Endpoint& to, std::span<const std::byte> bytes) {
 }
 
 std::optional<std::span<const std::byte>> UdpSocket::receive(Endpoint& from) {
-  // Skip a few results that are not datagrams, such as refusals by ICMP.
+  // Skip a few errors that ICMP caused, such as refused datagrams.
   for (int i = 0; i < 16; ++i) {
     sockaddr_storage storage{};
     socklen_t size = sizeof storage;

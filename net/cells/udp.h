@@ -20,13 +20,13 @@ struct UdpError {
   std::string message;
 };
 
-/// Returns the first address of a host name or number to which a document with this reach may send datagrams. Blocks
-/// while name servers are asked.
+/// Returns an address of a host to which a document with this reach may send datagrams. `host` is a name or an address.
+/// Blocks while name servers are asked.
 [[nodiscard]] std::variant<Endpoint, UdpError> find_host(const std::string& host, std::uint16_t port,
                                                          AddressSpace reach = AddressSpace::special,
                                                          const AddressSpaceOf& space_of = address_space_of);
 
-/// UDP socket, for IPv6 and IPv4 if the system has both. Only `wait` blocks. Movable. One thread.
+/// UDP socket for IPv6 and IPv4, as far as the system has both. Only `wait` blocks. Movable. One thread.
 class UdpSocket {
  public:
   UdpSocket() = default;
@@ -36,15 +36,15 @@ class UdpSocket {
   UdpSocket& operator=(const UdpSocket&) = delete;
   ~UdpSocket();
 
-  /// Opens a socket on a port (0 means any free port), on all addresses or only on loopback.
+  /// Opens a socket. `port` 0 means any free port. `loopback` accepts datagrams only from this machine.
   [[nodiscard]] static std::variant<UdpSocket, UdpError> open(std::uint16_t port, bool loopback);
   [[nodiscard]] std::uint16_t port() const { return port_; }
-  /// Sends a datagram. Returns false if the system has no room now, or no route.
+  /// Sends a datagram. Returns false if the system has no buffer space now, or no route.
   bool send(const Endpoint& to, std::span<const std::byte> bytes);
-  /// Returns the next received datagram, cut at 64 KiB, or nullopt if there is none.
+  /// Returns the next received datagram, shortened to 64 KiB. Returns nullopt if none is waiting.
   [[nodiscard]] std::optional<std::span<const std::byte>> receive(Endpoint& from);
-  /// Waits at most `most` until a datagram is received, until there is room to send (if `for_room`), or until the
-  /// descriptor `wake` is readable (-1 means none).
+  /// Waits at most `most` for a received datagram, for the descriptor `wake` to be readable, or for space to send.
+  /// Without `for_room`, does not wait for space. `wake` -1 means no descriptor.
   void wait(std::chrono::microseconds most, bool for_room, int wake) const;
 
  private:

@@ -6,14 +6,14 @@
 
 namespace gs::net {
 
-/// Reason why a controlled program could not be reached.
+/// Reason why the controlled program did not answer.
 struct ControlCallError {
   std::string message;
 };
 
-/// Sends one message to a controlled program on a Unix socket (ControlProtocol::lines), and waits at most `patience`
-/// for its answer of one line. Refuses programs of other users, as the kernel reports the peer's user. `message` has no
-/// line ends. Blocks. Any thread.
+/// Sends one message to a controlled program on a Unix socket (ControlProtocol::lines). Waits at most `patience` for an
+/// answer of one line. Refuses programs of other users, by the user that the kernel reports for the peer. `message` has
+/// no line ends. Blocks. Any thread.
 [[nodiscard]] std::variant<std::string, ControlCallError> call_control(const std::string& path,
                                                                        const std::string& token,
                                                                        const std::string& message,

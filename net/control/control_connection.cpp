@@ -11,8 +11,8 @@
 namespace gs::net {
 namespace {
 
-constexpr std::size_t kMaxHead = 8192;         // bytes of a handshake
-constexpr std::size_t kMaxFirstMessage = 256;  // bytes of the first message of a client that is not admitted
+constexpr std::size_t kMaxHead = 8192;  // maximum bytes of a handshake
+constexpr std::size_t kMaxFirstMessage = 256;  // maximum bytes of the first message, before the client is admitted
 constexpr std::size_t kWorthMoving = std::size_t{64} << 10;
 
 const char kWrongToken[] = "wrong token";
@@ -46,7 +46,7 @@ void ControlConnection::receive_head(std::string_view bytes) {
   head_ = {};
   if (const auto* refusal = std::get_if<WebSocketRefusal>(&parsed)) return refuse(*refusal);
   const auto& request = std::get<WebSocketRequest>(parsed);
-  // Refuse a page with a name that resolves to this machine (DNS rebinding), even with a token.
+  // Refuse pages from a host name that resolves to this machine (DNS rebinding), even with a token.
   static const HostNames names("127.0.0.1", {});
   if (!names.admits(request.host)) return refuse({403, "not a name of this machine"});
   const bool knows = request.token && same_secret(*request.token, terms_.token);
@@ -71,7 +71,7 @@ void ControlConnection::receive_frames(std::string_view bytes) {
         take(std::move(message.payload));
         return !closing_;
       default:
-        return true;  // ignore unrequested pongs (RFC 6455 5.5.3)
+        return true;  // ignore pongs without a ping (RFC 6455 5.5.3)
     }
   });
   if (decoder_.failure()) close(decoder_.failure()->code, decoder_.failure()->why);

@@ -21,45 +21,49 @@ enum class ControlProtocol : std::uint8_t {
 
 struct ControlLimits {
   std::size_t message_bytes = std::size_t{4} << 20;  // maximum bytes of one message from an admitted client
-  // Bytes of a client's messages that nobody has taken; beyond it, no more are read.
+  // Maximum bytes of a client's messages that the owner has not taken. Above it, the server stops reading from the
+  // client.
   std::size_t waiting_bytes = std::size_t{8} << 20;
-  std::size_t waiting_messages = 4096;  // number of such messages
-  // Bytes that a client has not read; beyond it, it is disconnected.
+  std::size_t waiting_messages = 4096;  // maximum number of messages that the owner has not taken
+  // Maximum bytes that a client has not read. Above it, the server disconnects the client.
   std::size_t outgoing_bytes = std::size_t{16} << 20;
-  std::size_t clients = 16;  // admitted clients
-  // Clients that are not admitted yet; beyond it, the oldest is disconnected.
+  std::size_t clients = 16;  // maximum number of admitted clients
+  // Maximum number of clients that are not admitted yet. Above it, the server disconnects the oldest.
   std::size_t strangers = 64;
   Instant admission{10'000'000};  // maximum time until admission
 };
 
-/// Settings that all connections share.
+/// Settings that all control connections share.
 struct ControlTerms {
   std::string token;
   ControlLimits limits;
-  /// Returns the last message to a client that uses lines and is disconnected. A WebSocket gets a close frame instead.
+  /// Returns the last message to a disconnected client with the protocol `lines`. A WebSocket client gets a close frame
+  /// instead.
   std::function<std::string(const std::string& why)> farewell;
 };
 
-/// State machine of one connection, without its socket: converts between bytes and messages.
+/// State machine of one connection, without its socket. Converts between bytes and messages.
 ///
-/// A client is admitted if it knows the token. A WebSocket may send it in the query of its handshake, and must do so if
-/// it has an Origin, that is, if a page of a web browser connects. Otherwise the first message must be the token alone.
-/// Before admission, nothing else is processed, and at most a few kilobytes are kept. One thread. The terms must
-/// outlive the connection.
+/// A client must send the token to be admitted. A web page must send it in the query of the WebSocket handshake; any
+/// handshake with an Origin counts as a web page. Other WebSocket clients may do so. All others send the token alone as
+/// their first message.
+///
+/// Before admission, processes nothing else and stores at most a few kilobytes. One thread. The terms must outlive the
+/// connection.
 class ControlConnection {
  public:
   ControlConnection(ControlProtocol protocol, const ControlTerms& terms);
 
-  /// Takes bytes of the client. `take_messages` returns their messages.
+  /// Takes received bytes. `take_messages` returns the messages in them.
   void receive(std::string_view bytes);
   [[nodiscard]] std::vector<std::string> take_messages();
-  /// Queues a message for the client: UTF-8 without line ends.
+  /// Queues a message to the client. `message` is UTF-8 without line ends.
   void send(std::string_view message);
-  /// Closes the connection: reads nothing more, and sends only the reason.
+  /// Closes the connection. After this, it reads no more bytes and sends only the reason.
   void close(WebSocketClose code, const std::string& why);
 
   [[nodiscard]] bool is_admitted() const { return admitted_; }
-  /// Returns the bytes to send. The connection ends when it is closing and they are empty.
+  /// Returns the bytes to send. A closing connection ends when they are empty.
   [[nodiscard]] std::string_view outgoing() const { return std::string_view(outgoing_).substr(sent_); }
   void sent(std::size_t bytes);
   [[nodiscard]] bool is_closing() const { return closing_; }
@@ -74,12 +78,12 @@ class ControlConnection {
   ControlProtocol protocol_;
   const ControlTerms& terms_;
   WebSocketDecoder decoder_;
-  std::string head_;   // head of the handshake, or the incomplete line
-  bool open_ = false;  // the handshake is complete
+  std::string head_;  // head of the handshake, or an incomplete line
+  bool open_ = false;  // the handshake or the protocol `lines` has begun
   bool admitted_ = false, closing_ = false;
   std::vector<std::string> messages_;
   std::string outgoing_;
-  std::size_t sent_ = 0;  // of outgoing_
+  std::size_t sent_ = 0;  // sent bytes of outgoing_
 };
 
 }  // namespace gs::net

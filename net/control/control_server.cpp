@@ -27,21 +27,21 @@ namespace gs::net {
 namespace {
 
 constexpr std::size_t kReadAtOnce = std::size_t{64} << 10;
-constexpr std::size_t kBehind = std::size_t{256} << 10;  // unread bytes from which a client is behind
+constexpr std::size_t kBehind = std::size_t{256} << 10;  // unread bytes above which a client counts as behind
 constexpr int kAcceptedAtOnce = 64;
-constexpr Instant kFarewell{1'000'000};     // time to send the remaining bytes
-constexpr Instant kNoDescriptors{100'000};  // delay before the next attempt
+constexpr Instant kFarewell{1'000'000};  // maximum time to send the remaining bytes to a disconnected client
+constexpr Instant kNoDescriptors{100'000};  // pause without accepting, after descriptors ran out
 
 struct Listener {
   Descriptor socket;
   ControlProtocol protocol = ControlProtocol::lines;
-  std::string path;  // of a Unix socket
+  std::string path;  // path of a Unix socket
   struct stat about {};
 };
 
 std::string error_text() { return std::strerror(errno); }
 
-// Removes the leftover socket of a killed program. Does not touch a socket on which a program listens.
+// Removes the socket that a killed program left at `path`. Does not touch a socket on which a program listens.
 std::optional<std::string> make_room(const std::string& path, const sockaddr_un& address) {
   struct stat about {};
   if (::lstat(path.c_str(), &about) != 0) return std::nullopt;
@@ -62,7 +62,7 @@ std::variant<Listener, std::string> listen_at_path(const std::string& path) {
   path.copy(address.sun_path, path.size());
   if (auto problem = make_room(path, address)) return std::move(*problem);
   made.socket = Descriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  // Set the mode before the socket has a name, so that no other user can ever connect.
+  // Set the mode before the socket has a name, so that other users can never connect.
   if (!made.socket || ::fchmod(made.socket.get(), 0600) != 0 ||
       ::bind(made.socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
     return path + ": " + error_text();
@@ -89,15 +89,15 @@ std::variant<Listener, std::string> listen_at_port(std::uint16_t& port) {
   return made;
 }
 
-// State of a client that the server's thread shares with the owner's thread.
+// State of one client. The server's thread and the owner's thread share it.
 struct Mailbox {
-  std::deque<std::string> messages;  // from the client
-  std::size_t bytes = 0;             // of `messages`
-  bool ended = false, told = false;  // no more messages follow; the owner has been told
+  std::deque<std::string> messages;  // messages from the client
+  std::size_t bytes = 0;  // bytes in `messages`
+  bool ended = false, told = false;  // no more messages follow; the owner knows this
   bool gone = false;                 // the connection is closed
   std::deque<std::string> answers;
-  std::size_t answer_bytes = 0, unsent_bytes = 0;  // in `answers`; held by the server's thread
-  bool behind = false, cut_off = false;            // has much to read; has too much to read
+  std::size_t answer_bytes = 0, unsent_bytes = 0;  // bytes in `answers`; bytes not sent by the server's thread
+  bool behind = false, cut_off = false;  // the client has many unread bytes; it has too many
 };
 
 struct Peer {
@@ -106,13 +106,13 @@ struct Peer {
   Descriptor socket;
   ControlConnection connection;
   std::uint64_t id;
-  Instant deadline;      // for admission, or for leaving
-  bool known = false;    // has a Mailbox
-  bool ended = false;    // sends nothing more
-  bool paused = false;   // its messages wait to be taken
-  bool leaves = false;   // further input is discarded
-  bool shut = false;     // everything was sent, and the sending side is closed
-  bool hung_up = false;  // nobody reads; messages may remain
+  Instant deadline;  // end of the time for admission, or for the last bytes to a disconnected client
+  bool known = false;  // the client is admitted and has a Mailbox
+  bool ended = false;  // the client sends nothing more
+  bool paused = false;  // the server does not read until the owner takes messages
+  bool leaves = false;  // the client is disconnected; further input is discarded
+  bool shut = false;  // everything is sent, and the sending half of the socket is closed
+  bool hung_up = false;  // the client does not read any more; unread messages from it may remain
   bool gone = false;
 };
 
@@ -141,11 +141,11 @@ struct ControlServer::State {
   EventFd bell;
   std::atomic<bool> stopping = false;
   std::atomic<std::size_t> count = 0;
-  std::deque<std::unique_ptr<Peer>> peers;  // oldest first
+  std::deque<std::unique_ptr<Peer>> peers;  // connected clients, oldest first
   std::uint64_t last_id = 0;
-  Instant no_more_until{0};  // time of the next attempt after descriptors ran out
-  bool has_news = false;     // since the last wake
-  mutable std::mutex mutex;  // guards the following members
+  Instant no_more_until{0};  // after descriptors ran out: time of the next accept
+  bool has_news = false;  // `next` got new events after the last wake
+  mutable std::mutex mutex;  // guards the members below
   std::map<std::uint64_t, Mailbox> mailboxes;
   std::uint64_t last_served = 0;
   std::thread thread;
@@ -188,7 +188,7 @@ std::variant<std::unique_ptr<ControlServer>, std::string> ControlServer::start(C
   if (!problem && options.ready) problem = options.ready();
   for (const Listener& one : state->listeners)
     if (!problem && ::listen(one.socket.get(), SOMAXCONN) != 0) problem = "cannot accept connections: " + error_text();
-  std::unique_ptr<ControlServer> made(new ControlServer(std::move(state)));  // its destructor removes the sockets
+  std::unique_ptr<ControlServer> made(new ControlServer(std::move(state)));  // the destructor removes the sockets
   if (problem) return std::move(*problem);
   return made;
 }
@@ -196,7 +196,7 @@ std::variant<std::unique_ptr<ControlServer>, std::string> ControlServer::start(C
 const std::vector<std::uint16_t>& ControlServer::ports() const { return state_->ports; }
 std::size_t ControlServer::connections() const { return state_->count; }
 
-// Owner's functions ----------------------------------------------------------------------------------
+// Functions for the owner -------------------------------------------------------------------------
 
 std::optional<ControlNews> ControlServer::next() {
   ControlNews news;
@@ -254,20 +254,20 @@ bool ControlServer::is_behind(std::uint64_t client) const {
   return found != state_->mailboxes.end() && found->second.behind;
 }
 
-// Server's thread -----------------------------------------------------------------------------------
+// Functions of the server's thread -------------------------------------------------------------------
 
 void ControlServer::State::run() {
   while (!stopping) {
     bell.still();
     take_answers();
-    tidy();  // sends reasons to disconnected clients
+    tidy();  // queues the reasons for disconnected clients
     for (const auto& peer : peers)
       if (!peer->gone) write(*peer);
     tidy();
     if (std::exchange(has_news, false) && wake) wake();
     wait();
   }
-  take_answers();  // answers to the clients that were served last
+  take_answers();  // sends the answers to the last taken messages
   for (const auto& peer : peers) {
     if (peer->gone) continue;
     peer->connection.close(WebSocketClose::going_away, "the program is ending");
@@ -292,7 +292,7 @@ void ControlServer::State::take_answers() {
     }
     for (const std::string& answer : answers) peer.connection.send(answer);
     if (cut_off || peer.connection.outgoing().size() > terms.limits.outgoing_bytes + kReadAtOnce) {
-      peer.gone = true;  // a client that does not read would not read the reason either
+      peer.gone = true;  // a client that does not read would not read a reason
     } else if (told) {
       send_away(peer, WebSocketClose::normal, "");
     }
@@ -326,7 +326,7 @@ void ControlServer::State::wait() {
     const short events = watched[first + i].revents;
     if ((events & POLLIN) != 0) read(*peers[i]);
     if ((events & (POLLERR | POLLHUP | POLLNVAL)) == 0 || (events & POLLIN) != 0) continue;
-    // The peer is gone; still read the bytes that it sent before.
+    // The client has closed its socket. If reading is paused, read its remaining messages later.
     (peers[i]->paused && !peers[i]->ended ? peers[i]->hung_up : peers[i]->gone) = true;
   }
   for (std::size_t i = 0; i < listeners.size(); ++i)
@@ -349,7 +349,7 @@ void ControlServer::State::accept_all(const Listener& listener) {
   }
 }
 
-// Removes silent clients to make room for new ones.
+// Removes the oldest clients without admission to make room for new clients.
 void ControlServer::State::make_room() {
   std::size_t strangers = 0;
   Peer* oldest = nullptr;
@@ -425,7 +425,7 @@ void ControlServer::State::write(Peer& peer) {
     }
   }
   if (peer.connection.outgoing().empty() && peer.leaves && !std::exchange(peer.shut, true)) {
-    // Closing with unread bytes would discard the last answer (RFC 9293 3.6.1).
+    // Close only the sending half: closing with unread input would discard the last answer (RFC 9293 3.6.1).
     (void)::shutdown(peer.socket.get(), SHUT_WR);
     if (peer.ended) peer.gone = true;
   }

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kBytes = 16;
 
-// Reports whether a file has the form that write_control_token() writes.
+// Reports whether the content of a file has the form that write_control_token() writes.
 bool is_token_file(const std::string& path) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   struct stat about {};
@@ -57,7 +57,7 @@ std::optional<std::string> write_control_token(const std::string& path, const st
   if (::lstat(path.c_str(), &about) == 0 && !is_token_file(path))
     return path + " already exists and has no token; not overwritten";
   std::string made = path + ".XXXXXX";
-  Descriptor file(::mkostemp(made.data(), O_CLOEXEC));  // with mode 0600
+  Descriptor file(::mkostemp(made.data(), O_CLOEXEC));  // mkostemp creates the file with mode 0600
   if (!file) return problem();
   const std::string text = token + "\n";
   const bool written = ::write(file.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size());

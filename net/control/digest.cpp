@@ -13,7 +13,7 @@ constexpr std::string_view kBase64Digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghij
 
 std::array<std::byte, 20> sha1(std::string_view text) {
   std::array<std::uint32_t, 5> state = {0x67452301, 0xefcdab89, 0x98badcfe, 0x10325476, 0xc3d2e1f0};
-  // A one, zeros, and the number of bits fill the last block (RFC 3174 4).
+  // The last block is filled with a one bit, zero bits and the number of bits (RFC 3174 4).
   std::string padded(text);
   padded += '\x80';
   while (padded.size() % 64 != 56) padded += '\0';
@@ -78,7 +78,7 @@ std::optional<std::vector<std::byte>> base64_bytes(std::string_view text) {
     }
     for (std::size_t j = 0; j < 3 - padding; ++j) bytes.push_back(static_cast<std::byte>(group >> (16 - 8 * j) & 0xff));
   }
-  // Unused bits must be zero, so that each byte sequence has one text.
+  // Reject texts with unused bits that are not zero, so that each byte sequence has only one text.
   return base64(bytes) == text ? std::optional(std::move(bytes)) : std::nullopt;
 }
 
@@ -102,7 +102,7 @@ bool is_utf8(std::string_view text) {
                      : lead >= 0xf0 && lead <= 0xf4 ? 3
                                                     : 0;
     if (more == 0 || end - at < more) return false;
-    // Reject overlong forms, surrogates and code points above U+10FFFF.
+    // Reject overlong forms, surrogates and code points above U+10FFFF, by the second byte.
     const unsigned least = lead == 0xe0 ? 0xa0 : lead == 0xf0 ? 0x90 : 0x80;
     const unsigned most = lead == 0xed ? 0x9f : lead == 0xf4 ? 0x8f : 0xbf;
     if (at[0] < least || at[0] > most) return false;

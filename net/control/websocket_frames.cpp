@@ -8,7 +8,7 @@
 namespace gs::net {
 namespace {
 
-constexpr std::size_t kMaxControl = 125;  // bytes of a control frame's payload (RFC 6455 5.5)
+constexpr std::size_t kMaxControl = 125;  // maximum bytes of a control frame's payload (RFC 6455 5.5)
 constexpr std::size_t kMaxFragments = 10'000;
 
 std::uint64_t big_endian(std::string_view bytes) {
@@ -21,7 +21,7 @@ bool is_control(WebSocketOpcode opcode) { return opcode >= WebSocketOpcode::clos
 
 bool is_known(unsigned opcode) { return opcode <= 2 || (opcode >= 8 && opcode <= 10); }
 
-// Reports whether a peer may send a code in a close frame (RFC 6455 7.4).
+// Reports whether a peer may send this status code in a close frame (RFC 6455 7.4).
 bool may_be_sent(std::uint64_t code) {
   if (code >= 3000) return code <= 4999;
   return code >= 1000 && code <= 1014 && code != 1004 && code != 1005 && code != 1006;
@@ -44,7 +44,7 @@ std::size_t WebSocketDecoder::push(std::string_view bytes, const std::function<b
       header_.append(bytes.substr(0, count));
       bytes.remove_prefix(count);
       if (header_.size() < header_size() && header_.size() != 2) continue;
-      begin_frame();  // called with the first two bytes, and with the complete header
+      begin_frame();  // runs twice: after two bytes, and when the header is complete
     } else {
       const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(left_, bytes.size()));
       std::string& to = is_control(opcode_) ? control_ : message_;
@@ -76,7 +76,7 @@ void WebSocketDecoder::begin_frame() {
     return fail(WebSocketClose::protocol_error,
                 in_message_ ? "a message starts inside another one" : "continuation without a message");
   }
-  if (header_.size() < header_size()) return;  // wait for the rest
+  if (header_.size() < header_size()) return;  // wait for the rest of the header
   const std::string_view rest = std::string_view(header_).substr(2);
   left_ = short_length < 126 ? short_length : big_endian(rest.substr(0, rest.size() - 4));
   if ((short_length == 126 && left_ < 126) || (short_length == 127 && left_ < 65536) || left_ >> 63 != 0)

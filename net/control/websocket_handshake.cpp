@@ -16,7 +16,7 @@ std::string lower_case(std::string_view text) {
   return result;
 }
 
-// Reports whether a comma-separated list has the word, in any case.
+// Reports whether a comma-separated list contains a word. Ignores case.
 bool list_has(std::string_view list, std::string_view word) {
   while (!list.empty()) {
     const std::size_t comma = std::min(list.find(','), list.size());
@@ -74,7 +74,8 @@ std::variant<WebSocketRequest, WebSocketRefusal> parse_websocket_request(std::st
     if (colon == std::string_view::npos || !is_header_name(text.substr(0, colon)) || has_control(text))
       return WebSocketRefusal{400, "invalid header field"};
     std::string& value = headers[lower_case(text.substr(0, colon))];
-    // A list may span several lines (RFC 9110 5.3). Repeated single values then become invalid.
+    // A list may span several fields of one name (RFC 9110 5.3). If the field must be unique, the joined value is
+    // invalid.
     value += (value.empty() ? "" : ", ") + std::string(without_blanks(text.substr(colon + 1)));
   }
   if (!list_has(headers["upgrade"], "websocket") || !list_has(headers["connection"], "upgrade"))

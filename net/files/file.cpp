@@ -23,7 +23,7 @@ FileError cannot_write(const std::string& path, const std::string& why) {
   return {"cannot write " + path + ": " + why};
 }
 
-/// Returns the kind of a file that is not a regular file, or nullopt for a regular one.
+/// Returns the kind of a file, such as a folder, if it is not a regular file. Returns nullopt for regular files.
 std::optional<std::string> not_a_regular_file(const struct stat& status) {
   if (S_ISREG(status.st_mode)) return std::nullopt;
   if (S_ISDIR(status.st_mode)) return "it is a folder; expected a file";
@@ -41,12 +41,12 @@ struct Regular {
 std::variant<Regular, FileError> open_regular(const std::string& path) {
   if (path.empty()) return FileError{"cannot open a file without a name"};
   if (path.find('\0') != std::string::npos) return FileError{"cannot open a file name with a zero byte"};
-  // Do not wait for the other end of a pipe, and do not take over a terminal.
+  // O_NONBLOCK: do not wait for the other end of a pipe. O_NOCTTY: do not make a terminal the controlling terminal.
   Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   struct stat status {};
   if (!file) {
     const int code = errno;
-    // A socket cannot be opened, and the system's message for it is unclear.
+    // open() fails for a socket with an unclear message, so report the kind of the file.
     if (::stat(path.c_str(), &status) == 0)
       if (const auto what = not_a_regular_file(status)) return cannot_open(path, *what);
     return cannot_open(path, reason(code));
@@ -56,7 +56,7 @@ std::variant<Regular, FileError> open_regular(const std::string& path) {
   return Regular{std::move(file), static_cast<std::uint64_t>(status.st_size)};
 }
 
-/// Reads up to `size` bytes; fewer if the file became shorter. Returns -1 and sets errno on disk errors.
+/// Reads up to `size` bytes. Returns fewer if the file became shorter. Returns -1 and sets errno on disk errors.
 ssize_t read_all(int file, std::byte* to, std::size_t size) {
   std::size_t done = 0;
   while (done < size) {
@@ -69,7 +69,7 @@ ssize_t read_all(int file, std::byte* to, std::size_t size) {
   return static_cast<ssize_t>(done);
 }
 
-/// Makes the new name durable. Some file systems cannot; the file is in place either way.
+/// Syncs the folder, so that the new name survives a power failure. Ignores errors: some file systems cannot do that.
 void sync_folder(const std::string& folder) {
   const Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (opened) (void)::fsync(opened.get());
@@ -79,7 +79,7 @@ void sync_folder(const std::string& folder) {
 std::optional<std::string> fill_and_rename(Descriptor& file, const std::string& temporary, const std::string& target,
                                            std::optional<mode_t> mode, std::span<const std::byte> bytes) {
   struct stat status {};
-  // Change the mode only if it differs: confined processes may not call fchmod.
+  // Change the mode only if it differs, because sandboxes may forbid fchmod.
   const bool other_mode = mode && (::fstat(file.get(), &status) != 0 || (status.st_mode & 07777) != *mode);
   if (!write_all(file.get(), bytes) || (other_mode && ::fchmod(file.get(), *mode) != 0) || ::fsync(file.get()) != 0 ||
       !file.close() || ::rename(temporary.c_str(), target.c_str()) != 0)
@@ -165,7 +165,7 @@ std::optional<FileError> write_file_atomically(const std::string& path, std::spa
       if (::stat(target.c_str(), &status) != 0) return cannot_write(path, reason(errno));
     }
     if (const auto what = not_a_regular_file(status)) return cannot_write(path, *what);
-    // Permission to write the folder must not bypass the file's own permissions.
+    // Write access to the folder must not override missing write access to the file.
     if (::access(target.c_str(), W_OK) != 0) return cannot_write(path, reason(errno));
     mode = status.st_mode & 07777;
   } else if (errno != ENOENT) {

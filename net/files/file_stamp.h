@@ -8,17 +8,17 @@
 
 namespace gs::net {
 
-/// Size, inode and time that identify a version of a file.
+/// Stamp of a file version: size, inode and time of modification.
 struct FileStamp {
   std::uint64_t size = 0, inode = 0;
   std::int64_t seconds = 0, nanoseconds = 0;  // time of modification, Unix time
   friend bool operator==(const FileStamp&, const FileStamp&) = default;
 
-  /// Returns a strong entity tag (RFC 9110 8.8.3) with its quotes. `suffix` distinguishes representations. Two changes
-  /// that keep the length within one tick of the file system's clock get equal tags.
+  /// Returns a strong entity tag (RFC 9110 8.8.3) with its quotes. `suffix` distinguishes representations of the file.
+  /// Two versions get equal tags if they have one length and one tick of the file system's clock.
   [[nodiscard]] std::string etag(std::string_view suffix = {}) const;
 };
-/// Returns the stamp of an open file; zeros if the system does not report it.
+/// Returns the stamp of an open file. Returns zeros if the system does not report the values.
 [[nodiscard]] FileStamp stamp_of(const Descriptor& descriptor);
 
 }  // namespace gs::net

@@ -14,13 +14,13 @@
 
 namespace gs::net {
 
-/// Address range of a mapping, for the handler, which may run at any moment on any thread. Ranges are reused and never
-/// freed. `version` is odd while a range changes, so that the handler does not combine two states.
+/// Address range of a mapping, for the signal handler, which may run at any moment on any thread. Ranges are reused and
+/// never freed. `version` is odd during a change, so that the handler does not mix old and new values.
 struct GuardedRange {
   std::atomic<std::uint64_t> version{0};
-  std::atomic<std::uintptr_t> begin{0}, end{0};  // whole pages; 0 means free
+  std::atomic<std::uintptr_t> begin{0}, end{0};  // addresses of whole pages; 0 means free
   std::atomic<bool> lost{false};
-  GuardedRange* next = nullptr;  // set once
+  GuardedRange* next = nullptr;  // set once, before the range joins the list
 };
 
 namespace {
@@ -29,7 +29,7 @@ static_assert(std::atomic<std::uintptr_t>::is_always_lock_free && std::atomic<st
               "a signal handler must not wait for a lock");
 
 std::atomic<GuardedRange*> guarded_ranges{nullptr};
-std::mutex guarded_mutex;  // guards acquiring and releasing ranges; the handler does not lock it
+std::mutex guarded_mutex;  // for acquiring and releasing ranges; not for the handler
 struct sigaction previous_bus_action {};
 std::uintptr_t guarded_page_size = 0;
 
@@ -39,8 +39,8 @@ constexpr long kMapCall = SYS_mmap2;
 constexpr long kMapCall = SYS_mmap;
 #endif
 
-// Maps zeros from `at` to the end of its range. Calls the system directly, because a signal handler may do little else,
-// and ThreadSanitizer reports mmap(2) as a write to memory that others read.
+// Maps zeros from `at` to the end of its range. Uses system calls without wrappers: signal handlers may call few
+// functions, and ThreadSanitizer would report mmap(2) as a data race. Returns false if no range contains `at`.
 bool fill_missing(std::uintptr_t at) {
   for (GuardedRange* range = guarded_ranges.load(std::memory_order_acquire); range; range = range->next) {
     const std::uint64_t version = range->version.load(std::memory_order_acquire);
@@ -66,13 +66,13 @@ void on_bus_error(int number, siginfo_t* info, void* context) {
   if ((previous_bus_action.sa_flags & SA_SIGINFO) != 0) return previous_bus_action.sa_sigaction(number, info, context);
   if (previous_bus_action.sa_handler != SIG_DFL && previous_bus_action.sa_handler != SIG_IGN)
     return previous_bus_action.sa_handler(number);
-  // The access is repeated, and ends the program as without this handler.
+  // Restore the default action. The faulting access is then repeated and ends the program.
   struct sigaction standard {};
   standard.sa_handler = SIG_DFL;
   (void)::sigaction(SIGBUS, &standard, nullptr);
 }
 
-// Requires guarded_mutex.
+// Installs the handler of SIGBUS. The caller must hold guarded_mutex.
 bool install_handler() {
   static bool installed = false;
   if (installed) return true;
@@ -93,7 +93,7 @@ void change_range(GuardedRange& range, std::uintptr_t begin, std::uintptr_t end)
   range.version.fetch_add(1, std::memory_order_acq_rel);
 }
 
-// Requires guarded_mutex.
+// Returns an unused range. The caller must hold guarded_mutex.
 GuardedRange& free_range() {
   for (GuardedRange* range = guarded_ranges.load(std::memory_order_acquire); range; range = range->next)
     if (range->end.load(std::memory_order_acquire) == 0) return *range;
@@ -108,7 +108,7 @@ GuardedRange& free_range() {
 std::optional<GuardedMapping> GuardedMapping::of(int file, std::size_t size) {
   const std::lock_guard lock(guarded_mutex);
   if (size == 0 || !install_handler()) return std::nullopt;
-  GuardedRange& range = free_range();  // may throw, so it precedes the mapping
+  GuardedRange& range = free_range();  // may throw, so it must precede the mapping
   void* const memory = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
   if (memory == MAP_FAILED) return std::nullopt;
   const auto begin = reinterpret_cast<std::uintptr_t>(memory);
@@ -145,7 +145,7 @@ void GuardedMapping::release() noexcept {
 
 void GuardedMapping::put_aside(std::size_t size) const {
   const std::size_t whole = std::min(size, size_) & ~static_cast<std::size_t>(guarded_page_size - 1);
-  // Dropping pages after a loss would drop the zeros, too.
+  // After a loss, keep the pages: dropping them would also drop the zeros.
   if (whole > 0 && !lost()) (void)::madvise(const_cast<std::byte*>(data_), whole, MADV_DONTNEED);
 }
 

@@ -6,12 +6,12 @@
 
 namespace gs::net {
 
-/// Argument that stands for standard input, and the system's path to it.
+/// Argument that means standard input, and the path of standard input in the system.
 inline constexpr char kStandardInput[] = "-";
 inline constexpr char kStandardInputPath[] = "/dev/stdin";
 
-/// Makes kStandardInputPath name a regular file with the content of standard input. Reads a pipe to its end into
-/// memory, at most `limit` bytes. Returns the error, or nullopt. Call it once, before other threads start.
+/// Makes kStandardInputPath a regular file with the content of standard input. Copies a pipe to memory until its end,
+/// at most `limit` bytes. Returns the error, or nullopt. Call it once, before other threads start.
 [[nodiscard]] std::optional<std::string> hold_standard_input(std::uint64_t limit);
 
 }  // namespace gs::net

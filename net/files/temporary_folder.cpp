@@ -16,7 +16,7 @@
 namespace gs::net {
 namespace {
 
-constexpr std::size_t kEnding = 6;  // letters and digits of mkdtemp
+constexpr std::size_t kEnding = 6;  // number of random characters that mkdtemp appends
 
 bool is_name_of(std::string_view name, std::string_view prefix) {
   if (name.size() != prefix.size() + 1 + kEnding || !name.starts_with(prefix) || name[prefix.size()] != '-')
@@ -26,7 +26,7 @@ bool is_name_of(std::string_view name, std::string_view prefix) {
                      [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); });
 }
 
-// Reports whether the open folder is still at `path` and belongs to this user alone.
+// Reports whether the open folder is still at `path` and belongs only to this user.
 bool is_folder_of_ours(const Descriptor& folder, const std::string& path) {
   struct stat open {
   }, there{};
@@ -39,7 +39,8 @@ Descriptor open_folder(const std::string& path) {
   return Descriptor(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
 }
 
-// Removes the files. Returns false and removes nothing if the folder has anything but regular files.
+// Removes the files of a folder. Returns false and removes nothing if the folder contains anything except regular
+// files.
 bool remove_files(const Descriptor& folder, const std::string& path) {
   std::vector<std::string> names;
   std::error_code error;
@@ -63,7 +64,8 @@ std::variant<LockedFolder, std::string> LockedFolder::make(const std::string& pa
     if (!::mkdtemp(path.data()))
       return "cannot create a folder in " + parent + ": " + std::generic_category().message(errno);
     Descriptor folder = open_folder(path);
-    // A concurrent cleanup may hold the lock. If locks do not work, no cleanup can run.
+    // Give up if a concurrent cleanup holds the lock. Continue without a lock if the file system has no locks: then no
+    // cleanup runs.
     if (!folder || (::flock(folder.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) ||
         !is_folder_of_ours(folder, path))
       continue;
@@ -90,7 +92,7 @@ void LockedFolder::remove() noexcept {
   try {
     (void)remove_files(locked_, path_);
   } catch (const std::bad_alloc&) {
-    // The next start removes it.
+    // If removal fails, a later start removes the folder.
   }
   (void)::rmdir(path_.c_str());
   locked_.close();

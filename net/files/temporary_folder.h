@@ -9,12 +9,12 @@
 
 namespace gs::net {
 
-/// Private temporary folder (mode 0700) that its owner removes. Movable. A lock (flock) marks it as in use while this
-/// process lives. Leftovers of ended processes are recognised by their missing lock, not by age or by process numbers,
-/// which systems reuse.
+/// Private temporary folder (mode 0700). The owner removes it. Movable. A lock (flock) marks the folder as in use while
+/// this process runs. A missing lock identifies folders of ended processes. Age and process ids cannot, because systems
+/// reuse ids.
 class LockedFolder {
  public:
-  /// Creates a folder in `parent`, named `prefix` with a random ending, or returns an error.
+  /// Creates a folder in `parent`. Its name is `prefix` with a random ending. Returns an error on failure.
   [[nodiscard]] static std::variant<LockedFolder, std::string> make(const std::string& parent, std::string_view prefix);
   LockedFolder() = default;
   LockedFolder(LockedFolder&&) noexcept = default;
@@ -33,8 +33,9 @@ class LockedFolder {
   Descriptor locked_;
 };
 
-/// Removes the folders of ended processes in `parent`, and returns their number. Removes only folders with exactly such
-/// a name, of this user, with mode 0700, without a lock, and with regular files only. Any thread.
+/// Removes the folders that ended processes left in `parent`. Returns the number of removed folders. Removes a folder
+/// only if it has exactly such a name, belongs to this user, has mode 0700, is not locked and holds only regular files.
+/// Any thread.
 std::size_t remove_abandoned_folders(const std::string& parent, std::string_view prefix);
 
 }  // namespace gs::net

@@ -18,14 +18,14 @@ namespace {
 
 constexpr std::string_view kPrefix = ".ghostspace-";
 
-/// Returns true for a number of up to ten digits without leading zeros.
+/// Returns true if `text` has one to ten digits and no leading zero.
 bool is_number(std::string_view text) {
   constexpr std::size_t kMaxDigits = 10;
   return !text.empty() && text.size() <= kMaxDigits && (text.front() != '0' || text.size() == 1) &&
          std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
-/// Returns true for `.ghostspace-PID-N`.
+/// Returns true if the name has the form `.ghostspace-PID-N`.
 bool is_unfinished_name(std::string_view name) {
   if (!name.starts_with(kPrefix)) return false;
   name.remove_prefix(kPrefix.size());
@@ -33,12 +33,12 @@ bool is_unfinished_name(std::string_view name) {
   return dash != std::string_view::npos && is_number(name.substr(0, dash)) && is_number(name.substr(dash + 1));
 }
 
-/// Returns true for a regular file of this user that has no second name.
+/// Returns true if the file is regular, belongs to this user and has only one name.
 bool is_own_file(const struct stat& status) {
   return S_ISREG(status.st_mode) && status.st_uid == ::geteuid() && status.st_nlink == 1;
 }
 
-/// Returns true if `name` in `folder` is still the open file.
+/// Returns true if `name` in `folder` still refers to the open file.
 bool is_same_file(int folder, const char* name, const Descriptor& file) {
   struct stat open {
   }, named{};
@@ -46,11 +46,11 @@ bool is_same_file(int folder, const char* name, const Descriptor& file) {
          is_own_file(open) && open.st_dev == named.st_dev && open.st_ino == named.st_ino;
 }
 
-/// Removes one file if it is a leftover. The lock is held until the name is gone, so that no writer uses it meanwhile.
+/// Removes a file if no process uses it. Holds the lock until the name is removed, so that no writer begins to use it.
 bool remove_leftover(int folder, const char* name) {
   struct stat status {};
   if (::fstatat(folder, name, &status, AT_SYMLINK_NOFOLLOW) != 0 || !is_own_file(status)) return false;
-  // Locks of NFS need a file that is open for writing.
+  // NFS locks only files that are open for writing.
   const Descriptor file(::openat(folder, name, O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   return file && ::flock(file.get(), LOCK_EX | LOCK_NB) == 0 && is_same_file(folder, name, file) &&
          ::unlinkat(folder, name, 0) == 0;
@@ -75,7 +75,8 @@ UnfinishedFile create_unfinished_file(const std::string& folder) {
       errno = code;
       return made;
     }
-    // Another process may remove the file before it is locked. A file system without locks never removes leftovers.
+    // Another process may remove the file before this process locks it. Without locks in the file system, none is ever
+    // removed.
     const bool taken = ::flock(made.lock.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
     if (!taken && is_same_file(AT_FDCWD, made.path.c_str(), made.file)) return made;
     if (taken) ::unlink(made.path.c_str());

@@ -7,21 +7,21 @@
 
 namespace gs::net {
 
-/// New file that later replaces another one: `.ghostspace-PID-N` in the folder of that file. A lock (flock) marks it as
-/// in use while this object lives, so that remove_unfinished_files() recognises leftovers of killed processes. Process
-/// numbers cannot do that: systems reuse them, and containers have their own.
+/// New file that later replaces another file. Its name is `.ghostspace-PID-N` in the folder of that file. A lock
+/// (flock) marks it as in use while this object exists. A missing lock identifies files of killed processes. Process
+/// ids cannot: systems reuse them, and each container counts its own.
 struct UnfinishedFile {
   std::string path;
-  Descriptor file;  // open for writing; not open after a failure
-  Descriptor lock;  // shares the lock of `file`, and keeps it after `file` is closed
+  Descriptor file;  // open for writing; closed after a failure
+  Descriptor lock;  // holds the lock of `file` after `file` is closed
 };
 
-/// Creates an unfinished file with the default access rights. `folder` ends with a slash. On failure, `file` is not
-/// open and errno holds the reason.
+/// Creates an unfinished file with default access rights. `folder` ends with a slash. On failure, `file` is closed and
+/// errno has the reason.
 [[nodiscard]] UnfinishedFile create_unfinished_file(const std::string& folder);
 
-/// Removes the unfinished files that killed processes left in `folder`, and returns their number. Removes a file only
-/// if its name has exactly the form above and it is a regular file of this user, with one name and without a lock.
+/// Removes the unfinished files that killed processes left in `folder`. Returns the number of removed files. Removes a
+/// file only if its name has exactly that form, and if it is a regular file of this user with one name and no lock.
 /// Thread-safe.
 std::size_t remove_unfinished_files(const std::string& folder);
 

@@ -23,7 +23,7 @@ void put_text(std::vector<std::byte>& to, std::string_view text) {
   for (const char c : text) to.push_back(static_cast<std::byte>(c));
 }
 
-/// Reads the output of the put_ functions, and records whether anything was missing.
+/// Reads the bytes that the put_ functions wrote. Records whether any were missing.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -60,7 +60,7 @@ class Reader {
 
 std::uint32_t cache_checksum(std::span<const std::byte> bytes, std::uint32_t before) {
   uLong sum = before;
-  constexpr std::size_t kMax = std::size_t{1} << 30;  // zlib counts in unsigned int
+  constexpr std::size_t kMax = std::size_t{1} << 30;  // zlib takes lengths as unsigned int
   while (!bytes.empty()) {
     const auto part = bytes.first(std::min(kMax, bytes.size()));
     sum = ::crc32(sum, reinterpret_cast<const Bytef*>(part.data()), static_cast<uInt>(part.size()));
@@ -145,7 +145,7 @@ std::optional<CacheEntry> read_cache_entry(std::span<const std::byte> bytes) {
   entry.head.fresh_for = static_cast<std::int64_t>(reader.number(8));
   const std::uint64_t count = reader.number(4);
   if (reader.failed() || count > CacheEntry::kMaxExtents || reader.left() != count * kExtentBytes) return std::nullopt;
-  // A checksum is not a signature, so the values may be hostile.
+  // Reject senseless values: the checksum proves no origin, so the values may be hostile.
   constexpr std::int64_t kSensible = std::int64_t{1} << 40;
   if (entry.head.stored_at < 0 || entry.head.stored_at > kSensible || entry.head.fresh_for < 0 ||
       entry.head.fresh_for > kSensible)

@@ -34,18 +34,18 @@
 
 namespace gs::net {
 
-/// Functions of libcurl, opened at first use. With its dependencies (TLS, Kerberos, LDAP, ...) the library takes a
+/// Functions of libcurl, loaded at first use. Loading libcurl with its dependencies (TLS, Kerberos, LDAP, ...) takes a
 /// third of the program's start-up time, and local files do not need it.
 struct CurlLibrary {
   CurlLibrary();
 
-  std::string problem;  // empty if all functions were found; otherwise none may be called
+  std::string problem;  // empty on success; otherwise no function may be called
   GHOSTSPACE_CURL_FUNCTIONS(GHOSTSPACE_LIBRARY_MEMBER)
 };
 /// Returns the library. Any thread.
 [[nodiscard]] const CurlLibrary& curl();
 
-// Deleters for std::unique_ptr of curl's handles.
+// Deleters of curl's handles for std::unique_ptr.
 struct FreeEasy {
   void operator()(CURL* easy) const { curl().curl_easy_cleanup(easy); }
 };

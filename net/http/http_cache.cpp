@@ -25,8 +25,8 @@ std::string hexadecimal(std::uint64_t value) {
   return result;
 }
 
-/// Computes FNV-1a. If the hashes of two keys collide, the keys only displace each other, because an entry holds its
-/// whole key.
+/// Computes the FNV-1a hash of a text. If two keys have equal hashes, their entries replace each other. Each entry
+/// holds its whole key, so no wrong entry is used.
 std::uint64_t hash(std::string_view text, std::uint64_t seed) {
   std::uint64_t value = 0xcbf29ce484222325 ^ seed;
   for (const char c : text) value = (value ^ static_cast<unsigned char>(c)) * 0x100000001b3;
@@ -146,7 +146,7 @@ Descriptor HttpCache::lock() const {
 }
 
 void HttpCache::touch(const std::string& path, std::int64_t now) {
-  // The nanoseconds keep the order of uses within a second.
+  // The nanoseconds record the order of uses within one second.
   const timespec time{static_cast<time_t>(now), static_cast<long>(touches_++ % 1'000'000'000)};
   const timespec times[2] = {time, time};
   (void)::utimensat(AT_FDCWD, path.c_str(), times, AT_SYMLINK_NOFOLLOW);
@@ -172,7 +172,7 @@ bool HttpCache::store(const CacheEntry& entry, std::int64_t now) {
   if (bytes.size() > kLargestEntryFile) return false;
   Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (!file) return false;
-  // Not synced: checksums detect damage after a power failure.
+  // The file is not synced. After a power failure, checksums reveal damage.
   if (!write_exactly(file.get(), bytes, 0) || ::rename(temporary.c_str(), path.c_str()) != 0) {
     ::unlink(temporary.c_str());
     return false;
@@ -188,7 +188,8 @@ std::optional<CachedResource> HttpCache::find(const std::string& key, std::int64
   result.file_ =
       Descriptor(::open(data_path(key, entry->data).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   if (!result.file_) {
-    // Another process may have replaced the file just now; in that case, this only removes a newer entry.
+    // The data file is missing, so drop the entry. If another process has just replaced the entry, this only loses a
+    // newer entry.
     drop(key);
     return std::nullopt;
   }
@@ -226,7 +227,7 @@ void HttpCache::commit(CacheWriter& writer, std::int64_t now) {
     if (!locked) return;
     auto current = load(entry.key);
     const bool same_file = current && current->data == entry.data;
-    // Another process has replaced the version that this writer continued.
+    // This writer continued an older version, which another process has replaced.
     if (!same_file && !writer.own_file_) return;
     if (same_file) {
       CacheEntry merged = *current;
@@ -236,7 +237,7 @@ void HttpCache::commit(CacheWriter& writer, std::int64_t now) {
     } else if (current && !entry.head.encoded && !current->head.encoded && !entry.head.validator.strong().empty() &&
                entry.head.validator.strong() == current->head.validator.strong() &&
                current->present().size() > writer.present_.size()) {
-      return;  // another process stored more of this version
+      return;  // another process has stored more bytes of this version
     }
     if (!store(entry, now)) return;
     if (current && !same_file) ::unlink(data_path(entry.key, current->data).c_str());

@@ -18,25 +18,25 @@ namespace gs::net {
 class HttpCache;
 
 struct HttpCacheOptions {
-  std::string folder;  // created if missing; must hold nothing else
+  std::string folder;  // created if missing; must contain nothing else
   std::uint64_t max_bytes = std::uint64_t{2} << 30;
-  std::size_t max_entries = 4096;         // two files per entry
-  std::uint64_t max_entry_bytes = 0;      // 0 means a quarter of max_bytes
-  std::function<std::uint64_t()> random;  // 64 random bits, for names of files
+  std::size_t max_entries = 4096;  // maximum number of entries, with two files each
+  std::uint64_t max_entry_bytes = 0;  // maximum bytes of an entry; 0 means a quarter of max_bytes
+  std::function<std::uint64_t()> random;  // returns 64 random bits for file names
 };
 
-/// Version of a resource as the cache held it when it was found. Stays readable when the cache changes.
+/// Cached version of a resource at the time of `find`. Remains readable if the cache changes.
 class CachedResource {
  public:
   [[nodiscard]] const CachedHead& head() const { return entry_.head; }
   [[nodiscard]] const RangeSet& present() const { return present_; }
-  /// Reports whether all bytes are present.
+  /// Reports whether the cache has all bytes of the resource.
   [[nodiscard]] bool complete() const { return entry_.head.total && present_.contains({0, *entry_.head.total}); }
   [[nodiscard]] bool fresh(std::int64_t now) const {
     return now >= entry_.head.stored_at && now - entry_.head.stored_at < entry_.head.fresh_for;
   }
-  /// Reads 1 to `most` bytes from `offset` on. Returns nullopt if they are missing or damaged; the caller must then
-  /// drop the entry.
+  /// Reads 1 to `most` bytes from `offset` on. Returns nullopt if the bytes are missing or damaged. The caller must
+  /// then drop the entry.
   [[nodiscard]] std::optional<std::vector<std::byte>> read(std::uint64_t offset, std::size_t most) const;
 
  private:
@@ -46,7 +46,7 @@ class CachedResource {
   Descriptor file_;
 };
 
-/// Stores bytes of one version of a resource. Does nothing after the first failure.
+/// Writer of one version of a resource. Does nothing after its first failure.
 class CacheWriter {
  public:
   CacheWriter(const CacheWriter&) = delete;
@@ -54,51 +54,51 @@ class CacheWriter {
   /// Discards bytes that were not committed.
   ~CacheWriter();
 
-  /// Adds bytes. Ignores bytes that are stored already.
+  /// Stores bytes at an offset. Ignores bytes that are stored already.
   void append(std::uint64_t offset, std::span<const std::byte> bytes);
-  /// Makes the appended bytes available to `find`. `total` is set if it has become known. Keeps a version without a
-  /// strong validator only if it is complete.
+  /// Makes the appended bytes available to `find`. `total` is the size of the resource, if known. Discards an
+  /// incomplete version that has no strong validator.
   void commit(std::optional<std::uint64_t> total, std::int64_t now);
 
  private:
   friend class HttpCache;
   CacheWriter(HttpCache& cache, CacheEntry entry, Descriptor file, bool own_file);
   HttpCache& cache_;
-  CacheEntry entry_;  // its extents are the appended ones
-  RangeSet present_;  // appended extents and earlier ones
+  CacheEntry entry_;  // entry to store; `extents` has only the appended bytes
+  RangeSet present_;  // appended and earlier extents
   Descriptor file_;
   std::uint64_t written_ = 0;
-  bool own_file_;  // no entry names the file yet
+  bool own_file_;  // created by this writer; no entry refers to the file yet
   bool failed_ = false;
 };
 
-/// Disk cache of server responses (RFC 9111, for one user). Bounded in bytes and files; removes the least recently used
-/// entries first. Several processes may share a folder: entries are replaced by renaming, under a lock with a short
-/// wait. Checksums detect damage after crashes, and damaged entries are dropped. One thread per object.
-/// waits long. What a crash leaves behind is found by checksums and dropped. One thread an object.
+/// Disk cache of server responses (RFC 9111, for one user). Limits bytes and files, and removes the least recently used
+/// entries first. Several processes may share a folder: they replace entries by renaming, under a lock with a short
+/// wait. Checksums reveal damage after crashes, and damaged entries are dropped. One thread per object.
 class HttpCache {
  public:
   [[nodiscard]] static std::variant<std::unique_ptr<HttpCache>, FileError> open(HttpCacheOptions options,
                                                                                 std::int64_t now);
 
-  /// Finds a resource. `key` is the requested URL with everything else that the response depends on. `now` is in Unix
-  /// seconds in all functions.
+  /// Finds a resource. `key` is the requested URL and everything else that selects the response. `now` is in Unix
+  /// seconds here and in the other functions.
   [[nodiscard]] std::optional<CachedResource> find(const std::string& key, std::int64_t now);
-  /// Returns a writer for the version that `head` describes. If part of this version is stored, the writer continues
-  /// it; otherwise its commit replaces whatever is stored. Returns null on disk errors. The cache must outlive the
-  /// writer.
+  /// Returns a writer for the version that `head` describes. If the cache has a part of this version, the writer
+  /// continues it. Otherwise its commit replaces the entry of the key. Returns null on disk errors. The cache must
+  /// outlive the writer.
   [[nodiscard]] std::unique_ptr<CacheWriter> write(const std::string& key, const CachedHead& head);
-  /// Extends freshness after the server confirmed the version: it is fresh for `fresh_for` seconds from `now`.
+  /// Extends the freshness of a version that the server has confirmed. The version is fresh for `fresh_for` seconds
+  /// from `now`.
   void confirm(const std::string& key, const Validator& version, std::int64_t fresh_for, std::int64_t now);
   void drop(const std::string& key);
 
-  /// Approximate use of the disk. Includes the writes of other processes only after the next count.
+  /// Approximate use of the disk. Other processes' writes are included only after clean().
   struct Usage {
     std::uint64_t bytes = 0;
     std::size_t entries = 0;
   };
   [[nodiscard]] Usage usage() const { return usage_; }
-  /// Counts again, and removes leftovers of crashes and entries beyond the limits.
+  /// Counts files and bytes again. Removes remains of crashes, and entries above the limits.
   void clean(std::int64_t now);
 
  private:

@@ -16,18 +16,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Maximum age of a file without an entry that a process may still be writing.
+/// Age in seconds up to which a file without an entry is kept, because a process may still write it.
 constexpr std::int64_t kWritingSeconds = 3600;
 
 struct Found {
-  std::string entry;  // path; empty if there is none
+  std::string entry;  // path of the entry; empty if no entry exists
   timespec used{};
-  std::vector<std::string> data;  // paths
+  std::vector<std::string> data;  // paths of the data files
   std::uint64_t bytes = 0;
   std::int64_t newest = 0;
 };
 
-/// Returns the files of the folder by the hash at the start of their names. Removes old temporary files.
+/// Returns the files of the folder, grouped by the hash in their names. Removes old temporary files.
 std::map<std::string, Found> scan(const std::string& folder, std::int64_t now) {
   constexpr std::size_t kHash = 32;
   std::map<std::string, Found> result;
@@ -58,7 +58,7 @@ void remove(const Found& found) {
   for (const std::string& path : found.data) ::unlink(path.c_str());
 }
 
-/// Returns the data file that an entry names, or an empty string.
+/// Returns the name of the data file of an entry. Returns an empty string if the entry cannot be read.
 std::string named_by(const std::string& entry_path) {
   auto mapped = map_file(entry_path);
   if (!std::holds_alternative<MappedFile>(mapped)) return {};
@@ -101,7 +101,7 @@ void HttpCache::clean(std::int64_t now) {
   usage_ = {0, entries.size()};
   for (const Found& found : entries) usage_.bytes += found.bytes;
   if (usage_.bytes <= options_.max_bytes && usage_.entries <= options_.max_entries) return;
-  // Remove more than required, so that the next entries need no further cleaning.
+  // Remove more than required, so that cleaning is rare.
   const std::uint64_t enough_bytes = options_.max_bytes - options_.max_bytes / 10;
   const std::size_t enough_entries = options_.max_entries - options_.max_entries / 10;
   for (const Found& found : entries) {

@@ -9,7 +9,7 @@
 namespace gs::net {
 namespace {
 
-constexpr std::int64_t kLongestAge = std::int64_t{1} << 31;  // RFC 9111 1.2.2
+constexpr std::int64_t kLongestAge = std::int64_t{1} << 31;  // maximum seconds (RFC 9111 1.2.2)
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
@@ -25,7 +25,7 @@ std::string lower(std::string_view text) {
   return result;
 }
 
-/// Calls `use` with each element of a comma-separated list.
+/// Calls `use` for each element of a comma-separated list.
 template <class Use>
 void each_in_list(std::string_view list, Use use) {
   while (!list.empty()) {
@@ -53,7 +53,7 @@ const std::string& Validator::strong() const {
 
 bool Validator::agrees(const Validator& other) const {
   if (!etag.empty() && !other.etag.empty()) return etag == other.etag;
-  // A server with entity tags sends them always.
+  // A server with entity tags sends one with each response. So a missing tag means another version.
   if (etag.empty() != other.etag.empty() && !empty() && !other.empty()) return false;
   return last_modified.empty() || other.last_modified.empty() || last_modified == other.last_modified;
 }
@@ -97,7 +97,7 @@ CacheControl parse_cache_control(std::string_view text) {
     std::string_view value = trimmed(part.substr(std::min(equals + 1, part.size())));
     if (value.size() >= 2 && value.front() == '"' && value.back() == '"') value = value.substr(1, value.size() - 2);
     if (name == "no-store") result.no_store = true;
-    // no-cache="field" applies to one field; applying it to the whole response is safe.
+    // Treat no-cache="field", which applies to one field only, like plain no-cache; this is safe.
     if (name == "no-cache") result.no_cache = true;
     if (name == "max-age") result.max_age = parse_seconds(value).value_or(0);
   });
@@ -123,7 +123,7 @@ void add_header(ResponseHead& head, std::string_view raw_name, std::string_view 
   if (name == "accept-ranges") head.accepts_ranges = lower(value) == "bytes";
   if (name == "content-encoding") head.encoded = !value.empty() && lower(value) != "identity";
   if (name == "date") head.date = parse_http_date(value);
-  // RFC 9111 5.3: invalid dates, especially 0, are in the past.
+  // Invalid dates, especially 0, mean that the response has expired (RFC 9111 5.3).
   if (name == "expires") head.expires = parse_http_date(value).value_or(0);
   if (name == "age") head.age = parse_seconds(value).value_or(0);
   if (name == "retry-after") {
@@ -140,7 +140,8 @@ void add_header(ResponseHead& head, std::string_view raw_name, std::string_view 
   if (name == "vary")
     each_in_list(value, [&head](std::string_view part) {
       const std::string field = lower(part);
-      // curl decodes the content; Accept is part of the cache key; Origin and cookies are never sent.
+      // Ignore these names: curl decodes the content, Accept is part of the cache key, and Origin and cookies are never
+      // sent.
       if (field != "accept-encoding" && field != "accept" && field != "origin" && field != "cookie")
         head.other_answers = true;
     });

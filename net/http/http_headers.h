@@ -9,22 +9,23 @@
 
 namespace gs::net {
 
-/// Entity tag and date that identify a version of a resource (RFC 9110 8.8). All strings as received.
+/// Validators of a resource: entity tag and date of modification (RFC 9110 8.8), as received.
 struct Validator {
   std::string etag;
   std::string last_modified;
-  bool date_is_strong = false;  // last_modified is at least a second older than the response (RFC 9110 8.8.2.2)
+  bool date_is_strong = false;  // last_modified is at least one second earlier than the response (RFC 9110 8.8.2.2)
 
   [[nodiscard]] bool empty() const { return etag.empty() && last_modified.empty(); }
-  /// Returns the validator for If-Range, which promises equality of all bytes. Empty if there is no such validator.
+  /// Returns the validator for If-Range, which must guarantee that all bytes are equal. Returns an empty string if none
+  /// does.
   [[nodiscard]] const std::string& strong() const;
-  /// Reports whether the parts that both validators have are equal. Two validators without common parts agree.
+  /// Compares the parts that both validators have. Returns true if these parts are equal, or if there are none.
   [[nodiscard]] bool agrees(const Validator& other) const;
 };
 
 /// Value of a Content-Range header (RFC 9110 14.4).
 struct ContentRange {
-  std::optional<std::uint64_t> begin, end;  // without `end`; both or neither
+  std::optional<std::uint64_t> begin, end;  // bytes from `begin` to before `end`; either both are set or neither
   std::optional<std::uint64_t> total;
 };
 
@@ -32,42 +33,42 @@ struct ContentRange {
 struct CacheControl {
   bool no_store = false;
   bool no_cache = false;
-  std::optional<std::int64_t> max_age;  // seconds
+  std::optional<std::int64_t> max_age;  // max-age, seconds
 };
 
-/// Start of a response, from transports to the loader, in terms of HTTP. Other transports use status 200 for the whole
-/// resource and 206 for a range.
+/// Head of a response, from a transport to the loader, in the terms of HTTP. Other transports use status 200 for the
+/// whole resource and 206 for a range.
 struct ResponseHead {
   int status = 200;
   std::string location;
   std::string content_type;
   Validator validator;
-  std::optional<std::uint64_t> content_length;  // bytes of the body; nullopt if unknown or if the body is encoded
+  std::optional<std::uint64_t> content_length;  // bytes of the body; nullopt if unknown or if the body is compressed
   std::optional<ContentRange> content_range;
   bool accepts_ranges = false;
-  bool encoded = false;        // the body is compressed in transit; the loader receives it decompressed
-  bool other_answers = false;  // Vary names more than the encoding, so the response must not be cached
+  bool encoded = false;  // the body was compressed in transit; the loader gets decompressed bytes
+  bool other_answers = false;  // Vary names more fields than Accept-Encoding, so the response must not be cached
   CacheControl cache_control;
   std::optional<std::int64_t> date, expires;  // Unix seconds
   std::int64_t age = 0;                       // seconds
   std::optional<std::int64_t> retry_after;    // seconds from now
-  AddressSpace space = AddressSpace::global;  // of the host that responds
+  AddressSpace space = AddressSpace::global;  // space of the responding host
 };
 
 [[nodiscard]] std::optional<std::uint64_t> parse_decimal(std::string_view text);
-/// Parses a byte range. Returns nullopt if it is not one or contradicts itself.
+/// Parses a Content-Range header. Returns nullopt if the text is invalid or contradictory.
 [[nodiscard]] std::optional<ContentRange> parse_content_range(std::string_view text);
 [[nodiscard]] CacheControl parse_cache_control(std::string_view text);
-/// Parses a date to Unix seconds. Returns nullopt for other text.
+/// Parses an HTTP date. Returns Unix seconds, or nullopt if the text is invalid.
 [[nodiscard]] std::optional<std::int64_t> parse_http_date(std::string_view text);
 
-/// Applies one header. `name` in any case; unknown names are ignored. `now` in Unix seconds.
+/// Adds one header to the head. Ignores the case of `name`, and unknown names. `now` is in Unix seconds.
 void add_header(ResponseHead& head, std::string_view name, std::string_view value, std::int64_t now);
 /// Completes the head after the last header.
 void finish_head(ResponseHead& head);
 
-/// Returns the seconds for which a new response stays fresh (RFC 9111 4.2), or 0 if each use must validate it. Derives
-/// nothing from Last-Modified, because authors reload worlds that they are editing.
+/// Returns the seconds for which a new response is fresh (RFC 9111 4.2). 0 means that each use must be validated. Does
+/// not use Last-Modified: authors reload worlds that they are editing.
 [[nodiscard]] std::int64_t freshness(const ResponseHead& head);
 
 }  // namespace gs::net

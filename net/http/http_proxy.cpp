@@ -22,7 +22,8 @@ std::string upper_name(std::string text) {
   return text;
 }
 
-/// Reports whether the host matches a name, domain, address or block of a list. Commas or blanks separate the elements.
+/// Reports whether a host matches an element of a no_proxy list: a name, domain, address or block. Commas or blanks
+/// separate the elements.
 bool is_listed_host(const std::string& host, std::string_view list) {
   const auto address = ip_address_of(host);
   while (!list.empty()) {
@@ -53,7 +54,7 @@ struct FreeUrl {
 std::string proxy_of(const Url& url, const Environment& environment) {
   const auto place = host_and_port(url.authority);
   if (!place) return {};
-  // http_proxy is read in lower case only: in a program that a web server runs, HTTP_PROXY is a request header.
+  // Read http_proxy in lower case only: in a CGI program, HTTP_PROXY holds a header of the request.
   std::string proxy = environment(url.scheme + "_proxy");
   if (proxy.empty() && url.scheme != "http") proxy = environment(upper_name(url.scheme) + "_PROXY");
   if (proxy.empty()) proxy = environment("all_proxy");
@@ -70,7 +71,7 @@ AddressSpace space_by_name(const std::string& url, const AddressSpaceOf& space_o
   if (!curl().problem.empty()) return AddressSpace::special;
   const std::unique_ptr<CURLU, FreeUrl> parts(curl().curl_url());
   char* text = nullptr;
-  // curl normalises addresses with numbers of any base.
+  // curl normalises IPv4 addresses with octal or hexadecimal numbers.
   if (curl().curl_url_set(parts.get(), CURLUPART_URL, url.c_str(), 0) != CURLUE_OK ||
       curl().curl_url_get(parts.get(), CURLUPART_HOST, &text, CURLU_URLDECODE) != CURLUE_OK)
     return AddressSpace::special;

@@ -8,15 +8,16 @@
 
 namespace gs::net {
 
-/// Returns the value of an environment variable; empty if it is not set.
+/// Lookup of an environment variable. Returns an empty string if it is not set.
 using Environment = std::function<std::string(const std::string& name)>;
 
-/// Returns the proxy for an http or https URL, or an empty string for none. Reads http_proxy, https_proxy, all_proxy
-/// and no_proxy as curl does. It is decided here because a client of a proxy does not learn the address of the host.
+/// Returns the proxy for an http or https URL, or an empty string if no proxy applies. Reads http_proxy, https_proxy,
+/// all_proxy and no_proxy as curl does. The program chooses the proxy itself, because behind a proxy it cannot check
+/// the address of the host.
 [[nodiscard]] std::string proxy_of(const Url& url, const Environment& environment);
 
-/// Returns the address space of a host that a proxy will resolve, as far as its name tells. For other names, the proxy
-/// must enforce the rules.
+/// Returns the address space of a host that a proxy will resolve. Uses only the text of the host, such as "localhost"
+/// or an address. For other names, the proxy must enforce the rules.
 [[nodiscard]] AddressSpace space_by_name(const std::string& url, const AddressSpaceOf& space_of);
 
 }  // namespace gs::net

@@ -5,10 +5,10 @@
 namespace gs::net {
 namespace {
 
-constexpr std::uint64_t kRequest = 1000;       // cost of a request in its bucket
-constexpr std::size_t kLargestPiece = 65536;   // bytes
-constexpr std::size_t kSmallestPiece = 1460;   // bytes: one TCP segment
-constexpr std::uint64_t kTurnsPerSecond = 64;  // turns of a client at the limit
+constexpr std::uint64_t kRequest = 1000;  // tokens of one request in a client's bucket
+constexpr std::size_t kLargestPiece = 65536;  // maximum bytes of a turn
+constexpr std::size_t kSmallestPiece = 1460;  // minimum bytes of a turn: one TCP segment
+constexpr std::uint64_t kTurnsPerSecond = 64;  // turns per second of a client that sends at its rate limit
 constexpr std::size_t kMaxIdleClients = 4096;
 
 }  // namespace
@@ -53,7 +53,7 @@ ClientLimits::Client& ClientLimits::client(const ClientKey& key, Instant now) {
   return client;
 }
 
-// Keeps clients without connections for their buckets, unless there are too many.
+// Removes idle clients if there are too many. Others remain, because their request buckets must not refill early.
 void ClientLimits::forget(Instant now) {
   constexpr Instant kLong{10'000'000};
   if (clients_.size() < kMaxIdleClients) return;

@@ -25,7 +25,7 @@ class SharedRate {
     const bool was_limited = limited();
     bucket_.set_rate(rate, burst, instant(now));
     if (was_limited) return;
-    // Start with an empty bucket, because unused time before now does not count.
+    // Start with an empty bucket: time before now must not allow a burst.
     bucket_ = TokenBucket(rate, burst, instant(now));
     bucket_.take(burst, instant(now));
   }

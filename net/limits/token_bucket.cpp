@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::int64_t kMicro = 1'000'000;
 constexpr std::uint64_t kFastest = std::uint64_t{1} << 33, kLargestBurst = std::uint64_t{1} << 40;
-constexpr std::int64_t kLongestPause = 60 * kMicro;  // microseconds; the product with kFastest does not overflow
+constexpr std::int64_t kLongestPause = 60 * kMicro;  // microseconds; kLongestPause * kFastest must not overflow
 
 }  // namespace
 

@@ -10,7 +10,7 @@ namespace gs::net {
 
 [[nodiscard]] std::string milliseconds(Milliseconds time);
 
-/// Describes a failure of curl in our terms. `detail` is curl's own text.
+/// Translates a failure of curl into a transfer result. `detail` is curl's message.
 [[nodiscard]] TransferEnd describe_failure(CURLcode code, const std::string& detail, const LoaderOptions& options);
 
 }  // namespace gs::net

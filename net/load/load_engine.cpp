@@ -6,7 +6,7 @@
 namespace gs::net {
 namespace {
 
-/// Maximum number of paused transfers, in addition to the concurrent ones.
+/// Maximum number of preempted transfers. They do not count as concurrent transfers.
 constexpr std::size_t kMaxPreempted = 4;
 constexpr std::size_t kMaxPreemptedPerHost = 2;
 
@@ -146,7 +146,7 @@ bool LoadEngine::fits(const LoadJob& job, const Load& load) const {
          (job.host().empty() || count_of(load.host, job.host()) < options_.max_transfers_per_host);
 }
 
-/// Pauses a less urgent transfer, so that a transfer of `job` fits.
+/// Preempts a transfer of lower priority to make room for a transfer of `job`. Returns true if it now fits.
 bool LoadEngine::make_room(const LoadJob& job, Load& load) {
   const std::string& host = job.host();
   const bool host_full = !host.empty() && count_of(load.host, host) >= options_.max_transfers_per_host;
@@ -157,7 +157,7 @@ bool LoadEngine::make_room(const LoadJob& job, Load& load) {
     if (running.fetch->preempted || running.job->priority() >= job.priority()) continue;
     if (host_full && running.job->host() != host) continue;
     if (count_of(load.host_preempted, running.job->host()) >= kMaxPreemptedPerHost) continue;
-    // Of the least urgent transfers, the one that started last has the most left to do.
+    // Among transfers of the lowest priority, preempt the newest, because it probably has most bytes left.
     if (least && std::pair(-least->job->priority(), least_id) >= std::pair(-running.job->priority(), id)) continue;
     least = &running;
     least_id = id;
@@ -173,7 +173,7 @@ bool LoadEngine::make_room(const LoadJob& job, Load& load) {
 void LoadEngine::let_run(const Candidate& candidate, Load& load) {
   const auto& [job, fetch] = candidate;
   if (fetch->preempted) {
-    fetch->preempted = false;  // hold_back() of the next step continues it
+    fetch->preempted = false;  // hold_back() in the next step resumes the transfer
     load = count_load();
     next_ready_ = now_;
     return;
@@ -206,7 +206,7 @@ void LoadEngine::schedule() {
       else
         candidates.push_back({job.get(), fetch.get()});
     }
-  // Requests of equal priority keep their order.
+  // Requests with equal priority stay in order.
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.job->priority() > b.job->priority(); });
   Load load = count_load();
@@ -219,7 +219,7 @@ void LoadEngine::schedule() {
   }
 }
 
-/// Starts candidates of one priority: the viewport with the fewest transfers is next.
+/// Starts candidates of one priority. The viewport with the fewest transfers is next.
 void LoadEngine::schedule_equals(std::span<const Candidate> candidates, Load& load) {
   std::map<std::uint32_t, std::deque<Candidate>> waiting;
   for (const Candidate& candidate : candidates) waiting[candidate.job->request().viewport].push_back(candidate);

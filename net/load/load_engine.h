@@ -12,27 +12,27 @@
 
 namespace gs::net {
 
-/// Work of one loader thread: its jobs, and the choice of transfers that run. Time is an argument, so that tests with
-/// the memory transport need neither threads nor waiting.
+/// Engine of one loader thread: advances the jobs and selects the transfers that run. Time is an argument, so tests
+/// with the memory transport need neither threads nor waiting.
 class LoadEngine final : private TransferSink {
  public:
-  /// `options`, `queue` and `cache` must outlive the engine. A null `cache` disables caching.
+  /// Creates an engine without jobs. `options`, `queue` and `cache` must outlive it. A null `cache` disables caching.
   LoadEngine(const LoaderOptions& options, LoadQueue& queue, HttpCache* cache);
   ~LoadEngine();
   LoadEngine(const LoadEngine&) = delete;
   LoadEngine& operator=(const LoadEngine&) = delete;
 
   void add_transport(TransportKind kind, std::unique_ptr<Transport> transport);
-  /// Makes requests that need this transport fail with the reason `why`.
+  /// Makes all requests for this transport fail. `why` is the reason in the message.
   void refuse_transport(TransportKind kind, std::string why);
 
-  // The request must be open in the queue.
+  // Starts a request. The request must be open in the queue.
   void request(RequestId id, Request request);
   void cancel(RequestId id);
   void set_priority(RequestId id, int priority);
 
-  /// Advances all jobs. Returns the latest time of the next call; nullopt means that only a new request or a ready
-  /// socket requires one.
+  /// Advances all jobs. Returns the time before which `step` must be called again. Returns nullopt if only a new
+  /// request or a ready socket makes another call necessary.
   std::optional<TimePoint> step(TimePoint now);
   [[nodiscard]] std::vector<int> readable() const;
 
@@ -56,7 +56,7 @@ class LoadEngine final : private TransferSink {
   DataVerdict on_data(TransferId id, std::span<const std::byte> bytes) override;
   void on_end(TransferId id, const TransferEnd& end) override;
 
-  /// Removes a transfer from the running ones. Returns nullopt if it does not run.
+  /// Removes a transfer from running_. Returns nullopt if it is not running.
   std::optional<Running> remove(TransferId id);
   void stop(TransferId id);
   void pump();
@@ -76,8 +76,8 @@ class LoadEngine final : private TransferSink {
   std::map<TransportKind, std::string> refused_transports_;  // reason by transport
   std::map<RequestId, std::unique_ptr<LoadJob>> jobs_;
   std::unordered_map<TransferId, Running> running_;
-  std::set<RequestId> touched_;  // jobs with news
-  std::set<RequestId> pumping_;  // jobs that have cached bytes to pass on
+  std::set<RequestId> touched_;  // jobs that may be over or may have new fetches
+  std::set<RequestId> pumping_;  // jobs with cached bytes to deliver
   TransferId last_transfer_ = 0;
   TimePoint now_{};
   std::optional<TimePoint> next_ready_;

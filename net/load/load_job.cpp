@@ -6,7 +6,7 @@
 namespace gs::net {
 namespace {
 
-/// Cached bytes that are passed on before other work.
+/// Maximum cached bytes that one step delivers.
 constexpr std::size_t kPumpBytes = std::size_t{1} << 20;
 constexpr std::size_t kPumpedBlock = std::size_t{64} << 10;
 
@@ -30,7 +30,7 @@ LoadJob::LoadJob(JobContext& context, RequestId id, Request request)
 
 LoadJob::~LoadJob() {
   stop_all();
-  // Received bytes of a cancelled request stay useful.
+  // Keep received bytes of a cancelled request in the cache.
   if (writer_ && !over_) writer_->commit(std::nullopt, context_.unix_seconds());
 }
 
@@ -38,14 +38,14 @@ void LoadJob::set_url(std::string url) {
   const std::string name = parse_url(std::string_view(url).substr(0, 32)).scheme;
   scheme_ = find_scheme(name);
   host_.clear();
-  // From here on, the scheme is in lower case.
+  // Write the scheme in lower case.
   if (scheme_) url.replace(0, name.size(), name);
-  // In a data: URL, the fragment is part of the data.
+  // The fragment is removed from all URLs except data: URLs, where it is part of the data.
   if (!scheme_ || scheme_->transport != TransportKind::data) url.resize(std::min(url.find('#'), url.size()));
   url_ = std::move(url);
   if (!scheme_ || !scheme_->has_host) return;
-  // Cache, policy, transport and received documents all see the canonical URL. A URL without a host stays as it is; the
-  // policy refuses it.
+  // Use the canonical URL for cache, policy, transport and document. Leave a URL without a host unchanged; the policy
+  // refuses it.
   if (const auto canonical = canonical_url(parse_url(url_))) {
     url_ = canonical->text();
     host_ = canonical->scheme + "://" + canonical->authority;
@@ -110,7 +110,7 @@ void LoadJob::stop_all() {
 }
 
 void LoadJob::open_version() {
-  // Callers on the stack may hold fetches, so they stay until the engine's next step.
+  // Callers may still use these fetches, so mark them as finished. A later step deletes them.
   stop_all();
   for (const auto& fetch : fetches_) fetch->finished = true;
   needed_ = whole() ? RangeSet(std::array{ByteRange{}}) : RangeSet(request_.ranges);
@@ -138,14 +138,14 @@ void LoadJob::look_up() {
   const bool all = wanted.without(found->present()).empty() && (head.total || !whole());
   cached_part_ = {};
   if (whole() && !all) {
-    // Use only the cached start, because the whole resource is delivered in order.
+    // The whole resource is delivered in order, so use only the cached bytes at its start.
     const RangeSet front = found->present().within(ByteRange{});
     cached_part_ = front.empty() || front.ranges().front().begin > 0 ? ByteRange{0, 0} : front.ranges().front();
   }
   const RangeSet missing = wanted.without(found->present().within(cached_part_));
   const bool fresh = found->fresh(now);
   const bool useless = !all && (!continuable || missing == wanted);
-  // Without a validator, the server cannot confirm a stale version.
+  // A stale version without a validator is useless, because the server cannot confirm it.
   const bool unconfirmable = !fresh && head.validator.empty();
   if (useless || unconfirmable) return plan(needed_);
   version_ = head.validator;
@@ -192,7 +192,7 @@ bool LoadJob::ready(const Fetch& fetch) const {
   if (fetch.finished || fetch.transfer || fetch.answer.held_end) return false;
   if (whole() && trusted_ && !cached_pending().empty()) return false;
   if (head_sent_ || context_.ranges_known.contains(url_)) return true;
-  // The first response shows whether the server supports ranges.
+  // Until a response shows whether the server supports ranges, only the first unfinished fetch may start.
   for (const auto& other : fetches_)
     if (!other->finished) return other.get() == &fetch;
   return false;
@@ -288,7 +288,7 @@ bool LoadJob::pump(TimePoint now) {
     needed_.subtract({range.begin, range.begin + bytes->size()});
     context_.queue.push_data(id_, range.begin, *bytes);
   }
-  // Iterate by index, because delivery may end the job.
+  // Use indexes, because deliver() and on_end() may change or end the job.
   for (std::size_t i = 0; i < fetches_.size() && !over_; ++i) {
     Fetch& fetch = *fetches_[i];
     if (fetch.finished || (fetch.answer.held.empty() && !fetch.answer.held_end)) continue;
@@ -297,7 +297,7 @@ bool LoadJob::pump(TimePoint now) {
     if (!held.empty() && deliver(fetch, held) == DataVerdict::stop) continue;
     if (end && !over_) on_end(fetch, *end, now);
   }
-  // No response is in use now.
+  // No transfer uses the finished fetches now.
   std::erase_if(fetches_, [](const auto& fetch) { return fetch->finished && !fetch->transfer; });
   return false;
 }

@@ -14,7 +14,7 @@
 
 namespace gs::net {
 
-/// State that jobs share. All on one thread except the queue.
+/// State that all jobs of an engine share. One thread, except for the queue.
 struct JobContext {
   const LoaderOptions& options;
   LoadQueue& queue;
@@ -22,40 +22,40 @@ struct JobContext {
   std::function<std::uint64_t()> random;
   std::function<std::int64_t()> unix_seconds;
   std::function<void(TransferId)> cancel;
-  /// Resources from which ranges were received; several ranges of them may be requested at once. Bounded.
+  /// URLs of servers that support ranges. Several ranges of such a resource are requested at the same time. Bounded.
   std::map<std::string, bool> ranges_known;
 };
 
-/// Part of a request that is served by one transfer at a time.
+/// Part of a request. At most one transfer at a time loads it.
 struct Fetch {
   ByteRange range;
-  std::uint64_t position = 0;  // next byte to receive
-  TransferId transfer = 0;     // 0 means not running
+  std::uint64_t position = 0;  // offset of the next byte to receive
+  TransferId transfer = 0;  // 0 means that no transfer runs
   TimePoint not_before{};
-  unsigned failures = 0;  // since the last progress
+  unsigned failures = 0;  // failures after the last progress
   unsigned attempts = 0;
-  bool conditional = false;  // asks only whether the cached version is still valid
+  bool conditional = false;  // only asks the server whether the cached version is still valid
   bool finished = false;
   bool paused = false;
-  bool preempted = false;  // paused in favour of a more urgent transfer
+  bool preempted = false;  // paused so that a more urgent transfer can run
 
-  /// State of the current response.
+  /// State of the current response of a fetch.
   struct Answer {
     std::string redirect;
-    AddressSpace space = AddressSpace::global;  // space of the host
+    AddressSpace space = AddressSpace::global;  // space of the responding host
     std::optional<LoadError> error;
     bool transient = false;
     std::optional<std::int64_t> retry_after;
     std::optional<ResponseHead> not_modified;
     bool whole = false;
     std::optional<std::uint64_t> end;  // end of the body, as an offset in the resource
-    std::vector<std::byte> held;       // received while earlier bytes are still read from the cache
+    std::vector<std::byte> held;  // offset in the resource at which the body ends
     std::optional<TransferEnd> held_end;
   } answer;
 };
 
-/// State machine of one request: cache, redirects, ranges, versions, retries. The engine starts the transfers that are
-/// ready, and passes their results to the job. No threads, no clocks.
+/// State machine of one request: cache, redirects, ranges, versions, retries. The engine starts the fetches that are
+/// ready and passes their results to the job. No threads, no clock.
 class LoadJob {
  public:
   LoadJob(JobContext& context, RequestId id, Request request);
@@ -63,7 +63,7 @@ class LoadJob {
   LoadJob(const LoadJob&) = delete;
   LoadJob& operator=(const LoadJob&) = delete;
 
-  /// Looks in the cache and plans the first transfers, or fails.
+  /// Searches the cache and plans the first fetches. May fail the request.
   void begin();
   [[nodiscard]] bool over() const { return over_; }
   [[nodiscard]] RequestId id() const { return id_; }
@@ -71,10 +71,10 @@ class LoadJob {
   [[nodiscard]] int priority() const { return request_.priority; }
   void set_priority(int priority) { request_.priority = priority; }
   [[nodiscard]] const Scheme* scheme() const { return scheme_; }
-  /// Returns the host for the limit of transfers; empty if there is no limit.
+  /// Returns the host that counts for max_transfers_per_host. Returns an empty string if there is no limit.
   [[nodiscard]] const std::string& host() const { return host_; }
   [[nodiscard]] std::vector<std::unique_ptr<Fetch>>& fetches() { return fetches_; }
-  /// Reports whether the transfer may start, apart from `not_before`.
+  /// Reports whether a fetch may start. Ignores `not_before`.
   [[nodiscard]] bool ready(const Fetch& fetch) const;
   [[nodiscard]] TransferRequest describe(const Fetch& fetch) const;
   void fail(LoadErrorKind kind, const std::string& what, int http_status = 0);
@@ -82,7 +82,7 @@ class LoadJob {
   HeadVerdict on_head(Fetch& fetch, const ResponseHead& head);
   DataVerdict on_data(Fetch& fetch, std::span<const std::byte> bytes);
   void on_end(Fetch& fetch, const TransferEnd& end, TimePoint now);
-  /// Passes on cached bytes while there is room. Returns true if another call has work.
+  /// Delivers cached bytes while the queue has room. Returns true if more can be delivered in another call.
   bool pump(TimePoint now);
   [[nodiscard]] bool must_wait(const Fetch& fetch) {
     return !fetch.answer.held.empty() || context_.queue.room(id_) == 0;
@@ -96,19 +96,19 @@ class LoadJob {
   [[nodiscard]] std::optional<std::string> refusal() const;
   void set_url(std::string url);
 
-  // Current version.
+  // Functions for the current version.
   void open_version();
   void look_up();
   void plan(const RangeSet& missing);
   void plan_what_is_missing();
   void emit_head(LoadHead head);
-  /// Discards everything so far, and counts it. Returns false if the request fails.
+  /// Discards all delivered data and counts this as a restart. Returns false if the request fails.
   bool void_version(LoadErrorKind kind, const std::string& why);
   void restart(LoadErrorKind kind, const std::string& why, TimePoint not_before);
-  bool clamp();  // limits ranges to the total; returns false if the request fails
+  bool clamp();  // limits ranges to the total size; returns false if the request fails
   [[nodiscard]] RangeSet cached_pending() const;
 
-  // Responses.
+  // Functions for responses.
   HeadVerdict accept(Fetch& fetch, const ResponseHead& head);
   bool check_answer(Fetch& fetch, const ResponseHead& head);
   HeadVerdict accept_empty(Fetch& fetch, const ResponseHead& head);
@@ -133,21 +133,21 @@ class LoadJob {
   std::string url_, host_;
   const Scheme* scheme_ = nullptr;
   std::vector<std::unique_ptr<Fetch>> fetches_;
-  RangeSet needed_;  // not passed on yet
+  RangeSet needed_;  // bytes that are not delivered yet
   std::uint64_t received_ = 0;
   unsigned redirects_ = 0, restarts_ = 0;
-  AddressSpace reach_;  // narrows with every host that took part
+  AddressSpace reach_;  // most private space from which later responses are accepted
   bool over_ = false, use_cache_ = true;
 
-  // Version of the head that was emitted, or of the cache.
+  // Properties of the version that is being delivered: from the emitted head or the cache.
   bool head_sent_ = false;
   Validator version_;
   std::optional<std::uint64_t> total_;
   bool encoded_ = false, accepts_ranges_ = false;
   AddressSpace space_ = AddressSpace::global;
   std::optional<CachedResource> cached_;
-  ByteRange cached_part_;  // used part of `cached_`
-  bool trusted_ = false;   // the cached version is fresh, or confirmed by the server
+  ByteRange cached_part_;  // part of `cached_` that is delivered
+  bool trusted_ = false;  // `cached_` is fresh, or the server has confirmed it
   std::unique_ptr<CacheWriter> writer_;
 };
 

@@ -6,7 +6,7 @@
 namespace gs::net {
 namespace {
 
-/// Bytes of an unneeded body that are read in order to keep the connection.
+/// Maximum bytes of an unneeded body that are read to keep the connection open.
 constexpr std::uint64_t kWorthReading = std::uint64_t{16} << 10;
 
 std::string status_text(int status) {
@@ -93,7 +93,7 @@ HeadVerdict LoadJob::accept_empty(Fetch& fetch, const ResponseHead& head) {
   return HeadVerdict::stop;
 }
 
-/// Checks whether a response matches its request. Fails the job if it does not.
+/// Checks whether a response fits the request. Otherwise fails the job and returns false.
 bool LoadJob::check_answer(Fetch& fetch, const ResponseHead& head) {
   const auto bad = [this](const std::string& what) {
     fail(LoadErrorKind::bad_response, what);
@@ -119,7 +119,8 @@ bool LoadJob::check_answer(Fetch& fetch, const ResponseHead& head) {
   return true;
 }
 
-/// Decides whether the cached bytes belong to the server's version.
+/// Keeps the cached bytes if `proven`, that is, if the server's version equals the cached version. Otherwise drops
+/// them.
 void LoadJob::settle_cached(const ResponseHead& head, bool proven) {
   if (proven) {
     context_.cache->confirm(key(), version_, freshness(head), context_.unix_seconds());
@@ -154,7 +155,7 @@ HeadVerdict LoadJob::accept(Fetch& fetch, const ResponseHead& head) {
   }
   if (!head_sent_) adopt(head, total);
   if (over_) return HeadVerdict::stop;
-  // Later responses may not come from a more private host, because a name can resolve to another address later.
+  // A name may later resolve to another address. Refuse later responses from a more private host.
   reach_ = std::max(reach_, head.space);
   if (!total_ && total) {
     total_ = total;
@@ -162,7 +163,7 @@ HeadVerdict LoadJob::accept(Fetch& fetch, const ResponseHead& head) {
   }
   fetch.answer.whole = whole_body;
   if (whole_body) {
-    // This body delivers all requested bytes in order.
+    // This body contains all requested bytes in order, so stop the other transfers.
     for (const auto& other : fetches_)
       if (other.get() != &fetch) {
         stop(*other);
@@ -179,7 +180,7 @@ HeadVerdict LoadJob::accept(Fetch& fetch, const ResponseHead& head) {
   return HeadVerdict::take;
 }
 
-/// Makes the version of this response the current one.
+/// Makes the version of this response the current version.
 void LoadJob::adopt(const ResponseHead& head, std::optional<std::uint64_t> total) {
   if (!cached_) {
     version_ = head.validator;
@@ -287,7 +288,7 @@ void LoadJob::end_body(Fetch& fetch, TimePoint now) {
   fetch.answer = {};
   fetch.finished = rest.empty();
   if (!fetch.finished) {
-    // A server may send less than the requested range.
+    // A server may send fewer bytes than requested. Retry with the rest.
     if (++fetch.failures > context_.options.max_retries || fetch.attempts >= context_.options.max_attempts)
       return fail(LoadErrorKind::bad_response, "the server sent bytes up to " + std::to_string(fetch.position) +
                                                    " only; expected " + range_text(fetch.range.begin, fetch.range.end));
@@ -305,12 +306,12 @@ void LoadJob::follow(const std::string& location, AddressSpace space) {
   if (location.size() > kLongest) return fail(LoadErrorKind::bad_response, "the server redirects to an invalid URL");
   const Url target = resolve(parse_url(url_), parse_url(tidy_url(location)));
   const Scheme* const scheme = find_scheme(target.scheme);
-  // Tests redirect within the memory: scheme.
+  // memory: URLs may redirect to memory: URLs, for tests.
   const bool within_memory = scheme && scheme == scheme_ && scheme->transport == TransportKind::memory;
   if (!scheme || (!scheme->redirect_target && !within_memory))
     return fail(LoadErrorKind::forbidden,
                 "the server redirects to " + url_for_messages(target.text()) + "; expected http or https");
-  // A redirect counts as a document of the server.
+  // The redirect has the same rights as a document of that server.
   reach_ = std::max(reach_, Origin{url_, space}.reach());
   if (const auto why = context_.options.policy.refuse({url_, space}, target))
     return fail(LoadErrorKind::forbidden,
@@ -325,7 +326,7 @@ void LoadJob::follow(const std::string& location, AddressSpace space) {
   open_version();
 }
 
-/// Handles status 304.
+/// Handles status 304: the cached version is still valid.
 void LoadJob::use_confirmed(Fetch& fetch) {
   const ResponseHead head = *fetch.answer.not_modified;
   fetch.answer = {};
@@ -343,7 +344,7 @@ void LoadJob::retry(Fetch& fetch, const LoadError& error, bool transient, std::o
   const LoaderOptions& options = context_.options;
   fetch.answer = {};
   ++fetch.failures;
-  // A server that responded a moment ago may be restarting.
+  // If the server has sent bytes before, it may be restarting, so retry.
   transient |= error.kind == LoadErrorKind::unreachable && received_ > 0;
   const auto longest = std::chrono::duration_cast<std::chrono::seconds>(options.max_retry_after).count();
   const bool asks_too_much = retry_after && *retry_after > longest;
@@ -355,7 +356,7 @@ void LoadJob::retry(Fetch& fetch, const LoadError& error, bool transient, std::o
   }
   Milliseconds delay =
       std::min(options.max_retry_delay, options.retry_delay * (1 << std::min(fetch.failures - 1, 10u)));
-  // A random delay keeps the clients of a failed server from returning at once.
+  // The random delay prevents that all clients of a failed server retry at the same time.
   delay -=
       Milliseconds(static_cast<std::int64_t>(context_.random() % static_cast<std::uint64_t>(delay.count() / 2 + 1)));
   if (retry_after) delay = std::max(delay, Milliseconds(*retry_after * 1000));

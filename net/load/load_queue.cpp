@@ -5,7 +5,7 @@
 namespace gs::net {
 namespace {
 
-/// Maximum size of consecutive blocks that are returned as one.
+/// Maximum bytes of one data event that is joined from consecutive blocks.
 constexpr std::size_t kJoinedBlock = std::size_t{64} << 10;
 
 }  // namespace
@@ -122,7 +122,7 @@ void LoadQueue::push_data(RequestId id, std::uint64_t offset, std::span<const st
     last->bytes.insert(last->bytes.end(), bytes.begin(), bytes.end());
   } else {
     LoadData data{offset, {}};
-    // Reserve room for the next blocks, but never much more than is counted.
+    // Reserve space for the next blocks, but not much more than the counted bytes.
     data.bytes.reserve(continues ? std::max(bytes.size(), kJoinedBlock) : bytes.size());
     data.bytes.assign(bytes.begin(), bytes.end());
     box->events.push_back({id, std::move(data)});

@@ -19,7 +19,7 @@
 namespace gs::net {
 namespace {
 
-/// Waiter for transports without sockets.
+/// Waiter for threads with transports that have no sockets.
 class ConditionWaiter final : public Waiter {
  public:
   void wait(Milliseconds time, std::span<const int>) override {
@@ -39,7 +39,7 @@ class ConditionWaiter final : public Waiter {
   bool woken_ = false;
 };
 
-/// Blocks SIGPIPE, so that a broken pipe is an error value and does not end the program.
+/// Blocks SIGPIPE on this thread. Writing to a closed connection then returns an error and does not end the program.
 void ignore_broken_pipes() {
   sigset_t signals;
   sigemptyset(&signals);
@@ -56,7 +56,7 @@ struct LaneCommand {
   Request request;
 };
 
-/// Thread with its engine.
+/// Loader thread with its engine and waiter.
 class LaneThread {
  public:
   LaneThread(std::unique_ptr<Waiter> waiter, std::function<std::unique_ptr<LoadEngine>()> make_engine)
@@ -122,13 +122,13 @@ class LaneThread {
   std::mutex mutex_;
   std::vector<LaneCommand> commands_;
   bool stopping_ = false;
-  std::thread thread_;  // last member, because it uses the others
+  std::thread thread_;  // last member, because the thread uses the members above
 };
 
 namespace {
 
-/// Forwards to a transport that it does not own: the engine owns its transports and the thread its waiter, but for http
-/// both are one object.
+/// Transport that forwards to a transport with another owner. For http, one object is both transport and waiter: an
+/// engine owns its transports, but the thread owns the waiter.
 class SharedHttp final : public Transport {
  public:
   explicit SharedHttp(Transport& http) : http_(http) {}
@@ -184,7 +184,7 @@ struct Loader::Parts {
         std::make_unique<LaneThread>(std::make_unique<ConditionWaiter>(), [this] { return make_local_engine(); });
   }
 
-  /// Wakes lanes that found the queue full.
+  /// Wakes the lanes if the queue was full and has room now.
   void wake_the_starved() {
     if (queue.clear_starved())
       for (const auto& each : lanes) each->wake();
@@ -193,11 +193,11 @@ struct Loader::Parts {
 
   LoaderOptions options;
   LoadQueue queue;
-  std::unique_ptr<HttpCache> cache;  // used by the network thread
-  HttpTransport* network = nullptr;  // owned by the network thread; only its thread-safe functions are called
+  std::unique_ptr<HttpCache> cache;  // used on the network thread only
+  HttpTransport* network = nullptr;  // owned by the network thread; other threads call only its thread-safe functions
   std::uint64_t last_id = 0;
   std::unordered_map<std::uint64_t, Lane> open;      // lane of each open request
-  std::array<std::unique_ptr<LaneThread>, 2> lanes;  // last member, because their threads use the others
+  std::array<std::unique_ptr<LaneThread>, 2> lanes;  // last member, because the threads use the members above
 };
 
 Loader::Loader(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}

@@ -10,10 +10,11 @@
 
 namespace gs::net {
 
-/// Loads bytes by URL on other threads. All calls from one thread; only poll() returns results.
+/// Loads bytes by URL on two own threads, one for networks and one for disks. Call all functions on one thread; only
+/// poll() returns results.
 ///
-/// Two own threads: one for networks, one for disks. Received bytes are bounded: transfers wait while nobody polls.
-/// Destruction stops everything at once and waits only for a pending disk read.
+/// Received bytes are bounded: if poll() is not called, transfers wait. The destructor stops all transfers at once and
+/// waits only for a pending disk read.
 class Loader {
  public:
   [[nodiscard]] static std::unique_ptr<Loader> create(LoaderOptions options = {});
@@ -21,20 +22,21 @@ class Loader {
   Loader(const Loader&) = delete;
   Loader& operator=(const Loader&) = delete;
 
-  /// Starts a request. Never blocks or fails; errors are events.
+  /// Starts a request. Never blocks. Errors are events of the request.
   RequestId request(Request request);
-  /// Stops the events of this request. Received bytes stay in the cache. Ignores ids that have ended.
+  /// Stops the events of a request. Received bytes remain in the cache. Ignores requests that have ended.
   void cancel(RequestId id);
-  /// Changes the priority, also while the request runs: less urgent transfers pause for more urgent ones.
+  /// Changes the priority of a request. Running transfers with lower priority may pause for others.
   void set_priority(RequestId id, int priority);
   /// Replaces LoaderOptions::bytes_per_second from now on; 0 means unlimited.
   void set_rate(std::uint64_t bytes_per_second);
 
-  /// Returns the events since the last call: by priority, in order within a request, with at most `max_bytes` bytes of
-  /// data. Remaining events do not call `wake` again; poll again while queued_bytes() is not 0.
+  /// Returns the events after the previous call, by priority, and in order within a request. Returns at most
+  /// `max_bytes` bytes of data. If events remain, `wake` is not called for them: poll again while queued_bytes() is not
+  /// 0.
   [[nodiscard]] std::vector<LoadEvent> poll(std::size_t max_bytes = std::size_t{4} << 20);
 
-  /// Returns the bytes that wait for poll().
+  /// Returns the received bytes that poll() has not returned yet.
   [[nodiscard]] std::size_t queued_bytes() const;
 
  private:

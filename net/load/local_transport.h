@@ -11,14 +11,14 @@
 
 namespace gs::net {
 
-/// Transfer of a resource on this machine. The bytes from `next` to `end` remain.
+/// Transfer of a resource on this machine. The bytes from `next` to before `end` are not delivered yet.
 struct LocalTransfer {
   TransferRequest request;
   std::uint64_t next = 0, end = 0;
   bool paused = false, over = false;
 };
 
-/// Transport of resources that are here: each step() advances all transfers that are not paused. `Transfer` derives
+/// Transport of resources on this machine. Each step() advances all transfers that are not paused. `Transfer` derives
 /// from LocalTransfer.
 template <class Transfer>
 class LocalTransport : public Transport {
@@ -50,8 +50,8 @@ class LocalTransport : public Transport {
   static TransferEnd failure(LoadErrorKind kind, std::string message) {
     return {LoadError{kind, std::move(message)}, false};
   }
-  /// Selects the requested range of `size` bytes and delivers the head. Returns the end of the transfer if the range is
-  /// invalid or no bytes remain.
+  /// Selects the requested range of a resource with `size` bytes and delivers the head. Returns the end of the transfer
+  /// if the range is invalid or empty.
   static std::optional<TransferEnd> deliver_head(TransferId id, Transfer& transfer, ResponseHead head,
                                                  std::uint64_t size, TransferSink& sink) {
     const auto& range = transfer.request.range;
@@ -72,7 +72,7 @@ class LocalTransport : public Transport {
     if (transfer.over || transfer.next < transfer.end) return std::nullopt;
     return TransferEnd{};
   }
-  /// Delivers the next bytes of a transfer. Returns its end after the last ones.
+  /// Delivers the next bytes of a transfer. Returns the end of the transfer if these were the last bytes.
   static std::optional<TransferEnd> deliver(TransferId id, Transfer& transfer, std::span<const std::byte> bytes,
                                             TransferSink& sink) {
     transfer.next += bytes.size();
@@ -84,7 +84,7 @@ class LocalTransport : public Transport {
   }
 
  private:
-  /// Begins or continues a transfer. Returns its end, or nullopt if it goes on.
+  /// Starts or continues a transfer. Returns its end, or nullopt if it must continue.
   virtual std::optional<TransferEnd> advance(TransferId id, Transfer& transfer, TransferSink& sink) = 0;
 
   std::map<TransferId, Transfer> transfers_;

@@ -61,10 +61,10 @@ bool is_base64_mark(std::string_view text) {
 }
 
 struct DataTransfer : LocalTransfer {
-  std::optional<DataUrl> data;  // nullopt before the head
+  std::optional<DataUrl> data;  // nullopt until the head was delivered
 };
 
-/// Delivers the bytes in the next step.
+/// Transport of data: URLs. Delivers the bytes in the step after the start.
 class DataTransport final : public LocalTransport<DataTransfer> {
   std::optional<TransferEnd> advance(TransferId id, DataTransfer& transfer, TransferSink& sink) override {
     constexpr std::size_t kBlock = std::size_t{64} << 10;

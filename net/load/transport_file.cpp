@@ -14,7 +14,8 @@
 namespace gs::net {
 namespace {
 
-/// Returns the version of a file. Writing changes at least one of these numbers, unless the writer resets them.
+/// Returns a text that identifies the version of a file. Writing the file changes it, unless the writer resets all
+/// times.
 std::string version_of(const struct stat& status) {
   return '"' + std::to_string(status.st_ino) + '-' + std::to_string(status.st_size) + '-' +
          std::to_string(status.st_mtim.tv_sec) + '.' + std::to_string(status.st_mtim.tv_nsec) + '"';
@@ -32,7 +33,7 @@ struct FileTransfer : LocalTransfer {
   struct stat status {};
 };
 
-/// Reads one block of each transfer per step, so that a large file does not delay a small one.
+/// Transport of files. Reads one block of each transfer per step, so that a large file does not delay a small file.
 class FileTransport final : public LocalTransport<FileTransfer> {
   static std::optional<TransferEnd> open(FileTransfer& transfer) {
     const Url url = parse_url(transfer.request.url);
@@ -41,7 +42,7 @@ class FileTransport final : public LocalTransport<FileTransfer> {
                      "files on the host " + url.authority.substr(0, 64) + " cannot be reached; expected file:///path");
     const std::string path = path_of_url(url);
     if (path.empty()) return failure(LoadErrorKind::bad_request, "it has no file name; expected file:///path");
-    // Do not wait for the other end of a pipe, and do not take over a terminal.
+    // O_NONBLOCK: do not wait for the other end of a pipe. O_NOCTTY: do not make a terminal the controlling terminal.
     transfer.file = Descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
     const int code = errno;
     if (!transfer.file) {
@@ -68,7 +69,7 @@ class FileTransport final : public LocalTransport<FileTransfer> {
     const ssize_t got = ::pread(transfer.file.get(), block_.data(), wanted, static_cast<off_t>(transfer.next));
     if (got < 0 && errno == EINTR) return std::nullopt;
     if (got < 0) return failure(LoadErrorKind::unreadable, std::generic_category().message(errno));
-    // Checked after reading, so that bytes of a newer version are not accepted.
+    // Check the version after reading, so that bytes of a newer version are not accepted.
     struct stat status {};
     if (::fstat(transfer.file.get(), &status) != 0 || version_of(status) != version_of(transfer.status) || got == 0)
       return TransferEnd{LoadError{LoadErrorKind::changed, "the file changed while it was read"}, true};

@@ -21,15 +21,15 @@
 namespace gs::net {
 namespace {
 
-/// Maximum bytes of an unneeded body (of a redirect or error) that are read to keep the connection.
+/// Maximum bytes of an unneeded body (redirect or error) that are read to keep the connection open.
 constexpr std::size_t kMaxDiscarded = std::size_t{16} << 10;
 /// Maximum number of idle connections.
 constexpr long kIdleConnections = 32;
-/// Block sizes. A block of a compressed body can grow a thousandfold, and curl holds it while the queue is full, so it
-/// is small.
+/// Bytes of a block. A compressed block is small, because it can grow a thousandfold and curl holds it while the queue
+/// is full.
 constexpr long kCompressedBlock = 16 << 10;
 constexpr long kPlainBlock = 64 << 10;
-/// Maximum time for which curl blocks while it waits for an FTP server.
+/// Maximum time for which curl may block while it waits for an FTP server.
 constexpr Milliseconds kLongestHold{1000};
 /// With a rate limit: bytes that the system may buffer for a connection.
 constexpr std::uint64_t kMinAhead = 4 << 10, kMaxAhead = 1 << 20;
@@ -42,7 +42,7 @@ std::string environment_variable(const std::string& name) {
 class CurlTransport final : public HttpTransport {
  public:
   explicit CurlTransport(const LoaderOptions& options) : options_(options), rate_(options.bytes_per_second) {
-    // curl counts the calls; they are thread-safe since 7.84.
+    // curl counts the calls of this function. They are thread-safe since curl 7.84.
     curl().curl_global_init(CURL_GLOBAL_DEFAULT);
     multi_.reset(curl().curl_multi_init());
     CURLM* const multi = multi_.get();
@@ -85,20 +85,21 @@ class CurlTransport final : public HttpTransport {
     ResponseHead head;
     std::size_t header_bytes = 0, discarded = 0;
     TimePoint progress;                // time of the start, of the end of the headers, or of the last byte of the body
-    std::optional<LoadError> failure;  // detected by this class, not by curl
+    std::optional<LoadError> failure;  // failure that this class found, not curl
     AddressSpace reach = AddressSpace::special;
-    AddressSpace space = AddressSpace::special;  // of the host
-    std::string refused_host;                    // reason why an address was refused
-    std::string refused_url;                     // reason why no connection is made
+    AddressSpace space = AddressSpace::special;  // space of the host
+    std::string refused_host;  // reason why an address of the host is refused
+    std::string refused_url;  // reason why no connection is opened
     bool proxied = false;                        // the proxy resolves the host
     bool by_ftp = false;
     std::uint64_t left = 0;  // remaining bytes of an FTP file
     bool head_done = false, discarding = false, enough = false;
     bool wants_pause = false, paused = false, over = false;
-    std::optional<TimePoint> slowed;  // start of its wait for the shared rate
+    std::optional<TimePoint> slowed;  // start of the wait for the bandwidth limit
 
-    /// Pauses a transfer only after its head. Before that, curl lets all transfers to a host wait, because the first
-    /// response shows whether they can share the connection (CURLOPT_PIPEWAIT). on_body pauses the rest.
+    /// Reports whether a transfer must be paused or resumed now. A transfer is never paused before its head: curl would
+    /// hold back all other transfers to the host. Until then, curl does not know whether they can share the connection
+    /// (CURLOPT_PIPEWAIT). on_body pauses such a transfer when its body begins.
     [[nodiscard]] bool pause_is_due() const { return wants_pause != paused && (head_done || !wants_pause); }
   };
 
@@ -111,20 +112,20 @@ class CurlTransport final : public HttpTransport {
     return transfer.transport->on_body(transfer, {data, count});
   }
 
-  /// Refuses connections to addresses that the document may not reach.
+  /// Refuses to connect to addresses that the document may not reach.
   static curl_socket_t open_socket_callback(void* user, curlsocktype, curl_sockaddr* address) {
     auto& transfer = *static_cast<Transfer*>(user);
     if (!transfer.proxied && !transfer.transport->may_reach(transfer, ip_address_of(&address->addr)))
       return CURL_SOCKET_BAD;
     const int socket = ::socket(address->family, address->socktype | SOCK_CLOEXEC, address->protocol);
-    // Limit the system's buffer, because its bytes have already used the line.
+    // Limit the receive buffer: with a bandwidth limit, the system would otherwise receive data too early.
     if (const std::uint64_t rate = transfer.transport->rate_.bytes_per_second(); rate > 0 && socket >= 0) {
       const int room = static_cast<int>(std::clamp<std::uint64_t>(rate / 2, kMinAhead, kMaxAhead));
       (void)::setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
     }
     return socket;
   }
-  /// Checks the address before each request, also on a reused connection.
+  /// Checks the host's address before each request, also on a reused connection.
   static int request_callback(void* user, char* address, char*, int, int) {
     auto& transfer = *static_cast<Transfer*>(user);
     if (transfer.proxied) return CURL_PREREQFUNC_OK;
@@ -162,11 +163,11 @@ class CurlTransport final : public HttpTransport {
   const LoaderOptions& options_;
   std::unique_ptr<CURLM, FreeMulti> multi_;
   std::unordered_map<TransferId, std::unique_ptr<Transfer>> transfers_;
-  TransferSink* sink_ = nullptr;  // during step
+  TransferSink* sink_ = nullptr;  // null outside of step()
   TimePoint now_{};
   std::chrono::steady_clock::time_point step_began_{};
   SharedRate rate_;
-  bool dirty_ = false;  // work is pending that no socket reports
+  bool dirty_ = false;  // step() is needed although no socket is ready
 };
 
 void CurlTransport::start(TransferId id, const TransferRequest& request, TimePoint now) {
@@ -177,7 +178,7 @@ void CurlTransport::start(TransferId id, const TransferRequest& request, TimePoi
   transfer->reach = request.reach;
   transfer->easy.reset(curl().curl_easy_init());
   set_options(*transfer, request);
-  // Refused transfers end in the next step.
+  // A refused transfer is not started; it ends in the next step.
   if (transfer->refused_host.empty() && transfer->refused_url.empty())
     curl().curl_multi_add_handle(multi_.get(), transfer->easy.get());
   transfers_[id] = std::move(transfer);
@@ -195,7 +196,7 @@ bool CurlTransport::may_reach(Transfer& transfer, const std::optional<IpAddress>
 void CurlTransport::set_options(Transfer& transfer, const TransferRequest& request) {
   CURL* const easy = transfer.easy.get();
   const auto canonical = canonical_url(parse_url(request.url));
-  // curl would read a host from the path.
+  // Refuse a URL without a host, because curl would take the host from the path.
   if (!canonical) {
     transfer.refused_url = "it has no host or an invalid port";
     return;
@@ -204,12 +205,12 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   curl().curl_easy_setopt(easy, CURLOPT_URL, url.c_str());
   transfer.by_ftp = canonical->scheme == "ftp";
   curl().curl_easy_setopt(easy, CURLOPT_PROTOCOLS_STR, transfer.by_ftp ? "ftp" : "http,https");
-  // The loader follows redirects, so that it can check each hop and look it up in the cache.
+  // The loader follows redirects, because it checks each redirect and searches the cache for its target.
   curl().curl_easy_setopt(easy, CURLOPT_FOLLOWLOCATION, 0L);
   curl().curl_easy_setopt(easy, CURLOPT_HTTP_VERSION, static_cast<long>(CURL_HTTP_VERSION_2TLS));
   curl().curl_easy_setopt(easy, CURLOPT_PIPEWAIT, 1L);
   curl().curl_easy_setopt(easy, CURLOPT_NOSIGNAL, 1L);
-  curl().curl_easy_setopt(easy, CURLOPT_QUICK_EXIT, 1L);  // do not wait for a name server at the end
+  curl().curl_easy_setopt(easy, CURLOPT_QUICK_EXIT, 1L);  // do not wait for a name server when a transfer ends
   curl().curl_easy_setopt(easy, CURLOPT_SUPPRESS_CONNECT_HEADERS, 1L);
   curl().curl_easy_setopt(easy, CURLOPT_TCP_KEEPALIVE, 1L);
   curl().curl_easy_setopt(easy, CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(options_.connect_timeout.count()));
@@ -219,7 +220,7 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   curl().curl_easy_setopt(easy, CURLOPT_WRITEDATA, &transfer);
   curl().curl_easy_setopt(easy, CURLOPT_PRIVATE, &transfer);
   if (!options_.ca_file.empty()) curl().curl_easy_setopt(easy, CURLOPT_CAINFO, options_.ca_file.c_str());
-  // A proxy would answer FTP by HTTP.
+  // A proxy would answer FTP with HTTP, so use none for FTP.
   const std::string proxy =
       options_.proxy_from_environment && !transfer.by_ftp ? proxy_of(*canonical, environment_variable) : std::string();
   curl().curl_easy_setopt(easy, CURLOPT_PROXY, proxy.c_str());
@@ -248,11 +249,11 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
     add("Range", "bytes=" + std::to_string(request.range->begin) + "-" +
                      (open ? std::string() : std::to_string(request.range->end - 1)));
     add("If-Range", request.if_range);
-    // Ranges of a compressed form would be useless.
+    // Request ranges uncompressed: byte ranges of compressed data are useless.
     add("Accept-Encoding", "identity");
     curl().curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, rate_.block_size(kPlainBlock));
   } else {
-    // Only encodings with bounded growth per block.
+    // Request only encodings with a bounded growth per block.
     curl().curl_easy_setopt(easy, CURLOPT_ACCEPT_ENCODING, "gzip, deflate");
     curl().curl_easy_setopt(easy, CURLOPT_BUFFERSIZE, rate_.block_size(kCompressedBlock));
   }
@@ -262,8 +263,7 @@ void CurlTransport::set_options(Transfer& transfer, const TransferRequest& reque
   curl().curl_easy_setopt(easy, CURLOPT_HTTPHEADER, transfer.headers.get());
 }
 
-/// Sets options for anonymous transfers of whole files (RFC 959, 1635), over passive connections (RFC 2428), one file
-/// each.
+/// Sets options for FTP: anonymous (RFC 1635), whole files (RFC 959), passive mode (RFC 2428), one file per connection.
 void CurlTransport::set_ftp_options(Transfer& transfer) {
   CURL* const easy = transfer.easy.get();
   curl().curl_easy_setopt(easy, CURLOPT_FTP_FILEMETHOD, static_cast<long>(CURLFTPMETHOD_NOCWD));
@@ -277,7 +277,7 @@ void CurlTransport::set_ftp_options(Transfer& transfer) {
 
 bool CurlTransport::on_header(Transfer& transfer, std::string_view line) {
   if (transfer.over) return false;
-  if (transfer.head_done) return true;  // ignore trailers
+  if (transfer.head_done) return true;  // ignore trailers of the body
   transfer.header_bytes += line.size();
   if (transfer.header_bytes > options_.max_header_bytes) {
     transfer.failure =
@@ -298,13 +298,14 @@ bool CurlTransport::on_header(Transfer& transfer, std::string_view line) {
                options_.unix_seconds());
     return true;
   }
-  if (transfer.head.status < 200) return true;  // another head follows
+  if (transfer.head.status < 200) return true;  // the final head follows
   finish_head(transfer.head);
   return tell_head(transfer);
 }
 
-/// Starts a file over FTP. FTP has no head; a server reports only the length of a file (SIZE, RFC 3659). With the
-/// length, the transfer need not wait for the server's last reply, during which curl blocks all other transfers.
+/// Starts the body of an FTP file. FTP has no head; the server only reports the length (SIZE, RFC 3659). With the
+/// length, the transfer ends without waiting for the server's last reply. During that wait, curl would block all other
+/// transfers.
 bool CurlTransport::begin_file(Transfer& transfer) {
   curl_off_t size = -1;
   curl().curl_easy_getinfo(transfer.easy.get(), CURLINFO_CONTENT_LENGTH_DOWNLOAD_T, &size);
@@ -361,12 +362,12 @@ void CurlTransport::apply_pauses() {
     transfer->paused = transfer->wants_pause;
     transfer->slowed.reset();
     transfer->progress = now_;
-    // Continuing may deliver bytes that curl held, and that may pause the transfer again.
+    // curl_easy_pause may deliver bytes that curl held, and on_body may then pause the transfer again.
     curl().curl_easy_pause(transfer->easy.get(), transfer->paused ? CURLPAUSE_RECV : CURLPAUSE_CONT);
   }
 }
 
-// Delivers one block per transfer, the longest waiting first.
+// Resumes transfers that wait for the bandwidth limit, one block each. The longest wait is first.
 void CurlTransport::go_on_at_rate() {
   while (rate_.admits(now_)) {
     Transfer* first = nullptr;
@@ -398,7 +399,7 @@ void CurlTransport::step(TransferSink& sink, TimePoint now) {
   sink_ = nullptr;
 }
 
-/// Ends the transfers that were refused before they began.
+/// Ends the transfers that were refused at their start.
 void CurlTransport::end_refused() {
   for (auto& [id, transfer] : transfers_)
     if (!transfer->over && !transfer->refused_url.empty())
@@ -421,7 +422,7 @@ void CurlTransport::collect() {
     else if (transfer.enough || (code == CURLE_OK && transfer.head_done))
       end(transfer, {});
     else if (code == CURLE_OK && transfer.by_ftp && begin_file(transfer))
-      end(transfer, {});  // an empty file
+      end(transfer, {});  // the file is empty
     else if (code == CURLE_OK)
       end(transfer, {LoadError{LoadErrorKind::bad_response, "the server sent an incomplete header", 0}, false});
     else if (!transfer.head_done && !transfer.refused_host.empty())

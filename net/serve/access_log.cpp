@@ -53,7 +53,7 @@ std::variant<AccessLog, std::string> AccessLog::open(const std::string& path) {
 }
 
 void AccessLog::write(std::string_view line) const {
-  // A line that cannot be written is lost; the server continues.
+  // If a line cannot be written, drop the line; the server must continue.
   while (file_ && !line.empty()) {
     const ssize_t written = ::write(file_.get(), line.data(), line.size());
     if (written < 0 && errno == EINTR) continue;

@@ -9,24 +9,24 @@
 
 namespace gs::net {
 
-/// Request and its result, for the log.
+/// Served request with its result, for the log.
 struct AccessRecord {
   std::string client, method, target,
-      version;            // as received; target and method may hold any bytes
-  std::int64_t time = 0;  // time of receipt, Unix seconds
+      version;  // as received; `target` and `method` may contain any bytes
+  std::int64_t time = 0;  // time of the request, Unix seconds
   int status = 0;
-  std::uint64_t bytes = 0;  // bytes of the body, handed to the system
+  std::uint64_t bytes = 0;  // bytes of the body that were passed to the system
   double seconds = 0;
 };
-/// Returns a line in Common Log Format, followed by the duration in seconds. Writes quotes, backslashes and
-/// non-printing bytes as \xNN, so that no request can forge a line.
+/// Returns a line in Common Log Format and the duration in seconds. Writes quotes, backslashes and non-printing bytes
+/// as \xNN, so that a request cannot forge a line.
 [[nodiscard]] std::string log_line(const AccessRecord& record);
 
-/// Log to a growing file or to standard output. One thread.
+/// Access log. Appends to a file or writes to standard output. One thread.
 class AccessLog {
  public:
   AccessLog() = default;
-  /// Opens a log. "-" means standard output.
+  /// Opens a log at `path`. "-" means standard output. Returns an error on failure.
   [[nodiscard]] static std::variant<AccessLog, std::string> open(const std::string& path);
   void write(std::string_view line) const;
 

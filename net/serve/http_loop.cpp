@@ -21,7 +21,7 @@ namespace {
 
 constexpr Instant kLookEvery{100'000};
 
-// Keeps targets encoded for parse_request_path(), because libmicrohttpd would end them at an encoded NUL.
+// Disables decoding in libmicrohttpd, which would end the target at an encoded NUL. parse_request_path() decodes it.
 std::size_t leave_encoded(void*, MHD_Connection*, char* text) { return std::strlen(text); }
 
 std::optional<std::string> problem(const std::string& what) { return what + ": " + std::strerror(errno); }
@@ -50,7 +50,7 @@ std::optional<std::string> HttpLoop::listen() {
     return "'" + options_.bind + "' is not an IPv4 or IPv6 address or '*'";
   listener_ = Descriptor(::socket(is_four ? AF_INET : AF_INET6, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   bool plain = is_four;
-  if (!listener_ && all) {  // system without IPv6
+  if (!listener_ && all) {  // the system has no IPv6: use IPv4
     listener_ = Descriptor(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
     plain = true;
   }
@@ -65,7 +65,7 @@ std::optional<std::string> HttpLoop::listen() {
   sockaddr_in6 bound{};
   socklen_t length = sizeof bound;
   (void)::getsockname(listener_.get(), reinterpret_cast<sockaddr*>(&bound), &length);
-  port_ = ntohs(bound.sin6_port);  // same offset in both families
+  port_ = ntohs(bound.sin6_port);  // the port has the same offset in both families
   return std::nullopt;
 }
 
@@ -79,7 +79,7 @@ std::optional<std::string> HttpLoop::start() {
     made.most_bytes = options_.most_made_bytes;
     std::vector<std::size_t> at_once;
     for (const Maker& maker : options_.makers) at_once.push_back(maker.at_once);
-    at_once.push_back(1);  // gzip
+    at_once.push_back(1);  // the last lane is for gzip, with one thread
     made_ = std::make_unique<MadeFiles>(made, at_once, [this] { wake(); });
   }
   site_ = std::make_unique<HttpSite>(options_, std::move(std::get<ServedFolder>(folder)), made_.get(),
@@ -89,7 +89,7 @@ std::optional<std::string> HttpLoop::start() {
   const auto most = static_cast<unsigned>(std::min<std::size_t>(
       options_.limits.connections > 0 ? options_.limits.connections : 1U << 20, std::numeric_limits<int>::max()));
   const auto flags = static_cast<unsigned>(MHD_USE_EPOLL) | static_cast<unsigned>(MHD_ALLOW_SUSPEND_RESUME);
-  // libmicrohttpd takes ownership of the listener and closes it.
+  // libmicrohttpd owns the listener now and closes it.
   daemon_ = microhttpd().MHD_start_daemon(
       flags, port_, nullptr, nullptr, &HttpLoop::on_request, this, MHD_OPTION_LISTEN_SOCKET,
       ::fcntl(listener_.get(), F_DUPFD_CLOEXEC, 0), MHD_OPTION_CONNECTION_LIMIT, most,
@@ -122,7 +122,7 @@ HttpServerStatistics HttpLoop::statistics() const {
   return statistics_;
 }
 
-// Reports whether the thread is done: everything was sent, or time is up.
+// Reports whether the server thread may end: all responses were sent, or the grace time is over.
 bool HttpLoop::finished(Instant now) {
   Instant at{};
   std::uint64_t transfers = 0;
@@ -137,7 +137,7 @@ bool HttpLoop::finished(Instant now) {
     const MHD_socket listener = microhttpd().MHD_quiesce_daemon(daemon_);
     if (listener != MHD_INVALID_SOCKET) ::close(listener);
   }
-  // Close connections between two requests, instead of waiting for them.
+  // Close connections that wait for their next request.
   for (const Connection* connection : connections_)
     if (connection->phase == Phase::receiving) (void)::shutdown(connection->socket, SHUT_RD);
   return transfers == 0 || now >= at;
@@ -150,7 +150,7 @@ void HttpLoop::run() {
     (void)microhttpd().MHD_run(daemon_);
     const Instant now = clock_now();
     if (finished(now)) break;
-    // Resumed connections continue in MHD_run, and nothing else wakes it for them.
+    // Only MHD_run continues resumed connections, and no socket event causes it. So do not wait after a resume.
     const std::size_t suspended = turns_.size() + waiting_.size();
     pace(now);
     look_at_made(now);
@@ -160,7 +160,7 @@ void HttpLoop::run() {
     std::uint64_t count = 0;
     if ((waits[1].revents & POLLIN) != 0) (void)!::read(wake_.get(), &count, sizeof count);
   }
-  // No connection may be suspended when libmicrohttpd stops.
+  // libmicrohttpd can stop only if no connection is suspended.
   aborting_ = true;
   for (const auto& [id, handle] : turns_) microhttpd().MHD_resume_connection(handle);
   for (const auto& [id, waiting] : waiting_) microhttpd().MHD_resume_connection(waiting.handle);
@@ -213,7 +213,7 @@ void HttpLoop::drop_slow(Instant now) {
 
 int HttpLoop::milliseconds_to_wait(Instant now) {
   Instant until = Instant::max();
-  // Wake regularly to check slow connections and the deadline of a stop.
+  // Wake regularly to find slow connections and to check the end of the grace time.
   if (!connections_.empty() || quiet_) until = now + kLookEvery;
   for (const auto& [id, waiting] : waiting_) until = std::min(until, waiting.until);
   until = std::min(until, limits_.deadline(now));

@@ -16,11 +16,11 @@
 
 namespace gs::net {
 
-/// Bytes of memory for the headers of a connection's request.
+/// Bytes of memory per connection for the headers of a request.
 inline constexpr std::size_t kConnectionMemory = 32768;
 
-/// Thread of an HttpServer. libmicrohttpd handles sockets and HTTP; it calls back from `run` only. Everything happens
-/// on that thread, except for functions marked "Any thread".
+/// Thread of an HttpServer. libmicrohttpd handles sockets and HTTP, and calls back only from `run`. All functions run
+/// on this thread, except those marked "Any thread".
 class HttpLoop {
  public:
   explicit HttpLoop(HttpServerOptions options);
@@ -28,12 +28,12 @@ class HttpLoop {
   HttpLoop(const HttpLoop&) = delete;
   HttpLoop& operator=(const HttpLoop&) = delete;
 
-  /// Opens folder, port and log, and starts serving. Returns the error, or nullopt.
+  /// Opens the folder, port and log, and starts to serve. Returns the error, or nullopt.
   [[nodiscard]] std::optional<std::string> start();
   [[nodiscard]] std::uint16_t port() const { return port_; }
-  /// Any thread.
+  /// Returns the statistics. Any thread.
   [[nodiscard]] HttpServerStatistics statistics() const;
-  /// Any thread.
+  /// Stops the server after at most `grace`. Any thread.
   void stop(std::chrono::milliseconds grace);
 
  private:
@@ -42,13 +42,13 @@ class HttpLoop {
     HttpLoop* loop = nullptr;
     MHD_Connection* handle = nullptr;
     int socket = -1;
-    ClientKey peer{}, client{};  // the other end; client of the current request
+    ClientKey peer{}, client{};  // peer of the connection, and client of the current request
     bool counted = false;
-    bool shared = false;  // the peer is a proxy for many clients
+    bool shared = false;  // the peer is a proxy with many clients
     Phase phase = Phase::receiving;
-    Instant since{};         // start of this phase, or last progress in it
-    std::size_t credit = 0;  // bytes that may be sent before the next turn
-    std::uint64_t sent = 0;  // bytes of the response's body
+    Instant since{};  // start of the current phase, or last progress in it
+    std::size_t credit = 0;  // bytes of the body that may be sent without another turn
+    std::uint64_t sent = 0;  // sent bytes of the response body
   };
   struct Request {
     HttpLoop* loop = nullptr;
@@ -56,12 +56,12 @@ class HttpLoop {
     HttpRequest request;
     AccessRecord record;
     Instant begin{};
-    bool seen = false;             // the headers were read
-    bool counted = false;          // counted among the requests of its client behind a proxy
-    std::optional<Instant> until;  // deadline of the wait for a file that is being made
+    bool seen = false;  // the headers of the request were read
+    bool counted = false;  // counted as a concurrent request of a client behind a proxy
+    std::optional<Instant> until;  // end of the wait for a made file
     std::uint64_t id = 0;
   };
-  struct Transfer;  // body of a response
+  struct Transfer;  // body of a response, while it is sent
   struct Waiting {
     MHD_Connection* handle = nullptr;
     std::size_t lane = 0;
@@ -100,12 +100,12 @@ class HttpLoop {
   Descriptor listener_, wake_;
   std::uint16_t port_ = 0;
   std::set<Connection*> connections_;
-  std::map<std::uint64_t, MHD_Connection*> turns_;  // transfers that wait for a turn
-  std::map<std::uint64_t, Waiting> waiting_;        // requests
+  std::map<std::uint64_t, MHD_Connection*> turns_;  // suspended connections that wait for a turn
+  std::map<std::uint64_t, Waiting> waiting_;  // suspended requests that wait for a made file
   std::uint64_t next_id_ = 1;
   bool aborting_ = false, quiet_ = false;
   Instant looked_{};
-  mutable std::mutex mutex_;  // guards the following members
+  mutable std::mutex mutex_;  // guards the members below
   HttpServerStatistics statistics_;
   std::optional<Instant> stop_at_;
   std::thread thread_;

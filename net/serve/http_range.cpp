@@ -11,7 +11,7 @@
 namespace gs::net {
 namespace {
 
-constexpr std::uint64_t kPartCost = 120;  // approximate bytes of a boundary and its headers
+constexpr std::uint64_t kPartCost = 120;  // approximate bytes of a part's boundary and headers
 
 bool equal_word(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) {
@@ -30,13 +30,13 @@ void for_each_item(std::string_view list, const Each& each) {
   }
 }
 
-// Parses a number. Numbers that overflow become the maximum, which exceeds every body.
+// Parses a number. Returns the maximum if the number overflows; this exceeds every body.
 std::optional<std::uint64_t> number(std::string_view digits) {
   if (digits.empty() || digits.find_first_not_of("0123456789") != std::string_view::npos) return std::nullopt;
   return parse_decimal(digits).value_or(UINT64_MAX);
 }
 
-// Adds one range. Returns false if the text is not a range. Adds nothing if the range has no bytes.
+// Adds one range to `out`. Returns false if the text is not a range. Adds nothing if the range contains no bytes.
 bool add_range(std::string_view item, std::uint64_t size, std::vector<ServedRange>& out) {
   const std::size_t dash = item.find('-');
   if (dash == std::string_view::npos) return false;
@@ -62,7 +62,7 @@ bool near(const ServedRange& a, const ServedRange& b) {
 std::vector<ServedRange> joined(const std::vector<ServedRange>& ranges) {
   std::vector<ServedRange> out;
   for (ServedRange range : ranges) {
-    // The joined range may now touch others.
+    // Join further ranges that now touch the joined range.
     for (std::size_t i = 0; i < out.size();) {
       if (!near(out[i], range)) {
         ++i;
@@ -79,7 +79,7 @@ std::vector<ServedRange> joined(const std::vector<ServedRange>& ranges) {
 
 std::string_view opaque(std::string_view etag) { return etag.starts_with("W/") ? etag.substr(2) : etag; }
 
-// Reports whether a list of entity tags has a tag. With `strong`, weak tags never match.
+// Reports whether a list of entity tags contains `etag`. If `strong`, weak tags never match.
 bool lists(std::string_view value, std::string_view etag, bool strong) {
   if (without_blanks(value) == "*") return true;
   if (strong && etag.starts_with("W/")) return false;
@@ -101,7 +101,7 @@ std::variant<WholeBody, NoSuchRange, std::vector<ServedRange>> parse_ranges(std:
   std::size_t items = 0;
   bool sound = true;
   for_each_item(value.substr(equals + 1), [&](std::string_view item) {
-    if (item.empty() || ++items > kMaxServedRanges) {  // RFC 9110 5.6.1: empty elements do not count
+    if (item.empty() || ++items > kMaxServedRanges) {  // ignore empty elements (RFC 9110 5.6.1)
       sound = sound && items <= kMaxServedRanges;
     } else if (!add_range(item, size, ranges)) {
       sound = false;

@@ -1,4 +1,4 @@
-// Callbacks of libmicrohttpd for connections, requests and bodies.
+// Callbacks of libmicrohttpd: connections, requests and bodies of responses.
 #include "net/base/host_names.h"
 #include "net/limits/clock.h"
 #include "net/serve/http_loop.h"
@@ -30,7 +30,7 @@ const sockaddr* address_of(MHD_Connection* handle) {
   return info ? info->client_addr : nullptr;
 }
 
-// Values of all fields of one name (RFC 9110 5.3).
+// Values of all fields with one name (RFC 9110 5.3).
 struct Fields {
   std::string_view name;
   std::vector<std::string> values;
@@ -43,7 +43,7 @@ MHD_Result collect_field(void* self, MHD_ValueKind, const char* name, const char
     fields.values.emplace_back(value ? value : "");
   return MHD_YES;
 }
-// Returns the values of all fields of a name, given in lower case.
+// Returns the values of all fields with a name. `name` is in lower case.
 std::vector<std::string> fields_of(MHD_Connection* handle, std::string_view name) {
   Fields fields{name, {}};
   (void)microhttpd().MHD_get_connection_values(handle, MHD_HEADER_KIND, collect_field, &fields);
@@ -55,8 +55,9 @@ std::string joined_fields(const std::vector<std::string>& values) {
   return text;
 }
 
-/// Reports whether the line of a field was folded. libmicrohttpd before 1.0 appends the following line to a new copy of
-/// the name. Otherwise, name and value are in one line, separated by blanks only. Later versions refuse folded lines.
+/// Reports whether a field continued on a second line (folded). libmicrohttpd before 1.0 then copies the name to new
+/// memory. Otherwise, name and value are in one buffer with only blanks between them. Later versions refuse folded
+/// lines.
 bool is_folded(const char* name, const char* value) {
   static const bool tells = std::string_view(microhttpd().MHD_get_version()).starts_with("0.");
   if (!tells || !name || !value) return false;
@@ -81,7 +82,7 @@ std::optional<IpAddress> peer_of(MHD_Connection* handle) {
   return address ? ip_address_of(address) : std::nullopt;
 }
 
-// Reports whether a request has fields that proxies add and browsers never send.
+// Reports whether a request came through a proxy, by fields that browsers never send.
 bool came_through_proxy(MHD_Connection* handle) {
   for (const char* name : {"Forwarded", "X-Forwarded-For", "X-Real-IP", "Via"})
     if (!header(handle, name).empty()) return true;
@@ -167,7 +168,7 @@ MHD_Result HttpLoop::handle(Request& request, MHD_Connection* handle, const char
     request.connection->since = now;
     if (const auto why = refuse_fields(received_fields(handle), version))
       return queue(request, handle, HttpSite::malformed(*why));
-    // A request with a body is answered at once and closes the connection, so nobody reads the body or trailers.
+    // Answer a request with a body at once and close the connection, so that its body and trailers are not read.
     if (!has_body(handle)) return MHD_YES;
   }
   if (request.until) {
@@ -231,7 +232,7 @@ MHD_Result HttpLoop::queue(Request& request, MHD_Connection* handle, HttpAnswer 
     (void)microhttpd().MHD_add_response_header(response, name.c_str(), value.c_str());
   if (quiet_) (void)microhttpd().MHD_add_response_header(response, "Connection", "close");
   const auto status = static_cast<unsigned>(all.status);
-  if (size != 0) (void)transfer.release();  // owned by the response
+  if (size != 0) (void)transfer.release();  // the response owns the transfer now
   const MHD_Result queued = microhttpd().MHD_queue_response(handle, status, response);
   microhttpd().MHD_destroy_response(response);
   return queued;
@@ -263,7 +264,7 @@ void HttpLoop::completed(Request& request) {
   ++statistics_.requests[record.status];
 }
 
-// Reads a part of a body at the limited rate. Suspends a connection without credit until its turn.
+// Reads bytes of a body within the bandwidth limit. Suspends the connection until its turn if it has no credit.
 ssize_t HttpLoop::read_paced(Transfer& transfer, std::uint64_t at, char* to, std::size_t most) {
   Connection& connection = *transfer.connection;
   if (aborting_) return MHD_CONTENT_READER_END_WITH_ERROR;
@@ -290,7 +291,7 @@ ssize_t HttpLoop::read_paced(Transfer& transfer, std::uint64_t at, char* to, std
 
 ssize_t HttpLoop::read(Transfer& transfer, std::uint64_t at, char* to, std::size_t most) {
   const HttpAnswer& answer = transfer.answer;
-  // The headers describe one version of the file.
+  // The headers describe one version of the file. If the file has changed, stop.
   if (answer.file && !(stamp_of(*answer.file) == answer.stamp)) return -1;
   for (const AnswerPart& part : answer.parts) {
     const std::uint64_t size = part.size();

@@ -19,41 +19,41 @@
 
 namespace gs::net {
 
-/// Type of a file, from its name.
+/// Content type of a served file.
 struct ServedType {
   std::string mime = "application/octet-stream";
-  bool compress = false;  // gzip makes it smaller
+  bool compress = false;  // smaller with gzip
 };
 
-/// Page that lists a folder.
+/// HTML page that lists a folder.
 struct FolderPage {
   std::string mime, body;
 };
 
-/// Request for a folder or for something in it.
+/// Request for a folder or for a name in a folder.
 struct FolderRequest {
   bool json = false;
-  std::string query;  // part after the '?', as received
-  // Of the folder as the client knows it, such as "http://host:8080/a/"; empty if the request has no host.
+  std::string query;  // part of the target after '?', as received
+  // URL of the folder from the client's view, such as "http://host:8080/a/". Empty if the request has no host.
   std::string url;
 };
 
-/// Kind of file that is generated from another file on demand.
+/// Generator of files: makes a file of one kind from another file on demand.
 struct Maker {
-  std::string name;  // for metrics and keys; letters only
+  std::string name;  // for metrics and cache keys; letters only
   ServedType type;
-  std::string extension;     // of the made file, with its dot
-  bool for_missing = false;  // asked only for names that do not exist
-  /// Returns the name of the source, in the same folder, for a requested name and its query. Returns nullopt if this
-  /// maker does not make that file. Called on the server's thread.
+  std::string extension;  // extension of the made file, with its dot
+  bool for_missing = false;  // used only for names that do not exist in the folder
+  /// Returns the name of the source file, in the same folder, for a requested name and query. Returns nullopt if this
+  /// maker does not apply. Called on the server's thread.
   std::function<std::optional<std::string>(const std::string& name, const std::string& query)> source_of;
-  /// Makes `out`, in its own folder, from the file `source`. Returns the error, or nullopt. Called on a thread of this
-  /// maker. Should end soon when stopped.
+  /// Makes the file `out`, which has its own folder, from the file `source`. Returns the error, or nullopt. Runs on a
+  /// thread of this maker. Should end soon after a stop request.
   std::function<std::optional<MakeFailure>(const std::string& source, const std::string& out,
                                            const std::stop_token& stop)>
       make;
-  std::chrono::milliseconds wait{10'000};  // maximum wait of a request without Range before it is told to retry
-  std::size_t at_once = 4;                 // max files in work, all but the youngest of them slow ones
+  std::chrono::milliseconds wait{10'000};  // maximum wait without Range; then retry
+  std::size_t at_once = 4;  // maximum concurrent files; all but the newest must be slow
 };
 
 struct HttpServerOptions {
@@ -61,41 +61,40 @@ struct HttpServerOptions {
   std::string bind = "127.0.0.1";  // IPv4 or IPv6 address; "*" means all
   std::uint16_t port = 0;          // 0 means any free port
   HttpLimits limits;
-  std::chrono::milliseconds request_timeout{20'000};  // for a whole request, and between two requests
-  std::chrono::milliseconds send_timeout{60'000};     // for sending 64 KiB
-  // Seconds for which responses stay fresh; 0 means that each use must validate them.
+  std::chrono::milliseconds request_timeout{20'000};  // time limit for receiving a request, and between two requests
+  std::chrono::milliseconds send_timeout{60'000};  // time limit for sending 64 KiB
+  // Seconds for which responses are fresh. 0 means that each use must be validated.
   std::int64_t max_age = 0;
-  std::string made_folder;  // for made files and gzip; empty disables both
+  std::string made_folder;  // folder for made files and gzip; empty disables both
   std::uint64_t most_made_bytes = std::uint64_t{4} << 30;
   std::vector<Maker> makers;
-  std::function<ServedType(const std::string& name)> type_of;  // if empty, all files are application/octet-stream
-  /// Lists a folder. If empty, folders are not listed.
+  std::function<ServedType(const std::string& name)> type_of;  // by file name; empty: application/octet-stream
+  /// Returns the page for a folder. If empty, folders are not listed.
   std::function<FolderPage(const FolderListing& listing, const FolderRequest& request)> list;
-  /// Returns a page instead of a missing file of this name, or nullopt for "not found". May be empty.
+  /// Returns a page for a name that does not exist. Returns nullopt for status 404. May be empty.
   std::function<std::optional<FolderPage>(const std::string& name, const FolderRequest& request)> missing;
-  /// Returns more lines for /metrics.
+  /// Returns additional lines for /metrics.
   std::function<std::string()> more_metrics;
-  /// More host names that the server answers to, if names are checked (HostNames).
+  /// Additional host names that the server answers to, if it checks names (HostNames).
   std::vector<std::string> host_names;
   /// Origins of pages that may read the served files (CORS), such as "https://example.org"; "*" means all. If empty,
-  /// only pages of this server may.
+  /// only pages of this server may read them.
   std::vector<std::string> origins;
-  /// Trusted proxies. For requests through one of them, per-client limits apply to the client that X-Forwarded-For
-  /// names.
+  /// Trusted proxies. For their requests, per-client limits apply to the client that X-Forwarded-For names.
   std::vector<AddressBlock> proxies;
-  /// Receives messages for the operator, such as the reason why a file could not be made. Any thread.
+  /// Receives messages for the operator, such as the reason why a file cannot be made. Any thread.
   std::function<void(const std::string& message)> report;
-  bool resolve_beneath = true;  // see ServedFolder
+  bool resolve_beneath = true;  // as in ServedFolder::open
   AccessLog log;
 };
 
 struct HttpServerStatistics {
-  // By status; 0 means that the client left before the response.
+  // Requests by status. 0 means that the client left before the response.
   std::map<int, std::uint64_t> requests;
-  std::uint64_t bytes = 0;                                 // bytes of bodies
-  std::uint64_t connections = 0;                           // current number
-  std::uint64_t transfers = 0;                             // current number of requests that are being answered
-  std::uint64_t accepted = 0, refused = 0, timed_out = 0;  // connections
+  std::uint64_t bytes = 0;  // bytes of response bodies
+  std::uint64_t connections = 0;  // open connections at present
+  std::uint64_t transfers = 0;  // requests that are being answered at present
+  std::uint64_t accepted = 0, refused = 0, timed_out = 0;  // numbers of connections
 };
 
 struct HttpServerError {
@@ -103,7 +102,7 @@ struct HttpServerError {
 };
 
 /// Serves a folder over HTTP/1.1 on its own thread: GET, HEAD, ranges, validators, gzip, CORS (docs/serving.md). Uses
-/// at most about 100 kB of memory per connection. Adds /health and /metrics; only this machine may read /metrics.
+/// at most about 100 kB of memory per connection. Also serves /health, and /metrics to this machine only.
 class HttpServer {
  public:
   [[nodiscard]] static std::variant<std::unique_ptr<HttpServer>, HttpServerError> start(HttpServerOptions options);
@@ -113,9 +112,9 @@ class HttpServer {
   HttpServer& operator=(const HttpServer&) = delete;
 
   [[nodiscard]] std::uint16_t port() const;
-  /// Any thread.
+  /// Returns the statistics. Any thread.
   [[nodiscard]] HttpServerStatistics statistics() const;
-  /// Accepts no more connections and requests, gives running transfers `grace` to end, and waits for them.
+  /// Refuses new connections and requests, and waits at most `grace` for running transfers.
   void stop(std::chrono::milliseconds grace);
 
  private:

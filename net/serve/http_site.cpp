@@ -12,7 +12,7 @@
 namespace gs::net {
 namespace {
 
-// Size limits for gzip on demand. Smaller files gain nothing; larger ones should be stored compressed.
+// Bytes of files that are compressed on demand. Smaller files do not benefit; larger files should be stored compressed.
 constexpr std::uint64_t kMinGzip = 512, kMaxGzip = std::uint64_t{64} << 20;
 constexpr std::chrono::milliseconds kGzipWait{5000};
 constexpr const char* kRetrySeconds = "2";
@@ -24,14 +24,14 @@ std::string text_tag(const std::string& body) {
   return tag;
 }
 
-// Returns the end of the authority if the target is a whole URL, or nullopt.
+// Returns the end of the authority if the target is a complete URL. Returns nullopt otherwise.
 std::optional<std::size_t> end_of_authority(const std::string& target) {
   const std::size_t scheme = target.find("://");
   if (target.starts_with('/') || scheme == std::string::npos || scheme >= 8) return std::nullopt;
   return std::min(target.find_first_of("/?#", scheme + 3), target.size());
 }
 
-// Splits a request's target, which may be a whole URL (RFC 9112 3.2.2), into path and query.
+// Splits the target of a request into path and query. The target may be a complete URL (RFC 9112 3.2.2).
 std::pair<std::string, std::string> split_target(std::string target) {
   if (const auto end = end_of_authority(target)) {
     target = target.substr(*end);
@@ -81,7 +81,7 @@ HttpSite::HttpSite(const HttpServerOptions& options, ServedFolder folder, MadeFi
 
 void HttpSite::add_common(HttpAnswer& answer) { answer.headers.emplace_back("X-Content-Type-Options", "nosniff"); }
 
-// Allows pages of other origins to read the response, if the options say so (https://fetch.spec.whatwg.org, CORS).
+// Adds CORS headers (https://fetch.spec.whatwg.org), which let pages of allowed origins read the response.
 void HttpSite::add_sharing(const HttpRequest& request, HttpAnswer& answer) const {
   auto& headers = answer.headers;
   const auto lists = [&](const std::string& origin) {
@@ -140,15 +140,14 @@ HttpAnswer HttpSite::text(const HttpRequest& request, const std::string& mime, s
     return answer;
   }
   answer.headers.emplace_back("Content-Type", mime);
-  // Nothing in a listing may run, whatever the file names are.
+  // File names must not be able to run scripts in the listing.
   answer.headers.emplace_back("Content-Security-Policy",
                               "default-src 'none'; img-src 'self'; style-src 'unsafe-inline'");
   answer.parts.push_back({std::move(body), {}});
   return answer;
 }
 
-// Reports whether the request names this server, in its Host field and in a target that is a whole URL (RFC 9112
-// 3.2.2).
+// Reports whether the Host field, or a target that is a complete URL, names this server (RFC 9112 3.2.2).
 bool HttpSite::is_for_us(const HttpRequest& request) const {
   if (const auto end = end_of_authority(request.target)) {
     const std::size_t begin = request.target.find("://") + 3;
@@ -158,7 +157,7 @@ bool HttpSite::is_for_us(const HttpRequest& request) const {
 }
 
 HttpSite::Reply HttpSite::answer(const HttpRequest& request) const {
-  // These errors have no CORS headers, because a request by a foreign name comes from a page.
+  // Send these errors without CORS headers: a request with a foreign host name may come from a malicious page.
   if (request.hosts.size() > 1) return problem(400, "expected one Host field");
   if (!is_for_us(request)) return problem(421, "unknown host name");
   Reply reply = answer_here(request);
@@ -190,8 +189,8 @@ HttpSite::Reply HttpSite::answer_here(const HttpRequest& request) const {
   const auto [path, query] = split_target(request.target);
   if (path == "/health") return text(request, "text/plain; charset=utf-8", "ok\n");
   if (path == "/metrics") {
-    // A server on all interfaces accepts any name. A page with a name that resolves to this machine must not read the
-    // metrics.
+    // A server on all interfaces accepts any host name. A page from a name that resolves to this machine must not read
+    // the metrics.
     const bool own = !request.hosts.empty() && names_.is_own(request.hosts.front());
     if (!request.local || !own) return problem(404, "not found");
     return text(request, "text/plain; version=0.0.4; charset=utf-8", metrics_());
@@ -260,7 +259,8 @@ HttpSite::Reply HttpSite::file(const HttpRequest& request, const RequestPath& pa
   return send(request, std::move(chosen));
 }
 
-// Chooses a compressed file next to the file, or one compressed on demand, if the client accepts it.
+// If the client accepts gzip, replaces `chosen` by a compressed version: a .gz file in the folder, or one that is made
+// on demand. Returns a result if the request must wait for that file.
 std::optional<WaitForMade> HttpSite::compress(const HttpRequest& request, const RequestPath& path,
                                               Representation& chosen) const {
   const FileStamp& stamp = chosen.file.stamp;
@@ -269,7 +269,7 @@ std::optional<WaitForMade> HttpSite::compress(const HttpRequest& request, const 
   beside.names.back() += ".gz";
   auto opened = root_.open(beside);
   auto* packed = std::get_if<ServedFile>(&opened);
-  // A compressed file that is older than the file belongs to an earlier version.
+  // Ignore a .gz file that is older than the file: it holds an earlier version.
   if (packed && (packed->folder || packed->stamp.seconds < stamp.seconds)) packed = nullptr;
   const bool on_the_fly = made_ && chosen.type.compress && stamp.size >= kMinGzip && stamp.size <= kMaxGzip;
   chosen.varies = packed || on_the_fly;
@@ -338,7 +338,7 @@ HttpAnswer HttpSite::send(const HttpRequest& request, Representation chosen) con
   answer.stamp = chosen.file.stamp;
   answer.file = std::make_shared<const Descriptor>(std::move(chosen.file.descriptor));
   std::variant<WholeBody, NoSuchRange, std::vector<ServedRange>> ranges = WholeBody{};
-  // RFC 9110 14.2: only GET has ranges.
+  // Only GET has ranges (RFC 9110 14.2).
   if (!request.range.empty() && request.method == "GET" && range_counts(request.conditions, chosen.etag, modified))
     ranges = parse_ranges(request.range, size);
   if (std::holds_alternative<NoSuchRange>(ranges)) {
@@ -384,7 +384,7 @@ HttpSite::Reply HttpSite::make(const HttpRequest& request, std::size_t lane, con
       failed->message = message_for_clients(std::move(failed->message), root);
       return failed;
     }
-    // The maker may have read two versions.
+    // If the file has changed, the maker may have mixed two versions.
     const Descriptor now(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     if (!now || !(stamp_of(now) == stamp)) return MakeFailure{"the file changed during the request", false};
     return std::nullopt;

@@ -16,60 +16,61 @@
 
 namespace gs::net {
 
-/// Parts of a request that affect the response.
+/// Request, as far as the response depends on it.
 struct HttpRequest {
-  std::string method, target;  // as received
+  std::string method, target;  // both as received
   std::string range, accept, accept_encoding;
   Conditions conditions;
-  std::vector<std::string> hosts;  // its Host fields
-  std::string origin;              // of the requesting page; empty if missing
-  bool local = false;              // from this machine, not through a proxy
-  bool waited_long = false;        // waited for a made file for the maximum time
+  std::vector<std::string> hosts;  // values of the Host fields
+  std::string origin;  // origin of the requesting page; empty if missing
+  bool local = false;  // sent by this machine, not through a proxy
+  bool waited_long = false;  // the request has waited for a made file for the maximum time
 };
 
-/// Part of a body: text, or a range of the response's file.
+/// Part of a response body: text, or a range of the response's file.
 struct AnswerPart {
   std::string text;
   ServedRange range;
   [[nodiscard]] std::uint64_t size() const { return text.empty() ? range.end - range.begin : text.size(); }
 };
-/// Response to send.
+/// Response to a request.
 struct HttpAnswer {
   int status = 200;
   std::vector<std::pair<std::string, std::string>> headers;
   std::shared_ptr<const Descriptor> file;
-  FileStamp stamp;  // of the file; if the file's stamp differs, the rest must not be sent
+  FileStamp stamp;  // stamp of the file; if the file changes, sending must stop
   std::vector<AnswerPart> parts;
   [[nodiscard]] std::uint64_t size() const;
 };
-/// Result if a file must be made first. Ask again when it is no longer waiting, or with `waited_long` after `wait`.
+/// Result if a file must be made first. Repeat the request when the key no longer waits. After `wait`, repeat it with
+/// `waited_long`.
 struct WaitForMade {
   std::size_t lane = 0;
   std::string key;
   std::chrono::milliseconds wait{};
 };
 
-/// Responses of a folder over HTTP, without sockets. One thread.
+/// Makes the responses for a folder over HTTP, without sockets. One thread.
 class HttpSite {
  public:
   using Reply = std::variant<HttpAnswer, WaitForMade>;
 
-  /// A null `made` disables made files. Its lanes are the makers, then one lane for gzip.
+  /// Creates a site. A null `made` disables made files. Its lanes are those of the makers and a last lane for gzip.
   HttpSite(const HttpServerOptions& options, ServedFolder folder, MadeFiles* made,
            std::function<std::string()> metrics);
   [[nodiscard]] Reply answer(const HttpRequest& request) const;
-  /// Returns the response to a client that exceeds its limits.
+  /// Returns the response to a client that exceeds its request limit.
   [[nodiscard]] HttpAnswer too_many(const HttpRequest& request) const;
-  /// Returns the response to a request that `why` makes unreadable; the connection closes after it.
+  /// Returns the response to a request that cannot be parsed because of `why`. The connection must close after it.
   [[nodiscard]] static HttpAnswer malformed(const std::string& why);
 
  private:
-  /// Version of a file that may be sent.
+  /// Version of a file that may be sent, such as its gzip form.
   struct Representation {
     ServedFile file;
     ServedType type;
     std::string etag;
-    std::int64_t modified = 0;  // time of the file that this is a version of
+    std::int64_t modified = 0;  // time of the original file, Unix seconds
     bool gzip = false, varies = false;
   };
   [[nodiscard]] Reply answer_here(const HttpRequest& request) const;
@@ -98,11 +99,11 @@ class HttpSite {
   std::function<std::string()> metrics_;
 };
 
-/// Rewrites a message about a file of a served folder for clients: with file names as clients know them. Replaces the
-/// whole message if it names another path of this machine.
+/// Rewrites a message about a served file for clients. Replaces the path of the folder by the names that clients use.
+/// Replaces the whole message if it names another path of this machine.
 [[nodiscard]] std::string message_for_clients(std::string message, const std::string& root);
 
-/// Compresses a file. Returns the error, or nullopt.
+/// Compresses the file `source` to `out`. Returns the error, or nullopt.
 [[nodiscard]] std::optional<MakeFailure> gzip_file(const std::string& source, const std::string& out,
                                                    const std::stop_token& stop);
 

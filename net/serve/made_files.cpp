@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr std::size_t kMaxFailures = 256;
-constexpr const char* kWorkFolders = "making";  // prefix of the folders for unfinished files
+constexpr const char* kWorkFolders = "making";  // name prefix of the folders for unfinished files
 
 std::string made_name_of(const std::string& key) {
   const auto bytes = std::as_bytes(std::span(key));
@@ -30,7 +30,7 @@ std::string made_name_of(const std::string& key) {
   return text;
 }
 
-// Reports whether a name is that of a made file. Other files in the folder must not be deleted.
+// Reports whether a name has the form of a made file. Other files in the folder must not be deleted.
 bool is_ours(const std::string& name) {
   return name.size() > 33 && name[32] == '.' && name.find_first_not_of("0123456789abcdef") == 32;
 }
@@ -59,7 +59,7 @@ MadeFile MadeFiles::request(std::size_t lane_number, const std::string& key, con
   Lane& lane = lanes_[lane_number];
   for (const Job& job : lane.jobs)
     if (job.key == key) return {};
-  // Mark the file as used, so that others are removed first.
+  // Update the access time, so that other files are removed first.
   const timespec times[2] = {{0, UTIME_NOW}, {0, UTIME_OMIT}};
   if (::utimensat(AT_FDCWD, path.c_str(), times, AT_SYMLINK_NOFOLLOW) == 0) return {MadeState::ready, path, {}};
   std::erase_if(lane.failures, [now = options_.now()](const Failed& failed) { return now >= failed.until; });
@@ -89,7 +89,7 @@ std::list<MadeFiles::Job>::iterator MadeFiles::begin_next(Lane& lane, std::uniqu
   const auto first_waiting = [&lane] {
     return std::find_if(lane.jobs.begin(), lane.jobs.end(), [](const Job& job) { return !job.begun; });
   };
-  // Returns the time at which the youngest file in work becomes slow.
+  // Returns the time at which the newest running job becomes slow.
   const auto quick_until = [&] {
     Instant until{};
     for (const Job& job : lane.jobs)
@@ -119,12 +119,12 @@ void MadeFiles::work(Lane& lane, const std::stop_token& stop) {
       job = begin_next(lane, lock, stop);
       if (job == lane.jobs.end()) return;
     }
-    // Other threads ignore jobs that have begun.
+    // Other threads do not touch a job that has begun.
     const auto failure = make(*job, stop);
     {
       const std::lock_guard lock(mutex_);
       ++(failure ? lane.statistics.failed : lane.statistics.made);
-      // A stopped job did not fail.
+      // A stopped job does not count as failed.
       if (failure && !stop.stop_requested())
         lane.failures.push_back(
             {job->key, *failure,
@@ -139,7 +139,7 @@ void MadeFiles::work(Lane& lane, const std::stop_token& stop) {
 }
 
 std::optional<MakeFailure> MadeFiles::make(const Job& job, const std::stop_token& stop) {
-  // A user may delete the cache folder while the server runs.
+  // The folder may be missing, because a user may delete the cache while the server runs.
   std::error_code error;
   if (fs::create_directories(options_.folder, error)) fs::permissions(options_.folder, fs::perms::owner_all, error);
   auto folder = LockedFolder::make(options_.folder, kWorkFolders);
@@ -175,7 +175,7 @@ void MadeFiles::clean() {
   std::sort(all.begin(), all.end(), [](const Kept& a, const Kept& b) {
     return std::pair(a.used.tv_sec, a.used.tv_nsec) < std::pair(b.used.tv_sec, b.used.tv_nsec);
   });
-  // Keep the newest file even if it is too large alone, because a client waits for it.
+  // Keep the newest file even if it alone exceeds the limit: a client waits for it.
   for (std::size_t i = 0; i + 1 < all.size() && total > options_.most_bytes; ++i) {
     (void)::unlink(all[i].path.c_str());
     total -= all[i].size;

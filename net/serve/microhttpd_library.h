@@ -28,11 +28,11 @@
 
 namespace gs::net {
 
-/// Functions of libmicrohttpd, opened at first use.
+/// Functions of libmicrohttpd, loaded at first use.
 struct MicrohttpdLibrary {
   MicrohttpdLibrary();
 
-  std::string problem;  // empty if all functions were found; otherwise none may be called
+  std::string problem;  // empty on success; otherwise no function may be called
   GHOSTSPACE_MICROHTTPD_FUNCTIONS(GHOSTSPACE_LIBRARY_MEMBER)
 };
 /// Returns the library. Any thread.

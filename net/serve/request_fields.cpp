@@ -7,13 +7,13 @@ namespace {
 
 char lower_letter(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-/// Compares without case; `lower_case` is in lower case.
+/// Compares two words and ignores case. `lower_case` is in lower case.
 bool same_word(std::string_view text, std::string_view lower_case) {
   return std::equal(text.begin(), text.end(), lower_case.begin(), lower_case.end(),
                     [](char a, char b) { return lower_letter(a) == b; });
 }
 
-/// Reports whether a text is a token (RFC 9110 5.6.2).
+/// Reports whether `text` is a token (RFC 9110 5.6.2).
 bool is_token(std::string_view text) {
   constexpr std::string_view kMarks = "!#$%&'*+-.^_`|~";
   return !text.empty() && std::all_of(text.begin(), text.end(), [kMarks](char c) {

@@ -19,7 +19,7 @@ namespace gs::net {
 namespace {
 
 constexpr std::size_t kMaxPathBytes = 4096;
-// Non-blocking, so that the server does not wait for the other end of a pipe.
+// O_NONBLOCK: the server must not wait for the other end of a pipe.
 constexpr int kFlags = O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY;
 
 bool is_plain(char c) {
@@ -43,7 +43,7 @@ std::optional<std::string> decode(std::string_view text) {
   return out;
 }
 
-// Returns why a decoded name must not be opened. A status of 0 means that it may.
+// Returns the reason why a decoded name must not be opened. Status 0 means that it may be opened.
 PathRefusal refuse_name(const std::string& name) {
   if (name.empty()) return {404, "empty name in the path"};
   if (name == "." || name == "..") return {400, "'.' and '..' are not allowed in a path"};
@@ -119,13 +119,13 @@ std::variant<ServedFolder, std::string> ServedFolder::open(const std::string& pa
   return folder;
 }
 
-// Opens a path inside the folder. On failure, the descriptor is empty and errno is set.
+// Opens a path inside the folder. Returns an empty descriptor and sets errno on failure.
 Descriptor ServedFolder::open_beneath(int folder, const std::string& relative) const {
   if (resolve_beneath_) {
     open_how how{};
     how.flags = static_cast<std::uint64_t>(kFlags);
     how.resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS;
-    // openat2 returns EAGAIN if files are renamed meanwhile.
+    // openat2 returns EAGAIN if another program renames files at the same time.
     for (int attempt = 0; attempt < 8; ++attempt) {
       Descriptor opened(static_cast<int>(syscall(SYS_openat2, folder, relative.c_str(), &how, sizeof how)));
       if (opened || errno != EAGAIN) return opened;

@@ -11,7 +11,7 @@
 
 namespace gs::net {
 
-/// Reason why a path of a request is not served, with an HTTP status (RFC 9110 15): 400, 403, 404, 414 or 500.
+/// Reason why a requested path is not served, with an HTTP status (RFC 9110 15): 400, 403, 404, 414 or 500.
 struct PathRefusal {
   int status = 404;
   std::string message;
@@ -20,15 +20,19 @@ struct PathRefusal {
 /// Path of a request, split at slashes and percent-decoded.
 struct RequestPath {
   std::vector<std::string> names;
-  bool folder = false;  // ends with a slash
+  bool folder = false;  // the path ends with a slash
 
-  /// Returns the path percent-encoded, such as "/a%20b/c".
+  /// Returns the path with percent-encoding, such as "/a%20b/c".
   [[nodiscard]] std::string text() const;
 };
 
-/// Parses the path of a request's target, which begins with a slash and has no query. Refuses paths that could leave
-/// the folder or are ambiguous: "." and "..", also encoded; NUL and other control characters; backslashes; encoded
-/// slashes; empty names; invalid percent signs; more than 4096 bytes. Names that begin with a dot are not found.
+/// Parses the path of a request target. The path begins with a slash and has no query. Refuses paths that could leave
+/// the folder or are ambiguous:
+/// - "." and "..", also encoded;
+/// - backslashes, encoded slashes, empty names and invalid percent signs;
+/// - NUL and other control characters;
+/// - more than 4096 bytes.
+/// Returns 404 for names that begin with a dot.
 [[nodiscard]] std::variant<RequestPath, PathRefusal> parse_request_path(std::string_view path);
 
 /// Percent-encodes a name for a URL.
@@ -45,25 +49,25 @@ struct FolderEntry {
   std::string name;
   bool folder = false;
   std::uint64_t size = 0;
-  std::int64_t modified = 0;  // Unix seconds
+  std::int64_t modified = 0;  // time of modification, Unix seconds
 };
-/// Files and folders of a folder that may be served: folders first, then by name.
+/// Servable files and folders in a folder. Folders are first; then the order is by name.
 struct FolderListing {
   std::string path;  // decoded, such as "/a/b/"
   std::vector<FolderEntry> entries;
-  bool complete = true;  // false if there are more than kMaxEntries
+  bool complete = true;  // false if the folder has more than kMaxEntries entries
   static constexpr std::size_t kMaxEntries = 10'000;
 };
 
-/// Folder outside of which nothing is opened. Any thread.
+/// Folder that limits which files can be opened. Any thread.
 class ServedFolder {
  public:
-  /// Opens a folder. If the kernel has openat2 (5.6), symbolic links are followed inside the folder. Otherwise, or
-  /// without `resolve_beneath`, no links are followed.
+  /// Opens a folder. If the kernel has openat2 (Linux 5.6), symbolic links inside the folder are followed. Otherwise,
+  /// or without `resolve_beneath`, links are not followed.
   [[nodiscard]] static std::variant<ServedFolder, std::string> open(const std::string& path,
                                                                     bool resolve_beneath = true);
 
-  /// Opens a regular file or a folder; refuses everything else.
+  /// Opens a regular file or a folder. Refuses all other kinds of files.
   [[nodiscard]] std::variant<ServedFile, PathRefusal> open(const RequestPath& path) const;
   [[nodiscard]] FolderListing list(const RequestPath& path) const;
   /// Returns the real path of the folder.

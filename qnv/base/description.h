@@ -11,9 +11,10 @@
 
 namespace gs::qnv {
 
-/// Returns the origin from which positions in `box`, in source coordinates, are stored, so that float32 keeps their
-/// precision. On each axis it is the box's middle, rounded to float32, if the box lies far from 0 for its size; else 0.
-/// Subtracting the origin from float32 coordinates near it is exact.
+/// Returns the origin for the positions of a stream with the bounding box `box`, in source coordinates. Positions
+/// relative to this origin keep their precision in float32. On each axis, the origin is the middle of the box, rounded
+/// to float32, if the box is far from 0 compared to its size; otherwise 0. Subtracting the origin from float32
+/// coordinates near it is exact.
 [[nodiscard]] glm::dvec3 local_origin(const WideBox& box);
 
 /// Display-referred sRGB colour, 8 bits per component.
@@ -25,11 +26,11 @@ struct Rgb8 {
 /// Meaning of the vectors of a stream (paper, section 2.1).
 enum class Kind : std::uint8_t {
   surface = 0,  // weight = area, direction = outward normal
-  volume = 1,   // voxels: weight = gradient magnitude, direction = gradient, towards higher values
+  volume = 1,  // vectors of voxels: weight = gradient magnitude, direction = gradient, towards higher values
 };
 
-/// Control point of a volume's transfer function, which is piecewise linear in the value (0..1 over
-/// Description::value_range).
+/// Control point of a volume's transfer function. The function is piecewise linear in the value, which runs from 0 to 1
+/// over Description::value_range.
 struct TransferPoint {
   float value = 0;
   Rgb8 color;
@@ -39,12 +40,12 @@ struct TransferPoint {
 
 /// Properties that all vectors of a stream share.
 struct Description {
-  bool two_sided = false;  // surface: visible from behind too (VRML97 `solid FALSE`)
-  /// Source coordinates of the point 0 of all positions, boxes and lattices of the stream. Keeps float32 precise far
-  /// from the source's own 0. Source coordinates are origin + position, computed in double.
+  bool two_sided = false;  // surface: its back is visible too (VRML97 `solid FALSE`)
+  /// Source coordinates of the point (0, 0, 0) of the stream's positions, boxes and lattices. Source coordinates are
+  /// origin + position, computed in double. The origin keeps float32 precise if the source is far from its own 0.
   glm::dvec3 origin{0};
   Box box;                                    // of the source, relative to `origin`; contains every position
-  double total = 0;                           // surface: total area (units^2); volume: sum of all magnitudes
+  double total = 0;  // surface: total area (units^2); volume: sum of all gradient magnitudes
   float spacing = 0;                          // volume: smallest distance between two voxels; surface: 0
   std::pair<float, float> value_range{0, 1};  // volume: values of classes 0 and 255
   std::vector<TransferPoint> transfer;        // volume; sorted by value

@@ -31,8 +31,8 @@ void FoundVectors::append(std::span<std::vector<FoundVector>> parts, unsigned th
   size_ = end;
 }
 
-// Radix sort, lowest digit first. Each block of the list is counted and moved separately, so that equal keys keep their
-// order for any assignment of threads.
+// Radix sort, lowest digit first. Counts and moves each block of the list separately, so that equal keys keep their
+// order for any number of threads.
 std::vector<FoundVectors::Entry> FoundVectors::longest_first(unsigned threads) const {
   constexpr unsigned kPasses = 3, kMaxDigit = 11;
   constexpr std::size_t kBlocks = 16;
@@ -46,7 +46,7 @@ std::vector<FoundVectors::Entry> FoundVectors::longest_first(unsigned threads) c
   };
   shortest.fill(0xffffffffu);
   blocks([&](std::size_t b, std::size_t begin, std::size_t end) {
-    std::uint32_t high = 0, low = 0xffffffffu;  // local copies; the arrays' memory is shared between processors
+    std::uint32_t high = 0, low = 0xffffffffu;  // local copies are faster: the processors share the arrays' memory
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t key = (*this)[i].key;
       high = std::max(high, key);

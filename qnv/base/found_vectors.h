@@ -11,13 +11,13 @@
 #include <type_traits>
 #include <vector>
 
-/// Vectors found by the volume encoder, and their order. Used by that encoder only.
+/// Vectors that the volume encoder finds, and their order. Only that encoder uses them.
 namespace gs::qnv {
 
 /// Vector before it is added to the result.
 struct FoundVector {
   std::array<std::uint32_t, 3> voxel;
-  std::uint32_t key;  // float bits of the length; since lengths are positive, keys compare like the lengths
+  std::uint32_t key;  // float bits of the vector's length; lengths are positive, so keys sort like lengths
   float value;
   glm::vec3 normal;
 
@@ -28,7 +28,7 @@ static_assert(std::is_trivially_default_constructible_v<FoundVector>);
 /// List that grows in pages, so that elements never move.
 class FoundVectors {
  public:
-  /// Maximum number of vectors; further ones are rejected.
+  /// Maximum number of vectors; append() rejects further ones.
   static constexpr std::size_t kMax = 0xffffffffu;
 
   [[nodiscard]] std::size_t size() const { return size_; }
@@ -38,8 +38,8 @@ class FoundVectors {
   void append(std::span<std::vector<FoundVector>> parts, unsigned threads);
 
   struct Entry {
-    std::uint32_t key;    // decreases with the length
-    std::uint32_t place;  // index in the list
+    std::uint32_t key;  // decreases while the length grows
+    std::uint32_t place;  // index of the vector in the list
   };
   /// Returns all vectors, longest first; vectors of equal length keep their order of insertion.
   [[nodiscard]] std::vector<Entry> longest_first(unsigned threads) const;

@@ -27,14 +27,14 @@ struct Cell {
   float offset = 0;  // cube's centre = position - offset * normal
 };
 
-/// One JPEG or PNG file of a surface's texture. A picture may have several files; later ones are finer. The file can be
-/// shown once its first `enough` bytes are received.
+/// One JPEG or PNG file with a texture of a surface. A texture may have several files; later files are finer. A file
+/// can be decoded after its first `enough` bytes are received.
 struct PictureFile {
   std::vector<std::byte> bytes;
   std::size_t enough = 1;
 };
 
-/// Texture of a surface: the finest file that can be shown, or its received prefix.
+/// Texture of a surface: the finest file that can be decoded, or its received prefix.
 struct SurfacePicture {
   std::vector<std::byte> bytes;
   bool whole = false;
@@ -56,7 +56,7 @@ struct VectorArrays : GeometryBase {
   explicit VectorArrays(GeometryBase base) : GeometryBase(std::move(base)) {}
 
   std::vector<glm::vec3> positions;
-  std::vector<glm::vec3> normals;  // unit
+  std::vector<glm::vec3> normals;  // unit vectors
   std::vector<float> weights;      // > 0
   std::vector<Rgb8> colors;        // one per vector; if empty, all have the colour `color`
 
@@ -74,8 +74,8 @@ struct Splats : VectorArrays {
 struct IndexedMesh : VectorArrays {
   using VectorArrays::VectorArrays;
   std::vector<std::uint32_t> triangles;  // three vertices each, counter-clockwise seen from outside
-  /// Texture coordinates s, t (VRML97 4.6.11) of the last vertices. Their triangles are the last ones; the picture
-  /// replaces their colours.
+  /// Texture coordinates s, t (VRML97 4.6.11) of the last vertices. The last triangles use these vertices; there, the
+  /// texture replaces the colours.
   std::vector<glm::vec2> texture_coordinates;
   std::shared_ptr<const SurfacePicture> picture;
 

@@ -4,10 +4,10 @@
 
 namespace gs::qnv {
 
-// Threshold in half extents. Beyond it, float32 coordinates have exact float32 differences, and a position far from 0
-// loses at least 5 of 24 bits.
+// Threshold of the distance from 0, in half extents. At larger distances, differences of float32 coordinates are exact,
+// and a position loses at least 5 of 24 bits.
 constexpr double kFarOfExtents = 32;
-constexpr double kFarOfOne = 1024;  // threshold for a single point, which has no extent; units
+constexpr double kFarOfOne = 1024;  // threshold for a single point, which has no extent; units of the source
 
 glm::dvec3 local_origin(const WideBox& box) {
   glm::dvec3 origin(0);

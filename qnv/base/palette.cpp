@@ -8,15 +8,15 @@
 namespace gs::qnv {
 namespace {
 
-constexpr unsigned kBinBits = 6;  // per component
+constexpr unsigned kBinBits = 6;  // bits per colour component
 constexpr std::size_t kBins = std::size_t{1} << (3 * kBinBits);
-constexpr int kRounds = 5;  // of k-means; more rounds change little
+constexpr int kRounds = 5;  // rounds of k-means; more rounds change little
 constexpr std::size_t kColorsPerTask = 1 << 14;
 
-// Colours that differ only in their lowest bits.
+// Group of colours that differ only in their lowest bits.
 struct Bin {
   std::uint64_t count = 0;
-  std::array<std::uint64_t, 3> sum{};  // of r, g, b
+  std::array<std::uint64_t, 3> sum{};  // sums of r, g, b
   void add(const Bin& other) {
     count += other.count;
     for (std::size_t i = 0; i < 3; ++i) sum[i] += other.sum[i];
@@ -29,8 +29,8 @@ struct Bin {
 
 std::uint32_t packed(const Rgb8& c) { return std::uint32_t{c.r} << 16 | std::uint32_t{c.g} << 8 | c.b; }
 
-// Returns the distinct colours with their counts. If there are more than kPaletteColors, returns more than that number
-// of entries.
+// Returns the distinct colours with their counts. If there are more than kPaletteColors, returns kPaletteColors + 1
+// entries.
 std::vector<Bin> distinct(std::span<const Rgb8> colors) {
   std::vector<Bin> found;
   std::vector<std::uint16_t> at(4096, 0);  // open addressing; 1 + index
@@ -61,7 +61,7 @@ std::vector<Bin> bins_of(std::span<const Rgb8> colors) {
   return all;
 }
 
-// Returns three coordinates; color_distance() is the sum of their squared differences.
+// Returns the colour as three coordinates; color_distance() is the sum of their squared differences.
 std::array<std::int32_t, 3> coordinates(const Rgb8& c) {
   return {c.r + 2 * c.g + c.b, 2 * (c.r - c.b), 2 * c.g - c.r - c.b};
 }
@@ -69,7 +69,7 @@ std::array<std::int32_t, 3> coordinates(const Rgb8& c) {
 // Range of bins that will share a palette colour.
 struct ColorCluster {
   std::size_t first, last;
-  unsigned axis = 0;        // axis of the largest variance
+  unsigned axis = 0;  // axis with the largest variance
   std::int32_t middle = 0;  // mean on that axis
   double error = 0;         // sum of squared differences from the mean, over all axes
 };
@@ -96,7 +96,7 @@ ColorCluster measure(const std::vector<Bin>& bins, std::size_t first, std::size_
     if (error <= most) continue;
     most = error;
     cluster.axis = axis;
-    // Round down, so that some bin lies above it unless all are equal.
+    // Rounds down. Some bin is then above the mean, unless all bins are equal.
     cluster.middle = static_cast<std::int32_t>(sum[axis] / count - (sum[axis] % count < 0 ? 1 : 0));
   }
   if (last - first < 2) cluster.error = 0;
@@ -116,7 +116,7 @@ std::vector<Rgb8> cut_by_variance(std::vector<Bin> bins) {
         begin, end, [&](const Bin& bin) { return coordinates(bin.mean())[worst->axis] <= worst->middle; });
     const std::size_t first = worst->first, last = worst->last;
     const auto cut = static_cast<std::size_t>(middle - bins.begin());
-    if (cut == first || cut == last) {  // all are equal
+    if (cut == first || cut == last) {  // all bins are equal
       worst->error = 0;
       continue;
     }
@@ -132,7 +132,8 @@ std::vector<Rgb8> cut_by_variance(std::vector<Bin> bins) {
   return result;
 }
 
-// Finds the nearest palette entry. Sorted by luma, to limit the search; the result equals an exhaustive one.
+// Searches for the nearest palette entry. The palette is sorted by luma, which limits the search. The result equals
+// that of an exhaustive search.
 class Nearest {
  public:
   explicit Nearest(std::span<const Rgb8> palette) {
@@ -217,7 +218,7 @@ std::vector<std::uint8_t> palette_indices(std::span<const Rgb8> colors, std::spa
   const Nearest find(palette);
   parallel_for((colors.size() + kColorsPerTask - 1) / kColorsPerTask,
                [&](std::size_t block) {
-                 // Cache recent colours, which often repeat.
+                 // Cache of recent colours, because colours often repeat.
                  struct Known {
                    std::uint32_t color = 0xffffffff;
                    std::uint8_t index = 0;

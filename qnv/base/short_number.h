@@ -14,8 +14,8 @@ inline void put_number(std::vector<std::byte>& out, std::uint32_t value) {
   out.push_back(static_cast<std::byte>(value));
 }
 
-/// Reads such a number. Returns 0xffffffff if it has no last byte. Past the end of the bytes it returns 0, and `reader`
-/// is no longer good().
+/// Reads a number that put_number() wrote. Returns 0xffffffff if all four bytes have bit 7 set. If the bytes end early,
+/// returns 0, and `reader` is no longer good().
 [[nodiscard]] inline std::uint32_t get_number(ByteReader& reader) {
   std::uint32_t value = 0;
   for (int shift = 0; shift < 28; shift += 7) {

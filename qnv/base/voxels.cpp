@@ -11,9 +11,10 @@
 
 namespace gs::qnv {
 
-// Voxels of one block: an open-addressing hash table from the Morton code inside the block to moments.
+// Voxels of one block, as a hash table with open addressing. Keys are Morton codes inside the block; values are
+// moments.
 struct VoxelBlock {
-  std::vector<std::uint32_t> slots;  // 0: free, else 1 + index
+  std::vector<std::uint32_t> slots;  // 0 means free; otherwise 1 + index
   std::vector<std::uint32_t> keys;
   std::vector<SurfaceMoments> moments;
 
@@ -44,12 +45,11 @@ struct VoxelBlock {
 
 namespace {
 
-// log2 of a block's edge in voxels: small enough that the table stays in the cache, large enough that few triangles
-// cross blocks.
+// log2 of a block's edge in voxels. Small enough that the table stays in the processor's cache; large enough that few
+// triangles cross blocks.
 constexpr int kBlockBits = 5;
-constexpr std::size_t kBatch = std::size_t{1} << 19;        // maximum number of triangles waiting for the threads
-constexpr std::size_t kMaxMeetings = std::size_t{1} << 22;  // maximum number of pairs of a triangle and a block in one
-                                                            // batch
+constexpr std::size_t kBatch = std::size_t{1} << 19;  // maximum number of triangles that wait for the threads
+constexpr std::size_t kMaxMeetings = std::size_t{1} << 22;  // maximum number of triangle-block pairs in one batch
 constexpr std::uint32_t kBlockEdge = 1u << kBlockBits;
 
 // Corner of a clipped triangle: position in voxels from the block's corner, and barycentric coordinates.
@@ -63,7 +63,7 @@ struct ClippedPolygon {
   std::array<ClippedCorner, kMax> corners;
   int size = 0;
   ClippedPolygon() = default;
-  // Copy only the used corners, mostly three or four.
+  // Copies only the used corners, mostly three or four.
   ClippedPolygon(const ClippedPolygon& other) { *this = other; }
   ClippedPolygon& operator=(const ClippedPolygon& other) {
     size = other.size;
@@ -81,7 +81,7 @@ int floor_of(float v) {
   return i - (v < static_cast<float>(i) ? 1 : 0);
 }
 
-// Splits at the plane p[axis] = at into `below` and `above`.
+// Splits the polygon `in` at the plane p[axis] = at into `below` and `above`.
 void cut(const ClippedPolygon& in, int axis, float at, ClippedPolygon& below, ClippedPolygon& above) {
   below.size = above.size = 0;
   for (int i = 0; i < in.size; ++i) {
@@ -102,11 +102,11 @@ void cut(const ClippedPolygon& in, int axis, float at, ClippedPolygon& below, Cl
 
 glm::vec3 color_of(const Rgb8& c) { return {c.r, c.g, c.b}; }
 
-// Clips one triangle inside one block.
+// Divides one triangle among the voxels of one block.
 struct VoxelCutter {
   VoxelBlock& block;
   const Triangle& triangle;
-  glm::vec3 face{0};  // unit
+  glm::vec3 face{0};  // unit normal of the triangle
   std::array<glm::vec3, 3> normals{};
   std::array<glm::vec3, 3> colors{};
 
@@ -134,7 +134,7 @@ struct VoxelCutter {
     m.spread[5] += face.z * face.z * area;
   }
 
-  // Adds a piece inside one voxel, as a fan of triangles.
+  // Adds a polygon inside one voxel, as a fan of triangles.
   void piece(const ClippedPolygon& polygon, const std::array<int, 3>& voxel) {
     if (polygon.size < 3) return;
     float area = 0, b1 = 0, b2 = 0;
@@ -204,8 +204,8 @@ BlockRange blocks_along(const ClippedPolygon& polygon, int axis, int last) {
           std::clamp(static_cast<int>((most + kSpare) * kToBlock), 0, last)};
 }
 
-// Visits the blocks that a triangle intersects, by clipping. Its bounding box would contain many empty blocks if it is
-// large and oblique.
+// Visits the blocks that a triangle intersects. Finds these blocks by clipping, because the bounding box of a large
+// oblique triangle would contain many empty blocks.
 template <class Visit>
 void visit_blocks(const ClippedPolygon& polygon, int axis, int last, std::array<int, 3>& block, const Visit& visit) {
   if (polygon.size == 0) return;
@@ -218,7 +218,7 @@ void visit_blocks(const ClippedPolygon& polygon, int axis, int last, std::array<
       continue;
     }
     cut(rest, axis, static_cast<float>((i + 1) * static_cast<int>(kBlockEdge)), below, above);
-    // If rounding left one side empty, use the polygon for both.
+    // If rounding left one side empty, uses the whole polygon for both sides.
     visit_blocks(below.size > 0 ? below : rest, axis + 1, last, block, visit);
     if (above.size > 0) rest = above;
   }
@@ -255,7 +255,7 @@ struct SurfaceVoxelizer::State {
   float scale;      // voxels per unit
   std::vector<std::uint64_t> block_keys;
   std::vector<std::unique_ptr<VoxelBlock>> blocks;
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> block_table;  // for large grids; open addressing
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> block_table;  // hash table with open addressing, for large grids
   std::vector<Triangle> waiting;
 
   std::uint32_t find_block(std::uint64_t key) {
@@ -301,7 +301,7 @@ struct SurfaceVoxelizer::State {
       cutter.normals[i] =
           triangle.normals[i] == glm::vec3(0) || !finite(triangle.normals[i]) ? cutter.face : triangle.normals[i];
     std::array<int, 3> voxel{};
-    // Most triangles of a scan lie in one voxel.
+    // In a scan, most triangles lie in one voxel.
     bool single = true;
     for (int axis = 0; axis < 3 && single; ++axis) {
       const int v = floor_of(polygon.corners[0].p[axis]);
@@ -323,8 +323,8 @@ struct SurfaceVoxelizer::State {
     waiting.clear();
   }
 
-  // Processes waiting triangles from `begin_at` on, up to kMaxMeetings pairs but at least one triangle. Returns the
-  // next one.
+  // Processes waiting triangles, from index `begin_at` on. Stops after kMaxMeetings pairs of a triangle and a block,
+  // but processes at least one triangle. Returns the index of the next triangle.
   std::size_t flush_from(std::size_t begin_at) {
     // Pairs of block and triangle, in the order of triangles.
     std::vector<std::pair<std::uint32_t, std::uint32_t>> meetings;
@@ -347,7 +347,7 @@ struct SurfaceVoxelizer::State {
       ClippedPolygon polygon;
       for (const glm::vec3& p : waiting[t].positions) polygon.push({in_voxels(p), 0, 0});
       std::array<int, 3> block{};
-      bool single = true;  // usual case
+      bool single = true;  // usual case: the triangle touches only one block
       for (int axis = 0; axis < 3; ++axis) {
         const BlockRange range = blocks_along(polygon, axis, last);
         block[static_cast<std::size_t>(axis)] = range[0];
@@ -433,7 +433,8 @@ std::vector<Voxel> coarsen(std::span<const Voxel> voxels) {
   for (const Voxel& voxel : voxels) {
     const std::uint64_t key = voxel.key >> 3;
     if (out.empty() || out.back().key != key) out.push_back({key, {}});
-    // Child lengths are halved and areas quartered; the child's centre is a quarter of an edge from the parent's.
+    // Converts to units of the parent's edge: lengths halve, areas quarter. The child's centre is a quarter of the
+    // parent's edge from the parent's centre.
     SurfaceMoments m = voxel.moments;
     const glm::vec3 from_parent((voxel.key & 1) != 0 ? 0.25f : -0.25f, (voxel.key & 2) != 0 ? 0.25f : -0.25f,
                                 (voxel.key & 4) != 0 ? 0.25f : -0.25f);

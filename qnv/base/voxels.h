@@ -19,7 +19,7 @@ struct Cube {
   glm::vec3 lower{0};
   float edge = 1;  // units of the source
 
-  /// Returns a cube centred on `box` and slightly larger, so that no point of the box lies on a face.
+  /// Returns a cube centred on `box` and slightly larger, so that no point of the box is on a face of the cube.
   static Cube around(const Box& box);
 };
 constexpr int kDeepestLevel = 16;
@@ -31,7 +31,7 @@ struct SurfaceMoments {
   glm::vec3 position{0};          // integral of the position
   glm::vec3 normal{0};            // integral of the unit shading normal
   glm::vec3 color{0};             // integral of the colour, 0..255
-  std::array<float, 6> spread{};  // integral of n n^T with the face normal n: xx xy xz yy yz zz
+  std::array<float, 6> spread{};  // integral of n n^T, where n is the face normal; order xx xy xz yy yz zz
 
   void add(const SurfaceMoments& other);
 };
@@ -41,12 +41,12 @@ struct Voxel {
   SurfaceMoments moments;
 };
 
-/// Returns the lower corner of a voxel, in voxels from the cube's lower corner.
+/// Returns the lower corner of a voxel, in voxel edges from the cube's lower corner.
 [[nodiscard]] glm::vec3 voxel_cell(std::uint64_t key);
 
-/// Integrates triangles over the voxels of one level. Triangles are clipped exactly at voxel faces, so that no area is
-/// lost or counted twice. Memory grows with the number of voxels that the surface intersects, not with the number of
-/// triangles. The same triangles in the same order give the same bits for any number of threads.
+/// Integrates triangles over the voxels of one level. Clips triangles exactly at voxel faces, so that no area is lost
+/// or counted twice. Memory grows with the number of voxels that the surface intersects, not with the number of
+/// triangles. The result is the same, bit by bit, for any number of threads.
 class SurfaceVoxelizer {
  public:
   /// Creates a voxelizer; `level` is 1 to kDeepestLevel.
@@ -55,9 +55,9 @@ class SurfaceVoxelizer {
   SurfaceVoxelizer(const SurfaceVoxelizer&) = delete;
   SurfaceVoxelizer& operator=(const SurfaceVoxelizer&) = delete;
 
-  /// Adds triangles. Skips those with a corner that is not finite or lies outside the cube.
+  /// Adds triangles. Skips a triangle if a corner is not finite or is outside the cube.
   void add(std::span<const Triangle> triangles);
-  /// Returns the voxels that contain surface, by ascending key. Call once, at the end.
+  /// Returns the voxels that contain parts of the surface, by ascending key. Call it once, at the end.
   [[nodiscard]] std::vector<Voxel> finish();
 
  private:

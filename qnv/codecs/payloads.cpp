@@ -93,7 +93,7 @@ Encoded encode_volume_vectors(const EncodeSource& source, EncodeOptions options,
   return encode_voxels(*volume, options, progress);
 }
 
-/// Lists chunk types, repeating the last one to fill the array.
+/// Returns a list of chunk types, padded by repeating the last one.
 constexpr ChunkTypes types(std::initializer_list<ChunkType> told) {
   ChunkTypes all{};
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = told.begin()[std::min(i, told.size() - 1)];
@@ -129,8 +129,8 @@ constexpr std::array<PayloadRow, 6> kRows = {{
      encode_volume_vectors, make<VoxelsDecoder>},
 }};
 
-// The table is ordered by payload number. Numbers may have gaps. Of rows with the same number, only the last one has no
-// `sniff`.
+// Checks the order of the table: ascending payload numbers, which may have gaps. Among rows with the same number, only
+// the last row has no `sniff`.
 static_assert([] {
   for (std::size_t i = 1; i < kRows.size(); ++i)
     if (!(kRows[i - 1].payload < kRows[i].payload) && !(kRows[i - 1].payload == kRows[i].payload && kRows[i - 1].sniff))

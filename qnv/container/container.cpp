@@ -17,7 +17,7 @@ constexpr std::array<unsigned char, 8> kMagic{0x89, 'Q', 'N', 'V', 0x0d, 0x0a, 0
 constexpr std::uint16_t kSync = 0x4351;  // "QC"
 constexpr std::size_t kFixedHeaderBytes = 108;
 constexpr std::size_t kChecksumAt = 16;
-constexpr double kMaxOrigin = 1e18;  // maximum coordinate of an origin, as for a volume's farthest position
+constexpr double kMaxOrigin = 1e18;  // maximum coordinate of an origin, and of positions in volumes
 constexpr std::uint64_t kMaxWasted = std::uint64_t{16} << 20;
 enum Tag : std::uint16_t {
   kPalette = 1,
@@ -31,7 +31,7 @@ enum Tag : std::uint16_t {
 enum HeaderFlag : std::uint16_t { kTwoSided = 1, kColored = 2, kMeshed = 4 };
 
 std::uint32_t checksum(std::uint32_t from, std::span<const std::byte> bytes) {
-  if (bytes.empty()) return from;  // crc32_z returns the initial value for a null pointer
+  if (bytes.empty()) return from;  // for a null pointer, crc32_z would return the initial value
   return static_cast<std::uint32_t>(crc32_z(from, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
 }
 
@@ -62,8 +62,8 @@ bool all_finite(std::initializer_list<float> values) {
   return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
 }
 
-/// Reads all sections. Returns false if a required one is missing or invalid: outlines, base or lattice of their
-/// payload, or the origin of version 2.
+/// Reads all sections. Returns false if a required section is missing or invalid: the outlines, base or lattice section
+/// of the payload, or the origin section in version 2.
 bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version) {
   bool origin = version == kVersionWithoutOrigin;
   bool outlines = header.payload != Payload::outlines, lattice = header.payload != Payload::voxels;
@@ -112,7 +112,7 @@ bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version
       for (int i = 0; i < 3; ++i)
         if (!(std::abs(header.description.origin[i]) <= kMaxOrigin)) return false;
     }
-    // Skip sections of later versions.
+    // Skips sections that later versions define.
   }
   return outlines && base && lattice && origin;
 }
@@ -134,8 +134,8 @@ std::vector<std::byte> encode_header(const StreamHeader& header) {
   write.integer(has_origin(d) ? kVersion : kVersionWithoutOrigin);
   write.integer(static_cast<std::uint8_t>(header.kind));
   write.integer(static_cast<std::uint8_t>(header.payload));
-  write.integer(std::uint32_t{0});  // length, set below
-  write.integer(std::uint32_t{0});  // checksum, set below
+  write.integer(std::uint32_t{0});  // placeholder for the length
+  write.integer(std::uint32_t{0});  // placeholder for the checksum
   write.integer(static_cast<std::uint16_t>((d.two_sided ? kTwoSided : 0) | (header.colored ? kColored : 0) |
                                            (header.meshed ? kMeshed : 0)));
   put_color(write, header.color);
@@ -369,7 +369,7 @@ std::optional<bool> StreamReader::ends_well(std::size_t bytes) const {
   return std::nullopt;
 }
 
-// Reads one chunk, or makes one step of the search for the next one. Returns false if more bytes are needed.
+// Reads one chunk, or makes one step of the search for the next chunk. Returns false if more bytes are needed.
 bool StreamReader::read_chunk(const OnChunk& on_chunk, const OnDamaged& on_damaged) {
   const std::span<const std::byte> rest = std::span<const std::byte>(waiting_).subspan(at_);
   if (rest.size() < kChunkHeaderBytes) return false;
@@ -400,21 +400,21 @@ bool StreamReader::read_chunk(const OnChunk& on_chunk, const OnDamaged& on_damag
   }
   if (!lost_) problem(offset_ + at_, "a chunk is damaged and left out");
   lost_ = true;
-  // Bound the checksum work on bytes crafted to look like chunks everywhere.
+  // Bounds the work for checksums of bytes that look like chunks everywhere, as in hostile streams.
   wasted_ += plausible ? length : 0;
   if (wasted_ > kMaxWasted + 16 * (offset_ + at_)) {
     problem(offset_ + at_, "too much of the stream is damaged; the rest is left out");
     refused_ = true;
     return false;
   }
-  // Continue at the next possible start of a chunk.
+  // Continues at the next possible start of a chunk.
   const auto from = waiting_.begin() + static_cast<std::ptrdiff_t>(at_) + 1;
   at_ = static_cast<std::size_t>(std::find(from, waiting_.end(), std::byte{kSync & 255}) - waiting_.begin());
   return true;
 }
 
 bool StreamReader::push(std::span<const std::byte> bytes, const OnChunk& on_chunk, const OnDamaged& on_damaged) {
-  // Process in pieces, to keep the buffer small.
+  // Processes the bytes in pieces, to keep the buffer small.
   constexpr std::size_t kPiece = std::size_t{1} << 18;
   while (!bytes.empty() && !refused_) {
     const std::size_t size = std::min(bytes.size(), kPiece);
@@ -438,7 +438,7 @@ void StreamReader::finish(const OnChunk& on_chunk, const OnDamaged& on_damaged) 
   }
   ended_ = true;
   bool told = lost_;
-  // After a damaged length, bytes that waited for a chunk's end may hold whole chunks.
+  // After a damaged length, the bytes that waited for the end of a chunk may contain whole chunks.
   while (at_ < waiting_.size() && !refused_) {
     if (read_chunk(on_chunk, on_damaged)) continue;
     if (!refused_ && !std::exchange(told, true)) problem(offset_ + at_, "ends inside a chunk");

@@ -9,7 +9,7 @@
 namespace gs::qnv {
 namespace {
 
-constexpr std::size_t kAppearanceBytes = 19;  // without the URL
+constexpr std::size_t kAppearanceBytes = 19;  // size of an encoded appearance without its URL
 enum AppearanceFlag : std::uint8_t { kLit = 1, kSolid = 2, kTextured = 4 };
 
 template <std::size_t Axes>

@@ -12,11 +12,11 @@ namespace gs::qnv {
 namespace {
 
 // Reed-Solomon parity with a Cauchy matrix (J. Bloemer et al., "An XOR-based erasure-resilient coding scheme", 1995).
-// Every square submatrix is invertible, so any pieces suffice.
+// Every square submatrix of it is invertible, so that any pieces restore the group if their number suffices.
 
 constexpr std::size_t kPieceHeaderBytes = 7, kMaxNumbers = 256;
 
-/// Finite field of 256 elements, with the polynomial x^8 + x^4 + x^3 + x^2 + 1.
+/// Finite field with 256 elements, modulo the polynomial x^8 + x^4 + x^3 + x^2 + 1.
 struct Field {
   std::array<std::uint8_t, 512> power{};
   std::array<std::uint8_t, 256> logarithm{};
@@ -36,7 +36,7 @@ struct Field {
 };
 constexpr Field kField;
 
-/// Returns the coefficient of piece `data` in parity piece `parity`.
+/// Returns the matrix coefficient of data piece `data` in parity piece `parity`.
 std::uint8_t weight_of(std::size_t parity, std::size_t data) {
   return kField.inverse(static_cast<std::uint8_t>(parity ^ data));
 }
@@ -139,7 +139,7 @@ std::vector<std::vector<std::byte>> PieceGroup::take() {
 }
 
 void PieceGroup::restore() {
-  // One parity row per missing piece: its coefficients of the missing pieces, and their weighted sum.
+  // Equation of a parity piece: its coefficients of the missing pieces, and the weighted sum of these pieces.
   struct Row {
     std::vector<std::uint8_t> weights;
     std::vector<std::byte> sum;
@@ -158,7 +158,7 @@ void PieceGroup::restore() {
     for (auto known = pieces_.begin(); known->first < needed_; ++known)
       add_weighted(row.sum, weight_of(parity->first, known->first), known->second);
   }
-  // Gauss-Jordan elimination. A pivot always exists, since the matrix is invertible.
+  // Solves by Gauss-Jordan elimination. A pivot always exists, because the matrix is invertible.
   for (std::size_t c = 0; c < rows.size(); ++c) {
     std::size_t pivot = c;
     while (rows[pivot].weights[c] == 0) ++pivot;

@@ -16,7 +16,7 @@ namespace gs::qnv {
 namespace {
 
 constexpr std::size_t kSectionBytes = 72;
-// Minimum volume of the unit axes; flatter ones have ambiguous directions.
+// Minimum volume that the unit axes span. With less, directions would be ambiguous.
 constexpr float kMinVolume = 1e-4f;
 
 }  // namespace
@@ -33,8 +33,8 @@ glm::vec3 VoxelLattice::position(int level, std::uint32_t x, std::uint32_t y, st
 }
 
 float VoxelLattice::reach(int level) const {
-  // Fractions of a voxel's longest edge, by the number of divisions left. Chosen so that single levels look most like
-  // all vectors (docs/benchmarks.md).
+  // Drawing distances of vectors as fractions of a voxel's longest edge, indexed by the number of remaining divisions.
+  // With these values, single levels look most like all vectors (docs/benchmarks.md).
   constexpr std::array<float, 5> kParts{0, 0.95f, 0.78f, 0.66f, 0.6f};
   const int divided = depth - level;
   float longest = 0;
@@ -50,7 +50,7 @@ std::optional<std::array<glm::vec3, 3>> VoxelLattice::world_from_axes() const {
     if (!(longest > 0) || !std::isfinite(longest)) return std::nullopt;
     unit_axes[i] = glm::normalize(axes[i] / longest);
   }
-  // The columns of the transpose are its rows.
+  // glm takes columns, so that this is the transpose of the matrix with the unit axes as rows.
   const glm::mat3 columns(unit_axes[0], unit_axes[1], unit_axes[2]);
   if (!(std::abs(glm::determinant(columns)) >= kMinVolume)) return std::nullopt;
   const glm::mat3 inverse = glm::inverse(glm::transpose(columns));

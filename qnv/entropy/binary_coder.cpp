@@ -18,7 +18,7 @@ void BinaryEncoder::shift() {
 }
 
 std::vector<std::byte> BinaryEncoder::finish() {
-  // Any number in the interval works; the one with the most trailing zeros is the shortest.
+  // Any number in the interval decodes correctly. The number with the most trailing zeros gives the fewest bytes.
   const std::uint64_t end = low_ + range_;
   for (int bits = 32; bits >= 0; --bits) {
     const std::uint64_t step = std::uint64_t{1} << bits;

@@ -10,20 +10,20 @@
 
 namespace gs::qnv::displaced {
 
-// Adaptive binary range coding (G. N. N. Martin, 1979; carries as in LZMA). Small clusters cannot afford probability
-// tables, nor the 32 bytes of final rANS states (rans.h); models learn from the decoded data instead. FORMAT.md,
-// "Binary range coding", defines the bytes.
+// Adaptive binary range coding (G. N. N. Martin, 1979; carries as in LZMA). Models learn from the decoded data. Small
+// clusters cannot afford probability tables, or the 32 bytes of the final rANS states (rans.h). FORMAT.md, "Binary
+// range coding", defines the bytes.
 
-/// Maximum number of trailing zeros that an encoder omits; decoders read zeros past the end.
+/// Maximum number of trailing zero bytes that an encoder omits. Decoders read zeros after the end.
 inline constexpr std::size_t kSparedZeros = 8;
 
-/// Adaptive probability of a yes, in 1/65536; learns fast at first.
+/// Adaptive probability of a yes. It learns fast at first.
 struct BitModel {
-  std::uint16_t one = 32768;  // probability of a 1
+  std::uint16_t one = 32768;  // probability of a 1, in 1/65536
   std::uint8_t seen = 0;      // number of decisions, at most kMaxSeen
 
   static constexpr std::uint8_t kMaxSeen = 30;
-  /// 65536 / (n + 3/2), rounded down.
+  /// Learning rates after n decisions: 65536 / (n + 3/2), rounded down.
   static constexpr std::array<std::uint16_t, kMaxSeen + 1> kRates = [] {
     std::array<std::uint16_t, kMaxSeen + 1> rates{};
     for (std::size_t n = 0; n < rates.size(); ++n) rates[n] = static_cast<std::uint16_t>(131072 / (2 * n + 3));
@@ -35,7 +35,7 @@ struct BitModel {
     one = static_cast<std::uint16_t>(one + change);
     seen = static_cast<std::uint8_t>(seen + (seen < kMaxSeen ? 1 : 0));
   }
-  /// Returns the probability, clamped away from 0 and 65536.
+  /// Returns the probability in 1/65536, clamped away from 0 and 65536.
   [[nodiscard]] std::uint32_t probability() const { return std::clamp<std::uint32_t>(one, 64, 65536 - 64); }
 };
 
@@ -46,17 +46,17 @@ class BinaryEncoder {
     model.learn(bit);
     narrow(bit, bound);
   }
-  /// Codes a decision with a fixed probability (of 65536), exclusive of 0 and 65536.
+  /// Codes a decision with a fixed probability of a 1, in 1/65536. It must not be 0 or 65536.
   void put(std::uint32_t probability, bool bit) {
     narrow(bit, static_cast<std::uint32_t>(static_cast<std::uint64_t>(range_) * probability >> 16));
   }
-  /// Codes equally likely bits, highest first.
+  /// Codes `bits` equally likely bits of `value`, highest first.
   void put_bits(std::uint32_t value, int bits) {
     for (int i = bits; i-- > 0;) narrow((value >> i & 1) != 0, range_ >> 1);
   }
-  /// Returns the bytes, without up to kSparedZeros trailing zeros, which decoders read anyway.
+  /// Returns the bytes, without up to kSparedZeros trailing zeros.
   [[nodiscard]] std::vector<std::byte> finish();
-  /// Returns the approximate number of bytes so far.
+  /// Returns the approximate number of bytes coded so far.
   [[nodiscard]] std::size_t size() const { return bytes_.size() + pending_; }
 
  private:
@@ -75,15 +75,15 @@ class BinaryEncoder {
   void shift();
 
   std::vector<std::byte> bytes_;
-  std::uint64_t low_ = 0;  // bit 32: carry into bytes already produced
+  std::uint64_t low_ = 0;  // bit 32 is a carry into bytes already produced
   std::uint32_t range_ = 0xffffffff;
   std::uint8_t cache_ = 0;
-  std::size_t pending_ = 0;  // bytes of 255 after the cache, which a carry would change
+  std::size_t pending_ = 0;  // number of bytes of 255 after the cache; a carry would change them
   bool first_ = true;        // the cache is empty
 };
 
-/// Decodes the output of BinaryEncoder; other bytes give arbitrary decisions. Never reads past the end: zeros follow
-/// there, and no valid stream needs more than kSparedZeros.
+/// Decoder of the output of BinaryEncoder. Other bytes give arbitrary decisions. Never reads past the end of the bytes:
+/// zeros follow there, and a valid stream needs at most kSparedZeros of them.
 class BinaryDecoder {
  public:
   explicit BinaryDecoder(std::span<const std::byte> bytes) : bytes_(bytes) {
@@ -104,10 +104,10 @@ class BinaryDecoder {
     return value;
   }
 
-  /// Reports whether more bytes were needed than exist; no encoder wrote them then.
+  /// Reports whether decoding needed more bytes than exist. The bytes are then truncated or invalid.
   [[nodiscard]] bool exhausted() const { return at_ > bytes_.size() + kSparedZeros; }
-  /// Replaces the bytes by a longer version of them, possibly at another address. Decoding that stops before unread()
-  /// runs out gives the same result as with all bytes.
+  /// Replaces the bytes by a longer version of them; their address may change. If decoding stops before unread() runs
+  /// out, the result is the same as with all bytes.
   void extend(std::span<const std::byte> bytes) { bytes_ = bytes; }
   [[nodiscard]] std::size_t unread() const { return bytes_.size() - std::min(at_, bytes_.size()); }
 
@@ -136,8 +136,8 @@ class BinaryDecoder {
   std::uint32_t range_ = 0xffffffff, code_ = 0;
 };
 
-/// Models of a number >= 0: unary steps, each with its own model, up to `Steps`, then Exp-Golomb of order 0 with an
-/// adaptive prefix.
+/// Models of a number >= 0. Small numbers are unary steps, each with its own model, up to `Steps`. Larger numbers
+/// continue with an Exp-Golomb code of order 0 with an adaptive prefix.
 template <std::size_t Steps>
 struct NumberModel {
   std::array<BitModel, Steps> more;

@@ -8,7 +8,7 @@
 
 namespace gs::qnv {
 
-// Range asymmetric numeral systems (Duda 2013): eight interleaved 32-bit states, refilled 16 bits at a time, with
+// Range asymmetric numeral systems (Duda 2013): eight interleaved 32-bit states, refilled by 16 bits at a time, with
 // 12-bit probabilities. FORMAT.md, "Entropy coding", defines the bytes.
 
 constexpr int kRansBits = 12;
@@ -16,19 +16,20 @@ constexpr std::uint32_t kRansTotal = 1u << kRansBits;
 constexpr std::uint32_t kRansLow = 1u << 16;
 constexpr std::size_t kRansLanes = 8;
 
-/// Collects decisions in the order in which the decoder takes them.
+/// Encoder that collects decisions in the order in which a decoder reads them.
 class RansEncoder {
  public:
-  /// Adds a symbol with the interval [start, start + frequency) of 0..4095. `lane` < 8 selects the state that codes it.
+  /// Adds a symbol with the interval [start, start + frequency) of 0..4095. `lane` < 8 selects the state that codes the
+  /// symbol.
   void put(std::size_t lane, std::uint32_t start, std::uint32_t frequency) {
     entries_.push_back(
         {static_cast<std::uint16_t>(start), static_cast<std::uint16_t>(frequency), static_cast<std::uint8_t>(lane)});
   }
-  /// Adds `bits` (at most 12) equally likely bits.
+  /// Adds the lowest `bits` bits of `value`, at most 12; they are equally likely.
   void put_bits(std::size_t lane, std::uint32_t value, int bits) {
     put(lane, value << (kRansBits - bits), 1u << (kRansBits - bits));
   }
-  /// Returns the bytes: eight states, then 16-bit words. Empty if no decision was added.
+  /// Returns the bytes: eight states, then 16-bit words. Returns an empty list if no decision was added.
   [[nodiscard]] std::vector<std::byte> finish() const;
 
  private:
@@ -39,11 +40,11 @@ class RansEncoder {
   std::vector<Entry> entries_;
 };
 
-/// Decodes the output of RansEncoder. Never reads past its bytes and their padding: missing words are read as zero, and
-/// finished() then returns false. Branch-free, because refills are unpredictable.
+/// Decoder of the output of RansEncoder. Never reads past the bytes and their padding: missing words are read as zero,
+/// and finished() then returns false. Branch-free, because refills are unpredictable.
 class RansDecoder {
  public:
-  /// Readable bytes that the caller must provide after the end of `bytes`; their content does not matter.
+  /// Number of readable bytes that the caller must provide after the end of `bytes`. Their content does not matter.
   static constexpr std::size_t kPadding = 16;
 
   explicit RansDecoder(std::span<const std::byte> bytes) : bytes_(bytes.data()), size_(bytes.size()) {
@@ -67,7 +68,7 @@ class RansDecoder {
     advance(lane, value << (kRansBits - bits), 1u << (kRansBits - bits));
     return value;
   }
-  /// Reports whether all bytes were read and every state returned to its initial value.
+  /// Reports whether all bytes were read and every state has returned to its initial value.
   [[nodiscard]] bool finished() const {
     for (const std::uint32_t state : states_)
       if (state != kRansLow) return false;
@@ -95,7 +96,7 @@ inline std::vector<std::byte> RansEncoder::finish() const {
   for (std::size_t i = entries_.size(); i-- > 0;) {
     const Entry& e = entries_[i];
     std::uint32_t& x = states[e.lane];
-    // With 16-bit refills, a state needs at most one word per symbol.
+    // A state needs at most one word per symbol, because refills have 16 bits.
     if (x >= static_cast<std::uint64_t>(e.frequency) << (32 - kRansBits)) {
       words.push_back(static_cast<std::uint16_t>(x));
       x >>= 16;

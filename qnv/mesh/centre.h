@@ -7,14 +7,14 @@
 
 namespace gs::qnv::displaced {
 
-/// Triangle with its position for spatial partitioning.
+/// Triangle and the centre by which spatial partitioning sorts it.
 struct Centre {
   glm::vec3 place;
   std::uint32_t triangle;
 };
 
-/// Partitions so that the lower half along an axis precedes `middle`. No two entries compare equal. The comparison is
-/// branch-free, because its result is unpredictable.
+/// Partitions triangles: those with the lower centres along an axis precede `middle`. No two entries compare equal. The
+/// comparison is branch-free, because its result is unpredictable.
 template <class At>
 void put_middle(At begin, At middle, At end, int axis) {
   const auto along = [&](auto coordinate) {

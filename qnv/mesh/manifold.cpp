@@ -35,8 +35,8 @@ bool named_in_order(const SurfaceMesh& mesh) {
   return named == mesh.positions.size();
 }
 
-/// Splits vertices into fans: corners stay together only across edges of two triangles with equal orientation. Vertices
-/// are numbered in order of use by triangles.
+/// Splits vertices into fans: corners at a vertex stay together only across edges of two triangles with equal
+/// orientation. Numbers the vertices in the order in which triangles use them.
 void part_fans(SurfaceMesh& mesh, const Neighbours& beside) {
   auto& triangles = mesh.triangles;
   const std::vector<std::uint8_t> whole = one_fan(triangles, mesh.positions.size(), beside);
@@ -69,8 +69,9 @@ void part_fans(SurfaceMesh& mesh, const Neighbours& beside) {
   mesh = std::move(out);
 }
 
-/// Splits edges that still have more than two sides, because separated fans meet again. All triangles but the first get
-/// their own vertices and no neighbours. Returns false if there is no such edge. `odd` is as in join_at().
+/// Splits edges that still have more than two sides because separate fans meet again there. All triangles except the
+/// first get separate vertices and no neighbours. Returns false if there is no such edge. `odd` is the result of
+/// join_at().
 bool part_crowded_edges(SurfaceMesh& mesh, std::span<const Side> odd, Neighbours& beside) {
   for (std::size_t i = 0, end = 0; i < odd.size(); i = end) {
     for (end = i + 1; end < odd.size() && same_edge(odd[i], odd[end]);) ++end;
@@ -92,10 +93,10 @@ bool part_crowded_edges(SurfaceMesh& mesh, std::span<const Side> odd, Neighbours
   return !odd.empty();
 }
 
-/// Splits non-manifold vertices and edges, and fills `beside` with the resulting neighbours.
+/// Splits non-manifold vertices and edges. Fills `beside` with the resulting neighbours.
 void part_at(SurfaceMesh& mesh, const std::vector<Side>& sides, Neighbours& beside) {
   beside.assign(mesh.triangles.size(), {kNone, kNone, kNone});
-  // Splitting vertices makes no new edges coincide, so only the odd edges can change.
+  // Splitting vertices never makes other edges coincide. Therefore only the odd edges can change.
   std::vector<Side> odd = join_at(mesh.triangles, sides, beside);
   do {
     part_fans(mesh, beside);
@@ -166,15 +167,15 @@ void MeshBuilder::add(std::span<const Triangle> triangles) {
 SurfaceMesh MeshBuilder::finish(Neighbours* beside) {
   auto& triangles = mesh_.triangles;
   std::vector<Side> sides = sorted_sides(triangles);
-  // Keep one of several triangles with the same corners.
+  // Keeps one of several triangles with the same corners.
   {
-    std::vector<std::uint8_t> twice(triangles.size(), 0);  // bytes, so that threads may write adjacent entries
-    // Duplicates meet at each of their sides; check only the side between the two lowest vertices.
+    std::vector<std::uint8_t> twice(triangles.size(), 0);  // not bits: threads write adjacent entries
+    // Duplicate triangles share all their sides. Therefore tests only the side between the two lowest vertices.
     for_each_edge(sides, [&](std::size_t i, std::size_t end) {
       if (end - i == 1) return;
       const auto third = [&](std::size_t s) { return triangles[sides[s].at / 3][(sides[s].at + 2) % 3]; };
       if (end - i == 2 && third(i) != third(i + 1)) return;
-      std::vector<std::pair<std::uint32_t, std::uint32_t>> there;  // third corner, triangle
+      std::vector<std::pair<std::uint32_t, std::uint32_t>> there;  // pairs of third corner and triangle
       for (std::size_t s = i; s < end; ++s)
         if (third(s) > sides[s].high) there.emplace_back(third(s), sides[s].at / 3);
       std::sort(there.begin(), there.end());

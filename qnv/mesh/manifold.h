@@ -13,7 +13,7 @@
 
 namespace gs::qnv::displaced {
 
-/// Vertices of a triangle's corners, counter-clockwise seen from outside.
+/// Vertex indices of a triangle's corners, counter-clockwise seen from outside.
 using Corners = std::array<std::uint32_t, 3>;
 
 /// Indexed triangle mesh.
@@ -24,25 +24,26 @@ struct SurfaceMesh {
   std::vector<std::array<glm::vec3, 3>> normals;  // unit shading normals, one per corner; or empty
 };
 
-/// Adjacent triangles: neighbours[t][k] is across the edge from corner k to corner k + 1, or kNone on a rim.
+/// Adjacent triangles of each triangle. neighbours[t][k] is across the edge from corner k to corner k + 1; kNone on a
+/// rim.
 using Neighbours = std::vector<std::array<std::uint32_t, 3>>;
 inline constexpr std::uint32_t kNone = 0xffffffff;
 
-/// Collects triangles and welds equal positions.
+/// Builder that collects triangles and welds equal positions.
 class MeshBuilder {
  public:
-  /// `colored` gives each vertex the mean colour at its position; `apart` makes separate vertices for different
+  /// If `colored`, gives each vertex the mean colour at its position. If `apart`, makes separate vertices for different
   /// colours.
   explicit MeshBuilder(bool colored, bool apart = false);
-  /// Adds triangles; skips those that are not finite or have no area.
+  /// Adds triangles. Skips triangles that are not finite or have no area.
   void add(std::span<const Triangle> triangles);
-  /// Returns the number of triangles.
+  /// Returns the number of triangles added so far.
   [[nodiscard]] std::size_t triangles() const { return mesh_.triangles.size(); }
-  /// Returns all triangles, welded at equal positions; may be non-manifold and contain duplicates.
+  /// Returns all triangles, welded at equal positions. The mesh may be non-manifold and contain duplicates.
   [[nodiscard]] SurfaceMesh welded() const;
   /// Returns a manifold mesh: every edge has one triangle per side or is a rim, and the triangles around each vertex
-  /// form one fan. Drops duplicate triangles, and cuts the surface where more than two triangles meet or orientations
-  /// conflict. Fills `beside`, if given, with the neighbours.
+  /// form one fan. Drops duplicate triangles. Cuts the surface where more than two triangles meet or orientations
+  /// conflict. Fills `beside` with the neighbours unless it is nullptr.
   [[nodiscard]] SurfaceMesh finish(Neighbours* beside = nullptr);
 
  private:
@@ -52,24 +53,24 @@ class MeshBuilder {
 
   bool colored_, apart_;
   SurfaceMesh mesh_;
-  std::vector<glm::vec3> sums_;        // of the colours of a vertex
-  std::vector<std::uint32_t> counts_;  // number of colours
-  std::vector<Rgb8> own_colors_;       // of vertices, if colours are apart
-  std::vector<std::uint32_t> table_;   // open addressing; vertex + 1
+  std::vector<glm::vec3> sums_;  // sums of the colours at each vertex
+  std::vector<std::uint32_t> counts_;  // number of colours at each vertex
+  std::vector<Rgb8> own_colors_;  // colour of each vertex, if `apart`
+  std::vector<std::uint32_t> table_;  // hash table with open addressing: vertex + 1
 };
 
-/// Duplicates vertices so that the mesh becomes manifold: each vertex has one fan, and each edge at most two triangles
-/// of equal orientation.
+/// Duplicates vertices so that the mesh becomes manifold. The triangles around each vertex then form one fan, and each
+/// edge has at most two triangles, of equal orientation.
 void part(SurfaceMesh& mesh);
 
-/// Mesh split in two, without colours and normals: components with at least a given part of the area, and the others.
-/// Unused vertices are dropped.
+/// Mesh split into two, without colours and normals: the components with at least a given fraction of the area, and all
+/// others. Unused vertices are dropped.
 struct SplitMesh {
   SurfaceMesh large, small;
 };
 [[nodiscard]] SplitMesh split_components(const SurfaceMesh& mesh, double least_part);
 
-/// Returns the neighbours in a mesh from MeshBuilder::finish().
+/// Returns the neighbours of each triangle in a mesh from MeshBuilder::finish().
 [[nodiscard]] Neighbours neighbours_of(std::span<const Corners> triangles);
 
 }  // namespace gs::qnv::displaced

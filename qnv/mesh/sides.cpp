@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::size_t kVerticesTogether = std::size_t{1} << 15;  // vertices per task
 constexpr std::size_t kSidesTogether = std::size_t{1} << 16;
-// Smaller meshes are counted on one thread; with more threads than the maximum, reading costs more than writing.
+// A mesh with fewer vertices is counted on one thread. With more threads than the maximum, reading would cost more than
+// counting saves.
 constexpr std::size_t kCountedByOne = 50'000, kMaxCounting = 8;
 
 std::size_t parts_of(std::size_t count, std::size_t together) { return (count + together - 1) / together; }
@@ -23,7 +24,7 @@ bool side_before(const Side& a, const Side& b) {
 }
 
 std::vector<Side> sorted_sides(std::span<const Corners> triangles) {
-  // Counting sort by the lower vertex, which has only a few sides each. Every thread has its own range of vertices.
+  // Counting sort by the lower vertex, which few sides share. Every thread has its own range of vertices.
   std::uint32_t vertices = 0;
   for (const Corners& t : triangles) vertices = std::max({vertices, t[0] + 1, t[1] + 1, t[2] + 1});
   std::vector<std::uint32_t> ends(std::size_t{vertices} + 1, 0);
@@ -88,7 +89,7 @@ std::vector<Side> join_at(std::span<const Corners> triangles, std::span<const Si
 }
 
 std::vector<std::uint8_t> one_fan(std::span<const Corners> triangles, std::size_t vertices, const Neighbours& beside) {
-  // One corner of each vertex, and the number of its corners.
+  // One corner of each vertex, and the number of corners at each vertex.
   struct Round {
     std::uint32_t corner = kNone, count = 0;
   };

@@ -13,23 +13,23 @@
 
 namespace gs::qnv {
 
-/// Statistics over all triangles of a surface; skips triangles that are not finite.
+/// Statistics of all triangles of a surface. Ignores triangles that are not finite.
 struct SurfaceSurvey {
   Box box;
   double area = 0, volume = 0;
-  glm::dvec3 facing{0};  // sum of all normals times their areas
+  glm::dvec3 facing{0};  // sum of all triangle normals, weighted by area
   std::size_t triangles = 0;
-  bool colored = false;  // has more than one colour
-  Rgb8 color;            // of the first corner
-  glm::dvec3 colors{0};  // sum of all colours times the triangles' areas
+  bool colored = false;  // the triangles have more than one colour
+  Rgb8 color;  // colour of the first corner
+  glm::dvec3 colors{0};  // sum of all triangle colours, weighted by area
 
   void add(std::span<const Triangle> triangles);
-  /// Returns the single colour, or the mean, which is shown until the colours are received.
+  /// Returns the only colour, or the mean colour, which is drawn until the colours are received.
   [[nodiscard]] Rgb8 mean_color() const;
-  /// Reports whether the surface is closed: its area vectors cancel, and it encloses a volume. Its inside is then never
-  /// visible.
+  /// Reports whether the surface is closed: its area vectors cancel, and it encloses a volume. The inside of a closed
+  /// surface is never visible.
   [[nodiscard]] bool closed() const;
-  /// Reports whether there is something to encode.
+  /// Reports whether the surface has triangles that can be encoded.
   [[nodiscard]] bool sound() const;
 };
 

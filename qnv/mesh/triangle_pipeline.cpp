@@ -7,8 +7,8 @@
 namespace gs::qnv {
 namespace {
 
-constexpr std::size_t kMaxWaiting = 32;      // in batches
-constexpr std::size_t kMaxTogether = 4'096;  // triangles per batch
+constexpr std::size_t kMaxWaiting = 32;  // maximum number of waiting batches
+constexpr std::size_t kMaxTogether = 4'096;  // maximum triangles per batch
 
 }  // namespace
 
@@ -17,7 +17,7 @@ TrianglePipeline::TrianglePipeline(Work work, unsigned threads) : work_(std::mov
   try {
     thread_ = std::thread([this] { run(); });
   } catch (const std::system_error&) {
-    // The system has no further thread; the caller's thread does the work.
+    // The system has no further thread. The caller's thread then does the work.
   }
 }
 

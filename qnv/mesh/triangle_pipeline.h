@@ -14,19 +14,19 @@
 
 namespace gs::qnv {
 
-/// Pipeline that passes batches of triangles, in order, to work on a second thread while the caller reads the next
-/// ones. With one thread, or if the system has no other, it does the work immediately.
+/// Pipeline that passes batches of triangles, in order, to work on a second thread. Meanwhile the caller reads the next
+/// triangles. With one thread, or if the system has no other, put() does the work immediately.
 class TrianglePipeline {
  public:
   using Work = std::function<void(std::span<const Triangle>)>;
-  /// `threads` is as in parallel_for().
+  /// If `threads` is 0, uses one thread per core.
   TrianglePipeline(Work work, unsigned threads);
   TrianglePipeline(const TrianglePipeline&) = delete;
   TrianglePipeline& operator=(const TrianglePipeline&) = delete;
   ~TrianglePipeline() { stop(); }
 
-  /// Adds triangles; blocks while many are waiting. Returns false if the work has thrown, so that more triangles are
-  /// useless.
+  /// Adds triangles. Blocks while too many batches are waiting. Returns false if the work threw an exception; further
+  /// triangles are then useless.
   bool put(std::span<const Triangle> triangles);
   /// Waits until all work is done. Rethrows an exception of the work.
   void finish();
@@ -38,7 +38,7 @@ class TrianglePipeline {
   Work work_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<std::vector<Triangle>> waiting_, used_;  // `used_`: batches with memory to reuse
+  std::deque<std::vector<Triangle>> waiting_, used_;  // `used_` has batches with memory to reuse
   bool ended_ = false, failed_ = false;
   std::exception_ptr failure_;
   std::thread thread_;

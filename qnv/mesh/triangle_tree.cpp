@@ -16,17 +16,17 @@ namespace {
 
 constexpr std::uint32_t kLeaf = 4;
 constexpr int kSplitsInTurn = 3;
-constexpr std::size_t kDeepest = 64;  // a tree of at most 2^32 triangles divides by four per level, and three of four
-                                      // children wait
+constexpr std::size_t kDeepest = 64;  // stack size: a tree of 2^32 triangles divides by four per level, and at
+                                      // each level three of four children wait
 constexpr float kNowhere = 1e30f;
 
-/// Node or leaf of `count` triangles waiting on the stack, with the distance to its box.
+/// Node, or leaf of `count` triangles, that waits on the stack; and the distance to its box.
 struct Waiting {
   std::uint32_t first, count;
   float distance;
 };
 
-/// Returns the numbers of triangles of a node's children; 0 means no child.
+/// Returns the numbers of triangles of the four children of a node with `count` triangles. 0 means no child.
 std::array<std::uint32_t, 4> quarters(std::uint32_t count) {
   if (count <= kLeaf) return {count, 0, 0, 0};
   std::array<std::uint32_t, 4> parts{};
@@ -61,14 +61,14 @@ glm::vec3 nearest_on(const glm::vec3& p, const glm::vec3& a, const glm::vec3& ab
   return a + ab * (vb / sum) + ac * (vc / sum);
 }
 
-/// Reports whether a mask is set in any lane.
+/// Reports whether the mask is set in any lane.
 template <typename Mask>
 bool any(const Mask& mask) {
   const auto halves = std::bit_cast<std::array<std::uint64_t, 2>>(mask);
   return (halves[0] | halves[1]) != 0;
 }
 
-/// Pushes the children nearer than `most`, the nearest last.
+/// Pushes the children that are nearer than `most`, the nearest child last.
 template <typename Four>
 void push_near(const Four& distances, float most, const std::array<std::uint32_t, 4>& first,
                const std::array<std::uint32_t, 4>& count, std::array<Waiting, kDeepest>& stack, std::size_t& top) {
@@ -97,7 +97,8 @@ TriangleTree::TriangleTree(const SurfaceMesh& mesh, unsigned threads) : mesh_(me
   const Size size = size_of(count);
   nodes_.resize(size.nodes);
   leaves_.resize(size.leaves);
-  // First split depth by depth, then the parts in parallel. Indices follow from the numbers of triangles.
+  // Splits the tree level by level first, then builds the resulting parts in parallel. The numbers of triangles
+  // determine all indices.
   std::vector<Part> parts{{0, count, 0, 0}};
   for (int depth = 0; depth < kSplitsInTurn; ++depth) {
     std::vector<std::vector<Part>> below(parts.size());
@@ -117,7 +118,7 @@ TriangleTree::TriangleTree(const SurfaceMesh& mesh, unsigned threads) : mesh_(me
         }
       },
       threads);
-  // Parents precede their descendants.
+  // Visits the nodes backwards: parents precede their descendants.
   for (std::size_t n = nodes_.size(); n-- > 0;)
     for (std::size_t slot = 0; slot < 4; ++slot) {
       if (nodes_[n].count[slot] != 0 || nodes_[n].first[slot] == 0) continue;
@@ -134,7 +135,7 @@ TriangleTree::TriangleTree(const SurfaceMesh& mesh, unsigned threads) : mesh_(me
     }
 }
 
-/// Returns the size of a node with its descendants.
+/// Returns the numbers of nodes and leaves below a node with `count` triangles, including that node.
 TriangleTree::Size TriangleTree::size_of(std::uint32_t count) {
   const auto known = sizes_.find(count);
   if (known != sizes_.end()) return known->second;
@@ -151,7 +152,7 @@ TriangleTree::Size TriangleTree::known_size(std::uint32_t count) const {
   return count <= kLeaf ? Size{0, 1} : sizes_.at(count);
 }
 
-/// Partitions triangles at the median along the longest side.
+/// Partitions triangles at the median along the longest side of their box.
 void TriangleTree::halve(std::vector<Centre>& centres, std::uint32_t first, std::uint32_t count) const {
   const auto begin = centres.begin() + first;
   Box box;
@@ -196,7 +197,7 @@ void TriangleTree::add_leaf(const std::vector<Centre>& centres, const Part& part
   Leaf& leaf = leaves_[part.leaf];
   Box box;
   for (std::uint32_t i = 0; i < kLeaf; ++i) {
-    // Pad the leaf with its last triangle.
+    // Pads the leaf with its last triangle.
     const std::uint32_t t = centres[part.first + std::min(i, part.count - 1)].triangle;
     const Corners& corners = mesh_.triangles[t];
     const glm::vec3 a = mesh_.positions[corners[0]], b = mesh_.positions[corners[1]], c = mesh_.positions[corners[2]];
@@ -339,7 +340,7 @@ glm::vec3 TriangleTree::weights(const SurfacePoint& point) const {
 
 glm::vec3 TriangleTree::smooth(const SurfacePoint& point) const {
   if (mesh_.normals.empty() || point.triangle == kNone) return point.position;
-  constexpr float kCurve = 0.5f;  // preserves a sphere
+  constexpr float kCurve = 0.5f;  // this value preserves a sphere
   const Corners& t = mesh_.triangles[point.triangle];
   const glm::vec3 at = weights(point);
   glm::vec3 bend(0);

@@ -15,49 +15,51 @@
 
 namespace gs::qnv::displaced {
 
-/// Point on a surface.
+/// Point on a surface: a triangle and a position in it.
 struct SurfacePoint {
   std::uint32_t triangle = kNone;  // kNone if there is no point
   glm::vec3 position{0};
-  float distance = std::numeric_limits<float>::infinity();  // from the query point; signed along a line
+  float distance = std::numeric_limits<float>::infinity();  // from the query point; signed if along a line
 };
 
-/// Bounding volume hierarchy of a mesh's triangles. Immutable; safe from any thread.
+/// Bounding volume hierarchy of the triangles of a mesh. Immutable. Any thread.
 class TriangleTree {
  public:
-  /// `mesh` must outlive this object. Built on `threads` threads (0: one per core).
+  /// `mesh` must outlive this object. Builds the tree on `threads` threads (0 means one per core).
   explicit TriangleTree(const SurfaceMesh& mesh, unsigned threads = 0);
 
-  /// Returns the intersection nearest to `from`, within `reach`, of the surface with the line through `from` along
-  /// +-`direction` (a unit vector). Considers only triangles with a normal within `least` (a cosine) of `facing`.
+  /// Intersects the surface with the line through `from` along +-`direction` (a unit vector). Returns the intersection
+  /// that is nearest to `from`, within `reach`. Ignores triangles with a cosine between normal and `facing` below
+  /// `least`.
   [[nodiscard]] SurfacePoint along(const glm::vec3& from, const glm::vec3& direction, float reach,
                                    const glm::vec3& facing, float least) const;
-  /// Returns the intersection of that line with one triangle, within `reach`.
+  /// Returns the intersection of the line through `from` along +-`direction` with one triangle, within `reach`.
   [[nodiscard]] SurfacePoint on(std::uint32_t triangle, const glm::vec3& from, const glm::vec3& direction,
                                 float reach) const;
-  /// Returns the nearest point of the surface within `reach`. Considers only triangles with a normal within `least` (a
-  /// cosine) of `facing`.
+  /// Returns the nearest point of the surface within `reach`. Ignores triangles with a cosine between normal and
+  /// `facing` below `least`.
   [[nodiscard]] SurfacePoint nearest(const glm::vec3& from, float reach, const glm::vec3& facing, float least) const;
-  /// Returns the barycentric coordinates of a point.
+  /// Returns the barycentric coordinates of a point in its triangle.
   [[nodiscard]] glm::vec3 weights(const SurfacePoint& point) const;
-  /// Returns the point on the smooth surface that shading suggests: on a curve perpendicular to the corners' normals.
-  /// Returns the point itself if there are no normals.
+  /// Returns the point on the smooth surface that the shading suggests: on a curve perpendicular to the normals of the
+  /// corners. Returns the point itself if the mesh has no normals.
   [[nodiscard]] glm::vec3 smooth(const SurfacePoint& point) const;
 
  private:
   using Four = float __attribute__((vector_size(16)));
-  /// Inner node with up to four children. A count of 0 marks a child node; an unused child has an empty box.
+  /// Inner node with up to four children. A count of 0 marks an inner node as child; otherwise the child is a leaf. An
+  /// unused child has an empty box.
   struct Node {
     std::array<Four, 3> lower, upper;
     std::array<std::uint32_t, 4> first, count;  // index of the child node or leaf
   };
-  /// Up to four triangles.
+  /// Leaf with up to four triangles.
   struct Leaf {
-    std::array<Four, 3> a, ab, ac, normal;  // a corner, its edges to the others, and the unit normal (zero without
-                                            // area)
+    std::array<Four, 3> a, ab, ac, normal;  // a corner, the edges from it, and the unit normal (zero if the triangle
+                                            // has no area)
     std::array<std::uint32_t, 4> triangle;
   };
-  /// Triangles of a node to be built, and the indices of the node, its descendants and its leaves.
+  /// Part of the tree to build: the triangles of a node, and the indices of the node, its descendants and its leaves.
   struct Part {
     std::uint32_t first, count, node, leaf;
   };
@@ -73,7 +75,7 @@ class TriangleTree {
   const SurfaceMesh& mesh_;
   std::vector<Node> nodes_;
   std::vector<Leaf> leaves_;
-  std::map<std::uint32_t, Size> sizes_;  // of a tree, by its number of triangles
+  std::map<std::uint32_t, Size> sizes_;  // sizes of trees, by number of triangles
 };
 
 }  // namespace gs::qnv::displaced

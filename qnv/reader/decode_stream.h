@@ -20,7 +20,8 @@ struct DecodedStream {
   std::size_t refused_chunks = 0;
 };
 
-/// Decodes a whole stream of any payload, or a prefix, up to `most` vectors or polygons. Safe for untrusted bytes.
+/// Decodes a whole stream of any payload, or a prefix of one. Returns at most `most` vectors or polygons. Safe for
+/// untrusted bytes.
 [[nodiscard]] DecodedStream decode_stream(std::span<const std::byte> stream, std::size_t most);
 
 }  // namespace gs::qnv

@@ -8,10 +8,10 @@
 namespace gs::qnv {
 namespace {
 
-// Number of first bytes that are never lost: everything else depends on them, so a transport repeats them or adds
-// parity.
+// Number of bytes at the start that are never lost. Everything else depends on them, so that a transport repeats them
+// or adds parity.
 constexpr std::uint64_t kProtectedBytes = 16'000;
-constexpr std::size_t kCountAt = 2;  // offset of the record count in a records payload
+constexpr std::size_t kCountAt = 2;  // byte offset of the number of records in a records payload
 
 // Returns a number in [0, 1) for each packet (SplitMix64, Steele et al. 2014).
 double random_of(std::uint64_t seed, std::uint64_t packet) {
@@ -54,7 +54,7 @@ std::vector<std::byte> drop_packets(std::span<const std::byte> stream, double sh
       kept[kCountAt + 1] = static_cast<std::byte>(count >> 8 & 255);
       if (count > 0) append(type, kept);
     } else if (type == ChunkType::directory) {
-      return;  // the directory's offsets would be wrong
+      return;  // drops the directory, because its offsets would be wrong
     }
     ++packet;
   };

@@ -15,20 +15,20 @@ namespace gs::qnv {
 
 struct PayloadRow;
 
-/// Decodes a stream, received in pieces or with losses, into vectors or a surface, with the decoder of its payload. At
-/// any time, the received part is a complete picture. Not thread-safe; safe for untrusted bytes; memory is bounded by
-/// `most_vectors`.
+/// Decoder of a stream into vectors or a surface; its payload selects the codec. The stream may be received in pieces
+/// or with losses. At any time, the received part gives a complete picture. One thread at a time. Safe for untrusted
+/// bytes; memory is bounded by `most_vectors`.
 class StreamDecoder {
  public:
   explicit StreamDecoder(std::size_t most_vectors = std::size_t{1} << 26) : most_vectors_(most_vectors) {}
 
-  /// Decodes the next bytes of the stream. Returns false once the stream is rejected.
+  /// Decodes the next bytes of the stream. Returns false if the stream is rejected.
   bool push(std::span<const std::byte> bytes);
-  /// Adds a chunk received separately (as a datagram), after the header, in any order. Of a records chunk, the bytes
-  /// `missing` in the payload and those after its end may be added later or never. Chunks of other types must be
-  /// complete.
+  /// Adds a chunk that was received separately, for example as a datagram. Call it after the header is received; chunks
+  /// may have any order. A chunk of records may be incomplete: another call may add the ranges `missing` of its
+  /// payload, and the bytes after its end. Chunks of other types must be complete.
   void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing = {});
-  /// Ends the stream: decodes waiting bytes, and reports missing ones.
+  /// Ends the stream. Decodes the remaining bytes, and reports missing bytes as problems.
   void finish();
 
   [[nodiscard]] const StreamHeader* header() const { return reader_.header(); }
@@ -40,18 +40,18 @@ class StreamDecoder {
   [[nodiscard]] std::size_t vectors() const { return decoder_ ? decoder_->vectors() : 0; }
   /// Returns a number that changes whenever geometry() would.
   [[nodiscard]] std::uint64_t revision() const { return count().taken; }
-  /// Returns the received part of the stream's mesh, if it has one.
+  /// Returns the progress of the stream's mesh. Without a mesh, all numbers are 0.
   [[nodiscard]] MeshProgress mesh() const { return decoder_ ? decoder_->mesh() : MeshProgress{}; }
   [[nodiscard]] const std::vector<DirectoryEntry>& directory() const { return directory_; }
 
-  /// Returns everything received, at its finest detail; refined vectors are left out.
+  /// Returns all received vectors at the finest received detail, without vectors that finer ones replace.
   [[nodiscard]] Geometry geometry() const;
   /// Like geometry(), for renderers: a displaced surface is patches, and only those changed since the last call are
   /// re-evaluated.
   [[nodiscard]] Geometry geometry_to_draw();
 
  private:
-  /// Makes the payload's decoder once the header is known.
+  /// Creates the decoder of the payload when the header is received.
   void begin();
   [[nodiscard]] DecodeCount count() const { return decoder_ ? decoder_->count() : DecodeCount{}; }
   [[nodiscard]] GeometryBase base() const;
@@ -59,7 +59,7 @@ class StreamDecoder {
   StreamReader reader_;
   std::size_t most_vectors_, refused_chunks_ = 0;
   const PayloadRow* row_ = nullptr;
-  std::unique_ptr<Decoder> decoder_;  // null before the header, and for polygons
+  std::unique_ptr<Decoder> decoder_;  // null until the header is received, and for payloads of polygons
   PieceGroups groups_;
   std::vector<DirectoryEntry> directory_;
 };

@@ -17,8 +17,8 @@ using glm::dmat3;
 using glm::dmat4;
 using glm::dvec3;
 
-constexpr std::size_t kMaxText = 1024;              // maximum bytes of a description; USE could multiply a long one
-constexpr std::size_t kMaxBackgroundColors = 1024;  // rings; more than the rows of a screen
+constexpr std::size_t kMaxText = 1024;  // maximum bytes; USE can multiply a long text
+constexpr std::size_t kMaxBackgroundColors = 1024;  // maximum rings of a Background; more than the rows of a screen
 constexpr std::size_t kMaxNavigationTypes = 16;
 constexpr float kHalfPi = std::numbers::pi_v<float> / 2;
 constexpr double kTiny = 1e-12;
@@ -45,7 +45,7 @@ glm::vec3 vector(const NodeView& view, int field, const glm::vec3& otherwise) {
   return value && finite(*value) ? *value : otherwise;
 }
 
-/// Returns the rotation nearest to a transformation, without scale, shear and mirroring.
+/// Returns the rotation nearest to a matrix: without scale, shear and mirroring.
 dmat3 rotation_part(const dmat4& matrix) {
   dvec3 x(matrix[0]), y(matrix[1]), z(matrix[2]);
   const auto usable = [](double length) { return length > kTiny * kTiny && std::isfinite(length); };
@@ -65,11 +65,12 @@ dmat3 rotation_part(const dmat4& matrix) {
 std::string bounded_text(std::string_view text) {
   if (text.size() <= kMaxText) return std::string(text);
   std::size_t end = kMaxText;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // not inside a UTF-8 character
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // not inside of a character
   return std::string(text.substr(0, end));
 }
 
-/// Reads colours and their non-decreasing angles; the angle of the first colour is not stored.
+/// Reads ring colours and their angles, which must not decrease. The field does not contain the angle of the first
+/// colour.
 void rings(const NodeView& view, int color_field, int angle_field, float largest_angle, std::vector<glm::vec3>& colors,
            std::vector<float>& angles) {
   colors.clear();
@@ -232,7 +233,7 @@ glm::mat3 texture_matrix(const NodeView& view) {
   const float given = view.get(F::rotation, 0.0f);
   const float angle = std::isfinite(given) ? given : 0.0f;
   const float c = std::cos(angle), s = std::sin(angle);
-  const glm::mat2 linear(scale.x * c, scale.y * s, scale.x * -s, scale.y * c);  // S * R, by columns
+  const glm::mat2 linear(scale.x * c, scale.y * s, scale.x * -s, scale.y * c);  // S * R, in columns
   const glm::vec2 offset = linear * (center + translation) - center;
   return {glm::vec3(linear[0], 0), glm::vec3(linear[1], 0), glm::vec3(offset, 1)};
 }
@@ -241,7 +242,7 @@ Image image_of(const vrml::PixelImage& source) {
   const std::uint64_t width = source.width(), height = source.height(), components = source.components();
   const auto words = source.pixels();
   if (width == 0 || height == 0 || components < 1 || components > 4) return {};
-  if (height > words.size() / width) return {};  // fewer words than pixels
+  if (height > words.size() / width) return {};  // there are fewer words than pixels
   Image image{static_cast<std::uint32_t>(width),
               static_cast<std::uint32_t>(height),
               static_cast<std::uint32_t>(components),

@@ -9,35 +9,36 @@
 #include <string>
 #include <string_view>
 
-// Evaluation of single nodes, independent of the traversal. Values outside the ranges of the standard are clamped;
-// non-finite values are replaced by the defaults.
+// Functions that evaluate single nodes, without traversal. They clamp values to the ranges of the standard, and replace
+// values that are not finite by the defaults.
 namespace gs::render {
 
 /// Returns parent_from_local of a Transform (VRML97 6.52).
 [[nodiscard]] glm::dmat4 transform_matrix(const NodeView& transform);
-/// Returns parent_from_local of a Billboard seen from `viewer`, in its parent's space (6.6).
+/// Returns parent_from_local of a Billboard (6.6). `viewer` and `up` are in the space of its parent.
 [[nodiscard]] glm::dmat4 billboard_matrix(const NodeView& billboard, const glm::dvec3& viewer, const glm::dvec3& up);
-/// Returns the index of the level to show, -1 for none; `viewer` is in the LOD's space (6.26).
+/// Returns the index of the visible level of an LOD (6.26). Returns -1 if it has no levels. `viewer` is in the LOD's
+/// space.
 [[nodiscard]] int lod_level(const NodeView& lod, const glm::dvec3& viewer);
 
-/// Returns any of the three lights in world space. Radius and attenuation scale with the transformation, because the
-/// standard measures them in the light's space (4.14.4).
+/// Returns a DirectionalLight, PointLight or SpotLight in world space. Radius and attenuation scale with the
+/// transformation, because they are in the light's space (4.14.4).
 [[nodiscard]] Light world_light(const NodeView& light, const glm::dmat4& world_from_node);
-/// Returns a Viewpoint in world space, without the transformation's scale (6.53).
+/// Returns a Viewpoint in world space. Ignores the scale of the transformation (6.53).
 [[nodiscard]] ViewpointState world_viewpoint(const NodeView& viewpoint, const glm::dmat4& world_from_node);
 [[nodiscard]] NavigationState navigation_state(const NodeView& navigation_info);
 [[nodiscard]] Background world_background(const NodeView& background, const glm::dmat4& world_from_node,
                                           const Images& images);
-/// Returns the Fog with its space from `world_from_node`; none if that is singular.
+/// Returns a Fog; `world_from_node` defines its space. Returns no fog if the matrix is singular.
 [[nodiscard]] Fog world_fog(const NodeView& fog, const glm::dmat4& world_from_node);
 
-/// Returns a lit material, clamped to the ranges of 6.27.
+/// Returns a lit material, with values clamped to the ranges of 6.27.
 [[nodiscard]] Material material_of(const NodeView& material);
-/// Returns the `detail` of a QNV node, 1/100 to 100; 1 for other nodes.
+/// Returns the field `detail` of a QNV node, 1/100 to 100. Returns 1 for other nodes.
 [[nodiscard]] float detail_of(const NodeView& qnv);
-/// Returns texture space from mesh coordinates: -C * S * R * C * T, as printed in 6.49.
+/// Returns the matrix from texture coordinates of the mesh to texture space: -C * S * R * C * T, as printed in 6.49.
 [[nodiscard]] glm::mat3 texture_matrix(const NodeView& texture_transform);
-/// Returns the image of an SFImage; empty if its size, components and words are inconsistent.
+/// Returns the image of an SFImage. Returns an empty image if size, components and number of words do not fit.
 [[nodiscard]] Image image_of(const vrml::PixelImage& pixels);
 
 }  // namespace gs::render

@@ -5,7 +5,7 @@ namespace {
 
 struct SchemaRow {
   NodeKind kind;
-  std::array<std::string_view, Schema::kFields> fields;  // in the order of the enums
+  std::array<std::string_view, Schema::kFields> fields;  // names, in the order of the enum
 };
 
 constexpr SchemaRow kSchemaRows[] = {

@@ -11,7 +11,7 @@ namespace gs::render {
 
 using vrml::NodeKind;
 
-// Indices of the fields in their row of the schema table (collect_schema.cpp).
+// Indexes of the fields of each node type, in their row of the schema table (collect_schema.cpp).
 struct GroupFields {
   enum : int { children };
 };
@@ -80,7 +80,7 @@ struct QnvFields {
   enum : int { detail };
 };
 
-/// Kind of a node type in this room, and the slots of the fields that are read; -1 for absent fields.
+/// Kind of a node type, and the slots of the fields that this room reads. A slot is -1 if the type lacks the field.
 struct Schema {
   static constexpr int kFields = 10;
   NodeKind kind = NodeKind::other;
@@ -94,7 +94,7 @@ struct NodeView {
 
   explicit operator bool() const { return node != nullptr; }
   [[nodiscard]] NodeKind kind() const { return node ? schema->kind : NodeKind::other; }
-  /// Returns the value of field number `field`; null if the type has no such field of type T.
+  /// Returns the value of a field of type T. Returns null if the node type has no such field.
   template <class T>
   [[nodiscard]] const T* find(int field) const {
     const int slot = schema->slots[static_cast<std::size_t>(field)];
@@ -107,12 +107,12 @@ struct NodeView {
   }
 };
 
-/// Schemas by type; looks up fields by name once per type.
+/// Schemas by node type. Looks up the fields of a type by name only once.
 class Schemas {
  public:
   [[nodiscard]] const Schema& of(const vrml::NodeType& type);
-  /// Returns the node that `id` stands for (PROTO instances resolved); empty for NULL and for instances without
-  /// content.
+  /// Returns the node that represents `id`: PROTO instances are replaced by their first node. Returns an empty view for
+  /// NULL and for instances without nodes.
   [[nodiscard]] NodeView view(const vrml::SceneGraph& scene, vrml::NodeId id);
 
  private:

@@ -19,14 +19,14 @@ namespace {
 using glm::dmat4;
 using glm::dvec3;
 
-constexpr std::size_t kMaxLights = 60'000;  // DrawItem indexes them with 16 bits
+constexpr std::size_t kMaxLights = 60'000;  // DrawItem stores indexes of lights in 16 bits
 constexpr std::size_t kMaxViewpoints = 10'000;
 constexpr std::size_t kMaxSounds = 10'000;
 constexpr std::size_t kMaxDepth = 100'000;
-constexpr std::size_t kMaxPlaces = std::size_t{1} << 20;  // also of coordinate systems; further content has no path
-constexpr std::size_t kBetweenLooks = 1024;               // visits without tessellation between two cancellation checks
+constexpr std::size_t kMaxPlaces = std::size_t{1} << 20;  // also limits coordinate systems; further content has no path
+constexpr std::size_t kBetweenLooks = 1024;  // visits between two checks for cancellation
 
-/// Reports whether a PROTO of the node is a stand-in with content fixed to the viewer.
+/// Reports whether a PROTO of the node is a stand-in with content that is fixed to the viewer.
 bool begins_overlay(const vrml::SceneGraph& scene, vrml::NodeId id) {
   constexpr int kMaxSteps = 64;
   for (int step = 0; step < kMaxSteps; ++step) {
@@ -44,7 +44,7 @@ bool begins_overlay(const vrml::SceneGraph& scene, vrml::NodeId id) {
 bool fits_float(const dmat4& m) {
   double sum = 0;
   for (int i = 0; i < 4; ++i) sum += std::abs(m[i].x) + std::abs(m[i].y) + std::abs(m[i].z);
-  return sum < std::numeric_limits<float>::max();  // false for NaN too
+  return sum < std::numeric_limits<float>::max();  // also false for NaN
 }
 
 WideBox world_bounds(const Box& bounds, const dmat4& matrix) {
@@ -69,7 +69,7 @@ RenderList Collector::collect(const vrml::SceneGraph& scene) {
     sources_->frames.emplace_back();
   }
   Frame roots{&scene, &open, 0, scene.roots().begin(), scene.roots().end(), dmat4(1), 0, true};
-  roots.content_before = SIZE_MAX;  // the world's coordinate system stays
+  roots.content_before = SIZE_MAX;  // never remove the coordinate system of the world
   enter(roots);
   bool stopped = false;
   while (!path_.empty()) {
@@ -87,7 +87,7 @@ RenderList Collector::collect(const vrml::SceneGraph& scene) {
       continue;
     }
     const vrml::NodeId id = *top.next++;
-    visit(Frame(top), id);  // a copy, since entering a group moves the path
+    visit(Frame(top), id);  // a copy, because enter() may reallocate path_
   }
   coarsen_primitives();
   for (ViewpointState& viewpoint : inlined_viewpoints_) list_.viewpoints.push_back(std::move(viewpoint));
@@ -112,10 +112,10 @@ void Collector::enter(Frame frame) {
   if (path_.size() >= kMaxDepth) return;
   frame.lights_outside = active_lights_.size();
   if (frame.node) {
-    frame.opened = !(*frame.on_path)[frame.node];  // a Collision may be open for its children and its proxy
+    frame.opened = !(*frame.on_path)[frame.node];  // if false, an outer frame will clear the mark
     (*frame.on_path)[frame.node] = true;
   }
-  // A DirectionalLight lights all its siblings in any order (VRML97 6.16).
+  // A DirectionalLight affects all its siblings, also those before it (VRML97 6.16).
   for (const vrml::NodeId* child = frame.next; child != frame.end && frame.presence.visible; ++child) {
     const NodeView view = schemas_.view(*frame.scene, *child);
     if (view.kind() == NodeKind::directional_light) add_light(view, frame.world_from_local, frame.frame, true);
@@ -129,7 +129,7 @@ void Collector::leave() {
   lights_changed_ = lights_changed_ || active_lights_.size() != top.lights_outside;
   active_lights_.resize(top.lights_outside);
   if (content() == top.content_before) {
-    // The group draws nothing; hostile worlds have millions of such groups.
+    // The group draws nothing, so remove its paths. Hostile worlds have millions of such groups.
     list_.places.resize(top.places_before);
     list_.world_from_frame.resize(top.frames_before);
     if (sources_) {
@@ -180,7 +180,7 @@ void Collector::enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MF
   }
   Frame frame = frame_below(parent, id, children->span());
   frame.world_from_local = world_from_local;
-  // Beyond the limit of coordinate systems, content has no path and is collected anew on changes.
+  // Above the limit of coordinate systems, content has no path. Each change then collects everything again.
   if (frame.place != kNoPlace) {
     frame.frame = frame.frames_before;
     list_.places[frame.place].frame = frame.frame;
@@ -207,12 +207,13 @@ void Collector::enter_choice(const Frame& parent, vrml::NodeId id, const vrml::M
   enter_one(parent, id, choices->begin()[which]);
 }
 
-/// Enters a single node in a field of the open node.
+/// Enters a group with only one child, `child`.
 void Collector::enter_one(const Frame& parent, vrml::NodeId id, const vrml::NodeId& child) {
   enter(frame_below(parent, id, std::span(&child, 1)));
 }
 
-// Enters a Collision: the proxy is collidable but invisible, instead of the children (6.8).
+// Enters a Collision. With a proxy, the children are visible but not collidable, and the proxy is collidable but
+// invisible (6.8).
 void Collector::enter_collision(const Frame& parent, vrml::NodeId id, const NodeView& collision) {
   const auto* children = collision.find<vrml::MFNode>(CollisionFields::children);
   const auto* proxy = collision.find<vrml::SFNode>(CollisionFields::proxy);
@@ -226,7 +227,7 @@ void Collector::enter_collision(const Frame& parent, vrml::NodeId id, const Node
     enter_node(inside, id, children);
     return;
   }
-  // The frame entered last is visited first: the children.
+  // Enter the proxy first: the frame that is entered last, with the children, is visited first.
   inside.presence.visible = false;
   enter_one(inside, id, *proxy);
   inside.presence = parent.presence;
@@ -315,7 +316,7 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
       if (parent.presence.visible) add_bindable(view, id, parent);
       break;
     default:
-      break;  // DirectionalLights were handled by enter()
+      break;  // enter() has handled DirectionalLights
   }
 }
 
@@ -329,7 +330,7 @@ void Collector::add_light(const NodeView& light, const dmat4& world_from_local, 
   if (sources_) sources_->lights.push_back({light.node, frame});
 }
 
-// Returns the active directional lights; if there are too many, the innermost ones.
+// Returns the active directional lights. If there are too many, returns the innermost lights.
 const LightList& Collector::directional_lights() {
   if (std::exchange(lights_changed_, false)) {
     const std::size_t count = std::min(active_lights_.size(), kMaxLightsOfAnItem);
@@ -358,7 +359,7 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
                             : kind == NodeKind::fog        ? bound_->fog
                                                            : bound_->navigation_info;
   bool& have = kind == NodeKind::background ? have_background_ : kind == NodeKind::fog ? have_fog_ : have_navigation_;
-  // Bindable nodes of an Inline are not bound at the start (VRML97 4.6.10).
+  // A bindable node in an Inline is not bound at the start (VRML97 4.6.10).
   const bool counts = bound_ ? view.node == bound : parent.main;
   if (!counts || std::exchange(have, true)) return;
   if (kind == NodeKind::background) {

@@ -17,29 +17,29 @@
 
 namespace gs::render {
 
-/// Source nodes of a RenderList's parts, for incremental updates. Everything is in traversal order, so that the content
-/// below a frame is one range of each array.
+/// Source nodes of the parts of a RenderList, for incremental updates. All arrays are in traversal order. So the
+/// content of a frame is one range of each array.
 struct RenderSources {
-  /// Coordinate system of a Transform or Billboard; the first one is the world's.
+  /// Coordinate system of a Transform or Billboard. The first frame is that of the world.
   struct Frame {
-    const vrml::Node* node = nullptr;   // null means the world
-    std::uint32_t parent = 0, end = 0;  // `end`: index after the last frame below this one
+    const vrml::Node* node = nullptr;  // null for the frame of the world
+    std::uint32_t parent = 0, end = 0;  // `end`: index after the last frame inside this frame
     std::uint32_t first_item = 0, end_item = 0, first_splat = 0, end_splat = 0, first_light = 0, end_light = 0;
     glm::dmat4 parent_from_local{1.0};
   };
   struct Item {
     const vrml::Node* geometry = nullptr;
     ShapeResources::AppearanceNodes appearance;
-    glm::vec3 scale{1.0f};  // of a primitive with a shared default mesh
-    WideBox bounds;         // world space
+    glm::vec3 scale{1.0f};  // scale of a shared default primitive
+    WideBox bounds;  // in world space
     std::uint8_t text_level = 0;
   };
-  struct Local {  // source of a light, Viewpoint, NavigationInfo, Background or Fog
+  struct Local {  // Source of a light, Viewpoint, NavigationInfo, Background or Fog.
     const vrml::Node* node = nullptr;
     std::uint32_t frame = 0;
-    bool main = true;  // not inside an Inline
+    bool main = true;  // true if not inside of an Inline
   };
-  struct Unshown {  // geometry or Transform that shows nothing in its present state
+  struct Unshown {  // Geometry or Transform that draws nothing in its current state.
     const vrml::Node* node = nullptr;
     const vrml::SceneGraph* scene = nullptr;
   };
@@ -51,18 +51,18 @@ struct RenderSources {
 
   std::vector<Frame> frames;
   std::vector<Item> items, splats;
-  std::vector<Local> lights, viewpoints, bindables;  // lights and viewpoints in the order of the list
+  std::vector<Local> lights, viewpoints, bindables;  // lights and viewpoints are in the order of the list
   std::vector<Lod> lods;
-  std::vector<std::uint32_t> billboards;  // indices of frames
-  std::vector<std::uint32_t> texts;       // indices of items
-  std::vector<Unshown> unshown;           // may contain duplicates
-  bool complete = true;                   // false if there are more coordinate systems than are recorded
+  std::vector<std::uint32_t> billboards;  // indexes of frames
+  std::vector<std::uint32_t> texts;  // indexes of items
+  std::vector<Unshown> unshown;  // may contain a node more than once
+  bool complete = true;  // false if the world has more coordinate systems than the list can store
 };
 
-/// Traverses the scene and collects its visible content; see collect().
+/// Traverses a scene and collects its visible content, as collect() describes.
 class Collector {
  public:
-  /// `sources` receives the source nodes; null means none.
+  /// Prepares a traversal. `sources` receives the source nodes; it may be null.
   Collector(ShapeResources& resources, const glm::dvec3& viewer, const Geometries& geometries, const BoundNodes* bound,
             std::shared_ptr<Budget> budget, RenderSources* sources, float pixels_per_radian = kUsualPixelsPerRadian,
             const glm::dvec3& viewer_up = {0, 1, 0})
@@ -79,24 +79,24 @@ class Collector {
   RenderList collect(const vrml::SceneGraph& scene);
 
  private:
-  /// Visibility state inherited from the grouping nodes above.
+  /// Visibility that a node inherits from the grouping nodes above it.
   struct Presence {
-    bool overlay = false;    // fixed to the viewer
-    bool visible = true;     // false inside the proxy of a Collision: collidable but invisible
-    bool collidable = true;  // false below a Collision with collide FALSE (6.8)
+    bool overlay = false;  // true for content that is fixed to the viewer
+    bool visible = true;  // false in the proxy of a Collision, which is collidable but invisible
+    bool collidable = true;  // false in a Collision with collide FALSE (6.8)
   };
-  /// Grouping node on the current path, or the roots of a scene.
+  /// Grouping node on the current path, or the root nodes of a scene.
   struct Frame {
     const vrml::SceneGraph* scene;
-    std::vector<bool>* on_path;  // by node of the scene: nodes on the current path
-    std::uint32_t node;          // index of the open node; 0 for roots
+    std::vector<bool>* on_path;  // by node index of the scene: true for nodes on the current path
+    std::uint32_t node;  // index of the grouping node; 0 for root nodes
     const vrml::NodeId* next;
     const vrml::NodeId* end;
     glm::dmat4 world_from_local;
-    std::size_t lights_outside;  // number of active_lights_ that are valid outside this group
-    bool main;                   // not inside an Inline
+    std::size_t lights_outside;  // number of active_lights_ before this group
+    bool main;  // true if not inside of an Inline
     Presence presence{};
-    bool opened = false;  // the node was not yet on the path
+    bool opened = false;  // this frame has set on_path for its node
     std::uint32_t place = kNoPlace, frame = 0;
     std::uint32_t places_before = 0, frames_before = 0;
     std::size_t content_before = 0;
@@ -138,19 +138,19 @@ class Collector {
   RenderList list_;
   std::vector<ViewpointState> inlined_viewpoints_;
   std::vector<RenderSources::Local> inlined_sources_;
-  std::size_t others_ = 0;  // viewpoints, bindable nodes and LODs encountered
+  std::size_t others_ = 0;  // number of viewpoints, bindable nodes and LODs so far
   bool have_navigation_ = false, have_background_ = false, have_fog_ = false;
   std::vector<Frame> path_;
   std::unordered_map<const vrml::SceneGraph*, std::vector<bool>> open_nodes_;
   std::vector<std::uint16_t> active_lights_;
-  LightList directional_lights_;  // list of the active directional lights, shared by the items of a group
-  bool lights_changed_ = false;   // lights changed since that list was made
+  LightList directional_lights_;  // indexes of the active directional lights; the items of a group share this list
+  bool lights_changed_ = false;  // active_lights_ has changed after directional_lights_ was made
   std::size_t visits_ = 0;
   std::shared_ptr<Budget> budget_;
   float pixels_per_radian_;
   glm::dvec3 viewer_up_;
-  std::size_t triangles_ = 0;  // of all items; primitives count at their coarsest level
-  // Primitives with items, by their finest mesh.
+  std::size_t triangles_ = 0;  // triangles of all items; primitives count with their coarsest mesh
+  // Items of one primitive, by its finest mesh.
   struct Primitives {
     std::array<std::shared_ptr<const vrml::Mesh>, ShapeResources::kSegments.size()> meshes;
     std::size_t count = 0;
@@ -158,9 +158,9 @@ class Collector {
   std::unordered_map<const vrml::Mesh*, Primitives> primitives_;
 };
 
-/// Reports whether all elements are finite and fit a float.
+/// Reports whether all elements are finite and within the range of float.
 [[nodiscard]] bool fits_float(const glm::dmat4& matrix);
-/// Returns world space from a point set's positions, which are relative to its origin.
+/// Returns the matrix from positions of a point set, relative to its origin, to world space.
 [[nodiscard]] glm::dmat4 world_from_geometry(const glm::dmat4& world_from_node, const qnv::Geometry& geometry);
 
 }  // namespace gs::render

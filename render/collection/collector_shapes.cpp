@@ -1,4 +1,4 @@
-// Shapes in the collector: their drawable content, and the limits on it.
+// Part of Collector for Shapes: their drawable content and its limits.
 #include "render/collection/collector.h"
 #include "render/scene/surface_mesh.h"
 
@@ -14,7 +14,7 @@ namespace {
 using glm::dmat4;
 using glm::dvec3;
 
-// Above this number of triangles, primitives get the finest segments that fit, or the coarsest.
+// Above this number of triangles, primitives get the finest mesh that still fits, or the coarsest.
 constexpr std::size_t kManyTriangles = std::size_t{1} << 24;
 
 }  // namespace
@@ -64,7 +64,7 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
     if (!fits_float(world_from_node) || !has_room(*parent.scene, geometry, coarsest.indices.size() / 3)) return;
     ++all.count;
   } else {
-    // A texture may still load.
+    // The texture may not be loaded yet, so test the node, not the image.
     item.mesh = resources_.mesh_of(*parent.scene, geometry, source.appearance.texture != nullptr);
     if (!item.mesh || item.mesh->empty() || !fits_float(world_from_node)) {
       if (sources_) sources_->unshown.push_back({source.geometry, parent.scene});
@@ -76,7 +76,7 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
   add_item(parent, id, geometry, std::move(item), source, world_from_node);
 }
 
-/// Prepares the part of a QNV surface that has a picture, or the part without one.
+/// Prepares the part of a QNV surface with a texture if `pictured`, otherwise the part without a texture.
 bool Collector::surface_item(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool pictured, DrawItem& item) {
   item.mesh = resources_.surface_mesh(item.surface, pictured);
   dress_surface(item);
@@ -96,7 +96,7 @@ void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geom
                                          sources_ && !source.appearance.texture);
     auto [mesh, made] = resources_.text_mesh_of(*parent.scene, geometry, source.appearance.texture != nullptr, level);
     source.text_level = ShapeResources::kCoarsestText;
-    // If the image has no room for the finer mesh, the coarsest is shown.
+    // If the image has no room for the finer mesh, keep the coarsest.
     if (mesh == item.mesh || charge_triangles(mesh->indices.size() / 3)) {
       item.mesh = std::move(mesh);
       source.bounds = world_bounds(item.mesh->bounds, world_from_node);
@@ -106,7 +106,7 @@ void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geom
   }
   item.overlay = parent.presence.overlay;
   item.visible = parent.presence.visible;
-  // Text, lines and points do not collide (6.8, 6.47).
+  // Text, lines and points do not collide (VRML97 6.8, 6.47).
   item.collidable = parent.presence.collidable && !item.overlay && item.mesh->font_size == 0 &&
                     item.mesh->primitive == vrml::Mesh::Primitive::triangles;
   list_.overlays = list_.overlays || item.overlay;
@@ -125,7 +125,7 @@ void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem&
   SplatItem item;
   item.geometry = splats;
   item.world_from_node = world;
-  // Splats have normals, so they are lit even without a Material.
+  // Splats have normals, so light them even without a Material.
   item.own_color = !shape.material.lit;
   item.material = item.own_color ? Material{} : shape.material;
   item.detail = detail;
@@ -139,7 +139,7 @@ void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem&
   if (sources_) sources_->splats.push_back(kept);
 }
 
-// Checks the limits: USE and PROTO let a small file describe 2^n objects.
+// Checks the limits. With USE and PROTO, a small file can describe 2^n objects.
 bool Collector::has_room(const vrml::SceneGraph& scene, vrml::NodeId geometry, std::size_t triangles) {
   const std::size_t items = budget_->limit(Resource::items);
   if (list_.items.size() >= items) {

@@ -18,14 +18,14 @@ using glm::dmat4;
 using glm::dvec3;
 
 constexpr std::uint32_t kBoundsBlock = 256;
-constexpr std::uint32_t kSplat = std::uint32_t{1} << 31;  // bit of Use::index: a splat instead of an item
-constexpr std::uint32_t kUnshown = UINT32_MAX;            // Use::index of a node that shows nothing so far
+constexpr std::uint32_t kSplat = std::uint32_t{1} << 31;  // bit of Use::index: set for splat items
+constexpr std::uint32_t kUnshown = UINT32_MAX;  // Use::index of a node that draws nothing so far
 
 dvec3 usable(const dvec3& viewer) {
   return std::isfinite(viewer.x) && std::isfinite(viewer.y) && std::isfinite(viewer.z) ? viewer : dvec3(0, 0, 10);
 }
 
-/// Reports whether the change affects this field of the node.
+/// Reports whether a change concerns this field of the node.
 bool has_changed(const vrml::NodeChange& change, const NodeView& view, int field) {
   const int slot = view.schema->slots[static_cast<std::size_t>(field)];
   return slot >= 0 && (change.slots >> std::min(slot, 63) & 1) != 0;
@@ -81,7 +81,7 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
   bool any = false, whole = gathered_ == 0;
   for (std::size_t i = 0; i < changes.size() && !whole; ++i) {
     const vrml::NodeChange& change = changes[i];
-    if (!change.scene->contains(change.node)) continue;  // removed since, together with its content
+    if (!change.scene->contains(change.node)) continue;  // the node was removed after this change, with its content
     const vrml::Node& node = change.scene->node(change.node);
     const Effect effect = effect_of(change, node);
     if (effect == Effect::none) continue;
@@ -136,7 +136,7 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
       move_frames();
       if (!whole && refine_texts()) any = true;
     }
-    // A frame with overflowing numbers hides its content.
+    // A coordinate system has overflowed and hides its content, so collect again.
     whole = whole || frame_lost_;
   }
   if (whole) {
@@ -150,7 +150,7 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
 
 RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const vrml::Node& node) {
   const NodeView view{&node, &resources_.schemas().of(*node.type)};
-  // A PROTO instance received its body.
+  // The body of the PROTO instance has changed.
   if (node.type->prototype && (change.slots >> 63 & 1) != 0) return Effect::everything;
   const auto only = [&](Effect effect, int children) {
     return has_changed(change, view, children) ? Effect::everything : effect;
@@ -159,7 +159,7 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
     case NodeKind::transform:
       return only(Effect::frame, TransformFields::children);
     case NodeKind::billboard:
-      return only(Effect::none, BillboardFields::children);  // it is rotated whenever the viewer is updated
+      return only(Effect::none, BillboardFields::children);  // the next update of the viewer rotates it
     case NodeKind::group:
       return only(Effect::none, GroupFields::children);
     case NodeKind::collision:
@@ -193,7 +193,7 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
   return vrml::has(node.type->role, kGeometryParts) ? Effect::geometry : Effect::none;
 }
 
-// ---- Dependencies of the list on nodes
+// ---- Nodes on which the list depends
 
 std::span<const RenderScene::Use> RenderScene::uses_of(const Uses& uses, const vrml::Node* node) {
   const auto [first, last] = std::equal_range(uses.begin(), uses.end(), Use{node, 0},
@@ -216,7 +216,7 @@ const RenderScene::Uses& RenderScene::item_uses() {
   const auto add = [&](const vrml::Node* node, std::uint32_t index) {
     if (node) item_uses_.push_back({node, index});
   };
-  // A geometry also depends on the nodes in its fields: coordinates, colours, a FontStyle.
+  // A geometry depends on the nodes in its fields: coordinates, colours, a FontStyle.
   const auto add_geometry = [&](const vrml::Node* geometry, const vrml::SceneGraph* scene, std::uint32_t index) {
     add(geometry, index);
     if (!geometry || !scene) return;
@@ -247,7 +247,7 @@ void RenderScene::mark_frame(std::uint32_t frame, const dmat4& parent_from_local
   moved_frames_.push_back(frame);
 }
 
-// Moves outer frames first, since their content moves along.
+// Moves outer frames first, because their matrices affect inner frames.
 void RenderScene::move_frames() {
   std::sort(moved_frames_.begin(), moved_frames_.end());
   std::uint32_t done = 0;
@@ -301,7 +301,7 @@ void RenderScene::place_splat(std::uint32_t i) {
   splat_moved_ = true;
 }
 
-// Returns false if other content becomes visible.
+// Updates LODs and Billboards for a new viewer position. Returns false if an LOD selects another level.
 bool RenderScene::follow_viewer(const dvec3& viewer) {
   for (const RenderSources::Lod& lod : sources_.lods) {
     const NodeView view{lod.node, &resources_.schemas().of(*lod.node->type)};
@@ -318,7 +318,7 @@ bool RenderScene::follow_viewer(const dvec3& viewer) {
   return true;
 }
 
-// Re-tessellates texts according to their visible size. Returns true if any changed.
+// Re-tessellates texts for their size in the image. Returns true if any text changed.
 bool RenderScene::refine_texts() {
   bool any = false;
   for (const std::uint32_t i : sources_.texts) {
@@ -330,7 +330,7 @@ bool RenderScene::refine_texts() {
     const Place& place = list_->places[item.place];
     const NodeView shape = resources_.schemas().view(*place.scene, place.node);
     const vrml::NodeId geometry = place.scene->resolve(shape.get(ShapeFields::geometry, vrml::NodeId{}));
-    item.mesh = nullptr;  // so that it is not kept for this item
+    item.mesh = nullptr;  // release the mesh, so that the cache may free an unused level
     auto [mesh, made] = resources_.text_mesh_of(*place.scene, geometry, source.appearance.texture != nullptr, level);
     any = any || made != source.text_level;
     item.mesh = std::move(mesh);
@@ -340,9 +340,10 @@ bool RenderScene::refine_texts() {
   return any;
 }
 
-// ---- Single parts
+// ---- Updates of single parts
 
-// Returns false if everything must be collected again because content appeared or vanished.
+// Updates the geometry of an item. Returns false if everything must be collected again because content appears or
+// vanishes.
 bool RenderScene::renew_geometry(std::uint32_t i) {
   DrawItem& item = list_->items[i];
   if (item.place == kNoPlace || item.surface) return false;
@@ -415,7 +416,7 @@ void RenderScene::renew_bindables() {
 
 // ---- Bounds of all items
 
-// Assigns a number that no present list has.
+// Assigns a new generation.
 void RenderScene::begin_generation() {
   static std::atomic<std::uint64_t> last{0};
   list_->generation = ++last;
@@ -423,8 +424,8 @@ void RenderScene::begin_generation() {
 }
 
 void RenderScene::item_moved(std::uint32_t item) {
-  // If items move permanently, start a new generation from time to time.
-  constexpr std::size_t kLongest = 64;  // times the number of items
+  // If items move all the time, begin a new generation now and then, before `moved` becomes too long.
+  constexpr std::size_t kLongest = 64;  // maximum length of `moved`, per item
   if (list_->moved.size() >= kLongest * list_->items.size()) begin_generation();
   list_->moved.push_back(item);
   const std::uint32_t block = item / kBoundsBlock;

@@ -15,21 +15,22 @@
 
 namespace gs::render {
 
-/// RenderList of a world for one viewer, collected once and then updated incrementally, so that an update costs only
+/// RenderList of a world for one viewer. Collects the scene once and then applies changes, so that an update costs only
 /// the changes. Moved Transforms and Billboards, lights, Viewpoints, colours, textures and geometries are updated in
-/// place; added or removed content causes a new collection. The list's address is stable. Single-threaded, on the
-/// scene's thread; all inputs must outlive it.
+/// place. Added or removed content causes a new collection.
+///
+/// The address of the list never changes. Runs on the scene's thread. All inputs must outlive this object.
 class RenderScene {
  public:
   RenderScene(const vrml::SceneGraph& scene, const Images& images, const Geometries& geometries, MeshCache& meshes);
 
-  /// Collects everything.
+  /// Collects the whole scene.
   void gather(const BoundNodes& bound, const glm::dvec3& viewer);
-  /// Applies changes of nodes since the last call, after forget_changed() on the cache, and the viewer's position in
-  /// world space. Returns true if the list changed.
+  /// Applies the changes of nodes after the last call, and the viewer's position in world space. Returns true if the
+  /// list changed. Call forget_changed() on the cache first.
   bool update(std::span<const vrml::NodeChange> changes, const BoundNodes& bound, const glm::dvec3& viewer);
 
-  /// Sets the image resolution that determines the detail of Text: pixels per radian at the centre.
+  /// Sets the pixels per radian at the image centre, which determine the detail of Text.
   void set_pixels_per_radian(float pixels) { pixels_per_radian_ = pixels; }
 
   /// Sets the viewer's up direction in world space for the next `gather` or `update`.
@@ -41,11 +42,11 @@ class RenderScene {
   [[nodiscard]] bool depends_on_viewer() const {
     return !sources_.lods.empty() || !sources_.billboards.empty() || !sources_.texts.empty();
   }
-  /// Returns the number of full collections.
+  /// Returns the number of full collections so far.
   [[nodiscard]] std::size_t gathered() const { return gathered_; }
 
  private:
-  /// Part of the list that depends on a node.
+  /// Part of the list that depends on a node, for the tables below.
   struct Use {
     const vrml::Node* node;
     std::uint32_t index;
@@ -87,18 +88,18 @@ class RenderScene {
   glm::dvec3 viewer_up_{0, 1, 0};
   float pixels_per_radian_ = kUsualPixelsPerRadian;
   std::size_t gathered_ = 0;
-  Uses frame_uses_, item_uses_;  // sorted; built at first use
+  Uses frame_uses_, item_uses_;  // sorted by node; built at first use
   bool frame_uses_known_ = false, item_uses_known_ = false;
   std::vector<std::uint32_t> moved_frames_;
   std::vector<bool> frame_moved_;
-  std::vector<WideBox> block_bounds_;  // of kBoundsBlock items each
+  std::vector<WideBox> block_bounds_;  // bounds of kBoundsBlock successive items each
   std::vector<std::uint32_t> stale_blocks_;
   std::vector<bool> block_stale_;
   bool splat_moved_ = false;
-  bool frame_lost_ = false;  // its numbers have become too large, which hides its content
+  bool frame_lost_ = false;  // a coordinate system has overflowed, which hides its content
 };
 
-/// Reports changes to the cache, once for all RenderScenes that share it.
+/// Reports changes of nodes to the cache. Call it once for all RenderScenes that share the cache.
 void forget_changed(MeshCache& meshes, std::span<const vrml::NodeChange> changes);
 
 }  // namespace gs::render

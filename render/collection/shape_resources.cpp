@@ -14,17 +14,17 @@
 namespace gs::render {
 namespace {
 
-// Bytes per pixel besides the image itself: the renderer's copy, 4 each, and its mipmaps.
+// Additional bytes per pixel of an image: 4 for the renderer's copy, and its mipmaps.
 constexpr std::size_t kPixelCopy = 6;
 
-/// Returns the radius of a regular polygon with the area of the unit circle, so that tiny primitives keep their
-/// brightness.
+/// Returns the circumradius of the regular polygon that has the area of the unit circle. Tiny primitives then keep
+/// their brightness.
 float outside_of_circle(int segments) {
   const auto count = static_cast<float>(segments);
   return std::sqrt(glm::two_pi<float>() / (count * std::sin(glm::two_pi<float>() / count)));
 }
 
-/// Scales a mesh away from the Y axis.
+/// Scales a mesh away from the Y axis by a factor.
 void widen(vrml::Mesh& mesh, float factor) {
   std::vector<glm::vec3> positions(mesh.positions.begin(), mesh.positions.end());
   mesh.bounds = {};
@@ -140,7 +140,7 @@ std::shared_ptr<const vrml::Mesh> ShapeResources::primitive(const vrml::SceneGra
   if (fineness + 1 < kSegments.size()) {
     auto coarser = primitive(scene, geometry, fineness + 1);
     if (coarser->indices.size() < mesh.indices.size()) {
-      // Deviation from a circle of radius 1, as in all default measures, with as many segments.
+      // Deviation of the coarser polygon from a circle of radius 1, the radius of all default sizes.
       const int segments = kSegments[fineness + 1];
       const float outside = fineness + 1 > kCoarsestPrimitive ? outside_of_circle(segments) : 1;
       const float away = std::max(outside - 1, 1 - outside * std::cos(glm::pi<float>() / static_cast<float>(segments)));
@@ -151,7 +151,7 @@ std::shared_ptr<const vrml::Mesh> ShapeResources::primitive(const vrml::SceneGra
   return meshes_.primitives[key] = std::make_shared<const vrml::Mesh>(std::move(mesh));
 }
 
-// Returns the OutlineGroup that refines this one. Searches each scene with such nodes once.
+// Returns the OutlineGroup that refines `geometry`. Searches each scene with OutlineGroups only once.
 vrml::NodeId ShapeResources::refiner_of(const vrml::SceneGraph& scene, vrml::NodeId geometry) {
   constexpr vrml::NodeKind kOutlineGroup = vrml::NodeKind::outline_group;
   if (scene.node(geometry).type->read_as != kOutlineGroup) return {};
@@ -184,14 +184,14 @@ ShapeResources::TextMesh ShapeResources::text_mesh_of(const vrml::SceneGraph& sc
   MeshCache::Entry& entry = finer->levels[level];
   bring_up_to_date(entry, scene, geometry, textured, level);
   if (!entry.mesh) {
-    // Until it is ready, use another level finer than bars.
+    // Until the mesh is ready, use another level that is finer than the coarsest.
     for (std::size_t other = finer->levels.size(); other-- > 0;)
       if (finer->levels[other].mesh && !finer->levels[other].mesh->empty())
         return {finer->levels[other].mesh, static_cast<std::uint8_t>(other)};
     return {std::move(coarsest), kLast};
   }
   if (entry.mesh->empty()) return {std::move(coarsest), kLast};
-  // Frees unused levels, which would fill memory as the viewer passes many texts.
+  // Free unused levels. Otherwise they would fill memory when the viewer passes many texts.
   for (MeshCache::Entry& other : finer->levels)
     if (&other != &entry && other.mesh && other.mesh.use_count() == 1) other = {};
   return {entry.mesh, static_cast<std::uint8_t>(level)};
@@ -210,7 +210,8 @@ void ShapeResources::bring_up_to_date(MeshCache::Entry& entry, const vrml::Scene
   LateMeshes* const late = meshes_.late.get();
   if (!late || late->has_time_for(vrml::tessellation_cost(scene, geometry)))
     return make_mesh(entry, scene, geometry, options);
-  // One job at a time, each result shown; otherwise, a geometry that changes in every frame would never appear.
+  // Wait for the current job, and show its result. Otherwise a geometry that changes in each frame would never be
+  // visible.
   if (entry.job) return;
   meshes_.made(&scene.node(geometry));
   entry.job = late->hand_over(scene, geometry, options, text_level);
@@ -234,15 +235,15 @@ void ShapeResources::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& 
 
 std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node, const WideBox& bounds,
                        const glm::dvec3& viewer, float pixels_per_radian, bool pictures) {
-  constexpr double kMaxPixels = 0.4;  // maximum deviation of outlines
-  constexpr double kMinLetters = 4;   // pixels per em; small letters take half and are unreadable below
+  constexpr double kMaxPixels = 0.4;  // maximum deviation of outlines, in pixels
+  constexpr double kMinLetters = 4;  // pixels per em below which small letters are unreadable
   const glm::dmat3 matrix(world_from_node);
   const double size = text.font_size * std::max(glm::length(matrix[0]), glm::length(matrix[1]));
   const glm::dvec3 nearest = bounds.empty() ? glm::dvec3(world_from_node[3])
                                             : glm::clamp(viewer, glm::dvec3(bounds.lower), glm::dvec3(bounds.upper));
   const double distance = glm::length(viewer - nearest), pixels = size * pixels_per_radian;
   if (pixels <= kMinLetters * distance) return vrml::kTextBars;
-  // An atlas pixel is then at most as large as the pixels that serve as samples.
+  // Up to this size, a pixel of the glyph atlas is at most as large as a sample.
   constexpr double kMaxOfPictures = GlyphSheet::kPixelsPerEm / 2.0;
   if (pictures && pixels <= kMaxOfPictures * distance) return vrml::kTextPictures;
   std::size_t level = vrml::kTextPictures - 1;

@@ -18,11 +18,11 @@
 
 namespace gs::render {
 
-/// Resources of Shapes, made once per node: meshes, materials, images. Single-threaded; the scene, the images and the
-/// cache must outlive it.
+/// Resources of Shapes, made once per node: meshes, materials, images. One thread. The scene, the images and the cache
+/// must outlive it.
 class ShapeResources {
  public:
-  /// Segments of primitives, from fine to coarse. Levels after kCoarsestPrimitive are for primitives of a few pixels.
+  /// Segments of primitives, fine to coarse. Levels after kCoarsestPrimitive are for primitives of a few pixels.
   static constexpr std::array<int, 6> kSegments = {64, 32, 16, 8, 6, 4};
   static constexpr std::size_t kCoarsestPrimitive = 3;
 
@@ -33,25 +33,26 @@ class ShapeResources {
 
   [[nodiscard]] Schemas& schemas() { return schemas_; }
   [[nodiscard]] const Images& images() const { return images_; }
-  /// Nodes of an Appearance; null if absent.
+  /// Nodes of an Appearance; each may be null.
   struct AppearanceNodes {
     const vrml::Node *appearance = nullptr, *material = nullptr, *texture = nullptr, *texture_transform = nullptr;
   };
   [[nodiscard]] AppearanceNodes appearance_nodes(const vrml::SceneGraph& scene, const NodeView& shape);
-  /// Sets material and texture of the item.
+  /// Sets material and texture of an item from the Appearance of its Shape.
   void apply_appearance(DrawItem& item, const vrml::SceneGraph& scene, const NodeView& shape);
-  /// Returns the mesh of a geometry node and makes it if needed. While another thread makes it (MeshCache::late),
-  /// returns the previous one. Null or empty means that nothing is shown.
+  /// Returns the mesh of a geometry node, and makes it if necessary. If a worker thread makes it (MeshCache::late),
+  /// returns the previous mesh. Null or an empty mesh means that nothing is drawn.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry,
                                                           bool textured);
-  /// Returns the mesh of a Text at `level` of vrml::kTextTolerances; the coarsest one if the budget does not permit it.
+  /// Mesh of a Text at `level` of vrml::kTextTolerances. If the budget does not permit it, the coarsest mesh.
   struct TextMesh {
     std::shared_ptr<const vrml::Mesh> mesh;
     std::uint8_t level;
   };
   [[nodiscard]] TextMesh text_mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured,
                                       std::size_t level);
-  /// Returns the mesh of a point set with triangles: its textured part if `pictured`, else the rest.
+  /// Returns the mesh of a point set with triangles. If `pictured`, returns the part with a texture, otherwise the
+  /// rest.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> surface_mesh(const std::shared_ptr<const qnv::Geometry>& geometry,
                                                                bool pictured) {
     return meshes_.surface_of(geometry, pictured);
@@ -59,15 +60,15 @@ class ShapeResources {
   /// Returns the texture of a QNV node's surface (qnv::IndexedMesh::picture) from the images of nodes; empty until it
   /// has loaded.
   [[nodiscard]] TextureUse surface_texture(const vrml::Node& node, const qnv::IndexedMesh& mesh) const;
-  /// Returns the shared default mesh of a Box, Cone, Cylinder or Sphere, with its coarser levels. `fineness` is an
-  /// index in kSegments.
+  /// Returns the shared mesh of a Box, Cone, Cylinder or Sphere with default sizes, and its coarser levels. `fineness`
+  /// is an index in kSegments.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> primitive(const vrml::SceneGraph& scene, vrml::NodeId geometry,
                                                             std::size_t fineness);
-  /// Reports whether a mesh was made since the last call.
+  /// Reports whether a mesh was made after the last call.
   [[nodiscard]] bool clear_made_mesh() { return std::exchange(made_mesh_, false); }
   void report_limit(const std::string& why, const vrml::SceneGraph& scene, vrml::NodeId node);
   [[nodiscard]] std::vector<LimitReport>& limit_reports() { return limit_reports_; }
-  /// Clears the relation of OutlineGroups to their refiners after it may have changed.
+  /// Forgets which OutlineGroup refines which. Call it when this may have changed.
   void forget_refiners() { refiners_.clear(); }
 
  private:
@@ -83,15 +84,15 @@ class ShapeResources {
   MeshCache& meshes_;
   std::shared_ptr<Budget> budget_;
   Schemas schemas_;
-  // Refiners of OutlineGroups, by scene and node index.
+  // Refining OutlineGroup, by scene and node index of the refined OutlineGroup.
   std::unordered_map<const vrml::SceneGraph*, std::unordered_map<std::uint32_t, vrml::NodeId>> refiners_;
   std::vector<LimitReport> limit_reports_;
   bool made_mesh_ = false;
 };
 
-/// Returns the level of detail for a text, an index in vrml::kTextTolerances, at which no corners are visible. It
-/// depends on the font size at the nearest point of the text's box. `bounds` is in world space; `pixels_per_radian`
-/// refers to the image centre. `pictures` permits the glyph atlas for small text.
+/// Returns the level of detail of a text, an index in vrml::kTextTolerances, at which no corners of outlines are
+/// visible. Depends on the font size at the nearest point of `bounds`, the text's box in world space.
+/// `pixels_per_radian` is that of the image centre. `pictures` permits the glyph atlas for small text.
 [[nodiscard]] std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node, const WideBox& bounds,
                                      const glm::dvec3& viewer, float pixels_per_radian, bool pictures);
 

@@ -11,19 +11,19 @@
 
 namespace gs::render {
 
-/// State of a Sound (VRML97 6.42). Values outside the ranges of the standard are clamped.
+/// State of a Sound (VRML97 6.42), with values clamped to the ranges of the standard.
 struct SoundState {
   const vrml::SceneGraph* scene = nullptr;
-  const vrml::Node* node = nullptr;  // in `scene`
-  vrml::NodeId source;               // in `scene`: the AudioClip or MovieTexture; null if none
+  const vrml::Node* node = nullptr;  // Sound node in `scene`
+  vrml::NodeId source;  // id in `scene` of the AudioClip or MovieTexture
   glm::dmat4 world_from_local{1.0};
-  glm::dvec3 location{0}, direction{0, 0, 1};  // local
+  glm::dvec3 location{0}, direction{0, 0, 1};  // in the Sound's coordinate system
   double min_front = 1, min_back = 1, max_front = 10, max_back = 10;
   double intensity = 1, priority = 0;
   bool spatialize = true;
 };
 
-/// Returns the Sounds of an up-to-date list in its order, without those that have no source.
+/// Returns the Sounds of a list, in its order. Omits Sounds without a source. The list must be up to date.
 [[nodiscard]] std::vector<SoundState> sounds_of(const RenderList& list, Schemas& schemas);
 
 }  // namespace gs::render

@@ -13,14 +13,14 @@
 namespace gs::render {
 namespace {
 
-// Larger images are drawn in tiles: each pixel takes about 64 bytes for samples, depths and splats.
+// Maximum pixels of a tile. Each pixel takes about 64 bytes for samples, depths and splats.
 constexpr std::size_t kMaxPartPixels = std::size_t{1} << 24;
 constexpr int kPictureTile = 2048;
 constexpr int kTileBorder =
-    32;  // pixels around each tile that are drawn and cut off: more than lines, points and pinhole closing reach
+    32;  // width in pixels of the margin around a tile; wider than lines, points and pinhole closing
 
 struct TilePlace {
-  int x = 0, y = 0, width = 0, height = 0;  // from the upper left
+  int x = 0, y = 0, width = 0, height = 0;  // pixels from the upper left corner of the whole image
 };
 
 Image cut_out(const Image& from, const TilePlace& place) {
@@ -43,13 +43,13 @@ void paste(const Image& what, int left, Image& into) {
                 what.pixels.data() + y * row, row);
 }
 
-/// Draws parts of an image.
+/// Draws the tiles of one image.
 class PartPainter {
  public:
   PartPainter(Renderer& renderer, const RenderList& list, const PictureOptions& options, FrameStatistics* statistics)
       : renderer_(renderer), list_(list), options_(options), statistics_(statistics) {}
 
-  /// `width` and `height` are those of the whole image that the camera sees.
+  /// Draws a tile. `width` and `height` are the size of the whole image, which `camera` sees.
   std::variant<Image, ContextError> draw(const Camera& camera, int width, int height, const TilePlace& place) {
     if (!options_.transparent) return draw_on(camera, width, height, place, options_.draw.background);
     auto black = draw_on(camera, width, height, place, glm::vec3(0));
@@ -100,7 +100,7 @@ double distance_to(const RenderList& list, const Camera& camera) {
   const glm::dvec3 middle = (glm::dvec3(list.bounds.lower) + glm::dvec3(list.bounds.upper)) * 0.5;
   const double ahead =
       glm::dot(middle - glm::dvec3(camera.world_from_camera[3]), -glm::dvec3(camera.world_from_camera[2]));
-  // Inside the scene, use some minimum distance.
+  // Inside the scene, use a minimum distance.
   const double least = static_cast<double>(glm::length(list.bounds.size())) * 0.05;
   return std::max({ahead, least, 1e-6});
 }
@@ -110,7 +110,7 @@ double distance_to(const RenderList& list, const Camera& camera) {
 Eyes eyes_of(const Camera& camera, double eye_distance, double screen_distance) {
   Eyes eyes{camera, camera};
   if (camera.height > 0) {
-    // Parallel rays have no origin: each eye gets its own direction, rotated about the point of zero parallax.
+    // Parallel rays have no origin. So each eye has its own direction, rotated about the point of zero parallax.
     const double half = std::atan(eye_distance / 2 / screen_distance);
     const glm::dvec3 ahead(0, 0, -screen_distance), up(0, 1, 0);
     const auto turn = [&](Camera& eye, double angle) {
@@ -153,7 +153,7 @@ Image anaglyph(const Image& left, const Image& right) {
   const std::size_t components = right.components;
   for (std::size_t i = 0; i + components <= result.pixels.size(); i += components) {
     const std::uint8_t* from = left.pixels.data() + i;
-    // Uses the brightness instead of red, so that both eyes see blue and green objects.
+    // Use the brightness of the left image instead of its red component, so that both eyes see blue and green objects.
     result.pixels[i] = static_cast<std::uint8_t>((299 * from[0] + 587 * from[1] + 114 * from[2] + 500) / 1000);
     if (components == 4) result.pixels[i + 3] = std::max(from[3], right.pixels[i + 3]);
   }

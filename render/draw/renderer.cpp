@@ -19,15 +19,15 @@
 
 namespace gs::render {
 
-/// Off-screen target with a float depth buffer if OpenGL supports its use: multisampled, and resolved to one sample per
-/// pixel.
+/// Off-screen framebuffer, possibly multisampled; `resolved` then has one sample per pixel. Its depth buffer is float
+/// if OpenGL supports glClipControl.
 struct OffscreenTarget {
-  int width = 0, height = 0, samples = 0;  // as requested
+  int width = 0, height = 0, samples = 0;  // requested values; the driver may give fewer samples
   Renderbuffer color, depth, resolved_color;
   Framebuffer framebuffer, resolved;
 };
 
-/// Last complete image of a viewport, without multisampling.
+/// Last complete image of a viewport, with one sample per pixel.
 struct FormerPicture {
   int width = 0, height = 0;
   Renderbuffer color;
@@ -36,12 +36,12 @@ struct FormerPicture {
 
 namespace {
 
-// Larger off-screen images reduce the sample count first.
+// Maximum bytes of an off-screen image. Larger images get fewer samples.
 constexpr std::size_t kMaxFramebufferBytes = std::size_t{1} << 30;
 constexpr std::size_t kBytesPerSample = 8;  // colour and depth
-constexpr int kPixelSide = 2;               // samples per pixel edge if samples are pixels
+constexpr int kPixelSide = 2;  // with pixels as samples: number of samples along the side of a pixel
 constexpr int kMaxCoarseness = 16;
-constexpr std::size_t kLightsOfManyPixels = 8;  // above, shading the extra pixels costs more than it saves
+constexpr std::size_t kLightsOfManyPixels = 8;  // with more lights, additional pixels take too long
 
 void attach(const Gl& gl, const Renderbuffer& buffer, GLenum format, GLenum attachment, int samples, int width,
             int height) {
@@ -50,7 +50,7 @@ void attach(const Gl& gl, const Renderbuffer& buffer, GLenum format, GLenum atta
   gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, buffer.name());
 }
 
-/// Makes a target; its framebuffer is empty if the driver cannot.
+/// Makes a target. Its framebuffer is empty if the driver cannot make it.
 OffscreenTarget make_target(const Gl& gl, int width, int height, int samples) {
   const GLenum depth = gl.ClipControl ? GL_DEPTH_COMPONENT32F : GL_DEPTH_COMPONENT24;
   take_errors(gl);
@@ -75,7 +75,7 @@ OffscreenTarget make_target(const Gl& gl, int width, int height, int samples) {
   return target;
 }
 
-/// Makes a buffer for an image; its framebuffer is empty if the driver cannot.
+/// Makes a framebuffer for an image. Its framebuffer is empty if the driver cannot make it.
 FormerPicture make_picture(const Gl& gl, int width, int height) {
   take_errors(gl);
   FormerPicture picture{width, height, make_renderbuffer(gl), make_framebuffer(gl)};
@@ -85,11 +85,11 @@ FormerPicture make_picture(const Gl& gl, int width, int height) {
   return picture;
 }
 
-/// Reports whether the CPU rasterizes some surfaces of the list. Sets `nothing_else` if it draws everything with edges,
-/// so that OpenGL needs no multisampling.
+/// Reports whether the CPU rasterizes a surface or splats of the list. Sets `nothing_else` if the CPU draws everything
+/// that has edges; then OpenGL needs no multisampling.
 bool draws_layers(const Gl& gl, const RenderList& list, const DrawOptions& options, bool& nothing_else) {
   const bool discs_by_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl.software);
-  // OpenGL draws triangles that are not filled.
+  // OpenGL draws triangles that are only outlines or points.
   const bool by_gl = discs_by_gl || options.display != DisplayMode::surface;
   bool any = !list.splats.empty();
   nothing_else = !discs_by_gl && !options.guides;
@@ -104,8 +104,9 @@ bool draws_layers(const Gl& gl, const RenderList& list, const DrawOptions& optio
   return any;
 }
 
-/// Returns options for off-screen drawing. Software drivers take three times as long for multisampling as for four
-/// times the pixels, which are then `reduced`. Splats have their own sampling.
+/// Returns options for off-screen drawing. If `reduced`, software drivers draw four times the pixels, which are
+/// averaged later: multisampling takes three times as long. Not for CPU-rasterized surfaces, which have their own
+/// sampling.
 DrawOptions for_target(const Gl& gl, const RenderList& list, const DrawOptions& options, bool reduced) {
   DrawOptions local = options;
   local.x = local.y = 0;
@@ -123,7 +124,7 @@ DrawOptions for_target(const Gl& gl, const RenderList& list, const DrawOptions& 
   return local;
 }
 
-/// Averages two RGBA pixels in each of two rows into one RGB pixel, two components at a time.
+/// Writes the mean of a square of 2x2 RGBA pixels as one RGB pixel. Adds two components at a time.
 void put_mean(const std::uint8_t* above, const std::uint8_t* below, std::uint8_t* to) {
   static_assert(std::endian::native == std::endian::little);
   constexpr std::uint32_t kEven = 0x00FF00FF, kHalf = 0x00020002;
@@ -139,7 +140,8 @@ void put_mean(const std::uint8_t* above, const std::uint8_t* below, std::uint8_t
   std::memcpy(to, &mean, 3);
 }
 
-/// Reads the bound pixel buffer back, top row first; each pixel is the mean of a square of `side` x `side`.
+/// Reads the bound framebuffer through a pixel buffer, top row first. Each pixel of the result is the mean of `side` x
+/// `side` pixels.
 Image read_back(const Gl& gl, int width, int height, int side) {
   const auto columns = static_cast<std::size_t>(width / side), rows = static_cast<std::size_t>(height / side);
   const std::size_t stride = static_cast<std::size_t>(width) * 4, square = static_cast<std::size_t>(side);
@@ -153,9 +155,9 @@ Image read_back(const Gl& gl, int width, int height, int side) {
         for (std::size_t c = 0; c < 3; ++c) *to++ = from[c];
     }
   };
-  // Reads one band at a time, which avoids a second copy of all pixels. Four bytes per pixel are copied directly; three
-  // would be converted.
-  constexpr std::size_t kBand = 128, kRows = 32;  // rows of the image per band; rows per task
+  // Read one band at a time: a buffer for all pixels would be a second copy. Read four bytes per pixel, because drivers
+  // would have to convert three.
+  constexpr std::size_t kBand = 128, kRows = 32;  // rows of the image per band, and rows per task
   std::vector<std::uint8_t> pixels(stride * square * std::min(kBand, rows));
   gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
   for (std::size_t first = 0; first < rows; first += kBand) {
@@ -181,7 +183,7 @@ struct Renderer::State {
   std::unique_ptr<SurfacePass> surfaces;
   std::unique_ptr<VolumePass> volumes;
   OffscreenTarget target;
-  std::map<std::uint32_t, FormerPicture> former;  // by viewport; kept if drawing can be cancelled
+  std::map<std::uint32_t, FormerPicture> former;  // by viewport; kept for drawing that can be cancelled
 };
 
 Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -205,7 +207,7 @@ std::variant<std::unique_ptr<Renderer>, ContextError> Renderer::create(GlContext
   return std::unique_ptr<Renderer>(new Renderer(std::move(state)));
 }
 
-/// Binds a target of at least this size, with fewer samples if the driver lacks memory.
+/// Binds a target of at least this size. Reduces the samples if the driver has too little memory.
 bool Renderer::bind_target(int width, int height, int samples) {
   const Gl& gl = state_->gl;
   const int most = gl.max_renderbuffer_size;
@@ -246,13 +248,13 @@ FrameStatistics Renderer::draw(const RenderList& list, const Camera& camera, con
   }
   FrameStatistics statistics = draw_in_target(list, camera, local);
   statistics.pending = statistics.pending || coarseness > 1;
-  // A blit resolves multisampling, but not into a multisampled target or another size.
+  // A blit resolves multisampling only into a target of equal size without multisampling, so resolve first.
   if (outer_samples > 0 || coarseness > 1) resolve(local.width, local.height);
   int width = local.width, height = local.height;
-  // A stretched image needs a border without foreign pixels, which the filter would blend in.
+  // Stretch a copy of exactly the image: the filter would otherwise blend pixels outside of it.
   if (options.go_on || coarseness > 1) keep_whole_picture(options, statistics.given_up, width, height);
   gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(outer));
-  // A linear filter averages the four pixels that become one.
+  // With pixels as samples, the linear filter averages the four pixels of each result.
   const bool same_size = width == options.width && height == options.height;
   gl.BlitFramebuffer(0, 0, width, height, options.x, options.y, options.x + options.width, options.y + options.height,
                      GL_COLOR_BUFFER_BIT, same_size ? GL_NEAREST : GL_LINEAR);
@@ -276,8 +278,8 @@ bool Renderer::show_again(const DrawOptions& options) {
   return true;
 }
 
-/// Handles the image of size `width` x `height` bound for reading: keeps it, or, if it was cancelled, binds the
-/// viewport's last complete image and returns its size.
+/// Copies the complete image that is bound for reading, `width` x `height` pixels, for its viewport. If drawing was
+/// cancelled, binds the viewport's last complete image instead and returns its size in `width` and `height`.
 void Renderer::keep_whole_picture(const DrawOptions& options, bool given_up, int& width, int& height) {
   const Gl& gl = state_->gl;
   FormerPicture& former = state_->former[options.viewport];
@@ -336,7 +338,7 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& w
   const float farthest = lens.farthest_depth();
   gl.ClearBufferfv(GL_DEPTH, 0, &farthest);
   gl.DepthMask(GL_FALSE);
-  // Infinitely distant content has a single direction in parallel projection, so it is drawn in perspective.
+  // In parallel projection, infinitely distant content would have only one direction, so draw it in perspective.
   Camera perspective = wanted;
   perspective.height = 0;
   Camera sky = perspective;
@@ -364,7 +366,7 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& w
         *options.guides, camera, lens, plain, of_guides, [] {}, nullptr);
   }
   if (list.overlays && !statistics.given_up) draw_overlays(list, perspective, options, statistics);
-  // Restores the default state for later code (the user interface).
+  // Restore the default state for other code, such as the user interface.
   if (reversed) gl.ClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
   gl.DepthFunc(GL_LESS);
   gl.BindVertexArray(0);
@@ -375,7 +377,7 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& w
   return statistics;
 }
 
-// Draws overlays with their own depth range, in front of everything else.
+// Draws overlays with their own depth range, in front of all other items.
 void Renderer::draw_overlays(const RenderList& list, const Camera& given, const DrawOptions& options,
                              FrameStatistics& statistics) {
   WideBox bounds;
@@ -392,7 +394,8 @@ void Renderer::draw_overlays(const RenderList& list, const Camera& given, const 
       list, camera, lens, options, statistics, [] {}, state_->surfaces.get(), true);
 }
 
-/// Leaves the image bound for reading. Returns false with nothing bound if the driver lacks memory.
+/// Draws off screen and leaves the image bound for reading. Returns false with nothing bound if the driver has too
+/// little memory.
 bool Renderer::draw_off_screen(const RenderList& list, const Camera& camera, const DrawOptions& local,
                                FrameStatistics* statistics) {
   if (!bind_target(local.width, local.height, std::min(local.samples, local.target_samples))) {
@@ -422,7 +425,7 @@ std::variant<Image, ContextError> Renderer::draw_to_image(const RenderList& list
 }
 
 void Renderer::prepare(const DrawOptions& options) {
-  // Draws typical geometry: drivers also compile for the drawing state.
+  // Draw a typical triangle: drivers also compile for the drawing state.
   vrml::Mesh triangle;
   triangle.positions = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
   triangle.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
@@ -434,13 +437,13 @@ void Renderer::prepare(const DrawOptions& options) {
   item.mesh = std::make_shared<const vrml::Mesh>(std::move(triangle));
   list.items.push_back(std::move(item));
   Camera camera;
-  camera.world_from_camera[3] = {0, 0, 500, 1};  // a few pixels suffice
+  camera.world_from_camera[3] = {0, 0, 500, 1};  // at this distance the triangle covers only a few pixels
   const Gl& gl = state_->gl;
   const int most = gl.max_renderbuffer_size;
   if (options.width < 1 || options.height < 1 || options.width > most || options.height > most) return;
   const DrawOptions local = for_target(gl, list, options, true);
   if (!draw_off_screen(list, camera, local, nullptr)) return;
-  (void)read_back(gl, local.pixel_side, local.pixel_side, local.pixel_side);  // drivers draw when the result is read
+  (void)read_back(gl, local.pixel_side, local.pixel_side, local.pixel_side);  // many drivers draw only on a read
   gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 

@@ -17,31 +17,31 @@
 
 namespace gs::render {
 
-/// Draws RenderLists with OpenGL 3.3 core. Keeps GPU copies of meshes and images while other owners hold them. Belongs
-/// to the thread of its context; destroy it while that context is current.
+/// Draws RenderLists with OpenGL 3.3 core. Keeps GPU copies of meshes and images while these have other owners. Runs on
+/// the thread of its context. Destroy it while that context is current.
 class Renderer {
  public:
-  /// Compiles the shaders. The error contains the driver's message.
+  /// Creates a renderer and compiles the shaders. The error contains the driver's message.
   static std::variant<std::unique_ptr<Renderer>, ContextError> create(GlContext& context);
   ~Renderer();
 
-  /// Draws off screen and shows the image in its rectangle of the bound framebuffer (0 is the window). If drawing is
-  /// cancelled, it shows the viewport's last complete image instead, if there is one.
+  /// Draws off screen, then copies the image to its rectangle of the bound framebuffer (0 is the window). If drawing is
+  /// cancelled, copies the viewport's last complete image instead, if one exists.
   FrameStatistics draw(const RenderList& list, const Camera& camera, const DrawOptions& options);
-  /// Shows the last complete image of a viewport again, as `draw` would if nothing had changed. Returns false if there
-  /// is none. Images are kept only if `go_on` could have cancelled them or if they are coarse.
+  /// Copies the last complete image of a viewport to its rectangle again. Returns false if no image is kept. Images are
+  /// kept only if options.go_on could cancel drawing, or if they are coarse.
   bool show_again(const DrawOptions& options);
   /// Draws off screen and reads the image back as RGB.
   [[nodiscard]] std::variant<Image, ContextError> draw_to_image(const RenderList& list, const Camera& camera,
                                                                 const DrawOptions& options,
                                                                 FrameStatistics* statistics = nullptr);
-  /// Prepares resources that images of this size and sample count need, so that the first one is ready sooner.
+  /// Allocates resources for images of this size and sample count, so that the first image is ready sooner.
   void prepare(const DrawOptions& options);
-  /// Sets the clock that measures phases from now on; it must outlive this object. Null means none.
+  /// Sets the clock for measuring phases. It must outlive this object. Null ends measuring.
   void measure(PhaseClock* phases);
-  /// Returns the GL_RENDERER string.
+  /// Returns the driver's GL_RENDERER string.
   [[nodiscard]] const std::string& gl_renderer() const;
-  /// Returns the maximum side of an image in pixels.
+  /// Returns the maximum side of an image that the driver permits, in pixels.
   [[nodiscard]] int largest_side() const;
 
  private:

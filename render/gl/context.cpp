@@ -19,14 +19,15 @@
 namespace gs::render {
 namespace {
 
-// In the order in which "auto" tries them.
+// Headless backends, in the order in which "auto" tries them.
 constexpr std::array kBackends{
     HeadlessBackend{"egl", open_egl_context, false},
     HeadlessBackend{"osmesa", open_osmesa_context, true},
 };
 
-// Character devices and folders of /dev that are not GPUs, without trailing digits: those of the kernel
-// (admin-guide/devices.txt) and of virtual machines. GPUs have dri, nvidia0, mali0, kgsl-3d0, dxg, pvrsrvkm, nvmap...
+// Names, without trailing digits, of entries in /dev that are not GPUs: character devices and folders of the kernel
+// (admin-guide/devices.txt) and of virtual machines. GPUs have other names: dri, nvidia0, mali0, kgsl-3d0, dxg,
+// pvrsrvkm, nvmap...
 constexpr std::array<std::string_view, 70> kOtherDevices{
     "autofs",    "block",       "bsg",     "btrfs-control", "bus",
     "char",      "console",     "core",    "cpu",           "cpu_dma_latency",
@@ -48,7 +49,7 @@ bool is_other_device(std::string_view name) {
   return std::find(kOtherDevices.begin(), kOtherDevices.end(), name) != kOtherDevices.end();
 }
 
-// Library that was read at link time and runs only while shaders compile.
+// Name prefix of the driver's compiler library. Its code runs only while shaders compile.
 constexpr std::string_view kCompiler = "libLLVM";
 
 }  // namespace
@@ -91,7 +92,7 @@ void release_driver_code() {
     if (path.substr(path.rfind('/') + 1).substr(0, kCompiler.size()) != kCompiler) return 0;
     const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
     for (const auto& part : std::span(library->dlpi_phdr, library->dlpi_phnum)) {
-      // Pages that are writable, or were during linking, have no copy in the file.
+      // Skip pages that are or were writable: their contents differ from the file.
       if (part.p_type != PT_LOAD || (part.p_flags & PF_W) != 0) continue;
       const std::uintptr_t begin = (library->dlpi_addr + part.p_vaddr) / page * page;
       const std::uintptr_t end = library->dlpi_addr + part.p_vaddr + part.p_filesz;

@@ -13,10 +13,10 @@ namespace gs::render {
 
 using OpenedContext = std::variant<std::unique_ptr<GlContext>, ContextError>;
 
-/// Implementation of contexts without a window.
+/// Row of the table of headless backends, that is, sources of contexts without a window.
 struct HeadlessBackend {
   std::string_view name;
-  /// Opens a context and makes it current. With `hardware_only`, a software renderer is an error.
+  /// Opens a context and makes it current. If `hardware_only`, a software renderer is an error.
   OpenedContext (*open)(bool hardware_only);
   bool software;  // always draws on the CPU; "auto" skips it when it asks for hardware
 };
@@ -24,17 +24,17 @@ struct HeadlessBackend {
 [[nodiscard]] OpenedContext open_egl_context(bool hardware_only);
 [[nodiscard]] OpenedContext open_osmesa_context(bool hardware_only);
 
-/// Returns false only if no device in the folder can be a GPU; unknown devices count as possible GPUs.
+/// Returns false only if no device in the folder can be a GPU. Unknown devices count as possible GPUs.
 [[nodiscard]] bool may_have_gpu(const std::filesystem::path& devices = "/dev");
 
-/// Reports whether the GL_RENDERER string belongs to a software driver.
+/// Reports whether a GL_RENDERER string belongs to a software driver.
 [[nodiscard]] bool is_software_renderer(std::string_view renderer);
 
-/// Library opened at run time and never closed: drivers leave thread-exit handlers and worker threads that must not
-/// lose their code.
+/// Library that is opened at run time and never closed. Drivers leave thread-exit handlers and worker threads that
+/// still need its code.
 class RuntimeLibrary {
  public:
-  /// Opens the first available one of `names`; otherwise `error()` explains why the last one failed.
+  /// Opens the first library of `names` that is available. If none is, `error()` is the message for the last name.
   explicit RuntimeLibrary(std::initializer_list<const char*> names);
   explicit operator bool() const { return handle_ != nullptr; }
   [[nodiscard]] const std::string& error() const { return error_; }

@@ -9,8 +9,8 @@
 namespace gs::render {
 namespace {
 
-// Definitions of EGL 1.5, EGL_EXT_platform_device, EGL_EXT_device_enumeration and EGL_MESA_platform_surfaceless. The
-// library is opened at run time, so its headers are not included.
+// Definitions of EGL 1.5 and its extensions EGL_EXT_platform_device, EGL_EXT_device_enumeration and
+// EGL_MESA_platform_surfaceless. EGL is opened at run time, so its headers are not included.
 using Display = void*;
 using Config = void*;
 using Device = void*;
@@ -32,9 +32,9 @@ struct EglLibrary {
   Context (*create_context)(Display, Config, Context shared, const Attribute*) = nullptr;
   unsigned (*destroy_context)(Display, Context) = nullptr;
   unsigned (*make_current)(Display, void* draw, void* read, Context) = nullptr;
-  Display (*get_platform_display)(unsigned platform, void* native, const Attribute*) = nullptr;  // EXT; may be null
-  unsigned (*query_devices)(Attribute size, Device*, Attribute* count) = nullptr;                // EXT; may be null
-  const char* (*query_device_string)(Device, Attribute) = nullptr;                               // EXT; may be null
+  Display (*get_platform_display)(unsigned platform, void* native, const Attribute*) = nullptr;  // may be null
+  unsigned (*query_devices)(Attribute size, Device*, Attribute* count) = nullptr;  // may be null
+  const char* (*query_device_string)(Device, Attribute) = nullptr;  // may be null
 
   [[nodiscard]] bool load() {
     const bool core =
@@ -57,7 +57,7 @@ struct EglLibrary {
 class EglContext final : public GlContext {
  public:
   EglContext(const EglLibrary& library, Display display) : library_(library), display_(display) {}
-  /// Does not terminate the display: EGL shares it within the process, and other contexts may use it.
+  /// Destroys the context, but does not terminate the display: other contexts of the process may use it.
   ~EglContext() override {
     if (!context_) return;
     library_.make_current(display_, nullptr, nullptr, nullptr);
@@ -69,7 +69,7 @@ class EglContext final : public GlContext {
   Procedure proc_address(const char* name) override { return library_.get_proc_address(name); }
   [[nodiscard]] std::string_view backend() const override { return "egl"; }
 
-  /// Creates the context and makes it current. Returns false if the display cannot.
+  /// Creates the context and makes it current. Returns false if the display does not support OpenGL 3.3 core.
   [[nodiscard]] bool create() {
     constexpr std::array<Attribute, 5> kConfig{kRenderableType, kOpenglBit, kSurfaceType, 0, kNone};
     constexpr std::array<Attribute, 7> kContext{
@@ -78,7 +78,7 @@ class EglContext final : public GlContext {
     Attribute count = 0;
     if (!library_.bind_api(kOpenglApi) || !library_.choose_config(display_, kConfig.data(), &config, 1, &count))
       return false;
-    // Without a matching config, use EGL_KHR_no_config_context.
+    // If no config matches, create the context without one (EGL_KHR_no_config_context).
     context_ = library_.create_context(display_, count > 0 ? config : nullptr, nullptr, kContext.data());
     return context_ && library_.make_current(display_, nullptr, nullptr, context_);
   }
@@ -94,7 +94,7 @@ class EglContext final : public GlContext {
   Context context_ = nullptr;
 };
 
-/// Returns the devices in EGL's order; those that are no GPU come last, or are omitted if `hardware_only`.
+/// Returns the devices in EGL's order, GPUs first. If `hardware_only`, omits other devices.
 std::vector<Device> devices(const EglLibrary& egl, bool hardware_only) {
   std::vector<Device> all(16);
   Attribute count = 0;
@@ -112,7 +112,7 @@ std::vector<Device> devices(const EglLibrary& egl, bool hardware_only) {
 }  // namespace
 
 OpenedContext open_egl_context(bool hardware_only) {
-  // Without this check, EGL opens a dozen libraries for the same answer.
+  // This check is faster: EGL would open a dozen libraries and find no GPU either.
   if (hardware_only && !may_have_gpu()) return ContextError{"no GPU in /dev"};
   EglLibrary egl;
   if (!egl.library) return ContextError{egl.library.error()};
@@ -140,7 +140,7 @@ OpenedContext open_egl_context(bool hardware_only) {
   const std::vector<Device> found = devices(egl, hardware_only);
   for (Device device : found)
     if (auto context = open(kPlatformDevice, device)) return context;
-  // If devices can be listed and none is a GPU, the surfaceless platform has none either.
+  // EGL has listed the devices and none is a usable GPU, so the surfaceless platform has none either.
   if (hardware_only && egl.query_devices) return ContextError{found.empty() ? "no GPU" : reason};
   if (auto context = open(kPlatformSurfaceless, nullptr)) return context;
   return ContextError{reason};

@@ -6,7 +6,7 @@
 #include <utility>
 
 #if defined(__SANITIZE_ADDRESS__)
-// OSMesa 22 leaks the description of the default framebuffer (about 200 bytes) with every context.
+// Suppresses a leak report: OSMesa 22 leaks the default framebuffer's description, about 200 bytes per context.
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa"; }
 #endif
@@ -14,7 +14,7 @@ extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa"; 
 namespace gs::render {
 namespace {
 
-// Constants of the OSMesa 11.2 interface. The library is opened at run time, so its header is not included.
+// Constants of OSMesa 11.2. The library is opened at run time, so its header is not included.
 constexpr int kOsmesaRgba = 0x1908, kOsmesaFormat = 0x22;
 constexpr int kOsmesaDepthBits = 0x30, kOsmesaStencilBits = 0x31, kOsmesaAccumBits = 0x32;
 constexpr int kOsmesaProfile = 0x33, kOsmesaCoreProfile = 0x34;
@@ -54,7 +54,7 @@ class OsmesaContext final : public GlContext {
   }
 
  private:
-  // OSMesa requires a default framebuffer; images are drawn into framebuffer objects.
+  // Side of the default framebuffer, which OSMesa requires. Images are drawn into other framebuffers.
   static constexpr int kSide = 16;
   OsmesaLibrary library_;
   OsmesaLibrary::Context context_;

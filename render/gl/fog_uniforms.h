@@ -16,7 +16,7 @@ struct FogUniforms {
   FogUniforms(const Gl& gl, GLuint program)
       : ranges(gl.GetUniformLocation(program, "fog_ranges")), color(gl.GetUniformLocation(program, "fog_color")),
         back(gl.GetUniformLocation(program, "fog_back")) {}
-  /// Sets the uniforms; the program must be in use.
+  /// Sets the uniforms of the current program.
   void set(const Gl& gl, const CameraFog& fog) const {
     const glm::vec4 mixed(fog.color, fog.exponential ? 1 : 0);
     gl.UniformMatrix3fv(ranges, 1, GL_FALSE, glm::value_ptr(fog.ranges_from_camera));

@@ -6,7 +6,7 @@
 namespace gs::render {
 namespace {
 
-// EXT_texture_filter_anisotropic, in the core only since 4.6.
+// EXT_texture_filter_anisotropic; in OpenGL itself since 4.6.
 constexpr GLenum kMaxTextureMaxAnisotropy = 0x84FF;
 
 bool has_extension(const Gl& gl, const char* name) {
@@ -19,7 +19,7 @@ bool has_extension(const Gl& gl, const char* name) {
   return false;
 }
 
-/// Reports whether GL_RENDERER names a software rasterizer.
+/// Reports whether GL_RENDERER is the name of a software rasterizer.
 bool runs_on_processor(std::string renderer) {
   for (char& c : renderer) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   for (const char* name : {"llvmpipe", "softpipe", "swrast", "software", "swiftshader"})
@@ -66,8 +66,8 @@ std::variant<Gl, ContextError> Gl::load(GlContext& context) {
   gl.GetIntegerv(GL_MAX_SAMPLES, &gl.max_samples);
   gl.GetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &gl.uniform_offset_alignment);
   gl.uniform_offset_alignment = std::max(gl.uniform_offset_alignment, 16);
-  // Mesa's software driver visits all texels of a pixel's ellipse. With a texture repeated very often in a pixel, or a
-  // surface through the eye, a frame would not end.
+  // Mesa's software driver reads all texels in the ellipse of a pixel. If a texture repeats very often in a pixel, or a
+  // surface passes through the eye, a frame would take forever.
   if (!gl.software && (version >= 46 || has_extension(gl, "GL_EXT_texture_filter_anisotropic")))
     gl.GetFloatv(kMaxTextureMaxAnisotropy, &gl.max_anisotropy);
   return gl;

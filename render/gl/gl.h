@@ -8,7 +8,7 @@
 #include <string>
 #include <variant>
 
-/// OpenGL 3.3 core functions that GhostSpace calls: X(name of its PFNGL...PROC, name).
+/// List of the OpenGL 3.3 core functions that GhostSpace calls: X(name in PFNGL...PROC, name without "gl").
 #define GHOSTSPACE_GL_FUNCTIONS(X)                                            \
   X(ACTIVETEXTURE, ActiveTexture)                                             \
   X(ATTACHSHADER, AttachShader)                                               \
@@ -116,26 +116,26 @@
 
 namespace gs::render {
 
-/// Functions and limits of one context. Members have the functions' names without "gl".
+/// Functions and limits of one context. Functions have their OpenGL names without "gl".
 struct Gl {
 #define GHOSTSPACE_GL_MEMBER(type, name) PFNGL##type##PROC name = nullptr;
   GHOSTSPACE_GL_FUNCTIONS(GHOSTSPACE_GL_MEMBER)
 #undef GHOSTSPACE_GL_MEMBER
-  /// OpenGL 4.2 or ARB_base_instance; null if absent.
+  /// OpenGL 4.2 or ARB_base_instance; null if missing.
   PFNGLDRAWELEMENTSINSTANCEDBASEVERTEXBASEINSTANCEPROC DrawElementsInstancedBaseVertexBaseInstance = nullptr;
-  /// OpenGL 4.5 or ARB_clip_control; null if absent.
+  /// OpenGL 4.5 or ARB_clip_control; null if missing.
   PFNGLCLIPCONTROLPROC ClipControl = nullptr;
-  /// OpenGL 4.3; both or neither.
+  /// OpenGL 4.3. Either both of these functions are present or neither is.
   PFNGLDISPATCHCOMPUTEPROC DispatchCompute = nullptr;
   PFNGLMEMORYBARRIERPROC MemoryBarrier = nullptr;
 
-  PhaseClock* phases = nullptr;  // measures phases; null means none
+  PhaseClock* phases = nullptr;  // clock for measuring phases; may be null
   std::string renderer;          // GL_RENDERER
-  bool software = false;         // the renderer runs on the CPU
+  bool software = false;  // the CPU renders
   int max_texture_size = 1024, max_renderbuffer_size = 1024, max_samples = 1, uniform_offset_alignment = 256;
-  float max_anisotropy = 1;  // 1 means unavailable or disabled
+  float max_anisotropy = 1;  // 1 means that anisotropic filtering is unavailable or disabled
 
-  /// Loads all functions from the current context. Fails if it is older than OpenGL 3.3 core.
+  /// Loads all functions from the current context. Returns an error if the context is older than OpenGL 3.3 core.
   static std::variant<Gl, ContextError> load(GlContext& context);
 };
 

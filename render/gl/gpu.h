@@ -12,8 +12,8 @@ namespace gs::render {
 
 enum class GpuObject { buffer, texture, sampler, vertex_array, framebuffer, renderbuffer, shader, program };
 
-/// Owns one OpenGL object name. Move-only; empty by default. `gl` must outlive it, and its context must be current when
-/// it is destroyed.
+/// Owner of one OpenGL object. Move-only; empty by default. `gl` must outlive it. Its context must be current when it
+/// is destroyed.
 template <GpuObject kind>
 class GpuHandle {
  public:
@@ -61,13 +61,13 @@ using Program = GpuHandle<GpuObject::program>;
 [[nodiscard]] Framebuffer make_framebuffer(const Gl& gl);
 [[nodiscard]] Renderbuffer make_renderbuffer(const Gl& gl);
 
-/// Compiles and links a program. Inserts `defines` ("#define LIT", one per line) after a #version line in both sources,
-/// which must not have one. The error contains the driver's message.
+/// Compiles and links a program. Inserts a #version line and `defines` ("#define LIT", one per line) before both
+/// sources, which must have no #version line. The error contains the driver's message.
 [[nodiscard]] std::variant<Program, ContextError> make_program(const Gl& gl, std::string_view defines,
                                                                std::string_view vertex_source,
                                                                std::string_view fragment_source);
 
-/// Clears the driver's error queue. Returns true if it contained an error.
+/// Clears the error state of OpenGL. Returns true if it contained an error.
 bool take_errors(const Gl& gl);
 
 /// Converts a byte offset in the bound buffer to the pointer type that OpenGL expects.

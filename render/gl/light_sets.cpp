@@ -12,15 +12,15 @@ namespace gs::render {
 namespace {
 
 constexpr std::size_t kMaxSets = 60'000;
-// After this many light tests per frame, further items consider only the strongest lights near the camera.
+// After kManyLooks light tests in a frame, further items consider only the kFewLocal strongest lights near the camera.
 constexpr std::size_t kManyLooks = 4'000'000, kFewLocal = 256;
-// Above this total size of a frame's sets, further sets have fewer lights.
+// If the sets of a frame exceed kManyBytes, further sets have at most kFewLights lights.
 constexpr std::size_t kManyBytes = std::size_t{32} << 20, kFewLights = 16;
 
-constexpr std::size_t kTexel = 16;  // bytes
+constexpr std::size_t kTexel = 16;  // bytes of a texel
 
-constexpr float kEverywhere = 4;  // radians: larger than any angle
-constexpr float kAtOnce = 1e30f;  // fading factor of a hard edge
+constexpr float kEverywhere = 4;  // cut-off angle in radians that includes all directions
+constexpr float kAtOnce = 1e30f;  // factor for a spot light with a hard edge
 
 float attenuation_at(const glm::vec3& coefficients, float distance) {
   return 1.0f / std::max(coefficients.x + coefficients.y * distance + coefficients.z * distance * distance, 1.0f);
@@ -29,7 +29,7 @@ float attenuation_at(const glm::vec3& coefficients, float distance) {
 }  // namespace
 
 std::size_t LightSets::ChoiceHash::operator()(const Choice& choice) const {
-  std::size_t hash = 14695981039346656037u;  // FNV-1a
+  std::size_t hash = 14695981039346656037u;  // FNV-1a hash
   for (const std::uint16_t index : choice) hash = (hash ^ index) * 1099511628211u;
   return hash;
 }
@@ -60,7 +60,7 @@ std::size_t LightSets::stride(std::size_t count) const {
   return (offsetof(ShaderSet, lights) + count * sizeof(ShaderLight) + alignment - 1) / alignment * alignment;
 }
 
-/// Returns a light that is equal everywhere, so that the shader's terms for local lights have no effect.
+/// Returns a directional light for the shader. Its terms for local lights are neutral.
 LightSets::ShaderLight LightSets::directional_light(const glm::vec3& to_light) {
   ShaderLight result{};
   result.location = to_light;
@@ -118,13 +118,13 @@ void LightSets::begin(const std::vector<Light>& lights, const glm::dmat4& camera
   }
   few_.build(std::move(local));
   looked_at_ = 0;
-  last_choice_.clear();  // the empty set is number 0
+  last_choice_.clear();  // set 0 is empty
   last_number_ = 0;
   numbers_.emplace(last_choice_, 0);
   sets_.push_back(last_choice_);
 }
 
-// Appends the strongest local lights to choice_ in file order, as many as fit.
+// Appends the strongest local lights to choice_, in file order, until it has `most` lights.
 void LightSets::choose_local(const glm::vec3& center, float radius, std::size_t most) {
   reaching_.clear();
   (looked_at_ < kManyLooks ? local_ : few_).each_near(center, radius, [&](const LightTree::Sphere& sphere) {
@@ -171,7 +171,7 @@ std::uint32_t LightSets::choose(const LightList& directional, const glm::vec3& c
   return last_number_;
 }
 
-/// Headlight of VRML97 6.29: white, intensity 1, ambientIntensity 0, along the view.
+/// Returns the headlight of VRML97 6.29: white, intensity 1, ambientIntensity 0, along the view.
 LightSets::ShaderLight LightSets::headlight() {
   ShaderLight result = directional_light({0, 0, 1});
   result.color = glm::vec3(1);
@@ -193,7 +193,7 @@ glm::vec3 LightSets::color_of(std::uint32_t set, const glm::vec3& normal, const 
 void LightSets::upload() {
   const PhaseScope phase(gl_.phases, Phase::upload);
   const ShaderLight ahead = headlight();
-  // A whole uniform block must be bindable at the last set.
+  // Add room after the last set, because a complete uniform block is bound there.
   std::vector<std::byte> bytes(bytes_ + sizeof(ShaderSet));
   for (std::size_t i = 0; i < sets_.size(); ++i) {
     std::byte* const to = bytes.data() + offsets_[i];
@@ -223,8 +223,8 @@ void LightSets::bind(std::uint32_t set, const LightUniforms& uniforms) {
     gl_.Uniform1i(uniforms.first, static_cast<GLint>(offsets_[set] / kTexel));
     return;
   }
-  // OpenGL requires the whole block to be bound. Mesa's software drivers copy the bound range on each use and accept a
-  // range without the unused part.
+  // OpenGL requires a binding of the complete block. Mesa's software drivers copy the bound range on each use, and
+  // accept a range without the unused part.
   const std::size_t size = gl_.software ? stride(count) : sizeof(ShaderSet);
   gl_.BindBufferRange(GL_UNIFORM_BUFFER, kBinding, buffer_.name(), static_cast<GLintptr>(offsets_[set]),
                       static_cast<GLsizeiptr>(size));

@@ -10,7 +10,7 @@ namespace gs::render {
 
 bool LightTree::meets(const Node& node, const glm::vec3& center, float radius) {
   const glm::vec3 outside = glm::max(glm::max(node.lower - center, center - node.upper), glm::vec3(0));
-  return !(glm::length(outside) > radius);  // NaN is left to the test of the spheres
+  return !(glm::length(outside) > radius);  // `!` also accepts NaN; the later test of spheres rejects it
 }
 
 bool LightTree::meets(const Sphere& sphere, const glm::vec3& center, float radius) {
@@ -22,7 +22,7 @@ void LightTree::build(std::vector<Sphere> spheres) {
   nodes_.clear();
   if (spheres_.empty()) return;
   nodes_.push_back({{}, {}, 0, static_cast<std::uint32_t>(spheres_.size()), 0});
-  // Children come after their parents, so the loop also divides new nodes.
+  // The loop also reaches the children that divide() appends to nodes_.
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) divide(i);
 }
 

@@ -7,20 +7,20 @@
 
 namespace gs::render {
 
-/// Finds the spheres that overlap a given one among thousands: a bounding volume hierarchy, split at the middle of the
-/// longest side. Used by one thread at a time.
+/// Bounding volume hierarchy that finds, among thousands of spheres, those that overlap a given sphere. Nodes are split
+/// at the middle of their longest side. One thread at a time.
 class LightTree {
  public:
   struct Sphere {
     glm::vec3 center;
-    float radius;  // >= 0; may be infinite
+    float radius;  // at least 0; may be infinite
     std::uint16_t number;
   };
 
   void build(std::vector<Sphere> spheres);
   [[nodiscard]] bool empty() const { return spheres_.empty(); }
-  /// Calls `found` for each sphere that overlaps the given one, in no particular order; for all if `radius` is
-  /// negative.
+  /// Calls `found` for each sphere that overlaps the given sphere, in no particular order. If `radius` is negative,
+  /// calls it for all spheres.
   template <class Found>
   void each_near(const glm::vec3& center, float radius, Found&& found) const {
     if (!nodes_.empty()) visit(0, center, radius, found);
@@ -28,9 +28,9 @@ class LightTree {
 
  private:
   struct Node {
-    glm::vec3 lower, upper;  // box around the spheres
+    glm::vec3 lower, upper;  // bounding box of the spheres
     std::uint32_t first, last;
-    std::uint32_t children;  // first of two consecutive children; 0 means none
+    std::uint32_t children;  // index of the first of two consecutive children; 0 means no children
   };
   static constexpr std::uint32_t kMaxOfALeaf = 8;
 

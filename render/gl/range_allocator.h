@@ -7,14 +7,15 @@
 
 namespace gs::render {
 
-/// Allocates ranges of [0, capacity), first fit; adjacent free ranges are merged.
+/// Allocates ranges of [0, capacity), first fit. Merges adjacent free ranges.
 class RangeAllocator {
  public:
   explicit RangeAllocator(std::size_t capacity) {
     if (capacity > 0) free_.emplace(0, capacity);
   }
 
-  /// Takes a free range of `size` > 0 and returns its start; nullopt if none is large enough.
+  /// Takes a free range of `size` (more than 0) and returns its start. Returns nullopt if no free range is large
+  /// enough.
   [[nodiscard]] std::optional<std::size_t> take(std::size_t size) {
     for (auto range = free_.begin(); range != free_.end(); ++range) {
       if (range->second < size) continue;
@@ -43,7 +44,7 @@ class RangeAllocator {
   }
 
  private:
-  std::map<std::size_t, std::size_t> free_;  // size of free ranges, by start
+  std::map<std::size_t, std::size_t> free_;  // start and size of each free range
 };
 
 }  // namespace gs::render

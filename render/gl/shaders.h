@@ -1,13 +1,15 @@
 #pragma once
 
-// GLSL 3.30 without the #version line; make_program adds it together with the #defines.
+// GLSL 3.30 without the #version line. make_program adds that line and the #defines.
 namespace gs::render {
 
-/// Lighting equation of VRML97 4.14.4 in camera space, for the fragment stage of lit variants. Defines: LOCAL_LIGHTS
-/// (point and spot lights), SPECULAR, EMISSIVE (emissive and ambient parts), and those of LightSets: MANY_LIGHTS, or
-/// MOST_LIGHTS and ALL_LIGHTS ("ADD(0) ADD(1)") for a fixed number of lights; otherwise the set gives the number. A
-/// software driver draws one or two lights faster with constant numbers, but takes 0.1 s to compile each; a loop over
-/// any number of lights compiles as fast as two.
+/// Lighting equation of VRML97 4.14.4 in camera space, for the fragment shader of lit variants. Defines:
+/// - LOCAL_LIGHTS: point and spot lights; SPECULAR; EMISSIVE: emissive and ambient parts;
+/// - MANY_LIGHTS: lights in a buffer texture, otherwise in a uniform block;
+/// - MOST_LIGHTS: size of the uniform block;
+/// - ALL_LIGHTS: "ADD(0) ADD(1)" for a fixed number of lights. Without it, a loop reads the number from the set.
+/// Software drivers draw one or two lights faster with a fixed number, but need 0.1 s to compile each variant. The loop
+/// compiles as fast as two lights.
 inline constexpr char kLightingShader[] = R"glsl(
 struct Light {
   vec4 location_local;
@@ -17,7 +19,7 @@ struct Light {
   vec4 cone;
 };
 #ifdef MANY_LIGHTS
-uniform samplerBuffer many_lights;  // the same, in texels
+uniform samplerBuffer many_lights;  // sets of lights in the layout of the block below
 uniform int first_light;
 Light light_at(int i) {
   int at = first_light + 1 + 5 * i;
@@ -32,13 +34,13 @@ layout(std140) uniform Lights {
 #define light_at(i) lights[i]
 #endif
 
-// Returns the contribution of one light.
+// Returns the light that the surface reflects from one light, in camera space.
 vec3 reflected(Light light, vec3 n, vec3 place, vec3 to_viewer, vec3 diffuse, vec3 ambient, vec4 specular_exponent) {
   vec3 l = light.location_local.xyz;
   float strength = 1.0;
 #ifdef LOCAL_LIGHTS
-  // Without branches, which cost software drivers more than the work: directional lights come with numbers that change
-  // nothing, and point lights with those of a cone that is wider than a sphere.
+  // No branches: in software drivers they cost more than the computation. Directional lights have neutral values, and
+  // point lights a cone that includes all directions.
   l -= light.location_local.w * place;
   float distance = length(l);
   l /= max(distance, 1e-30);
@@ -53,18 +55,18 @@ vec3 reflected(Light light, vec3 n, vec3 place, vec3 to_viewer, vec3 diffuse, ve
 #ifdef SPECULAR
   vec3 h = l + to_viewer;
   float cosine = max(dot(n, h) * inversesqrt(max(dot(h, h), 1e-30)), 0.0);
-  // 0 to the power 0 is undefined in GLSL and 1 in the equation.
+  // GLSL does not define 0 to the power 0; the equation takes 1.
   float highlight = specular_exponent.w > 0.0 ? pow(cosine, specular_exponent.w) : 1.0;
   sum += intensity * highlight * specular_exponent.rgb;
 #endif
   return strength * light.color_intensity.rgb * sum;
 }
 
-uniform float eye_back;  // how far behind the viewer his eye is: far away where rays are parallel
+uniform float eye_back;  // distance of the eye behind the viewer, metres; very large in parallel projection
 
 vec3 lit(vec3 n, vec3 place, vec3 diffuse, vec4 emissive_ambient, vec4 specular_exponent) {
   vec3 ambient = diffuse * emissive_ambient.w;
-  vec3 sum = emissive_ambient.rgb, to_viewer = normalize(vec3(0.0, 0.0, eye_back) - place);  // once: drivers leave it in the loop
+  vec3 sum = emissive_ambient.rgb, to_viewer = normalize(vec3(0.0, 0.0, eye_back) - place);  // hoisted by hand
 #define ADD(i) sum += reflected(light_at(i), n, place, to_viewer, diffuse, ambient, specular_exponent);
 #ifdef ALL_LIGHTS
   ALL_LIGHTS
@@ -72,7 +74,8 @@ vec3 lit(vec3 n, vec3 place, vec3 diffuse, vec4 emissive_ambient, vec4 specular_
 #ifdef MANY_LIGHTS
   int light_count = int(texelFetch(many_lights, first_light).y);
 #endif
-  // At least one light, and the test behind it: llvmpipe would go through a loop of n lights n + 1 times.
+  // The set has at least one light, and the test is at the end: llvmpipe would run a `for` loop of n lights n + 1
+  // times.
   int i = 0;
   do {
     ADD(i)
@@ -82,11 +85,11 @@ vec3 lit(vec3 n, vec3 place, vec3 diffuse, vec4 emissive_ambient, vec4 specular_
 }
 )glsl";
 
-/// Fog of VRML97 4.14.4 and Table 4.8 in camera space, for the fragment stage. FogUniforms sets it.
+/// Fog of VRML97 4.14.4 and Table 4.8 in camera space, for the fragment shader. FogUniforms sets its uniforms.
 inline constexpr char kFogShader[] = R"glsl(
-uniform mat3 fog_ranges;  // the Fog's own space, in visibilityRanges
-uniform vec4 fog_color;   // w: 1 where fogType is EXPONENTIAL
-uniform float fog_back;   // how far before the camera the viewer is
+uniform mat3 fog_ranges;  // from camera space to the space of the Fog node, divided by visibilityRange
+uniform vec4 fog_color;  // w: 1 if fogType is EXPONENTIAL
+uniform float fog_back;  // distance of the viewer in front of the camera
 vec3 fogged(vec3 color, vec3 place) {
   vec3 away = fog_ranges * (place + vec3(0.0, 0.0, fog_back));
   float ranges = min(sqrt(dot(away, away)), 1.0);
@@ -95,14 +98,14 @@ vec3 fogged(vec3 color, vec3 place) {
 }
 )glsl";
 
-/// Vertex shader of meshes. Defines: LIT, NORMALS, TEXTURE, FOG; LOCAL_LIGHTS, SPECULAR, EMISSIVE. Passes on only what
-/// the fragments use, since software drivers store it for every triangle of a frame.
+/// Vertex shader of meshes. Defines: LIT, NORMALS, TEXTURE, FOG, LOCAL_LIGHTS, SPECULAR, EMISSIVE. Outputs only values
+/// that the fragment shader uses, because software drivers store them for every triangle of a frame.
 inline constexpr char kMeshVertexShader[] = R"glsl(
 layout(location = 0) in vec3 position;
 #ifdef NORMALS
 layout(location = 1) in vec3 normal;
 #endif
-layout(location = 2) in vec4 color;  // w: 1, or 0 where the mesh has none
+layout(location = 2) in vec4 color;  // w: 1 if the mesh has colours, otherwise 0
 #ifdef TEXTURE
 layout(location = 3) in vec2 texture_coordinate;
 #endif
@@ -142,8 +145,8 @@ out vec2 texture_place;
 #endif
 
 #ifdef NORMALS
-// Normals go with the matrix of cofactors, which unlike the inverse exists for flattened shapes.
-// Scaled first, so that the products of very small or large scales stay within float32.
+// Transforms the normal by the matrix of cofactors. Unlike the inverse, this matrix exists for flattened shapes. Scales
+// first, so that the products stay within float32.
 vec3 normal_in_camera() {
   vec3 x = camera_from_node_x.xyz, y = camera_from_node_y.xyz, z = camera_from_node_z.xyz;
   vec3 largest = max(max(abs(x), abs(y)), abs(z));
@@ -157,7 +160,7 @@ vec3 normal_in_camera() {
 }
 #endif
 
-// Faces in the same place have the same depths, whatever else is made of them.
+// All variants must compute equal depths for coincident faces.
 invariant gl_Position;
 void main() {
   vec4 p = vec4(position, 1.0);
@@ -180,14 +183,16 @@ void main() {
 #endif
 #ifdef TEXTURE
   texture_place = (texture_transform * vec3(texture_coordinate, 1.0)).xy;
-  texture_place.y = 1.0 - texture_place.y;  // rows of images come from the top, t = 0 is the bottom
+  texture_place.y = 1.0 - texture_place.y;  // image rows start at the top, but t = 0 is the bottom
 #endif
 }
 )glsl";
 
-/// Fragment shader of meshes. Defines: those of the vertex shader. With TEXTURE also CUT_OUT, which prevents an early
-/// depth test; SMOOTH_EDGES, which turns alpha into sample coverage; and MASK, for faces of one colour that the texture
-/// cuts out. Colours as in VRML97 Tables 4.5 and 4.6.
+/// Fragment shader of meshes, with the colours of VRML97 Tables 4.5 and 4.6. Defines: those of the vertex shader.
+/// Further defines with TEXTURE:
+/// - CUT_OUT: discards transparent pixels, which prevents an early depth test;
+/// - SMOOTH_EDGES: converts alpha to sample coverage;
+/// - MASK: the texture only cuts out faces of one colour.
 inline constexpr char kMeshFragmentShader[] = R"glsl(
 #if defined(FOG) || (defined(LIT) && (defined(LOCAL_LIGHTS) || defined(SPECULAR) || !defined(NORMALS)))
 #define POSITION
@@ -199,7 +204,7 @@ in vec4 surface_color;
 #ifdef TEXTURE
 in vec2 texture_place;
 uniform sampler2D image;
-uniform ivec2 replaces;  // 1 where the texture replaces the colour, the alpha
+uniform ivec2 replaces;  // 1 if the texture replaces: x the colour, y alpha
 #endif
 out vec4 result;
 
@@ -228,7 +233,7 @@ vec3 surface_normal() {
   vec3 n = camera_normal * inversesqrt(max(dot(camera_normal, camera_normal), 1e-30));
   return gl_FrontFacing ? n : -n;
 #else
-  vec3 n = cross(dFdx(camera_position), dFdy(camera_position));  // towards the viewer
+  vec3 n = cross(dFdx(camera_position), dFdy(camera_position));  // points towards the viewer
   return n * inversesqrt(max(dot(n, n), 1e-37));
 #endif
 }
@@ -245,7 +250,7 @@ void main() {
 #endif
 #ifdef CUT_OUT
 #ifdef SMOOTH_EDGES
-  // How much of the pixel is inside becomes that many of its samples.
+  // Alpha becomes the share of the pixel inside the edge; OpenGL converts it to a number of samples.
   color.a *= clamp((texel.a - 0.5) / max(fwidth(texel.a), 0.004) + 0.5, 0.0, 1.0);
 #else
   if (texel.a < 0.5) discard;
@@ -262,7 +267,7 @@ void main() {
 }
 )glsl";
 
-/// One triangle that covers the viewport.
+/// Vertex shader of one triangle that covers the viewport.
 inline constexpr char kScreenVertexShader[] = R"glsl(
 void main() {
   vec2 corner = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 2.0 - 1.0;
@@ -270,10 +275,10 @@ void main() {
 }
 )glsl";
 
-/// One triangle that covers the viewport, from gl_VertexID alone.
+/// Vertex shader of one triangle that covers the viewport; computes it from gl_VertexID alone.
 inline constexpr char kBackgroundVertexShader[] = R"glsl(
 uniform mat3 background_from_camera;
-uniform vec2 tangents, center;  // of half of the angles of view, and of what is in the middle
+uniform vec2 tangents, center;  // tangents of half the angles of view, and of the image centre
 out vec3 ray;
 void main() {
   vec2 corner = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) * 2.0 - 1.0;
@@ -282,15 +287,16 @@ void main() {
 }
 )glsl";
 
-/// Spheres of VRML97 6.5. `rings` holds colour and angle of the sky's rings, then of the ground's.
+/// Fragment shader of the sky and ground spheres (VRML97 6.5). `rings` holds colours and angles: rings of the sky, then
+/// of the ground.
 inline constexpr char kBackgroundFragmentShader[] = R"glsl(
 uniform sampler2D rings;
-uniform ivec2 counts;  // sky, ground
+uniform ivec2 counts;  // number of rings: sky, ground
 in vec3 ray;
 out vec4 result;
 
 vec3 ring_color(int first, int count, float angle) {
-  int low = 0, high = count - 1;  // the last ring with an angle that is not larger
+  int low = 0, high = count - 1;  // searches the last ring with an angle of at most `angle`
   while (low < high) {
     int middle = (low + high + 1) / 2;
     if (texelFetch(rings, ivec2(first + middle, 0), 0).w <= angle) low = middle; else high = middle - 1;
@@ -306,7 +312,7 @@ void main() {
   float pixel = max(fwidth(from_nadir), 1e-6);
   vec3 color = ring_color(0, counts.x, from_zenith);
   if (counts.y > 1) {
-    // One pass shades once a pixel, so the edge of the ground is smoothed here and not by samples.
+    // This pass shades once per pixel, so multisampling cannot smooth the edge of the ground.
     float last = texelFetch(rings, ivec2(counts.x + counts.y - 1, 0), 0).w;
     color = mix(color, ring_color(counts.x, counts.y, from_nadir), clamp((last - from_nadir) / pixel + 0.5, 0.0, 1.0));
   }
@@ -314,15 +320,15 @@ void main() {
 }
 )glsl";
 
-/// Face of the panorama's cube (VRML97 6.5): four corners of a strip, infinitely far away.
+/// Vertex shader of a face of the panorama's cube (VRML97 6.5): four corners of a triangle strip, infinitely far away.
 inline constexpr char kPanoramaVertexShader[] = R"glsl(
-uniform mat3 camera_from_face;  // to the right, up and ahead in the picture
-uniform vec2 tangents, center;  // of half the angles of view, and of what is in the middle
+uniform mat3 camera_from_face;  // columns: right, up and forward axis of the face
+uniform vec2 tangents, center;  // tangents of half the angles of view, and of the image centre
 out vec2 place;
 void main() {
   vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
   vec3 ray = camera_from_face * vec3(corner * 2.0 - 1.0, 1.0);
-  place = vec2(corner.x, 1.0 - corner.y);  // rows of images come from the top
+  place = vec2(corner.x, 1.0 - corner.y);  // image rows start at the top
   gl_Position = vec4((ray.xy + center * ray.z) / tangents, 0.0, -ray.z);
 }
 )glsl";

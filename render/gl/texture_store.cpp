@@ -29,11 +29,11 @@ TextureStore::Alpha alpha_of(const Image& image) {
   return result;
 }
 
-/// Halves the image in each direction with more than one pixel, by exact area averages. For odd sizes, each output
-/// pixel covers parts of three.
+/// Halves each side of an image that has more than one pixel, by exact area averages. If a side is odd, each output
+/// pixel averages parts of three pixels.
 Image halved(const Image& image) {
-  // Source of one pixel in one direction: the first of up to three source pixels, and their weights, relative to
-  // `whole`.
+  // Source of an output pixel along one axis: index of the first of up to three source pixels, and their weights.
+  // `whole` is the sum of the weights.
   struct Cover {
     std::size_t first;
     std::array<std::uint32_t, 3> weights;
@@ -99,7 +99,7 @@ TextureStore::TextureStore(const Gl& gl) : gl_(gl) {
 
 const TextureStore::Entry* TextureStore::find(const std::shared_ptr<const Image>& image) {
   Entry& entry = entries_[image.get()];
-  if (entry.image.expired()) {  // new, or the address was reused by another image
+  if (entry.image.expired()) {  // new entry, or the address of a deleted image
     entry = {};
     entry.image = image;
     if (can_be_uploaded(*image)) upload(*image, entry);
@@ -163,7 +163,7 @@ void TextureStore::upload(const Image& given, Entry& entry) {
   }
   entry.alpha = alpha_of(given);
   entry.intensity = given.components <= 2;
-  // A movie frame replaces the previous one in place.
+  // Reuse the texture storage for a movie frame of the same size.
   const bool in_place = entry.texture && entry.width == image->width && entry.height == image->height &&
                         entry.components == image->components;
   entry.version = given.version;
@@ -196,7 +196,8 @@ void TextureStore::upload(const Image& given, Entry& entry) {
   };
   fill(0);
   if (gl_.software) {
-    // Software drivers compile a shader for mipmaps and draw with it, which takes ten times as long.
+    // Software drivers compile a shader for mipmaps and draw with it, which takes ten times as long as computing them
+    // here.
     GLint level = 0;
     while (image->width > 1 || image->height > 1) {
       Image half = halved(*image);

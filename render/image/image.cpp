@@ -26,8 +26,8 @@ constexpr std::array<ImageFormat, 14> kImageFormats = {{
     {"AVI"sv, "RIFF"sv, decode_movie},
     {"Matroska"sv, "\x1a\x45\xdf\xa3"sv, decode_movie},
     {"Ogg"sv, "OggS"sv, decode_movie},
-    {"ISO media"sv, ""sv, decode_movie},  // its signature comes after a length field
-    {"Targa"sv, ""sv, decode_targa},      // without a signature, therefore last
+    {"ISO media"sv, ""sv, decode_movie},  // signature at offset 4, after a length
+    {"Targa"sv, ""sv, decode_targa},  // last, because Targa has no signature
 }};
 
 std::string hexadecimal(std::span<const std::byte> bytes) {
@@ -47,7 +47,7 @@ std::span<const ImageFormat> image_formats() { return kImageFormats; }
 
 std::optional<ImageError> refuse_size(const char* format, std::uint64_t width, std::uint64_t height,
                                       const ImageLimits& limits) {
-  // Larger than any practical image; keeps libpng's row buffers small.
+  // Maximum side of an image in pixels. Limits libpng's row buffers.
   constexpr std::uint64_t kMaxSide = 1'000'000;
   const std::string size = std::to_string(width) + "x" + std::to_string(height);
   if (width == 0 || height == 0)

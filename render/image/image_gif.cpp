@@ -9,13 +9,13 @@
 namespace gs::render {
 namespace {
 
-/// Bytes of the file. If they end inside the pixels, giflib sees a last block of the remaining length and the end of
-/// the picture. Every complete row is thus kept.
+/// Bytes of a GIF file, for giflib. If they end inside the pixels, giflib gets a shorter last block and an end mark. It
+/// then keeps every complete row.
 struct GifSource {
   std::span<const std::byte> bytes;
   std::size_t position = 0;
   bool in_pixels = false;
-  bool length_next = true;  // position in the sub-blocks: a length, then that many bytes
+  bool length_next = true;  // the next byte is the length of a sub-block, not part of its data
 
   [[nodiscard]] std::size_t left() const { return bytes.size() - position; }
 
@@ -51,7 +51,7 @@ ImageError gif_error(int code) {
   return {std::string("broken GIF: ") + (text ? text : "the data is truncated")};
 }
 
-/// Reads extensions up to the first picture. Sets `transparent` to the transparent index, or -1.
+/// Reads blocks up to the first picture. Sets `transparent` to the index of the transparent colour, or to -1.
 std::optional<ImageError> find_first_picture(GifFileType& gif, int& transparent) {
   transparent = NO_TRANSPARENT_COLOR;
   while (true) {
@@ -71,10 +71,10 @@ std::optional<ImageError> find_first_picture(GifFileType& gif, int& transparent)
   }
 }
 
-/// Palette converted to components by VRML97 4.6.11.2, as for PNG.
+/// Palette, converted to image components as for PNG (VRML97 4.6.11.2).
 struct Palette {
   std::uint32_t components = 0;
-  std::array<std::array<std::uint8_t, 4>, 256> entries{};  // indices beyond the table are black
+  std::array<std::array<std::uint8_t, 4>, 256> entries{};  // indexes after the end of the table are black
 };
 
 Palette make_palette(const ColorMapObject& map, int transparent, bool needs_alpha) {
@@ -96,7 +96,7 @@ Palette make_palette(const ColorMapObject& map, int transparent, bool needs_alph
   return palette;
 }
 
-/// Writes a row. In a reduced image, one pixel of each square represents it.
+/// Writes a row of pixels. In a reduced image, one file pixel represents each square.
 void put_row(Image& image, const GifImageDesc& frame, std::uint32_t y, const std::vector<GifPixelType>& line,
              const Palette& palette) {
   const std::uint32_t step = image.reduction, row = static_cast<std::uint32_t>(frame.Top) + y;
@@ -110,7 +110,7 @@ void put_row(Image& image, const GifImageDesc& frame, std::uint32_t y, const std
   }
 }
 
-/// Returns the rows in file order.
+/// Returns the row number in the image of each row in the file.
 std::vector<std::uint32_t> row_order(const GifImageDesc& frame) {
   const auto height = static_cast<std::uint32_t>(frame.Height);
   std::vector<std::uint32_t> rows;
@@ -143,7 +143,7 @@ DecodedImage decode_gif(std::span<const std::byte> bytes, const ImageLimits& lim
   const ColorMapObject* map = frame.ColorMap ? frame.ColorMap : gif->SColorMap;
   if (!map || !map->Colors) return ImageError{"broken GIF: no palette; expected a global or a local colour table"};
 
-  // Canvas outside the first picture is transparent, as in browsers.
+  // Pixels outside of the first picture are transparent, as in browsers.
   const bool covers = frame.Left == 0 && frame.Top == 0 && static_cast<std::uint64_t>(frame.Width) >= width &&
                       static_cast<std::uint64_t>(frame.Height) >= height;
   const Palette palette = make_palette(*map, transparent, transparent != NO_TRANSPARENT_COLOR || !covers);

@@ -11,12 +11,12 @@
 namespace gs::render {
 namespace {
 
-constexpr int kMaxScans = 100;  // a hostile progressive file may contain thousands, each a pass over the image
+constexpr int kMaxScans = 100;  // a hostile progressive file may have thousands, each a pass over the image
 constexpr int kMaxBrokenScans = 8;
 constexpr std::uint32_t kAllRows = std::numeric_limits<std::uint32_t>::max();
 
-/// State shared with the callbacks of libjpeg. libjpeg leaves functions by longjmp, so resources are owned here or by
-/// the caller; functions with setjmp have only trivial locals.
+/// State that the callbacks of libjpeg share. libjpeg leaves functions by longjmp. So this object or the caller owns
+/// all resources, and functions with setjmp have only trivial local variables.
 struct JpegReader {
   jpeg_decompress_struct jpeg{};
   jpeg_error_mgr errors{};
@@ -25,14 +25,14 @@ struct JpegReader {
   std::jmp_buf escape{};
   char message[JMSG_LENGTH_MAX] = "unknown error";
   bool created = false;
-  bool ran_out = false;  // the bytes ended
+  bool ran_out = false;  // the file ended too early
   int broken_scans = 0, last_broken_scan = 0;
-  std::uint32_t whole_rows = kAllRows;  // rows with complete data
-  std::uint32_t components = 0;         // of our image
-  std::uint32_t reduction = 1;          // by libjpeg: 1, 2, 4 or 8
-  RowReducer* reducer = nullptr;        // receives the rows if a further reduction is needed
+  std::uint32_t whole_rows = kAllRows;  // output rows that have complete data
+  std::uint32_t components = 0;  // components of the result
+  std::uint32_t reduction = 1;  // reduction by libjpeg: 1, 2, 4 or 8
+  RowReducer* reducer = nullptr;  // receives the rows if libjpeg cannot reduce the image enough
   const ImageLimits* limits = nullptr;
-  std::uint8_t* line = nullptr;  // one row in libjpeg's format if that differs from ours
+  std::uint8_t* line = nullptr;  // one row in libjpeg's format, if that differs from the result's
   std::uint8_t* pixels = nullptr;
 
   JpegReader() = default;
@@ -56,7 +56,7 @@ void on_error(j_common_ptr jpeg) {
   std::longjmp(reader.escape, 1);
 }
 
-/// Receives warnings. libjpeg fills missing data with grey; this records where that begins.
+/// Receives warnings. libjpeg fills missing data with grey; this function records where the grey begins.
 void on_message(j_common_ptr common, int level) {
   if (level >= 0) return;
   ++common->err->num_warnings;
@@ -77,7 +77,7 @@ void on_progress(j_common_ptr common) {
 
 void ignore(j_decompress_ptr) {}
 
-/// All bytes are present from the start, so a request for more means a truncated file.
+/// Called if libjpeg needs more bytes. It has all bytes from the start, so the file is truncated.
 boolean fill_with_end(j_decompress_ptr jpeg) {
   static const JOCTET kEnd[] = {0xFF, JPEG_EOI};
   jpeg->src->next_input_byte = kEnd;
@@ -114,7 +114,7 @@ void connect(JpegReader& reader, std::span<const std::byte> bytes) {
 
 bool read_header(JpegReader& reader) {
   if (setjmp(reader.escape)) return false;
-  // Clears the struct, except err and client_data.
+  // This clears the struct, except `err` and `client_data`.
   jpeg_create_decompress(&reader.jpeg);
   reader.created = true;
   reader.jpeg.src = &reader.source;
@@ -147,7 +147,7 @@ bool start(JpegReader& reader) {
   return true;
 }
 
-/// Converts CMYK; Adobe's files store inverted inks: 255 means no ink.
+/// Converts CMYK to RGB. Adobe's files store inverted inks: 255 means no ink.
 void rgb_of_cmyk(const std::uint8_t* cmyk, std::uint8_t* rgb, std::uint32_t width, bool inverted) {
   for (std::uint32_t x = 0; x < width; ++x, cmyk += 4, rgb += 3) {
     const unsigned black = inverted ? cmyk[3] : 255u - cmyk[3];
@@ -158,7 +158,7 @@ void rgb_of_cmyk(const std::uint8_t* cmyk, std::uint8_t* rgb, std::uint32_t widt
   }
 }
 
-/// Returns the number of output rows with complete data.
+/// Returns the number of output rows that have complete data.
 std::uint32_t whole_rows(const JpegReader& reader) {
   return reader.whole_rows == kAllRows ? kAllRows : reader.whole_rows / reader.reduction;
 }
@@ -178,7 +178,8 @@ bool read_rows(JpegReader& reader) {
   return true;
 }
 
-/// Returns an error if an image that must be decoded as a whole needs too much memory.
+/// Returns an error if a progressive image needs too much memory: libjpeg holds all its coefficients. Returns nullopt
+/// otherwise.
 std::optional<ImageError> refuse_coefficients(JpegReader& reader, const ImageLimits& limits) {
   const std::uint64_t bytes = std::uint64_t{reader.jpeg.image_width} * reader.jpeg.image_height *
                               static_cast<std::uint64_t>(reader.jpeg.num_components) * sizeof(JCOEF);
@@ -190,7 +191,7 @@ std::optional<ImageError> refuse_coefficients(JpegReader& reader, const ImageLim
 
 ImageError jpeg_error_of(const JpegReader& reader) { return {std::string("broken JPEG: ") + reader.message}; }
 
-/// Returns the position of the last marker outside scans; 0 if there is none.
+/// Returns the offset of the last marker outside of scans. Returns 0 if no marker exists.
 std::size_t last_marker(std::span<const std::byte> bytes) {
   for (std::size_t i = bytes.size() < 2 ? 0 : bytes.size() - 2; i > 0; --i) {
     const auto code = static_cast<unsigned>(bytes[i + 1]);
@@ -237,7 +238,7 @@ DecodedImage decode_once(std::span<const std::byte> bytes, const ImageLimits& li
   if (!finished && reader.jpeg.output_scanline == 0) return jpeg_error_of(reader);
   if (reader.whole_rows == 0) return ImageError{"broken JPEG: the data ends before the first rows of the picture"};
   if (whole_rows(reader) / rest < image.height) {
-    // libjpeg may have written filler rows before it reported the problem.
+    // Keep only rows with complete data; libjpeg may have written grey rows after them.
     const std::size_t kept = std::size_t{image.width} * image.components * (whole_rows(reader) / rest);
     std::memset(image.pixels.data() + kept, 0, image.pixels.size() - kept);
   }
@@ -247,8 +248,8 @@ DecodedImage decode_once(std::span<const std::byte> bytes, const ImageLimits& li
 }  // namespace
 
 DecodedImage decode_jpeg(std::span<const std::byte> bytes, const ImageLimits& limits) {
-  // A progressive file may end inside the tables of a later scan, which libjpeg treats as an error; without them, the
-  // earlier scans are a coarse image. Tables may contain bytes that look like a marker, hence several tries.
+  // libjpeg fails if a progressive file ends inside the tables of a later scan. Decode again without these tables: the
+  // earlier scans are a coarse image. Bytes of tables can look like a marker, so try several times.
   constexpr int kTries = 4;
   for (int attempt = 1;; ++attempt) {
     bool cut_in_marker = false;

@@ -7,16 +7,17 @@
 
 #include <jpeglib.h>
 
-// Writes JPEG (ISO/IEC 10918-1) with scans that refine the whole image.
+// Encoder of JPEG (ISO/IEC 10918-1) with scans that refine the whole image.
 namespace gs::render {
 namespace {
 
-/// Returns a scan of one component: coefficients `first` to `last` without their lowest `low` bits. `before` is the
-/// `low` of the earlier scan that it refines; 0 means none.
+/// Returns a scan of one component with coefficients `first` to `last`, without their lowest `low` bits. If the scan
+/// refines an earlier scan, `before` is the `low` of that scan. Otherwise `before` is 0.
 constexpr jpeg_scan_info scan_of(int component, int first, int last, int before, int low) {
   return {1, {component, 0, 0, 0}, first, last, before, low};
 }
-// Low frequencies and high bits first: each prefix is about as good as a separate file of equal size.
+// Order of the scans: low frequencies and high bits first. Each prefix is then about as good as a separate file of its
+// size.
 constexpr jpeg_scan_info means_of_colors(int before, int low) { return {3, {0, 1, 2, 0}, 0, 0, before, low}; }
 constexpr jpeg_scan_info means_of_greys(int before, int low) { return {1, {0, 0, 0, 0}, 0, 0, before, low}; }
 constexpr std::array<jpeg_scan_info, 21> kColorScans{{
@@ -40,7 +41,7 @@ constexpr std::array<jpeg_scan_info, 10> kGreyScans{{
     scan_of(0, 1, 63, 1, 0),
 }};
 
-/// libjpeg leaves functions by longjmp, so all resources are owned here.
+/// State of the encoder. libjpeg leaves functions by longjmp, so this object owns all resources.
 struct JpegWriter {
   jpeg_compress_struct jpeg{};
   jpeg_error_mgr errors{};
@@ -86,7 +87,7 @@ bool write(JpegWriter& writer, const Image& image, const JpegOptions& options) {
   jpeg_start_compress(&jpeg, TRUE);
   const std::size_t stride = std::size_t{image.width} * image.components;
   while (jpeg.next_scanline < jpeg.image_height) {
-    // libjpeg only reads the row.
+    // libjpeg does not change the row.
     auto* row = const_cast<JSAMPROW>(image.pixels.data() + jpeg.next_scanline * stride);
     (void)jpeg_write_scanlines(&jpeg, &row, 1);
   }
@@ -114,7 +115,7 @@ std::vector<std::size_t> scan_ends(std::span<const std::byte> jpeg) {
     const auto byte = [&](std::size_t i) {
       return at + i < jpeg.size() ? std::to_integer<unsigned>(jpeg[at + i]) : 0u;
     };
-    // Inside a scan, 0xFF is followed by 0 or a restart marker.
+    // Inside a scan, 0 or a restart marker follows 0xFF; other markers end the scan.
     if (byte(0) != 0xFF || byte(1) == 0 || byte(1) == 0xFF || (byte(1) >= kRestart && byte(1) <= kLastRestart)) {
       ++at;
       continue;

@@ -11,10 +11,10 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kSizeEnd = 24;  // signature, IHDR length and name, width, height
+constexpr std::size_t kSizeEnd = 24;  // bytes of the signature, length and name of IHDR, width and height
 
-/// State shared with the callbacks of libpng. libpng leaves functions by longjmp, so resources are owned here or by the
-/// caller; functions with setjmp have only trivial locals.
+/// State that the callbacks of libpng share. libpng leaves functions by longjmp. So this object or the caller owns all
+/// resources, and functions with setjmp have only trivial local variables.
 struct PngReader {
   std::span<const std::byte> bytes;
   std::size_t position = 0;
@@ -22,13 +22,13 @@ struct PngReader {
   png_infop info = nullptr;
   char message[160] = "unknown error";
   std::uint32_t width = 0, height = 0;
-  std::uint32_t channels = 0;    // of libpng's rows
-  std::uint32_t components = 0;  // of our image
+  std::uint32_t channels = 0;  // components in the rows of libpng
+  std::uint32_t components = 0;  // components of the result
   int passes = 1;
   std::uint32_t reduction = 1;
   bool interlaced = false;
   std::uint8_t* first_row = nullptr;
-  std::uint8_t* pixels = nullptr;  // height rows of channels
+  std::uint8_t* pixels = nullptr;  // rows with `channels` bytes per pixel
   RowReducer* reducer = nullptr;   // receives the rows if the image must be reduced
   const ImageLimits* limits = nullptr;
 
@@ -56,7 +56,7 @@ void read_bytes(png_structp png, png_bytep to, png_size_t count) {
   reader->position += count;
 }
 
-/// Reports whether a palette has only greys, which makes an intensity texture (VRML97 4.6.11.2).
+/// Reports whether a palette has only greys. The image is then an intensity texture (VRML97 4.6.11.2).
 bool palette_is_grey(png_structp png, png_infop info) {
   png_colorp palette = nullptr;
   int count = 0;
@@ -69,7 +69,7 @@ bool palette_is_grey(png_structp png, png_infop info) {
 bool read_header(PngReader& reader) {
   if (setjmp(png_jmpbuf(reader.png))) return false;
   png_set_read_fn(reader.png, &reader, read_bytes);
-  // Skips unused profiles and comments, which saves time and reduces the attack surface.
+  // Skip unused profiles and comments. This saves time and reduces the attack surface.
   static const png_byte kSkipped[] = "iCCP\0iTXt\0tEXt\0zTXt\0sPLT\0eXIf";
   png_set_keep_unknown_chunks(reader.png, PNG_HANDLE_CHUNK_NEVER, kSkipped, 6);
   png_read_info(reader.png, reader.info);
@@ -84,7 +84,7 @@ bool read_header(PngReader& reader) {
   png_set_scale_16(reader.png);
   reader.reduction = reduction_of(reader.width, reader.height, *reader.limits);
   reader.interlaced = png_get_interlace_type(reader.png, reader.info) != PNG_INTERLACE_NONE;
-  // The first passes of a large interlaced image are a smaller image.
+  // If a large image is interlaced, its first passes are a smaller image, so interlace handling stays off.
   if (reader.reduction == 1) reader.passes = png_set_interlace_handling(reader.png);
   png_read_update_info(reader.png, reader.info);
   reader.channels = png_get_channels(reader.png, reader.info);
@@ -96,7 +96,7 @@ bool read_header(PngReader& reader) {
 
 bool stopped(const PngReader& reader) { return reader.limits->stopped && reader.limits->stopped(); }
 
-/// Reads one row before allocating the image, so that a file without pixels allocates nothing large.
+/// Reads the first row before the image is allocated, so that a file without pixels allocates little.
 bool read_first_row(PngReader& reader) {
   if (setjmp(png_jmpbuf(reader.png))) return false;
   png_read_row(reader.png, nullptr, reader.first_row);
@@ -109,7 +109,7 @@ bool read_rows(PngReader& reader) {
   std::memcpy(reader.pixels, reader.first_row, stride);
   for (int pass = 0; pass < reader.passes; ++pass)
     for (std::uint32_t y = pass == 0 ? 1 : 0; y < reader.height && !stopped(reader); ++y)
-      // The second buffer requests whole blocks of an interlaced image, so that a partial image has no gaps.
+      // As the second buffer, libpng writes whole blocks of an interlaced image, so that a truncated image has no gaps.
       png_read_row(reader.png, nullptr, reader.pixels + y * stride);
   return true;
 }
@@ -123,7 +123,7 @@ bool reduce_rows(PngReader& reader) {
   return true;
 }
 
-/// Reads the first passes of an interlaced image: the pixels at multiples of 8, 4 or 2.
+/// Reads the first passes of an interlaced image. They contain each 8th, 4th or 2nd pixel of each 8th, 4th or 2nd row.
 bool thin_out_passes(PngReader& reader) {
   if (setjmp(png_jmpbuf(reader.png))) return false;
   const std::uint32_t step = reader.reduction, kept = (reader.width - 1) / step + 1;
@@ -145,7 +145,7 @@ bool thin_out_passes(PngReader& reader) {
   return true;
 }
 
-/// Reduces grey RGB(A) to R (and A) in place.
+/// Keeps only R (and A) of grey RGB(A) pixels, in place.
 void keep_grey(std::vector<std::uint8_t>& pixels, std::uint32_t channels) {
   const std::uint32_t kept = channels - 2;
   std::size_t to = 0;
@@ -177,7 +177,7 @@ DecodedImage decode_png(std::span<const std::byte> bytes, const ImageLimits& lim
   if (!reader.info) throw std::bad_alloc();
 
   if (!read_header(reader)) return png_error_of(reader);
-  // libpng's size is authoritative.
+  // Check the size again, as libpng reports it.
   if (auto refused = refuse_size("PNG", reader.width, reader.height, limits)) return *std::move(refused);
   std::vector<std::uint8_t> first_row(std::size_t{reader.width} * reader.channels);
   reader.first_row = first_row.data();
@@ -185,7 +185,7 @@ DecodedImage decode_png(std::span<const std::byte> bytes, const ImageLimits& lim
 
   Image image;
   if (reader.reduction > 1 && reader.interlaced) reader.reduction = std::bit_ceil(reader.reduction);
-  // Data before an error or the end remains valid: a truncated image has fewer rows.
+  // Rows before an error or the end of a truncated file stay valid.
   RowReducer reducer(image, reader.width, reader.height, reader.channels, reader.reduction);
   reader.pixels = image.pixels.data();
   reader.reducer = &reducer;

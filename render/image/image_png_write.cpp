@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
-// Writes PNG (ISO/IEC 15948) on several threads. Strips of rows are filtered and compressed in parallel. Their deflate
-// blocks end on a byte and have no references to earlier data, so they can be concatenated.
+// Encoder of PNG (ISO/IEC 15948) with several threads. They filter and compress strips of rows in parallel. The deflate
+// blocks of a strip end on a byte and do not refer to earlier data, so strips can be concatenated.
 namespace gs::render {
 namespace {
 
@@ -31,7 +31,7 @@ std::uint8_t paeth(int left, int up, int corner) {
                                                                                     : corner);
 }
 
-/// `row` and `above` have `pixel` zero bytes before their first byte.
+/// Applies a PNG filter to a row. `row` and `above` must have `pixel` zero bytes before them.
 void filter_row(RowFilter filter, const std::uint8_t* row, const std::uint8_t* above, std::size_t count,
                 std::size_t pixel, std::uint8_t* to) {
   const std::uint8_t *left = row - pixel, *corner = above - pixel;
@@ -52,16 +52,16 @@ void filter_row(RowFilter filter, const std::uint8_t* row, const std::uint8_t* a
   }
 }
 
-/// Estimates how badly bytes compress, by libpng's heuristic: the sum of their distances from 0.
+/// Estimates how badly a row compresses: the sum of the distances of its bytes from 0, as in libpng.
 std::size_t row_roughness(const std::vector<std::uint8_t>& bytes) {
-  std::uint32_t sum = 0;  // of fewer than 2^25 bytes, each at most 128
+  std::uint32_t sum = 0;  // no overflow: fewer than 2^25 bytes with a distance of at most 128
   for (const std::uint8_t byte : bytes) sum += std::min(byte, static_cast<std::uint8_t>(-byte));
   return sum;
 }
 
 struct PngStrip {
   std::vector<std::uint8_t> compressed;
-  uLong checksum = 0;  // Adler-32 of `bytes` bytes
+  uLong checksum = 0;  // Adler-32 checksum of `bytes` bytes
   std::size_t bytes = 0;
 };
 
@@ -69,9 +69,9 @@ void compress_strip(const std::vector<std::uint8_t>& filtered, bool last, PngStr
   strip.bytes = filtered.size();
   strip.checksum = adler32(adler32(0, nullptr, 0), filtered.data(), static_cast<uInt>(filtered.size()));
   z_stream stream{};
-  // A third of the time of the defaults, for files a tenth larger (docs/benchmarks.md).
+  // These settings take a third of the default's time, for files that are a tenth larger (docs/benchmarks.md).
   if (deflateInit2(&stream, 1, Z_DEFLATED, -MAX_WBITS, 8, Z_RLE) != Z_OK) throw std::bad_alloc();
-  constexpr std::size_t kFlush = 64;  // bytes for the end of the blocks
+  constexpr std::size_t kFlush = 64;  // additional bytes for the end of the deflate blocks
   try {
     strip.compressed.resize(deflateBound(&stream, static_cast<uLong>(filtered.size())) + kFlush);
   } catch (...) {
@@ -87,11 +87,11 @@ void compress_strip(const std::vector<std::uint8_t>& filtered, bool last, PngStr
   deflateEnd(&stream);
 }
 
-/// `before` is the row above the image; empty if there is none.
+/// Filters and compresses rows. `before` is the row above the image's first row; empty means that there is none.
 PngStrip encode_strip(const Image& image, std::size_t first, std::size_t end, bool last,
                       const std::vector<std::uint8_t>& before) {
   const std::size_t pixel = image.components, count = std::size_t{image.width} * pixel;
-  // Zeros represent the pixels left of the first column and above the first row.
+  // Pixels left of the first column and above the first row count as 0.
   std::vector<std::uint8_t> above(pixel + count), row(pixel + count), filtered;
   filtered.reserve((end - first) * (count + 1));
   const auto load = [&](std::size_t y, std::vector<std::uint8_t>& to) {
@@ -150,13 +150,13 @@ class PngChunks {
 
 PngWriter::PngWriter(std::uint32_t width, std::uint32_t height, std::uint32_t components, double dots_per_inch)
     : width_(width), height_(height), components_(components) {
-  // A strip must fit zlib's counters, and a chunk those of PNG.
+  // A strip must fit into the counters of zlib, and a chunk into those of PNG.
   constexpr std::uint64_t kMax = std::uint64_t{1} << 31;
   good_ =
       components >= 1 && components <= 4 && width > 0 && height > 0 && width < kMax / 4 / kStripRows && height < kMax;
   if (!good_) return;
   static constexpr std::array<unsigned char, 8> kSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  static constexpr std::array<unsigned char, 4> kColorTypes = {0, 4, 2, 6};  // grey, grey with alpha, RGB, RGBA
+  static constexpr std::array<unsigned char, 4> kColorTypes = {0, 4, 2, 6};  // grey, grey and alpha, RGB, RGBA
   PngChunks writer(bytes_);
   writer.bytes(kSignature.data(), kSignature.size());
   writer.begin("IHDR", 13);
@@ -165,7 +165,7 @@ PngWriter::PngWriter(std::uint32_t width, std::uint32_t height, std::uint32_t co
   const std::array<unsigned char, 5> rest = {8, kColorTypes[components - 1], 0, 0, 0};
   writer.bytes(rest.data(), rest.size());
   writer.end();
-  constexpr double kInch = 0.0254;  // metres
+  constexpr double kInch = 0.0254;  // inch in metres
   if (dots_per_inch > 0) {
     static constexpr unsigned char kMetres = 1;
     const auto dots = static_cast<std::uint32_t>(std::lround(std::min(dots_per_inch / kInch, 2e9)));

@@ -1,4 +1,4 @@
-// Decoders of formats that VRML97 does not require but real worlds use: Windows bitmaps, portable pixmaps, Targa.
+// Decoders of formats that real worlds use although VRML97 does not require them: BMP, PPM, PGM, Targa.
 #include "render/image/image_codecs.h"
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-// Compiled here with only these decoders and without file access.
+// stb_image is compiled here, with only these decoders and without file access.
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_BMP
@@ -32,7 +32,7 @@ struct Freer {
   void operator()(stbi_uc* pixels) const { stbi_image_free(pixels); }
 };
 
-/// Returns the error of a call that failed since the reason was cleared. The decoder often fails without a reason.
+/// Returns the error of the last call. The decoder often fails without a reason.
 ImageError failure() {
   const char* const reason = stbi_failure_reason();
   return {std::string("it cannot be decoded: ") + (reason ? reason : "its header or its pixels are damaged")};
@@ -46,14 +46,14 @@ DecodedImage decode_stb(std::span<const std::byte> bytes, const ImageLimits& lim
   const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
   const int size = static_cast<int>(bytes.size());
   int width = 0, height = 0, components = 0;
-  stbi__g_failure_reason = nullptr;  // the decoder keeps the reason of an earlier picture of this thread
+  stbi__g_failure_reason = nullptr;  // clear the reason of an earlier failure on this thread
   if (!stbi_info_from_memory(data, size, &width, &height, &components)) return failure();
   if (width <= 0 || height <= 0)
     return ImageError{"it has no pixels; its size is " + std::to_string(width) + " x " + std::to_string(height)};
   if (components < 1 || components > 4) return failure();
   const auto columns = static_cast<std::uint32_t>(width), rows = static_cast<std::uint32_t>(height);
   if (auto refused = refuse_size(kName, columns, rows, limits)) return std::move(*refused);
-  // The decoder holds the whole image, and for some formats a second copy while it reorders rows.
+  // The decoder holds the complete image, and for some formats a second copy while it reorders rows.
   const std::uint64_t all = std::uint64_t{columns} * rows * static_cast<unsigned>(components);
   if (all > limits.working_bytes / 2) return ImageError{"it is too large to be decoded"};
   const std::unique_ptr<stbi_uc, Freer> pixels(stbi_load_from_memory(data, size, &width, &height, &components, 0));
@@ -73,7 +73,7 @@ DecodedImage decode_stb(std::span<const std::byte> bytes, const ImageLimits& lim
 }
 
 bool is_targa(std::span<const std::byte> bytes) {
-  // There is no signature, so the header must be plausible.
+  // Targa has no signature, so check that the header is plausible.
   if (bytes.size() < 18) return false;
   const auto at = [&](std::size_t i) { return static_cast<unsigned>(bytes[i]); };
   const unsigned map = at(1), kind = at(2), bits = at(16);

@@ -5,7 +5,7 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kMaxAtOnce = std::size_t{1} << 29;  // bytes per allocation
+constexpr std::size_t kMaxAtOnce = std::size_t{1} << 29;  // maximum bytes of one allocation by FFmpeg
 
 }  // namespace
 

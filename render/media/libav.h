@@ -15,7 +15,7 @@ extern "C" {
 #include <cstddef>
 #include <string>
 
-/// FFmpeg functions that are called, with their library.
+/// List of the FFmpeg functions that the program calls, with their libraries.
 #define GHOSTSPACE_LIBAV_FUNCTIONS(X)         \
   X(avutil, av_dict_free)                     \
   X(avutil, av_dict_set)                      \
@@ -71,12 +71,12 @@ extern "C" {
 
 namespace gs::render {
 
-/// FFmpeg, opened for the first movie or sound, since linking takes longer than drawing most worlds.
+/// Functions of FFmpeg, loaded for the first movie or sound. Loading takes longer than drawing most worlds.
 struct Libav {
 #define GHOSTSPACE_LIBAV_MEMBER(library, name) decltype(&::name) name = nullptr;
   GHOSTSPACE_LIBAV_FUNCTIONS(GHOSTSPACE_LIBAV_MEMBER)
 #undef GHOSTSPACE_LIBAV_MEMBER
-  std::string problem;  // reason if FFmpeg is unavailable
+  std::string problem;  // reason why FFmpeg is unavailable; empty on success
 
   Libav();
 
@@ -84,7 +84,7 @@ struct Libav {
   void* open(const char* name);
 };
 
-/// Returns the shared instance. Thread-safe.
+/// Returns the functions of FFmpeg, the same for all threads. Thread-safe.
 [[nodiscard]] const Libav& libav();
 
 }  // namespace gs::render

@@ -24,10 +24,10 @@ constexpr std::array<MediaContainer, 13> kContainers = {{
     {"AIFF", {0, "FORM"sv}, {8, "AIF"sv}, "aiff", false, true},
     {"AU", {0, ".snd"sv}, {}, "au", false, true},
     {"MP3", {0, "ID3"sv}, {}, "mp3", false, true},
-    {"MPEG audio", {0, "\xff"sv}, {}, "mp3", false, true},  // see is_mpeg_audio
+    {"MPEG audio", {0, "\xff"sv}, {}, "mp3", false, true},  // further tests in is_mpeg_audio()
 }};
 
-/// Decoders that worlds use. All others, many of them old, are disabled.
+/// Decoders that worlds use. All others are disabled: many are old and rarely tested.
 constexpr const char* kDecoders =
     "mpeg1video,mpeg2video,mpeg4,mjpeg,h263,h264,hevc,vp8,vp9,libdav1d,theora,cinepak,indeo2,indeo3,indeo4,indeo5,"
     "msmpeg4v1,msmpeg4v2,msmpeg4,msrle,msvideo1,qtrle,rpza,smc,svq1,svq3,rawvideo,gif,"
@@ -35,7 +35,7 @@ constexpr const char* kDecoders =
     "pcm_s24be,pcm_s32le,pcm_s32be,pcm_f32le,pcm_f32be,pcm_f64le,pcm_f64be,pcm_alaw,pcm_mulaw,adpcm_ms,adpcm_ima_wav,"
     "adpcm_ima_qt,adpcm_yamaha,gsm_ms";
 
-// Detects an MPEG audio header: eleven set bits and valid version, layer, bit rate and sampling rate (ISO/IEC 11172-3,
+// Detects an MPEG audio header: eleven set bits, then valid version, layer, bit rate and sampling rate (ISO/IEC 11172-3
 // 2.4.2.3).
 bool is_mpeg_audio(std::span<const std::byte> bytes) {
   if (bytes.size() < 4) return false;
@@ -133,7 +133,7 @@ std::optional<std::string> MediaInput::open() {
   AVDictionary* options = nullptr;
   av.av_dict_set(&options, "protocol_whitelist", "none", 0);
   av.av_dict_set(&options, "codec_whitelist", kDecoders, 0);
-  // On failure this frees `format_`.
+  // On failure, avformat_open_input frees `format_`.
   const int opened = av.avformat_open_input(&format_, nullptr, av.av_find_input_format(container_.demuxer), &options);
   av.av_dict_free(&options);
   if (opened < 0) return error("expected its header", opened);
@@ -183,7 +183,7 @@ AVCodecContext* MediaInput::open_decoder(int stream, std::string& problem,
 
 bool MediaInput::decode(int stream, AVCodecContext& decoder, AVFrame& frame, std::string& problem) {
   const Libav& av = libav();
-  constexpr int kMaxPackets = 20'000;  // maximum number of packets without a decoded frame
+  constexpr int kMaxPackets = 20'000;  // maximum consecutive packets that give no frame
   for (int packets = 0;; ++packets) {
     if (stopped()) {
       problem = error("the time limit was reached");
@@ -198,7 +198,7 @@ bool MediaInput::decode(int stream, AVCodecContext& decoder, AVFrame& frame, std
     }
     if (av.av_read_frame(format_, packet_) < 0) {
       if (std::exchange(drained_, true)) return false;
-      (void)av.avcodec_send_packet(&decoder, nullptr);  // drains buffered frames
+      (void)av.avcodec_send_packet(&decoder, nullptr);  // the end of the file: get the buffered frames
       continue;
     }
     if (packet_->stream_index == stream) (void)av.avcodec_send_packet(&decoder, packet_);
@@ -225,8 +225,8 @@ double MediaInput::begin_of(int stream) const {
 
 double MediaInput::measure(int stream) {
   const Libav& av = libav();
-  constexpr std::size_t kMaxBytes = std::size_t{128} << 20;  // maximum bytes to scan
-  constexpr double kLongest = 1e7;                           // seconds; longer durations are invalid
+  constexpr std::size_t kMaxBytes = std::size_t{128} << 20;  // maximum bytes of a file that is scanned for its duration
+  constexpr double kLongest = 1e7;  // seconds; a longer duration is not plausible
   const AVStream& chosen = *format_->streams[stream];
   const double base = av_q2d(chosen.time_base);
   const double told = chosen.duration != AV_NOPTS_VALUE     ? static_cast<double>(chosen.duration) * base
@@ -247,7 +247,7 @@ double MediaInput::measure(int stream) {
       av.av_packet_unref(packet_);
     }
     const double found = all_timed ? end : sum;
-    // Packets do not always give the duration of the last frame.
+    // Packets do not always contain the duration of the last frame, so assume a maximum.
     constexpr double kLastPicture = 1;
     const bool longer = chosen.codecpar->codec_type == AVMEDIA_TYPE_VIDEO && container_.timed && told > found &&
                         told < found + kLastPicture;

@@ -12,48 +12,51 @@
 
 namespace gs::render {
 
-/// Media container: its signatures and its demuxer.
+/// Row of the table of media containers: signatures and demuxer.
 struct MediaContainer {
   struct Mark {
     std::size_t at = 0;
-    std::string_view text;  // empty means none
+    std::string_view text;  // bytes of the signature; empty means no signature
   };
   std::string_view name;
   Mark first, second;
   const char* demuxer;
-  bool has_pictures, has_sound;  // may contain pictures or sound
-  bool timed = true;             // if false, frames have no timestamps and follow the rate in the header
-  bool exact = true;             // if false, positions of sound after a seek are not exact to the sample
+  bool has_pictures, has_sound;  // the container can hold pictures, or sound
+  bool timed = true;  // if false, frames have no timestamps; their times follow from the rate in the header
+  bool exact = true;  // if false, the position of sound after a seek is not exact to the sample
 };
 
-/// Returns the container that starts like `bytes`; null if unknown. Containers that may refer to other files are not in
-/// the table.
+/// Returns the container of a file that begins with `bytes`. Returns null if unknown. The table has no containers that
+/// can refer to other files.
 [[nodiscard]] const MediaContainer* media_container_of(std::span<const std::byte> bytes);
 
-/// Demuxes a file in memory with FFmpeg, which reads no files or addresses. Single-threaded. Accepts untrusted input.
+/// Demuxer and decoders of FFmpeg for a file in memory. Never reads files or addresses. One thread. Safe for untrusted
+/// bytes.
 class MediaInput {
  public:
-  /// `stopped` is polled regularly; true cancels the work. Null means never.
+  /// Prepares to read `bytes`, which must outlive this object. `stopped` is called regularly and returns true to
+  /// cancel. Null never cancels.
   MediaInput(std::span<const std::byte> bytes, const MediaContainer& container, std::function<bool()> stopped = {});
   ~MediaInput();
   MediaInput(const MediaInput&) = delete;
   MediaInput& operator=(const MediaInput&) = delete;
 
-  /// Starts from the beginning. Returns an error or nullopt; after an error there are no packets.
+  /// Opens the file at its beginning. Returns the error, or nullopt. After an error, no packets can be read.
   [[nodiscard]] std::optional<std::string> open();
-  /// Returns the first stream of a kind, ignoring cover pictures; -1 if there is none.
+  /// Returns the index of the first stream of a kind. Ignores cover pictures. Returns -1 if no stream exists.
   [[nodiscard]] int find_stream(AVMediaType kind) const;
-  /// Opens a decoder of the stream; null on failure, with the reason in `problem`. `adjust` sets options before it is
-  /// opened.
+  /// Opens a decoder for a stream. Returns null on failure and sets `problem`. `adjust` may set options of the decoder
+  /// first.
   [[nodiscard]] AVCodecContext* open_decoder(int stream, std::string& problem,
                                              const std::function<void(AVCodecContext&)>& adjust = {});
-  /// Decodes the next picture or sound block of the stream into `frame`. Returns false at the end, and on errors, with
-  /// the reason in `problem`. Broken packets are dropped.
+  /// Decodes the next picture or block of sound of a stream into `frame`. Ignores broken packets. Returns false at the
+  /// end and on errors; `problem` is only set on errors.
   [[nodiscard]] bool decode(int stream, AVCodecContext& decoder, AVFrame& frame, std::string& problem);
-  /// Seeks to a key frame at or before `seconds` from the stream's start, as far as the container indexes key frames.
+  /// Seeks to a key frame at most `seconds` after the start of the stream. Depends on the container's index of key
+  /// frames.
   [[nodiscard]] bool seek(int stream, AVCodecContext& decoder, double seconds);
-  /// Returns the stream's duration in seconds: by its packets if the file is short enough, else by its header; negative
-  /// if unknown. Call open() afterwards to start again.
+  /// Returns the duration of a stream in seconds: from its packets if the file is short, otherwise from its header.
+  /// Returns a negative number if unknown. Call open() afterwards to read from the start.
   [[nodiscard]] double measure(int stream);
 
   [[nodiscard]] std::string error(const std::string& what, int code = 0) const;

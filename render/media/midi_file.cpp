@@ -5,18 +5,19 @@
 #include <string>
 #include <string_view>
 
-// Reads standard MIDI files: chunks of 4 letters and a length, tracks of delta times and messages.
+// Reader of standard MIDI files. A file has chunks (4 letters, length, data). Tracks have messages with time
+// differences.
 namespace gs::render {
 namespace {
 
 using namespace std::string_view_literals;
 
-constexpr double kLongestSong = 1e6;  // seconds
+constexpr double kLongestSong = 1e6;  // maximum seconds of a song
 
 struct Cursor {
   std::span<const std::byte> bytes;
   std::size_t at = 0;
-  bool over = false;  // data was missing at the end
+  bool over = false;  // the data ended too early
 
   std::uint8_t byte() {
     if (at >= bytes.size()) {
@@ -53,11 +54,11 @@ struct Cursor {
 struct Timed {
   std::uint64_t tick;
   std::uint32_t order;
-  std::uint32_t tempo;  // microseconds per quarter note; 0 means a message
+  std::uint32_t tempo;  // microseconds per quarter note, for a change of tempo; 0 for a message
   MidiEvent event;
 };
 
-// Returns false if there are too many events.
+// Reads a track and appends its events. Returns false if there are too many events.
 bool read_track(std::span<const std::byte> bytes, std::vector<Timed>& events, std::uint64_t& last) {
   Cursor at{bytes};
   std::uint64_t tick = 0;
@@ -111,12 +112,12 @@ std::variant<MidiSong, MediaError> read_midi(std::span<const std::byte> bytes) {
   Cursor at{bytes, 4};
   const std::uint32_t header = at.number(4);
   const std::uint32_t type = at.number(2);
-  (void)at.number(2);  // declared number of tracks; the actual chunks count
+  (void)at.number(2);  // declared number of tracks; unused, because the chunks are counted
   const std::uint32_t division = at.number(2);
   if (at.over || header < 6) return wrong("expected a header of 6 bytes");
   if (type > 1) return wrong("expected type 0 or 1, found " + std::to_string(type));
   (void)at.take(header - 6);
-  // Ticks per quarter note; or negative frames per second and ticks per frame.
+  // `division` is ticks per quarter note, or negative frames per second and ticks per frame.
   const double frames = 256.0 - (division >> 8), ticks = division & 0xff;
   const bool by_frames = (division & 0x8000) != 0;
   if (division == 0 || (by_frames && ticks == 0)) return wrong("expected a division of time");

@@ -12,7 +12,7 @@
 namespace gs::render {
 namespace {
 
-/// Functions of FluidSynth 2 or 3 as declared in its manual, opened for the first MIDI file.
+/// Functions of FluidSynth 2 or 3, as its manual declares them. Loaded for the first MIDI file.
 struct FluidSynth {
   using Settings = void;
   using Synth = void;
@@ -80,7 +80,7 @@ const FluidSynth& fluid_synth() {
   return library;
 }
 
-/// Debian's paths of General MIDI sound fonts, the system default first.
+/// Paths of General MIDI sound fonts in Debian. The first is the system's default.
 constexpr std::array<const char*, 5> kSoundFonts = {
     "/usr/share/sounds/sf3/default-GM.sf3", "/usr/share/sounds/sf2/default-GM.sf2",
     "/usr/share/sounds/sf2/FluidR3_GM.sf2", "/usr/share/sounds/sf2/TimGM6mb.sf2", "/usr/share/soundfonts/default.sf2"};
@@ -94,7 +94,7 @@ class MidiReader final : public SampleReader {
     if (settings_) fluid.delete_fluid_settings(settings_);
   }
 
-  /// Returns the missing part; empty on success.
+  /// Opens synthesizer and sound font. Returns the name of the missing part, or an empty string.
   std::string open() {
     const FluidSynth& fluid = fluid_synth();
     if (!fluid.problem.empty()) return fluid.problem;
@@ -137,7 +137,7 @@ class MidiReader final : public SampleReader {
     (void)fluid_synth().fluid_synth_system_reset(synth_);
     const double to = std::isfinite(seconds) ? std::clamp(seconds, 0.0, song_.duration) : 0;
     at_ = static_cast<std::uint64_t>(std::llround(to * rate_));
-    // Replays earlier settings; notes that began earlier stay silent.
+    // Send earlier settings again. Notes that began earlier remain silent.
     for (next_ = 0; next_ < song_.events.size() && sample_of(song_.events[next_]) < at_; ++next_)
       play(song_.events[next_], false);
   }
@@ -186,7 +186,7 @@ class MidiReader final : public SampleReader {
   FluidSynth::Settings* settings_ = nullptr;
   FluidSynth::Synth* synth_ = nullptr;
   std::size_t next_ = 0;  // index of the next event
-  std::uint64_t at_ = 0;  // sample pairs since the start
+  std::uint64_t at_ = 0;  // position in sample pairs from the start
 };
 
 }  // namespace

@@ -15,11 +15,11 @@ namespace gs::render {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kSpan = 1;  // seconds decoded at a time when going backwards
+constexpr double kSpan = 1;  // seconds that are decoded at once when playing backwards
 constexpr double kBeforeJump =
-    1.5;  // seconds before the target at which decoding starts: frames after a seek may refer to earlier ones
-constexpr double kFarAhead = 10;   // seconds; for larger distances it seeks
-constexpr double kUsualRate = 25;  // frames per second if the movie specifies none
+    1.5;  // seconds before the target where decoding starts, because frames after a seek may refer to earlier frames
+constexpr double kFarAhead = 10;  // seconds; to go farther, `at` seeks instead of decoding
+constexpr double kUsualRate = 25;  // frames per second if the movie has no frame rate
 
 }  // namespace
 
@@ -56,17 +56,17 @@ struct Movie::State {
   SwsContext* scaler = nullptr;
   int scaled_width = 0, scaled_height = 0, scaled_format = -1;
   int stream = -1;
-  double start = 0, last_time = -1;  // seconds
+  double start = 0, last_time = -1;  // seconds: start of the stream, and time of the last frame
   std::string problem;
   bool over = false;
-  // State of `at`: time of `frame`, and of the next frame in `following`; kNever if there is none.
+  // State of `at`: times of `frame` and of the next frame, `following`. kNever means that the frame does not exist.
   double frame_time = 0, following_time = -1;
-  bool begun = false, kept_first = false;  // kept_first: the first cached frame is the movie's first
-  std::deque<Frame> kept;                  // the last one is that in `frame`, if it was requested
+  bool begun = false, kept_first = false;  // kept_first: the first cached frame is the first frame of the movie
+  std::deque<Frame> kept;  // cached frames; the last one is `frame` if it was requested
   std::size_t kept_bytes = 0;
 };
 
-// Opens the movie at its beginning.
+// Opens the movie at its beginning. Returns the error, or nullopt.
 std::optional<ImageError> Movie::State::open() {
   const Libav& av = libav();
   close();
@@ -93,7 +93,7 @@ std::optional<ImageError> Movie::State::open() {
   return std::nullopt;
 }
 
-// Decodes the next frame. Returns false at the end, and on errors, with the reason in `problem`.
+// Decodes the next frame. Returns false at the end and on errors; `problem` is only set on errors.
 bool Movie::State::decode(AVFrame& into, double& time) {
   if (over || !input.decode(stream, *decoder, into, problem)) {
     over = true;
@@ -133,7 +133,7 @@ std::variant<Image, ImageError> Movie::State::picture() {
     scaler = av.sws_getContext(
         frame->width, frame->height, from, static_cast<int>(image.width), static_cast<int>(image.height), to,
         image.reduction > 1 ? SWS_AREA : SWS_BICUBIC | SWS_ACCURATE_RND, nullptr, nullptr, nullptr);
-    // Without colour information, use ITU-R BT.601, as for movies of that time.
+    // Frames without colour information are treated as ITU-R BT.601, which old movies use.
     if (scaler && frame->colorspace == AVCOL_SPC_BT709) {
       const int* const table = av.sws_getCoefficients(SWS_CS_ITU709);
       constexpr int kOne = 1 << 16;
@@ -145,7 +145,7 @@ std::variant<Image, ImageError> Movie::State::picture() {
   scaled_width = frame->width;
   scaled_height = frame->height;
   scaled_format = frame->format;
-  // Rows are written in whole vectors; reserve room for the last one.
+  // FFmpeg writes rows in whole vectors, so reserve space after the last row.
   constexpr std::size_t kBeyond = 64;
   const std::size_t row = std::size_t{image.width} * image.components, size = row * image.height;
   image.pixels.resize(size + kBeyond);
@@ -158,9 +158,9 @@ std::variant<Image, ImageError> Movie::State::picture() {
   return image;
 }
 
-// ---- Random access by time
+// ---- Random access by at()
 
-// Seeks to the start, or to a key frame before `seconds`.
+// Seeks to a key frame before `seconds`, or to the start.
 std::optional<ImageError> Movie::State::go_to(double seconds) {
   const Libav& av = libav();
   const double wanted = seconds - kBeforeJump;
@@ -203,7 +203,7 @@ std::optional<ImageError> Movie::State::keep() {
   return std::nullopt;
 }
 
-// Advances until the next frame is later than `seconds`; caches frames from `keep_from` on.
+// Decodes until the next frame is later than `seconds`. Caches frames from `keep_from` on.
 std::optional<ImageError> Movie::State::advance(double seconds, double keep_from) {
   const Libav& av = libav();
   const bool from_front = kept_first && kept.empty();
@@ -223,7 +223,7 @@ std::optional<ImageError> Movie::State::advance(double seconds, double keep_from
   }
   if (moved == 0 || has_kept) return std::nullopt;
   kept_first = from_front && moved == 1;
-  return keep();  // at least the last one
+  return keep();  // keep at least the last frame
 }
 
 std::variant<const Movie::Frame*, ImageError> Movie::at(double seconds) {
@@ -255,7 +255,7 @@ std::variant<const Movie::Frame*, ImageError> Movie::at(double seconds) {
   return found;
 }
 
-// ---- Sequential access
+// ---- Sequential access by next()
 
 Movie::Movie(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Movie::~Movie() = default;

@@ -11,31 +11,34 @@
 
 namespace gs::render {
 
-/// Frames of a movie in memory: MPEG-1 and other formats that FFmpeg reads from the containers in
-/// render/media/media_input.cpp, including animated GIF. FFmpeg is opened at run time. Single-threaded. Accepts
-/// untrusted input: reads no files or addresses, and ImageLimits bounds the cost.
+/// Frames of a movie in memory: MPEG-1 and other formats, including animated GIF, in the containers of
+/// render/media/media_input.cpp. FFmpeg decodes them and is loaded at run time. One thread.
+///
+/// Safe for untrusted bytes: reads no files or addresses, and ImageLimits bounds the cost.
 class Movie {
  public:
   struct Frame {
-    Image image;      // 1 or 3 components, 4 if the movie has alpha; reduced according to ImageLimits
+    Image image;  // 1 or 3 components, or 4 with alpha; scaled down if ImageLimits requires it
     double time = 0;  // seconds from the start of the movie
   };
 
-  /// Opens a movie; `bytes` must outlive it. The error explains the unexpected input.
+  /// Opens a movie. `bytes` must outlive it. The error names the expected input.
   [[nodiscard]] static std::variant<std::unique_ptr<Movie>, ImageError> open(std::span<const std::byte> bytes,
                                                                              const ImageLimits& limits = {});
   ~Movie();
   Movie(const Movie&) = delete;
   Movie& operator=(const Movie&) = delete;
 
-  /// Returns the next frame; nullopt at the end. After an error there are no more frames.
+  /// Returns the next frame, or nullopt at the end. After an error, no more frames follow.
   [[nodiscard]] std::variant<std::optional<Frame>, ImageError> next();
-  /// Returns the last frame at or before `seconds`, else the first one; null if there are no frames. Valid until the
-  /// next call. The cost is proportional to the distance from the previous call. Going back decodes about one second at
-  /// a time and caches up to kMaxKept of it. Do not mix with `next`.
+  /// Returns the last frame at or before `seconds`. Before the first frame, returns the first. Returns null if the
+  /// movie has no frames. Valid until the next call. Do not mix with `next`.
+  ///
+  /// The cost is proportional to the distance from the previous call. Going back decodes about one second at a time,
+  /// and caches its frames in at most kMaxKept bytes.
   [[nodiscard]] std::variant<const Frame*, ImageError> at(double seconds);
 
-  static constexpr std::size_t kMaxKept = std::size_t{32} << 20;  // bytes of cached frames
+  static constexpr std::size_t kMaxKept = std::size_t{32} << 20;  // maximum bytes of cached frames
 
  private:
   struct State;

@@ -13,9 +13,9 @@
 namespace gs::render {
 namespace {
 
-constexpr int kTicks = 1000;  // clock ticks per second; frame rates are multiples of its inverse
+constexpr int kTicks = 1000;  // clock ticks per second; frame rates are multiples of 1/kTicks
 
-// Visually lossless at a size suitable for sharing; `medium` takes a tenth of the drawing time.
+// Settings with no visible loss, at a size for sharing. `medium` encodes in a tenth of the drawing time.
 constexpr std::array<const char*, 4> kX264{{"crf", "17", "preset", "medium"}};
 constexpr std::array<const char*, 2> kMpeg4{{"b", "20000000"}};
 constexpr std::array<const char*, 10> kVp9{{"crf", "22", "b", "0", "deadline", "good", "cpu-used", "4", "row-mt", "1"}};
@@ -28,7 +28,7 @@ constexpr std::array<MovieFormat::Encoder, 2> kWebmEncoders{
 constexpr std::array<MovieFormat, 2> kFormats{
     {{".mp4", "MP4 (H.264)", "mp4", kMp4Encoders}, {".webm", "WebM (VP9)", "webm", kWebmEncoders}}};
 
-/// Output of a muxer, which returns to the header at the end.
+/// Output file in memory. The muxer seeks back to the header at the end.
 struct MovieFile {
   std::vector<std::byte> bytes;
   std::size_t at = 0;
@@ -150,7 +150,7 @@ struct MovieWriter::State {
     return std::nullopt;
   }
 
-  /// Writes the packets that the encoder has ready to the file.
+  /// Writes the packets that the encoder has finished to the file.
   std::optional<ImageError> take_packets() {
     while (true) {
       const int code = av.avcodec_receive_packet(encoder, packet);

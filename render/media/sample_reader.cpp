@@ -16,7 +16,7 @@ namespace {
 constexpr int kMaxChannels = 8;
 constexpr int kHighestRate = 768'000;
 
-/// Returns a channel's sample as a number from about -1 to 1.
+/// Returns the value of a sample of one channel, from about -1 to 1.
 float value_of_sample(const AVFrame& frame, bool planar, int channels, int channel, int index) {
   const std::uint8_t* plane = planar ? frame.extended_data[channel] : frame.extended_data[0];
   const std::size_t at =
@@ -43,15 +43,15 @@ float value_of_sample(const AVFrame& frame, bool planar, int channels, int chann
   }
 }
 
-/// Mixing weights of each channel for left and right, in FFmpeg's usual order: left, right, centre, low, back or side
-/// left, back or side right, and so on.
+/// Weights of one input channel in left and right output. The input channels have FFmpeg's usual order: left, right,
+/// centre, low frequency, back or side left, back or side right, and so on.
 struct Fold {
   float left, right;
 };
 constexpr Fold kFolds[kMaxChannels] = {{1, 0},       {0, 1},       {0.7071f, 0.7071f}, {0, 0},
                                        {0.7071f, 0}, {0, 0.7071f}, {0.7071f, 0},       {0, 0.7071f}};
 
-/// Sound decoded by FFmpeg.
+/// Reader of sound that FFmpeg decodes.
 class LibavReader final : public SampleReader {
  public:
   LibavReader(std::span<const std::byte> bytes, const MediaContainer& container, std::function<bool()> stopped)
@@ -113,7 +113,7 @@ class LibavReader final : public SampleReader {
 
   void seek(double seconds) override {
     if (!decoder_) return;
-    constexpr double kBefore = 0.2;  // decoders need this much earlier input to be accurate
+    constexpr double kBefore = 0.2;  // seconds of earlier input that decoders need to be accurate
     constexpr double kLongest = 1e7;
     const double to = std::isfinite(seconds) ? std::clamp(seconds, 0.0, kLongest) : 0;
     wanted_ = static_cast<std::int64_t>(std::llround(to * rate_));
@@ -134,7 +134,7 @@ class LibavReader final : public SampleReader {
     if (decoder_) libav().avcodec_free_context(&decoder_);
   }
 
-  // Decodes the next block into samples_. Returns false if there is none.
+  // Decodes the next block into samples_. Returns false if no block follows.
   bool decode() {
     samples_.clear();
     next_ = 0;
@@ -169,8 +169,8 @@ class LibavReader final : public SampleReader {
     return false;
   }
 
-  // Computes the offset of the block in frame_, the first after a seek, from the target. Returns false if the block is
-  // so late that decoding from the start is better.
+  // After a seek, compares the time of the first block, in frame_, with the wanted time. Sets the pairs to skip or the
+  // silence to insert. Returns false if the block is so late that decoding from the start is better.
   bool find_place() {
     seeking_ = false;
     const std::int64_t stamp = frame_->best_effort_timestamp;
@@ -191,9 +191,9 @@ class LibavReader final : public SampleReader {
   int stream_ = -1;
   double rate_ = 1;
   int channels_ = 1;
-  std::vector<float> samples_;          // pairs
-  std::size_t next_ = 0;                // index in samples_
-  std::size_t skip_ = 0, silence_ = 0;  // pairs to drop or insert before the next block
+  std::vector<float> samples_;  // interleaved left and right samples
+  std::size_t next_ = 0;  // index of the next sample in samples_
+  std::size_t skip_ = 0, silence_ = 0;  // sample pairs to drop, and silent pairs to insert, before the next block
   bool seeking_ = false;
   std::int64_t wanted_ = 0;
 };
@@ -230,7 +230,7 @@ std::variant<MediaInfo, MediaError> examine_media(std::span<const std::byte> byt
   info.pictures = pictures >= 0;
   info.sound = sound >= 0;
   if (!info.pictures && !info.sound) return MediaError{input.error("it has neither pictures nor sound")};
-  // Decodes a few samples to detect unsupported content.
+  // Decode a few samples to find unsupported content.
   if (!info.pictures) {
     auto opened = open_samples(bytes, 48000, stopped);
     if (auto* wrong = std::get_if<MediaError>(&opened)) return std::move(*wrong);

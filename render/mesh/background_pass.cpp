@@ -15,9 +15,9 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kMaxRings = 512;  // of sky or ground; both fit the smallest texture that GL 3.3 guarantees
+constexpr std::size_t kMaxRings = 512;  // maximum of sky or ground; both fit into the minimum texture that GL permits
 
-/// View directions for the faces of the panorama (VRML97 6.5).
+/// View axes of a face of the panorama (VRML97 6.5).
 struct Way {
   glm::vec3 ahead, up;
 };
@@ -95,7 +95,7 @@ void BackgroundPass::draw(const Background& background, const glm::mat3& world_f
     draw_panorama(background, world_from_camera, lens);
 }
 
-// Draws stripes of one colour each, lighter towards the bottom, which needs no compiled program.
+// Draws horizontal stripes of one colour each, lighter towards the bottom. Needs no compiled program.
 void BackgroundPass::draw_backdrop(const PicturePart& part, const DrawOptions& options) {
   constexpr int kStripes = 128;
   constexpr glm::vec3 kBelow(0.16f, 0.17f, 0.19f), kAbove(0.42f, 0.45f, 0.50f);
@@ -130,7 +130,7 @@ void BackgroundPass::draw_rings(const Background& background, const glm::mat3& w
   gl_->Disable(GL_CULL_FACE);
   gl_->Disable(GL_BLEND);
   gl_->BindVertexArray(no_attributes_.name());
-  // The driver compiles at the first draw.
+  // Many drivers compile the program at the first draw.
   const PhaseScope phase(drawn_ ? nullptr : gl_->phases, Phase::compile);
   drawn_ = true;
   gl_->DrawArrays(GL_TRIANGLES, 0, 3);

@@ -13,16 +13,16 @@
 
 namespace gs::render {
 
-/// Fills the viewport with the world's Background (VRML97 6.5) or with one colour.
+/// Fills the viewport with the world's Background (VRML97 6.5), or with one colour.
 class BackgroundPass {
  public:
   static std::variant<BackgroundPass, ContextError> create(const Gl& gl);
 
-  /// Draws the Background, or `color` if it is set. Uses the tangents and the centre of `lens`. The scissor test must
-  /// be on and cover the viewport; depth writes must be off.
+  /// Draws the Background, or `color` if it is set. Uses the tangents and centre of `lens`. The scissor test must be on
+  /// and cover the viewport; depth writes must be off.
   void draw(const Background& background, const glm::mat3& world_from_camera, const Projection& lens,
             const std::optional<glm::vec3>& color);
-  /// Draws a neutral gradient; a tile shows its part of it. Requires the same GL state as draw().
+  /// Draws a neutral gradient. A tile of an image draws its part of the gradient. Needs the GL state that draw() needs.
   void draw_backdrop(const PicturePart& part, const DrawOptions& options);
 
  private:
@@ -37,7 +37,7 @@ class BackgroundPass {
   Texture rings_;
   GLint background_from_camera_, tangents_, center_, counts_;
   TextureStore textures_;
-  // Created with the first panorama; the driver may reject it.
+  // made with the first panorama; empty if the driver rejects the program
   Program panorama_;
   bool drawn_ = false;
   bool tried_panorama_ = false;

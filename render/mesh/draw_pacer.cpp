@@ -6,13 +6,13 @@
 namespace gs::render {
 namespace {
 
-// Overdraw of the first slice: it may fill the whole target this many times, some tenths of a second in a software
-// rasterizer.
+// Pixels of the first slice. In a software rasterizer, drawing that number takes some tenths of a second. Assumes that
+// each primitive covers the target.
 constexpr std::size_t kFirstPixels = std::size_t{1} << 27;
 constexpr std::size_t kLargestSlice = std::size_t{1} << 24;
-// Limit of data that a software driver stores before it fills pixels: some megabytes.
+// Maximum primitives of a slice in a software driver. The driver stores them, some megabytes, before it fills pixels.
 constexpr std::size_t kSoftwareSlice = std::size_t{1} << 14;
-constexpr GLuint64 kLongestWait = 10'000'000'000;  // nanoseconds; a slice may fill the target many times
+constexpr GLuint64 kLongestWait = 10'000'000'000;  // nanoseconds; primitives may all be large
 constexpr std::chrono::milliseconds kShort{40}, kLong{150};
 
 }  // namespace

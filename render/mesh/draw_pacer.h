@@ -9,13 +9,15 @@
 
 namespace gs::render {
 
-/// Makes drawing cancellable: draws are split into slices, each finished before the next begins, and the callback is
-/// polled between two slices. Slices double while they are fast and shrink when they are slow, since the pixels per
-/// triangle are unknown in advance. Software drivers store a slice's triangles until other threads have filled their
-/// pixels. The slices in flight are therefore limited even without a callback. Belongs to the thread of the context.
+/// Makes drawing cancellable. Splits draws into slices, and calls `go_on` between two slices. Each slice is finished
+/// before the next begins. The pixels per triangle are unknown, so slices double if they are fast and shrink if they
+/// are slow.
+///
+/// Software drivers store the triangles of a slice until other threads have filled their pixels. So the slices in
+/// flight are limited even without `go_on`. Runs on the thread of the context.
 class DrawPacer {
  public:
-  /// `go_on` may be null. `pixels` is the size of the target.
+  /// Starts a frame. `go_on` returns false to cancel and may be null. `pixels` is the number of pixels of the target.
   DrawPacer(const Gl& gl, const std::function<bool()>& go_on, std::size_t pixels);
   ~DrawPacer();
   DrawPacer(const DrawPacer&) = delete;
@@ -23,9 +25,9 @@ class DrawPacer {
 
   /// Returns the number of primitives that may be drawn before the next `spend`; at least 1.
   [[nodiscard]] std::size_t room() const { return slice_ - spent_; }
-  /// Counts drawn primitives, at most `room()`.
+  /// Counts `primitives` as drawn; at most room().
   void spend(std::size_t primitives);
-  /// Reports whether the rest of the image must not be drawn.
+  /// Reports whether drawing is cancelled. If so, the rest of the image must not be drawn.
   [[nodiscard]] bool given_up() const { return given_up_; }
 
  private:
@@ -33,10 +35,10 @@ class DrawPacer {
 
   const Gl& gl_;
   const std::function<bool()>& go_on_;
-  std::size_t slice_, spent_ = 0;  // primitives
-  Clock::time_point begin_;        // start of the slice
+  std::size_t slice_, spent_ = 0;  // primitives of a slice, and primitives drawn in the current slice
+  Clock::time_point begin_;  // start time of the slice
   bool given_up_ = false;
-  std::array<GLsync, 2> filled_{};  // fences of the last slices; the oldest is at `oldest_`
+  std::array<GLsync, 2> filled_{};  // fences of the last two slices; the older fence is at index oldest_
   std::size_t oldest_ = 0;
 };
 

@@ -15,17 +15,18 @@
 namespace gs::render {
 namespace {
 
-// Bytes of meshes uploaded between two cancellation checks: a large world takes seconds.
+// Bytes of meshes that are uploaded between two calls of `go_on`. The meshes of a large world take seconds.
 constexpr std::size_t kUploadedBetween = std::size_t{4} << 20;
 constexpr float kPointSize = 2;
-constexpr float kMaxDeviation = 0.4f;  // pixels: for a coarser version of a surface
-// Transparent triangles per frame that are sorted within their meshes; farther meshes keep their order.
+constexpr float kMaxDeviation = 0.4f;  // pixels: maximum deviation of a coarser version of a surface
+// Maximum transparent triangles of a frame that are sorted within their meshes. The meshes that are farthest stay
+// unsorted.
 constexpr std::size_t kMaxSorted = std::size_t{1} << 17;
 constexpr const char* kDefines[] = {"LIT",      "NORMALS",  "TEXTURE", "CUT_OUT",      "LOCAL_LIGHTS",
                                     "SPECULAR", "EMISSIVE", "FOG",     "SMOOTH_EDGES", "MASK"};
 
-/// Computes the affine product in double precision, since the difference of two large coordinates must survive;
-/// relative to `origin` in node space.
+/// Computes the matrix from node space, relative to `origin`, to camera space. Uses double precision, because
+/// differences of large coordinates must stay exact.
 void compose(const glm::dmat4& camera_from_world, const glm::dmat4& world_from_node, const glm::vec3& origin,
              float (&rows)[3][4]) {
   for (int row = 0; row < 3; ++row) {
@@ -44,10 +45,10 @@ void compose(const glm::dmat4& camera_from_world, const glm::dmat4& world_from_n
 
 struct Sphere {
   glm::vec3 center;
-  float radius;  // negative if unknown
+  float radius;  // negative if the size is unknown
 };
 
-/// Returns a sphere around the mesh's box in camera space. `rows` comes from `compose`.
+/// Returns a sphere around the mesh's box, in camera space. `rows` comes from compose().
 Sphere bounding_sphere(const Box& bounds, const glm::vec3& origin, const float (&rows)[3][4]) {
   if (bounds.empty()) return {glm::vec3(rows[0][3], rows[1][3], rows[2][3]), -1};
   const glm::vec3 center = bounds.center() - origin, half = bounds.size() * 0.5f;
@@ -83,7 +84,7 @@ std::uint64_t MeshPass::DrawState::packed() const {
 
 std::variant<std::unique_ptr<MeshPass>, ContextError> MeshPass::create(const Gl& gl) {
   std::unique_ptr<MeshPass> pass(new MeshPass(gl));
-  // The variant that nearly every world needs; others are compiled on demand.
+  // Build the variant that nearly all worlds need now. Other variants are built at first use.
   if (!pass->program(kLit | kNormals | kFirstLightBit * LightSets::variant(1))) return ContextError{pass->last_error_};
   return pass;
 }
@@ -137,11 +138,12 @@ std::uint32_t MeshPass::texture_number(const TextureUse& use, const TextureStore
   return number;
 }
 
-/// Returns false if a sphere in camera space is outside the view; a negative radius is never outside.
+/// Returns false if a sphere in camera space is outside of the view. A sphere with negative radius always counts as
+/// inside.
 bool MeshPass::in_view(const glm::vec3& center, float radius, const View& view) {
   const float depth = view.back - center.z;
   if (radius < 0) return std::isfinite(depth);
-  radius *= 1.0001f;  // margin for rounding
+  radius *= 1.0001f;  // margin for rounding errors
   return depth + radius >= view.near_plane && depth - radius <= view.far_plane &&
          (depth * (view.center.x - view.tangents.x) - center.x) * view.low.x <= radius &&
          (depth * (view.center.y - view.tangents.y) - center.y) * view.low.y <= radius &&
@@ -188,7 +190,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
     texture = textures_.find(item.texture.image);
   }
 
-  // VRML97 Tables 4.5 and 4.6; lines and points use the emissive colour (6.24, 6.36).
+  // VRML97 Tables 4.5 and 4.6. Lines and points use the emissive colour (6.24, 6.36).
   DrawState& state = prepared.state;
   if (fog_.on) state.variant |= kFog;
   set(instance.base_color, !material.lit ? glm::vec3(1) : shaded ? material.diffuse : material.emissive);
@@ -202,7 +204,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
     state.variant |= frame_variant_;
     const unsigned lights = LightSets::variant(lights_.count(state.lights));
     state.variant |= kFirstLightBit * lights;
-    // Sets of many lights rarely lack local ones; treating them alike saves a program.
+    // Large sets rarely have only directional lights. Treat all of them as local, which saves a program.
     if (lights >= LightSets::kLoop || !lights_.directional_only(state.lights)) state.variant |= kLocalLights;
     instance.shininess = material.shininess * kShininessScale;
   }
@@ -230,8 +232,9 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   prepared_.push_back(prepared);
 }
 
-/// Returns the drawing layer of an item. Of coincident faces the last one in the file is visible: items that fill the
-/// same sphere and are not batched together are drawn one after the other, and equal depths pass the test.
+/// Returns the drawing layer of an item: later layers are drawn later. Of coincident faces, the last in the file must
+/// be visible. So an item gets a later layer than earlier items with an equal sphere and another state. Equal depths
+/// pass the depth test.
 std::uint32_t MeshPass::layer_of(const glm::vec3& center, float radius, std::uint64_t state) {
   constexpr std::uint32_t kMaxLayers = 8;
   const auto bits = [](float value) { return std::uint64_t{std::bit_cast<std::uint32_t>(value)}; };
@@ -244,14 +247,15 @@ std::uint32_t MeshPass::layer_of(const glm::vec3& center, float radius, std::uin
     if (other->second.center == center && other->second.radius == radius)
       layer = std::max(layer, other->second.layer + (other->second.state == state ? 0 : 1));
   layer = std::min(layer, kMaxLayers);
-  // One entry per layer and state suffices.
+  // One entry per layer and state is sufficient.
   for (auto other = first; other != last; ++other)
     if (other->second.layer == layer && other->second.state == state && other->second.center == center) return layer;
   filled_.insert({key, {center, radius, state, layer}});
   return layer;
 }
 
-/// Returns the variant bits of all lit items, visible or not, so that no program is missing when the viewer turns.
+/// Returns the variant bits of all lit items, including invisible items, so that no program must be built when the
+/// viewer turns.
 unsigned MeshPass::variant_of_all(const RenderList& list) {
   unsigned lights = 0;
   for (const Light& light : list.lights)
@@ -293,7 +297,7 @@ bool MeshPass::prepare(const RenderList& list, const View& view, bool overlays, 
     asked_at = meshes_.uploaded();
   }
 
-  // Within equal state, near items come first, so that hidden pixels are not shaded.
+  // Among equal states, draw near items first, so that hidden pixels are not shaded.
   std::sort(opaque_.begin(), opaque_.end(), [](const SortKey& a, const SortKey& b) {
     return std::tie(a.layer, a.state, a.mesh, a.depth, a.prepared) <
            std::tie(b.layer, b.state, b.mesh, b.depth, b.prepared);
@@ -309,7 +313,7 @@ bool MeshPass::prepare(const RenderList& list, const View& view, bool overlays, 
   return true;
 }
 
-// Sorts the triangles of each transparent mesh into blending order.
+// Sorts the triangles of each transparent mesh into blending order, farthest first.
 void MeshPass::sort_triangles() {
   sorted_indices_.clear();
   std::size_t left = kMaxSorted;
@@ -320,7 +324,7 @@ void MeshPass::sort_triangles() {
     const bool hides_nothing = (mesh.convex && mesh.solid) || mesh.font_size > 0;  // text is flat
     if (prepared.slice->primitive != GL_TRIANGLES || hides_nothing || triangles < 2 || triangles > left) continue;
     left -= triangles;
-    const float* row = prepared.instance.camera_from_node[2];  // the camera looks along -Z: the smallest is farthest
+    const float* row = prepared.instance.camera_from_node[2];  // the camera looks along -Z: the smallest z is farthest
     const glm::vec3 backwards(row[0], row[1], row[2]), origin = prepared.slice->origin;
     const std::uint32_t* index = mesh.indices.data();
     triangle_depths_.resize(triangles);
@@ -417,7 +421,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
 
   fog_ = camera_fog(list.fog, glm::mat3(camera.world_from_camera));
   lights_.begin(list.lights, view.camera_from_world, options.headlight);
-  GLint samples = 0;  // sample count of the actual target
+  GLint samples = 0;  // samples per pixel of the bound target
   gl_.GetIntegerv(GL_SAMPLES, &samples);
   several_samples_ = samples > 1;
   if (!prepare(list, view, overlays, options.go_on)) {
@@ -445,7 +449,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
   std::sort(batches_.begin(), batches_.end(), [](const Batch& a, const Batch& b) {
     return std::tie(a.layer, a.state, a.page, a.depth, a.first) < std::tie(b.layer, b.state, b.page, b.depth, b.first);
   });
-  // Faces are pushed back by the depth change across two pixels, so that lines and points on them are fully visible.
+  // Push faces back by the change of depth over two pixels, so that lines and points on them are fully visible.
   const bool marked = std::any_of(batches_.begin(), batches_.end(), [&](const Batch& one) {
     return prepared_[one.prepared].slice->primitive != GL_TRIANGLES;
   });

@@ -26,23 +26,25 @@
 
 namespace gs::render {
 
-/// Draws the items of a RenderList. Opaque items are grouped: items with the same mesh, texture, lights and shader are
-/// one instanced draw; small texts of one colour are one draw. Transparent items follow from back to front.
+/// Draws the items of a RenderList. Opaque items are grouped: items with equal mesh, texture, lights and shader are one
+/// instanced draw, and small texts of one colour are one draw. Transparent items follow, from back to front.
 class MeshPass {
  public:
   static std::variant<std::unique_ptr<MeshPass>, ContextError> create(const Gl& gl);
 
-  /// Draws the items. `camera` must have near and far planes. Leaves depth writes on, blending and culling off. Calls
-  /// `between` after the opaque and before the transparent items; it may change any state. `surfaces` has the cuts of
-  /// the view; null if there are none. With `overlays`, it draws only overlay items, else only the others. If
-  /// `options.go_on` cancels the frame earlier, `between` is not called.
+  /// Draws the items. `camera` must have near and far planes. Calls `between` after opaque and before transparent
+  /// items; it may change any state. `surfaces` has the cuts of the view, or is null. `overlays` draws only overlay
+  /// items, otherwise only the others.
+  ///
+  /// If `options.go_on` cancels the frame earlier, `between` is not called. Leaves depth writes on, blending and
+  /// culling off.
   void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
             FrameStatistics& statistics, const std::function<void()>& between, const SurfacePass* surfaces,
             bool overlays = false);
 
  private:
-  /// Bits that select a shader variant; each is one #define. Features that cost little when unused are not variants,
-  /// since a software driver takes 0.1 to 0.3 s to compile each.
+  /// Bits that select a shader variant; each bit is one #define. A feature that costs little when unused is no variant,
+  /// because a software driver compiles each variant in 0.1 to 0.3 s.
   enum Variant : unsigned {
     kLit = 1,
     kNormals = 2,
@@ -54,73 +56,73 @@ class MeshPass {
     kFog = 128,
     kSmoothEdges = 256,
     kMask = 512,
-    kFirstLightBit = 1024,  // higher bits hold LightSets::variant
+    kFirstLightBit = 1024,  // from this bit on: LightSets::variant
   };
   struct VariantProgram {
     Program program;
-    bool drawn = false;       // drawn once, so that the driver has finished compiling it
-    std::uint64_t frame = 0;  // last frame for which the projection was set
+    bool drawn = false;  // was used for a draw, so drivers have compiled it
+    std::uint64_t frame = 0;  // frame in which the projection was last set
     GLint clip_from_camera = -1, texture_transform = -1, replaces = -1, eye_back = -1;
     FogUniforms fog;
     LightUniforms lights;
   };
-  /// Texture with its parameters in this frame; number 0 means none.
+  /// Texture with its parameters in this frame. Index 0 means no texture.
   struct TextureBinding {
     const TextureStore::Entry* entry = nullptr;
     bool repeat_s = true, repeat_t = true;
     glm::mat3 transform{1.0f};
   };
   static constexpr std::size_t kUnsorted = SIZE_MAX;
-  /// State shared by all items of one draw, besides the mesh.
+  /// State of a draw, except its mesh. All items of the draw share it.
   struct DrawState {
     unsigned variant = 0;
     bool mirrored = false, cull = false;
     std::uint32_t lights = 0, texture = 0;
     [[nodiscard]] std::uint64_t packed() const;
   };
-  /// Item to draw.
+  /// Item that is ready to draw.
   struct Prepared {
     Instance instance;
     DrawState state;
     const MeshStore::Slice* slice;
     const vrml::Mesh* mesh;
-    glm::vec3 origin{0};             // merged text: origin of its positions
-    std::size_t sorted = kUnsorted;  // start of its triangles in sorted_indices_, farthest first
+    glm::vec3 origin{0};  // for merged text: origin of its positions
+    std::size_t sorted = kUnsorted;  // start of the item's triangles in sorted_indices_, where they are sorted
   };
   struct SortKey {
-    std::uint32_t layer;  // number of opaque items that occupy the same space and are drawn first
+    std::uint32_t layer;  // items with a lower layer are drawn first; see layer_of()
     std::uint64_t state;
     std::uint64_t mesh;
-    float depth;  // metres in front of the camera, of the item's centre
+    float depth;  // depth of the item's centre: metres in front of the camera
     std::uint32_t prepared;
   };
-  /// Items drawn by one call.
+  /// Items that one call draws.
   struct Batch {
     std::uint32_t layer;
     std::uint64_t state;
     std::uint32_t page;
-    float depth;               // of the nearest item
-    std::size_t first, count;  // instances
-    std::uint32_t prepared;    // any of its items
+    float depth;  // depth of the nearest item
+    std::size_t first, count;  // index of the first instance, and number of instances
+    std::uint32_t prepared;  // index of one of its items in prepared_
     std::size_t merged = 0;    // items merged into one slice and one instance; 0 means not merged
   };
-  /// SortKey::mesh of items that are drawn together regardless of their meshes.
+  /// Value of SortKey::mesh for items that are merged, although their meshes differ.
   static constexpr std::uint64_t kMergedMesh = UINT64_MAX;
   struct View {
-    glm::dmat4 camera_from_world;  // of the viewer, `back` in front of the camera
+    glm::dmat4 camera_from_world;  // from world space to the viewer, `back` metres in front of the camera
     float back;
-    bool open;                   // faces are not filled, so that back faces are visible
-    glm::vec2 tangents, center;  // of the half angles of view; of the image centre
-    glm::vec2 low, high;         // 1 / lengths of the plane normals: left and bottom; right and top
+    bool open;  // faces are drawn as lines or points, so back faces are visible
+    glm::vec2 tangents, center;  // tangents of half the angles of view, and of the image centre
+    glm::vec2 low, high;  // 1 / lengths of the normals of the side planes: left and bottom; right and top
     float near_plane, far_plane;
     float pixels;  // pixels per metre at distance 1
     const SurfacePass* surfaces;
   };
 
   explicit MeshPass(const Gl& gl);
-  /// Returns the program of a variant, built at first use; null if the driver rejected it.
+  /// Returns the program of a variant and builds it at first use. Returns null if the driver rejected it.
   VariantProgram* program(unsigned variant);
-  /// Prepares the items. Returns false if `go_on` cancelled the upload of meshes; uploaded ones stay.
+  /// Prepares the items and uploads their meshes. Returns false if `go_on` cancelled this. Uploaded meshes remain.
   [[nodiscard]] bool prepare(const RenderList& list, const View& view, bool overlays,
                              const std::function<bool()>& go_on);
   [[nodiscard]] unsigned variant_of_all(const RenderList& list);
@@ -151,35 +153,35 @@ class MeshPass {
   std::string last_error_;
   std::uint64_t frame_ = 0;
 
-  // State of the frame being drawn; kept for its storage.
+  // State of the current frame. The members keep their memory for the next frame.
   std::vector<Prepared> prepared_;
   std::vector<SortKey> opaque_, transparent_;
   std::vector<Batch> batches_;
   std::vector<Instance> instances_;
   std::vector<std::uint32_t> sorted_indices_;
-  // Vertices and indices of texts; the counts tell how many belong to this frame. The vectors are not cleared, which
-  // would fill them with zeros again.
+  // Vertices and indices of merged texts. Only the counted elements belong to this frame. The vectors are never
+  // cleared, because resizing them would fill them with zeros.
   std::vector<MeshStore::StreamedVertex> text_vertices_;
   std::vector<std::uint32_t> text_indices_;
   std::size_t text_vertex_count_ = 0, text_index_count_ = 0;
-  std::vector<MeshStore::Slice> text_slices_;  // one per run of texts in opaque_
+  std::vector<MeshStore::Slice> text_slices_;  // one slice per run of merged texts in opaque_
   std::vector<std::pair<float, std::uint32_t>> triangle_depths_;
   std::vector<TextureBinding> texture_bindings_;
   std::unordered_multimap<std::uint32_t, std::uint32_t> binding_numbers_;  // by TextureStore::Entry::order
-  struct Filled {                                                          // space occupied by an opaque item
+  struct Filled {  // Sphere of an opaque item, for layer_of().
     glm::vec3 center;
     float radius;
     std::uint64_t state;
     std::uint32_t layer;
   };
-  std::unordered_multimap<std::uint64_t, Filled> filled_;  // by centre and radius
+  std::unordered_multimap<std::uint64_t, Filled> filled_;  // by a hash of centre and radius
   std::shared_ptr<const Image> glyph_picture_;
-  const TextureStore::Entry* glyphs_ = nullptr;  // its texture; null until first used
+  const TextureStore::Entry* glyphs_ = nullptr;  // texture of the glyphs; null before its first use
   bool several_samples_ = false;
   const vrml::Mesh* last_mesh_ = nullptr;
   const MeshStore::Slice* last_slice_ = nullptr;
-  unsigned frame_variant_ = 0;  // bits of all lit items of the frame, so that they share few programs
-  std::uint64_t variant_generation_ = 0, variant_dressed_ = 0;  // list for which items_variant_ was computed
+  unsigned frame_variant_ = 0;  // bits of all lit items of the frame; makes items share programs
+  std::uint64_t variant_generation_ = 0, variant_dressed_ = 0;  // state of the list when items_variant_ was computed
   unsigned items_variant_ = 0;
   VisibleItems visible_;
   CameraFog fog_;

@@ -3,19 +3,19 @@
 #include <algorithm>
 #include <utility>
 
-// Turns batches of items into OpenGL calls.
+// Part of MeshPass that converts batches of items to OpenGL calls.
 namespace gs::render {
 namespace {
 
-// Maximum number of primitives per frame: USE can request more than any driver draws in a day.
+// Maximum primitives of a frame. A world with USE can request more than a driver draws in a day.
 constexpr std::size_t kMaxPrimitives = std::size_t{1} << 28;
 
 std::size_t corners_of(GLenum primitive) { return primitive == GL_TRIANGLES ? 3 : primitive == GL_LINES ? 2 : 1; }
 
 }  // namespace
 
-/// When phases are measured, draws a program's first primitive separately, since drivers compile for a drawing state at
-/// the first draw. Afterwards the whole instance is drawn.
+/// If phases are measured, draws the first primitive of a program separately, because drivers compile for the drawing
+/// state at the first draw. The caller then draws the complete instance.
 void MeshPass::draw_first(const MeshStore::Slice& mesh, std::size_t& first, std::size_t& count, std::size_t primitives,
                           DrawPacer& pacer) {
   const auto corners = static_cast<GLsizei>(corners_of(mesh.primitive));
@@ -33,7 +33,7 @@ void MeshPass::draw_first(const MeshStore::Slice& mesh, std::size_t& first, std:
   --count;
 }
 
-/// Draws `count` instances of a mesh from number `first`, in slices, until the pacer cancels.
+/// Draws `count` instances of a mesh from index `first` on, in slices, until the pacer cancels.
 void MeshPass::draw_slices(const MeshStore::Slice& mesh, std::size_t primitives, std::size_t first, std::size_t count,
                            DrawPacer& pacer) {
   while (count > 0 && !pacer.given_up()) {
@@ -46,7 +46,7 @@ void MeshPass::draw_slices(const MeshStore::Slice& mesh, std::size_t primitives,
       count -= some;
       continue;
     }
-    // One instance is too large; draw parts of its primitives.
+    // One instance is too large for a slice, so draw parts of its primitives.
     const std::size_t corners = corners_of(mesh.primitive);
     MeshStore::Slice part = mesh;
     for (std::size_t drawn = 0; drawn < primitives && !pacer.given_up();) {
@@ -90,7 +90,7 @@ void MeshPass::draw_batches(const Projection& projection, FrameStatistics& stati
   }
 }
 
-/// Darkens the edges of the triangles just drawn.
+/// Darkens the edges of the triangles that were drawn before.
 void MeshPass::draw_edges(const Projection& projection, DrawPacer& pacer) {
   constexpr float kDarker = 0.45f;
   gl_.PolygonMode(GL_FRONT_AND_BACK, GL_LINE);

@@ -7,11 +7,12 @@
 #include <cmath>
 #include <span>
 
-// Merges small texts of a few rectangles each into one draw, since a call takes longer than the vertices of a label.
+// Part of MeshPass that merges small texts into one draw. A draw call for each label would take longer than its few
+// vertices.
 namespace gs::render {
 namespace {
 
-/// Returns the normal of a flat mesh in camera space, towards the viewer, as the vertex shader transforms normals.
+/// Returns the normal of a flat mesh in camera space, towards the viewer. Transforms it as the vertex shader does.
 glm::vec3 facing_normal(const vrml::Mesh& mesh, const float (&rows)[3][4], const glm::vec3& center) {
   glm::vec3 x(rows[0][0], rows[0][1], rows[0][2]), y(rows[1][0], rows[1][1], rows[1][2]),
       z(rows[2][0], rows[2][1], rows[2][2]);
@@ -37,7 +38,7 @@ bool MeshPass::find_glyphs() {
   return glyphs_ != nullptr;
 }
 
-/// Prepares a text with a single colour in all pixels, so that it needs neither lights nor an instance; its mesh is not
+/// Prepares a text with one colour in all pixels. Such a text needs no lights and no instance, and its mesh is not
 /// uploaded. Returns false for other texts.
 bool MeshPass::prepare_text(const DrawItem& item, const glm::vec3& center, float radius, const glm::vec3& origin,
                             Prepared& prepared) {
@@ -80,7 +81,7 @@ void MeshPass::add_text(const Prepared& prepared) {
   room(text_indices_, text_index_count_ + corners);
   const glm::vec3* positions = mesh.positions.data();
   const glm::vec2* places = mesh.texture_coordinates.data();
-  // Local copies, since written floats might alias the members.
+  // Copy the row: the compiler must assume that writing floats changes members.
   const auto row = [&](int axis) {
     const auto& r = prepared.instance.camera_from_node[axis];
     return glm::vec4(r[0], r[1], r[2], r[3]);
@@ -103,8 +104,8 @@ void MeshPass::add_text(const Prepared& prepared) {
   text_index_count_ += corners;
 }
 
-/// Transforms the triangles of the texts to camera space, one slice per layer and state, nearest first. Appends an
-/// identity instance for them.
+/// Transforms the triangles of the merged texts to camera space. Makes one slice per layer and state, nearest text
+/// first. Appends one identity instance for all slices.
 void MeshPass::merge_texts() {
   text_vertex_count_ = text_index_count_ = 0;
   text_slices_.clear();

@@ -10,20 +10,20 @@ namespace gs::render {
 namespace {
 
 constexpr unsigned kNormals = 1, kColors = 2, kTextureCoordinates = 4;
-// Larger meshes get a page of exactly their size.
+// maximum vertices of a mesh that shares a page; a larger mesh has a page of its size
 constexpr std::size_t kLargestShared = 16 * 1024;
-constexpr std::size_t kSmallestPage = 8 * 1024, kLargestPage = 256 * 1024;  // vertices
-constexpr std::size_t kIndicesPerVertex = 6;                                // of a page; a closed surface has about 6
+constexpr std::size_t kSmallestPage = 8 * 1024, kLargestPage = 256 * 1024;  // vertices of a shared page
+constexpr std::size_t kIndicesPerVertex = 6;  // of a page; closed surfaces have about 6
 
-// Attribute locations, as named in shaders.h.
+// Attribute locations in the vertex shader (shaders.h).
 enum Location : GLuint { kPosition, kNormal, kColor, kTextureCoordinate, kFirstInstance };
 constexpr GLuint kInstanceVectors = sizeof(Instance) / (4 * sizeof(float));
 
-/// One array of a vertex buffer; the buffer contains all positions, then all normals, and so on.
+/// One array in a vertex buffer. The buffer has all positions, then all normals, and so on.
 struct ArrayPlace {
   Location location;
   GLint components;
-  std::size_t offset;  // bytes
+  std::size_t offset;  // byte offset in the buffer
 };
 
 struct Layout {
@@ -66,7 +66,7 @@ bool indices_in_range(const vrml::Mesh& mesh) {
 }  // namespace
 
 glm::vec3 local_origin(const Box& bounds) {
-  constexpr float kFar = 8;  // times the half extent; below, differences are exact
+  constexpr float kFar = 8;  // distance from 0, in half extents, up to which float differences are exact enough
   if (bounds.empty()) return glm::vec3(0);
   const glm::vec3 center = bounds.center(), half = bounds.size() * 0.5f;
   const float extent = std::max({half.x, half.y, half.z});
@@ -75,13 +75,13 @@ glm::vec3 local_origin(const Box& bounds) {
 }
 
 MeshStore::MeshStore(const Gl& gl) : gl_(gl), instances_(make_buffer(gl)), sorted_indices_(make_buffer(gl)) {
-  // Value for meshes without colours: w = 0, whereas arrays of three components have w = 1.
+  // Colour of meshes without colours: w is 0. Colour arrays have three components, so their w is 1.
   gl.VertexAttrib4f(kColor, 0, 0, 0, 0);
 }
 
 const MeshStore::Slice* MeshStore::find(const std::shared_ptr<const vrml::Mesh>& mesh) {
   Entry& entry = entries_[mesh.get()];
-  // An expired entry belonged to another mesh at the same address.
+  // If the mesh has expired, the entry belonged to another mesh at this address.
   if (entry.mesh.expired()) {
     release(entry);
     entry.mesh = mesh;
@@ -136,7 +136,7 @@ bool MeshStore::place(unsigned format, std::size_t vertices, std::size_t indices
     if (!add_page(format, vertices, indices)) return false;
     return place_in(bound_page_, vertices, indices, entry);
   }
-  std::size_t largest = 0;  // largest page of this format; the next one is twice as large
+  std::size_t largest = 0;  // vertices of the largest page with this format; the next page is twice as large
   for (std::uint32_t i = 0; i < pages_.size(); ++i) {
     if (!pages_[i] || pages_[i]->format != format || pages_[i]->vertices > kLargestPage) continue;
     largest = std::max(largest, pages_[i]->vertices);
@@ -148,7 +148,7 @@ bool MeshStore::place(unsigned format, std::size_t vertices, std::size_t indices
   return place_in(bound_page_, vertices, indices, entry);
 }
 
-/// Makes and binds a page. Returns false if the driver lacks memory.
+/// Makes a page and binds it. Returns false if the driver has too little memory.
 bool MeshStore::add_page(unsigned format, std::size_t vertices, std::size_t indices) {
   auto page = std::make_unique<Page>();
   page->format = format;
@@ -301,7 +301,7 @@ void MeshStore::draw(const Slice& slice, std::size_t first, std::size_t count) {
                                         static_cast<GLsizei>(count), slice.base_vertex);
   }
   if (slice.sorted)
-    // Restores the vertex array's index buffer.
+    // Restore the index buffer of the page's vertex array.
     gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, pages_[slice.page]->index_buffer.name());
 }
 

@@ -10,7 +10,7 @@
 namespace gs::render {
 namespace {
 
-/// Returns the world-space box, enlarged for rounding; empty if unknown.
+/// Returns the item's box in world space, enlarged for rounding errors. Returns an empty box if unknown.
 Box box_of(const DrawItem& item) {
   constexpr double kRounding = 1e-6;
   Box box;
@@ -32,7 +32,7 @@ Box box_of(const DrawItem& item) {
 Frustum::Frustum(const glm::dmat4& camera_from_world, const glm::vec2& tangents, double near_plane, double far_plane,
                  const glm::vec2& center) {
   const glm::dvec2 low = glm::dvec2(center) - glm::dvec2(tangents), high = glm::dvec2(center) + glm::dvec2(tangents);
-  // Camera space, which looks along -Z.
+  // Planes in camera space; the camera looks along -Z.
   const std::array<std::pair<glm::dvec3, double>, 6> functions = {{{{0, 0, -1}, -near_plane},
                                                                    {{0, 0, 1}, far_plane},
                                                                    {{-1, 0, -high.x}, 0},
@@ -48,7 +48,7 @@ Frustum::Frustum(const glm::dmat4& camera_from_world, const glm::vec2& tangents,
 }
 
 bool Frustum::misses(const glm::vec3& lower, const glm::vec3& upper) const {
-  constexpr double kSlack = 1 + 1e-4;  // margin for the rounding of later tests
+  constexpr double kSlack = 1 + 1e-4;  // margin for rounding errors of later tests
   for (const Plane& plane : planes) {
     double nearest = plane.offset, size = 0;
     for (int i = 0; i < 3; ++i) {

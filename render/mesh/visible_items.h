@@ -14,7 +14,7 @@
 
 namespace gs::render {
 
-/// View frustum: the points of world space where all of these linear functions are at least 0.
+/// View frustum in world space. A point is inside if all these linear functions of it are at least 0.
 struct Frustum {
   struct Plane {
     glm::dvec3 normal{0};
@@ -22,31 +22,35 @@ struct Frustum {
   };
   std::array<Plane, 6> planes;
 
-  /// `tangents` are those of the half angles of view; `center` is that of the image centre.
+  /// Makes the frustum of a camera. `tangents` are those of half the angles of view, `center` those of the image
+  /// centre.
   Frustum(const glm::dmat4& camera_from_world, const glm::vec2& tangents, double near_plane, double far_plane,
           const glm::vec2& center = glm::vec2(0));
-  /// Returns true only if the box is outside. May return false for a box outside.
+  /// Returns true only if the box is outside of the frustum. May return false for a box outside.
   [[nodiscard]] bool misses(const glm::vec3& lower, const glm::vec3& upper) const;
 };
 
-/// Finds the items of large lists that may be in view, by a tree of their boxes. A frame's cost thus depends on the
-/// visible items. It builds the tree for the second frame of a list that reports changes (RenderList::generation) and
-/// is mostly static; moved items are tested one by one. Caches several lists. Single-threaded.
+/// Finds the items of a large list that may be in view, with a tree of their boxes. So the cost of a frame depends on
+/// the visible items.
+///
+/// The list must report changes (RenderList::generation) and be mostly static. The tree is built in the second frame.
+/// Moved items are tested one by one. Keeps the trees of several lists. One thread.
 class VisibleItems {
  public:
-  static constexpr std::size_t kMinItems = 1024;  // minimum size of a list for a tree
+  static constexpr std::size_t kMinItems = 1024;  // minimum items of a list that gets a tree
 
-  /// Returns item indices in the order of the list; null means all items. Valid until the next call.
+  /// Returns the indices of items that may be in view, in the order of the list. Null means all items. Valid until the
+  /// next call.
   [[nodiscard]] const std::vector<std::uint32_t>* find(const RenderList& list, const Frustum& frustum);
 
  private:
   struct Kept {
-    std::uint64_t generation = 0, used = 0;  // used: number of the last call
-    std::size_t told = 0;                    // entries of RenderList::moved that were handled
-    std::size_t quiet = 0;                   // calls since many items moved
+    std::uint64_t generation = 0, used = 0;  // used: serial number of the last call with this list
+    std::size_t told = 0;  // number of entries of RenderList::moved that were processed
+    std::size_t quiet = 0;  // number of calls after many items moved
     bool made = false;
     BoxTree tree;
-    std::vector<std::uint32_t> loose;  // items that are not, or no longer, in the tree
+    std::vector<std::uint32_t> loose;  // items that are not in the tree
     std::vector<bool> is_loose;
   };
   static constexpr std::size_t kMaxKept = 4, kQuiet = 30;

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t kBins = 16;
 
-// Halves first, since a box may span the float range.
+// Halve before adding, because the sum of two floats could overflow.
 glm::vec3 middle_of(const Box& box) { return box.empty() ? glm::vec3(0) : box.lower * 0.5f + box.upper * 0.5f; }
 
 double half_area(const Box& box) {
@@ -18,8 +18,9 @@ double half_area(const Box& box) {
 
 }  // namespace
 
-// Splits entries at the plane through box centres with the lowest sum of area times count, among planes across the
-// longest axis. Splits in halves if requested or if no plane separates them. Returns the size of the first part.
+// Splits entries into two parts and returns the size of the first. Tests planes across the longest axis of the box
+// centres. Uses the plane with the lowest sum of area times count. Splits in halves if `halves`, or if no plane
+// separates the centres.
 std::size_t BoxTree::part(Entry* entries, std::size_t count, bool halves) {
   Box middles;
   for (std::size_t i = 0; i < count; ++i) middles.add(middle_of(entries[i].box));
@@ -41,7 +42,7 @@ std::size_t BoxTree::part(Entry* entries, std::size_t count, bool halves) {
       bin.box.add(entries[i].box);
       ++bin.count;
     }
-    std::array<double, kBins> costs{};  // cost of the entries before each bin
+    std::array<double, kBins> costs{};  // cost of all entries before each bin
     Bin sum;
     for (std::size_t i = 0; i + 1 < kBins; ++i) {
       sum.box.add(bins[i].box);
@@ -75,7 +76,7 @@ std::size_t BoxTree::part(Entry* entries, std::size_t count, bool halves) {
 BoxTree::BoxTree(std::vector<Entry> entries) {
   struct Open {
     std::size_t first, count;
-    std::uint32_t parent, depth;  // parent: node with this as second child, or kNobody
+    std::uint32_t parent, depth;  // parent: index of the node for which this is the second child, or kNobody
   };
   constexpr std::uint32_t kNobody = UINT32_MAX;
   if (entries.empty()) return;

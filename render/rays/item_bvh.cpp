@@ -12,7 +12,7 @@ namespace gs::render {
 namespace {
 
 constexpr std::size_t kMaxRefits = 64;
-constexpr std::size_t kMaxTriangles = std::size_t{1} << 24;  // total size of meshes with cached trees
+constexpr std::size_t kMaxTriangles = std::size_t{1} << 24;  // maximum triangles of all meshes with cached trees
 
 bool is_finite(const glm::dmat4& m) {
   double sum = 0;
@@ -20,7 +20,7 @@ bool is_finite(const glm::dmat4& m) {
   return sum == 0;
 }
 
-/// Returns the world-space box, enlarged for rounding. Empty if nothing can be hit.
+/// Returns the item's box in world space, enlarged for rounding errors. Returns an empty box if the item cannot be hit.
 Box world_box(const DrawItem& item) {
   Box box;
   if (!item.mesh || item.mesh->empty() || item.mesh->primitive != vrml::Mesh::Primitive::triangles) return box;
@@ -43,7 +43,7 @@ Box world_box(const DrawItem& item) {
 bool is_sought(const DrawItem& item, Sought sought) {
   switch (sought) {
     case Sought::met:
-      return item.collidable && !item.overlay;  // overlays move with the viewer and never block
+      return item.collidable && !item.overlay;  // overlays move with the viewer, so they are never obstacles
     case Sought::overlay:
       return item.visible && item.overlay;
     default:
@@ -91,13 +91,13 @@ std::size_t ItemBvh::bytes() const {
 void ItemBvh::update(const RenderList& list) {
   const bool counted = list.items.size() == items_.size();
   bool changed = !counted;
-  std::size_t others = 0;  // items with another mesh
+  std::size_t others = 0;  // number of items with a new mesh
   items_.resize(list.items.size());
   boxes_.resize(list.items.size());
   for (std::size_t i = 0; i < list.items.size(); ++i) {
     const DrawItem& item = list.items[i];
     Item& known = items_[i];
-    // NaN never compares equal, so such items are updated each time.
+    // A matrix with NaN never compares equal, so its item is updated each time.
     const bool same_mesh = !known.mesh.owner_before(item.mesh) && !item.mesh.owner_before(known.mesh);
     if (counted && same_mesh && known.world_from_node == item.world_from_node) continue;
     others += same_mesh ? 0 : 1;
@@ -113,7 +113,7 @@ void ItemBvh::update(const RenderList& list) {
     triangles_ -= entry.second.triangles;
     return true;
   });
-  // A list that was collected anew has little in common with the old tree.
+  // If most meshes are new, the list was collected again, so build a new tree instead of refitting the old one.
   if (counted && others <= list.items.size() / 8 && ++refits_ <= kMaxRefits) {
     tree_.refit(boxes_);
     return;
@@ -124,7 +124,8 @@ void ItemBvh::update(const RenderList& list) {
   tree_ = BoxTree(std::move(entries));
 }
 
-// A new mesh may have the address of a deleted one; the weak pointer has then expired.
+// Returns the tree of a mesh and starts to build it if necessary. A new mesh may have the address of a deleted mesh;
+// the weak pointer has then expired.
 std::shared_ptr<ItemBvh::Tree> ItemBvh::tree_of(const std::shared_ptr<const vrml::Mesh>& mesh,
                                                 std::size_t max_triangles) {
   const auto known = meshes_.find(mesh.get());
@@ -240,7 +241,7 @@ std::vector<WorldTriangle> ItemBvh::near(const RenderList& list, const glm::dvec
     glm::dvec3 extent(0);
     for (int i = 0; i < 3; ++i) extent += glm::abs(glm::dvec3(node_from_world[i])) * half[i];
     const vrml::Mesh& mesh = *searched.mesh;
-    // Without a tree most triangles are far away, which their own coordinates show.
+    // Without a tree, skip triangles outside of the box, tested in node space. Most triangles are far away.
     const glm::dvec3 least_inside = inside - extent, greatest_inside = inside + extent;
     const auto is_near = [&](std::uint32_t triangle) {
       const std::uint32_t* corners = mesh.indices.data() + std::size_t{3} * triangle;
@@ -260,7 +261,7 @@ std::vector<WorldTriangle> ItemBvh::near(const RenderList& list, const glm::dvec
         least = glm::min(least, met.corners[i]);
         greatest = glm::max(greatest, met.corners[i]);
       }
-      bool touches = true;  // false for NaN
+      bool touches = true;  // becomes false if a corner is NaN
       for (int i = 0; i < 3; ++i) touches = touches && least[i] <= upper[i] && greatest[i] >= lower[i];
       if (touches) found.push_back(met);
       return found.size() < most;

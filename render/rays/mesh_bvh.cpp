@@ -9,7 +9,7 @@ namespace gs::render {
 namespace {
 
 // Tests a triangle (Moeller and Trumbore). A line through an edge, within rounding, hits both adjacent triangles, so
-// that it cannot pass between them.
+// that no line passes between them.
 void meet_triangle(const vrml::Mesh& mesh, std::uint32_t triangle, const SightLine& line,
                    std::optional<TriangleHit>& nearest) {
   constexpr double kEdge = 1e-9;

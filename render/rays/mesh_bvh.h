@@ -10,34 +10,34 @@ namespace gs::render {
 
 /// Hit of a line on a triangle of a mesh.
 struct TriangleHit {
-  double distance = 0;         // in lengths of the line's direction
-  std::uint32_t triangle = 0;  // triangle index: its corners are at indices[3 * triangle] and the next two
-  glm::dvec3 weights{0};       // barycentric, each 0 to 1, sum 1
+  double distance = 0;  // multiple of the length of the line's direction
+  std::uint32_t triangle = 0;  // index of the triangle; its corners are indices[3 * triangle] and the next two
+  glm::dvec3 weights{0};  // barycentric coordinates of the hit: each from 0 to 1, sum 1
 };
 
-/// Bounding volume hierarchy of a mesh's triangles. Takes about 20 bytes per triangle, plus 32 while it is built in
-/// about half a second per million. Ignores triangles with non-finite corners. A plain value that does not hold the
-/// mesh.
+/// Bounding volume hierarchy of a mesh's triangles. Takes about 20 bytes per triangle, and 32 more while it is built.
+/// Building takes about half a second per million triangles. Ignores triangles with corners that are not finite. Does
+/// not hold the mesh.
 class MeshBvh {
  public:
   explicit MeshBvh(const vrml::Mesh& mesh);
 
-  /// Returns the nearest triangle from either side; at equal distance, the first one. `mesh` must be the triangle mesh
-  /// that the tree was built from; `line` is in its space.
+  /// Returns the nearest hit, from either side. At equal distances, returns the first triangle. `mesh` must be the mesh
+  /// from which the tree was built. `line` is in the mesh's space.
   [[nodiscard]] std::optional<TriangleHit> nearest(const vrml::Mesh& mesh, const SightLine& line) const;
-  /// Calls `meet(triangle)` for triangles that may touch the box `lower` to `upper` in mesh space, until it returns
-  /// false.
+  /// Calls `meet(triangle)` for triangles that may touch the box from `lower` to `upper`, in the mesh's space. Stops if
+  /// `meet` returns false.
   template <class Meet>
   void near(const vrml::Mesh& mesh, const glm::dvec3& lower, const glm::dvec3& upper, const Meet& meet) const;
   [[nodiscard]] std::size_t bytes() const { return tree_.bytes(); }
 
  private:
-  static constexpr std::size_t kFewTriangles = 32;  // meshes up to this size are searched linearly
+  static constexpr std::size_t kFewTriangles = 32;  // meshes with at most this number of triangles need no tree
 
-  BoxTree tree_;  // empty for few triangles
+  BoxTree tree_;  // empty if the mesh has few triangles
 };
 
-/// Finds the nearest triangle by linear search.
+/// Finds the nearest hit by testing all triangles.
 [[nodiscard]] std::optional<TriangleHit> nearest_of_all(const vrml::Mesh& mesh, const SightLine& line);
 
 template <class Meet>

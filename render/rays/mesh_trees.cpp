@@ -26,7 +26,7 @@ std::shared_ptr<MeshTrees::Tree> MeshTrees::find(const std::shared_ptr<const vrm
       return std::move(known.mapped().tree);
   }
   auto tree = std::make_shared<Tree>();
-  // The thread owns its data, and nothing waits for it.
+  // The thread owns its data. No code waits for it, even at the end of the program.
   std::thread([tree, mesh] {
     tree->tree.emplace(*mesh);
     tree->ready = true;

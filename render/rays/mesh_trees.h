@@ -11,22 +11,23 @@
 
 namespace gs::render {
 
-/// Trees of large meshes, which take longer than a frame to build. They are built on separate threads, or on the thread
-/// that makes the mesh. Thread-safe.
+/// Trees of large meshes. Building one takes longer than a frame, so other threads do it, or the thread that makes the
+/// mesh. Thread-safe.
 class MeshTrees {
  public:
-  static constexpr std::size_t kLargeMesh = 100'000;  // triangles; smaller meshes are handled by the caller
+  static constexpr std::size_t kLargeMesh = 100'000;  // minimum triangles; callers handle smaller meshes
 
   struct Tree {
     std::atomic<bool> ready = false;
-    std::optional<MeshBvh> tree;  // valid once ready
+    std::optional<MeshBvh> tree;  // valid if `ready`
   };
-  /// Builds the tree of a mesh that will be shown soon, if a search used large meshes recently. Returns when it is
-  /// complete.
+  /// Builds the tree of a mesh that will soon be visible, unless no search used large meshes recently. Returns when the
+  /// tree is complete.
   void prepare(const std::shared_ptr<const vrml::Mesh>& mesh);
-  /// Returns the tree of a large mesh, which may not be ready yet. The caller keeps it alive.
+  /// Returns the tree of a large mesh, and starts to build it if it is missing. The tree may not be ready yet. The
+  /// caller must hold it.
   [[nodiscard]] std::shared_ptr<Tree> find(const std::shared_ptr<const vrml::Mesh>& mesh);
-  /// Reports that a search uses trees of large meshes.
+  /// Records that a search uses trees of large meshes.
   void ask() { asked_ = kLately; }
 
  private:
@@ -34,7 +35,7 @@ class MeshTrees {
     std::weak_ptr<const vrml::Mesh> mesh;
     std::shared_ptr<Tree> tree;
   };
-  static constexpr int kLately = 8;  // number of meshes
+  static constexpr int kLately = 8;  // number of prepare() calls for which a search counts as recent
 
   std::atomic<int> asked_ = 0;
   std::mutex mutex_;

@@ -20,19 +20,19 @@ namespace gs::render {
 namespace {
 
 constexpr std::size_t kPickedRange = 65536;  // vectors per task
-constexpr std::size_t kPickedBlock = 256;    // vectors tested together
-constexpr float kDiagonal = 1.7321f;         // of a cube with edge 1
-constexpr float kBeam = 4;                   // pixels around the ray in which a cut is as fine as in the image
-constexpr float kMinOpacity = 0.01f;         // minimum opacity of a hit volume
-constexpr float kVolumeReach = 4.5f;         // squared distance, in spacings, beyond which opacity is negligible
+constexpr std::size_t kPickedBlock = 256;  // vectors that are tested together
+constexpr float kDiagonal = 1.7321f;  // diagonal of a cube with edge 1
+constexpr float kBeam = 4;  // half width in pixels of the beam around the ray in which the cut is fine
+constexpr float kMinOpacity = 0.01f;  // minimum opacity of a volume that can be hit
+constexpr float kVolumeReach = 4.5f;  // square of the distance, in spacings, beyond which opacity is negligible
 constexpr float kMinDeterminant = 1e-30f;
 
-/// Ray in a point set's space.
+/// Ray in the space of a point set.
 struct NodeRay {
-  glm::vec3 origin, direction;  // the length of `direction` is one world unit
+  glm::vec3 origin, direction;  // `direction` is one world unit long
   glm::vec3 across, up;         // unit vectors, orthogonal to `direction` and to each other
-  float along = 0;              // along * dot(p - origin, direction) is the distance of p
-  float sample = 0;             // width of a pixel at distance 1, in node units
+  float along = 0;  // `along` * dot(p - origin, direction) is the distance of a point p, in node units
+  float sample = 0;  // in node units: width of a pixel at distance 1
   float farthest = 0;
 };
 
@@ -64,21 +64,21 @@ std::optional<NodeRay> in_node(const PickRay& ray, const glm::dmat4& world_from_
   return node;
 }
 
-/// Finds the nearest splat hit by a ray in a part of a point set.
+/// Finds the nearest splat that a ray hits, in a range of a point set.
 class DiscPicker {
  public:
   DiscPicker(const qnv::Splats& splats, float growth, bool two_sided, const NodeRay& ray)
       : splats_(splats), growth_(growth), two_sided_(two_sided), ray_(ray) {}
 
-  /// Returns the nearest hit before `nearest`, or `nearest`.
+  /// Returns the nearest hit if it is nearer than `nearest`. Otherwise returns `nearest`.
   [[nodiscard]] DiscPick run(std::size_t first, std::size_t last, DiscPick nearest) const {
     splats_.cells.empty() ? discs(first, last, nearest) : cubes(first, last, nearest);
     return nearest;
   }
 
  private:
-  // The hit on a splat's plane is within the splat's reach from its centre, so the ray passes no farther from the
-  // centre. This rejects nearly all splats without unpredictable branches.
+  // Finds hits on splats without cubes. A quick test rejects nearly all splats without unpredictable branches: the ray
+  // must pass the centre within the splat's reach.
   void discs(std::size_t first, std::size_t last, DiscPick& nearest) const {
     const glm::vec3* positions = splats_.positions.data();
     const float* weights = splats_.weights.data();
@@ -86,7 +86,7 @@ class DiscPicker {
                 least = ray_.sample * splat::kMinReach;
     const glm::vec3 origin = ray_.origin, across = ray_.across, up = ray_.up,
                     forward = ray_.direction * (ray_.along * least);
-    std::array<float, kPickedBlock> outside;  // > 0: the ray misses
+    std::array<float, kPickedBlock> outside;  // positive if the ray misses the splat
     for (std::size_t begin = first; begin < last; begin += kPickedBlock) {
       const std::size_t count = std::min(kPickedBlock, last - begin);
       for (std::size_t i = 0; i < count; ++i) {
@@ -120,7 +120,7 @@ class DiscPicker {
     }
   }
 
-  /// Exact test, by the definition in tests/render/rays/raycast.h.
+  /// Tests a splat exactly, by the definition in tests/render/rays/raycast.h.
   void exact(std::size_t i, DiscPick& nearest) const {
     const glm::vec3 place = splats_.positions[i] - ray_.origin;
     const glm::vec3& normal = splats_.normals[i];
@@ -141,7 +141,7 @@ class DiscPicker {
                                      : std::max(cube.edge * splat::kCubeMargin, sample * splat::kSampleMargin);
       reach = std::max(cube.edge * 0.5f + margin, sample * splat::kMinReach);
     }
-    // Splats with a non-finite size are not drawn.
+    // A splat with a size that is not finite is not drawn.
     if (!(radius > 0 && std::isfinite(radius) && std::isfinite(reach))) return;
     const bool hit = splats_.cells.empty() ? glm::dot(off, off) < reach * reach
                                            : std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}) < reach;
@@ -162,7 +162,7 @@ bool can_be_picked(const Vectors& vectors) {
          (vectors.cells.empty() || vectors.cells.size() == vectors.size());
 }
 
-/// Returns a thin pyramid around the ray in which the stream is as fine as in the image.
+/// Returns a thin pyramid around the ray. A cut for it is as fine as in the image.
 qnv::LodView view_along(const PickRay& ray, const glm::dmat4& world_from_node, const NodeRay& node,
                         std::size_t budget) {
   qnv::LodView view;
@@ -179,12 +179,12 @@ qnv::LodView view_along(const PickRay& ray, const glm::dmat4& world_from_node, c
   return view;
 }
 
-/// Volume vector near the ray.
+/// Effect of one volume vector on the ray.
 struct Veil {
   float depth, alpha;
 };
 
-/// Finds the volume vectors near the ray in a range.
+/// Finds the volume vectors near a ray, in a range of a point set.
 class VeilFinder {
  public:
   VeilFinder(const qnv::Volume& volume, const VolumeModel& model, const VolumeOptions& options,
@@ -195,7 +195,7 @@ class VeilFinder {
     usable_ = std::abs(determinant) > static_cast<double>(kMinDeterminant) && std::isfinite(determinant);
     scale_ = static_cast<float>(std::cbrt(std::abs(determinant)));
     const glm::vec3 across = any_perpendicular(ray.direction), up = glm::cross(ray.direction, across);
-    // Rows that transform a node position to ray-relative world coordinates.
+    // Rows that transform a position from node space to world units relative to the ray.
     const glm::dvec3 from = glm::dvec3(world_from_node[3]) - ray.origin;
     const auto row = [&](const glm::vec3& axis) {
       return glm::vec4(glm::vec3(transposed * glm::dvec3(axis)), static_cast<float>(glm::dot(glm::dvec3(axis), from)));
@@ -236,7 +236,7 @@ class VeilFinder {
   glm::vec4 across_{0}, up_{0}, forward_{0};
 };
 
-/// Returns the depth at which `taken` of the light is absorbed; `veils` are sorted.
+/// Returns the depth at which the share `taken` of the light is absorbed. `veils` must be sorted by depth.
 float depth_where(const std::vector<Veil>& veils, float taken) {
   float clear = 1;
   for (const Veil& veil : veils) {
@@ -256,7 +256,7 @@ std::optional<DiscPick> pick_disc(const qnv::Geometry& geometry, const glm::dmat
   if (const auto* octree = geometry.as<qnv::OctreeSplats>()) {
     const qnv::LodView view = view_along(ray, world_from_node, *node, limits.level_vectors);
     const std::vector<qnv::Piece> pieces = octree->stream->cut(view);
-    octree->stream->forget(kPickViewport);  // the next ray is unrelated
+    octree->stream->forget(kPickViewport);  // the next ray may be elsewhere, so keep no cut
     for (const qnv::Piece& piece : pieces) {
       if (!can_be_picked(*piece.splats)) continue;
       const DiscPicker picker(*piece.splats, 1, piece.splats->description.two_sided, *node);

@@ -21,29 +21,31 @@ struct PickRay {
   float farthest = std::numeric_limits<float>::infinity();  // maximum distance of a hit
 };
 
-/// Work limits of a ray per point set.
+/// Limits of the work for one ray, per point set.
 struct PickLimits {
-  std::size_t vectors = std::size_t{1} << 23;        // for larger point sets, the first ones, enlarged, represent all
-  std::size_t level_vectors = std::size_t{1} << 18;  // point sets with levels: size of the cut along the ray
+  std::size_t vectors = std::size_t{1} << 23;  // of a larger point set, the first ones represent all
+  std::size_t level_vectors = std::size_t{1} << 18;  // point sets with levels: maximum vectors of a cut
   unsigned threads = 0;
 };
 
-/// Nearest splat of a surface hit by a ray.
+/// Nearest hit of a ray on the splats of a surface.
 struct DiscPick {
-  float distance = 0;              // world units
-  std::optional<qnv::Rgb8> color;  // of the splat itself; nullopt means that of the point set
+  float distance = 0;  // distance in world units
+  std::optional<qnv::Rgb8> color;  // colour of the splat; nullopt means that the point set has no colours per vector
 };
 
-/// Returns the nearest splat of a surface on the ray: the distance in world units, and the splat's colour. The hit is
-/// the one that an image sample shows by the definition in tests/render/rays/raycast.h, with splats no smaller than
-/// drawn ones. Back-facing splats count only if the point set is two-sided. Accepts any affine matrix; returns nullopt
-/// if the point set's arrays are inconsistent or the matrix is singular.
+/// Returns the nearest splat of a surface on the ray. It is the splat that an image sample shows, by the definition in
+/// tests/render/rays/raycast.h. Small splats are enlarged as in images. Back faces can be hit only if the point set is
+/// two-sided.
 ///
-/// For a point set with levels it decodes the cut along the ray, like LodStream::cut for the viewport kPickViewport;
-/// call it on the drawing thread. Otherwise it tests every splat in about 6 ns. Accepts any numbers.
+/// If the point set has levels, decodes the cut along the ray, like LodStream::cut for the viewport kPickViewport. Call
+/// it on the drawing thread. Otherwise, tests all splats, in about 6 ns each.
+///
+/// Accepts any numbers and any affine matrix. Returns nullopt if the arrays of the point set are inconsistent or the
+/// matrix is singular.
 [[nodiscard]] std::optional<DiscPick> pick_disc(const qnv::Geometry& geometry, const glm::dmat4& world_from_node,
                                                 const PickRay& ray, const PickLimits& limits = {});
-/// Returns only the distance.
+/// Returns the distance of pick_disc() in world units.
 [[nodiscard]] inline std::optional<float> pick_surface(const qnv::Geometry& geometry, const glm::dmat4& world_from_node,
                                                        const PickRay& ray, const PickLimits& limits = {}) {
   const auto hit = pick_disc(geometry, world_from_node, ray, limits);
@@ -53,14 +55,16 @@ inline constexpr std::uint32_t kPickViewport = 0xFFFFFFFF;
 
 /// Hit of a ray on a volume.
 struct VolumePick {
-  float distance = 0;  // world units: where half of the light, or half of the total absorption, is absorbed
-  float opacity = 0;   // of the volume along the whole ray, 0..1
+  float distance = 0;  // world units: depth where half of the light, or half of the total absorption, is absorbed
+  float opacity = 0;  // opacity of the volume along the whole ray, 0 to 1
 };
 
-/// Returns the point of a volume before which half of the light is absorbed, by equation (1) of the paper. Opacities
-/// are those of `model` and `options`; `options.clip` is in node space. Splats face the ray here, and the camera in
-/// images. If the whole ray absorbs less than half, it returns the point at half of the total absorption; nullopt below
-/// one percent. Accepts any numbers.
+/// Returns the depth in a volume at which half of the light is absorbed, by equation (1) of the paper. If the whole ray
+/// absorbs less than half, returns the depth at half of the total absorption. Returns nullopt if it absorbs less than
+/// one percent.
+///
+/// Opacities are those of `model` and `options`; `options.clip` is in node space. Splats face the ray here; in images
+/// they face the camera. Accepts any numbers.
 [[nodiscard]] std::optional<VolumePick> pick_volume(const qnv::Volume& volume, const VolumeModel& model,
                                                     const VolumeOptions& options, const glm::dmat4& world_from_node,
                                                     const PickRay& ray, const PickLimits& limits = {});

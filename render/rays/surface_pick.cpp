@@ -18,7 +18,7 @@ struct Candidate {
   std::uint32_t part, patch;
 };
 
-/// Tests a triangle from both sides (T. Moeller, B. Trumbore, Fast, minimum storage ray/triangle intersection, 1997).
+/// Tests a triangle from both sides (T. Moeller, B. Trumbore, "Fast, minimum storage ray/triangle intersection", 1997).
 bool meets(const SightLine& line, const std::array<glm::vec3, 3>& corners, double& distance, glm::dvec3& weights) {
   const glm::dvec3 a(corners[0]), ab = glm::dvec3(corners[1]) - a, ac = glm::dvec3(corners[2]) - a;
   const glm::dvec3 p = glm::cross(line.direction, ac);
@@ -26,7 +26,7 @@ bool meets(const SightLine& line, const std::array<glm::vec3, 3>& corners, doubl
   if (determinant == 0) return false;
   const glm::dvec3 from = line.origin - a, q = glm::cross(from, ab);
   const double b = glm::dot(from, p) / determinant, c = glm::dot(line.direction, q) / determinant;
-  constexpr double kEdge = -1e-9;  // tolerance, so that no ray passes between two triangles
+  constexpr double kEdge = -1e-9;  // tolerance in barycentric coordinates, so that no ray passes between two triangles
   if (!(b >= kEdge && c >= kEdge && b + c <= 1 - kEdge)) return false;
   distance = glm::dot(ac, q) / determinant;
   weights = {1 - b - c, b, c};

@@ -10,10 +10,10 @@ namespace gs::render {
 namespace {
 
 constexpr float kDefaultFieldOfView = 0.785398f;
-constexpr float kMinAngle = 1e-7f;     // of a distant camera
-constexpr double kFrameMargin = 1.05;  // margin that orbit_camera leaves around its target
-constexpr double kDepthMargin = 0.01;  // keeps geometry off the clipping planes
-// Maximum far / near: of 24-bit depth, and of reversed float depth, which resolves any ratio.
+constexpr float kMinAngle = 1e-7f;  // minimum angle of view of far_camera(), radians
+constexpr double kFrameMargin = 1.05;  // distance factor that leaves a margin around the bounds
+constexpr double kDepthMargin = 0.01;  // margin of near and far plane, as a share of the depth range
+// Maximum far / near: for 24-bit depth, and for reversed float depth, which works for any ratio.
 constexpr double kLargestDepthRatio = 1e4, kLargestReversedRatio = 1e10;
 constexpr float kDefaultNear = 0.1f, kDefaultFar = 1000.0f;
 
@@ -117,7 +117,7 @@ Camera orbit_camera(const WideBox& bounds, float azimuth, float elevation, float
   const auto [tan_x, tan_y] = half_angles(field_of_view, width, height);
 
   glm::dvec3 center(0);
-  double distance = 10;  // distance of the default Viewpoint (VRML97 6.53)
+  double distance = 10;  // distance of the default Viewpoint in metres (VRML97 6.53)
   if (!bounds.empty()) {
     center = (glm::dvec3(bounds.lower) + glm::dvec3(bounds.upper)) * 0.5;
     distance = 0;
@@ -126,7 +126,7 @@ Camera orbit_camera(const WideBox& bounds, float azimuth, float elevation, float
       const double wanted = std::max(std::abs(glm::dot(p, right)) / tan_x, std::abs(glm::dot(p, up)) / tan_y);
       distance = std::max(distance, glm::dot(p, back) + wanted * kFrameMargin);
     }
-    if (!(distance > 0)) distance = 1;  // a single point
+    if (!(distance > 0)) distance = 1;  // the bounds are a single point
   }
   const glm::dvec3 eye = center + back * distance;
   Camera camera;
@@ -179,7 +179,7 @@ Camera fit_depth(Camera camera, const WideBox& bounds, bool reversed) {
     const glm::dvec3 eye(camera.world_from_camera[3]), forward(-camera.world_from_camera[2]);
     nearest = HUGE_VAL;
     farthest = -HUGE_VAL;
-    double largest = 0;  // largest coordinate; both planes must tolerate its rounding
+    double largest = 0;  // largest absolute coordinate; the planes get a margin for its rounding
     for (const glm::dvec3& corner : corners(bounds)) {
       const double depth = glm::dot(corner - eye, forward);
       nearest = std::min(nearest, depth);
@@ -189,12 +189,12 @@ Camera fit_depth(Camera camera, const WideBox& bounds, bool reversed) {
     const double margin = (farthest - nearest) * kDepthMargin + largest * 1e-6;
     nearest -= margin;
     farthest += margin;
-    if (!(farthest > 0) || !std::isfinite(farthest)) {  // everything is behind the camera
+    if (!(farthest > 0) || !std::isfinite(farthest)) {  // all bounds are behind the camera
       nearest = kDefaultNear;
       farthest = kDefaultFar;
     }
   }
-  constexpr double kSmallest = 1e-30, kLargest = 1e30;  // range in which float32 products are safe
+  constexpr double kSmallest = 1e-30, kLargest = 1e30;  // range in which products of float32 numbers are safe
   const double far_plane = camera.far_plane > 0 ? double{camera.far_plane} : std::clamp(farthest, kSmallest, kLargest);
   if (!(camera.near_plane > 0)) {
     const double before_far = nearest < far_plane ? nearest : far_plane * 0.5;

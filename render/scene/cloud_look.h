@@ -10,23 +10,23 @@
 
 namespace gs::render {
 
-/// Colour source of splats and voxels; all but `own` serve to inspect streams.
+/// Source of the colour of splats and voxels. All values except `own` are for the inspection of streams.
 enum class ColorBy : std::uint8_t {
-  own,     // colour of the point set or the material
-  normal,  // node space: x, y, z from -1..1 as red, green, blue
+  own,  // colour of the point set or of the material
+  normal,  // normal in node space: x, y, z from -1 to 1 become red, green, blue
   level,   // level of detail: coarse is blue, fine is red
-  chunk,   // a colour per chunk
-  age,     // order of arrival: first is blue, latest is red
+  chunk,  // one colour per chunk
+  age,  // order of receipt: first is blue, last is red
 };
 
 /// User settings for all point sets of an image.
 struct SplatStyle {
   ColorBy color_by = ColorBy::own;
-  // Volumes only.
+  // The following fields apply to volumes only.
   float opacity = 2;                         // factor of the optical depth
-  float least_magnitude = 0;                 // shorter gradients are hidden
-  std::optional<glm::dvec4> clip;            // world space: hides points with clip.xyz . position + clip.w < 0
-  std::vector<qnv::TransferPoint> transfer;  // replaces the volumes' own; sorted by value; empty means their own
+  float least_magnitude = 0;  // vectors with a smaller gradient magnitude are hidden
+  std::optional<glm::dvec4> clip;  // world space: points with dot(clip.xyz, position) + clip.w < 0 are hidden
+  std::vector<qnv::TransferPoint> transfer;  // transfer function, sorted by value; empty means that of each volume
   friend bool operator==(const SplatStyle&, const SplatStyle&) = default;
 };
 

@@ -8,26 +8,26 @@ namespace gs::render {
 /// Bound Fog (VRML97 6.19).
 struct Fog {
   glm::vec3 color{1.0f};
-  bool exponential = false;        // fogType
-  float visibility_range = 0;      // in the Fog's space; 0 means no fog
-  glm::mat3 fog_from_world{1.0f};  // without translation, which has no effect
+  bool exponential = false;  // fogType is EXPONENTIAL
+  float visibility_range = 0;  // in the space of the Fog; 0 means no fog
+  glm::mat3 fog_from_world{1.0f};  // without translation, because fog depends only on distance
 };
 
 /// Fog parameters of one image.
 struct CameraFog {
   bool on = false, exponential = false;
   glm::vec3 color{1.0f};
-  glm::mat3 ranges_from_camera{1.0f};  // Fog's space, in units of visibilityRange
-  float back = 0;                      // Camera::back: fog begins at the viewer
+  glm::mat3 ranges_from_camera{1.0f};  // to the space of the Fog, in units of visibilityRange
+  float back = 0;  // Camera::back, because fog begins at the viewer
 };
 
-/// Returns the fog for a camera; `world_from_camera` is its orientation. No fog if a value is not finite.
+/// Returns the fog for a camera with the orientation `world_from_camera`. Returns no fog if a value is not finite.
 [[nodiscard]] CameraFog camera_fog(const Fog& fog, const glm::mat3& world_from_camera, float back = 0);
 
-/// Returns f0 of VRML97 Table 4.8: the fraction of the object's own colour. `place` is in camera space.
+/// Returns f0 of VRML97 Table 4.8: the weight of the object's own colour. `place` is a position in camera space.
 [[nodiscard]] float fog_interpolant(const CameraFog& fog, const glm::vec3& place);
 
-/// Returns a colour at `place` (camera space) after fog (4.14.4).
+/// Applies fog to a colour at `place`, in camera space (4.14.4).
 [[nodiscard]] glm::vec3 fogged(const CameraFog& fog, const glm::vec3& color, const glm::vec3& place);
 
 }  // namespace gs::render

@@ -6,7 +6,7 @@
 
 namespace gs::render {
 
-// ---- Worker thread
+// ---- Functions of the worker thread
 
 MeshWorker::MeshWorker(std::function<void()> wake,
                        std::function<void(const std::shared_ptr<const vrml::Mesh>&)> prepare)
@@ -54,7 +54,7 @@ void MeshWorker::work() {
         *mesh = {};
         mesh->limited = true;
       }
-      job->copy = {};  // makes arrays without other owners exclusive to the mesh
+      job->copy = {};  // without this copy, the mesh is the only owner of its arrays
       job->mesh = std::move(mesh);
       job->done = true;
       if (wake_) wake_();
@@ -66,7 +66,7 @@ void MeshWorker::work() {
   }
 }
 
-// ---- Bookkeeping
+// ---- Functions of the world's thread
 
 bool LateMeshes::has_time_for(std::size_t cost) {
   if (cost > kSmallWork && cost > left_) return false;

@@ -17,19 +17,19 @@
 
 namespace gs::render {
 
-/// Job that tessellates a copy of a geometry.
+/// Job of a MeshWorker: tessellates a copy of a geometry.
 struct MeshJob {
   vrml::GeometryCopy copy;
   vrml::MeshOptions options;
-  std::shared_ptr<vrml::Mesh> mesh;  // valid once done
+  std::shared_ptr<vrml::Mesh> mesh;  // valid if `done`
   std::atomic<bool> done = false;
 };
 
-/// Thread that makes meshes in the order of submission. Skips jobs without other owners. The destructor waits for the
+/// Thread that makes meshes, in the order of submission. Skips jobs that only it owns. The destructor waits for the
 /// current mesh. Thread-safe.
 class MeshWorker {
  public:
-  /// `prepare` runs on the worker for each new mesh. `wake` is called there after each job.
+  /// Starts without a thread. The worker thread calls `prepare` for each new mesh and `wake` after each job.
   explicit MeshWorker(std::function<void()> wake = {},
                       std::function<void(const std::shared_ptr<const vrml::Mesh>&)> prepare = {});
   ~MeshWorker();
@@ -37,7 +37,7 @@ class MeshWorker {
   MeshWorker& operator=(const MeshWorker&) = delete;
 
   void add(std::shared_ptr<MeshJob> job);
-  /// Waits until all jobs are done.
+  /// Waits until all submitted jobs are done.
   void wait();
 
  private:
@@ -49,39 +49,41 @@ class MeshWorker {
   std::condition_variable changed_;
   std::deque<std::shared_ptr<MeshJob>> jobs_;
   bool busy_ = false, ended_ = false;
-  std::thread thread_;  // started with the first job
+  std::thread thread_;  // started by the first job
 };
 
-/// Decides whether a changed mesh is made within the frame or by a worker, while the previous one stays visible. Small
-/// meshes are made within the frame, up to about three milliseconds in total. Single-threaded, on the world's thread.
+/// Decides whether a changed mesh is made within the frame or by a worker thread. The previous mesh stays visible until
+/// the worker is done. Small meshes are made within the frame, in at most about three milliseconds. Runs on the world's
+/// thread.
 class LateMeshes {
  public:
-  /// Work per frame in elements; see vrml::tessellation_cost.
+  /// Maximum work within a frame, in elements; see vrml::tessellation_cost.
   static constexpr std::size_t kFrameWork = 200'000;
-  /// Work below which a copy is not worthwhile.
+  /// Work in elements below which the copy for a worker takes too long.
   static constexpr std::size_t kSmallWork = 1'000;
 
   explicit LateMeshes(std::shared_ptr<MeshWorker> worker) : worker_(std::move(worker)) {}
 
   void begin_frame() { left_ = kFrameWork; }
-  /// Reports whether this frame has time for `cost`; if so, counts it as used.
+  /// Reports whether this frame has time for work of `cost` elements. If so, counts it as done.
   [[nodiscard]] bool has_time_for(std::size_t cost);
-  /// Submits the geometry in its present state to the worker. `level` is MeshOptions::text_level of a Text. Returns
-  /// null if the budget does not permit the copy.
+  /// Submits a copy of the geometry to the worker. `level` is MeshOptions::text_level of a Text. Returns null if the
+  /// budget does not permit the copy.
   [[nodiscard]] std::shared_ptr<MeshJob> hand_over(const vrml::SceneGraph& scene, vrml::NodeId geometry,
                                                    const vrml::MeshOptions& options, std::size_t level);
-  /// Forgets a node that is about to be removed.
+  /// Forgets a node. Call it before the node is removed.
   void forget(const vrml::Node* node);
 
   struct Made {
     const vrml::SceneGraph* scene = nullptr;
     vrml::NodeId node;
   };
-  /// Moves finished meshes into the cache that owns this object, and returns their geometries. Drops meshes that were
-  /// superseded meanwhile.
+  /// Moves finished meshes to the cache that owns this object. Returns their geometries. Drops a mesh if a newer job
+  /// has replaced it.
   [[nodiscard]] std::vector<Made> take(MeshCache& meshes);
 
-  /// Return the elements processed within frames, and the number of submitted meshes, so far.
+  /// Returns the elements that were processed within frames so far. The next function returns the meshes submitted so
+  /// far.
   [[nodiscard]] std::uint64_t work_in_frames() const { return work_in_frames_; }
   [[nodiscard]] std::uint64_t handed_over() const { return handed_over_; }
 

@@ -10,7 +10,7 @@
 
 namespace gs::render {
 
-// Renews an entry; the visible mesh stays until its replacement is ready.
+// Makes the mesh of an entry again. The old mesh stays visible until the new mesh is ready.
 void MeshCache::renew(std::unordered_map<const vrml::Node*, Entry>::iterator entry) {
   if (entry == meshes.end()) return;
   if (!late) {
@@ -25,7 +25,7 @@ void MeshCache::renew(std::unordered_map<const vrml::Node*, Entry>::iterator ent
 void MeshCache::keep(Entry& entry, std::shared_ptr<vrml::Mesh> mesh, const std::shared_ptr<Budget>& budget) {
   entry.mesh = nullptr;
   entry.share = Share(budget, Resource::meshes);
-  // If the budget does not permit the mesh, it is not tried again for every USE.
+  // The budget does not permit the mesh. Keep an empty mesh, so that further USEs do not try again.
   if (!entry.share.grow(mesh->cost())) {
     *mesh = {};
     mesh->limited = true;

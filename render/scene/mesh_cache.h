@@ -21,66 +21,67 @@ namespace gs::render {
 struct MeshJob;
 class LateMeshes;
 
-/// Roles of nodes that determine meshes.
+/// Roles of nodes on which meshes depend.
 inline constexpr vrml::Role kGeometryParts =
     vrml::Role::geometry | vrml::Role::geometric_property | vrml::Role::font_style;
 
-/// Cache of geometries' meshes and of PixelTexture images for the lifetime of a world; clear it with the world. Used by
-/// one thread at a time.
+/// Cache of the meshes of geometries and the images of PixelTextures of one world. Clear it with the world. One thread
+/// at a time.
 ///
-/// The cache does not observe meshes' nodes: `forget` reports changes. Images of PixelTextures follow their field
-/// automatically.
+/// The cache does not observe geometries: call `forget` after a change. Images of PixelTextures follow their field
+/// without a call.
 struct MeshCache {
   struct FinerMeshes;
   struct Entry {
     std::shared_ptr<const vrml::Mesh> mesh;
-    Share share;                              // from the budget for meshes
-    const vrml::SceneGraph* scene = nullptr;  // of the geometry node
-    bool texture_coordinates = false;         // whether they were requested
-    bool refused = false;                     // the limit for meshes removed some or all of it
-    bool stale = false;                       // the nodes have changed since it was made, or since `job` was submitted
-    std::shared_ptr<MeshJob> job;             // makes the next mesh; null means none
-    std::unique_ptr<FinerMeshes> finer;       // finer levels of a Text
+    Share share;  // part of the budget for meshes
+    const vrml::SceneGraph* scene = nullptr;  // scene of the geometry node
+    bool texture_coordinates = false;  // the mesh has texture coordinates
+    bool refused = false;  // the budget for meshes does not permit all of the mesh
+    bool stale = false;  // the nodes have changed after the mesh was made or `job` was submitted
+    std::shared_ptr<MeshJob> job;  // job that makes the next mesh; may be null
+    std::unique_ptr<FinerMeshes> finer;  // finer levels, for a Text
   };
   struct FinerMeshes {
     std::array<Entry, vrml::kTextTolerances.size() - 1> levels;
   };
-  /// Sets the mesh of the entry, or an empty one if the budget does not permit it.
+  /// Stores a mesh in the entry. Stores an empty mesh if the budget does not permit it.
   static void keep(Entry& entry, std::shared_ptr<vrml::Mesh> mesh, const std::shared_ptr<Budget>& budget);
 
   struct PixelEntry {
-    vrml::PixelImage source;  // shares storage with the field until that changes
+    vrml::PixelImage source;  // shares memory with the field until the field changes
     std::shared_ptr<const Image> image;
     Share share;
   };
-  std::unordered_map<const vrml::Node*, Entry> meshes;             // by geometry node; for Text, the coarsest level
+  std::unordered_map<const vrml::Node*, Entry> meshes;  // by geometry node; of a Text, the coarsest level
   std::unordered_map<const vrml::Node*, PixelEntry> pixel_images;  // by PixelTexture node
-  /// Boxes, cones, cylinders and spheres of default measures, by type, flags and level of detail. Worlds with thousands
-  /// of primitives share one mesh with different scales, and so one draw call.
+  /// Meshes of Boxes, Cones, Cylinders and Spheres with default sizes, by type, flags and level of detail. Thousands of
+  /// primitives share one mesh, with different scales, and so one draw call.
   std::unordered_map<std::string, std::shared_ptr<const vrml::Mesh>> primitives;
 
-  /// Meshes of point sets with triangles, while the point sets exist.
+  /// Meshes of a point set with triangles. Valid while the point set exists.
   struct SurfaceEntry {
     std::weak_ptr<const qnv::Geometry> geometry;
-    std::array<std::shared_ptr<const vrml::Mesh>, 2> meshes;  // second: the textured part
+    std::array<std::shared_ptr<const vrml::Mesh>, 2> meshes;  // [1]: part with a texture
   };
   std::unordered_map<const qnv::Geometry*, SurfaceEntry> surfaces;
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> surface_of(const std::shared_ptr<const qnv::Geometry>& geometry,
                                                              bool pictured);
 
-  /// Makes large changed meshes while the previous ones stay visible; null means that meshes are made on request.
+  /// Makes large changed meshes on a worker thread, while the old meshes stay visible. If null, meshes are made at
+  /// once.
   std::shared_ptr<LateMeshes> late;
-  PhaseClock* phases = nullptr;  // measures tessellation time; null means none
+  PhaseClock* phases = nullptr;  // measures the time of tessellation; may be null
 
-  /// Reports a change of a geometry, or of a node that geometries use (Coordinate, Color, FontStyle, ...).
+  /// Reports that a geometry has changed, or a node in its fields (Coordinate, Color, FontStyle, ...).
   void forget(const vrml::Node* node);
-  /// Reports that parts of this scene's geometries, such as coordinates or colours, were added.
+  /// Reports that parts of geometries, such as coordinates or colours, were added to a scene.
   void forget_scene(const vrml::SceneGraph& scene);
-  /// Forgets a node of `scene` that is about to be removed; its address may be reused.
+  /// Forgets a node of `scene`. Call it before the node is removed, because its address may be reused.
   void remove(const vrml::SceneGraph& scene, const vrml::Node* node);
-  /// Records the dependencies of a geometry after its mesh was made.
+  /// Records the nodes on which a geometry depends. Call it after its mesh was made.
   void made(const vrml::Node* geometry);
-  /// Takes over entries of other scenes from another cache.
+  /// Moves all entries of another cache, for other scenes, into this cache.
   void take(MeshCache&& other);
   void clear() {
     PhaseClock* const kept = phases;
@@ -93,8 +94,8 @@ struct MeshCache {
  private:
   void renew(std::unordered_map<const vrml::Node*, Entry>::iterator entry);
 
-  std::set<std::pair<const vrml::Node*, const vrml::Node*>> geometries_of_;  // by part node
-  std::vector<const vrml::Node*> unlisted_;  // geometries not yet recorded there; most worlds never need it
+  std::set<std::pair<const vrml::Node*, const vrml::Node*>> geometries_of_;  // node, and geometry that uses it
+  std::vector<const vrml::Node*> unlisted_;  // geometries to add to geometries_of_ when it is needed
 };
 
 }  // namespace gs::render

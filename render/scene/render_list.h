@@ -23,59 +23,59 @@
 
 namespace gs::render {
 
-/// Material of VRML97 6.27 and Table 4.5.
+/// Material of a Shape (VRML97 6.27 and Table 4.5).
 struct Material {
   glm::vec3 diffuse{0.8f}, emissive{0.0f}, specular{0.0f};
   float ambient_intensity = 0.2f, shininess = 0.2f, transparency = 0.0f;
-  bool lit = true;  // false without an Appearance or Material: colour 1 1 1, unlit
+  bool lit = true;  // false without Appearance or Material: colour 1 1 1, unlit
 };
 /// Specular exponent of a material with shininess 1 (VRML97 4.14.4).
 inline constexpr float kShininessScale = 128;
 
-// Light source in world space.
+// Light in world space.
 struct Light {
   enum class Kind : std::uint8_t { directional, point, spot };
   Kind kind = Kind::directional;
-  glm::dvec3 location{0.0};  // world space, like the direction
+  glm::dvec3 location{0.0};  // in world space, as is `direction`
   glm::vec3 color{1.0f}, direction{0, 0, -1}, attenuation{1, 0, 0};
   float intensity = 1, ambient_intensity = 0, radius = 100, beam_width = 1.570796f, cut_off_angle = 0.785398f;
 };
 
-/// Maximum number of lights per item, the strongest ones, so that no world blocks a frame for minutes.
+/// Maximum lights of an item; the strongest are used. No world can then block a frame for minutes.
 inline constexpr std::size_t kMaxLightsOfAnItem = 1024;
-/// Indices in RenderList::lights, shared by the items of a group.
+/// Indexes in RenderList::lights. The items of a group share one list.
 using LightList = Array<std::uint16_t>;
 
-/// Texture with the parameters of a Shape.
+/// Texture of a Shape, with its parameters.
 struct TextureUse {
   std::shared_ptr<const Image> image;
   bool repeat_s = true, repeat_t = true;
-  glm::mat3 transform{1.0f};  // texture space from mesh texture coordinates (VRML97 6.49)
+  glm::mat3 transform{1.0f};  // from texture coordinates of the mesh to texture space (VRML97 6.49)
 };
 
 inline constexpr std::uint32_t kNoPlace = UINT32_MAX;
-/// Instance of a grouping node or Shape: the last node of one path from the root; its parents give the rest of the
-/// path. The content of an Inline is below the Inline. PROTO instances are replaced by the nodes that represent them.
+/// Instance of a grouping node or Shape: the last node of a path from the root. The parents give the rest of the path.
+/// The content of an Inline is below the Inline. A PROTO instance is replaced by the node that represents it.
 struct Place {
   const vrml::SceneGraph* scene = nullptr;
-  vrml::NodeId node;                // in `scene`
-  std::uint32_t parent = kNoPlace;  // index in RenderList::places; kNoPlace for a root of the world
-  std::uint32_t frame = 0;          // index in RenderList::world_from_frame: coordinate system of the node's children
+  vrml::NodeId node;  // id in `scene`
+  std::uint32_t parent = kNoPlace;  // index in RenderList::places; kNoPlace for a root node of the world
+  std::uint32_t frame = 0;  // coordinate system of the node's children: index in RenderList::world_from_frame
 };
 
-/// Instance of a Shape.
+/// Instance of a Shape that is drawn as a mesh.
 struct DrawItem {
   std::shared_ptr<const vrml::Mesh> mesh;
   glm::dmat4 world_from_node{1.0};
   Material material;
   TextureUse texture;
-  LightList directional_lights;               // of the enclosing groups (6.16)
-  std::uint32_t place = kNoPlace;             // path of the Shape
-  bool visible = true;                        // visible; false for the proxy of a Collision (6.8)
-  bool collidable = true;                     // collidable
-  bool overlay = false;                       // fixed to the viewer: drawn over all other items
+  LightList directional_lights;  // directional lights of the enclosing groups (6.16)
+  std::uint32_t place = kNoPlace;  // path of the Shape: index in RenderList::places
+  bool visible = true;  // false in the proxy of a Collision (6.8)
+  bool collidable = true;  // an obstacle to the viewer
+  bool overlay = false;  // fixed to the viewer: drawn in front of all other items
   std::shared_ptr<const qnv::Geometry> surface;  // QNV node: an indexed mesh or patches; else null
-  float detail = 1;                           // > 0: detail factor of the QNV node
+  float detail = 1;  // field `detail` of the QNV node, more than 0
 
   /// Returns the patches of which each view draws a cut instead of `mesh`; nullptr if there are none.
   [[nodiscard]] const qnv::SurfacePatches* patches() const {
@@ -83,25 +83,26 @@ struct DrawItem {
   }
 };
 
-/// Received vectors of a world's QNV nodes, by node.
+/// Received vectors of the QNV nodes of a world, by node.
 using Geometries = std::unordered_map<const vrml::Node*, std::shared_ptr<const qnv::Geometry>>;
 
-/// Instance of a Shape with a QNV node that is drawn as splats.
+/// Instance of a Shape that is drawn as splats or as a volume.
 struct SplatItem {
   std::shared_ptr<const qnv::Geometry> geometry;
   glm::dmat4 world_from_node{1.0};
   Material material;
   bool own_color = false;  // use the splats' colour instead of the material's
-  float detail = 1;        // > 0: factor of the QNV node for its share of the budget and its level of detail
+  float detail = 1;  // field `detail` of the QNV node, more than 0: factor of its budget and level of detail
   LightList directional_lights;
-  std::uint32_t place = kNoPlace;  // path of the Shape
+  std::uint32_t place = kNoPlace;  // path of the Shape: index in RenderList::places
 };
 
-/// Background of VRML97 6.5. Colours start at the zenith (sky) and the nadir (ground); angles in radians.
+/// Background (VRML97 6.5). Colours of the sky begin at the zenith, those of the ground at the nadir. Angles are in
+/// radians.
 struct Background {
   std::vector<glm::vec3> sky_colors{glm::vec3(0.0f)}, ground_colors;
   std::vector<float> sky_angles, ground_angles;
-  /// Panorama in the order of the node's url fields; null for faces without an image.
+  /// Face of the panorama, in the order of the node's url fields. A face without an image is null.
   enum Face : std::size_t { back, bottom, front, left, right, top };
   static constexpr std::size_t kFaces = 6;
   std::array<std::shared_ptr<const Image>, kFaces> panorama;
@@ -110,22 +111,22 @@ struct Background {
 
 /// Viewpoint in world space (6.53).
 struct ViewpointState {
-  std::string description, name;  // `description` field, DEF name
+  std::string description, name;  // field `description`, and DEF name
   const vrml::SceneGraph* scene = nullptr;
-  vrml::NodeId node;  // in `scene`
+  vrml::NodeId node;  // id in `scene`
   glm::dmat4 world_from_camera{1.0};
   float field_of_view = 0.785398f;
-  // Of its coordinate system, without its own orientation: the up direction, and the length of a metre (6.29).
+  // Up direction and length of a metre in the Viewpoint's coordinate system, without its orientation (6.29).
   glm::dvec3 up{0, 1, 0};
   double scale = 1;
-  bool jump = true;  // the viewer moves there when it is bound
+  bool jump = true;  // binding moves the viewer to the Viewpoint
 };
 
-/// Sound node reached by the traversal (6.42), once per path.
+/// Sound node (6.42), once for each path to it.
 struct SoundPlace {
   const vrml::SceneGraph* scene = nullptr;
-  vrml::NodeId node;        // in `scene`
-  std::uint32_t frame = 0;  // index in RenderList::world_from_frame: its coordinate system
+  vrml::NodeId node;  // id in `scene`
+  std::uint32_t frame = 0;  // coordinate system of the Sound: index in RenderList::world_from_frame
 };
 
 /// Bound NavigationInfo (6.29).
@@ -137,26 +138,26 @@ struct NavigationState {
   friend bool operator==(const NavigationState&, const NavigationState&) = default;
 };
 
-/// Bound nodes of the root or of Inlines (4.6.10); null if none is bound.
+/// Bound nodes, of the world or of Inlines (4.6.10). Null if no node of the type is bound.
 struct BoundNodes {
   const vrml::Node *viewpoint = nullptr, *navigation_info = nullptr, *background = nullptr, *fog = nullptr;
 };
 
-/// Pixels per radian at the centre of typical images: 768 lines at 45 degrees.
+/// Pixels per radian at the centre of a typical image: 768 rows for 45 degrees.
 inline constexpr float kUsualPixelsPerRadian = 930;
 
-/// Content that a limit excluded from an image.
+/// Content that a limit has excluded from an image.
 struct LimitReport {
-  std::string why;    // names the limit
-  std::size_t count;  // shapes, images or traversal steps
-  std::string file;   // location of the first one
+  std::string why;  // text that names the limit
+  std::size_t count;  // number of shapes, images or traversal steps
+  std::string file;  // location of the first excluded node
   SourceLocation location;
 };
 
-/// All data of one frame in world space. Positions are in double precision, so that objects keep centimetres at ten
-/// thousand kilometres from the origin; boxes are not.
+/// Data of one frame in world space. Positions have double precision, so that objects are exact to centimetres ten
+/// thousand kilometres from the origin. Boxes have single precision.
 struct RenderList {
-  // Defined out of line, since they are long.
+  // Defined in the .cpp file, because they are long.
   RenderList();
   RenderList(const RenderList& other);
   RenderList(RenderList&& other) noexcept;
@@ -165,30 +166,31 @@ struct RenderList {
   ~RenderList();
 
   std::vector<DrawItem> items;
-  /// Number of the collection that made the list, unique in the process. Afterwards `moved` lists items with changed
-  /// positions or meshes, possibly repeatedly, and `dressed` counts changes of materials. 0 means untracked.
+  /// `generation` identifies the collection that made the list; unique in the process. After it, `moved` lists items
+  /// with changed positions or meshes, possibly repeatedly. `dressed` counts changes of materials. Generation 0 means
+  /// that changes are not tracked.
   std::uint64_t generation = 0, dressed = 0;
   std::vector<std::uint32_t> moved;
-  /// Number that changes with any content, unique in the process (`next_change`). While it stays the same, a drawn
-  /// image remains valid. 0 means untracked. Growth of the point sets and images in the list does not count.
+  /// Number that changes with any content, unique in the process (next_change()). While it is equal, a drawn image is
+  /// valid. 0 means that changes are not tracked. Does not cover the growth of point sets and images in the list.
   std::uint64_t changes = 0;
   std::vector<SplatItem> splats;
-  std::vector<Light> lights;               // directional ones act through DrawItem::directional_lights
-  std::vector<ViewpointState> viewpoints;  // in file order; the first one is bound at start
+  std::vector<Light> lights;  // directional lights have effect only through DrawItem::directional_lights
+  std::vector<ViewpointState> viewpoints;  // in file order; the first is bound at the start
   std::vector<SoundPlace> sounds;
   Background background;
   NavigationState navigation;
-  bool has_navigation = false;  // from a node instead of the standard's defaults
+  bool has_navigation = false;  // true if a NavigationInfo is bound; false for the defaults of the standard
   Fog fog;
-  WideBox bounds;                                               // world space, of all items except overlays
+  WideBox bounds;  // box of all items except overlays, in world space
   bool overlays = false;                                        // some items are overlays
-  std::vector<LimitReport> limit_reports;                       // one per reason
-  std::vector<Place> places;                                    // instances of all content, parents before children
-  std::vector<glm::dmat4> world_from_frame;                     // coordinate systems of places
-  std::vector<std::shared_ptr<const vrml::SceneGraph>> scenes;  // Inline scenes referenced by `places`, kept alive
+  std::vector<LimitReport> limit_reports;  // at most one entry per reason
+  std::vector<Place> places;  // paths of all content, parents before children
+  std::vector<glm::dmat4> world_from_frame;  // coordinate systems of `places`
+  std::vector<std::shared_ptr<const vrml::SceneGraph>> scenes;  // scenes of Inlines in `places`
 };
 
-/// Returns a new number for RenderList::changes. Thread-safe.
+/// Returns a new value for RenderList::changes. Thread-safe.
 [[nodiscard]] std::uint64_t next_change();
 
 /// Traverses the scene, including PROTO instances and attached Inlines, and collects its visible content. Accepts any

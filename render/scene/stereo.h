@@ -4,8 +4,8 @@
 
 namespace gs::render {
 
-/// Stereo format. side_by_side: left and right half for each eye. anaglyph: the left eye in red, the right eye in green
-/// and blue.
+/// Format of a stereo image. side_by_side: left half for the left eye, right half for the right eye. anaglyph: red for
+/// the left eye, green and blue for the right eye.
 enum class Stereo : std::uint8_t { none, side_by_side, anaglyph };
 
 }  // namespace gs::render

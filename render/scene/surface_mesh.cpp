@@ -12,7 +12,7 @@
 namespace gs::render {
 namespace {
 
-// Maximum size of a mesh for collision detection.
+// Maximum triangles of a mesh for collision detection.
 constexpr std::size_t kMaxMetTriangles = 16384;
 
 vrml::Color color_of(const qnv::Rgb8& c) {
@@ -27,7 +27,7 @@ std::shared_ptr<const vrml::Mesh> mesh_of_surface(const qnv::Geometry& geometry,
   auto mesh = std::make_shared<vrml::Mesh>();
   const auto* surface = geometry.as<qnv::IndexedMesh>();
   if (!surface) return mesh;
-  // Textured vertices come last.
+  // Vertices with a texture are last.
   const std::size_t border = surface->first_textured(), first = pictured ? border : 0,
                     count = (pictured ? surface->size() : border) - first;
   const auto middle = std::ranges::find_if(surface->triangles, [&](std::uint32_t v) { return v >= border; });

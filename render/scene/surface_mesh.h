@@ -18,7 +18,7 @@ namespace gs::render {
 [[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of_cut(const qnv::SurfacePatches& surface,
                                                             const qnv::SurfaceCut& cut);
 
-/// Lights a surface even without a Material; it then has the colour and the shine of its stream.
+/// Makes a surface lit even without a Material. Without one, it gets the colour and specular properties of its stream.
 void dress_surface(DrawItem& item);
 
 }  // namespace gs::render

@@ -6,7 +6,8 @@
 
 namespace gs::render {
 
-/// Returns the world-space box of a node-space box; empty if a coordinate does not fit float32.
+/// Returns the world-space box around a box in node space. Returns an empty box if a coordinate exceeds the range of
+/// float32.
 [[nodiscard]] WideBox world_bounds(const Box& bounds, const glm::dmat4& world_from_local);
 
 }  // namespace gs::render

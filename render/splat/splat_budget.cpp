@@ -12,12 +12,13 @@
 namespace gs::render {
 namespace {
 
-// Fraction of the budget that is shared evenly, so that small point sets do not vanish.
+// Share of the budget that all items divide evenly, so that small point sets do not vanish.
 constexpr double kEvenPart = 0.125;
-// Voxels per pixel of a cut at full detail: edges are a quarter to one pixel (levels are integers), on two sides.
+// Maximum useful vectors per covered pixel. At full detail, voxel edges are a quarter to one pixel, and front and back
+// of the object count.
 constexpr double kMaxAPixel = 8;
 
-/// Returns an upper bound on the useful vectors, not far above the actual number.
+/// Estimates the maximum number of vectors that are useful for an item.
 double demand_of(const SplatItem& item, double pixels) {
   const auto* octree = item.geometry->as<qnv::OctreeSplats>();
   if (!octree) return static_cast<double>(item.geometry->size());
@@ -57,7 +58,7 @@ double pixels_covered(const SplatItem& item, const BudgetView& view) {
   const glm::dmat4 matrix = view.camera_from_world * item.world_from_node;
   const glm::dvec3 half = (glm::dvec3(box.upper) - glm::dvec3(box.lower)) * 0.5;
   const glm::dvec3 center(matrix * glm::dvec4(glm::dvec3(box.lower) + half, 1.0));
-  double square = 0;  // squared largest half diagonal
+  double square = 0;  // square of the largest half diagonal
   for (int corner = 0; corner < 4; ++corner) {
     const glm::dvec3 d = half * glm::dvec3(1, (corner & 1) != 0 ? -1 : 1, (corner & 2) != 0 ? -1 : 1);
     const glm::dvec3 moved(matrix * glm::dvec4(d, 0.0));
@@ -68,7 +69,7 @@ double pixels_covered(const SplatItem& item, const BudgetView& view) {
   const double all = std::max(width * height, 0.0);
   if (!std::isfinite(radius) || !std::isfinite(center.x + center.y + center.z)) return 0;
   const glm::dvec2 t(view.tangents);
-  // Tests a plane through the eye at an edge of the view.
+  // Tests whether the sphere is outside of the planes through the left and right, or lower and upper, image edge.
   const auto beyond = [&](double at, double middle, double reach) {
     const double low = middle - reach, high = middle + reach, depth = -center.z;
     return at - depth * high > radius * std::sqrt(1 + high * high) ||
@@ -79,7 +80,7 @@ double pixels_covered(const SplatItem& item, const BudgetView& view) {
     return 0;
   const double distance = glm::length(center);
   if (distance <= radius) return all;
-  const double seen = radius / std::sqrt(distance * distance - radius * radius) / t.y * 0.5 * height;  // pixels
+  const double seen = radius / std::sqrt(distance * distance - radius * radius) / t.y * 0.5 * height;  // radius, pixels
   return std::min(std::numbers::pi * seen * seen, all);
 }
 
@@ -96,7 +97,7 @@ std::vector<std::size_t> share_budget(std::span<const SplatItem> items, const Bu
     shares[i] = std::min(needs[i], whole * kEvenPart / static_cast<double>(count));
     left -= shares[i];
   }
-  // Items with the lowest demand per weight come first; the rest share their surplus.
+  // Serve the items with the lowest demand per weight first. Later items share the surplus.
   std::vector<std::size_t> order(count);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::erase_if(order, [&](std::size_t i) { return !(weights[i] > 0); });
@@ -110,7 +111,7 @@ std::vector<std::size_t> share_budget(std::span<const SplatItem> items, const Bu
     left -= part;
     weight -= weights[i];
   }
-  // Streams may use more than estimated.
+  // The demand of a stream is estimated, so let streams use the rest.
   double streams = 0;
   const auto may_grow = [&](std::size_t i) {
     return items[i].geometry->as<qnv::OctreeSplats>() && items[i].detail >= 1;

@@ -13,19 +13,20 @@ namespace gs::render {
 
 struct SplatView;
 
-/// View in the form that the surface splatters use.
+/// View in the form that the splatters of surfaces need.
 struct SplatCamera {
   glm::mat4 camera_from_node;
-  glm::mat3 normal_matrix;  // camera space
-  glm::vec3 eye;            // node space
-  float scale;              // largest factor by which lengths grow
+  glm::mat3 normal_matrix;  // from node space to camera space
+  glm::vec3 eye;  // eye in node space
+  float scale;  // maximum factor by which camera_from_node scales lengths
   SplatRays rays;
-  float pixels;  // samples per unit at depth 1
+  float pixels;  // samples per length 1 at depth 1
   glm::vec2 tangents, center;
-  int width, height;  // samples
+  int width, height;  // size of the target in samples
 };
 
-/// Returns nullopt if the node is flattened or not finite in camera space, so that nothing is visible.
+/// Returns the camera of a view. Returns nullopt if the node is flattened or not finite in camera space; nothing is
+/// then visible.
 [[nodiscard]] std::optional<SplatCamera> splat_camera(const SplatView& view);
 
 }  // namespace gs::render

@@ -14,16 +14,16 @@
 namespace gs::render {
 namespace {
 
-constexpr int kMinClosing = 2, kMaxClosing = 12;  // pixels
-constexpr std::size_t kClosingSurvey = 2048;      // splats
+constexpr int kMinClosing = 2, kMaxClosing = 12;  // minimum and maximum of closing_for(), pixels
+constexpr std::size_t kClosingSurvey = 2048;  // splats that are sampled
 constexpr int kTaskRows = 16;                     // rows per task
 constexpr std::uint16_t kWhole = 65535;
 
-/// New value of a pixel.
+/// New values of a pixel that is closed.
 struct Closed {
   std::size_t at = 0;
   std::uint16_t coverage = 0;
-  std::array<std::size_t, 4> from{};  // pixels to average
+  std::array<std::size_t, 4> from{};  // indexes of the pixels to average
   int count = 0;
 };
 
@@ -39,7 +39,7 @@ class PinholeCloser {
       const std::uint16_t own = coverage(closed.at);
       if (own == kWhole) continue;
       std::uint16_t least = kWhole;
-      // One side at a time: GCC 12 miscompiles a loop over the list; see Extrusion::sides.
+      // One call per side: GCC 12 miscompiles a loop over the sides; see Extrusion::sides.
       const auto look = [&](int dx, int dy) {
         if (least > own) least = std::min(least, beside(x, y, dx, dy, closed));
       };
@@ -60,7 +60,8 @@ class PinholeCloser {
   }
   [[nodiscard]] std::uint16_t coverage(std::size_t at) const { return layer_.normals[4 * at + 3]; }
 
-  // Returns the largest coverage within reach on one side; records the nearest covered pixel.
+  // Returns the maximum coverage of the pixels on one side, up to closing_ pixels away. Records the nearest covered
+  // pixel.
   std::uint16_t beside(int x, int y, int dx, int dy, Closed& closed) const {
     std::uint16_t most = 0;
     for (int i = 1; i <= closing_ && most < kWhole; ++i) {
@@ -112,9 +113,9 @@ int closing_for(std::span<const SharedSplatPiece> shared, const SplatView& view)
   for (const SharedSplatPiece& p : shared) pieces.push_back({p.splats.get(), p.first, p.count, p.growth, p.tint});
   const SurfaceMeasure survey = measure_surface(pieces, view, kClosingSurvey);
   if (survey.discs == 0) return kMinClosing;
-  // The bounds of a splat are about 2.7 voxel edges wide.
+  // The bounding box of a splat is about 2.7 voxel edges wide.
   const double edge = std::sqrt(survey.samples / static_cast<double>(survey.discs)) / 2.7 / view.supersample;
-  // The pixels at both ends of a hole count as part of its width.
+  // The pixels at both ends of a hole belong to its width.
   return static_cast<int>(std::clamp(std::ceil(edge / 2), double{kMinClosing}, double{kMaxClosing}));
 }
 
@@ -129,8 +130,7 @@ void close_pinholes(SplatLayer& layer, const SplatView& view, int closing) {
         for (int y = first; y < std::min(first + kTaskRows, layer.height); ++y) closer.row(y, found[task]);
       },
       view.threads);
-  // Applied only after the search, so that closed pixels do not close others. Source pixels keep everything except
-  // their coverage.
+  // Change pixels only after the search, so that a closed pixel does not close its neighbours.
   for (const auto& rows : found)
     for (const Closed& closed : rows) apply(closed, layer);
 }

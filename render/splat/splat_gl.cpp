@@ -12,13 +12,14 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kSurveyedDiscs = 8192;  // number of sampled splats
-// Maximum number of covered samples, counted per splat; larger point sets are thinned, since a driver that is busy for
-// seconds is considered hung. Typical point sets cover a thousandth.
+constexpr std::size_t kSurveyedDiscs = 8192;  // splats that are sampled
+// Maximum covered samples, summed over the splats. Larger point sets are thinned, because the system resets a driver
+// that is busy for seconds. Typical point sets cover a thousandth.
 constexpr double kMaxCoveredSamples = 2e10;
-constexpr float kMargin = 0.05f;  // samples: margin of the rectangles for rounding of their corners
+constexpr float kMargin = 0.05f;  // margin of the rectangles in samples, for the rounding of their corners
 
-/// Returns the pixels that a box, enlarged by `around`, can cover; nullopt if it is out of view.
+/// Returns the rectangle of pixels that a box, enlarged by `around`, can cover. Returns nullopt if the box is out of
+/// view.
 template <class Rectangle>
 std::optional<Rectangle> covered(const Box& box, double around, const SplatView& view, const SplatCamera& camera) {
   const glm::dmat4 matrix(camera.camera_from_node);
@@ -32,7 +33,7 @@ std::optional<Rectangle> covered(const Box& box, double around, const SplatView&
   const double nearest = std::max(-center.z - extent.z, double{camera.rays.near_plane}),
                farthest = -center.z + extent.z;
   if (!(farthest > nearest)) return std::nullopt;
-  // Two more pixels, since splats smaller than a sample are enlarged.
+  // Add two pixels, because splats smaller than a sample are enlarged.
   const auto range = [&](int axis, double tangent, double middle, int pixels) {
     const double low = center[axis] - extent[axis], high = center[axis] + extent[axis];
     const auto pixel = [&](double slope) {
@@ -154,7 +155,7 @@ std::optional<SplatTextures> SplatGl::draw(std::span<const SharedSplatPiece> pie
   return draw(surface, survey, view);
 }
 
-// Returns false if memory does not suffice.
+// Uploads the point sets of a surface. Returns false if the GPU has too little memory.
 bool SplatGl::upload(const Surface& surface) {
   const PhaseScope phase(gl_.phases, Phase::upload);
   const std::size_t rows = (surface.pieces.size() + kPiecesARow - 1) / kPiecesARow;
@@ -180,7 +181,7 @@ std::optional<SplatTextures> SplatGl::draw(Surface& surface, const SurfaceMeasur
   surface.kind.smooth = survey.smooth;
   if (view.supersample > 1 && !fits(view, surface.kind)) view.supersample = 1;
   if (!fits(view, surface.kind)) return std::nullopt;
-  if (!(view.near_plane > 0)) view.near_plane = 1e-20f;  // it scales the depth buffer
+  if (!(view.near_plane > 0)) view.near_plane = 1e-20f;  // the near plane is a divisor of depth
   const Shader* depth = shader(Stage::depth, surface.kind);
   const Shader* blend = shader(Stage::blend, surface.kind);
   const Shader* resolve = shader(Stage::resolve, surface.kind);
@@ -225,7 +226,7 @@ void SplatGl::depth_pass(const Shader& shader, const Surface& surface, const Spl
   gl_.Disable(GL_BLEND);
   gl_.Enable(GL_DEPTH_TEST);
   gl_.DepthMask(GL_TRUE);
-  // The nearest has the largest value, so that distant depth has float32 precision.
+  // The nearest depth has the largest value, so that far depths have the precision of float32.
   gl_.DepthFunc(GL_GREATER);
   constexpr std::array<GLfloat, 4> kZeros{};
   gl_.ClearBufferfv(GL_COLOR, 0, kZeros.data());

@@ -16,47 +16,48 @@
 
 namespace gs::render {
 
-/// Range of a point set's splats; like SplatPiece, but it holds the point set.
+/// Range of a point set's splats. Like SplatPiece, but owns the point set.
 struct SharedSplatPiece {
   std::shared_ptr<const qnv::Splats> splats;
   std::size_t first = 0, count = 0;
-  float growth = 1;                              // factor of their areas
-  std::optional<qnv::Rgb8> tint = std::nullopt;  // replaces all colours of the piece
+  float growth = 1;  // factor of the splats' areas
+  std::optional<qnv::Rgb8> tint = std::nullopt;  // replaces the colours of the splats
 };
 
-/// Result of SplatGl: the arrays of a SplatLayer as textures, valid until the next draw. Only the pixels of the
+/// Result of SplatGl: the arrays of a SplatLayer as textures. Valid until the next draw. Only the pixels of the
 /// rectangle are defined.
 struct SplatTextures {
-  GLuint normals = 0, depths = 0, colors = 0;  // colors is 0 for a single colour
-  int x = 0, y = 0, width = 0, height = 0;     // pixels of the viewport
-  int left = 0, bottom = 0;                    // viewport pixel of the first texel
-  std::size_t discs = 0;                       // splats in view, estimated from a sample if there are many
+  GLuint normals = 0, depths = 0, colors = 0;  // names of textures; `colors` is 0 if there is a single colour
+  int x = 0, y = 0, width = 0, height = 0;  // rectangle in pixels of the viewport
+  int left = 0, bottom = 0;  // pixel of the viewport at the first texel
+  std::size_t discs = 0;  // splats in view; estimated if there are many
   std::size_t draw_calls = 0;
 };
 
-/// Surface splatting with OpenGL: the image of rasterize_surface, up to rounding. Instanced rectangles determine the
-/// nearest surface of every sample, then accumulate normals and colours around it; a last pass averages the samples of
-/// each pixel. Belongs to the thread of its context.
+/// Draws the splats of surfaces with OpenGL. The image equals that of rasterize_surface(), except for rounding.
+/// Instanced rectangles find the nearest surface at each sample, then sum normals and colours around it. A last pass
+/// averages the samples of each pixel. Runs on the thread of the context.
 ///
-/// Draws into its own framebuffers and leaves those bound. Changes the viewport, scissor, depth test and function,
-/// blending, the vertex array and the active texture unit (0).
+/// Draws into its own framebuffers and leaves them bound. Changes viewport, scissor, depth test and function, blending,
+/// vertex array and active texture unit (0).
 class SplatGl {
  public:
   explicit SplatGl(const Gl& gl);
 
-  /// Draws pieces of one surface: all or none with cells, all or none two-sided. Images too large for memory are drawn
-  /// without supersampling. Returns nullopt if the context lacks float targets, memory or the program.
+  /// Draws pieces of one surface. Either all or none may have cells; either all or none may be two-sided. If an image
+  /// is too large for the memory, draws it without supersampling. Returns nullopt if the context has no float targets,
+  /// too little memory or no program.
   std::optional<SplatTextures> draw(std::span<const SharedSplatPiece> pieces, const SplatView& view);
 
-  /// Reads the result back as a layer of the viewport's size.
+  /// Reads the result into a layer of the viewport's size.
   [[nodiscard]] SplatLayer read(const SplatTextures& textures, const SplatView& view);
 
-  /// Frees copies of point sets without other owners; call it once per frame.
+  /// Frees point sets that have no other owners. Call it once per frame.
   void forget_unused() { store_.forget_unused(); }
   [[nodiscard]] const SplatStore& store() const { return store_; }
 
  private:
-  /// Variant of a program.
+  /// Properties that select a variant of a program.
   struct Kind {
     bool cells = false, sides = false, colored = false, smooth = false;
   };
@@ -91,37 +92,37 @@ class SplatGl {
     Program program;
     std::array<GLint, uniform_count> at{};
   };
-  /// Instance as the vertex shader reads it (splat_shaders.h).
+  /// Instance of up to kAnInstance vectors, in the layout of the vertex shader (splat_shaders.h).
   struct Instance {
     std::uint32_t first = 0, piece_count = 0;
   };
   using PieceTexels = std::array<glm::vec4, 3>;
-  // Vectors per instance. More reduce the driver's overhead per instance; fewer waste less on partly filled instances.
+  // Vectors per instance. More reduce the driver's work per instance; fewer waste less on incomplete instances.
   static constexpr std::size_t kAnInstance = 64;
   static_assert(kAnInstance <= 255);
-  static constexpr std::size_t kPiecesARow = 256;  // pieces per row of the table
+  static constexpr std::size_t kPiecesARow = 256;  // pieces per row of the texture `pieces`
   /// Instances of one draw call.
   struct Batch {
-    GLuint vectors = 0, cells = 0;     // textures
+    GLuint vectors = 0, cells = 0;  // buffer textures
     std::size_t first = 0, count = 0;  // range of Surface::instances
   };
   struct Rectangle {
-    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // pixels, x1 and y1 exclusive
+    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // rectangle in pixels; x1 and y1 are exclusive
   };
   struct Surface {
     Kind kind;
     std::vector<PieceTexels> pieces;
     std::vector<Instance> instances;
     std::vector<Batch> batches;
-    std::size_t step = 1;  // draws only every step-th splat
+    std::size_t step = 1;  // draws one of `step` splats
     Rectangle rectangle;
     bool color_by_normal = false;
   };
   struct Targets {
-    int width = 0, height = 0, samples = 0;  // pixels; samples per pixel edge
+    int width = 0, height = 0, samples = 0;  // size in pixels, and samples along the side of a pixel
     bool colored = false, smooth = false;
-    Texture nearest, sums, color_sums, slopes, tilts;  // per sample
-    Texture normals, depths, colors;                   // per pixel
+    Texture nearest, sums, color_sums, slopes, tilts;  // one texel per sample
+    Texture normals, depths, colors;  // one texel per pixel
     Renderbuffer depth;
     Framebuffer depth_pass, blend_pass, resolve_pass;
   };

@@ -10,7 +10,7 @@
 #include <utility>
 #include <variant>
 
-// Programs and framebuffers of SplatGl.
+// Part of SplatGl that makes programs and framebuffers.
 namespace gs::render {
 namespace {
 
@@ -29,7 +29,7 @@ std::string constants(std::size_t pieces_a_row) {
                                     {"SMOOTHING", splat::kSmoothing},
                                     {"OFFSET_RANGE", SplatCoding::kOffsetRange},
                                     {"PI", splat::kPi}}) {
-    // Avoids std::to_string, which depends on the locale; parentheses protect the sign.
+    // std::to_string would depend on the locale. The parentheses protect the sign.
     const auto billionths = std::llround(std::abs(double{value}) * 1e9);
     const std::string digits = std::to_string(billionths % 1'000'000'000 + 1'000'000'000).substr(1);
     text += std::string("#define ") + name + (value < 0 ? " (-" : " (") + std::to_string(billionths / 1'000'000'000) +
@@ -41,7 +41,7 @@ std::string constants(std::size_t pieces_a_row) {
 }  // namespace
 
 const SplatGl::Shader* SplatGl::shader(Stage stage, const Kind& kind) {
-  // Uses only the flags that affect the stage, so that no program is made twice.
+  // Keep only the flags that affect this stage, so that no program is made twice.
   const bool discs = stage != Stage::resolve, blended = stage != Stage::depth;
   const std::array<std::pair<bool, const char*>, 5> flags{{{discs && kind.cells, "CELLS"},
                                                            {discs && kind.sides, "SIDES"},
@@ -92,7 +92,7 @@ bool SplatGl::make_targets(const SplatView& view, const Kind& kind) {
   made.width = view.width;
   made.height = view.height;
   made.samples = view.supersample;
-  // Attachments of earlier point sets stay, since others in the image will need them too.
+  // Keep attachments that only earlier point sets needed: later point sets of the image will need them again.
   made.colored = kind.colored || (same && t.colored);
   made.smooth = kind.smooth || (same && t.smooth);
   t = {};
@@ -121,7 +121,7 @@ bool SplatGl::make_targets(const SplatView& view, const Kind& kind) {
   gl_.RenderbufferStorageMultisample(GL_RENDERBUFFER, 0, GL_DEPTH_COMPONENT32F, view.width * s, view.height * s);
   gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, made.depth.name());
   bool good = complete();
-  // Half floats would saturate where thousands of splats meet in a sample.
+  // Half floats would overflow if thousands of splats overlap in a sample.
   open(made.blend_pass);
   attach(made.sums, GL_COLOR_ATTACHMENT0, GL_RGBA32F, GL_RGBA, GL_FLOAT, s);
   if (made.colored) attach(made.color_sums, GL_COLOR_ATTACHMENT1, GL_RGBA32F, GL_RGBA, GL_FLOAT, s);
@@ -139,7 +139,7 @@ bool SplatGl::make_targets(const SplatView& view, const Kind& kind) {
   if (good) {
     t = std::move(made);
   } else {
-    // Prevents a retry in every frame of this size.
+    // Record the size even after a failure, so that later frames do not try again.
     t.width = made.width;
     t.height = made.height;
     t.samples = made.samples;

@@ -18,7 +18,7 @@ namespace {
 using namespace splat;
 
 constexpr std::array<std::uint32_t, 16> kLaneNumbers = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-// Coordinates of the samples in a block.
+// Positions of the samples in a block: x, then y.
 constexpr std::array<float, kBlockSamples> kBlockX = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
 constexpr std::array<float, kBlockSamples> kBlockY = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
 

@@ -5,7 +5,7 @@
 
 namespace gs::render {
 
-/// Indices of the set bits, by bit mask.
+/// Indexes of the set bits in a byte, by the byte.
 inline constexpr std::array<std::array<std::uint8_t, 8>, 256> kPackings = [] {
   std::array<std::array<std::uint8_t, 8>, 256> table{};
   for (unsigned lanes = 0; lanes < 256; ++lanes)

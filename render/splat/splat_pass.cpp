@@ -45,7 +45,7 @@ class SavedTarget {
   GLint draw_ = 0, read_ = 0;
 };
 
-/// Returns the material for shading: with diagnostic vector colours, only its transparency counts.
+/// Returns the material for shading. If vectors have diagnostic colours, only its transparency remains.
 Material shown_material(const Material& material, ColorBy color_by) {
   if (color_by == ColorBy::own) return material;
   Material plain;
@@ -245,13 +245,13 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
   SplatView view = viewport_view(camera, projection, options);
   view.supersample = options.samples > 1 ? 2 : 1;
   view.color_by_normal = options.clouds.color_by == ColorBy::normal;
-  // Cuts for the whole image, so that its tiles match.
+  // Cut for the whole image, so that its tiles match.
   SplatView whole = whole_view(view, camera);
   const std::vector<std::size_t> shares =
       share_budget(list.splats, budget_view(whole, camera_from_world), options.budget);
   std::size_t streams = 0, decodable = options.most_decoded;
   for (const SplatItem& item : list.splats) streams += item.geometry->as<qnv::OctreeSplats>() ? 1 : 0;
-  std::unordered_map<const qnv::LodStream*, std::uint32_t> shown;  // number of instances so far
+  std::unordered_map<const qnv::LodStream*, std::uint32_t> shown;  // instances of each stream so far
   for (std::size_t i = 0; i < list.splats.size(); ++i) {
     const SplatItem& item = list.splats[i];
     const auto* splats = item.geometry->as<qnv::Splats>();
@@ -260,7 +260,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
     whole.camera_from_node = view.camera_from_node = glm::mat4(camera_from_world * item.world_from_node);
     CutOptions wanted{shares[i], 0, item.detail, options.viewport, options.clouds.color_by};
     if (octree) {
-      // Each instance of a stream keeps its own detail.
+      // Each instance of a stream keeps its own level of detail.
       wanted.viewport += shown[octree->stream.get()]++ << 16;
       if (options.most_decoded > 0) wanted.most_decoded = std::max<std::size_t>(decodable / streams--, 1);
     }

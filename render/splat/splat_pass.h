@@ -18,8 +18,8 @@
 
 namespace gs::render {
 
-/// Draws the point sets of a RenderList: rasterizes them on the CPU or with OpenGL, then shades each pixel with the
-/// scene's lights, tested against the existing depth.
+/// Draws the point sets of a RenderList. Rasterizes them on the CPU or with OpenGL. Then shades each pixel with the
+/// scene's lights and tests it against the existing depth.
 class SplatPass {
  public:
   explicit SplatPass(const Gl& gl);
@@ -28,7 +28,7 @@ class SplatPass {
   void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
             FrameStatistics& statistics);
 
-  /// Shades the result of another CPU rasterizer for an item, like a point set. `options` as for `draw`.
+  /// Shades the result of another CPU rasterizer for an item. `options` as for `draw`.
   void draw_layer(const SplatLayer& layer, const RenderList& list, const DrawItem& item, const Camera& camera,
                   const Projection& projection, const DrawOptions& options);
 
@@ -41,16 +41,16 @@ class SplatPass {
     FogUniforms fog;
     LightUniforms lights;
   };
-  /// Returns the shader; null if the driver rejected it. `lights` is a LightSets::variant.
+  /// Returns the shader for a variant. Returns null if the driver rejected it. `lights` is a LightSets::variant.
   const Shader* shader(bool colored, bool closing, bool fog, unsigned lights);
-  /// `closing` is the maximum width of holes still to close, in pixels.
+  /// Shades the pixels. `closing` is the maximum width in pixels of holes that the shader must close.
   void shade(const Material& material, const SplatTextures& textures, int closing, std::uint32_t light_set,
              const CameraFog& fog, const Projection& projection, const DrawOptions& options);
   SplatTextures upload(const SplatLayer& layer);
-  /// Returns nullopt if OpenGL is not requested or unavailable.
+  /// Rasterizes with OpenGL. Returns nullopt if OpenGL is not requested or unavailable.
   std::optional<SplatTextures> with_gl(std::span<const SharedSplatPiece> pieces, const SplatView& view,
                                        const DrawOptions& options);
-  /// `whole` is the full-image view of which `view` is a tile.
+  /// Rasterizes on the CPU. `whole` is the view of the whole image, `view` that of a tile.
   SplatTextures on_processor(std::span<const SharedSplatPiece> pieces, const SplatView& view, const SplatView& whole);
   void upload(const Texture& texture, int unit, GLenum internal, GLenum format, GLenum type, const SplatLayer& layer,
               const void* pixels);

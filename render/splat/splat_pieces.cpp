@@ -12,10 +12,10 @@
 namespace gs::render {
 namespace {
 
-constexpr unsigned kDeepestLevel = 10;  // this level and deeper ones are red
+constexpr unsigned kDeepestLevel = 10;  // levels from this on are red
 constexpr std::size_t kAgeSteps = 64;
 
-/// Returns the tint of a piece of a stream.
+/// Returns the colour that distinguishes a piece of a stream. Returns nullopt for its own colours.
 std::optional<qnv::Rgb8> tint_of(const qnv::Piece& piece, ColorBy color_by) {
   switch (color_by) {
     case ColorBy::level:
@@ -31,7 +31,7 @@ std::optional<qnv::Rgb8> tint_of(const qnv::Piece& piece, ColorBy color_by) {
   return std::nullopt;
 }
 
-/// Returns the first `count` vectors of a point set, split where the tint changes.
+/// Returns the first `count` vectors of a point set as pieces. Each piece has one tint.
 std::vector<SharedSplatPiece> prefix_of(const std::shared_ptr<const qnv::Splats>& splats, std::size_t count,
                                         ColorBy color_by) {
   const std::size_t all = splats->size();
@@ -75,7 +75,7 @@ std::optional<qnv::LodView> lod_view(const SplatView& view) {
   const glm::mat4 transposed = glm::transpose(view.camera_from_node);
   lod.eye = glm::vec3(node_from_camera[3]);
   if (!std::isfinite(lod.eye.x + lod.eye.y + lod.eye.z)) return std::nullopt;
-  // Distances are in node units, like the voxel edges, so the scale cancels.
+  // Distances and voxel edges are both in node units, so the scale does not matter.
   lod.pixels = 0.5f * static_cast<float>(view.height) / view.tangents.y;
   const glm::vec2 low = view.center - view.tangents, high = view.center + view.tangents;
   const std::array<glm::vec4, 5> planes{

@@ -16,10 +16,10 @@
 namespace gs::render {
 namespace {
 
-// Splats per preparation task: few enough to stay in the second-level cache until they are sorted; more if there would
-// be more than kMaxTasks tasks.
+// Splats per preparation task. They should stay in the second-level cache until they are sorted. Tasks have more splats
+// if there would be more than kMaxTasks tasks.
 constexpr std::size_t kTaskRange = 16384, kMaxTasks = 256;
-constexpr int kMaxSamples = 65535;  // along an edge of the viewport
+constexpr int kMaxSamples = 65535;  // maximum samples along a side of the viewport
 
 SplatSource source_of(const SplatPiece& piece, const SplatView& view) {
   const qnv::Splats& splats = *piece.splats;
@@ -37,7 +37,7 @@ SplatSource source_of(const SplatPiece& piece, const SplatView& view) {
   return source;
 }
 
-/// Samples that a splat may contribute to, inclusive.
+/// Rectangle of samples to which a splat may contribute. Both ends are inclusive.
 struct Extent {
   explicit Extent(const SplatDisc& disc)
       : x0(static_cast<int>(disc.low & 0xffff)),
@@ -51,12 +51,12 @@ struct Extent {
   int x0, y0, x1, y1;
 };
 
-/// Work of one task: consecutive parts of pieces, and their splats in view.
+/// Work of one task: successive parts of pieces, and their splats that are in view.
 struct Segment {
   std::vector<SplatPiece> parts;
-  std::size_t first = 0, count = 0;         // range among all splats
-  std::uint64_t samples = 0, width = 0;     // totals of its splats
-  std::vector<std::uint32_t> begin, discs;  // splats in each tile, tile by tile, in order
+  std::size_t first = 0, count = 0;  // range in the splats of the image
+  std::uint64_t samples = 0, width = 0;  // sums over the splats: covered samples, width of the bounding boxes
+  std::vector<std::uint32_t> begin, discs;  // start of each tile in `discs`; splat indexes, by tile
 };
 
 std::vector<Segment> segments_of(std::span<const SplatPiece> pieces) {
@@ -71,7 +71,7 @@ std::vector<Segment> segments_of(std::span<const SplatPiece> pieces) {
       part.first = piece.first + i;
       part.count = std::min(range, piece.count - i);
       if (in_task + part.count > range && in_task > 0) {
-        first += in_task + 1;  // one extra splat of room
+        first += in_task + 1;  // one more, for the additional splat that `prepare` may write
         segments.emplace_back().first = first;
         in_task = 0;
       }
@@ -87,20 +87,20 @@ std::size_t room_for(const std::vector<Segment>& segments) {
   return room;
 }
 
-/// Returns memory for an image's splats, reused between images: fresh memory would cost as much as preparing the
-/// splats.
+/// Returns memory for the splats of an image. Reuses it for later images: new memory would take as long as preparing
+/// the splats.
 SplatDisc* disc_memory(std::size_t count) {
   thread_local std::unique_ptr<SplatDisc[]> memory;
   thread_local std::size_t size = 0;
   if (count > size) {
-    memory.reset();  // frees the old memory first
+    memory.reset();  // free the old memory before allocating
     memory.reset(new SplatDisc[count]);
     size = count;
   }
   return memory.get();
 }
 
-/// Tiles of an image.
+/// Grid of the tiles of an image.
 struct Grid {
   explicit Grid(const SplatCamera& camera)
       : columns((camera.width + kTile - 1) / kTile), rows((camera.height + kTile - 1) / kTile) {}
@@ -118,18 +118,18 @@ struct Tiles {
   static std::size_t tile(int sample) { return static_cast<unsigned>(sample) / kTile; }
   template <class Body>
   void for_each(Body body) const {
-    if ((right | up) == 0) return body(first);  // the usual case
+    if ((right | up) == 0) return body(first);  // one tile, the usual case
     for (std::size_t y = 0; y <= up; ++y)
       for (std::size_t x = 0; x <= right; ++x) body(first + y * row + x);
   }
   std::size_t first, right, up, row;
 };
 
-/// Counts every `step`-th splat of a segment in all tiles that it touches. If they cover more than `most` samples,
-/// `begin` is empty afterwards.
+/// Counts every `step`-th splat of a segment in each tile that it touches. If these splats cover more than `most`
+/// samples, leaves `begin` empty.
 void count_in_tiles(Segment& segment, const SplatDisc* discs, const Grid& grid, std::size_t step, std::uint64_t most) {
   segment.begin.assign(grid.size() + 2, 0);
-  // Offset by two: entries advance while tiles are filled, and then give the start of the next tile.
+  // The offset of two makes room: sort_by_tiles() advances entries, which afterwards are the starts of the tiles.
   std::uint32_t* const counts = segment.begin.data() + 2;
   std::uint64_t samples = 0, width = 0;
   for (std::size_t i = 0; i < segment.count; i += step) {
@@ -144,7 +144,7 @@ void count_in_tiles(Segment& segment, const SplatDisc* discs, const Grid& grid, 
   segment.width = width;
 }
 
-/// Sorts every `step`-th splat of a segment by tile, after counting.
+/// Sorts every `step`-th splat of a segment by tile. Call it after count_in_tiles().
 void sort_by_tiles(Segment& segment, const SplatDisc* discs, const Grid& grid, std::size_t step) {
   std::vector<std::uint32_t>& begin = segment.begin;
   for (std::size_t tile = 2; tile < begin.size(); ++tile) begin[tile] += begin[tile - 1];
@@ -156,17 +156,18 @@ void sort_by_tiles(Segment& segment, const SplatDisc* discs, const Grid& grid, s
   }
 }
 
-/// The bounds of a splat are four bells wide.
+/// Reports whether normals should follow the surface. `width` is the sum of the widths of `discs` bounding boxes, each
+/// four bells wide.
 bool is_smooth(double width, double discs) { return width > 4.0 * splat::kSmoothFrom * discs; }
 
-/// Returns a power of two at which the samples of an edge stay countable.
+/// Returns the supersampling: a power of two for which a side has at most kMaxSamples samples.
 int supersample_of(const SplatView& view) {
   int s = static_cast<int>(std::bit_floor(static_cast<unsigned>(std::clamp(view.supersample, 1, 8))));
   while (s > 1 && std::max(view.width, view.height) > kMaxSamples / s) s /= 2;
   return s;
 }
 
-/// Prepares all splats and sorts them by tile. Returns the step at which splats are drawn.
+/// Prepares all splats and sorts them by tile. Returns the step between splats that are drawn.
 std::size_t prepare_all(std::vector<Segment>& segments, const SplatView& view, const SplatCamera& camera,
                         const Grid& grid, const SplatKernel& kernel, std::uint64_t most, SplatDisc* discs) {
   parallel_for(
@@ -175,7 +176,7 @@ std::size_t prepare_all(std::vector<Segment>& segments, const SplatView& view, c
         Segment& segment = segments[i];
         for (const SplatPiece& part : segment.parts)
           segment.count += kernel.prepare(source_of(part, view), camera, discs + segment.first + segment.count);
-        // Sorts at once while the data is in the cache, unless so many splats may need thinning.
+        // Sort now, while the data is in the cache. Wait if there are so many splats that they may need thinning.
         count_in_tiles(segment, discs, grid, 1, most / segments.size());
         if (!segment.begin.empty()) sort_by_tiles(segment, discs, grid, 1);
       },
@@ -251,7 +252,7 @@ SplatLayer rasterize_surface(std::span<const SplatPiece> pieces, const SplatView
       grid.size(),
       [&](std::size_t t) {
         thread_local const auto tile = std::make_unique<SplatTile>();
-        thread_local std::vector<std::uint32_t> chosen;  // reused for the next tile, like `tile`
+        thread_local std::vector<std::uint32_t> chosen;  // reused for the next tile, as is `tile`
         chosen.clear();
         for (const Segment& segment : segments)
           chosen.insert(chosen.end(), segment.discs.begin() + segment.begin[t],

@@ -20,16 +20,16 @@ namespace gs::render {
 /// View of a point set for rasterizing.
 struct SplatView {
   glm::mat4 camera_from_node{1.0f};  // any affine matrix
-  glm::vec2 tangents{1.0f};          // of the half angles of view, horizontally and vertically
+  glm::vec2 tangents{1.0f};  // tangents of half the angles of view, horizontal and vertical
   glm::vec2 center{0.0f};            // tangents of the image centre
-  int width = 0, height = 0;         // pixels of the viewport
+  int width = 0, height = 0;  // size of the viewport in pixels
   float near_plane = 0;
-  int supersample = 1;           // samples per pixel edge: 1, 2, 4 or 8
-  bool color_by_normal = false;  // node space: x, y, z from -1..1 as red, green, blue, instead of all colours
+  int supersample = 1;  // samples along the side of a pixel: 1, 2, 4 or 8
+  bool color_by_normal = false;  // shows normals: x, y, z from -1 to 1 are red, green, blue (node space)
   unsigned threads = 0;
 };
 
-/// Allocator for memory that is written before it is read.
+/// Allocator for arrays that are written before they are read.
 template <class T>
 struct SplatAllocator : std::allocator<T> {
   template <class U>
@@ -37,7 +37,7 @@ struct SplatAllocator : std::allocator<T> {
     using other = SplatAllocator<U>;
   };
   using std::allocator<T>::allocator;
-  /// Leaves new elements of resize() uninitialized: the threads that draw the tiles fill them.
+  /// Leaves new elements of resize() uninitialized, because the threads that draw the tiles fill them.
   template <class U>
   void construct(U* at) {
     ::new (static_cast<void*>(at)) U;
@@ -48,52 +48,51 @@ struct SplatAllocator : std::allocator<T> {
   }
 };
 
-/// Result of rasterizing a point set in a rectangle of the viewport, rows from the bottom. Coverage is 0 for empty
-/// pixels.
+/// Rasterized point set in a rectangle of the viewport, rows from the bottom. Empty pixels have coverage 0.
 struct SplatLayer {
   int x = 0, y = 0, width = 0, height = 0;
-  std::vector<float, SplatAllocator<float>> depth;  // distance along the view axis, camera units
-  // 4 per pixel: camera space x, y, z as 0..65535 for -1..1; coverage 0..65535.
+  std::vector<float, SplatAllocator<float>> depth;  // distance along the view axis, in camera units
+  // 4 per pixel: normal in camera space, x, y, z from -1 to 1 as 0 to 65535; coverage, 0 to 65535.
   std::vector<std::uint16_t, SplatAllocator<std::uint16_t>> normals;
-  // 4 per pixel: RGB and unused; empty if the point set has one colour.
+  // 4 per pixel: RGB and an unused byte. Empty if the point set has one colour.
   std::vector<std::uint8_t, SplatAllocator<std::uint8_t>> colors;
   std::size_t discs = 0;  // splats in view
-  std::size_t drawn = 0;  // splats drawn; fewer if all would cover more than kMaxSplatSamples
+  std::size_t drawn = 0;  // drawn splats; fewer if all splats would cover more than kMaxSplatSamples samples
 
   [[nodiscard]] bool empty() const { return depth.empty(); }
 };
 
-/// Splats a surface on the CPU. The first pass finds the nearest surface of every sample. The second averages normals
-/// and colours of the splats there, weighted by a bell of the distance (paper, section 3; Botsch et al. 2005). Splats
-/// from an octree cover only their cube and a small margin. Gives the same bits for any number of threads.
+/// Draws the splats of a surface on the CPU. The first pass finds the nearest surface at each sample. The second
+/// averages the normals and colours of the splats there, with bells as weights (paper, section 3; Botsch et al. 2005).
+/// Splats of an octree cover only their cube and a small margin. Gives identical bits for any number of threads.
 [[nodiscard]] SplatLayer rasterize_surface(const qnv::Splats& splats, const SplatView& view);
 
-/// Range of a point set's splats.
+/// Range of the splats of a point set.
 struct SplatPiece {
   const qnv::Splats* splats = nullptr;
   std::size_t first = 0, count = 0;
-  float growth = 1;  // factor of their areas, since they represent others that are not drawn
-  std::optional<qnv::Rgb8> tint = std::nullopt;  // replaces all colours of the piece
+  float growth = 1;  // factor of the splats' areas, if they also represent splats that are not drawn
+  std::optional<qnv::Rgb8> tint = std::nullopt;  // replaces the colours of the splats
 };
-/// Rasterizes pieces of one surface: all or none with cells, all or none two-sided.
+/// Draws pieces of one surface. Either all or none may have cells; either all or none may be two-sided.
 [[nodiscard]] SplatLayer rasterize_surface(std::span<const SplatPiece> pieces, const SplatView& view);
 
-/// Maximum number of blended samples, counted per splat. Larger point sets would take seconds and are thinned evenly;
-/// typical point sets need a hundredth.
+/// Maximum blended samples, summed over the splats. Larger point sets would take seconds, so they are thinned evenly.
+/// Typical point sets need a hundredth.
 inline constexpr std::uint64_t kMaxSplatSamples = 2'000'000'000;
 
-/// Estimates for pieces of point sets in a view, from a sample of their splats.
+/// Estimates for the splats of pieces in a view, from a sample.
 struct SurfaceMeasure {
-  std::size_t discs = 0;  // in view
-  bool smooth = false;    // rasterize_surface lets the normals follow the surface between the splats
-  double samples = 0;     // covered in total by the bounds of all splats in view
+  std::size_t discs = 0;  // splats in view
+  bool smooth = false;  // rasterize_surface() makes normals follow the surface between the splats
+  double samples = 0;  // sum of the samples in the bounding boxes of all splats in view
 };
 
-/// Estimates from about `most` splats, evenly spread over the pieces. Examines all splats if there are no more.
+/// Estimates from about `most` splats, evenly spread over the pieces. If there are fewer splats, examines all.
 [[nodiscard]] SurfaceMeasure measure_surface(std::span<const SplatPiece> pieces, const SplatView& view,
                                              std::size_t most);
 
-/// Returns the vector instruction set in use: "AVX-512", "AVX2" or "SSE2".
+/// Returns the instruction set in use: "AVX-512", "AVX2" or "SSE2".
 [[nodiscard]] std::string_view splat_instructions();
 
 }  // namespace gs::render

@@ -1,7 +1,7 @@
 #pragma once
 
-// GLSL 3.30 of the GPU surface splatter without the #version line; make_program adds it together with the #defines.
-// Mirrors splat_raster.cpp and splat_tile_loop.inc; the constants come from splat_constants.h.
+// GLSL 3.30 of the GPU splatter of surfaces, without the #version line. make_program adds that line and the #defines.
+// Does the same as splat_raster.cpp and splat_tile_loop.inc; the constants are in splat_constants.h.
 namespace gs::render {
 
 /// Decodes a vector from the buffers of SplatStore. An instance draws up to 64 (SplatGl::kAnInstance) vectors of one
@@ -9,26 +9,26 @@ namespace gs::render {
 inline constexpr char kSplatVectorShader[] = R"glsl(
 struct Vector {
   vec3 position, normal;
-  float radius, edge, offset;  // edge 0: no cube
+  float radius, edge, offset;  // edge 0 means no cube
   vec3 color;
   bool drawn;
 };
-/// Values common to all vectors of a piece, three texels in `pieces`.
+/// Values that all vectors of a piece share; three texels of `pieces`.
 struct Piece {
-  vec3 lower;   // position = lower + code * step
+  vec3 lower;  // position = lower + code * step, in node space
   vec3 step;
   vec2 radius;  // logarithm of the smallest radius, and what a step of the code adds to it
-  vec2 edge;    // logarithm of the smallest edge, and its increase per step of the code
-  float scale;  // of radii
-  float tint;   // 24 bits, in place of all colours; negative: none
+  vec2 edge;  // log2 of the minimum edge, and its increase per code
+  float scale;  // factor of radii
+  float tint;  // 24-bit colour that replaces all colours; negative: none
 };
-layout(location = 0) in uvec2 instance;  // the first vector; the number of the piece and, in the low byte, of vectors
+layout(location = 0) in uvec2 instance;  // x: first vector; y: number of vectors (low byte), index of piece
 uniform usamplerBuffer vectors;
 uniform sampler2D pieces;
-uniform int stride;  // every so many vectors are drawn
+uniform int stride;  // draws one of `stride` vectors
 uniform bool color_by_normal;
 
-// The vector of this vertex; false where the instance has no such one.
+// Sets the index of this vertex's vector. Returns false if the instance has no such vector.
 bool find_vector(out int index) {
   int i = gl_VertexID >> 2;
   index = int(instance.x) + i * stride;
@@ -51,7 +51,7 @@ vec3 rgb8(uint code) {
 uniform usamplerBuffer cells;
 #endif
 
-// As encode_splats (splat_store.h) writes them.
+// Decodes a vector that encode_splats (splat_store.h) wrote.
 Vector read_vector(int index) {
   Vector v;
   Piece piece = read_piece();
@@ -79,12 +79,12 @@ Vector read_vector(int index) {
 }
 )glsl";
 
-/// Computes a rectangle around the samples that a splat may touch: its covered area, or with BLEND the extent of its
-/// bell. Node space, relative to the camera. Defines: those of the vectors, SIDES (two-sided), BLEND.
+/// Computes a rectangle around the samples that a splat may touch: those that it covers or, with BLEND, those in its
+/// bell. Works in node space, relative to the camera. Defines: those of kSplatVectorShader, SIDES (two-sided), BLEND.
 inline constexpr char kSplatDiscVertexShader[] = R"glsl(
-uniform vec3 row_x, row_y, row_z;  // of the linear part of camera_from_node
-uniform vec2 tangents, middle, margin;  // middle: tangents of what is there; margin: of the rectangle, clip space
-uniform float near_plane, sample_size;  // sample_size: of a sample at depth 1, node units
+uniform vec3 row_x, row_y, row_z;  // rows of the linear part of camera_from_node
+uniform vec2 tangents, middle, margin;  // middle: tangents of the image centre; margin: of the rectangle, in clip space
+uniform float near_plane, sample_size;  // sample_size: width of a sample at depth 1, in node units
 flat out vec4 normal_plane;
 #ifdef BLEND
 flat out vec4 place_quarter;
@@ -94,7 +94,7 @@ flat out vec4 clip_reach;
 #endif
 
 void main() {
-  gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // nothing
+  gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // outside of clip space: draws nothing
   normal_plane = vec4(0.0);
 #ifdef BLEND
   place_quarter = vec4(0.0);
@@ -123,7 +123,7 @@ void main() {
     bell = max(v.radius * CUBE_BELL, max(0.5 * v.edge, least));
   }
   normal_plane = vec4(v.normal, plane);
-  vec3 extent, center;  // of a box in camera space
+  vec3 extent, center;  // centre and half size of a box in camera space
 #ifdef BLEND
   place_quarter = vec4(place, 0.25 / (bell * bell));
   color = v.color;
@@ -154,7 +154,7 @@ void main() {
 }
 )glsl";
 
-/// Writes the depth of the nearest surface of every sample, negative for a back face. The depth test is GREATER.
+/// Writes the depth of the nearest surface at each sample; negative for a back face. Needs the depth test GREATER.
 inline constexpr char kSplatDepthFragmentShader[] = R"glsl(
 uniform vec3 ray_origin, ray_right, ray_up;
 uniform float near_plane;
@@ -176,7 +176,7 @@ void main() {
 }
 )glsl";
 
-/// Accumulates the contributions of the splats around the nearest surface, weighted by their bells.
+/// Sums the contributions of the splats near the nearest surface, with their bells as weights.
 inline constexpr char kSplatBlendFragmentShader[] = R"glsl(
 uniform vec3 ray_origin, ray_right, ray_up;
 uniform sampler2D nearest;
@@ -196,7 +196,7 @@ void main() {
 #endif
   vec2 at = floor(gl_FragCoord.xy);
   vec3 d = (ray_origin + ray_right * at.x + ray_up * at.y) * depth - place_quarter.xyz;
-  // (1 - rho^2 / 4)^4: nearly exp(-1.2 rho^2), and nothing beyond two radii.
+  // (1 - rho^2 / 4)^4: nearly exp(-1.2 rho^2), and 0 beyond two radii.
   float bell = 1.0 - dot(d, d) * place_quarter.w;
   if (!(bell > 0.0)) discard;
   float square = bell * bell;
@@ -214,8 +214,8 @@ void main() {
 }
 )glsl";
 
-/// Averages the samples of each pixel into the input of the shading pass, a SplatLayer in textures. Defines: COLORS,
-/// SMOOTH.
+/// Averages the samples of each pixel. The result is a SplatLayer in textures, the input of the shading pass. Defines:
+/// COLORS, SMOOTH.
 inline constexpr char kSplatResolveFragmentShader[] = R"glsl(
 uniform sampler2D nearest, sums;
 #ifdef COLORS
@@ -260,21 +260,21 @@ void main() {
 }
 )glsl";
 
-/// Shades the pixels of the surface splatter; comes after kLightingShader and, with FOG, kFogShader. Defines: COLORS,
-/// FOG, those of the lights, CLOSING (works like close_pinholes of splat_closing.h).
+/// Shades the pixels of the splatter. Follows kLightingShader and, with FOG, kFogShader. Defines: COLORS, FOG, those of
+/// the lights, CLOSING (does the same as close_pinholes() in splat_closing.h).
 inline constexpr char kSplatFragmentShader[] = R"glsl(
 uniform sampler2D normals, depths;
 #ifdef COLORS
 uniform sampler2D colors;
 #endif
-uniform ivec2 origin, size;    // of the viewport
-uniform vec4 rectangle;        // pixels of the viewport that the textures hold: the first ones, and those behind the last
-uniform ivec2 corner;          // the pixel of the first texel
+uniform ivec2 origin, size;  // lower left corner and size of the viewport
+uniform vec4 rectangle;  // rectangle in the viewport that the textures contain: first pixel, and end (exclusive)
+uniform ivec2 corner;  // pixel of the viewport at the first texel
 #ifdef CLOSING
-uniform int closing;  // pixels
+uniform int closing;  // maximum width of holes, in pixels
 #endif
-uniform vec2 pixel, tangents, middle;  // 2 / size of the viewport; of half the angles of view; of what is in the middle
-uniform vec2 depth_row;        // Projection::depth_offset, depth_scale
+uniform vec2 pixel, tangents, middle;  // 2 / viewport size; tangents: of half the view, of its centre
+uniform vec2 depth_row;  // Projection::depth_offset and depth_scale
 uniform vec4 base, emissive_ambient, specular_exponent;
 out vec4 result;
 
@@ -295,7 +295,7 @@ bool outside(ivec2 at) {
 }
 
 #ifdef CLOSING
-// The largest coverage that is near on one side; the nearest covered pixel is added when `fill`.
+// Returns the maximum coverage on one side, up to `closing` pixels away. If `fill`, adds the nearest covered pixel.
 float beside(ivec2 at, ivec2 way, bool fill) {
   float most = 0.0;
   for (int i = 1; i <= closing; ++i) {
@@ -313,7 +313,7 @@ float beside(ivec2 at, ivec2 way, bool fill) {
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy) - origin;
-  // Mesa's llvmpipe lets a row more than the scissor through where there are several samples.
+  // With multisampling, Mesa's llvmpipe draws one row outside of the scissor rectangle.
   if (outside(at)) discard;
   vec4 own = texelFetch(normals, at - corner, 0);
   float coverage = own.a;

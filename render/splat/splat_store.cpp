@@ -13,10 +13,10 @@
 namespace gs::render {
 namespace {
 
-constexpr float kLargestPosition = 1048575, kLargestLength = 65535, kLargestNormal = 8191;  // maximum codes
-constexpr std::size_t kUploadDiscs = std::size_t{1} << 20;                                  // splats encoded at a time
+constexpr float kLargestPosition = 1048575, kLargestLength = 65535, kLargestNormal = 8191;  // largest codes
+constexpr std::size_t kUploadDiscs = std::size_t{1} << 20;  // splats per upload
 constexpr std::uint32_t kTaskDiscs = 16384;
-constexpr std::size_t kMinRange = 1024;  // splats: larger point sets are not split into smaller ranges
+constexpr std::size_t kMinRange = 1024;  // minimum splats of a range
 
 bool can_be_drawn(const glm::vec3& position, const glm::vec3& normal, float weight) {
   const float size = std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
@@ -27,7 +27,7 @@ float radius_of(float weight) {
   return std::sqrt(std::max(weight, std::numeric_limits<float>::min()) * (1 / splat::kPi));
 }
 
-/// Returns a logarithmic coding that maps `smallest` to code 1 and `largest` to the last code.
+/// Returns a logarithmic coding. Code 1 is `smallest`, the last code is `largest`.
 glm::vec2 logarithms(float smallest, float largest) {
   const float low = std::log2(smallest), step = (std::log2(largest) - low) / (kLargestLength - 1);
   return {low - step, step};
@@ -38,7 +38,7 @@ std::uint32_t length_code(float length, const glm::vec2& coding) {
   return static_cast<std::uint32_t>(std::lround(std::clamp(code, 1.0f, kLargestLength)));
 }
 
-/// Returns two 14-bit codes: the octahedron unfolded to a square (Meyer et al. 2010).
+/// Returns two codes of 14 bits: the position on an octahedron unfolded to a square (Meyer et al. 2010).
 std::array<std::uint32_t, 2> splat_normal_codes(const glm::vec3& n) {
   const float size = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
   float u = n.x / size, v = n.y / size;
@@ -107,7 +107,7 @@ void encode_splats(const qnv::Splats& splats, const SplatCoding& coding, std::si
     const float weight = splats.weights[first + i];
     if (!can_be_drawn(position, normal, weight)) continue;
     for (int axis = 0; axis < 3; ++axis) {
-      // The reciprocal of a denormal step is infinite, and 0 times infinity is NaN.
+      // If the step is denormal, its reciprocal is infinite, and 0 times infinity is NaN.
       const float at = (position[axis] - coding.lower[axis]) * per_unit[axis];
       code[static_cast<std::size_t>(axis)] =
           static_cast<std::uint32_t>(std::lround(at >= 0 ? std::min(at, kLargestPosition) : 0.0f));
@@ -138,7 +138,7 @@ void encode_cells(const qnv::Splats& splats, const SplatCoding& coding, std::siz
 std::size_t most_buffer_texels(const Gl& gl) {
   GLint most = 0;
   gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
-  return static_cast<std::size_t>(std::max(most, 65536));  // guaranteed minimum (OpenGL 3.3, table 6.41)
+  return static_cast<std::size_t>(std::max(most, 65536));  // minimum that OpenGL 3.3 guarantees (table 6.41)
 }
 
 Texture make_buffer_texture(const Gl& gl, const Buffer& buffer, GLenum format) {
@@ -160,12 +160,12 @@ bool SplatStore::add(std::span<const std::shared_ptr<const qnv::Splats>> sets) {
   std::vector<Upload> uploads;
   for (const auto& splats : sets) {
     Entry& entry = entries_[splats.get()];
-    // An expired entry belonged to another point set at the same address.
+    // If the point set has expired, the entry belonged to another point set at this address.
     if (entry.splats.expired()) {
       give_back(entry);
       entry = {};
       entry.splats = splats;
-      uploads.push_back({splats.get(), &entry});  // map entries have stable addresses
+      uploads.push_back({splats.get(), &entry});  // entries of a std::map do not move
     }
     entry.used = frame_;
   }
@@ -187,7 +187,7 @@ bool SplatStore::add(std::span<const std::shared_ptr<const qnv::Splats>> sets) {
   return !take_errors(gl_) && good;
 }
 
-// Allocates memory for all splats of a point set, or none.
+// Allocates memory for all splats of a point set. Allocates nothing and returns false if it does not suffice.
 bool SplatStore::place(Entry& entry) {
   std::size_t left = entry.discs, want = std::min(left, slab_discs_);
   while (left > 0) {
@@ -196,7 +196,7 @@ bool SplatStore::place(Entry& entry) {
       entry.ranges.push_back(*range);
       left -= range->count;
     } else if (want > kMinRange) {
-      want /= 2;  // smaller pieces may fit
+      want /= 2;  // smaller ranges may still fit
     } else {
       give_back(entry);
       return false;
@@ -240,7 +240,8 @@ bool SplatStore::make_slab(bool cells) {
   return true;
 }
 
-// Frees the least recently drawn point sets; keeps those of this frame. Returns false if there is nothing to free.
+// Frees the point sets that were unused for the longest time, but not those of this frame. Returns false if none can be
+// freed.
 bool SplatStore::make_room() {
   std::uint64_t oldest = frame_;
   for (const auto& [splats, entry] : entries_)
@@ -284,12 +285,12 @@ void SplatStore::forget_unused() {
 
 void SplatStore::upload(std::span<const Upload> uploads) {
   const PhaseScope phase(gl_.phases, Phase::upload);
-  // Part of a range that is encoded by one task.
+  // Part of a range that one task encodes.
   struct Task {
     const Upload* upload;
-    std::size_t from;  // index in the point set
+    std::size_t from;  // index of the first splat in the point set
     Range to;
-    std::size_t at;  // index in `codes`
+    std::size_t at;  // index of the first splat in `codes`
   };
   std::vector<Task> tasks;
   std::vector<SplatCode> codes;
@@ -308,7 +309,7 @@ void SplatStore::upload(std::span<const Upload> uploads) {
         },
         0);
     for (std::size_t t = 0; t < tasks.size();) {
-      // Uploads consecutive ranges together.
+      // Upload consecutive ranges at once.
       const Range& first = tasks[t].to;
       std::size_t end = t, count = 0;
       while (end < tasks.size() && tasks[end].to.slab == first.slab && tasks[end].to.first == first.first + count)

@@ -17,48 +17,50 @@ namespace gs::render {
 
 using PatchTriangle = qnv::PatchMesh::Triangle;
 
-/// Lists of triangle indices, reused from patch to patch.
+/// Lists of triangle indexes, reused for each patch.
 struct SiftedTriangles {
-  // Triangles with samples in their box, by its width and height: at most two samples, at most kSmallTriangle, more.
-  // Triangles that must be clipped are in the last list. The vectors have spare room at the end.
+  // Triangles with samples in their bounding box, by its width and height in samples: at most two; at most
+  // kSmallTriangle; more. Triangles that must be clipped are also in the last list. The vectors have spare elements at
+  // the end.
   std::vector<std::uint32_t> narrow, wide, large;
   std::size_t narrows = 0, wides = 0, larges = 0;
 };
 
-/// Output of samples; `colors` only if vertices have colours. Needs room for all samples plus kPatchRoom.
+/// Array to which samples are written; `colors` only if vertices have colours. Needs kPatchRoom spare elements.
 struct PatchSamples {
   SampleKey* keys;
   std::uint32_t *samples, *colors;
 };
 inline constexpr std::size_t kPatchRoom = 8;
 
-/// Inner loops of the patch rasterizer for one instruction set. All give the same bits.
+/// Inner loops of the patch rasterizer for one instruction set. All kernels give identical bits.
 struct PatchKernel {
   std::string_view name;
-  /// Projects vertices; both arrays need kPatchRoom spare elements.
+  /// Projects vertices. Both arrays need kPatchRoom spare elements.
   void (*project)(const qnv::PatchVertex* from, std::size_t count, const PatchLens& lens, ScreenVertex* to);
-  /// Sorts triangles into lists. Drops back-facing ones of one-sided surfaces, and those without a sample in their box.
+  /// Sorts triangles into lists. Drops triangles without a sample in their bounding box, and back faces of one-sided
+  /// surfaces.
   void (*sift)(const ScreenVertex* vertices, std::span<const PatchTriangle> triangles, const PatchLook& look,
                SiftedTriangles& out);
-  /// Draws triangles with boxes at most `side` samples wide and high; side <= kSmallTriangle. Returns the number of
-  /// samples.
+  /// Draws triangles with bounding boxes of at most `side` x `side` samples; `side` is at most kSmallTriangle. Returns
+  /// the number of samples.
   std::size_t (*draw_small)(const ScreenVertex* vertices, const PatchTriangle* triangles,
                             std::span<const std::uint32_t> chosen, int side, const PatchGrid& grid,
                             const PatchLook& look, const PatchSamples& out);
-  /// Draws a triangle's samples in the tile with lower left sample (left, bottom).
+  /// Draws the samples of a triangle in a tile. (left, bottom) is the lower left sample of the tile.
   void (*draw_large)(const ScreenTriangle& triangle, int left, int bottom, const PatchGrid& grid, const PatchLook& look,
                      PatchTile& tile);
-  /// Averages the samples of each pixel of a tile; (left, bottom) is its lower left sample in the target.
+  /// Averages the samples of each pixel of a tile. (left, bottom) is the lower left sample of the tile in the target.
   void (*resolve)(const PatchTile& tile, const glm::mat3& normal_matrix, int left, int bottom,
                   const SplatTarget& target);
-  /// Clears the target pixels of a tile that no triangle touches.
+  /// Clears the pixels of a tile that no triangle touches.
   void (*leave_empty)(int left, int bottom, const SplatTarget& target);
 };
 
-/// Returns the kernels that run on this CPU, fastest first; the last one runs everywhere.
+/// Returns the kernels that this CPU supports, fastest first. The last kernel runs on any CPU.
 [[nodiscard]] std::span<const PatchKernel> patch_kernels();
 
-/// Rasterizes with a given kernel.
+/// Rasterizes patches with the given kernel.
 [[nodiscard]] SplatLayer rasterize_patches(const qnv::SurfacePatches& surface, const qnv::SurfaceCut& cut,
                                            const SplatView& view, const PatchRasterOptions& options,
                                            const PatchKernel& kernel);

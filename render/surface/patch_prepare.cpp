@@ -18,7 +18,7 @@ glm::vec3 unpacked_color(std::uint32_t c) {
   return {static_cast<float>(c & 255u), static_cast<float>(c >> 8 & 255u), static_cast<float>(c >> 16 & 255u)};
 }
 
-/// Memory reused between patches and images.
+/// Memory that later patches and images reuse.
 struct PatchScratch {
   qnv::PatchMesh mesh;
   std::vector<ScreenVertex> vertices;
@@ -97,7 +97,7 @@ class PatchPreparation {
     resize(first + kernel_.draw_small(vertices_.data(), triangles.data(), chosen, side, grid_, look_, out));
   }
 
-  // Groups samples into runs; consecutive samples are usually in one tile.
+  // Groups the samples from index `first` on into runs. Successive samples are usually in one tile.
   void find_runs(std::size_t first) {
     const std::size_t count = task_.samples.size();
     const std::uint32_t* const samples = task_.samples.data();
@@ -137,7 +137,7 @@ class PatchPreparation {
     }
   }
 
-  // Adds a large triangle; drops it if invisible.
+  // Adds a large triangle. Drops it if it is invisible.
   void keep(const ScreenVertex& a, const ScreenVertex& b, const ScreenVertex& c) {
     SampleBox box(a, b, c);
     box.limit(0, grid_.width - 1, 0, grid_.height - 1);
@@ -157,7 +157,7 @@ class PatchPreparation {
     glm::vec3 place{0}, normal{0}, color{0};
   };
 
-  // Clips by Sutherland and Hodgman, at the near plane and the sides of the guard band.
+  // Clips a triangle (Sutherland and Hodgman) at the near plane and the sides of the guard band.
   void clip(const PatchTriangle& triangle) {
     std::vector<Corner> polygon, next;
     for (const auto number : triangle) {
@@ -208,10 +208,10 @@ class PatchPreparation {
       for (std::size_t x = left; x <= left + right; ++x) body(y * static_cast<std::size_t>(grid_.columns) + x);
   }
 
-  /// Sorts by tile. `each(body)` calls body(tile, number) for all elements, in the same order every time.
+  /// Sorts elements by tile. `each(body)` calls body(tile, index) for all elements, always in the same order.
   template <class Each>
   void sort_by_tiles(Each each, std::vector<std::uint32_t>& begin, std::vector<std::uint32_t>& order) const {
-    // Offset by two: entries advance while tiles are filled, and then give the start of the next tile.
+    // The offset of two makes room: filling the tiles advances entries, which afterwards are the starts of the tiles.
     begin.assign(grid_.size() + 2, 0);
     each([&](std::size_t tile, std::size_t) { ++begin[tile + 2]; });
     for (std::size_t tile = 2; tile < begin.size(); ++tile) begin[tile] += begin[tile - 1];

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kTaskVertices = 16384;  // approximate vertices per task
 
-/// Tiles with content.
+/// Tiles that contain samples.
 struct UsedTiles {
   UsedTiles(std::span<const PatchTask> tasks, const PatchGrid& grid) : used(grid.size()) {
     left = grid.columns;
@@ -39,7 +39,7 @@ struct UsedTiles {
   int left, right = 0, bottom, top = 0;
 };
 
-/// Writes the samples of small triangles to a tile where they are the nearest.
+/// Writes the samples of small triangles to a tile, if they are nearer than its samples.
 void put_samples(const PatchTask& task, std::size_t number, bool colored, PatchTile& tile) {
   const SampleKey* const keys = task.keys.data();
   const std::uint32_t *const samples = task.samples.data(), *const colors = task.colors.data();
@@ -54,14 +54,15 @@ void put_samples(const PatchTask& task, std::size_t number, bool colored, PatchT
   }
 }
 
-/// Returns a power of two that keeps the samples of an edge inside the guard band.
+/// Returns the supersampling: a power of two for which all samples are inside the guard band.
 int supersample_for(const SplatView& view) {
   int s = static_cast<int>(std::bit_floor(static_cast<unsigned>(std::clamp(view.supersample, 1, 8))));
   while (s > 1 && std::max(view.width, view.height) > kGuard / s) s /= 2;
   return s;
 }
 
-/// Returns the tasks, reused between images: fresh memory would cost as much as preparing the vertices.
+/// Returns the tasks of an image. Reuses their memory for later images: new memory would take as long as preparing the
+/// vertices.
 std::span<PatchTask> tasks_of(const qnv::SurfaceCut& cut) {
   thread_local std::vector<PatchTask> tasks;
   std::size_t in_task = 0, used = 1;
@@ -78,7 +79,7 @@ std::span<PatchTask> tasks_of(const qnv::SurfaceCut& cut) {
     in_task += count;
   }
   tasks[used - 1].last = cut.patches.size();
-  tasks.resize(used);  // frees leftovers of a larger image
+  tasks.resize(used);  // drop tasks of a larger image
   return tasks;
 }
 

@@ -8,17 +8,18 @@
 
 namespace gs::render {
 
-/// Options of rasterizing a displaced surface.
+/// Options for rasterizing a displaced surface.
 struct PatchRasterOptions {
   bool two_sided = false;
-  qnv::Rgb8 color;  // of parts without own colours, if others have some
+  qnv::Rgb8 color;  // colour of parts without own colours, if other parts have colours
   ColorBy color_by = ColorBy::own;
 };
 
-/// Rasterizes the triangles of a cut on the CPU: the nearest surface of every sample with its interpolated normal,
-/// averaged over the samples of each pixel. Leaves no gaps on shared edges. Clips triangles at the near plane. Gives
-/// the same bits for any number of threads. `layer.discs` is the number of drawn vertices; `layer.drawn` that of
-/// triangles that may cover samples.
+/// Rasterizes the triangles of a cut on the CPU. Finds the nearest surface at each sample, with its interpolated
+/// normal, and averages the samples of each pixel. Clips triangles at the near plane. Shared edges have no gaps. Gives
+/// identical bits for any number of threads.
+///
+/// `layer.discs` is the number of drawn vertices. `layer.drawn` is the number of triangles that may cover samples.
 [[nodiscard]] SplatLayer rasterize_patches(const qnv::SurfacePatches& surface, const qnv::SurfaceCut& cut,
                                            const SplatView& view, const PatchRasterOptions& options);
 

@@ -21,7 +21,7 @@ void SurfacePass::prepare(const RenderList& list, const Camera& camera, const Pr
   if (surfaces == 0) return;
   const PhaseScope phase(gl_.phases, Phase::cut);
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
-  std::unordered_map<const qnv::SurfacePatches*, std::uint32_t> shown;  // number of instances so far
+  std::unordered_map<const qnv::SurfacePatches*, std::uint32_t> shown;  // instances of each surface so far
   const bool software = options.display == DisplayMode::surface &&
                         (options.splats == SplatPath::cpu || (options.splats == SplatPath::automatic && gl_.software));
   for (const DrawItem& item : list.items) {
@@ -30,7 +30,7 @@ void SurfacePass::prepare(const RenderList& list, const Camera& camera, const Pr
     SplatView view = viewport_view(camera, projection, options);
     view.supersample = options.samples > 1 ? 2 : 1;
     view.camera_from_node = glm::mat4(camera_from_world * item.world_from_node);
-    // Cuts for the whole image, so that its tiles match.
+    // Cut for the whole image, so that its tiles match.
     auto looked = lod_view(whole_view(view, camera));
     if (!looked) continue;
     looked->budget = options.budget == 0 ? 0 : std::max<std::size_t>(options.budget / surfaces, 1);

@@ -17,30 +17,32 @@
 
 namespace gs::render {
 
-/// Draws the displaced surfaces of a RenderList. It takes a cut of each for every view. MeshPass draws their triangles
-/// with OpenGL; if OpenGL is a software driver, or DrawOptions::splats says so, this class rasterizes them on the CPU.
+/// Draws the displaced surfaces of a RenderList. Takes a cut of each surface for each view. MeshPass draws the
+/// triangles with OpenGL. If OpenGL is a software driver, or DrawOptions::splats selects the CPU, this class rasterizes
+/// them.
 class SurfacePass {
  public:
   explicit SurfacePass(const Gl& gl) : gl_(gl) {}
 
-  /// Computes the cuts of a view; call it before `mesh_of` and `draw`.
+  /// Computes the cuts for a view. Call it before `mesh_of` and `draw`.
   void prepare(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options);
-  /// Returns the mesh that MeshPass draws for an item with patches; null means none.
+  /// Returns the mesh that MeshPass must draw for an item with patches. Returns null if this class draws the item, or
+  /// if it has no patches.
   [[nodiscard]] const std::shared_ptr<const vrml::Mesh>* mesh_of(const DrawItem& item) const;
-  /// Draws the surfaces that MeshPass does not, tested against the existing depth. Leaves blending and the depth test
-  /// off.
+  /// Draws the surfaces that MeshPass does not draw. Tests them against the existing depth. Leaves blending and the
+  /// depth test off.
   void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
             SplatPass& shading, FrameStatistics& statistics);
 
  private:
-  /// Last cut of a surface for a viewport, reused while neither changes.
+  /// Last cut of a surface for a viewport. Reused if surface and view do not change.
   struct Kept {
     std::weak_ptr<const qnv::SurfacePatches> surface;
     qnv::LodView view;
     qnv::SurfaceCut cut;
-    std::shared_ptr<const vrml::Mesh> mesh;  // set once OpenGL draws it
+    std::shared_ptr<const vrml::Mesh> mesh;  // null until OpenGL draws this cut
   };
-  // Surface, viewport, and a number: the last element distinguishes instances in a viewport
+  // Surface, viewport, and index of the instance in the viewport.
   using Key = std::tuple<const qnv::SurfacePatches*, std::uint32_t, std::uint32_t>;
   struct OnProcessor {
     const DrawItem* item;

@@ -9,7 +9,7 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kMaxFonts = 64;  // maximum number of fallback fonts
+constexpr std::size_t kMaxFonts = 64;  // maximum fonts for one request
 
 struct DestroyPattern {
   void operator()(FcPattern* pattern) const { FcPatternDestroy(pattern); }
@@ -24,7 +24,7 @@ const FcChar8* text(const std::string& bytes) { return reinterpret_cast<const Fc
 struct Alias {
   std::string_view family, name;
 };
-// Families that every browser has (VRML97 6.20.2), with their names in Fontconfig.
+// Families that each browser must have (VRML97 6.20.2), with their names in Fontconfig.
 constexpr Alias kAliases[] = {{"SERIF", "serif"}, {"SANS", "sans-serif"}, {"TYPEWRITER", "monospace"}};
 
 Pattern pattern_of(const std::string& family, const vrml::FontRequest& request) {
@@ -40,7 +40,7 @@ Pattern pattern_of(const std::string& family, const vrml::FontRequest& request) 
   return pattern;
 }
 
-/// Returns acceptable names for a family: itself, and names that the system declares equivalent.
+/// Returns acceptable names for a family: its own name, and names that the system declares equivalent.
 std::vector<const FcChar8*> names_for(FcPattern* substituted) {
   std::vector<const FcChar8*> names;
   FcValue value;

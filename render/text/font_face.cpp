@@ -15,12 +15,12 @@
 namespace gs::render {
 namespace {
 
-constexpr double kSlant = 0.2;             // horizontal shear of synthetic italics
-constexpr double kBoldStroke = 1.0 / 24;   // ems; added stroke width of synthetic bold
-constexpr int kMaxSegments = 64;           // of one curve
-constexpr std::size_t kContextLength = 5;  // characters next to a run that HarfBuzz may examine
+constexpr double kSlant = 0.2;  // horizontal shear that imitates italics
+constexpr double kBoldStroke = 1.0 / 24;  // width in ems that imitates bold
+constexpr int kMaxSegments = 64;  // maximum segments of a curve
+constexpr std::size_t kContextLength = 5;  // characters before and after a run that HarfBuzz may examine
 
-/// FreeType's library, one per process; it has no locks, so callers hold one.
+/// Returns the FreeType library of the process. It has no locks, so callers must hold one.
 FT_Library free_type() {
   static const FT_Library library = [] {
     FT_Library made = nullptr;
@@ -29,16 +29,16 @@ FT_Library free_type() {
   return library;
 }
 
-/// Curves from FT_Outline_Decompose, flattened to segments; font units.
+/// Receiver of curves from FT_Outline_Decompose. Replaces curves by segments, in font units.
 struct Flattener {
   Contours contours;
-  double tolerance;  // font units
+  double tolerance;  // maximum deviation in font units
 
   static glm::dvec2 point(const FT_Vector* v) { return {static_cast<double>(v->x), static_cast<double>(v->y)}; }
   void add(const glm::dvec2& p) {
     if (contours.back().empty() || contours.back().back() != p) contours.back().push_back(p);
   }
-  /// Returns the number of segments for a curve with this second difference of control points.
+  /// Returns the number of segments of a curve. `bend` is the second difference of its control points.
   [[nodiscard]] int segments(double bend) const {
     return std::clamp(static_cast<int>(std::ceil(std::sqrt(bend / tolerance))), 1, kMaxSegments);
   }
@@ -55,7 +55,7 @@ struct Flattener {
   static int conic(const FT_Vector* control, const FT_Vector* to, void* self) {
     auto& all = *static_cast<Flattener*>(self);
     const glm::dvec2 a = all.contours.back().back(), b = point(control), c = point(to);
-    // A parabola's chord deviates by an eighth of the second derivative, which is 2 (a - 2 b + c).
+    // The chord of a parabola deviates by an eighth of the second derivative, 2 (a - 2 b + c).
     const int count = all.segments(glm::length(a - 2.0 * b + c) / 4);
     for (int i = 1; i <= count; ++i) {
       const double t = static_cast<double>(i) / count, u = 1 - t;
@@ -89,7 +89,7 @@ hb_direction_t direction_of(vrml::TextDirection direction) {
   return HB_DIRECTION_LTR;
 }
 
-/// Returns a rectangle with the area of the shape, at the centre of its box.
+/// Returns a rectangle with the area of a shape, at the centre of its bounding box.
 vrml::GlyphShape bar_of(const vrml::GlyphShape& shape) {
   if (shape.triangles.empty()) return {};
   glm::vec2 lower = shape.points.front(), upper = lower;
@@ -114,9 +114,9 @@ std::size_t bytes_of(const vrml::GlyphShape& shape) {
   return sizeof(shape) + shape.points.size() * sizeof(glm::vec2) + shape.triangles.size() * sizeof(std::uint32_t);
 }
 
-/// Combined bar of a word's glyphs, with their mean density.
+/// Bar that represents a word: bounding box of its glyphs, and their area.
 struct Word {
-  double left = HUGE_VAL, right = -HUGE_VAL, area = 0, low = 0, high = 0;  // low, high: weighted by area
+  double left = HUGE_VAL, right = -HUGE_VAL, area = 0, low = 0, high = 0;  // low, high: sums, weighted by area
 
   void add(const vrml::GlyphShape& bar, const glm::dvec2& at) {
     const glm::dvec2 lower = at + glm::dvec2(bar.points[0]), upper = at + glm::dvec2(bar.points[2]);
@@ -218,7 +218,7 @@ Contours FontFace::contours(std::uint32_t glyph, double tolerance) {
   functions.line_to = &Flattener::line;
   functions.conic_to = &Flattener::conic;
   functions.cubic_to = &Flattener::cubic;
-  // Half of the tolerance is for flattening, half for simplification.
+  // Half of the tolerance is for the segments, half for simplification.
   Flattener flattener{{}, tolerance * units_per_em_ / 2};
   if (FT_Outline_Decompose(&outline, &functions, &flattener) != 0) return {};
   for (auto& contour : flattener.contours) {
@@ -249,7 +249,7 @@ std::shared_ptr<const vrml::GlyphShape> FontFace::glyph(std::uint32_t index, std
   return found->second;
 }
 
-// Returns a glyph of the atlas. If the atlas is full, returns triangles that refer to a solid position of the atlas.
+// Returns a glyph of the atlas. If the atlas is full, returns triangles at a completely covered position of the atlas.
 vrml::GlyphShape FontFace::picture_of(std::uint32_t index) {
   if (sheet_)
     if (auto rectangle = sheet_->add(contours(index, vrml::kTextTolerances[1]))) return std::move(*rectangle);
@@ -259,7 +259,7 @@ vrml::GlyphShape FontFace::picture_of(std::uint32_t index) {
 }
 
 void FontFace::forget_outlines() {
-  // Positions in the atlas are permanent.
+  // A glyph keeps its position in the atlas, so keep atlas glyphs.
   for (std::size_t level = 0; level < outlines_.size(); ++level)
     if (level != vrml::kTextPictures) outlines_[level].clear();
   kept_ = 0;

@@ -14,22 +14,22 @@
 
 namespace gs::render {
 
-/// Style of a run: characters of one font, script and direction.
+/// Style of a run, that is, of characters with one font, script and direction.
 struct RunStyle {
   vrml::TextDirection direction = vrml::TextDirection::right;
   std::uint32_t script = 0;  // ISO 15924 tag as in HarfBuzz
-  std::string language;      // BCP 47; empty means the locale's
+  std::string language;  // BCP 47; empty means the language of the locale
 };
 
-/// One font file: shaping by HarfBuzz, outlines by FreeType. Used by one thread at a time.
+/// Font of one file. HarfBuzz shapes text, FreeType supplies outlines. One thread at a time.
 class FontFace {
  public:
-  /// Style properties that the font lacks and that are synthesized from its outlines.
+  /// Style properties that the font lacks. They are imitated with its outlines.
   struct Synthetic {
     bool slanted = false, bold = false;
   };
-  /// Opens a font; null if the file is no font with outlines. `sheet` is the atlas for glyphs of vrml::kTextPictures
-  /// and must outlive the face; if null, those are triangles too.
+  /// Opens a font. Returns null if the file is not a font with outlines. `sheet` is the atlas for glyphs of
+  /// vrml::kTextPictures and must outlive the face. If `sheet` is null, these glyphs are triangles.
   static std::unique_ptr<FontFace> open(const std::string& path, int index, Synthetic synthetic,
                                         GlyphSheet* sheet = nullptr);
   ~FontFace();
@@ -38,8 +38,8 @@ class FontFace {
 
   [[nodiscard]] bool has(char32_t character) const;
   [[nodiscard]] vrml::LineEdges edges() const;
-  /// Adds the glyphs of the run `text[first, end)` in visual order, left to right or top to bottom. They start at `pen`
-  /// on the line's axis, in ems. Returns the extent in ems, >= 0.
+  /// Adds the glyphs of the run `text[first, end)` in visual order: left to right or top to bottom. They begin at `pen`
+  /// on the axis of the line, in ems. Returns the extent of the run in ems, at least 0.
   double shape(std::span<const char32_t> text, std::size_t first, std::size_t end, const RunStyle& style, double pen,
                std::size_t level, std::vector<vrml::PlacedGlyph>& glyphs);
   /// Returns the bytes of cached outlines.

@@ -25,7 +25,7 @@ double area_of(const Polygon& polygon) {
   return sum / 2;
 }
 
-/// Returns the winding number of the polygon around the point; counter-clockwise is positive.
+/// Returns the winding number of a polygon around a point; positive if counter-clockwise.
 int winding(const Polygon& polygon, const dvec2& point) {
   int turns = 0;
   for (std::size_t i = 0, before = polygon.size() - 1; i < polygon.size(); before = i++) {
@@ -45,10 +45,9 @@ double distance_to_segment(const dvec2& point, const dvec2& a, const dvec2& b) {
   return glm::length(point - a - t * along);
 }
 
-/// Returns a point inside the polygon, near its first clear corner; a corner if there is none.
+/// Returns a point inside the polygon, near the middle of its longest edge. `area` is the signed area.
 dvec2 place_inside(const Polygon& polygon, double area) {
-  // A step inwards from the middle of the longest edge. It stays inside, since no part of a glyph is thinner than a
-  // ten-thousandth of that edge.
+  // Step inwards from the middle of the longest edge by a ten-thousandth of its length. No part of a glyph is thinner.
   std::size_t longest = 0;
   double most = -1;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -62,8 +61,8 @@ dvec2 place_inside(const Polygon& polygon, double area) {
 
 double turn(const dvec2& a, const dvec2& b, const dvec2& c) { return cross(b - a, c - a); }
 
-/// Reports whether the path from a corner to a point starts inside the counter-clockwise polygon. Bridges make corners
-/// coincide; only one of them sees the point.
+/// Reports whether the segment from a corner to a point begins inside the counter-clockwise polygon. Bridges make
+/// corners coincide; the segment begins inside at only one of them.
 bool sees(const Polygon& polygon, std::size_t corner, const dvec2& point) {
   const dvec2 &at = polygon[corner], &before = polygon[corner == 0 ? polygon.size() - 1 : corner - 1],
               &next = polygon[corner + 1 == polygon.size() ? 0 : corner + 1];
@@ -76,10 +75,10 @@ struct Hole {
   std::size_t rightmost;
 };
 
-/// Joins a hole to the polygon by a bridge to the right of its rightmost corner.
+/// Joins a hole to the polygon by a bridge from the hole's rightmost corner to the right.
 void join(Polygon& outer, const Polygon& hole, std::size_t rightmost) {
   const dvec2 from = hole[rightmost];
-  // First edge hit by the ray to the right.
+  // Find the first edge that the ray to the right hits.
   double nearest = INFINITY;
   std::size_t edge = outer.size();
   for (std::size_t i = 0, before = outer.size() - 1; i < outer.size(); before = i++) {
@@ -88,8 +87,8 @@ void join(Polygon& outer, const Polygon& hole, std::size_t rightmost) {
     const double x = a.x + (b.x - a.x) * (from.y - a.y) / (b.y - a.y);
     if (x >= from.x && x < nearest) nearest = x, edge = i;
   }
-  if (edge == outer.size()) return;  // the contours cross: the hole is filled
-  // Target: the right end of that edge, or the blocking corner with the smallest angle.
+  if (edge == outer.size()) return;  // the contours cross each other: fill the hole
+  // End of the bridge: the right end of that edge, or the corner before it with the smallest angle.
   const std::size_t before = edge == 0 ? outer.size() - 1 : edge - 1;
   std::size_t to = outer[before].x > outer[edge].x ? before : edge;
   const dvec2 hit(nearest, from.y), end = outer[to];
@@ -134,7 +133,7 @@ void keep_between(const Polygon& contour, std::size_t first, std::size_t last, d
 
 std::vector<dvec2> simplified(const std::vector<dvec2>& given, double tolerance) {
   if (given.size() <= 3) return given;
-  // Splits at the leftmost corner and the one farthest from it.
+  // Split the contour at its leftmost corner and at the corner farthest from that.
   Polygon contour = given;
   const auto left = std::min_element(contour.begin(), contour.end(),
                                      [](const dvec2& a, const dvec2& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
@@ -148,7 +147,7 @@ std::vector<dvec2> simplified(const std::vector<dvec2>& given, double tolerance)
   keep_between(contour, 0, far, tolerance, kept);
   keep_between(contour, far, contour.size(), tolerance, kept);
   if (std::count(kept.begin(), kept.end(), true) < 3) {
-    // Thinner than the tolerance: keep the widest point.
+    // The contour is thinner than the tolerance, so keep its widest point.
     double most = 0;
     std::size_t widest = 0;
     for (std::size_t i = 1; i < contour.size(); ++i) {
@@ -179,10 +178,10 @@ vrml::GlyphShape fill(const Contours& contours, vrml::PolygonTriangulator& trian
     for (const Polygon& other : contours)
       if (&other != &contour && other.size() >= 3) around += winding(other, inside);
     const int within = around + (area > 0 ? 1 : -1);
-    if ((around == 0) == (within == 0)) continue;  // the glyph is filled on both sides
+    if ((around == 0) == (within == 0)) continue;  // both sides of the contour are inside the glyph
     Part part{contour, area, inside};
     const bool outer = around == 0;
-    // Outer contours are counter-clockwise, holes clockwise.
+    // Make outer contours counter-clockwise and holes clockwise.
     if ((area > 0) != outer) std::reverse(part.polygon.begin(), part.polygon.end());
     (outer ? outers : holes).push_back(std::move(part));
   }
@@ -203,7 +202,7 @@ vrml::GlyphShape fill(const Contours& contours, vrml::PolygonTriangulator& trian
   std::vector<glm::vec3> corners;
   for (std::size_t i = 0; i < outers.size(); ++i) {
     Polygon& polygon = outers[i].polygon;
-    // Joins from right to left, so that no bridge crosses a hole that is not joined yet.
+    // Join the rightmost hole first. No bridge then crosses a hole that is not joined yet.
     std::sort(holes_of[i].begin(), holes_of[i].end(),
               [](const Hole& a, const Hole& b) { return (*a.polygon)[a.rightmost].x > (*b.polygon)[b.rightmost].x; });
     for (const Hole& hole : holes_of[i]) join(polygon, *hole.polygon, hole.rightmost);

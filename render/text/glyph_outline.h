@@ -9,14 +9,14 @@
 
 namespace gs::render {
 
-/// Closed curves as polygons; the closing edge is implicit.
+/// Closed contours as polygons. The last corner is connected to the first.
 using Contours = std::vector<std::vector<glm::dvec2>>;
 
-/// Removes corners that are closer than `tolerance` to the polygon without them; keeps at least three.
+/// Removes corners that are less than `tolerance` away from the simplified polygon. Keeps at least three corners.
 [[nodiscard]] std::vector<glm::dvec2> simplified(const std::vector<glm::dvec2>& contour, double tolerance);
 
-/// Triangulates the area enclosed by the contours under the non-zero winding rule, whatever their orientation.
-/// Triangles are counter-clockwise. Contours that cross each other give overlapping triangles.
+/// Triangulates the area inside the contours by the non-zero winding rule. The orientation of contours does not matter.
+/// Triangles are counter-clockwise. They overlap if contours cross each other.
 [[nodiscard]] vrml::GlyphShape fill(const Contours& contours, vrml::PolygonTriangulator& triangulator);
 
 }  // namespace gs::render

@@ -11,12 +11,13 @@
 namespace gs::render {
 namespace {
 
-constexpr std::uint32_t kMaxOfGlyph = 160;  // maximum size in pixels: five ems
-// Grey patterns are in the first corner, one below the other, at eight pixels per em, as fine as text of that size.
+constexpr std::uint32_t kMaxOfGlyph = 160;  // maximum side of a glyph in pixels: five ems
+// Grey patterns for words, one below the other, at the start of the atlas. They have eight pixels per em, as small text
+// has.
 constexpr std::uint32_t kGreys = 16, kGreyWidth = 256, kGreyHeight = 8, kGreyPixelsPerEm = 8;
-constexpr int kLines = 8;  // sample lines per row of pixels
+constexpr int kLines = 8;  // lines per row of pixels for which coverage is computed
 
-/// Returns a pseudo-random value from 0 to kGreys - 1, evenly distributed.
+/// Returns a pseudo-random value from 0 to kGreys - 1 for a position. The values are evenly distributed.
 std::uint32_t scattered(std::uint32_t x, std::uint32_t y) {
   std::uint32_t hash = x * 0x9E3779B1u ^ y * 0x85EBCA77u;
   hash = (hash ^ hash >> 15) * 0x2C1B3C6Du;
@@ -24,7 +25,7 @@ std::uint32_t scattered(std::uint32_t x, std::uint32_t y) {
   return (hash ^ hash >> 15) % kGreys;
 }
 
-/// Adds the coverage of an interval to a row of pixels; `full` is that of a complete pixel.
+/// Adds the coverage by an interval to a row of pixels. `full` is the coverage of a complete pixel.
 void cover(std::vector<float>& row, double from, double to, float full) {
   const auto count = static_cast<double>(row.size());
   from = std::clamp(from, 0.0, count);
@@ -35,7 +36,7 @@ void cover(std::vector<float>& row, double from, double to, float full) {
   }
 }
 
-/// Computes the coverage of a row by the contours, in pixels; `y` is the row's lower edge.
+/// Computes how much the contours cover each pixel of a row, in pixel units. `y` is the lower edge of the row.
 void fill_row(const Contours& contours, double y, std::vector<float>& row) {
   std::fill(row.begin(), row.end(), 0.0f);
   std::vector<std::pair<double, int>> crossings;
@@ -69,7 +70,7 @@ GlyphSheet::Grey GlyphSheet::grey(double density, const glm::vec2& size) {
           glm::vec2(pixels(size.x, kGreyWidth) / kSide, 1 - top / kSide)};
 }
 
-/// Allocates a rectangle and returns its first pixel; null if the atlas is full.
+/// Reserves a rectangle in the atlas and returns its first pixel. Returns null if the atlas is full.
 std::uint8_t* GlyphSheet::place(std::uint32_t width, std::uint32_t height) {
   if (image_.empty()) {
     image_ = {kSide, kSide, 1, std::vector<std::uint8_t>(std::size_t{kSide} * kSide)};
@@ -100,7 +101,7 @@ std::optional<vrml::GlyphShape> GlyphSheet::add(const Contours& contours) {
       greatest = glm::max(greatest, point);
     }
   if (!(least.x < greatest.x) || !(least.y < greatest.y)) return vrml::GlyphShape{};
-  // An empty border, so that the filter takes nothing from neighbours.
+  // Add an empty border, so that the filter does not mix in neighbouring glyphs.
   const glm::dvec2 lower = glm::floor(least) - 1.0, size = glm::ceil(greatest) + 1.0 - lower;
   if (!(size.x <= kMaxOfGlyph) || !(size.y <= kMaxOfGlyph)) return std::nullopt;
   const auto width = static_cast<std::uint32_t>(size.x), height = static_cast<std::uint32_t>(size.y);

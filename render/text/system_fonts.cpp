@@ -8,9 +8,9 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kMaxChoices = 512;  // of font requests; untrusted FontStyles determine them
+constexpr std::size_t kMaxChoices = 512;  // maximum kept font requests, from untrusted FontStyles
 constexpr std::size_t kMaxLanguages = 256;
-constexpr std::size_t kMaxFaces = 256;  // open at a time
+constexpr std::size_t kMaxFaces = 256;  // maximum open fonts
 constexpr std::size_t kMaxOutlineBytes = std::size_t{64} << 20;
 
 std::string key_of(const vrml::FontRequest& font) {
@@ -20,7 +20,7 @@ std::string key_of(const vrml::FontRequest& font) {
   return key;
 }
 
-/// Reports whether a character takes the font of the previous one: marks and joiners.
+/// Reports whether a character has the font of the previous character, as marks and joiners do.
 bool joins(char32_t c) {
   return (c >= 0x300 && c < 0x370) || c == 0x200C || c == 0x200D || (c >= 0xFE00 && c < 0xFE10) || c == U' ';
 }
@@ -29,7 +29,7 @@ bool joins(char32_t c) {
 
 SystemFonts::Choice& SystemFonts::choice(const vrml::FontRequest& font) {
   if (const auto known = choices_.find(key_of(font)); known != choices_.end()) return known->second;
-  // Each search takes some milliseconds, and a world can request any number.
+  // Limit the searches: each takes some milliseconds, and a world can make any number of requests.
   vrml::FontRequest wanted = font;
   if (choices_.size() >= kMaxChoices) wanted = {{}, font.bold, font.italic, {}};
   const auto [found, fresh] = choices_.try_emplace(key_of(wanted));
@@ -68,7 +68,7 @@ FontFace* SystemFonts::face_for(Choice& choice, char32_t character, FontFace* la
     if (each->has(character)) return each;
     if (!first) first = each;
   }
-  return first;  // its glyph for missing characters is shown
+  return first;  // no font has the character; the first shows its glyph for missing characters
 }
 
 void SystemFonts::bound_outlines() {
@@ -97,7 +97,7 @@ vrml::ShapedText SystemFonts::shape(const vrml::FontRequest& font, std::string_v
   const std::vector<TextRun> runs = runs_of(text, direction);
   RunStyle style;
   style.language = language_tag(font.language);
-  // HarfBuzz keeps every language permanently in a list with linear search.
+  // Limit the languages: HarfBuzz keeps each in a list that is searched linearly and never freed.
   if (!languages_.contains(style.language)) {
     if (languages_.size() < kMaxLanguages)
       languages_.insert(style.language);
@@ -121,7 +121,7 @@ vrml::ShapedText SystemFonts::shape(const vrml::FontRequest& font, std::string_v
         parts.back().end = i + 1;
       last = face;
     }
-    // In a run to the left or upwards, the last character comes first.
+    // In a run to the left or upwards, the last character is visually first.
     if (run.direction == vrml::TextDirection::left || run.direction == vrml::TextDirection::up)
       for (std::size_t a = 0, b = parts.size(); a + 1 < b; ++a) std::swap(parts[a], parts[--b]);
     style.direction = run.direction;
@@ -129,7 +129,7 @@ vrml::ShapedText SystemFonts::shape(const vrml::FontRequest& font, std::string_v
     for (const Part& part : parts)
       shaped.extent += part.face->shape(text, part.first, part.end, style, shaped.extent, level, shaped.glyphs);
   }
-  // Positions so far start at the left or top; a line to the left or upwards starts at its other end.
+  // Until here, positions start at the left or top. A line to the left or upwards starts at its other end.
   const auto back = static_cast<float>(shaped.extent);
   if (direction == vrml::TextDirection::left)
     for (vrml::PlacedGlyph& glyph : shaped.glyphs) glyph.at.x -= back;

@@ -16,26 +16,26 @@
 
 namespace gs::render {
 
-/// Text shaping with the fonts of the system. Outlines are made once per font, glyph and level, and shared; the cache
+/// Text shaper with the fonts of the system. Makes outlines once per font, glyph and level, and shares them. The cache
 /// is bounded. Thread-safe.
 class SystemFonts : public vrml::TextShaper {
  public:
   [[nodiscard]] vrml::LineEdges edges(const vrml::FontRequest& font) override;
   [[nodiscard]] vrml::ShapedText shape(const vrml::FontRequest& font, std::string_view text,
                                        vrml::TextDirection direction, std::size_t level) override;
-  /// Returns the atlas of vrml::kTextPictures for all texts shaped so far: one component, 255 inside glyphs.
+  /// Returns the atlas of vrml::kTextPictures, for all texts shaped so far. It has one component: 255 inside glyphs.
   [[nodiscard]] std::shared_ptr<const Image> glyph_picture();
-  /// Returns the font file that provides most of a text; empty if the system has none.
+  /// Returns the font file that supplies most of a text. Returns an empty result if the system has no fonts.
   [[nodiscard]] FontFile main_font(const vrml::FontRequest& font);
 
  private:
   struct Choice {
     std::vector<FontFile> files;   // best first
-    std::vector<FontFace*> faces;  // faces of the files; null if not open yet or not usable
+    std::vector<FontFace*> faces;  // face of each file; null if it is not open yet or unusable
     std::vector<bool> tried;
     bool bold = false, italic = false;
   };
-  using FaceKey = std::tuple<FontFile, bool, bool>;  // slanted, emboldened
+  using FaceKey = std::tuple<FontFile, bool, bool>;  // file; imitates italics; imitates bold
 
   Choice& choice(const vrml::FontRequest& font);
   FontFace* face(Choice& choice, std::size_t place);
@@ -43,14 +43,14 @@ class SystemFonts : public vrml::TextShaper {
   void bound_outlines();
 
   std::mutex mutex_;
-  std::unique_ptr<FontCatalogue> catalogue_;  // created at first use
+  std::unique_ptr<FontCatalogue> catalogue_;  // made at first use
   std::map<std::string, Choice> choices_;
-  std::set<std::string> languages_;  // languages requested so far
+  std::set<std::string> languages_;  // languages that were requested so far
   GlyphSheet sheet_;                 // must outlive faces_
   std::map<FaceKey, std::unique_ptr<FontFace>> faces_;
 };
 
-/// Returns the instance shared by all worlds of the process.
+/// Returns the shaper that all worlds of the process share.
 [[nodiscard]] SystemFonts& system_fonts();
 
 }  // namespace gs::render

@@ -9,7 +9,7 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kLongestRun = 4096;  // longer runs are split, so that shaping takes linear time
+constexpr std::size_t kLongestRun = 4096;  // characters; keeps the time for shaping linear
 
 void clean(std::u32string& text) {
   std::size_t kept = 0;
@@ -21,7 +21,8 @@ void clean(std::u32string& text) {
   text.resize(kept);
 }
 
-/// Returns the levels of UAX #9, odd ones from right to left. Empty if all characters follow the line's direction.
+/// Returns the embedding levels of UAX #9; odd levels are from right to left. Returns an empty list if all characters
+/// have the direction of the line.
 std::vector<FriBidiLevel> levels_of(const std::u32string& text, bool left) {
   std::vector<FriBidiCharType> types(text.size());
   const auto length = static_cast<FriBidiStrIndex>(text.size());
@@ -44,7 +45,7 @@ bool inherits(hb_script_t script) {
   return script == HB_SCRIPT_COMMON || script == HB_SCRIPT_INHERITED || script == HB_SCRIPT_UNKNOWN;
 }
 
-/// Returns the scripts of all characters; common characters, such as blanks, take that of the previous one.
+/// Returns the script of each character. Common characters, such as blanks, have the script of the previous character.
 std::vector<hb_script_t> scripts_of(const std::u32string& text) {
   hb_unicode_funcs_t* unicode = hb_unicode_funcs_get_default();
   std::vector<hb_script_t> scripts(text.size());

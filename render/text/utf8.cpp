@@ -8,9 +8,9 @@ namespace {
 
 constexpr char32_t kReplacement = 0xFFFD;
 
-/// Properties of a first byte: number of following bytes, and range of the second byte (Unicode Table 3-7).
+/// Properties of a first byte: number of following bytes, and range of the second byte (Unicode table 3-7).
 struct Lead {
-  int follow = -1;  // -1: not a first byte
+  int follow = -1;  // -1 means that no character begins with this byte
   std::uint8_t lowest = 0x80, highest = 0xBF;
 };
 

@@ -20,11 +20,11 @@ namespace {
 constexpr std::size_t kMaxShaderLights = 8, kTransferAt = 19 + 5 * kMaxShaderLights, kItemTexels = kTransferAt + 256;
 constexpr std::size_t kMaxVectors = std::size_t{1} << 28;
 constexpr std::size_t kMaxViewports = 16;
-constexpr std::size_t kSurveyedVectors = 8192;  // number of sampled vectors
-// Images that would blend more samples are left to the CPU, which stops at opaque pixels: a driver that is busy for
-// seconds is considered hung.
+constexpr std::size_t kSurveyedVectors = 8192;  // vectors that are sampled
+// Maximum samples to blend. The CPU draws larger images, because it stops at opaque pixels. The system resets a driver
+// that is busy for seconds.
 constexpr double kMaxBlendedSamples = 2e10;
-constexpr float kOwnColor = 5, kVectorColor = 6;  // besides the values of ColorBy; same numbers in volume_shaders.h
+constexpr float kOwnColor = 5, kVectorColor = 6;  // colour sources in addition to ColorBy, as in volume_shaders.h
 
 std::string defines() {
   std::string text;
@@ -37,7 +37,7 @@ std::string defines() {
                                     {"LEAST_AREA", kVolumePixel},
                                     {"CUT", kVolumeCut},
                                     {"PI", kVolumePi}}) {
-    // Avoids std::to_string of a float, which depends on the locale.
+    // std::to_string of a float would depend on the locale.
     const auto billionths = std::llround(double{value} * 1e9);
     const std::string digits = std::to_string(billionths % 1'000'000'000 + 1'000'000'000).substr(1);
     define(name, std::to_string(billionths / 1'000'000'000) + "." + digits);
@@ -55,7 +55,8 @@ glm::vec4 row_of(const glm::mat4& matrix, int row) {
 
 glm::vec2 halves(std::size_t whole) { return {static_cast<float>(whole >> 16), static_cast<float>(whole & 0xFFFF)}; }
 
-/// Appends the texels of an item in the order of kVolumeDataShader; `start` is the number of its first vector.
+/// Appends the texels of an item, in the layout of kVolumeDataShader. `start` is the index of its first vector among
+/// all vectors.
 void describe(const VolumeItem& item, const VolumeStore::Place& place, const VolumeLens& lens, std::size_t start,
               std::vector<glm::vec4>& out) {
   const VolumeOptions& options = item.options;

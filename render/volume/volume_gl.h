@@ -20,36 +20,37 @@
 
 namespace gs::render {
 
-/// Sorting method for volume vectors with OpenGL. automatic: compute shaders if the hardware supports them, else a
-/// thread. The thread is also the fallback if compute shaders fail.
+/// Method that sorts volume vectors for OpenGL. automatic: compute shaders if the hardware supports them, otherwise a
+/// thread. If compute shaders fail, the thread replaces them.
 enum class VolumeSort : std::uint8_t { automatic, thread, compute };
 
-/// Volume splatting with OpenGL 3.3: the image of rasterize_volumes, up to rounding. It blends instanced rectangles of
-/// all volumes from back to front at 16 bits per channel. Each sample is tested against the existing depth. Then it
-/// composites the result. Without such a target, it blends into the image directly, with 8-bit rounding. Belongs to the
-/// thread of its context.
+/// Draws volumes with OpenGL 3.3. The image equals that of rasterize_volumes(), except for rounding. Blends the
+/// instanced rectangles of all volumes from back to front, in 16 bits per channel. Tests each sample against the
+/// existing depth. Then composites the result over the image. If no such target is possible, blends directly into the
+/// image, rounded to 8 bits.
 ///
-/// With compute shaders, the order is exact for the view; the thread's order may be that of the previous view
-/// (VolumeSorter).
+/// Compute shaders sort exactly for the view. The order of the thread may be that of the previous view (VolumeSorter).
+/// Runs on the thread of its context.
 class VolumeGl {
  public:
   explicit VolumeGl(const Gl& gl, VolumeSort sort = VolumeSort::automatic);
 
   struct View {
-    SplatView lens;  // camera_from_node and supersample are ignored
+    SplatView lens;  // `camera_from_node` and `supersample` are ignored
     Projection projection;
-    TargetRectangle rectangle;  // of the bound framebuffer
+    TargetRectangle rectangle;  // rectangle of the bound framebuffer
     std::uint32_t viewport = 0;
   };
   struct Drawn {
-    std::size_t vectors = 0;  // in view, estimated from a sample if there are many
-    bool pending = false;     // the order is not exact for this view; draw again
+    std::size_t vectors = 0;  // vectors in view; estimated if there are many
+    bool pending = false;  // the order is that of an earlier view: draw again
   };
-  /// Draws item i with held[i]. Writes no depth; leaves the depth test and blending off and depth writes on. Returns
-  /// nullopt if the context lacks memory or the program, or if there are too many vectors, items or lights.
+  /// Draws the volumes `items`; held[i] owns the data of items[i]. Writes no depth. Leaves depth test and blending off
+  /// and depth writes on. Returns nullopt if memory or the program is missing, or if there are too many vectors, items
+  /// or lights.
   std::optional<Drawn> draw(std::span<const SharedVolume> held, std::span<const VolumeItem> items, const View& view);
 
-  /// Frees unused copies; call it once per frame.
+  /// Frees volumes that have no other owners. Call it once per frame.
   void forget_unused() { store_.forget_unused(); }
   /// Returns the method that sorted the last image.
   [[nodiscard]] VolumeSort sorted_by() const { return sorted_by_; }
@@ -63,16 +64,16 @@ class VolumeGl {
   struct Viewport {
     std::unique_ptr<VolumeSorter> sorter;
     Buffer order;
-    std::uint64_t number = 0;    // serial number of the order in the buffer; 0 means none
-    std::vector<Sorted> sorted;  // input of the compute shaders' order
+    std::uint64_t number = 0;  // serial number of the order in the buffer; 0 means that the buffer is empty
+    std::vector<Sorted> sorted;  // volumes that the compute shaders sorted
     std::uint64_t used = 0;
   };
-  /// Visible part of the items.
+  /// Items that are visible.
   struct Visible {
     std::vector<SharedVolume> held;
     std::vector<VolumeItem> items;
     std::vector<VolumeStore::Place> places;
-    std::size_t total = 0;  // vectors
+    std::size_t total = 0;  // number of vectors
   };
 
   bool make_program_once();

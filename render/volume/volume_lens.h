@@ -11,19 +11,20 @@
 
 namespace gs::render {
 
-inline constexpr float kVolumeLeastAlpha = 1 / 1024.0f;  // Fainter vectors are skipped.
+inline constexpr float kVolumeLeastAlpha = 1 / 1024.0f;  // Minimum opacity of a vector that is drawn.
 
-/// View of a volume, as both splatters use it.
+/// View of a volume, in the form that both splatters use.
 struct VolumeLens {
   glm::mat4 camera_from_node;
   glm::mat3 normal_matrix;
-  float scale;               // scale of lengths, node to camera
-  float pixels_x, pixels_y;  // pixels per unit at depth 1
-  float middle_x, middle_y;  // position of the optical axis in pixels from the lower left
+  float scale;  // factor of lengths from node to camera space
+  float pixels_x, pixels_y;  // pixels per length 1 at depth 1
+  float middle_x, middle_y;  // pixel position of the optical axis, from the lower left corner
   int width, height;
 };
 
-/// Returns nullopt if the volume is flattened, its matrix not finite or the view empty, so that nothing is visible.
+/// Returns the lens for a view. Returns nullopt if nothing is visible: the volume is flattened, its matrix is not
+/// finite, or the view is empty.
 [[nodiscard]] inline std::optional<VolumeLens> volume_lens(const SplatView& view, const glm::mat4& camera_from_node) {
   VolumeLens lens{};
   lens.camera_from_node = camera_from_node;

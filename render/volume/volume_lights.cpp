@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMaxVolumeLights = 4;
 
-/// Returns a unit vector, or zero.
+/// Returns the unit vector in the direction of `v`, or 0 if it has none.
 glm::vec3 unit(const glm::vec3& v) {
   const float length = std::sqrt(glm::dot(v, v));
   return length > 0 && std::isfinite(length) ? v / length : glm::vec3(0);
@@ -59,7 +59,7 @@ std::vector<VolumeLight> volume_lights(const RenderList& list, const SplatItem& 
   lights.insert(lights.end(), local.begin(), local.end());
   if (lights.size() > kMaxVolumeLights) lights.resize(kMaxVolumeLights);
   if (headlight) lights.push_back(volume_headlight().front());
-  // An empty list would mean a light at the viewer.
+  // The shader treats an empty list as a light at the viewer, so add a black light.
   if (lights.empty()) lights.push_back({.color = glm::vec3(0)});
   return lights;
 }

@@ -10,9 +10,9 @@
 
 namespace gs::render {
 
-/// Returns the lights of a volume with centre `center` (camera space): up to four lights of the world, its directional
-/// ones first, then the point and spot lights strongest at the centre; and the headlight. Returns one light without
-/// effect if there are none.
+/// Returns the lights of a volume with the centre `center`, in camera space: up to four lights of the world, and the
+/// headlight. Directional lights come first, then the point and spot lights that are strongest at the centre. Without
+/// lights, returns one light that has no effect.
 [[nodiscard]] std::vector<VolumeLight> volume_lights(const RenderList& list, const SplatItem& item,
                                                      const glm::dmat4& camera_from_world, const glm::vec3& center,
                                                      bool headlight);

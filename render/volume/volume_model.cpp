@@ -15,15 +15,15 @@ namespace gs::render {
 namespace {
 
 constexpr std::size_t kModelRange = 16384;  // vectors per task
-constexpr float kFinestCells = 128;         // along the longest edge of the box
-constexpr float kEnough = 6;                // minimum vectors in a cube for a reliable count
-constexpr float kBoundaryLayers = 3;        // voxels across a boundary
-constexpr float kMaxSpacing = 2;            // times the 90th percentile
-constexpr std::size_t kSample = 65536;      // vectors with sorted weights
-constexpr float kGloss = 16;                // exponent
+constexpr float kFinestCells = 128;  // cells of the finest grid along the longest edge of the box
+constexpr float kEnough = 6;  // minimum vectors in a cube for a reliable density
+constexpr float kBoundaryLayers = 3;  // thickness of a boundary in voxels
+constexpr float kMaxSpacing = 2;  // maximum spacing, as a multiple of the 90th percentile
+constexpr std::size_t kSample = 65536;  // weights that are sorted for a quantile
+constexpr float kGloss = 16;  // specular exponent
 constexpr double kRootOfTwo = 1.41421356237309505;
 
-/// Returns the quantile `rank` of the values, from a sample if there are many.
+/// Returns the value at `rank` (0 to 1) of the sorted values. If there are many, uses a sample.
 float quantile(const std::vector<float>& values, float rank) {
   const std::size_t step = values.size() / kSample + 1;
   std::vector<float> some;
@@ -36,7 +36,7 @@ float quantile(const std::vector<float>& values, float rank) {
   return some[static_cast<std::size_t>(at)];
 }
 
-/// Counts of vectors in the cells of grids, each twice as coarse as the previous.
+/// Numbers of vectors in the cells of several grids. Each grid is twice as coarse as the previous grid.
 class Counts {
  public:
   Counts(std::span<const glm::vec3> positions, const Box& box, float finest) : lower_(box.lower) {
@@ -50,7 +50,7 @@ class Counts {
     while (grids_.back().size() > 1) grids_.push_back(coarser(grids_.back()));
   }
 
-  /// Returns the spacing of the vectors around `p`, for voxels of spacing `h`.
+  /// Returns the spacing of the vectors around `p`. `h` is the spacing of voxels.
   [[nodiscard]] float spacing(const glm::vec3& p, float h) const {
     if (!finite(p)) return 0;
     float n = 0, e = 0;
@@ -97,7 +97,7 @@ class Counts {
     return grid;
   }
 
-  /// Interpolates between cell centres, so that the result is continuous.
+  /// Returns the number of vectors around `p`, interpolated between cell centres, so that it is continuous.
   [[nodiscard]] float about(const Grid& grid, const glm::vec3& p) const {
     std::array<int, 3> low{}, high{};
     glm::vec3 part;
@@ -124,7 +124,8 @@ class Counts {
   std::vector<Grid> grids_;
 };
 
-/// Returns the description's box if valid, since the received vectors represent all of it; extended by the positions.
+/// Returns the box of a point set: that of the description if valid, enlarged to contain all positions. The
+/// description's box covers vectors that are not received yet.
 Box box_of(const qnv::Volume& volume) {
   Box box;
   for (const glm::vec3& p : volume.positions)
@@ -137,7 +138,7 @@ Box box_of(const qnv::Volume& volume) {
   return box;
 }
 
-/// Return the largest floor(sqrt(2)^i) <= `n`, n >= 1, and the next one.
+/// Returns the largest floor(sqrt(2)^i) that is at most `n`, for n >= 1. `power_above` returns the next value.
 std::size_t power_below(std::size_t n) {
   const std::size_t whole = std::bit_floor(n);
   const auto half = static_cast<std::size_t>(static_cast<double>(whole) * kRootOfTwo);
@@ -180,7 +181,7 @@ VolumeTransfer volume_transfer(const qnv::Description& about, std::span<const qn
   };
   for (std::size_t i = 0; i < table.size(); ++i) {
     const float value = static_cast<float>(i) / 255;
-    // First point that is not below; unordered or non-finite points hide the following ones.
+    // Find the first point above. Points that are not finite or out of order hide the points after them.
     std::size_t next = 0;
     while (next < own.size() && own[next].value < value) ++next;
     glm::vec4 entry = color(own[std::min(next, own.size() - 1)]);
@@ -254,7 +255,7 @@ VolumeModel volume_model(const qnv::Volume& volume, unsigned threads, std::size_
                threads);
   const float most = kMaxSpacing * quantile(model.spacing, 0.9f);
   for (float& s : model.spacing) s = std::min(s, most);
-  // A vector with a cell reaches no farther than the cell, unless it represents others too.
+  // A vector with a cell does not extend beyond its cell, unless it also represents other vectors.
   if (volume.cells.size() == size && counted == size)
     for (std::size_t i = 0; i < count; ++i)
       if (volume.cells[i].edge > 0) model.spacing[i] = std::min(model.spacing[i], std::max(volume.cells[i].edge, h));
@@ -284,7 +285,7 @@ glm::vec3 volume_shade(const VolumeOptions& options, const glm::vec3& color, con
     const float half2 = glm::dot(half, half);
     if (!facing || !(half2 > 0)) continue;
     float shine = glm::dot(n, half);
-    shine = shine * shine / half2;  // squared cosine: two-sided
+    shine = shine * shine / half2;  // the square makes the highlight two-sided
     shine *= shine, shine *= shine, shine *= shine;
     static_assert(kGloss == 16);
     gloss += light.color * (strength * options.specular * shine);

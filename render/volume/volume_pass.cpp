@@ -15,10 +15,11 @@
 namespace gs::render {
 namespace {
 
-constexpr double kShareSteps = 8;               // per octave
-constexpr std::uint64_t kKeptModelFrames = 64;  // frames for which the model of an undrawn prefix is kept
+constexpr double kShareSteps = 8;  // steps per octave
+constexpr std::uint64_t kKeptModelFrames = 64;  // frames for which a model is kept although its prefix is not drawn
 
-/// Quantizes a share: shares change with every movement of the viewer, but the shown numbers should not.
+/// Rounds a share down to a step. Shares change with each movement of the viewer; the number of drawn vectors should
+/// not.
 std::size_t steady(std::size_t share) {
   if (share < 2) return share;
   return static_cast<std::size_t>(
@@ -30,8 +31,8 @@ bool is_volume(const SplatItem& item) {
   return volume && !volume->empty();
 }
 
-/// Returns window-space depths for compositing a layer; -1 means without depth test. If the samples of a pixel differ,
-/// the depth lies between them; without stops, it is that at which the pixel becomes opaque.
+/// Returns depths in window space for compositing a layer; -1 means no depth test. If the samples of a pixel differ in
+/// depth, the result is between their depths. Without stops, it is the depth at which the pixel becomes opaque.
 std::vector<float> window_depths(const VolumeLayer& layer, const VolumeStops& stops, const Projection& projection) {
   std::vector<float> depths(layer.depth.size(), -1.0f);
   const auto window = [&](float depth) {
@@ -109,7 +110,7 @@ void VolumePass::gather(const RenderList& list, const Camera& camera, const Spla
       share_budget(list.splats, budget_view(view, camera_from_world), options.budget);
   const SplatStyle& look = options.clouds;
   if (!look.transfer.empty()) scene.transfer = volume_transfer({}, look.transfer);
-  scene.lights.reserve(list.splats.size());  // items point to them
+  scene.lights.reserve(list.splats.size());  // `items` point to elements of `lights`, so these must not move
   for (std::size_t i = 0; i < list.splats.size(); ++i) {
     const SplatItem& item = list.splats[i];
     if (!is_volume(item)) continue;
@@ -167,7 +168,7 @@ void VolumePass::lay_over(const VolumeLayer& layer, const std::vector<float>& de
   gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, layer.width, layer.height, 0, GL_RED, GL_FLOAT, depths.data());
   draw_overlay(overlay_, layer, layer.pixels, projection, options);
   if (!layer.edge_pixels.empty()) {
-    // The remaining samples of each pixel.
+    // Draw the samples of each pixel that the first draw excluded.
     gl_.DepthFunc(projection.reversed ? GL_LESS : GL_GREATER);
     draw_overlay(edge_overlay_, layer, layer.edge_pixels, projection, options);
   }
@@ -205,7 +206,7 @@ void VolumePass::draw(const RenderList& list, const Camera& camera, const Projec
     if (const auto drawn = volume_gl_.draw(scene.held, scene.items, gl_view)) {
       statistics.vectors += drawn->vectors;
       statistics.pending = statistics.pending || drawn->pending;
-      // A volume that OpenGL could not draw shows in the statistics.
+      // Report OpenGL, unless the CPU has already drawn a point set of this frame.
       if (std::string_view(statistics.splats) == "none") statistics.splats = "gl";
       ++statistics.draw_calls;
       return;

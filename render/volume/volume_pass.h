@@ -31,12 +31,12 @@ class VolumePass {
  public:
   explicit VolumePass(const Gl& gl, VolumeSort sort = VolumeSort::automatic);
 
-  /// Draws the volumes; call it after everything opaque. `camera` must have near and far planes. Leaves blending and
+  /// Draws the volumes. Call it after all opaque content. `camera` must have near and far planes. Leaves blending and
   /// the depth test off, and depth writes on.
   void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
             FrameStatistics& statistics);
 
-  /// Returns the method that sorted the last image drawn with OpenGL.
+  /// Returns the method that sorted for the last OpenGL image.
   [[nodiscard]] VolumeSort sorted_by() const { return volume_gl_.sorted_by(); }
 
  private:
@@ -46,7 +46,7 @@ class VolumePass {
     std::shared_ptr<const VolumeModel> model;
     std::uint64_t used = 0;
   };
-  /// Volumes of one image; items point into the other members.
+  /// Volumes of one image. `items` point into the other members.
   struct Scene {
     std::vector<SharedVolume> held;
     std::vector<VolumeItem> items;

@@ -16,13 +16,13 @@ namespace gs::render {
 namespace {
 
 constexpr std::size_t kPreparedRange = 16384;              // vectors per preparation task
-constexpr std::size_t kMaxEntries = std::size_t{1} << 22;  // tile entries copied at a time
+constexpr std::size_t kMaxEntries = std::size_t{1} << 22;  // maximum tile entries that are sorted at once
 constexpr unsigned kDepthDigitBits = 11, kDepthDigits = 1u << kDepthDigitBits;
 
 /// Prepares the vectors of a volume that are in view.
 class Preparer {
  public:
-  /// The item must have a point set and a model.
+  /// Prepares for an item, which must have a point set and a model.
   Preparer(const VolumeItem& item, const SplatView& view)
       : volume_(*item.volume), model_(*item.model), near_plane_(view.near_plane), options_(item.options) {
     const std::optional<VolumeLens> lens = volume_lens(view, item.camera_from_node);
@@ -31,7 +31,7 @@ class Preparer {
     count_ = std::min({item.count, volume_.size(), model_.spacing.size()});
   }
 
-  /// Returns the number of vectors to examine; 0 if nothing is visible.
+  /// Returns the number of vectors to examine. Returns 0 if nothing is visible.
   [[nodiscard]] std::size_t count() const { return count_; }
 
   void run(std::size_t first, std::size_t last, std::vector<VolumeSplat>& out) const {
@@ -43,7 +43,7 @@ class Preparer {
     }
   }
 
-  /// Computes everything except the colour. Returns false if the vector is invisible.
+  /// Computes the splat of a vector, except its colour. Returns false if the vector is invisible.
   bool place(std::size_t i, VolumeSplat& splat) const {
     splat.alpha = volume_alpha(volume_, model_, options_, i);
     if (!(splat.alpha >= kVolumeLeastAlpha)) return false;
@@ -93,7 +93,7 @@ std::vector<Preparer> preparers_of(std::span<const VolumeItem> items, const Spla
   return preparers;
 }
 
-/// Sorts front to back, stable. Depths that differ by less than a few millionths are equal.
+/// Sorts splats from front to back, stably. Depths that differ by less than a few millionths count as equal.
 class Sorter {
  public:
   std::span<const std::uint32_t> sort(std::span<const VolumeSplat> splats) {
@@ -101,7 +101,7 @@ class Sorter {
     keys_.resize(count);
     order_.resize(count);
     other_.resize(count);
-    // The bits of positive floats, read as integers, have the order of the floats.
+    // The bits of positive floats, as integers, have the order of the floats.
     std::uint32_t least = 0xFFFFFFFFu, most = 0;
     for (std::size_t i = 0; i < count; ++i) {
       keys_[i] = std::bit_cast<std::uint32_t>(splats[i].depth);
@@ -134,7 +134,7 @@ class Sorter {
   std::vector<std::uint32_t> keys_, order_, other_;
 };
 
-/// Sorts the splats in view by tile and draws the image.
+/// Sorts visible splats by tile and draws the image.
 class Painter {
  public:
   Painter(const std::vector<std::vector<VolumeSplat>>& parts, const SplatView& view, const VolumeStops& stops,
@@ -156,8 +156,7 @@ class Painter {
           for (const VolumeSplat& splat : parts_[r]) for_tiles(splat, [&](std::size_t tile) { ++counts_[r][tile]; });
         },
         view_.threads);
-    // Processes as many tiles at a time as the memory limit permits; always at least one, which has at most all
-    // vectors.
+    // Process as many tiles at once as the memory limit permits, at least one. A tile has at most all vectors.
     std::size_t first = 0;
     while (first < tiles_) {
       std::size_t last = first, entries = 0;
@@ -216,7 +215,7 @@ class Painter {
         last - first, [&](std::size_t i) { paint(first + i, begin_[i], begin_[i + 1]); }, view_.threads);
   }
 
-  /// Calls body(index in tile, index in viewport) for the pixels of a tile inside the viewport.
+  /// Calls body(index in tile, index in viewport) for the pixels of a tile that are inside the viewport.
   template <class Body>
   void for_pixels(int left, int bottom, Body body) const {
     for (int y = bottom; y < std::min(bottom + kVolumeTile, view_.height); ++y)
@@ -225,10 +224,10 @@ class Painter {
              static_cast<std::size_t>(y) * static_cast<std::size_t>(view_.width) + static_cast<std::size_t>(x));
   }
 
-  /// Reports whether any stop hides content at or before `deepest`.
+  /// Sets the stops of a tile. Returns true if a stop is at or before the depth `deepest`, so that it may hide vectors.
   bool put_stops(std::span<const float> stops, int left, int bottom, float deepest, VolumeTile& tile) const {
     bool hides = false;
-    tile.stop.fill(0);  // pixels outside the viewport need no blending
+    tile.stop.fill(0);  // so that pixels outside of the viewport are not blended
     for_pixels(left, bottom, [&](std::size_t in_tile, std::size_t at) {
       tile.stop[in_tile] = stops[at];
       hides = hides || !(stops[at] >= deepest);
@@ -276,7 +275,7 @@ class Painter {
   VolumeLayer& layer_;
   int columns_;
   std::size_t tiles_;
-  std::vector<std::vector<std::uint32_t>> counts_;  // by range and tile
+  std::vector<std::vector<std::uint32_t>> counts_;  // number of splats, by range and tile
   std::vector<std::size_t> begin_;
   std::vector<VolumeSplat> splats_;
 };

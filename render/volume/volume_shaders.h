@@ -1,15 +1,15 @@
 #pragma once
 
-/// Shaders of volumes. make_program adds "#version 330 core" before each; those for sorting have 430.
+/// Shaders of volumes. make_program adds "#version 330 core" before each. The shaders that sort get version 430.
 namespace gs::render {
 
-/// Composites the CPU's volumes. If `depths` is below 0, ignores the pixel's depth; with EDGES, draws only the other
-/// pixels.
+/// Composites the volumes that the CPU has drawn. Where `depths` is negative, ignores the pixel's depth. With EDGES,
+/// draws only pixels with samples that differ.
 inline constexpr char kVolumePixelsFragmentShader[] = R"glsl(
 uniform sampler2D pixels;
-uniform sampler2D depths;  // window space
-uniform ivec2 origin;      // of the viewport
-uniform float nearest;     // depth
+uniform sampler2D depths;  // in window space
+uniform ivec2 origin;  // lower left corner of the viewport
+uniform float nearest;  // window depth of the near plane
 out vec4 result;
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy) - origin;
@@ -23,7 +23,7 @@ void main() {
 }
 )glsl";
 
-/// Composites OpenGL's volumes, one sample at a time.
+/// Composites the volumes that OpenGL has drawn, sample by sample.
 inline constexpr char kVolumeLayerFragmentShader[] = R"glsl(
 uniform ivec2 origin;
 #ifdef SAMPLES
@@ -39,7 +39,7 @@ void main() {
 }
 )glsl";
 
-/// Returns minimum and maximum depth of the samples of a pixel.
+/// Returns the minimum and maximum depth of the samples of each pixel.
 inline constexpr char kVolumeExtremesFragmentShader[] = R"glsl(
 uniform sampler2DMS depths;
 uniform int samples;
@@ -55,7 +55,7 @@ void main() {
 }
 )glsl";
 
-/// Layout of vectors in the buffer textures (volume_gl.cpp writes `items`), and decoding of their codes.
+/// Layout of vectors in the buffer textures, and decoding of their codes. volume_gl.cpp writes `items`.
 inline constexpr char kVolumeDataShader[] = R"glsl(
 uniform usamplerBuffer codes;
 uniform samplerBuffer items;
@@ -67,10 +67,10 @@ const int ROW_X = 0, ROW_Y = 1, ROW_Z = 2, NORMAL_X = 3, NORMAL_Y = 4, NORMAL_Z 
 
 vec4 about(int item, int what) { return texelFetch(items, item * ITEM_TEXELS + what); }
 
-// Floats hold 24 bits.
+// Joins two halves of an integer: a float has only 24 bits.
 int whole(vec2 halves) { return int(halves.x) * 65536 + int(halves.y); }
 
-// The item of a vector, its number in that, and its texel, from its number through all items.
+// Location of a vector, from its index among all items: the item, the index in the item, and the texel.
 struct Place { int item, index, texel; };
 Place place_of(int number) {
   int low = 0, high = item_count - 1;
@@ -88,7 +88,7 @@ vec3 position_of(int item, uvec4 code) {
 }
 )glsl";
 
-/// Completes and lights a vector, in the order of volume_model.h.
+/// Computes and lights the colour of a vector, in the order of volume_model.h.
 inline constexpr char kVolumeShadeShader[] = R"glsl(
 vec3 normal_of(uvec4 code) {
   uvec2 c = (code.xy >> 20) & 1023u;
@@ -121,7 +121,7 @@ float octave_of(int index) {
 
 vec3 color_of(int item, int index, uvec4 code, vec3 normal) {
   vec4 chosen = about(item, COLOR);
-  int by = int(chosen.w);  // ColorBy, or 5: `chosen`, 6: the vectors'
+  int by = int(chosen.w);  // a ColorBy; 5: the colour `chosen`; 6: colours of the vectors
   int last = whole(about(item, SIZE).xy) - 1;
   if (by == 1) return normal * 0.5 + 0.5;
   if (by == 2) return last < FIRST_OCTAVE ? ramp_color(1.0) : ramp_color(octave_of(index) / octave_of(last));
@@ -145,7 +145,7 @@ float spot_of(vec4 direction_cut, float beam_width, vec3 to_light) {
 }
 
 vec3 shade(int item, vec3 color, vec3 seen, vec3 normal) {
-  vec4 shading = about(item, SHADE);  // ambient, diffuse, specular, number of lights
+  vec4 shading = about(item, SHADE);  // weights: ambient, diffuse, specular; number of lights
   bool facing = dot(normal, normal) > 0.0;
   vec3 n = facing ? normalize(normal) : vec3(0.0);
   vec3 to_viewer = -normalize(seen);
@@ -155,7 +155,7 @@ vec3 shade(int item, vec3 color, vec3 seen, vec3 normal) {
     vec4 place = about(item, at), tint = about(item, at + 1), fade = about(item, at + 2);
     vec3 to_light = place.xyz;
     float strength = 1.0;
-    if (place.w == 0.0) {  // not directional
+    if (place.w == 0.0) {  // point or spot light
       vec4 direction_cut = about(item, at + 3), more = about(item, at + 4);
       to_light -= seen;
       float far = length(to_light);
@@ -174,7 +174,7 @@ vec3 shade(int item, vec3 color, vec3 seen, vec3 normal) {
     gloss += tint.rgb * (strength * shading.z * shine);
   }
   color = clamp(color * diffuse + gloss, 0.0, 1.0);
-  // VRML97 Table 4.8: the matrix by rows with the colour in its last column, and the type: 1 LINEAR, 2 EXPONENTIAL.
+  // VRML97 Table 4.8. Rows of the matrix; the last column has the colour. Type of fog: 1 LINEAR, 2 EXPONENTIAL.
   vec4 fog_x = about(item, FOG), fog_y = about(item, FOG + 1), fog_z = about(item, FOG + 2);
   float fog_type = about(item, FOG + 3).x;
   if (fog_type == 0.0) return color;
@@ -186,15 +186,15 @@ vec3 shade(int item, vec3 color, vec3 seen, vec3 normal) {
 }
 )glsl";
 
-/// Draws a viewer-facing rectangle for each vector, in the order of `number`.
+/// Draws a rectangle for each vector that faces the viewer. `number` is the order.
 inline constexpr char kVolumeVertexShader[] = R"glsl(
 uniform samplerBuffer spacings;
-uniform vec4 lens;         // pixels at depth 1 and of the viewport
-uniform vec2 straight;     // pixels from the middle of what lies straight ahead
-uniform vec4 depth_range;  // the near plane, clip_from_camera[2][2] and [3][2], the least depth of clip space
+uniform vec4 lens;  // xy: pixels per length 1 at depth 1; zw: size of the viewport
+uniform vec2 straight;  // position of the optical axis, in pixels from the middle
+uniform vec4 depth_range;  // near plane; clip_from_camera[2][2] and [3][2]; minimum depth of clip space
 layout(location = 0) in uint number;
 flat out vec4 color;
-out vec2 away;  // in units of the root of A
+out vec2 away;  // distance from the centre, in units of sqrt(A)
 
 void main() {
   gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // out of view
@@ -203,7 +203,7 @@ void main() {
   Place place = place_of(int(number));
   int item = place.item;
   uvec4 code = texelFetch(codes, place.texel);
-  vec4 scale = about(item, SCALE);  // of lengths, least magnitude, full magnitude, opacity / (pi kVolumeFootprint)
+  vec4 scale = about(item, SCALE);  // factor of lengths; minimum, full magnitude; opacity / (pi kVolumeFootprint)
   float weight = weight_of(item, code);
   if (!(weight >= scale.y)) return;
   vec4 position = vec4(position_of(item, code), 1.0);
@@ -227,7 +227,7 @@ void main() {
                      dot(about(item, NORMAL_Z).xyz, normal));
   color = vec4(shade(item, color_of(item, place.index, code, normal), seen, turned), alpha);
   away = (vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0) * CUT;
-  vec2 center = seen.xy * near * lens.xy + straight;  // pixels from the middle
+  vec2 center = seen.xy * near * lens.xy + straight;  // pixels from the middle of the viewport
   gl_Position.xy = (center + away * sqrt(area)) * 2.0 / lens.zw;
   gl_Position.z = clamp(depth_range.z * near - depth_range.y, depth_range.w, 1.0);
 }
@@ -243,8 +243,8 @@ void main() {
 }
 )glsl";
 
-/// Sorts four bits at a time, least significant first. A group of 256 threads processes a block of 4096 entries; where
-/// order matters, each thread takes 16 consecutive ones.
+/// Common part of the sorting shaders. They sort by four bits at a time, lowest bits first. A group of 256 threads
+/// processes a block of 4096 entries. Where their order matters, each thread takes 16 successive entries.
 inline constexpr char kVolumeSortShader[] = R"glsl(
 layout(local_size_x = 256) in;
 uniform int total, shift, groups;
@@ -256,7 +256,7 @@ layout(std430, binding = 4) buffer SortedValues { uint sorted_values[]; };
 layout(std430, binding = 5) buffer Counts { uint counts[]; };  // by digit, then by block
 )glsl";
 
-/// Writes the keys and the numbers, last vector first, like volume_sort.cpp.
+/// Writes the keys and indexes of all vectors, last vector first, as in volume_sort.cpp.
 inline constexpr char kVolumeKeysShader[] = R"glsl(
 void main() {
   for (uint k = 0u; k < EACH; ++k) {
@@ -289,7 +289,7 @@ void main() {
 }
 )glsl";
 
-/// Computes the start of the entries of each digit of each block. One group.
+/// Computes the position of the first entry for each digit and block. Runs in one group.
 inline constexpr char kVolumeScanShader[] = R"glsl(
 shared uint sums[256];
 void main() {
@@ -321,8 +321,8 @@ void main() {
 )glsl";
 
 inline constexpr char kVolumeScatterShader[] = R"glsl(
-shared uint ranks[16 * 256];  // of the next entry of a digit of a thread, in the block
-shared uint parts[16 * 16];   // of 16 threads each
+shared uint ranks[16 * 256];  // position in the block of the next entry, by digit and thread
+shared uint parts[16 * 16];  // sums of 16 threads each
 void main() {
   uint thread = gl_LocalInvocationID.x, first = gl_WorkGroupID.x * BLOCK + thread * EACH;
   for (uint digit = 0u; digit < 16u; ++digit) ranks[digit * THREADS + thread] = 0u;

@@ -20,14 +20,14 @@ unsigned digit(std::uint64_t entry, unsigned pass) {
   return static_cast<unsigned>(entry >> (32 + pass * kKeyDigitBits)) & (kKeyDigits - 1);
 }
 
-/// `entries` and `other` are working memory.
+/// Returns in `order` the indexes of all vectors, farthest first. `entries` and `other` are working memory.
 void far_first_order(std::span<const VolumeSortPart> parts, std::vector<std::uint64_t>& entries,
                      std::vector<std::uint64_t>& other, std::vector<std::uint32_t>& order) {
   std::size_t base = 0;
   for (const VolumeSortPart& part : parts) base += part.count;
   entries.clear();
   entries.reserve(base);
-  // Last one first: at equal depth, later vectors are farther.
+  // Start with the last vector: at equal depth, later vectors count as farther.
   for (std::size_t i = parts.size(); i-- > 0;) {
     const VolumeSortPart& part = parts[i];
     const std::vector<glm::vec3>& positions = part.volume->positions;
@@ -48,21 +48,21 @@ void far_first_order(std::span<const VolumeSortPart> parts, std::vector<std::uin
 
 std::uint32_t far_first_key(float depth) {
   if (std::isnan(depth)) return std::numeric_limits<std::uint32_t>::max();
-  // The bits of a float, read as an integer, have the order of its magnitude.
+  // The bits of a positive float, as an integer, have the order of the floats.
   const auto bits = std::bit_cast<std::uint32_t>(depth + 0.0f);
   const std::uint32_t ascending = bits >> 31 ? ~bits : bits | 0x80000000u;
   return ~ascending;
 }
 
 void sort_by_key(std::vector<std::uint64_t>& entries, std::vector<std::uint64_t>& other) {
-  std::vector<std::array<std::size_t, kKeyDigits>> counts(kKeyPasses);  // by digit
+  std::vector<std::array<std::size_t, kKeyDigits>> counts(kKeyPasses);  // number of entries, by pass and digit
   for (const std::uint64_t entry : entries)
     for (unsigned pass = 0; pass < kKeyPasses; ++pass) ++counts[pass][digit(entry, pass)];
   if (other.size() < entries.size()) other.resize(entries.size());
   const std::size_t count = entries.size();
   for (unsigned pass = 0; pass < kKeyPasses; ++pass) {
     auto& places = counts[pass];
-    if (std::find(places.begin(), places.end(), count) != places.end()) continue;  // all digits are equal
+    if (std::find(places.begin(), places.end(), count) != places.end()) continue;  // all entries have the same digit
     std::size_t next = 0;
     for (std::size_t& place : places) next += std::exchange(place, next);
     for (std::size_t i = 0; i < count; ++i) other[places[digit(entries[i], pass)]++] = entries[i];
@@ -89,7 +89,7 @@ VolumeSorter::Likeness VolumeSorter::likeness(std::span<const Seen> seen, std::s
   bool same = true;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const VolumeSortPart& part = parts[i];
-    // Compares ownership, since another point set may have the same address.
+    // Compare owners, not addresses: another point set may have the same address.
     if (seen[i].count != part.count || seen[i].volume.owner_before(part.volume) ||
         part.volume.owner_before(seen[i].volume))
       return Likeness::far;
@@ -105,7 +105,7 @@ VolumeSorter::Likeness VolumeSorter::likeness(std::span<const Seen> seen, std::s
 VolumeSorter::Order VolumeSorter::order(std::span<const VolumeSortPart> parts) {
   std::unique_lock lock(mutex_);
   if (!newest_ || likeness(newest_->of, parts) != Likeness::same) {
-    // The previous frame's order suffices for a new view; a repeated request gets only its own.
+    // For a new view, the order of the previous request is sufficient. A repeated request needs its own order.
     std::uint64_t oldest = asked_;
     if (asked_ == 0 || likeness(asked_for_, parts) != Likeness::same) {
       wanted_.assign(parts.begin(), parts.end());
@@ -146,7 +146,7 @@ void VolumeSorter::run(const std::stop_token& stop) {
     } catch (const std::bad_alloc&) {
       result->far_first.clear();
     }
-    parts.clear();  // releases the point sets
+    parts.clear();  // release the point sets
     lock.lock();
     newest_ = std::move(result);
     changed_.notify_all();

@@ -15,30 +15,31 @@
 
 namespace gs::render {
 
-/// Returns a sort key that ascends from the farthest depth to the nearest; +0 and -0 are equal, NaN comes last.
+/// Returns a sort key that increases from the farthest to the nearest depth. +0 and -0 have equal keys. NaN has the
+/// highest.
 [[nodiscard]] std::uint32_t far_first_key(float depth);
 
-/// Sorts key << 32 | value by the key, ascending and stable (radix sort, 11 bits per pass). `other` is working memory
-/// of any size.
+/// Sorts entries (key << 32 | value) by key, ascending and stable. Radix sort, 11 bits per pass. `other` is working
+/// memory of any size.
 void sort_by_key(std::vector<std::uint64_t>& entries, std::vector<std::uint64_t>& other);
 
-/// Volume to sort together with others.
+/// Volume that is sorted together with others.
 struct VolumeSortPart {
   std::shared_ptr<const qnv::Volume> volume;
-  std::size_t count = 0;  // length of the prefix
-  glm::vec4 row{0};       // depth along the view axis = dot(row, (position, 1))
+  std::size_t count = 0;  // number of vectors, from index 0 on
+  glm::vec4 row{0};  // depth along the view axis is dot(row, (position, 1))
 };
 
-/// Sorts the vectors of volumes by depth on its own thread, view after view, for one viewport. Call all methods from
-/// one thread.
+/// Sorts the vectors of volumes by depth on its own thread, for the successive views of one viewport. Call all
+/// functions on one thread.
 class VolumeSorter {
  public:
   struct Order {
-    /// Indices of vectors across all parts, farthest first; at equal depth the later one first. Valid until the next
-    /// call of `order`. Empty if memory is exhausted.
+    /// Indexes of vectors over all parts, farthest first. At equal depth, later vectors come first. Valid until the
+    /// next call of `order`. Empty if memory is exhausted.
     std::span<const std::uint32_t> far_first;
-    bool exact = false;        // exact for this view; otherwise made for the previous one
-    std::uint64_t number = 0;  // unique per order
+    bool exact = false;  // sorted for this view; otherwise for an earlier view
+    std::uint64_t number = 0;  // unique serial number of the order
   };
 
   VolumeSorter() = default;
@@ -46,9 +47,9 @@ class VolumeSorter {
   VolumeSorter(const VolumeSorter&) = delete;
   VolumeSorter& operator=(const VolumeSorter&) = delete;
 
-  /// Returns the newest available order while the one for `parts` is being made. Waits if that order is older than the
-  /// previous request, contains other vectors, or differs in direction by more than kMaxTurn. Repeated requests for
-  /// the same view eventually return the exact order.
+  /// Returns the newest order that is ready, and requests the order for `parts`. Waits if the newest order is older
+  /// than the previous request, has other vectors, or was made for a direction that differs by more than kMaxTurn. If
+  /// the same view is requested repeatedly, the exact order is finally returned.
   Order order(std::span<const VolumeSortPart> parts);
 
   static constexpr float kMaxTurn = 0.1f;  // radians
@@ -73,15 +74,15 @@ class VolumeSorter {
 
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  // Guarded by the mutex.
+  // The following members are guarded by the mutex.
   std::vector<VolumeSortPart> wanted_;  // next request
   std::shared_ptr<Sorted> newest_, spare_;
-  bool waiting_ = false;  // wanted_ must be sorted
-  // Used only by the owner's thread.
+  bool waiting_ = false;  // a request is waiting
+  // The following members are only for the owner's thread.
   std::uint64_t asked_ = 0;
   std::vector<Seen> asked_for_;
   std::shared_ptr<Sorted> in_use_;
-  // The last member, so that the thread ends before the others are destroyed.
+  // Last member, so that the thread ends before the other members are destroyed.
   std::jthread thread_;
 };
 

@@ -10,11 +10,11 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kSortBlock = 4096, kMaxGroups = 65535;  // guaranteed minimum of OpenGL 4.3
+constexpr std::size_t kSortBlock = 4096, kMaxGroups = 65535;  // maximum groups that OpenGL 4.3 guarantees
 constexpr unsigned kShaderDigitBits = 4, kShaderDigits = 1u << kShaderDigitBits, kShaderPasses = 32 / kShaderDigitBits;
-static_assert(kShaderPasses % 2 == 0);  // the result is in the original buffer
+static_assert(kShaderPasses % 2 == 0);  // with an even number of passes, the result is in the original buffer
 
-/// Compiles a compute program; empty if the driver rejects it.
+/// Compiles a compute program. Returns an empty program if the driver rejects it.
 Program compute_program(const Gl& gl, const std::string& source) {
   const GpuHandle<GpuObject::shader> shader(gl, gl.CreateShader(GL_COMPUTE_SHADER));
   const GLchar* text = source.data();

@@ -8,20 +8,21 @@
 
 namespace gs::render {
 
-/// Sorts the vectors of volumes by depth with compute shaders (OpenGL 4.3), without delay. The order is that of
-/// VolumeSorter, except for the rounding of positions to codes. Belongs to the thread of its context.
+/// Sorts the vectors of volumes by depth with compute shaders (OpenGL 4.3), within the frame. The order is that of
+/// VolumeSorter, except for the rounding of positions to codes. Runs on the thread of its context.
 class VolumeGlSort {
  public:
-  /// `defines` are those of kVolumeDataShader. Returns null if the context has no compute shaders or rejects these.
+  /// Compiles the shaders. `defines` are those of kVolumeDataShader. Returns null if the context has no compute shaders
+  /// or rejects these.
   static std::unique_ptr<VolumeGlSort> create(const Gl& gl, const std::string& defines);
 
-  /// Input of kVolumeDataShader as buffer textures.
+  /// Buffer textures that kVolumeDataShader reads.
   struct Data {
     GLuint codes = 0, items = 0;
     int item_count = 0;
   };
-  /// Writes the indices of `total` vectors into `order`, farthest first, and resizes it; ready for use as vertex
-  /// attributes. Returns false if memory does not suffice.
+  /// Writes the indexes of `total` vectors to `order`, farthest first, and resizes it. The buffer can then serve as
+  /// vertex attributes. Returns false if memory does not suffice.
   bool sort(const Data& data, std::size_t total, const Buffer& order);
 
  private:

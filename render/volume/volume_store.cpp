@@ -15,11 +15,11 @@ namespace gs::render {
 namespace {
 
 
-constexpr std::size_t kUploaded = std::size_t{1} << 18;  // vectors at a time
+constexpr std::size_t kUploaded = std::size_t{1} << 18;  // vectors that are uploaded at once
 constexpr std::size_t kTask = 16384;
-constexpr std::uint64_t kKeptPlaceFrames = 16;  // frames for which data counts when memory is enlarged
+constexpr std::uint64_t kKeptPlaceFrames = 16;  // frames for which unused data still counts when the buffer grows
 
-/// Returns two 10-bit codes: the octahedron unfolded to a square (Meyer et al. 2010).
+/// Returns two codes of 10 bits: the position on an octahedron unfolded to a square (Meyer et al. 2010).
 glm::uvec2 volume_normal_codes(const glm::vec3& n) {
   const float size = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
   if (!(size > 0) || !std::isfinite(size)) return glm::uvec2(VolumeCoding::kNoNormal);
@@ -81,7 +81,7 @@ void encode_volume_codes(const qnv::Volume& volume, const VolumeCoding& coding, 
     VolumeCode& code = codes[i];
     const std::size_t k = first + i;
     for (int axis = 0; axis < 3; ++axis) {
-      // The reciprocal of a denormal step is infinite, and 0 times infinity is NaN.
+      // If the step is denormal, its reciprocal is infinite, and 0 times infinity is NaN.
       const float at = (volume.positions[k][axis] - coding.lower[axis]) * per_unit[axis];
       code[static_cast<std::size_t>(axis)] =
           static_cast<std::uint32_t>(std::lround(at >= 0 ? std::min(at, last) : 0.0f));
@@ -145,7 +145,7 @@ VolumeStore::Entry* VolumeStore::find(const SharedVolume& volume) {
   for (Entry& entry : entries_) {
     if (!same(entry.volume, volume.volume)) continue;
     if (same(entry.model, volume.model)) return &entry;
-    // Another prefix: reuses the codes, unless this frame draws both.
+    // The entry is for another prefix. Reuse its codes, unless this frame draws both prefixes.
     if (entry.used == frame_ || entry.count != volume.model->spacing.size()) continue;
     entry.model = volume.model;
     upload_spacings(*volume.volume, *volume.model, entry);
@@ -158,7 +158,7 @@ VolumeStore::Entry* VolumeStore::add(const SharedVolume& volume) {
   const std::size_t count = volume.model->spacing.size();
   std::optional<std::size_t> first = free_.take(count);
   while (!first) {
-    // Frees the least recently drawn data; keeps that of this frame.
+    // Free the data that was unused for the longest time, but not that of this frame.
     const auto oldest = std::min_element(entries_.begin(), entries_.end(),
                                          [](const Entry& a, const Entry& b) { return a.used < b.used; });
     if (oldest == entries_.end() || oldest->used + kKeptPlaceFrames >= frame_) return nullptr;
@@ -187,7 +187,7 @@ std::vector<VolumeStore::Place> VolumeStore::place(std::span<const SharedVolume>
       places.push_back({entry->first, entry->coding});
     }
     if (places.size() == volumes.size()) return places;
-    // Enlarges the buffer, with room for other viewports, which upload their data again.
+    // Enlarge the buffer. Leave room for the data of other viewports, which upload it again.
     std::size_t others = 0;
     for (const Entry& entry : entries_)
       if (entry.used != frame_ && entry.used + kKeptPlaceFrames >= frame_) others += entry.count;
@@ -214,7 +214,7 @@ void VolumeStore::upload(const qnv::Volume& volume, const Entry& entry) {
 void VolumeStore::upload_spacings(const qnv::Volume& volume, const VolumeModel& model, const Entry& entry) {
   const PhaseScope phase(gl_.phases, Phase::upload);
   std::vector<float> spacings = model.spacing;
-  // Codes cannot mark vectors as invisible.
+  // Codes cannot mark a vector as invisible, so its spacing must.
   for (std::size_t k = 0; k < spacings.size(); ++k)
     if (!finite(volume.positions[k]) || !(volume.weights[k] >= 0)) spacings[k] = 0;
   gl_.BindBuffer(GL_TEXTURE_BUFFER, spacing_buffer_.name());

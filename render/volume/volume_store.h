@@ -17,50 +17,50 @@
 
 namespace gs::render {
 
-/// Vector of a volume as the vertex shader reads it, 16 bytes. Bits: 3 x 20 for coordinates in the box of the point
-/// set; 2 x 10 for an octahedral normal (kNoNormal if none). Then 16 for a logarithmic weight (0 means zero), 24 for a
-/// colour and 8 for the class.
+/// Vector of a volume in the vertex shader's format, 16 bytes. Bits: 3 x 20 for a position in the box of the point set,
+/// 2 x 10 for an octahedral normal (or kNoNormal), 16 for a logarithmic weight (0 means zero), 24 for a colour, 8 for
+/// the class.
 using VolumeCode = std::array<std::uint32_t, 4>;
 
-/// Decoding parameters of one point set's codes.
+/// Parameters that decode the codes of one point set.
 struct VolumeCoding {
   static constexpr std::uint32_t kLargestPosition = 0xFFFFF, kLargestNormal = 1022, kNoNormal = 1023,
                                  kLargestWeight = 0xFFFF;
-  glm::vec3 lower{0}, step{0};  // position = lower + code * step; node space
-  glm::vec2 weight{0};          // log2 of the weight = x + code * y
+  glm::vec3 lower{0}, step{0};  // position = lower + code * step, node space
+  glm::vec2 weight{0};  // log2 of the weight: x + code * y
 };
 
-/// Returns the parameters for the first `count` vectors of a point set with a model. Accepts any numbers.
+/// Returns the parameters for the first `count` vectors of a point set. Accepts any numbers.
 [[nodiscard]] VolumeCoding volume_coding(const qnv::Volume& volume, std::size_t count);
-/// Encodes codes.size() vectors from index `first`.
+/// Encodes codes.size() vectors, from index `first` on.
 void encode_volume_codes(const qnv::Volume& volume, const VolumeCoding& coding, std::size_t first,
                          std::span<VolumeCode> codes);
-/// Volume with shared ownership of its point set and model.
+/// Volume that owns its point set and its model, shared with others.
 struct SharedVolume {
   std::shared_ptr<const qnv::Volume> volume;
   std::shared_ptr<const VolumeModel> model;
 };
 
-/// Caches volume vectors in GPU memory, 20 bytes each, in one buffer texture, so that several volumes can be drawn in
-/// one order. Caches as many as their models have spacings, while other owners hold the point sets. Belongs to the
-/// thread of its context.
+/// Vectors of volumes in GPU memory, 20 bytes each. One buffer texture holds all, so that several volumes can be drawn
+/// in one order. The number of vectors of a volume is that of the spacings in its model. Keeps data while the point
+/// sets have other owners. Runs on the thread of its context.
 class VolumeStore {
  public:
-  /// `most_bytes` limits GPU memory.
+  /// Creates an empty store that uses at most `most_bytes` of GPU memory.
   explicit VolumeStore(const Gl& gl, std::size_t most_bytes = std::size_t{1} << 30);
 
   struct Place {
-    std::size_t first = 0;  // texel of vector 0
+    std::size_t first = 0;  // texel of the volume's vector 0
     VolumeCoding coding;
   };
-  /// Uploads volumes that are not yet cached. Returns their locations in order; empty if there is no room. Valid until
-  /// the next call.
+  /// Uploads the volumes that are not in the store. Returns their locations, in order. Returns an empty list if memory
+  /// does not suffice. Valid until the next call.
   std::vector<Place> place(std::span<const SharedVolume> volumes);
-  /// Frees the data of point sets without other owners; call it once per frame.
+  /// Frees the data of point sets that have no other owners. Call it once per frame.
   void forget_unused();
 
-  [[nodiscard]] const Texture& codes() const { return codes_; }        // GL_RGBA32UI
-  [[nodiscard]] const Texture& spacings() const { return spacings_; }  // GL_R32F
+  [[nodiscard]] const Texture& codes() const { return codes_; }  // texture format GL_RGBA32UI
+  [[nodiscard]] const Texture& spacings() const { return spacings_; }  // texture format GL_R32F
   [[nodiscard]] std::size_t bytes() const { return capacity_ * kBytes; }
 
   static constexpr std::size_t kBytes = sizeof(VolumeCode) + sizeof(float);
@@ -81,7 +81,7 @@ class VolumeStore {
   void upload_spacings(const qnv::Volume& volume, const VolumeModel& model, const Entry& entry);
 
   const Gl& gl_;
-  std::size_t most_, capacity_ = 0;  // vectors
+  std::size_t most_, capacity_ = 0;  // numbers of vectors
   std::uint64_t frame_ = 0;
   Buffer code_buffer_, spacing_buffer_;
   Texture codes_, spacings_;

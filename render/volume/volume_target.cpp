@@ -14,8 +14,8 @@
 namespace gs::render {
 namespace {
 
-constexpr int kStep = 64;              // granularity of texture sizes
-constexpr float kSmooth = 1 / 256.0f;  // relative depth difference in a pixel below which samples belong to one surface
+constexpr int kStep = 64;  // texture sizes are multiples of this
+constexpr float kSmooth = 1 / 256.0f;  // maximum relative difference of depth between samples of one surface in a pixel
 
 Program program_of(const Gl& gl, const char* defines, const char* fragment) {
   auto made = make_program(gl, defines, kScreenVertexShader, fragment);
@@ -82,7 +82,7 @@ bool VolumeTarget::make(int width, int height, int samples, GLenum depth_format,
   const bool large_enough = width <= width_ && height <= height_ && samples == samples_;
   if (framebuffer_ && large_enough && depth_format == depth_format_ && (colored_ || !colored)) return true;
   const bool same = samples == samples_;
-  // Viewports of several sizes share one texture, which grows.
+  // Viewports of different sizes share one texture, which grows as necessary.
   const auto size = [&](int wanted, int had) {
     return std::min(std::max((wanted + kStep - 1) / kStep * kStep, same ? had : 0), gl_.max_texture_size);
   };
@@ -121,7 +121,7 @@ bool VolumeTarget::copy_depth(const Bound& from, const TargetRectangle& r, bool 
   gl_.GetIntegerv(GL_SAMPLES, &samples);
   std::array<GLenum, 2> formats{};
   if (!depth_formats(formats)) return false;
-  // Tries the last working format first.
+  // Try the last format that worked first.
   if (formats[1] == depth_format_ && framebuffer_) std::swap(formats[0], formats[1]);
   for (const GLenum format : formats) {
     if (format == 0) continue;
@@ -200,7 +200,7 @@ bool VolumeTarget::read_depths(const TargetRectangle& r, const Projection& proje
     return window != projection.farthest_depth() ? projection.depth_scale / (window - projection.depth_offset)
                                                  : std::numeric_limits<float>::infinity();
   };
-  // With multisampling, minimum and maximum depth were read.
+  // With multisampling, the textures hold minimum and maximum depth.
   const std::size_t nearer = several && projection.reversed ? 1 : 0;
   depths.near.resize(pixels);
   depths.far.clear();

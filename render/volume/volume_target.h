@@ -14,28 +14,28 @@ struct TargetRectangle {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-/// Depths of the existing image in camera units, as VolumeStops expects them.
+/// Depths of the existing image in camera units, in the form of VolumeStops.
 struct TargetDepths {
-  std::vector<float> near, far;  // far: only if a pixel has several samples
+  std::vector<float> near, far;  // `far` is empty if no pixel has several samples
   [[nodiscard]] VolumeStops stops() const { return {near, far}; }
 };
 
-/// Render target for volumes: copies of the depth of the framebuffer bound for drawing, and an image of 16 bits per
-/// channel that is composited over it. Belongs to the thread of its context.
+/// Render target for volumes. Copies the depth of the framebuffer that is bound for drawing. Has an image of 16 bits
+/// per channel, which is composited over that framebuffer. Runs on the thread of its context.
 ///
-/// All methods except `begin` preserve the framebuffer bindings. They set the viewport and the scissor, and leave the
-/// depth test and blending off.
+/// All functions except `begin` keep the framebuffer bindings. They change viewport and scissor, and leave depth test
+/// and blending off.
 class VolumeTarget {
  public:
   explicit VolumeTarget(const Gl& gl);
 
-  /// Reads the depth of an image drawn with `projection`. Returns false if the context cannot.
+  /// Reads the depth of an image that was drawn with `projection`. Returns false if the context does not support this.
   bool read_depths(const TargetRectangle& rectangle, const Projection& projection, TargetDepths& depths);
 
-  /// Binds a framebuffer with as many samples, with the rectangle's depth at the origin and empty colour. On failure,
-  /// returns false and keeps the previous framebuffer bound.
+  /// Binds a framebuffer with the same number of samples. Its origin has the rectangle's depth; its colour is empty. On
+  /// failure, returns false and keeps the previous framebuffer.
   bool begin(const TargetRectangle& rectangle);
-  /// Composites the premultiplied drawing since `begin` over the rectangle of the previously bound framebuffer.
+  /// Composites the premultiplied image that was drawn after `begin` over the rectangle of the previous framebuffer.
   void end();
 
  private:
@@ -44,7 +44,8 @@ class VolumeTarget {
   };
   [[nodiscard]] Bound bound() const;
   void bind(const Bound& framebuffers) const;
-  /// Determines possible depth formats of the bound framebuffer; 0 means none. Returns false if there is no depth.
+  /// Finds possible depth formats of the bound framebuffer; 0 means no format. Returns false if the framebuffer has no
+  /// depth.
   bool depth_formats(std::array<GLenum, 2>& formats) const;
   bool make(int width, int height, int samples, GLenum depth_format, bool colored);
   bool copy_depth(const Bound& from, const TargetRectangle& rectangle, bool colored);
@@ -55,12 +56,12 @@ class VolumeTarget {
   const Gl& gl_;
   VertexArray no_attributes_;
   Program single_, multiple_, extremes_;
-  int width_ = 0, height_ = 0, samples_ = 0;  // of the textures; samples is 1 without multisampling
+  int width_ = 0, height_ = 0, samples_ = 0;  // size of the textures; `samples_` is 1 without multisampling
   GLenum depth_format_ = 0;
   bool colored_ = false;
   Texture color_, depth_;
   Framebuffer framebuffer_;
-  Texture extreme_depths_;  // minimum and maximum over the samples of a pixel
+  Texture extreme_depths_;  // minimum and maximum of the samples of each pixel
   Framebuffer extremes_framebuffer_;
   int extremes_width_ = 0, extremes_height_ = 0;
   Bound outer_;

@@ -4,16 +4,16 @@
 #include <cmath>
 #include <cstring>
 
-// All functions with vector parameters are inlined, so the calling convention does not matter.
+// All functions with vector parameters are inlined, so warnings about their calling convention do not matter.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kLookEvery = 64;    // splats between two checks for an opaque tile
-constexpr int kBlocks = kVolumeTile / 8;  // along an edge of a tile
-constexpr float kOpaque = 1 / 512.0f;     // transmittance below which a pixel is opaque: at most half an 8-bit step
-constexpr float kSolid = 0.5f;            // transmittance at which the depth is recorded
+constexpr std::size_t kLookEvery = 64;  // splats between two checks whether the tile is opaque
+constexpr int kBlocks = kVolumeTile / 8;  // blocks along the side of a tile
+constexpr float kOpaque = 1 / 512.0f;  // maximum transmittance of an opaque pixel: at most half a step of 8 bits
+constexpr float kSolid = 0.5f;  // the depth is recorded at this transmittance
 
 namespace baseline {
 #define VOLUME_TARGET
@@ -23,7 +23,7 @@ namespace baseline {
 
 #if defined(__x86_64__)
 namespace avx2 {
-// Without fused multiply-add, so that both give the same bits.
+// No fused multiply-add, so that both kernels give identical bits.
 #define VOLUME_TARGET __attribute__((target("avx2")))
 #include "render/volume/volume_tile_loop.inc"
 #undef VOLUME_TARGET

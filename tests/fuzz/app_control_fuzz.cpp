@@ -1,5 +1,5 @@
-// Messages to a world that is controlled from outside, a line each: whatever they are, answers are JSON, and what is
-// written of a value is what was read.
+// Fuzzes messages of control clients, one message per line. All answers must be JSON. A value that was written must
+// read back equal.
 #include "app/control/control.h"
 #include "app/session/session.h"
 #include "tests/app/control/queued_channel.h"
@@ -64,7 +64,7 @@ bool run_control_messages(std::span<const std::byte> bytes) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     const std::string_view line = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
-    // The other reader takes a byte order mark, and lists of any depth.
+    // nlohmann::json also accepts a byte order mark, and lists of any depth.
     if (line.size() <= 64 && !line.starts_with('\xef') && nlohmann::json::accept(line)) require(!check_json(line));
     lines.news.push_back({1, line == "left", std::string(line)});
     now += 0.1;

@@ -1,4 +1,4 @@
-// A target for every row of the tables of contents and of volumes, and the gzip layer.
+// Fuzzes the gzip layer, and each format in the tables of content types and of volumes, with one target per row.
 #include "app/base/local_file.h"
 #include "app/encode/mesh_stream.h"
 #include "app/formats/content_types.h"
@@ -35,7 +35,7 @@ Limits small_limits() {
   return limits;
 }
 
-/// Whatever was imported can be cut into meshes, drawn and printed.
+/// Tessellates, draws and prints an imported scene.
 void check_scene(const vrml::SceneGraph& scene) {
   vrml::MeshOptions coarse;
   coarse.segments = 6;
@@ -76,7 +76,7 @@ bool run_mesh(const ContentType& type, std::span<const std::byte> bytes) {
   const auto budget = std::make_shared<Budget>(small_limits());
   Diagnostics diagnostics;
   int reads = 0;
-  // Every reference leads to the other file.
+  // All references lead to the second file of the input.
   const ReadFile read_file = [&](const std::string&) -> BytesResult {
     if (files.other.empty() || ++reads > 8) return "there is no other";
     return shared_bytes(std::vector(files.other.begin(), files.other.end()));
@@ -85,7 +85,7 @@ bool run_mesh(const ContentType& type, std::span<const std::byte> bytes) {
   for (const Diagnostic& diagnostic : diagnostics.entries()) require(!diagnostic.message.empty());
   if (scene) check_scene(*scene);
   if (scene && scene->node_count() <= 2000) (void)vrml::print(*scene);
-  // The same without a scene, for what is larger than memory.
+  // Read it again as a stream of a mesh that does not fit into memory.
   if (const auto stream = open_mesh_stream(files.first)) {
     std::uint64_t triangles = 0;
     require(stream->source([&](std::span<const qnv::Triangle> some) {
@@ -109,7 +109,7 @@ void check_vectors(const qnv::VectorView& vectors) {
   }
 }
 
-/// Streams and vectors, gzip'd or not.
+/// Fuzzes a format of streams or vectors, also compressed by gzip.
 bool run_cloud(const ContentType& type, std::span<const std::byte> bytes) {
   Diagnostics diagnostics;
   const LoadLimit limit(std::chrono::steady_clock::now() + std::chrono::hours(1));
@@ -125,7 +125,7 @@ bool run_cloud(const ContentType& type, std::span<const std::byte> bytes) {
   return diagnostics.errors() == 0;
 }
 
-/// A folder with a file that headers may name, and its partner in pairs of files: "volume.img".
+/// Folder with two files: one that headers may name, "volume.img", and the partner in formats of two files.
 class VolumeFolder {
  public:
   VolumeFolder() {
@@ -151,7 +151,7 @@ class VolumeFolder {
   bool written_ = false;
 };
 
-/// The type and the size of a volume without a header, from the first byte on.
+/// Opens a volume without a header. The first byte of the input selects its type and size.
 VolumeResult open_without_header(const VolumeFile& file) {
   constexpr std::size_t kChoices = 6;
   RawVolume raw;
@@ -196,7 +196,7 @@ bool run_volume(const VolumeFormat& format, std::span<const std::byte> bytes) {
   return true;
 }
 
-/// Whole and in pieces: the same bytes, and the same said of them.
+/// Decompresses the input at once and in pieces. Both must give equal bytes and equal errors.
 bool run_gzip(std::span<const std::byte> bytes) {
   constexpr std::size_t kMax = std::size_t{1} << 20;
   std::string whole, pieces;
@@ -218,7 +218,7 @@ bool run_gzip(std::span<const std::byte> bytes) {
   return !problem && !whole.empty();
 }
 
-// Any text as the program of a Script, which knows all types. True where the engine takes it.
+// Runs any text as the program of a Script that has fields of all types. Returns true if the engine accepts the text.
 bool run_program(std::span<const std::byte> bytes) {
   Limits limits = small_limits();
   limits.script_seconds = 0.1;
@@ -232,7 +232,7 @@ bool run_program(std::span<const std::byte> bytes) {
       "count 0 "
       "eventIn SFFloat go eventOut SFVec3f out }",
       scene, diagnostics);
-  const vrml::NodeId script = scene.roots()[1];  // which programs can take out of the world
+  const vrml::NodeId script = scene.roots()[1];  // the program may remove this node
   const vrml::InterfaceDeclaration* const go = scene.node(script).type->find_event_in("go");
   vrml::MFString& url =
       std::get<vrml::MFString>(scene.node(script).values[scene.node(script).type->find_field("url")->slot]);
@@ -277,7 +277,7 @@ std::vector<FuzzTarget> fuzz_targets() {
         targets.push_back({name, [&type](Bytes bytes) { return run_cloud(type, bytes); }, kMaxBytes});
         break;
       case ContentClass::volume:
-        break;  // they have a table of their own
+        break;  // these have their own table
     }
   }
   for (const VolumeFormat& format : volume_formats())

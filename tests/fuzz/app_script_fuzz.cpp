@@ -1,5 +1,5 @@
-// Worlds with hostile Scripts (script_worlds.h): they run as in `ghostspace trace`, beside other worlds and in a
-// session that follows loadURL. Garbage is collected when a program prints "gc".
+// Fuzzes worlds with hostile Scripts (script_worlds.h). They run as in `ghostspace trace`, beside other worlds, and in
+// a session that follows loadURL. Garbage is collected when a program prints "gc".
 #include "app/loading/world_loader.h"
 #include "app/loading/world_loading.h"
 #include "app/script/engine.h"
@@ -28,8 +28,8 @@ namespace gs::fuzz {
 namespace {
 
 constexpr char kFirst[] = "memory://a/world.wrl";
-constexpr double kSeconds = 1, kPiece = 0.25;  // of simulated time
-constexpr std::clock_t kMaxProcessor = 4;      // of the processor, of a trace or a session
+constexpr double kSeconds = 1, kPiece = 0.25;  // seconds of simulated time
+constexpr std::clock_t kMaxProcessor = 4;  // seconds of processor time for a trace or a session
 constexpr glm::ivec2 kSize(64, 64);
 
 std::vector<std::byte> bytes_of(std::string_view text) {
@@ -61,8 +61,8 @@ LoadOptions site_of(const std::vector<WorldPart>& parts) {
   return options;
 }
 
-/// Reports whether a world has had its time. Programs may reach their limits again and again: a call that exceeds the
-/// memory costs two collections of garbage.
+/// Reports whether a world has used its processor time. Programs may reach their limits repeatedly: each call that
+/// exceeds the memory causes two garbage collections.
 bool is_long(std::clock_t began) { return std::clock() - began > kMaxProcessor * CLOCKS_PER_SEC; }
 
 void collect_garbage(const ScriptMessage& message) {
@@ -70,7 +70,7 @@ void collect_garbage(const ScriptMessage& message) {
   if (script::Engine* const engine = script::Engine::of_this_thread()) JS_GC(engine->context());
 }
 
-/// Ends the program if a node of a field is no node of its scene.
+/// Ends the program if a field refers to a node that its scene does not contain.
 void check_nodes(const vrml::SceneGraph& scene) {
   const auto check = [&](vrml::NodeId id) { require(!id || scene.contains(id)); };
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
@@ -84,7 +84,7 @@ void check_nodes(const vrml::SceneGraph& scene) {
   }
 }
 
-/// Ends the program if a ROUTE leads from or to a node that is gone, or has ends of different types.
+/// Ends the program if a ROUTE refers to a removed node, or connects different types.
 void check_routes(const vrml::Execution& execution) {
   for (const auto& [scene, route] : execution.routes().all()) {
     require(execution.scenes().has(scene) && scene->contains(route.from) && scene->contains(route.to));
@@ -92,7 +92,7 @@ void check_routes(const vrml::Execution& execution) {
   }
 }
 
-/// A world that runs as `ghostspace trace` runs it.
+/// World that runs as in `ghostspace trace`.
 class Trace {
  public:
   Trace(const LoadOptions& options, const std::string& url, bool verbose) : loading_(url, options) {
@@ -130,7 +130,7 @@ class Trace {
   }
 
  private:
-  // Each eventOut sends at most one event of a timestamp (VRML97 4.10.4), and time does not go back.
+  // Checks that an eventOut sends at most one event per timestamp (VRML97 4.10.4), and that time never goes back.
   void check(const vrml::SentEvent& event) {
     const vrml::Execution& execution = simulation_->execution();
     require(execution.scenes().has(event.scene) && event.scene->contains(event.node));
@@ -161,7 +161,7 @@ bool has(const std::vector<WorldPart>& parts, std::string_view name) {
   return std::any_of(parts.begin(), parts.end(), [&](const WorldPart& part) { return part.name == name; });
 }
 
-/// A session that follows loadURL. It reads worlds on other threads, so that steps wait for them.
+/// Runs a session that follows loadURL. Other threads read its worlds, so steps wait for them.
 void visit(const LoadOptions& options, std::string_view console) {
   SessionOptions how;
   how.files = {kFirst};
@@ -198,7 +198,7 @@ void visit(const LoadOptions& options, std::string_view console) {
 
 bool play_script_world(std::string_view text, bool verbose) {
   const std::vector<WorldPart> parts = world_parts(text);
-  // Nothing here may reach a network.
+  // Refuse worlds that could use a network.
   if (parts.empty() || text.find("tp:") != text.npos || text.find("tps:") != text.npos) return false;
   const LoadOptions options = site_of(parts);
   bool good = false;

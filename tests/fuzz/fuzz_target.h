@@ -8,23 +8,23 @@
 #include <string_view>
 #include <vector>
 
-/// Fuzz targets: there is one program a room, which knows its targets by their names. With clang and GHOSTSPACE_FUZZ it
-/// is a libFuzzer program, otherwise it replays corpora, so that these and all that was ever found run in every test
-/// run. The inputs of a target lie in tests/fuzz/corpus/ROOM/NAME/.
+/// Fuzz targets. Each room has one program with all its targets. With clang and GHOSTSPACE_FUZZ, the program uses
+/// libFuzzer. Otherwise it replays corpora, so that each test run repeats all earlier findings. The inputs of a target
+/// are in tests/fuzz/corpus/ROOM/NAME/.
 namespace gs::fuzz {
 
 struct FuzzTarget {
   std::string name;  // lower case, digits and '_'
-  /// Takes any bytes. Ends the program where something is wrong. True when the bytes were what the target reads: at
-  /// least one of its corpus must be.
+  /// Processes any bytes. Ends the program if it finds a fault. Returns true if the target could read the bytes; this
+  /// must be so for at least one input of its corpus.
   std::function<bool(std::span<const std::byte> bytes)> run;
-  std::size_t most_bytes = 4096;  // of an input: longer ones are slower and reach no more
+  std::size_t most_bytes = 4096;  // maximum bytes of an input; longer inputs are slower and find no more faults
 };
 
-/// All targets of this program's room; at most one of a name.
+/// Returns all targets of this program's room. Their names are unique.
 [[nodiscard]] std::vector<FuzzTarget> fuzz_targets();
 
-/// "VTK ImageData" is "vtk_imagedata".
+/// Converts a table row's name to a target's name: "VTK ImageData" becomes "vtk_imagedata".
 [[nodiscard]] inline std::string target_name(std::string_view row) {
   std::string name;
   for (const char c : row) {
@@ -38,12 +38,12 @@ inline std::string_view text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// Ends the program, so that the fuzzer sees it, unless `sound`.
+/// Ends the program unless `sound` is true, so that the fuzzer reports the input.
 inline void require(bool sound) {
   if (!sound) __builtin_trap();
 }
 
-/// An input that consists of two files: what stands behind the first line of this text is the other one.
+/// Separator in an input that consists of two files. The second file follows this text.
 inline constexpr std::string_view kOtherFile = "\n==== the other file\n";
 struct TwoFiles {
   std::span<const std::byte> first, other;
@@ -54,7 +54,7 @@ struct TwoFiles {
   return {bytes.first(mark), bytes.subspan(mark + kOtherFile.size())};
 }
 
-/// Pieces as long as the last byte says, so that the fuzzer can choose.
+/// Passes the bytes in pieces. The last byte determines their length, so that the fuzzer can vary it.
 template <class Push>
 void in_pieces(std::span<const std::byte> bytes, Push&& push) {
   const std::size_t piece = bytes.empty() ? 1 : 1 + std::to_integer<std::size_t>(bytes.back()) * 7;

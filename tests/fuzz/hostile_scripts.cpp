@@ -1,4 +1,4 @@
-// Runs generated worlds with hostile Scripts, each in a process of its own (see script_worlds.h and usage()).
+// Runs generated worlds with hostile Scripts, each in an own process. See script_worlds.h and usage().
 #include "tests/fuzz/script_worlds.h"
 
 #include <fcntl.h>
@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-// Options of AddressSanitizer, which ASAN_OPTIONS may change.
-extern "C" const char* __asan_default_options();  // NOLINT: the sanitizer has chosen the name
+// Sets default options of AddressSanitizer. ASAN_OPTIONS overrides them.
+extern "C" const char* __asan_default_options();  // NOLINT: the sanitizer defines this name
 extern "C" const char* __asan_default_options() {
   return "detect_leaks=1:handle_abort=1:handle_sigill=1:hard_rss_limit_mb=2048:malloc_context_size=12:quarantine_size_"
          "mb=32";
@@ -29,8 +29,8 @@ namespace gs::fuzz {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr rlim_t kMaxSeconds = 60;  // of the processor, for one world
-constexpr unsigned kMaxWait = 600;  // seconds by the clock, on a busy machine
+constexpr rlim_t kMaxSeconds = 60;  // processor seconds for one world
+constexpr unsigned kMaxWait = 600;  // maximum seconds of elapsed time, for a busy machine
 
 std::string read_file(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -43,11 +43,11 @@ void write_file(const fs::path& path, std::string_view text) {
 }
 
 struct Outcome {
-  std::string kind;    // empty: the world passed
-  std::string report;  // stderr of its process
+  std::string kind;  // kind of fault; empty if the world passed
+  std::string report;  // standard error of the process
 };
 
-/// Returns the kind of fault and the innermost functions of the project, so that equal faults have equal texts.
+/// Returns a text with the kind of fault and the innermost functions of the project. Equal faults have equal texts.
 std::string kind_of(int status, const std::string& report) {
   std::string kind;
   std::size_t at = std::string::npos;
@@ -56,7 +56,7 @@ std::string kind_of(int status, const std::string& report) {
     if (at == std::string::npos) continue;
     at += std::strlen(mark);
     kind = report.substr(at, report.find_first_of("\n(", at) - at);
-    // Addresses differ from run to run.
+    // Remove addresses, which differ from run to run.
     kind = kind.substr(0, std::min(kind.find(" on "), kind.find(" 0x")));
     break;
   }
@@ -86,7 +86,7 @@ Outcome play_in_child(const std::string& text, const fs::path& log) {
     (void)setrlimit(RLIMIT_CPU, &limit);
     (void)alarm(kMaxWait);
     (void)play_script_world(text, false);
-    std::exit(0);  // LeakSanitizer looks now
+    std::exit(0);  // LeakSanitizer checks at this point
   }
   int status = 0;
   if (child < 0 || waitpid(child, &status, 0) != child) {
@@ -115,7 +115,7 @@ std::string joined(const std::vector<std::string>& lines) {
   return text;
 }
 
-/// Returns the line behind the block that `first` opens, or first + 1 if it opens none.
+/// Returns the index of the line after the block that `first` opens. Returns first + 1 if it opens no block.
 std::size_t end_of_block(const std::vector<std::string>& lines, std::size_t first) {
   constexpr std::size_t kMaxLines = 400;
   int open = 0;
@@ -127,7 +127,7 @@ std::size_t end_of_block(const std::vector<std::string>& lines, std::size_t firs
   return first + 1;
 }
 
-/// Drops parts, blocks and lines as long as the fault stays the same.
+/// Removes parts, blocks and lines, as long as the fault is still the same.
 std::string minimised(const std::string& text, const std::string& kind, const fs::path& log) {
   std::vector<std::string> lines = lines_of(text);
   std::size_t runs = 0;
@@ -149,7 +149,7 @@ std::string minimised(const std::string& text, const std::string& kind, const fs
         if (i >= lines.size()) continue;
         const std::size_t end = end_of_block(lines, i);
         if (end > i + 1 && without(i, end)) continue;
-        // The lines that open and close a block, without what stands between them.
+        // Try to remove the lines that open and close a block, but not its content.
         if (end <= i + 1) continue;
         const std::vector<std::string> kept = lines;
         lines.erase(lines.begin() + static_cast<std::ptrdiff_t>(end) - 1);

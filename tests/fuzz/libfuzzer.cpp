@@ -1,5 +1,5 @@
-// The targets of a room as a libFuzzer program: PROGRAM --target=NAME [libFuzzer's options] CORPUS...; PROGRAM --list
-// prints the name and the longest input of each.
+// libFuzzer program with the targets of a room. PROGRAM --target=NAME [libFuzzer's options] CORPUS... runs a target.
+// PROGRAM --list prints the name and maximum input length of each target.
 #include "tests/fuzz/fuzz_target.h"
 
 #include <cstdio>

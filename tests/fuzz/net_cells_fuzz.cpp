@@ -1,5 +1,5 @@
-// Any datagrams, in any order, must be taken by a server and by a client of cells without harm. The input is a row of
-// datagrams, each behind two bytes of length (the high bit of which sends it to the server instead of the client).
+// Fuzzes the datagrams of cells. A server and a client must accept any datagrams in any order. The input is a sequence
+// of datagrams. Two bytes before each give its length; their high bit selects the server instead of the client.
 #include "net/cells/cell_receiver.h"
 #include "net/cells/cell_sender.h"
 
@@ -49,7 +49,7 @@ bool run_cell_datagrams(std::span<const std::byte> input) {
   wish.repair = true;
   Instant now{1000};
   client.want(0, wish, now);
-  // A session is there before the first datagram of the input.
+  // Start a session before the first datagram of the input.
   for (int i = 0; i < 6; ++i) {
     while (const auto bytes = client.next(now)) server.receive({}, *bytes, now);
     while (const auto out = server.next(now)) client.receive(out->bytes, now);
@@ -66,7 +66,7 @@ bool run_cell_datagrams(std::span<const std::byte> input) {
       client.receive(bytes, now);
     for (int i = 0; i < 64; ++i) {
       if (!client.next(now)) break;
-      require(i < 63);  // it must come to rest
+      require(i < 63);  // the exchange must end
     }
     for (int i = 0; i < 64 && server.next(now); ++i) continue;
     for (const CellEvent& event : client.take_events())

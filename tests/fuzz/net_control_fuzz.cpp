@@ -1,5 +1,5 @@
-// Fuzzes messages of control clients: equal results in pieces of any size, bounded memory, and no message before the
-// token.
+// Fuzzes the connections of control clients. Pieces of any size must give equal results. Memory must be bounded. No
+// message may be processed before the token.
 #include "net/control/control_connection.h"
 #include "net/control/digest.h"
 #include "tests/fuzz/net_targets.h"
@@ -43,7 +43,8 @@ Outcome outcome(ControlProtocol protocol, const ControlTerms& terms, Feed&& feed
 
 }  // namespace
 
-/// "lines" or anything else, a line; then what the client sends. The token is "token".
+/// Fuzzes a control connection. The first line is "lines" or another word for a WebSocket; the rest are the client's
+/// bytes. The token is "token".
 bool run_control_client(std::span<const std::byte> bytes) {
   static const ControlTerms terms = [] {
     ControlTerms made;

@@ -1,4 +1,4 @@
-// Fuzzes input from servers and documents: URLs, headers, cache records, cells.
+// Fuzzes data from servers and documents: URLs, headers, cache records, cells.
 #include "net/base/schemes.h"
 #include "net/base/url.h"
 #include "net/cells/cell_framing.h"
@@ -19,14 +19,14 @@ bool has_control(std::string_view text) {
   return false;
 }
 
-/// A base and a reference, a line each.
+/// Fuzzes URLs. The input has a base and a reference, one per line.
 bool run_urls(std::span<const std::byte> bytes) {
   const std::string_view text = text_of(bytes);
   const std::size_t end = std::min(text.find('\n'), text.size());
   const std::string_view first = text.substr(0, end), second = text.substr(std::min(end + 1, text.size()));
   const Url base = parse_url(first), reference = parse_url(tidy_url(second));
   const Url whole = resolve(base, reference);
-  // A written URL parses to itself, and resolves to itself.
+  // The text of a URL must parse to an equal URL, and resolve to itself.
   for (const Url& url : {base, reference, whole}) require(parse_url(url.text()).text() == url.text());
   if (!whole.scheme.empty()) require(resolve(base, whole).text() == resolve(base, resolve(base, whole)).text());
   for (const Url& url : {base, whole}) {
@@ -48,7 +48,7 @@ bool run_data_url(std::span<const std::byte> bytes) {
   return decoded && !decoded->bytes.empty();
 }
 
-/// The lines of an answer's head.
+/// Fuzzes the header lines of an HTTP response.
 bool run_http_headers(std::span<const std::byte> bytes) {
   constexpr std::int64_t kNow = 1'700'000'000;
   std::string_view text = text_of(bytes);
@@ -76,7 +76,7 @@ bool run_http_headers(std::span<const std::byte> bytes) {
   return known > 1 && (head.content_length || head.content_range);
 }
 
-/// A Range header and conditions, a line each, of a body as long as the first line says.
+/// Fuzzes a Range header and conditions, one per line. The first line is the length of the body.
 bool run_http_range(std::span<const std::byte> bytes) {
   std::string_view text = text_of(bytes);
   const auto line = [&] {
@@ -95,7 +95,7 @@ bool run_http_range(std::span<const std::byte> bytes) {
       require(range.begin < range.end && range.end <= size);
       all += range.end - range.begin;
     }
-    require(all <= size);  // no byte twice: nobody is sent more than there is
+    require(all <= size);  // no byte is sent twice
   }
   Conditions conditions;
   for (std::string* value : {&conditions.if_match, &conditions.if_none_match, &conditions.if_modified_since,
@@ -107,7 +107,7 @@ bool run_http_range(std::span<const std::byte> bytes) {
   return some != nullptr;
 }
 
-/// A record of the cache on disk: what is read is written as it was.
+/// Fuzzes records of the disk cache. A record that was read must be written with the same bytes.
 bool run_cache_entry(std::span<const std::byte> bytes) {
   const std::vector<std::byte> own(bytes.begin(), bytes.end());
   const auto check = [](std::span<const std::byte> record) {
@@ -123,7 +123,7 @@ bool run_cache_entry(std::span<const std::byte> bytes) {
     require(again && again->key == entry->key && again->extents.size() == entry->extents.size());
     return true;
   };
-  // A checksum stands at the end; one that a mutation broke is mended.
+  // The record ends with a checksum. Correct it after a mutation.
   std::vector<std::byte> mended = own;
   if (mended.size() >= 4) {
     const std::uint32_t sum = cache_checksum(std::span(mended).first(mended.size() - 4));
@@ -133,7 +133,7 @@ bool run_cache_entry(std::span<const std::byte> bytes) {
   return check(mended) || taken;
 }
 
-/// Cells, and the PDUs that they form. A cell with the largest path stands for a loss.
+/// Fuzzes cells and the reassembly of PDUs. A cell with the highest path identifier stands for a loss.
 bool run_cells(std::span<const std::byte> bytes) {
   Reassembler assembler(8);
   std::vector<Pdu> units;
@@ -158,7 +158,7 @@ bool run_cells(std::span<const std::byte> bytes) {
   return whole;
 }
 
-/// Whatever a request says, it makes one line of the log.
+/// Fuzzes the access log. Each request must give exactly one line.
 bool run_log_line(std::span<const std::byte> bytes) {
   AccessRecord record;
   record.method = record.target = record.version = std::string(text_of(bytes));

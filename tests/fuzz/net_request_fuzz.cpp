@@ -1,4 +1,4 @@
-// Requests to a served folder: nothing beside it is ever opened, and no answer has a header that is none.
+// Fuzzes requests to a served folder. No file outside of it may be opened, and all headers of responses must be valid.
 #include "net/serve/http_site.h"
 #include "tests/fuzz/net_targets.h"
 
@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder with a few files, one of them that leads out of it, beside a file that must not be served.
+/// Folder with a few files, one of them a link that leads out. A file outside of the folder must not be served.
 class ServedSample {
  public:
   ServedSample() {
@@ -61,7 +61,7 @@ class ServedSample {
 
 }  // namespace
 
-/// "METHOD TARGET", then a header a line.
+/// Fuzzes a request: "METHOD TARGET" in the first line, then one header per line.
 bool run_http_request(std::span<const std::byte> bytes) {
   static const ServedSample sample;
   std::string_view text = text_of(bytes);
@@ -96,7 +96,7 @@ bool run_http_request(std::span<const std::byte> bytes) {
   if (request.hosts.empty()) request.hosts = {"localhost"};
   const HttpSite::Reply reply = sample.answer(request);
   const auto* answer = std::get_if<HttpAnswer>(&reply);
-  require(answer);  // nothing is made here
+  require(answer);  // the site has no made files, so the response is ready at once
   require(answer->status >= 200 && answer->status < 600);
   for (const auto& [name, value] : answer->headers) {
     require(!name.empty());

@@ -41,7 +41,7 @@ void check_sound(const Geometry& geometry) {
   for (const std::uint32_t vertex : mesh->triangles) require(vertex < mesh->size());
 }
 
-// One decoder gets everything at once, the other piece by piece.
+// Passes all bytes at once to one decoder, and in pieces to another. Both must have equal results.
 template <class Decoder>
 void read(std::span<const std::byte> bytes, Decoder& whole, Decoder& pieces) {
   (void)whole.push(bytes);
@@ -61,7 +61,7 @@ void decode(std::span<const std::byte> bytes) {
   require(whole.problems().size() == pieces.problems().size());
 }
 
-// All polygons that have come, in the order of their kinds.
+// Returns the corners of all received polygons, ordered by their kind.
 std::vector<glm::vec3> corners_of(OutlineDecoder& decoder, std::size_t& polygons) {
   std::vector<glm::vec3> corners;
   for (const OutlineBatch& batch : decoder.take()) {
@@ -101,7 +101,7 @@ bool run_stream(std::span<const std::byte> bytes) {
   return decoder.header() != nullptr;
 }
 
-/// Views from near and far, and everything.
+/// Draws a stream with levels in near and far views, and then completely.
 void look_at(LodStream& stream) {
   LodView view;
   view.budget = 1 << 12;
@@ -117,7 +117,8 @@ void look_at(LodStream& stream) {
   if (stream.count() <= kMaxVectors) check_sound(stream.whole());
 }
 
-/// A stream of which views decode what they show: in memory as a whole, growing, and of its chunks only some.
+/// Fuzzes streams with levels, for which views select chunks: complete in memory, growing, and with only some of the
+/// chunks.
 bool run_levels(std::span<const std::byte> bytes) {
   constexpr std::size_t kCache = std::size_t{1} << 20;
   const std::vector<std::uint8_t> mended = with_checksums(bytes);
@@ -146,7 +147,7 @@ bool run_levels(std::span<const std::byte> bytes) {
   return taken;
 }
 
-/// Patches as views from near and far draw them.
+/// Draws patches in near and far views.
 void look_at(const SurfacePatches& patches) {
   PatchMesh mesh;
   LodView view;
@@ -155,7 +156,7 @@ void look_at(const SurfacePatches& patches) {
     view.eye = {away, away, away};
     view.error_pixels = away + 1;
     const SurfaceCut cut = cut_surface(patches, view);
-    const std::size_t stride = 1 + cut.patches.size() / 32;  // some of them
+    const std::size_t stride = 1 + cut.patches.size() / 32;  // test only some of the patches
     for (std::size_t i = 0; i < cut.patches.size(); i += stride) {
       const PatchCut& one = cut.patches[i];
       require(one.part < patches.parts.size() && one.patch < patches.parts[one.part]->size());
@@ -170,7 +171,7 @@ void look_at(const SurfacePatches& patches) {
   }
 }
 
-/// A stream as a window draws it while it comes: its front, then all of it.
+/// Fuzzes a stream that is drawn while it is received: first the prefix, then all of it.
 bool run_drawn(std::span<const std::byte> bytes) {
   const std::vector<std::uint8_t> mended = with_checksums(bytes);
   const std::span<const std::byte> sound = std::as_bytes(std::span(mended));

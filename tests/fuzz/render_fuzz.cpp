@@ -1,4 +1,4 @@
-// A target for every row of the table of images; one for sounds, one for movies that play.
+// Fuzzes each image format, with one target per row of the table of images. Other targets play sounds and movies.
 #include "render/image/image_codecs.h"
 #include "render/media/midi_reader.h"
 #include "render/media/movie.h"
@@ -12,7 +12,7 @@ using namespace gs::render;
 namespace gs::fuzz {
 namespace {
 
-/// Repairs the checksums of a PNG's chunks that a mutation broke (PNG, clause 5.3). Returns other bytes unchanged.
+/// Corrects the checksums of a PNG's chunks after a mutation (PNG, clause 5.3). Returns other bytes unchanged.
 std::vector<std::byte> mended(std::span<const std::byte> bytes) {
   std::vector<std::byte> png(bytes.begin(), bytes.end());
   constexpr std::size_t kMark = 8, kAround = 12;

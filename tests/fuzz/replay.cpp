@@ -1,5 +1,5 @@
-// PROGRAM FOLDER [TARGET]: runs the targets of a room over their corpora, FOLDER/TARGET/*. Fails when a target has no
-// corpus, or none of it is what the target reads, or a corpus has no target.
+// PROGRAM FOLDER [TARGET]: runs the targets of a room on their corpora, FOLDER/TARGET/*. Fails if a target has no
+// corpus or can read none of its inputs, and if a corpus has no target.
 #include "tests/fuzz/fuzz_target.h"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ bool replay(const gs::fuzz::FuzzTarget& target, const fs::path& folder) {
     std::ifstream file(entry.path(), std::ios::binary);
     const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
     std::printf("%s: %s: ", target.name.c_str(), entry.path().filename().c_str());
-    std::fflush(stdout);  // it may be the last thing that is seen of it
+    std::fflush(stdout);  // the target may crash, so print its name now
     const bool read = target.run(std::as_bytes(std::span(bytes)));
     std::printf(read ? "read\n" : "refused\n");
     ++files;

@@ -13,7 +13,7 @@ std::string Random::pick(std::initializer_list<const char*> texts) {
   return texts.begin()[below(static_cast<int>(texts.size()))];
 }
 
-// A Script in the text of a program stands in strings that are added up.
+// Appends a line of a program. In a nested Script, a program is a sum of strings, one per line.
 void ScriptGrammar::line(const std::string& text) { out_ += nested_ ? "'" + text + " ' +\n" : text + "\n"; }
 
 void ScriptGrammar::block(int most) {
@@ -30,7 +30,7 @@ void ScriptGrammar::function(const std::string& head, const std::string& tail, c
   line(tail);
 }
 
-// ---- Expressions. Those that need variables write the statements before them.
+// ---- Expressions. If they need variables, they first append the statements that set them.
 
 std::string ScriptGrammar::number() {
   if (depth_ < kDeepest && random_.once_in(4)) return hostile();
@@ -136,7 +136,7 @@ std::string ScriptGrammar::any() {
   }
 }
 
-// An object that runs statements when it is converted.
+// Returns an object that runs statements when it is converted.
 std::string ScriptGrammar::hostile() {
   const std::string name = fresh();
   line("var " + name + " = {");
@@ -356,7 +356,7 @@ void ScriptGrammar::browser_call() {
   }
 }
 
-// Statements that run when the function, its Script or its world may be gone.
+// Appends statements that run later, when the function, its Script or its world may no longer exist.
 void ScriptGrammar::later() {
   switch (random_.below(7)) {
     case 0:
@@ -418,7 +418,7 @@ void ScriptGrammar::abuse() {
   }
 }
 
-// A Script that a program makes, with the text of its program.
+// Appends statements that make a Script, with a program as text.
 void ScriptGrammar::nested_script() {
   out_ += "hold(Browser.createVrmlFromString(\n";
   nested_ = true;

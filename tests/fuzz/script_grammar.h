@@ -7,7 +7,7 @@
 
 namespace gs::fuzz {
 
-/// Pseudo-random numbers that are the same on all machines (SplitMix64).
+/// Pseudo-random numbers, equal on all machines (SplitMix64).
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -15,7 +15,7 @@ class Random {
   std::uint64_t next();
   /// Returns an integer in [0, end).
   int below(int end) { return static_cast<int>(next() % static_cast<std::uint64_t>(end)); }
-  /// Returns true once in `turns` calls on average.
+  /// Returns true in one of `turns` calls, on average.
   bool once_in(int turns) { return below(turns) == 0; }
   std::string pick(std::initializer_list<const char*> texts);
 
@@ -23,16 +23,17 @@ class Random {
   std::uint64_t state_;
 };
 
-/// Generates programs of hostile Scripts. Each statement has a line of its own, so that a world shrinks by lines.
-/// Programs use single quotes only, since they stand in strings of VRML.
+/// Generator of programs for hostile Scripts. Each statement has an own line, so that a world can be minimised by
+/// lines. Programs use only single quotes, because they are inside of VRML strings.
 class ScriptGrammar {
  public:
-  /// `kinds`: a bit for each kind of statement that the programs of a world have; without some, others reach further.
+  /// Prepares a generator that appends to `out`. Each bit of `kinds` permits a kind of statement. Without some kinds,
+  /// others reach code that is harder to reach.
   ScriptGrammar(Random& random, std::string& out, std::uint64_t kinds) : random_(random), out_(out), kinds_(kinds) {}
 
-  /// Appends a whole program: variables, helpers, and callbacks.
+  /// Appends a complete program: variables, helper functions and event handlers.
   void program();
-  /// Returns a URL of a world or a program, which may be missing.
+  /// Returns the URL of a world or a program. The file may not exist.
   std::string url();
 
  private:
@@ -72,7 +73,7 @@ class ScriptGrammar {
   std::uint64_t kinds_;
   std::string quote_ = "'";
   int depth_ = 0, names_ = 0, endless_ = 0;
-  bool nested_ = false;  // in the text of a Script that a program makes
+  bool nested_ = false;  // the text is inside the program of a nested Script
 };
 
 }  // namespace gs::fuzz

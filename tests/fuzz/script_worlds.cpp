@@ -31,7 +31,7 @@ constexpr std::array<Slot, 21> kOuts = {
      {"MFInt32", "ints"},  {"MFColor", "cols"}, {"MFRotation", "rots"}, {"MFTime", "times"}, {"MFVec2f", "flats"},
      {"MFString", "words"}}};
 
-/// An eventOut and an eventIn of one type.
+/// Pair of an eventOut and an eventIn with the same type.
 struct Wire {
   const char *out, *in;
 };
@@ -58,7 +58,7 @@ class WorldMaker {
   std::string number(int most) { return std::to_string(random_.below(most)); }
 
   Random random_;
-  std::uint64_t kinds_;  // of statements
+  std::uint64_t kinds_;  // permitted kinds of statements
   std::string out_;
 };
 
@@ -80,7 +80,7 @@ void WorldMaker::script(const std::string& name, const std::string& node, const 
   out_ += several ? "\" ]\n}\n" : "\"\n}\n";
 }
 
-// A Script inside, with fields and events of the instance.
+// Appends a PROTO with a Script in it. The Script has fields and events of the PROTO.
 void WorldMaker::prototype(const std::string& name) {
   out_ += "PROTO " + name + " [ field SFNode given NULL eventIn SFTime tick eventOut MFNode kids\n" +
           "exposedField MFNode held [ ] exposedField SFVec3f p 0 0 0 ] {\nGroup { children [ DEF PT Transform {\n" +

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-// Bytes of the container of QNV streams (FORMAT.md), for mutations of any bytes.
+// Access to the bytes of QNV streams (FORMAT.md), for mutations.
 namespace gs::fuzz {
 
 inline constexpr std::size_t kFixedHeader = 108, kHeaderLength = 12, kHeaderSum = 16, kSectionHead = 6, kChunkHead = 10;
@@ -22,7 +22,7 @@ inline void put_number(std::vector<std::uint8_t>& bytes, std::size_t at, std::ui
     bytes[at + i] = static_cast<std::uint8_t>(value >> (8 * i));
 }
 
-/// Makes the checksums of the header and of the chunks right, as far as lengths lead from one to the next.
+/// Corrects the checksums of the header and of the chunks. Stops at the first length that leads to no further chunk.
 inline void mend_checksums(std::vector<std::uint8_t>& bytes) {
   const auto checksum = [](std::uint32_t from, const std::uint8_t* first, std::size_t size) {
     return static_cast<std::uint32_t>(crc32_z(from, first, size));

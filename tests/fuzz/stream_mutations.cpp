@@ -1,10 +1,12 @@
-// stream_mutations COUNT SEED FIRST KEPT NUMBER FOLDER...: makes mutations FIRST to COUNT - 1 of the streams (*.qnv) in
-// the folders and gives each to the targets of qnv. Mutation N of a seed is the same every time. Unlike libFuzzer it
-// knows the container (FORMAT.md): it changes, inserts, deletes and repeats bytes of one section or payload, repeats,
-// moves, loses and swaps chunks, takes chunks and halves of payloads from other streams, forges lengths, and, but for
-// every eighth, makes the checksums right again. Before an input is read it is written to the file KEPT, and its number
-// to the file NUMBER: where the program ends there, that is what ended it. Prints a line every thousand, and a table at
-// the end.
+// stream_mutations COUNT SEED FIRST KEPT NUMBER FOLDER...: makes the mutations FIRST to COUNT - 1 of the streams
+// (*.qnv) in the folders, and passes each to the targets of qnv. A seed and a number always give the same mutation.
+//
+// Unlike libFuzzer, it uses the structure of the container (FORMAT.md). It changes, inserts, deletes and repeats bytes
+// of one section or payload. It repeats, moves, drops and swaps chunks. It takes chunks and halves of payloads from
+// other streams, and forges lengths. It corrects the checksums of seven in eight mutations.
+//
+// It writes each input to the file KEPT, and its number to the file NUMBER, before the input is read. If the program
+// ends, these files name the cause. It prints one line per thousand inputs, and a table at the end.
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/stream_bytes.h"
 
@@ -33,13 +35,13 @@ namespace fs = std::filesystem;
 
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr std::size_t kMaxBytes = 24576;  // of a mutation: longer ones are slower and reach no more
-constexpr int kMaxSeconds = 10;           // of the processor, for one input
-constexpr double kLongSeconds = 1;        // one that takes longer is told of
-// Of streams smaller than this there are several mutations for one of the others, each of which takes as long as five.
+constexpr std::size_t kMaxBytes = 24576;  // maximum bytes of a mutation; longer ones are slower and find no more faults
+constexpr int kMaxSeconds = 10;  // maximum processor seconds for one input
+constexpr double kLongSeconds = 1;  // longer inputs are reported
+// Smaller streams are mutated kSmallTurns times as often, because larger ones take about five times as long.
 constexpr std::size_t kSmallBytes = 7168, kSmallTurns = 6;
 
-/// A section of the header, or a chunk: what it is, and its bytes.
+/// Section of the header, or chunk: its kind and its bytes.
 struct Part {
   std::uint16_t type = 0;
   Bytes bytes;
@@ -48,11 +50,11 @@ struct Part {
 struct SeedStream {
   std::string name;
   std::size_t size = 0;
-  Bytes fixed;  // the header without its sections
+  Bytes fixed;  // header without its sections
   std::vector<Part> sections, chunks;
 };
 
-/// Of a good stream all of it; of others as much as its lengths lead to.
+/// Splits a stream into parts. Of an invalid stream, takes the parts to which its lengths lead.
 SeedStream parts_of(const Bytes& bytes, std::string name) {
   SeedStream stream;
   stream.name = std::move(name);
@@ -97,14 +99,14 @@ class Mutator {
  private:
   std::size_t below(std::size_t most) { return most == 0 ? 0 : random_() % most; }
 
-  /// A number at which readers are most often wrong.
+  /// Returns a number with which readers often fail, such as a boundary value.
   std::uint32_t telling_number() {
     constexpr std::array<std::uint32_t, 14> kNumbers{
         0, 1, 2, 0x7f, 0x80, 0xff, 0x100, 0x7fff, 0x8000, 0xffff, 0x7fffffff, 0x80000000, 0xffffffff, 0x7f800000};
     return below(3) == 0 ? static_cast<std::uint32_t>(random_()) : kNumbers[below(kNumbers.size())];
   }
 
-  /// Returns a position, more often within the first 64 bytes.
+  /// Returns a position. Half of the positions are within the first 64 bytes.
   std::size_t place(std::size_t size) { return below(below(2) == 0 ? std::min<std::size_t>(size, 64) : size); }
 
   void change_bytes(Bytes& bytes) {
@@ -145,7 +147,7 @@ class Mutator {
     }
   }
 
-  /// The front of one and the end of the other.
+  /// Returns the start of `front`, followed by the end of `end`.
   Bytes spliced(const Bytes& front, const Bytes& end) {
     Bytes out(front.begin(), front.begin() + static_cast<std::ptrdiff_t>(below(front.size() + 1)));
     const std::size_t from = below(2) == 0 ? std::min(out.size(), end.size()) : below(end.size() + 1);
@@ -235,7 +237,7 @@ class Mutator {
     return bytes;
   }
 
-  /// A length of the container says something else.
+  /// Changes one length of the container.
   void forge(Bytes& bytes) {
     if (bytes.size() < kFixedHeader + kChunkHead) return;
     std::vector<std::pair<std::size_t, std::size_t>> lengths{{kHeaderLength, 4}};
@@ -264,7 +266,7 @@ std::vector<SeedStream> streams_in(const std::vector<fs::path>& folders) {
   for (const fs::path& path : files) {
     std::ifstream file(path, std::ios::binary);
     SeedStream stream = parts_of(Bytes(std::istreambuf_iterator<char>(file), {}), path.filename().string());
-    // The corpora of several targets have the same file; what is no stream has nothing to mutate.
+    // Several corpora may contain the same file. Files that are not streams are left out.
     const auto same = [&](const SeedStream& other) { return other.name == stream.name; };
     if (!stream.chunks.empty() && std::none_of(streams.begin(), streams.end(), same))
       streams.push_back(std::move(stream));
@@ -272,7 +274,7 @@ std::vector<SeedStream> streams_in(const std::vector<fs::path>& folders) {
   return streams;
 }
 
-/// Writes over what is there; ends the program where it cannot.
+/// Overwrites a file. Ends the program if it cannot.
 void keep(int file, const Bytes& bytes) {
   require(pwrite(file, bytes.data(), bytes.size(), 0) == static_cast<ssize_t>(bytes.size()));
   require(ftruncate(file, static_cast<off_t>(bytes.size())) == 0);
@@ -281,7 +283,7 @@ void keep(int file, const Bytes& bytes) {
 double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 struct Count {
-  std::size_t inputs = 0, taken = 0;  // taken: at least the header could be read
+  std::size_t inputs = 0, taken = 0;  // taken: at least the header was valid
   double seconds = 0, longest = 0;
 };
 
@@ -311,11 +313,11 @@ int run(std::size_t count, std::uint64_t seed, std::size_t first, const char* ke
     keep(file, bytes);
     const std::string which = std::to_string(i);
     keep(number, Bytes(which.begin(), which.end()));
-    // SIGPROF ends a process that takes longer.
+    // SIGPROF ends the process after this time.
     const itimerval limit{{0, 0}, {kMaxSeconds, 0}};
     setitimer(ITIMER_PROF, &limit, nullptr);
     const double before = processor_seconds();
-    // The first one decodes all; of the others, which draw parts of it, one.
+    // The first target decodes everything. Of the others, which draw parts, only one runs.
     const bool taken = targets.front().run(std::as_bytes(std::span(bytes)));
     if (targets.size() > 1) (void)targets[1 + i % (targets.size() - 1)].run(std::as_bytes(std::span(bytes)));
     Count& done = counts[stream.name];

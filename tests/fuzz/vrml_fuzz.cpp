@@ -1,5 +1,5 @@
-// Any bytes, whole and in pieces, must parse without harm and to the same scene, print, tessellate, and send the same
-// events.
+// Fuzzes the VRML parser and the execution of worlds. Whole and in pieces, any bytes must give the same scene, text,
+// meshes and events.
 #include "tests/fuzz/fuzz_target.h"
 #include "vrml/behaviours/browser_events.h"
 #include "vrml/events/execution.h"
@@ -16,7 +16,7 @@ using namespace gs::vrml;
 namespace gs::fuzz {
 namespace {
 
-// A pointing-device sensor sends nothing that is no number.
+// Checks that a pointing-device sensor sends only finite numbers.
 void check_numbers(const SentEvent& event) {
   const Behaviour* behaviour = event.scene->node(event.node).type->behaviour;
   if (!behaviour || !behaviour->pointing || event.event->access != AccessType::eventOut) return;
@@ -26,7 +26,7 @@ void check_numbers(const SentEvent& event) {
     require(std::isfinite(turn->x) && std::isfinite(turn->y) && std::isfinite(turn->z) && std::isfinite(turn->angle));
 }
 
-// A press on the first thing in a group, a drag, and a release; and the avatar runs into it.
+// Presses the button over the first object of a group, drags and releases. Then the avatar collides with the object.
 void touch(Execution& execution, const SceneGraph& scene, NodeId id, double& now) {
   const Node& node = scene.node(id);
   const InterfaceDeclaration* field = node.type->find_field("children");
@@ -50,8 +50,8 @@ void touch(Execution& execution, const SceneGraph& scene, NodeId id, double& now
   (void)execution.pointing().pointed_at();
 }
 
-// Returns a digest of the events that a world sends in some steps, after an event to each eventIn of its first nodes
-// and a click on each of its first groups.
+// Runs a world for some steps, and returns a digest of its events. First sends an event to each eventIn of the first
+// nodes, and clicks on each of the first groups.
 std::uint64_t live(SceneGraph& scene) {
   constexpr std::uint32_t kNodes = 40;
   constexpr std::size_t kEvents = 2000;
@@ -89,7 +89,7 @@ bool run_world(std::span<const std::byte> bytes) {
   Diagnostics said_whole, said_pieces;
   const ParseOutcome outcome = parse(text, whole, said_whole);
 
-  // The size of the pieces comes from the input, so that the fuzzer can choose it.
+  // The input determines the size of the pieces, so that the fuzzer can vary it.
   const std::size_t piece = bytes.empty() ? 1 : 1 + std::to_integer<std::size_t>(bytes.back()) % 64;
   Parser parser(pieces, said_pieces);
   for (std::size_t i = 0; i < text.size(); i += piece) parser.push(text.substr(i, piece));

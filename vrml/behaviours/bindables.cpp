@@ -9,19 +9,20 @@ struct BindableEvents {
 };
 
 void tell_bound(Execution& execution, EventNode node, bool bound) {
-  // Each eventOut sends once per timestamp (4.10.4). If the node was bound and unbound with one timestamp, the second
-  // event waits for the next.
+  // Each eventOut sends one event per timestamp (4.10.4). If the node is bound and unbound with the same timestamp, the
+  // second event waits for the next timestamp.
   if (execution.has_sent(node, BindableEvents::is_bound)) {
     execution.timers().call_at(node, execution.now());
     return;
   }
   execution.send(node, BindableEvents::is_bound, SFBool{bound});
-  // A Viewpoint sends bindTime in both cases (6.53).
+  // A Viewpoint sends bindTime when it is bound and when it is unbound (6.53).
   execution.send(node, BindableEvents::bind_time, SFTime{execution.now()});
 }
 
-// Handles set_bind (4.6.10): TRUE moves the node to the top of its stack, FALSE removes it. Nodes that become or cease
-// to be the top send isBound with the same timestamp. Sends nothing if nothing changes.
+// Handles set_bind (4.6.10): TRUE moves the node to the top of its stack, FALSE removes it from the stack. A node that
+// becomes the top, or is no longer the top, sends isBound with the same timestamp. Sends nothing if the stack does not
+// change.
 bool set_bind(Execution& execution, EventNode node, int event, const FieldValue& value) {
   if (event != BindableEvents::set_bind) return true;
   const NodeType& type = execution.nodes().type_of(node);

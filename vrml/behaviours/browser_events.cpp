@@ -22,7 +22,7 @@ bool collide(Execution& execution, std::span<const PathStep> path) {
 }
 
 bool report_progress(Execution& execution, const SceneGraph& scene, NodeId id, double fraction) {
-  constexpr float kMinStep = 0.00999f;  // 1/100, with a margin for rounding
+  constexpr float kMinStep = 0.00999f;  // 1/100, minus a margin for rounding
   if (std::isnan(fraction) || !scene.contains(id)) return true;
   const NodeType& type = *scene.node(id).type;
   const InterfaceDeclaration* progress = type.find("progress_changed");

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <optional>
 
-// Drag sensors (VRML97 4.6.7.4). A drag uses the sensor's coordinate system at activation, since the sensor may move
-// its own ancestors. If the bearing misses the plane, disk, cylinder or sphere, the last value stays. Only movements
-// send values; the press does not.
+// Drag sensors (VRML97 4.6.7.4). A drag uses the coordinate system that the sensor had at activation, because the
+// sensor may move its own ancestors. If the bearing misses the plane, disk, cylinder or sphere, the sensor keeps its
+// last value. Only movements send values; pressing the button does not.
 namespace gs::vrml {
 namespace {
 
@@ -42,14 +42,14 @@ struct DragRay {
   }
 };
 
-// Returns the intersection with the plane in which coordinate number `axis` equals `height`.
+// Returns the intersection of the ray with a plane: there, the coordinate with index `axis` equals `height`.
 std::optional<glm::dvec3> on_plane(const DragRay& ray, int axis, double height) {
   return ray.at((height - ray.origin[axis]) / ray.direction[axis]);
 }
 
-// Sphere about the origin, or, if `across` is 1 0 1, cylinder about the Y axis.
+// Sphere around the origin. If `across` is (1, 0, 1), cylinder around the Y axis.
 struct RoundBody {
-  double a, b, c;  // a t t + 2 b t + c = 0
+  double a, b, c;  // coefficients: a t t + 2 b t + c = 0
 
   RoundBody(const DragRay& ray, const glm::dvec3& across, double radius)
       : a(glm::dot(ray.direction * across, ray.direction)),
@@ -59,7 +59,7 @@ struct RoundBody {
 
 constexpr glm::dvec3 kSphere(1, 1, 1), kCylinder(1, 0, 1);
 
-// Chooses the dragged side. The far side can be dragged too, as from inside a room.
+// Chooses the side that the drag moves. A viewer inside the body, as in a room, drags the far side.
 void choose_side(PointingState& drag, const DragRay& ray, const glm::dvec3& across) {
   drag.radius = std::sqrt(glm::dot(drag.start * across, drag.start));
   const RoundBody body(ray, across, drag.radius);
@@ -102,7 +102,7 @@ void drag_plane(Execution& execution, EventNode node, const Bearing& bearing) {
   drag.sent = send_finite(execution, node, Plane::translation, moved) || drag.sent;
 }
 
-// Ends a drag of a sensor with values of type T.
+// Ends a drag of a sensor with values of the type T.
 template <class T, class Events, int value>
 void end_drag(Execution& execution, EventNode node, bool) {
   if (pointing_state(execution, node).sent && execution.get<SFBool>(node, Events::auto_offset))
@@ -149,7 +149,7 @@ void drag_cylinder(Execution& execution, EventNode node, const Bearing& bearing)
   const DragRay ray(drag, bearing);
   const auto point = drag.disk ? on_plane(ray, 1, drag.start.y) : on_body(drag, ray, kCylinder);
   if (!point || !send_finite(execution, node, Cylinder::track_point, SFVec3f(*point))) return;
-  // There is no angle on the axis. A drag may exceed a full turn, so the angle continues from the last one.
+  // The angle is undefined on the axis. A drag may exceed a full turn, so the angle continues from the last one.
   const double sine = drag.start.z * point->x - drag.start.x * point->z,
                cosine = drag.start.x * point->x + drag.start.z * point->z;
   if (!(sine != 0 || cosine != 0) || !std::isfinite(sine + cosine)) return;
@@ -183,7 +183,7 @@ struct Sphere {
   enum : int { enabled = kSensorEnabled, is_active, auto_offset, offset, rotation, track_point };
 };
 
-// Returns the shortest rotation from one direction to another.
+// Returns the shortest rotation from the direction `from` to the direction `to`.
 glm::dquat rotation_between(const glm::dvec3& from, const glm::dvec3& to) {
   const glm::dvec3 a = glm::normalize(from), b = glm::normalize(to);
   const double cosine = glm::dot(a, b);
@@ -203,7 +203,7 @@ void drag_sphere(Execution& execution, EventNode node, const Bearing& bearing) {
   PointingState& drag = pointing_state(execution, node);
   const auto point = drag.tracks ? on_body(drag, DragRay(drag, bearing), kSphere) : std::nullopt;
   if (!point || !send_finite(execution, node, Sphere::track_point, SFVec3f(*point))) return;
-  // Applies `offset` first, then the drag, so that the drag's axes do not turn with `offset`.
+  // Applies `offset` first, then the drag, so that `offset` does not turn the axes of the drag.
   const SFRotation& offset = execution.get<SFRotation>(node, Sphere::offset);
   const glm::dquat turned = rotation_between(drag.start, *point) * quaternion_of(offset);
   if (!std::isfinite(turned.w + turned.x + turned.y + turned.z)) return;

@@ -9,11 +9,12 @@ namespace {
 
 struct GroupingEvents {
   enum : int { add_children, remove_children, children };
-  enum : int { description = children + 1 };            // of Anchor
-  enum : int { collide = children + 1, collide_time };  // of Collision
+  enum : int { description = children + 1 };  // interfaces of Anchor
+  enum : int { collide = children + 1, collide_time };  // interfaces of Collision
 };
 
-// Handles addChildren and removeChildren (4.6.5): ignores added children that exist and removed ones that do not.
+// Handles addChildren and removeChildren (4.6.5). Does not add a child that the node has, and ignores removed children
+// that it does not have.
 bool change_children(Execution& execution, EventNode node, int event, const FieldValue& value) {
   if (event >= GroupingEvents::children) return true;
   const MFNode given = std::get<MFNode>(value);
@@ -57,7 +58,7 @@ glm::dmat4 billboard_of(const Node& node, const glm::dvec3& viewer, const glm::d
   return billboard_matrix(std::get<SFVec3f>(node.values[axis]), viewer, up);
 }
 
-// A click on an Anchor's descendants activates it (6.2).
+// A click on a descendant of an Anchor activates the Anchor (6.2).
 constexpr PointingSensor kAnchorSensor = {
     .description = GroupingEvents::description,
     .of_children = true,

@@ -11,7 +11,7 @@ namespace gs::vrml {
 namespace {
 
 struct Hsv {
-  double hue = 0, saturation = 0, value = 0;  // hue in sixths of the circle, [0,6)
+  double hue = 0, saturation = 0, value = 0;  // hue in sixths of the colour circle, [0,6)
 };
 
 Hsv hsv_of(const SFColor& c) {
@@ -41,7 +41,8 @@ SFColor color_of(const Hsv& c) {
 
 glm::dvec4 four_of(const glm::dquat& q) { return {q.x, q.y, q.z, q.w}; }
 
-// Interpolates from `a` to `b`, both unit vectors, along the sphere; `cosine` is that of the angle between them.
+// Interpolates along the unit sphere from `a` to `b`, both unit vectors. `cosine` is the cosine of the angle between
+// them.
 template <class Vector>
 Vector along_arc(const Vector& a, const Vector& b, double cosine, double part) {
   constexpr double kNearlyOne = 0.9999999;
@@ -89,7 +90,7 @@ SFVec3f between_normals(const SFVec3f& a, const SFVec3f& b, float part) {
   if (!(lengths > 0) || !std::isfinite(lengths)) return between_points(a, b, part);
   const glm::dvec3 first = glm::normalize(from), second = glm::normalize(to);
   const double cosine = glm::dot(first, second);
-  // Opposite directions have no unique shortest path; any will do.
+  // Opposite directions have no unique shortest path. Uses any of them.
   constexpr double kOpposite = -0.9999999;
   if (cosine < kOpposite) return SFVec3f(part < 0.5F ? first : second);
   return SFVec3f(along_arc(first, second, cosine, part));
@@ -99,7 +100,7 @@ SFRotation between_rotations(const SFRotation& a, const SFRotation& b, float par
   const glm::dvec4 from = four_of(quaternion_of(a));
   glm::dvec4 to = four_of(quaternion_of(b));
   double cosine = glm::dot(from, to);
-  if (cosine < 0) {  // two quaternions represent each orientation; take the nearer one
+  if (cosine < 0) {  // two quaternions represent each orientation; uses the nearer one
     to = -to;
     cosine = -cosine;
   }

@@ -28,7 +28,7 @@ bool set_fraction(Execution& execution, EventNode node, int event, const FieldVa
   return false;
 }
 
-// Returns the value before the first fraction: the first element of keyValue (4.6.8).
+// Returns the value of value_changed before the first set_fraction: the first element of keyValue (4.6.8).
 template <class T>
 bool first_value(Execution& execution, EventNode node, FieldValue& value) {
   const Array<T>& values = execution.get<Array<T>>(node, InterpolatorEvents::key_value);
@@ -48,8 +48,8 @@ bool first_list(Execution& execution, EventNode node, FieldValue& value) {
   return true;
 }
 
-// Evaluates an interpolator with a list of values per key (6.13, 6.31). It alternates between two arrays: the array
-// sent last may share storage with the fields that received it; the one before no longer does.
+// Evaluates an interpolator with a list of values per key (6.13, 6.31). Alternates between two arrays, because the last
+// array sent may share storage with the fields that received it. The previous array no longer shares storage.
 template <SFVec3f (*between)(const SFVec3f&, const SFVec3f&, float)>
 bool set_fraction_of_list(Execution& execution, EventNode node, int event, const FieldValue& value) {
   if (event != InterpolatorEvents::set_fraction) return true;
@@ -79,8 +79,8 @@ void list_is_removed(Execution& execution, EventNode node) {
   execution.states().spares.give_back(execution.nodes().state_of(node));
 }
 
-// Interface of an interpolator along a NURBS curve (Amendment 1). `dimension` is the number of control points; 0 means
-// all values.
+// Interface of an interpolator along a NURBS curve (Amendment 1). The field `dimension` is the number of control
+// points; 0 means that all values of keyValue are control points.
 struct NurbsEvents {
   enum : int { set_fraction, key_value, value_changed, key_weight, knot, order, dimension };
 };

@@ -10,7 +10,7 @@
 namespace gs::vrml {
 namespace {
 
-// Interface of AudioClip and MovieTexture; `rate` is pitch or speed.
+// Interfaces of AudioClip and MovieTexture. `rate` is the pitch or the speed.
 struct Media {
   enum : int { loop, rate, start_time, stop_time, duration_changed, is_active, url };
 };
@@ -29,7 +29,7 @@ struct MediaFields {
 MediaFields media_fields(Execution& execution, EventNode node, bool backwards) {
   MediaFields f{execution.get<SFTime>(node, Media::start_time), execution.get<SFTime>(node, Media::stop_time),
                 execution.get<SFFloat>(node, Media::rate), execution.get<SFBool>(node, Media::loop)};
-  // Replaces values that the standard forbids (a pitch outside (0,inf), non-finite numbers) by the default.
+  // Replaces values that the standard forbids by the default: a pitch outside (0,inf), and numbers that are not finite.
   if (!std::isfinite(f.rate) || (!backwards && !(f.rate > 0))) f.rate = 1;
   return f;
 }
@@ -38,12 +38,13 @@ MediaFields media_fields(Execution& execution, EventNode node) {
   return media_fields(execution, node, execution.nodes().behaviour_of(node).media_backwards);
 }
 
-// Returns the duration of one cycle (6.4, 6.28); infinite if unknown or if the rate is 0.
+// Returns the duration of one cycle in seconds (6.4, 6.28). Returns infinity if the duration is unknown or the rate is
+// 0.
 double cycle_of(const MediaFields& f, const MediaState& state) {
   return state.duration >= 0 && f.rate != 0 ? state.duration / std::abs(f.rate) : kUnending;
 }
 
-// Reports whether the sound or movie may still load. If it cannot, it has no cycle.
+// Reports whether the sound or movie may still load. Otherwise the node has no cycle.
 bool may_come(Execution& execution, EventNode node, const MediaState& state) {
   return !state.told && !execution.get<MFString>(node, Media::url).empty();
 }
@@ -53,7 +54,7 @@ double end_of(const MediaFields& f, const MediaState& state) {
   return f.loop ? stop : std::min(stop, f.start + (state.cycle + 1) * cycle_of(f, state));
 }
 
-// Returns the media time in seconds: t of 6.4 and 6.28.
+// Returns the media time at `time`, in seconds: t in 6.4 and 6.28.
 double position_at(const MediaFields& f, const MediaState& state, double time, bool end_of_cycle) {
   const bool known = state.duration >= 0;
   if (f.rate == 0) return 0;
@@ -75,7 +76,7 @@ void media_start_if_due(Execution& execution, EventNode node, MediaState& state)
   const bool stopped = f.stop > f.start && now >= f.stop;
   if (!(f.start <= now) || (stopped && !since_last_step)) return;
   if (!f.loop) {
-    // Media with unknown duration starts only if it may still load and if its start is recent.
+    // If the duration is unknown, starts only if the media may still load and startTime is after the last step.
     if (state.duration < 0 && (!may_come(execution, node, state) || !since_last_step)) return;
     if (state.duration >= 0 && now >= f.start + cycle_of(f, state) && !since_last_step) return;
   }
@@ -92,12 +93,12 @@ void media_start_if_due(Execution& execution, EventNode node, MediaState& state)
 
 void media_stop(Execution& execution, EventNode node, MediaState& state, const MediaFields& f, double end) {
   const bool end_of_cycle = !f.loop && end >= f.start + (state.cycle + 1) * cycle_of(f, state);
-  // A stopTime in the past, set while active, means now.
+  // If stopTime was set to the past while active, the activity ends at the time of that event.
   state.held = position_at(f, state, std::max(end, state.stop_set), end_of_cycle);
   state.holds = true;
   state.active = false;
   execution.send(node, Media::is_active, SFBool{false});
-  // On a stop and restart at the same time, the stop comes first (4.6.9).
+  // If the node must stop and start again at the same time, it stops first (4.6.9).
   if (state.new_start_at == execution.now()) {
     execution.send(node, Media::start_time, SFTime{state.new_start});
     media_start_if_due(execution, node, state);
@@ -116,14 +117,14 @@ void media_time(Execution& execution, EventNode node) {
   if (execution.now() < end) {
     execution.timers().call_at(node, end);
   } else if (execution.has_sent(node, Media::is_active)) {
-    execution.timers().call_at(node, execution.now());  // already started with this timestamp; stops with the next one
+    execution.timers().call_at(node, execution.now());  // already started with this timestamp; stops with the next
   } else {
     media_stop(execution, node, state, f, end);
   }
 }
 
-// Handles events while active (4.6.9, 6.4, 6.28): ignores set_startTime, set_pitch and set_speed, and a set_stopTime
-// that is not after startTime.
+// Handles events while the node is active (4.6.9, 6.4, 6.28). Ignores set_startTime, set_pitch and set_speed. Ignores a
+// set_stopTime that is not after startTime.
 bool media_event(Execution& execution, EventNode node, int event, const FieldValue& value) {
   MediaState& state = state_of_media(execution, node);
   execution.timers().look_again(node);
@@ -141,7 +142,7 @@ bool media_event(Execution& execution, EventNode node, int event, const FieldVal
       state.new_start_at = execution.now();
       return false;
     case Media::loop: {
-      // If looping is turned off, the current cycle is the last one.
+      // If `loop` becomes FALSE, the current cycle is the last one.
       const double cycles = (execution.now() - f.start) / cycle_of(f, state);
       state.cycle = f.loop && std::isfinite(cycles) ? std::max(0.0, std::floor(cycles)) : state.cycle;
       return true;
@@ -162,7 +163,7 @@ void media_removed(Execution& execution, EventNode node) {
   execution.states().media.give_back(execution.nodes().state_of(node));
 }
 
-// Returns false if an event was already sent with this timestamp.
+// Takes the duration of loaded media. Returns false if an event was already sent with this timestamp.
 bool media_came(Execution& execution, EventNode node, double duration) {
   if (execution.has_sent(node, Media::duration_changed)) return false;
   MediaState& state = state_of_media(execution, node);

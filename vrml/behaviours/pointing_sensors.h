@@ -8,9 +8,9 @@
 // Functions that all pointing-device sensors share; see pointing.h.
 namespace gs::vrml {
 
-inline constexpr int kSensorEnabled = 0;  // event index that all of them share
+inline constexpr int kSensorEnabled = 0;  // event index of `enabled` in all these sensors
 
-/// Implement Behaviour::on_event and on_time for all pointing-device sensors.
+/// Implements Behaviour::on_event for all pointing-device sensors; the next function implements on_time.
 bool pointing_sensor_event(Execution& execution, EventNode node, int event, const FieldValue& value);
 void pointing_sensor_time(Execution& execution, EventNode node);
 
@@ -18,11 +18,11 @@ void pointing_sensor_time(Execution& execution, EventNode node);
   return execution.states().pointing[execution.nodes().state_of(node)];
 }
 
-/// Sends a value only if all its components are finite. Returns whether it was sent.
+/// Sends a value only if all its components are finite. Returns true if the value was sent.
 template <class Vector>
 bool send_finite(Execution& execution, EventNode node, int event, const Vector& value) {
   float sum = 0;
-  for (int i = 0; i < Vector::length(); ++i) sum += value[i] * 0.0f;  // NaN if a component is not finite
+  for (int i = 0; i < Vector::length(); ++i) sum += value[i] * 0.0f;  // becomes NaN if a component is not finite
   if (sum != 0) return false;
   execution.send(node, event, value);
   return true;

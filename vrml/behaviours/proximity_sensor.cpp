@@ -15,7 +15,7 @@ struct Proximity {
   enum : int { center, size, enabled, is_active, position, orientation, enter_time, exit_time };
 };
 
-// Orthonormalizes the columns; returns false if one has no direction.
+// Makes the columns of a matrix orthonormal. Returns false if a column has no direction.
 bool orthonormal(glm::dmat3& m) {
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < i; ++k) m[i] -= m[k] * glm::dot(m[k], m[i]);
@@ -27,16 +27,17 @@ bool orthonormal(glm::dmat3& m) {
   return true;
 }
 
-// Movement of the viewer since the last evaluation, assumed to be a straight line.
+// Movement of the viewer between the last evaluation and now, assumed to be a straight line.
 struct Look {
-  bool inside = false;    // inside the box of one instance of the sensor
-  bool passed = false;    // outside, but crossed a box on the way
-  double entered_at = 0;  // valid if inside or passed; may precede the last evaluation if inside
-  double left_at = 0;     // valid if not inside: exit from the last box; or if passed
+  bool inside = false;  // the viewer is inside the box of an instance of the sensor
+  bool passed = false;  // the viewer is outside, but crossed a box on the way
+  double entered_at = 0;  // time of entry if inside or passed; may precede the last evaluation if inside
+  double left_at = 0;  // time of exit from the last box, if outside or passed
   glm::dmat4 sensor_from_viewer{1.0}, sensor_from_entered{1.0}, sensor_from_left{1.0};
 };
 
-// Computes the part of the path inside the box, as 0 to 1. Returns false if there is none.
+// Computes the part of the path from `from` to `to` that is inside the box, as fractions 0 to 1. Returns false if no
+// part is inside.
 bool clip(const glm::dvec3& from, const glm::dvec3& to, const glm::dvec3& center, const glm::dvec3& size, double& first,
           double& last) {
   first = 0, last = 1;
@@ -59,8 +60,9 @@ glm::dmat4 moved_to(glm::dmat4 matrix, const glm::dvec3& place) {
   return matrix;
 }
 
-// Evaluates the movement; times are those at which the viewer crossed the box (6.38). After a jump there is no path
-// (6.53). If the sensor moved over the viewer, the time is the present.
+// Evaluates the movement of the viewer since the last evaluation. The times in the result are the times at which the
+// viewer crossed the box (6.38). After a jump there is no path (6.53). If the sensor moved over the viewer, the time is
+// now.
 Look look_at(Execution& execution, EventNode node, ProximityState& state) {
   const glm::dvec3 size(execution.get<SFVec3f>(node, Proximity::size));
   const glm::dvec3 center(execution.get<SFVec3f>(node, Proximity::center));
@@ -78,7 +80,7 @@ Look look_at(Execution& execution, EventNode node, ProximityState& state) {
     const glm::dmat4 sensor_from_world = glm::inverse(places[i]);
     const glm::dmat4 sensor_from_viewer = sensor_from_world * viewer;
     const glm::dvec3 to(sensor_from_viewer[3]), from(sensor_from_world * glm::dvec4(state.viewer, 1));
-    look.inside = true;  // false for NaN
+    look.inside = true;  // false if a coordinate is NaN
     for (int k = 0; k < 3; ++k) look.inside = look.inside && std::abs(to[k] - center[k]) <= size[k] / 2;
     double first = 0, last = 0;
     const bool met = way_known && clip(from, to, center, size, first, last);
@@ -104,7 +106,7 @@ Look look_at(Execution& execution, EventNode node, ProximityState& state) {
   return look;
 }
 
-// Sends position and orientation if they changed, or always on entry and exit.
+// Sends position and orientation if they have changed, or if `always` is set, as on entry and exit.
 void send_place(Execution& execution, EventNode node, const glm::dmat4& sensor_from_viewer, bool always) {
   const SFVec3f position(sensor_from_viewer[3]);
   if (always || position != execution.get<SFVec3f>(node, Proximity::position))
@@ -128,13 +130,13 @@ void leave(Execution& execution, EventNode node, double time) {
 
 void proximity_time(Execution& execution, EventNode node) {
   const std::uint32_t place = execution.nodes().state_of(node);
-  if (place == 0) return;  // no memory for a state
+  if (place == 0) return;  // no memory for the state
   ProximityState& state = execution.states().proximities[place];
   const auto& size = execution.get<SFVec3f>(node, Proximity::size);
-  // A box without volume is never entered.
+  // A box without volume never contains the viewer.
   const bool on = execution.get<SFBool>(node, Proximity::enabled) && size.x > 0 && size.y > 0 && size.z > 0;
   const bool active = execution.get<SFBool>(node, Proximity::is_active);
-  // isActive sends once per timestamp (4.10.4); a second change waits for the next one.
+  // isActive sends one event per timestamp (4.10.4); a second change waits for the next timestamp.
   const bool said = execution.has_sent(node, Proximity::is_active);
   execution.timers().run(node, on || (active && said));
   if (!on) {

@@ -11,7 +11,7 @@ struct Script {
   enum : int { url };
 };
 
-// Work elements per call; they bound programs that send each other events forever.
+// Work elements per call of a program. They end the cascade if programs send each other events forever.
 constexpr std::size_t kCall = 2048;
 
 ScriptState& state_of_script(Execution& execution, EventNode node) {
@@ -20,8 +20,8 @@ ScriptState& state_of_script(Execution& execution, EventNode node) {
   return execution.states().scripts[place];
 }
 
-// Delivers queued events in order while there is time. Their results follow later; eventsProcessed() runs at most once
-// per cascade (4.12.4).
+// Delivers queued events in order, as long as programs have time. Events that the programs send follow later. Calls
+// eventsProcessed() at most once per cascade (4.12.4).
 void run_kept(Execution& execution, EventNode node, ScriptHost& host) {
   ScriptState& state = state_of_script(execution, node);
   while (!state.kept.empty() && host.has_time()) {

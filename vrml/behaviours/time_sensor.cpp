@@ -31,11 +31,12 @@ TimeFields fields_of(const Execution& execution, EventNode node) {
   return f;
 }
 
-// Period that ends at the time of the outputs: none, the activity within a cycle, or the activity with its last cycle.
+// Period that ends at the time of the outputs. `inside_cycle`: the activity ends within a cycle. `cycle`: the activity
+// ends with its last cycle.
 enum class Ending : std::uint8_t { none, inside_cycle, cycle };
 
-// Sends the outputs of an active sensor (6.50) for time `at`: that of the step, or the end of its activity between two
-// steps. `ending` marks the end of the last cycle exactly, regardless of rounding.
+// Sends the outputs of an active sensor (6.50) for the time `at`. This is the time of the step, or the end of the
+// activity between two steps. `ending` marks the end of the last cycle, because rounding could miss it.
 void send_outputs(Execution& execution, EventNode node, TimeState& state, const TimeFields& f, double at,
                   Ending ending) {
   const double cycles = (at - f.start) / f.interval;
@@ -61,7 +62,7 @@ void start_if_due(Execution& execution, EventNode node, TimeState& state, const 
     return;
   }
   const bool stopped = f.stop > f.start && now >= f.stop, over = !f.loop && now >= f.start + f.interval;
-  // A step may be longer than the whole active period, which must still occur.
+  // A step may be longer than the whole active period. The sensor must become active nevertheless.
   const bool since_last_step = delayed || f.start > execution.cascade().previous();
   if (!(f.start <= now) || ((stopped || over) && !since_last_step)) return;
   if (execution.has_sent(node, Clock::is_active)) {
@@ -73,7 +74,7 @@ void start_if_due(Execution& execution, EventNode node, TimeState& state, const 
   state.cycle_sent = false;
   state.sent_at = -std::numeric_limits<double>::infinity();
   execution.send(node, Clock::is_active, SFBool{true});
-  if (over) {  // end of its only cycle
+  if (over) {  // end of the only cycle
     state.cycle_sent = true;
     state.cycle = 0;
     execution.send(node, Clock::cycle_time, SFTime{f.start});
@@ -88,13 +89,13 @@ void start_if_due(Execution& execution, EventNode node, TimeState& state, const 
 }
 
 void stop(Execution& execution, EventNode node, TimeState& state, double at, Ending ending) {
-  // Timestamps increase (4.11.1): outputs that are up to date are not sent again. A stopTime in the past means now
+  // Timestamps increase (4.11.1). Does not send outputs again for the same time. A stopTime in the past means now
   // (6.50).
   if (at > state.sent_at) send_outputs(execution, node, state, fields_of(execution, node), at, ending);
   execution.send(node, Clock::is_active, SFBool{false});
   state.active = false;
   execution.timers().run(node, false);
-  // On a stop and restart at the same time, the stop comes first (4.6.9).
+  // If the sensor must stop and start again at the same time, it stops first (4.6.9).
   if (state.new_start_at == execution.now()) {
     execution.send(node, Clock::start_time, SFTime{state.new_start});
     start_if_due(execution, node, state, fields_of(execution, node));
@@ -114,7 +115,7 @@ void time_sensor_time(Execution& execution, EventNode node) {
   const double cycle_end = f.loop ? kNever : f.start + (state.cycle + 1) * f.interval;
   const double end = std::min(stop_time, cycle_end);
   if (execution.has_sent(node, Clock::is_active) && (!f.enabled || now >= end)) {
-    execution.timers().run(node, true);  // already started with this timestamp; stops with the next one
+    execution.timers().run(node, true);  // already started with this timestamp; stops with the next timestamp
     return;
   }
   if (now >= end) {
@@ -126,8 +127,8 @@ void time_sensor_time(Execution& execution, EventNode node) {
   }
 }
 
-// Handles events while active (4.6.9): ignores set_startTime and set_cycleInterval, and a set_stopTime that is not
-// after startTime.
+// Handles events while the sensor is active (4.6.9). Ignores set_startTime and set_cycleInterval. Ignores a
+// set_stopTime that is not after startTime.
 bool time_sensor_event(Execution& execution, EventNode node, int event, const FieldValue& value) {
   TimeState& state = state_of_sensor(execution, node);
   execution.timers().look_again(node);

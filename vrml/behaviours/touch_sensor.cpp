@@ -9,7 +9,8 @@ struct Touch {
   enum : int { enabled = kSensorEnabled, is_over, is_active, touch_time, hit_point, hit_normal, hit_tex_coord };
 };
 
-// Sends the hit in the sensor's coordinate system (6.51). If that system is singular, undefined values are not sent.
+// Sends the hit point in the coordinate system of the sensor (6.51). If that system is singular, does not send
+// undefined values.
 void touch_hover(Execution& execution, EventNode node, const Bearing& bearing, const glm::dmat4& world_from_sensor) {
   const SFVec3f point(glm::inverse(world_from_sensor) * glm::dvec4(bearing.point, 1));
   send_finite(execution, node, Touch::hit_point, point);

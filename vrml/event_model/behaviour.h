@@ -18,60 +18,62 @@ struct PointingSensor;
 /// Index of a node in Execution's event tables; 0 means none.
 using EventNode = std::uint32_t;
 
-/// Reaction of one built-in node type to events and time: a column of the node table. Unhandled events keep their
-/// default meaning: an exposedField takes the value and sends it (VRML97 4.7); `set_x` of a plain field x replaces its
-/// value (6.17, 6.18, 6.23, 6.24).
+/// Reaction of one built-in node type to events and time; a column of the node table. Events that the functions do not
+/// handle have their default meaning. An exposedField takes the value and sends it (VRML97 4.7). `set_x` of a plain
+/// field x replaces the value of x (6.17, 6.18, 6.23, 6.24).
 struct Behaviour {
   static constexpr std::size_t kMaxEvents = 12;
-  /// Names of the interfaces that the functions handle, read or send; padded with "". Functions refer to them by index.
+  /// Names of the interfaces that the functions handle, read or send, padded with "". Functions use the index of a
+  /// name.
   std::array<std::string_view, kMaxEvents> events{};
-  /// Called once when the node is found in the world. If null, the node takes part only once it has a ROUTE.
+  /// Called once, when the node is found in the world. If null, the node takes part in events only after it gets a
+  /// ROUTE.
   void (*initialize)(Execution& execution, EventNode node) = nullptr;
-  /// Handles an event for events[event]. Returns true to also apply the default meaning.
+  /// Handles an event for events[event]. If it returns true, the default meaning applies too.
   bool (*on_event)(Execution& execution, EventNode node, int event, const FieldValue& value) = nullptr;
-  /// Handles time; the time is Execution::now(). Called in each step while the node runs, at the times that it
-  /// requested, and after the events for which on_event requested it.
+  /// Handles time; Execution::now() is the time. Called in each step while the node runs. Also called at times that the
+  /// node has requested, and after events for which on_event requested the call.
   void (*on_time)(Execution& execution, EventNode node) = nullptr;
-  /// Transform of a grouping node's children, or of the viewer at a Viewpoint. Null means the identity.
+  /// Returns the transform of a grouping node's children, or of the viewer at a Viewpoint. Null means the identity.
   glm::dmat4 (*parent_from_local)(const Node& node) = nullptr;
-  /// Transform of a grouping node that faces the viewer; `viewer` and `up` are in its parent's space (6.6).
+  /// Returns the transform of a grouping node that faces the viewer (6.6). `viewer` and `up` are in its parent's space.
   glm::dmat4 (*parent_from_facing)(const Node& node, const glm::dvec3& viewer, const glm::dvec3& up) = nullptr;
   /// Pointing-device sensors only (4.6.7.3, vrml/events/pointing.h); null for all other types.
   const PointingSensor* pointing = nullptr;
-  /// Sensors of the viewer's position only (6.38): returns the centre of the sensed region in local coordinates.
+  /// For sensors of the viewer's position (6.38): returns the centre of the sensed region, in local coordinates.
   glm::dvec3 (*sensed_place)(const Execution& execution, EventNode node) = nullptr;
-  /// Collision nodes (6.8): reports a collision of the avatar with a descendant if `met`. Returns false if collision
-  /// detection is off for all descendants.
+  /// For Collision nodes (6.8). If `met`, reports that the avatar collided with a descendant. Returns false if
+  /// collision detection is off for all descendants.
   bool (*on_collision)(Execution& execution, EventNode node, bool met) = nullptr;
-  /// Handles an event for an eventIn or exposedField that the node itself declares, by its index in the type's
-  /// interfaces.
+  /// Handles an event for an eventIn or exposedField that the node itself declares. `interface` is its index in the
+  /// type's interfaces.
   void (*on_own_event)(Execution& execution, EventNode node, std::uint32_t interface,
                        const FieldValue& value) = nullptr;
-  /// Called before the node is removed. Events that it sends are still delivered.
+  /// Called before the node is removed. The events that it sends are still delivered.
   void (*before_removal)(Execution& execution, EventNode node) = nullptr;
-  /// Called on removal: returns the state that state_of names to its pool. The node sends no more events.
+  /// Called when the node is removed. Gives the state of EventNodes::state_of back to its pool. Must not send events.
   void (*on_remove)(Execution& execution, EventNode node) = nullptr;
-  /// Writes the value of the node's eventOut before anything was sent. If it returns false or is null, the value is the
-  /// type's initial value.
+  /// Writes the value of an eventOut before its first event. If the function returns false or is null, that value is
+  /// the initial value of the type.
   bool (*unsent_value)(Execution& execution, EventNode node, FieldValue& value) = nullptr;
-  /// Nodes that play a sound or movie: takes its duration in seconds; a negative one means that it cannot be loaded.
-  /// Returns false if an event was already sent with this timestamp; the caller tries again later.
+  /// For nodes that play a sound or movie: takes the duration in seconds; negative means that loading failed. Returns
+  /// false if an event was already sent with this timestamp; the caller tries again later.
   bool (*media_came)(Execution& execution, EventNode node, double duration) = nullptr;
-  /// Returns the playback state; see vrml::media_play(Execution&, ...).
+  /// For nodes that play a sound or movie: returns the playback state; see vrml::media_play(Execution&, ...).
   MediaPlay (*media_play)(Execution& execution, EventNode node) = nullptr;
-  bool media_backwards = false;  // supports negative and zero speed (6.28)
+  bool media_backwards = false;  // negative and zero speed are allowed (6.28)
 };
 
-// Behaviours of the rows of the node table.
+// Behaviours that rows of the node table use.
 extern const Behaviour kTransformBehaviour;
 extern const Behaviour kViewpointBehaviour;
 extern const Behaviour kProximitySensorBehaviour, kVisibilitySensorBehaviour;
 extern const Behaviour kTouchSensorBehaviour, kPlaneSensorBehaviour, kCylinderSensorBehaviour, kSphereSensorBehaviour;
 extern const Behaviour kGroupBehaviour;  // addChildren, removeChildren (4.6.5)
 extern const Behaviour kAnchorBehaviour, kBillboardBehaviour, kCollisionBehaviour;
-extern const Behaviour kBindableBehaviour;  // 4.6.10
-inline constexpr int kSetBind = 0;          // event index of all bindable nodes
-inline constexpr int kFieldOfView = 3;      // event index of Viewpoint
+extern const Behaviour kBindableBehaviour;  // bindable nodes (4.6.10)
+inline constexpr int kSetBind = 0;  // event index of set_bind in all bindable nodes
+inline constexpr int kFieldOfView = 3;  // event index of fieldOfView in Viewpoint
 extern const Behaviour kTimeSensorBehaviour;
 extern const Behaviour kAudioClipBehaviour, kMovieTextureBehaviour;  // 6.4, 6.28
 extern const Behaviour kScriptBehaviour;                             // 6.40

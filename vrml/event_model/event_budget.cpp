@@ -5,13 +5,13 @@
 namespace gs::vrml {
 namespace {
 
-// Limit of work elements per timestamp: about 4 million deliveries, some tenths of a second.
+// Maximum number of work elements per timestamp: about 4 million deliveries, or some tenths of a second.
 constexpr std::size_t kMaxWork = std::size_t{1} << 26;
 
 }  // namespace
 
 bool EventBudget::afford(std::size_t bytes) {
-  constexpr std::size_t kStep = std::size_t{64} << 10;  // bytes drawn at a time
+  constexpr std::size_t kStep = std::size_t{64} << 10;  // bytes that are drawn from the world's budget at a time
   if (afforded_ + bytes > share_.amount() && !share_.grow(std::max(bytes, kStep)) && !share_.grow(bytes)) {
     if (problem_.empty()) problem_ = "events take " + root_.budget()->refusal(Resource::nodes);
     return false;

@@ -7,24 +7,24 @@
 
 namespace gs::vrml {
 
-/// Memory and work that the events of a world may take. Both end with a message in `problem`.
+/// Limits of memory and work for the events of a world. If a limit is reached, `problem` gets a message.
 class EventBudget {
  public:
-  static constexpr std::size_t kDelivery = 16;  // work elements counted per delivered event
+  static constexpr std::size_t kDelivery = 16;  // work elements of one delivered event
 
   explicit EventBudget(const SceneGraph& root) : root_(root), share_(root.budget(), Resource::nodes) {}
 
-  /// Draws memory from the world's budget.
+  /// Draws memory from the world's budget. Returns false if the budget has too little left.
   [[nodiscard]] bool afford(std::size_t bytes);
-  /// Keeps `bytes` of the drawn memory for later use.
+  /// Keeps `bytes` of the drawn memory for later calls of afford().
   void give_back(std::size_t bytes) { afforded_ -= bytes; }
-  /// Counts work that grows with file content, in elements. Returns false if the limit per timestamp is reached; the
-  /// caller must then skip the work.
+  /// Counts work that grows with the content of files, in elements. Returns false if the limit per timestamp is
+  /// reached; the caller must then omit the work.
   [[nodiscard]] bool spend(std::size_t elements);
   [[nodiscard]] bool has_room_for(std::size_t elements) const;
-  /// Begins a timestamp, with no work done.
+  /// Begins a timestamp: the counted work becomes 0.
   void begin_timestamp() { work_ = 0; }
-  /// Returns a message about what the limits excluded; empty if nothing was.
+  /// Returns a message about what was omitted because of the limits; empty if nothing was omitted.
   [[nodiscard]] const std::string& problem() const { return problem_; }
 
  private:

@@ -12,8 +12,7 @@ constexpr std::size_t kDeepest = 100'000;
 
 }  // namespace
 
-// Searches all children, including hidden ones, since the content of a Switch or LOD continues to send events (6.26,
-// 6.46).
+// Searches all children, even hidden ones: hidden children of a Switch or LOD continue to send events (6.26, 6.46).
 void Placement::search() {
   known_ = true;
   for (auto& [node, paths] : paths_) paths.clear();
@@ -21,8 +20,8 @@ void Placement::search() {
     const SceneGraph* scene;
     std::vector<bool>* on_path;
     NodeId node;        // open node; null for the roots of a scene
-    int slot;           // slot of its children
-    std::size_t child;  // next child
+    int slot;  // slot of its children field
+    std::size_t child;  // index of the next child
     bool mover;
   };
   std::unordered_map<const SceneGraph*, std::vector<bool>> on_paths;

@@ -6,10 +6,11 @@
 
 namespace gs::vrml {
 
-/// Runs the programs of a world's Scripts (VRML97 4.12), in languages that this room does not know.
+/// Host that runs the programs of a world's Scripts (VRML97 4.12). Another room implements it, because this room has no
+/// script language.
 ///
-/// Execution calls it on its own thread. Programs act on the world through the Execution; the
-/// events that they cause are delivered after the program returns.
+/// Execution calls it on its own thread. Programs act on the world through the Execution. Events that programs cause
+/// are delivered after the program returns.
 class ScriptHost {
  public:
   ScriptHost() = default;
@@ -17,20 +18,22 @@ class ScriptHost {
   ScriptHost(const ScriptHost&) = delete;
   ScriptHost& operator=(const ScriptHost&) = delete;
 
-  /// Called when the Script enters the world, its url changes, or a missing resource has loaded. Runs the program and
-  /// initialize() (4.12.3), or requests what it needs. Returns false if there is no program yet.
+  /// Called when the Script enters the world, when its url changes, and when a missing resource has loaded. Runs the
+  /// program and its initialize() (4.12.3), or requests the missing resource. Returns false if the program is not ready
+  /// yet.
   virtual bool begin(EventNode script) = 0;
-  /// Delivers an event with timestamp `time`. Returns true if events_processed() must follow.
+  /// Delivers an event with the timestamp `time`. Returns true if the caller must call events_processed() later.
   virtual bool deliver(EventNode script, std::uint32_t interface, const FieldValue& value, double time) = 0;
-  /// Called when no more events are pending for the Script (4.12.4).
+  /// Called when no more events are pending for the Script. Calls eventsProcessed() of the program (4.12.4).
   virtual void events_processed(EventNode script) = 0;
-  /// Calls shutdown() (4.12.3).
+  /// Calls shutdown() of the program (4.12.3).
   virtual void end(EventNode script) = 0;
-  /// Forgets a removed node.
+  /// Discards the data of a removed Script.
   virtual void forget(EventNode script) = 0;
-  /// Reports whether the program has not started or waits for a fetch. Execution queues its events meanwhile.
+  /// Reports whether the program has not started, or waits for a resource. Execution queues events for it until then.
   [[nodiscard]] virtual bool waits(EventNode script) const = 0;
-  /// Returns false if this step's time for programs is used up. Execution then queues events until the next step.
+  /// Returns false if the programs have used up their time in this step. Execution then queues events until the next
+  /// step.
   [[nodiscard]] virtual bool has_time() = 0;
 };
 

@@ -16,11 +16,11 @@ namespace gs::vrml {
 struct TimeState {
   bool active = false;
   bool cycle_sent = false;
-  bool delayed = false;  // due to start, but isActive was already sent with that timestamp
-  double cycle = 0;      // cycle number at the last step
+  bool delayed = false;  // must start, but isActive was already sent with this timestamp
+  double cycle = 0;  // index of the cycle at the last step
   double sent_at = -std::numeric_limits<double>::infinity();  // timestamp of the last outputs
-  // A set_startTime received while the node was active, and its timestamp: it applies if the node stops at the same
-  // time.
+  // Value and timestamp of a set_startTime event that the node received while active. The value applies if the node
+  // stops with the same timestamp.
   double new_start = 0, new_start_at = -std::numeric_limits<double>::infinity();
 };
 
@@ -28,40 +28,40 @@ struct TimeState {
 struct MediaState {
   bool active = false;
   bool delayed = false;  // see TimeState
-  bool told = false;     // the sound or movie has loaded, or its load has failed
-  bool holds = false;    // it has been active before
+  bool told = false;  // the sound or movie has loaded, or loading has failed
+  bool holds = false;  // the node has been active before
   double duration = -1;  // seconds; negative if unknown
-  double cycle = 0;      // last cycle if it does not loop
-  double held = 0;       // media position at which it became inactive
+  double cycle = 0;  // index of the last cycle, if it does not loop
+  double held = 0;  // media time in seconds at the end of the last active period
   double new_start = 0, new_start_at = -std::numeric_limits<double>::infinity();  // see TimeState
-  double stop_set = -std::numeric_limits<double>::infinity();  // time at which stopTime was set while active
+  double stop_set = -std::numeric_limits<double>::infinity();  // time of the last set_stopTime event while active
 };
 
 /// State of a ProximitySensor (6.38) at its last evaluation.
 struct ProximityState {
   glm::dvec3 viewer{0};              // position in world space
-  double time = 0;                   // timestamp of that position
-  std::uint32_t jumps = 0;           // number of viewer jumps until then
-  std::uint32_t place = 0;           // last instance of the sensor that contained the viewer
-  bool looked = false;               // evaluated at least once while enabled
-  bool passed = false;               // the viewer crossed the box between two steps; exitTime is pending
-  double left_at = 0;                // exit time of that crossing
-  glm::dmat4 sensor_from_left{1.0};  // sensor transform at that time
+  double time = 0;  // time of that position
+  std::uint32_t jumps = 0;  // number of jumps of the viewer until then
+  std::uint32_t place = 0;  // index of the last instance of the sensor that contained the viewer
+  bool looked = false;  // was evaluated at least once while enabled
+  bool passed = false;  // the viewer crossed the box between two steps; exitTime is not sent yet
+  double left_at = 0;  // time of exit in that crossing
+  glm::dmat4 sensor_from_left{1.0};  // transform of the sensor at that time
 };
 
-/// State of a pointing-device sensor (4.6.7.3) that the pointer has been over.
+/// State of a pointing-device sensor (4.6.7.3) that the pointer has been over at least once.
 struct PointingState {
   bool over = false, active = false;
-  bool owes_over = false, owes_active = false;  // FALSE events owed since it was disabled
-  std::uint32_t wanted = 0;                     // number of the last pointer update that found it
-  std::uint32_t enabled_in = 0;                 // number of the button press during which it was enabled
-  // State of a drag since activation (4.6.7.4), in the sensor's coordinate system at activation.
-  bool tracks = false;            // that coordinate system is invertible
-  bool sent = false;              // a value was sent in this drag
-  bool disk = false;              // CylinderSensor: disk mode instead of cylinder mode
-  bool far_side = false;          // drags the far side of the cylinder or sphere
-  double radius = 0, turned = 0;  // turned: rotation about a CylinderSensor's Y axis in radians, counting full turns
-  glm::dvec3 start{0};            // point on the geometry at activation
+  bool owes_over = false, owes_active = false;  // must send isOver FALSE, isActive FALSE because it was disabled
+  std::uint32_t wanted = 0;  // serial number of the last pointer update that found the sensor
+  std::uint32_t enabled_in = 0;  // serial number of the button press during which it was enabled
+  // State of a drag (4.6.7.4), in the coordinate system that the sensor had at activation.
+  bool tracks = false;  // the coordinate system is invertible
+  bool sent = false;  // the drag has sent a value
+  bool disk = false;  // CylinderSensor: uses disk mode instead of cylinder mode
+  bool far_side = false;  // the drag moves the far side of the cylinder or sphere
+  double radius = 0, turned = 0;  // turned: CylinderSensor rotation about Y in radians, with full turns
+  glm::dvec3 start{0};  // hit point on the geometry at activation
   glm::dmat4 sensor_from_world{1.0};
 };
 
@@ -74,19 +74,19 @@ struct ScriptState {
     FieldValue value;
     double time = 0;
   };
-  std::deque<Kept> kept;        // events received before the program started or had time to run
-  bool begins = false;          // url was set
+  std::deque<Kept> kept;  // events that wait until the program starts or has time
+  bool begins = false;  // url was set; the program must begin
   bool owes_processed = false;  // eventsProcessed() must be called
   double processed_at = -std::numeric_limits<double>::infinity();
 };
 
-/// Pool of states of one kind, numbered from 1. Numbers of removed nodes are reused.
+/// Pool of states of one kind. Indices start at 1; indices of removed nodes are used again.
 template <class T>
 class StatePool {
  public:
   [[nodiscard]] T& operator[](std::uint32_t place) { return states_[place]; }
   [[nodiscard]] const T& operator[](std::uint32_t place) const { return states_[place]; }
-  /// Reports whether `take` needs no new memory.
+  /// Reports whether the next `take` needs no new memory.
   [[nodiscard]] bool has_spare() const { return !free_.empty(); }
   [[nodiscard]] std::uint32_t take() {
     if (free_.empty()) {
@@ -108,11 +108,11 @@ class StatePool {
   std::vector<std::uint32_t> free_;
 };
 
-/// State that behaviours keep for their nodes, indexed by EventNodes::state_of; index 0 means none.
+/// States that behaviours store for their nodes. EventNodes::state_of is the index; 0 means none.
 struct BehaviourStates {
   StatePool<TimeState> times;
   StatePool<ProximityState> proximities;
-  StatePool<MFVec3f> spares;  // the array that an interpolator writes next
+  StatePool<MFVec3f> spares;  // array that an interpolator writes next
   StatePool<PointingState> pointing;
   StatePool<ScriptState> scripts;
   StatePool<MediaState> media;

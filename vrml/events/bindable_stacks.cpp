@@ -71,7 +71,7 @@ void BindableStacks::unbind(EventNode node) {
 void BindableStacks::nodes_leave() {
   if (nodes_leave_ || !execution_.budget().spend(execution_.placement().visits())) return;
   nodes_leave_ = true;
-  // A bound node that was never in the hierarchy cannot leave it.
+  // Skips bound nodes that never were in the hierarchy, because such nodes cannot leave it.
   for (const EventNode node : nodes())
     if (!execution_.nodes()[node].placed)
       execution_.nodes()[node].placed = !execution_.viewer().places_of(node).empty();
@@ -90,8 +90,9 @@ void BindableStacks::bind_new_types() {
   execution_.cascade().drain();
 }
 
-// Binds the first visible nodes in file order, without Inlines (4.6.10). The standard does not say whether hidden
-// children of a Switch are candidates. Other browsers skip them, and worlds use a Switch to choose their Background.
+// Binds the first visible node of each type in file order, without Inlines (4.6.10). The standard does not say whether
+// hidden children of a Switch are candidates. Other browsers skip them, and worlds use a Switch to choose their
+// Background.
 void BindableStacks::bind_first_nodes(SceneState& state, bool of_fresh_types) {
   SceneGraph& scene = *state.scene;
   std::vector<bool> seen(scene.node_count() + 1);

@@ -13,22 +13,22 @@ namespace gs::vrml {
 struct NodeChange {
   SceneGraph* scene = nullptr;
   NodeId node;
-  std::uint64_t slots = 0;  // bit mask of the changed slots; the last bit stands for all slots above 62
+  std::uint64_t slots = 0;  // one bit per changed slot; the last bit stands for all slots above 62
 };
 
-/// Nodes of a world with changed fields or content, each once. Part of Execution.
+/// List of the nodes of a world with changed fields or content. Each node is listed once. Part of Execution.
 class ChangeList {
  public:
   explicit ChangeList(Execution& execution) : execution_(execution) {}
 
   /// Returns the nodes changed since the last call. Valid until the next step.
   [[nodiscard]] std::span<const NodeChange> take();
-  /// Notes the change of a field.
+  /// Adds the change of a field.
   void mark(EventNode node, std::int32_t slot);
-  /// Notes new content of an Inline or an EXTERNPROTO instance. For an Inline, call it after SceneGraph::attach_inline
-  /// and WorldScenes::attach.
+  /// Adds the new content of an Inline or an EXTERNPROTO instance. For an Inline, call it after
+  /// SceneGraph::attach_inline and WorldScenes::attach.
   void mark_content(SceneGraph& scene, NodeId node);
-  /// Forgets changes of removed nodes.
+  /// Discards the changes of removed nodes.
   void forget_removed();
 
  private:

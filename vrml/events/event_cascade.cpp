@@ -74,7 +74,7 @@ FieldValue* EventCascade::place_to_send(EventNode node, int event) {
   const std::uint32_t place = schema.events[static_cast<std::size_t>(event)];
   if (place == EventSchema::kNone) return nullptr;
   const EventSchema::Interface& interface = schema.interfaces[place];
-  // The value of an exposedField changes even if the event cannot be sent.
+  // After an event with this timestamp, an eventOut keeps its value. An exposedField takes the new value in any case.
   if (interface.out >= 0 && has_sent_own(node, place)) return nullptr;
   if (interface.out < 0) execution_.changes().mark(node, interface.slot);
   if (interface.out >= 0 && holds_nodes(interface.declaration->type)) execution_.lifetime().note_referring(node);
@@ -127,7 +127,8 @@ void EventCascade::drain() {
     queue_.clear();
     posted_.clear();
     queue_next_ = 0;
-    // Events that these nodes send join this cascade. Each eventOut causes at most one evaluation.
+    // Calls nodes that wait until all events are delivered. Their events join this cascade, and each eventOut causes at
+    // most one such call.
     execution_.timers().call_waiting();
     scripts.begin_new();
     if (queue_.empty()) execution_.stacks().unbind_left();
@@ -149,8 +150,8 @@ void EventCascade::deliver(Sent sent) {
   walk(nodes.slot(sent.node, sent.interface).first, value);
 }
 
-// Delivers one event along all connections: a list of them, with nested lists where they enter PROTO instances. Uses an
-// explicit stack of list positions, since files determine the nesting depth of instances.
+// Delivers one event along a list of connections. Connections into PROTO instances contain nested lists. Uses an
+// explicit stack of list positions instead of recursion, because files determine how deep instances are nested.
 void EventCascade::walk(std::uint32_t first, const FieldValue& value) {
   assert(path_.empty());
   EventNodes& nodes = execution_.nodes();
@@ -191,11 +192,11 @@ void EventCascade::receive(EventNode node, std::uint32_t place, const FieldValue
   Node& target = *nodes[node].node;
   if (schema.instance) {
     const std::uint32_t inside = nodes.slot_inside(node, place).first;
-    if (inside != 0) {  // only from outside; walk() handles its own
+    if (inside != 0) {  // only for events from outside; walk() passes its own on
       walk(inside, value);
       return;
     }
-    // An EXTERNPROTO without a body has no receiver yet (4.9.1).
+    // An EXTERNPROTO without a body has no receiver for the event yet (4.9.1).
     if (schema.type->kind == NodeType::Kind::external_prototype && !schema.type->prototype) return;
   }
   if (interface.event >= 0 && schema.behaviour->on_event &&
@@ -209,12 +210,13 @@ void EventCascade::receive(EventNode node, std::uint32_t place, const FieldValue
     execution_.changes().mark(node, interface.slot);
     if (interface.declaration->access == AccessType::exposedField) queue(node, place);
   }
-  // Called last, since it may create nodes.
+  // Must be the last call, because it may create nodes.
   if (interface.event < 0 && schema.behaviour && schema.behaviour->on_own_event)
     schema.behaviour->on_own_event(execution_, node, place, value);
 }
 
-// Passes an eventOut up through IS: it continues as an event of the instance (4.8.2).
+// Passes an eventOut of a body node through IS to its instance. There the event continues as an event of the instance
+// (4.8.2).
 void EventCascade::pass_up(EventNode node, std::uint32_t place, const FieldValue& value) {
   const EventSchema::Interface& interface = execution_.nodes().schema_of(node).interfaces[place];
   if (has_sent_own(node, place) || (interface.out < 0 && interface.slot < 0)) return;

@@ -13,10 +13,10 @@ namespace gs::vrml {
 
 /// Event that an eventOut or exposedField has sent.
 struct SentEvent {
-  double time = 0;  // its timestamp: seconds since 1970-01-01 00:00 GMT (VRML97 4.11)
+  double time = 0;  // timestamp: seconds since 1970-01-01 00:00 GMT (VRML97 4.11)
   const SceneGraph* scene = nullptr;
-  NodeId node;  // of `scene`; events of a PROTO instance appear for the instance and for its body nodes
-  const InterfaceDeclaration* event = nullptr;  // of the node's type
+  NodeId node;  // sending node in `scene`; a PROTO instance and its body nodes send separate events
+  const InterfaceDeclaration* event = nullptr;  // declaration in the interface of the node's type
   const FieldValue* value = nullptr;
 };
 
@@ -32,38 +32,41 @@ class EventCascade {
   explicit EventCascade(Execution& execution);
 
   [[nodiscard]] double now() const { return now_; }
-  /// Returns the time of the previous step; equal to now() in the first step.
+  /// Returns the time of the previous step. In the first step, returns now().
   [[nodiscard]] double previous() const { return previous_; }
-  /// Returns the number of the present timestamp.
+  /// Returns the serial number of the present timestamp.
   [[nodiscard]] std::uint64_t stamp() const { return stamp_; }
-  /// Begins the timestamp `now`. Time never goes back. `first` marks the first step of the world.
+  /// Begins the timestamp `now`, or the last timestamp if `now` is earlier. `first` marks the first step of the world.
   void begin(double now, bool first = false);
-  /// Begins a new timestamp, one double ulp later.
+  /// Begins a new timestamp: the next larger double.
   void begin_update();
-  /// Delivers the events sent so far and all that result from them, then ends the cascade.
+  /// Delivers the events sent so far, and all events that result from them. Then ends the cascade.
   void drain();
 
-  /// Registers an observer that receives each event at delivery, even without a ROUTE. One observer per key `who`; an
-  /// empty one unregisters. Observers must neither modify the Execution nor register observers.
+  /// Registers an observer. The observer receives each event at delivery, even events without a ROUTE. `who` is the key
+  /// of the observer: each key has one observer, and an empty observer unregisters the previous one. Observers must not
+  /// modify the Execution or register observers.
   void observe(Observer observer, const void* who = nullptr);
 
-  /// Delivers an event from outside, and all resulting events; see Execution::send.
+  /// Delivers an event from outside the world, and all resulting events; see Execution::send.
   bool send(const SceneGraph& scene, NodeId node, const InterfaceDeclaration& event_in, const FieldValue& value);
-  /// Queues an event for a node of this world. From a running program, it is delivered in this cascade after the events
-  /// already sent; from outside, by Execution::end_update(). Returns false like send().
+  /// Queues an event for a node of this world. If the caller is a running program, the event is delivered in this
+  /// cascade, after the events already sent. Otherwise Execution::end_update() delivers the event. Returns false like
+  /// send().
   bool post(const SceneGraph& scene, NodeId node, const InterfaceDeclaration& event_in, FieldValue value);
-  /// Returns storage for a value to send in place; null if the eventOut was already sent with this timestamp. `event`
-  /// is an index in Behaviour::events.
+  /// Returns storage for a value, which the caller writes to send it. Returns null if the eventOut has sent an event
+  /// with this timestamp. `event` is an index in Behaviour::events.
   [[nodiscard]] FieldValue* place_to_send(EventNode node, int event);
-  /// Sends the present EventNodes::own_value() of an eventOut or exposedField.
+  /// Sends the current EventNodes::own_value() of an eventOut or exposedField.
   void send_own(EventNode node, std::uint32_t interface);
-  /// Reports a change made through EventNodes::own_value().
+  /// Reports that the caller changed a value through EventNodes::own_value().
   void own_value_changed(EventNode node, std::uint32_t interface);
   /// Reports whether an interface has sent an event with the present timestamp.
   [[nodiscard]] bool has_sent_own(EventNode node, std::uint32_t interface) const;
-  /// Queues the event of an interface that has its value already, if it was not sent with this timestamp.
+  /// Queues the event of an interface that already has its value. Does nothing if the event was sent with this
+  /// timestamp.
   void queue(EventNode node, std::uint32_t interface);
-  /// Returns the last value of an eventOut, or the value of a field; null if there is none.
+  /// Returns the last value of an eventOut, or the value of a field; null if there is no value.
   [[nodiscard]] const FieldValue* last_value(const SceneGraph& scene, NodeId node,
                                              const InterfaceDeclaration& interface);
 
@@ -71,10 +74,11 @@ class EventCascade {
   struct Sent {
     EventNode node;
     std::uint32_t interface;
-    std::uint32_t posted = 0;  // if not 0: index from 1 in posted_, an event for the node
+    std::uint32_t posted = 0;  // if not 0: 1 + index in posted_ of an event for the node
   };
 
-  /// Returns the node and the index of the interface that receives the event; node 0 if the value cannot be sent.
+  /// Returns the node that receives the event, and the index of the interface there. The node is 0 if the event cannot
+  /// be delivered.
   [[nodiscard]] std::pair<EventNode, std::uint32_t> receiver(const SceneGraph& scene, NodeId node,
                                                              const InterfaceDeclaration& event_in,
                                                              const FieldValue& value);
@@ -90,7 +94,7 @@ class EventCascade {
   std::vector<Sent> queue_;
   std::size_t queue_next_ = 0;
   std::deque<FieldValue> posted_;
-  std::vector<std::uint32_t> path_;  // used by walk
+  std::vector<std::uint32_t> path_;  // stack of walk()
 };
 
 }  // namespace gs::vrml

@@ -21,35 +21,35 @@
 namespace gs::vrml {
 
 /// Execution model of VRML97 (4.10, 4.11) for a world and its attached Inlines. Owns the classes that share this work,
-/// and moves time.
+/// and advances the time.
 ///
-/// The cost of a step is proportional to the events in it. Memory is drawn from the scene's budget; if it is exhausted,
-/// further nodes take no part in events and EventBudget::problem reports it. Cascades with too much work are cut short.
-/// Single-threaded, on the scene's thread; the scene must outlive this.
+/// The cost of a step is proportional to the number of events in it. Memory is drawn from the scene's budget. If the
+/// budget is exhausted, further nodes take no part in events, and EventBudget::problem reports it. Cascades with too
+/// much work end early. Runs on the scene's thread only; the scene must outlive this object.
 class Execution {
  public:
   explicit Execution(SceneGraph& root);
   Execution(const Execution&) = delete;
   Execution& operator=(const Execution&) = delete;
 
-  /// Starts at time `now` with the first cascade. Binds the first bindable node of each type outside Inlines (4.6.10)
-  /// and starts the time-dependent nodes that are active then (4.6.9). Call once.
+  /// Starts the world at the time `now` with the first cascade. Binds the first bindable node of each type outside
+  /// Inlines (4.6.10). Starts the time-dependent nodes that are active at `now` (4.6.9). Call it once.
   void start(double now);
-  /// Advances time to `now` and delivers all resulting events. Time never goes back.
+  /// Advances the time to `now` and delivers all resulting events. An earlier `now` does not turn time back.
   void step(double now);
-  /// Returns the time of the next step with work: now() while nodes run; nullopt if only events from outside cause
-  /// work.
+  /// Returns the time of the next step that has work to do. This is now() while nodes run. Returns nullopt if only
+  /// events from outside can cause work.
   [[nodiscard]] std::optional<double> next_time() const;
   [[nodiscard]] double now() const { return cascade_.now(); }
 
-  /// Delivers an event from outside with the present timestamp, and all resulting events. The value's type must be that
-  /// of `event_in`, an eventIn or exposedField of the node's type. Returns false if it is not, if the scene is not part
-  /// of the world, or if the budget is exhausted.
+  /// Delivers an event from outside the world with the present timestamp, and all resulting events. `event_in` must be
+  /// an eventIn or exposedField of the node's type, and the value must have its type. Returns false otherwise, if the
+  /// scene is not part of the world, or if the budget is exhausted.
   bool send(const SceneGraph& scene, NodeId node, const InterfaceDeclaration& event_in, const FieldValue& value) {
     return cascade_.send(scene, node, event_in, value);
   }
-  /// Gives the next events from outside a new timestamp, one double ulp later, so that each eventOut may send again
-  /// (4.10.4). Running nodes see the new time in the next step.
+  /// Begins a new timestamp for the next events from outside: the next larger double. Each eventOut may then send again
+  /// (4.10.4). Running nodes get the new time in the next step.
   void begin_update() { cascade_.begin_update(); }
   /// Delivers the events posted since begin_update() as one cascade; see EventCascade::post.
   void end_update() { cascade_.drain(); }
@@ -70,18 +70,18 @@ class Execution {
   [[nodiscard]] Placement& placement() { return placement_; }
   [[nodiscard]] WorldViewer& viewer() { return viewer_; }
   [[nodiscard]] Pointing& pointing() { return pointing_; }
-  /// Returns the state of behaviours, indexed by EventNodes::state_of.
+  /// Returns the states of behaviours. EventNodes::state_of is the index of a node's state.
   [[nodiscard]] BehaviourStates& states() { return states_; }
 
-  // Access for behaviours. `event` is an index in Behaviour::events.
+  // The following functions are for behaviours. `event` is an index in Behaviour::events.
 
   template <class T>
   [[nodiscard]] const T& get(EventNode node, int event) const {
     return *std::get_if<T>(&nodes_.value_of(node, event));
   }
-  /// Reports whether the event was already sent with the present timestamp.
+  /// Reports whether the event was sent with the present timestamp.
   [[nodiscard]] bool has_sent(EventNode node, int event) const;
-  /// Sends an eventOut, or sets an exposedField and sends its value.
+  /// Sends an event from an eventOut, or sets an exposedField and sends its value.
   template <class T>
   void send(EventNode node, int event, T value) {
     if (FieldValue* place = cascade_.place_to_send(node, event)) *place = std::move(value);

@@ -10,8 +10,8 @@
 namespace gs::vrml {
 namespace {
 
-constexpr std::size_t kFewNodes = 256;  // run-time nodes created before a search for unheld nodes pays
-// Fields and nodes that a search may visit per created node.
+constexpr std::size_t kFewNodes = 256;  // minimum number of new run-time nodes for which a search for unheld nodes pays
+// Maximum number of fields and nodes that a search visits per run-time node.
 constexpr std::size_t kLooksPerNode = 16;
 
 bool is_script(const Node& node) { return node.type->kind == NodeType::Kind::script; }
@@ -22,8 +22,8 @@ void NodeLifetime::note_referring(EventNode node) {
   if (!std::exchange(execution_.nodes()[node].refers, true)) referring_.push_back(node);
 }
 
-// Marks the held nodes of a scene. Nodes of the file are skipped while they are held: their references to run-time
-// nodes came by events and are listed in referring_.
+// Search that marks the held nodes of a scene. Skips nodes of the file as long as they are held. Such nodes refer to
+// run-time nodes only after events, and referring_ lists the nodes that do.
 class NodeLifetime::Marking {
  public:
   Marking(NodeLifetime& lifetime, SceneState& state)
@@ -34,7 +34,7 @@ class NodeLifetime::Marking {
         scene_(*state.scene),
         marked_(scene_.node_count() + 1) {}
 
-  /// Returns the nodes that nothing holds.
+  /// Returns the nodes that are not held.
   std::vector<NodeId> find_unheld() {
     mark_held();
     while (!waiting_.empty()) {
@@ -97,7 +97,7 @@ class NodeLifetime::Marking {
     for (const EventNode member : lifetime_.referring_)
       if (const EventMember& at = nodes_[member]; at.scene == &scene_ && of_file(*at.node))
         mark_values(*at.node, member);
-    // Held through ROUTEs to and from nodes of the file.
+    // Marks nodes that are held through ROUTEs to or from nodes of the file.
     for (const NodeId id : state_.at_run_time) {
       const EventNode member = scene_.contains(id) ? state_.member_of(id) : 0;
       if (member == 0) continue;
@@ -119,7 +119,7 @@ class NodeLifetime::Marking {
       for (std::uint32_t i = 0; i < node.type->prototype->nodes.size(); ++i)
         mark(scene_.id_at(node.expansion_first + i));
     if (node.instance != 0) mark(scene_.id_at(node.instance));
-    // Default values that future instances may get.
+    // Marks default values, which future instances may get.
     if (marked_texts_.insert(node.owner).second && node.owner != 0)
       for (const auto& type : scene_.text_at(node.owner).types())
         for (const FieldValue& value : type->defaults) mark(value);
@@ -153,9 +153,9 @@ void NodeLifetime::release(const SceneGraph& scene, NodeId node) {
   if (count != held->second.end() && --count->second == 0) held->second.erase(count);
 }
 
-// Amortizes the cost of searches over the created nodes.
+// Searches only after many nodes were made, so that the cost per node stays constant.
 void NodeLifetime::end_cascade() {
-  // A world that replaces itself at once does so only once per timestamp.
+  // A world that replaces itself at once replaces itself only once per timestamp.
   if (next_world_ && replaced_at_ != execution_.cascade().stamp()) do_replace_world();
   if (!removing_ && made_since_ >= std::max(kFewNodes, next_removal_)) (void)remove_unheld();
 }
@@ -186,7 +186,7 @@ void NodeLifetime::remove_nodes(SceneState& state, const std::vector<NodeId>& no
   for (const NodeId id : nodes)
     if (const EventNode member = state.member_of(id)) members.push_back(member);
   execution_.scripts().end(members);
-  // Unbinds them as with set_bind FALSE (4.6.10); the next nodes on the stacks send isBound.
+  // Unbinds the nodes as set_bind FALSE does (4.6.10). The next nodes on the stacks send isBound.
   for (const NodeId id : nodes)
     if (const EventNode member = state.member_of(id); member != 0 && execution_.nodes()[member].on_stack)
       execution_.stacks().unbind(member);
@@ -243,7 +243,7 @@ void NodeLifetime::remove_content(SceneGraph& scene, NodeId inline_node) {
   const bool was_removing = std::exchange(removing_, true);
   for (const EventNode node : execution_.stacks().nodes()) {
     const SceneGraph* inside = execution_.nodes()[node].scene;
-    // The nodes of nested Inlines are removed as well.
+    // Also removes the nodes of nested Inlines.
     std::vector<const SceneGraph*> scenes{content};
     for (std::size_t i = 0; i < scenes.size() && inside; ++i) {
       if (scenes[i] == inside) {
@@ -270,7 +270,7 @@ void NodeLifetime::remove_content(SceneGraph& scene, NodeId inline_node) {
   execution_.changes().mark_content(scene, inline_node);
 }
 
-// Forgets removed nodes and reuses their records; safe here, since no cascade is running.
+// Discards removed nodes so that their records can be used again. Call it while no cascade is running.
 void NodeLifetime::forget_removed() {
   execution_.routes().reuse_removed();
   execution_.timers().forget_removed();
@@ -296,7 +296,7 @@ bool NodeLifetime::replace_world(SceneGraph& scene, const MFNode& nodes) {
 
 bool NodeLifetime::replace_world(const MFNode& nodes) { return replace_world(execution_.scenes().root(), nodes); }
 
-// Makes the scene's content an Inline of the root, as the root's only content.
+// Moves the scene's content into the root as an Inline, which becomes the only content of the root.
 bool NodeLifetime::move_to_root(SceneGraph& scene) {
   SceneGraph& root = execution_.scenes().root();
   std::shared_ptr<SceneGraph> content;

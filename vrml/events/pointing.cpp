@@ -9,7 +9,7 @@
 namespace gs::vrml {
 namespace {
 
-constexpr std::size_t kLongList = 64;  // length from which a list of children gets a cache of its sensors
+constexpr std::size_t kLongList = 64;  // minimum length of a list of children for which its sensors are cached
 constexpr std::size_t kMaxLists = 256;
 constexpr std::size_t kMaxWaiting = 64;
 
@@ -21,8 +21,9 @@ const PointingSensor* pointing_sensor_of(const Node& node) {
 
 // ---- Finding sensors (4.6.7.3)
 
-// Finds the sensors of the lowest level. The levels of a path are its lists of children: those of its grouping nodes,
-// and the roots of each scene. A Switch or LOD contributes only its choice on the path, which is no sensor.
+// Finds the sensors of the lowest level with enabled sensors. The levels of a path are lists of children: of the path's
+// grouping nodes, and the roots of each scene. A Switch or LOD contributes only its child on the path, which is not a
+// sensor.
 void Pointing::find_sensors(std::span<const PathStep> path, std::vector<Sensed>& sensed) {
   for (std::size_t i = path.size(); i-- > 0 && sensed.empty();) {
     const PathStep& step = path[i];
@@ -90,7 +91,8 @@ bool Pointing::make_state(EventNode node) {
   return true;
 }
 
-// Reports whether a sensor may act. One that was enabled while the button is down must wait for the release (4.6.7.3).
+// Reports whether a sensor may react. A sensor that was enabled while the button is down must wait until the release
+// (4.6.7.3).
 bool Pointing::usable(EventNode node) const {
   const int enabled = execution_.nodes().behaviour_of(node).pointing->enabled;
   if (enabled >= 0 && !execution_.get<SFBool>(node, enabled)) return false;
@@ -108,7 +110,7 @@ void Pointing::point(const Pointer& pointer) {
     } else if (waiting_.size() < kMaxWaiting) {
       waiting_.push_back(std::move(look));
     } else {
-      waiting_.pop_back();  // drops a press and release that could not be sent
+      waiting_.pop_back();  // drops a press and its release, which could not be sent
     }
   }
   execution_.cascade().drain();
@@ -129,7 +131,7 @@ void Pointing::go_on() {
   while (!waiting_.empty() && change(waiting_.front())) waiting_.pop_front();
 }
 
-// Reports whether all sensors that would change state can send events with this timestamp.
+// Reports whether all sensors that would change their state can send events with this timestamp.
 bool Pointing::has_room(const Look& look, bool press, bool release) const {
   const auto& states = execution_.states().pointing;
   const auto sent = [&](EventNode node, int event) { return event >= 0 && execution_.has_sent(node, event); };
@@ -153,11 +155,11 @@ bool Pointing::has_room(const Look& look, bool press, bool release) const {
   return true;
 }
 
-// Applies an update. Returns false, without changes, if events cannot be sent with this timestamp.
+// Applies an update of the pointer. Returns false and changes nothing if an event cannot be sent with this timestamp.
 bool Pointing::change(const Look& look) {
   const bool pressed = look.down && !down_, released = !look.down && down_;
   const bool moved = !pointed_ || look.bearing.origin != last_.origin || look.bearing.direction != last_.direction;
-  // Geometry that moves under a still pointer causes no events (6.51).
+  // Geometry that moves under a pointer at rest causes no events (6.51).
   if (!pressed && !released && !moved) return true;
   auto& states = execution_.states().pointing;
   ++look_;
@@ -196,8 +198,8 @@ void Pointing::leave() {
   });
 }
 
-// Updates sensors under the pointer. `moved`: those already under it get hover events. If `all` is false, only sensors
-// that hold the pointer are updated.
+// Updates the sensors under the pointer. If `moved`, the sensors that were under it before receive hover events. Unless
+// `all`, updates only sensors that hold the pointer.
 void Pointing::enter(const Look& look, bool moved, bool all) {
   auto& states = execution_.states().pointing;
   for (const Sensed& one : look.sensed) {

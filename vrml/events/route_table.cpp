@@ -8,7 +8,7 @@
 namespace gs::vrml {
 namespace {
 
-// Approximate bytes per ROUTE in the table.
+// Approximate memory of a ROUTE in the table, in bytes.
 constexpr std::size_t kRouteEntry = 48;
 
 std::uint64_t key_of(std::uint32_t from, std::uint32_t to) { return std::uint64_t{from} << 32 | to; }
@@ -92,7 +92,7 @@ bool RouteTable::connect_instance(SceneGraph& scene, NodeId id) {
     const std::optional<std::uint32_t> place = place_in_body(prototype, mapping.node);
     if (!place) continue;
     const NodeId inner_id = scene.id_at(node.expansion_first + *place);
-    // An EXTERNPROTO has its own declarations, possibly fewer.
+    // An EXTERNPROTO declares its own interfaces, possibly fewer than the PROTO.
     const InterfaceDeclaration* outer = node.type->find(mapping.outer->name);
     if (!scene.contains(inner_id) || !outer || outer->type != mapping.inner->type) continue;
     const EventNode instance = execution_.scenes().member(state, id);
@@ -132,7 +132,7 @@ std::uint32_t RouteTable::connect(EventNode source, std::uint32_t from, EventNod
   return made;
 }
 
-// Removes a connection. A cascade may still traverse its entry, which becomes free when the cascade ends.
+// Removes a connection. A cascade may still follow its entry, so the entry becomes free when the cascade ends.
 void RouteTable::disconnect(std::uint32_t place) {
   Connection& removed = connections_[place];
   EventSlot& slot = execution_.nodes().slot(removed.from);

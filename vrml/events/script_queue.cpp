@@ -15,10 +15,10 @@ void ScriptQueue::begin_world() {
   starting_ = false;
 }
 
-// Starts new Scripts before they receive any event (4.12.3). A program may create Scripts, and their programs more: in
-// a running world, at most 64 start per timestamp.
+// Starts new Scripts before they receive any event (4.12.3). A program may create Scripts, and their programs may
+// create more. In a running world, at most 64 Scripts start per timestamp.
 void ScriptQueue::begin_new() {
-  constexpr std::size_t kBegin = std::size_t{1} << 20;  // elements of work
+  constexpr std::size_t kBegin = std::size_t{1} << 20;  // work elements of a start
   if (!started_) return;
   if (!host_) return new_.clear();
   std::size_t begun = 0;
@@ -26,7 +26,7 @@ void ScriptQueue::begin_new() {
     if (!starting_) (void)execution_.budget().spend(kBegin);
     const EventNode node = new_[begun];
     (void)host_->begin(node);
-    if (!starting_) execution_.timers().look_again(node);  // for events that were kept meanwhile
+    if (!starting_) execution_.timers().look_again(node);  // delivers the events that were queued before
   }
   new_.erase(new_.begin(), new_.begin() + static_cast<std::ptrdiff_t>(begun));
 }

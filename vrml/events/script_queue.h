@@ -7,21 +7,21 @@
 
 namespace gs::vrml {
 
-/// Scripts of a world (VRML97 4.12): starts their programs before they receive events. Part of Execution.
+/// Scripts of a world (VRML97 4.12). Starts their programs before they receive events. Part of Execution.
 class ScriptQueue {
  public:
   explicit ScriptQueue(Execution& execution) : execution_(execution) {}
 
-  /// Sets the host that runs the programs of present and future Scripts, from the start of the world on. Null means
-  /// none. The host must outlive this object, or be unset first; an unset host receives no end() calls.
+  /// Sets the host that runs the programs of all Scripts, from the start of the world on. Null means that no programs
+  /// run. The host must outlive this object, or must be replaced by null first; then it receives no end() calls.
   void set_host(ScriptHost* host) { host_ = host; }
   [[nodiscard]] ScriptHost* host() const { return host_; }
   /// Reports whether the world has ever had a Script.
   [[nodiscard]] bool has_scripts() const { return has_scripts_; }
-  /// Reports whether Scripts of a started world wait for their start.
+  /// Reports whether the world has started and Scripts still wait for their start.
   [[nodiscard]] bool waits() const { return started_ && !new_.empty(); }
 
-  /// Registers a Script that entered the world.
+  /// Adds a Script that entered the world.
   void add(EventNode node);
   /// Reports that the Script's program, or a resource that it lacked, has loaded.
   void program_came(const SceneGraph& scene, NodeId script);
@@ -29,9 +29,9 @@ class ScriptQueue {
   void begin_world();
   /// Starts new Scripts.
   void begin_new();
-  /// Ends nodes before their removal. By value: shutdown() may add nodes, which grows the lists of members.
+  /// Ends Scripts before they are removed. Takes the list by value, because shutdown() may add nodes.
   void end(std::vector<EventNode> nodes);
-  /// Forgets removed nodes.
+  /// Discards removed Scripts.
   void forget_removed();
 
  private:

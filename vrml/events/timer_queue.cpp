@@ -50,7 +50,7 @@ void TimerQueue::begin_step(double now) {
     --live_alarms_;
     look_again(alarm.node);
   }
-  // Nodes that start running meanwhile come after the others and have already been called.
+  // Nodes that start running during these calls are appended to the list. They have been called already.
   const std::size_t count = running_.size();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; ++i) {

@@ -8,33 +8,33 @@
 
 namespace gs::vrml {
 
-/// Nodes that time concerns: those that run in each step, those that must be evaluated once more with the present
-/// timestamp, and those with an alarm. Part of Execution.
+/// Nodes that behaviours must call at certain times: in each step, once more with the present timestamp, or at the time
+/// of an alarm. Part of Execution.
 class TimerQueue {
  public:
   explicit TimerQueue(Execution& execution) : execution_(execution) {}
 
-  /// Turns calls of on_time in each step on or off.
+  /// Starts or stops calls of on_time in each step.
   void run(EventNode node, bool running);
-  /// Requests one more call of on_time with this timestamp.
+  /// Requests one more call of on_time with the present timestamp.
   void look_again(EventNode node);
   /// Requests look_again() for all running nodes.
   void look_again_at_running();
-  /// Requests a call of on_time in the first step at or after `time`, later than the present step. Each node has one
-  /// such request; a new one replaces it.
+  /// Requests a call of on_time in the first step at or after `time` that follows the present step. A new request of a
+  /// node replaces its previous one.
   void call_at(EventNode node, double time);
 
-  /// Begins a step at `now`: requests look_again() for nodes with due alarms, and calls the running nodes.
+  /// Begins a step at the time `now`. Calls look_again() for nodes with due alarms, then calls the running nodes.
   void begin_step(double now);
-  /// Calls the nodes of look_again() until there are none.
+  /// Calls all nodes that look_again() added, until there are none left.
   void call_waiting();
   [[nodiscard]] bool has_running() const;
   /// Returns the time of the next alarm; nullopt if there is none.
   [[nodiscard]] std::optional<double> next_alarm() const;
 
-  /// Forgets the alarm of a node that is being removed.
+  /// Discards the alarm of a node that is removed.
   void remove(EventNode node);
-  /// Forgets removed nodes.
+  /// Discards removed nodes.
   void forget_removed();
 
  private:
@@ -49,7 +49,7 @@ class TimerQueue {
 
   Execution& execution_;
   std::vector<EventNode> running_, looking_;
-  std::vector<Alarm> alarms_;  // heap, earliest first
+  std::vector<Alarm> alarms_;  // heap; the earliest alarm is first
   std::size_t live_alarms_ = 0;
   std::uint32_t alarm_number_ = 0;
 };

@@ -73,7 +73,7 @@ void WorldScenes::attach(SceneGraph& scene) {
   if (const auto place = places_.find(&scene); place != places_.end()) attach_all({place->second});
 }
 
-// Attaches scenes; nested Inlines come after the Inlines that contain them.
+// Attaches scenes. An Inline precedes the Inlines nested in it.
 void WorldScenes::attach_all(std::vector<std::size_t> order) {
   execution_.placement().forget();
   execution_.pointing().forget();
@@ -98,13 +98,13 @@ void WorldScenes::attach_node(SceneState& state, NodeId id) {
   const Behaviour* const behaviour = node.type->behaviour;
   if (behaviour && behaviour->pointing) execution_.pointing().note_sensor();
   if (behaviour && behaviour->initialize) (void)member(state, id);
-  // New nodes fetch their URLs as on a set_url event.
+  // New nodes load their URLs, as after a set_url event.
   if ((node.owner != 0 || state.lives) && node.type->url_content != UrlContent::none)
     for (const InterfaceDeclaration* url : node.type->url_fields())
       if (const EventNode made = member(state, id)) execution_.changes().mark(made, url->slot);
   const bool external = node.type->kind == NodeType::Kind::external_prototype;
   if (node.type->prototype || external) (void)attach_instance(state, id);
-  // The body of an EXTERNPROTO is fetched as well.
+  // Also loads the body of an EXTERNPROTO.
   if (node.owner != 0 && !node.type->prototype && external) execution_.changes().mark_content(*state.scene, id);
 }
 
@@ -129,7 +129,7 @@ void WorldScenes::attach_scene(SceneState& state) {
   state.lives = true;
 }
 
-// Connects an instance to its body, or lists it until an EXTERNPROTO has a body.
+// Connects an instance to its body. An instance of an EXTERNPROTO without a body is listed until the body is loaded.
 bool WorldScenes::attach_instance(SceneState& state, NodeId id) {
   const Node& node = state.scene->node(id);
   if (!node.expansion.empty() && node.type->prototype) return execution_.routes().connect_instance(*state.scene, id);

@@ -10,32 +10,35 @@
 
 namespace gs::vrml {
 
-/// View frustum: tangents of the half angles to the right and up.
+/// View frustum: tangents of half the horizontal and half the vertical angle.
 struct Frustum {
   double right = 0, up = 0;
 };
 
-/// Viewer of a world, for sensors and Billboards: set from outside, else the bound Viewpoint. Part of Execution.
+/// Viewer of a world, for sensors and Billboards: set() defines it; before, the bound Viewpoint does. Part of
+/// Execution.
 class WorldViewer {
  public:
   explicit WorldViewer(Execution& execution) : execution_(execution) {}
 
-  /// Sets world_from_viewer, without scale. Before the first call, the bound Viewpoint applies. If `sees` is empty, the
-  /// frustum follows from the bound Viewpoint's fieldOfView and the aspect ratio.
+  /// Sets the viewer: world_from_viewer, without scale. Before the first call, the bound Viewpoint is the viewer. If
+  /// `sees` is empty, fieldOfView of the bound Viewpoint and the aspect ratio give the frustum.
   void set(const glm::dmat4& world_from_viewer, const std::optional<Frustum>& sees = {});
   [[nodiscard]] bool is_set() const { return world_from_viewer_.has_value(); }
   /// Sets the aspect ratio of the image: width divided by height.
   void set_aspect(double aspect) { aspect_ = aspect; }
-  /// Returns world_from_viewer: from set(), else of the bound Viewpoint, else 10 units from the origin along +Z.
+  /// Returns world_from_viewer: from set(), or of the bound Viewpoint, or 10 units from the origin along +Z.
   [[nodiscard]] glm::dmat4 pose();
-  /// Returns the frustum: from set(), else by the bound Viewpoint; its fieldOfView is the smaller angle (6.53).
+  /// Returns the frustum: from set(), or of the bound Viewpoint. There, fieldOfView is the smaller of both angles
+  /// (6.53).
   [[nodiscard]] Frustum frustum() const;
-  /// See Placement::places_of. Billboards face the viewer. Valid until the next call of this or of pose().
+  /// Returns Placement::places_of() of a node; Billboards face the viewer. Valid until the next call of this function
+  /// or of pose().
   [[nodiscard]] std::span<const glm::dmat4> places_of(EventNode node);
-  /// Reports a jump. It holds now and, if set() is in use, for its next call. The viewer does not pass positions in
-  /// between; running nodes are evaluated once more with this timestamp (6.53).
+  /// Reports that the viewer jumps: now, or with the next set() if set() is in use. The viewer does not pass positions
+  /// in between. Running nodes are evaluated once more with this timestamp (6.53).
   void jump();
-  /// Returns the number of jumps.
+  /// Returns the number of jumps so far.
   [[nodiscard]] std::uint32_t jumps() const { return jumps_; }
 
  private:

@@ -10,20 +10,20 @@
 
 namespace gs::vrml {
 
-/// Assignment of the values of a Color, Normal or TextureCoordinate node to the corners of faces or polylines in a
+/// Relation between the values of a Color, Normal or TextureCoordinate node and the corners of faces or polylines in a
 /// coordIndex (VRML97 6.23, 6.24).
 enum class Binding : std::uint8_t {
-  none,           // no values
-  by_vertex,      // one per coordinate, chosen by coordIndex
-  by_corner,      // chosen by the index at the corner's position in coordIndex
-  by_face,        // one per face, in order
-  by_face_index,  // one per face, chosen by the face's index
+  none,  // there are no values
+  by_vertex,  // one value per coordinate, chosen by the index in coordIndex
+  by_corner,  // chosen by the attribute's own index, at the same position as in coordIndex
+  by_face,  // one value per face, in order
+  by_face_index,  // one value per face, chosen by the attribute's own index
 };
 
-/// Marks a corner without a value.
+/// Index that marks a corner without a value.
 inline constexpr std::uint32_t kMissing = 0xffffffff;
 
-/// Values of an attribute, their index field, and the binding of both.
+/// Values of an attribute, its index field, and the binding that relates them to corners.
 template <class T>
 struct Attribute {
   Array<T> values;
@@ -31,15 +31,15 @@ struct Attribute {
   Binding binding = Binding::none;
 
   Attribute() = default;
-  /// `per_vertex` is the node's field colorPerVertex or normalPerVertex; `index` is its index field.
+  /// `per_vertex` is colorPerVertex or normalPerVertex of the node; `indices` is its index field for the attribute.
   Attribute(Array<T> all, bool per_vertex, MFInt32 indices) : values(std::move(all)), index(std::move(indices)) {
     if (values.empty()) return;
     binding = per_vertex ? (index.empty() ? Binding::by_vertex : Binding::by_corner)
                          : (index.empty() ? Binding::by_face : Binding::by_face_index);
   }
 
-  /// Returns the index of the value in `values`, always valid, or kMissing. `corner` is a position in coordIndex,
-  /// `vertex` the index stored there, `face` the ordinal of the face.
+  /// Returns a valid index in `values`, or kMissing. `corner` is a position in coordIndex, `vertex` the index stored
+  /// there, and `face` the index of the face.
   [[nodiscard]] std::uint32_t find(std::size_t corner, std::uint32_t vertex, std::size_t face) const {
     std::uint32_t wanted = kMissing;
     switch (binding) {
@@ -61,19 +61,20 @@ struct Attribute {
     return wanted < values.size() ? wanted : kMissing;
   }
 
-  /// Like find(), but replaces a missing value by that of the vertex, else by the last one. Returns kMissing only if
-  /// there are no values.
+  /// Like find(), but replaces a missing value: by the value of the vertex, or else by the last value. Returns kMissing
+  /// only if there are no values.
   [[nodiscard]] std::uint32_t find_or_nearest(std::size_t corner, std::uint32_t vertex, std::size_t face) const {
     const std::uint32_t found = find(corner, vertex, face);
     if (found != kMissing || values.empty()) return found;
     return vertex < values.size() ? vertex : static_cast<std::uint32_t>(values.size() - 1);
   }
 
-  /// Turns by_corner into by_vertex if the index repeats coordIndex, as many exporters write it. This permits sharing.
+  /// Changes the binding from by_corner to by_vertex if the index field equals coordIndex, which many exporters write.
+  /// The mesh can then share arrays.
   void simplify(std::span<const std::int32_t> coord_index);
 
-  /// Resizes a by_vertex attribute to `count` values and pads with `filling`. Shares storage if the size is already
-  /// right.
+  /// Resizes a by_vertex attribute to `count` values, and pads it with `filling`. If the size is right, keeps the
+  /// shared storage.
   void fit(std::size_t count, T filling) {
     const std::size_t had = values.size();
     if (had == count) return;
@@ -90,7 +91,7 @@ struct Attribute {
 template <class T>
 void Attribute<T>::simplify(std::span<const std::int32_t> coord_index) {
   if (binding != Binding::by_corner || index.size() < coord_index.size()) {
-    // Either index may omit the end marker of the last face.
+    // The end marker of the last face may be missing in either index.
     if (binding != Binding::by_corner || index.size() + 1 != coord_index.size() || coord_index.back() >= 0) return;
     coord_index = coord_index.first(index.size());
   }

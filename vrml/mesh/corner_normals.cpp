@@ -13,18 +13,18 @@
 namespace gs::vrml {
 namespace {
 
-constexpr std::size_t kMaxPairs = 256;    // faces around a vertex that are compared pairwise
-constexpr std::size_t kMaxSearched = 32;  // existing values of a vertex that a new one is compared with
-constexpr glm::vec3 kNoNormal{0, 0, 1};   // fallback
-constexpr int kGroupsAcross = 16;         // directions are grouped on a 16 x 16 octahedron map
+constexpr std::size_t kMaxPairs = 256;  // maximum number of faces around a vertex for pairwise comparison
+constexpr std::size_t kMaxSearched = 32;  // maximum number of values that a new one is compared with
+constexpr glm::vec3 kNoNormal{0, 0, 1};  // used if a face and its vertex have no direction
+constexpr int kGroupsAcross = 16;  // groups directions in 16 x 16 cells of an octahedral map
 
-/// Normal of a face; a face without area has weight 0.
+/// Normal of a face, weighted by its area. A face without area has the weight 0.
 struct FaceNormal {
   glm::vec3 unit{0};
   float weight = 0;
 };
 
-/// Faces around the current vertex, as structure of arrays for vector loops.
+/// Faces around the current vertex, in one array per component for vector loops.
 struct Neighbours {
   std::vector<float> x, y, z, weight, chosen;
 
@@ -40,8 +40,8 @@ struct Neighbours {
   }
   [[nodiscard]] glm::vec3 unit(std::size_t i) const { return {x[i], y[i], z[i]}; }
 
-  /// Returns the weighted sum of the first `count` normals at an angle to number `own` with a cosine above `cosine`;
-  /// always includes `own`. Branchless, since the selection is hard to predict.
+  /// Returns the weighted sum of the normals near the normal with index `own`, among the first `count`. Near means a
+  /// cosine above `cosine`; `own` is always included. Branch-free, because the selection is hard to predict.
   [[nodiscard]] glm::vec3 sum_near(std::size_t own, std::size_t count, float cosine) {
     const glm::vec3 axis = unit(own);
     for (std::size_t i = 0; i < count; ++i)
@@ -58,8 +58,8 @@ struct FaceCorner {
   std::uint32_t face;    // index in the list of FaceNormals
 };
 
-/// Returns the area vector of the face. If it is zero (self-intersecting or folded face), returns that of its largest
-/// triangle.
+/// Returns the area vector of a face. If the vector is zero because the face crosses itself or is folded, returns the
+/// area vector of the face's largest triangle.
 [[nodiscard]] glm::dvec3 area_vector(std::span<const glm::vec3> polygon) {
   const glm::dvec3 sum = newell_vector(polygon);
   if (glm::dot(sum, sum) > 0 || polygon.size() == 3) return sum;
@@ -86,7 +86,7 @@ struct FaceCorner {
   return area_vector(scratch);
 }
 
-/// Returns the unit vector along `v`, or `other` if v has no direction.
+/// Returns the unit vector in the direction of `v`; `other` if `v` has no direction.
 [[nodiscard]] glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& other) {
   const float square = glm::dot(v, v);
   return square > 1e-30f && std::isfinite(square) ? v / std::sqrt(square) : other;
@@ -139,12 +139,12 @@ class CreaseSmoother {
 
   std::vector<FaceNormal> faces_;
   std::vector<FaceCorner> corners_;  // sorted by vertex
-  std::vector<std::uint32_t> ends_;  // corners of vertex v are [ends_[v], ends_[v + 1])
+  std::vector<std::uint32_t> ends_;  // the corners of vertex v are ends_[v] to ends_[v + 1], excluded
   Neighbours near_;
-  std::vector<Value> own_;       // values made for the current vertex
-  Array<glm::vec3> values_;      // first value of each vertex, by vertex
-  glm::vec3* first_ = nullptr;   // into values_
-  std::vector<glm::vec3> more_;  // further values, appended later
+  std::vector<Value> own_;  // values that were made for the current vertex
+  Array<glm::vec3> values_;  // first value of each vertex
+  glm::vec3* first_ = nullptr;  // pointer into values_
+  std::vector<glm::vec3> more_;  // further values, which are appended at the end
   MFInt32 index_;
 };
 
@@ -173,7 +173,7 @@ void CreaseSmoother::read_faces(const UsableVertices& vertices, bool ccw) {
   }
 }
 
-/// Sorts the corners by vertex. Reading the faces again is cheaper than storing their corners.
+/// Sorts the corners by vertex. Reads the faces a second time, which is cheaper than storing their corners.
 void CreaseSmoother::sort_corners(const UsableVertices& vertices, bool ccw) {
   for (std::size_t i = 1; i < ends_.size(); ++i) ends_[i] += ends_[i - 1];
   corners_.resize(ends_.back());
@@ -212,7 +212,8 @@ void CreaseSmoother::smooth(std::uint32_t vertex, std::span<const FaceCorner> ar
     smooth_groups(vertex, around);
 }
 
-/// Handles the usual case: all faces lie within half the crease angle of their mean, so any two lie within the whole.
+/// Handles the usual case: the normals of all faces are within half the crease angle of their mean. Then any two
+/// normals are within the crease angle.
 bool CreaseSmoother::smooth_all(std::uint32_t vertex, std::span<const FaceCorner> around) {
   glm::vec3 sum(0);
   for (const FaceCorner& corner : around) sum += faces_[corner.face].unit * faces_[corner.face].weight;
@@ -235,7 +236,7 @@ void CreaseSmoother::smooth_pairs(std::uint32_t vertex, std::span<const FaceCorn
   }
 }
 
-/// Returns an existing equal value, or adds one. Faces with the same neighbours get the same sum.
+/// Returns the index of an equal value, or adds the value. Faces with the same neighbours get equal sums.
 std::uint32_t CreaseSmoother::find_or_add(std::uint32_t vertex, const glm::vec3& normal) {
   const std::size_t start = own_.size() > kMaxSearched ? own_.size() - kMaxSearched : 0;
   for (std::size_t i = start; i < own_.size(); ++i) {
@@ -245,7 +246,7 @@ std::uint32_t CreaseSmoother::find_or_add(std::uint32_t vertex, const glm::vec3&
   return add(vertex, normal);
 }
 
-/// Returns the cell of a direction on the octahedron map.
+/// Returns the index of a direction's cell on the octahedral map.
 [[nodiscard]] std::size_t group_of(const glm::vec3& unit) {
   const float sum = std::abs(unit.x) + std::abs(unit.y) + std::abs(unit.z);
   if (!(sum > 0)) return 0;
@@ -268,12 +269,12 @@ void CreaseSmoother::smooth_groups(std::uint32_t vertex, std::span<const FaceCor
     const FaceNormal& face = faces_[around[i].face];
     sums[group_of(face.unit)] += face.unit * face.weight;
   }
-  std::array<std::size_t, kGroups> groups{};  // non-empty groups
+  std::array<std::size_t, kGroups> groups{};  // indices of the groups that are not empty
   std::size_t count = 0;
   for (std::size_t i = 0; i < kGroups; ++i) {
     const float length = glm::length(sums[i]);
     if (!(length > 0)) continue;
-    near_.set(count, {sums[i] / length, length});  // fits, since there are more faces than groups
+    near_.set(count, {sums[i] / length, length});  // always fits, because there are more faces than groups
     groups[count++] = i;
   }
   std::array<std::uint32_t, kGroups> values{};

@@ -10,12 +10,12 @@
 
 namespace gs::vrml {
 
-/// Iterates over the faces of a coordIndex. Any negative number ends a face; the last end marker is optional (VRML97
-/// 6.23). Skips faces that cannot be drawn: with fewer than three different vertices, or with a vertex that does not
-/// exist or is not finite. Drops corners that repeat the previous one, or the first one at the end of a face.
+/// Iterator over the faces of a coordIndex. Any negative number ends a face; the last face needs no end marker (VRML97
+/// 6.23). Skips faces with fewer than three different vertices, and faces with a vertex that does not exist or is not
+/// finite. Drops corners that repeat the previous corner, and last corners that repeat the first corner.
 class FaceReader {
  public:
-  /// Keeps references to `coord_index` and `vertices`. If `ccw` is false, it reverses the corners.
+  /// Keeps references to `coord_index` and `vertices`. If `ccw` is false, reverses the corners of each face.
   FaceReader(std::span<const std::int32_t> coord_index, const UsableVertices& vertices, bool ccw)
       : index_(coord_index), vertices_(vertices), ccw_(ccw) {}
 
@@ -25,19 +25,19 @@ class FaceReader {
       if (read()) return true;
     return false;
   }
-  /// Reads one face; call it only while position() is inside coordIndex. Returns false if it skips the face.
+  /// Reads one face. Call it only while position() is inside coordIndex. Returns false if it skips the face.
   bool read();
   /// Returns the position in coordIndex after the face.
   [[nodiscard]] std::size_t position() const { return next_; }
-  /// Skips `faces` faces that the caller has read itself, up to `position`.
+  /// Skips `faces` faces that the caller has read. They end before `position`.
   void skip_to(std::size_t position, std::size_t faces) {
     next_ = position;
     next_face_ += faces;
   }
 
-  /// Returns the ordinal of the face, counting skipped ones.
+  /// Returns the index of the face. Skipped faces count, too.
   [[nodiscard]] std::size_t face() const { return next_face_ - 1; }
-  /// Returns at least three positions in coordIndex, counter-clockwise.
+  /// Returns the corners of the face: at least three positions in coordIndex, counter-clockwise.
   [[nodiscard]] std::span<const std::uint32_t> corners() const { return {corners_.data(), count_}; }
   [[nodiscard]] std::uint32_t vertex(std::uint32_t corner) const { return static_cast<std::uint32_t>(index_[corner]); }
 

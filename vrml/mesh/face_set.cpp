@@ -15,12 +15,12 @@
 namespace gs::vrml {
 namespace {
 
-constexpr float kUnitTolerance = 0.01f;  // of the squared length; files often give three or four digits
+constexpr float kUnitTolerance = 0.01f;  // tolerance of the squared length; files often give three or four digits
 constexpr float kShortestSquare = 1e-24f;
 constexpr std::size_t kStretch =
-    4096;  // entries of a coordIndex that are read between two checks of the output array's capacity
+    4096;  // number of coordIndex entries that are read before the capacity is tested again
 
-/// Returns the number of indices for `entries` entries of a coordIndex if all faces are triangles, plus a margin.
+/// Returns the number of indices if all `entries` entries of a coordIndex belong to triangles, plus a margin.
 [[nodiscard]] std::size_t expected_indices(std::size_t entries) {
   return entries / 4 * 3 + std::min(entries, kStretch) / 2 + 12;
 }
@@ -42,7 +42,8 @@ class IndexWriter {
     next[2] = c;
     next_ = next + 3;
   }
-  /// Returns room for `count` indices, for loops that keep the position themselves; release() takes the end position.
+  /// Returns memory for `count` indices, for loops that track the position themselves. Pass the end position to
+  /// release().
   [[nodiscard]] std::uint32_t* claim(std::size_t count) {
     if (static_cast<std::size_t>(end_ - next_) < count) grow(static_cast<std::size_t>(next_ - begin_) + count);
     return next_;
@@ -66,12 +67,12 @@ class IndexWriter {
   std::uint32_t *begin_ = nullptr, *next_ = nullptr, *end_ = nullptr;
 };
 
-/// Triangulates faces.
+/// Triangulator of faces.
 class FaceCutter {
  public:
   FaceCutter(const FaceSet& faces, std::span<const std::int32_t> coord_index) : faces_(faces), index_(coord_index) {}
 
-  /// Calls emit(i, j, k) for each triangle, with indices in `corners`.
+  /// Calls emit(i, j, k) for each triangle, with indices of `corners`.
   template <class Emit>
   void cut(std::span<const std::uint32_t> corners, const Emit& emit) {
     const auto count = static_cast<std::uint32_t>(corners.size());
@@ -92,7 +93,8 @@ class FaceCutter {
   PolygonTriangulator triangulator_;
 };
 
-/// Builds the mesh if every corner takes all attributes by its vertex: unchanged arrays, plus indices.
+/// Builder of the mesh if every corner takes all attributes by its vertex. The mesh has the unchanged arrays, plus
+/// indices.
 class SharedBuilder {
  public:
   SharedBuilder(const FaceSet& faces, std::span<const std::int32_t> coord_index, const UsableVertices& vertices)
@@ -141,8 +143,8 @@ class SharedBuilder {
     });
   }
 
-  /// Reads triangles and convex quadrilaterals up to the first other or invalid face; returns its position. Large
-  /// meshes consist of these.
+  /// Reads triangles and convex quadrilaterals, which large meshes consist of. Stops at the first other or invalid face
+  /// and returns its position.
   [[nodiscard]] std::size_t read_plain_faces(std::size_t position, std::size_t& faces);
 
   const FaceSet& faces_;
@@ -193,7 +195,7 @@ std::size_t SharedBuilder::read_plain_faces(std::size_t position, std::size_t& f
   return i;
 }
 
-/// Writes vertices into the arrays of a mesh.
+/// Writer of vertices into the arrays of a mesh.
 class VertexWriter {
  public:
   /// Reserves room for at most `count` vertices.
@@ -241,10 +243,10 @@ class VertexWriter {
   std::uint32_t count_ = 0;
 };
 
-/// Builds the mesh in all other cases: one vertex per distinct corner.
+/// Builder of the mesh in all other cases. It makes one vertex per distinct corner.
 class CornerBuilder {
  public:
-  /// If `own_normals` is set, no two vertices share a normal, so the normal identifies a corner better than the vertex.
+  /// Set `own_normals` if no two vertices share a normal. The normal then identifies a corner better than the vertex.
   CornerBuilder(const FaceSet& faces, std::span<const std::int32_t> coord_index, const UsableVertices& vertices,
                 bool own_normals)
       : faces_(faces),
@@ -288,7 +290,7 @@ class CornerBuilder {
   }
 
  private:
-  /// Returns false if every face has an attribute of its own, so that corners of different faces always differ.
+  /// Returns false if every face has its own value of an attribute. Corners of different faces then always differ.
   [[nodiscard]] static bool can_weld(const FaceSet& faces) {
     return faces.normal.binding != Binding::none && faces.normal.binding != Binding::by_face &&
            faces.color.binding != Binding::by_face;
@@ -308,10 +310,10 @@ class CornerBuilder {
   Welder welder_;
   VertexWriter writer_;
   IndexWriter out_;
-  // Generated normals of faces that lack some; their indices follow those of the given ones. Where vertices are written
-  // at once, only the last one is kept.
+  // Normals generated for faces with missing normals. Their indices follow those of the given normals. If vertices are
+  // written at once, only the last normal is stored.
   std::vector<glm::vec3> face_normals_;
-  std::uint32_t face_normal_ = kMissing;  // normal of the current face, once generated
+  std::uint32_t face_normal_ = kMissing;  // index of the current face's normal, if generated
   std::vector<glm::vec3> scratch_;
 };
 
@@ -348,12 +350,12 @@ bool CornerBuilder::set_normal(const FaceReader& reader, std::uint32_t corner, V
   return true;
 }
 
-/// Copies the used coordinates if the node uses few out of many.
+/// Copies the used coordinates if the node uses only a few of many.
 void compact_points(FaceSet& faces) {
   const std::span<const std::int32_t> index = readable(faces.coord_index);
   if (!needs_compaction(faces.points.size(), index.size())) return;
   Compaction compaction = compact(index, faces.points.size());
-  // Colours come first: the number of points determines the last colour.
+  // Handles colours first, because the number of points determines the last colour.
   if (faces.color.binding == Binding::by_vertex)
     faces.color.values = gather(faces.color.values, compaction.kept, faces.color.values.back());
   if (faces.normal.binding == Binding::by_vertex)
@@ -364,7 +366,7 @@ void compact_points(FaceSet& faces) {
   faces.coord_index = std::move(compaction.index);
 }
 
-/// Matches by_vertex normals to the number of points and normalizes them, without a copy if possible. Returns false if
+/// Resizes by_vertex normals to the number of points and normalises them, without a copy if possible. Returns false if
 /// a used normal is missing or has no direction.
 [[nodiscard]] bool fit_normals(FaceSet& faces) {
   const std::size_t points = faces.points.size();
@@ -389,7 +391,7 @@ void compact_points(FaceSet& faces) {
   return binding == Binding::by_vertex || binding == Binding::none;
 }
 
-// Worst-case bytes of each method, per entry of coordIndex and per point.
+// Maximum bytes of each method, per entry of coordIndex and per point.
 struct Cost {
   std::uint64_t entry, point;
 };

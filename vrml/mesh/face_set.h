@@ -8,20 +8,20 @@
 
 namespace gs::vrml {
 
-/// Faces as in IndexedFaceSet (VRML97 6.23); ElevationGrid and Extrusion are converted to this form. Arrays share
-/// storage with fields where the mesh can use them unchanged.
+/// Faces in the form of IndexedFaceSet (VRML97 6.23). ElevationGrid and Extrusion are converted to this form. Arrays
+/// share storage with fields if the mesh can use them unchanged.
 struct FaceSet {
   MFInt32 coord_index;
   MFVec3f points;
-  Attribute<glm::vec3> normal;  // if none, generated with crease_angle
+  Attribute<glm::vec3> normal;  // if there are none, generated with crease_angle
   Attribute<Color> color;
   Attribute<glm::vec2> texture_coordinate;
-  bool default_texture_coordinates = false;  // without given ones, use the bounding-box mapping of 6.23
+  bool default_texture_coordinates = false;  // if there are no coordinates, uses the bounding-box mapping of 6.23
   bool ccw = true;
   bool convex = true;
   bool solid = true;
   float crease_angle = 0;
-  std::shared_ptr<Budget> budget;  // for working memory; null means unlimited
+  std::shared_ptr<Budget> budget;  // limits working memory; null means unlimited
 };
 
 /// Triangulates the faces. Normalizes given normals; a missing or zero normal becomes that of the face. A missing
@@ -30,7 +30,7 @@ struct FaceSet {
 /// set; if the budget stops it, the mesh keeps the faces made so far.
 [[nodiscard]] Mesh make_mesh(FaceSet faces);
 
-/// Appends the triangles of `more` to `mesh`. Pads attributes that only one of them has: normals and texture
+/// Appends the triangles of `more` to `mesh`. Pads an attribute that only one of the two has: normals and texture
 /// coordinates with zeros, colours with white.
 void append(Mesh& mesh, const Mesh& more);
 

@@ -11,7 +11,7 @@ std::size_t elements_of(const Node& node) {
   return sum;
 }
 
-/// Copies a node with the nodes in its own SFNode fields, the only ones that meshes depend on.
+/// Copies a node, and the nodes in its SFNode fields. Meshes depend on no other nodes.
 NodeId copy_node(const SceneGraph& from, NodeId id, SceneGraph& to, bool with_parts) {
   const Node& node = from.node(id);
   const NodeId copy = to.create(*node.type, node.location);

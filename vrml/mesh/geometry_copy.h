@@ -7,15 +7,15 @@
 
 namespace gs::vrml {
 
-/// Estimates the work of `tessellate` for the node, in elements of the lists of an IndexedFaceSet (10 to 50 ns each).
-/// Returns 0 if the node is no geometry.
+/// Estimates the work of `tessellate` for the node. The unit is the work for one list element of an IndexedFaceSet, 10
+/// to 50 ns. Returns 0 if the node is not a geometry.
 [[nodiscard]] std::size_t tessellation_cost(const SceneGraph& scene, NodeId geometry);
 
-/// Copy of a geometry node and everything its mesh depends on, in its own scene. For a thread that does not own the
-/// original scene. Arrays are shared copy-on-write (docs/decisions/0003).
+/// Copy of a geometry node, and of everything that its mesh depends on, in a separate scene. It serves threads that do
+/// not own the original scene. Arrays are shared copy-on-write (docs/decisions/0003).
 struct GeometryCopy {
-  std::unique_ptr<SceneGraph> scene;  // draws from the world's budget; null if that is exhausted
-  NodeId geometry, refiner;           // in `scene`; see MeshOptions::refiner
+  std::unique_ptr<SceneGraph> scene;  // draws from the world's budget; null if the budget is exhausted
+  NodeId geometry, refiner;  // nodes in `scene`; see MeshOptions::refiner
 };
 [[nodiscard]] GeometryCopy copy_geometry(const SceneGraph& scene, NodeId geometry, NodeId refiner = {});
 

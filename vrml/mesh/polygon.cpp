@@ -10,9 +10,9 @@ namespace {
 
 constexpr std::size_t kStepsPerCorner = 512;
 constexpr std::size_t kStepsAtLeast = 16384;
-constexpr std::size_t kMaxSteps = std::size_t{1} << 27;  // per polygon: one second at most
-constexpr int kMaxExceptions = 24;     // ears cut with relaxed checks; only self-intersecting polygons need more
-constexpr std::size_t kGridFrom = 48;  // number of reflex corners from which a grid pays
+constexpr std::size_t kMaxSteps = std::size_t{1} << 27;  // maximum steps per polygon, at most one second
+constexpr int kMaxExceptions = 24;  // maximum ears cut with relaxed tests; only self-intersecting polygons need more
+constexpr std::size_t kGridFrom = 48;  // minimum number of reflex corners for which a grid pays
 constexpr std::size_t kMaximumColumns = 4096;
 
 [[nodiscard]] std::size_t cell_of(double place, std::size_t size) {
@@ -62,9 +62,8 @@ void PolygonTriangulator::quadrilateral(std::span<const glm::vec3> polygon, cons
     triangles_ = {1, 2, 3, 1, 3, 0};
 }
 
-/// Projects by dropping the axis nearest to the normal. Unlike a rotation into the plane, this keeps coordinates
-/// unchanged, so that collinear and coincident corners remain so. Mirrors the result if needed to make it
-/// counter-clockwise.
+/// Projects the polygon by dropping the coordinate axis nearest to the normal. Unlike a rotation, this does not change
+/// coordinates, so that collinear and coincident corners remain so. Mirrors the result if it would be clockwise.
 void PolygonTriangulator::project(std::span<const glm::vec3> polygon, const glm::dvec3& normal) {
   const glm::dvec3 size(std::abs(normal.x), std::abs(normal.y), std::abs(normal.z));
   const int dropped = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
@@ -74,7 +73,7 @@ void PolygonTriangulator::project(std::span<const glm::vec3> polygon, const glm:
   for (std::size_t i = 0; i < polygon.size(); ++i) points_[i] = {polygon[i][u], polygon[i][v]};
 }
 
-/// Builds the ring of corners and queues all of them.
+/// Builds the ring of corners, and adds all corners to the queue.
 void PolygonTriangulator::link() {
   const auto count = static_cast<std::uint32_t>(points_.size());
   previous_.resize(count);
@@ -98,15 +97,16 @@ void PolygonTriangulator::link() {
   if (reflex_.size() >= kGridFrom) build_grid();
 }
 
-/// Reports whether a corner covers no area: it coincides with the next one, or the polygon folds back on itself there,
-/// as bridges to holes leave behind.
+/// Reports whether a corner covers no area: it coincides with the next corner, or the polygon folds back on itself
+/// there. Bridges to holes leave such corners after ears are cut.
 bool PolygonTriangulator::is_spike(std::uint32_t corner) const {
   const glm::dvec2 back = points_[previous_[corner]] - points_[corner];
   const glm::dvec2 forth = points_[next_[corner]] - points_[corner];
   return forth == glm::dvec2(0) || (back.x * forth.y == back.y * forth.x && glm::dot(back, forth) > 0);
 }
 
-/// Updates all corners with new neighbours: removes spikes, which may change further corners, and queues the others.
+/// Updates all corners with new neighbours. Removes spikes, which may change further corners, and adds the others to
+/// the queue.
 void PolygonTriangulator::settle() {
   while (!changed_.empty()) {
     const std::uint32_t corner = changed_.back();
@@ -128,7 +128,7 @@ double PolygonTriangulator::area(std::uint32_t a, std::uint32_t b, std::uint32_t
   return ab.x * ac.y - ab.y * ac.x;
 }
 
-/// Removes a corner from the ring; its own links stay.
+/// Removes a corner from the ring. The corner's own links do not change.
 void PolygonTriangulator::unlink(std::uint32_t corner) {
   next_[previous_[corner]] = next_[corner];
   previous_[next_[corner]] = previous_[corner];
@@ -141,9 +141,9 @@ void PolygonTriangulator::unlink(std::uint32_t corner) {
   place_[corner] = kNone;
 }
 
-/// Updates a corner's membership in the list of reflex corners after its neighbours changed.
+/// Updates the list of reflex corners after the neighbours of a corner have changed.
 void PolygonTriangulator::refresh(std::uint32_t corner) {
-  // A corner that is straight except for rounding would become a sliver, which leaves a visible seam.
+  // A corner that is straight except for rounding errors would become a sliver, which leaves a visible seam.
   constexpr double kStraight = 1e-6;
   const glm::dvec2 across = points_[next_[corner]] - points_[previous_[corner]];
   const bool reflex = !(area(previous_[corner], corner, next_[corner]) > kStraight * glm::dot(across, across));
@@ -160,7 +160,7 @@ void PolygonTriangulator::refresh(std::uint32_t corner) {
   }
 }
 
-/// Returns the position in the grid, in cells.
+/// Returns the position of a corner in the grid, in units of cells.
 glm::dvec2 PolygonTriangulator::to_grid(std::uint32_t corner) const {
   return (points_[corner] - grid_origin_) * grid_scale_;
 }
@@ -181,7 +181,7 @@ void PolygonTriangulator::build_grid() {
     upper = {std::max(upper.x, points_[corner].x), std::max(upper.y, points_[corner].y)};
     corner = next_[corner];
   } while (corner != first_);
-  // Chooses about as many cells as reflex corners, nearly square.
+  // Chooses about as many cells as there are reflex corners. Cells are nearly square.
   const glm::dvec2 size = upper - lower;
   const auto cells = static_cast<double>(reflex_.size());
   const double columns = size.x > 0 ? (size.y > 0 ? std::sqrt(cells * (size.x / size.y)) : cells) : 1;
@@ -197,8 +197,9 @@ void PolygonTriangulator::build_grid() {
   for (const std::uint32_t reflex : reflex_) enter_grid(reflex);
 }
 
-/// Reports whether a reflex corner blocks cutting the ear at `tip`. A corner that coincides with one of the ear's (as
-/// bridges to holes cause) does not: if its edges entered the ear, another reflex corner would lie inside.
+/// Reports whether a reflex corner prevents cutting the ear at `tip`. A corner at the same position as a corner of the
+/// ear, as at bridges to holes, does not prevent it: if its edges entered the ear, another reflex corner would be
+/// inside.
 bool PolygonTriangulator::blocks(std::uint32_t corner, std::uint32_t tip, Strictness strictness) const {
   const std::uint32_t a = previous_[tip], c = next_[tip];
   const glm::dvec2 p = points_[corner];
@@ -217,9 +218,9 @@ bool PolygonTriangulator::is_ear(std::uint32_t tip, Strictness strictness) {
   return true;
 }
 
-/// Tests the cells that the ear touches, row by row.
+/// Tests the reflex corners in the cells that the ear touches, row by row.
 bool PolygonTriangulator::grid_blocks(std::uint32_t tip, Strictness strictness) {
-  constexpr double kSlack = 1e-6;  // in cells; covers rounding where edges cross rows
+  constexpr double kSlack = 1e-6;  // in cells; margin for rounding errors where edges cross rows
   const glm::dvec2 corners[] = {to_grid(previous_[tip]), to_grid(tip), to_grid(next_[tip])};
   const std::size_t bottom = cell_of(std::min({corners[0].y, corners[1].y, corners[2].y}) - kSlack, rows_);
   const std::size_t top = cell_of(std::max({corners[0].y, corners[1].y, corners[2].y}) + kSlack, rows_);
@@ -247,7 +248,7 @@ bool PolygonTriangulator::grid_blocks(std::uint32_t tip, Strictness strictness) 
   return false;
 }
 
-/// Gives up on ears: makes a fan of the rest, without its empty triangles.
+/// Ends the search for ears: makes a fan of the remaining corners, without triangles of area zero.
 void PolygonTriangulator::fan() {
   for (std::uint32_t b = next_[first_]; next_[b] != first_; b = next_[b])
     if (area(first_, b, next_[b]) != 0) triangles_.insert(triangles_.end(), {first_, b, next_[b]});
@@ -266,8 +267,8 @@ void PolygonTriangulator::enqueue_all() {
   spend(remaining_);
 }
 
-/// Cuts ears. A cut can turn only its two neighbours into ears. They go to the end of the queue, so that cuts proceed
-/// around the polygon instead of forming a fan of slivers.
+/// Cuts ears. A cut can turn only the two neighbours of the cut corner into ears. The neighbours go to the end of the
+/// queue, so that the cuts proceed around the polygon instead of forming a fan of slivers.
 void PolygonTriangulator::clip() {
   Strictness strictness = Strictness::clear;
   int exceptions = 0;
@@ -284,7 +285,7 @@ void PolygonTriangulator::clip() {
     if (turn_[tip] != candidate.turn || !in_ring(tip) || !is_ear(tip, strictness)) continue;
     triangles_.insert(triangles_.end(), {previous_[tip], tip, next_[tip]});
     unlink(tip);
-    if (strictness != Strictness::clear) {  // after an exception, return to strict checks
+    if (strictness != Strictness::clear) {  // after a relaxed test, returns to strict tests
       strictness = Strictness::clear;
       queue_head_ = queue_.size();
       ++exceptions;

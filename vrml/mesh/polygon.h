@@ -10,20 +10,20 @@
 
 namespace gs::vrml {
 
-/// Returns Newell's vector of a polygon, computed relative to its first corner. The direction is the normal by the
-/// right-hand rule, the length twice the area. Exact up to rounding of doubles.
+/// Returns Newell's vector of a polygon, computed relative to its first corner. Its direction is the normal by the
+/// right-hand rule, its length twice the area. Exact except for rounding of doubles.
 [[nodiscard]] glm::dvec3 newell_vector(std::span<const glm::vec3> polygon);
 
-/// Triangulates polygons by ear clipping, including concave ones and ones with holes joined by bridge edges (VRML97
-/// 6.23, `convex FALSE`). Reuses its memory from one polygon to the next.
+/// Triangulator of polygons by ear clipping. Polygons may be concave and have holes joined by bridge edges (VRML97
+/// 6.23, `convex FALSE`). Reuses its memory for the next polygon.
 ///
-/// Accepts any finite coordinates. A simple planar polygon of n corners gives n - 2 triangles that cover it exactly, or
-/// fewer if corners coincide. Any other polygon gives some triangles between its corners. Takes about n log n for
-/// practical polygons, and at most 512 n short steps. After a few failed attempts on a self-intersecting polygon, the
-/// rest becomes a fan.
+/// Accepts any finite coordinates. A simple planar polygon with n corners gives n - 2 triangles that cover it exactly,
+/// or fewer if corners coincide. Any other polygon gives some triangles between its corners. Takes time of about n log
+/// n for practical polygons, and at most 512 n short steps. After some failed attempts on a polygon that crosses
+/// itself, the rest becomes a fan.
 class PolygonTriangulator {
  public:
-  /// Returns three indices into `polygon` per triangle, in the winding of the polygon. Valid until the next call.
+  /// Returns three indices of `polygon` per triangle, in the winding of the polygon. Valid until the next call.
   [[nodiscard]] std::span<const std::uint32_t> triangulate(std::span<const glm::vec3> polygon);
 
  private:
@@ -55,12 +55,12 @@ class PolygonTriangulator {
   std::vector<std::uint32_t> triangles_;
   std::vector<glm::dvec2> points_;
   std::vector<std::uint32_t> previous_, next_;
-  // Corners that are not strictly convex, the only ones that can lie in an ear: a list, the index of each corner in
-  // that list, and a grid if there are many. Grid cells may contain corners that have since left the list.
+  // Corners that are not strictly convex; only they can be inside an ear. Stored as a list, the index of each corner in
+  // that list, and a grid if there are many. Grid cells may still contain corners that have left the list.
   std::vector<std::uint32_t> reflex_, place_;
   std::vector<std::uint32_t> cell_head_, cell_next_;
   std::vector<bool> in_grid_;
-  // Queue of corners to try; an entry is valid only while it is the corner's latest.
+  // Entry of the queue of corners to try. Only the latest entry of a corner is valid.
   struct Candidate {
     std::uint32_t corner, turn;
   };

@@ -11,9 +11,9 @@
 namespace gs::vrml {
 namespace {
 
-constexpr std::uint32_t kInfinity = 0x7f800000;  // float bits from which a value is not finite
+constexpr std::uint32_t kInfinity = 0x7f800000;  // bits of infinity; larger bits are NaN
 
-/// Returns the bits of the largest absolute value; NaN exceeds infinity. Written to vectorize.
+/// Returns the bits of the largest absolute value; NaN is larger than infinity. Written so that compilers vectorise it.
 [[nodiscard]] std::uint32_t largest_bits(std::span<const glm::vec3> points) {
   std::int32_t x = 0, y = 0, z = 0;
   for (const glm::vec3& p : points) {
@@ -42,7 +42,7 @@ Box bounds_of(std::span<const glm::vec3> points, std::span<const std::uint8_t> u
 }
 
 Box bounds_of(std::span<const glm::vec3> points) {
-  // Four points are three registers of four floats.
+  // Four points fill three registers of four floats each.
   constexpr std::size_t kFloats = 12;
   Box bounds;
   const std::size_t blocks = points.size() / 4;
@@ -82,7 +82,7 @@ MFVec2f default_texture_coordinates(std::span<const glm::vec3> points, const Box
   const double scale = size[s] > 0 ? 1 / size[s] : 0;
   for (const glm::vec3& p : points) {
     const glm::dvec2 st((p[s] - lower[s]) * scale, (p[t] - lower[t]) * scale);
-    *next++ = glm::vec2(glm::clamp(st, -1e6, 1e6));  // points outside the box are unused
+    *next++ = glm::vec2(glm::clamp(st, -1e6, 1e6));  // clamps points outside the box, which are not used
   }
   return coordinates;
 }
@@ -92,7 +92,7 @@ bool needs_compaction(std::size_t points, std::size_t corners) { return points >
 Compaction compact(std::span<const std::int32_t> coord_index, std::size_t points) {
   Compaction result;
   const std::size_t size = std::bit_ceil(2 * coord_index.size() + 16);
-  std::vector<std::uint64_t> table(size, 0);  // old index + 1, new index
+  std::vector<std::uint64_t> table(size, 0);  // entries: old index + 1, new index
   result.index.resize(coord_index.size());
   std::int32_t* out = result.index.mutable_data();
   for (const std::int32_t vertex : coord_index) {

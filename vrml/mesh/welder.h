@@ -9,7 +9,7 @@
 
 namespace gs::vrml {
 
-/// Parts of one mesh vertex: indices in the node's arrays, or kMissing.
+/// Key of a mesh vertex: an index in each of the node's arrays, or kMissing.
 struct VertexParts {
   std::uint32_t position = 0;
   std::uint32_t normal = kMissing;
@@ -18,10 +18,10 @@ struct VertexParts {
   friend bool operator==(const VertexParts&, const VertexParts&) = default;
 };
 
-/// Gives corners with the same parts the same vertex.
+/// Welder that gives corners with equal parts the same vertex.
 ///
-/// Vertices are chained by the value of one part; chains are short unless many vertices share that value but differ in
-/// others. The search stops after kLongestChain vertices, so that hostile input is not slow.
+/// Vertices with an equal value in one chosen part form a chain. Chains are short unless many vertices share that value
+/// but differ in other parts. The search stops after kLongestChain vertices, so that hostile input is not slow.
 class Welder {
  public:
   explicit Welder(std::size_t chains) : first_(chains, kMissing) {
@@ -29,8 +29,8 @@ class Welder {
     next_.reserve(chains);
   }
 
-  /// Returns the vertex of `parts`, adding it if needed. `chain` is the value of the chaining part, below the number of
-  /// chains.
+  /// Returns the vertex with these parts. Adds a vertex if there is none. `chain` is the value of the chosen part; it
+  /// is less than the number of chains.
   [[nodiscard]] std::uint32_t add(const VertexParts& parts, std::size_t chain) {
     std::uint32_t vertex = first_[chain];
     for (int step = 0; vertex != kMissing && step < kLongestChain; ++step) {
@@ -48,12 +48,12 @@ class Welder {
 
  private:
   static constexpr int kLongestChain = 16;
-  std::vector<std::uint32_t> first_;  // by chain
-  std::vector<std::uint32_t> next_;   // by vertex
+  std::vector<std::uint32_t> first_;  // first vertex of each chain
+  std::vector<std::uint32_t> next_;  // next vertex in the chain of each vertex
   std::vector<VertexParts> vertices_;
 };
 
-/// Returns one value of `values` per vertex, at the index in `part`; `filling` for kMissing.
+/// Returns one element of `values` per vertex, at the index in `part`. For kMissing, the element is `filling`.
 template <class T>
 [[nodiscard]] Array<T> gather(const Array<T>& values, std::span<const VertexParts> vertices,
                               std::uint32_t VertexParts::*part, const T& filling) {

@@ -4,7 +4,7 @@
 namespace gs::vrml {
 namespace {
 
-// Shape and appearance nodes (VRML97 4.6.3, 4.6.11).
+// Rows of the Shape and appearance nodes (VRML97 4.6.3, 4.6.11).
 constexpr NodeRow kAppearanceRows[] = {
     {"Appearance", "6.3", Role::appearance, NodeKind::appearance, R"(
   exposedField SFNode     material         NULL

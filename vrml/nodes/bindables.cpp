@@ -4,7 +4,7 @@
 namespace gs::vrml {
 namespace {
 
-// Bindable nodes (VRML97 4.6.10).
+// Rows of the bindable nodes (VRML97 4.6.10).
 constexpr NodeRow kBindablesRows[] = {
     {"Background", "6.5", Role::child | Role::bindable, NodeKind::background, R"(
   eventIn      SFBool     set_bind

@@ -4,7 +4,7 @@
 namespace gs::vrml {
 namespace {
 
-// Sound, Script and WorldInfo (VRML97 4.6.4).
+// Rows of AudioClip, Script, Sound and WorldInfo (VRML97 4.6.4).
 constexpr NodeRow kCommonRows[] = {
     {"AudioClip", "6.4", Role::sound_source | Role::time_dependent, NodeKind::other, R"(
   exposedField SFString   description      ""

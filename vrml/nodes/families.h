@@ -6,7 +6,7 @@
 
 namespace gs::vrml {
 
-// Rows of the node table, one function per family; vrml/nodes/node_type_table.cpp joins them.
+// Rows of the node table, one function per family of node types. vrml/nodes/node_type_table.cpp joins them.
 [[nodiscard]] std::span<const NodeRow> grouping_rows();
 [[nodiscard]] std::span<const NodeRow> geometry_rows();
 [[nodiscard]] std::span<const NodeRow> geometric_properties_rows();

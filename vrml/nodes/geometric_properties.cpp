@@ -3,7 +3,7 @@
 namespace gs::vrml {
 namespace {
 
-// Geometric property nodes (VRML97 4.6.3.2).
+// Rows of the geometric property nodes (VRML97 4.6.3.2).
 constexpr NodeRow kGeometricPropertiesRows[] = {
     {"Color", "6.9", Role::geometric_property, NodeKind::color, R"(
   exposedField MFColor    color            []               # [0,1]

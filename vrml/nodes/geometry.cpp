@@ -4,8 +4,8 @@
 namespace gs::vrml {
 namespace {
 
-// Geometry nodes (VRML97 4.6.3) and their tessellators. QNV and OutlineGroup are extensions (docs/formats.md); the
-// renderer draws QNV from the vectors of its stream.
+// Rows of the geometry nodes (VRML97 4.6.3), with their tessellators. QNV and OutlineGroup are extensions
+// (docs/formats.md); the renderer draws a QNV from the vectors of its stream.
 constexpr NodeRow kGeometryRows[] = {
     {"Box",
      "6.7",

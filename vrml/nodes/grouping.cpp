@@ -4,7 +4,7 @@
 namespace gs::vrml {
 namespace {
 
-// Grouping and special group nodes (VRML97 4.6.5).
+// Rows of the grouping and special group nodes (VRML97 4.6.5).
 constexpr NodeRow kGroupingRows[] = {
     {"Anchor", "6.2", Role::child | Role::grouping, NodeKind::group, R"(
   eventIn      MFNode     addChildren

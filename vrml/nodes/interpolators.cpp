@@ -4,7 +4,7 @@
 namespace gs::vrml {
 namespace {
 
-// Interpolators (VRML97 4.6.8).
+// Rows of the interpolators (VRML97 4.6.8).
 constexpr NodeRow kInterpolatorsRows[] = {
     {"ColorInterpolator", "6.10", Role::child | Role::interpolator, NodeKind::other, R"(
   eventIn      SFFloat    set_fraction                      # (-inf,inf)

@@ -3,7 +3,7 @@
 namespace gs::vrml {
 namespace {
 
-// Light sources (VRML97 4.6.6).
+// Rows of the light sources (VRML97 4.6.6).
 constexpr NodeRow kLightsRows[] = {
     {"DirectionalLight", "6.16", Role::child | Role::light, NodeKind::directional_light, R"(
   exposedField SFFloat    ambientIntensity 0                # [0,1]

@@ -12,7 +12,7 @@
 namespace gs::vrml {
 namespace {
 
-// Reads the range from the comment after a declaration, as the standard prints it.
+// Reads the range of a field from the comment after its declaration, in the notation of the standard.
 void read_ranges(std::string_view text, NodeType& type) {
   std::size_t declaration = 0;
   while (!text.empty()) {

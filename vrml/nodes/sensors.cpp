@@ -4,7 +4,7 @@
 namespace gs::vrml {
 namespace {
 
-// Sensors (VRML97 4.6.7).
+// Rows of the sensors (VRML97 4.6.7).
 constexpr NodeRow kSensorsRows[] = {
     {"CylinderSensor", "6.15", Role::child | Role::sensor, NodeKind::other, R"(
   exposedField SFBool     autoOffset       TRUE

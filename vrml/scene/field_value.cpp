@@ -29,7 +29,7 @@ std::optional<FieldType> field_type_named(std::string_view name) {
 
 FieldValue initial_value(FieldType type) {
   FieldValue value = initial_at(static_cast<std::size_t>(type), std::make_index_sequence<kFieldTypeCount>{});
-  // glm leaves vectors uninitialised by default.
+  // Sets vectors to 0, because glm leaves them uninitialised by default.
   if (auto* v = std::get_if<SFVec2f>(&value)) *v = SFVec2f(0);
   if (auto* v = std::get_if<SFVec3f>(&value)) *v = SFVec3f(0);
   return value;

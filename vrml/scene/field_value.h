@@ -30,22 +30,23 @@ class String {
   Array<char> bytes_;
 };
 
-/// Red, green, blue in 0..1, display space (VRML97 5.3).
+/// Red, green and blue, each 0..1, in display space (VRML97 5.3).
 struct Color {
   float r = 0, g = 0, b = 0;
   friend bool operator==(const Color&, const Color&) = default;
 };
 
-/// A rotation about a (not necessarily unit) axis; angle in radians, right-handed (VRML97 5.8).
+/// Rotation about an axis, which need not be a unit vector. The angle is in radians, right-handed (VRML97 5.8).
 struct Rotation {
   float x = 0, y = 0, z = 1, angle = 0;
   friend bool operator==(const Rotation&, const Rotation&) = default;
 };
 
-/// SFImage (VRML97 5.5): width, height, components (0..4), then one word per pixel from the lower left, first component
-/// in the highest used byte. Stored as the file has it, so that a value is one pointer.
+/// Value of an SFImage (VRML97 5.5): width, height, components (0..4), then one word per pixel from the lower left. The
+/// first component of a pixel is in the highest used byte. The array is the same as in the file, so that a value is one
+/// pointer.
 struct PixelImage {
-  Array<std::uint32_t> words;  // empty, or 3 + width * height
+  Array<std::uint32_t> words;  // empty, or 3 + width * height words
 
   [[nodiscard]] std::uint32_t width() const { return words.empty() ? 0 : words[0]; }
   [[nodiscard]] std::uint32_t height() const { return words.empty() ? 0 : words[1]; }
@@ -56,9 +57,9 @@ struct PixelImage {
   friend bool operator==(const PixelImage& a, const PixelImage& b) { return a.words == b.words; }
 };
 
-/// Identifier of a node: its index in the arena of a SceneGraph, and a generation that is unique in the world. An id
-/// thus stays unique across the root, its Inlines and run-time nodes, even after its index is reused. {0, 0} is NULL.
-/// Look it up only in the SceneGraph that created it.
+/// Identifier of a node: its index in the arena of a SceneGraph, and a generation that is unique in the world.
+/// Therefore an id stays unique in the whole world, with Inlines and run-time nodes, even if the index is used again.
+/// {0, 0} is NULL. Only the SceneGraph that created the node can look it up.
 struct NodeId {
   std::uint32_t index = 0;
   std::uint32_t generation = 0;
@@ -66,7 +67,7 @@ struct NodeId {
   friend bool operator==(const NodeId&, const NodeId&) = default;
 };
 
-/// The 20 field types of VRML97 clause 5, in the order of the alternatives of FieldValue.
+/// Field types of VRML97 clause 5, in the order of the alternatives of FieldValue.
 enum class FieldType : std::uint8_t {
   SFBool,
   SFColor,
@@ -112,7 +113,7 @@ using MFTime = Array<SFTime>;
 using MFVec2f = Array<SFVec2f>;
 using MFVec3f = Array<SFVec3f>;
 
-/// One value of any field type; `index()` is the FieldType.
+/// Value of any field type. `index()` is its FieldType.
 using FieldValue =
     std::variant<SFBool, SFColor, SFFloat, SFImage, SFInt32, SFNode, SFRotation, SFString, SFTime, SFVec2f, SFVec3f,
                  MFColor, MFFloat, MFInt32, MFNode, MFRotation, MFString, MFTime, MFVec2f, MFVec3f>;
@@ -126,11 +127,11 @@ static_assert(std::variant_size_v<FieldValue> == kFieldTypeCount);
   return type == FieldType::SFNode || type == FieldType::MFNode;
 }
 
-/// "SFBool", "MFVec3f", ...
+/// Returns the name of a field type: "SFBool", "MFVec3f", ...
 [[nodiscard]] std::string_view name_of(FieldType type);
 [[nodiscard]] std::optional<FieldType> field_type_named(std::string_view name);
 
-/// Returns the value of a field without an explicit default: zero, FALSE, empty, NULL; 0 0 1 0 for SFRotation.
+/// Returns the value of a field without an explicit default: zero, FALSE, empty or NULL; 0 0 1 0 for SFRotation.
 [[nodiscard]] FieldValue initial_value(FieldType type);
 
 }  // namespace gs::vrml

@@ -23,36 +23,36 @@ struct Prototype;
 enum class AccessType : std::uint8_t { eventIn, eventOut, field, exposedField };
 [[nodiscard]] std::string_view name_of(AccessType access);
 
-/// One declaration of a node's interface.
+/// Declaration of one interface of a node type.
 struct InterfaceDeclaration {
   AccessType access = AccessType::field;
   FieldType type = FieldType::SFBool;
   std::string name;
-  FieldValue initial;  // only for fields and exposedFields
+  FieldValue initial;  // initial value; only for fields and exposedFields
   std::string range;   // "[0,1]" as the standard writes it; only for built-in nodes
-  int slot = -1;       // index of the stored value in a node; -1 for eventIn and eventOut
+  int slot = -1;  // index of the stored value in a node; -1 for eventIns and eventOuts
 };
 
-/// Set of bits for the purposes of a node. It determines where a node may stand and which code handles it.
+/// Bit set of the roles of a node. It states where the node may stand and which code handles it.
 enum class Role : std::uint32_t {
   none = 0,
-  child = 1 << 0,               // may stand in `children` and at top level (VRML97 4.6.5)
-  grouping = 1 << 1,            // has children and a transformation hierarchy (4.6.5)
-  geometry = 1 << 2,            // Shape.geometry (4.6.3)
+  child = 1 << 0,  // may stand in `children` and at the top level (VRML97 4.6.5)
+  grouping = 1 << 1,  // has children and belongs to the transformation hierarchy (4.6.5)
+  geometry = 1 << 2,  // may stand in Shape.geometry (4.6.3)
   geometric_property = 1 << 3,  // Color, Coordinate, Normal, TextureCoordinate (4.6.3.2)
   appearance = 1 << 4,
   material = 1 << 5,
   texture = 1 << 6,
   texture_transform = 1 << 7,
   font_style = 1 << 8,
-  light = 1 << 9,            // 4.6.6
-  bindable = 1 << 10,        // 4.6.10
-  sensor = 1 << 11,          // 4.6.7
-  interpolator = 1 << 12,    // 4.6.8
-  time_dependent = 1 << 13,  // 4.6.9
+  light = 1 << 9,  // light source (4.6.6)
+  bindable = 1 << 10,  // bindable node (4.6.10)
+  sensor = 1 << 11,  // sensor (4.6.7)
+  interpolator = 1 << 12,  // interpolator (4.6.8)
+  time_dependent = 1 << 13,  // time-dependent node (4.6.9)
   sound_source = 1 << 14,
   script = 1 << 15,
-  viewer_dependent = 1 << 16,  // appearance depends on the viewer's position
+  viewer_dependent = 1 << 16,  // its drawing depends on the position of the viewer
 };
 [[nodiscard]] constexpr Role operator|(Role a, Role b) {
   return static_cast<Role>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
@@ -61,9 +61,9 @@ enum class Role : std::uint32_t {
   return (static_cast<std::uint32_t>(set) & static_cast<std::uint32_t>(bit)) != 0;
 }
 
-/// Set of fields by which the program reads a node. All node types of one kind have the fields, with the same types,
-/// that the program reads. Kinds that the program creates have exactly one type. For `other`, the program uses only the
-/// remaining columns.
+/// Kind of a node, for code that reads its fields. All node types of one kind have the fields that this code reads,
+/// with the same types. A kind of nodes that the program itself makes has exactly one type. For `other`, code uses
+/// only the remaining columns of the node table.
 enum class NodeKind : std::uint8_t {
   other,
   shape,
@@ -103,18 +103,19 @@ enum class NodeKind : std::uint8_t {
   sound,
 };
 
-/// Content of the file that a node's `url` names; decides what is fetched.
+/// Content of the file that the `url` of a node names. It selects the content handler.
 enum class UrlContent : std::uint8_t { none, scene, image, vectors, outlines, sound, movie };
 
-/// Tessellates a geometry node. `geometry` is a node of `scene` of the row's own type.
+/// Function that tessellates a geometry node. `geometry` is a node of `scene`; it has the type of the row.
 using Tessellate = Mesh (*)(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 
-/// Returns the node's size relative to the default measures of its type, along each axis.
+/// Function that returns the node's size along each axis, relative to the default measures of its type.
 using MeasuredScale = glm::vec3 (*)(const SceneGraph& scene, NodeId geometry);
-/// Estimates the work for the mesh in elements of the lists of an IndexedFaceSet (vrml/mesh/geometry_copy.h).
+/// Function that estimates the work for the mesh, in elements of the lists of an IndexedFaceSet
+/// (vrml/mesh/geometry_copy.h).
 using TessellationCost = std::size_t (*)(const SceneGraph& scene, NodeId geometry);
-/// Tessellation functions of a geometry node type. `scale` exists if all its nodes are one mesh at different scales;
-/// `cost` exists if the work is not proportional to the node's lists.
+/// Tessellation functions of a geometry node type. `scale` is set if all nodes of the type are one mesh at different
+/// scales. `cost` is set if the work is not proportional to the lengths of the node's lists.
 struct Tessellator {
   Tessellate tessellate = nullptr;
   MeasuredScale scale = nullptr;
@@ -125,33 +126,33 @@ struct Tessellator {
       : tessellate(function), scale(measured), cost(measured_cost) {}
 };
 
-/// Clauses of GhostSpace's own nodes (docs/formats.md) and of those in the standard's amendment.
+/// Values of NodeRow's clause for GhostSpace's own nodes (docs/formats.md), and for nodes of the standard's amendment.
 inline constexpr std::string_view kOwnClause = "GhostSpace", kAmendmentClause = "VRML97 Amendment 1";
-/// Reports whether other browsers may lack the node. Files may then contain a PROTO or EXTERNPROTO of its name.
+/// Reports whether other browsers may lack the node. Files may then contain a PROTO or EXTERNPROTO with its name.
 [[nodiscard]] constexpr bool is_extension(std::string_view clause) {
   return clause == kOwnClause || clause == kAmendmentClause;
 }
 
-/// One built-in node type as the standard prints it: the row from which parsing, defaults, IS and ROUTE checks,
-/// printing and documentation are derived.
+/// Row of the node table: one built-in node type in the notation of the standard. Parsing, defaults, IS and ROUTE
+/// checks, printing and documentation are derived from it.
 struct NodeRow {
   std::string_view name;
   std::string_view clause;  // "6.7"; kOwnClause for GhostSpace's own nodes
   Role role;
   NodeKind read_as;
-  std::string_view interface_text;       // one declaration per line, with the range in a trailing comment
+  std::string_view interface_text;  // one declaration per line; its range follows as a comment
   Tessellator tessellator{};             // geometry nodes only
-  const Behaviour* behaviour = nullptr;  // if events and time do more than set fields (vrml/event_model/behaviour.h)
+  const Behaviour* behaviour = nullptr;  // set if events or time do more than set fields (vrml/event_model/behaviour.h)
   UrlContent url_content = UrlContent::none;
 };
 
-/// Type of a node: built in, declared by PROTO or EXTERNPROTO, or private to one Script. Immutable once its first node
-/// exists, so any thread may read it.
+/// Type of a node: built in, declared by a PROTO or EXTERNPROTO, or private to one Script. It does not change after its
+/// first node is created, so any thread may read it.
 struct NodeType {
   enum class Kind : std::uint8_t { built_in, script, prototype, external_prototype };
 
   std::string name;
-  std::string clause;  // built-in only
+  std::string clause;  // only for built-in types
   Kind kind = Kind::built_in;
   Role role = Role::none;
   NodeKind read_as = NodeKind::other;           // set for built-in types and Scripts; `other` for PROTOs
@@ -161,45 +162,47 @@ struct NodeType {
   const Behaviour* behaviour = nullptr;
   UrlContent url_content = UrlContent::none;
   bool stands_in = false;                  // partial substitute for another browser's type (vrml/syntax/stand_ins.h)
-  std::vector<int> measures;               // slots of lengths of a built-in geometry: fields with range (0,inf)
-  std::unique_ptr<Prototype> prototype;    // body of a PROTO
-  MFString url;                            // of an EXTERNPROTO
-  bool asked_for = false;                  // EXTERNPROTO of a run-time text: the body is being fetched
-  SourceLocation location;                 // of the name in a PROTO or EXTERNPROTO
-  std::vector<SourceLocation> url_places;  // Scripts: start of each string of its url in its text
+  std::vector<int> measures;  // slots of the lengths of a built-in geometry: fields with the range (0,inf)
+  std::unique_ptr<Prototype> prototype;  // body of a PROTO, otherwise null
+  MFString url;  // url of an EXTERNPROTO
+  bool asked_for = false;  // EXTERNPROTO of a run-time text: its body is being loaded
+  SourceLocation location;  // location of the name in the PROTO or EXTERNPROTO
+  std::vector<SourceLocation> url_places;  // for Scripts: start of each string of the url in the text
 
   NodeType();
   ~NodeType();
   NodeType(const NodeType&) = delete;
   NodeType& operator=(const NodeType&) = delete;
 
-  /// Adds a declaration and assigns a slot if it stores a value.
+  /// Adds a declaration. Assigns a slot if the interface stores a value.
   void declare(InterfaceDeclaration declaration);
-  /// Returns the MFString fields that name files, in declaration order: `url`, or those with names ending in `Url`
-  /// (VRML97 6.5).
+  /// Returns the MFString fields with URLs of files, in the order of declaration: `url`, or fields with names that end
+  /// in `Url` (VRML97 6.5).
   [[nodiscard]] std::vector<const InterfaceDeclaration*> url_fields() const;
-  /// Returns the declaration with exactly this name, or null.
+  /// Returns the declaration with exactly this name; null if there is none.
   [[nodiscard]] const InterfaceDeclaration* find(std::string_view name) const;
-  /// Returns the field or exposedField with this name, or null.
+  /// Returns the field or exposedField with this name; null if there is none.
   [[nodiscard]] const InterfaceDeclaration* find_field(std::string_view name) const;
-  /// Returns the source of a ROUTE, or null: the eventOut or exposedField `name`, or exposedField x for `x_changed`
-  /// (4.7).
+  /// Returns the declaration that `name` means as source of a ROUTE: the eventOut or exposedField `name`, or the
+  /// exposedField x for `x_changed` (4.7). Returns null if there is none.
   [[nodiscard]] const InterfaceDeclaration* find_event_out(std::string_view name) const;
-  /// Returns the target of a ROUTE, or null: the eventIn or exposedField `name`, or exposedField x for `set_x` (4.7).
+  /// Returns the declaration that `name` means as target of a ROUTE: the eventIn or exposedField `name`, or the
+  /// exposedField x for `set_x` (4.7). Returns null if there is none.
   [[nodiscard]] const InterfaceDeclaration* find_event_in(std::string_view name) const;
 
  private:
-  std::vector<std::uint32_t> keys_;  // short hash of each name, so that searches rarely compare text
+  std::vector<std::uint32_t> keys_;  // short hash of each name, so that searches seldom compare texts
 };
 
-/// Returns the table of built-in node types. Built at first use, thread-safe, then constant.
+/// Returns the table of built-in node types. The first call builds it; it never changes. Any thread.
 [[nodiscard]] std::span<const std::unique_ptr<NodeType>> built_in_node_types();
-/// Returns the built-in type with this name, or null.
+/// Returns the built-in type with this name; null if there is none.
 [[nodiscard]] const NodeType* built_in_node_type(std::string_view name);
-/// Returns the built-in type of this kind; if there are several, the first by name.
+/// Returns the built-in type of this kind. If there are several, returns the first one by name.
 [[nodiscard]] const NodeType& built_in_node_type(NodeKind kind);
-/// Returns the extension node for which a PROTO or EXTERNPROTO is the fallback in other browsers, or null. It has the
-/// same name and all interfaces of the PROTO. Nodes with streamed vectors are excluded.
+/// Returns the extension node for which a PROTO or EXTERNPROTO is the fallback in other browsers. The
+/// extension node has the same name and all interfaces of the PROTO. Returns null if there is none. Ignores nodes with
+/// streamed vectors.
 [[nodiscard]] const NodeType* stood_for(const NodeType& prototype);
 
 }  // namespace gs::vrml

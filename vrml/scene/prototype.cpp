@@ -10,13 +10,13 @@ namespace {
 
 std::uint64_t bytes_of(const NodeType& type) { return sizeof(Node) + type.defaults.size() * sizeof(FieldValue); }
 
-// Copies the nodes of a PROTO's body from one arena into another (or the same one). If the source is another scene, it
-// also copies all other nodes that the values refer to.
+// Copier of the nodes of a PROTO's body from one arena into another, or into the same one. If the source is another
+// scene, it also copies all other nodes that the values refer to.
 class Copier {
  public:
   Copier(SceneGraph& to, const Prototype& prototype) : to_(to), from_(*prototype.scene), prototype_(prototype) {}
 
-  // Copies all nodes of the body. Returns false if there is no room for them.
+  // Copies all nodes of the body. Returns false if there is no memory for them.
   bool copy_body(std::uint32_t& first) {
     const std::vector<NodeId>& body = prototype_.nodes;
     if (body.empty() || !to_.reserve_expansion(body.size(), prototype_.body_bytes)) return false;
@@ -41,10 +41,10 @@ class Copier {
     return &from_ == &to_ ? original : import(original);
   }
 
-  /// Copies of nodes outside the body.
+  /// Returns the copies of nodes outside the body.
   [[nodiscard]] const std::vector<NodeId>& imported() const { return made_; }
 
-  /// Copies the nodes of the source scene that a value refers to, and returns the updated value.
+  /// Copies the nodes of the source scene that a value refers to. Returns the value with the copies.
   FieldValue import(FieldValue value) {
     if (&from_ != &to_) rewrite(value);
     return value;
@@ -76,8 +76,8 @@ class Copier {
     }
   }
 
-  // Copies a node outside the body from another scene, once. A work list follows its references, so that long chains
-  // need no call stack.
+  // Copies a node outside the body from another scene, at most once. Follows its references with a work list, so that
+  // long chains need no call stack.
   NodeId import(NodeId original) {
     const auto known = imported_.find(original.index);
     if (known != imported_.end()) return known->second;
@@ -89,7 +89,7 @@ class Copier {
     if (!made) return {};
     made_.push_back(made);
     waiting_.push_back(original);
-    if (waiting_.size() > 1) return made;  // the loop below is already running
+    if (waiting_.size() > 1) return made;  // an outer call already runs the loop below
     for (std::size_t i = 0; i < waiting_.size(); ++i)
       copy_values(from_.node(waiting_[i]), imported_[waiting_[i].index]);
     waiting_.clear();
@@ -104,7 +104,7 @@ class Copier {
   std::vector<NodeId> waiting_, made_;
 };
 
-// Expands one instance. Appends instances inside it, and those among imported nodes, to `inner`.
+// Expands one instance. Appends the instances inside it, and those among imported nodes, to `inner`.
 bool instantiate_one(SceneGraph& scene, NodeId instance, std::vector<NodeId>& inner) {
   const NodeType& type = *scene.node(instance).type;
   if (!type.prototype || !type.prototype->complete) return true;
@@ -117,13 +117,13 @@ bool instantiate_one(SceneGraph& scene, NodeId instance, std::vector<NodeId>& in
   if (!copier.copy_body(first)) return false;
   for (const IsMapping& mapping : prototype.mappings) {
     if (mapping.inner->slot < 0 || mapping.outer->slot < 0) continue;
-    // An EXTERNPROTO may declare less than the PROTO; the rest keeps the PROTO's values.
+    // An EXTERNPROTO may declare fewer interfaces than the PROTO. The others keep the values of the PROTO.
     const InterfaceDeclaration* own = type.find_field(mapping.outer->name);
     const bool has_own = own && own->type == mapping.outer->type;
     FieldValue value = has_own ? scene.node(instance).values[own->slot] : copier.import(mapping.outer->initial);
     const NodeId inner_id = copier.of(mapping.node);
     Node& inner_node = scene.node(inner_id);
-    // Only URLs depend on the text that they were written in.
+    // Only URLs depend on the text in which they were written.
     if (std::holds_alternative<MFString>(value))
       scene.set_text(inner_id, mapping.inner->slot, has_own ? text_of_field(scene, instance, *own) : *prototype.text);
     inner_node.values[mapping.inner->slot] = std::move(value);
@@ -156,7 +156,7 @@ bool instantiate(SceneGraph& scene, NodeId instance) {
   const NodeType& type = *scene.node(instance).type;
   const bool counts = type.prototype && !scene.node(instance).in_prototype_body;
   if (counts && type.prototype->instance_bytes > scene.budget()->left(Resource::instances)) return false;
-  constexpr std::size_t kBetweenLooks = 256;  // nodes between two checks for cancellation
+  constexpr std::size_t kBetweenLooks = 256;  // number of nodes between two tests for cancellation
   std::vector<NodeId> waiting{instance};
   for (std::size_t made = 1; !waiting.empty(); ++made) {
     if (made % kBetweenLooks == 0 && scene.budget()->stopped()) return false;
@@ -174,7 +174,7 @@ const SourceText& text_of_field(const SceneGraph& scene, NodeId instance, const 
 }
 
 void count_instance_nodes(const SceneGraph& scene, Prototype& prototype) {
-  constexpr std::uint64_t kEnough = std::uint64_t{1} << 48;  // bound that keeps sums from overflowing
+  constexpr std::uint64_t kEnough = std::uint64_t{1} << 48;  // limit that prevents overflow in sums
   for (const NodeId id : prototype.nodes) {
     const NodeType& type = *scene.node(id).type;
     prototype.body_bytes += bytes_of(type);
@@ -206,7 +206,7 @@ bool resolve_external(SceneGraph& scene, NodeType& external, const NodeType& sou
   external.role = source.role;
   const WritingFor writing(scene, scene.owner_of(external));
   Copier copier(scene, *external.prototype);
-  // Only existing nodes: those created below get their values from these.
+  // Visits only existing nodes. Nodes that are created below get their values from these.
   const auto count = static_cast<std::uint32_t>(scene.node_count());
   for (const InterfaceDeclaration& declaration : external.interfaces) {
     if (declaration.slot < 0) continue;

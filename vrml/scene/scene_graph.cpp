@@ -10,7 +10,8 @@ namespace gs::vrml {
 namespace {
 
 constexpr std::size_t kValuesPerBlock = 4096;
-// A PROTO cannot contain itself, but a chain of PROTOs with an instance as first node can be long.
+// Maximum length of a chain of PROTOs that each have an instance as first node. A PROTO cannot contain itself, but such
+// a chain can be long.
 constexpr int kMaxResolveSteps = 100'000;
 
 std::uint64_t slot_key(NodeId id, int slot) { return std::uint64_t{id.index} << 32 | static_cast<std::uint32_t>(slot); }
@@ -20,7 +21,7 @@ std::uint64_t next_serial() {
   return ++last;
 }
 
-// Type of removed nodes.
+// Returns the type that removed nodes get.
 const NodeType& removed_type() {
   static const NodeType type;
   return type;
@@ -45,9 +46,9 @@ SceneGraph::~SceneGraph() {
     if (n.values) std::destroy_n(n.values, n.type->defaults.size());
 }
 
-// ---- Nodes: indices and values are reused and stay drawn from the budget.
+// ---- Nodes: indices and values are used again and stay drawn from the budget.
 
-// Returns null if the budget is exhausted, unless `needed` is set.
+// Allocates values. Returns null if the budget is exhausted, unless `needed` is set.
 FieldValue* SceneGraph::allocate_values(std::size_t count, bool needed) {
   if (!free_values_.empty())
     if (const auto free = free_values_.find(count); free != free_values_.end() && !free->second.empty()) {
@@ -75,14 +76,14 @@ void SceneGraph::free_values(FieldValue* values, std::size_t used, std::size_t c
 }
 
 std::uint32_t SceneGraph::next_generation() {
-  constexpr std::uint32_t kAtATime = 256;  // the counter is shared between threads
+  constexpr std::uint32_t kAtATime = 256;  // generations reserved at a time, because threads share the counter
   do {
     if (generations_left_ == 0) {
       generation_ = budget_->draw_generations(kAtATime);
       generations_left_ = kAtATime;
     }
     --generations_left_;
-  } while (++generation_ == 1);  // 0 is not a valid generation
+  } while (++generation_ == 1);  // repeats, because 0 is not a valid generation
   return generation_ - 1;
 }
 
@@ -165,7 +166,7 @@ void SceneGraph::remove(std::span<const NodeId> ids) {
   for (const std::uint32_t owner : owners) end_text_if_unused(owner);
 }
 
-// Frees a node; appends the nodes that go with it to `more`.
+// Frees a node. Appends the nodes that must be freed with it to `more`.
 void SceneGraph::free_node(NodeId id, std::vector<NodeId>& more) {
   Node& n = nodes_[id.index];
   const auto count = n.type->defaults.size();
@@ -177,7 +178,7 @@ void SceneGraph::free_node(NodeId id, std::vector<NodeId>& more) {
     for (std::uint32_t i = 0; i < copies; ++i) more.push_back(id_at(n.expansion_first + i));
     release_places(n.expansion_first, copies);
   }
-  // Indices of copies are returned together, with those of their instance.
+  // The indices of copies are given back together with those of their instance.
   if (n.instance == 0) release_places(id.index, 1);
   free_values(n.values, count, n.value_capacity);
   n = {};
@@ -214,7 +215,7 @@ RunTimeText::~RunTimeText() {
   scene_.end_text_if_unused(owner_);
 }
 
-// Frees a text without nodes. Nodes of PROTO bodies go with the types, which have no instances any more.
+// Frees a text without nodes. The nodes of PROTO bodies are freed with their types, which have no instances any more.
 void SceneGraph::end_text_if_unused(std::uint32_t owner) {
   OwnedText& ended = texts_[owner];
   if (!ended.text || ended.nodes != 0 || ended.open) return;
@@ -250,7 +251,7 @@ std::optional<std::uint32_t> SceneGraph::text_declaring(const NodeType* type) co
 // ---- The budget
 
 bool SceneGraph::draw(std::size_t bytes) {
-  constexpr std::size_t kStep = std::size_t{64} << 10;  // drawn at a time: the counter is shared between threads
+  constexpr std::size_t kStep = std::size_t{64} << 10;  // bytes drawn at a time, because threads share the counter
   if (exhausted_) return false;
   const std::size_t wanted = charged_ + bytes;
   if (wanted > nodes_share_.amount()) {
@@ -310,7 +311,7 @@ void SceneGraph::set_text(NodeId id, int slot, const SourceText& text) {
 void SceneGraph::set_name(NodeId id, std::string_view name) { node(id).name = *keep_name(name); }
 
 const std::string* SceneGraph::keep_name(std::string_view name) {
-  constexpr std::size_t kEntry = 96;  // bytes of the entry here and in the scope that finds it
+  constexpr std::size_t kEntry = 96;  // bytes of an entry here and in the scope that looks it up
   (void)charge(name.size() + kEntry);
   return &writing().names_.emplace_front(name);
 }
@@ -321,7 +322,7 @@ void SceneGraph::declare(NodeId id, NodeType& type, InterfaceDeclaration declara
   const std::size_t count = type.defaults.size();
   type.declare(std::move(declaration));
   if (type.defaults.size() == count) return;
-  // Capacity doubles, so that n declarations cost O(n) moves.
+  // Doubles the capacity, so that n declarations cost O(n) moves.
   if (count >= n.value_capacity) {
     const std::size_t capacity = std::max<std::size_t>(8, count * 2);
     FieldValue* values = allocate_values(capacity, true);

@@ -19,74 +19,77 @@
 
 namespace gs::vrml {
 
-/// Node: its type and one value for each slot of the type.
+/// Node: its type, and one value for each slot of the type.
 struct Node {
   const NodeType* type = nullptr;
-  FieldValue* values = nullptr;      // type->defaults.size() of them, owned by the scene
-  std::string_view name;             // DEF name or empty; bytes owned by the text
-  const SourceText* text = nullptr;  // text that the node was written in; for a copy, that of the PROTO's body
+  FieldValue* values = nullptr;  // type->defaults.size() values, which the scene owns
+  std::string_view name;  // DEF name or empty; the text owns the bytes
+  const SourceText* text = nullptr;  // text in which the node was written; for a copy, the text of the PROTO's body
   SourceLocation location;
   std::uint32_t value_capacity = 0;
-  std::uint32_t generation = 0;    // of its id
-  std::uint64_t fields_set = 0;    // EXTERNPROTO instances: slots (below 64) with an explicit value
-  bool in_prototype_body = false;  // part of a PROTO's declaration, not of the world
-  bool recycled = false;           // its index belonged to another node before
+  std::uint32_t generation = 0;  // generation of its NodeId
+  std::uint64_t fields_set = 0;  // EXTERNPROTO instances: one bit per slot below 64 with an explicit value
+  bool in_prototype_body = false;  // belongs to the declaration of a PROTO, not to the world
+  bool recycled = false;  // another node had its index before
   bool strings_set = false;        // an event has set an MFString field
-  std::uint32_t owner = 0;         // number of the run-time text that it was made for; 0 means the file
-  MFNode expansion;                // PROTO instances: the nodes of the body; the first one represents the instance
-  /// PROTO instances: index of the copy of Prototype::nodes[0]; the others follow. Nodes of a PROTO's body: index in
-  /// Prototype::nodes.
+  std::uint32_t owner = 0;  // index of the run-time text that it was made for; 0 means the file
+  MFNode expansion;  // PROTO instances: copies of the body's nodes; the first one represents the instance
+  /// PROTO instances: index of the copy of Prototype::nodes[0]; the other copies follow. Nodes in the body of a PROTO:
+  /// index in Prototype::nodes.
   std::uint32_t expansion_first = 0;
-  std::uint32_t instance = 0;  // copies of such nodes: index of the instance
+  std::uint32_t instance = 0;  // copies in a PROTO instance: index of the instance
 };
 
-/// Mapping `field IS name` in a PROTO body (VRML97 4.8.2).
+/// IS statement in the body of a PROTO: `field IS name` (VRML97 4.8.2).
 struct IsMapping {
   NodeId node;
-  const InterfaceDeclaration* inner = nullptr;  // of node's type
-  const InterfaceDeclaration* outer = nullptr;  // of the PROTO's interface
+  const InterfaceDeclaration* inner = nullptr;  // declaration in the node's type
+  const InterfaceDeclaration* outer = nullptr;  // declaration in the PROTO's interface
 };
 
-/// Body of a PROTO; each instance gets copies of its nodes.
+/// Body of a PROTO. Each instance gets copies of its nodes.
 struct Prototype {
   std::vector<Statement> statements;
-  std::vector<NodeId> nodes;  // all nodes in order of creation; see SceneGraph::put_in_body
+  std::vector<NodeId> nodes;  // all nodes in the order of creation; see SceneGraph::put_in_body
   std::vector<IsMapping> mappings;
-  const SceneGraph* scene = nullptr;  // scene with the nodes in its arena
+  const SceneGraph* scene = nullptr;  // scene with these nodes in its arena
   const SourceText* text = nullptr;   // text that declares the PROTO
   bool complete = false;              // the closing brace was read
-  // Cost of one instance, including nested instances; set when complete.
+  // Number of nodes and bytes of one instance, including nested instances. Set if complete.
   std::uint64_t instance_nodes = 0, instance_bytes = 0;
-  std::uint64_t body_bytes = 0;  // without nested instances
+  std::uint64_t body_bytes = 0;  // bytes without nested instances
 };
 
-/// World or part of it: the arena of its nodes, its PROTOs and ROUTEs, and the text of its file.
+/// World or a part of it: the arena of its nodes, its PROTOs and ROUTEs, and the text of its file.
 ///
-/// Owned by one thread at a time. References to nodes stay valid while nodes are added. Nodes of the file are freed
-/// with the scene, so cycles between them are harmless. Nodes made at run time have their own texts (RunTimeText);
-/// `remove` frees them, and their indices are reused. The last node of a run-time text takes the text's names, types,
-/// libraries and budget with it.
+/// One thread owns the scene at a time. References to nodes stay valid while nodes are added. Nodes of the file are
+/// freed with the scene, so that cycles between nodes do no harm. Nodes made at run time have separate texts
+/// (RunTimeText). `remove` frees such nodes, and their indices are used again. The last node of a run-time text frees
+/// the text's names, types, libraries and budget.
 class SceneGraph : public SourceText {
  public:
-  /// `file_name` identifies this text in diagnostics. Memory for nodes is drawn from `budget`, which the scenes of a
+  /// `file_name` identifies the file in diagnostics. Memory for nodes is drawn from `budget`, which all scenes of a
   /// world share.
   SceneGraph(std::string file_name, std::shared_ptr<Budget> budget);
   /// Makes a scene with its own budget.
   explicit SceneGraph(std::string file_name = {}, const Limits& limits = {});
   ~SceneGraph();
 
-  /// Creates a node with its type's default values. Returns a null NodeId if `limits.nodes` or the budget is exhausted.
-  /// `type` must outlive the node: built in, or owned by its text or by an attached library.
+  /// Creates a node with the default values of `type`. Returns a null NodeId if `limits.nodes` or the budget is
+  /// exhausted. `type` must outlive the node: a built-in type, or a type that the node's text or an attached library
+  /// owns.
   NodeId create(const NodeType& type, SourceLocation location = {});
-  /// Reserves `count` consecutive node indices for `create_at` and returns the first; 0 if there is no room.
+  /// Reserves `count` consecutive node indices for `create_at`, and returns the first. Returns 0 if memory or a limit
+  /// is exhausted.
   [[nodiscard]] std::uint32_t reserve_places(std::uint32_t count);
   void release_places(std::uint32_t first, std::uint32_t count);
-  /// Creates a node at a reserved index. Returns null if there is no room for its values.
+  /// Creates a node at a reserved index. Returns null if there is no memory for its values.
   NodeId create_at(std::uint32_t place, const NodeType& type, SourceLocation location);
-  /// Appends the node to the declaration of this PROTO.
+  /// Appends the node to the body of `prototype`.
   void put_in_body(NodeId id, Prototype& prototype);
-  /// Frees nodes, including the bodies of PROTO instances and the content of Inlines. Their ids become invalid; values
-  /// that contain them are not updated. The last node of a run-time text takes its names and types with it.
+  /// Frees nodes. Also frees the bodies of PROTO instances and the content of Inlines among them. The ids become
+  /// invalid; values that contain these ids do not change. The last node of a run-time text frees the text's names and
+  /// types.
   void remove(std::span<const NodeId> ids);
 
   [[nodiscard]] Node& node(NodeId id) {
@@ -100,21 +103,21 @@ class SceneGraph : public SourceText {
   [[nodiscard]] bool contains(NodeId id) const {
     return id && id.index < nodes_.size() && nodes_[id.index].generation == id.generation && id.generation != 0;
   }
-  /// Returns the number of node indices: 1..node_count(), in order of creation except for reused ones. The node at the
-  /// index of a removed node looks like a part of a PROTO declaration, and `contains` returns false for it.
+  /// Returns the number of node indices. They are 1..node_count(), in the order of creation except for indices used
+  /// again. A removed node's entry looks like a part of a PROTO declaration, and `contains` returns false for its id.
   [[nodiscard]] std::size_t node_count() const { return nodes_.size() - 1; }
   [[nodiscard]] NodeId id_at(std::uint32_t index) const { return {index, nodes_[index].generation}; }
   [[nodiscard]] const Node& node_at(std::uint32_t index) const { return nodes_[index]; }
-  /// Returns the number of this scene, unique in the process. It distinguishes a scene from a later one at the same
-  /// address.
+  /// Returns the serial number of this scene, unique in the process. It distinguishes this scene from a later one at
+  /// the same address.
   [[nodiscard]] std::uint64_t serial() const { return serial_; }
-  /// Returns a number that changes whenever nodes are made or removed.
+  /// Returns a counter that increases whenever nodes are made or removed.
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
-  /// Returns and clears the nodes made since the last call that the order of indices does not show: at run time, or at
-  /// reused indices.
+  /// Returns and clears the list of nodes that were made at run time, or at indices used again. The order of indices
+  /// does not show that these nodes are new.
   [[nodiscard]] std::vector<NodeId> take_made() { return std::exchange(made_, {}); }
 
-  /// Returns the value of a field with C++ type T; asserts that the type declares it so.
+  /// Returns the value of a field. T is its C++ type. Asserts that the node's type declares the field with this type.
   template <class T>
   [[nodiscard]] const T& get(NodeId id, std::string_view field) const {
     const Node& n = node(id);
@@ -122,7 +125,8 @@ class SceneGraph : public SourceText {
     assert(declaration && std::holds_alternative<T>(n.values[declaration->slot]));
     return *std::get_if<T>(&n.values[declaration->slot]);
   }
-  /// Sets a field, including one of a type that an importer built; asserts that the type declares it so.
+  /// Sets a field, even of a type that an importer built. Asserts that the node's type declares the field with this
+  /// type.
   template <class T>
   void set(NodeId id, std::string_view field, T value) {
     Node& n = node(id);
@@ -131,30 +135,30 @@ class SceneGraph : public SourceText {
     *std::get_if<T>(&n.values[declaration->slot]) = std::move(value);
   }
 
-  /// Returns the node that represents `id`: for a PROTO instance its first body node, through nested instances (VRML97
-  /// 4.8.3), or null if the instance has no content yet; for others `id` itself.
+  /// Returns the node that represents `id`. For a PROTO instance, this is its first body node, through nested instances
+  /// (VRML97 4.8.3); null if the instance has no nodes yet. For other nodes, returns `id`.
   [[nodiscard]] NodeId resolve(NodeId id) const;
-  /// Returns `resolve(id)` if that node is of a built-in type of this kind, else null.
+  /// Returns `resolve(id)` if that node has a built-in type of this kind; otherwise null.
   [[nodiscard]] NodeId resolve_as(NodeId id, NodeKind kind) const;
 
-  /// Returns the text in which the value of a slot was written: that of the node, unless IS passed the value on (VRML97
-  /// 4.8.2). Relative URLs and access rights depend on it.
+  /// Returns the text in which the value of a slot was written. This is the text of the node, unless IS passed the
+  /// value on (VRML97 4.8.2). The base of relative URLs and access rights depend on this text.
   [[nodiscard]] const SourceText& text_of(NodeId id, int slot) const;
   void set_text(NodeId id, int slot, const SourceText& text);
 
   void set_name(NodeId id, std::string_view name);
-  /// Returns a copy of `name` that lives as long as the text being written.
+  /// Returns a copy of `name` that lives as long as writing(), the text for which nodes are made.
   const std::string* keep_name(std::string_view name);
-  /// Adds a declaration to the private type of the Script `id`, and its value to the node.
+  /// Adds a declaration to `type`, the private type of the Script `id`, and its value to the Script.
   void declare(NodeId id, NodeType& type, InterfaceDeclaration declaration);
-  /// Returns the text for which nodes are being made: the file or a run-time text.
+  /// Returns the text for which nodes are made: the file or a run-time text.
   [[nodiscard]] SourceText& writing() {
     return writing_ == 0 ? static_cast<SourceText&>(*this) : *texts_[writing_].text;
   }
-  /// Returns the number of the run-time text that declares the type; 0 if none does.
+  /// Returns the index of the run-time text that declares the type; 0 if none does.
   [[nodiscard]] std::uint32_t owner_of(const NodeType& type) const;
-  /// Returns the number of the text that declares a type, which may be deleted; 0 for the file. Returns nullopt if no
-  /// text declares it.
+  /// Returns the index of the text that declares a type; 0 for the file. The type may have been deleted. Returns
+  /// nullopt if no text declares it.
   [[nodiscard]] std::optional<std::uint32_t> text_declaring(const NodeType* type) const;
   [[nodiscard]] const SourceText& text_at(std::uint32_t owner) const {
     return owner == 0 ? static_cast<const SourceText&>(*this) : *texts_[owner].text;
@@ -164,26 +168,27 @@ class SceneGraph : public SourceText {
 
   /// Replaces the top-level nodes of the file, for replaceWorld.
   void set_roots(MFNode roots) { roots_ = std::move(roots); }
-  /// Returns the ROUTEs of the world as loaded: top-level ones and those of PROTO instances.
+  /// Returns the ROUTEs of the world after loading: ROUTEs at the top level and in PROTO instances.
   [[nodiscard]] std::vector<Route>& routes() { return routes_; }
   [[nodiscard]] const std::vector<Route>& routes() const { return routes_; }
 
-  /// Sets the content of an Inline node, which has its own name scope (VRML97 4.4.3). Null removes it.
+  /// Sets the content of an Inline node; the content has a separate name scope (VRML97 4.4.3). Null removes the
+  /// content.
   void attach_inline(NodeId inline_node, std::shared_ptr<SceneGraph> content);
-  /// Returns the content of an Inline; null if there is none.
+  /// Returns the content of an Inline node; null if it has none.
   [[nodiscard]] SceneGraph* inlined(NodeId inline_node) const;
   [[nodiscard]] const std::unordered_map<std::uint32_t, std::shared_ptr<SceneGraph>>& inlines() const {
     return inlines_;
   }
 
-  /// Counts `count` more nodes of `bytes` bytes as copies for PROTO instances. Returns false if the limit is reached.
+  /// Counts `count` more nodes with `bytes` bytes as copies for PROTO instances. Returns false if the limit is reached.
   [[nodiscard]] bool reserve_expansion(std::size_t count, std::size_t bytes);
-  /// Draws memory for names, lists and the like from the budget. Returns false if the budget is exhausted; it then
-  /// stays exhausted.
+  /// Draws memory for names, lists and similar data from the budget. Returns false if the budget is exhausted. After
+  /// that, the scene never draws more.
   [[nodiscard]] bool charge(std::size_t bytes);
   /// Returns the bytes drawn from the budget.
   [[nodiscard]] std::size_t charged() const { return charged_; }
-  /// Reports whether something was omitted because the budget for nodes is exhausted.
+  /// Reports whether something was omitted because the budget for nodes was exhausted.
   [[nodiscard]] bool exhausted() const { return exhausted_; }
 
   [[nodiscard]] const Limits& limits() const { return budget_->limits(); }
@@ -192,13 +197,13 @@ class SceneGraph : public SourceText {
  private:
   friend class WritingFor;
   friend class RunTimeText;
-  /// Run-time text with the resources that it owns.
+  /// Run-time text, and the resources that it owns.
   struct OwnedText {
-    std::unique_ptr<SourceText> text;  // null means that the number is free
-    std::size_t nodes = 0;             // nodes made for it, except those of PROTO bodies
-    std::size_t charged = 0;           // bytes, except indices and values of nodes, which are reused
+    std::unique_ptr<SourceText> text;  // null if the index is free
+    std::size_t nodes = 0;  // number of nodes made for it, except those of PROTO bodies
+    std::size_t charged = 0;  // bytes drawn, except indices and values of nodes, which are used again
     std::size_t expanded_nodes = 0, expanded_bytes = 0;
-    bool open = false;  // being read
+    bool open = false;  // is being read
   };
 
   bool draw(std::size_t bytes);
@@ -210,29 +215,29 @@ class SceneGraph : public SourceText {
 
   std::shared_ptr<Budget> budget_;
   Share nodes_share_, instances_share_;
-  std::size_t charged_ = 0;  // part of nodes_share_ in use
+  std::size_t charged_ = 0;  // used part of nodes_share_
   bool exhausted_ = false;
   std::size_t expanded_nodes_ = 0;
   std::uint32_t generation_ = 0, generations_left_ = 0;
   std::uint64_t revision_ = 0;
   std::uint64_t serial_;
-  std::deque<Node> nodes_;  // [0] is unused: index 0 is NULL
+  std::deque<Node> nodes_;  // index 0 is unused, because it is NULL
   std::vector<std::unique_ptr<std::byte[]>> value_blocks_;
   std::size_t block_left_ = 0;
   std::byte* block_next_ = nullptr;
-  std::unordered_map<std::size_t, std::vector<FieldValue*>> free_values_;      // by capacity
-  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> free_places_;  // by number of consecutive indices
+  std::unordered_map<std::size_t, std::vector<FieldValue*>> free_values_;  // free values by capacity
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> free_places_;  // free indices by length of their run
   std::vector<NodeId> made_;
   std::vector<OwnedText> texts_{1};
   std::vector<std::uint32_t> free_texts_;
   std::uint32_t writing_ = 0;
   std::vector<Route> routes_;
-  // By node and slot, if different from the node's text.
+  // Texts of values by node and slot, if different from the node's text.
   std::unordered_map<std::uint64_t, const SourceText*> value_texts_;
   std::unordered_map<std::uint32_t, std::shared_ptr<SceneGraph>> inlines_;
 };
 
-/// Directs new nodes, during its lifetime, to the run-time text of this number, or to the file (0).
+/// Guard: during its lifetime, new nodes belong to the run-time text with this index, or to the file (0).
 class WritingFor {
  public:
   WritingFor(SceneGraph& scene, std::uint32_t owner) : scene_(scene), before_(std::exchange(scene.writing_, owner)) {}
@@ -245,12 +250,12 @@ class WritingFor {
   std::uint32_t before_;
 };
 
-/// New text of a running world. While this object lives, text is read into the world's scene for it. The text is freed
-/// with the last node made for it, or with this object if there is none.
+/// New text of a running world. As long as this object lives, nodes that are read into the scene belong to this text.
+/// The text is freed with the last of its nodes, or with this object if it has no nodes.
 class RunTimeText {
  public:
-  /// `written_by` is the text that asked for this one. `fetched_from` is the source of a text read from a URL; null
-  /// means that a Script computed the text.
+  /// `written_by` is the text that requested this text. `fetched_from` is the source of a text that was read from a
+  /// URL; null means that a Script computed the text.
   RunTimeText(SceneGraph& scene, std::string file_name, const SourceText& written_by,
               std::shared_ptr<const TextSource> fetched_from = nullptr);
   ~RunTimeText();
@@ -265,7 +270,8 @@ class RunTimeText {
   std::optional<WritingFor> writing_;
 };
 
-/// Returns the index of a node in the body of a PROTO of the same scene; nullopt if it is not in the body.
+/// Returns the index of a node in the body of a PROTO. Returns nullopt if the body does not contain the node. Both
+/// belong to the same scene.
 [[nodiscard]] std::optional<std::uint32_t> place_in_body(const Prototype& prototype, NodeId id);
 
 }  // namespace gs::vrml

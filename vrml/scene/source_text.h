@@ -14,7 +14,7 @@ namespace gs::vrml {
 
 class SceneGraph;
 
-/// ROUTE from.event_out TO to.event_in (VRML97 4.10.2). The types of the nodes own the declarations.
+/// ROUTE from.event_out TO to.event_in (VRML97 4.10.2). The types of both nodes own the declarations.
 struct Route {
   NodeId from, to;
   const InterfaceDeclaration* event_out = nullptr;
@@ -22,40 +22,40 @@ struct Route {
   friend bool operator==(const Route&, const Route&) = default;
 };
 
-/// Statement of a file; printing keeps their order.
+/// Statement at the top level of a file. Printing preserves the order of statements.
 struct Statement {
   enum class Kind : std::uint8_t { node, prototype, route };
   Kind kind;
-  NodeId node;                     // Kind::node
-  const NodeType* type = nullptr;  // Kind::prototype: PROTO or EXTERNPROTO
-  Route route;                     // Kind::route
+  NodeId node;  // for Kind::node
+  const NodeType* type = nullptr;  // for Kind::prototype: a PROTO or EXTERNPROTO
+  Route route;  // for Kind::route
 };
 
-/// Source of a text's bytes. This room only stores it and compares pointers; app/world fills it from net::Origin.
+/// Source of a text's bytes. This room only stores it and compares pointers. app/world sets it from net::Origin.
 struct TextSource {
-  std::string url;                 // after redirects; that of the enclosing text for data: URLs
+  std::string url;  // URL after redirects; for data: URLs, the URL of the enclosing text
   std::uint8_t address_space = 0;  // net::AddressSpace of the host
 };
 
-/// Text that nodes were written in: a file, or text read into a running world. Holds its statements, and everything
-/// that its nodes need besides their values. Refers to nodes only by id.
+/// Text in which nodes were written: a file, or text that is read into a running world. Contains its statements, and
+/// everything that its nodes need besides their values. Refers to nodes only by id.
 class SourceText {
  public:
-  /// `file_name` identifies this text in diagnostics.
+  /// `file_name` identifies the text in diagnostics.
   explicit SourceText(std::string file_name);
   ~SourceText();
   SourceText(const SourceText&) = delete;
   SourceText& operator=(const SourceText&) = delete;
 
   [[nodiscard]] const std::string& file_name() const { return file_name_; }
-  /// Returns the text of the file on behalf of which this text was read: for a run-time text, that of the requesting
-  /// Script. It lives as long as its scene. Returns the text itself for a file.
+  /// Returns the text of the file that requested this text. For a run-time text, this is the file of the requesting
+  /// Script. For a file, returns the text itself. The result lives as long as its scene.
   [[nodiscard]] const SourceText& origin() const { return origin_ ? *origin_ : *this; }
-  /// Returns the source of the bytes, which determines access rights and the base of relative URLs. A text that a
-  /// Script wrote has the source of the Script. Null if unset.
+  /// Returns the source of the bytes. It determines access rights and the base of relative URLs. A text that a Script
+  /// computed has the source of the Script. Returns null if the source was not set.
   [[nodiscard]] const std::shared_ptr<const TextSource>& source() const { return source_; }
   void set_source(std::shared_ptr<const TextSource> source) { source_ = std::move(source); }
-  /// Reports whether a Script computed this text (createVrmlFromString), as opposed to a text read from a URL.
+  /// Reports whether a Script computed this text (createVrmlFromString). Returns false if it was read from a URL.
   [[nodiscard]] bool is_computed() const { return computed_; }
   /// Returns the top-level nodes.
   [[nodiscard]] const MFNode& roots() const { return roots_; }
@@ -63,10 +63,10 @@ class SourceText {
   [[nodiscard]] const std::vector<Statement>& statements() const { return statements_; }
   /// Appends a top-level node to `roots` and to the statements.
   void add_root(NodeId id);
-  /// Adds a PROTO, EXTERNPROTO or Script type that lives as long as the text.
+  /// Adds the type of a PROTO, an EXTERNPROTO or a Script. It lives as long as the text.
   NodeType& add_type(std::unique_ptr<NodeType> type);
   [[nodiscard]] const std::vector<std::unique_ptr<NodeType>>& types() const { return types_; }
-  /// Keeps a scene alive that provides PROTOs through EXTERNPROTO.
+  /// Stores a scene with PROTOs that EXTERNPROTOs of this text use. It lives as long as the text.
   SceneGraph& attach_library(std::unique_ptr<SceneGraph> library);
 
  protected:

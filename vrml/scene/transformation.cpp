@@ -18,7 +18,7 @@ bool finite(const SFVec3f& v) { return std::isfinite(v.x) && std::isfinite(v.y) 
 
 SFVec3f usable(const SFVec3f& v, const SFVec3f& otherwise) { return finite(v) ? v : otherwise; }
 
-/// Reports whether the rotation is valid and not the identity.
+/// Reports whether the rotation is valid and different from the identity.
 bool turns(const SFRotation& r) {
   return r.angle != 0 && std::isfinite(r.angle) && finite({r.x, r.y, r.z}) && (r.x != 0 || r.y != 0 || r.z != 0);
 }
@@ -59,7 +59,7 @@ dmat4 billboard_matrix(const SFVec3f& axis_of_rotation, const dvec3& viewer, con
   if (axis == dvec3(0)) {
     const auto beside = [&](const dvec3& above) { return glm::cross(above, to_viewer); };
     dvec3 side = beside(up);
-    // Falls back if the viewer looks along its up direction or a value is not finite.
+    // Uses another axis if the viewer looks along its up direction or a value is not finite.
     if (!(glm::length(side) > 1e-6 * glm::length(up))) side = beside(dvec3(0, 1, 0));
     if (!(glm::length(side) > 1e-6)) side = beside(dvec3(0, 0, -1));
     side = glm::normalize(side);
@@ -68,7 +68,7 @@ dmat4 billboard_matrix(const SFVec3f& axis_of_rotation, const dvec3& viewer, con
   axis = glm::normalize(axis);
   const dvec3 z(0, 0, 1);
   const dvec3 from = z - axis * glm::dot(axis, z), to = to_viewer - axis * glm::dot(axis, to_viewer);
-  if (glm::length(from) < 1e-6 || glm::length(to) < 1e-6) return dmat4(1);  // no plane: undefined by the standard
+  if (glm::length(from) < 1e-6 || glm::length(to) < 1e-6) return dmat4(1);  // undefined by the standard
   return glm::rotate(dmat4(1), std::atan2(glm::dot(axis, glm::cross(from, to)), glm::dot(from, to)), axis);
 }
 

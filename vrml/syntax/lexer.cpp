@@ -22,7 +22,8 @@ constexpr std::array<std::uint8_t, 256> kLexicalClass = [] {
 
 std::uint8_t lexical_class(char c) { return kLexicalClass[static_cast<unsigned char>(c)]; }
 
-// Returns the length of the UTF-8 sequence at `p`, or 0 if it is invalid (including overlong forms and surrogates).
+// Returns the length of the UTF-8 sequence at `p`. Returns 0 if it is invalid; overlong forms and surrogates are
+// invalid, too.
 std::size_t utf8_length(const unsigned char* p, const unsigned char* end) {
   const auto follows = [&](std::size_t i, unsigned low = 0x80, unsigned high = 0xbf) {
     return p + i < end && p[i] >= low && p[i] <= high;
@@ -159,7 +160,7 @@ Token Lexer::next() {
   const char* p = next_;
   for (; p != end_; ++p) {
     if (lexical_class(*p) == word_byte) continue;
-    // NaN and infinity as some programs print them (1.#QNAN, -1.#IND) do not start a comment.
+    // In NaN and infinity as some programs print them (1.#QNAN, -1.#IND), the `#` does not start a comment.
     if (*p != '#' || p == next_ || p[-1] != '.') break;
     if (p + 1 == end_) {
       if (!last_) p = end_;

@@ -12,41 +12,42 @@ namespace gs::vrml {
 enum class TokenKind : std::uint8_t {
   need_more,  // the token may continue after the available bytes
   end,        // end of the text
-  word,       // run of characters without delimiters: a keyword, an Id, a number, `node.event`
-  string,     // text without its quotes, escapes still encoded
+  word,  // run of characters without delimiters: keyword, Id, number or `node.event`
+  string,  // text without its quotes; its escapes are not decoded yet
   open_brace,
   close_brace,
   open_bracket,
   close_bracket,
-  unterminated_string,  // string that the end of the text truncates
-  bad,                  // one byte that VRML97 does not allow
+  unterminated_string,  // string without a closing quote before the end of the text
+  bad,  // a byte that VRML97 does not allow
 };
 
 struct Token {
   TokenKind kind = TokenKind::end;
-  std::string_view text;  // points into the lexer's buffer
+  std::string_view text;  // points into the window
   SourceLocation location;
-  bool has_escapes = false;  // string: contains a backslash
+  bool has_escapes = false;  // for strings: contains a backslash
 };
 
-/// Splits VRML97 text (Annex A.2) into tokens. Commas are blanks; comments extend to the end of the line; CR, LF and
-/// CRLF end lines. Works on a window of the text. If a token reaches the end of a window that is not the last, the
-/// result is need_more: the caller returns to a saved position and retries with a longer window.
+/// Lexer that splits VRML97 text (Annex A.2) into tokens. Commas are blanks; a comment extends to the end of the line;
+/// CR, LF and CRLF end a line. Works on a window of the text. If a token reaches the end of a window that is not the
+/// last one, the result is need_more. The caller then returns to a stored position and tries again with a longer
+/// window.
 class Lexer {
  public:
-  /// Position inside the present window, for go_back().
+  /// Position in the current window, for go_back().
   struct Position {
     const char* next;
     std::uint32_t line;
-    std::ptrdiff_t line_start;  // offset in the window; negative if the line began before it
+    std::ptrdiff_t line_start;  // offset in the window; negative if the line begins before the window
   };
 
-  /// Sets the window. The text continues at the byte where the previous window was left. `last` means that the text
-  /// ends with this window.
+  /// Sets the window. Its first byte must be the next byte that the lexer has not read. `last` means that the text ends
+  /// with this window.
   void set_window(const char* begin, const char* end, bool last);
 
   [[nodiscard]] Token next();
-  /// Skips blanks and comments and returns the next byte, or NUL if none is available.
+  /// Skips blanks and comments, and returns the next byte. Returns NUL if no byte is available.
   [[nodiscard]] char peek();
 
   [[nodiscard]] Position position() const { return {next_, line_, line_start_}; }
@@ -54,7 +55,8 @@ class Lexer {
   /// Returns the source location of the next byte.
   [[nodiscard]] SourceLocation location() const { return location_of(next_); }
 
-  /// Access for bulk readers: the unread part of the window, and a way to report the bytes read.
+  /// Returns the start of the unread bytes of the window, for bulk readers. They end at window_end(). The reader passes
+  /// its end position to advance().
   [[nodiscard]] const char* unread() const { return next_; }
   [[nodiscard]] const char* window_end() const { return end_; }
   [[nodiscard]] bool is_last_window() const { return last_; }
@@ -75,17 +77,17 @@ class Lexer {
   std::ptrdiff_t line_start_ = 0;
 };
 
-/// Decodes an SFString from the text between its quotes. `\"` and `\\` are unescaped; other backslashes stay, since old
-/// files contain Windows paths. Bytes that are not UTF-8 are read as Latin-1, which sets `was_latin1`.
+/// Decodes an SFString from the text between its quotes. Replaces `\"` and `\\`; other backslashes do not change,
+/// because old files contain Windows paths. Reads bytes that are not UTF-8 as Latin-1, and then sets `was_latin1`.
 [[nodiscard]] std::string decode_string(std::string_view raw, bool has_escapes, bool& was_latin1);
 
-/// Reports whether `word` starts like a number: with a digit, a sign or a point.
+/// Reports whether `word` starts like a number: with a digit, a sign or a decimal point.
 [[nodiscard]] bool looks_like_number(std::string_view word);
 
-/// Reports whether `word` is an Id of Annex A.2.
+/// Reports whether `word` is an Id in the sense of Annex A.2.
 [[nodiscard]] bool is_id(std::string_view word);
 
-/// Returns the index of a reserved word of 4.3.1, which cannot be a name; -1 for other words.
+/// Returns the index of a reserved word of 4.3.1, which cannot be a name. Returns -1 for other words.
 [[nodiscard]] int reserved_word(std::string_view word);
 
 }  // namespace gs::vrml

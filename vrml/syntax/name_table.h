@@ -10,8 +10,8 @@
 
 namespace gs::vrml {
 
-/// Hash table of nodes by name, flat with open addressing. A table with bucket lists would wait for memory three times
-/// per look-up, and look-ups dominate in worlds with many ROUTEs. Names must outlive it. Single-threaded.
+/// Flat hash table of nodes by name, with open addressing. A table with bucket lists would wait for memory three times
+/// per look-up, and worlds with many ROUTEs consist mostly of look-ups. The names must outlive the table. One thread.
 class NameTable {
  public:
   /// Returns the node of a name; null if there is none. Valid until the next insertion.
@@ -20,7 +20,7 @@ class NameTable {
     const std::uint32_t index = slots_[slot_of(name, hash_of(name))].index;
     return index == 0 ? nullptr : &entries_[index - 1].node;
   }
-  /// Returns the node of a name; inserts a null node if the name is new.
+  /// Returns the node of a name. If the name is new, inserts a null node.
   NodeId& insert(std::string_view name) {
     if (entries_.size() * 2 >= slots_.size()) grow();
     const std::uint32_t hash = hash_of(name);
@@ -38,14 +38,14 @@ class NameTable {
     NodeId node;
   };
   struct Slot {
-    std::uint32_t hash = 0, index = 0;  // index: 0 means free, else 1 + index of the entry
+    std::uint32_t hash = 0, index = 0;  // index: 0 means free; otherwise 1 + index of the entry
   };
 
   static std::uint32_t hash_of(std::string_view name) {
     const std::size_t hash = std::hash<std::string_view>{}(name);
     return static_cast<std::uint32_t>(hash ^ hash >> 32);
   }
-  /// Returns the slot of the name, or the free slot where it belongs.
+  /// Returns the slot of the name. If the name is not in the table, returns the free slot for it.
   [[nodiscard]] std::size_t slot_of(std::string_view name, std::uint32_t hash) const {
     const std::size_t mask = slots_.size() - 1;
     std::size_t at = hash & mask;

@@ -66,7 +66,7 @@ bool ParsedText::open(Frame frame) {
     Frame skip;
     skip.kind = Frame::Kind::skip;
     skip.start = frame.start;
-    // Every construct except the pixels of an image has just read its opening bracket.
+    // Except for images and url lists, the opening bracket was read just before.
     skip.depth = frame.kind == Frame::Kind::image || frame.kind == Frame::Kind::external_url ? 0 : 1;
     frames.push_back(std::move(skip));
     return false;
@@ -121,7 +121,7 @@ void ParsedText::check_reserved(const Token& name) {
   problems.warn(name.location, describe(name) + " is a reserved word (VRML97 4.3.1); accepted as a name");
 }
 
-// Reports once the construct that the end of the text truncates.
+// Reports the construct that the end of the text truncates, once.
 void ParsedText::report_end_inside(const Frame& frame) {
   if (std::exchange(end_reported, true)) return;
   std::string what = "a statement";

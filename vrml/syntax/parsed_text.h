@@ -17,37 +17,37 @@ namespace gs::vrml {
 enum class Step : std::uint8_t {
   done,            // something was read
   need_more,       // nothing was read; more bytes are needed
-  need_more_kept,  // more bytes are needed; the part of this list read so far counts
-  finished,        // nothing is left to read
+  need_more_kept,  // more bytes are needed; the part of the list that was read is kept
+  finished,  // the text has ended
 };
 
-/// One open construct. The stack of frames is the parser's complete state.
+/// Open construct. The stack of frames is the complete state of the parser.
 struct Frame {
   enum class Kind : std::uint8_t {
-    statements,           // top level of a file
-    prototype_body,       // PROTO name [] { here }
-    prototype_interface,  // PROTO name [ here ], EXTERNPROTO name [ here ]
-    external_url,         // EXTERNPROTO name [] here
-    node_body,            // Type { here }
-    node_list,            // [ here ] of an MFNode
-    values,               // [ here ] of any other MF type
-    image,                // the pixels of an SFImage
-    skip,                 // something unusable, being skipped
+    statements,  // statements at the top level of a file
+    prototype_body,  // body of a PROTO, in its braces
+    prototype_interface,  // interface of a PROTO or EXTERNPROTO, in its brackets
+    external_url,  // url of an EXTERNPROTO, after its brackets
+    node_body,  // body of a node, in its braces
+    node_list,  // list of an MFNode, in its brackets
+    values,  // list of any other MF type, in its brackets
+    image,  // pixels of an SFImage
+    skip,  // rest of an unusable construct, which is skipped
   };
   Kind kind = Kind::statements;
   SourceLocation start;
-  OpenNode node;                                  // node_body
-  NodeType* declaring = nullptr;                  // interfaces and Script bodies: the type being declared
-  FieldValue* into = nullptr;                     // node_list, values, image
-  std::string_view name;                          // values, image: name of the field; node_list: see NodeTarget
-  std::unique_ptr<InterfaceDeclaration> pending;  // declaration with a value still to read
-  std::array<double, 4> partial{};                // values: numbers of an incomplete element
+  OpenNode node;  // for node_body
+  NodeType* declaring = nullptr;  // for interfaces and Script bodies: the type that is being declared
+  FieldValue* into = nullptr;  // for node_list, values, image: storage of the value
+  std::string_view name;  // for values, image: name of the field; for node_list: see NodeTarget
+  std::unique_ptr<InterfaceDeclaration> pending;  // declaration with an incomplete value
+  std::array<double, 4> partial{};  // for values: numbers of an incomplete element
   std::uint8_t partial_count = 0;
-  std::uint64_t pixels_left = 0;  // image
-  std::size_t charged = 0;        // values, image: bytes of `into` drawn from the budget
-  std::size_t depth = 0;          // skip: open brackets
-  bool skipped_value = false;     // skip: something was skipped already
-  bool value_unexpected = false;  // skip: any content is unexpected
+  std::uint64_t pixels_left = 0;  // for image: number of pixels still to read
+  std::size_t charged = 0;  // for values, image: bytes of `into` drawn from the budget
+  std::size_t depth = 0;  // for skip: number of open brackets
+  bool skipped_value = false;  // for skip: a part was skipped already
+  bool value_unexpected = false;  // for skip: any content is an error
 };
 
 /// Text being parsed, with its open constructs, the scene that it describes, and the problems reported so far. The
@@ -60,12 +60,12 @@ struct ParsedText {
   /// Ends all open constructs, and reports the innermost one.
   ParseOutcome close();
   void refuse(std::string message, SourceLocation location = {});
-  /// Reports "expected `what`, found ...". At the end of the text it reports only if nothing is open, because the
-  /// truncated construct is reported anyway.
+  /// Reports "expected `what`, found ...". At the end of the text, reports only if no construct is open: a truncated
+  /// construct is reported elsewhere.
   void unexpected(const Token& found, const std::string& what);
-  /// Reports only the first of several consecutive unusable tokens, and skips an unexpected list or node body.
+  /// Reports an unusable token, but only the first of several in a row. Skips an unexpected list or node body.
   void rubbish_token(const Token& token, const std::string& what);
-  /// Reports once that the budget for nodes is exhausted. The rest of the text is omitted.
+  /// Reports once that the budget for nodes is exhausted. Returns true if it is; the rest of the text is then omitted.
   bool out_of_budget();
   void report_end_inside(const Frame& frame);
   void check_name(const Token& name);
@@ -85,10 +85,10 @@ struct ParsedText {
   bool header_read = false;
   bool headerless = false;
   bool anything_read = false;
-  bool table_text = false;  // text of the node table: no header, no scene
-  bool rubbish = false;     // the last token was unusable and has been reported
+  bool table_text = false;  // the text is a part of the node table: no header, no scene
+  bool rubbish = false;  // the last token was unusable and was reported
   bool end_reported = false;
-  std::uint32_t said_reserved = 0;  // bit mask of reserved_word() results that were reported
+  std::uint32_t said_reserved = 0;  // one bit per reserved_word() index that was reported
   bool said_bad_id = false;
   ParseOutcome outcome = ParseOutcome::complete;
 };
@@ -99,7 +99,7 @@ struct ParsedText {
 /// Returns the token's text and position.
 [[nodiscard]] inline SourceName name_in(const Token& token) { return {token.text, token.location}; }
 
-/// Returns the token as an error shows it: `'text'`, shortened; "the end of the file"; ...
+/// Returns a description of the token for errors: `'text'`, shortened; "the end of the file"; ...
 [[nodiscard]] std::string describe(const Token& token);
 
 }  // namespace gs::vrml

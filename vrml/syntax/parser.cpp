@@ -9,11 +9,11 @@
 namespace gs::vrml {
 namespace {
 
-// A statement that exceeds the received bytes is retried only after this fraction more was received. A hostile sender
-// of single bytes thus costs a bounded multiple of the text.
+// Maximum bytes of a truncated statement that every new piece reads again. A longer statement is read again only after
+// 1/kRetryGrowth more was received. Thus a hostile sender of single bytes costs only a bounded multiple of the text.
 constexpr std::size_t kEagerRetry = 64 * 1024;
 constexpr std::size_t kRetryGrowth = 8;
-// Bytes of a new piece that are joined to the rest of the previous one.
+// Maximum bytes of a new piece that are joined to the rest of the previous piece.
 constexpr std::size_t kJoin = 4096;
 
 }  // namespace
@@ -24,8 +24,8 @@ struct Parser::State {
 
   ParsedText text;
   StatementParser statements;
-  std::string carry;           // received bytes that cannot be used yet
-  std::size_t retry_size = 0;  // size of `carry` at which to retry
+  std::string carry;  // received bytes that are not complete enough to use
+  std::size_t retry_size = 0;  // size of `carry` at which it is read again
 };
 
 void Parser::State::run(const char* begin, const char* end, bool last) {
@@ -42,7 +42,7 @@ void Parser::State::run(const char* begin, const char* end, bool last) {
 Parser::Parser(SceneGraph& scene, Diagnostics& diagnostics) : state_(std::make_unique<State>(scene, diagnostics)) {}
 Parser::~Parser() = default;
 
-// Joins the unused bytes with just enough of the next piece to use them; reads the rest of the piece in place.
+// Joins the unused bytes with bytes of the next piece until they are complete. Reads the rest of the piece in place.
 void Parser::push(std::string_view piece) {
   State& s = *state_;
   while (!piece.empty() && s.text.outcome != ParseOutcome::refused) {
@@ -71,7 +71,7 @@ void Parser::push(std::string_view piece) {
         s.carry = window.substr(used);
         piece.remove_prefix(joined);
       }
-      // The window becomes invalid; the lexer continues at the same text position in the next one.
+      // The window is invalid now. The lexer continues in the next one at the same position in the text.
       s.text.lexer.set_window(s.carry.data(), s.carry.data() + s.carry.size(), false);
       s.retry_size = s.carry.size() < kEagerRetry ? 0 : s.carry.size() + s.carry.size() / kRetryGrowth;
       continue;
@@ -96,13 +96,13 @@ ParseOutcome Parser::finish() {
 }
 
 ParseOutcome Parser::parse_whole(std::string_view text) {
-  // A null window means "none yet" to the lexer.
+  // Replaces a null window, because the lexer takes it for no window yet.
   if (text.data() == nullptr) text = "";
   state_->run(text.data(), text.data() + text.size(), true);
   return state_->text.close();
 }
 
-// Here the header is just a comment.
+// A header in the text is only a comment here.
 ParseOutcome Parser::parse_fragment(std::string_view text) {
   state_->text.header_read = true;
   return parse_whole(text);

@@ -10,40 +10,40 @@
 
 namespace gs::vrml {
 
-/// End state of a parse.
+/// Outcome of parsing a text.
 enum class ParseOutcome : std::uint8_t {
-  complete,   // the whole text was read, possibly with errors
-  truncated,  // the text ended inside a statement; the scene contains the part before
+  complete,  // the whole text was read; errors may have been reported
+  truncated,  // the text ended inside a statement; the scene contains everything before that point
   refused,    // the text is not VRML97 (other format or version, binary, empty); the scene is empty
 };
 
-/// Reads VRML97 text (ISO/IEC 14772-1 Annex A) into a SceneGraph.
+/// Parser of VRML97 text (ISO/IEC 14772-1 Annex A) into a SceneGraph.
 ///
-/// Push parser with an explicit stack. Bytes may come whole or in pieces of any size; the scene and the diagnostics are
-/// the same. The scene contains all received data at once, even of open number lists. Without recursion, so that
-/// nesting needs no call stack.
+/// A push parser with an explicit stack. The text may be received as a whole or in pieces of any size; scene and
+/// diagnostics are the same. The scene contains all received data at once, even from lists of numbers that are not
+/// complete. Does not use recursion, so that nesting needs no call stack.
 ///
-/// After an error it continues at the next field, node or statement, so that the rest of the world is shown. Accepts
-/// untrusted input. Single-threaded.
+/// After an error it continues at the next field, node or statement, so that the rest of the world is drawn. Safe for
+/// untrusted text. One thread.
 class Parser {
  public:
-  /// `scene` and `diagnostics` must outlive the parser. Diagnostics carry `scene.file_name()`.
+  /// `scene` and `diagnostics` must outlive the parser. Diagnostics contain `scene.file_name()`.
   Parser(SceneGraph& scene, Diagnostics& diagnostics);
   ~Parser();
   Parser(const Parser&) = delete;
   Parser& operator=(const Parser&) = delete;
 
-  /// Parses the next bytes of the text. Copies only bytes that it cannot use yet.
+  /// Parses the next bytes of the text. Copies only bytes that form an incomplete token or statement.
   void push(std::string_view piece);
-  /// Returns the nodes with an open body, outermost first; later bytes may change them.
+  /// Returns the nodes with an open body, outermost first. Later bytes may change these nodes.
   [[nodiscard]] std::vector<NodeId> open_nodes() const;
-  /// Ends the text. Call once.
+  /// Ends the text. Call it once, after the last push().
   ParseOutcome finish();
-  /// Parses a whole text instead of `push` and `finish`; copies nothing.
+  /// Parses a whole text without copying it. Replaces `push` and `finish`.
   ParseOutcome parse_whole(std::string_view text);
-  /// Like parse_whole(), for text of scripts, which needs no header.
+  /// Like parse_whole(), for text from scripts, which needs no header.
   ParseOutcome parse_fragment(std::string_view text);
-  /// See `parse_interface`.
+  /// Implements parse_interface().
   [[nodiscard]] bool read_interface(std::string_view text, NodeType& type);
 
  private:
@@ -51,26 +51,26 @@ class Parser {
   std::unique_ptr<State> state_;
 };
 
-/// Parses a whole text.
+/// Parses a whole text into `scene`.
 ParseOutcome parse(std::string_view text, SceneGraph& scene, Diagnostics& diagnostics);
 
-/// Nodes made at run time.
+/// Result of read_into(): the top-level nodes that were made at run time.
 struct RunTimeNodes {
   MFNode roots;
   ParseOutcome outcome = ParseOutcome::complete;
 };
 
 /// Reads a text into a running scene, for createVrmlFromString and similar functions (VRML97 4.12.10). The text needs
-/// no header and has its own names and PROTOs; nodes refer to it by Node::text. The nodes are not in any field yet:
-/// after WorldScenes::attach, hold them (NodeLifetime::hold) before events are delivered. `written_by` is the text that
-/// requested this one; null means the scene's file. Its origin() must live as long as the scene. For `fetched_from` see
-/// RunTimeText.
+/// no header, and has separate names and PROTOs. Node::text of its nodes refers to it.
+/// The nodes do not belong to any field yet. After WorldScenes::attach, call NodeLifetime::hold for them before events
+/// are delivered. `written_by` is the text that requested this text; null means the scene's file. Its origin() must
+/// live as long as the scene. RunTimeText describes `fetched_from`.
 RunTimeNodes read_into(SceneGraph& scene, std::string file_name, std::string_view text, Diagnostics& diagnostics,
                        const SourceText* written_by = nullptr,
                        std::shared_ptr<const TextSource> fetched_from = nullptr);
 
-/// Reads the interface declarations of a row of the node table (or of any PROTO) into `type`. Used at start-up for
-/// built-in text. Returns false if the text is invalid.
+/// Reads the interface declarations of a row of the node table, or of any PROTO, into `type`. For built-in text at
+/// start-up. Returns false if the text is invalid.
 [[nodiscard]] bool parse_interface(std::string_view text, NodeType& type);
 
 }  // namespace gs::vrml

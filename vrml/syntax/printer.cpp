@@ -13,12 +13,12 @@ namespace {
 
 constexpr std::size_t kLineWidth = 100;
 constexpr std::size_t kPiece = std::size_t{1} << 20;
-// Maximum indentation: a thousand levels would turn most of the text into blanks.
+// Maximum indentation, in blanks. With a thousand levels, most of the text would be blanks otherwise.
 constexpr std::size_t kMaxIndent = 80;
-// Deeper than the parser permits; only graphs with unusual USEs get there.
+// Maximum depth, higher than in parsed files. Only scenes with unusual USEs reach it.
 constexpr int kMaxDepth = 8000;
 
-/// Writes out the text collected so far once it is large; null to collect it all.
+/// Function that writes and clears the text printed so far when it is large. Null means that all text is collected.
 using Drain = std::function<void(std::string& out)>;
 
 std::string deeper(const std::string& indent) { return indent.size() < kMaxIndent ? indent + "  " : indent; }
@@ -73,7 +73,7 @@ void print_element(std::string& out, const SFImage& image, const Drain& drain = 
   }
 }
 
-// Prints elements, broken into lines of readable length.
+// Prints the elements of a list in lines of readable length.
 template <class T>
 void print_list(std::string& out, const Array<T>& list, const std::string& indent, const Drain& drain) {
   if (list.empty()) {
@@ -145,7 +145,7 @@ class Printer {
     if (drain_ && out_.size() > kPiece) drain_(out_);
   }
 
-  // Finds nodes that are used more than once. Uses a list instead of recursion, so that any graph is safe.
+  // Counts how often each node is used. Uses a list instead of recursion, so that any scene is safe.
   void count(NodeId root) {
     std::vector<NodeId> waiting{root};
     while (!waiting.empty()) {

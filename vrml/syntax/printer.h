@@ -8,19 +8,20 @@
 
 namespace gs::vrml {
 
-/// Returns the scene as VRML97 text that parses to the same scene: PROTO and EXTERNPROTO declarations, nodes with
-/// non-default fields, and ROUTEs, in the order of the file. Printing the parsed text gives the same text again. Floats
-/// have the fewest digits that give the same float. Shared nodes without a name get a DEF name; duplicate names are
-/// made unique.
+/// Returns the scene as VRML97 text that parses to the same scene. It contains PROTO and EXTERNPROTO declarations,
+/// nodes with their non-default fields, and ROUTEs, in the order of the file. Printing the parsed text gives the same
+/// text again. A float has the fewest digits that give the same float. Shared nodes without a name get a DEF name.
+/// Repeated names are made unique.
 [[nodiscard]] std::string print(const SceneGraph& scene);
-/// Prints in pieces of about one megabyte, since the text may be larger than the scene. `write` returns false to stop.
+/// Prints in pieces of about one megabyte, because the text may be larger than the scene. `write` returns false to
+/// stop.
 void print(const SceneGraph& scene, const std::function<bool(std::string_view)>& write);
 
-/// Appends one value as VRML97 text (clause 5) on one line; node values as DEF names or types.
+/// Appends one value as VRML97 text (clause 5) on one line. Nodes are printed as DEF names or types.
 void print_value(std::string& out, const FieldValue& value, const SceneGraph& scene);
 
-/// Returns the interface of a node type as a PROTO declares it: one declaration per line, indented, with the range in a
-/// trailing comment.
+/// Returns the interface of a node type in the notation of a PROTO: one declaration per line, indented; its range
+/// follows as a comment.
 [[nodiscard]] std::string print_interface(const NodeType& type);
 
 }  // namespace gs::vrml

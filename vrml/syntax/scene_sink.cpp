@@ -10,11 +10,12 @@
 #include <utility>
 #include <vector>
 
-// Nodes and their fields, DEF and USE.
+// Part of SceneSink for nodes and their fields, DEF and USE.
 namespace gs::vrml {
 namespace {
 
-// Returns the role that a node in this field of a built-in node must have (VRML97 4.6.3, 4.6.5); none means any node.
+// Returns the role that a node in the field `field` of a built-in node must have (VRML97 4.6.3, 4.6.5). No role means
+// that any node is allowed.
 Role role_for(std::string_view field) {
   struct Row {
     std::string_view field;
@@ -49,8 +50,8 @@ void check_role(const Node& node, std::string_view field, TextProblems& problems
                  "a " + node.type->name + " is not allowed in '" + std::string(field) + "' (VRML97 4.6)");
 }
 
-// Checks that the measures of a geometry are above 0 (VRML97 6.7, 6.11, 6.14, 6.17, 6.43). Nodes of a PROTO's body are
-// checked per instance; `said` makes each of them be reported once.
+// Checks that the measures of a geometry are above 0 (VRML97 6.7, 6.11, 6.14, 6.17, 6.43). Nodes in the body of a PROTO
+// are checked for each instance; `said` prevents repeated reports of one node.
 void check_measures(const Node& node, std::unordered_set<std::uint64_t>& said, TextProblems& problems) {
   if (node.type->measures.empty() || node.in_prototype_body) return;
   for (const int slot : node.type->measures) {
@@ -69,7 +70,7 @@ void check_measures(const Node& node, std::unordered_set<std::uint64_t>& said, T
   }
 }
 
-// Makes the type of one Script. Each Script has its own interface, which its body extends.
+// Makes the type of one Script. Each Script has a separate interface, which its body extends.
 NodeType& make_script_type(const NodeType& type, SceneGraph& scene, SourceText& text) {
   auto own = std::make_unique<NodeType>();
   own->name = type.name;
@@ -112,7 +113,8 @@ const NodeType* SceneSink::find_stand_in(SourceName name) {
   return type;
 }
 
-// Reports each unknown type once, as far as types can be remembered. A USE of the skipped node gives no further error.
+// Reports each unknown type once, unless there are too many to remember. A USE of the skipped node gives no further
+// error.
 void SceneSink::skip_unknown(const NodeHeader& header) {
   constexpr std::size_t kMaxTypes = 1000;
   const std::string type(header.type.text);

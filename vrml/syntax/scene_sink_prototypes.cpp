@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
-// PROTO and EXTERNPROTO, IS, and ROUTE.
+// Part of SceneSink for PROTO, EXTERNPROTO, IS and ROUTE.
 namespace gs::vrml {
 namespace {
 
-// Checks VRML97 Table 4.4: may `inner` of a node in a PROTO body be IS `outer` of the PROTO's interface?
+// Reports whether `inner` of a node in a PROTO body may be IS `outer` of the PROTO's interface (VRML97 Table 4.4).
 bool may_be_mapped(AccessType inner, AccessType outer) { return inner == outer || inner == AccessType::exposedField; }
 
 }  // namespace
@@ -84,9 +84,9 @@ void SceneSink::end_external(NodeType& type, MFString url) {
   add_type(type);
 }
 
-// Adds a complete declaration: from here on, nodes of its name have this type. Names of types must be unique (4.8),
-// except that extensions may have fallbacks with their names for other browsers. A declaration inside a node (Annex
-// A.1) is printed before that node.
+// Adds a complete declaration: from here on, nodes with its name have this type. Names of types must be unique (4.8).
+// But an extension may have a fallback of the same name for other browsers. A declaration inside a node (Annex A.1) is
+// printed before that node.
 void SceneSink::add_type(NodeType& type) {
   const NodeType* const built_in = built_in_node_type(type.name);
   const Scope& scope = scopes_.back();
@@ -167,7 +167,7 @@ void SceneSink::add_waiting_routes() {
 }
 
 void SceneSink::connect_route(const RouteNames& wanted, NodeId from, NodeId to) {
-  if (!from || !to) return;  // a skipped node, already reported
+  if (!from || !to) return;  // one of the nodes was skipped and reported
   Route route{from, to, nullptr, nullptr};
   const NodeType& from_type = *scene_.node(from).type;
   const NodeType& to_type = *scene_.node(to).type;

@@ -13,7 +13,8 @@
 namespace gs::vrml {
 namespace {
 
-// Interfaces and bodies. Other fields and events of these nodes are ignored (NodeType::stands_in).
+// Stand-ins: interfaces and bodies of PROTOs. All other fields and events of these nodes are ignored
+// (NodeType::stands_in).
 constexpr std::string_view kGroup = R"( [
   exposedField MFNode children []
   eventIn MFNode addChildren
@@ -21,7 +22,7 @@ constexpr std::string_view kGroup = R"( [
 ] {
   Group { children IS children addChildren IS addChildren removeChildren IS removeChildren }
 })";
-// Children in the coordinate system of the viewer.
+// Children that are fixed to the viewer, in the viewer's coordinate system.
 constexpr std::string_view kOverlay = R"( [
   exposedField MFNode children []
   eventIn MFNode addChildren
@@ -41,10 +42,10 @@ constexpr std::string_view kLayers = R"( [
 ] {
   Group { children IS layers }
 })";
-// Nodes of shared worlds and devices: invisible.
+// Nodes for shared worlds and devices, which are not visible.
 constexpr std::string_view kNothing = " [ ] { WorldInfo { } }";
 
-// An Inline that can stay unloaded; this browser always loads it.
+// Inline that other browsers may leave unloaded; this browser always loads it.
 constexpr std::string_view kInline = R"( [
   exposedField MFString url []
   field SFVec3f bboxCenter 0 0 0
@@ -66,7 +67,7 @@ constexpr std::string_view kNavigationInfo = R"( [
     visibilityLimit IS visibilityLimit isBound IS isBound
   }
 })";
-// Two-sided material, reduced to its front side.
+// Two-sided material. Only its front side is used.
 constexpr std::string_view kMaterial = R"( [
   exposedField SFFloat ambientIntensity 0.2
   exposedField SFColor diffuseColor 0.8 0.8 0.8
@@ -81,7 +82,7 @@ constexpr std::string_view kMaterial = R"( [
   }
 })";
 
-// Shapes of other standards: invisible.
+// Geometry nodes of other standards, which are not visible.
 constexpr std::string_view kNoGeometry = " [ ] { PointSet { } }";
 
 struct Row {
@@ -135,14 +136,14 @@ const NodeType* make(SceneGraph& scene, std::string_view name, std::string_view 
   return find_prototype(scene.writing().attach_library(std::move(library)), name);
 }
 
-// Makes a PROTO that is the built-in node under another name.
+// Makes a PROTO that is a built-in node with another name.
 const NodeType* make_built_in(SceneGraph& scene, const NodeType& type) {
   std::string text = " [\n" + print_interface(type) + "] {\n  " + type.name + " {";
   for (const InterfaceDeclaration& one : type.interfaces) text += ' ' + one.name + " IS " + one.name;
   return make(scene, type.name, text + " }\n}");
 }
 
-// Returns the text after `:node:` in the URN of a node type; empty if the URL is no such URN.
+// Returns the text after `:node:` in the URN of a node type. Returns an empty text if the URL is not such a URN.
 std::string_view node_of_urn(std::string_view url) {
   constexpr std::string_view kScheme = "urn:", kNode = ":node:";
   const std::size_t at = url.rfind(kNode);

@@ -45,7 +45,7 @@ Step StatementParser::statement_step() {
       if (step == Step::done) text_.anything_read = true, text_.rubbish = false;
       return step;
     }
-    // A node, if an opening brace or a node keyword follows.
+    // It is a node if an opening brace or a node keyword follows.
     if (token.text == "DEF" || token.text == "USE" || is_id(token.text)) {
       if (text_.headerless && !text_.anything_read && token.text != "DEF" && !text_.sink.find_type(token.text)) {
         const Lexer::Position behind = text_.lexer.position();
@@ -72,7 +72,7 @@ Step StatementParser::statement_step() {
   return Step::done;
 }
 
-// Parses PROTO, EXTERNPROTO and ROUTE, which may stand wherever a statement or a field may.
+// Parses a PROTO, EXTERNPROTO or ROUTE. They are allowed wherever a statement or a field is allowed.
 Step StatementParser::statement(const Token& keyword, bool& was_statement) {
   was_statement = true;
   if (keyword.text == "ROUTE") return route_statement(keyword.location);
@@ -84,7 +84,8 @@ Step StatementParser::statement(const Token& keyword, bool& was_statement) {
   return Step::done;
 }
 
-// Skips to the end of the line: a statement of X3D or of an old browser, which some files with a VRML97 header contain.
+// Skips a statement of X3D or of an old browser up to the end of the line. Some files with a VRML97 header contain such
+// statements.
 Step StatementParser::other_statement(const Token& keyword) {
   for (;;) {
     const Lexer::Position before = text_.lexer.position();
@@ -99,7 +100,7 @@ Step StatementParser::other_statement(const Token& keyword) {
   }
 }
 
-// Parses `nodeStatement` of Annex A.1. `token`, already read, is DEF, USE or a type name.
+// Parses the start of `nodeStatement` of Annex A.1. `token` was read before: DEF, USE or a type name.
 Step StatementParser::node_head(Token token, NodeTarget target) {
   std::string_view name;
   if (token.text == "DEF" || token.text == "USE") {
@@ -126,7 +127,7 @@ Step StatementParser::node_head(Token token, NodeTarget target) {
       text_.unexpected(token, "a node type after DEF " + std::string(name));
       text_.lexer.go_back(before);
       if (token.kind != TokenKind::open_brace || !text_.sink.find_type(id.text)) return Step::done;
-      // The name is missing; this token is the type.
+      // The DEF name is missing; this token is the type name.
       token = id;
       name = {};
     }
@@ -136,7 +137,7 @@ Step StatementParser::node_head(Token token, NodeTarget target) {
   if (brace.kind == TokenKind::need_more) return Step::need_more;
   if (brace.kind != TokenKind::open_brace) {
     const NodeType* const type = text_.sink.find_type(token.text);
-    // For prose instead of nodes, reports only the first word.
+    // If the text is prose instead of nodes, reports only the first word.
     if (brace.kind == TokenKind::end && (type || text_.frames.size() > 1)) {
       text_.unexpected(brace, "'{' after " + std::string(token.text));
     } else if (!std::exchange(text_.rubbish, true)) {
@@ -195,8 +196,8 @@ Step StatementParser::node_list_step() {
   return Step::done;
 }
 
-// Reads `node.event`, also with blanks around the point. The last point separates the two, so that illegal names with
-// points work.
+// Reads `node.event`. There may be blanks around the point. Splits at the last point, so that illegal names with points
+// work.
 bool StatementParser::read_node_event(std::string& node, std::string& event, Step& step) {
   std::string text;
   step = Step::done;

@@ -44,7 +44,7 @@ class StatementParser {
   ParsedText& text_;
   ValueParser values_;
   std::vector<std::unique_ptr<InterfaceDeclaration>> kept_values_;  // values of invalid declarations
-  FieldValue discarded_ = MFNode{};                                 // receives named nodes that cannot be used
+  FieldValue discarded_ = MFNode{};  // storage for named nodes that no field can take
   bool said_external_value_ = false, said_route_in_list_ = false;
 };
 

@@ -39,7 +39,7 @@ Step StatementParser::node_body_step() {
 // Parses `fieldName value`, `fieldName IS name` or `eventName IS name`.
 Step StatementParser::field(Token name) {
   const NodeType& type = *text_.frames.back().node.type;
-  // Names contain no point (Annex A.2), so a number may follow one directly.
+  // Names contain no point (Annex A.2), so that a number with a point may follow directly after a name.
   const std::string_view before_point = name.text.substr(0, name.text.find('.'));
   if (before_point.size() < name.text.size() && !type.find_field(name.text) && type.find_field(before_point)) {
     name.text = before_point;
@@ -75,8 +75,8 @@ Step StatementParser::field(Token name) {
   return step;
 }
 
-// Parses the value of a field. `name` is for diagnostics, `restricts` for the field of a NodeTarget. On need_more it
-// reads nothing and leaves `into` unchanged.
+// Parses the value of a field. `name` is for diagnostics; `restricts` becomes NodeTarget::field. On need_more, reads
+// nothing and does not change `into`.
 Step StatementParser::value(FieldType type, FieldValue& into, std::string_view name, std::string_view restricts) {
   if (values_.plain_floats(type, into)) return Step::done;
   const Lexer::Position before = text_.lexer.position();
@@ -113,7 +113,7 @@ Step StatementParser::value(FieldType type, FieldValue& into, std::string_view n
   return values_.single_value(type, into, token, name);
 }
 
-// Parses the rest of `name IS outer` for the node on top, in a PROTO body (VRML97 4.8.2). IS has been read.
+// Parses the rest of `name IS outer`, after IS, for the node on top of the stack. It is in a PROTO body (VRML97 4.8.2).
 Step StatementParser::is_mapping(const Token& name) {
   const Token outer_name = text_.lexer.next();
   if (outer_name.kind == TokenKind::need_more) return Step::need_more;
@@ -125,8 +125,8 @@ Step StatementParser::is_mapping(const Token& name) {
   return Step::done;
 }
 
-// Parses `access type name [value]` after the access. `values` tells whether fields have values here, which EXTERNPROTO
-// lacks. `is_allowed` is set for a Script: its fields may use IS.
+// Parses `type name [value]` of an interface declaration, after the access type. `values` means that fields have values
+// here, which EXTERNPROTO lacks. `is_allowed` is set for a Script: its fields may use IS.
 Step StatementParser::interface_declaration(AccessType access, NodeType& type, bool values, bool is_allowed) {
   const Lexer::Position behind_access = text_.lexer.position();
   const Token type_name = text_.lexer.next();
@@ -172,7 +172,7 @@ Step StatementParser::interface_declaration(AccessType access, NodeType& type, b
     if (step == Step::need_more) return step;
   }
   if (!text_.sink.may_declare(type, *pending, name.location)) {
-    kept_values_.push_back(std::move(pending));  // its value may still be arriving
+    kept_values_.push_back(std::move(pending));  // keeps the value, because more of it may be received
     return Step::done;
   }
   text_.frames[index].pending = std::move(pending);
@@ -181,21 +181,21 @@ Step StatementParser::interface_declaration(AccessType access, NodeType& type, b
     return is_mapping(name);
   }
   if (stored && !values) {
-    // Some EXTERNPROTOs repeat the values of the PROTO; skip them.
+    // Some EXTERNPROTOs repeat the values of the PROTO. Skips these values.
     skip_interface_value();
   }
   return Step::done;
 }
 
-// Skips a value in an EXTERNPROTO declaration, where values are not allowed.
+// Skips the value in a declaration of an EXTERNPROTO, which must not have values.
 void StatementParser::skip_interface_value() {
   text_.finish_pending();
   text_.skip_value();
   text_.frames.back().value_unexpected = true;
 }
 
-// Skips a value of unknown type (consecutive numbers and strings, one word, a list, or a node) or the rest of an open
-// construct.
+// Skips a value of unknown type, or the rest of an open construct. The value may be consecutive numbers and strings,
+// one word, a list, or a node.
 Step StatementParser::skip_step() {
   const Lexer::Position before = text_.lexer.position();
   const Token token = text_.lexer.next();
@@ -241,7 +241,7 @@ Step StatementParser::skip_step() {
   }
   if (token.text == "DEF") {
     if (frame.depth == 0 && frame.skipped_value) return leave();
-    // A named node is read nevertheless, since a later USE may refer to it.
+    // Reads a named node instead of skipping it, because a later USE may refer to it.
     discarded_ = MFNode{};
     const bool whole_value = frame.depth == 0;
     const std::size_t index = text_.frames.size() - 1;

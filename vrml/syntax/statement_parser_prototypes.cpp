@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-// PROTO and EXTERNPROTO: their interfaces, bodies and names.
+// Parsing of PROTO and EXTERNPROTO: their names, interfaces and bodies.
 namespace gs::vrml {
 
 // Parses `protoStatement` or `externprotoStatement` of Annex A.1, up to the opening bracket of the interface.
@@ -80,7 +80,7 @@ Step StatementParser::interface_step() {
 
 Step StatementParser::external_url_step() {
   Frame& frame = text_.frames.back();
-  if (frame.into) {  // the url list is complete
+  if (frame.into) {  // the list of URLs is complete
     text_.sink.end_external(*frame.declaring, std::move(std::get<MFString>(frame.pending->initial)));
     text_.frames.pop_back();
     return Step::done;
@@ -88,7 +88,7 @@ Step StatementParser::external_url_step() {
   auto pending = std::make_unique<InterfaceDeclaration>();
   pending->initial = MFString{};
   FieldValue& url = pending->initial;
-  // Set only after the value has begun, so that need_more leaves no trace.
+  // Changes the frame only after the value has begun: on need_more, nothing may have changed.
   const std::size_t index = text_.frames.size() - 1;
   const Step step = value(FieldType::MFString, url, "the url of EXTERNPROTO", {});
   if (step == Step::need_more) return step;

@@ -16,7 +16,8 @@ bool starts_with_ignoring_case(std::string_view text, std::string_view prefix) {
          });
 }
 
-// Detects binary data. With `nul_tells`, a single NUL byte suffices; used if no header identifies the text.
+// Reports whether text looks like binary data. If `nul_tells`, a single NUL byte suffices, because no header identifies
+// the text.
 bool looks_binary(std::string_view text, bool nul_tells) {
   std::size_t odd = 0;
   for (const char c : text) {
@@ -27,7 +28,7 @@ bool looks_binary(std::string_view text, bool nul_tells) {
   return odd * 20 > text.size();
 }
 
-// Normalizes the header: collapses blanks and converts to lower case.
+// Returns a header line in lower case, with single blanks.
 std::string normalised(std::string_view line) {
   std::string out;
   for (const char c : line) {
@@ -46,7 +47,7 @@ Step ParsedText::read_header() {
   const char* end = lexer.window_end();
   if (end - begin >= 3 && std::string_view(begin, 3) == "\xef\xbb\xbf") begin += 3;
   const std::string_view text(begin, std::min<std::size_t>(static_cast<std::size_t>(end - begin), kHeaderWindow));
-  // Always examines the same bytes, whatever the sizes of the pieces.
+  // Waits until kHeaderWindow bytes are available, so that the result does not depend on the sizes of the pieces.
   if (text.size() < kHeaderWindow && !lexer.is_last_window()) return Step::need_more;
   header_read = true;
   if (text.empty()) {

@@ -11,12 +11,12 @@
 namespace gs::vrml {
 namespace {
 
-// Bulk-read numbers go into a buffer on the stack, so that short lists are allocated once and exactly. Longer runs go
-// directly into the array.
+// Size of a buffer on the stack for bulk-read numbers, so that memory for short lists is allocated once, with the exact
+// size. Longer runs are written directly into the array.
 constexpr std::size_t kShortRun = 768;
 constexpr std::size_t kLongRun = 16 * 1024;
 
-// Returns the count of numbers in one value.
+// Returns the number of numbers in one value of a type.
 constexpr int arity(FieldType type) {
   switch (type) {
     case FieldType::SFVec2f:
@@ -69,7 +69,7 @@ void shrink(FieldValue& list) {
 
 }  // namespace
 
-// Parses a number token. Floats are rounded from text to float once; only SFTime is a double.
+// Parses a number token. Rounds floats only once, from text to float. Only SFTime is a double.
 bool ValueParser::number_of(const Token& token, double& number) {
   const FieldType type = number_type_;
   if (type == FieldType::SFTime || type == FieldType::MFTime) return parse_number(token.text, number);
@@ -93,12 +93,12 @@ bool ValueParser::number_of(const Token& token, double& number) {
     return true;
   }
   if (!parse_number(token.text, integer)) return false;
-  number = integer;  // hexadecimal
+  number = integer;  // hexadecimal integer
   return true;
 }
 
-// Splits a token without a blank after a number, as Annex A permits: "80level", "10-1", "-.5.75". If the token as a
-// whole is no number, it is cut after its leading number if a name or another number follows.
+// Splits a token in which no blank follows a number, as Annex A permits: "80level", "10-1", "-.5.75". If the whole
+// token is not a number, cuts the token after its leading number. Does so only if a name or another number follows.
 void ValueParser::cut_number(Token& token) {
   const std::size_t length = number_length(token.text);
   if (length == 0 || length >= token.text.size()) return;
@@ -160,7 +160,7 @@ Step ValueParser::single_value(FieldType type, FieldValue& into, Token token, st
       text_.skip_value();
     return Step::done;
   };
-  // Start of the first token; its text always lies in the window.
+  // Start of the first token. Its text is always in the window.
   Lexer::Position before = text_.lexer.position();
   before.next = token.text.data() - (token.kind == TokenKind::string ? 1 : 0);
   if (token.text.data() == nullptr || token.kind == TokenKind::string || token.kind == TokenKind::unterminated_string)
@@ -191,7 +191,7 @@ Step ValueParser::single_value(FieldType type, FieldValue& into, Token token, st
     default:
       break;
   }
-  // Reads all tokens first: need_more must leave no trace, including diagnostics.
+  // Reads all tokens first: on need_more, nothing may have changed or have been reported.
   std::array<Token, 4> tokens;
   const auto is_number_like = [](const Token& t) {
     return t.kind == TokenKind::word && (looks_like_number(t.text) || is_keyword_number(t.text));
@@ -312,7 +312,7 @@ Step ValueParser::values_step() {
   return value_token(frame, token, before);
 }
 
-// Notes the position of a url string, since errors of a program refer to its position in the file.
+// Stores the position of a url string, because errors in a program refer to its position in the file.
 void ValueParser::note_url_place(const Frame* node, std::string_view name, const Token& token) {
   if (node && node->kind == Frame::Kind::node_body && node->declaring && !node->pending && name == "url")
     node->declaring->url_places.push_back(token.location);
@@ -357,7 +357,7 @@ Step ValueParser::value_token(Frame& frame, const Token& token, const Lexer::Pos
       return Step::done;
     }
   }
-  // Missing bracket: the next field of the node, or its end, follows.
+  // If the bracket is missing, the next field of the node or the end of the node follows.
   const Frame* owner = text_.frames.size() >= 2 ? &text_.frames[text_.frames.size() - 2] : nullptr;
   const bool next_field = token.kind == TokenKind::word && owner && owner->kind == Frame::Kind::node_body &&
                           (owner->node.type->find(token.text) || (owner->declaring && access_named(token.text)));

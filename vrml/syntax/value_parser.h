@@ -11,15 +11,15 @@ class ValueParser {
  public:
   explicit ValueParser(ParsedText& text) : text_(text) {}
 
-  /// Reads a single value of floats in the plain form of nearly all files. Returns false and reads nothing for other
-  /// text.
+  // Reads a single value of floats in the plain form that nearly all files use. Returns false and reads nothing if the
+  // text has another form.
   bool plain_floats(FieldType type, FieldValue& into);
-  /// Parses one value of a type other than nodes and images, starting with `token`. An MF type gets one element.
+  // Parses one value that starts with `token`; its type is neither a node nor an image. An MF type gets one element.
   Step single_value(FieldType type, FieldValue& into, Token token, std::string_view name);
   /// Parses `width height components`; the pixels follow.
   Step image_head(FieldValue& into, Token token, std::string_view name);
-  /// Parses the content of `[ ... ]` of an MF type other than MFNode: in bulk if the text is plain, else token by
-  /// token. Values already read stay when more bytes are needed.
+  // Parses the content of the brackets of an MF type other than MFNode: in bulk if the text is plain, otherwise token
+  // by token. If more bytes are needed, keeps the values already read.
   Step values_step();
   Step image_step();
 
@@ -34,7 +34,7 @@ class ValueParser {
   String string_of(const Token& token);
 
   ParsedText& text_;
-  FieldType number_type_ = FieldType::SFFloat;  // of the value being read
+  FieldType number_type_ = FieldType::SFFloat;  // type of the value being read
   bool said_bool_form_ = false, said_latin1_ = false, said_number_form_ = false;
 };
 

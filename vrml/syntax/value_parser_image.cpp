@@ -54,7 +54,7 @@ Step ValueParser::image_step() {
     if (token.kind == TokenKind::word) cut_number(token);
     if (token.kind == TokenKind::need_more) {
       text_.sink.limits().charge_growth(*frame.into, frame.charged, false);
-      // Whole pixels were taken; the next window begins after them.
+      // Only whole pixels were read. The next window begins after them.
       text_.lexer.go_back(before);
       return Step::need_more_kept;
     }
@@ -68,7 +68,7 @@ Step ValueParser::image_step() {
                                                " pixels of an image are missing; expected a pixel, found " +
                                                describe(token));
       text_.lexer.go_back(before);
-      // A few numbers may declare many pixels.
+      // Few bytes of text may declare many pixels.
       if (frame.pixels_left * sizeof(std::uint32_t) > text_.scene.budget()->left(Resource::nodes) / 4)
         words.clear();
       else

@@ -9,12 +9,13 @@
 namespace gs::vrml {
 namespace {
 
-/// Grid of columns x rows vertices, both >= 2.
+/// Grid of columns x rows vertices; both numbers are >= 2.
 struct Grid {
   std::uint32_t columns, rows;
 };
 
-/// Returns one quadrilateral per cell, counter-clockwise seen from +Y, in the order of QuadColor[i, j] (VRML97 6.17).
+/// Returns one quadrilateral per cell, counter-clockwise seen from +Y. Their order is that of QuadColor[i, j] (VRML97
+/// 6.17).
 [[nodiscard]] MFInt32 quadrilaterals(Grid grid) {
   MFInt32 index;
   const std::size_t size = std::size_t{5} * (grid.columns - 1) * (grid.rows - 1);
@@ -33,8 +34,8 @@ struct Grid {
   return index;
 }
 
-/// Returns texture coordinates from (0, 0) at the first vertex to (1, 1) at the last one of all `rows` that the node
-/// declares.
+/// Returns texture coordinates from (0, 0) at the first vertex to (1, 1) at the last vertex. `rows` is the number of
+/// rows that the node declares.
 [[nodiscard]] MFVec2f unit_square(Grid grid, std::int32_t rows) {
   MFVec2f coordinates;
   const std::size_t size = std::size_t{grid.columns} * grid.rows;
@@ -49,7 +50,7 @@ struct Grid {
 
 }  // namespace
 
-// One quadrilateral with corner normals per height.
+// Counts one quadrilateral with corner normals per height.
 std::size_t cost_of_elevation_grid(const SceneGraph& scene, NodeId geometry) {
   constexpr std::size_t kOfHeight = 8;
   return scene.get<MFFloat>(geometry, "height").size() * kOfHeight;
@@ -66,10 +67,10 @@ Mesh tessellate_elevation_grid(const SceneGraph& scene, NodeId geometry, const M
   faces.solid = scene.get<SFBool>(geometry, "solid");
   Mesh nothing;
   nothing.solid = faces.solid;
-  // Draws a spacing of 0 flat, although the node table's ranges exclude it.
+  // A spacing of 0 is drawn flat, although the ranges in the node table exclude it.
   const auto is_spacing = [](float spacing) { return spacing >= 0 && std::isfinite(spacing); };
   if (x_dimension < 2 || z_dimension < 2 || !is_spacing(x_spacing) || !is_spacing(z_spacing)) return nothing;
-  // Omits rows with missing heights, so that the heights bound the allocation.
+  // Omits rows with missing heights. The number of heights then limits the memory.
   const auto columns = static_cast<std::size_t>(x_dimension);
   const std::size_t rows = std::min(
       {static_cast<std::size_t>(z_dimension), height.size() / columns, kMaximumCorners / 5 / (columns - 1) + 1});

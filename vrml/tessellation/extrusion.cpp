@@ -13,7 +13,7 @@
 namespace gs::vrml {
 namespace {
 
-/// Columns of a rotation matrix; the identity if the axis has no direction (VRML97 5.8).
+/// Columns of a rotation matrix. They are the identity if the axis has no direction (VRML97 5.8).
 struct Turn {
   glm::dvec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
 
@@ -30,13 +30,13 @@ struct Turn {
   }
 };
 
-/// Returns the value for spine point `i`: its own, or the last one (VRML97 6.18.3).
+/// Returns the value for spine point `i`. If the list is too short, returns its last value (VRML97 6.18.3).
 template <class T>
 [[nodiscard]] T value_at(const Array<T>& values, std::size_t i, const T& otherwise) {
   return values.empty() ? otherwise : values[std::min(i, values.size() - 1)];
 }
 
-/// Returns the relative arc length of each point, 0 to 1; evenly spaced if the curve has no length.
+/// Returns the relative arc length at each point, 0 to 1. If the curve has no length, the values are evenly spaced.
 template <class Point>
 [[nodiscard]] std::vector<float> fractions(const Array<Point>& curve) {
   std::vector<double> way(curve.size(), 0);
@@ -74,7 +74,7 @@ struct Extrusion {
   [[nodiscard]] MFVec2f cap_texture_coordinates() const;
 };
 
-/// Returns the cross-section at each spine point, ring after ring.
+/// Returns the points of the cross-section at each spine point, ring after ring.
 MFVec3f Extrusion::place_cross_sections() const {
   const std::vector<CrossSectionPlane> planes = cross_section_planes(spine.span());
   MFVec3f points;
@@ -92,8 +92,8 @@ MFVec3f Extrusion::place_cross_sections() const {
   return points;
 }
 
-/// Builds the sides. On closed curves the last column or ring of quadrilaterals reuses the first vertices, so that
-/// normals are smooth across the seam; texture coordinates are separate.
+/// Builds the sides. On a closed curve, the last column or ring of quadrilaterals uses the first vertices again, so
+/// that normals are smooth across the seam. Texture coordinates at the seam are separate.
 Mesh Extrusion::sides(const MFVec3f& points) const {
   const std::size_t columns = cross_section.size();
   const std::size_t last_ring = (rings - 1) * columns;
@@ -115,7 +115,7 @@ Mesh Extrusion::sides(const MFVec3f& points) const {
     *next++ = vertex(ring, column);
     *next_texture++ = static_cast<std::int32_t>(ring * columns + column);
   };
-  // Written per corner: GCC 12 at -O3 miscompiles a loop over the four.
+  // Writes each corner separately: GCC 12 at -O3 miscompiles a loop over the four corners.
   for (std::size_t i = 0; i + 1 < rings; ++i)
     for (std::size_t j = 0; j + 1 < columns; ++j) {
       put(i, j);
@@ -144,7 +144,7 @@ Mesh Extrusion::sides(const MFVec3f& points) const {
   return make_mesh(std::move(faces));
 }
 
-/// Returns texture coordinates of the cap: the cross-section scaled uniformly so that its longer side is 0..1.
+/// Returns the texture coordinates of a cap: the cross-section, scaled uniformly so that its longer side becomes 0..1.
 MFVec2f Extrusion::cap_texture_coordinates() const {
   glm::dvec2 lower(HUGE_VAL), upper(-HUGE_VAL);
   for (const glm::vec2& p : cross_section) {
@@ -159,8 +159,8 @@ MFVec2f Extrusion::cap_texture_coordinates() const {
   return coordinates;
 }
 
-/// Builds the first or last ring as one flat face. Always triangulates it as concave: `convex` defaults to TRUE, and
-/// many worlds leave it so for concave cross-sections.
+/// Builds a cap from the first or last ring as one flat face. Always triangulates the face as concave: `convex`
+/// defaults to TRUE, and many worlds do not change the default for concave cross-sections.
 Mesh Extrusion::cap(const MFVec3f& points, bool begin) const {
   const std::size_t columns = cross_section.size();
   const std::size_t corners = cross_section_closed() ? columns - 1 : columns;
@@ -179,7 +179,7 @@ Mesh Extrusion::cap(const MFVec3f& points, bool begin) const {
 
 }  // namespace
 
-// Work per pair of a spine point and a cross-section point: the corner of a quadrilateral.
+// Counts one corner of a quadrilateral per pair of a spine point and a cross-section point.
 std::size_t cost_of_extrusion(const SceneGraph& scene, NodeId geometry) {
   constexpr std::size_t kOfPoint = 8;
   return scene.get<MFVec2f>(geometry, "crossSection").size() * scene.get<MFVec3f>(geometry, "spine").size() * kOfPoint;
@@ -198,8 +198,8 @@ Mesh tessellate_extrusion(const SceneGraph& scene, NodeId geometry, const MeshOp
 
   Mesh mesh;
   if (extrusion.cross_section.size() >= 2) {
-    // Two short lists can multiply to a large mesh; beyond the limit, the end of the spine is omitted.
-    constexpr std::size_t kBytesOfPoint = 60, kBytesAtWorst = 600;  // while extruding; in total with faces and mesh
+    // Two short lists can give a large mesh. Beyond the limit, omits the end of the spine.
+    constexpr std::size_t kBytesOfPoint = 60, kBytesAtWorst = 600;  // during extrusion; in total with faces and mesh
     const std::size_t columns = extrusion.cross_section.size();
     const std::size_t points = scene.budget()->left(Resource::meshes) / (2 * kBytesAtWorst);
     extrusion.rings = std::min(extrusion.spine.size(), points / columns);

@@ -15,8 +15,8 @@ struct LineSet {
   Attribute<Color> color;
 };
 
-/// Calls segment(corner, polyline) for the segment between corners `corner - 1` and `corner` of each polyline. Skips
-/// segments with an unusable corner and those of length 0.
+/// Calls segment(corner, polyline) for the segment between the corners `corner - 1` and `corner` of each polyline.
+/// Skips segments with an unusable corner, and segments of length 0.
 template <class Segment>
 void for_each_segment(std::span<const std::int32_t> index, const UsableVertices& vertices, const Segment& segment) {
   std::size_t polyline = 0;
@@ -31,7 +31,7 @@ void for_each_segment(std::span<const std::int32_t> index, const UsableVertices&
   }
 }
 
-/// Builds the lines if colours are by vertex or absent; the arrays stay unchanged.
+/// Builds the lines without copying arrays. Works if colours are by vertex or absent.
 [[nodiscard]] Mesh share_lines(LineSet& lines, std::span<const std::int32_t> index, const UsableVertices& vertices) {
   Mesh mesh;
   std::vector<std::uint8_t> used(lines.points.size(), 0);

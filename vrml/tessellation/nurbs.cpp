@@ -14,7 +14,7 @@
 namespace gs::vrml {
 namespace {
 
-/// Returns x / by, and 0 if by is 0: coincident knots have no basis function between them (Cox-de Boor recurrence).
+/// Returns x / by, or 0 if by is 0: there is no basis function between coincident knots (Cox-de Boor recurrence).
 double divided(double x, double by) { return by > 0 ? x / by : 0; }
 
 bool usable_knots(std::span<const float> knots, std::size_t points, std::size_t order) {
@@ -23,7 +23,7 @@ bool usable_knots(std::span<const float> knots, std::size_t points, std::size_t 
          std::is_sorted(knots.begin(), knots.end()) && knots[order - 1] < knots[points];
 }
 
-/// Returns the weight of a control point: the node's if it has one per point, else 1.
+/// Returns the weight of control point `i`: from the node if it has one weight per point, otherwise 1.
 double weight_of(const MFFloat& weights, std::size_t points, std::size_t i) {
   return weights.size() == points && weights[i] > 0 && std::isfinite(weights[i]) ? weights[i] : 1;
 }
@@ -31,8 +31,7 @@ double weight_of(const MFFloat& weights, std::size_t points, std::size_t i) {
 glm::dvec3 wide(const glm::vec3& point) { return point; }
 glm::dvec3 wide(const glm::vec2& point) { return {point, 0}; }
 
-/// NURBS surface: control points (columns x rows, row by row) with weights, and the parameters at which it is
-/// evaluated.
+/// NURBS surface: two parameter directions, and columns x rows control points with weights, row by row.
 template <class Point>
 class Surface {
  public:
@@ -43,14 +42,15 @@ class Surface {
     glm::dvec3 point{}, along_u{}, along_v{};
   };
 
-  /// Calls take(column, row, Place) for the corners of a columns x rows subdivision, row by row.
+  /// Calls take(column, row, Place) for all corners of a subdivision into columns x rows, row by row.
   template <class Take>
   void sample(std::size_t columns, std::size_t rows, const Take& take) const {
     std::vector<NurbsAxis::Weights> across;
     across.reserve(columns + 1);
     for (std::size_t i = 0; i <= columns; ++i)
       across.push_back(u_.at(static_cast<double>(i) / static_cast<double>(columns)));
-    // Control points of the curve for one row of corners, and their derivative across rows: (w x, w y, w z, w).
+    // Control points (w x, w y, w z, w) of the curve for one row of corners, and their derivative in the other
+    // direction.
     std::vector<glm::dvec4> curve(u_.points()), motion(u_.points());
     const std::size_t count = u_.points() * v_.points();
     for (std::size_t j = 0; j <= rows; ++j) {
@@ -91,7 +91,8 @@ class Surface {
   MFFloat weights_;
 };
 
-/// Returns the surface of a NurbsSurface (vec3) or NurbsTextureSurface (vec2); nullopt if the node defines none.
+/// Returns the surface of a NurbsSurface (vec3) or of a NurbsTextureSurface (vec2). Returns nullopt if the node does
+/// not define a valid surface.
 template <class Point>
 std::optional<Surface<Point>> surface_of(const SceneGraph& scene, NodeId node, const Array<Point>& points) {
   const auto columns = scene.get<SFInt32>(node, "uDimension"), rows = scene.get<SFInt32>(node, "vDimension");
@@ -105,7 +106,7 @@ std::optional<Surface<Point>> surface_of(const SceneGraph& scene, NodeId node, c
   return Surface<Point>(std::move(*u), std::move(*v), points, scene.get<MFFloat>(node, "weight"));
 }
 
-/// Returns texture coordinates from those of the control points, from a texture surface, or of the unit square.
+/// Returns texture coordinates. Their source is the control points, a texture surface, or the unit square.
 MFVec2f texture_of(const SceneGraph& scene, NodeId geometry, const Surface<glm::vec3>& surface, std::size_t columns,
                    std::size_t rows) {
   const NodeId given = scene.get<SFNode>(geometry, "texCoord");
@@ -155,7 +156,7 @@ std::optional<NurbsAxis> NurbsAxis::make(std::size_t points, std::int32_t order,
 NurbsAxis::Weights NurbsAxis::at(double place) const {
   const double begin = knots_[order_ - 1], end = knots_[points_];
   const double t = begin + (end - begin) * (place > 0 ? std::min(place, 1.0) : 0);
-  // Knot interval that contains t; for the end itself, the last non-empty one.
+  // Finds the knot interval that contains t. For the end of the axis, finds the last interval that is not empty.
   const auto from = knots_.begin() + static_cast<std::ptrdiff_t>(order_ - 1);
   const auto to = knots_.begin() + static_cast<std::ptrdiff_t>(points_);
   const auto above = t < end ? std::upper_bound(from, to, t) : std::lower_bound(from, to, end);
@@ -163,7 +164,7 @@ NurbsAxis::Weights NurbsAxis::at(double place) const {
 
   Weights weights;
   weights.first = piece + 1 - order_;
-  std::array<double, kMaximumOrder> below{};  // basis of one order less, for the slopes
+  std::array<double, kMaximumOrder> below{};  // basis functions of the next lower order, for the slopes
   weights.value[0] = 1;
   for (std::size_t degree = 1; degree < order_; ++degree) {
     if (degree == order_ - 1) below = weights.value;
@@ -195,7 +196,7 @@ std::size_t NurbsAxis::steps(std::int32_t tessellation) const {
   return std::min(tessellation > 0 ? size : std::min(size, kMax) * points, kMax);
 }
 
-// One quadrilateral with normals per interval.
+// Counts one quadrilateral with normals per interval.
 std::size_t cost_of_nurbs_surface(const SceneGraph& scene, NodeId geometry) {
   constexpr std::size_t kOfPiece = 16;
   const auto surface = surface_of(scene, geometry, scene.get<MFVec3f>(geometry, "controlPoint"));

@@ -9,8 +9,8 @@
 #include <unordered_map>
 #include <vector>
 
-// OutlineGroup (docs/formats.md): independent polygons, and outlines that represent them until they are received. This
-// file selects which of the two is drawn per group.
+// OutlineGroup (docs/formats.md) has independent polygons, and outlines that represent them until they are received.
+// This file selects which of the two is drawn for each group.
 namespace gs::vrml {
 namespace {
 
@@ -30,7 +30,7 @@ std::int32_t at(const MFInt32& list, std::size_t i, std::int32_t otherwise) {
   return i < list.size() ? list[i] : otherwise;
 }
 
-/// Received parts of the groups of a node and of its refiner.
+/// Received parts of the groups of a node and of the node that refines it.
 class Groups {
  public:
   Groups(const SceneGraph& scene, NodeId base, NodeId refiner)
@@ -67,8 +67,8 @@ class Groups {
   [[nodiscard]] bool knows(std::int32_t group) const {
     return group >= 0 && static_cast<std::size_t>(group) < sizes_.size();
   }
-  /// Reports whether all polygons of a group have been received, or all that will be; a lost polygon thus affects only
-  /// itself.
+  /// Reports whether a group is complete: all its polygons are received, or no more will be. Thus a lost polygon
+  /// affects only itself.
   [[nodiscard]] bool done(std::int32_t group) const {
     const auto i = static_cast<std::size_t>(group);
     return sizes_[i] > 0 && present_[i] > 0 && (complete_ || present_[i] >= static_cast<std::uint32_t>(sizes_[i]));
@@ -80,7 +80,7 @@ class Groups {
   bool complete_ = false;
 };
 
-/// Maps equal positions to one index, so that independent polygons shade smoothly where they meet.
+/// Map from equal positions to one index, so that independent polygons have smooth shading where they meet.
 class PositionWelder {
  public:
   explicit PositionWelder(const MFVec3f& points) : points_(points) { first_.reserve(points.size()); }
@@ -107,7 +107,7 @@ class PositionWelder {
   std::unordered_map<Key, std::int32_t, Hash> first_;
 };
 
-/// Collects the drawn parts of one node after the other.
+/// Builder that collects the drawn parts of several nodes.
 class Gatherer {
  public:
   Gatherer(const SceneGraph& scene, const Groups& groups) : scene_(scene), groups_(groups) {}
@@ -121,7 +121,7 @@ class Gatherer {
     add(node, "outline", "outlineIndex", "outlineTexCoord",
         [&](std::size_t polygon) { return groups_.shows_outline(polygon); });
   }
-  /// Returns positions, polygons and texture coordinates; the caller fills in the rest.
+  /// Returns the positions, polygons and texture coordinates. The caller sets the other members.
   [[nodiscard]] FaceSet take(float crease_angle, bool textured) {
     faces_.crease_angle = crease_angle;
     const MFInt32 own_index = faces_.coord_index;
@@ -156,7 +156,7 @@ class Gatherer {
       faces_.coord_index.push_back(-1);
     });
     if (!any) return;
-    // The first list, if drawn completely, needs no copy.
+    // If the whole first list is drawn, it is shared instead of copied.
     if (before == 0) {
       faces_.points = points;
       if (all && faces_.coord_index.size() == index.size()) faces_.coord_index = index;
@@ -178,7 +178,7 @@ class Gatherer {
 }  // namespace
 
 Mesh tessellate_outline_group(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
-  // A node that refines another is drawn with that one, so that both shade as one.
+  // A node that refines another one is drawn with that node, so that both are shaded as one surface.
   if (scene.resolve_as(scene.get<SFNode>(geometry, "refines"), NodeKind::outline_group)) return {};
   const Groups groups(scene, geometry, options.refiner);
   const auto entries = [&](NodeId node) {

@@ -14,10 +14,10 @@ namespace {
 constexpr int kMaximumSegments = 4096;
 
 [[nodiscard]] bool is_size(float value) { return std::isfinite(value) && value > 0; }
-/// Accepts 0, drawn flat, although the node table's ranges exclude it.
+/// Accepts 0, which is drawn flat, although the ranges in the node table exclude it.
 [[nodiscard]] bool is_size_or_flat(float value) { return std::isfinite(value) && value >= 0; }
 
-/// Returns a measure of the node, or its type's default.
+/// Returns a measure of the node. If MeshOptions::default_measures is set, returns the default of the node's type.
 template <class T>
 [[nodiscard]] T measure(const SceneGraph& scene, NodeId geometry, std::string_view field, const MeshOptions& options) {
   if (!options.default_measures) return scene.get<T>(geometry, field);
@@ -36,8 +36,8 @@ struct Direction {
   float x, z;
 };
 
-/// Returns segments + 1 directions once around the Y axis, counter-clockwise seen from above. They start at the texture
-/// seam at the back (-Z; VRML97 6.11, 6.14, 6.43).
+/// Returns segments + 1 directions that turn once around the Y axis, counter-clockwise seen from above. They start at
+/// the texture seam at the back (-Z; VRML97 6.11, 6.14, 6.43).
 [[nodiscard]] std::vector<Direction> turn(int segments) {
   std::vector<Direction> directions(static_cast<std::size_t>(segments) + 1);
   for (int i = 0; i < segments; ++i) {
@@ -45,16 +45,16 @@ struct Direction {
     directions[static_cast<std::size_t>(i)] = {static_cast<float>(-std::sin(angle)),
                                                static_cast<float>(-std::cos(angle))};
   }
-  directions.back() = directions.front();  // exactly closed
+  directions.back() = directions.front();  // makes the turn exactly closed
   return directions;
 }
 
 [[nodiscard]] int segments_of(const MeshOptions& options) { return std::clamp(options.segments, 3, kMaximumSegments); }
 
-/// Collects the parts of a primitive with known size.
+/// Builder that collects the parts of a primitive of known size.
 class Builder {
  public:
-  /// Reserves room for at most this many vertices and triangles.
+  /// Reserves memory for at most this number of vertices and triangles.
   Builder(std::size_t vertices, std::size_t triangles)
       : position_(mesh_.positions.prepare(vertices)),
         normal_(mesh_.normals.prepare(vertices)),
@@ -94,8 +94,9 @@ class Builder {
   std::size_t triangles_ = 0;
 };
 
-/// Adds the disc at height `y` that faces up or down. Seen from outside, its texture is upright when the top of the
-/// body is tilted towards +Z (`up`) or towards -Z (VRML97 6.11, 6.14).
+/// Adds a disc at the height `y`. If `up`, the disc faces up, and its texture is upright after the top of the body is
+/// tilted towards +Z. Otherwise the disc faces down, and the texture is upright after a tilt towards -Z (VRML97 6.11,
+/// 6.14).
 void add_disc(Builder& builder, const std::vector<Direction>& around, float radius, float y, bool up) {
   const float sign = up ? 1.0f : -1.0f;
   const glm::vec3 normal(0, sign, 0);
@@ -117,7 +118,7 @@ Mesh tessellate_box(const SceneGraph& scene, NodeId geometry, const MeshOptions&
   if (!is_size_or_flat(size.x) || !is_size_or_flat(size.y) || !is_size_or_flat(size.z)) return {};
   const glm::vec3 half = size * 0.5f;
 
-  // Normal of the face, and the directions of s and t on it (VRML97 6.7).
+  // Face of a box: its normal, and the directions of s and t on it (VRML97 6.7).
   struct Face {
     glm::vec3 normal, right, up;
   };
@@ -142,7 +143,7 @@ Mesh tessellate_box(const SceneGraph& scene, NodeId geometry, const MeshOptions&
 Mesh tessellate_cone(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
   const auto radius = measure<SFFloat>(scene, geometry, "bottomRadius", options);
   const auto height = measure<SFFloat>(scene, geometry, "height", options);
-  if (!is_size(radius) || !is_size_or_flat(height)) return {};  // without a radius it is a line
+  if (!is_size(radius) || !is_size_or_flat(height)) return {};  // a cone without a radius would be a line
   const int segments = segments_of(options);
   const std::vector<Direction> around = turn(segments);
   const float half = height * 0.5f;
@@ -152,7 +153,7 @@ Mesh tessellate_cone(const SceneGraph& scene, NodeId geometry, const MeshOptions
     const double slant = std::hypot(static_cast<double>(radius), static_cast<double>(height));
     const auto outwards = static_cast<float>(height / slant);
     const auto upwards = static_cast<float>(radius / slant);
-    // Two vertices per segment: one on the rim, and the apex with the normal at the segment's middle.
+    // Adds two vertices per segment: one on the rim, and the apex with the normal at the middle of the segment.
     for (int i = 0; i <= segments; ++i) {
       const Direction rim = around[static_cast<std::size_t>(i)];
       const float s = static_cast<float>(i) / static_cast<float>(segments);
@@ -172,7 +173,7 @@ Mesh tessellate_cone(const SceneGraph& scene, NodeId geometry, const MeshOptions
 Mesh tessellate_cylinder(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
   const auto radius = measure<SFFloat>(scene, geometry, "radius", options);
   const auto height = measure<SFFloat>(scene, geometry, "height", options);
-  if (!is_size(radius) || !is_size_or_flat(height)) return {};  // without a radius it is a line
+  if (!is_size(radius) || !is_size_or_flat(height)) return {};  // a cylinder without a radius would be a line
   const int segments = segments_of(options);
   const std::vector<Direction> around = turn(segments);
   const float half = height * 0.5f;
@@ -203,8 +204,8 @@ Mesh tessellate_sphere(const SceneGraph& scene, NodeId geometry, const MeshOptio
   const std::vector<Direction> around = turn(segments);
   const auto columns = static_cast<std::uint32_t>(segments) + 1;
 
-  // Rows from the south pole up. A pole has one vertex per segment, with the texture coordinate of the segment's
-  // middle.
+  // Adds rows from the south pole up. A pole has one vertex per segment, with the texture coordinate at the middle of
+  // the segment.
   Builder builder(columns * (static_cast<std::size_t>(stacks) + 1), 2 * columns * static_cast<std::size_t>(stacks));
   for (int row = 0; row <= stacks; ++row) {
     const bool pole = row == 0 || row == stacks;

@@ -4,8 +4,9 @@
 
 namespace gs::vrml {
 
-// Return the values of the geometric property node (VRML97 4.6.3.2) in the named field of `geometry`, or of a PROTO
-// instance there. Share storage with the node; empty if there is no such node.
+// These functions return the values of a geometric property node (VRML97 4.6.3.2), or of a PROTO instance that
+// represents one. The node is in the named field of `geometry`. The result shares storage with the node. It is empty if
+// there is no such node.
 
 [[nodiscard]] inline MFVec3f coordinates_of(const SceneGraph& scene, NodeId geometry) {
   const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "coord"), NodeKind::coordinate);

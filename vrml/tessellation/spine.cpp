@@ -8,7 +8,7 @@
 namespace gs::vrml {
 namespace {
 
-/// Sine of the angle between segments below which they count as collinear.
+/// Maximum sine of the angle between two segments that count as collinear.
 constexpr double kCollinear = 1e-5;
 /// Relative rounding error of a float coordinate.
 constexpr double kRounding = 1.2e-7;
@@ -22,8 +22,8 @@ constexpr glm::dvec3 kZero(0);
   return length > 0 ? v / length : kZero;
 }
 
-/// Returns the Z axis at `here`: the cross product of the vectors to the next and the previous point; zero if the three
-/// are collinear within the precision of their coordinates.
+/// Returns the Z axis at `here`: the cross product of the vectors to the next and the previous point. Returns zero if
+/// the three points are collinear within the precision of their coordinates.
 [[nodiscard]] glm::dvec3 z_axis(const glm::dvec3& previous, const glm::dvec3& here, const glm::dvec3& next) {
   const glm::dvec3 forth = next - here, back = previous - here;
   const double a = glm::length(forth), b = glm::length(back);
@@ -32,7 +32,7 @@ constexpr glm::dvec3 kZero(0);
   return glm::length(z) > kCollinear * a * b + rounding * (a + b) ? unit(z) : kZero;
 }
 
-/// Rotates the standard axes by the shortest rotation that takes +Y to `y`; about Z if that is half a turn.
+/// Rotates the standard axes by the shortest rotation from +Y to `y`. If that is half a turn, rotates about Z.
 [[nodiscard]] CrossSectionPlane turned_to(const glm::dvec3& y) {
   if (y == kZero) return {};
   if (y.y < -1 + 1e-12) return {{-1, 0, 0}, {0, -1, 0}, {0, 0, 1}};
@@ -41,7 +41,7 @@ constexpr glm::dvec3 kZero(0);
   return {{1 - y.x * y.x * k, -y.x, -y.x * y.z * k}, y, {-y.x * y.z * k, -y.z, 1 - y.z * y.z * k}};
 }
 
-/// Builds a plane from axes that may be inexact or missing.
+/// Builds a plane from two axes, which may be inexact or zero.
 [[nodiscard]] CrossSectionPlane plane_of(const glm::dvec3& y, const glm::dvec3& z) {
   const glm::dvec3 x = glm::cross(y, z);
   if (glm::length(x) < 1e-9) return turned_to(y);
@@ -52,7 +52,7 @@ constexpr glm::dvec3 kZero(0);
   return plane;
 }
 
-/// Planes of at least two points; no two neighbours coincide.
+/// Spine of at least two points. No two neighbouring points coincide.
 class Spine {
  public:
   explicit Spine(const std::vector<glm::dvec3>& points)
@@ -65,7 +65,8 @@ class Spine {
     const auto first = std::find_if(z.begin(), z.end(), [](const glm::dvec3& v) { return v != kZero; });
     if (first == z.end()) return std::vector<CrossSectionPlane>(count_, turned_to(direction()));
 
-    // Undefined axes take the previous one, or at the start the first defined one; then sudden flips are removed.
+    // Replaces undefined axes by the previous axis, or at the start by the first defined one. Then removes sudden
+    // flips.
     std::vector<CrossSectionPlane> planes(count_);
     glm::dvec3 last = *first;
     for (std::size_t i = 0; i < count_; ++i) {
@@ -91,7 +92,7 @@ class Spine {
     const glm::dvec3& after = last ? points_[closed_ ? 1 : i] : points_[i + 1];
     const glm::dvec3 y = unit(after - before);
     if (y != kZero) return y;
-    return last ? unit(points_[i] - points_[i - 1]) : unit(points_[i + 1] - points_[i]);  // the spine turns back
+    return last ? unit(points_[i] - points_[i - 1]) : unit(points_[i + 1] - points_[i]);  // the spine turns back here
   }
 
   const std::vector<glm::dvec3>& points_;
@@ -102,7 +103,7 @@ class Spine {
 }  // namespace
 
 std::vector<CrossSectionPlane> cross_section_planes(std::span<const glm::vec3> spine) {
-  std::vector<glm::dvec3> points;  // without points that coincide with the previous one
+  std::vector<glm::dvec3> points;  // spine points without those that coincide with the previous point
   std::vector<std::size_t> place;  // index of each spine point in `points`
   place.reserve(spine.size());
   for (const glm::vec3& point : spine) {

@@ -4,9 +4,9 @@
 
 namespace gs::vrml {
 
-// Tessellators of the geometry nodes (VRML97 4.6.3), referenced by the rows of the node table. `geometry` is a node of
-// the row's own type, never a PROTO instance, but its SFNode fields may contain instances. All are pure and accept any
-// field values; see `tessellate` for broken input.
+// Tessellators of the geometry nodes (VRML97 4.6.3), for the rows of the node table. `geometry` is a node of the row's
+// own type. It is never a PROTO instance, but its SFNode fields may contain instances. All functions are pure and
+// accept any field values; `tessellate` describes the results for broken input.
 [[nodiscard]] Mesh tessellate_box(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_cone(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_cylinder(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
@@ -21,13 +21,13 @@ namespace gs::vrml {
 [[nodiscard]] Mesh tessellate_nurbs_surface(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_text(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 
-// Return the node's measures divided by the default ones, along its axes.
+// These functions return the node's measures along its axes, divided by the default measures.
 [[nodiscard]] glm::vec3 scale_of_box(const SceneGraph& scene, NodeId geometry);
 [[nodiscard]] glm::vec3 scale_of_cone(const SceneGraph& scene, NodeId geometry);
 [[nodiscard]] glm::vec3 scale_of_cylinder(const SceneGraph& scene, NodeId geometry);
 [[nodiscard]] glm::vec3 scale_of_sphere(const SceneGraph& scene, NodeId geometry);
 
-// Estimate the work for such a node's mesh, in elements; see tessellation_cost.
+// These functions estimate the work for the mesh of a node, in elements; see tessellation_cost.
 [[nodiscard]] std::size_t cost_of_elevation_grid(const SceneGraph& scene, NodeId geometry);
 [[nodiscard]] std::size_t cost_of_extrusion(const SceneGraph& scene, NodeId geometry);
 [[nodiscard]] std::size_t cost_of_nurbs_surface(const SceneGraph& scene, NodeId geometry);

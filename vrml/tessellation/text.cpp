@@ -14,7 +14,7 @@ namespace {
 
 enum class Alignment : std::uint8_t { first, begin, middle, end };
 
-/// Values of a Text's FontStyle (VRML97 6.20), or the defaults.
+/// Values of the FontStyle of a Text (VRML97 6.20). They are the defaults if it has none.
 struct FontStyle {
   FontRequest font;
   bool horizontal = true, left_to_right = true, top_to_bottom = true;
@@ -32,7 +32,8 @@ Alignment alignment(const MFString& justify, std::size_t place, Alignment otherw
   return otherwise;
 }
 
-// Limits of families tried and of bytes per name; USE could multiply long names.
+// Maximum number of font families that are tried, and maximum bytes of a name. Without limits, USE could multiply long
+// names.
 constexpr std::size_t kMaxFamilies = 16, kMaxName = 256;
 
 FontStyle font_style_of(const SceneGraph& scene, NodeId geometry) {
@@ -58,14 +59,14 @@ FontStyle font_style_of(const SceneGraph& scene, NodeId geometry) {
   return style;
 }
 
-/// Returns the start of a line of extent `extent` along the major axis (Tables 6.2, 6.3).
+/// Returns the position along the major axis at which a line with the extent `extent` starts (Tables 6.2, 6.3).
 double major_start(Alignment major, double extent) {
   return major == Alignment::middle ? -extent / 2 : major == Alignment::end ? -extent : 0.0;
 }
 
 /// Returns the position of the first base line along the minor axis, the direction in which lines follow each other.
-/// `before` and `behind` are the extents of a line against and along that direction. `block` is the distance from the
-/// first base line to the last (Tables 6.4, 6.5).
+/// `before` and `behind` are the extents of a line against and in that direction. `block` is the distance between the
+/// first and the last base line (Tables 6.4, 6.5).
 double minor_start(Alignment minor, bool horizontal, double before, double behind, double block) {
   switch (minor) {
     case Alignment::first:
@@ -82,10 +83,10 @@ double minor_start(Alignment minor, bool horizontal, double before, double behin
 
 struct Line {
   ShapedText shaped;
-  double extent = 0, stretch = 1;  // node space: drawn extent; ratio of drawn to natural extent
+  double extent = 0, stretch = 1;  // drawn extent in node space; ratio of drawn to natural extent
 };
 
-/// Applies `length` and `maxExtent` (6.47.1), both in node space.
+/// Applies the fields `length` and `maxExtent` (6.47.1). Both are in node space.
 void fit_lines(std::vector<Line>& lines, const MFFloat& lengths, double max_extent, double size) {
   double longest = 0;
   for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -103,12 +104,12 @@ void fit_lines(std::vector<Line>& lines, const MFFloat& lengths, double max_exte
   }
 }
 
-constexpr std::uint64_t kBytesOfCharacter = 96;  // while it is shaped, including its placed glyph
+constexpr std::uint64_t kBytesOfCharacter = 96;  // memory of a character while it is shaped, including its placed glyph
 constexpr std::uint64_t kBytesOfPoint = 2 * sizeof(glm::vec3) + sizeof(glm::vec2), kBytesOfIndex = 4;
 
 }  // namespace
 
-// Glyph outlines have about fifty triangles per character.
+// Counts about fifty triangles per character for its glyph outline.
 std::size_t cost_of_text(const SceneGraph& scene, NodeId geometry) {
   constexpr std::size_t kOfCharacter = 300;
   std::size_t characters = 0;
@@ -137,7 +138,7 @@ Mesh tessellate_text(const SceneGraph& scene, NodeId geometry, const MeshOptions
   lines.resize(strings.size());
   for (std::size_t i = 0; i < strings.size() && !mesh.limited; ++i) {
     const std::string_view text = strings[i].view();
-    if (text.empty()) continue;  // an empty line keeps its position
+    if (text.empty()) continue;  // an empty line is not drawn but takes its space
     if (budget->stopped() || !share.grow(text.size() * kBytesOfCharacter)) {
       mesh.limited = true;
       break;
@@ -162,14 +163,14 @@ Mesh tessellate_text(const SceneGraph& scene, NodeId geometry, const MeshOptions
   fit_lines(lines, scene.get<MFFloat>(geometry, "length"), scene.get<SFFloat>(geometry, "maxExtent"), style.size);
   if (corners == 0) return mesh;
 
-  // Extents along and across the direction in which lines follow each other.
+  // Extents of a line against and in the direction in which lines follow each other.
   const LineEdges edges = style.horizontal ? shaper.edges(style.font) : LineEdges{0.5f, 0.5f};
   const bool forth = style.horizontal ? style.top_to_bottom : style.left_to_right;
   const double step = style.size * style.spacing, block = step * static_cast<double>(lines.size() - 1);
   const double above = edges.above * style.size, below = edges.below * style.size;
   const double first_line =
       minor_start(style.minor, style.horizontal, forth ? above : below, forth ? below : above, block);
-  const double minor_sign = style.horizontal == forth ? -1.0 : 1.0;  // lines go down or to the left
+  const double minor_sign = style.horizontal == forth ? -1.0 : 1.0;  // lines follow each other downwards or to the left
   const bool forward = direction == TextDirection::right || direction == TextDirection::up;
 
   glm::dvec2 origin(0);  // origin of the first string, where textures begin (6.47.3)
@@ -204,7 +205,7 @@ Mesh tessellate_text(const SceneGraph& scene, NodeId geometry, const MeshOptions
   mesh.indices.commit(corners);
   for (const glm::vec3& p : mesh.positions) mesh.bounds.add(p);
   const glm::vec3 size = mesh.bounds.size();
-  if (!std::isfinite(size.x) || !std::isfinite(size.y)) return {};  // numbers too large for a float
+  if (!std::isfinite(size.x) || !std::isfinite(size.y)) return {};  // the size is too large for a float
   glm::vec3* normal = mesh.normals.prepare(points);
   std::fill_n(normal, points, glm::vec3(0, 0, 1));
   mesh.normals.commit(points);

@@ -19,55 +19,55 @@
 #include <utility>
 #include <vector>
 
-/// Options that several commands share. The struct of a command derives from the groups that it accepts.
+/// Groups of options that several commands share. The struct of a command inherits the groups of its options.
 namespace gs::app {
 
-/// Values of a command line; base of the struct of each command.
+/// Values from a command line. Base class of the structs of all commands.
 struct CommandOptions {
   virtual ~CommandOptions() = default;
 
   std::vector<std::string> files;
 };
 
-/// Options for reading files and worlds.
+/// Options of commands that read files and worlds.
 struct LoadingOptions : CommandOptions, LoadOptions {
   bool timeout_given = false, max_bytes_given = false;
-  std::string confine;  // only files below this folder may be read; empty means no restriction
+  std::string confine;  // folder to which reading is restricted; empty means no restriction
 };
 
-/// Options for reading files that may be volumes without a header.
+/// Options of commands that also read volumes without a header.
 struct InputOptions : LoadingOptions {
-  RawVolume raw;  // all dimensions 0 if the file has a header
+  RawVolume raw;  // dimensions are 0 if the files have a header
 };
 
-/// Forms of the results.
+/// Options for the form of results.
 struct ReportOptions {
   bool json = false;
   std::string stats;  // file for the measurements of the run; "-" means standard output, empty means none
 };
 
 struct UpOption {
-  std::optional<UpAxis> up;  // nullopt means the setting or that of the file
+  std::optional<UpAxis> up;  // nullopt means the axis from the settings or the file
 };
 
-/// Options for the vectors that are made of an input.
+/// Options of commands that convert an input to vectors.
 struct ConversionOptions : InputOptions, UpOption {
-  std::size_t vectors = 0;  // 0 means not given
-  double fraction = 0;      // 0 means not given
+  std::size_t vectors = 0;  // number of vectors; 0 means that the option is not given
+  double fraction = 0;  // fraction of the vectors; 0 means that the option is not given
   std::optional<double> isovalue;
   bool packed = false, records = false, displaced = false;
-  int exact_bits = -1;  // of the exact mesh in the tail; 0 means no tail, -1 adds one if it saves bytes
+  int exact_bits = -1;  // bits of the exact mesh in the tail; 0 means no tail, -1 decides by size
   std::uint64_t seed = 1;
 };
 
-/// Size of pictures, of the window, or of the picture that simulated input refers to.
+/// Size of pictures or of the window. Simulated input refers to a picture of this size.
 struct SizeOptions {
   int width = 1024, height = 768;   // pixels
-  std::optional<glm::dvec2> paper;  // paper size in mm; replaces the size in pixels
-  bool size_given = false;          // in pixels
+  std::optional<glm::dvec2> paper;  // size in mm; replaces the size in pixels
+  bool size_given = false;  // true if the options give a size in pixels
 };
 
-/// Options for the content and the drawing of pictures.
+/// Options for the content of pictures and the way they are drawn.
 struct PictureOptions : SizeOptions, UpOption {
   int samples = 4;
   std::string viewpoint;
@@ -78,19 +78,19 @@ struct PictureOptions : SizeOptions, UpOption {
   bool backdrop = false;
   std::string backend = "auto";
   render::SplatPath splats = render::SplatPath::automatic;
-  std::size_t budget = 0;  // vectors; 0 means unlimited
+  std::size_t budget = 0;  // vector budget; 0 means unlimited
   std::optional<bool> headlight;
   std::optional<glm::vec3> background;
-  PictureRequest picture;  // without the paper size
+  PictureRequest picture;  // properties other than the paper size
   VolumeWishes volume;
-  AnimationRequest animation;  // a single picture of a series uses only its rate
+  AnimationRequest animation;  // a single picture of a series uses only the rate
 };
 
-/// Options for a run of simulated time.
+/// Options of commands that run simulated time.
 struct SimulationOptions {
-  std::string input;           // file of simulated input; empty means none
-  bool press_sensors = false;  // presses all sensors while time passes
-  std::string sound;           // WAV file for the sound of the simulated time; empty means none
+  std::string input;  // file with simulated input; empty means no input
+  bool press_sensors = false;  // true presses all sensors while time passes
+  std::string sound;  // WAV file to write the sound to; empty means no file
 };
 
 }  // namespace gs::app

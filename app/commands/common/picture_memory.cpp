@@ -24,10 +24,10 @@ bool addresses_are_limited() {
   return ::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur != RLIM_INFINITY;
 }
 
-/// Returns true in a virtual machine that gives free large pages back to its host (virtio balloon, "free page
-/// reporting"). A large page then takes milliseconds unless it was in use a moment ago.
+/// Returns true in a virtual machine that returns free large pages to its host (virtio balloon with "free page
+/// reporting"). Using such a page again takes milliseconds.
 bool host_takes_pages_back() {
-  constexpr std::size_t kReporting = 5;  // bit of VIRTIO_BALLOON_F_REPORTING; files list bits as 0 and 1
+  constexpr std::size_t kReporting = 5;  // bit of VIRTIO_BALLOON_F_REPORTING; `features` is a text of 0 and 1
   std::error_code error;
   for (const auto& device : std::filesystem::directory_iterator("/sys/bus/virtio/devices", error)) {
     std::string kind, features;
@@ -43,10 +43,10 @@ std::uintptr_t end_of_heap() { return reinterpret_cast<std::uintptr_t>(::sbrk(0)
 }  // namespace
 
 void keep_memory() {
-  constexpr int kMapped = 32 << 20;     // min bytes of a block with an own system mapping
-  constexpr int kKept = 1 << 30;        // max free bytes that the heap keeps
-  constexpr int kAhead = 16 << 20;      // bytes by which the heap grows
-  constexpr int kReserved = 512 << 20;  // bytes of address space; memory is used on the first write
+  constexpr int kMapped = 32 << 20;  // min size of a block that gets a separate mapping, in bytes
+  constexpr int kKept = 1 << 30;  // max amount of free memory that the heap keeps, in bytes
+  constexpr int kAhead = 16 << 20;  // bytes by which the heap grows at a time
+  constexpr int kReserved = 512 << 20;  // bytes of address space to reserve; writing to a page takes memory
   constexpr std::uintptr_t kLargePage = 2 << 20;
   (void)mallopt(M_MMAP_THRESHOLD, kMapped);
   (void)mallopt(M_TRIM_THRESHOLD, kKept);
@@ -54,7 +54,7 @@ void keep_memory() {
     (void)mallopt(M_ARENA_MAX, 1);
     const std::uintptr_t before = end_of_heap();
     (void)mallopt(M_TOP_PAD, kReserved);
-    void* volatile block = std::malloc(kMapped / 2);  // volatile, so that the compiler keeps both calls
+    void* volatile block = std::malloc(kMapped / 2);  // volatile, or the compiler could remove both calls
     std::free(block);
     const std::uintptr_t first = (before + kLargePage - 1) / kLargePage * kLargePage;
     const std::uintptr_t last = end_of_heap() / kLargePage * kLargePage;
@@ -64,7 +64,7 @@ void keep_memory() {
 }
 
 void release_lists(vrml::SceneGraph& scene) {
-  constexpr std::size_t kLarge = 100'000;  // elements
+  constexpr std::size_t kLarge = 100'000;  // number of elements
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
     if (!scene.contains(scene.id_at(i))) continue;
     vrml::Node& node = scene.node(scene.id_at(i));

@@ -6,15 +6,15 @@ class SceneGraph;
 
 namespace gs::app {
 
-// Memory settings for processes that draw one picture.
+// Memory management of processes that draw one picture and end.
 
-/// Makes the allocator keep freed memory. Returning pages to the system and faulting them in again takes a third of the
-/// time of a picture. If the system has large pages on request, all threads use one heap of them, and its addresses are
-/// reserved here. Otherwise a single heap would only make threads wait. Call at the start.
+/// Makes the allocator keep freed memory. Returning memory to the system and getting it back takes a third of the time
+/// of a picture. If the system offers large pages on request, all threads share one heap of large pages, and its
+/// addresses are reserved now. Without large pages, threads would only wait for a shared heap. Call at the start.
 void keep_memory();
 
-/// Frees the large number lists of geometries after their meshes are made, before the driver makes own copies. Nothing
-/// may read the lists afterwards.
+/// Frees the large number lists of geometry nodes. Call after the meshes are made, before the driver copies the meshes.
+/// The lists must not be read afterwards.
 void release_lists(vrml::SceneGraph& scene);
 
 }  // namespace gs::app

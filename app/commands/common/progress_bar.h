@@ -6,8 +6,8 @@
 
 namespace gs::app {
 
-/// Progress display of a long operation on standard error, if that is a terminal: stage and percent. While it exists,
-/// Ctrl-C cancels the operation; a second Ctrl-C ends the program. Only one at a time.
+/// Progress of a long operation, as stage and percent on standard error. Shown only on a terminal. While the object
+/// exists, Ctrl-C cancels the operation. A second Ctrl-C ends the program. Only one object may exist at a time.
 class ProgressBar {
  public:
   ProgressBar();
@@ -15,9 +15,9 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// Returns the progress of the whole operation.
+  /// Returns the progress of the whole operation, for its code to update.
   [[nodiscard]] Progress& whole() { return whole_; }
-  /// Returns the progress of a part of the operation; cancelled together with it.
+  /// Returns the progress of one part of the operation. Cancellation applies to both.
   [[nodiscard]] Progress& part() { return part_; }
   [[nodiscard]] bool cancelled() const { return whole_.cancelled; }
 
@@ -25,7 +25,7 @@ class ProgressBar {
   void draw();
 
   Progress whole_, part_;
-  std::jthread thread_;  // last member: joined before the members that it uses are destroyed
+  std::jthread thread_;  // last member, so that the thread ends before the others are destroyed
 };
 
 }  // namespace gs::app

@@ -81,13 +81,13 @@ std::optional<Opened> open_cloud_input(const LoadingOptions& options, const Cont
 std::optional<Opened> open_world_input(const LoadingOptions& options, const std::string& path, std::string& title) {
   auto surface = std::make_unique<OpenedSurface>();
   LoadOptions load = load_options(options);
-  load.max_bytes = LoadOptions{}.max_bytes;  // here, `--max-bytes` limits the output
+  load.max_bytes = LoadOptions{}.max_bytes;  // `--max-bytes` limits the output, not the input
   load.whole_surfaces = true;
   surface->world = load_world(path, load);
   print_diagnostics(surface->world.diagnostics);
   if (!surface->world.scene) return std::nullopt;
   title = surface->world.title;
-  // Text is tessellated for the largest pictures, because vectors can be viewed from any distance.
+  // Vectors can be viewed from any distance, so tessellate text as finely as for the largest pictures.
   constexpr float kPixelsPerRadian = 20'000;
   surface->list = render::collect(*surface->world.scene, surface->world.images, surface->meshes, glm::vec3(0, 0, 10),
                                   surface->world.clouds, nullptr, kPixelsPerRadian);
@@ -124,8 +124,7 @@ bool open_mesh_input(const LoadingOptions& options, const ContentType& type, con
   return true;
 }
 
-// Opens a mesh that is too large for a world, to be read from its file in several passes. Returns nullopt for other
-// meshes.
+// Opens a mesh that is too large for memory, so that its file is read several times. Returns nullopt for other meshes.
 std::optional<MeshStream> large_mesh(const LoadingOptions& options, const ContentType& type,
                                      const std::shared_ptr<const net::MappedFile>& file) {
   if (!type.in_order) return std::nullopt;
@@ -134,7 +133,8 @@ std::optional<MeshStream> large_mesh(const LoadingOptions& options, const Conten
   return mesh;
 }
 
-// Returns the metadata of a stream. Values about its origin override those of the source.
+// Returns the metadata of a stream to write. `own` is the metadata of the input. Title, source and axes may differ from
+// it.
 Metadata metadata_of(const ConversionOptions& options, const OpenedInput& input, const std::string& path,
                      const Metadata& own) {
   const bool chosen_up = options.up && *options.up != UpAxis::automatic;
@@ -150,7 +150,7 @@ Metadata metadata_of(const ConversionOptions& options, const OpenedInput& input,
   upright.three_quarter = input.upright.three_quarter;
   if (chosen_up || !stated_upright(own))
     for (auto& pair : metadata_of(upright)) all.push_back(std::move(pair));
-  // The default axes of VRML97 are written only if they override other axes.
+  // The default axes of VRML97 need no metadata, unless the options choose them instead of other axes.
   if (chosen_up && upright == Upright{} && stated_upright(own)) all.emplace_back("up", name_of(*options.up));
   return all;
 }
@@ -159,16 +159,16 @@ std::size_t part_of(double fraction, std::size_t count) {
   return std::max<std::size_t>(1, static_cast<std::size_t>(std::llround(fraction * static_cast<double>(count))));
 }
 
-// JPEG quality of textures if the exact mesh is requested.
+// JPEG quality of textures in streams with an exact mesh.
 constexpr int kExactTextureQuality = 95;
 
-// Surface to encode; `problem` identifies it among several.
+// Surface to encode. `problem` gets the error if reading the triangles fails.
 struct Surface {
   qnv::TriangleSource source;
   std::size_t triangles = 0;
   bool two_sided = false;
-  glm::dvec3 origin{0};                          // origin of the triangles' coordinates
-  const render::RenderList* textured = nullptr;  // set if some of its shapes have textures
+  glm::dvec3 origin{0};  // origin of the triangle coordinates
+  const render::RenderList* textured = nullptr;  // render list, if some Shapes have textures; else null
   std::optional<qnv::Shine> shine;
   std::shared_ptr<std::string> problem = std::make_shared<std::string>();
 };
@@ -200,8 +200,8 @@ Surface surface_of(const MeshSurface& mesh) {
   });
 }
 
-// Returns the surface of a mesh file. Such files are mostly scans that may not be closed, so faces are two-sided, as in
-// a world.
+// Returns the surface of a mesh file. Such a file is usually a scan and may not be closed. So the faces are two-sided,
+// as in a world.
 Surface surface_of(const MeshStream& mesh) {
   Surface surface;
   surface.two_sided = true;
@@ -211,7 +211,7 @@ Surface surface_of(const MeshStream& mesh) {
   return surface;
 }
 
-// Returns an isosurface. It is open at the border of the volume, where its inside is visible.
+// Returns an isosurface. At the border of the volume it is open and shows its inside.
 Surface surface_of(const qnv::VolumeSource& volume, double isovalue, ProgressBar& progress) {
   Surface surface;
   surface.two_sided = true;
@@ -412,7 +412,7 @@ std::variant<OutlineModel, std::string> isosurface_outlines(const ConversionOpti
       const std::uint64_t bytes = triangles.size() * kOutlineTriangleBytes;
       if (budget.take(Resource::meshes, bytes)) {
         if (surface.origin == glm::dvec3(0)) return sink(triangles);
-        std::vector<qnv::Triangle> moved(triangles.begin(), triangles.end());  // polygons have the origin 0
+        std::vector<qnv::Triangle> moved(triangles.begin(), triangles.end());  // polygons are relative to 0
         for (qnv::Triangle& triangle : moved)
           for (glm::vec3& p : triangle.positions) p = glm::vec3(surface.origin + glm::dvec3(p));
         return sink(moved);

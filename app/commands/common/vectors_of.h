@@ -19,56 +19,56 @@
 
 namespace gs::app {
 
-/// Surfaces of a world, ready to be encoded.
+/// Surfaces of a world, read and ready for encoding.
 struct OpenedSurface {
   LoadedWorld world;
   render::MeshCache meshes;
   render::RenderList list;
 };
 
-/// Content of a file for `encode`, `export` and `info`.
+/// Content of an input of `encode`, `export` and `info`.
 using Opened = std::variant<qnv::VolumeSource, qnv::Geometry, std::unique_ptr<OpenedSurface>, MeshSurface, MeshStream>;
 
 /// Form in which a mesh file is opened. A plain one has no nodes and no renderer; a file that refers to others, such as
 /// textures, becomes a world all the same.
 enum class MeshForm : std::uint8_t { plain, world };
 
-/// Opened file with its content, type and title.
+/// Input file after opening: its content, type and title.
 struct OpenedInput {
   Opened content;
-  std::string type;   // name of the content type
-  std::string title;  // of a world; otherwise the file's name
+  std::string type;  // name of the content type of the file
+  std::string title;  // title of a world, else the name of the file
   std::size_t bytes = 0;
-  Upright upright{};                            // from the format, if the file itself gives none
-  std::shared_ptr<const net::MappedFile> file;  // source of a MeshStream
+  Upright upright{};  // orientation that the format implies, if the file defines none
+  std::shared_ptr<const net::MappedFile> file;  // mapped file, if `content` is a MeshStream
 };
 
-/// Returns the maximum number of triangles held while a displaced payload is encoded. Larger meshes are simplified to
-/// it.
+/// Returns the maximum number of triangles in memory while a displaced payload is encoded. A larger mesh is simplified
+/// to that number.
 [[nodiscard]] std::size_t most_encoded_triangles(const Limits& limits);
 
-/// Opens a file of any type, or a volume without header if the options give dimensions. Prints errors; returns nullopt
-/// if there is nothing to encode.
+/// Opens a file of any type. If the options give dimensions, the file is a volume without header. Prints errors.
+/// Returns nullopt if there is nothing to encode.
 [[nodiscard]] std::optional<OpenedInput> open_input(const InputOptions& options, const std::string& path,
                                                     MeshForm form = MeshForm::plain);
 
-/// Returns the up axis of the result: that of the options, else that of the file.
+/// Returns the orientation of the output: that of the options, else that of the input.
 [[nodiscard]] Upright wanted_upright(const ConversionOptions& options, const OpenedInput& input);
 
-/// Encodes an input as the options say (qnv::encode).
+/// Encodes an input (qnv::encode) with the settings of the options.
 [[nodiscard]] std::variant<qnv::EncodedStream, qnv::EncodeError> encode_input(const ConversionOptions& options,
                                                                               const OpenedInput& input,
                                                                               ProgressBar& progress);
 
-/// Memory per triangle while outline groups are made.
+/// Bytes per triangle while outline groups are made.
 inline constexpr std::uint64_t kOutlineTriangleBytes = 400;
 
-/// Returns the isosurface of a volume as polygons, or an error.
+/// Returns the isosurface of a volume as polygons, or an error message.
 [[nodiscard]] std::variant<OutlineModel, std::string> isosurface_outlines(const ConversionOptions& options,
                                                                           const qnv::VolumeSource& volume,
                                                                           ProgressBar& progress);
 
-/// Returns the vectors of an input: its own, the gradients of a volume, or those of its encoded surface.
+/// Returns the vectors of an input. If it has none, takes the gradients of a volume, or encodes the surface.
 [[nodiscard]] std::variant<qnv::Geometry, qnv::EncodeError> geometry_of_input(const ConversionOptions& options,
                                                                               OpenedInput input, ProgressBar& progress);
 

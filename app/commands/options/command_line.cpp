@@ -33,15 +33,15 @@
 namespace gs::app {
 namespace {
 
-// Command with its parser and the values of its options.
+// Command with its CLI11 parser and the values of its options.
 struct ParsedCommand {
   const CommandRow& row;
   CLI::App* parser;
   std::unique_ptr<CommandOptions> options;
 };
 
-// Sets an option of a command. Options before the name of a command are those of the first row, and hold for that
-// command, too.
+// Sets an option of a command. An option before the command's name belongs to the first command row ("open"). It is
+// also set for all other commands that accept it.
 std::optional<std::string> set_option(const std::vector<ParsedCommand>& commands, const CommandRow& command,
                                       const OptionRow& row, const std::string& value) {
   std::optional<std::string> problem;
@@ -65,12 +65,12 @@ void add_options(const ParsedCommand& command, const std::vector<ParsedCommand>&
       parser.add_flag_callback(
           std::string(row.name), [take] { take(""); }, help);
     } else if (has_optional_value(row)) {
-      // The value must follow "=", because the next word is an argument of its own.
+      // An optional value must follow "=", because the next word is a separate argument.
       static constexpr std::string_view kAlone = "true";
       parser.add_flag(std::string(row.name), std::as_const(help))
           ->type_name(std::string(row.argument))
           ->each([&commands, &taker = command.row, &row](const std::string& value) {
-            // The parser adds the name of the option.
+            // The parser adds the name of the option to the message.
             if (const auto problem = set_option(commands, taker, row, value == kAlone ? "" : value))
               throw CLI::ValidationError(*problem + ", not '" + value + "'");
           });
@@ -84,14 +84,14 @@ void add_options(const ParsedCommand& command, const std::vector<ParsedCommand>&
   if (command.row.most_files > 0) parser.add_option("files", command.options->files, "")->type_name("")->group("");
 }
 
-// Returns the file that a command writes, or an empty string.
+// Returns the path of the output file of a command, or an empty string.
 std::string output_of(const CommandRow& command, const CommandOptions& options) {
   if (command.writes_last) return options.files.back();
   const auto* open = dynamic_cast<const OpenCommand*>(&options);
   return open ? open->snapshot : std::string();
 }
 
-// Returns all files that a command writes to paths from the user.
+// Returns the paths of all files that a command writes and that the user has named. Paths may be empty.
 std::vector<std::string> written_files(const CommandRow& command, const CommandOptions& options) {
   const auto* simulation = dynamic_cast<const SimulationOptions*>(&options);
   return {output_of(command, options), simulation ? simulation->sound : std::string()};
@@ -103,8 +103,7 @@ std::string folder_of(const std::string& file) {
   return slash == std::string::npos ? "." : file.substr(0, slash + 1);
 }
 
-// Returns an error for a first argument that is a plain word, but neither a command nor a file. Otherwise returns
-// nullopt.
+// Returns an error if the first argument is a plain word, but neither a command nor a file. Otherwise returns nullopt.
 std::optional<std::string> unknown_word(const std::string& word) {
   const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '-' || c == '_';
@@ -117,7 +116,7 @@ std::optional<std::string> unknown_word(const std::string& word) {
   return "not a file or command; expected a file, a URL or one of " + names;
 }
 
-// Replaces "-" among the inputs by standard input. Returns the problem, or nullopt.
+// Replaces "-" by standard input in the list of input files. Returns an error, or nullopt.
 std::optional<std::string> take_standard_input(const CommandRow& command, CommandOptions& options) {
   const std::span<std::string> inputs =
       std::span(options.files).first(options.files.size() - (command.writes_last ? 1 : 0));
@@ -129,7 +128,7 @@ std::optional<std::string> take_standard_input(const CommandRow& command, Comman
   return net::hold_standard_input((loading ? loading->limits : Limits{}).memory);
 }
 
-// Throws a usage error if the files or a combination of options are wrong.
+// Throws a usage error if the number of files or a combination of options is wrong.
 void check_usage(const CommandRow& command, const CommandOptions& options) {
   const bool is_open = &command == &command_rows().front();
   if (options.files.size() < command.least_files || options.files.size() > command.most_files)
@@ -188,7 +187,8 @@ int parse_and_run(int count, char** arguments) {
 
 constexpr char kNoMemory[] = "ghostspace: error: not enough memory";
 
-// Handles an uncaught exception of any thread. Prints one line; if memory ran out, exits instead of crashing.
+// Ends the program after an uncaught exception in any thread. Prints one line. If memory is exhausted, exits without a
+// core dump.
 [[noreturn]] void end_at_exception() {
   const std::exception_ptr exception = std::current_exception();
   try {
@@ -203,7 +203,7 @@ constexpr char kNoMemory[] = "ghostspace: error: not enough memory";
   std::abort();
 }
 
-// Escapes text for roff: dashes, and a first character that would start a command.
+// Escapes text for roff. Escapes dashes, and a first character that would begin a roff request.
 std::string escaped(std::string_view text) {
   std::string result = "\\&";
   for (const char c : text) {
@@ -258,10 +258,10 @@ int run_man(const CommandOptions&) {
 
 int run_command_line(int count, char** arguments) {
   prepare_console();
-  // Exceeding the file size limit becomes a write error, like a full disk.
+  // Without the signal, writing beyond the file size limit fails like writing to a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
   std::set_terminate(end_at_exception);
-  // Commands without a window end when a Script hangs; windows wait for the user (EndOverdueScripts).
+  // If a Script hangs, a command ends. A window asks the user instead (EndOverdueScripts).
   ScriptRunner::on_overdue([](const std::string& message) {
     complain("%s; it cannot be interrupted, so the command exits", message.c_str());
     std::_Exit(kFailed);
@@ -271,7 +271,7 @@ int run_command_line(int count, char** arguments) {
     status = parse_and_run(count, arguments);
   } catch (const std::bad_alloc&) {
     complain("%s", kNoMemory);
-  } catch (const std::length_error&) {  // from a vector larger than the address space
+  } catch (const std::length_error&) {  // a vector was to become larger than the address space
     complain("%s", kNoMemory);
   } catch (const std::exception& problem) {
     complain("ghostspace: error: %s", problem.what());

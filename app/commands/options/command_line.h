@@ -6,12 +6,12 @@ namespace gs::app {
 
 struct CommandOptions;
 
-/// Returns the manual page (roff, section 1), made from the tables of options and commands.
+/// Returns the manual page (roff, section 1). The tables of options and commands are its source.
 [[nodiscard]] std::string manual_page();
 /// Prints the manual page.
 int run_man(const CommandOptions&);
 
-/// Parses a command line and runs its command. Prints usage errors; returns the exit status.
+/// Parses a command line and runs the command. Prints usage errors. Returns the exit status.
 int run_command_line(int count, char** arguments);
 
 }  // namespace gs::app

@@ -20,7 +20,7 @@
 #include <string>
 #include <type_traits>
 
-// Table of commands.
+// Table of all commands.
 namespace gs::app {
 namespace {
 

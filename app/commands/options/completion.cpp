@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-// Shell completions of the command line, made from the tables of options and commands.
+// Completion of command lines in shells. The tables of options and commands are its source.
 namespace gs::app {
 namespace {
 
 enum class ValueKind : std::uint8_t { none, words, file, folder, other };
 
-// Returns the kind of value, from its name in the help.
+// Returns the kind of an option's value, which the name of its argument in the help shows.
 ValueKind value_kind_of(const OptionRow& row) {
   const std::string_view value = row.argument;
   if (value.empty() || has_optional_value(row)) return ValueKind::none;
@@ -31,7 +31,7 @@ std::string words_of(const OptionRow& row, char between) {
   return words;
 }
 
-// Returns the extensions of all files that can be opened: "wrl", "wrz", ...
+// Returns the file name extensions of all types that can be opened: "wrl", "wrz", ...
 std::vector<std::string> extensions() {
   std::set<std::string> all;
   for (const ContentType& type : content_types()) {
@@ -66,7 +66,7 @@ std::string option_names(const CommandRow& command) {
   return joined(names, " ");
 }
 
-// Quotes text for a shell's single quotes.
+// Escapes text for use between single quotes in a shell.
 std::string quoted_help(std::string_view text, std::string_view apostrophe, std::string_view marked = {}) {
   std::string out;
   for (const char c : text) {

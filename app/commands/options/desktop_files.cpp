@@ -17,12 +17,12 @@ namespace {
 /// Rules by which a desktop detects a MIME type, for shared-mime-info. Some extensions do not identify the type,
 /// because other programs use them. A type without a row is a 3D model with extensions that identify it.
 struct DesktopType {
-  std::string_view mime;     // of one or more content types
+  std::string_view mime;  // MIME type; several content types may have it
   std::string_view comment;  // if empty, the name of the type and "3D model"
-  /// Texts at offset 0, one per line, with C escapes; if empty, only the name identifies the type.
+  /// First bytes of files: one text per line, with C escapes. If empty, only the extension identifies the type.
   std::string_view magic;
-  std::string_view ambiguous;  // extensions, as in the table of content types
-  std::string_view aliases;    // other MIME types that servers send, each followed by a blank
+  std::string_view ambiguous;  // ambiguous extensions, each followed by a blank
+  std::string_view aliases;  // other names of the MIME type, each followed by a blank
 };
 constexpr DesktopType kDesktopTypes[] = {
     {"model/vrml", "VRML world", "#VRML V2.0\n#VRML V1.0", "", "x-world/x-vrml application/x-vrml "},
@@ -70,7 +70,7 @@ std::vector<std::string> parts_of(std::string_view text, char end) {
   return parts;
 }
 
-// Returns the patterns ("*.wrl", ...) of the extensions that identify the type.
+// Returns the patterns ("*.wrl", ...) of all extensions that identify the type.
 std::vector<std::string> globs_of(const ContentType& type, const DesktopType& desktop) {
   std::vector<std::string> globs;
   for (const std::string& extension : parts_of(type.extensions, ' '))
@@ -78,7 +78,7 @@ std::vector<std::string> globs_of(const ContentType& type, const DesktopType& de
   return globs;
 }
 
-// Returns the MIME types that a desktop can detect, in table order, without duplicates.
+// Returns the MIME types that a desktop can detect. They are in the order of the table, each only once.
 std::vector<std::string> desktop_mime_types() {
   std::vector<std::string> names;
   for (const ContentType& type : content_types()) {
@@ -102,7 +102,7 @@ std::string shared_mime_info() {
   std::string text =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<mime-info xmlns=\"http://www.freedesktop.org/standards/shared-mime-info\">\n";
-  // Several rows may have the same MIME type.
+  // Several content types may have the same MIME type.
   std::map<std::string_view, std::pair<std::string, std::string>> types;
   std::vector<std::string_view> order;
   for (const ContentType& type : content_types()) {

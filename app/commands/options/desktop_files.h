@@ -9,22 +9,23 @@ namespace gs::app {
 
 struct CommandOptions;
 
-/// Name of the program in desktops: of its entry, icon and metainfo.
+/// Name of the program's desktop entry, icon and metainfo.
 inline constexpr std::string_view kDesktopName = "org.ghostspace.GhostSpace";
 
-/// File for a desktop or shell, made from the tables of options, commands and content types.
+/// File that integrates the program in a desktop or shell. The tables of options, commands and content types are its
+/// source.
 struct DesktopFile {
-  std::string_view name;  // argument of `desktop`
+  std::string_view name;  // argument of the command `desktop` that prints this file
   std::string_view help;
   std::string (*make)();
 };
 [[nodiscard]] std::span<const DesktopFile> desktop_files();
 
-/// Prints a file of desktop_files().
+/// Prints one of the files of desktop_files().
 int run_desktop(const CommandOptions& options);
 std::optional<std::string> check_desktop(const CommandOptions& options);
 
-/// Return the scripts that complete the command line.
+/// Return a script for completion of command lines in the named shell.
 [[nodiscard]] std::string bash_completion();
 [[nodiscard]] std::string zsh_completion();
 [[nodiscard]] std::string fish_completion();

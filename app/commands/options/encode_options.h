@@ -4,10 +4,10 @@
 
 #include <span>
 
-/// Options for encoding and exporting, and for volumes without a header.
+/// Options for encoding and export, and for volumes without a header.
 namespace gs::app {
 
-/// Returns these rows of option_rows().
+/// Returns the rows of these options, which option_rows() includes.
 [[nodiscard]] std::span<const OptionRow> encode_option_rows();
 
 }  // namespace gs::app

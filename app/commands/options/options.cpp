@@ -35,7 +35,7 @@ Problem set_size(SizeOptions& options, const std::string& value) {
   return {};
 }
 
-// Sets the image. The name may lack an extension, as desktops request for thumbnails.
+// Sets the image file. The name needs no extension, because desktops request thumbnails without one.
 Problem set_snapshot(OpenCommand& options, const std::string& value) {
   options.snapshot = value;
   const std::string extension = lower_case(std::filesystem::path(value).extension().string());
@@ -84,7 +84,7 @@ Problem set_headlight(PictureOptions& options, const std::string& value) {
   return {};
 }
 
-// Parses simulated time. The limit is a day, more than five million steps.
+// Parses simulated seconds. The maximum is one day, which is over five million steps.
 Problem set_seconds(double& seconds, const std::string& value) {
   constexpr double kLongest = 86400;
   return read(value, seconds) && seconds >= 0 && seconds <= kLongest ? Problem{} : "expected seconds, from 0 to 86400";
@@ -161,7 +161,7 @@ Problem set_confine(LoadingOptions& options, const std::string& value) {
   return value.empty() ? Problem("expected a folder") : Problem{};
 }
 
-// Sets the rate of a server, or of what is read from servers.
+// Sets the rate in bits per second: of sending for `serve`, else of reading from servers.
 Problem set_rate(CommandOptions& options, const std::string& value) {
   auto* served = dynamic_cast<ArchiveOptions*>(&options);
   std::uint64_t& rate = served ? served->rate : dynamic_cast<LoadOptions&>(options).rate;

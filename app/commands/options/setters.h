@@ -5,10 +5,10 @@
 #include <optional>
 #include <string>
 
-/// Setters for the rows of options. Each sets a member of a group, or of the struct of one command.
+/// Setters for the table of options. Each one sets a member of an option group, or of the struct of one command.
 namespace gs::app {
 
-/// Expected form of a wrong value; nullopt if the value is right.
+/// Expected form of a value that is wrong; nullopt if the value is right.
 using Problem = std::optional<std::string>;
 
 template <class Group>
@@ -16,14 +16,14 @@ Group group_of_setter(Problem (*)(Group&, const std::string&));
 template <class Group, class Value>
 Group group_of_member(Value Group::*);
 
-/// Calls `setter` with its group of the options.
+/// Calls `setter` with the option group that it belongs to. `options` must contain this group.
 template <auto setter>
 Problem with(CommandOptions& options, const std::string& value) {
   using Group = decltype(group_of_setter(+setter));
   return setter(dynamic_cast<Group&>(options), value);
 }
 
-/// Returns a member of one of the groups.
+/// Returns the member of the option group that it belongs to. `options` must contain this group.
 template <auto member>
 auto& member_of(CommandOptions& options) {
   return dynamic_cast<decltype(group_of_member(member))&>(options).*member;
@@ -41,7 +41,7 @@ Problem text(CommandOptions& options, const std::string& value) {
   return {};
 }
 
-/// Sets a path, which must not be empty.
+/// Sets a path. The path must not be empty.
 template <auto member>
 Problem file(CommandOptions& options, const std::string& value) {
   member_of<member>(options) = value;

@@ -42,7 +42,7 @@ Primitive primitive_named(std::string_view line) {
   return Primitive::none;
 }
 
-/// Data of each vertex, as named by a keyword.
+/// Data that each vertex has. A keyword of the file selects it.
 struct VertexKind {
   bool normals = false, colors = false, height_only = false;
 };
@@ -73,7 +73,8 @@ class AvsGeometryImporter {
         break;
       }
       const Primitive primitive = primitive_named(text);
-      // Skip the number of steps before the first primitive, and the data of skipped primitives.
+      // Lines without a primitive are skipped: the number of steps at the start, and the data of unsupported
+      // primitives.
       if (primitive == Primitive::none) continue;
       std::string_view name;
       if (primitive == Primitive::left_out) {
@@ -93,7 +94,7 @@ class AvsGeometryImporter {
   }
 
  private:
-  /// Reads the next line, trimmed, that is neither empty nor a comment.
+  /// Reads the next line that is neither empty nor a comment. Trims it.
   bool next_line(std::string_view& text) {
     while (cursor_.skip_space()) {
       start_ = cursor_.next;
@@ -110,7 +111,7 @@ class AvsGeometryImporter {
   }
 
   bool number(float& value) { return cursor_.skip_space() && cursor_.number(value); }
-  /// Reads a count of items of at least `bytes` bytes each, and checks it against the rest of the file.
+  /// Reads a number of items. Fails if that many items of `bytes` bytes each exceed the rest of the file.
   bool count(std::size_t& value, std::size_t bytes = 2) {
     double number = 0;
     if (!cursor_.skip_space() || !cursor_.number(number)) return fail("expected a whole number");
@@ -184,7 +185,7 @@ class AvsGeometryImporter {
     index_.push(i < static_cast<std::size_t>(kBadIndex) ? static_cast<std::int32_t>(i) : kBadIndex);
   }
 
-  /// Reads polygons, each with its own vertices. `weld` merges equal vertices for smooth shading.
+  /// Reads polygons with separate vertices. `weld` merges vertices at equal positions, for smooth shading.
   bool read_polygons(bool weld) {
     std::size_t polygons = 0;
     if (!count(polygons)) return false;
@@ -210,7 +211,7 @@ class AvsGeometryImporter {
     return true;
   }
 
-  /// Reads vertices, then faces with indices from 1.
+  /// Reads vertices, then faces. The vertex numbers of faces start at 1.
   bool read_polyhedron() {
     std::size_t number = 0, faces = 0;
     if (!count(number) || !vertices(number) || !count(faces)) return false;
@@ -243,7 +244,7 @@ class AvsGeometryImporter {
     return whole;
   }
 
-  /// Reads rows of `columns` vertices. If only heights are given, the vertices are one unit apart.
+  /// Reads rows of vertices. If the file has only heights, neighbouring vertices are one unit apart.
   bool read_mesh() {
     std::size_t columns = 0, rows = 0;
     if (!count(columns, 1) || !count(rows, 1)) return false;
@@ -273,7 +274,7 @@ class AvsGeometryImporter {
       corner(i);
       if (primitive == Primitive::lines && i % 2 == 1) index_.push(kFaceEnd);
     }
-    (void)normals_.take();  // lines are unlit
+    (void)normals_.take();  // lines are unlit, so drop their normals
     return whole;
   }
 
@@ -293,7 +294,7 @@ class AvsGeometryImporter {
   Appender<glm::vec3> positions_{builder_}, normals_{builder_};
   Appender<vrml::Color> colors_{builder_};
   Appender<std::int32_t> index_{builder_};
-  std::map<std::array<std::uint32_t, 3>, std::size_t> welded_;  // keys are bit patterns, because NaN cannot be ordered
+  std::map<std::array<std::uint32_t, 3>, std::size_t> welded_;  // by the bits of x, y, z, because NaN has no order
   bool any_ = false;
 };
 

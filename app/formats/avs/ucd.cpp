@@ -9,14 +9,14 @@
 namespace gs::app {
 namespace {
 
-// Crease angle: smooths edges below it.
+// Crease angle in radians. Edges with a smaller angle are smooth.
 constexpr float kUcdCreaseAngle = 0.5f;
 constexpr std::int8_t kNoCorner = -1;
 
 using LocalFace = std::array<std::int8_t, 4>;
 
-// Faces of the cells, counterclockwise from outside, in AVS node order: the top first, then the bottom, both
-// counterclockwise from above. The top of a tetrahedron or pyramid is one node.
+// Faces of the cells as corner indices, counterclockwise from outside. The node order of AVS is the top first, then the
+// bottom, both counterclockwise from above. The top of a tetrahedron or pyramid is one node.
 constexpr LocalFace kTriangle[] = {{0, 1, 2, kNoCorner}};
 constexpr LocalFace kQuadrilateral[] = {{0, 1, 2, 3}};
 constexpr LocalFace kTetrahedron[] = {
@@ -49,10 +49,10 @@ std::span<const LocalFace> faces_of(UcdType type) {
 }
 
 struct Face {
-  std::array<std::int32_t, 4> corners{}, key{};  // `key` has the corners in ascending order
+  std::array<std::int32_t, 4> corners{}, key{};  // `key` has the same corners in ascending order
   std::uint32_t cell = 0;
-  bool solid = false;  // belongs to a cell with a volume
-  bool inner = false;  // shared by two such cells
+  bool solid = false;  // true for a face of a cell with a volume
+  bool inner = false;  // true if two such cells share the face
 };
 
 constexpr std::size_t kBetweenLooks = std::size_t{1} << 17;  // steps between two checks for cancellation
@@ -91,7 +91,7 @@ void mark_inner(std::vector<Face>& faces, ImportContext& context) {
     if (faces[order[i]].key == faces[order[i - 1]].key) faces[order[i]].inner = faces[order[i - 1]].inner = true;
 }
 
-/// Returns the colour of a value. Missing rows count as NaN.
+/// Returns the colour of row `i`. A missing row counts as NaN.
 vrml::Color color_at(const ColorKey& key, std::span<const float> values, std::size_t i) {
   return key.color_of(i < values.size() ? static_cast<double>(values[i]) : NAN);
 }
@@ -123,7 +123,7 @@ void build(const UcdMesh& mesh, MeshBuilder& builder) {
   geometry.coord_index = index.take();
   geometry.colors = colors.take();
   geometry.color_per_vertex = !by_cell;
-  geometry.convex = false;  // a quadrilateral may be concave
+  geometry.convex = false;  // quadrilaterals may be concave
   geometry.crease_angle = kUcdCreaseAngle;
   builder.add(std::move(geometry));
   if (by_node || by_cell) builder.set_color_key(key);
@@ -142,7 +142,7 @@ void build(const UcdMesh& mesh, MeshBuilder& builder) {
 void import_ucd(std::span<const std::byte> bytes, MeshBuilder& builder) {
   UcdMesh mesh;
   const bool binary = !bytes.empty() && bytes.front() == kUcdBinary;
-  // Estimate for the shortest lines of a text: nodes, cells, their numbers and values.
+  // Estimate for a text with the shortest lines. Includes nodes, cells, their numbers and their values.
   builder.draw(bytes.size() * (binary ? 3 : 5));
   if (const auto problem = binary ? read_ucd_binary(bytes, mesh) : read_ucd_text(bytes, mesh))
     builder.fail(problem->message, {problem->line, problem->line > 0 ? 1u : 0u});
@@ -152,7 +152,8 @@ void import_ucd(std::span<const std::byte> bytes, MeshBuilder& builder) {
   build(mesh, builder);
 }
 
-// Comments, then a line of five whole numbers; the comments of some begin like those of AVS fields.
+// Detects ASCII UCD: comments, then a line of five integers. The comments alone do not suffice, because AVS fields may
+// begin with the same ones.
 bool is_ucd_text(std::span<const std::byte> bytes) {
   std::string_view text = text_of(bytes);
   while (text.starts_with('#')) {

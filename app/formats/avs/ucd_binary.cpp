@@ -16,7 +16,7 @@ class UcdBinaryReader {
     for (std::size_t i = 0; i < counts_.size(); ++i) counts_[i] = word(1 + 4 * i);
   }
 
-  /// Returns the bytes of nodes, cells and corner list; 32-bit counts cannot overflow.
+  /// Returns the size of nodes, cells and corner list in bytes. The counts have 32 bits, so the sum cannot overflow.
   [[nodiscard]] std::uint64_t mesh_bytes() const {
     return kUcdHeaderBytes + kCellBytes * cells() + 4 * corners() + 12 * nodes();
   }
@@ -24,7 +24,7 @@ class UcdBinaryReader {
     return values == 0 ? 0 : kLabelBytes + 4 + values * (16 + 4 * rows);
   }
   [[nodiscard]] bool holds_mesh() const { return bytes_.size() >= kUcdHeaderBytes && mesh_bytes() <= bytes_.size(); }
-  /// Reports whether the file has all data and no trailing bytes. Model data are not supported.
+  /// Returns true if the file has exactly the size that the counts require. Model data are not supported.
   [[nodiscard]] bool is_exact() const {
     return holds_mesh() && counts_[2] < (1u << 24) && counts_[3] < (1u << 24) &&
            mesh_bytes() + block_bytes(counts_[2], nodes()) + block_bytes(counts_[3], cells()) == bytes_.size();
@@ -68,8 +68,8 @@ class UcdBinaryReader {
   [[nodiscard]] std::uint32_t word(std::size_t at) const { return load<std::uint32_t, big>(bytes_.data() + at); }
   [[nodiscard]] float number(std::size_t at) const { return load<float, big>(bytes_.data() + at); }
 
-  /// Returns the first one-number component of a block. Layout: labels and units, number of components, their lengths,
-  /// minima and maxima, then the values component by component.
+  /// Returns the values of a data block. Takes the first component with one number per row. The layout is: labels and
+  /// units, number of components, their lengths, minima and maxima, then all values component by component.
   [[nodiscard]] std::vector<float> values(std::uint64_t start, std::uint64_t width, std::uint64_t rows,
                                           std::string& label) const {
     if (width == 0 || width > (1u << 24) || start + block_bytes(width, rows) > bytes_.size()) return {};
@@ -83,7 +83,7 @@ class UcdBinaryReader {
     }
     const bool single = length == 1 && column < width;
     if (!single) {
-      // There is none: use the first number of the first vector.
+      // No component has one number. Use the first number of the first vector.
       column = shown = 0;
       length = word(start + kLabelBytes + 4);
       if (length == 0 || length > width) length = 1;
@@ -95,7 +95,7 @@ class UcdBinaryReader {
     return result;
   }
 
-  /// Returns one name or unit from a list separated by dots and terminated by zero.
+  /// Returns item `part` of a list of names or units. Dots separate the items, a zero byte ends the list.
   [[nodiscard]] std::string_view part_of(std::uint64_t start, std::uint64_t part) const {
     std::string_view text(reinterpret_cast<const char*>(bytes_.data() + start), kLabelBytes / 2);
     text = text.substr(0, text.find('\0'));
@@ -104,13 +104,13 @@ class UcdBinaryReader {
   }
 
   std::span<const std::byte> bytes_;
-  std::array<std::uint32_t, 6> counts_{};  // nodes, cells; values per node, per cell, of the model; all corners
+  std::array<std::uint32_t, 6> counts_{};  // nodes; cells; values per node, per cell, of the model; corners
 };
 
 }  // namespace
 
 std::optional<UcdProblem> read_ucd_binary(std::span<const std::byte> bytes, UcdMesh& mesh) {
-  // The file does not state its byte order, so choose the one with plausible counts.
+  // The file does not state its byte order. Take the order with plausible counts.
   const UcdBinaryReader<false> little(bytes);
   const UcdBinaryReader<true> big(bytes);
   if (little.is_exact()) return little.read(mesh);

@@ -13,13 +13,13 @@
 
 namespace gs::app {
 
-/// Cell type, in the numeric order of binary files.
+/// Cell type, numbered as in binary files.
 enum class UcdType : std::uint8_t { point, line, triangle, quadrilateral, tetrahedron, pyramid, prism, hexahedron };
 inline constexpr std::array<std::size_t, 8> kUcdCorners = {1, 2, 3, 4, 4, 5, 6, 8};
 inline constexpr std::array<std::string_view, 8> kUcdNames = {"pt",  "line", "tri",   "quad",
                                                               "tet", "pyr",  "prism", "hex"};
 
-/// Cell with its corners as node indices; -1 if the file's index is invalid.
+/// Cell. Its corners are node indices; -1 stands for an invalid index in the file.
 struct UcdCell {
   UcdType type = UcdType::point;
   std::array<std::int32_t, 8> corners{};
@@ -29,11 +29,11 @@ struct UcdCell {
 struct UcdMesh {
   std::vector<glm::vec3> nodes;
   std::vector<UcdCell> cells;
-  std::vector<float> node_values, cell_values;  // displayed component; may be empty or too short
+  std::vector<float> node_values, cell_values;  // values of the displayed component; may be empty or too short
   std::string node_label, cell_label;           // "temperature (kelvin)"; may be empty
 };
 
-/// Error of a UCD file, with its line (0 if unknown). The functions read as far as possible into `mesh`.
+/// Error of a UCD file, with its line (0 if unknown). The readers store everything before the error in `mesh`.
 struct UcdProblem {
   std::string message;
   std::uint32_t line = 0;
@@ -41,7 +41,7 @@ struct UcdProblem {
 [[nodiscard]] std::optional<UcdProblem> read_ucd_text(std::span<const std::byte> bytes, UcdMesh& mesh);
 [[nodiscard]] std::optional<UcdProblem> read_ucd_binary(std::span<const std::byte> bytes, UcdMesh& mesh);
 
-/// Formats a label such as "temperature (kelvin)"; trims blanks and removes non-ASCII characters.
+/// Formats a label such as "temperature (kelvin)". Trims blanks and removes non-ASCII characters.
 [[nodiscard]] std::string ucd_label(std::string_view name, std::string_view unit);
 
 /// First byte of a binary file.

@@ -14,7 +14,8 @@ bool integer(std::string_view word, std::int64_t& value) {
   return !word.empty() && result.ec == std::errc() && result.ptr == word.data() + word.size();
 }
 
-/// Map from a file's numbers to indices. Sorted instead of hashed, so that crafted numbers cannot cause collisions.
+/// Map from the file's node or cell numbers to indices. A sorted list instead of a hash table, because hostile numbers
+/// could cause collisions.
 class Numbers {
  public:
   void add(std::int64_t number) {
@@ -22,14 +23,14 @@ class Numbers {
     sorted_ = sorted_ && (entries_.empty() || entries_.back().first < number);
     entries_.emplace_back(number, place);
   }
-  /// Completes the map; call after the last `add`.
+  /// Completes the map. Must be called after the last `add`.
   void finish() {
     if (!sorted_) std::sort(entries_.begin(), entries_.end());
     sorted_ = true;
   }
-  /// Returns the index of the first entry with this number; -1 if there is none.
+  /// Returns the index of the first entry with this number, or -1.
   [[nodiscard]] std::int32_t find(std::int64_t number) const {
-    // Most files number consecutively.
+    // In most files, the numbers are consecutive.
     if (!entries_.empty() && number >= entries_.front().first) {
       const auto guess = static_cast<std::uint64_t>(number) - static_cast<std::uint64_t>(entries_.front().first);
       if (guess < entries_.size() && entries_[guess] == std::pair(number, static_cast<std::int32_t>(guess)))
@@ -79,7 +80,8 @@ class UcdTextReader {
     return true;
   }
 
-  /// Reads the counts: nodes, cells and values of each on one line; or, with steps, nodes and cells after `step1`.
+  /// Reads the counts. Usually one line has the numbers of nodes, cells, and values of each. In files with steps, a
+  /// line after `step1` has only nodes and cells.
   bool read_counts() {
     TextCursor words(nullptr, nullptr);
     if (!next_line(words)) return fail("expected the numbers of nodes, cells and data");
@@ -99,7 +101,7 @@ class UcdTextReader {
   bool read_late_counts() {
     if (!stepped_) return true;
     TextCursor words(nullptr, nullptr);
-    if (!next_line(words)) return true;  // geometry only
+    if (!next_line(words)) return true;  // the file has no data after the geometry
     return count(words, node_width_) && count(words, cell_width_);
   }
 
@@ -132,7 +134,7 @@ class UcdTextReader {
       if (!integer(words.word(), id) || !integer(words.word(), material))
         return fail("broken cell: expected its number, material, type and nodes");
       std::string_view name = words.word();
-      if (name.ends_with('2')) name.remove_suffix(1);  // type with nodes on edges, listed after the corners
+      if (name.ends_with('2')) name.remove_suffix(1);  // a type with nodes on edges; these follow the corners
       const auto type = std::find(kUcdNames.begin(), kUcdNames.end(), name);
       if (type == kUcdNames.end())
         return fail("unknown type of cell '" + std::string(name.substr(0, 20)) +
@@ -153,7 +155,8 @@ class UcdTextReader {
     return true;
   }
 
-  /// Reads a data block: number of components and their lengths, a label for each, then a row for each node or cell.
+  /// Reads a data block: the number of components and their lengths, a label for each component, then a row for each
+  /// node or cell.
   bool read_values(std::uint64_t width, std::uint64_t rows, std::vector<float>& values, std::string& label,
                    bool of_nodes) {
     if (width == 0) return true;
@@ -189,7 +192,7 @@ class UcdTextReader {
     }
     return true;
   }
-  /// Stores a row's value for the node or cell that it names.
+  /// Stores the value of a row for node or cell number `id`.
   void place(std::vector<float>& values, std::int64_t id, float value, bool of_nodes) {
     if (values.empty())
       values.resize(of_nodes ? mesh_.nodes.size() : mesh_.cells.size(), std::numeric_limits<float>::quiet_NaN());

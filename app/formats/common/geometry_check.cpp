@@ -9,7 +9,7 @@
 namespace gs::app {
 namespace {
 
-/// Counts of elements removed from a Geometry.
+/// Numbers of elements that were removed from a Geometry.
 struct GeometryLoss {
   std::size_t bad_index = 0;   // faces, lines or points with indices out of range
   std::size_t not_finite = 0;  // faces, lines or points with infinite or NaN coordinates
@@ -38,14 +38,14 @@ void clamp_colors(vrml::MFColor& colors) {
   for (std::size_t i = 0; i < colors.size(); ++i) c[i] = {clamped(c[i].r), clamped(c[i].g), clamped(c[i].b)};
 }
 
-/// Reports whether `index`, or coord_index if it is empty, does not match `values`.
+/// Returns true if the index array does not fit `values`. If `index` is empty, uses coord_index instead.
 template <class T>
 bool unfit(const Geometry& data, const vrml::MFInt32& index, const Array<T>& values) {
   if (index.empty()) return values.size() < data.positions.size();
   return values.empty() || index.size() != data.coord_index.size();
 }
 
-/// Clears arrays that must be parallel to coord_index but differ in length.
+/// Clears attribute arrays that do not fit their index array.
 void drop_unfit(Geometry& data) {
   if (unfit(data, data.normal_index, data.normals)) {
     data.normals.clear();
@@ -79,10 +79,10 @@ GeometryLoss check_points(Geometry& data) {
 
 enum class Verdict : std::uint8_t { good, too_small, bad_index, not_finite };
 
-/// View of the index arrays for the checks of faces.
+/// View of the index arrays, for checks of single faces.
 struct Corners {
   const Geometry& data;
-  bool known_finite;  // all positions are finite
+  bool known_finite;  // true if all positions are finite, so that none needs a check
 
   [[nodiscard]] Verdict judge(std::size_t first, std::size_t end) const {
     const std::size_t least = data.kind == Geometry::Kind::faces ? 3 : 2;
@@ -103,7 +103,7 @@ struct Corners {
   }
 };
 
-/// Removes the faces that `keep` does not mark.
+/// Removes the faces for which `keep` is false.
 void compact(Geometry& data, const std::vector<bool>& keep) {
   std::vector<std::int32_t*> arrays = {data.coord_index.mutable_data()};
   if (!data.normal_index.empty()) arrays.push_back(data.normal_index.mutable_data());

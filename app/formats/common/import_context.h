@@ -15,7 +15,7 @@
 
 namespace gs::app {
 
-/// Invalid index; marks a wrong index of the file until its face is removed.
+/// Invalid index. Marks a wrong index from the file until its face is removed.
 inline constexpr std::int32_t kBadIndex = std::numeric_limits<std::int32_t>::max();
 /// End marker of a face or line in an index array (VRML97 6.23).
 inline constexpr std::int32_t kFaceEnd = -1;
@@ -53,7 +53,7 @@ class ImportContext {
   Diagnostics& diagnostics_;
 };
 
-/// Fast builder of a Array without per-value checks; finish with `take`. Throws OutOfBudget.
+/// Fast builder of an Array, without checks for each value. `take` returns the result. Throws OutOfBudget.
 template <class T>
 requires std::is_trivially_copyable_v<T>
 class Appender {
@@ -73,7 +73,7 @@ class Appender {
     array_.resize(array_.size() - count);
     first_ = next_ = end_ = nullptr;
   }
-  /// Appends copies of `value` up to `size` values.
+  /// Appends copies of `value` until there are `size` values.
   void fill(std::size_t size, const T& value) {
     while (this->size() < size) push(value);
   }
@@ -100,7 +100,7 @@ class Appender {
 
   ImportContext* context_;
   Array<T> array_;
-  T* first_ = nullptr;  // start of the values not yet counted by array_
+  T* first_ = nullptr;  // start of the values that array_ does not count yet
   T* next_ = nullptr;
   T* end_ = nullptr;
 };

@@ -14,15 +14,15 @@
 
 namespace gs::app {
 
-/// Content of one IndexedFaceSet, IndexedLineSet or PointSet from an importer, in those nodes' arrays (VRML97 6.23,
-/// 6.24, 6.36). If normal_index or texture_index is empty, coord_index applies.
+/// Content of one IndexedFaceSet, IndexedLineSet or PointSet from an importer, in the arrays of these nodes (VRML97
+/// 6.23, 6.24, 6.36). coord_index replaces an empty normal_index or texture_index.
 struct Geometry {
   enum class Kind : std::uint8_t { faces, lines, points };
 
   Kind kind = Kind::faces;
   vrml::MFVec3f positions;
   vrml::MFVec3f normals;
-  vrml::MFColor colors;  // per position, or per face if color_per_vertex is false
+  vrml::MFColor colors;  // one per position; if color_per_vertex is false, one per face
   vrml::MFVec2f texture_coordinates;
   vrml::MFInt32 coord_index, normal_index, texture_index;
   bool color_per_vertex = true;
@@ -31,16 +31,16 @@ struct Geometry {
   float crease_angle = 0;
 };
 
-/// Material in display colour space (VRML97 6.27), with a texture unless `texture_url` is empty.
+/// Material with colours in display colour space (VRML97 6.27). Textured if `texture_url` is not empty.
 struct Look {
   vrml::Color diffuse{0.8f, 0.8f, 0.8f}, specular{}, emissive{};
   float ambient_intensity = 0.2f, shininess = 0.2f, transparency = 0.0f;
-  bool lit = true;  // false means no Material (VRML97 Table 4.5)
+  bool lit = true;  // false means that the Shape has no Material (VRML97 Table 4.5)
   vrml::String texture_url;
   bool repeat_s = true, repeat_t = true;
 };
 
-/// Converts a look for lines and points, which show only emission (VRML97 4.14.2).
+/// Converts a look for lines and points, which show only the emissive colour (VRML97 4.14.2).
 [[nodiscard]] Look glowing(Look look);
 
 /// Faces, lines or points with their appearance: one Shape.

@@ -40,8 +40,8 @@ constexpr std::array<FormatName, 3> kFormatNames = {{
     {"binary_big_endian", PlyFormat::big_endian},
 }};
 
-/// The lines of a header. Their ends are those of the first line, so that a first data byte of 10 is not
-/// taken for a part of the last one.
+/// Lines of a header. The first line decides whether a lone CR ends a line. If it does, a data byte of 10 after the
+/// last line is not part of the line end.
 class HeaderLines {
  public:
   explicit HeaderLines(TextCursor& cursor) : cursor_(cursor) {}
@@ -64,7 +64,8 @@ class HeaderLines {
     return true;
   }
   [[nodiscard]] SourceLocation location() const { return {number_, 1}; }
-  /// Reports whether next() gave up on a line. Without a limit, a sparse file would be searched to its end.
+  /// Returns true if next() stopped in a line of over 64 KiB. Without this limit, next() would search a large file to
+  /// its end.
   [[nodiscard]] bool too_long() const { return too_long_; }
 
  private:
@@ -81,7 +82,7 @@ std::optional<PlyType> type_named(std::string_view name) {
   return std::nullopt;
 }
 
-/// The message of what is wrong, or nothing.
+/// Error message, or nullopt.
 using Problem = std::optional<std::string>;
 
 Problem read_format(TextCursor words, PlyHeader& header) {

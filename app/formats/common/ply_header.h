@@ -29,7 +29,7 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 
   [[nodiscard]] bool has_lists() const;
-  /// Returns the minimum size of a row in binary form.
+  /// Returns the minimum size of a row of a binary file, in bytes.
   [[nodiscard]] std::size_t least_row_bytes() const;
 };
 
@@ -41,7 +41,8 @@ struct PlyHeader {
   std::string texture_file;  // "comment TextureFile NAME", as written by MeshLab and others
 };
 
-/// Reads up to and including the `end_header` line. Reports an error and returns nullopt if the header is invalid.
+/// Reads the header up to and including the `end_header` line. If the header is invalid, reports an error and returns
+/// nullopt.
 [[nodiscard]] std::optional<PlyHeader> read_ply_header(TextCursor& cursor, ImportContext& context);
 
 }  // namespace gs::app

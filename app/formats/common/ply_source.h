@@ -17,7 +17,7 @@
 
 namespace gs::app {
 
-/// Converts a value of the file to an index; returns kBadIndex if it does not fit.
+/// Converts a number from the file to an index. Returns kBadIndex if the number is no valid index.
 template <class T>
 [[nodiscard]] std::int32_t index_of(T value) {
   if constexpr (std::is_integral_v<T>)
@@ -35,7 +35,7 @@ template <class T, bool big>
   return std::bit_cast<T>(bytes);
 }
 
-/// Calls `f` with a value of the property's C++ type.
+/// Calls `f` with a value of the C++ type that corresponds to `type`.
 template <class F>
 decltype(auto) with_type(PlyType type, F&& f) {
   switch (type) {
@@ -59,7 +59,7 @@ decltype(auto) with_type(PlyType type, F&& f) {
   return f(float{});
 }
 
-/// Data of an ASCII PLY: numbers separated by white space.
+/// Data part of an ASCII PLY file: numbers separated by white space.
 class PlyTextSource {
  public:
   static constexpr bool is_text = true;
@@ -92,7 +92,7 @@ class PlyTextSource {
     float ignored = 0;
     return cursor_.skip_space() && cursor_.number(ignored);
   }
-  /// Reports whether the remaining text is long enough for this many values.
+  /// Returns true if the remaining text is long enough for `count` values.
   [[nodiscard]] bool may_hold(PlyType, std::uint64_t count) const { return count <= most_values(); }
   [[nodiscard]] std::uint64_t most_rows(const PlyElement& element) const {
     return element.properties.empty() ? 0 : most_values() / element.properties.size();
@@ -107,7 +107,7 @@ class PlyTextSource {
   LineCounter lines_;
 };
 
-/// Data of a binary PLY.
+/// Data part of a binary PLY file.
 template <bool big>
 class PlyBinarySource {
  public:

@@ -21,7 +21,7 @@ struct HeaderReading {
   }
 };
 
-/// Reads `rows` text rows. Returns the number of complete rows.
+/// Reads `rows` rows of an ASCII file. Returns the number of complete rows.
 std::size_t read_text(PlyTextSource& source, const PlyElement& element, std::size_t rows, std::vector<double>* values) {
   const std::size_t width = element.properties.size();
   for (std::size_t row = 0; row < rows; ++row)
@@ -38,7 +38,7 @@ std::size_t read_text(PlyTextSource& source, const PlyElement& element, std::siz
 
 template <bool big, class Number>
 void read_binary(const PlyTable& table, PlyType type, std::size_t offset, std::vector<Number>& values) {
-  if (table.rows == 0) return;  // the data may be empty
+  if (table.rows == 0) return;  // `data` may be empty and have no address
   const std::size_t stride = table.element.least_row_bytes();
   const std::byte* from = table.data.data() + offset;
   with_type(type, [&](auto kind) {
@@ -70,7 +70,7 @@ std::vector<Number> column_of(const PlyTable& table, std::string_view property) 
   return {};
 }
 
-/// Finds the element and stores those before it in `before`.
+/// Returns the element `name`, or null. Appends the elements before it to `before`.
 const PlyElement* find(const PlyHeader& header, std::string_view name, std::vector<const PlyElement*>& before) {
   for (const PlyElement& element : header.elements) {
     if (element.name == name) return &element;
@@ -114,7 +114,8 @@ std::variant<PlyTable, std::string> open_ply_table(std::span<const std::byte> by
   before.pop_back();
 
   if (table.header.format == PlyFormat::ascii) {
-    // A digit and a blank (2 bytes) become a double, in a list that grows by doubling.
+    // Each value takes two bytes of text, a digit and a blank, and becomes a double. While the list doubles, it needs
+    // twice that memory.
     table.share = Share(budget, Resource::files);
     if (!table.share.grow(8 * bytes.size())) return "the numbers take " + budget->refusal(Resource::files);
     PlyTextSource source(cursor, reinterpret_cast<const char*>(bytes.data()));

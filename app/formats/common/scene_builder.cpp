@@ -14,7 +14,8 @@ using vrml::NodeKind;
 
 constexpr std::size_t kMaxNameBytes = 200;
 
-/// Reports whether an Id may contain the character (VRML97 Annex A). Bytes over 0x7f are part of UTF-8 letters.
+/// Returns true if an Id may contain the character (VRML97 Annex A). Bytes over 0x7f are parts of UTF-8 letters and
+/// allowed.
 bool allowed_in_id(char c) {
   const auto byte = static_cast<unsigned char>(c);
   constexpr std::string_view kForbidden = "\"#',.[\\]{}";
@@ -23,7 +24,7 @@ bool allowed_in_id(char c) {
 
 bool forbidden_at_start(char c) { return (c >= '0' && c <= '9') || c == '+' || c == '-'; }
 
-/// Reports whether the Id is a keyword (VRML97 Annex A).
+/// Returns true if the Id is a keyword (VRML97 Annex A).
 bool is_keyword(std::string_view id) {
   constexpr std::string_view kKeywords[] = {"DEF",     "EXTERNPROTO", "FALSE",        "IS",   "NULL",
                                             "PROTO",   "ROUTE",       "TO",           "TRUE", "USE",
@@ -55,7 +56,7 @@ void SceneBuilder::name(NodeId node, std::string_view text) {
   if (forbidden_at_start(text.front())) id += '_';
   for (const char c : text) id += allowed_in_id(c) ? c : '_';
   if (is_keyword(id)) id += '_';
-  // Start at the number of names in use, which is rarely taken for this name.
+  // Start with the number of used names as the suffix, because `id` with this suffix is rarely in use.
   const std::string first = id + '_';
   for (std::size_t number = names_.size(); !names_.insert(id).second; ++number) id = first + std::to_string(number);
   scene_.set_name(node, id);

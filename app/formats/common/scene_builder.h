@@ -10,7 +10,7 @@
 
 namespace gs::app {
 
-/// Factory of nodes for importers, with diagnostics. Nodes are null once the scene's node limit is reached. All
+/// Factory of nodes for importers, with diagnostics. Returns null nodes after the scene's node limit is reached. All
 /// functions accept null NodeIds and ignore them.
 class SceneBuilder : public ImportContext {
  public:
@@ -23,21 +23,21 @@ class SceneBuilder : public ImportContext {
 
   [[nodiscard]] vrml::SceneGraph& scene() { return scene_; }
 
-  /// Creates a node. Returns null, with one diagnostic in total, if the node limit is reached.
+  /// Creates a node. At the node limit, returns null and adds a diagnostic the first time.
   vrml::NodeId make(vrml::NodeKind kind);
   template <class T>
   void set(vrml::NodeId node, std::string_view field, T value) {
     if (node) scene_.set<T>(node, field, std::move(value));
   }
-  /// Gives the node a DEF name derived from `text`: replaces forbidden characters by '_' and makes it unique.
+  /// Gives the node a unique DEF name derived from `text`. Replaces forbidden characters by '_'.
   void name(vrml::NodeId node, std::string_view text);
   void add_root(vrml::NodeId node) {
     if (node) scene_.add_root(node);
   }
 
   [[nodiscard]] vrml::NodeId appearance(const Look& look);
-  /// Creates a geometry node. Drops faces, lines and points with missing or non-finite coordinates, with one warning
-  /// per kind. Returns null if nothing is left.
+  /// Creates a geometry node. Drops faces, lines and points with missing or non-finite coordinates, and adds one
+  /// warning per kind of loss. Returns null if no element remains.
   [[nodiscard]] vrml::NodeId geometry(Geometry data);
   /// Creates a geometry node of data that `keep_drawable` has accepted.
   [[nodiscard]] vrml::NodeId checked_geometry(Geometry data);
@@ -49,7 +49,7 @@ class SceneBuilder : public ImportContext {
   bool full_ = false;
 };
 
-/// Converts linear light to display sRGB (IEC 61966-2-1), both 0..1.
+/// Converts linear light to display sRGB (IEC 61966-2-1); argument and result are 0..1.
 [[nodiscard]] float display_of_linear(float linear);
 
 }  // namespace gs::app

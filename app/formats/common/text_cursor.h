@@ -12,12 +12,13 @@
 
 namespace gs::app {
 
-/// Line and column counter for ascending positions in a text; visits each byte once.
+/// Line and column counter for ascending positions in a text. Visits each byte once.
 class LineCounter {
  public:
   explicit LineCounter(const char* begin) : next_(begin), line_start_(begin) {}
 
-  /// Returns the location of `place`. Positions must ascend; an earlier one gets the line of the previous call.
+  /// Returns the line and column of `place`. If `place` is before the previous position, the line is that of the
+  /// previous call.
   [[nodiscard]] SourceLocation location(const char* place) {
     while (next_ < place) {
       const void* found = std::memchr(next_, '\n', static_cast<std::size_t>(place - next_));
@@ -39,7 +40,7 @@ class LineCounter {
   std::uint32_t line_ = 1;
 };
 
-/// Forward read position in a text. Never reads at or after `end`.
+/// Position in a text, for reading forwards. Never reads at or after `end`.
 struct TextCursor {
   const char* next;
   const char* end;
@@ -56,14 +57,14 @@ struct TextCursor {
     while (next < end && is_space(*next)) ++next;
     return next < end;
   }
-  /// Returns the next word; empty at the end of the text.
+  /// Reads the next word. Returns an empty word at the end of the text.
   [[nodiscard]] std::string_view word() {
     skip_space();
     const char* first = next;
     while (next < end && !is_space(*next)) ++next;
     return {first, static_cast<std::size_t>(next - first)};
   }
-  /// Returns the rest of the line without its line end, and skips both.
+  /// Reads the rest of the line with its line end. Returns the text without the line end.
   [[nodiscard]] std::string_view line() {
     const char* first = next;
     const void* found = next < end ? std::memchr(next, '\n', static_cast<std::size_t>(end - next)) : nullptr;
@@ -72,8 +73,8 @@ struct TextCursor {
     if (stop > first && stop[-1] == '\r') --stop;
     return {first, static_cast<std::size_t>(stop - first)};
   }
-  /// Reads a number, correctly rounded. Accepts "inf" and "nan"; overflow becomes infinite. Returns false and reads
-  /// nothing if there is no number.
+  /// Reads a number, correctly rounded. Accepts "inf" and "nan"; an overflow gives infinity. Returns false and does not
+  /// move if there is no number.
   template <class Number>
   bool number(Number& value) {
     const char* first = next < end && *next == '+' ? next + 1 : next;
@@ -86,7 +87,7 @@ struct TextCursor {
   }
 };
 
-/// Trims white space at both ends.
+/// Returns `text` without white space at both ends.
 [[nodiscard]] inline std::string_view trimmed(std::string_view text) {
   while (!text.empty() && TextCursor::is_space(text.front())) text.remove_prefix(1);
   while (!text.empty() && TextCursor::is_space(text.back())) text.remove_suffix(1);

@@ -38,8 +38,8 @@ std::optional<std::string_view> name_of(const glm::vec3& vector) {
   return std::nullopt;
 }
 
-/// Parses NRRD's `space`: "left-posterior-superior" or "LPS", optionally with "-time". It gives the directions of the
-/// axes.
+/// Parses the field `space` of NRRD: "left-posterior-superior" or "LPS", optionally with "-time". Each word is the
+/// direction of one axis.
 std::optional<Upright> upright_of_space(std::string_view text) {
   std::string space = lower_case(text);
   if (space.size() <= 4 && space.find('-') == std::string::npos) {  // "lps", "last"
@@ -83,14 +83,14 @@ std::string_view name_of(UpAxis axis) { return kUpAxes[static_cast<std::size_t>(
 Upright upright_of(UpAxis axis) { return upright_along(axis_vector(axis)); }
 
 Upright upright_along(const glm::vec3& up) {
-  // An up axis of +x is seen from +z, like +y.
+  // If +x is up, the viewer looks from +z, as for +y.
   const glm::vec3 right = std::abs(up.x) < 0.9f ? glm::vec3(1, 0, 0) : glm::vec3(0, up.x > 0 ? -1 : 1, 0);
   return {up, glm::normalize(glm::cross(right, up))};
 }
 
 Upright upright_of(UpRule rule, const glm::vec3& size) {
   constexpr float kStanding = 1.5f;  // min ratio of height to width and depth
-  constexpr float kSurvey = 5;       // metres
+  constexpr float kSurvey = 5;  // metres; larger point sets are land or buildings
   switch (rule) {
     case UpRule::y:
       break;

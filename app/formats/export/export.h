@@ -16,34 +16,36 @@
 namespace gs::app {
 
 struct ExportOptions {
-  std::string title;       // object title, for formats that store one; UTF-8
-  std::string stream_url;  // VRML97: url of the QNV instance, for browsers that support the node
+  std::string title;  // title of the object in UTF-8, for formats that store a title
+  std::string stream_url;  // VRML97: url field of the QNV instance, for browsers with this node
 };
 
 using Exported = std::variant<std::vector<std::byte>, std::string>;
 
-/// Exports binary little-endian PLY: x y z nx ny nz, red green blue (bytes), area; a mesh if there are triangles. Axes
+/// Exports binary little-endian PLY: x y z nx ny nz, red green blue (bytes), area. With triangles, exports a mesh. Axes
 /// and units are unchanged. Normals of a volume point away from higher values. Positions, normals and areas round-trip
 /// bit for bit.
 [[nodiscard]] Exported export_points_ply(const qnv::Geometry& geometry, const ExportOptions& options = {});
 
-/// Exports Inria's 3DGS PLY of degree 0: x y z nx ny nz f_dc opacity scale rot. Axes: right, down, forward.
+/// Exports Inria's 3DGS PLY of degree 0: x y z nx ny nz f_dc opacity scale rot. The axes are right, down, forward.
 [[nodiscard]] Exported export_splats_ply(const qnv::Geometry& geometry, const ExportOptions& options = {});
 
-/// Exports binary glTF 2.0 with KHR_gaussian_splatting (release candidate of April 2026): one POINTS primitive, with
-/// COLOR_0 for viewers without the extension. Refuses files over 4 GiB.
+/// Exports binary glTF 2.0 with KHR_gaussian_splatting (release candidate of April 2026) as one POINTS primitive.
+/// COLOR_0 is for viewers without the extension. Refuses files over 4 GiB.
 [[nodiscard]] Exported export_glb_splats(const qnv::Geometry& geometry, const ExportOptions& options = {});
 /// Exports binary glTF: a mesh (export_glb_mesh.h) if `geometry` has triangles, else splats.
 [[nodiscard]] Exported export_glb(const qnv::Geometry& geometry, const ExportOptions& options = {});
 
-/// Export Niantic's SPZ, version 4 (zstd) or 3 (gzip), degree 0. Axes: right, up, back. Positions have 24 bits of the
-/// largest coordinate, sizes 6 % accuracy. Both refuse input without visible vectors, which SPZ cannot represent.
+/// Export Niantic's SPZ of degree 0: version 4 (zstd) and version 3 (gzip). The axes are right, up, back. A position
+/// has 24 bits, relative to the largest coordinate. Sizes are accurate to 6 %. Both functions refuse input without
+/// visible vectors, because SPZ cannot represent it.
 [[nodiscard]] Exported export_spz(const qnv::Geometry& geometry, const ExportOptions& options = {});
 [[nodiscard]] Exported export_spz3(const qnv::Geometry& geometry, const ExportOptions& options = {});
 
-/// Export a VRML97 world for any browser: a PROTO QNV with the interface of the built-in node, and a Shape that uses
-/// it, framed from the front. The PROTO's body is a PointSet, or an IndexedFaceSet with a square for each vector.
-/// Points cannot be lit, so single-coloured points get shading by a light above the viewer.
+/// Export a VRML97 world for any browser: a PROTO QNV with the interface of the built-in node, and one Shape with an
+/// instance. A Viewpoint shows the Shape from the front. The body of the PROTO is a PointSet in the first function; in
+/// the second, an IndexedFaceSet with a square for each vector. VRML97 does not light points, so points of a single
+/// colour get baked shading by a light above the viewer.
 [[nodiscard]] Exported export_vrml97_points(const qnv::Geometry& geometry, const ExportOptions& options = {});
 [[nodiscard]] Exported export_vrml97_patches(const qnv::Geometry& geometry, const ExportOptions& options = {});
 
@@ -55,9 +57,9 @@ struct ExportFormat {
   Exported (*write)(const qnv::Geometry& geometry, const ExportOptions& options);
 };
 
-/// Returns all formats. If several share an extension, the first one is the default.
+/// Returns all formats. If several formats share an extension, the first one is its default.
 [[nodiscard]] std::span<const ExportFormat> export_formats();
-/// Returns the format with the longest matching extension of `path`, ignoring case; null if none matches.
+/// Returns the format with the longest extension that ends `path`, ignoring case. Returns null if no extension matches.
 [[nodiscard]] const ExportFormat* export_format_of(std::string_view path);
 
 }  // namespace gs::app

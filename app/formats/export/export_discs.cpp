@@ -10,7 +10,7 @@
 namespace gs::app {
 namespace {
 
-/// Returns the shortest rotation from +Z to a unit vector.
+/// Returns the shortest rotation from +Z to a unit vector, as a quaternion x, y, z, w.
 glm::vec4 rotation_to(const glm::vec3& n) {
   const double w = 1.0 + static_cast<double>(n.z);
   const double length = std::sqrt(w * w + static_cast<double>(n.x) * n.x + static_cast<double>(n.y) * n.y);
@@ -48,7 +48,7 @@ void ExportDiscs::shade_volume(std::size_t i, ExportDisc& disc) const {
   const std::uint8_t level = vectors_.classes.empty() ? 255 : vectors_.classes[i];
   disc.opacity = std::clamp(disc.area / most_weight_, 0.0f, 1.0f);
   disc.area = ball_area_;
-  disc.normal = -disc.normal;  // the gradient points inwards
+  disc.normal = -disc.normal;  // gradients point inwards, normals outwards
   if (transfer.empty()) {
     if (!vectors_.classes.empty()) disc.color = {level, level, level};
     return;

@@ -10,11 +10,11 @@
 
 namespace gs::app {
 
-/// Vector in the form that export formats need.
+/// Vector with the attributes that export formats need.
 struct ExportDisc {
   glm::vec3 position{0};
   glm::vec3 normal{0, 0, 1};  // unit length, outwards
-  float area = 0;             // > 0
+  float area = 0;  // positive
   qnv::Rgb8 color;
   float opacity = 1;  // 0..1
 };
@@ -27,7 +27,7 @@ class ExportDiscs {
 
   [[nodiscard]] std::size_t size() const { return vectors_.size(); }
   [[nodiscard]] ExportDisc operator[](std::size_t i) const;
-  /// Reports whether vectors become balls instead of flat splats; true for volumes.
+  /// Returns true if vectors become balls instead of flat splats. That is the case for volumes.
   [[nodiscard]] bool balls() const { return vectors_.kind == qnv::Kind::volume; }
 
  private:
@@ -37,22 +37,22 @@ class ExportDiscs {
   float ball_area_ = 1, most_weight_ = 1;
 };
 
-/// Returns the visible vectors: finite, with an area, and opacity of at least kMinOpacity.
+/// Returns the visible vectors. A visible vector is finite, has an area and an opacity of at least kMinOpacity.
 [[nodiscard]] std::vector<ExportDisc> visible_discs(const ExportDiscs& discs);
 
-/// Gaussian splat with standard deviations `scale` along the axes of `rotation`.
+/// Gaussian splat. `scale` has its standard deviations along the axes of `rotation`.
 struct ExportSplat {
   glm::vec3 position{0}, normal{0}, scale{0}, dc{0};
-  glm::vec4 rotation{0, 0, 0, 1};  // unit quaternion x, y, z, w with w >= 0; rotates +Z to the normal
+  glm::vec4 rotation{0, 0, 0, 1};  // unit quaternion x, y, z, w with w >= 0; turns +Z to the normal
   float opacity = 1;
 };
 
-/// Converts the visible, finite vectors to splats; see splats.h for the relation of area and Gaussian. Multiplies the
-/// axes by `axes`, which must be a rotation. The thickness of a surface splat is kDiscThickness times its width.
+/// Converts the visible, finite vectors to splats. Multiplies the axes by `axes`, which must be a rotation. A surface
+/// splat is kDiscThickness times as thick as wide. splats.h relates area and Gaussian.
 [[nodiscard]] std::vector<ExportSplat> splats_of(const qnv::VectorView& vectors, const glm::vec3& axes);
 
 inline constexpr float kDiscThickness = 0.01f;
-/// Opacity of surface splats: formats that store log odds cannot represent 1.
+/// Opacity of surface splats. Formats that store log odds cannot represent 1.
 inline constexpr float kSurfaceOpacity = 0.99f;
 
 }  // namespace gs::app

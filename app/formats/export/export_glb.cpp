@@ -21,14 +21,14 @@ using Json = nlohmann::ordered_json;
 constexpr int kFloat = 5126, kUnsignedByte = 5121, kArrayBuffer = 34962, kPoints = 0;
 constexpr std::size_t kSplatBytes = 12 + 16 + 12 + 4 + 12 + 4;
 
-/// Builder of the binary buffer: each attribute has its own view and accessor.
+/// Builder of the binary buffer. Each attribute has its own view and accessor.
 class Attributes {
  public:
   explicit Attributes(const std::vector<ExportSplat>& splats) : splats_(splats) {
     bytes.reserve(splats.size() * kSplatBytes);
   }
 
-  /// Adds an attribute; `put` appends one splat's values, a multiple of four bytes. Returns the accessor.
+  /// Adds an attribute. `put` appends the values of one splat, a multiple of four bytes. Returns the accessor.
   template <class Put>
   Json& add(const std::string& name, const char* type, int component_type, bool normalized, Put&& put) {
     const std::size_t start = bytes.size();
@@ -88,7 +88,7 @@ Json document_of(const Attributes& attributes, const glm::dvec3& origin, const E
   document["asset"] = {{"version", "2.0"}, {"generator", "GhostSpace"}};
   document["scene"] = 0;
   if (attributes.bytes.empty()) {
-    document["scenes"] = {Json::object()};  // empty arrays are invalid; write a scene without nodes
+    document["scenes"] = {Json::object()};  // glTF forbids empty arrays, so write a scene without nodes.
     return document;
   }
   const char* const extension = "KHR_gaussian_splatting";

@@ -25,7 +25,8 @@ struct MeshBuffer {
   std::vector<std::byte> bytes;
   Json views = Json::array(), accessors = Json::array();
 
-  /// Adds a view of the bytes that `put` appends, padded to words. Returns its index.
+  /// Adds a buffer view for the bytes that `put` appends. Pads the buffer to a multiple of four bytes. Returns the
+  /// index of the view.
   template <class Put>
   std::size_t add_view(int target, const Put& put) {
     const std::size_t start = bytes.size();
@@ -44,7 +45,7 @@ struct MeshBuffer {
   }
 };
 
-/// Converts display sRGB to linear light (IEC 61966-2-1) for textures that viewers multiply with linear light.
+/// Converts display sRGB to linear light (IEC 61966-2-1). Viewers multiply the texture with the result.
 std::uint8_t linear_byte(std::uint8_t display) {
   const float c = static_cast<float>(display) / 255.0f;
   const float linear = c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
@@ -53,7 +54,7 @@ std::uint8_t linear_byte(std::uint8_t display) {
 
 bool is_png(const std::vector<std::byte>& file) { return !file.empty() && file[0] == std::byte{0x89}; }
 
-/// Builds the primitive of the textured or the untextured triangles.
+/// Builds a primitive. `pictured` selects the triangles with or without texture.
 Json primitive_of(const qnv::IndexedMesh& mesh, bool pictured, MeshBuffer& buffer) {
   const std::size_t border = mesh.first_textured();
   const std::size_t first = pictured ? border : 0, end = pictured ? mesh.size() : border;
@@ -77,7 +78,7 @@ Json primitive_of(const qnv::IndexedMesh& mesh, bool pictured, MeshBuffer& buffe
     attributes["TEXCOORD_0"] = buffer.add("VEC2", kFloats, end - first, [&] {
       for (const glm::vec2& at : mesh.texture_coordinates) {
         put_little(buffer.bytes, at.x);
-        put_little(buffer.bytes, 1 - at.y);  // glTF counts from the upper left corner
+        put_little(buffer.bytes, 1 - at.y);  // glTF counts texture rows from the top, VRML97 from the bottom
       }
     });
   } else if (!mesh.colors.empty()) {

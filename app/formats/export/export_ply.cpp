@@ -15,7 +15,8 @@ void put_text(std::vector<std::byte>& to, std::string_view text) {
   to.insert(to.end(), first, first + text.size());
 }
 
-/// Returns the coordinate type: double if float32 would lose the precision that the origin provides.
+/// Returns the PLY type of coordinates. With an origin other than 0, float32 would lose precision, so the type is
+/// double.
 const char* place_type(const glm::dvec3& origin) { return origin != glm::dvec3(0) ? "double" : "float"; }
 
 void put_header(std::vector<std::byte>& to, std::size_t count, const glm::dvec3& origin,

@@ -20,14 +20,14 @@ namespace {
 using namespace spz;
 using PlaneBytes = std::vector<std::byte>;
 
-constexpr int kZstdLevel = 12;  // level of the reference writer
+constexpr int kZstdLevel = 12;  // compression level of the reference writer
 constexpr int kMaxFractionBits = 23;
-constexpr float kMinSteps = 4096;  // min quantisation steps across content far from 0, to keep it recognisable
+constexpr float kMinSteps = 4096;  // min number of position steps across content far from 0; fewer would deform it
 constexpr std::int32_t kMaxFixed = (1 << 23) - 1;
 
 std::byte quantized(float value) { return static_cast<std::byte>(std::lround(std::clamp(value, 0.0f, 255.0f))); }
 
-/// Returns the max fraction bits, so that the largest coordinate fits into 24 signed bits.
+/// Returns the largest number of fraction bits with which each coordinate fits into 24 signed bits.
 int fraction_bits_for(const std::vector<ExportSplat>& splats) {
   float most = 0;
   for (const ExportSplat& splat : splats)
@@ -37,7 +37,8 @@ int fraction_bits_for(const std::vector<ExportSplat>& splats) {
   return bits;
 }
 
-/// Packs a rotation: the index of the largest component in the top bits, then sign and nine bits for each other one.
+/// Packs a rotation into 32 bits. The top two bits are the index of the largest component. Each other component has a
+/// sign and nine bits.
 std::uint32_t packed_rotation(const glm::vec4& q) {
   int largest = 0;
   for (int k = 1; k < 4; ++k)
@@ -73,7 +74,7 @@ std::array<PlaneBytes, plane_count> planes_of(const std::vector<ExportSplat>& sp
   return planes;
 }
 
-/// Writes the 16 header bytes that versions 3 and 4 share; the last one is `streams` in version 4.
+/// Writes the 16 bytes that versions 3 and 4 both begin with. The last of these bytes is `streams` in version 4.
 void put_header(std::vector<std::byte>& to, std::uint32_t version, std::size_t count, int fraction_bits,
                 std::uint8_t streams) {
   put_little(to, kSpzMagic);
@@ -113,7 +114,7 @@ std::optional<std::vector<std::byte>> zstd_packed(const std::vector<std::byte>& 
   return result;
 }
 
-/// Converts the vectors to splats. Returns a message if they do not fit into the format.
+/// Converts vectors to splats. Returns a message if the splats do not fit into the format.
 Exported checked(const qnv::Geometry& geometry, std::vector<ExportSplat>& splats) {
   splats = splats_of(geometry, kFromRightUpBack);
   if (splats.empty()) return "SPZ needs at least one visible vector";

@@ -17,7 +17,7 @@ namespace gs::app {
 std::string front_viewpoint(const Box& box, const Upright& upright) {
   const glm::vec3 size = box.size(), middle = box.lower + size * 0.5f;
   const float radius = std::sqrt(size.x * size.x + size.y * size.y + size.z * size.z) / 2;
-  constexpr float kDistance = 2.6f;  // in radii: 1 / sin(fieldOfView / 2), for the default field of view
+  constexpr float kDistance = 2.6f;  // in radii of the scene: 1 / sin(fieldOfView / 2), default field of view
   std::string text;
   const auto numbers = [&](const glm::vec3& v) {
     for (int k = 0; k < 3; ++k) {
@@ -30,7 +30,7 @@ std::string front_viewpoint(const Box& box, const Upright& upright) {
     numbers({middle.x, middle.y, middle.z + kDistance * radius});
     return text += "}\n";
   }
-  // A Viewpoint's up direction comes from its coordinate system (6.29).
+  // The up direction of a Viewpoint is the y axis of its coordinate system (VRML97 6.29).
   const glm::dquat turn = glm::quat_cast(world_from_upright(upright));
   text += "Transform { translation ";
   numbers(middle);
@@ -44,7 +44,7 @@ std::string front_viewpoint(const Box& box, const Upright& upright) {
 
 namespace {
 
-/// Interface of the QNV node as in the node table; other browsers get it from the PROTO.
+/// Interface of the built-in QNV node. Browsers without this node use the PROTO with this interface.
 constexpr std::string_view kInterface =
     "PROTO QNV [\n"
     "  exposedField MFString url []\n"
@@ -58,7 +58,7 @@ constexpr std::string_view kInterface =
     "  eventOut SFTime loadTime\n"
     "] {\n";
 
-// Direction of the light baked into points: from above, behind the viewer.
+// Direction to the light that is baked into the colours of points: above and behind the viewer.
 constexpr glm::vec3 kLight{0.27f, 0.53f, 0.80f};
 constexpr float kAmbient = 0.3f;
 
@@ -72,7 +72,7 @@ class Vrml97Text {
       out_ += k < 2 ? ' ' : end;
     }
   }
-  /// Writes three decimals, enough to distinguish all 256 levels.
+  /// Writes a colour with three decimals, which distinguish all 256 levels.
   void color(const glm::vec3& rgb) {
     vector({std::round(rgb.x * 1000) / 1000, std::round(rgb.y * 1000) / 1000, std::round(rgb.z * 1000) / 1000});
   }
@@ -102,10 +102,10 @@ void put_points(const std::vector<ExportDisc>& discs, bool shaded, Vrml97Text& t
   text.add("    ] }\n  }\n");
 }
 
-/// Returns the corners of a square of the vector's area, counterclockwise as seen from the normal's side.
+/// Returns the corners of a square with the area of the vector, counterclockwise when seen against the normal.
 std::array<glm::vec3, 4> corners_of(const ExportDisc& disc) {
   const glm::vec3& n = disc.normal;
-  // Any vector perpendicular to the normal, from the least aligned axis.
+  // Start with the axis that is least aligned to the normal.
   const bool along_x = std::abs(n.x) < 0.6f;
   glm::vec3 u = along_x ? glm::vec3(0, n.z, -n.y) : glm::vec3(-n.z, 0, n.x);
   const float length = std::sqrt(u.x * u.x + u.y * u.y + u.z * u.z);
@@ -145,8 +145,8 @@ void put_viewpoint(const qnv::Description& description, Vrml97Text& text) {
   }
 }
 
-/// Writes the QNV instance. If `moved`, numbers are local and below a Transform to the origin, which is exact in
-/// float32.
+/// Writes the QNV instance. If `moved`, a Transform holds the origin and all coordinates are relative to it, so that
+/// float32 is exact.
 void put_instance(const qnv::VectorView& vectors, const ExportOptions& options, bool moved, Vrml97Text& text) {
   text.add("}\n");
   if (moved) {
@@ -155,7 +155,7 @@ void put_instance(const qnv::VectorView& vectors, const ExportOptions& options, 
     text.add(" children [\n");
   }
   if (!vectors.description.box.empty()) put_viewpoint(vectors.description, text);
-  // Default colour of vectors without their own.
+  // Default colour of vectors without a colour.
   text.add("Shape {\n  appearance Appearance { material Material { ");
   if (vectors.kind == qnv::Kind::surface && vectors.colors.empty()) {
     text.add("diffuseColor ");
@@ -191,7 +191,7 @@ qnv::Geometry about_zero(qnv::Geometry geometry) {
 }
 
 std::vector<std::byte> world_of(const qnv::Geometry& given, const ExportOptions& options, bool patches) {
-  // A stream provides its own origin in browsers that support the node.
+  // With a stream URL, browsers with the QNV node take the origin from the stream.
   const bool far = given.description().origin != glm::dvec3(0), moved = far && options.stream_url.empty();
   std::optional<qnv::Geometry> near;
   if (far && !moved) near = about_zero(given);

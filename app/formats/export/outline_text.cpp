@@ -10,7 +10,7 @@
 namespace gs::app {
 namespace {
 
-/// The part of OutlineGroup's interface that other browsers need; see vrml/nodes/geometry.cpp.
+/// PROTO for browsers without OutlineGroup, with only the necessary part of its interface; see vrml/nodes/geometry.cpp.
 constexpr std::string_view kFallback =
     "PROTO OutlineGroup [\n"
     "  exposedField SFNode refines NULL\n"
@@ -30,11 +30,12 @@ constexpr std::string_view kFallback =
     "    coord Coordinate { point IS point }\n    coordIndex IS coordIndex\n"
     "    texCoord TextureCoordinate { point IS texCoord }\n"
     "    creaseAngle IS creaseAngle\n    solid IS solid\n    convex FALSE\n  }\n}\n";
-/// Optional lines, omitted without textures: an empty TextureCoordinate is not the default mapping.
+/// Lines for textures. Worlds without textures omit them, because an empty TextureCoordinate would disable the default
+/// mapping.
 constexpr std::string_view kTextureField = "  field MFVec2f texCoord []\n  field MFVec2f outlineTexCoord []\n";
 constexpr std::string_view kTextureUse = "    texCoord TextureCoordinate { point IS texCoord }\n";
 
-constexpr std::size_t kFirstBatch = 128, kBatchGrowth = 4;  // groups in the first node, and growth per node
+constexpr std::size_t kFirstBatch = 128, kBatchGrowth = 4;  // groups in the first node; factor per further node
 
 class OutlineText {
  public:
@@ -57,14 +58,14 @@ class OutlineText {
   std::string& out_;
 };
 
-/// Polygons of one of the two lists of a node, as field text.
+/// Field text of one of the two polygon lists of a node: outlines, or inner polygons.
 struct List {
   std::string index, points, coordinates, groups;
   std::size_t corners = 0;
 
   void add(const qnv::OutlinePolygon& polygon, std::size_t group) {
     OutlineText index_text(index), point_text(points), coordinate_text(coordinates), group_text(groups);
-    // A bridged ring visits some corners twice; write each corner once.
+    // A bridged ring visits some corners twice. Write each corner only once.
     for (const std::uint32_t corner : qnv::bridged_ring(polygon)) index_text << corners + corner << " ";
     index += "-1\n";
     for (const glm::vec3& p : polygon.positions) point_text << p.x << " " << p.y << " " << p.z << "\n";
@@ -76,7 +77,7 @@ struct List {
   }
 };
 
-/// Groups that share a node.
+/// Outline groups in the same node.
 struct Batch {
   std::uint32_t appearance = 0;
   std::size_t number = 0;
@@ -116,8 +117,8 @@ class Writer {
  public:
   Writer(const qnv::OutlineGroups& groups, std::span<const qnv::OutlineAppearance> appearances)
       : appearances_(appearances), used_(appearances.size()) {
-    // Write the largest groups first, one node per batch. The first batches are small, so that they load soon. Smoothly
-    // shaded groups stay in one node, because they need their neighbours.
+    // The groups are in descending order of size; each batch becomes a node. The first batches are small, so that they
+    // load soon. Smoothly shaded groups of an appearance stay in one node, because shading needs their neighbours.
     std::vector<std::size_t> open(appearances.size(), kNone), room(appearances.size(), kFirstBatch);
     for (const qnv::OutlineGroup& group : groups.groups) {
       std::size_t& at = open[group.appearance];

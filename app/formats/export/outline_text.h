@@ -11,14 +11,14 @@
 
 namespace gs::app {
 
-/// Writes a VRML97 world of outline groups (docs/formats.md): outlines first, largest first, then the polygons that
-/// replace them. Browsers without OutlineGroup show the polygons through a PROTO of that name in the file. Numbers
-/// round-trip bit for bit. `viewpoint` is the text of nodes to put first; may be empty.
+/// Writes a VRML97 world of outline groups (docs/formats.md). First come the outlines, the largest first, then the
+/// inner polygons that replace them. Browsers without OutlineGroup show the polygons with a PROTO of this name in the
+/// file. Numbers round-trip bit for bit. `viewpoint` is the text of the first nodes; it may be empty.
 [[nodiscard]] std::vector<std::byte> outline_world(const qnv::OutlineGroups& groups,
                                                    std::span<const qnv::OutlineAppearance> appearances,
                                                    const std::string& title, const std::string& viewpoint = {});
 
-/// Writes a scene of OutlineGroup nodes, from an outlines stream, as such a world.
+/// Writes a scene of OutlineGroup nodes as a VRML97 world. The scene comes from a stream with the outlines payload.
 [[nodiscard]] std::vector<std::byte> outline_world(const vrml::SceneGraph& scene, const std::string& title);
 
 }  // namespace gs::app

@@ -11,14 +11,14 @@
 
 namespace gs::app {
 
-/// Appends a number that round-trips bit for bit; non-finite values become 0.
+/// Appends a number that round-trips bit for bit. Writes 0 for non-finite values.
 inline void append_number(std::string& to, float value) {
   std::array<char, 32> digits;
   const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), std::isfinite(value) ? value : 0.0f);
   to.append(digits.data(), end.ptr);
 }
 
-/// Appends quoted text (VRML97 5.12); control characters become blanks.
+/// Appends text in quotes (VRML97 5.12). Replaces control characters by blanks.
 inline void append_quoted(std::string& to, std::string_view text) {
   to += '"';
   for (const char c : text) {
@@ -28,7 +28,7 @@ inline void append_quoted(std::string& to, std::string_view text) {
   to += '"';
 }
 
-/// Returns a line with a Viewpoint that shows the whole box from its front.
+/// Returns a line of text with a Viewpoint that shows the whole box from the front.
 [[nodiscard]] std::string front_viewpoint(const Box& box, const Upright& upright);
 
 }  // namespace gs::app

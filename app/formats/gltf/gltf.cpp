@@ -57,7 +57,7 @@ Placement decomposed(const std::vector<double>& values) {
   placement.translation = glm::vec3(m[3]);
   glm::mat3 axes(m);
   for (int i = 0; i < 3; ++i) placement.scale[i] = glm::length(axes[i]);
-  // A mirrored matrix is no rotation, so one axis becomes negative.
+  // The matrix is mirrored and not a rotation, so one axis gets a negative scale.
   if (glm::dot(glm::cross(axes[0], axes[1]), axes[2]) < 0) placement.scale.x = -placement.scale.x;
   for (int i = 0; i < 3; ++i) {
     if (!(std::abs(placement.scale[i]) > 0) || !std::isfinite(placement.scale[i])) return placement;
@@ -110,7 +110,7 @@ class GltfImporter {
  private:
   struct Visit {
     int node;
-    std::size_t parent;  // index in visits_; kNoParent for roots
+    std::size_t parent;  // index of the parent in visits_; kNoParent for roots
     std::size_t depth;
     glm::mat4 world;
     bool useful = false;  // the node or a descendant has visible content
@@ -141,7 +141,7 @@ class GltfImporter {
     return roots;
   }
 
-  /// Lists the nodes of the scene, parents first and each once, so that the result is a tree.
+  /// Lists the nodes of the scene: parents before children, each node once, so that the result is a tree.
   void walk() {
     visited_.assign(model_.nodes.size(), kNoParent);
     for (const int root : scene_roots()) visit(root, kNoParent);
@@ -178,7 +178,7 @@ class GltfImporter {
   }
 
   void build() {
-    // Build children before parents, so that each children field is set once.
+    // Build children before parents, so that each `children` field is set only once.
     for (std::size_t i = visits_.size(); i-- > 0;)
       if (visits_[i].useful) build(visits_[i]);
     for (const Visit& visit : visits_) {
@@ -219,7 +219,7 @@ class GltfImporter {
       builder_.note("an orthographic camera is left out, because VRML97 has none");
       return;
     }
-    // In VRML97, the field of view applies to the smaller side of the window (6.53).
+    // The field of view of VRML97 applies to the smaller side of the window (6.53).
     float field_of_view = finite_float(camera.perspective.yfov);
     const float aspect = finite_float(camera.perspective.aspectRatio);
     if (aspect > 0 && aspect < 1) field_of_view = 2 * std::atan(std::tan(field_of_view / 2) * aspect);
@@ -237,12 +237,12 @@ class GltfImporter {
       if (const vrml::NodeId mesh = meshes_.node(n.mesh)) content.push_back(mesh);
       return;
     }
-    // A skin positions vertices in world space; the node's transform is ignored (glTF 2.0 3.7.3.2).
+    // A skin places the vertices in world space. The transform of the node is ignored (glTF 2.0 3.7.3.2).
     world_shapes_.append(meshes_.skinned_shapes(n.mesh, joints).span());
   }
 
-  /// Returns the matrix of each joint, from mesh space in bind pose to world space. Returns an empty list if the skin
-  /// is invalid.
+  /// Returns a matrix for each joint, from mesh space in the bind pose to world space. Returns an empty list if the
+  /// skin is invalid.
   std::vector<glm::mat4> joints_of(int index) {
     if (static_cast<std::size_t>(index) >= model_.skins.size()) {
       builder_.fail("skin " + std::to_string(index) + " does not exist");
@@ -277,7 +277,7 @@ class GltfImporter {
   GltfMaterials materials_;
   GltfMeshes meshes_;
   std::vector<Visit> visits_;
-  std::vector<std::size_t> visited_;  // index in visits_, by node
+  std::vector<std::size_t> visited_;  // index in visits_ for each node of the model
   vrml::MFNode world_shapes_;
 };
 

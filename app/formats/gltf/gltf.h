@@ -9,16 +9,16 @@
 
 namespace gs::app {
 
-/// Imports a glTF 2.0 asset, .gltf or .glb, into `scene`. Nodes become Transforms; primitives become Shapes with
-/// IndexedFaceSet, IndexedLineSet or PointSet; perspective cameras become Viewpoints.
+/// Imports a glTF 2.0 asset, .gltf or .glb, into `scene`. Nodes become Transforms. Primitives become Shapes with
+/// IndexedFaceSet, IndexedLineSet or PointSet. Perspective cameras become Viewpoints.
 ///
-/// Materials are approximated in VRML97: base colour (converted from linear light), metal and roughness as a highlight,
-/// emission, and opacity. The base colour texture becomes an ImageTexture; embedded images get a data: URL. Skinned
-/// meshes have the pose of the nodes. Animations, morph targets, lights and other textures are ignored. Each
+/// VRML97 materials approximate those of glTF: base colour (converted from linear light), metal and roughness as a
+/// highlight, emission, and opacity. The base colour texture becomes an ImageTexture; embedded images get a data: URL.
+/// Skinned meshes are in the pose of the file. Animations, morph targets, lights and other textures are ignored. Each
 /// Draco-compressed primitive gives an error.
 ///
-/// External buffers come only from `read_file`. Safe for untrusted input: it checks what tinygltf does not, and memory
-/// is bounded by a multiple of the file size.
+/// Only `read_file` opens external buffers. Safe for untrusted input, including input that tinygltf does not check.
+/// Memory is bounded by a multiple of the file size.
 void import_gltf(std::span<const std::byte> bytes, vrml::SceneGraph& scene, Diagnostics& diagnostics,
                  const ReadFile& read_file = {});
 

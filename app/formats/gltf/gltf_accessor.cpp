@@ -8,7 +8,8 @@
 namespace gs::app {
 namespace {
 
-// A typical asset reads each byte about once, and a byte becomes at most one float or index.
+// Max output bytes per byte of the asset. Typical assets read each byte about once; a byte becomes at most one float or
+// index.
 constexpr std::size_t kMaxUses = 64;
 constexpr std::size_t kSmallBudget = std::size_t{64} << 20;
 
@@ -55,7 +56,7 @@ T raw(const unsigned char* from) {
   return value;
 }
 
-/// Converts a component to float; normalised integers become -1..1 or 0..1 (glTF 2.0 3.11).
+/// Converts a component to float. Normalised integers become -1..1 if signed, else 0..1 (glTF 2.0 3.11).
 template <class T>
 float as_float(const unsigned char* from, bool normalized) {
   const T value = raw<T>(from);
@@ -67,7 +68,7 @@ float as_float(const unsigned char* from, bool normalized) {
 template <class T>
 std::uint32_t as_unsigned(const unsigned char* from) {
   const T value = raw<T>(from);
-  // Map invalid values to an index that is always out of range.
+  // Invalid values become an index that is always out of range.
   constexpr double kMax = std::numeric_limits<std::uint32_t>::max();
   if (!(static_cast<double>(value) >= 0 && static_cast<double>(value) < kMax))
     return std::numeric_limits<std::uint32_t>::max();
@@ -105,7 +106,7 @@ To component(const unsigned char* from, int component_type, bool normalized) {
 
 }  // namespace
 
-/// Checked range of elements in a buffer.
+/// Elements of a buffer, with a checked range.
 struct GltfAccessors::Source {
   const unsigned char* first = nullptr;
   std::size_t stride = 0;

@@ -13,28 +13,28 @@
 
 namespace gs::app {
 
-/// Reader of glTF accessors (glTF 2.0 3.6); checks every range against the buffers. Supports all component types,
-/// normalised or not, strides, sparse accessors, and accessors without data. Total output is bounded by a multiple of
-/// the asset's size: thousands of accessors on one buffer cannot exhaust memory.
+/// Reader of glTF accessors (glTF 2.0 3.6). Checks each range against the buffers. Supports all component types,
+/// normalised integers, strides, sparse accessors, and accessors without data. The total output is bounded by a
+/// multiple of the asset's size. Thus many accessors on one buffer cannot exhaust memory.
 class GltfAccessors {
  public:
   /// `model` and `scene` must outlive this object. Memory is charged to the scene's budget.
   GltfAccessors(const tinygltf::Model& model, vrml::SceneGraph& scene);
 
-  /// Returns the components of all elements, `components` per element; normalised integers become -1..1 or 0..1.
-  /// Returns nullopt, and sets `problem()`, if the accessor is missing, has another component count, or exceeds its
-  /// buffer. `always_normalized` is for colours, where integers are always normalised.
+  /// Returns the components of all elements, `components` per element. Normalised integers become -1..1 or 0..1.
+  /// Returns nullopt and sets `problem()` if the accessor is missing, has another number of components, or exceeds its
+  /// buffer. `always_normalized` is for colours, where all integers are normalised.
   [[nodiscard]] std::optional<std::vector<float>> floats(int accessor, int components, bool always_normalized = false);
-  /// Returns unsigned integers, one or four per element.
+  /// Returns unsigned integers; `components` is 1 or 4. Returns nullopt and sets `problem()` like floats().
   [[nodiscard]] std::optional<std::vector<std::uint32_t>> integers(int accessor, int components);
-  /// Returns the components per element; 0 if the accessor does not exist.
+  /// Returns the number of components per element; 0 if the accessor does not exist.
   [[nodiscard]] int components(int accessor) const;
-  /// Returns the bytes of a buffer view; empty if it is invalid.
+  /// Returns the bytes of a buffer view. Empty if the view is invalid.
   [[nodiscard]] std::span<const unsigned char> view(int buffer_view) const;
 
-  /// Charges output bytes. Returns false, and sets `problem()`, if the limit is exceeded.
+  /// Charges output bytes to the limit. If the limit is exceeded, sets `problem()` and returns false.
   [[nodiscard]] bool charge(std::size_t bytes);
-  /// Error of the last read that failed.
+  /// Error message of the last read that failed.
   [[nodiscard]] const std::string& problem() const { return problem_; }
 
  private:

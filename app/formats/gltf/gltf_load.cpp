@@ -19,7 +19,7 @@
 namespace gs::app {
 namespace {
 
-// tinygltf walks values recursively. It needs up to 3 kB for a "{}" and 250 bytes for a ",0".
+// Limits for tinygltf. It parses recursively, and needs up to 3 kB for a "{}" and 250 bytes for a ",0".
 constexpr std::size_t kMaxDepth = 200;
 constexpr std::size_t kObjectBytes = 3000, kValueBytes = 250;
 constexpr std::size_t kMaxBuffers = 1000;
@@ -41,10 +41,10 @@ void put_word(std::string& to, std::uint32_t word) {
 struct Parts {
   bool binary = false;
   std::string_view json;
-  std::string_view bin;  // the GLB's own buffer
+  std::string_view bin;  // binary chunk of a GLB
 };
 
-/// Splits a GLB into its chunks (glTF 2.0 4.4). Returns a message if it is invalid.
+/// Splits an asset into its parts. A GLB consists of chunks (glTF 2.0 4.4). Returns a message if they are invalid.
 std::variant<Parts, std::string> cut(std::span<const std::byte> bytes) {
   if (!text_of(bytes).starts_with("glTF")) return Parts{false, text_of(bytes), {}};
   if (bytes.size() < kGlbHeader + kChunkHeader) return std::string("the file ends within its header");
@@ -69,7 +69,7 @@ std::variant<Parts, std::string> cut(std::span<const std::byte> bytes) {
   return parts;
 }
 
-/// Checks the size of a JSON text by a scan that cannot fail. Returns a message if a limit is exceeded.
+/// Checks the size and nesting of a JSON text without parsing it. Returns a message if a limit is exceeded.
 std::optional<std::string> too_much(std::string_view json, const Budget& budget) {
   std::size_t depth = 0, objects = 0, values = 0;
   bool in_string = false;
@@ -96,8 +96,8 @@ std::optional<std::string> too_much(std::string_view json, const Budget& budget)
   return std::nullopt;
 }
 
-/// Checks the buffers: only the first one may omit its uri, because tinygltf copies the GLB's chunk for each such
-/// buffer.
+/// Checks the buffers. Only the first buffer may omit its uri: tinygltf would copy the binary chunk for each buffer
+/// without uri.
 std::optional<std::string> check_buffers(const nlohmann::json& document, bool binary) {
   const auto buffers = document.find("buffers");
   if (buffers == document.end() || !buffers->is_array()) return std::nullopt;
@@ -112,8 +112,8 @@ std::optional<std::string> check_buffers(const nlohmann::json& document, bool bi
   return std::nullopt;
 }
 
-/// Removes the accessors of Draco-compressed primitives. Without data, they would make tinygltf reject the whole asset.
-/// Returns whether there were any.
+/// Removes the accessors of Draco-compressed primitives. Such accessors have no data, so tinygltf would reject the
+/// whole asset. Returns true if there were any.
 bool strip_draco(nlohmann::json& document) {
   bool changed = false;
   const auto meshes = document.find("meshes");
@@ -133,16 +133,16 @@ bool strip_draco(nlohmann::json& document) {
   return changed;
 }
 
-/// File access for tinygltf, which first asks whether a file exists and then reads it.
+/// File access for tinygltf. tinygltf first asks whether a file exists and then reads it.
 struct Files {
   const ReadFile* read = nullptr;
   std::unordered_map<std::string, SharedBytes> found;
   std::unordered_set<std::string> missing;
   std::size_t total = 0;
-  std::string problem;  // error of the first missing file
+  std::string problem;  // error message of the first missing file
 
   bool exists(const std::string& name) {
-    // Textures are loaded later by the renderer of the node.
+    // The importer needs no textures. The renderer loads them later.
     constexpr std::array<std::string_view, 8> kImages = {".png",  ".jpg",  ".jpeg", ".gif",
                                                          ".webp", ".ktx2", ".dds",  ".bmp"};
     std::string lower = name;
@@ -150,7 +150,7 @@ struct Files {
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
     if (std::any_of(kImages.begin(), kImages.end(), [&](std::string_view end) { return lower.ends_with(end); }))
       return false;
-    // tinygltf's second attempt, in the current folder, is the same file here.
+    // tinygltf retries a missing file in the current folder, which would be the same file.
     if (name.starts_with("./") && missing.contains(name.substr(2))) return false;
     if (found.contains(name)) return true;
     BytesResult read_now = *read ? (*read)(name) : BytesResult(std::string());
@@ -190,7 +190,8 @@ bool refuse_to_write(std::string* error, const std::string&, const std::vector<u
   return false;
 }
 
-/// Keeps the encoded bytes of data: URLs. Ignores images in buffers, because tinygltf does not check their range.
+/// Image callback of tinygltf that keeps the encoded bytes of data: URLs. Ignores images in buffers, because tinygltf
+/// does not check their range.
 bool keep_encoded(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes,
                   int size, void*) {
   if (image->bufferView < 0 && image->uri.empty() && bytes && size > 0) image->image.assign(bytes, bytes + size);
@@ -265,7 +266,7 @@ std::optional<tinygltf::Model> load_gltf(std::span<const std::byte> bytes, const
 
   std::string changed;
   if (strip_draco(document)) changed = document.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
-  // tinygltf reads beyond chunks that are not multiples of four bytes.
+  // tinygltf reads beyond chunks with a size that is not a multiple of four bytes. Pad such chunks.
   if (parts.binary && (!changed.empty() || parts.json.size() % 4 != 0 || parts.bin.size() % 4 != 0))
     changed = glb_of(changed.empty() ? std::string(parts.json) : changed, parts.bin);
   document = nullptr;

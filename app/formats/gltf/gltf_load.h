@@ -13,9 +13,9 @@ namespace gs::app {
 
 inline constexpr const char* kDracoExtension = "KHR_draco_mesh_compression";
 
-/// Parses the asset with tinygltf, after checks for input that tinygltf does not handle: nesting depth, counts, and
-/// chunks beyond the end. Images stay encoded: those of data: URLs in Image::image, others in their files. Reports an
-/// error and returns nullopt on failure.
+/// Parses an asset with tinygltf. First checks input that tinygltf does not check: nesting depth, counts, and chunks
+/// beyond the end. Images stay encoded: those of data: URLs in Image::image, the others in their files. On failure,
+/// reports an error and returns nullopt.
 [[nodiscard]] std::optional<tinygltf::Model> load_gltf(std::span<const std::byte> bytes, const ReadFile& read_file,
                                                        SceneBuilder& builder);
 

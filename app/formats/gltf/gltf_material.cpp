@@ -123,17 +123,17 @@ vrml::NodeId GltfMaterials::appearance(int index, bool glows) {
 Look GltfMaterials::look(const tinygltf::Material& material, bool glows) {
   const auto& pbr = material.pbrMetallicRoughness;
   const bool measured = pbr.metallicRoughnessTexture.index >= 0;
-  // If a texture defines the metalness, assume half.
+  // A texture defines how metallic the surface is. Assume half.
   const float metal = std::clamp(finite_float(pbr.metallicFactor), 0.0f, 1.0f) * (measured ? 0.5f : 1.0f);
   const float rough = std::clamp(finite_float(pbr.roughnessFactor), 0.0f, 1.0f) * (measured ? 0.7f : 1.0f);
   const glm::vec3 base = base_color(material);
   Look look;
   look.diffuse = display(base);
-  // Metal shows its colour by reflection. Without an environment map, part of it must stay diffuse.
+  // Metal shows its colour by reflection. VRML97 has no environment map, so part of the colour must stay diffuse.
   const glm::vec3 reflected = (1 - metal) * glm::vec3(kDielectric) + metal * base;
   look.specular = display(reflected * (1 - rough));
   look.shininess = std::clamp((1 - rough) * (1 - rough), 0.02f, 1.0f);
-  // With an emissive texture, the factor alone would make the whole surface emit light.
+  // With an emissive texture, the factor alone would make the whole surface glow.
   if (material.emissiveTexture.index < 0)
     look.emissive = display({part(material.emissiveFactor, 0, 0), part(material.emissiveFactor, 1, 0),
                              part(material.emissiveFactor, 2, 0)});

@@ -13,34 +13,34 @@
 
 namespace gs::app {
 
-/// Converts a value of the file to a finite float.
+/// Converts a number from the file to a finite float.
 [[nodiscard]] float finite_float(double value);
 
-/// KHR_texture_transform in glTF texture space (origin at the top).
+/// KHR_texture_transform, in glTF texture space (origin at the top left).
 struct GltfTextureTransform {
   glm::vec2 offset{0.0f}, scale{1.0f};
   float rotation = 0;
   [[nodiscard]] glm::vec2 apply(glm::vec2 uv) const;
 };
 
-/// Material properties that a primitive needs.
+/// Properties of a material that a primitive needs.
 struct GltfSurface {
-  int texture_set = 0;  // TEXCOORD_n
+  int texture_set = 0;  // n of TEXCOORD_n
   std::optional<GltfTextureTransform> transform;
   bool textured = false;
   bool double_sided = false;
-  glm::vec3 factor{1.0f};  // linear; multiplies vertex colours
+  glm::vec3 factor{1.0f};  // linear colour; multiplies vertex colours
 };
 
-/// Materials of an asset converted to VRML97 (6.27), each created once and shared by its Shapes.
+/// Materials of an asset, converted to VRML97 (6.27). Each Material is created once and shared by its Shapes.
 class GltfMaterials {
  public:
   GltfMaterials(const tinygltf::Model& model, GltfAccessors& accessors, SceneBuilder& builder)
       : model_(model), accessors_(accessors), builder_(builder) {}
 
-  /// Returns the surface of a material. Invalid indices, such as -1, mean the default material (glTF 2.0 3.9).
+  /// Returns the surface of a material. An invalid index, such as -1, means the default material (glTF 2.0 3.9).
   [[nodiscard]] GltfSurface surface(int material) const;
-  /// Returns an Appearance node. `glows` puts the colour into emission, for lines and points (VRML97 4.14.2).
+  /// Returns an Appearance node. `glows` uses the colour as the emissive colour, for lines and points (VRML97 4.14.2).
   [[nodiscard]] vrml::NodeId appearance(int material, bool glows);
 
  private:

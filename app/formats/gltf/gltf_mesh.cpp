@@ -15,7 +15,7 @@
 namespace gs::app {
 namespace {
 
-constexpr int kMaxHarmonics = 3;  // of KHR_gaussian_splatting
+constexpr int kMaxHarmonics = 3;  // max degree of spherical harmonics in KHR_gaussian_splatting
 
 int attribute(const tinygltf::Primitive& primitive, const std::string& name) {
   const auto found = primitive.attributes.find(name);
@@ -26,7 +26,7 @@ std::int32_t as_index(std::uint32_t index) {
   return index < static_cast<std::uint32_t>(kBadIndex) ? static_cast<std::int32_t>(index) : kBadIndex;
 }
 
-/// The corners of a primitive as faces or lines that end with -1 (glTF 2.0 3.7.2.1); `index(i)` for i < count.
+/// Writer of the corners of a primitive, as faces or lines that end with -1 (glTF 2.0 3.7.2.1).
 class CornerWriter {
  public:
   CornerWriter(const std::vector<std::uint32_t>& indices, ImportContext& context)
@@ -182,7 +182,7 @@ bool GltfMeshes::read_attributes(const tinygltf::Primitive& primitive, const Glt
     else if (fits("NORMAL", normals->size()))
       geometry.normals = *normals;
   }
-  // A texture of colours takes their place (VRML97 Table 4.6).
+  // A texture with colours replaces the vertex colours (VRML97 Table 4.6).
   if (const int accessor = attribute(primitive, "COLOR_0"); accessor >= 0 && !surface.textured) {
     read_colors(accessor, surface, where, geometry);
     if (!geometry.colors.empty() && !fits("COLOR_0", geometry.colors.size())) geometry.colors.clear();
@@ -227,7 +227,7 @@ void GltfMeshes::read_texture_coordinates(int accessor, const GltfSurface& surfa
   for (std::size_t i = 0; i + 1 < values->size(); i += 2) {
     glm::vec2 uv((*values)[i], (*values)[i + 1]);
     if (surface.transform) uv = surface.transform->apply(uv);
-    // glTF counts from the top of the picture, VRML97 from its bottom.
+    // glTF counts texture rows from the top, VRML97 from the bottom.
     coordinates.push({uv.x, 1 - uv.y});
   }
   geometry.texture_coordinates = coordinates.take();
@@ -247,7 +247,7 @@ bool GltfMeshes::read_corners(const tinygltf::Primitive& primitive, const std::s
     indices.resize(geometry.positions.size());
     std::iota(indices.begin(), indices.end(), 0u);
   }
-  // Corners take up to four numbers of four bytes per index.
+  // Each index becomes at most four numbers of four bytes.
   if (!accessors_.charge(indices.size() * 16)) {
     builder_.fail(where + accessors_.problem());
     return false;

@@ -17,17 +17,18 @@
 
 namespace gs::app {
 
-/// Makes the Shapes of glTF meshes. A mesh that several nodes have is made once; arrays that several
-/// primitives use are shared.
+/// Builder of the Shapes of glTF meshes. Builds a mesh only once, even if several nodes use it. Primitives share their
+/// arrays.
 class GltfMeshes {
  public:
   GltfMeshes(const tinygltf::Model& model, GltfAccessors& accessors, GltfMaterials& materials, SceneBuilder& builder)
       : model_(model), accessors_(accessors), materials_(materials), builder_(builder) {}
 
-  /// The Shape of a mesh, or a Group of them, in its own space; the same node each time. Null for a mesh
-  /// that does not exist or has nothing to show, which is reported.
+  /// Returns a mesh as one Shape or a Group of Shapes, in mesh space. Repeated calls return the same node. If the mesh
+  /// does not exist or is empty, reports that and returns null.
   [[nodiscard]] vrml::NodeId node(int mesh);
-  /// The Shapes of a mesh as its skin moves it: `joints` leads from the mesh to the world for each joint.
+  /// Returns the Shapes of a skinned mesh in world space. `joints` has the matrix of each joint from mesh space to
+  /// world space.
   [[nodiscard]] vrml::MFNode skinned_shapes(int mesh, const std::vector<glm::mat4>& joints);
 
  private:
@@ -42,7 +43,7 @@ class GltfMeshes {
   void read_texture_coordinates(int accessor, const GltfSurface& surface, const std::string& where, Geometry& geometry);
   void skin(const tinygltf::Primitive& primitive, const std::vector<glm::mat4>& joints, const std::string& where,
             Geometry& geometry);
-  /// Reports once that Gaussian splats lose their opacity or their spherical harmonics.
+  /// Adds a note, the first time, that Gaussian splats lose their opacity or their spherical harmonics.
   void report_splats(const tinygltf::Primitive& primitive);
   std::optional<vrml::MFVec3f> vectors(int accessor);
 

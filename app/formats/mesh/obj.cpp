@@ -16,14 +16,14 @@
 namespace gs::app {
 namespace {
 
-// Each Shape costs nodes: limits scenes from files with only groups.
+// Maximum number of Shapes, because each Shape costs nodes. Some files consist only of groups.
 constexpr std::size_t kMaxParts = 100'000;
-// Crease angle for files without normals: keeps a cube's edges sharp and a scan smooth.
+// Crease angle for files without normals. Keeps the edges of a cube sharp and a scan smooth.
 constexpr float kObjCreaseAngle = std::numbers::pi_v<float> / 3;
 constexpr std::size_t kMaxLibraries = 1000;
 constexpr std::int32_t kNone = -2;
 
-/// Key of a Shape: all faces of one form with the same group, material and smoothing.
+/// Key of a Shape. A Shape has all faces with the same attributes, group, material and smoothing.
 struct PartKey {
   Geometry::Kind kind = Geometry::Kind::faces;
   std::uint32_t group = 0, material = 0;
@@ -37,7 +37,7 @@ struct Part {
   bool convex = true;
 };
 
-/// Bidirectional map between names and numbers.
+/// Map from names to consecutive numbers and back.
 class Names {
  public:
   Names() { number({}); }
@@ -68,9 +68,9 @@ class ObjImporter {
   }
 
  private:
-  // --- Text ----------------------------------------------------------------------------------------
+  // --- Reading of text -----------------------------------------------------------------------------
 
-  /// Skips blanks and continued line ends. Returns false at the end of the statement.
+  /// Skips blanks, and line ends after a backslash. Returns false at the end of the statement.
   bool skip_blanks() {
     while (cursor_.next < cursor_.end) {
       const char c = *cursor_.next;
@@ -94,7 +94,7 @@ class ObjImporter {
     while (cursor_.next < cursor_.end && !TextCursor::is_space(*cursor_.next)) ++cursor_.next;
     return {first, static_cast<std::size_t>(cursor_.next - first)};
   }
-  /// Returns the rest of the line, for names with blanks.
+  /// Returns the rest of the line, trimmed. For names with blanks.
   std::string_view rest() { return trimmed(cursor_.line()); }
 
   void end_statement() {
@@ -107,7 +107,7 @@ class ObjImporter {
 
   void statement() {
     const char* start = cursor_.next;
-    // Detect the most frequent statements by their first letters, without a search.
+    // The most frequent statements are detected by their first letters, which is faster than a search.
     const bool second = cursor_.end - start >= 2;
     const bool blank_second = second && (start[1] == ' ' || start[1] == '\t');
     if (*start == 'v' && second) {
@@ -150,7 +150,7 @@ class ObjImporter {
     }
   }
 
-  /// Reports whether the format defines a statement that this importer ignores.
+  /// Returns true if the OBJ format defines the statement and this importer ignores it.
   static bool known(std::string_view keyword) {
     constexpr std::string_view kKnown[] = {
         "vp",         "deg",       "bmat",  "step",  "cstype", "curv", "curv2",  "surf",     "parm",     "trim",
@@ -159,7 +159,7 @@ class ObjImporter {
     return keyword.empty() || std::find(std::begin(kKnown), std::end(kKnown), keyword) != std::end(kKnown);
   }
 
-  /// Reads up to `most` numbers. Returns how many were read.
+  /// Reads up to `most` numbers. Returns the number of numbers read.
   int numbers(float* to, int most) {
     int count = 0;
     while (count < most && skip_blanks() && cursor_.number(to[count])) ++count;
@@ -171,11 +171,11 @@ class ObjImporter {
     std::array<float, 7> v{};
     const int count = numbers(v.data(), 7);
     if (count < 3) broken(start, "broken vertex; expected: v X Y Z");
-    // Keep an invalid vertex, so that later indices stay valid.
+    // An invalid vertex is stored too, because later indices count it.
     positions_.push({v[0], v[1], v[2]});
     if (count >= 6) {
       colors_.fill(positions_.size() - 1, {1, 1, 1});
-      const std::size_t first = count == 7 ? 4 : 3;  // after a weight
+      const std::size_t first = count == 7 ? 4 : 3;  // the 4th of 7 numbers is the weight
       colors_.push({v[first], v[first + 1], v[first + 2]});
     }
     end_statement();
@@ -197,7 +197,8 @@ class ObjImporter {
     end_statement();
   }
 
-  /// Reads one index of v/t/n, counted from 1 or backwards from the newest; kBadIndex if it is invalid.
+  /// Reads one index of the form v/t/n. Indices count from 1; negative ones count backwards from the last element. An
+  /// invalid index becomes kBadIndex. Returns false if there is no digit.
   bool index(std::size_t count, std::int32_t& value) {
     const char* digit = cursor_.next;
     const bool negative = digit < cursor_.end && *digit == '-';
@@ -296,7 +297,7 @@ class ObjImporter {
       read_obj_materials(std::get<SharedBytes>(found).bytes, libraries_.back(), materials_, builder_);
   }
 
-  // --- Scene ---------------------------------------------------------------------------------------
+  // --- Building of the scene -----------------------------------------------------------------------
 
   void build() {
     all_positions_ = positions_.take();
@@ -310,7 +311,7 @@ class ObjImporter {
       builder_.warn("no vertices in the file");
       return;
     }
-    // A scan of points only.
+    // The file has only points.
     Geometry cloud;
     cloud.kind = Geometry::Kind::points;
     cloud.positions = std::move(all_positions_);
@@ -346,7 +347,7 @@ class ObjImporter {
     builder_.add_part(std::move(geometry), look, names_.name(key.group));
   }
 
-  /// Moves the points into the geometry, in the order of the file.
+  /// Moves the points of a part into the geometry, in the order of the file.
   void take_points(Geometry& geometry) {
     const vrml::MFInt32 index = std::move(geometry.coord_index);
     geometry.coord_index.clear();
@@ -367,8 +368,8 @@ class ObjImporter {
     geometry.colors = colors.take();
   }
 
-  /// Returns the values of `all` that `index` uses, and renumbers `index`. Handles `extra` in parallel, if it is not
-  /// empty.
+  /// Returns those elements of `all` that `index` refers to, and renumbers `index`. If `extra` is not empty, copies its
+  /// elements in parallel to `taken`.
   template <class T>
   Array<T> used(const Array<T>& all, vrml::MFInt32& index, const vrml::MFColor& extra, vrml::MFColor& taken) {
     if (renumbered_.size() < all.size()) renumbered_.resize(all.size(), kNone);

@@ -9,11 +9,12 @@
 namespace gs::app {
 namespace {
 
-constexpr float kMaxExponent = 128;  // exponent of shininess 1 (VRML97 4.14.4)
+constexpr float kMaxExponent = 128;  // specular exponent at shininess 1 (VRML97 4.14.4)
 
 float clamped(float value) { return value > 0 ? std::min(value, 1.0f) : 0.0f; }
 
-/// Reads "Kd r g b", or "Kd r" for a grey. Returns false for spectral curves and CIE colours, which are rare.
+/// Reads "Kd r g b", or "Kd r" for grey. Returns false for spectral curves and CIE colours, which are rare and
+/// unsupported.
 bool read_color(TextCursor words, vrml::Color& color) {
   std::array<float, 3> part{};
   int count = 0;
@@ -26,7 +27,7 @@ bool read_color(TextCursor words, vrml::Color& color) {
 
 bool read_number(TextCursor words, float& value) { return words.skip_space() && words.number(value); }
 
-/// Returns the file name after the options of a texture statement; it may contain blanks.
+/// Returns the file name in a texture statement, after the options. The name may contain blanks.
 std::string texture_name(TextCursor words) {
   constexpr std::array<std::pair<std::string_view, int>, 13> kTextureOptions = {{{"-blendu", 1},
                                                                                  {"-blendv", 1},
@@ -56,7 +57,7 @@ std::string texture_name(TextCursor words) {
       const bool is_number = words.number(number) && (words.at_end() || TextCursor::is_space(*words.next));
       if (is_number) continue;
       words.next = value_start;
-      // -o, -s and -t take one to three numbers.
+      // -o, -s and -t have one to three numbers.
       if (option->second == 3) break;
       (void)words.word();
     }
@@ -76,9 +77,9 @@ std::string beside(const std::string& library, std::string name) {
 struct MaterialReader {
   const std::string& library;
   Look* look;
-  bool shiny = true;  // illum 0 and 1 have no highlights
+  bool shiny = true;  // false for illum 0 and 1, which have no highlight
 
-  /// Reads a statement. Returns false if a known statement has invalid values.
+  /// Reads one statement. Returns false if the statement is supported and has invalid values.
   bool read(std::string_view keyword, TextCursor words) {
     float number = 0;
     if (keyword == "Kd") return read_color(words, look->diffuse);

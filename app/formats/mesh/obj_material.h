@@ -11,8 +11,8 @@ namespace gs::app {
 
 using ObjMaterials = std::unordered_map<std::string, Look>;
 
-/// Adds the materials of an MTL file; existing names keep their first definition. `library` is its name in the OBJ
-/// file; texture names are relative to it.
+/// Adds the materials of an MTL file to `materials`. A name that is already defined keeps its definition. `library` is
+/// the name of the MTL file in the OBJ file. Texture names are relative to that file.
 void read_obj_materials(std::span<const std::byte> bytes, const std::string& library, ObjMaterials& materials,
                         MeshBuilder& builder);
 

@@ -10,14 +10,14 @@
 #include <string>
 #include <string_view>
 
-// Format: http://www.geomview.org/docs/html/OFF.html
+// Reference of the format: http://www.geomview.org/docs/html/OFF.html
 
 namespace gs::app {
 namespace {
 
 constexpr double kMaxCount = 2e9;
 
-/// Data of each corner, by the letters before OFF.
+/// Data that each corner has. The letters before OFF in the first word select it.
 struct OffKind {
   bool texture = false, colors = false, normals = false, four = false, any_dimension = false;
 };
@@ -64,7 +64,7 @@ class OffImporter {
   [[nodiscard]] std::string_view text_left() const {
     return {cursor_.next, static_cast<std::size_t>(cursor_.end - cursor_.next)};
   }
-  /// Skips white space and comments. Returns false at the end.
+  /// Skips white space and comments. Returns false at the end of the file.
   bool to_number() {
     while (cursor_.skip_space()) {
       if (*cursor_.next != '#') return true;
@@ -83,7 +83,8 @@ class OffImporter {
     value = static_cast<std::int64_t>(read);
     return static_cast<double>(value) == read;
   }
-  /// Reads the numbers up to the end of the line, at most numbers.size().
+  /// Reads the numbers up to the end of the line, at most numbers.size(). Returns their number. Sets `whole` to true if
+  /// all are integers.
   std::size_t rest_of_line(std::array<float, 6>& numbers, bool& whole) {
     const std::string_view line = cursor_.line();
     TextCursor rest(line.data(), line.data() + line.size());
@@ -120,7 +121,7 @@ class OffImporter {
     std::array<float, 6> numbers{};
     bool whole = true;
     const std::size_t found = rest_of_line(numbers, whole), texture = kind_.texture ? 2 : 0;
-    // A colour is read as integers only if all numbers of the line are integers. With texture coordinates it is read as
+    // Colours are integers only if all numbers of the line are integers. On lines with texture coordinates, colours are
     // decimals.
     if (kind_.colors)
       colors_.push(found >= 3 + texture ? color_of(numbers.data(), whole && texture == 0) : vrml::Color{1, 1, 1});
@@ -145,7 +146,7 @@ class OffImporter {
       std::array<float, 6> numbers{};
       bool whole = true;
       const std::size_t found = rest_of_line(numbers, whole);
-      // One or two corners are a point or a line, not a face.
+      // With less than three corners, this is a point or a line.
       if (corners < 3) {
         indices_.drop(static_cast<std::size_t>(corners));
         ++left_out_;

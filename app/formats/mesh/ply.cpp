@@ -17,13 +17,13 @@
 namespace gs::app {
 namespace {
 
-// Constant spherical harmonic: a splat's colour is 0.5 + kHarmonic0 * f_dc (Kerbl et al. 2023).
+// Value of the constant spherical harmonic. The colour of a splat is 0.5 + kHarmonic0 * f_dc (Kerbl et al. 2023).
 constexpr float kHarmonic0 = 0.28209479177387814f;
 
-/// Meaning of a group of properties, by the names that programs use.
+/// Property names that mean one thing, such as a position, in files of one kind of program.
 struct Meaning {
   std::array<std::string_view, 3> names;
-  float scale, offset;  // applied to floating-point values
+  float scale, offset;  // value = scale * number + offset, for floating-point numbers
 };
 constexpr Meaning kPosition[] = {{{"x", "y", "z"}, 1, 0}};
 constexpr Meaning kNormal[] = {{{"nx", "ny", "nz"}, 1, 0}, {{"normal_x", "normal_y", "normal_z"}, 1, 0}};
@@ -36,14 +36,14 @@ constexpr Meaning kTexture[] = {{{"s", "t", {}}, 1, 0},
                                 {{"texture_u", "texture_v", {}}, 1, 0},
                                 {{"texture_s", "texture_t", {}}, 1, 0}};
 
-/// Target of one property's values: to[row * stride].
+/// Destination of one property's values. The value of a row goes to to[row * stride].
 struct Column {
   float* to = nullptr;
   std::size_t stride = 0;
   float scale = 1, offset = 0;
 };
 
-/// Returns the factor that maps integer colours to 0..1.
+/// Returns the factor that maps colours of this type to 0..1.
 float color_scale(PlyType type) {
   switch (type) {
     case PlyType::int8:
@@ -60,7 +60,7 @@ float color_scale(PlyType type) {
   }
 }
 
-/// Property indices of the first meaning that is complete; meaning is null if there is none.
+/// First meaning for which the element has all properties, and their indices. `meaning` is null if there is none.
 struct FoundProperties {
   const Meaning* meaning = nullptr;
   std::array<std::size_t, 3> at{};
@@ -81,7 +81,8 @@ FoundProperties find(const PlyElement& element, std::span<const Meaning> meaning
   return {};
 }
 
-/// Resizes `array` to `rows` and connects the columns of the properties to it.
+/// Resizes `array` to `rows` and sets the columns of its properties to write into the array. Returns false if
+/// properties are missing.
 template <class T>
 bool connect(const PlyElement& element, std::span<const Meaning> meanings, std::size_t rows, Array<T>& array,
              std::vector<Column>& columns, ImportContext& context) {
@@ -103,7 +104,8 @@ void connect_colors(const PlyElement& element, std::size_t rows, vrml::MFColor& 
   for (const std::size_t i : found.at) columns[i].scale *= color_scale(element.properties[i].type);
 }
 
-/// Finds the scalar property, as written by MeshLab ("quality"), CloudCompare ("scalar_Distance") and others.
+/// Returns the index of the scalar property. Names are from MeshLab ("quality"), CloudCompare ("scalar_Distance") and
+/// others.
 std::optional<std::size_t> find_scalar(const PlyElement& element) {
   for (std::size_t i = 0; i < element.properties.size(); ++i) {
     const PlyProperty& property = element.properties[i];
@@ -114,7 +116,7 @@ std::optional<std::size_t> find_scalar(const PlyElement& element) {
   return std::nullopt;
 }
 
-/// Returns the title of a scalar property, without the prefix and with blanks instead of underscores.
+/// Returns a title for a scalar property: the name without its prefix, with blanks instead of underscores.
 std::string scalar_title(std::string_view property) {
   constexpr std::string_view kBefore = "scalar_";
   if (property.starts_with(kBefore) && property.size() > kBefore.size()) property.remove_prefix(kBefore.size());
@@ -123,11 +125,11 @@ std::string scalar_title(std::string_view property) {
   return title;
 }
 
-/// Rescales colours from programs that write 0..255 as floating-point numbers.
+/// Rescales colours to 0..1 if the file has 0..255 as floating-point numbers.
 void scale_large_colors(vrml::MFColor& colors) {
   float most = 0;
   for (const vrml::Color& c : colors) most = std::max({most, c.r, c.g, c.b});
-  // Values slightly over 1 are bright colours.
+  // Bright colours may slightly exceed 1 and need no scaling.
   if (!(most > 4)) return;
   vrml::Color* c = colors.mutable_data();
   for (std::size_t i = 0; i < colors.size(); ++i) c[i] = {c[i].r / 255, c[i].g / 255, c[i].b / 255};
@@ -151,7 +153,7 @@ class PlyImporter {
     std::vector<float> texture;
   };
 
-  /// Reads an element. Returns false if the rest of the file is unreadable.
+  /// Reads one element. Returns false if the rest of the file is unreadable.
   bool read(const PlyElement& element) {
     if (element.properties.empty() || element.count == 0) return true;
     if (element.name == "vertex" && positions_.empty()) return read_vertices(element);
@@ -162,7 +164,7 @@ class PlyImporter {
     return complete(element, read_rows(element, element.count, none));
   }
 
-  /// Reports an error if a row is missing or invalid.
+  /// Returns true if all rows of the element were read. Otherwise reports the first missing or invalid row.
   bool complete(const PlyElement& element, std::uint64_t rows) {
     if (rows >= element.count) return true;
     builder_.fail("element " + element.name + ": row " + std::to_string(rows + 1) + " of " +
@@ -176,7 +178,7 @@ class PlyImporter {
       builder_.fail("element vertex has no coordinates; expected the properties x, y and z");
       return false;
     }
-    // Allocate for the rows that the file can hold, not for the number in the header.
+    // The number in the header may be wrong. Allocate only for the rows that the file can hold.
     constexpr std::uint64_t kMaxVertices = std::numeric_limits<std::int32_t>::max() - 1;
     const auto rows = static_cast<std::size_t>(std::min({element.count, source_.most_rows(element), kMaxVertices}));
     std::vector<Column> columns(element.properties.size());
@@ -216,7 +218,7 @@ class PlyImporter {
     key_ = std::move(key);
   }
 
-  /// Reads rows. Returns the number of complete rows.
+  /// Reads up to `count` rows. Returns the number of complete rows.
   std::uint64_t read_rows(const PlyElement& element, std::uint64_t count, std::vector<Column>& columns) {
     if constexpr (!Source::is_text)
       if (!element.has_lists()) return read_table(element, count, columns);
@@ -237,7 +239,7 @@ class PlyImporter {
     return count;
   }
 
-  /// Reads fixed-size rows, column by column.
+  /// Reads rows of fixed size, column by column. Returns the number of complete rows.
   std::uint64_t read_table(const PlyElement& element, std::uint64_t count,
                            std::vector<Column>& columns) requires(!Source::is_text) {
     const std::size_t stride = element.least_row_bytes();
@@ -294,7 +296,7 @@ class PlyImporter {
     std::vector<Column> columns(element.properties.size());
     vrml::MFColor colors;
     connect_colors(element, static_cast<std::size_t>(rows), colors, columns, builder_);
-    std::vector<char> kinds;  // i: corners, t: texture coordinates, c: colour component, -: other
+    std::vector<char> kinds;  // per property, i: corner list, t: texture list, c: colour component, -: other
     bool has_texture = false;
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const PlyProperty& p = element.properties[i];
@@ -355,7 +357,7 @@ class PlyImporter {
     texture_index_.push(kFaceEnd);
   }
 
-  /// Reads triangle strips, concatenated and separated by -1; every second triangle is flipped.
+  /// Reads triangle strips, which a list holds in sequence, separated by -1.
   bool read_strips(const PlyElement& element) {
     std::vector<std::int32_t> strip;
     std::uint64_t row = 0;
@@ -373,7 +375,7 @@ class PlyImporter {
   void add_strip(const std::vector<std::int32_t>& strip) {
     std::size_t start = 0;
     for (std::size_t i = 0; i < strip.size(); ++i) {
-      // read_list has converted the -1 between two strips to kBadIndex.
+      // -1 separates two strips. read_list has converted it to kBadIndex.
       if (strip[i] == kBadIndex) start = i + 1;
       if (i < start + 2) continue;
       const bool turned = ((i - start) & 1) != 0;
@@ -427,7 +429,7 @@ class PlyImporter {
     geometry.texture_index = texture_index_.take();
     geometry.coord_index = faces ? coord_index_.take() : edge_index_.take();
     geometry.convex = convex_;
-    // Without normals, a scan looks best with smooth shading.
+    // A scan without normals looks best with smooth shading.
     geometry.crease_angle = std::numbers::pi_v<float>;
     Look look;
     look.texture_url = vrml::String(header_.texture_file);
@@ -439,7 +441,7 @@ class PlyImporter {
   MeshBuilder& builder_;
   vrml::MFVec3f positions_, normals_;
   vrml::MFColor colors_, face_colors_;
-  std::optional<ColorKey> key_;  // key of `colors_`; empty if colours do not represent values
+  std::optional<ColorKey> key_;  // colour key of `colors_`; nullopt if the colours do not represent values
   vrml::MFVec2f texture_coordinates_;
   Appender<glm::vec2> corner_texture_{builder_};
   Appender<std::int32_t> coord_index_{builder_}, texture_index_{builder_}, edge_index_{builder_};

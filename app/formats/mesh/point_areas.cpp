@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kNeighbors = 12, kLeaf = 12, kBlock = 4096;
 
-/// Squared distances of the nearest points so far, ascending.
+/// Squared distances to the nearest points found so far, in ascending order.
 struct Nearest {
   std::array<float, kNeighbors> squares{};
   std::size_t count = 0, wanted = kNeighbors;
@@ -29,7 +29,7 @@ struct Nearest {
   }
 };
 
-/// Balanced kd-tree: the median of each range splits it along its longest axis.
+/// Balanced kd-tree. The median along the longest axis splits each range of points.
 class Tree {
  public:
   explicit Tree(std::span<const glm::vec3> points) : points_(points.begin(), points.end()), axes_(points.size()) {
@@ -40,11 +40,11 @@ class Tree {
   }
 
   [[nodiscard]] const glm::vec3& point(std::size_t place) const { return points_[place]; }
-  /// Returns the original index of the point at a tree position.
+  /// Returns the original index of the point at position `place` in the tree.
   [[nodiscard]] std::size_t index(std::size_t place) const { return order_[place]; }
   [[nodiscard]] std::size_t size() const { return points_.size(); }
 
-  /// Finds the neighbours of the point at `place`, without the point itself.
+  /// Finds the nearest neighbours of the point at position `place` in the tree, without that point itself.
   void search(std::size_t place, Nearest& nearest) const { search(place, 0, points_.size(), nearest); }
 
  private:
@@ -93,8 +93,9 @@ class Tree {
   std::vector<std::uint8_t> axes_;
 };
 
-/// Computes the area of a point. A circle through the j-th neighbour (from 1) contains j + 1/2 points: the centre, j -
-/// 1 neighbours, and half of the one on its border. Sums areas and points over all neighbours.
+/// Estimates the area per point. A circle through neighbour j (from 1) contains j + 1/2 points: the centre, j - 1
+/// neighbours, and half of neighbour j on its border. The result is the sum of all circle areas divided by the sum of
+/// these points.
 float area_of(const Nearest& nearest) {
   if (nearest.count == 0) return 1;
   double squares = 0, points = 0;
@@ -110,7 +111,7 @@ float area_of(const Nearest& nearest) {
 std::vector<float> point_areas(std::span<const glm::vec3> points) {
   std::vector<float> areas(points.size());
   const Tree tree(points);
-  // Each thread writes its own elements; only block borders share cache lines.
+  // Each thread writes separate elements. Only elements at block borders share cache lines.
   parallel_for((points.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
     const std::size_t last = std::min(points.size(), (block + 1) * kBlock);
     for (std::size_t place = block * kBlock; place < last; ++place) {

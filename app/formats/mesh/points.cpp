@@ -15,11 +15,11 @@
 namespace gs::app {
 namespace {
 
-/// Points of a file; `areas` and `colors` may be empty.
+/// Points as read from a file. `areas` and `colors` may be empty.
 struct Points {
   const char* format = "";
   std::vector<glm::dvec3> positions;
-  std::vector<glm::vec3> normals, colors;  // colours 0..255
+  std::vector<glm::vec3> normals, colors;  // colours are 0..255
   std::vector<float> areas;
   std::size_t announced = 0;
   Share share;
@@ -33,12 +33,12 @@ struct Points {
   }
 };
 
-/// Marks all but the first of the points at the same position.
+/// Marks points at the position of an earlier point.
 std::vector<bool> doubles(std::span<const glm::dvec3> points) {
   const auto bits = [&](std::size_t i) {
     std::array<std::uint64_t, 3> key{};
     for (std::size_t k = 0; k < 3; ++k) key[k] = std::bit_cast<std::uint64_t>(points[i][static_cast<int>(k)] + 0.0);
-    return key;  // adding 0 turns -0 into 0
+    return key;  // adding 0 has turned -0 into 0
   };
   std::vector<std::size_t> order(points.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -51,7 +51,7 @@ std::vector<bool> doubles(std::span<const glm::dvec3> points) {
   return result;
 }
 
-/// Converter of points to vectors. Drops invalid points and, if the file has no areas, duplicate positions.
+/// Converter of points to vectors. Drops invalid points. If the file has no areas, also drops duplicate positions.
 class Gatherer {
  public:
   explicit Gatherer(const Points& points) : points_(points) {
@@ -66,7 +66,7 @@ class Gatherer {
     qnv::Description& description = splats_.description;
     description.two_sided = true;
     for (std::size_t i = 0; i < splats_.size(); ++i) {
-      // Points too close for float precision still need an area.
+      // In float precision, close points may have area 0. Give them the smallest area.
       if (!std::isnormal(splats_.weights[i])) splats_.weights[i] = std::numeric_limits<float>::min();
       description.total += splats_.weights[i];
     }
@@ -117,7 +117,7 @@ class Gatherer {
   std::size_t broken_ = 0, doubled_ = 0;
 };
 
-/// Returns three columns as vectors; empty unless all are present.
+/// Combines three columns into vectors. Returns an empty list if a column is missing.
 std::vector<glm::vec3> vectors(const PlyTable& table, const std::array<const char*, 3>& names, float scale = 1) {
   for (const char* name : names)
     if (!table.has(name)) return {};
@@ -140,14 +140,14 @@ std::vector<glm::dvec3> places(const PlyTable& table) {
   return result;
 }
 
-/// Returns the factor that maps colours to 0..255.
+/// Returns the factor that maps the colours of the file to 0..255.
 float color_scale(const PlyTable& table) {
   for (const PlyProperty& p : table.element.properties)
     if (p.name == "red") return is_float(p.type) ? 255.0f : p.type == PlyType::uint16 ? 1.0f / 257 : 1.0f;
   return 1;
 }
 
-/// Reads up to nine numbers of a line. Returns -1 if it contains other text.
+/// Reads up to nine numbers of a line. Returns how many there are, or -1 if the line contains other text.
 int point_numbers(std::string_view line, std::array<double, 9>& numbers) {
   TextCursor cursor(line.data(), line.data() + line.size());
   int count = 0;

@@ -13,13 +13,13 @@
 namespace gs::app {
 namespace {
 
-/// Index of points by exact bits. Uses open addressing, so that a look-up mostly touches one cache line.
+/// Index of points by their exact bits. Uses open addressing, so that most look-ups touch only one cache line.
 class Welder {
  public:
   explicit Welder(ImportContext& context) : context_(context) {}
-  /// Returns the index of a point; kBadIndex if there are too many.
+  /// Returns the index of a point, and adds the point if it is new. Returns kBadIndex if there are too many points.
   std::int32_t index(glm::vec3 p) {
-    // Treat -0 and 0 as equal.
+    // Adding 0 turns -0 into 0, so that both are equal.
     p += glm::vec3(0.0f);
     if (points_.size() * 2 >= table_.size()) grow();
     const std::size_t mask = table_.size() - 1;
@@ -108,7 +108,7 @@ void import_binary(std::span<const std::byte> bytes, MeshBuilder& builder) {
   add_shape(builder, std::move(geometry), look, {});
 }
 
-/// Keywords of the text form, in any case.
+/// Keyword of a text STL, in upper or lower case.
 enum class Word : std::uint8_t { vertex, endloop, facet, solid, endsolid, filler, other };
 
 Word word_of(std::string_view text) {
@@ -175,7 +175,7 @@ class TextImporter {
     ended_ = false;
   }
 
-  /// Begins a facet. Ignores its normal, because that of the corners is equal or better.
+  /// Begins a facet. Ignores the stored normal, because the corners give an equal or better one.
   void facet() {
     drop_loop();
     cursor_.skip_space();
@@ -184,7 +184,7 @@ class TextImporter {
     float ignored = 0;
     for (int i = 0; i < 3 && cursor_.skip_space(); ++i)
       if (!cursor_.number(ignored)) {
-        // Some programs write a signed "nan" or "-1.#IND" as the normal of a degenerate facet.
+        // Degenerate facets may have the normal "nan" or "-1.#IND".
         const char* word = cursor_.next;
         if (word_of(cursor_.word()) != Word::other) cursor_.next = word;
       }
@@ -217,7 +217,7 @@ class TextImporter {
     loop_ = 0;
   }
 
-  /// Drops the corners of an incomplete facet.
+  /// Drops the corners of the current, incomplete facet.
   void drop_loop() {
     if (loop_ > 0) corners_.drop(loop_);
     loop_ = 0;
@@ -230,7 +230,7 @@ class TextImporter {
   Welder welder_{builder_};
   Appender<std::int32_t> corners_{builder_};
   std::string name_;
-  std::size_t loop_ = 0;  // corners of the current facet
+  std::size_t loop_ = 0;  // number of corners of the current facet
   bool broken_ = false, convex_ = true, ended_ = false, complained_ = false;
 };
 
@@ -256,7 +256,7 @@ bool is_text_stl(std::span<const std::byte> bytes) {
   }
   TextCursor cursor(bytes);
   if (word_of(cursor.word()) != Word::solid) return false;
-  // A binary file that was truncated or has trailing bytes: it contains zero bytes.
+  // The file may be a binary file with missing or trailing bytes. Such a file contains zero bytes.
   constexpr std::size_t kLooked = 1024;
   const auto looked = bytes.first(std::min(bytes.size(), kLooked));
   return std::none_of(looked.begin(), looked.end(), [](std::byte b) { return b == std::byte{0}; });

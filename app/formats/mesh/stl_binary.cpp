@@ -14,7 +14,7 @@ std::uint32_t stl_word(const std::byte* from) {
          static_cast<std::uint32_t>(from[2]) << 16 | static_cast<std::uint32_t>(from[3]) << 24;
 }
 
-/// Finds "COLOR=" and four bytes.
+/// Returns the colour after "COLOR=" in the header (four bytes), or nullopt.
 std::optional<vrml::Color> magics_color(std::span<const std::byte> header) {
   const std::string_view text(reinterpret_cast<const char*>(header.data()), header.size());
   const std::size_t at = text.find("COLOR=");
@@ -39,7 +39,7 @@ std::optional<BinaryStl> BinaryStl::open(std::span<const std::byte> bytes) {
 
 std::array<glm::vec3, 3> BinaryStl::corners(std::size_t facet) const {
   std::array<glm::vec3, 3> out{};
-  const std::byte* from = facets_.data() + facet * kFacetBytes + 12;  // after the normal
+  const std::byte* from = facets_.data() + facet * kFacetBytes + 12;  // 12 bytes of normal come first
   for (glm::vec3& p : out)
     for (int axis = 0; axis < 3; ++axis, from += 4) p[axis] = std::bit_cast<float>(stl_word(from));
   return out;
@@ -58,7 +58,7 @@ bool BinaryStl::has_colors(std::size_t looked_at) const {
 
 vrml::Color BinaryStl::color(std::size_t facet) const {
   const std::uint16_t bits = attribute(facet);
-  // Five bits per channel from the lowest bit: red first for Magics, red last for others.
+  // Each channel has five bits. Magics stores red in the lowest bits, other programs in the highest.
   const float low = static_cast<float>(bits & 31) / 31, middle = static_cast<float>(bits >> 5 & 31) / 31,
               high = static_cast<float>(bits >> 10 & 31) / 31;
   if (!object_color_) return {high, middle, low};

@@ -25,9 +25,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kReadBytes = std::size_t{1} << 20;
-// Max vectors of a volume opened for viewing only.
+// Maximum number of vectors of a volume that is opened only for viewing.
 constexpr std::uint64_t kMaxGradients = std::uint64_t{1} << 24;
-// Bytes per vector: stored and drawn; in cuts and caches of a packed stream; while sorting gradients.
+// Bytes per vector, in three states: stored and drawn, in cuts and caches of a packed stream, and while gradients are
+// sorted.
 constexpr std::uint64_t kHeldBytes = 64, kLevelBytes = 96, kGradientBytes = 90;
 constexpr std::chrono::milliseconds kCancelWait{50};
 constexpr const char* kLate = "the time limit for loading was reached; the rest of the file is left out";
@@ -48,13 +49,13 @@ class CloudFileReader {
   }
 
   const CloudFile& file_;
-  std::vector<std::byte> arrived_;  // received bytes, if packets are dropped
+  std::vector<std::byte> arrived_;  // bytes that remain after simulated loss; else empty
   Diagnostics& diagnostics_;
   LoadLimit limit_;
   WorldBudget budget_;
 };
 
-// File source that uses pread instead of a mapping, because the file may be truncated while it is open.
+// Source of chunks in a file. Uses pread, because a mapping would crash if the file is truncated while it is open.
 class FileSource : public qnv::ChunkSource {
  public:
   explicit FileSource(net::RandomAccessFile file) : file_(std::move(file)) {}
@@ -67,7 +68,7 @@ class FileSource : public qnv::ChunkSource {
   net::RandomAccessFile file_;
 };
 
-// Keeps a packed stream in encoded form, in memory or in its file; views decode the parts that they show.
+// Keeps an octree-packed stream encoded, in memory or in its file. Views decode the visible parts.
 std::optional<qnv::Geometry> CloudFileReader::levels(qnv::LodStream::Opened opened) {
   auto* made = std::get_if<std::unique_ptr<qnv::LodStream>>(&opened);
   if (!made) return std::nullopt;
@@ -82,7 +83,7 @@ std::optional<qnv::Geometry> CloudFileReader::stream() {
   const bool as_it_lies = !file_.cut && !(file_.loss > 0) && file_.bytes.size() >= net::MappedFile::kMappedSize;
   if (as_it_lies && qnv::is_stream(file_.bytes)) {
     const auto source = stream_source(file_.path);
-    // Check that the path still holds the same file.
+    // The path may refer to another file by now. Compare the sizes.
     if (source && source->size() == file_.bytes.size())
       if (auto cloud = levels(qnv::LodStream::open(source))) return cloud;
   }
@@ -156,7 +157,7 @@ std::optional<qnv::Geometry> CloudFileReader::volume(const ContentType& type) {
   qnv::GradientOptions options;
   options.vectors = std::min(kMaxGradients, most_gradients(*budget_));
   Share share(budget_, Resource::vectors);
-  if (!share.grow(options.vectors * kGradientBytes)) options.vectors = 0;  // another thread has taken the memory
+  if (!share.grow(options.vectors * kGradientBytes)) options.vectors = 0;  // another thread used the memory
   Deadline deadline(limit_);
   auto found = qnv::gradient_vectors(*source, options, &deadline.progress);
   if (const auto* problem = std::get_if<qnv::VolumeError>(&found)) {
@@ -203,7 +204,7 @@ std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stre
     std::unique_ptr<qnv::LodStream> stream;
     Share share, arrived;
   };
-  // A small stream gets what its header requires; any other gets half of the remaining budget.
+  // A small stream gets the amount that its header requires. Any other stream gets half of the remaining budget.
   constexpr std::uint64_t kAtLeast = std::uint64_t{1} << 20, kMaxCounted = std::uint64_t{1} << 40;
   const std::uint64_t wanted = kAtLeast + kLevelBytes * std::min(stream->header().vectors, kMaxCounted);
   const std::uint64_t bytes = std::min(wanted, budget->left(Resource::vectors) / 2);
@@ -213,7 +214,7 @@ std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stre
   limits.cache_bytes = std::min<std::size_t>(limits.cache_bytes, held->share.amount() / 2);
   limits.discs = held->share.amount() / kLevelBytes;
   if (grows) {
-    // The directory is at the end of the file.
+    // The directory follows all chunks, so its offset is their total size.
     const std::uint64_t directory = held->stream->header().directory, left = budget->left(Resource::files) / 2;
     held->arrived = Share(budget, Resource::files);
     (void)held->arrived.grow(directory > 0 ? std::min(left, directory) : left / 2);
@@ -246,8 +247,8 @@ std::shared_ptr<const qnv::ChunkSource> stream_source(const std::string& path) {
 Deadline::Deadline(const LoadLimit& limit)
     : thread_([this, limit](const std::stop_token& stop) {
         std::unique_lock lock(mutex_);
-        // The predicate is never true: wait for the deadline or the end of the work. Cancelling does not notify, so
-        // poll for it.
+        // The predicate is never true: the thread waits for the deadline, or until the work ends. Cancellation does not
+        // notify the condition variable, so the thread polls.
         while (!stop.stop_requested() && !limit.over()) {
           const auto next = limit.cancelled ? std::min(limit.at, Clock::now() + kCancelWait) : limit.at;
           (void)done_.wait_until(lock, stop, next, [] { return false; });
@@ -298,7 +299,7 @@ vrml::NodeId add_geometry_shape(vrml::SceneGraph& scene, const qnv::Geometry& ge
     scene.set<vrml::SFVec3f>(qnv, "bboxCenter", glm::vec3(description.origin + middle));
     scene.set<vrml::SFVec3f>(qnv, "bboxSize", box.size());
   }
-  // Default colour of vectors without their own.
+  // Default colour of vectors without a colour.
   if (geometry.kind() == qnv::Kind::surface) {
     const qnv::Rgb8& color = geometry.color();
     const auto part = [](std::uint8_t byte) { return static_cast<float>(byte) / 255; };

@@ -26,13 +26,13 @@ namespace gs::app {
 
 /// File to read as vectors.
 struct CloudFile {
-  std::string path;                  // for diagnostics, and to open a volume or a large stream
-  std::span<const std::byte> bytes;  // the file, gzip-compressed or not
-  bool cut = false;                  // intentionally truncated (`--max-bytes`)
-  double loss = 0;                   // fraction of a stream's packets to drop (`--loss`)
+  std::string path;  // name for diagnostics; also opens volumes and large streams
+  std::span<const std::byte> bytes;  // bytes of the file, gzip-compressed or not
+  bool cut = false;  // truncated on purpose (`--max-bytes`)
+  double loss = 0;  // fraction of a stream's packets to drop (`--loss`), 0 to 1
   std::uint64_t loss_seed = 1;
-  VolumeOrigin origin{};  // origin of a volume
-  bool to_draw = false;   // keep a displaced surface as patches, which views refine, instead of arrays
+  VolumeOrigin origin{};  // origin of a volume's files
+  bool to_draw = false;  // true keeps a displaced surface as patches for cuts, not as arrays
 };
 
 /// Reads the vectors of a file of a type that `is_cloud`: from a stream, an importer, or the strongest 9 % of a
@@ -46,39 +46,41 @@ struct CloudFile {
 
 /// Reports whether the budget has room for a copy of `geometry`.
 [[nodiscard]] bool has_room_for(const qnv::Geometry& geometry, const Budget& budget);
-/// Wraps decoded geometry with the budget share for it and the renderer's copy. Returns null if the budget is exceeded.
+/// Charges `budget` for a point set and the renderer's copy of it. The result owns the point set and its share. Returns
+/// null if the budget is exceeded.
 [[nodiscard]] std::shared_ptr<const qnv::Geometry> hold_geometry(qnv::Geometry geometry, const WorldBudget& budget);
 
-/// Returns how many volume gradients the remaining budget allows.
+/// Returns the number of volume gradients for which the remaining budget suffices.
 [[nodiscard]] std::uint64_t most_gradients(const Budget& budget);
 
-/// Memory in bytes per vector for decoding and display of a records stream.
+/// Bytes per vector for decoding and showing a records stream.
 inline constexpr std::uint64_t kDecodedBytes = 128;
-/// Returns the max number of vectors of a stream to decode at once.
+/// Returns the maximum number of vectors to decode from a stream at once.
 [[nodiscard]] std::size_t most_decoded_vectors(const Budget& budget);
-/// Wraps a packed stream with the budget share for its cuts, cache and chunks, and limits them to that share. `grows`
-/// means that received chunks are kept.
+/// Charges `budget` for the cuts, cache and chunks of a packed stream, and limits them to that share. The result owns
+/// the stream and its share. `grows` means that the stream keeps received chunks.
 [[nodiscard]] std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stream,
                                                           const WorldBudget& budget, bool grows);
 
-/// Opens a stream file for reading by any number of threads. Returns null if it cannot be opened.
+/// Opens a stream file for reading. The result may be used by any number of threads. Returns null if the file cannot be
+/// opened.
 [[nodiscard]] std::shared_ptr<const qnv::ChunkSource> stream_source(const std::string& path);
 
-/// Builds the scene for a QNV geometry: a WorldInfo with its title, and a Shape with a QNV node with url `url`. Returns
-/// the QNV node; null if the node limit is reached.
+/// Adds a WorldInfo with a title, and a Shape with a QNV node that has this url. Returns the QNV node, or null at the
+/// node limit.
 vrml::NodeId add_geometry_shape(vrml::SceneGraph& scene, const qnv::Geometry& geometry, const std::string& url);
 
-/// Parses the `transfer` field of a QNV node: five numbers per point (value, red, green, blue, opacity), clamped to
-/// 0..1 and sorted by value. Ignores an incomplete last point.
+/// Parses the `transfer` field of a QNV node. Each point is five numbers: value, red, green, blue, opacity. Clamps them
+/// to 0..1 and sorts the points by value. Ignores an incomplete last point.
 [[nodiscard]] std::vector<qnv::TransferPoint> transfer_of(const vrml::MFFloat& numbers);
 
-/// Reads the inline vectors of a QNV node: 8-byte records (qnv/FORMAT-records.md) in its `vectors` field, two SFInt32
-/// each, low word first, relative to its bounding box. For SURFACE profiles, weight 1 is 1/32767 of the area of the
-/// box's largest side; for VOLUME, it is 1/32767. C is the class, which selects a surface's colour in `transfer` if
-/// given. Returns a message if there are no vectors.
+/// Reads the inline vectors of a QNV node: 8-byte records (qnv/FORMAT-records.md) in its `vectors` field. Two SFInt32
+/// make a record, low word first, relative to the bounding box of the node. For SURFACE profiles, weight 1 is 1/32767
+/// of the area of the box's largest side. For VOLUME profiles, weight 1 is 1/32767. C is the class; for a surface, it
+/// selects the colour in `transfer`, if given. Returns a message if there are no vectors.
 [[nodiscard]] std::variant<qnv::Geometry, std::string> inline_vectors(const vrml::SceneGraph& scene, vrml::NodeId qnv);
 
-/// Timer for a piece of work: sets `progress.cancelled` when the limit is reached.
+/// Timer that sets `progress.cancelled` when `limit` is reached.
 class Deadline {
  public:
   explicit Deadline(const LoadLimit& limit);
@@ -90,7 +92,7 @@ class Deadline {
  private:
   std::mutex mutex_;
   std::condition_variable_any done_;
-  std::jthread thread_;  // last member, so that it joins first
+  std::jthread thread_;  // last member, so that the thread ends before the others are destroyed
 };
 
 }  // namespace gs::app

@@ -10,7 +10,7 @@
 namespace gs::app {
 namespace {
 
-// Max corners of a node: indices have 32 bits.
+// Maximum number of corners of a node. Corner indices have 32 bits.
 constexpr std::size_t kMaxCorners = std::size_t{1} << 30;
 
 vrml::Color color_of(const qnv::Rgb8& c) {
@@ -36,14 +36,14 @@ Look look_of(const qnv::OutlineAppearance& from) {
   return look;
 }
 
-/// Returns a field's value for modification in place.
+/// Returns a reference to the value of a field, for modification.
 template <class T>
 T& value_of(vrml::SceneGraph& scene, vrml::NodeId id, std::string_view field) {
   const vrml::Node& node = scene.node(id);
   return *std::get_if<T>(&node.values[node.type->find_field(field)->slot]);
 }
 
-/// Fields of one of the two lists of an OutlineGroup.
+/// Fields of one polygon list of an OutlineGroup: the outlines or the inner polygons.
 struct Fields {
   vrml::MFVec3f& points;
   vrml::MFInt32& index;
@@ -111,7 +111,7 @@ void OutlineScene::add(Target& target, const qnv::OutlineBatch& batch) {
   for (std::size_t i = 0; i < batch.polygons.size(); ++i) {
     const qnv::OutlinePolygon polygon = batch.polygons[i];
     if (stays.points.size() + outline.points.size() + polygon.positions.size() > kMaxCorners) return;
-    // Memory for corners, their indices, and the polygon's numbers.
+    // Memory for positions and indices of the corners, and for the group index of the polygon.
     constexpr std::size_t kCornerBytes = sizeof(glm::vec3) + 2 * sizeof(std::int32_t), kPolygonBytes = 32;
     const std::size_t bytes = polygon.positions.size() * kCornerBytes +
                               polygon.texture_coordinates.size() * sizeof(glm::vec2) + kPolygonBytes;

@@ -11,25 +11,25 @@
 
 namespace gs::app {
 
-/// Builder of OutlineGroup nodes from the polygons of a stream, as they are received: one Shape per appearance, or one
-/// node for all. Belongs to the thread that owns the scene.
+/// Builder of OutlineGroup nodes from the polygons of a stream, while they are received. Makes one Shape per
+/// appearance, or adds all polygons to one node. Belongs to the thread of the scene.
 class OutlineScene {
  public:
-  /// `node` is an OutlineGroup for all polygons; if null, adds Shapes to the scene.
+  /// Creates a builder. The OutlineGroup `node` gets all polygons. If it is null, the builder adds Shapes to the scene.
   OutlineScene(vrml::SceneGraph& scene, Diagnostics& diagnostics, vrml::NodeId node = {})
       : scene_(scene), diagnostics_(diagnostics), node_(node) {}
 
-  /// Adds polygons of the stream with this header.
+  /// Adds polygons from the stream with this header.
   void add(const qnv::OutlineHeader& header, const std::vector<qnv::OutlineBatch>& batches);
   /// Marks the end of the stream.
   void complete();
-  /// Returns the nodes that have polygons.
+  /// Returns all nodes with polygons.
   [[nodiscard]] std::vector<vrml::NodeId> nodes() const;
-  /// Reports whether polygons were dropped because the scene's budget is spent.
+  /// Returns true if polygons were dropped because the scene's budget is exhausted.
   [[nodiscard]] bool full() const { return full_; }
 
  private:
-  /// Node that receives polygons. It numbers its groups in the order received.
+  /// Node that gets polygons. It numbers its outline groups in the order of their first polygon.
   struct Target {
     vrml::NodeId node;
     std::unordered_map<std::uint32_t, std::int32_t> groups;
@@ -42,7 +42,7 @@ class OutlineScene {
   Diagnostics& diagnostics_;
   vrml::NodeId node_;
   bool full_ = false;
-  std::unordered_map<std::uint32_t, Target> targets_;  // by appearance; a single entry 0 if one node takes all
+  std::unordered_map<std::uint32_t, Target> targets_;  // by appearance; only entry 0 if one node gets all polygons
 };
 
 }  // namespace gs::app

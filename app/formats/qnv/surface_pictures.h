@@ -9,11 +9,11 @@
 
 namespace gs::app {
 
-/// Cache of decoded textures of surfaces; each one is decoded once while in use. Use from one thread.
+/// Cache of decoded surface textures. A texture that is in use is not decoded again. One thread.
 class SurfacePictures {
  public:
-  /// Returns the decoded texture. Returns null if it cannot be decoded, for example because too little was received.
-  /// Safe for untrusted bytes.
+  /// Returns the decoded texture. Returns null if decoding fails, for example because too few bytes were received. Safe
+  /// for untrusted bytes.
   [[nodiscard]] std::shared_ptr<const render::Image> image_of(const std::shared_ptr<const qnv::SurfacePicture>& picture,
                                                               const WorldBudget& budget);
 
@@ -25,8 +25,8 @@ class SurfacePictures {
   std::vector<Decoded> decoded_;
 };
 
-/// Replaces texture coordinates of vertices by texture colours, for consumers that do not draw textures. Leaves `cloud`
-/// unchanged if the texture cannot be decoded.
+/// Replaces the texture coordinates of vertices by colours from the texture, for consumers that do not draw textures.
+/// Does not change `cloud` if the texture cannot be decoded.
 void color_by_picture(qnv::IndexedMesh& mesh, const WorldBudget& budget);
 
 }  // namespace gs::app

@@ -7,8 +7,8 @@
 
 namespace gs::app {
 
-/// Returns the degree of the spherical harmonics in `f_rest_0`, `f_rest_1`, ... of an element: (degree + 1)^2 - 1
-/// coefficients for each of three colours; 0 if there are none.
+/// Returns the degree of the spherical harmonics in the properties `f_rest_0`, `f_rest_1`, ... of an element. Each of
+/// three colours has (degree + 1)^2 - 1 of them. Returns 0 if there are none.
 [[nodiscard]] inline int harmonics_degree(const PlyElement& element) {
   constexpr int kMaxDegree = 4;
   const auto has = [&](int number) {

@@ -10,21 +10,21 @@
 namespace gs::app {
 namespace {
 
-// Flatter than this across z: made as a disc, its normal along z.
+// Max ratio of the smallest to the middle standard deviation for a splat that was written as a disc across its z axis.
 constexpr float kFlatDisc = 1.0f / 50;
 
 bool usable(const glm::dvec3& v) {
   return std::abs(v.x) <= kMaxCoordinate && std::abs(v.y) <= kMaxCoordinate && std::abs(v.z) <= kMaxCoordinate;
 }
 
-/// Which of the three axes is the smallest, the middle and the largest; among equals z is the smallest.
+/// Returns the indices of the smallest, middle and largest axis. Among equal axes, z comes first.
 std::array<int, 3> ordered_axes(const glm::vec3& scale) {
   std::array<int, 3> order = {2, 1, 0};
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return scale[a] < scale[b]; });
   return order;
 }
 
-/// Column `axis` of the rotation matrix of a unit quaternion.
+/// Returns column `axis` of the rotation matrix of a unit quaternion.
 glm::vec3 rotated_axis(const glm::vec4& q, int axis) {
   const float x = q.x, y = q.y, z = q.z, w = q.w;
   if (axis == 0) return {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)};
@@ -39,7 +39,7 @@ qnv::Rgb8 color_of(const glm::vec3& dc) {
   return {part(dc.x), part(dc.y), part(dc.z)};
 }
 
-/// One splat as a disc, or why it is none.
+/// Splat converted to a disc, or the reason why there is no disc.
 struct Disc {
   enum class Fate { kept, faint, broken } fate = Fate::broken;
   glm::dvec3 place{0};
@@ -73,7 +73,7 @@ Disc disc_of(const SplatModel& model, std::size_t i) {
   return disc;
 }
 
-/// Returns the metadata text for splats that lose opacity or harmonics; empty if they lose nothing.
+/// Returns metadata text about lost opacity or spherical harmonics. Empty if the splats lose nothing.
 std::string drawn_as(bool translucent, int harmonics) {
   std::string lost = translucent ? "opacity" : "";
   if (harmonics > 0)
@@ -109,7 +109,7 @@ qnv::Splats cloud_of_splats(const SplatModel& model) {
   description.two_sided = true;
   std::size_t faint = 0, broken = 0, thick = 0;
   bool all_flat = true, translucent = false;
-  std::vector<bool> sided;  // the sign of the normal is known
+  std::vector<bool> sided;  // true for vectors with a known outside
   std::vector<glm::dvec3> places;
   places.reserve(model.size());
   splats.normals.reserve(model.size());

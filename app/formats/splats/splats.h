@@ -14,93 +14,100 @@
 #include <variant>
 #include <vector>
 
-/// Gaussian splats of other programs as surfaces of QNV. All importers: bytes in, a cloud or a message out
-/// (what is wrong, what was expected); any thread; safe for untrusted input, with memory bounded by a multiple
-/// of the file (packed formats: by what really unpacks), and drawn from the budget that is given.
+/// Import of Gaussian splats of other programs as QNV surfaces. Each importer takes the bytes of a file and returns
+/// vectors or a message. Any thread. Safe for untrusted input. Memory is charged to `budget` and bounded by a multiple
+/// of the file size; for compressed formats, by the real decompressed size.
 namespace gs::app {
 
-/// Standard deviation of a splat's Gaussian, in radii of its disc: sigma = k * sqrt(A / pi). With k^2 = 1/2 the
-/// Gaussian's integral 2 pi sigma^2 is the disc's area A, so that opacity 1 conserves area (the paper, section 4).
+/// Standard deviation of a splat's Gaussian, relative to the radius of its disc: sigma = k * sqrt(A / pi). With k^2 =
+/// 1/2, the integral of the Gaussian, 2 pi sigma^2, is the area A of the disc. Thus opacity 1 conserves area (section 4
+/// of the paper).
 inline constexpr float kSigmaOfRadius = 0.70710678f;
-/// The real spherical harmonic of degree 0: colour = 0.5 + kSphericalHarmonic0 * dc.
+/// Value of the real spherical harmonic of degree 0. The colour is 0.5 + kSphericalHarmonic0 * dc.
 inline constexpr float kSphericalHarmonic0 = 0.28209479f;
-/// Splats from this opacity on count as opaque, among them those of our exports: 0.99, in 8 bits 252 / 255.
+/// Minimum opacity that counts as opaque. Includes our exports, which have 0.99, or 252 / 255 in 8 bits.
 inline constexpr float kOpaque = 0.988f;
-/// Key of the metadata that say how splats are drawn, and which properties of the file are discarded.
+/// Metadata key: how the splats are drawn, and which properties of the file were dropped.
 inline constexpr char kSplatsDrawnAs[] = "splats drawn as";
-/// Splats fainter than this show nowhere on an 8-bit display; they are left out.
+/// Minimum opacity. Fainter splats are invisible on an 8-bit display and omitted.
 inline constexpr float kMinOpacity = 1.0f / 255;
-/// A splat is a disc while its smallest standard deviation is no larger than this part of the middle one.
+/// Maximum ratio of the smallest to the middle standard deviation of a splat that counts as a disc.
 inline constexpr float kMaxDiscThickness = 0.3f;
-/// Memory that a splat takes on its way into a cloud.
+/// Memory in bytes to convert one splat to a vector.
 inline constexpr std::size_t kSplatMemory = 146;
 
-/// Factors for x, y, z that lead from a file's axes to those of VRML97 (x right, y up, z back).
+/// Factors for x, y, z from a file with the axes right, down, forward to VRML97 (right, up, back).
 inline constexpr glm::vec3 kFromRightDownForward{1, -1, -1};
 inline constexpr glm::vec3 kFromRightUpBack{1, 1, 1};
 
-/// Splats as every reader leaves them, in the file's own axes and units: one entry a splat in each array, `normals`
-/// possibly empty. Values may still be broken (NaN, infinite, negative).
+/// Splats as read from a file, in its axes and units. Each array has one entry per splat; `normals` may be empty
+/// instead. Values may be invalid (NaN, infinite, negative).
 struct SplatModel {
-  std::string format;  // as in the metadata
+  std::string format;  // name of the format, for the metadata
   glm::vec3 axes = kFromRightDownForward;
   std::vector<glm::dvec3> positions;
-  std::vector<glm::vec3> scales;     // standard deviations along the splat's own axes, linear
-  std::vector<glm::vec4> rotations;  // quaternions x, y, z, w of any length
-  std::vector<float> opacities;      // 0..1
-  std::vector<glm::vec3> dc;         // colour coefficients of degree 0
-  std::vector<glm::vec3> normals;    // which side is outside; zero: not known
-  std::size_t announced = 0;         // splats that the file says it has
-  int harmonics = 0;                 // highest degree of the file's spherical harmonics; above 0, they are discarded
+  std::vector<glm::vec3> scales;  // linear standard deviations along the axes of the splat
+  std::vector<glm::vec4> rotations;  // quaternions x, y, z, w, not normalised
+  std::vector<float> opacities;  // 0 to 1
+  std::vector<glm::vec3> dc;  // colour coefficients of spherical harmonics of degree 0
+  std::vector<glm::vec3> normals;  // point to the outside; zero means unknown
+  std::size_t announced = 0;  // number of splats that the file claims to have
+  int harmonics = 0;  // degree of the file's spherical harmonics; those above 0 are dropped
   Share share;
 
-  /// Draws memory for `count` more splats, before they are made; why there is not so much.
+  /// Charges memory for `count` more splats. Must be called before they are stored. Returns a message if the budget is
+  /// exceeded.
   [[nodiscard]] std::optional<std::string> draw(const WorldBudget& budget, std::uint64_t count);
   void resize(std::size_t count);
   [[nodiscard]] std::size_t size() const { return positions.size(); }
 };
 
-/// The cloud of a model: kind surface, two-sided, with origin, box and total. Each splat becomes the disc across its
-/// smallest axis, with area pi * s1 * s2 / kSigmaOfRadius^2 of the two larger standard deviations s1, s2. Left out:
-/// splats fainter than kMinOpacity, and broken ones. The normal's sign: that of `normals`; else, where every
-/// splat is flat across its own z axis, that axis (our exports; 2DGS); else away from the middle of the box.
-/// Metadata: "source", and as counts where not 0: "splats not discs" (kept, yet thicker than kMaxDiscThickness),
-/// "splats too faint", "splats broken", "splats missing" (announced, not in the file). If a splat is translucent, or
-/// the file has spherical harmonics, kSplatsDrawnAs says that they are discarded.
+/// Converts splats to a two-sided surface with origin, box and total. Each splat becomes a disc perpendicular to its
+/// smallest axis. Its area is pi * s1 * s2 / kSigmaOfRadius^2, with the two larger standard deviations s1 and s2. Omits
+/// invalid splats, and splats below kMinOpacity.
+///
+/// `normals` gives the direction of a disc's normal, if known. Otherwise, if all splats are flat across their z axis
+/// (our exports, 2DGS), the normal is that axis. Otherwise it points away from the centre of the box.
+///
+/// Metadata has "source" and these counts unless they are 0: "splats not discs" (included, but thicker than
+/// kMaxDiscThickness), "splats too faint", "splats broken", and "splats missing" (announced, but not in the file).
+/// kSplatsDrawnAs says which of opacity and spherical harmonics were dropped.
 [[nodiscard]] qnv::Splats cloud_of_splats(const SplatModel& model);
 
 using ImportedCloud = std::variant<qnv::Splats, std::string>;
 
-/// `cloud_of_splats`, or a message where no splat is left.
+/// Returns cloud_of_splats(model), or a message if no splat remains.
 [[nodiscard]] ImportedCloud import_result(const SplatModel& model);
 
-/// Inria's 3D Gaussian splatting PLY and 2DGS PLY (no scale_2); ascii or binary. Axes: right, down, forward.
-/// A file that ends early gives the splats that are there.
+/// Imports Inria's 3D Gaussian splatting PLY, or 2DGS PLY (without scale_2), ascii or binary. The axes are right, down,
+/// forward. A truncated file gives its complete splats.
 [[nodiscard]] ImportedCloud import_splats_ply(std::span<const std::byte> bytes,
                                               const WorldBudget& budget = own_budget());
-/// Reports whether the header of a PLY file names the properties of 3DGS or 2DGS.
+/// Returns true if the header of a PLY file has the properties of 3DGS or 2DGS.
 [[nodiscard]] bool is_splats_ply(std::span<const std::byte> bytes);
 
-/// antimatter15's .splat: 32 bytes a splat, no header, any prefix is a scene. Axes: right, down, forward.
+/// Imports antimatter15's .splat format: 32 bytes per splat, no header. Each prefix of a file is valid. The axes are
+/// right, down, forward.
 [[nodiscard]] ImportedCloud import_splats_antimatter(std::span<const std::byte> bytes,
                                                      const WorldBudget& budget = own_budget());
 
-/// PlayCanvas compressed PLY (SuperSplat): chunks of 256 splats, 16 bytes a splat. Axes: right, down, forward.
-/// A file that ends early gives the splats that are there.
+/// Imports PlayCanvas compressed PLY (SuperSplat): chunks of 256 splats, 16 bytes per splat. The axes are right, down,
+/// forward. A truncated file gives its complete splats.
 [[nodiscard]] ImportedCloud import_splats_compressed_ply(std::span<const std::byte> bytes,
                                                          const WorldBudget& budget = own_budget());
-/// True for a PLY file with the elements and properties of the compressed form.
+/// Returns true if a PLY file has the elements and properties of PlayCanvas compressed PLY.
 [[nodiscard]] bool is_splats_compressed_ply(std::span<const std::byte> bytes);
 
-/// mkkellogg's .ksplat version 0.1, compression modes 0, 1 and 2. Axes: right, down, forward.
+/// Imports mkkellogg's .ksplat format, version 0.1, with compression modes 0, 1 and 2. The axes are right, down,
+/// forward.
 [[nodiscard]] ImportedCloud import_splats_ksplat(std::span<const std::byte> bytes,
                                                  const WorldBudget& budget = own_budget());
 
-/// Niantic's SPZ versions 1 to 3 (one gzip stream) and 4 (zstd streams). Axes: right, up, back, or as the
-/// coordinate system extension says.
+/// Imports Niantic's SPZ: versions 1 to 3 (one gzip stream) and version 4 (zstd streams). The axes are right, up, back,
+/// or those of the coordinate system extension.
 [[nodiscard]] ImportedCloud import_splats_spz(std::span<const std::byte> bytes,
                                               const WorldBudget& budget = own_budget());
-/// True for "NGSP" at the start; gzip data has to be unpacked to tell.
+/// Returns true if the data begin with "NGSP". Decompresses the start of gzip data to check that.
 [[nodiscard]] bool is_splats_spz(std::span<const std::byte> bytes);
 
 }  // namespace gs::app

@@ -15,9 +15,9 @@ constexpr std::size_t kChunkSplats = 256;
 constexpr std::array<const char*, 4> kPacked = {"packed_position", "packed_rotation", "packed_scale", "packed_color"};
 constexpr const char* kAxes[] = {"x", "y", "z"};
 constexpr const char* kColors[] = {"r", "g", "b"};
-constexpr float kMaxLogScale = 20;  // limit of the format's own writer
+constexpr float kMaxLogScale = 20;  // limit of the reference writer
 
-/// The ranges that the packed numbers of a chunk lie in.
+/// Ranges of the packed numbers in a chunk.
 struct Chunk {
   glm::dvec3 least_position{0}, most_position{0};
   glm::vec3 least_scale{0}, most_scale{0}, least_color{0}, most_color{1};
@@ -27,7 +27,7 @@ float unit(std::uint32_t packed, int shift, int bits) {
   const std::uint32_t mask = (1u << bits) - 1;
   return static_cast<float>(packed >> shift & mask) / static_cast<float>(mask);
 }
-/// 11, 10 and 11 bits of x, y and z.
+/// Unpacks x, y and z to 0..1. They have 11, 10 and 11 bits.
 glm::vec3 unit_vector(std::uint32_t packed) {
   return {unit(packed, 21, 11), unit(packed, 11, 10), unit(packed, 0, 11)};
 }
@@ -36,7 +36,8 @@ Vector between(const Vector& least, const Vector& most, const Vector& t) {
   return {least.x + (most.x - least.x) * t.x, least.y + (most.y - least.y) * t.y, least.z + (most.z - least.z) * t.z};
 }
 
-/// The three smaller components of w, x, y, z, ten bits each; the index of the largest on top.
+/// Unpacks a rotation. The two highest bits are the index of the largest component of w, x, y, z. The other components
+/// have ten bits each.
 glm::vec4 rotation_of(std::uint32_t packed) {
   std::array<float, 4> wxyz{};
   const std::uint32_t largest = packed >> 30;
@@ -68,14 +69,14 @@ std::vector<Chunk> read_chunks(const PlyTable& table) {
     fill_places("max_" + axis, &Chunk::most_position, k);
     fill("min_scale_" + axis, &Chunk::least_scale, k);
     fill("max_scale_" + axis, &Chunk::most_scale, k);
-    // Older files have no range of colours: it is 0 to 1.
+    // Older files have no colour range; it stays 0 to 1.
     fill("min_" + color, &Chunk::least_color, k);
     fill("max_" + color, &Chunk::most_color, k);
   }
   return chunks;
 }
 
-/// Finds the offset of each of the four packed numbers in a row. Returns false if one is missing.
+/// Finds the offsets of the four packed numbers in a row. Returns false if one is missing.
 bool find_packed(const PlyElement& element, std::array<std::size_t, 4>& offsets) {
   for (std::size_t k = 0; k < kPacked.size(); ++k) {
     std::size_t offset = 0;

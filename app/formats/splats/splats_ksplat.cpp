@@ -9,24 +9,24 @@ namespace gs::app {
 namespace {
 
 constexpr std::size_t kKsplatHeaderBytes = 4096, kSectionHeaderBytes = 1024, kCenterBytes = 12;
-constexpr std::array<std::size_t, 4> kHarmonics = {0, 9, 24, 45};  // numbers a splat, by degree
+constexpr std::array<std::size_t, 4> kHarmonics = {0, 9, 24, 45};  // numbers per splat, by degree
 
-/// Offsets of a splat's numbers, by compression mode.
+/// Offsets in the bytes of a splat, per compression mode.
 struct Mode {
-  std::size_t base, scale, rotation, color, harmonic;  // bytes; `harmonic` of one coefficient
+  std::size_t base, scale, rotation, color, harmonic;  // `harmonic` is the size of one coefficient; all in bytes
 };
 constexpr std::array<Mode, 3> kModes = {{{44, 12, 24, 40, 4}, {24, 6, 12, 20, 2}, {24, 6, 12, 20, 1}}};
 
-/// One section, checked against the bytes that are there.
+/// Section of the file. Its size was checked against the file.
 struct Section {
   std::uint64_t splats = 0, bucket_size = 0, full_buckets = 0, partial_buckets = 0;
-  std::uint64_t centers = 0, data = 0, end = 0;  // offsets in the file
+  std::uint64_t centers = 0, data = 0, end = 0;  // byte offsets in the file
   std::uint64_t splat_bytes = 0, sizes = 0;
-  int harmonics = 0;             // degree
-  float quantum = 0, range = 0;  // world units a step; steps from a bucket's centre to its border
+  int harmonics = 0;  // degree of the spherical harmonics
+  float quantum = 0, range = 0;  // world units per step; steps from a bucket's centre to its border
 };
 
-/// Reads the section with its header at `header` and its data at `start`. Returns a message on failure.
+/// Reads a section. `header` and `start` are the offsets of its header and data. Returns a message on failure.
 std::variant<Section, std::string> read_section(std::span<const std::byte> bytes, std::size_t header,
                                                 std::uint64_t start, std::size_t mode) {
   const auto word = [&](std::size_t at) { return std::uint64_t{load_little<std::uint32_t>(&bytes[header + at])}; };
@@ -50,7 +50,7 @@ std::variant<Section, std::string> read_section(std::span<const std::byte> bytes
     return "a section without centres of buckets; expected 12 bytes each";
   if (mode > 0 && (section.full_buckets > buckets || section.partial_buckets > buckets - section.full_buckets))
     return "a section with more full and partial buckets than buckets";
-  // Each factor has at most 32 bits: no overflow.
+  // Each factor has at most 32 bits, so the products cannot overflow.
   section.sizes = start;
   section.centers = start + section.partial_buckets * 4;
   section.data = section.centers + buckets * center_bytes;
@@ -58,18 +58,18 @@ std::variant<Section, std::string> read_section(std::span<const std::byte> bytes
   if (section.splats > most) return "a section with more splats than its capacity";
   if (section.data + section.splats * section.splat_bytes > bytes.size() || section.data < start)
     return "the file ends too early: a section of " + std::to_string(section.splats) + " splats exceeds it";
-  // The centres are looked up by index; keep their stride for that.
+  // Buckets finds a centre by its index and needs this stride.
   if (mode > 0 && center_bytes != kCenterBytes)
     return "centres of buckets of " + std::to_string(center_bytes) + " bytes; expected 12";
   return section;
 }
 
-/// Walks through the buckets of a section, which store splats in order.
+/// Iterator over the buckets of a section. A bucket has consecutive splats.
 class Buckets {
  public:
   Buckets(std::span<const std::byte> bytes, const Section& section) : bytes_(bytes), section_(section) { enter(); }
 
-  /// The centre of the next splat's bucket; false when the buckets hold no more.
+  /// Sets `center` to the centre of the next splat's bucket. Returns false after the last splat of the last bucket.
   [[nodiscard]] bool next(glm::vec3& center) {
     while (left_ == 0) {
       if (++index_ >= section_.full_buckets + section_.partial_buckets) return false;
@@ -148,7 +148,7 @@ ImportedCloud import_splats_ksplat(std::span<const std::byte> bytes, const World
     if (auto problem = model.draw(budget, section.splats)) return std::move(*problem);
     model.announced += section.splats;
     model.harmonics = std::max(model.harmonics, section.harmonics);
-    // Mode 0 has buckets too, yet its positions stand for themselves.
+    // Mode 0 has buckets too, but its positions do not depend on them.
     std::optional<Buckets> buckets;
     if (mode > 0) buckets.emplace(bytes, section);
     glm::vec3 center(0);

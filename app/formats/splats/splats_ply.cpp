@@ -17,7 +17,7 @@ bool has(const PlyElement& element, std::string_view name) {
 
 float sigmoid(float x) { return 1 / (1 + std::exp(-x)); }
 
-/// Calls store(i, value) for all rows of a column; false, and nothing called, where there is none.
+/// Calls store(i, value) for all rows of a column. Returns false and calls nothing if there is no such column.
 template <class Store>
 bool for_column(const PlyTable& table, std::string_view name, Store&& store) {
   const std::vector<float> values = table.column(name);
@@ -53,7 +53,7 @@ ImportedCloud import_splats_ply(std::span<const std::byte> bytes, const WorldBud
   constexpr const char* kScales[] = {"scale_0", "scale_1", "scale_2"};
   constexpr const char* kColors[] = {"f_dc_0", "f_dc_1", "f_dc_2"};
   constexpr const char* kNormals[] = {"nx", "ny", "nz"};
-  constexpr const char* kRotations[] = {"rot_1", "rot_2", "rot_3", "rot_0"};  // the file has w first
+  constexpr const char* kRotations[] = {"rot_1", "rot_2", "rot_3", "rot_0"};  // x, y, z, w; the file has w first
   if (table.has("nx") && table.has("ny") && table.has("nz")) model.normals.resize(table.rows);
   for (int k = 0; k < 3; ++k) {
     const std::vector<double> places = table.wide_column(kPositions[k]);

@@ -20,17 +20,17 @@ namespace {
 using namespace spz;
 using Bytes = std::span<const std::byte>;
 
-constexpr std::array<std::size_t, 5> kHarmonicBytes = {0, 9, 24, 45, 72};  // a splat, by degree
+constexpr std::array<std::size_t, 5> kHarmonicBytes = {0, 9, 24, 45, 72};  // bytes per splat, by degree
 constexpr std::size_t kMaxSplatBytes = 20 + kHarmonicBytes.back();
-constexpr std::size_t kMaxExtensionBytes = std::size_t{64} << 10;  // limit of the bytes that are searched after the
-                                                                   // planes
+constexpr std::size_t kMaxExtensionBytes = std::size_t{64} << 10;  // limit of the extension records
 
 struct Header {
   std::uint32_t version = 0, count = 0;
   std::uint8_t harmonics_degree = 0, fraction_bits = 0, flags = 0;
 };
 
-/// The fields that all versions share, from 16 bytes; or what is wrong with them. `file_bytes`: of the packed file.
+/// Reads the 16 bytes that all versions share. Returns a message if they are invalid. `file_bytes` is the size of the
+/// compressed file.
 std::optional<std::string> read_header(const std::byte* from, std::size_t file_bytes, Header& header) {
   if (load_little<std::uint32_t>(from) != kSpzMagic) return "not an SPZ file: expected NGSP at the start";
   header.version = load_little<std::uint32_t>(from + 4);
@@ -41,22 +41,22 @@ std::optional<std::string> read_header(const std::byte* from, std::size_t file_b
   if (header.version < 1 || header.version > 4)
     return "SPZ version " + std::to_string(header.version) + "; expected 1 to 4";
   if (header.count == 0) return "an SPZ file without splats";
-  // The reference implementation's rule: no real file packs better than this.
+  // This is the rule of the reference implementation. No real file compresses better.
   if (header.count > std::uint64_t{file_bytes} * 1024 / 9)
     return std::to_string(header.count) + " splats, which exceed the file";
   if (header.fraction_bits > 30) return std::to_string(header.fraction_bits) + " fraction bits; expected up to 30";
   return std::nullopt;
 }
 
-/// Factors to the axes of VRML97 for a number of the coordinate system extension, 1 to 8: which of left, down
-/// and forward the axes are.
+/// Returns the factors from a file's axes to those of VRML97. `system` is the number of the coordinate system
+/// extension, 1 to 8. It encodes left or right, down or up, forward or back.
 std::optional<glm::vec3> axes_of(std::uint32_t system) {
   if (system < 1 || system > 8) return std::nullopt;
   const std::uint32_t bits = system - 1;
   return glm::vec3((bits & 1) ? 1 : -1, (bits & 2) ? 1 : -1, (bits & 4) ? -1 : 1);
 }
 
-/// Looks through extension records: type, length, payload.
+/// Reads the extension records. Each has type, length and payload.
 void read_extensions(Bytes bytes, SplatModel& model) {
   while (bytes.size() >= 8) {
     const auto type = load_little<std::uint32_t>(bytes.data());
@@ -72,7 +72,7 @@ double unpack_position(const std::byte* from, const Header& header) {
   if (header.version == 1) return static_cast<double>(float_of_half(load_little<std::uint16_t>(from)));
   const std::uint32_t low = std::to_integer<std::uint32_t>(from[0]) | std::to_integer<std::uint32_t>(from[1]) << 8 |
                             std::to_integer<std::uint32_t>(from[2]) << 16;
-  const auto fixed = static_cast<std::int32_t>(low << 8) >> 8;  // the sign is bit 23
+  const auto fixed = static_cast<std::int32_t>(low << 8) >> 8;  // sign-extends bit 23
   return std::ldexp(static_cast<double>(fixed), -static_cast<int>(header.fraction_bits));
 }
 
@@ -100,7 +100,7 @@ glm::vec4 unpack_rotation(const std::byte* from, std::uint32_t version) {
   return q;
 }
 
-/// The splats of planes that all have their full length.
+/// Converts the planes to splats. Each plane must have its full length.
 void unpack(const Header& header, const std::array<Bytes, plane_count>& planes, SplatModel& model) {
   const auto value = [](std::byte b) { return static_cast<float>(std::to_integer<int>(b)); };
   const std::size_t coordinate = plane_widths(header.version)[positions] / 3;
@@ -119,7 +119,7 @@ void unpack(const Header& header, const std::array<Bytes, plane_count>& planes, 
   }
 }
 
-/// Unpacks a zstd frame piece by piece, so that memory follows the data and not what the header announces.
+/// Decompresses a zstd frame in pieces, so that memory grows with the data and not with the size in the header.
 std::optional<std::string> unzstd(Bytes packed, std::size_t expected, std::vector<std::byte>& to) {
   const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), ZSTD_freeDCtx);
   if (!context) return "zstd cannot be initialised";
@@ -138,7 +138,7 @@ std::optional<std::string> unzstd(Bytes packed, std::size_t expected, std::vecto
 }
 
 std::optional<std::string> read_gzip(Bytes bytes, SplatModel& model, const WorldBudget& budget) {
-  Array<std::byte> data;  // grows without a copy
+  Array<std::byte> data;  // an Array grows without a copy
   Header header;
   std::optional<std::string> problem;
   bool known = false;
@@ -203,7 +203,7 @@ std::optional<std::string> read_version4(Bytes bytes, SplatModel& model, const W
     if (unpacked != expected)
       return "stream " + std::to_string(plane) + " of " + std::to_string(unpacked) + " bytes; expected " +
              std::to_string(expected);
-    // Twice: a list that grows.
+    // The list doubles when it grows, so charge twice its size.
     if (!share.grow(2 * expected)) return "unpacks to " + budget->refusal(Resource::files);
     if (packed > bytes.size() - at) return "the file ends too early: stream " + std::to_string(plane) + " is truncated";
     if (auto problem = unzstd(bytes.subspan(at, static_cast<std::size_t>(packed)), expected, data[plane]))

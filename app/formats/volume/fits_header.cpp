@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-// Reader of FITS 4.0 headers (https://fits.gsfc.nasa.gov/fits_standard.html). Clause numbers refer to that standard.
+// Reader of FITS 4.0 headers (https://fits.gsfc.nasa.gov/fits_standard.html). Clauses refer to that standard.
 
 namespace gs::app {
 namespace {
@@ -22,7 +22,7 @@ std::string_view without_blanks(std::string_view text) {
   return text;
 }
 
-/// Returns the text after "=" of a card with this keyword and a value (4.1.2.2), else nullopt.
+/// Returns the text after "=" if the card has this keyword and a value (4.1.2.2), else nullopt.
 std::optional<std::string_view> behind_equals(std::string_view card, std::string_view keyword) {
   if (card[kFitsKeyword] != '=' || !card.starts_with(keyword)) return std::nullopt;
   if (card.substr(keyword.size(), kFitsKeyword - keyword.size()).find_first_not_of(' ') != std::string_view::npos)
@@ -30,7 +30,7 @@ std::optional<std::string_view> behind_equals(std::string_view card, std::string
   return card.substr(kFitsKeyword + 1);
 }
 
-/// Removes the comment after a value. Quotes in strings are doubled.
+/// Returns a value without the comment after it. In a string, two quotes stand for one quote and do not end the string.
 std::string_view without_comment(std::string_view text) {
   text = without_blanks(text);
   if (!text.starts_with('\'')) return without_blanks(text.substr(0, text.find('/')));
@@ -46,10 +46,10 @@ std::string unquoted(std::string_view value) {
   if (!value.starts_with('\'')) return std::string(value);
   std::string text;
   for (std::size_t i = 1; i < value.size(); ++i) {
-    if (value[i] == '\'' && ++i == value.size()) break;  // the end, or the first of a doubled quote
+    if (value[i] == '\'' && ++i == value.size()) break;  // a single quote ends the string, a doubled one is a quote
     text += value[i];
   }
-  text.resize(text.find_last_not_of(' ') + 1);  // npos + 1 is 0: empty if all blank
+  text.resize(text.find_last_not_of(' ') + 1);  // for only blanks, npos + 1 is 0
   return text;
 }
 
@@ -74,7 +74,7 @@ std::string card_found(const FitsHeader& header, const std::string& keyword) {
   return value ? keyword + " is " + std::string(*value) : keyword + " is missing";
 }
 
-/// Reads the mandatory keywords (4.4.1). Returns a message if they are invalid.
+/// Reads the mandatory keywords (4.4.1). Returns a message if they are missing or invalid.
 std::optional<std::string> read_fits_shape(FitsUnit& unit) {
   constexpr std::int64_t kMaxAxes = 999;
   const FitsHeader& header = unit.header;
@@ -94,7 +94,7 @@ std::optional<std::string> read_fits_shape(FitsUnit& unit) {
   return std::nullopt;
 }
 
-/// Returns the bytes of the data by equations (1), (2) and (4), or a message.
+/// Returns the size of the data in bytes, by equations (1), (2) and (4) of the standard, or a message.
 std::variant<std::uint64_t, std::string> fits_data_size(FitsUnit& unit, bool counts_groups, bool random_groups) {
   const FitsHeader& header = unit.header;
   std::uint64_t parameters = 0;
@@ -144,7 +144,7 @@ std::string FitsHeader::text(std::string_view keyword) const {
   const auto value_there = value(keyword);
   if (!value_there) return "";
   std::string text = unquoted(*value_there);
-  // The string continues in the next card (4.2.1.2).
+  // The string continues in the next card (4.2.1.2), so remove the "&" at its end.
   const auto next = static_cast<std::size_t>(value_there->data() - cards_.data()) / kFitsCard + 1;
   if (text.ends_with('&') && cards_.substr(next * kFitsCard).starts_with("CONTINUE")) text.pop_back();
   return text;

@@ -119,7 +119,7 @@ std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path
   if (const auto changed = file.content.file ? file.content.file->changed() : std::nullopt)
     return path + ": " + *changed;
   if (const auto* problem = std::get_if<std::string>(&result)) return path + ": " + *problem;
-  // Consumers of a volume hold up to kSlices slices as floats.
+  // Consumers of a volume hold up to kSlices slices as floats in memory.
   constexpr std::uint64_t kSlices = 8;
   const qnv::VolumeLayout& layout = std::get<qnv::VolumeSource>(result).layout;
   const std::uint64_t bytes = kSlices * sizeof(float) * qnv::slice_voxels(layout);

@@ -16,32 +16,31 @@
 
 namespace gs::app {
 
-/// Origin of a volume's file.
+/// Origin of a volume's file: its name and the files beside it.
 struct VolumeOrigin {
-  ReadFile read_beside;  // reads files named by the header; null reads from the file's folder and below
-  std::string name;      // original file name; empty means that of the path
+  ReadFile read_beside;  // reads files that the header names; null reads below the file's folder
+  std::string name;  // original file name; empty means the name in the path
 };
 
-/// Opens a volume of any known format, detected by its first bytes, else by its name; as headerless if `raw` has
-/// dimensions. gzip files are decompressed to memory and other files mapped, so that a volume may exceed memory.
-/// Decompressed data and text voxels are charged to `budget`. `origin` provides files that a header names. The source
-/// owns all that it needs. Returns a message with the file name on failure. Safe for untrusted files. Runs on any
-/// thread.
+/// Opens a volume. Detects the format by the first bytes, else by the name. If `raw` has dimensions, the file has no
+/// header. Decompresses gzip files into memory and maps other files, so that a volume may exceed memory. Decompressed
+/// data and voxels from text are charged to `budget`. `origin` provides files that a header names. The result owns all
+/// that it needs. Returns a message with the file name on failure. Safe for untrusted files. Any thread.
 [[nodiscard]] std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path,
                                                                        const RawVolume& raw = {},
                                                                        const VolumeOrigin& origin = {},
                                                                        const WorldBudget& budget = own_budget());
 
-/// Reports whether open_volume handles a file with these first bytes (about 1024, gzip-compressed or not).
+/// Returns true if open_volume accepts a file with these first bytes (about 1024, gzip-compressed or not).
 [[nodiscard]] bool is_volume(std::string_view path, std::span<const std::byte> bytes);
 
-/// Names of a format, for help and documentation.
+/// Name and file names of a format, for help and documentation.
 struct VolumeFormatName {
   std::string_view name;                                      // "NRRD"
   std::string_view extensions;                                // lower case, each with its dot, separated by blanks
-  bool (*sniff)(std::span<const std::byte> bytes) = nullptr;  // checks the first bytes; null if only the name decides
+  bool (*sniff)(std::span<const std::byte> bytes) = nullptr;  // tests the first bytes; null if only the name decides
   std::string_view mime = "application/x-volume";
-  UpRule up = UpRule::y;  // up direction if the file does not state one
+  UpRule up = UpRule::y;  // rule for the up axis, unless the file defines it
 };
 [[nodiscard]] std::span<const VolumeFormatName> volume_format_names();
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 // Reader of AVS fields (AVS Developer's Guide, release 4, "AVS Field"). A file has an ASCII header, two form feeds,
-// interleaved voxel values, then coordinates. A header without form feeds names separate files.
+// interleaved voxel values, then coordinates. If the header has no form feeds, it names separate files.
 
 namespace gs::app {
 namespace {
@@ -17,11 +17,11 @@ struct FieldHeader {
   double dimensions = 0, components = 1;
   std::array<double, 3> sizes{1, 1, 1};
   std::string data, field = "uniform";
-  std::vector<double> lower, upper;  // min_ext, max_ext
-  std::string file;                  // file of variable 1, if data are external
+  std::vector<double> lower, upper;  // values of min_ext and max_ext
+  std::string file;  // file of variable 1, if the data are in separate files
   double skip = 0, stride = 1;
   std::string file_type = "binary";
-  std::optional<std::size_t> end;  // offset of the data
+  std::optional<std::size_t> end;  // offset of the data, if they are in this file
 };
 
 struct AvsFieldType {
@@ -40,7 +40,7 @@ std::optional<AvsFieldType> avs_field_type_of(std::string_view name) {
   return std::nullopt;
 }
 
-// Parses "variable 1 file=name filetype=binary skip=512".
+// Parses the rest of a line "variable 1 file=name filetype=binary skip=512".
 void read_variable(std::string_view text, FieldHeader& header) {
   TextCursor words(text.data(), text.data() + text.size());
   while (words.skip_space()) {
@@ -95,13 +95,13 @@ FieldHeader read_avs_field_header(std::span<const std::byte> bytes, qnv::VolumeL
   return header;
 }
 
-/// Extent of each axis; empty if unknown.
+/// Lowest and highest coordinate of each axis; empty if unknown.
 struct Extent {
   std::vector<double> lower, upper;
 };
 
-// Reads the coordinates, floats after the voxels. A uniform field has minimum and maximum of each axis. A rectilinear
-// field has all x, then y, then z; only the first and last of each are used.
+// Reads the coordinates: floats after the voxels. A uniform field has the minimum and maximum of each axis. A
+// rectilinear field has all x, then all y, then all z, of which only the first and last are used.
 Extent read_coordinates(const FieldHeader& header, const StoredVoxels& voxels, std::uint64_t size, bool big_endian) {
   const std::span<const std::byte> bytes = voxels.content.bytes;
   std::uint64_t offset = voxels.offset + size;
@@ -122,7 +122,8 @@ Extent read_coordinates(const FieldHeader& header, const StoredVoxels& voxels, s
   return extent;
 }
 
-// Positions the voxels between the ends of each axis, if the extent is known and plausible.
+// Places the first and last voxel of each axis at the ends of the extent. Returns false if the extent is unknown or
+// implausible.
 bool place(const FieldHeader& header, const Extent& extent, qnv::VolumeLayout& layout) {
   const auto axes = static_cast<std::size_t>(header.dimensions);
   if (extent.lower.size() < axes || extent.upper.size() < axes) return false;
@@ -161,7 +162,7 @@ std::variant<StoredVoxels, std::string> voxels_of(const VolumeFile& file, const 
   if (auto* problem = std::get_if<std::string>(&loaded)) return std::move(*problem);
   voxels.content = std::get<SharedBytes>(std::move(loaded));
   if (!(header.skip >= 0 && header.skip < 1e15)) return std::string("the skip of variable 1 is not a number of bytes");
-  constexpr std::uint64_t kRecordMark = 4;  // size of a Fortran record mark
+  constexpr std::uint64_t kRecordMark = 4;  // size in bytes of the record mark that Fortran writes
   voxels.offset = static_cast<std::uint64_t>(header.skip) + (unformatted ? kRecordMark : 0);
   return voxels;
 }
@@ -195,7 +196,7 @@ VolumeResult open_avs_field(const VolumeFile& file) {
   if (const auto* problem = std::get_if<std::string>(&size)) return *problem;
   bool placed = false;
   if (header.end) {
-    // Native types do not state the byte order of coordinates; the wrong order gives implausible floats.
+    // A native type does not define the byte order of the coordinates. The wrong order gives implausible floats.
     const auto try_order = [&](bool big_endian) {
       return place(header, read_coordinates(header, voxels, std::get<std::uint64_t>(size), big_endian), layout);
     };

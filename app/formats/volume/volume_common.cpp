@@ -26,7 +26,7 @@ qnv::VoxelType voxel_type_of(StoredType type) {
   return type < StoredType::u64 ? static_cast<qnv::VoxelType>(type) : qnv::VoxelType::f64;
 }
 
-// Converts a slice of 64-bit integers to doubles in native byte order.
+// Converts a slice of 64-bit integers to doubles, in native byte order.
 template <class T>
 void widen(const std::byte* from, std::size_t step, bool big_endian, std::span<std::byte> to) {
   const bool swap = big_endian != (std::endian::native == std::endian::big);
@@ -56,7 +56,7 @@ bool read_stored(const StoredVoxels& voxels, std::uint64_t slice_voxels, std::ui
   return !voxels.content.file || !voxels.content.file->changed();
 }
 
-/// Makes coordinates local if a volume is far from the origin of its space.
+/// Moves the coordinates to a local origin if the volume is far from 0.
 void set_base(qnv::VolumeLayout& layout) {
   WideBox box;
   for (unsigned corner = 0; corner < 8; ++corner) {
@@ -69,7 +69,7 @@ void set_base(qnv::VolumeLayout& layout) {
   layout.origin -= layout.base;
 }
 
-// Converts doubles to a smaller type in the same memory. Returns false and changes nothing if a value does not fit.
+// Converts doubles to a smaller type, in place. If a value does not fit, returns false and changes nothing.
 template <class T>
 bool narrow(std::span<std::byte> bytes) {
   const std::size_t count = bytes.size() / sizeof(double);
@@ -138,7 +138,7 @@ std::variant<VoxelMemory, std::string> voxel_memory(std::uint64_t from, std::uin
 
 std::optional<std::string> unpack_into(std::span<const std::byte> bytes, std::span<std::byte> out,
                                        const WorldBudget& budget) {
-  constexpr std::size_t kPiece = std::size_t{1} << 24;  // bytes between two checks of the time limit
+  constexpr std::size_t kPiece = std::size_t{1} << 24;  // number of bytes between two checks of the time limit
   constexpr int kZlibOrGzip = 15 + 32;
   z_stream stream{};
   if (inflateInit2(&stream, kZlibOrGzip) != Z_OK) return "zlib cannot be initialised";
@@ -192,8 +192,8 @@ BytesResult load_beside(const VolumeFile& file, std::string_view name) {
   if (!file.read_beside) return std::string("the data file: other files are not read here");
   const std::string reference = net::reference_of_path(name);
   BytesResult loaded = file.read_beside(reference);
-  // Retry without the folder, which may be outdated.
-  const std::string alone = reference.substr(reference.rfind('/') + 1);  // the whole name if there is no '/'
+  // The folder in the reference may be outdated. Retry with the file name alone.
+  const std::string alone = reference.substr(reference.rfind('/') + 1);  // all of it without '/'
   if (std::holds_alternative<std::string>(loaded) && !alone.empty() && alone != reference)
     if (BytesResult beside = file.read_beside(alone); std::holds_alternative<SharedBytes>(beside))
       loaded = std::move(beside);
@@ -210,7 +210,7 @@ std::variant<std::uint64_t, std::string> stored_size(const qnv::VolumeLayout& la
   constexpr std::uint64_t kMaxComponents = 1u << 12;
   if (components == 0 || components > kMaxComponents)
     return std::to_string(components) + " components per voxel; expected 1 to " + std::to_string(kMaxComponents);
-  return qnv::voxel_count(layout) * size_of(type) * components;  // < 2^(48 + 3 + 12)
+  return qnv::voxel_count(layout) * size_of(type) * components;  // below 2^(48 + 3 + 12)
 }
 
 VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {
@@ -302,7 +302,7 @@ void add_metadata(qnv::VolumeLayout& layout, std::string_view key, std::string_v
   key = trimmed(key.substr(0, std::min(key.find('\0'), kMaxBytes)));
   value = trimmed(value.substr(0, std::min(value.find('\0'), kMaxBytes)));
   if (key.empty() || value.empty() || layout.metadata.size() >= kMaxPairs) return;
-  // Headers are ASCII by their standards; the encoding of other bytes is unknown.
+  // Headers should be ASCII. The encoding of other bytes is unknown.
   const auto plain = [](std::string_view text) {
     std::string result(text);
     for (char& c : result)

@@ -7,16 +7,16 @@
 #include <cstdlib>
 #include <utility>
 
-// Reader of FITS 4.0 images (https://fits.gsfc.nasa.gov/fits_standard.html). Voxels are used in place in the mapped
-// file. Tile compression (clause 10) is not supported.
+// Reader of FITS 4.0 images (https://fits.gsfc.nasa.gov/fits_standard.html). Reads voxels directly from the mapped
+// file. Does not support tile compression (clause 10).
 
 namespace gs::app {
 namespace {
 
-/// Finds the first image of the file; skips tables and other units.
+/// Returns the first image of the file. Skips tables and other units.
 std::variant<FitsUnit, std::string> find_image(std::span<const std::byte> file) {
   constexpr int kMaxUnits = 1000;
-  constexpr std::size_t kMaxCards = std::size_t{1} << 17;  // limit for all headers together: 10 MB
+  constexpr std::size_t kMaxCards = std::size_t{1} << 17;  // max number of cards in all headers together: 10 MB
   std::size_t cards = kMaxCards;
   std::uint64_t begin = 0;
   for (int unit = 1; unit <= kMaxUnits; ++unit) {
@@ -27,7 +27,7 @@ std::variant<FitsUnit, std::string> find_image(std::span<const std::byte> file) 
     if (found.header.is_true("ZIMAGE"))
       return "the image of header " + std::to_string(unit) +
              " is compressed in tiles (ZIMAGE); decompress it with funpack first";
-    // Arbitrary bytes may follow the last unit (3.5).
+    // The standard allows arbitrary bytes after the last unit (3.5).
     if (found.end >= file.size() || !text_of(file.subspan(found.end)).starts_with("XTENSION="))
       return std::string("the file has no image; expected one of 2 or 3 axes");
     begin = found.end;
@@ -53,8 +53,8 @@ StoredType type_of(int bits) {
   }
 }
 
-// Uses axis steps only if they have one unit and similar size. A cube of sky and velocity looks best with equal steps.
-// Ignores signs: east is left, as on the sky.
+// Sets the axis steps of the volume, if the steps have one unit and similar sizes. Otherwise, for example in a cube of
+// sky and velocity, equal steps look best. Ignores signs, so that east is left, as on the sky.
 void place(const FitsHeader& header, std::span<const int> axes, qnv::VolumeLayout& layout) {
   std::array<double, 3> steps{1, 1, 1};
   std::string unit;
@@ -100,7 +100,7 @@ VolumeResult open_fits(const VolumeFile& file) {
   if (unit.groups != 1) return "GCOUNT is " + std::to_string(unit.groups) + "; expected one image";
 
   std::vector<double> sizes;
-  std::vector<int> axes;  // axis numbers from 1
+  std::vector<int> axes;  // numbers of the axes, from 1
   for (std::size_t i = 0; i < unit.axes.size(); ++i) {
     if (unit.axes.size() > 3 && unit.axes[i] == 1) continue;
     sizes.push_back(static_cast<double>(unit.axes[i]));
@@ -115,7 +115,7 @@ VolumeResult open_fits(const VolumeFile& file) {
   layout.dimensions = *dimensions;
   layout.slope = header.number("BSCALE").value_or(1);
   layout.intercept = header.number("BZERO").value_or(0);
-  if (unit.bits > 0) layout.missing = header.number("BLANK");  // for integers only (4.4.2.5)
+  if (unit.bits > 0) layout.missing = header.number("BLANK");  // BLANK exists only for integers (4.4.2.5)
   place(header, axes, layout);
   describe(header, axes, layout);
   StoredVoxels voxels;

@@ -10,13 +10,13 @@
 namespace gs::app {
 namespace {
 
-/// Supported header tags.
+/// Header tags that this reader supports.
 struct MetaHeader {
   std::string type, data_file;
   std::vector<double> sizes, spacing, size, origin, matrix;
   double dimensions = 0, channels = 1, header_size = 0;
   bool big_endian = false, binary = true, compressed = false;
-  std::size_t end = 0;  // offset of LOCAL data
+  std::size_t end = 0;  // byte offset of the data if their file is LOCAL
 };
 
 std::optional<StoredType> meta_image_type_of(std::string_view name) {
@@ -62,7 +62,7 @@ MetaHeader read_meta_image_header(std::span<const std::byte> bytes, qnv::VolumeL
   constexpr std::size_t kMaxHeader = std::size_t{1} << 20;
   TextCursor cursor(bytes.first(std::min(bytes.size(), kMaxHeader)));
   const char* begin = cursor.next;
-  while (!cursor.at_end() && header.data_file.empty()) {  // ElementDataFile is the last tag
+  while (!cursor.at_end() && header.data_file.empty()) {  // the last tag is ElementDataFile
     const std::string_view line = cursor.line();
     const std::size_t equals = line.find('=');
     if (equals != std::string_view::npos)
@@ -72,7 +72,7 @@ MetaHeader read_meta_image_header(std::span<const std::byte> bytes, qnv::VolumeL
   return header;
 }
 
-// Positions the volume: row i of the matrix is the direction of axis i, as in ITK.
+// Sets axes and origin of the volume. Row i of the matrix is the direction of axis i, as in ITK.
 void place(const MetaHeader& header, qnv::VolumeLayout& layout) {
   const auto n = static_cast<std::size_t>(header.dimensions);
   const std::vector<double>& steps = header.spacing.empty() ? header.size : header.spacing;

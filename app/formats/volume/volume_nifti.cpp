@@ -7,8 +7,8 @@
 #include <cstring>
 #include <utility>
 
-// Reader of NIfTI-1 and NIfTI-2 (https://nifti.nimh.nih.gov), and of their predecessor ANALYZE 7.5. Section names below
-// refer to comments in nifti1.h.
+// Reader of NIfTI-1, NIfTI-2 (https://nifti.nimh.nih.gov) and their predecessor ANALYZE 7.5. Quoted titles refer to
+// comments in nifti1.h.
 
 namespace gs::app {
 namespace {
@@ -23,7 +23,7 @@ T value_at(std::span<const std::byte> bytes, std::size_t at, bool swap) {
   return std::bit_cast<T>(raw);
 }
 
-/// Offsets of a field in both header versions, which differ in field order and number sizes.
+/// Location of a field in both header versions. They differ in the order and sizes of fields.
 struct NiftiField {
   std::size_t first, second;
 };
@@ -31,10 +31,10 @@ constexpr NiftiField kMagic{344, 4}, kDimensions{40, 16}, kDataType{70, 12}, kSt
     kSlope{112, 176}, kIntercept{116, 184}, kUnits{123, 500}, kDescription{148, 240}, kQuaternionCode{252, 344},
     kMatrixCode{254, 348}, kQuaternion{256, 352}, kOffset{268, 376}, kMatrix{280, 400}, kIntent{328, 508};
 
-/// Complete header.
+/// Header that was completely read.
 class NiftiHeader {
  public:
-  /// Returns nullopt if the bytes do not start with a header.
+  /// Reads a header. Returns nullopt if the bytes do not begin with one.
   static std::optional<NiftiHeader> read(std::span<const std::byte> bytes) {
     if (bytes.size() < kNifti1Bytes) return std::nullopt;
     const auto size = value_at<std::int32_t>(bytes, 0, false);
@@ -53,7 +53,7 @@ class NiftiHeader {
   }
 
   [[nodiscard]] bool big_endian() const { return swap_ != (std::endian::native == std::endian::big); }
-  [[nodiscard]] bool is_nifti() const { return nifti_; }  // otherwise ANALYZE, which has only sizes and steps
+  [[nodiscard]] bool is_nifti() const { return nifti_; }  // false for ANALYZE, which has only sizes and steps
   [[nodiscard]] bool one_file() const { return one_file_; }
   [[nodiscard]] std::size_t size() const { return second_ ? kNifti2Bytes : kNifti1Bytes; }
 
@@ -66,17 +66,17 @@ class NiftiHeader {
     if (second_) return value_at<std::int32_t>(bytes_, field.second, swap_);
     return value_at<std::int16_t>(bytes_, field.first, swap_);
   }
-  /// Returns number i of a field.
+  /// Returns element `i` of a field.
   [[nodiscard]] double real(NiftiField field, std::size_t i = 0) const {
     if (second_) return value_at<double>(bytes_, field.second + 8 * i, swap_);
     return double{value_at<float>(bytes_, field.first + 4 * i, swap_)};
   }
-  /// Returns number i of a field, or 0 if it is not finite.
+  /// Returns element `i` of a field, or 0 if that number is not finite.
   [[nodiscard]] double number(NiftiField field, std::size_t i = 0) const {
     const double value = real(field, i);
     return std::isfinite(value) ? value : 0;
   }
-  /// Returns the step along axis 0 to 2.
+  /// Returns the voxel step along an axis, 0 to 2.
   [[nodiscard]] double step(std::size_t axis) const {
     const double step = number(kSteps, axis + 1);
     return step == 0 ? 1 : step;
@@ -90,7 +90,7 @@ class NiftiHeader {
         second_ ? value_at<std::int32_t>(bytes_, kUnits.second, swap_) : std::to_integer<int>(bytes_[kUnits.first]);
     return units & 7;
   }
-  /// Returns the offset of the voxels, in a separate file or after the header; negative if invalid.
+  /// Returns the offset of the voxels in their file, which may be a separate file. Negative if the offset is invalid.
   [[nodiscard]] std::int64_t voxel_offset() const {
     constexpr double kMax = 1e15;
     const double real = second_ ? 0 : number(kVoxelOffset);
@@ -100,7 +100,7 @@ class NiftiHeader {
     return one_file_ ? std::max(offset, static_cast<std::int64_t>(size())) : offset;
   }
 
-  /// Reports whether there are 1 to 7 positive lengths and a plausible number of voxels.
+  /// Returns true if the header has 1 to 7 positive lengths and a plausible number of voxels.
   [[nodiscard]] bool known_dimensions() const {
     constexpr std::uint64_t kMaxVoxels = std::uint64_t{1} << 48;
     const std::int64_t count = dimension(0);
@@ -160,14 +160,15 @@ std::optional<NiftiType> nifti_type_of(int code) {
   }
 }
 
-/// Rows with the steps along the three axes, and the origin.
+/// Matrix of 3 rows: the steps along the three axes, then the origin.
 using NiftiMatrix = std::array<std::array<double, 4>, 3>;
 
-/// Method 2 ("quaternion representation of rotation matrix"): b, c, d of a unit quaternion, and a flag that mirrors z.
+/// Returns the matrix of method 2 ("quaternion representation of rotation matrix"). The header has b, c, d of a unit
+/// quaternion, and a flag that mirrors z.
 NiftiMatrix quaternion_matrix(const NiftiHeader& header) {
   double b = header.number(kQuaternion, 0), c = header.number(kQuaternion, 1), d = header.number(kQuaternion, 2);
   const double rest = 1 - (b * b + c * c + d * d);
-  constexpr double kMin = 1e-7;  // smaller values mean half a turn, regardless of the length
+  constexpr double kMin = 1e-7;  // below this, b, c, d give half a turn whatever their length
   double a = 0;
   if (rest >= kMin) {
     a = std::sqrt(rest);
@@ -185,7 +186,7 @@ NiftiMatrix quaternion_matrix(const NiftiHeader& header) {
             header.number(kOffset, 2)}}};
 }
 
-/// Returns the matrix by method 3 if present, else 2, else 1 ("3D image orientation").
+/// Returns the matrix of the best method that the header has: 3, else 2, else 1 ("3D image orientation").
 NiftiMatrix matrix_of(const NiftiHeader& header) {
   if (header.is_nifti() && header.code(kMatrixCode) > 0) {
     NiftiMatrix matrix{};
@@ -222,7 +223,7 @@ void describe(const NiftiHeader& header, qnv::VolumeLayout& layout) {
     add_metadata(layout, "space units", kSpaceUnits[header.space_units()]);
 }
 
-/// Loads the companion file: for "a.img.gz" and ".hdr", "a.hdr" or "a.hdr.gz".
+/// Loads the other file of a pair. For "a.img.gz" and extension ".hdr", that is "a.hdr" or "a.hdr.gz".
 BytesResult load_partner(const VolumeFile& file, std::string_view extension) {
   std::string name = file.name;
   if (lower_case(name).ends_with(".gz")) name.resize(name.size() - 3);

@@ -10,12 +10,12 @@
 namespace gs::app {
 namespace {
 
-/// Supported header fields, unparsed.
+/// Header fields that this reader supports, unparsed.
 struct NrrdHeader {
   std::string type, encoding = "raw", endian, data_file, sizes, spacings, axis_mins, directions, origin, kinds;
   double dimension = 0, line_skip = 0, byte_skip = 0;
   bool detached = false;
-  std::size_t size = 0;  // size of the header with its blank line
+  std::size_t size = 0;  // size of the header in bytes, with the blank line at its end
 };
 
 std::optional<StoredType> nrrd_type_of(std::string_view name) {
@@ -62,7 +62,7 @@ void read_field(std::string_view name, std::string_view value, NrrdHeader& heade
     header.data_file = value;
     header.detached = true;
   }
-  // "content" is a title if written by a person. Tools write the processing history: "crop(tooth,[51,153])".
+  // "content" may be a title. If it has parentheses, a tool has written the processing history: "crop(tooth,[51,153])".
   if (key == "content") add_metadata(layout, value.find('(') == std::string_view::npos ? "title" : "content", value);
   if (key == "space" || key == "space units" || key == "sample units") add_metadata(layout, key, value);
 }
@@ -88,7 +88,7 @@ NrrdHeader read_nrrd_header(std::span<const std::byte> bytes, qnv::VolumeLayout&
   return header;
 }
 
-/// Parses vectors "(a,b,c)", one per axis; nullopt for "none".
+/// Parses vectors of the form "(a,b,c)", one per axis. "none" becomes nullopt.
 std::vector<std::optional<glm::vec3>> vectors_of(std::string_view text) {
   std::vector<std::optional<glm::vec3>> vectors;
   TextCursor cursor(text.data(), text.data() + text.size());
@@ -109,12 +109,12 @@ std::vector<std::optional<glm::vec3>> vectors_of(std::string_view text) {
   return vectors;
 }
 
-/// Spatial axes; of four or more axes, one may hold a voxel's components.
+/// Roles of the axes. Up to three are spatial. Of four or more axes, one may hold the components of a voxel.
 struct NrrdAxes {
   std::vector<std::size_t> spatial;
-  std::vector<double> sizes;  // of the spatial axes
+  std::vector<double> sizes;  // sizes of the spatial axes
   std::uint64_t components = 1;
-  double skipped = 1;  // largest size among other axes after the first spatial one
+  double skipped = 1;  // size of the largest unused axis after the first spatial axis
 };
 
 std::variant<NrrdAxes, std::string> axes_of(const NrrdHeader& header) {
@@ -133,7 +133,7 @@ std::variant<NrrdAxes, std::string> axes_of(const NrrdHeader& header) {
     const bool known = kinds.size() == sizes.size() && kinds[i] != "???" && kinds[i] != "none";
     spatial[i] = !none && !(known && kinds[i] != "space" && kinds[i] != "domain");
   }
-  // Without kinds, axes of one sample are not spatial, and components vary fastest.
+  // Without kinds: an axis with one sample is not spatial, and the components of a voxel vary fastest.
   for (const bool any_size : {false, true})
     for (std::size_t i = 0; i < sizes.size() && std::count(spatial.begin(), spatial.end(), true) > 3; ++i)
       if (any_size || sizes[i] == 1) spatial[i] = false;
@@ -174,7 +174,7 @@ void place(const NrrdHeader& header, const NrrdAxes& axes, qnv::VolumeLayout& la
   for (std::size_t i = 0; i < origin.size(); ++i) layout.origin[static_cast<int>(i)] = origin[i];
 }
 
-/// Returns the decompressed voxels after header and skipped lines.
+/// Returns the voxels after the header and skipped lines, decompressed.
 std::variant<StoredVoxels, std::string> voxels_of(const VolumeFile& file, const NrrdHeader& header, StoredType type,
                                                   std::uint64_t size, std::uint64_t count) {
   StoredVoxels voxels;
@@ -202,7 +202,7 @@ std::variant<StoredVoxels, std::string> voxels_of(const VolumeFile& file, const 
   if (header.encoding == "raw") {
     voxels.offset = voxels.content.bytes.size() - data.size() + skip;
   } else if (header.encoding == "gzip" || header.encoding == "gz") {
-    // A separate file that is gzip-compressed as a whole is already decompressed here.
+    // If a separate file is gzip-compressed as a whole, load_beside() has already decompressed it.
     BytesResult unpacked = SharedBytes{voxels.content.owner, data};
     const bool packed = data.size() >= 2 && data[0] == std::byte{0x1f} && data[1] == std::byte{0x8b};
     if (packed || !header.detached) unpacked = unpacked_exactly(data, size + skip, file.budget);

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-// Reader of SLC (VolVis): a text header, an icon, then slices of bytes, run-length encoded one by one if the header
-// says so.
+// Reader of SLC (VolVis). A file has a text header, an icon, then slices of bytes. If the header says so, each slice is
+// run-length encoded.
 
 namespace gs::app {
 namespace {
@@ -23,10 +23,10 @@ struct SlcHeader {
   std::array<std::uint32_t, 3> sizes{};
   std::array<double, 3> spacing{1, 1, 1};
   double bits = 8, compression = 0;
-  std::size_t end = 0;  // offset of the first slice
+  std::size_t end = 0;  // byte offset of the first slice
 };
 
-// Skips the X after a number; bytes follow directly. Returns false if there is none.
+// Skips the X after a number. No white space follows it. Returns false if there is no X.
 bool pass_mark(TextCursor& cursor) {
   if (!cursor.skip_space() || *cursor.next != 'X') return false;
   ++cursor.next;
@@ -57,7 +57,7 @@ std::optional<std::string> read_slc_header(std::span<const std::byte> bytes, Slc
       !(height >= 0 && height <= kLargestIcon))
     return "expected the size of the icon";
   if (!pass_mark(cursor)) return "expected X before the icon";
-  // The icon's red, green and blue planes start directly after the X.
+  // The red, green and blue planes of the icon start directly after the X.
   const std::size_t icon = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3;
   header.end = static_cast<std::size_t>(cursor.next - begin);
   if (icon > bytes.size() - std::min(bytes.size(), header.end)) return "the file ends within its icon";
@@ -65,8 +65,8 @@ std::optional<std::string> read_slc_header(std::span<const std::byte> bytes, Slc
   return std::nullopt;
 }
 
-// Decodes runs. The lower seven bits of a byte are the length. If the eighth bit is set, that many bytes follow, else
-// one byte to repeat. A length of 0 ends the slice.
+// Decodes the runs of a slice. Each run begins with a byte; its lower seven bits are the length. If the eighth bit is
+// set, that many bytes follow, else one byte that is repeated. Length 0 ends the slice.
 bool unpack_slice(std::span<const std::byte> from, std::span<std::byte> to) {
   std::size_t next = 0, done = 0;
   while (next < from.size()) {
@@ -90,7 +90,7 @@ bool unpack_slice(std::span<const std::byte> from, std::span<std::byte> to) {
 std::variant<SharedBytes, std::string> unpack_slices(const VolumeFile& file, const SlcHeader& header) {
   const std::span<const std::byte> bytes = file.content.bytes;
   const std::uint64_t slice = std::uint64_t{header.sizes[0]} * header.sizes[1];
-  // Two bytes encode at most 127.
+  // Two bytes of runs give at most 127 voxels.
   if (slice > std::uint64_t{bytes.size()} * 64 / header.sizes[2])
     return std::string("the file is too short for its sizes");
   const std::uint64_t size = slice * header.sizes[2];
@@ -124,7 +124,7 @@ bool is_slc(std::span<const std::byte> bytes) {
   SlcHeader header;
   const auto head = bytes.first(std::min(bytes.size(), kMaxSlcHeader));
   const auto problem = read_slc_header(head, header);
-  return !problem || problem->starts_with("the file ends");  // the icon may be beyond the checked bytes
+  return !problem || problem->starts_with("the file ends");  // the icon may end after the first bytes
 }
 
 VolumeResult open_slc(const VolumeFile& file) {

@@ -9,8 +9,8 @@
 namespace gs::app {
 namespace {
 
-/// Chooses the active scalars of points, else the first one-component array, else the first array; else the same of
-/// cells.
+/// Chooses an array: the active scalars of points, else the first point array with one component, else the first point
+/// array. Without point arrays, chooses among cell arrays by the same order.
 const VtkArray* choose(const VtkXmlHeader& header) {
   for (const bool of_points : {true, false}) {
     const std::string& scalars = of_points ? header.point_scalars : header.cell_scalars;
@@ -27,7 +27,7 @@ const VtkArray* choose(const VtkXmlHeader& header) {
   return nullptr;
 }
 
-/// Sets dimensions and position of the points, or of the cell centres.
+/// Sets dimensions and position of the voxels. Voxels are points, or centres of cells.
 std::optional<std::string> place(const VtkXmlHeader& header, bool of_points, qnv::VolumeLayout& layout) {
   const std::vector<double> extent = numbers_of(
       header.pieces.empty() || header.pieces.back().extent.empty() ? header.whole_extent : header.pieces.back().extent,

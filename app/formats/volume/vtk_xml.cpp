@@ -12,20 +12,20 @@
 #include <memory>
 #include <utility>
 
-// Common parser of VTK XML files: https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html
+// Parser of VTK XML files for all readers: https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html
 
 namespace gs::app {
 namespace {
 
-/// State of the parser's handlers.
+/// State of the XML parser.
 struct VtkParse {
   XML_Parser parser = nullptr;
   VtkXmlHeader header;
   std::optional<VtkSection> section;
   bool in_array = false;
   bool in_information = false, in_units = false;
-  bool has_data = false;   // the array has text before its first child element
-  bool data_ends = false;  // the array's text has ended at a child element
+  bool has_data = false;  // the current array has text before its first child element
+  bool data_ends = false;  // that text has ended, because a child element follows
 
   [[nodiscard]] std::size_t place() const { return static_cast<std::size_t>(XML_GetCurrentByteIndex(parser)); }
   [[nodiscard]] std::size_t place_behind() const {
@@ -64,7 +64,7 @@ void begin_array(VtkParse& parse, const XML_Char** attributes) {
   parse.has_data = parse.data_ends = false;
 }
 
-/// Begins a vtkInformation element, which VTK writes inside an array before the values.
+/// Begins an InformationKey element. VTK writes such elements inside an array, before or after the values.
 void begin_information(VtkParse& parse, const XML_Char** attributes) {
   if (parse.has_data && !parse.data_ends) {
     parse.header.arrays.back().end = parse.place();
@@ -144,7 +144,7 @@ void begin_element(void* user, const XML_Char* element, const XML_Char** attribu
   } else if (name == "InformationKey" && parse.in_array) {
     begin_information(parse, attributes);
   } else if (name == "AppendedData") {
-    // The appended data may be raw bytes, which are not XML.
+    // The appended data may be raw bytes, not XML. Stop parsing here.
     header.appended = parse.place_behind();
     header.appended_base64 = lower_case(attribute(attributes, "encoding", "base64")) != "raw";
     XML_StopParser(parse.parser, XML_FALSE);
@@ -175,7 +175,7 @@ int base64_value(std::byte byte) {
   return c == '/' ? 63 : -1;
 }
 
-/// Decodes up to `most` bytes of base64. Padding may occur inside, between two concatenated runs.
+/// Decodes base64 to at most `most` bytes. The text may be two runs in sequence, so padding may occur in the middle.
 std::vector<std::byte> base64_bytes(std::span<const std::byte> text, std::uint64_t most) {
   std::vector<std::byte> out;
   out.reserve(std::min<std::uint64_t>(most, text.size() / 4 * 3 + 3));
@@ -192,14 +192,14 @@ std::vector<std::byte> base64_bytes(std::span<const std::byte> text, std::uint64
     if (digit < 0) continue;
     bits = bits << 6 | static_cast<std::uint32_t>(digit);
     ++digits;
-    // The 2nd, 3rd and 4th digit of each four complete a byte.
+    // Of four digits, the 2nd, 3rd and 4th each complete a byte.
     if (digits >= 2) out.push_back(static_cast<std::byte>(bits >> (8 - 2 * digits) & 0xff));
     if (digits == 4) digits = 0;
   }
   return out;
 }
 
-/// Binary data of an array: lengths first, then the values, compressed or not.
+/// Binary data of an array: first lengths, then values, which may be compressed.
 class VtkData {
  public:
   VtkData(const VtkXmlHeader& header, SharedBytes bytes, bool base64, WorldBudget budget)
@@ -210,7 +210,7 @@ class VtkData {
         bytes_(std::move(bytes)),
         budget_(std::move(budget)) {}
 
-  /// Returns at least `size` bytes of values.
+  /// Returns the first `size` bytes of the values, or more.
   [[nodiscard]] BytesResult values(std::uint64_t size) {
     BytesResult result = packed_ ? unpacked(size) : plain(size);
     if (refused_) return *refused_;
@@ -248,12 +248,12 @@ class VtkData {
     std::array<std::byte, 8> raw{};
     std::memcpy(raw.data(), bytes.data() + index * word, word);
     if (big_endian_) std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(word));
-    return std::bit_cast<std::uint64_t>(raw);  // the bytes are now little-endian, the native order
+    return std::bit_cast<std::uint64_t>(raw);  // `raw` is little-endian now, like the machine
   }
   static_assert(std::endian::native == std::endian::little);
 
-  // Decompresses zlib blocks. Header: number of blocks, uncompressed block size, size of the last one (0: full), and
-  // each compressed size.
+  // Decompresses zlib blocks. The header has the number of blocks, the uncompressed size of a block, that of the last
+  // block (0 means a full block), and the compressed size of each block.
   [[nodiscard]] BytesResult unpacked(std::uint64_t size) {
     const std::uint64_t word = wide_ ? 8 : 4, most_blocks = bytes_.bytes.size() / word;
     const SharedBytes start = first(3 * word);
@@ -294,7 +294,7 @@ class VtkData {
   bool wide_, big_endian_, packed_, base64_;
   SharedBytes bytes_;
   WorldBudget budget_;
-  std::optional<std::string> refused_;  // memory error message
+  std::optional<std::string> refused_;  // message if the budget was exceeded
 };
 
 }  // namespace

@@ -20,11 +20,11 @@ namespace gs::app {
 
 enum class VtkSection : std::uint8_t { point_data, cell_data, points, vertices, lines, strips, polygons, cells };
 
-/// DataArray with the location of its values.
+/// DataArray element with the location of its values.
 struct VtkArray {
   std::string name, type, format = "ascii", units;
-  std::uint64_t components = 1, offset = 0;  // `offset` is relative to the appended data
-  std::size_t begin = 0, end = 0;            // range of the element's content
+  std::uint64_t components = 1, offset = 0;  // byte offset in the appended data
+  std::size_t begin = 0, end = 0;  // byte range of the element's content in the file
   VtkSection section = VtkSection::point_data;
   std::size_t piece = 0;
 };
@@ -38,22 +38,23 @@ struct VtkXmlHeader {
   std::string type, byte_order = "littleendian", header_type = "uint32", compressor;
   std::string whole_extent, origin, spacing, direction;
   std::string point_scalars, point_normals, cell_scalars;  // names of the active arrays
-  std::vector<VtkArray> arrays;                            // arrays in the sections above, up to a thousand
+  std::vector<VtkArray> arrays;  // arrays of all VtkSections, at most 1000
   std::vector<VtkPiece> pieces;
-  std::size_t piece_count = 0;          // total number in the file
+  std::size_t piece_count = 0;  // number of pieces in the file; `pieces` may have fewer
   std::optional<std::size_t> appended;  // offset of the appended data in the file
   bool appended_base64 = false;
 };
 
-/// Reports whether a file with these first bytes is VTK XML of the type ("ImageData").
+/// Returns true if a file with these first bytes is VTK XML of the type, such as "ImageData".
 [[nodiscard]] bool is_vtk_xml(std::span<const std::byte> bytes, std::string_view type);
-/// Parses the elements of such a file, or returns a message. Safe for untrusted bytes.
+/// Parses the elements of a VTK XML file of this type. Returns a message on failure. Safe for untrusted bytes.
 [[nodiscard]] std::variant<VtkXmlHeader, std::string> read_vtk_xml(std::span<const std::byte> bytes,
                                                                    std::string_view type);
-/// Finds a type by its lower-case name; nullopt if it is not numeric.
+/// Returns the number type for a lower-case type name, or nullopt if the name is not that of a numeric type.
 [[nodiscard]] std::optional<StoredType> vtk_type_of(std::string_view name);
 
-/// Returns the first `count` numbers (max 2^48) of an array, decompressed, one component per value; or a message.
+/// Returns the first `count` numbers of an array (at most 2^48), decompressed, one component per voxel. Returns a
+/// message on failure.
 [[nodiscard]] std::variant<StoredVoxels, std::string> vtk_values(const SharedBytes& file, const VtkXmlHeader& header,
                                                                  const VtkArray& array, std::uint64_t count,
                                                                  const WorldBudget& budget);
@@ -70,7 +71,7 @@ void each_stored(const StoredVoxels& values, std::uint64_t count, Take take) {
   }
 }
 
-/// Calls `take` with the first `count` numbers as doubles, or as many as are present.
+/// Calls `take` with the first `count` numbers, converted to double. If there are fewer numbers, passes all of them.
 template <class Take>
 void each_number(const StoredVoxels& values, std::uint64_t count, Take take) {
   static_assert(std::endian::native == std::endian::little);

@@ -14,7 +14,7 @@ namespace {
 constexpr std::int8_t kNoGridCorner = -1;
 using GridFaceCorners = std::array<std::int8_t, 4>;
 
-// Faces counterclockwise from outside, in VTK's order of corners.
+// Faces of a cell as corner indices in VTK's order, counterclockwise from outside.
 constexpr GridFaceCorners kGridTetrahedron[] = {
     {0, 1, 3, kNoGridCorner}, {1, 2, 3, kNoGridCorner}, {2, 0, 3, kNoGridCorner}, {0, 2, 1, kNoGridCorner}};
 constexpr GridFaceCorners kGridHexahedron[] = {{0, 4, 7, 3}, {1, 2, 6, 5}, {0, 1, 5, 4},
@@ -29,15 +29,15 @@ constexpr GridFaceCorners kGridPyramid[] = {{0, 3, 2, 1},
                                             {2, 3, 4, kNoGridCorner},
                                             {3, 0, 4, kNoGridCorner}};
 
-/// Display of a cell type.
+/// Way in which a cell type is shown.
 struct GridShape {
   enum class As : std::uint8_t { nothing, vertices, line, polygon, pixel, strip, solid, polyhedron } as = As::nothing;
-  std::size_t corners = 0;  // min number of corners
-  bool any_number = false;  // uses all corners; otherwise only the first ones
+  std::size_t corners = 0;  // min number of corners of a cell
+  bool any_number = false;  // true uses all corners of the cell, false only the first `corners`
   std::span<const GridFaceCorners> faces = {};
 };
 
-// Returns the shape of a vtkCellType.h number. Nodes on edges and inside come after the corners.
+// Returns the shape for a type number of vtkCellType.h. Nodes on edges and inside the cell come after the corners.
 GridShape grid_shape(std::uint8_t type) {
   using As = GridShape::As;
   switch (type) {
@@ -105,8 +105,8 @@ GridShape grid_shape(std::uint8_t type) {
   }
 }
 
-/// Key of a face, independent of the order of its corners: their number, the four smallest, and the sum of the others.
-/// Different faces can have equal keys only if cells overlap.
+/// Key of a face, independent of the order of its corners. Consists of the number of corners, the four smallest
+/// corners, and the sum of all corners. Different faces have equal keys only if cells overlap.
 struct GridFaceKey {
   std::array<std::int32_t, 4> least{};
   std::uint64_t count = 0, sum = 0;
@@ -115,9 +115,9 @@ struct GridFaceKey {
 };
 struct GridFace {
   GridFaceKey key;
-  std::size_t begin = 0, end = 0;  // range in `face_corners_`
+  std::size_t begin = 0, end = 0;  // range of the face's corners in `face_corners_`
   std::size_t cell = 0;
-  bool inner = false;  // shared by two cells
+  bool inner = false;  // true if two cells share the face
 };
 
 constexpr std::size_t kGridBetweenLooks = std::size_t{1} << 17;  // steps between two checks for cancellation
@@ -140,7 +140,7 @@ class GridSurface {
         corners += of_cell.size() + 2;
       }
     });
-    // Memory for each face, its position in key order, and its output.
+    // Memory for the faces, their order by key, and the output.
     builder_.draw(faces * (sizeof(GridFace) + sizeof(std::size_t) * 3) + face_corners * sizeof(std::int32_t) * 2 +
                   corners * (sizeof(std::int32_t) + 2 * sizeof(std::size_t)));
     faces_.reserve(faces);
@@ -166,7 +166,7 @@ class GridSurface {
       begin = grid_.cells.ends[i];
       const GridShape shape = grid_shape(i < grid_.types.size() ? grid_.types[i] : std::uint8_t{0});
       if (shape.as == GridShape::As::nothing) {
-        if (i >= grid_.types.size() || grid_.types[i] != 0) ++unknown_;  // 0 is an empty cell
+        if (i >= grid_.types.size() || grid_.types[i] != 0) ++unknown_;  // type 0 is an empty cell
       } else if (corners.size() < shape.corners || (shape.as == GridShape::As::polyhedron && !has_faces(corners))) {
         ++short_;
       } else {
@@ -175,7 +175,7 @@ class GridSurface {
     }
   }
 
-  // Reports whether a polyhedron is complete, with at least three corners per face.
+  // Returns true if a polyhedron is complete and each face has at least three corners.
   static bool has_faces(std::span<const std::int32_t> cell) {
     std::size_t next = 1;
     for (std::int32_t left = cell[0]; left > 0; --left) {
@@ -231,7 +231,7 @@ class GridSurface {
     GridFace face;
     face.cell = cell;
     face.begin = face_corners_.size();
-    // Some writers make wedges of hexahedra with coinciding corners; a face may then collapse to an edge.
+    // Some writers store wedges as hexahedra with coinciding corners. A face may then collapse to an edge.
     for (const std::int32_t corner : corners)
       if (face_corners_.size() == face.begin || face_corners_.back() != corner) face_corners_.push_back(corner);
     while (face_corners_.size() > face.begin + 1 && face_corners_.back() == face_corners_[face.begin])
@@ -265,7 +265,7 @@ class GridSurface {
     }
   }
 
-  // Reorders cell data to the output order: all vertices, then all lines, and so on.
+  // Reorders cell data to the order of the output: all vertices, all lines, and so on.
   void sort_data() {
     if (data_.of_cells.empty()) return;
     const PolyData::Data of_grid = std::move(data_.of_cells);
@@ -287,7 +287,7 @@ class GridSurface {
   MeshBuilder& builder_;
   std::vector<GridFace> faces_;
   std::vector<std::int32_t> face_corners_, sorted_;
-  std::array<std::vector<std::size_t>, PolyData::kKinds> owners_;  // source cell of each output cell
+  std::array<std::vector<std::size_t>, PolyData::kKinds> owners_;  // source cell of each output cell, by kind
   std::size_t unknown_ = 0, short_ = 0;
 };
 

@@ -8,7 +8,7 @@
 namespace gs::app {
 namespace {
 
-constexpr float kPolyCreaseAngle = 0.5f;  // smooths edges below this angle if a file has no normals
+constexpr float kPolyCreaseAngle = 0.5f;  // crease angle in radians for files without normals
 
 class PolyBuilder {
  public:
@@ -40,7 +40,7 @@ class PolyBuilder {
   [[nodiscard]] vrml::Color color_of(std::size_t place) const {
     return place < colors_.size() ? colors_[place] : vrml::Color{0.5f, 0.5f, 0.5f};
   }
-  // Calls `take` with the corners of each cell of a kind, and its index among all cells.
+  // Calls `take` for each cell of a kind, with its corners and its index among the cells of all kinds.
   template <class Take>
   void each_cell(PolyData::Kind kind, Take take) const {
     const PolyCells& cells = data_.cells[kind];
@@ -74,7 +74,8 @@ class PolyBuilder {
       index.push(kFaceEnd);
       if (by_cell_) colors.push(color_of(cell));
     });
-    // Each strip corner from the third on forms a triangle with the two before it; every second one is flipped.
+    // From the third on, each corner of a strip forms a triangle with the two corners before it. Every second triangle
+    // is flipped.
     each_cell(PolyData::strips, [&](std::span<const std::int32_t> corners, std::size_t cell) {
       for (std::size_t i = 2; i < corners.size(); ++i) {
         const bool turned = i % 2 == 1;
@@ -152,7 +153,7 @@ class PolyBuilder {
   PolyData data_;
   MeshBuilder& builder_;
   std::array<std::size_t, PolyData::kKinds> first_cell_{};
-  std::vector<vrml::Color> colors_;  // of points or cells; empty if there are none
+  std::vector<vrml::Color> colors_;  // colours of points or cells; empty if there are none
   bool by_cell_ = false;
   std::optional<ColorKey> key_;
   std::size_t left_out_ = 0;

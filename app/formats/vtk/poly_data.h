@@ -10,20 +10,20 @@
 
 namespace gs::app {
 
-/// Cells of one kind: concatenated corners, and the end of each cell in them.
+/// Cells of one kind: the corners of all cells in sequence, and the end of each cell in this sequence.
 struct PolyCells {
   std::vector<std::int32_t> corners;
   std::vector<std::size_t> ends;
 };
 
-/// VTK PolyData, as in its files.
+/// VTK PolyData in the structure of its files.
 struct PolyData {
-  enum Kind : std::uint8_t { vertices, lines, polygons, strips };  // in VTK's cell order
+  enum Kind : std::uint8_t { vertices, lines, polygons, strips };  // order of the cells in VTK
   static constexpr std::size_t kKinds = 4;
 
-  std::vector<glm::vec3> points, normals;  // normals are empty, or one per point
+  std::vector<glm::vec3> points, normals;  // `normals` is empty or has one entry per point
   std::array<PolyCells, kKinds> cells;
-  /// Scalars of all points or cells with their name, or colours, which take precedence. Empty if there are none.
+  /// Data of all points or all cells: scalars with their title, or colours. Colours take precedence. Both may be empty.
   struct Data {
     std::vector<float> values;
     std::vector<vrml::Color> colors;

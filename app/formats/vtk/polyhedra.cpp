@@ -8,7 +8,7 @@ namespace {
 
 using Indices = std::span<const std::int32_t>;
 
-/// Returns the part of `list` from `begin` to `end`; nullopt if it is out of range.
+/// Returns the part of `list` from `begin` to `end`, or nullopt if the range is invalid.
 std::optional<Indices> part_of(Indices list, std::size_t begin, std::size_t end) {
   if (begin > end || end > list.size()) return std::nullopt;
   return list.subspan(begin, end - begin);
@@ -20,7 +20,7 @@ class PolyhedronWriter {
                    ImportContext& context)
       : arrays_(arrays), first_point_(first_point), points_(points), to_(to), context_(context) {}
 
-  /// Adds the faces of a cell. After a return of false, discard the added data.
+  /// Adds the faces of a cell. If it returns false, the caller must discard the added data.
   bool add(Indices faces) { return arrays_.numbered ? numbered(faces) : one_by_one(faces); }
 
  private:
@@ -32,7 +32,7 @@ class PolyhedronWriter {
       const std::size_t begin = face == 0 ? 0 : static_cast<std::size_t>(arrays_.face_ends[face - 1]);
       const auto corners = part_of(arrays_.corners, begin, static_cast<std::size_t>(arrays_.face_ends[face]));
       if (!corners) return false;
-      // Several cells may share the same long face, so charge memory for each use.
+      // Several cells may share the same long face. Charge its memory for each use.
       context_.draw((corners->size() + 1) * sizeof(std::int32_t));
       add_face(*corners);
     }

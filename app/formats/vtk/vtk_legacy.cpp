@@ -16,7 +16,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::string_view kLegacyMark = "# vtk DataFile Version";
-constexpr double kMaxLegacy = 2e9;  // max points, cells or numbers of an array
+constexpr double kMaxLegacy = 2e9;  // max number of points, cells or array values
 
 std::optional<StoredType> legacy_type_of(std::string_view name) {
   static constexpr std::pair<std::string_view, StoredType> kNames[] = {
@@ -39,7 +39,7 @@ class LegacyImporter {
 
   void run() {
     (void)cursor_.line();
-    (void)cursor_.line();  // title
+    (void)cursor_.line();  // skip the title
     const std::string format = lower_case(std::string(trimmed(cursor_.line())));
     binary_ = format == "binary";
     if (!binary_ && format != "ascii") return builder_.fail("expected ASCII or BINARY", {3, 1});
@@ -61,7 +61,7 @@ class LegacyImporter {
  private:
   [[nodiscard]] SourceLocation place() { return lines_.location(cursor_.next); }
 
-  // Moves to the next line that is not empty. Returns false at the end.
+  // Moves to the next non-empty line. Returns false at the end of the file.
   bool next_line() {
     while (!cursor_.at_end()) {
       line_ = trimmed(cursor_.line());
@@ -69,7 +69,8 @@ class LegacyImporter {
     }
     return false;
   }
-  // Returns the next word of the line, unchanged; empty if there is none. `word` returns it in lower case.
+  // Reads the next word of the line, in its original case. Returns an empty string at the end of the line. `word`
+  // returns lower case.
   std::string name() {
     const std::size_t end = std::min(line_.find_first_of(" \t"), line_.size());
     const std::string found(line_.substr(0, std::min<std::size_t>(end, 200)));
@@ -77,7 +78,7 @@ class LegacyImporter {
     return found;
   }
   std::string word() { return lower_case(name()); }
-  // Reads an integer of the line. Sets `problem_` and returns nullopt if there is none.
+  // Reads an integer from the line. If there is none, sets `problem_` and returns nullopt.
   std::optional<std::uint64_t> count() {
     const std::string text = name();
     TextCursor number(text.data(), text.data() + text.size());
@@ -87,7 +88,8 @@ class LegacyImporter {
     return std::nullopt;
   }
 
-  // Reads the next `count` numbers of the file. Sets `problem_` and returns false if some are missing.
+  // Reads `count` numbers from the file and passes each to `take`. If some are missing, sets `problem_` and returns
+  // false.
   template <class Take>
   bool numbers(const std::string& type_name, std::uint64_t count, Take take) {
     const auto type = legacy_type_of(type_name);
@@ -118,7 +120,7 @@ class LegacyImporter {
     problem_ = "there are " + std::to_string(read) + " numbers, or other content; expected " + std::to_string(count);
     return false;
   }
-  // Charges memory for `count` items, but at most for one per remaining byte.
+  // Charges memory for `count` items of `each` bytes. Counts at most one item per remaining byte of the file.
   void draw_for(std::uint64_t count, std::uint64_t each) {
     const auto left = static_cast<std::uint64_t>(cursor_.end - cursor_.next);
     builder_.draw(std::min(count, left) * each);
@@ -166,8 +168,8 @@ class LegacyImporter {
     });
   }
 
-  // Reads "POLYGONS cells numbers", then the corners of each cell after their count. From version 5.1 on reads
-  // "POLYGONS offsets corners", OFFSETS (from 0) and CONNECTIVITY.
+  // Reads the corners of cells. Up to version 5.0, "POLYGONS cells numbers" precedes the cells, each with its number of
+  // corners. From version 5.1 on, "POLYGONS offsets corners" precedes OFFSETS (from 0) and CONNECTIVITY.
   void cells(PolyCells& cells) {
     const auto rows = count(), all = rows ? count() : std::nullopt;
     if (!all) return;
@@ -192,14 +194,14 @@ class LegacyImporter {
         return;
       }
       (void)numbers(word(), *all, [&](double corner) { cells.corners.push_back(corner_of(corner)); });
-      // The part may occur twice, so append to existing cells.
+      // This section may occur twice. Append to the existing cells.
       for (std::size_t i = 1; i < ends.size() && ends[i] <= cells.corners.size() - first; ++i)
         cells.ends.push_back(first + ends[i]);
       cells.corners.resize(cells.ends.empty() ? 0 : cells.ends.back());
       return;
     }
     cursor_ = before;
-    std::uint64_t left = 0;  // remaining corners of the current cell
+    std::uint64_t left = 0;  // number of corners of the current cell still to read
     bool in_cell = false;
     (void)numbers("int", *all, [&](double value) {
       if (!in_cell) {
@@ -213,7 +215,7 @@ class LegacyImporter {
       cells.ends.push_back(cells.corners.size());
       in_cell = false;
     });
-    // Drop an incomplete last cell.
+    // Drop the last cell if it is incomplete.
     cells.corners.resize(cells.ends.empty() ? 0 : cells.ends.back());
   }
 
@@ -231,7 +233,7 @@ class LegacyImporter {
     }
   }
 
-  // Priority of point or cell data for display; the lowest rank wins.
+  // Priority of point or cell data for display. The data with the lowest value are shown.
   enum Rank : int { scalars, one_number, several, nothing };
 
   void attribute(const std::string& keyword) {
@@ -333,9 +335,9 @@ class LegacyImporter {
   TextCursor cursor_;
   LineCounter lines_;
   MeshBuilder& builder_;
-  std::string_view line_;  // rest of the line
+  std::string_view line_;  // rest of the current line
   bool binary_ = false, of_points_ = true;
-  std::optional<std::uint64_t> rows_;  // number of rows of point or cell data
+  std::optional<std::uint64_t> rows_;  // number of rows of point or cell data; nullopt before such a section
   Rank points_rank_ = nothing, cells_rank_ = nothing;
   PolyData data_;
   GridCells grid_;

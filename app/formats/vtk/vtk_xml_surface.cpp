@@ -37,7 +37,7 @@ class VtpImporter {
   }
 
  private:
-  // Chooses an array of a section: the one with this name, else the first with one component, else the first.
+  // Chooses an array of a section: the array with the name `active`, else the first with one component, else the first.
   [[nodiscard]] const VtkArray* chosen(VtkSection section, const std::string& active) const {
     const VtkArray *single = nullptr, *first = nullptr;
     for (const VtkArray& array : header_.arrays) {
@@ -59,7 +59,7 @@ class VtpImporter {
       if (array.piece == piece && array.section == section && (name.empty() || array.name == name)) return &array;
     return nullptr;
   }
-  // Reads numbers of an array. Reports an error and returns nullopt on failure.
+  // Reads the first `count` numbers of an array. On failure, reports an error and returns nullopt.
   std::optional<StoredVoxels> numbers(const VtkArray& array, std::uint64_t count) {
     auto values = vtk_values(file_, header_, array, count, builder_.budget());
     if (auto* found = std::get_if<StoredVoxels>(&values)) return std::move(*found);
@@ -94,7 +94,7 @@ class VtpImporter {
       cells += kinds[kind].second;
       whole = read_cells(number, kinds[kind].first, kinds[kind].second, first, data_.cells[kind]) && whole;
     }
-    // Pieces interleave the order of cells, which would mix up cell data.
+    // With several pieces, the order of cells differs from the order of cell data.
     if (!shown_of_cells_ || !whole || cells == 0) return;
     if (header_.pieces.size() == 1)
       read_data(number, *shown_of_cells_, 0, cells, data_.of_cells);
@@ -117,7 +117,8 @@ class VtpImporter {
     return true;
   }
 
-  // Reads the piece's array with the same name as `shown`. `first` is the number of points or cells before it.
+  // Reads the array of a piece with the same name as `shown`. `first` is the number of points or cells in earlier
+  // pieces.
   void read_data(std::size_t piece, const VtkArray& shown, std::size_t first, std::uint64_t count,
                  PolyData::Data& data) {
     const VtkArray* const array = array_of(piece, shown.section, shown.name);
@@ -154,13 +155,13 @@ class VtpImporter {
       data.values.push_back(static_cast<float>(length));
     });
   }
-  // Fills missing data of later pieces.
+  // Fills up data that later pieces lack.
   static void finish(PolyData::Data& data, std::size_t count) {
     if (!data.colors.empty()) data.colors.resize(count, {0.5f, 0.5f, 0.5f});
     if (!data.values.empty()) data.values.resize(count, NAN);
   }
 
-  // Reads the cells of a grid with their types. Returns false if some are missing.
+  // Reads the cells of a grid and their types. Returns false if some are missing.
   bool read_grid(std::size_t piece, std::uint64_t count, std::size_t first) {
     if (count == 0) return true;
     const VtkArray* const types = array_of(piece, VtkSection::cells, "types");
@@ -180,7 +181,7 @@ class VtpImporter {
     return true;
   }
 
-  // Reads the faces of a piece's polyhedra, in place of their corners. The piece's cells begin at `first_cell`.
+  // Replaces the corners of a piece's polyhedra by their faces. The cells of the piece begin at `first_cell`.
   void read_polyhedra(std::size_t piece, std::size_t first_cell, std::size_t first_point) {
     PolyhedronArrays arrays;
     const std::size_t count = grid_.types.size() - first_cell;
@@ -201,7 +202,7 @@ class VtpImporter {
       });
       return indices;
     };
-    // Before VTK 9.4, one array holds the faces of all cells; since then, cells refer to face numbers.
+    // Before VTK 9.4, one array holds the faces of all cells. From 9.4 on, cells refer to faces by number.
     arrays.numbered = array_of(piece, VtkSection::cells, "polyhedron_offsets") != nullptr;
     const auto take = [&](std::string_view name, std::size_t most, std::vector<std::int32_t>& to) {
       auto found = read(name, most);

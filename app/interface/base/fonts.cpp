@@ -33,7 +33,7 @@ constexpr const char* kFonts[] = {
     "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
     "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf",
 };
-// Initially rendered ranges: Latin, Greek, Cyrillic, and punctuation.
+// Unicode ranges that are rendered at first: Latin, Greek, Cyrillic, punctuation and arrows.
 constexpr ImWchar kRanges[] = {0x0020, 0x024F, 0x0370, 0x052F, 0x2010, 0x2044, 0x2190, 0x21FF, 0};
 
 bool is_drawn_at_first(char32_t character) {
@@ -55,7 +55,7 @@ void add_character(std::string& text, char32_t c) {
   }
 }
 
-/// Grey-scale glyph in screen size.
+/// Rendered glyph: the coverage of its pixels on the screen.
 struct GlyphPicture {
   int width = 0, height = 0;
   float left = 0, top = 0, advance = 0;  // relative to the pen; `top` and `advance` from the baseline, upwards
@@ -67,7 +67,7 @@ struct GlyphPicture {
 struct InterfaceFonts::Glyphs {
   ImGuiContext* context = nullptr;
   float pixels = 0, built_pixels = 0;
-  std::set<char32_t> wanted;               // in addition to the initial ranges
+  std::set<char32_t> wanted;  // characters to render besides kRanges
   std::size_t built = 0;                   // number of `wanted` glyphs already rendered
   std::map<char32_t, char32_t> stand_ins;  // private-use characters for those outside the BMP
   std::map<char32_t, char32_t> stand_for;  // inverse of stand_ins
@@ -187,7 +187,7 @@ void InterfaceFonts::build() {
       std::memcpy(pixels + static_cast<std::ptrdiff_t>(place->Y + y) * width + place->X,
                   one.picture.coverage.data() + static_cast<std::ptrdiff_t>(y) * one.picture.width,
                   static_cast<std::size_t>(one.picture.width));
-    // The glyph's position depends on the first font's baseline, known only now.
+    // Set the glyph's position, which depends on the baseline of the first font.
     auto* glyph = const_cast<ImFontGlyph*>(font->FindGlyphNoFallback(static_cast<ImWchar>(one.character)));
     if (!glyph) continue;
     const float top = base_line - one.picture.top;
@@ -216,7 +216,7 @@ std::string InterfaceFonts::shown(std::string_view utf8) {
 }
 
 char32_t InterfaceFonts::drawn(char32_t character) {
-  if (character >= kFirstPrivate && character <= kLastPrivate) character = 0xFFFD;  // meaning is unknown
+  if (character >= kFirstPrivate && character <= kLastPrivate) character = 0xFFFD;  // private use: meaning is unknown
   if (character > kLastOfPlane) {
     const char32_t next = kFirstPrivate + static_cast<char32_t>(glyphs_->stand_ins.size());
     const auto [place, is_new] = glyphs_->stand_ins.try_emplace(character, std::min(next, kLastPrivate));

@@ -16,7 +16,7 @@ std::optional<int> score_of_word(const std::string& text, const std::string& wor
   for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1))
     if (at == 0 || !is_part_of_word(text[at - 1])) return kWhole + kAtWord + (at == 0 ? kAtStart : 0);
   if (text.find(word) != std::string::npos) return kWhole;
-  // Match letter by letter: word starts score more, gaps less.
+  // Match letter by letter. Matches at the start of a word score more; gaps between matches score less.
   int score = 0;
   std::size_t at = 0;
   for (const char c : word) {

@@ -10,8 +10,9 @@
 namespace gs::app {
 namespace {
 
-/// Drawing in a square of 16 units, y down. Commands: M x y moves; L x y draws a line; Z closes the path; C x y r draws
-/// a circle; D x y r a filled circle. A x y r from to draws an arc; angles are in degrees, clockwise from the right.
+/// Icon and its drawing in a square of 16 units, with y downwards. Commands: M x y moves; L x y draws a line; Z closes
+/// the path; C x y r draws a circle; D x y r draws a filled circle; A x y r FROM TO draws an arc. Angles are in
+/// degrees, clockwise from the right.
 struct IconRow {
   Icon icon;
   const char* strokes;

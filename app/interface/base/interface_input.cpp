@@ -11,8 +11,8 @@ namespace {
 
 using Kind = WindowEvent::Kind;
 
-constexpr std::size_t kMaxEvents = 10'000;  // max pending events; the oldest are dropped
-constexpr int kFirstFunctionKey = 256;      // GLFW key codes from here on are not characters
+constexpr std::size_t kMaxEvents = 10'000;  // max pending events; beyond it, the oldest are dropped
+constexpr int kFirstFunctionKey = 256;  // first GLFW key code that is not a character
 
 bool is_modifier(const WindowEvent& event) {
   return event.key == Key::shift || event.key == Key::control || event.key == Key::alt;
@@ -25,7 +25,7 @@ void InterfaceInput::add(const std::vector<WindowEvent>& events) {
     const bool matters = event.kind != Kind::drop && event.kind != Kind::refresh && event.kind != Kind::axes;
     if (!matters) continue;
     if (events_.size() >= kMaxEvents) events_.pop_front();
-    // Merge pointer movements.
+    // Replace the last pending pointer movement by the newer one.
     if (event.kind == Kind::pointer && !events_.empty() && events_.back().kind == Kind::pointer) events_.pop_back();
     events_.push_back(event);
   }
@@ -60,12 +60,13 @@ bool InterfaceInput::take(const WindowEvent& event, ImGuiIO& io, Changes& change
       return true;
     }
     case Kind::pointer:
-      // A press or release belongs to the pointer position at that time.
+      // Let pointer movements wait for the next frame after a press or release, which belongs to the pointer position
+      // at its time.
       if (std::find(changes.buttons.begin(), changes.buttons.end(), true) != changes.buttons.end()) return false;
       pointer_ = event.pointer;
       return true;
     case Kind::pointer_left:
-      // A drag continues outside the window.
+      // Keep the position while a button is held, because a drag continues outside the window.
       if (std::find(buttons_.begin(), buttons_.end(), true) == buttons_.end()) pointer_.reset();
       return true;
     case Kind::wheel:
@@ -92,7 +93,7 @@ bool InterfaceInput::take_key(const WindowEvent& event, ImGuiIO& io, Changes& ch
     if (changes.modifier || changes.plain || changes.character) return false;
     changes.modifier = true;
   } else {
-    const bool typed = event.code < kFirstFunctionKey && !commands;  // a character event follows
+    const bool typed = event.code < kFirstFunctionKey && !commands;  // a character event follows this key event
     const bool again = std::find(changes.keys.begin(), changes.keys.end(), event.code) != changes.keys.end();
     if ((again || changes.character) && !typed) return false;
     if (text_waits && !typed) return false;

@@ -8,10 +8,10 @@
 
 namespace gs::app {
 
-/// Stack of notices (toasts) that disappear after a while. A new one does not replace an unread one.
+/// Stack of notices (toasts), each with an expiry time. A new notice does not replace older ones.
 class Notices {
  public:
-  static constexpr std::size_t kMax = 5;  // max at a time; then the oldest is removed
+  static constexpr std::size_t kMax = 5;  // max notices at a time; beyond it, the oldest is removed
   static constexpr double kSeconds = 3.5, kProblemSeconds = 12;
 
   struct Line {
@@ -21,8 +21,9 @@ class Notices {
     std::string about = {};
   };
 
-  /// Shows a notice. An equal one already shown stays longer instead. `about` groups notices of a value that changes in
-  /// steps, such as speed: only the newest is shown, and an empty text removes it. An empty `about` means no group.
+  /// Shows a notice. If a notice with equal text is visible, extends its time instead. `about` names a value that
+  /// changes in steps, such as speed: a new notice replaces the previous one with the same `about`, and an empty text
+  /// removes it. With an empty `about`, replaces no other notice.
   void show(std::string text, bool is_problem, double now, std::string_view about = {});
   /// Removes expired notices.
   void expire(double now);
@@ -32,7 +33,7 @@ class Notices {
   void clear() { lines_.clear(); }
   /// Returns the notices, oldest first.
   [[nodiscard]] const std::vector<Line>& lines() const { return lines_; }
-  /// Returns the time of the next expiry.
+  /// Returns the time of the next expiry; nullopt if there are no notices.
   [[nodiscard]] std::optional<double> next() const;
 
  private:

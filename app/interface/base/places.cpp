@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Packed ones count.
+// Reports whether a content type has this file extension. Ignores a trailing ".gz".
 bool is_known_name(const std::string& given) {
   std::string name = lower_case(given);
   if (name.ends_with(".gz")) name.resize(name.size() - 3);
@@ -56,7 +56,7 @@ const std::vector<FolderListing::Entry>& FolderListing::entries_of(const std::st
   for (; !error && entry != fs::directory_iterator() && entries_.size() < kMaxEntries; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
     if (name.empty()) continue;
-    std::error_code ignored;  // of a link that leads nowhere
+    std::error_code ignored;  // an error of a dangling symbolic link
     if (entry->is_directory(ignored))
       entries_.push_back({name, true, false});
     else if (entry->is_regular_file(ignored))
@@ -99,7 +99,7 @@ std::string completed_path(const std::string& typed, FolderListing& listing) {
     while (!begins(entry.name, common)) common.pop_back();
   if (fit.size() == 1 && fit.front().is_folder) common += '/';
   if (common.size() < path.part.size()) return typed;
-  // Not in the middle of a character.
+  // Do not cut in the middle of a UTF-8 character.
   while (!common.empty() && fit.size() > 1 && (static_cast<unsigned char>(common.back()) & 0x80) != 0 &&
          common.size() > path.part.size())
     common.pop_back();

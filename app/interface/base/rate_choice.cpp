@@ -23,7 +23,7 @@ std::optional<std::uint64_t> rate_choice(const char* id, std::uint64_t rate, flo
   std::optional<std::uint64_t> chosen;
   ImGui::SetNextItemWidth(width);
   if (!ImGui::BeginCombo(id, rate_text(rate).c_str(), ImGuiComboFlags_HeightLarge)) return chosen;
-  // Insert a rate from the command line if it is not in the list.
+  // Add a rate from the command line to the list if it is not one of kRates.
   std::vector<std::uint64_t> rates(std::begin(kRates), std::end(kRates));
   if (std::find(rates.begin(), rates.end(), rate) == rates.end())
     rates.insert(std::upper_bound(rates.begin(), rates.end(), rate), rate);

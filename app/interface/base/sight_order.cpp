@@ -8,7 +8,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kLongestLine = 4096;  // max characters to reorder
+constexpr std::size_t kLongestLine = 4096;  // max characters of a line that is reordered
 
 bool is_written_from_the_right(char32_t c) {
   return (c >= 0x0590 && c <= 0x08FF) || (c >= 0xFB1D && c <= 0xFDFF) || (c >= 0xFE70 && c <= 0xFEFE);

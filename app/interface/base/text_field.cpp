@@ -19,11 +19,12 @@ namespace {
 
 bool begins_character(char byte) { return (static_cast<unsigned char>(byte) & 0xC0) != 0x80; }
 
-/// Text with right-to-left parts in visual order. Dear ImGui draws logical order, so its own drawing is hidden.
+/// Line of text with right-to-left parts, in visual order. It is drawn over Dear ImGui's own text, which is hidden
+/// because it has logical order.
 struct SeenLine {
   std::u32string text;
   SightOrder order;
-  std::vector<float> edges;  // x positions of the visual characters from the left; one more than characters
+  std::vector<float> edges;  // x positions between the visual characters, from 0 at the left; one more than characters
 
   explicit SeenLine(const std::string& utf8) : text(render::characters_of(utf8)), order(sight_order(text)) {
     InterfaceFonts* const fonts = InterfaceFonts::current();
@@ -38,7 +39,7 @@ struct SeenLine {
     }
     edges.push_back(edge);
   }
-  /// Convert between character index and byte offset.
+  /// Returns the index of the character at a byte offset.
   [[nodiscard]] std::size_t character_at(std::string_view bytes, int byte) const {
     const std::string_view before = bytes.substr(0, static_cast<std::size_t>(std::max(byte, 0)));
     const auto count = std::count_if(before.begin(), before.end(), begins_character);
@@ -49,7 +50,7 @@ struct SeenLine {
     while (byte < bytes.size() && !(begins_character(bytes[byte]) && character-- == 0)) ++byte;
     return static_cast<int>(byte);
   }
-  /// Returns the text index for insertion at `x`, from the left of the line.
+  /// Returns the text index at which to insert after a click at `x`, measured from the left of the line.
   [[nodiscard]] std::size_t pointed(float x) const {
     if (order.characters.empty()) return 0;
     std::size_t place = 0;
@@ -60,16 +61,16 @@ struct SeenLine {
 
 struct Editing {
   std::string& text;
-  bool to_end;  // on focus by command, move the caret to the end
+  bool to_end;  // a command focused the field: move the caret to the end of the text
   FieldEvents& events;
   const FieldKeys& keys;
   const SeenLine* line;      // null if the text is left-to-right
-  float left = 0;            // screen position of the line
-  int cursor = 0, held = 0;  // byte offsets; `held` is where the pointer was pressed
+  float left = 0;  // screen x of the left end of the line
+  int cursor = 0, held = 0;  // byte offsets: the caret, and where the mouse button was pressed
   int selected_from = 0, selected_to = 0;
 };
 
-// Places the caret by the visual text, not by Dear ImGui's logical layout.
+// Moves the caret and the selection to the pointer by the visual order. Dear ImGui itself would use the logical order.
 void follow_pointer(ImGuiInputTextCallbackData& data, Editing& editing) {
   const ImGuiIO& io = ImGui::GetIO();
   if (!editing.line || !io.MouseDown[0] || io.MouseDoubleClicked[0] || io.KeyShift) return;
@@ -124,7 +125,7 @@ int edited(ImGuiInputTextCallbackData* data) {
   return 0;
 }
 
-// Returns the left edge of the line in the frame of the previous item. Scrolls to keep the caret visible.
+// Returns the x of the line's left end within the frame of the previous item, scrolled so that the caret is visible.
 float left_of_line(const SeenLine& line, float from, float to, std::size_t caret) {
   const float width = to - from, at = line.edges[std::min(caret, line.edges.size() - 1)];
   if (line.edges.back() <= width) return from;
@@ -166,7 +167,7 @@ FieldEvents text_field(const char* id, const char* hint, std::string& text, floa
   if (width <= 0) width = std::max(1.0f, ImGui::GetContentRegionAvail().x + width);
   if (text.size() > kLongestTyped) text.resize(kLongestTyped);
   const std::string before = text;
-  // Request the glyphs of its characters.
+  // Request the glyphs of the field's text.
   if (InterfaceFonts* fonts = InterfaceFonts::current())
     for (const char32_t character : render::characters_of(text)) fonts->note(character);
   ImGuiStorage& storage = *ImGui::GetStateStorage();

@@ -28,119 +28,119 @@ namespace gs::app {
 
 class Inspection;
 
-/// A viewport in sight.
+/// Visible viewport.
 struct UiViewport {
-  std::size_t pane = 0;  // its number, from 0
+  std::size_t pane = 0;  // index of the viewport, from 0
   Viewport place;
-  std::string label;    // of the file it shows; empty: none
-  std::string loading;  // label of what is being read for it, or empty
+  std::string label;  // name of the displayed file; empty if the viewport is empty
+  std::string loading;  // name and progress of the file that is loading; empty if no file is
   bool active = false;
-  double weight = 1;           // of its shares
-  double vectors = 0;          // its share of the budget of vectors, 0 to 1; 0: it shows none
-  std::size_t budget = 0;      // that many
-  double reading = 0;          // its share of what is read over the network; 0: it waits for nothing there
-  std::uint64_t rate = 0;      // bits a second that may come for it at most; 0: any
-  double arriving = 0;         // that do
-  std::string failed, reason;  // label of a file that it could not show, and why; empty: none
-  bool axes = false;           // are shown in a corner
-  Pose pose;                   // of its viewer
+  double weight = 1;  // weight of the viewport when budget and bandwidth are divided
+  double vectors = 0;  // share of all drawn vectors, 0 to 1; 0 if no vectors are drawn
+  std::size_t budget = 0;  // vector budget of this viewport
+  double reading = 0;  // share of the network bandwidth, 0 to 1; 0 if no stream is loading
+  std::uint64_t rate = 0;  // bandwidth limit in bits/s; 0 means unlimited
+  double arriving = 0;  // measured receive rate in bits/s
+  std::string failed, reason;  // name of the file that failed to open, and the error; empty if none failed
+  bool axes = false;  // the axes widget is visible
+  Pose pose;  // pose of the viewer
 };
 
-/// A question to the user about what a world may do.
+/// Question to the user about a permission of a world.
 struct UiQuestion {
   enum class Kind : std::uint8_t {
-    folder,   // may it read a folder that is not its own?
-    network,  // may its Scripts, which have read another local file, use the network?
+    folder,  // read a folder outside the world's own folder
+    network,  // let Scripts use the network, although they have read another local file
   };
   Kind kind = Kind::folder;
-  std::string world;    // label
-  std::string subject;  // the folder, or the first URL
-  std::string reason;   // the reference to the folder, or the file that was read
+  std::string world;  // name of the world's file
+  std::string subject;  // the folder, or the first requested URL
+  std::string reason;  // the world's reference to the folder, or the local file that the Script read
 };
 
-/// State that the user interface shows. Made again for each frame; pointers are valid for that frame only.
+/// State that the user interface shows. Rebuilt for each frame; pointers are valid for that frame only.
 struct UiModel {
-  std::vector<std::string> files;   // labels
-  std::vector<std::string> paths;   // of these
-  std::optional<std::size_t> file;  // of these, the chosen one
+  std::vector<std::string> files;  // names of the opened files
+  std::vector<std::string> paths;  // paths or URLs of `files`
+  std::optional<std::size_t> file;  // index of the selected file in `files`
 
   std::vector<UiViewport> viewports;
-  std::optional<ViewportLayout> layout = ViewportLayout::one;  // nullopt for a split without a button
-  std::size_t panes = 1;                                       // those out of sight beside a maximised one, too
+  std::optional<ViewportLayout> layout = ViewportLayout::one;  // nullopt if no layout button corresponds to the split
+  std::size_t panes = 1;  // number of viewports, visible and hidden
   bool maximised = false;
-  std::vector<std::pair<std::size_t, std::string>> pane_labels;  // of all of them, with their numbers from 0
-  std::vector<SplitDivider> dividers;                            // between those in sight
-  bool linked = false;                                           // all viewports move as one
+  std::vector<std::pair<std::size_t, std::string>> pane_labels;  // index from 0 and file name of every viewport
+  std::vector<SplitDivider> dividers;  // between visible viewports
+  bool linked = false;  // all viewports share one camera movement
   std::optional<UiQuestion> question;
 
-  // Of the user.
+  // Data of the user.
   UserSettings settings;
-  std::vector<std::string> recent;  // paths and URLs, the newest first
+  std::vector<std::string> recent;  // paths and URLs of recent files, newest first
   std::vector<Bookmark> bookmarks;
-  std::size_t to_restore = 0;  // files of a window that ended by itself; 0: nothing is asked
+  std::size_t to_restore = 0;  // number of files that were open when the last run crashed; 0 means nothing to restore
 
-  // From here on: the active viewport.
-  std::string address;                  // path or URL of what it shows or waits for
-  std::optional<std::size_t> bookmark;  // of that file and viewpoint
+  // The fields from here on describe the active viewport.
+  std::string address;  // path or URL of the displayed or loading file
+  std::optional<std::size_t> bookmark;  // index in `bookmarks` of the bookmark of this file and viewpoint
   bool can_go_back = false, can_go_forward = false;
   bool loading = false;
   bool has_world = false;
-  bool first_steps = false;  // it is what a program without arguments shows, to whom has not closed the first steps
+  bool first_steps = false;  // show the hints for beginners over the start world
 
-  std::vector<std::string> viewpoints;   // labels
-  std::optional<std::size_t> viewpoint;  // of these, the bound one
+  std::vector<std::string> viewpoints;  // names of the listed viewpoints
+  std::optional<std::size_t> viewpoint;  // index of the bound one in `viewpoints`
   NavigationMode mode = NavigationMode::none;
   NavigationRules rules;
-  float speed = 1;  // metres a second
+  float speed = 1;  // metres/s
   bool headlight = false;
   ViewStyle style;
   Pose pose;              // of the viewer
-  Upright upright;        // of the viewed file
+  Upright upright;  // up axis of the displayed file
   std::string grid_text;  // how large the squares on the ground are; empty: there are none
   bool can_undo_move = false, can_redo_move = false;
   bool has_sounds = false, muted = false;
 
-  // Its clouds.
+  // Vectors and volumes of the world.
   render::SplatStyle look;
   bool has_surface_clouds = false, has_volumes = false;
-  WideBox bounds;                                          // world space, of everything
-  std::vector<std::shared_ptr<const qnv::Volume>> volumes;  // of which the panel takes a summary, once
-  glm::vec3 looking{0, 0, -1};                             // world space, along the middle of the view
+  WideBox bounds;  // world space, of the whole world
+  std::vector<std::shared_ptr<const qnv::Volume>> volumes;  // input of the panel's summary, which is computed only once
+  glm::vec3 looking{0, 0, -1};  // world space, viewing direction
 
   render::FrameStatistics statistics;
   double frame_ms = 0, frames_a_second = 0;
   std::string gl_renderer;
   const SessionLog* log = nullptr;
-  Inspection* inspection = nullptr;  // into the world, where the user looks; what he wants of it goes there
+  Inspection* inspection = nullptr;  // inspection of the world in this viewport; panels send their requests to it
 
-  bool over_sensor = false;                // the pointer is over something in the world that can be clicked or dragged
-  std::string link;                        // its target; may be empty
-  std::optional<glm::vec2> travel_anchor;  // framebuffer pixels
+  bool over_sensor = false;  // the pointer is over a sensor or Anchor in the world
+  std::string link;  // description of that Anchor; may be empty
+  std::optional<glm::vec2> travel_anchor;  // framebuffer pixels; where a drag that moves the viewer began
   glm::vec2 pointer{0};
 
   UiTools tools;
 };
 
-/// Actions that the user started in it.
+/// Requests of the user in this frame.
 struct UiActions {
   std::optional<std::string> open;
   std::optional<std::size_t> file, viewpoint;
   std::optional<NavigationMode> mode;
   std::optional<Action> run;
   std::optional<ViewportLayout> layout;
-  std::optional<PaneRequest> pane;  // request to a viewport
+  std::optional<PaneRequest> pane;  // command for one viewport
   struct DividerMove {
     SplitDivider divider;
-    int place = 0, least = 1;  // framebuffer pixels: its column or row, and what every viewport keeps
-    bool ended = false;        // it has been let go
+    int place = 0, least = 1;  // framebuffer pixels: new x or y of the divider, and min size of a viewport
+    bool ended = false;  // the user released the divider
   };
   std::optional<DividerMove> divider;
-  std::optional<bool> allow_question;                         // the answer to UiModel::question
-  std::optional<std::size_t> cancel_loading;                  // of UiModel::viewports
-  std::optional<render::SplatStyle> look;                     // instead of the model's
-  std::optional<UserSettings> settings;                       // replaces the model's
-  std::optional<std::size_t> open_bookmark, remove_bookmark;  // of UiModel::bookmarks
-  std::optional<bool> restore;                                // the answer about UiModel::to_restore
+  std::optional<bool> allow_question;  // answer to UiModel::question
+  std::optional<std::size_t> cancel_loading;  // index in UiModel::viewports
+  std::optional<render::SplatStyle> look;  // replaces UiModel::look
+  std::optional<UserSettings> settings;  // replaces UiModel::settings
+  std::optional<std::size_t> open_bookmark, remove_bookmark;  // indices in UiModel::bookmarks
+  std::optional<bool> restore;  // answer to the question whether to open the lost files
   UiToolActions tools;
 };
 

@@ -40,7 +40,7 @@ void set_style(Theme theme, float scale) {
     ImGui::StyleColorsLight();
   ImGuiStyle& style = ImGui::GetStyle();
   style = [&] {
-    ImGuiStyle fresh;  // sizes scale from the defaults, not from the present style
+    ImGuiStyle fresh;  // default sizes, so that scaling does not accumulate
     std::copy(std::begin(style.Colors), std::end(style.Colors), std::begin(fresh.Colors));
     return fresh;
   }();
@@ -108,7 +108,7 @@ void text(std::string_view text) {
 
 std::string label_of(std::string_view text, std::string_view id) {
   std::string label = shown(text);
-  // Break up "##", which would start an ID.
+  // Insert a blank into "##", because Dear ImGui would start an ID there.
   for (std::size_t at = 0; (at = label.find("##", at)) != std::string::npos; ++at) label.insert(at + 1, " ");
   return label.append("###").append(id);
 }

@@ -18,14 +18,14 @@ namespace gs::app {
 /// Output format of an animation.
 enum class AnimationFile : std::uint8_t { pictures, mp4, webm };
 
-/// Picture settings, as last chosen by the user.
+/// Picture settings that the user chose last.
 struct PictureWish {
-  bool of_window = true;  // uses the viewport's size times `scale`
-  int scale = 1;          // 1..8
+  bool of_window = true;  // the picture has the size of the viewport times `scale`, else `size`
+  int scale = 1;  // 1 to 8
   glm::ivec2 size{1920, 1080};
   PictureRequest request;
   AnimationFile animation = AnimationFile::pictures;
-  double seconds = 8;  // seconds per turn of a turntable
+  double seconds = 8;  // seconds per turn of a turntable animation
   double leg = 3;      // seconds between two views of a tour
   double rate = 25;
 };
@@ -33,34 +33,34 @@ struct PictureWish {
 /// State of the measure, volume and picture tools for the active viewport.
 struct UiTools {
   // Ruler.
-  bool measuring = false;                        // clicks add points
-  std::vector<std::optional<glm::vec2>> points;  // framebuffer pixels; empty if behind the viewer
-  std::vector<std::string> legs;                 // lengths
-  std::string measured;                          // one-line summary
-  std::string measured_text;                     // full text for copying
+  bool measuring = false;  // clicks in the picture add points
+  std::vector<std::optional<glm::vec2>> points;  // framebuffer pixels; nullopt for a point behind the camera
+  std::vector<std::string> legs;  // length of each segment of the ruler
+  std::string measured;  // one-line summary of the ruler
+  std::string measured_text;  // full text of the ruler, for copying
   // Value under the pointer.
   std::string value;
   // Volumes.
   VolumeSlices slices;
-  std::array<std::uint32_t, 3> dimensions{};  // in voxels; 0 means unknown
-  bool has_file = false;                      // values can be read from the file
-  std::string slices_problem;                 // error message if they cannot be read
+  std::array<std::uint32_t, 3> dimensions{};  // of the volume, in voxels; 0 means unknown
+  bool has_file = false;  // voxel values can be read from the file
+  std::string slices_problem;  // error message if the voxel values cannot be read
   bool reading = false;
-  std::vector<glm::vec2> slice_edge;  // corners of the hovered or dragged slice, framebuffer pixels
+  std::vector<glm::vec2> slice_edge;  // corners of the hovered or dragged slice, in framebuffer pixels
   bool color_bar = false;
-  std::optional<ColorBar> bar;  // empty if nothing has a colour bar
+  std::optional<ColorBar> bar;  // nullopt if the world has nothing with a colour scale
   // File series.
-  std::size_t files = 0, file = 0;  // number of files, and index of the current one
+  std::size_t files = 0, file = 0;  // number of files of the series, and index of the displayed one
   bool playing = false;
   double rate = 25;  // files per second
   // Pictures.
   PictureWish picture;
-  std::string folder;              // target folder
-  std::optional<float> exporting;  // export progress, 0..1
-  std::size_t tour = 0;            // number of tour views of this file
+  std::string folder;  // target folder of pictures
+  std::optional<float> exporting;  // export progress, 0 to 1; nullopt if no export runs
+  std::size_t tour = 0;  // number of views in the tour of this file
 };
 
-/// Requests of the user to the tools.
+/// Requests of the user to the tools in this frame.
 struct UiToolActions {
   std::optional<bool> measure, color_bar, play;
   bool forget_points = false, undo_point = false, wants_value = false;
@@ -70,7 +70,7 @@ struct UiToolActions {
   std::optional<PictureWish> picture;
   bool take_picture = false, take_turntable = false, cancel_export = false;
   bool add_to_tour = false, forget_tour_view = false, take_tour = false;
-  std::optional<std::string> save_transfer, load_transfer;  // paths
+  std::optional<std::string> save_transfer, load_transfer;  // paths of transfer function files
 };
 
 }  // namespace gs::app

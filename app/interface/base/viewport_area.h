@@ -8,7 +8,7 @@
 
 namespace gs::app {
 
-/// Flags for auto-sized lines and cards over a picture.
+/// Window flags for text lines and cards over a picture, with automatic size.
 inline constexpr ImGuiWindowFlags kLineFlags = ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
                                                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
                                                ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoFocusOnAppearing |

@@ -6,7 +6,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::array<float, kDockSides> kFirstSizes = {260, 376, 190};  // by DockSide
+constexpr std::array<float, kDockSides> kFirstSizes = {260, 376, 190};  // by DockSide: width or height at scale 1
 
 }  // namespace
 
@@ -69,7 +69,7 @@ DockLayout Dock::lay_out(const DockRectangle& whole, float scale) const {
     return area(side).open.empty() ? 0.0f : std::round(area(side).size * scale) + divider;
   };
   float left = wanted(DockSide::left), right = wanted(DockSide::right), bottom = wanted(DockSide::bottom);
-  // With too little room, all areas shrink in proportion.
+  // If there is too little room, shrink all areas in proportion.
   const float wide = std::max(0.0f, whole.width - std::round(kMinPicture * scale));
   if (left + right > wide) {
     const float part = wide / (left + right);

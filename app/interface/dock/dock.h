@@ -21,26 +21,26 @@ struct DockRectangle {
   }
 };
 
-/// Layout of panels and picture in the window. Areas without open panels are absent.
+/// Layout of the dock areas and the picture in the window. `areas` has no value for a side without open panels.
 struct DockLayout {
   struct Area {
-    DockRectangle place;    // area of the panels
+    DockRectangle place;  // rectangle of the panels
     DockRectangle divider;  // draggable line between panels and picture
   };
   std::array<std::optional<Area>, kDockSides> areas;  // by DockSide
   DockRectangle picture;
 };
 
-/// Dock state: which panels are open, on which side, and the sizes of the areas. The left and right areas take the
-/// whole height; the bottom area lies between them. Panels in one area are tabs; one is in front. Panels are identified
-/// by number. No drawing.
+/// State of the dock: the open panels, their sides, and the sizes of the areas. The left and right areas have the full
+/// height; the bottom area lies between them. The panels of one area are tabs, of which one is in front. A panel is
+/// identified by its index. Draws nothing.
 class Dock {
  public:
-  static constexpr float kMinArea = 120, kMaxArea = 4000;      // limits of an area's width or height
+  static constexpr float kMinArea = 120, kMaxArea = 4000;  // min and max width or height of an area
   static constexpr float kMinPicture = 200, kMinHeight = 120;  // min size of the picture; areas shrink first
   static constexpr float kDivider = 5;
 
-  /// `sides` is the initial side of each panel. All start closed.
+  /// `sides` holds the initial side of each panel. All panels are closed at first.
   explicit Dock(const std::vector<DockSide>& sides);
 
   [[nodiscard]] std::size_t panels() const { return panels_.size(); }
@@ -60,13 +60,14 @@ class Dock {
   /// Moves the panel to another side; it stays open or closed.
   void move(std::size_t panel, DockSide side);
 
-  /// Preferred width of an area (height for the bottom) at scale 1.
+  /// Returns the preferred width of an area, or the height of the bottom area, at scale 1.
   [[nodiscard]] float size(DockSide side) const { return area(side).size; }
   void set_size(DockSide side, float size);
 
-  /// Computes the layout in `whole` at a screen scale. The picture gets the remaining space, at least one unit.
+  /// Computes the layout of the rectangle `whole` at a screen scale. The picture gets the space that the areas leave,
+  /// at least one unit.
   [[nodiscard]] DockLayout lay_out(const DockRectangle& whole, float scale) const;
-  /// Returns the size of an area after its divider is dragged to `place` along its axis.
+  /// Returns the size of an area at scale 1 when its divider is dragged to the coordinate `place`.
   [[nodiscard]] static float size_for(DockSide side, float place, const DockRectangle& whole, float scale);
 
  private:

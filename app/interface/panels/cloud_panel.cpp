@@ -16,7 +16,7 @@
 
 namespace gs::app {
 
-/// Screen area of the transfer function: values to the right, opacity upwards.
+/// Screen rectangle of the transfer function's curve: values to the right, opacity upwards.
 struct TransferCanvas {
   ImVec2 lower, upper;  // screen coordinates
   [[nodiscard]] ImVec2 at(float value, float opacity) const {
@@ -58,7 +58,7 @@ std::string number(const char* format, double value) {
 
 float width_left() { return ImGui::GetContentRegionAvail().x; }
 
-/// Begins a row with a label.
+/// Begins a row of controls with a label.
 void label(const char* what, float scale) {
   ImGui::AlignTextToFramePadding();
   colored_text(UiColors::kQuiet, what);
@@ -74,7 +74,7 @@ float value_in(const std::pair<float, float>& values, float place) {
 void draw_histogram(ImDrawList& draw, const TransferCanvas& canvas, const VolumeSummary& summary) {
   const auto count = static_cast<float>(summary.classes.size());
   for (std::size_t i = 0; i < summary.classes.size(); ++i) {
-    const float height = std::sqrt(summary.classes[i]);  // makes small counts visible
+    const float height = std::sqrt(summary.classes[i]);  // the square root makes small counts visible
     if (!(height > 0)) continue;
     const auto left = static_cast<float>(i);
     draw.AddRectFilled(canvas.at(left / count, height), canvas.at((left + 1) / count, 0), IM_COL32(255, 255, 255, 34));
@@ -106,7 +106,7 @@ void draw_points(ImDrawList& draw, const TransferCanvas& canvas, const Transfer&
   }
 }
 
-/// Draws the function's colours, regardless of opacity.
+/// Draws the colours of a transfer function as a bar, without its opacity.
 void draw_ramp(ImDrawList& draw, const ImVec2& from, const ImVec2& to, const Transfer& transfer) {
   const float width = to.x - from.x;
   for (float x = from.x; x < to.x; x += 2)
@@ -114,7 +114,7 @@ void draw_ramp(ImDrawList& draw, const ImVec2& from, const ImVec2& to, const Tra
                        color32(transfer_at(transfer, (x - from.x) / width).color, 1));
 }
 
-/// Draws value labels below the axis.
+/// Draws the numbers below the axis of values.
 void draw_axis(ImDrawList& draw, const ImVec2& from, float width, const std::pair<float, float>& values, float scale) {
   const auto most = static_cast<std::size_t>(std::max(2.0f, width / (5 * ImGui::GetFontSize())));
   const ImU32 color = ImGui::GetColorU32(UiColors::kQuiet);
@@ -178,7 +178,7 @@ bool CloudPanel::edit_curve(const TransferCanvas& canvas, Transfer& transfer) {
   if (dragging_ && point_ && *point_ < transfer.size()) {
     const qnv::TransferPoint before = transfer[*point_];
     move_point(transfer, *point_, canvas.value(pointer.x + grabbed_.x), canvas.opacity(pointer.y + grabbed_.y));
-    // Ignore changes due to rounding.
+    // Undo a change that comes only from rounding.
     if (std::abs(before.value - transfer[*point_].value) < 1e-5f &&
         std::abs(before.opacity - transfer[*point_].opacity) < 1e-5f)
       transfer[*point_] = before;
@@ -365,7 +365,7 @@ void CloudPanel::transfer_rows(const UiModel& model, render::SplatStyle& look) {
 
 void CloudPanel::clip_rows(const UiModel& model, render::SplatStyle& look) {
   static constexpr std::array<const char*, 4> kAxes{"X", "Y", "Z", "View"};
-  // A view axis along x, y or z looks the same as that axis; keep the last choice to tell them apart.
+  // The axis "view" may give the same plane as x, y or z. If the plane still fits the last choice, show that choice.
   const bool remembered = !look.clip || *look.clip == clip_plane(clip_, model.bounds);
   ClipChoice clip = remembered ? clip_ : clip_choice(*look.clip, model.bounds);
   bool on = look.clip.has_value();
@@ -420,7 +420,7 @@ void CloudPanel::volume_rows(const UiModel& model, render::SplatStyle& look) {
 void CloudPanel::file_row(const UiModel& model, UiActions& actions) {
   if (path_.empty()) path_ = model.tools.folder + "/transfer.json";
   label("File", frame_->scale);
-  // On a line of its own, because the end of the path matters.
+  // The path has its own line, so that its end is visible.
   (void)text_field("##path", "", path_, std::max(40.0f, width_left()), false);
   frame_->tooltips.show("Transfer function as JSON, also for --transfer");
   label("", frame_->scale);

@@ -62,7 +62,7 @@ void ConsolePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   ImGui::SameLine();
   const float clear =
       ImGui::CalcTextSize("Clear").x + 2 * ImGui::GetStyle().FramePadding.x + ImGui::GetStyle().ItemSpacing.x;
-  // Up and Down recall the input history.
+  // Up and Down recall earlier inputs.
   const FieldKeys keys{nullptr, [&](bool up, const std::string& present) { return console.recall(up, present); }};
   ImGui::BeginDisabled(!inspection.world());
   if (text_field("##line", "Browser.getName()", line_, -clear, false, keys).entered) {

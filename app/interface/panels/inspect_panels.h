@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-// Panels that inspect the world of the active viewport: thin views of app/inspect, which holds all data.
+// Panels that inspect the world of the active viewport. They only draw; app/inspect holds the data.
 namespace gs::app {
 
-/// Node tree of the world, with a search.
+/// Node tree of the world, with a search field.
 class ScenePanel final : public Panel {
  public:
   void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;
@@ -23,7 +23,7 @@ class ScenePanel final : public Panel {
   void keys(Inspection& inspection);
 
   std::string sought_;
-  std::optional<std::size_t> line_;  // line of the selected node, if it was selected here
+  std::optional<std::size_t> line_;  // line of the selected node; nullopt if the node was selected elsewhere
 };
 
 /// Fields and events of the selected node; some are editable.
@@ -42,16 +42,16 @@ class InspectorPanel final : public Panel {
   bool edited_text(const char* id, const vrml::FieldValue& value, std::string& entered);
   void note(const Field& field, const std::optional<std::string>& problem);
 
-  NodeAt node_;  // last displayed node
-  /// Expanded list with the index of its first displayed element.
+  NodeAt node_;  // node that was displayed last
+  /// List value that the user expanded, with the index of its first visible element.
   struct OpenList {
     const vrml::InterfaceDeclaration* of;
     std::size_t first = 0;
   };
   std::vector<OpenList> open_;
   const vrml::InterfaceDeclaration* problem_of_ = nullptr;
-  std::string problem_;    // message for the last rejected value
-  unsigned typed_in_ = 0;  // ID of the focused field with unsent text; 0 means none
+  std::string problem_;  // error message of the last rejected value
+  unsigned typed_in_ = 0;  // Dear ImGui ID of the focused field with text that was not sent; 0 if there is none
   std::string typed_;
 };
 
@@ -61,14 +61,14 @@ class RoutesPanel final : public Panel {
   void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;
 };
 
-/// Output of the world's programs, and an input line for script code.
+/// Output of the world's Scripts, and an input line for script code.
 class ConsolePanel final : public Panel {
  public:
   void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;
 
  private:
   std::string line_;
-  std::size_t shown_ = 0;  // number of lines last drawn
+  std::size_t shown_ = 0;  // number of lines at the last drawing
 };
 
 /// Progress and rates of the files and streams that worlds load.

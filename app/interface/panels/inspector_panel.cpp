@@ -16,7 +16,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kPage = 50;  // elements of a list shown at a time
+constexpr std::size_t kPage = 50;  // visible elements of an expanded list
 constexpr float kDegrees = static_cast<float>(180 / std::numbers::pi);
 
 std::string ago_text(double seconds) {
@@ -31,14 +31,14 @@ std::string ago_text(double seconds) {
 
 }  // namespace
 
-/// Data needed to show and send a value.
+/// Everything that is needed to draw a value and to send a new one.
 struct InspectorPanel::Field {
   const PanelFrame& frame;
   Inspection& inspection;
   const vrml::NodeType& type;
   const vrml::InterfaceDeclaration& interface;
-  const vrml::InterfaceDeclaration* setter;  // null means read-only
-  const vrml::FieldValue* value;             // null means no value
+  const vrml::InterfaceDeclaration* setter;  // eventIn that sets the field; null if it is read-only
+  const vrml::FieldValue* value;  // null if the value is unknown
   Unit unit;
 };
 
@@ -153,14 +153,14 @@ void InspectorPanel::note(const Field& field, const std::optional<std::string>& 
   }
 }
 
-// Returns true if a text was entered; Esc cancels.
+// Draws a text field for a value. Returns true if the user confirmed a text with Enter.
 bool InspectorPanel::edited_text(const char* id, const vrml::FieldValue& value, std::string& entered) {
   std::optional<std::string> present = editable_text(value, *node_.scene);
   if (!present || present->size() > kLongestTyped) {
     colored_text(UiColors::kQuiet, value_text(value, *node_.scene));
     return false;
   }
-  // The value may change in the world during editing.
+  // Keep the typed text, because the value may change in the world during editing.
   const ImGuiID field = ImGui::GetID(id);
   std::string text = typed_in_ == field ? typed_ : std::move(*present);
   const FieldEvents events = text_field(id, "", text, 0, false);
@@ -236,7 +236,7 @@ void InspectorPanel::value(const Field& field, UiActions& actions) {
     colored_text(UiColors::kQuiet, symbol_of(field.unit));
 }
 
-// Shows one page of a list; other elements cost nothing.
+// Draws one page of a list value; the other elements take no time.
 void InspectorPanel::list(const Field& field, UiActions& actions) {
   const std::size_t count = vrml::element_count(*field.value);
   const auto open =

@@ -85,7 +85,7 @@ void LogPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions&) {
       std::max(60 * scale, ImGui::GetContentRegionAvail().x - button - 2 * ImGui::GetStyle().ItemSpacing.x), false);
 
   std::vector<const Diagnostic*> rows;
-  std::pair<std::string, std::size_t> newest;  // last file with messages, and its first row
+  std::pair<std::string, std::size_t> newest;  // last file that has messages, and the index of its first row
   for (const SessionLog::File& file : session_log.files()) {
     const std::size_t first = rows.size();
     for (const Diagnostic& diagnostic : file.diagnostics.entries()) {
@@ -98,7 +98,7 @@ void LogPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions&) {
     }
     if (rows.size() > first) newest = {file.path, first};
   }
-  // Scroll to messages of a new file, which the user wants to read.
+  // Scroll to the messages of a new file.
   if (newest.first != newest_) goes_to_ = newest.second;
   newest_ = std::move(newest.first);
   ImGui::SameLine();

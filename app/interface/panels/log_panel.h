@@ -9,15 +9,15 @@
 
 namespace gs::app {
 
-/// Log messages of the session's files. Filters only hide messages.
+/// Panel with the log messages of the session's files. The filters only hide messages.
 class LogPanel final : public Panel {
  public:
   void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;
 
  private:
   void rows_of(const PanelFrame& frame, const std::vector<const Diagnostic*>& rows);
-  std::string searched_, newest_;       // `newest_` is the last file with messages
-  std::optional<std::size_t> goes_to_;  // row to scroll to
+  std::string searched_, newest_;  // search text; path of the last file that has messages
+  std::optional<std::size_t> goes_to_;  // index of the row to scroll to
   bool show_errors_ = true, show_warnings_ = true, show_notes_ = true;
 };
 

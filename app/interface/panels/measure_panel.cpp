@@ -13,7 +13,7 @@
 namespace gs::app {
 namespace {
 
-constexpr float kToolLabel = 84;  // at scale 1
+constexpr float kToolLabel = 84;  // width of the labels at scale 1
 
 void tool_label(const char* what, float scale) {
   ImGui::AlignTextToFramePadding();
@@ -204,7 +204,7 @@ void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   ImGui::EndDisabled();
   ImGui::EndDisabled();
   if (tools.exporting) {
-    // Show the percentage beside the bar, where it is readable in any colour.
+    // Draw the percentage beside the bar, because text on the bar would be hard to read.
     ImGui::ProgressBar(*tools.exporting, {tool_width() - 130 * frame.scale, 0}, "");
     ImGui::SameLine();
     char share[16];

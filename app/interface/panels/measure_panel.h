@@ -4,7 +4,7 @@
 
 namespace gs::app {
 
-/// Value under the pointer, ruler, slices and colour bar of a volume, and file series.
+/// Panel of the measuring tools: value under the pointer, ruler, slices and colour bar of a volume, file series.
 class MeasurePanel final : public Panel {
  public:
   void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;
@@ -15,7 +15,7 @@ class MeasurePanel final : public Panel {
   static void series_rows(const PanelFrame& frame, const UiTools& tools, UiToolActions& actions);
 };
 
-/// Picture settings: size, background, stereo, metadata, turntables.
+/// Panel that saves pictures: size, background, stereo, metadata, turntables.
 class PicturePanel final : public Panel {
  public:
   void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;

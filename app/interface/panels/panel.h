@@ -7,14 +7,14 @@
 
 namespace gs::app {
 
-/// Drawing context of a panel.
+/// Data for drawing a panel.
 struct PanelFrame {
   float scale = 1;     // screen scale (1 is normal) times the user's text size
-  Tooltips& tooltips;  // show() sets the tooltip of the previous item
+  Tooltips& tooltips;  // show() sets the tooltip of the item drawn last
 };
 
-/// Dock panel with its own tab. It keeps the user's choices between frames, but no world data, which come from the
-/// model. Use on the window's thread.
+/// Panel of the dock, with its own tab. It may keep choices of the user between frames, but no data of the world: these
+/// are in the model. Use only on the window's thread.
 class Panel {
  public:
   Panel() = default;
@@ -22,10 +22,10 @@ class Panel {
   Panel& operator=(const Panel&) = delete;
   virtual ~Panel() = default;
 
-  /// Draws the contents at the cursor in the tab's scrolling window; begins no window itself. Adds the user's requests
-  /// to `actions`.
+  /// Draws the contents into the scrolling window of the tab, which the caller has begun. Adds the user's requests to
+  /// `actions`.
   virtual void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) = 0;
-  /// Closes a list or picker that is open in the panel (Esc). Returns false if there is none.
+  /// Closes a list or picker that is open in the panel, after Esc. Returns false if none is open.
   virtual bool close_one() { return false; }
 };
 

@@ -9,7 +9,7 @@
 namespace gs::app {
 namespace {
 
-// Draws one end of a ROUTE: a node name that selects the node, and the event.
+// Draws one end of a ROUTE: the event, and the node's name, which selects the node when clicked.
 void end_of(const PanelFrame& frame, Inspection& inspection, const char* id, const NodeAt& node,
             const std::string& event, float light) {
   const bool chosen = node == inspection.selected();

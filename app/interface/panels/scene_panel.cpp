@@ -9,7 +9,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kName = 80;  // max bytes shown
+constexpr std::size_t kName = 80;  // max bytes of a visible name
 
 int as_count(std::size_t count) {
   return static_cast<int>(std::min<std::size_t>(count, std::numeric_limits<int>::max() - 1));
@@ -83,7 +83,7 @@ void ScenePanel::rows(const PanelFrame& frame, Inspection& inspection) {
   ImGui::EndChild();
 }
 
-// Draws a line. Returns true if it was expanded or collapsed.
+// Draws one line of the tree. Returns true if the user expanded or collapsed it.
 bool ScenePanel::line(const PanelFrame& frame, Inspection& inspection, std::size_t index) {
   const OutlineRow row = inspection.outline().row(index);
   ImGui::PushID(static_cast<int>(index));
@@ -131,7 +131,7 @@ bool ScenePanel::line(const PanelFrame& frame, Inspection& inspection, std::size
   return toggled;
 }
 
-// Handles arrow keys: move between lines, expand and collapse.
+// Handles the arrow keys: Up and Down move between lines, Left and Right collapse and expand.
 void ScenePanel::keys(Inspection& inspection) {
   SceneOutline& outline = inspection.outline();
   if (!line_ || *line_ >= outline.size()) return;

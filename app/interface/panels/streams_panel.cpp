@@ -45,7 +45,7 @@ void plot(const StreamList::Row& row, const char* id, const ImVec2& size) {
                    size);
 }
 
-// Draws the bandwidth limit of the active viewport.
+// Draws the control of the active viewport's bandwidth limit.
 void limit_choice(const PanelFrame& frame, const UiModel& model, UiActions& actions) {
   const auto active = std::find_if(model.viewports.begin(), model.viewports.end(),
                                    [](const UiViewport& viewport) { return viewport.active; });

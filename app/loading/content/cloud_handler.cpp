@@ -10,7 +10,7 @@
 #include <utility>
 #include <variant>
 
-// Decoding of streams, volumes and splat files to vectors.
+// Decoding of streams, volumes and splat files into vectors.
 namespace gs::app {
 namespace {
 
@@ -81,13 +81,14 @@ void CloudHandler::receive(std::span<const std::byte> bytes) {
   if (way_ == Way::unknown) choose_way();
 }
 
-// Selects the decoder. QNV streams are shown from the first bytes on; other files are read when they are complete.
+// Selects the decoder of the resource. QNV streams are shown while they are received. Other files are read when they
+// are complete.
 void CloudHandler::choose_way() {
   if (!qnv::is_stream(bytes_)) {
     if (bytes_.size() >= kTypeBytes) way_ = Way::whole;
     return;
   }
-  // For cells, the transport simulates the loss.
+  // The reader of whole files simulates the loss. For cells, the transport does.
   if (loading_.options.loss > 0 && !is_node() && found_.url.scheme != "cells") {
     way_ = Way::whole;
     return;
@@ -128,10 +129,10 @@ void CloudHandler::start_feed(std::shared_ptr<qnv::LodStream> stream) {
   show_(std::make_shared<const qnv::Geometry>(qnv::OctreeSplats(std::move(stream))));
 }
 
-// Shows the vectors again when their number has grown by a quarter, because making a point set takes linear time.
-// Vectors of a surface move as their number grows.
+// Shows the vectors again after their number or their revision has grown by a quarter. Each time costs linear work. The
+// revision also grows when the vectors of a surface only move.
 void CloudHandler::show_records(bool last) {
-  // Meshes are counted when they are made.
+  // Counting the vectors of a mesh needs the mesh, so only its revision is compared.
   const bool mesh = decoder_->mesh().shown();
   const std::size_t vectors = mesh ? shown_ + 1 : decoder_->vectors();
   const std::uint64_t revision = decoder_->revision();
@@ -171,7 +172,7 @@ void CloudHandler::read_bytes() {
   if (type.content != ContentClass::volume || found_.local) {
     read_whole(bytes_, name);
   } else {
-    // Slices of volumes are read from a file.
+    // Volumes are read from a file, slice by slice. Write the bytes to a temporary file.
     const TemporaryFile file(name, bytes_);
     if (file.problem().empty())
       read_whole(bytes_, file.path());
@@ -193,7 +194,7 @@ void CloudHandler::receive_cells(const net::CellEvent& event) {
   if (way_ == Way::pushed) {
     feed_->add_loose(event.name.chunk, event.bytes);
   } else if (way_ == Way::decoded && event.records) {
-    // The records keep their position in the chunk. Records before them may follow later or be lost.
+    // The records keep their offset in the chunk. The records before that offset may be received later or never.
     const auto head = std::span(event.head).subspan(std::min(event.head.size(), qnv::kChunkHeaderBytes));
     std::vector<std::byte> payload(head.begin(), head.end());
     payload.resize(head.size() + event.offset);
@@ -202,7 +203,7 @@ void CloudHandler::receive_cells(const net::CellEvent& event) {
     decoder_->add(qnv::ChunkType::records, payload, std::span(&missing, event.offset > 0 ? 1 : 0));
     show_records(false);
   } else if (way_ == Way::decoded) {
-    // This chunk is useful only as a whole.
+    // A chunk of any other type is useless until it is complete.
     const auto chunk = qnv::sound_chunk(event.bytes);
     if (const auto* sound = std::get_if<qnv::SoundChunk>(&chunk)) decoder_->add(sound->type, sound->payload);
     show_records(false);

@@ -19,10 +19,11 @@ struct StreamProblem;
 
 namespace gs::app {
 
-/// Content handler that decodes QNV streams, volumes and splat files of other programs as their bytes are received.
+/// Content handler that decodes QNV streams and volumes, and splat files of other programs, while their bytes are
+/// received.
 class CloudHandler final : public ResourceHandler {
  public:
-  /// Called with each better version of the vectors.
+  /// Callback that receives each better version of the vectors.
   using Show = std::function<void(const std::shared_ptr<const qnv::Geometry>&)>;
   using Progress = std::function<void(double)>;
   /// Creates a handler. A `request` without content means that the file is the world itself.
@@ -46,7 +47,7 @@ class CloudHandler final : public ResourceHandler {
   void read_bytes();
   void read_whole(std::span<const std::byte> bytes, const std::string& path);
   void report_problems(const std::vector<qnv::StreamProblem>& problems, Severity severity);
-  /// Stops reading after the memory budget has refused a part, which is omitted.
+  /// Stops reading after a part exceeded the memory budget. That part is omitted.
   void give_up(Resource resource);
   bool count_decoded();
   [[nodiscard]] bool is_node() const { return request_.content != vrml::UrlContent::none; }
@@ -59,8 +60,8 @@ class CloudHandler final : public ResourceHandler {
   std::unique_ptr<qnv::StreamDecoder> decoder_;
   std::size_t shown_ = 0;
   std::uint64_t shown_revision_ = 0;
-  bool shown_exact_ = false;     // the exact mesh of the tail is shown
-  std::uint64_t directory_ = 0;  // offset of the directory of a packed stream; 0 means unknown
+  bool shown_exact_ = false;  // the exact mesh in the tail of the stream is shown
+  std::uint64_t directory_ = 0;  // byte offset of the directory of a packed stream; 0 means unknown
 };
 
 }  // namespace gs::app

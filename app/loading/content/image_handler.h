@@ -10,7 +10,7 @@
 
 namespace gs::app {
 
-/// Content handler for an image that is fetched once for all textures that show it.
+/// Content handler for an image. The image is fetched once for all textures that use it.
 class ImageHandler final : public ResourceHandler {
  public:
   using ResourceHandler::ResourceHandler;
@@ -23,10 +23,10 @@ class ImageHandler final : public ResourceHandler {
   void end(const std::optional<std::string>& problem) override;
   void missing(const std::string& why) override;
 
-  /// Adds a texture, which gets the image now or when it is available.
+  /// Adds a texture. The texture gets the image at once, or after the image was received.
   void add(const ResourceUpdates::Place& texture);
   [[nodiscard]] bool has_none() const { return stage_ == Stage::none; }
-  /// Returns true if the image was shown but no texture uses it any more.
+  /// Returns true if the image was received and no texture uses it any more.
   [[nodiscard]] bool is_spent() const { return stage_ == Stage::shown && image_.expired(); }
 
  private:

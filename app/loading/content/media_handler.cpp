@@ -56,7 +56,7 @@ void MediaHandler::examine(std::shared_ptr<MediaFile> file) {
   const auto* known = std::get_if<render::MediaInfo>(&info);
   std::shared_ptr<const render::Image> first;
   if (request_.content == vrml::UrlContent::movie) {
-    // Decodes the first frame, or the only image of a file that is not a movie.
+    // Decodes the first frame of a movie, or the image of any other file.
     auto decoded = decode_texture(file->bytes(), loading_.budget);
     if (auto* texture = std::get_if<Texture>(&decoded)) {
       if (!texture->note.empty()) warn(" " + found_.path + ": " + texture->note);

@@ -19,11 +19,11 @@ class MediaHandler final : public ResourceHandler {
   using ResourceHandler::ResourceHandler;
 
   bool begin(const Found& found) override;
-  /// Takes a file. Long files stay mapped and need no memory.
+  // Takes ownership of a local file. A long file stays mapped and needs no memory.
   bool take_file(net::MappedFile& file) override;
   void receive(std::span<const std::byte> bytes) override;
   void end(const std::optional<std::string>& problem) override;
-  /// Rejects an unreadable file, so that the next url is tried (VRML97 4.5.2).
+  // Returns the reason why the file is unreadable, so that the next url is tried (VRML97 4.5.2).
   std::optional<std::string> wants_next() override { return stage_ == Stage::waiting ? refused_ : std::nullopt; }
   void missing(const std::string& why) override;
 
@@ -39,7 +39,7 @@ class MediaHandler final : public ResourceHandler {
   void examine(std::shared_ptr<MediaFile> file);
   void give(std::shared_ptr<const MediaFile> media, std::shared_ptr<const render::Image> first);
 
-  bool closed_ = false;  // more bytes are ignored
+  bool closed_ = false;  // further bytes are ignored
   std::optional<std::string> refused_;
   std::vector<ResourceUpdates::Place> players_;
   std::weak_ptr<const MediaFile> media_;

@@ -6,8 +6,8 @@
 namespace gs::app {
 namespace {
 
-// Returns true for the fields with polygons. These are lists that only the browser and the file set, and the
-// exposedField that marks them as complete.
+// Returns true for a field that holds polygons, and for the field that marks the polygons as complete. The former are
+// lists that no event can set; the latter is an SFBool.
 bool is_of_polygons(const vrml::InterfaceDeclaration& field) {
   return field.slot >= 0 && (field.access == vrml::AccessType::field ? vrml::is_multiple(field.type)
                                                                      : field.type == vrml::FieldType::SFBool);
@@ -48,10 +48,11 @@ void OutlineHandler::end(const std::optional<std::string>& problem) {
 
 void OutlineHandler::missing(const std::string& why) {
   ResourceHandler::missing(why);
-  if (request_.place.request > 0) give();  // removes the polygons of the former url
+  if (request_.place.request > 0) give();  // removes the polygons of the previous url
 }
 
-// Marks new polygons. They are passed on when they are needed, because the lists are copied if they grow later.
+// Notes that the reader has new polygons. They are passed on only on demand, because each later growth copies the
+// lists.
 void OutlineHandler::has_come() {
   if (reader_.take_changed().empty()) return;
   auto& waiting = context_.outlines;

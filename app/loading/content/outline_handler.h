@@ -11,8 +11,8 @@
 
 namespace gs::app {
 
-/// Content handler for the polygons in the url of an OutlineGroup. It reads them into an own node and passes the node's
-/// fields to the group. A running world gets them as updates.
+/// Content handler for the url of an OutlineGroup. Collects the polygons in a temporary node and copies that node's
+/// fields to the group. A running world gets the fields as updates.
 class OutlineHandler final : public ResourceHandler, public std::enable_shared_from_this<OutlineHandler> {
  public:
   /// Creates a handler for the group of `request`. The new polygons follow those of `begin_with`, unless it is null.

@@ -4,7 +4,7 @@
 #include <utility>
 #include <variant>
 
-// Decoding of outline streams to polygons of OutlineGroup nodes.
+// Decoding of outline streams into polygons of OutlineGroup nodes.
 namespace gs::app {
 
 void OutlineReader::receive(std::span<const std::byte> bytes) {
@@ -12,7 +12,7 @@ void OutlineReader::receive(std::span<const std::byte> bytes) {
   show();
 }
 
-// Decodes a complete chunk that was received as cells.
+// Decodes one complete chunk, received as cells.
 void OutlineReader::receive_cells(const net::CellEvent& event) {
   const auto chunk = qnv::sound_chunk(event.bytes);
   if (const auto* sound = std::get_if<qnv::SoundChunk>(&chunk)) decoder_.add(sound->type, sound->payload);

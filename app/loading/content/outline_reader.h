@@ -13,22 +13,23 @@
 
 namespace gs::app {
 
-/// Incremental reader that adds the polygons of a stream of outlines to nodes of a scene.
+/// Incremental reader of an outline stream. Adds the polygons to nodes of a scene.
 class OutlineReader {
  public:
-  /// Creates a reader. `node` is the OutlineGroup that receives all polygons; null adds Shapes to the scene.
+  /// Creates a reader. The OutlineGroup `node` receives all polygons. If it is null, the reader adds Shapes to the
+  /// scene.
   OutlineReader(Loading& loading, vrml::SceneGraph& scene, vrml::NodeId node = {})
       : loading_(loading), outlines_(scene, loading.results.diagnostics(), node) {}
 
   void receive(std::span<const std::byte> bytes);
   void receive_cells(const net::CellEvent& event);
-  /// Reads the bytes received so far. `whole` is true if no more can follow.
+  /// Decodes the remaining bytes. `whole` is true if the stream is complete.
   void end(const std::string& file, bool whole);
-  /// Returns the up axis that the stream gives, or nullopt.
+  /// Returns the up axis that the stream defines, or nullopt.
   [[nodiscard]] std::optional<Upright> upright() const {
     return decoder_.header() ? stated_upright(decoder_.header()->description.metadata) : std::nullopt;
   }
-  /// Returns the nodes that got more polygons since the last call.
+  /// Returns the nodes with additional polygons since the last call.
   [[nodiscard]] std::vector<vrml::NodeId> take_changed();
   [[nodiscard]] bool empty() const { return outlines_.nodes().empty(); }
 

@@ -58,7 +58,7 @@ class TextContent final : public SceneContent {
     else
       parser_->push(text_of(bytes));
   }
-  // Marks all outline groups as complete, because the file has ended.
+  // Marks all outline groups as complete. Called at the end of the file.
   void complete_outlines() {
     vrml::SceneGraph& scene = *target_.scene();
     for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
@@ -71,7 +71,7 @@ class TextContent final : public SceneContent {
 
   SceneTarget& target_;
   std::optional<vrml::Parser> parser_;
-  std::unique_ptr<Gunzip> gunzip_;  // Packing::gzip
+  std::unique_ptr<Gunzip> gunzip_;  // decompressor for Packing::gzip
   enum class Packing : std::uint8_t { unknown, plain, gzip };
   Packing packing_ = Packing::unknown;
 };

@@ -20,9 +20,9 @@ struct SceneContext {
   explicit SceneContext(Loading& the_loading) : loading(the_loading) {}
 
   Loading& loading;
-  std::vector<std::shared_ptr<OutlineHandler>> outlines;  // with new polygons
-  std::vector<std::shared_ptr<SceneHandler>> withheld;    // contents of Inlines with incomplete files
-  // Resources that several nodes share, by fetch key.
+  std::vector<std::shared_ptr<OutlineHandler>> outlines;  // handlers with new polygons
+  std::vector<std::shared_ptr<SceneHandler>> withheld;  // Inlines that wait until their file is complete
+  // Resources that several nodes share. The keys are from fetch_key().
   std::unordered_map<std::string, std::shared_ptr<ImageHandler>> images;
   std::unordered_map<std::string, std::shared_ptr<SharedCloud>> clouds;
   std::unordered_map<std::string, std::shared_ptr<MediaHandler>> media;

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <utility>
 
-// Decoding of scenes to nodes. scene_references.cpp handles the references of the nodes.
+// Decoding of files into nodes. scene_references.cpp handles the references of these nodes.
 namespace gs::app {
 
 namespace {
@@ -76,7 +76,7 @@ void SceneHandler::receive(std::span<const std::byte> bytes) {
   waiting_share_.shrink_to(0);
 }
 
-// Detects the type from the first bytes, the name, or the server's answer. Returns false if it needs more bytes.
+// Detects the type from the first bytes or the name. Returns false if more bytes are needed.
 bool SceneHandler::choose_type(bool last) {
   if (!last && waiting_.size() < kTypeBytes) return false;
   const Found& found = target_.found();
@@ -150,7 +150,7 @@ std::vector<vrml::NodeId> SceneHandler::open_nodes() const {
   return content_ ? content_->open_nodes() : std::vector<vrml::NodeId>();
 }
 
-// Ends the reading of the file itself.
+// Handles the end of the file itself. Its references may still be loading.
 void SceneHandler::finished_reading() {
   stage_ = std::max(stage_, Stage::ended);
   seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - context_.loading.started).count();
@@ -162,7 +162,7 @@ void SceneHandler::finished_reading() {
   settle();
 }
 
-// Attaches an Inline's content as soon as it has nodes.
+// Attaches the content of an Inline as soon as the content has nodes.
 void SceneHandler::attach() {
   if (use_.role != Role::inlined || use_.is_withheld || target_.refused() || !target_.read_scene().has_own_nodes())
     return;

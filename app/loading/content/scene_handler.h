@@ -26,7 +26,8 @@ struct SceneUse {
   bool is_withheld = false;
 };
 
-/// Content handler that reads a scene from a file of any type while its bytes are received, and fetches its references.
+/// Content handler that reads a scene from a file of any type while its bytes are received. Also fetches the references
+/// of the scene.
 class SceneHandler final : public ContentHandler, public std::enable_shared_from_this<SceneHandler> {
  public:
   using Role = SceneUse::Role;
@@ -52,7 +53,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   [[nodiscard]] const SceneTarget& target() const { return target_; }
   [[nodiscard]] SceneReferences& references() { return references_; }
   [[nodiscard]] ScenePrototypes& prototypes() { return prototypes_; }
-  /// Returns true if the file itself has ended. Its references may still be loading.
+  /// Returns true if the file itself has ended or failed. Its references may still be loading.
   [[nodiscard]] bool nothing_more_comes() const { return stage_ >= Stage::ended; }
   /// Returns true if the file of a library and its references have been loaded.
   [[nodiscard]] bool is_settled() const { return stage_ == Stage::settled; }
@@ -61,11 +62,11 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
   [[nodiscard]] double seconds() const { return seconds_; }
 
-  /// Hands a library to its user once the libraries that it uses are loaded.
+  // Hands this library to the scene with the EXTERNPROTO after all libraries that it uses are loaded.
   void settle();
   /// Withholds the content from the Inline until it is read.
   void withhold() { use_.is_withheld = true; }
-  /// Returns true if `top` or one of its references reads this resource.
+  /// Returns true if `top` is this handler or one of its outer handlers.
   [[nodiscard]] bool is_inside(const SceneHandler& top) const;
 
  private:
@@ -87,9 +88,9 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   double seconds_ = 0;
   enum class Stage : std::uint8_t {
     receiving,
-    read_at_once,  // by `whole_file`
+    read_at_once,  // whole_file() has read the complete file
     ended,         // the file itself has ended
-    settled,       // so have the references of a library
+    settled,  // the libraries that the file uses are loaded too
   };
   Stage stage_ = Stage::receiving;
 };

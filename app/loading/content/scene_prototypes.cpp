@@ -8,11 +8,11 @@
 #include <optional>
 #include <utility>
 
-// PROTOs for the EXTERNPROTOs of a scene.
+// Search for the PROTOs that the EXTERNPROTOs of a scene refer to.
 namespace gs::app {
 namespace {
 
-// Returns true if a url refers to this file or to a part of it.
+// Returns true if `url` refers to `file` or to a part of it.
 bool names_file(net::Url url, const std::string& file) {
   url.fragment.clear();
   url.has_fragment = false;
@@ -49,11 +49,12 @@ void ScenePrototypes::look() {
   take_own();
 }
 
-// Fetches the library of an EXTERNPROTO. Returns false without fetching if its first url refers to its own text;
-// `wanted` then has the name of the PROTO.
+// Fetches the library of an EXTERNPROTO. If its first url refers to its own file, fetches nothing and returns false.
+// `wanted` then has the name of the PROTO in that file.
 bool ScenePrototypes::ask_for(AwaitedPrototype& wanted, SceneReferences::Reference reference, UrlRequest request,
                               Libraries& fresh) {
-  // A url of this file is not fetched. As the first url it is used at once, otherwise if the other urls fail.
+  // A url of this file itself is not fetched. If it is the first url, it is used at once, else only after the others
+  // failed.
   const std::string& own_url = handler_.target().found().origin.url;
   const bool own_first = !reference.places.empty() && names_file(reference.places.front(), own_url);
   std::erase_if(reference.places, [&](const net::Url& url) {
@@ -81,8 +82,7 @@ bool ScenePrototypes::ask_for(AwaitedPrototype& wanted, SceneReferences::Referen
   return true;
 }
 
-// Requests the library of an EXTERNPROTO in a text that was read into the running world. Its types belong to that
-// world.
+// Requests the library of an EXTERNPROTO. Its text was read into the running world, which therefore owns the type.
 void ScenePrototypes::load(const UrlRequest& request) {
   Libraries fresh;
   AwaitedPrototype wanted{request.prototype, {}, {}};
@@ -90,7 +90,7 @@ void ScenePrototypes::load(const UrlRequest& request) {
     give({wanted}, nullptr, std::nullopt);
 }
 
-// Resolves EXTERNPROTOs that refer to a PROTO of their own file (VRML97 4.9.2), once it is complete.
+// Resolves EXTERNPROTOs that refer to a PROTO of their own file (VRML97 4.9.2), after that PROTO is complete.
 void ScenePrototypes::take_own() {
   const std::size_t before = to_resolve_.size(), waiting = own_types_.size();
   std::erase_if(own_types_, [&](const auto& one) {
@@ -104,7 +104,7 @@ void ScenePrototypes::take_own() {
                                "EXTERNPROTO " + type->name + " is inside its own PROTO " + source->name + "; left out");
     } else {
       to_resolve_.emplace_back(type, source);
-      resolve();  // so that the next one can be found in the body of this one
+      resolve();  // the body may contain the next EXTERNPROTO
     }
     return true;
   });
@@ -118,7 +118,7 @@ bool ScenePrototypes::stand_in(vrml::NodeType& type) {
   return source != nullptr;
 }
 
-// Handles a missing library. `why` is the reason, or nullopt if it was already reported.
+// Handles a missing library. `why` is the reason, or nullopt if the diagnostics already have it.
 void ScenePrototypes::miss(SceneHandler& library, const std::optional<std::string>& why) {
   if (is_given()) return give(library.prototypes().awaiting_, nullptr, why);
   for (const AwaitedPrototype& one : library.prototypes().awaiting_) {
@@ -153,20 +153,20 @@ void ScenePrototypes::take_library(SceneHandler& library) {
   handler_.settle();
 }
 
-// Passes prototypes to the running world, which owns the types.
+// Hands prototypes to the running world, which owns the EXTERNPROTOs.
 void ScenePrototypes::give(std::vector<AwaitedPrototype> awaited, std::unique_ptr<vrml::SceneGraph> library,
                            std::optional<std::string> why) {
   ResourceUpdates::Prototypes update;
   update.scene = &scene();
   update.scene_held = handler_.target().read_scene().given_content();
-  if (handler_.use().role != SceneHandler::Role::root && !update.scene_held) return;  // the Inline was removed
+  if (handler_.use().role != SceneHandler::Role::root && !update.scene_held) return;  // the Inline no longer exists
   update.awaited = std::move(awaited);
   update.library = std::move(library);
   update.why = std::move(why);
   context_.loading.results.add(std::move(update));
 }
 
-// Resolves EXTERNPROTOs, except those if fields of their instances are still being read.
+// Resolves EXTERNPROTOs. Skips a type while the fields of one of its instances are still being read.
 void ScenePrototypes::resolve() {
   std::unordered_set<const vrml::NodeType*> open_types;
   for (const vrml::NodeId id : handler_.open_nodes()) open_types.insert(scene().node(id).type);
@@ -180,8 +180,8 @@ void ScenePrototypes::resolve() {
   });
 }
 
-// Marks the EXTERNPROTOs that the library's PROTOs use. Their instances are in other scenes, but their bodies must be
-// loaded here.
+// Marks the EXTERNPROTOs inside the library's PROTOs as used. Their instances are in other scenes, but only this
+// handler can load their bodies.
 void ScenePrototypes::use_types_inside() {
   std::vector<const vrml::NodeType*> waiting;
   std::unordered_set<const vrml::NodeType*> seen;

@@ -38,7 +38,7 @@ class ScenePrototypes {
   [[nodiscard]] const std::vector<std::shared_ptr<SceneHandler>>& libraries() const { return libraries_; }
 
  private:
-  using Libraries = std::unordered_map<std::string, SceneHandler*>;  // EXTERNPROTOs of one file share one library
+  using Libraries = std::unordered_map<std::string, SceneHandler*>;  // shared by the EXTERNPROTOs of one file
 
   [[nodiscard]] vrml::SceneGraph& scene() const;
   [[nodiscard]] bool is_given() const;
@@ -55,8 +55,8 @@ class ScenePrototypes {
   std::vector<std::shared_ptr<SceneHandler>> libraries_;
   std::vector<AwaitedPrototype> awaiting_;  // for a library: types of the outer scene that wait for it
   std::unordered_set<const vrml::NodeType*> used_types_, asked_types_;
-  std::vector<std::pair<vrml::NodeType*, const vrml::NodeType*>> to_resolve_;  // EXTERNPROTO, PROTO
-  std::vector<std::pair<vrml::NodeType*, std::string>> own_types_;  // EXTERNPROTOs that refer to a PROTO of this file
+  std::vector<std::pair<vrml::NodeType*, const vrml::NodeType*>> to_resolve_;  // pairs of EXTERNPROTO and PROTO
+  std::vector<std::pair<vrml::NodeType*, std::string>> own_types_;  // EXTERNPROTOs and names of PROTOs in this file
   std::size_t awaited_libraries_ = 0;
 };
 

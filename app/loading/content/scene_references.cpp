@@ -15,7 +15,7 @@
 #include <algorithm>
 #include <utility>
 
-// References of the nodes of a scene.
+// Resources that the nodes of a scene refer to.
 namespace gs::app {
 namespace {
 
@@ -29,7 +29,7 @@ std::string fetch_key(const std::vector<net::Url>& places, const net::Origin& fr
   return key;
 }
 
-/// Vectors that several QNV nodes show.
+/// Vectors that several QNV nodes show. They are fetched only once.
 struct SharedCloud {
   std::shared_ptr<const qnv::Geometry> cloud;
   std::vector<std::pair<std::shared_ptr<SceneHandler>, NodeId>> nodes;
@@ -43,7 +43,7 @@ SceneReferences::Reference SceneReferences::refer(const vrml::MFString& list,
   Reference reference{
       {}, origin_of(source), list.empty() ? std::string() : std::string(list.front().view().substr(0, 200))};
   std::vector<net::Url> bases;
-  // A text from the network must not get base URLs of files.
+  // A text from the network must not resolve relative URLs to local files.
   const net::Origin& own = handler_.target().found().origin;
   if (!own.is_user() && (!own.is_file() || reference.from.is_file())) bases.push_back(net::parse_url(own.url));
   if (reference.from != own || bases.empty())
@@ -51,7 +51,7 @@ SceneReferences::Reference SceneReferences::refer(const vrml::MFString& list,
   std::unordered_set<std::string> seen;
   for (const vrml::SFString& url : list) {
     const std::string tidy = net::tidy_url(url.view());
-    if (tidy.empty()) continue;  // no reference
+    if (tidy.empty()) continue;  // an empty url refers to nothing
     const net::Url parsed = net::parse_url(tidy);
     const auto add = [&](net::Url candidate) {
       if (seen.insert(candidate.text()).second) reference.places.push_back(std::move(candidate));
@@ -66,8 +66,8 @@ SceneReferences::Reference SceneReferences::refer(const vrml::MFString& list,
   return reference;
 }
 
-// Returns the candidates for a path such as "/pictures/a.png", which was meant for the root of a server. For files,
-// each parent folder that the text may read could be that root.
+// Returns the candidates for a path from the root of a server, such as "/pictures/a.png". In a local file, any parent
+// folder could stand for that root. Returns one candidate for each parent folder that the text may read.
 std::vector<net::Url> SceneReferences::below_folders(const net::Url& base, const net::Url& rooted,
                                                      const net::Origin& from) const {
   constexpr int kMaxFolders = 32;
@@ -103,7 +103,7 @@ void SceneReferences::look() {
   open_.clear();
   for (const NodeId id : handler_.open_nodes()) open_.insert(id.index);
   for (const NodeId id : std::exchange(later_, {})) visit(id);
-  // Visiting may create nodes, those of PROTO instances.
+  // Visiting a node may append nodes: those of PROTO instances.
   while (looked_at_ < scene().node_count()) visit(scene().id_at(++looked_at_));
   handler_.prototypes().look();
 }
@@ -117,7 +117,7 @@ void SceneReferences::visit(NodeId id) {
   }
   if (node.type->prototype || node.type->kind == vrml::NodeType::Kind::external_prototype) {
     handler_.prototypes().use(*node.type);
-    // The PROTO has the name of a node of ours.
+    // The PROTO may have the name of a built-in QNV node.
     const vrml::NodeType* native = vrml::built_in_node_type(node.type->name);
     if (native && native->url_content == vrml::UrlContent::vectors) replace_fallback(id, *native);
     return;
@@ -194,8 +194,8 @@ void SceneReferences::ask_for_image(const UrlRequest& request, Reference referen
   if (fresh) ask_for(std::move(reference), request.node, shared, Urgency::texture);
 }
 
-// Reads the vectors of a QNV node from its own records, else from the first available url. The node's transfer function
-// overrides that of the stream.
+// Reads the vectors of a QNV node from its own records, else from the first url that works. The node's transfer
+// function overrides the stream's.
 void SceneReferences::visit_cloud(NodeId id) {
   const vrml::Node& node = scene().node(id);
   LoadResults& results = context_.loading.results;
@@ -251,8 +251,8 @@ void SceneReferences::set_cloud(NodeId id, const std::shared_ptr<const qnv::Geom
       ResourceUpdates::Cloud{{&scene(), id}, fallback == fallbacks_.end() ? NodeId{} : fallback->second, cloud});
 }
 
-// Replaces an instance of a PROTO with the name of a node of ours. The PROTO body is the fallback for other browsers;
-// the vectors are shown instead of it.
+// Replaces an instance of a PROTO with a built-in node of the same name, which shows vectors. The PROTO body is a
+// fallback for other browsers.
 void SceneReferences::replace_fallback(NodeId id, const vrml::NodeType& native) {
   const NodeId made = scene().create(native, scene().node(id).location);
   if (!made) return;
@@ -264,10 +264,10 @@ void SceneReferences::replace_fallback(NodeId id, const vrml::NodeType& native) 
     node.values[declaration.slot] = instance.values[own->slot];
     scene().set_text(made, declaration.slot, vrml::text_of_field(scene(), id, *own));
   }
-  fallbacks_[made.index] = id;  // the new node is visited like any other
+  fallbacks_[made.index] = id;  // the loop of the caller visits the new node too
 }
 
-// Fetches the files of the url list before the first inline program.
+// Fetches the files that precede the first inline program in the url list.
 void SceneReferences::visit_script(NodeId id) {
   const vrml::Node& node = scene().node(id);
   const vrml::InterfaceDeclaration* const url = node.type->find_field("url");

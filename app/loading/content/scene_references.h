@@ -15,8 +15,8 @@ namespace gs::app {
 
 class SceneHandler;
 
-/// Returns the key under which fetches are shared. Texts of different sites never share a fetch, because their
-/// permissions differ.
+/// Returns the key of a resource: fetches with the same key are shared. Texts of different sites never share a fetch,
+/// because their permissions differ.
 [[nodiscard]] std::string fetch_key(const std::vector<net::Url>& places, const net::Origin& from);
 
 /// References of the nodes of a scene: finds their urls, and fetches them for the handler of their kind of content.
@@ -26,13 +26,13 @@ class SceneReferences {
   struct Reference {
     std::vector<net::Url> places;
     net::Origin from;
-    std::string first;  // as the text writes it
+    std::string first;  // first URL as written in the text
   };
 
   SceneReferences(SceneHandler& handler, SceneContext& context) : handler_(handler), context_(context) {}
 
-  /// Resolves a url list of a text of this world. Tries relative URLs beside the scene's file, then beside the file of
-  /// the text (VRML97 4.5.3). If the text was read from a URL at run time, tries them beside that URL first.
+  /// Resolves a url list of a text in this world. Tries relative URLs in the folder of the scene's file first, then in
+  /// that of the text (VRML97 4.5.3). For a text that was read from a URL at run time, the order is reversed.
   [[nodiscard]] Reference refer(const vrml::MFString& list, const vrml::SourceText& text) const {
     return refer(list, text.source(), false);
   }
@@ -71,10 +71,10 @@ class SceneReferences {
   SceneHandler& handler_;
   SceneContext& context_;
   std::uint32_t looked_at_ = 0;
-  std::vector<vrml::NodeId> later_;  // nodes with incomplete fields
+  std::vector<vrml::NodeId> later_;  // nodes to visit again, because fields are incomplete
   std::vector<std::shared_ptr<SceneHandler>> inlines_;
-  std::unordered_set<std::uint32_t> open_;                     // indices of incomplete nodes
-  std::unordered_map<std::uint32_t, vrml::NodeId> fallbacks_;  // by the QNV node that may replace them
+  std::unordered_set<std::uint32_t> open_;  // indices of nodes with incomplete fields
+  std::unordered_map<std::uint32_t, vrml::NodeId> fallbacks_;  // PROTO instances, by index of the new QNV node
 };
 
 }  // namespace gs::app

@@ -52,7 +52,7 @@ void SceneTarget::forget_meshes(const std::vector<vrml::NodeId>& open, render::M
   };
   for (const vrml::NodeId id : open) {
     forget(id);
-    // The group that it refines changes with it.
+    // An OutlineGroup also changes the group that it refines.
     if (scene()->node(id).type->url_content != vrml::UrlContent::outlines) continue;
     const auto refined = scene()->resolve_as(scene()->get<vrml::SFNode>(id, "refines"), vrml::NodeKind::outline_group);
     if (refined) forget(refined);

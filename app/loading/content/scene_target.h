@@ -18,7 +18,7 @@ namespace gs::app {
 /// Scene that a file is read into.
 class SceneTarget {
  public:
-  /// Completeness of the file itself.
+  /// Completeness of the file itself, without its references.
   enum class Content : std::uint8_t { whole, cut_short, refused };
 
   /// Creates a target. `nodes_added` is called after nodes were added; with true, their urls are fetched.
@@ -60,7 +60,7 @@ class SceneTarget {
   Found found_;
   ReadScene read_scene_;
   Content content_ = Content::whole;
-  std::vector<const vrml::Node*> shown_open_;  // nodes that were incomplete when they were shown
+  std::vector<const vrml::Node*> shown_open_;  // nodes that were incomplete at the last picture
 };
 
 }  // namespace gs::app

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-// Resources that are received as cells.
+// Resources that servers send as cells.
 namespace gs::app {
 namespace {
 
@@ -24,22 +24,22 @@ void add(net::CellClientStatistics& sum, const net::CellClientStatistics& more) 
   sum.server_rate += more.server_rate;
 }
 
-// Limits for unanswered requests, because a text could make this program send datagrams to any host. Each silent server
-// gets 16 greetings of 256 bytes.
-constexpr std::size_t kMaxUnanswered = 4;      // at the same time
-constexpr std::size_t kMaxSilentServers = 16;  // of one world
+// Limits of requests to silent servers, because a hostile text could name any host. Each silent server gets 16
+// greetings of 256 bytes.
+constexpr std::size_t kMaxUnanswered = 4;  // concurrent requests without an answer
+constexpr std::size_t kMaxSilentServers = 16;  // per world
 
 }  // namespace
 
 struct CellTransfers::Cells {
   std::unique_ptr<CellStream> stream;
   std::string server;
-  Fetch* fetch = nullptr;            // null if no fetch waits for it
-  std::shared_ptr<StreamFeed> feed;  // of the views that request the rest
-  std::uint64_t row = 0;             // of the ledger
+  Fetch* fetch = nullptr;  // fetch that waits for the resource; null if none
+  std::shared_ptr<StreamFeed> feed;  // feed for the views that request the rest, or null
+  std::uint64_t row = 0;  // row number in the ledger
 };
 
-// Begins a resource that is sent as cells. Returns false if the text must not request it.
+// Begins to read a resource as cells. Returns false if the text may not request it.
 bool CellTransfers::begin(Fetch& fetch, const net::Url& url) {
   if (fetch.from.is_user()) {
     open(fetch, url);
@@ -137,7 +137,7 @@ bool CellTransfers::step() {
       loading_.fetcher.begin_next_candidate(next);
     any = true;
   }
-  // Received data may start further cell streams.
+  // Received data may append streams to `cells`.
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const std::shared_ptr<Cells> one = cells_[i];
     if (!one->stream->step()) continue;
@@ -159,7 +159,7 @@ void CellTransfers::stop(const Fetch& fetch) {
     if (one->fetch == &fetch) one->fetch = nullptr;
 }
 
-// Sets the rate of all cell streams.
+// Applies the bandwidth limit to all cell streams.
 void CellTransfers::set_rate() {
   for (const auto& one : cells_) one->stream->set_rate(loading_.options.rate);
 }

@@ -20,11 +20,11 @@ namespace gs::app {
 
 /// Location at which the bytes of a resource were found.
 struct Found {
-  net::Url url;      // after redirects, without fragment
-  std::string path;  // of a local file; otherwise the URL. Diagnostics use it as the file name.
+  net::Url url;  // URL after redirects, without the fragment
+  std::string path;  // path of a local file, else the URL; the file name in diagnostics
   std::string fragment;
   bool local = false;
-  net::Origin origin;  // origin of the references of its text
+  net::Origin origin;  // origin of all references inside the resource
 };
 
 class SceneHandler;
@@ -33,46 +33,48 @@ class SceneHandler;
 class ContentHandler {
  public:
   ContentHandler() = default;
-  /// Returns the handler of the scene that this handler adds nodes to, or null. That scene, or the Inline's content,
-  /// cannot be handed over while the handler runs.
+  /// Returns the handler of the scene that gets nodes from this handler, or null. While this handler runs, neither that
+  /// scene nor an Inline's content can be handed over.
   [[nodiscard]] virtual const SceneHandler* makes_nodes_of() const { return nullptr; }
   ContentHandler(const ContentHandler&) = delete;
   ContentHandler& operator=(const ContentHandler&) = delete;
   virtual ~ContentHandler() = default;
-  /// Announces the resource; its bytes follow from the start. Returns false if they are not wanted.
+  /// Announces the resource. The caller then passes its bytes from the first on. Returns false to refuse the bytes.
   virtual bool begin(const Found& found) = 0;
-  /// Checks the first bytes of a large local file before it is mapped. Returns the reason to refuse it, or nullopt.
+  /// Checks the first bytes of a large local file before the file is mapped. Returns the reason for refusing it, or
+  /// nullopt.
   virtual std::optional<std::string> refuse_first(const std::string& /*path*/, std::span<const std::byte>) {
     return std::nullopt;
   }
-  /// Reads a local file as a whole. Returns false to receive it in pieces instead.
+  /// Reads a local file as a whole. Returns false if `receive` must get the file in pieces instead.
   virtual bool whole_file(const net::MappedFile&, const std::string&) { return false; }
-  /// Like whole_file(), but may take ownership of the mapping; returns false if it did not.
+  /// Like whole_file(), but may move from the mapping. Returns false if the mapping still belongs to the caller.
   virtual bool take_file(net::MappedFile&) { return false; }
   virtual void receive(std::span<const std::byte> bytes) = 0;
-  /// Ends the resource. `problem` is the reason why the rest is missing, or nullopt if it is complete.
+  /// Ends the resource. `problem` says why the remaining bytes are missing; nullopt means that the resource is
+  /// complete.
   virtual void end(const std::optional<std::string>& problem) = 0;
-  /// Returns, after `end`, why the content is unusable, so that the next candidate is tried. Returns nullopt if it is
-  /// usable.
+  /// Returns the reason why the content is unusable, or nullopt. With a reason, the caller tries the next candidate.
+  /// Called after `end`.
   virtual std::optional<std::string> wants_next() { return std::nullopt; }
   /// Reports that no candidate has usable content.
   virtual void missing(const std::string& why) = 0;
-  /// Decides whether to read the rest by ranges from `place` instead of front to back. If it returns true, neither more
-  /// bytes nor `end` follow.
+  /// Returns true if this handler reads all bytes after `place` itself, by ranges. The caller then passes no more bytes
+  /// and does not call `end`.
   virtual bool seek(RangedStream::Place) { return false; }
-  /// Receives a chunk, or some records of one, from cells after the protected base.
+  /// Receives a chunk, or some records of a chunk, as cells. Called after the protected base was received.
   virtual void receive_cells(const net::CellEvent&) {}
-  /// Returns a feed if the front is enough and views request the rest. Otherwise returns null. After a feed, neither
-  /// more bytes nor `end` follow.
+  /// Returns a feed if views request all bytes after the first ones, else null. With a feed, the caller passes no more
+  /// bytes and does not call `end`.
   virtual std::shared_ptr<StreamFeed> follow() { return nullptr; }
 
   /// Reports that reading was stopped on purpose. `end` or `missing` came before.
   virtual void stopped() {}
-  /// Reports the fraction that was received, 0 to 1.
+  /// Reports the fraction of the bytes that was received, 0 to 1.
   virtual void tell_progress(double) {}
 
   bool cut = false;   // bytes after `--max-bytes` were omitted on purpose
-  bool told = false;  // the reason of a missing resource was already reported
+  bool told = false;  // the diagnostics already say why the resource is missing
 };
 
 /// Number of first bytes that suffice to detect the type of a file.

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <utility>
 
-// Fetches from their first candidate to their end; local files and data: URLs.
+// Fetches from the first candidate URL to the end. Reading of local files and data: URLs.
 namespace gs::app {
 namespace {
 
@@ -84,7 +84,7 @@ void Fetcher::drop_transfer(Fetch& fetch) {
 
 void Fetcher::withdraw(const std::function<bool(const ContentHandler&)>& is_unwanted) {
   for (const auto& one : fetches_) {
-    // A fetch that was withdrawn earlier may belong to a handler that no longer exists.
+    // A fetch that was withdrawn before may refer to a handler that no longer exists.
     if (has_ended(*one) || !is_unwanted(*one->handler)) continue;
     loading_.ledger->end(one->row, LoadStage::cancelled, "another URL was set");
     drop_transfer(*one);
@@ -98,7 +98,7 @@ void Fetcher::stop(const std::string& why) {
   if (!cancelled) loading_.results.report(Severity::error, loading_.results.file(), {}, why);
   network_.cancel_all();
   local_.clear();
-  // Keeps the received part of each fetch. New fetches are refused, because the phase is `stopped`.
+  // Each handler keeps its received part. It cannot start new fetches, because the phase is `stopped`.
   for (std::size_t i = 0; i < fetches_.size(); ++i) {
     Fetch& fetch = *fetches_[i];
     if (has_ended(fetch)) continue;
@@ -121,7 +121,7 @@ void Fetcher::cancel_rows() {
   }
 }
 
-// Stops a fetch and keeps its received part.
+// Stops a fetch. The handler keeps the received part.
 void Fetcher::cancel(Fetch& fetch) {
   drop_transfer(fetch);
   ended_.push_back(&fetch);
@@ -134,7 +134,7 @@ void Fetcher::cancel(Fetch& fetch) {
   fetch.handler->stopped();
 }
 
-// Applies a bandwidth limit that the interface has changed.
+// Applies the bandwidth limit after the user has changed it.
 void Fetcher::follow_rate() {
   const std::optional<std::uint64_t> asked = loading_.ledger->rate();
   if (!asked || *asked == loading_.options.rate) return;
@@ -150,7 +150,7 @@ void Fetcher::leave_to_views(Fetch& fetch) {
 
 void Fetcher::fetch(std::unique_ptr<Fetch> wanted, Urgency urgency) {
   if (phase_ == Phase::too_many_files || phase_ == Phase::stopped) return;
-  // A fetch asked for this one and must not be stopped here; the next step stops loading.
+  // The caller may be another fetch, which must not be stopped here. The next step stops loading.
   phase_ = ++files_ > loading_.budget->limits().files ? Phase::too_many_files : Phase::loading;
   if (phase_ == Phase::too_many_files) return;
   wanted->priority = static_cast<int>(urgency) * kUrgencyStep;
@@ -162,7 +162,7 @@ void Fetcher::fetch(std::unique_ptr<Fetch> wanted, Urgency urgency) {
 void Fetcher::begin_next_candidate(Fetch& fetch) {
   while (fetch.next < fetch.candidates.size()) {
     net::Url& url = fetch.candidates[fetch.next++];
-    // Silent cell servers are compared by this spelling.
+    // The set of silent cell servers uses the canonical spelling of URLs.
     if (auto canonical = net::canonical_url(url)) url = std::move(*canonical);
     loading_.ledger->seek(fetch.row, net::url_for_messages(url.text()), url.scheme.empty() ? "file" : url.scheme);
     if (const auto refused = policy_.refuse(fetch.from, url)) {
@@ -213,7 +213,8 @@ bool Fetcher::begin_local(Fetch& fetch, const net::Url& url) {
     fetch.data = std::move(decoded->bytes);
     fetch.rest = fetch.data;
     found.path = "data: URL";
-    // A text inside another has its origin. A data: URL from the user may contain text of anyone, so it is not trusted.
+    // A text inside another text has the same origin. A data: URL from the user may contain anyone's text, so it is
+    // untrusted.
     found.origin = fetch.from.is_user() ? net::Origin{"data:", net::AddressSpace::global} : fetch.from;
   } else {
     found.local = true;
@@ -269,7 +270,7 @@ void Fetcher::local_step() {
   finish(fetch, fetch.file ? fetch.file->changed() : std::nullopt);
 }
 
-// Received bytes
+// Handling of received bytes
 
 // Calls `take`, and notes in the ledger whether something visible changed.
 void Fetcher::watch_change(const Fetch& fetch, const std::function<void()>& take) {

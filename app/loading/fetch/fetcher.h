@@ -23,10 +23,10 @@ struct Loading;
 
 /// Progress of reading a world.
 struct LoadingState {
-  std::uint64_t received = 0;          // bytes of all files
-  std::optional<std::uint64_t> total;  // of the files that are being read; nullopt while unknown
-  std::size_t files = 0;               // read or being read
-  std::size_t waiting = 0;             // files that are not complete
+  std::uint64_t received = 0;  // received bytes of all files
+  std::optional<std::uint64_t> total;  // size of all files in bytes; nullopt if unknown
+  std::size_t files = 0;  // number of files that are read or being read
+  std::size_t waiting = 0;  // number of files that are incomplete
   friend bool operator==(const LoadingState&, const LoadingState&) = default;
 };
 
@@ -46,7 +46,7 @@ class Fetcher {
   [[nodiscard]] ReadFile reader_of(const net::Origin& origin);
   /// Handles some received data, or waits for it for at most `wait`. Returns false if nothing is being read.
   bool step(std::chrono::milliseconds wait);
-  /// Starts a new count of files if no earlier fetch continues.
+  // If no earlier fetch is running, the count of files starts again at 0.
   void restart();
   /// Cancels the fetches with unwanted handlers, because another url was set.
   void withdraw(const std::function<bool(const ContentHandler&)>& is_unwanted);
@@ -85,16 +85,16 @@ class Fetcher {
   net::ReferencePolicy policy_;
   NetworkTransfers network_;
   CellTransfers cells_;
-  std::vector<std::unique_ptr<Fetch>> fetches_;  // not complete
-  std::deque<Fetch*> local_;                     // read here, one after the other
+  std::vector<std::unique_ptr<Fetch>> fetches_;  // incomplete fetches
+  std::deque<Fetch*> local_;  // fetches of local files, read here in order
   std::vector<Fetch*> ended_;
   std::size_t files_ = 0;
   std::uint64_t received_ = 0;
   enum class Phase : std::uint8_t {
     loading,
-    too_many_files,  // more references than the limit; the next step stops
-    done,            // complete, unless more urls are set
-    stopped,         // stopped before everything was received
+    too_many_files,  // too many references; the next step stops loading
+    done,  // complete until further urls are set
+    stopped,  // stopped before the end
   };
   Phase phase_ = Phase::loading;
 };

@@ -15,7 +15,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::size_t kMaxVisits = 200'000, kMaxLookedDepth = 256;
-constexpr float kUnknown = 0.25f;  // for nodes without a known size
+constexpr float kUnknown = 0.25f;  // apparent size of nodes without bounds, nearby
 
 class Surveyor {
  public:

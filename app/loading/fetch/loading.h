@@ -15,7 +15,7 @@
 
 namespace gs::app {
 
-/// Event on which the reader thread waits.
+/// Wake-up signal of the reader thread.
 class Waker {
  public:
   void wake();

@@ -12,7 +12,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::uint64_t kWorthChoosing = std::uint64_t{1} << 20;  // shorter streams are read as a whole
+constexpr std::uint64_t kWorthChoosing = std::uint64_t{1} << 20;  // bytes; shorter streams are read as a whole
 
 std::string without_fragment(net::Url url) {
   url.fragment.clear();
@@ -20,7 +20,7 @@ std::string without_fragment(net::Url url) {
   return url.text();
 }
 
-// Converts bits to bytes per second. Rounds up, because 0 means unlimited.
+// Converts bits per second to bytes per second. Rounds up, because a result of 0 means unlimited.
 std::uint64_t byte_rate_of(std::uint64_t bits) { return bits / 8 + (bits % 8 > 0 ? 1 : 0); }
 
 }  // namespace
@@ -177,7 +177,7 @@ void NetworkTransfers::set_priorities() {
   }
 }
 
-// Limits the request for a long stream to its front. Returns false if it has requested the whole resource instead.
+// Requests only the first bytes of a long stream. Returns false if it requests the whole resource instead.
 bool NetworkTransfers::take_front(Fetch& fetch, const net::LoadHead& head) {
   fetch.validator = head.validator;
   if (head.accepts_ranges && head.total && *head.total >= kWorthChoosing) return true;
@@ -205,7 +205,7 @@ void NetworkTransfers::take_rest(Fetch& fetch) {
   }
 }
 
-// Reads a resource that an importer needs to continue. Events of other requests are queued meanwhile.
+// Reads a resource that an importer waits for. Events of other requests are queued meanwhile.
 BytesResult NetworkTransfers::read_now(const net::Url& url, const net::Origin& from) {
   net::Request wanted;
   wanted.url = without_fragment(url);

@@ -67,7 +67,7 @@ class NetworkTransfers {
   Loading& loading_;
   std::unique_ptr<net::Loader> loader_;  // created for the first network resource
   std::unordered_map<std::uint64_t, Fetch*> by_request_;
-  std::deque<net::LoadEvent> events_;  // polled, not handled yet
+  std::deque<net::LoadEvent> events_;  // received events that are not handled yet
   std::vector<std::unique_ptr<RangedStream>> streams_;
   bool streams_grew_ = false;
   std::function<Importance(const Nodes&)> importance_;

@@ -50,7 +50,7 @@ const NodeType* prototype_in_own_text(const vrml::SourceText& text, const NodeTy
 void tell_missing_prototype(const NodeType& type, const std::string& why, bool replaced, const ReportAt& report) {
   const NodeType* own = vrml::built_in_node_type(type.name);
   if (own && own->url_content == vrml::UrlContent::vectors) return;
-  if (replaced && vrml::built_in_node_of_urn(type.url)) return;  // the URN requests this built-in node
+  if (replaced && vrml::built_in_node_of_urn(type.url)) return;  // the URN requests exactly this built-in node
   report(Severity::warning, type.location,
          "EXTERNPROTO " + type.name + ": " + why_missing(type.url, why) + (replaced ? "; a stand-in replaces it" : ""));
 }

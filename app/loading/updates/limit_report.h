@@ -5,7 +5,7 @@
 
 namespace gs::app {
 
-/// Reports the objects that limits removed from a picture: one error per reason.
+/// Reports the objects that are missing from a picture because of limits. Adds one error per kind of limit.
 void report_limits(const render::RenderList& list, Diagnostics& diagnostics);
 
 }  // namespace gs::app

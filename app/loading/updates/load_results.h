@@ -35,7 +35,7 @@ class LoadResults {
   void report(Severity severity, const std::string& file, SourceLocation at, std::string message) {
     diagnostics_.add({severity, file, at, std::move(message)});
   }
-  /// Records a refused folder. Returns true if it was not reported before.
+  // Records a folder that the world must not read. Returns true if it was not recorded before.
   bool refuse_folder(const std::string& folder, const std::string& reference);
 
   /// Returns the world that is being read, or null after the hand-over.

@@ -19,36 +19,36 @@ namespace gs::app {
 class MediaFile;
 class StreamFeed;
 
-/// Folder with a file that a world refers to but must not read, unless the user allows it.
+/// Folder that a world refers to but must not read without the user's permission.
 struct OutsideFolder {
   std::string folder;
-  std::string reference;  // the first one, as the world writes it
+  std::string reference;  // one reference to a file in the folder, as the world writes it
   friend bool operator==(const OutsideFolder&, const OutsideFolder&) = default;
 };
 
-/// Received fraction of a node's url content, 0 to 1.
+/// Received fraction of the resource that a node's url refers to, 0 to 1.
 struct UrlProgress {
   vrml::SceneGraph* scene = nullptr;
   vrml::NodeId node;
   double fraction = 0;
 };
 
-/// Duration of a node's media in seconds; negative if it is unknown or there is none.
+/// Duration of a node's media in seconds. Negative if the duration is unknown or the node has no media.
 struct MediaDuration {
   vrml::SceneGraph* scene = nullptr;
   vrml::NodeId node;
   double seconds = -1;
 };
 
-/// Text of a program that a Script's url refers to.
+/// Text of a program from the url list of a Script.
 struct ProgramText {
   vrml::SceneGraph* scene = nullptr;
   vrml::NodeId script;
-  std::optional<std::string> text;  // nullopt if it is not available
-  std::string url;                  // URL that it was read from
+  std::optional<std::string> text;  // nullopt if the text is unavailable
+  std::string url;  // URL of the text
 };
 
-/// World that was read, with all data that a picture of it needs.
+/// World as read from files, with all data that pictures of it need.
 struct LoadedWorld {
   // Defined in the source file because the members are large.
   LoadedWorld();
@@ -56,30 +56,30 @@ struct LoadedWorld {
   LoadedWorld& operator=(LoadedWorld&& other) noexcept;
   ~LoadedWorld();
 
-  std::string title;                        // WorldInfo.title or the file's name
-  std::string path;                         // as requested
-  std::unique_ptr<vrml::SceneGraph> scene;  // null if the world could not be opened; the diagnostics give the reason
+  std::string title;  // WorldInfo.title, else the name of the file
+  std::string path;  // path or URL as requested
+  std::unique_ptr<vrml::SceneGraph> scene;  // null if the world cannot be shown; see the diagnostics
   render::Images images;
   render::Geometries clouds;
-  std::unordered_map<const vrml::Node*, std::shared_ptr<const MediaFile>> media;  // of AudioClips and MovieTextures
-  std::vector<MediaDuration> durations;            // of AudioClips and MovieTextures, not reported to them yet
-  std::vector<std::shared_ptr<StreamFeed>> feeds;  // of streams in `clouds` that still grow; see stream_feed.h
-  /// Scenes with the budget for the polygons, by OutlineGroup that read polygons from its url.
+  std::unordered_map<const vrml::Node*, std::shared_ptr<const MediaFile>> media;  // by AudioClip or MovieTexture
+  std::vector<MediaDuration> durations;  // durations that the nodes have not got yet
+  std::vector<std::shared_ptr<StreamFeed>> feeds;  // feeds of streams in `clouds` that still grow; see stream_feed.h
+  /// Scenes that hold the memory shares of polygons from urls, by OutlineGroup.
   std::unordered_map<const vrml::Node*, std::shared_ptr<const vrml::SceneGraph>> outlines;
-  std::vector<UrlProgress> progress;  // of QNV nodes
-  std::vector<ProgramText> programs;  // of files
+  std::vector<UrlProgress> progress;  // progress of QNV nodes
+  std::vector<ProgramText> programs;  // Script programs from separate files
   Diagnostics diagnostics;
   std::vector<OutsideFolder> outside;
-  bool network_allowed = false;       // --allow-network; see session/documents/network_gate.h
-  bool authored = true;               // an authored world; false for a measured or modelled object
-  UpRule up = UpRule::y;              // of its format
-  std::optional<Upright> stated_up;   // from the file itself
-  std::optional<ColorKey> color_key;  // meaning of the colours of its surfaces, if the file gives it
-  bool truncated = false;             // the file ends before the world is complete
-  std::size_t bytes = 0;              // size of the file itself on disk
-  double parse_seconds = 0;           // for the file itself, without its references
+  bool network_allowed = false;  // value of --allow-network; see session/documents/network_gate.h
+  bool authored = true;  // true for an authored world; false for a measured or modelled object
+  UpRule up = UpRule::y;  // up axis of files in this format
+  std::optional<Upright> stated_up;  // up axis that the file itself defines
+  std::optional<ColorKey> color_key;  // meaning of the surface colours, if the file defines it
+  bool truncated = false;  // the file ends too early
+  std::size_t bytes = 0;  // size of the opened file on disk, without references
+  double parse_seconds = 0;  // parsing time of the opened file, without references
 
-  /// Returns the up axis. `size` is the extent of all visible objects along the axes.
+  /// Returns the up axis of the world. `size` is the extent of all visible objects along x, y and z.
   [[nodiscard]] Upright upright(const glm::vec3& size) const { return stated_up.value_or(upright_of(up, size)); }
 };
 

@@ -6,7 +6,7 @@
 
 namespace gs::app {
 
-/// Returns the message for a url list without a working URL. `why` is the problem of the first URL, or empty.
+/// Returns the message for a url list in which no URL works. `why` is the problem of the first URL, or empty.
 [[nodiscard]] std::string why_missing(const vrml::MFString& urls, const std::string& why);
 
 }  // namespace gs::app

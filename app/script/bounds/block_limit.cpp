@@ -25,7 +25,7 @@ void* refuse() {
   return nullptr;
 }
 
-// Largest sizes of the regular-expression stack. The engine aborts if it cannot allocate them.
+// Largest sizes of SpiderMonkey's stack for regular expressions. SpiderMonkey aborts if it cannot allocate them.
 constexpr std::size_t kStackSizes[] = {std::size_t{1} << 25, std::size_t{1} << 26};
 
 bool is_refused(std::size_t bytes) {
@@ -50,7 +50,7 @@ std::uintptr_t replacement_of(std::string_view name) {
   return 0;
 }
 
-// Reports whether a relocation stores the address of a symbol.
+// Reports whether a relocation of this type stores the address of a symbol.
 bool stores_address(std::uint64_t type) {
 #if defined(__x86_64__)
   return type == R_X86_64_GLOB_DAT || type == R_X86_64_JUMP_SLOT;
@@ -62,7 +62,7 @@ bool stores_address(std::uint64_t type) {
 #endif
 }
 
-/// Tables named in the dynamic section of a loaded library.
+/// Tables that the dynamic section of a loaded library names.
 struct Tables {
   const char* names = nullptr;
   const ElfW(Sym) * symbols = nullptr;
@@ -72,7 +72,7 @@ struct Tables {
 Tables tables_of(const dl_phdr_info& library, const ElfW(Dyn) * entry) {
   Tables tables;
   const auto address = [&](const ElfW(Dyn) & one) {
-    // The loader of glibc has added the base already, other loaders have not.
+    // glibc's loader has already added the base address to the entry; other loaders have not.
     return one.d_un.d_ptr < library.dlpi_addr ? one.d_un.d_ptr + library.dlpi_addr : one.d_un.d_ptr;
   };
   std::uintptr_t relocations = 0, calls = 0;
@@ -91,7 +91,8 @@ Tables tables_of(const dl_phdr_info& library, const ElfW(Dyn) * entry) {
   return tables;
 }
 
-// Writes the replacements into the library's global offset table. Returns the number of entries that it replaced.
+// Writes the addresses of the limited functions into the library's global offset table. Returns the number of replaced
+// entries.
 int redirect(const dl_phdr_info& library, const Tables& tables) {
   int replaced = 0;
   for (const auto relocations : {tables.relocations, tables.calls})
@@ -116,7 +117,7 @@ int redirect_in_engine(dl_phdr_info* library, std::size_t, void* replaced) {
   if (!dynamic) return 1;
   const Tables tables = tables_of(*library, reinterpret_cast<const ElfW(Dyn)*>(library->dlpi_addr + dynamic->p_vaddr));
   if (!tables.names || !tables.symbols) return 1;
-  // The table may lie in pages that the loader has made read-only.
+  // The loader may have made the pages of the table read-only. Make them writable for this change.
   void* first = nullptr;
   std::size_t length = 0;
   if (read_only) {

@@ -4,10 +4,10 @@
 
 namespace gs::app::script {
 
-/// Limit on the size of each memory block that SpiderMonkey allocates on this thread, while this object exists. Larger
-/// requests fail, and the program gets an out-of-memory exception. SpiderMonkey has no such limit itself: one operator
-/// may otherwise flatten a string of 2^30 characters, which takes 2 GB and several seconds. Blocks of exactly 32 or
-/// 64 MiB, the stacks of regular expressions, are always granted.
+/// Limit on the size of each memory block that SpiderMonkey allocates on this thread. It holds as long as this object
+/// exists. A larger allocation fails, and the program gets an out-of-memory exception. SpiderMonkey itself has no such
+/// limit: a single operator could flatten a string of 2^30 characters, which takes 2 GB and several seconds. Blocks of
+/// exactly 32 or 64 MiB, which are stacks of regular expressions, are always allowed.
 class BlockLimit {
  public:
   explicit BlockLimit(std::size_t bytes);
@@ -15,8 +15,8 @@ class BlockLimit {
   BlockLimit(const BlockLimit&) = delete;
   BlockLimit& operator=(const BlockLimit&) = delete;
 
-  /// Redirects the allocation functions that libmozjs imports. Call it before JS_Init. Returns false if the library
-  /// imports none, so that limits have no effect.
+  /// Redirects the allocation functions that libmozjs imports to limited ones. Call before JS_Init(). Returns false if
+  /// the library imports none of them; then limits have no effect.
   static bool install();
 
  private:

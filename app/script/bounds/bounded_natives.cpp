@@ -17,13 +17,14 @@
 namespace gs::app::script {
 namespace {
 
-// Each bound keeps its calls below about 0.3 s of processor time.
-constexpr std::size_t kMaxComparisons = std::size_t{1} << 28;  // length of a text times length of the searched string
-constexpr std::size_t kMaxPattern = std::size_t{1} << 14;      // characters of a regular expression
-constexpr std::size_t kMaxCased = std::size_t{1} << 22;        // characters of a text for toLowerCase and toUpperCase
+// Each limit keeps a call below about 0.3 s of processor time.
+constexpr std::size_t kMaxComparisons = std::size_t{1} << 28;  // length of a text times length of the searched text
+constexpr std::size_t kMaxPattern = std::size_t{1} << 14;  // max characters of a regular expression
+constexpr std::size_t kMaxCased = std::size_t{1} << 22;  // max characters of a text to convert to another case
 constexpr std::size_t kMaxNormalized = std::size_t{1} << 21, kMaxCollated = std::size_t{1} << 20;
-constexpr std::size_t kMaxReordered = std::size_t{1} << 30;  // sum of the squares of runs of combining characters
-// Max characters of a pattern with flag u, and with flags u and i: Unicode sets are slow.
+constexpr std::size_t kMaxReordered = std::size_t{1} << 30;  // max sum of squared lengths of runs of combining marks
+// Max characters of a pattern with the flag u, and with the flags u and i. The limits are low because Unicode sets are
+// slow.
 constexpr std::size_t kMaxUnicodePattern = 512, kMaxFoldedPattern = 96;
 constexpr std::size_t kMaxJson = std::size_t{1} << 22, kMaxJsonParts = std::size_t{1} << 17;
 
@@ -47,18 +48,19 @@ auto with_characters(JSContext* context, JSLinearString* text, const Do& what) {
   return what(JS::GetTwoByteLinearStringChars(no_collection, text), length);
 }
 
-// Reports whether normalization may reorder a character. Excludes East Asian blocks and everything below U+0300.
+// Reports whether normalization may move a character among its neighbours. East Asian blocks and all characters below
+// U+0300 are never moved.
 constexpr auto kMayBeMark = [](auto c) {
   return c >= 0x300 && !(c >= 0x3100 && c < 0xA66F) && !(c >= 0xAC00 && c < 0xD800);
 };
 
-/// Call of a bounded function, with the arguments for the original.
+/// Call of a bounded function. The check may replace arguments before the original is called.
 struct Call {
   JSContext* context;
   JS::MutableHandleValue self;
   JS::RootedValueVector& arguments;
 
-  // Converts a value to a string, as the original would.
+  // Converts a value to a string, as the original function would.
   [[nodiscard]] bool to_text(JS::MutableHandleValue value, std::size_t& length) const {
     JSString* const text = JS::ToString(context, value);
     if (!text) return false;
@@ -70,7 +72,7 @@ struct Call {
     length = 0;
     return index >= arguments.length() || to_text(arguments[index], length);
   }
-  // Null and undefined have no text; the original rejects them.
+  // Returns false for null and undefined, which have no text; the original function rejects them.
   [[nodiscard]] bool has_self() const { return !self.isNullOrUndefined(); }
 };
 
@@ -80,7 +82,7 @@ bool check_search(JSContext* context, std::size_t text, std::size_t searched) {
                                  " takes too long; search a shorter string");
 }
 
-// indexOf, lastIndexOf
+// Checks calls of indexOf and lastIndexOf.
 bool bound_search(const Call& call) {
   std::size_t text = 0, searched = 0;
   if (!call.has_self()) return true;
@@ -88,7 +90,7 @@ bool bound_search(const Call& call) {
          check_search(call.context, text, searched);
 }
 
-// The same functions of Array: each comparison with a long string takes its time.
+// Checks calls of Array's indexOf, lastIndexOf and includes. Each comparison with a long string takes long.
 bool bound_element_search(const Call& call) {
   if (!call.self.isObject() || call.arguments.length() == 0 || !call.arguments[0].isString()) return true;
   const std::size_t searched = JS::GetStringLength(call.arguments[0].toString());
@@ -118,7 +120,7 @@ bool bound_includes(const Call& call) {
   return bound_search(call);
 }
 
-// Rejects long runs of combining characters: the engine reorders them in quadratic time.
+// Rejects long runs of combining characters, because SpiderMonkey reorders a run in quadratic time.
 bool check_marks(JSContext* context, JS::HandleValue value) {
   JSLinearString* const text = JS_EnsureLinearString(context, value.toString());
   if (!text) return false;
@@ -126,7 +128,7 @@ bool check_marks(JSContext* context, JS::HandleValue value) {
     std::size_t run = 0, sum = 0;
     for (std::size_t i = 0; i < count; ++i) {
       run = kMayBeMark(characters[i]) ? run + 1 : 0;
-      sum += run;  // a run of n adds about n * n / 2
+      sum += run;  // a run of n characters adds about n * n / 2
     }
     return sum;
   });
@@ -172,7 +174,7 @@ bool bound_json(const Call& call) {
          fail_range(call.context, "a JSON text has too many parts or digits for a Script");
 }
 
-// toLowerCase and its relatives
+// Checks calls of toLowerCase, toUpperCase and their locale variants.
 bool bound_case(const Call& call) {
   std::size_t length = 0;
   if (!call.has_self()) return true;
@@ -184,8 +186,8 @@ bool check_pattern(JSContext* context, std::size_t length) {
   return length <= kMaxPattern || too_long(context, "a regular expression", length, kMaxPattern);
 }
 
-// Checks the pattern of RegExp() and compile(). RegExp objects are already compiled. Other values are converted to
-// text.
+// Checks the pattern of RegExp() and compile(). Accepts RegExp objects, which are already compiled. Converts other
+// values to text first.
 bool bound_pattern(const Call& call) {
   std::size_t length = 0;
   if (call.arguments.length() == 0 || call.arguments[0].isUndefined()) return true;
@@ -205,7 +207,7 @@ bool bound_pattern(const Call& call) {
   return call.argument_to_text(0, length) && check_pattern(call.context, length);
 }
 
-// Reports whether the pattern is literal text. The engine cannot be interrupted while it searches for literal text.
+// Reports whether the pattern is literal text. SpiderMonkey cannot be interrupted during a search for literal text.
 bool is_plain(JSLinearString* pattern, JSContext* context) {
   return with_characters(context, pattern, [](const auto* characters, std::size_t count) {
     return std::none_of(characters, characters + count, [](auto c) {
@@ -219,7 +221,8 @@ bool bound_exec(const Call& call) {
   if (!call.self.isObject()) return true;
   JS::RootedObject object(call.context, &call.self.toObject());
   if (!JS::ObjectIsRegExp(call.context, object, &is_compiled)) return false;
-  // Rejects objects that imitate a RegExp: the methods would read the pattern again, after the check.
+  // Reject objects that imitate a RegExp. The original function would read their pattern again after this check, and
+  // could get another one.
   if (!is_compiled) return fail_type(call.context, "called on an object that is not a RegExp");
   std::size_t length = 0;
   if (!call.argument_to_text(0, length)) return false;
@@ -234,11 +237,11 @@ bool bound_exec(const Call& call) {
   return linear && (!is_plain(linear, call.context) || check_search(call.context, length, searched));
 }
 
-// ---- Functions that delegate to a method of an argument, such as Symbol.replace
+// ---- Functions that call a method of their argument, such as its Symbol.replace method
 
 enum class Outcome : std::uint8_t { failed, called, goes_on };
 
-// Calls the object's own method by that symbol, if it has one.
+// Calls the method of the argument that `symbol` names. Returns goes_on if the argument has no such method.
 Outcome call_own(const Call& call, JS::SymbolCode symbol, bool needs_global_flag, JS::MutableHandleValue result) {
   if (!call.has_self() || call.arguments.length() == 0 || !call.arguments[0].isObject()) return Outcome::goes_on;
   JSContext* const context = call.context;
@@ -272,7 +275,7 @@ Outcome call_own(const Call& call, JS::SymbolCode symbol, bool needs_global_flag
   return JS::Call(context, object, method, arguments, result) ? Outcome::called : Outcome::failed;
 }
 
-// match, matchAll, search: a text becomes a regular expression.
+// Checks calls of match, matchAll and search. They make a regular expression of a text argument.
 bool bound_match(const Call& call) {
   std::size_t text = 0, pattern = 0;
   if (!call.has_self() || call.arguments.length() == 0 || call.arguments[0].isUndefined()) return true;
@@ -282,14 +285,14 @@ bool bound_match(const Call& call) {
 
 constexpr JS::SymbolCode kNone = JS::SymbolCode::Limit;
 
-/// A function that is replaced.
+/// Row of the table of functions that are replaced by bounded ones.
 struct Bounded {
-  JSProtoKey of;  // owner: a prototype; with `is_static` a constructor or namespace
+  JSProtoKey of;  // prototype that has the function; if `is_static`, the constructor or namespace object
   const char* name;
   bool (*check)(const Call&);
-  JS::SymbolCode symbol = kNone;  // of the method of an argument that the function delegates to
+  JS::SymbolCode symbol = kNone;  // method of the argument to which the function delegates
   bool needs_global_flag = false, is_static = false;
-  JS::SymbolCode key = kNone;  // of the property, used instead of `name`
+  JS::SymbolCode key = kNone;  // symbol of the property, if it has no name
 };
 constexpr Bounded kBounded[] = {
     {JSProto_String, "indexOf", bound_search},
@@ -346,11 +349,11 @@ bool same_constructor(JSContext* context, JS::HandleObject pattern, JS::HandleOb
   return true;
 }
 
-// RegExp() and new RegExp().
+// Implements RegExp() and new RegExp().
 bool construct_pattern(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   JS::RootedObject callee(context, &args.callee());
-  // A call without `new` returns a regular expression as it is.
+  // Without `new`, a RegExp argument is returned unchanged.
   if (!args.isConstructing() && args.get(0).isObject() && args.get(1).isUndefined()) {
     JS::RootedObject object(context, &args[0].toObject());
     bool pattern = false, same = false;
@@ -383,7 +386,7 @@ JSObject* replacement(JSContext* context, JSNative native, JS::HandleValue origi
   return object;
 }
 
-// Replaces RegExp by a constructor with the same static properties.
+// Replaces the global RegExp by a bounded constructor with the same static properties.
 bool bound_constructor(JSContext* context, JS::HandleObject global) {
   JS::RootedObject prototype(context), before(context);
   JS::RootedValue original(context);

@@ -10,7 +10,7 @@
 
 #include <optional>
 
-// Bounds on program texts: compilation cannot be interrupted.
+// Limits on the texts of programs. They are needed because compilation cannot be interrupted.
 namespace gs::app::script {
 namespace {
 
@@ -23,7 +23,7 @@ bool may_evaluate(JSContext* context, JS::RuntimeCode, JS::HandleString text) {
   std::string bytes(JS::GetDeflatedUTF8StringLength(linear), ' ');
   bytes.resize(JS::DeflateStringToUTF8Buffer(linear, mozilla::Span(bytes.data(), bytes.size())));
   if (check_program(context, bytes) && check_integers(context, bytes)) return true;
-  JS_ClearPendingException(context);  // the engine throws its own EvalError
+  JS_ClearPendingException(context);  // SpiderMonkey throws its own EvalError
   return false;
 }
 
@@ -31,7 +31,8 @@ bool in_literal(char c) {
   return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '$';
 }
 
-// Replaces the n of each possible BigInt literal by @. Returns nullopt if there is none.
+// Replaces the final n of each possible BigInt literal by @, which is invalid in code. Returns nullopt if the text has
+// no such literal.
 std::optional<std::string> without_integers(std::string_view text) {
   std::optional<std::string> spoilt;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -61,8 +62,8 @@ bool check_program(JSContext* context, std::string_view text) {
   return digits <= kMaxDigits || too_long(context, "a number", digits, kMaxDigits);
 }
 
-// Compiles the text with each possible BigInt literal made invalid. Strings, comments and regular expressions still
-// compile; real literals do not.
+// Compiles the text with each possible BigInt literal made invalid. If this fails, the program has a BigInt literal.
+// Matches inside strings, comments and regular expressions still compile.
 bool check_integers(JSContext* context, std::string_view text) {
   const std::optional<std::string> spoilt = without_integers(text);
   if (!spoilt) return true;

@@ -6,11 +6,12 @@
 
 namespace gs::app::script {
 
-/// Returns the bytes that a list takes, including the texts of an MFString. Texts that elements share count each time.
+/// Returns the bytes that a value takes, including the texts of an MFString. A text that several elements share is
+/// counted for each of them.
 [[nodiscard]] std::size_t bytes_of(const vrml::FieldValue& value);
-/// Returns the bytes of the list's block alone, in constant time.
+/// Returns the bytes of an MF value's array, without texts. Constant time.
 [[nodiscard]] std::size_t block_bytes_of(const vrml::FieldValue& value);
-/// Returns the bytes of the texts of elements from `first` on. 0 if the list is no MFString.
+/// Returns the bytes of the texts of the elements from index `first` on. Returns 0 if the value is no MFString.
 [[nodiscard]] std::size_t text_bytes_of(const vrml::FieldValue& value, std::size_t first);
 
 }  // namespace gs::app::script

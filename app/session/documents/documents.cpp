@@ -10,7 +10,8 @@
 namespace gs::app {
 namespace {
 
-/// Records properties that the render list lacks, from the node `first` of a scene on, and in all its Inlines.
+/// Sets viewer_dependent if a node of a scene needs it, from node index `first` on. Checks all nodes of the scene's
+/// Inlines.
 void inspect(Document& document, const vrml::SceneGraph& from, std::uint32_t first) {
   std::vector<const vrml::SceneGraph*> scenes{&from};
   while (!scenes.empty()) {
@@ -170,7 +171,7 @@ void DocumentList::cancel_all() {
 }
 
 void DocumentList::give_up(std::string_view path) {
-  const std::string name(path);  // `path` may refer to the entry that is erased
+  const std::string name(path);  // a copy, because `path` may refer to the entry that is erased here
   cancel(name);
   std::erase_if(entries_, [&](const Entry& entry) { return entry.path == name && !entry.document; });
   if (Entry* known = entry(name)) known->stale = false;

@@ -21,78 +21,79 @@ namespace gs::app {
 
 class WorldReader;
 
-/// Opened world, shared by all views of it.
+/// Opened world. All views of the world share it.
 struct Document {
   LoadedWorld world;
   render::MeshCache meshes;
-  std::unique_ptr<WorldRuntime> runtime;           // null if there is no scene (yet)
-  std::shared_ptr<RuntimeScene> first_scene;       // the initial view; null if there is no scene (yet)
+  std::unique_ptr<WorldRuntime> runtime;  // null until there is a scene
+  std::shared_ptr<RuntimeScene> first_scene;  // render scene for the initial view; null until there is a scene
   std::shared_ptr<const render::RenderList> list;  // of `first_scene`, or of the parts received so far; never null
   Upright upright;                                 // up axis, from the format or from the file
-  bool is_preview = false;                         // more data will be received; there is no scene yet
+  bool is_preview = false;  // only a part was received, and there is no scene yet
   bool viewer_dependent = false;  // has LOD or Billboard nodes, so each moving viewer needs an own render list
   bool has_navigation_info = false;
-  bool has_surface_clouds = false, has_volumes = false;  // of QNV vectors
-  std::shared_ptr<WorldReader> reader;  // still reads references, and the parts of streams that views want; may be null
-  LoadingState arriving;                // progress of loading; empty if everything is loaded
+  bool has_surface_clouds = false, has_volumes = false;  // kinds of QNV data in the world
+  std::shared_ptr<WorldReader> reader;  // reader of references and of stream parts that views need; may be null
+  LoadingState arriving;  // progress of loading; empty after everything was loaded
   bool all_came = false;
-  const void* viewer = nullptr;           // the view that reports its viewer to the sensors
-  std::optional<glm::dvec3> destination;  // destination of that viewer's animated move
-  bool controlled = false;                // changed by a --control client, which may have created its Scripts
+  const void* viewer = nullptr;  // view with the camera that the sensors follow; never dereferenced
+  std::optional<glm::dvec3> destination;  // destination of that camera's animated move
+  bool controlled = false;  // changed by a --control client, which may also have created its Scripts
 
   [[nodiscard]] bool has_clouds() const { return has_surface_clouds || has_volumes; }
 };
 
-/// Makes a document of an opened world without starting time in it. `meshes` holds meshes that were already made for
-/// its nodes. Called on any thread that owns the world.
+/// Makes a document from an opened world. Time does not start yet. `meshes` holds meshes that were already made for its
+/// nodes. Any thread, if it owns the world.
 [[nodiscard]] std::shared_ptr<Document> hold_world(LoadedWorld world, render::MeshCache meshes = {});
 /// Starts the world at `now`, in seconds since 1970, and collects its render list. Call once.
 void begin_world(Document& document, double now);
-/// Applies received updates to a running world. Returns true if nodes were added: Inlines or bodies of EXTERNPROTOs.
+/// Applies updates from the reader to a running world. Returns true if nodes were added by Inlines or EXTERNPROTOs.
 bool arrive(Document& document, ResourceUpdates&& updates);
-/// Calls `hold_world` and `begin_world`, at the present time. A world with Scripts is not started here, because its own
-/// thread must start it; only its meshes are made.
+/// Calls hold_world(), and begin_world() at the present time. But a world with Scripts must be started by the thread
+/// that will run it; for such a world, only the meshes are made.
 [[nodiscard]] std::shared_ptr<Document> make_document(LoadedWorld world, render::MeshCache meshes = {});
-/// Makes a document of the parts of a world that were read so far, without its scene.
+/// Makes a document from the parts of a world that were read so far. The document has no scene.
 [[nodiscard]] std::shared_ptr<Document> preview_document(const std::string& path, const WorldLoading& loading,
                                                          render::RenderList list);
 
-/// Files of the session. Bookkeeping only: neither reads files nor draws.
+/// List of the session's files. It does bookkeeping only: it neither reads files nor draws.
 class DocumentList {
  public:
   struct Entry {
     std::string path;
-    bool stale = true;                             // to be read (again) when a viewport shows it
-    std::uint64_t reading = 0;                     // number of the current reading; 0 means none
+    bool stale = true;  // must be read, or read again, when a viewport shows the file
+    std::uint64_t reading = 0;  // serial number of the current reading; 0 means that there is none
     std::shared_ptr<Document> document;            // null until the file is read
     std::shared_ptr<std::atomic<bool>> cancelled;  // cancellation flag of the current reading
   };
-  /// Reading of a file that has begun. The reader polls `cancelled`.
+  /// Reading in progress. The reader polls `cancelled`.
   struct Reading {
     std::uint64_t number = 0;
     std::string path;
     std::shared_ptr<std::atomic<bool>> cancelled;
   };
 
-  /// Adds a file, or marks it to be read again if it is already listed. Ignores an empty path.
+  /// Adds a file to the list. If the file is already listed, marks it to be read again. Ignores an empty path.
   void add(std::string_view path);
   /// Marks a file to be read again.
   void reload(std::string_view path);
 
-  /// Begins to read a file. Returns nullopt if it is up to date or already being read.
+  /// Begins to read a file. Returns nullopt if the document is up to date or the file is already being read.
   [[nodiscard]] std::optional<Reading> begin(std::string_view path);
-  /// Stores the result of a reading. Returns its path, or nullopt if the reading was cancelled; the result is then
-  /// dropped.
+  /// Stores the document that a reading produced. Returns the path. Returns nullopt and drops the document if the
+  /// reading was cancelled.
   std::optional<std::string> deliver(std::uint64_t reading, std::shared_ptr<Document> document);
-  /// Shows a partial result, unless an older version of the file is open. Returns the path, or nullopt if nothing was
-  /// shown.
+  /// Stores a partial document of a reading. Returns the path. Returns nullopt and drops the document if an older
+  /// complete one is open.
   std::optional<std::string> preview(std::uint64_t reading, std::shared_ptr<Document> document);
-  /// Ends a reading that failed. The file leaves the list unless an older version is open. Returns the path, or nullopt
-  /// if the reading was cancelled.
+  /// Ends a reading that failed. Removes the file from the list, unless an older document of it is open. Returns the
+  /// path; nullopt if the reading was cancelled.
   std::optional<std::string> fail(std::uint64_t reading);
-  /// Cancels the reading of a file. The next request reads it from the beginning.
+  /// Cancels the reading of a file. The next reading starts from the beginning of the file.
   void cancel(std::string_view path);
-  /// Cancels a file. An older version stays open; without one, the file leaves the list.
+  /// Cancels the reading of a file and gives it up. Removes the file from the list, unless an older document of it is
+  /// open.
   void give_up(std::string_view path);
   /// Cancels all readings.
   void cancel_all();
@@ -100,11 +101,11 @@ class DocumentList {
   [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
   [[nodiscard]] const Entry* find(std::string_view path) const;
   [[nodiscard]] std::shared_ptr<Document> document(std::string_view path) const;
-  /// Returns the document of the file that a reading belongs to, or null.
+  /// Returns the document of the file that a reading belongs to; null if there is none.
   [[nodiscard]] std::shared_ptr<Document> document_of(std::uint64_t reading) const;
   /// Returns true if a file is being read or waits to be read.
   [[nodiscard]] bool awaited(std::string_view path) const;
-  /// Returns true if a file's world is open and parts of it are still loading.
+  /// Returns true if the file's world is open but parts of it are still loading.
   [[nodiscard]] bool arriving(std::string_view path) const;
 
  private:

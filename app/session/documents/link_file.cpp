@@ -26,7 +26,7 @@ bool has_controls(std::string_view text) {
                      [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
 }
 
-// Returns the problem of a link's URL, or nullopt.
+// Returns the reason why a link must not have this URL; nullopt if the URL is valid.
 std::optional<std::string> refuse_place(std::string_view text) {
   if (text.size() > kMaxValue || has_controls(text))
     return "its URL is invalid; expected a URL of http, https or cells";
@@ -77,7 +77,7 @@ std::optional<std::variant<SceneLink, std::string>> read_link_url(std::string_vi
   if (!net::has_scheme(url, kLinkScheme)) return std::nullopt;
   std::string place(url.substr(kLinkScheme.size() + 1));
   if (place.starts_with("//")) place = "http:" + place;
-  // Browsers turn "ghostspace:http://..." into "ghostspace:http//..." if they treat it as a path.
+  // Accept "ghostspace:http//...": browsers that treat the URL as a path turn "ghostspace:http://..." into this.
   SceneLink link;
   if (const std::size_t mark = place.find('#'); mark != std::string::npos) {
     link.viewpoint = place.substr(mark + 1);

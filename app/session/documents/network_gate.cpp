@@ -25,7 +25,8 @@ std::vector<std::string> texts_of(const vrml::MFString& list) {
   return texts;
 }
 
-// Returns nullopt if no URL of the list reaches the network. data: URLs count if their content may name further URLs.
+// Returns the first URL in a list that reaches the network; nullopt if none does. If `may_refer`, a data: URL also
+// counts, because its content may contain further URLs.
 std::optional<net::Url> first_network_url(const std::vector<std::string>& urls, const vrml::TextSource* source,
                                           bool may_refer) {
   const net::Url base = net::parse_url(source ? source->url : std::string());
@@ -35,7 +36,8 @@ std::optional<net::Url> first_network_url(const std::vector<std::string>& urls, 
   return std::nullopt;
 }
 
-// Returns true if the content may contain URLs: scenes, programs and PROTOs may; images, sounds and vectors cannot.
+// Returns true if the requested content may contain URLs. Scenes, programs and PROTOs may; images, sounds and vectors
+// cannot.
 bool may_refer(const UrlRequest& request) {
   return request.as_text || request.prototype || request.content == vrml::UrlContent::scene;
 }

@@ -10,10 +10,10 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMaxRequests = 10'000;  // further requests are dropped until the caller takes them
+constexpr std::size_t kMaxRequests = 10'000;  // max requests until the caller takes them; further ones are dropped
 
-// Takes the inline vectors of a QNV node that was made at run time: from a text, or from a PROTO body. They override
-// the url. Returns false if the node has none.
+// Takes the inline vectors of a QNV node that was made at run time, from a text or a PROTO body. Inline vectors have
+// precedence over the url field. Returns false if the node has no inline vectors.
 bool take_own_vectors(LoadedWorld& world, const vrml::SceneGraph& scene, vrml::NodeId id) {
   if (scene.get<vrml::MFInt32>(id, "vectors").empty()) return false;
   const vrml::Node& node = scene.node(id);
@@ -33,7 +33,7 @@ bool take_own_vectors(LoadedWorld& world, const vrml::SceneGraph& scene, vrml::N
   return true;
 }
 
-// Returns the slot of a Script's url field.
+// Returns the slot of the url field of a Script node.
 int url_slot(const ScriptRequest& request) {
   const vrml::InterfaceDeclaration* const url = request.scene->node(request.node).type->find_field("url");
   return url ? url->slot : 0;
@@ -42,8 +42,8 @@ int url_slot(const ScriptRequest& request) {
 // Returns true if a text was read from a URL at run time.
 bool was_fetched(const vrml::SourceText& text) { return &text.origin() != &text && !text.is_computed(); }
 
-// Returns true if a Script may have computed the value of a slot. The value may come from a computed text, or from an
-// event for the node or for a PROTO instance around it.
+// Returns true if a Script may have computed the value of a field. Either the text with the field was computed, or an
+// event has set a string of the node or of a PROTO instance around it.
 bool is_computed(const vrml::SceneGraph& scene, vrml::NodeId id, int slot) {
   if (scene.text_of(id, slot).is_computed()) return true;
   for (std::uint32_t index = id.index; index != 0; index = scene.node_at(index).instance)
@@ -58,8 +58,8 @@ RunTimeRequests::RunTimeRequests(LoadedWorld& world, vrml::Execution& execution,
   if (world.network_allowed) gate_.allow();
 }
 
-// Requests the texts of Scripts. Each request has an own number above those of url fields, because both share one
-// range.
+// Requests the texts that Scripts need. Requests of texts have numbers from kAsked on; smaller numbers are indices of
+// url fields.
 void RunTimeRequests::request_texts() {
   ScriptRunner* const runner = programs_.runner();
   if (!runner) return;
@@ -76,7 +76,7 @@ void RunTimeRequests::request_texts() {
 }
 
 void RunTimeRequests::request_text(ScriptRequest&& one, bool computed) {
-  constexpr std::size_t kAsked = 1000;  // url fields have lower numbers
+  constexpr std::size_t kAsked = 1000;  // greater than all indices of url fields
   if (!one.scene->contains(one.node)) return;
   const vrml::Node& node = one.scene->node(one.node);
   const auto source_of_file = one.origin ? one.origin->source() : nullptr;
@@ -104,7 +104,7 @@ void RunTimeRequests::take_text(ResourceUpdates::Text&& update) {
   const auto asked = asked_texts_.extract(update.place.url);
   const bool gone = is_stale(update.place);
   if (!asked) {
-    // A Script in an Inline may not have started yet.
+    // The Script may be in an Inline with Scripts that have not been started yet.
     programs_.start();
     if (ScriptRunner* const runner = programs_.runner(); !gone && runner)
       runner->provide(*update.place.scene, update.place.node, std::move(update.text), update.url);
@@ -160,7 +160,8 @@ void RunTimeRequests::note_changes(std::span<const vrml::NodeChange> changes) {
   }
 }
 
-// Requests the body of an EXTERNPROTO in a text that was read at run time. The loader fetches those of files.
+// Requests the body of an EXTERNPROTO that is declared in a text that was read at run time. The loader itself fetches
+// the bodies for EXTERNPROTOs in files.
 void RunTimeRequests::request_prototype(vrml::SceneGraph& scene, vrml::NodeId instance) {
   const vrml::Node& node = scene.node(instance);
   if (node.type->prototype || node.type->asked_for || url_requests_.size() >= kMaxRequests) return;

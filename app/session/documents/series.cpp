@@ -37,7 +37,8 @@ bool SeriesList::arrived(const std::string& name, double now) {
   series->shown = series->wanted;
   if (!series->playing || series->files.size() < 2) return false;
   series->wanted = (series->shown + 1) % series->files.size();
-  // A late file does not shorten the time of the next ones.
+  // The next file is due one interval later, but never in the past: a late file does not shorten the display of later
+  // ones.
   series->due = std::max(series->due + 1 / series->rate, now);
   return true;
 }

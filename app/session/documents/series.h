@@ -8,31 +8,32 @@
 
 namespace gs::app {
 
-/// Playback state of series of files that are opened by one name, such as "run.%04d.vti". Bookkeeping only: reads no
-/// contents. Times are those of the session, in seconds.
+/// Playback state of all series. A series consists of numbered files that are opened by one name, such as
+/// "run.%04d.vti". Bookkeeping only: reads no contents. All times are session times in seconds.
 class SeriesList {
  public:
   struct Series {
-    std::vector<std::string> files;  // ordered by number; at least one
-    std::size_t wanted = 0;          // the file that is being read or is shown
+    std::vector<std::string> files;  // paths in the order of their numbers; at least one
+    std::size_t wanted = 0;  // index of the file that is shown or being read for display
     std::size_t shown = 0;
     bool playing = false;
     double rate = 25;  // files per second
-    double due = 0;    // time at which `wanted` is to be shown
+    double due = 0;  // time from which `wanted` may be shown
   };
 
-  /// Returns the file to read for a name, or the name itself if it is not a series. The first call searches for the
-  /// files of the series.
+  /// Returns the path of the file to read for a name. For a name that is no series, returns the name itself. The first
+  /// call for a name searches the folder for its files.
   [[nodiscard]] std::string file_of(const std::string& name);
   /// Returns the series of a name, or null if the name is not a series.
   [[nodiscard]] Series* find(const std::string& name);
   [[nodiscard]] const Series* find(const std::string& name) const;
 
-  /// Returns true while a file of a series is loaded but must not be shown yet.
+  /// Returns true if the wanted file of a series must not be shown before a later time.
   [[nodiscard]] bool holds_back(const std::string& name, double now) const;
-  /// Marks the wanted file as shown. Returns true if the next file is now wanted and should be read ahead.
+  /// Records that the wanted file is shown. Returns true if the series is playing; then the next file is wanted and
+  /// should be read in advance.
   bool arrived(const std::string& name, double now);
-  /// These functions return true if the wanted file changed.
+  /// Starts or stops playing a series. Like show(), returns true if another file is wanted now.
   bool play(const std::string& name, bool on, double now);
   bool show(const std::string& name, std::size_t file, double now);
   void set_rate(const std::string& name, double rate);

@@ -17,7 +17,8 @@ void SessionLog::note(std::string_view path, const Diagnostics& diagnostics) {
     if (files_.size() >= kMaxFiles) files_.erase(files_.begin());
     file = files_.insert(files_.end(), File{std::string(path), {}, 0});
   }
-  // Diagnostics of the same reading only grow. If they differ, it is another reading, and all are reported again.
+  // During one reading, the list of diagnostics only grows. If old entries have changed, this is another reading, and
+  // all its diagnostics count as new.
   const auto& now = diagnostics.entries();
   const auto& before = file->diagnostics.entries();
   const std::size_t told = std::min(file->told, now.size());

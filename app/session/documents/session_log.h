@@ -9,16 +9,16 @@
 
 namespace gs::app {
 
-/// Diagnostics of the files of a session, including files that could not be opened. Entries outlive the worlds; only
-/// the oldest are dropped after kMaxFiles files.
+/// Log of the diagnostics of all files of a session, including files that could not be opened. Entries outlive the
+/// worlds. When more than kMaxFiles files have entries, those of the oldest file are dropped.
 class SessionLog {
  public:
   static constexpr std::size_t kMaxFiles = 256;
 
   struct File {
     std::string path;
-    Diagnostics diagnostics;  // of the newest reading
-    std::size_t told = 0;     // number of diagnostics that `take_untold` has returned
+    Diagnostics diagnostics;  // of the last reading of the file
+    std::size_t told = 0;  // number of `diagnostics` that take_untold() has returned
   };
 
   /// Replaces all diagnostics of a file.
@@ -28,9 +28,9 @@ class SessionLog {
   [[nodiscard]] std::size_t errors() const;
   [[nodiscard]] std::size_t warnings() const;
   [[nodiscard]] std::size_t entries() const;
-  /// Returns the number of diagnostics that were counted but not kept.
+  /// Returns the number of diagnostics that were only counted, because too many were reported.
   [[nodiscard]] std::size_t dropped() const;
-  /// Returns the diagnostics that were not returned before, one line each.
+  /// Returns all diagnostics that no earlier call has returned, one line each.
   [[nodiscard]] std::vector<std::string> take_untold();
 
  private:

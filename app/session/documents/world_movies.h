@@ -10,17 +10,17 @@
 
 namespace gs::app {
 
-/// Movies of a running world, as images with pixels that change in place. Used by the world's thread.
+/// Movies of a running world. Each movie is an image with pixels that change in place. Use on the world's thread.
 class WorldMovies {
  public:
   WorldMovies(LoadedWorld& world, vrml::Execution& execution) : world_(world), execution_(execution) {}
 
-  /// Gives the movie of a node an own image. Does nothing if its file has no pictures.
+  /// Opens the movie of a node and gives it its own image. Does nothing if the file has no pictures.
   void open(const MediaDuration& of);
-  /// Shows the frames of the present time. With `wait`, blocks until they are decoded; otherwise shows them as soon as
-  /// they are. Returns true if a frame changed.
+  /// Updates all movies to the present time. If `wait`, blocks until the pictures are decoded; otherwise a picture
+  /// appears later, when it is ready. Returns true if a picture changed.
   bool show(bool wait);
-  /// Returns the number of frames that were shown.
+  /// Returns the number of pictures that were shown so far.
   [[nodiscard]] std::uint64_t pictures() const { return pictures_; }
   /// Returns true if at least one movie is playing.
   [[nodiscard]] bool running() const { return running_; }

@@ -12,7 +12,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMaxMessages = 1000;  // further messages are dropped until the caller takes them
+constexpr std::size_t kMaxMessages = 1000;  // max messages until the caller takes them; further ones are dropped
 
 }  // namespace
 
@@ -41,7 +41,7 @@ void WorldPrograms::stop() {
   execution_.scripts().set_host(nullptr);
 }
 
-// Computes speed and frame rate from the last two steps.
+// Computes the viewer's speed and the frame rate from the time and distance since the last step.
 void WorldPrograms::begin_step(double now) {
   if (runner_) runner_->begin_step();
   if (!runner_ && !measures_viewer_) return;
@@ -97,7 +97,7 @@ ScriptRunner::Evaluation WorldPrograms::evaluate(const vrml::SceneGraph& scene, 
     script = console_;
   }
   execution_.begin_update();
-  execution_.end_update();  // starts the Scripts that were added
+  execution_.end_update();  // starts Scripts that were added since the last event
   if (!runner_) return {"this world has no Script engine", true};
   execution_.begin_update();
   ScriptRunner::Evaluation result = runner_->evaluate(*of, script, line);

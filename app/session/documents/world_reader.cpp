@@ -12,8 +12,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kWait{50};          // max wait of a step, so that progress is visible
-constexpr std::chrono::milliseconds kStreamWait{1000};  // while only streams load; requests of views end the wait
+constexpr std::chrono::milliseconds kWait{50};  // max wait in a step, so that progress is visible
+constexpr std::chrono::milliseconds kStreamWait{1000};  // max wait while only streams load; requests end it
 constexpr std::chrono::milliseconds kBetweenLists{80};
 constexpr std::chrono::milliseconds kInitialBatchDelay{
     150};                 // results within this time become part of the first picture
@@ -91,7 +91,7 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
   }
   bool lives = false;
   auto next = Clock::now() + kBetweenLists;
-  std::optional<Clock::time_point> complete;  // time at which all nodes of the file itself were read
+  std::optional<Clock::time_point> complete;  // time at which the nodes of the file itself were complete
   LoadingState told;
   while (!loading.done()) {
     (void)loading.step(kWait);
@@ -148,7 +148,7 @@ void WorldReader::run(const std::string& path, LoadOptions options) {
   loading_ = nullptr;
 }
 
-// Hands the world over to the owner.
+// Makes the document and hands it to the owner's thread. Starts time in its world unless it has Scripts.
 void WorldReader::give_away(WorldLoading& loading) {
   render::MeshCache meshes;
   LoadedWorld world = loading.take(&meshes);

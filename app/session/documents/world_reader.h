@@ -24,37 +24,38 @@ namespace gs::app {
 /// owner's thread calls all functions below.
 class WorldReader {
  public:
-  /// Changes since the last call of `take`.
+  /// Changes since the last call of take().
   struct News {
-    /// A preview, or the complete world. A document without a scene could not be opened. Null if it has not changed.
+    /// Preview or complete document, if there is a new one, else null. A complete document without a scene means that
+    /// the world could not be opened.
     std::shared_ptr<Document> document;
-    ResourceUpdates updates;    // for the running world
-    bool over = false;          // only bytes of streams and results of `request` may follow
+    ResourceUpdates updates;  // updates for the running world
+    bool over = false;  // loading has finished; only bytes of streams and results of request() may follow
     bool streams_grew = false;  // bytes of streams were received
     LoadingState state;
   };
 
-  /// Starts the thread. `wake` is called on that thread when there is news, and must be thread-safe.
+  /// Starts the thread. It calls `wake` when take() would return something new. `wake` must be thread-safe.
   WorldReader(std::string path, LoadOptions options, std::function<void()> wake);
-  /// Waits for the thread, which ends as soon as it can.
+  /// Waits for the end of the thread, which is soon.
   ~WorldReader();
   WorldReader(const WorldReader&) = delete;
   WorldReader& operator=(const WorldReader&) = delete;
 
-  /// Stops loading and keeps the parts received so far, as if the time limit had passed.
+  /// Stops loading as if the time limit had passed: the parts that were received remain.
   void cancel();
-  /// Sets the apparent size of the nodes that still load over the network.
+  /// Sets the importance of nodes that still load over the network: their apparent size.
   void prioritize(std::unordered_map<const vrml::Node*, float> importance);
-  /// Fetches urls that were set in the running world. Later news contain the results.
+  /// Requests URLs that were set in the running world. A later result of take() contains their contents.
   void request(std::vector<UrlRequest> requests);
-  /// Tells the thread to end as soon as it can, because no result is needed any more.
+  /// Asks the thread to end soon, because its results are no longer needed.
   void retire();
-  /// Returns the nodes that parts are still loading for.
+  /// Returns the nodes for which something is still loading.
   [[nodiscard]] std::unordered_set<const vrml::Node*> wanted();
   /// Returns true if the thread has ended, so that the destructor does not wait.
   [[nodiscard]] bool ended() const { return stage_ == Stage::ended; }
   [[nodiscard]] News take();
-  /// Returns the progress of its files and streams. Never null.
+  /// Returns the progress of this world's files and streams. Never null.
   [[nodiscard]] const std::shared_ptr<LoadLedger>& ledger() const { return ledger_; }
 
  private:
@@ -71,11 +72,11 @@ class WorldReader {
   std::atomic<Stage> stage_ = Stage::running;
   std::mutex mutex_;
   News news_;                                                               // guarded by mutex_
-  WorldLoading* loading_ = nullptr;                                         // guarded by mutex_; used to wake it
+  WorldLoading* loading_ = nullptr;  // guarded by mutex_; for waking it
   std::optional<std::unordered_map<const vrml::Node*, float>> importance_;  // guarded by mutex_; not passed on yet
   std::unordered_set<const vrml::Node*> wanted_;                            // guarded by mutex_
   std::vector<UrlRequest> requests_;                                        // guarded by mutex_
-  std::jthread thread_;  // last member: joined before the members that it uses are destroyed
+  std::jthread thread_;  // last member: it must be joined before the members that it uses are destroyed
 };
 
 }  // namespace gs::app

@@ -12,7 +12,7 @@
 namespace gs::app {
 namespace {
 
-// Number of stored batches of changes. A render list that lacks more batches is collected again.
+// Number of batches of changes that are kept. A render list that is behind by more batches is collected from scratch.
 constexpr std::size_t kMaxBatches = 8;
 
 }  // namespace
@@ -30,7 +30,7 @@ WorldRuntime::WorldRuntime(LoadedWorld& world, render::MeshCache& meshes)
   execution_.lifetime().observe_removal([this](vrml::SceneGraph& scene, vrml::NodeId node) { forget(scene, node); });
 }
 
-// Destroys the programs first, because they refer to the other members.
+// Destroys the programs first, because they refer to other members.
 WorldRuntime::~WorldRuntime() { programs_.stop(); }
 
 void WorldRuntime::start(double now) {
@@ -60,7 +60,7 @@ bool WorldRuntime::send(const vrml::SceneGraph& scene, vrml::NodeId node, std::s
   return event && execution_.send(scene, node, *event, value);
 }
 
-// Reports progress to the nodes. Reports that do not fit in this timestamp wait for the next one.
+// Reports the progress of loading to nodes. A report that is not possible at this timestamp is repeated later.
 void WorldRuntime::tell_progress() {
   std::erase_if(progress_, [&](const UrlProgress& one) {
     return !execution_.scenes().has(one.scene) || !one.scene->contains(one.node) ||
@@ -100,7 +100,7 @@ void WorldRuntime::take_prototypes(ResourceUpdates::Prototypes&& update) {
   execution_.stacks().bind_new_types();
 }
 
-// Sets the polygon lists without events, because only the browser may set them.
+// Sets the polygon lists of outlines without events, because only the browser may write these fields.
 void WorldRuntime::take_outlines(ResourceUpdates::Outlines&& update, std::vector<vrml::NodeChange>& changes) {
   vrml::SceneGraph& scene = *update.place.scene;
   const vrml::NodeId node = update.place.node;
@@ -113,7 +113,7 @@ void WorldRuntime::take_outlines(ResourceUpdates::Outlines&& update, std::vector
   set_outlines(world_, update);
   for (const auto& [field, value] : told) (void)execution_.send(scene, node, *field, value);
   changes.push_back({&scene, node, 0});
-  // The group that it refines is drawn together with it.
+  // Also mark the group that this node refines, because both are drawn together.
   for (const vrml::InterfaceDeclaration& field : scene.node(node).type->interfaces)
     if (const auto* other = field.slot < 0 ? nullptr : std::get_if<vrml::SFNode>(&scene.node(node).values[field.slot]))
       if (const vrml::NodeId refined = scene.resolve(*other)) changes.push_back({&scene, refined, 0});
@@ -145,7 +145,8 @@ void WorldRuntime::arrive(ResourceUpdates&& updates) {
   if (!changes.empty()) add_changes(std::move(changes));
 }
 
-// Forgets a removed node, or all nodes of a scene, because their addresses may be reused.
+// Removes all data about a removed node; for a null `node`, about all nodes of a scene. Required because their
+// addresses may be reused.
 void WorldRuntime::forget(vrml::SceneGraph& scene, vrml::NodeId node) {
   const auto forget_one = [&](const vrml::Node& one) {
     for (std::size_t i = 0, count = one.type ? one.type->url_fields().size() : 0; i < count; ++i)
@@ -191,7 +192,7 @@ bool WorldRuntime::take_changes() {
   requests_.note_changes(changes);
   if (std::exchange(replaced_, execution_.lifetime().replaced()) != execution_.lifetime().replaced()) {
     batches_.clear();
-    ++version_;  // no batch describes this change, so all lists are collected again
+    ++version_;  // without a batch for this version, all lists are collected from scratch
     render::forget_changed(meshes_, changes);
     return true;
   }

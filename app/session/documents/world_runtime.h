@@ -24,17 +24,17 @@ class MeshWorker;
 
 namespace gs::app {
 
-/// Returns the seconds since 1970-01-01 00:00 GMT, the time of worlds (VRML97 4.11). Never goes back.
+/// Returns the time of worlds: seconds since 1970-01-01 00:00 GMT (VRML97 4.11). It never decreases.
 [[nodiscard]] double world_time();
 
-/// Render list of a running world for one viewer. Several views share it if nothing in the world depends on the viewer.
+/// Render scene of a running world for one viewer. Several views share one if the world does not depend on the viewer.
 struct RuntimeScene {
   render::RenderScene scene;
-  std::uint64_t version = 0;  // version of the world that the list shows
+  std::uint64_t version = 0;  // version of the world to which the list was updated
 };
 
-/// World in which time passes: its events, and the render lists of its views. Used by one thread, the world's. The
-/// world and the cache must outlive it.
+/// World in which time passes: its events, and the render lists of its views. Use on one thread. The opened world and
+/// the mesh cache must outlive it.
 class WorldRuntime {
  public:
   WorldRuntime(LoadedWorld& world, render::MeshCache& meshes);
@@ -42,39 +42,42 @@ class WorldRuntime {
   WorldRuntime(const WorldRuntime&) = delete;
   WorldRuntime& operator=(const WorldRuntime&) = delete;
 
-  /// Returns the world's Scripts and their browser state.
+  /// Returns the Scripts of the world and their browser properties.
   [[nodiscard]] WorldPrograms& programs() { return programs_; }
-  /// Returns the requests for URLs, texts and other worlds.
+  /// Returns the requests of the world for URLs, texts and other worlds.
   [[nodiscard]] RunTimeRequests& requests() { return requests_; }
-  /// Returns the movies, with pixels that change in place.
+  /// Returns the movies of the world. Their pixels change in place.
   [[nodiscard]] WorldMovies& movies() { return movies_; }
   [[nodiscard]] bool has_started() const { return started_; }
-  /// Starts the world at `now`, in seconds since 1970, with the first cascade. Call once, on the thread that calls
-  /// `step`.
+  /// Starts the world at `now`, in seconds since 1970, and runs the first cascade. Call once, on the thread that calls
+  /// step().
   void start(double now);
-  /// Advances time to `now`. Returns true if something changed.
+  /// Advances time to `now`, in seconds since 1970. Returns true if the world changed.
   bool step(double now);
-  /// Sends an event of the user. Returns false if the node or eventIn is missing, or if the value has another type.
+  /// Sends an event to a node on behalf of the user. Returns false if the node or eventIn does not exist, or if the
+  /// value has another type.
   bool send(const vrml::SceneGraph& scene, vrml::NodeId node, std::string_view event_in, const vrml::FieldValue& value);
-  /// Sets the worker that makes large meshes of changed geometry. The former meshes are drawn meanwhile.
+  /// Sets the worker that makes large meshes when geometry changes. Until a new mesh is ready, the old one is drawn.
   void set_mesh_worker(std::shared_ptr<render::MeshWorker> worker);
-  /// Takes the finished meshes at the start of a frame. Returns true if something changed.
+  /// Takes the meshes that the worker has finished. Call at the start of a frame. Returns true if a mesh changed.
   bool take_meshes();
-  /// Applies received updates.
+  /// Applies updates from the reader.
   void arrive(ResourceUpdates&& updates);
-  /// Returns the urls that were set since the last call. The caller fetches them and passes the results to `arrive`.
+  /// Returns the url fields that were set since the last call. The caller must fetch them and pass the results to
+  /// arrive().
   [[nodiscard]] std::vector<UrlRequest> take_url_requests();
   /// Returns the time of the next event; see Execution::next_time().
   [[nodiscard]] std::optional<double> next_time() const {
     return progress_.empty() && durations_.empty() && !movies_.running() ? execution_.next_time() : execution_.now();
   }
 
-  /// Returns a render list for a viewer at `viewer`. With `own`, the list is not shared.
+  /// Returns a render scene for a viewer at `viewer`, in world space. If `own`, no other view shares it.
   [[nodiscard]] std::shared_ptr<RuntimeScene> look(const glm::dvec3& viewer, bool own);
-  /// Updates a render list for the viewer at `viewer`. Returns true if it changed.
+  /// Updates a render scene to the present state of the world and a viewer at `viewer`. Returns true if the list
+  /// changed.
   bool show(RuntimeScene& scene, const glm::dvec3& viewer);
 
-  /// Returns the bound nodes of each bindable type.
+  /// Returns the bound node of each bindable type.
   [[nodiscard]] render::BoundNodes bound() const;
   [[nodiscard]] vrml::Execution& execution() { return execution_; }
 
@@ -95,11 +98,11 @@ class WorldRuntime {
   RunTimeRequests requests_{world_, execution_, programs_};
   WorldMovies movies_{world_, execution_};
   bool started_ = false;
-  std::deque<std::vector<vrml::NodeChange>> batches_;  // changes that led to the last versions, newest last
+  std::deque<std::vector<vrml::NodeChange>> batches_;  // changes of the last versions, newest last
   std::uint64_t version_ = 0;
-  std::uint32_t replaced_ = 0;            // NodeLifetime::replaced of the newest version
-  std::vector<UrlProgress> progress_;     // not yet reported to the nodes
-  std::vector<MediaDuration> durations_;  // not yet reported to the nodes
+  std::uint32_t replaced_ = 0;  // NodeLifetime::replaced() at the newest version
+  std::vector<UrlProgress> progress_;  // progress that was not reported to the nodes yet
+  std::vector<MediaDuration> durations_;  // durations that were not reported to the nodes yet
   std::weak_ptr<RuntimeScene> shared_;
 };
 

@@ -31,13 +31,14 @@ void InputHandler::handle(const SessionInput::Event& input) {
 }
 
 void InputHandler::handle_key(const WindowEvent& event) {
-  // Simulated time runs only the actions of a world: no other files, no reload.
+  // In simulated time, run only actions of the world; others, such as opening files or reloading, have no effect.
   if (const ActionRow* row = action_of(event); row && (row->of_world || !step_.simulated) && run(row->action)) return;
   Pane& pane = to_.viewports.panes().at(to_.viewports.panes().active());
   if (const View* seen = pane.view()) (void)pane.input.take(event, seen->navigation.mode);
 }
 
-// The axes act like held keys. Their motion is cleared in all viewports, because the active one may have changed.
+// Handles axes of a gamepad or 3D mouse. They act like held keys. First stops their motion in all viewports, because
+// another viewport may have become active.
 void InputHandler::handle_axes(const WindowEvent& event) {
   WindowEvent rest = event;
   rest.move = glm::vec3(0);
@@ -47,7 +48,7 @@ void InputHandler::handle_axes(const WindowEvent& event) {
   if (const View* seen = pane.view()) (void)pane.input.take(event, seen->navigation.mode);
 }
 
-// Releases a key, or all keys and drags, in all viewports.
+// Handles the release of a key, or of everything when the window loses focus, in all viewports.
 void InputHandler::release(const WindowEvent& event) {
   for (Pane& pane : to_.viewports.panes().all()) (void)pane.input.take(event, NavigationMode::none);
   if (event.kind != WindowEvent::Kind::focus_lost) return;

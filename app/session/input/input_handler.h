@@ -13,7 +13,7 @@
 
 namespace gs::app {
 
-/// Parts of a session that act on the user's input.
+/// Parts of a session that input can affect.
 struct InputTargets {
   SessionViewports& viewports;
   Opening& opening;
@@ -31,7 +31,7 @@ class InputHandler {
       : step_(step), to_(targets), viewport_commands_(step, targets.viewports) {}
 
   void handle(const SessionInput::Event& event);
-  /// Runs an action. Returns false if it does not belong to the session, or if it has no object to act on.
+  /// Runs an action. Returns false if the session has no such action, or nothing to which it applies.
   bool run(Action action);
   /// Serves a request about a viewport.
   void serve(const PaneRequest& request);

@@ -9,7 +9,8 @@
 
 namespace gs::app {
 
-// Points at the world of a viewport. Returns true if a sensor grabs the pointer, so that it does not move the viewer.
+// Points at the world of a viewport. Returns true if a sensor has grabbed the pointer; then dragging must not move the
+// viewer.
 bool Pointing::point_at_world(std::size_t pane, bool down) {
   View* seen = viewports_.panes().at(pane).view();
   if (!seen || !seen->document->runtime) return false;
@@ -99,7 +100,7 @@ std::optional<Pointing::Picked> Pointing::pick_at(const glm::vec2& pixel) {
   return std::nullopt;
 }
 
-// Pressing sensors without a pointer -------------------------------------------------------------------------
+// Pressing of sensors without a pointer -----------------------------------------------------------------------
 
 void Pointing::point_at_held_sensor(bool down) {
   View& seen = *viewports_.view();
@@ -122,7 +123,7 @@ bool Pointing::press_sensor(const vrml::NodePlace& sensor) {
     if (one.sensor.scene != sensor.scene || !(one.sensor.node == sensor.node)) continue;
     const auto line = line_that_meets(only(*seen->list, one.items), seen->navigation.pose.position);
     if (!line) return false;
-    pane_.reset();  // the pointer is no longer in a world
+    pane_.reset();  // the pointer no longer points into a world
     held_sensor_ = {sensor, *line};
     point_at_held_sensor(true);
     return true;

@@ -14,7 +14,7 @@
 
 namespace gs::app {
 
-/// Pointing device in running worlds: their sensors, and Anchors. One thread.
+/// Pointing device in running worlds. It acts on their pointing-device sensors and Anchors. One thread.
 class Pointing {
  public:
   Pointing(StepContext& step, SessionViewports& viewports, Picker& picker, LinkFollower& links)
@@ -22,41 +22,43 @@ class Pointing {
 
   /// Passes an event to the sensors of a viewport's world. Returns true if they handle it.
   bool take(const WindowEvent& event, std::size_t pane);
-  /// Tells the sensors that the pointer has left the world.
+  /// Informs the sensors that the pointer has left the world.
   void leave();
-  /// Repeats the last pointer position, because the world of this viewport or its viewer has moved.
+  /// Repeats the last pointer position, if the pointer is in this viewport. Call after the viewport's world has
+  /// changed.
   void repeat_in(std::size_t pane);
-  /// Marks the pointer as moved if it is in this viewport, because the viewer has moved.
+  /// Records that the viewer of a viewport has moved. If the pointer is in this viewport, the next update() repeats its
+  /// position.
   void note_viewer_moved(std::size_t pane);
-  /// Updates the sensors if the pointer has moved since they were updated.
+  /// Repeats the pointer position if note_viewer_moved() requires it.
   void update();
-  /// Returns true if a sensor has the pointer until the button is released.
+  /// Returns true if a sensor has grabbed the pointer until the button is released.
   [[nodiscard]] bool sensor_has_pointer() const { return sensor_has_pointer_; }
 
-  /// Returns the viewport that receives pointing-device events for sensors.
+  /// Returns the viewport that has the pointer over its world.
   [[nodiscard]] std::optional<std::size_t> pane() const { return pane_; }
-  /// Object under the pointer in the active viewport: whether a sensor is there or holds the pointer, and the
-  /// description of an Anchor (VRML97 6.2).
+  /// Object under the pointer in the active viewport. `sensor` is true for a sensor or Anchor under the pointer, or for
+  /// one that has grabbed it. `description` is that of the Anchor (VRML97 6.2).
   struct Pointed {
     bool sensor = false;
     std::string description;
   };
   [[nodiscard]] Pointed pointed() const;
-  /// Shape of a visible viewport at a framebuffer pixel.
+  /// Shape that a visible viewport shows at a framebuffer pixel.
   struct Picked {
     std::size_t pane = 0;
-    std::vector<vrml::PathStep> path;  // from the root of its world to the Shape
+    std::vector<vrml::PathStep> path;  // from the root of the world to the Shape
   };
-  /// Returns nullopt if the pixel is outside of all viewports or shows no Shape.
+  /// Returns the Shape at a framebuffer pixel; nullopt if the pixel is in no viewport or shows no Shape.
   [[nodiscard]] std::optional<Picked> pick_at(const glm::vec2& pixel);
 
-  /// Presses a pointing-device sensor or an Anchor of the active viewport's world, along a line from the viewer to its
-  /// geometry. Ignores obstacles. Returns false if the sensor has no collidable geometry, is disabled, or if another
-  /// sensor has grabbed the pointer.
+  /// Presses a pointing-device sensor or an Anchor in the active viewport's world. Points along a line from the viewer
+  /// to its geometry, and ignores obstacles. Returns false if the sensor has no collidable geometry or is disabled, or
+  /// if another sensor has grabbed the pointer.
   [[nodiscard]] bool press_sensor(const vrml::NodePlace& sensor);
-  /// Moves the pointer by pixels, right and down, while press_sensor() holds it.
+  /// Moves the pointer that press_sensor() pressed by pixels to the right and down.
   void drag_sensor(const glm::dvec2& pixels);
-  /// Releases the sensor that press_sensor() has pressed.
+  /// Releases the sensor that press_sensor() pressed.
   void release_sensor();
 
  private:
@@ -68,9 +70,9 @@ class Pointing {
   SessionViewports& viewports_;
   Picker& picker_;
   LinkFollower& links_;
-  std::optional<std::size_t> pane_;  // viewport with the pointing device in its world
-  glm::vec2 pointer_{0};             // framebuffer pixels
-  bool moved_ = false;               // since sensors were updated
+  std::optional<std::size_t> pane_;  // viewport that has the pointer over its world
+  glm::vec2 pointer_{0};  // position in framebuffer pixels
+  bool moved_ = false;  // the viewer moved since the sensors were updated
   bool sensor_has_pointer_ = false;
   struct HeldSensor {
     vrml::NodePlace sensor;

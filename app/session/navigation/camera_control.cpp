@@ -86,7 +86,7 @@ bool CameraControl::run(View& seen, Action action) {
   }
 }
 
-// Runs an action that changes the style or the axes of a view. Returns false for all other actions.
+// Runs an action that changes the style or the axes of a view. Returns false for other actions.
 bool CameraControl::change_display(View& seen, Action action) {
   if (const auto display = place_in(Action::display_surface, Action::display_points, action)) {
     seen.style.display = static_cast<render::DisplayMode>(*display);
@@ -160,7 +160,7 @@ void CameraControl::point_at(std::size_t pane, const InputTracker::Gesture& gest
   viewports_.lead(pane);
 }
 
-// Moves to the Shape under the pointer.
+// Moves the viewer towards the Shape that the ray hits.
 void CameraControl::approach(View& seen, const Ray& ray, const glm::vec2& size) {
   const std::optional<Hit> hit = picker_.pick(*seen.list, ray, pick_options(seen, size));
   if (!hit) return;
@@ -232,7 +232,7 @@ void CameraControl::fly_to(const WideBox& bounds) {
   viewports_.lead_active();
 }
 
-// Turns the active view to a side of its object.
+// Moves the active viewport's viewer to a side of the object in view.
 void CameraControl::look_from(View& seen, ViewSide side) {
   if (seen.list->bounds.empty() || seen.navigation.mode == NavigationMode::none) return;
   Navigation& navigation = seen.navigation;

@@ -9,12 +9,12 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMaxMet = 20'000;                       // triangles around a moving viewer
-constexpr std::size_t kMaxRemembered = std::size_t{1} << 24;  // triangles
+constexpr std::size_t kMaxMet = 20'000;  // max triangles near a moving viewer
+constexpr std::size_t kMaxRemembered = std::size_t{1} << 24;  // max triangles that the picker stores
 
 }  // namespace
 
-// Moves the viewer to `after`, as far as collisions allow.
+// Moves the viewer to `after`, but not through obstacles.
 void ViewerMotion::move(View& seen, Navigation after, bool loading, float seconds) {
   const render::RenderList& list = *seen.list;
   Obstacles obstacles;
@@ -29,7 +29,7 @@ void ViewerMotion::move(View& seen, Navigation after, bool loading, float second
   avatar.radius *= seen.scale;
   avatar.height *= seen.scale;
   avatar.step *= seen.scale;
-  avatar.gravity = !loading;  // the ground may not be loaded yet
+  avatar.gravity = !loading;  // not while loading, because the ground may be missing
   const std::optional<std::size_t> before = seen.navigation.body.item;
   seen.navigation = with_body(seen.navigation, std::move(after), avatar, obstacles, seconds);
   const std::optional<std::size_t> met = seen.navigation.body.item;
@@ -69,7 +69,7 @@ std::vector<std::size_t> ViewerMotion::advance(float seconds, bool look) {
   return moved;
 }
 
-// Links the cameras to one that moved: that of the leader, else of the active viewport, else any.
+// Applies the camera of one viewer that moved to all linked viewports. Prefers the leader, then the active viewport.
 void ViewerMotion::link(std::span<const std::size_t> moved) {
   const auto has_moved = [&](std::size_t pane) { return std::find(moved.begin(), moved.end(), pane) != moved.end(); };
   const std::size_t leader = viewports_.leader(), active = viewports_.panes().active();

@@ -10,17 +10,17 @@
 
 namespace gs::app {
 
-/// Motion of the viewers in the visible viewports, by held keys, drags and animations, as far as collisions allow. One
+/// Motion of the viewers in the visible viewports, by held keys, drags and animations. Obstacles stop the motion. One
 /// thread.
 class ViewerMotion {
  public:
   ViewerMotion(StepContext& step, SessionViewports& viewports, Picker& picker)
       : step_(step), viewports_(viewports), picker_(picker) {}
 
-  /// Moves the viewers by `seconds`. With `look`, updates the render lists for their new positions. Returns the
-  /// viewports with viewers that moved.
+  /// Advances the motion of all viewers by `seconds`. If `look`, updates the render lists for the new positions.
+  /// Returns the viewports with a viewer that moved.
   std::vector<std::size_t> advance(float seconds, bool look);
-  /// Returns true if a viewer moves, or if the user holds a key or button.
+  /// Returns true if a viewer is moving, or if the user holds a key or button.
   [[nodiscard]] bool moving() const;
 
  private:

@@ -9,9 +9,9 @@ namespace gs::app {
 namespace {
 
 constexpr std::size_t kMaxReaders = 2;  // max number of concurrent readings
-constexpr std::size_t kMaxFailed = 16;  // max number of failed worlds with stored loads
+constexpr std::size_t kMaxFailed = 16;  // max stored load ledgers of failed worlds
 
-// Formats a diagnostic for a viewport, which shows the file name itself.
+// Formats a diagnostic for a viewport. Omits the file name, because the viewport itself shows it.
 std::string problem_text(const Diagnostic& diagnostic, const std::string& path) {
   if (diagnostic.file != path) return diagnostic.text();
   if (diagnostic.location.line == 0) return diagnostic.message;
@@ -32,7 +32,7 @@ DocumentReaders::DocumentReaders(StepContext& step, SessionViewports& viewports,
       meshes_(std::move(meshes)) {}
 
 DocumentReaders::~DocumentReaders() {
-  // Cancel all readers before waiting for one, so that they end concurrently.
+  // Cancel all readers before the first wait, so that they end at the same time.
   for (const Reader& one : readers_) one.reader->cancel();
   viewports_.loading().cancel_all();
 }
@@ -83,7 +83,8 @@ bool DocumentReaders::take_news() {
   return any;
 }
 
-// Applies news of a reading. Returns true if the reading is over; later news go to the document.
+// Applies news with a document. Returns true if the document is complete or could not be opened; further news then go
+// to the document.
 bool DocumentReaders::take_document(const Reader& from, WorldReader::News& news) {
   const std::string& path = from.reading.path;
   peers_.log.note(path, news.document->world.diagnostics);
@@ -103,7 +104,7 @@ bool DocumentReaders::take_document(const Reader& from, WorldReader::News& news)
   peers_.links.note_opened(path, *document);
   if (document->runtime && meshes_) document->runtime->set_mesh_worker(meshes_);
   if (document->runtime && !document->runtime->has_started()) begin_world(*document, world_time());
-  peers_.log.note(path, document->world.diagnostics);  // includes the objects that limits removed
+  peers_.log.note(path, document->world.diagnostics);  // now includes objects that were removed because of limits
   peers_.questions.ask(path, document->world.outside);
   document->reader = from.reader;
   viewports_.loading().deliver(from.reading.number, document, viewports_.area().size());
@@ -119,11 +120,11 @@ bool DocumentReaders::take_meshes() {
   return any;
 }
 
-// Applies updates to a running world.
+// Applies updates from the reader to a running world. Returns true if the picture or the progress changed.
 bool DocumentReaders::apply_updates(Document& document, const std::string& path, WorldReader::News news) {
   const LoadingState state = news.over ? LoadingState{} : news.state;
   if (news.over) note_empty(document, path);
-  // Ignores the reader's last state when everything is loaded, so that the session can become idle.
+  // After everything has loaded, ignore changes of the reader's state, so that the session can become idle.
   const bool progress = !document.all_came && !(state == document.arriving);
   const bool any = news.streams_grew || news.over || progress || !news.updates.empty();
   if (!document.all_came) document.arriving = state;
@@ -136,7 +137,7 @@ bool DocumentReaders::apply_updates(Document& document, const std::string& path,
   return true;
 }
 
-// Reports a world without visible objects in its viewports, if it has errors.
+// If a world has errors and nothing visible, shows its first error in its viewports.
 void DocumentReaders::note_empty(const Document& document, const std::string& path) {
   if (!document.list || !document.list->items.empty() || !document.list->splats.empty()) return;
   for (const Diagnostic& diagnostic : document.world.diagnostics.entries())
@@ -155,7 +156,8 @@ void DocumentReaders::show_failed(std::uint64_t reading, const std::string& path
   const std::vector<std::size_t> waited = viewports_.loading().fail(reading, error);
   if (waited.empty()) return;
   step_.frame.failed.push_back({path, reason});
-  // A visible viewport shows the error itself, until the user dismisses it or a link continues with the next URL.
+  // A visible viewport shows the error, until the user dismisses it or a link continues with its next URL. Otherwise a
+  // notice is needed.
   const std::vector<std::size_t> sight = viewports_.panes().visible();
   if (peers_.links.has_fallback(path) ||
       std::find_first_of(sight.begin(), sight.end(), waited.begin(), waited.end()) == sight.end())

@@ -21,7 +21,7 @@ class MeshWorker;
 
 namespace gs::app {
 
-/// Parts of a session that learn about the files that it reads.
+/// Parts of a session that are informed about files that were read.
 struct ReaderPeers {
   SessionLog& log;
   SessionQuestions& questions;
@@ -29,44 +29,44 @@ struct ReaderPeers {
   LinkFollower& links;
 };
 
-/// Reader threads of the files that viewports want, and their results. One thread.
+/// Reader threads for the files that viewports show or wait for. One thread.
 class DocumentReaders {
  public:
-  /// Creates no thread yet. `wake` is called on the reader threads when there is news. `meshes` makes the meshes of
-  /// changed geometry; null makes them at once.
+  /// Prepares the readers without creating a thread. Reader threads call `wake` when take_news() has something to
+  /// apply. `meshes` makes the meshes of changed geometry in the background; if null, they are made at once.
   DocumentReaders(StepContext& step, SessionViewports& viewports, const LoadOptions& load, ReaderPeers peers,
                   std::function<void()> wake, std::shared_ptr<render::MeshWorker> meshes);
-  /// Cancels all readings, and waits for the threads.
+  /// Cancels all readings and waits for their threads.
   ~DocumentReaders();
   DocumentReaders(const DocumentReaders&) = delete;
   DocumentReaders& operator=(const DocumentReaders&) = delete;
 
-  /// Starts readers for files that viewports want.
+  /// Starts readers for files that viewports wait for.
   void begin();
-  /// Applies the news of all readers. Returns true if the picture or the progress changed.
+  /// Applies the news of all readers. Returns true if a picture or the progress changed.
   bool take_news();
-  /// Takes the finished meshes of all worlds, so that none wait for a view. Returns true if the picture changed.
+  /// Takes the meshes that were finished in the background for any world. Returns true if a picture changed.
   bool take_meshes();
-  /// Shows a running world that was opened elsewhere in the active viewport.
+  /// Shows a running world that another part of the program opened, in the active viewport.
   void show(std::shared_ptr<Document> document);
-  /// Stops loading the file of a visible viewport. `place` is its index in `Panes::visible`.
+  /// Stops loading the file of a visible viewport. `place` is an index into Panes::visible().
   void cancel(std::size_t place);
 
-  /// Returns true if the file of a visible viewport is loading.
+  /// Returns true if the file of a visible viewport is still loading.
   [[nodiscard]] bool loading() const;
-  /// Returns the progress of the readings of a file.
+  /// Returns the progress of each reading of a file.
   [[nodiscard]] std::vector<LoadingState> progress_of(const std::string& path) const;
-  /// Files and streams of a world that is open or being read.
+  /// Load ledger of a world that is open or being read.
   struct Loads {
-    std::string path;                    // of the world
-    std::shared_ptr<Document> document;  // null while it is being read
+    std::string path;  // path or URL of the world
+    std::shared_ptr<Document> document;  // null until the file is read
     std::shared_ptr<LoadLedger> ledger;
   };
-  /// Returns the loads of all worlds, including those that failed last.
+  /// Returns the load ledgers of all worlds, including the worlds that failed most recently.
   [[nodiscard]] std::vector<Loads> loads() const;
 
  private:
-  /// File that is being read.
+  /// Reading and its thread.
   struct Reader {
     DocumentList::Reading reading;
     std::shared_ptr<WorldReader> reader;
@@ -83,9 +83,9 @@ class DocumentReaders {
   const LoadOptions& load_;
   ReaderPeers peers_;
   std::function<void()> wake_;
-  std::shared_ptr<render::MeshWorker> meshes_;  // null in simulated time
+  std::shared_ptr<render::MeshWorker> meshes_;  // null in simulated time, where meshes are made at once
   std::vector<Reader> readers_;
-  std::vector<std::shared_ptr<WorldReader>> retired_;  // no longer needed; they end as soon as they can
+  std::vector<std::shared_ptr<WorldReader>> retired_;  // readers that are no longer needed and are ending their threads
   std::vector<Loads> failed_loads_;
 };
 

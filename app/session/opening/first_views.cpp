@@ -31,7 +31,7 @@ void FirstViews::show() {
   for (const std::size_t i : panes.visible()) links_.enter(panes.at(i));
 }
 
-// Applies the options and the budget of a link to a new view.
+// Applies the options of the session, and the budget of a link, to a new view.
 void FirstViews::set_up(View& seen, const Pane& pane) {
   seen.navigation.speed *= static_cast<float>(camera_.speed());
   if (const auto camera = std::exchange(options_.camera, std::nullopt);

@@ -12,20 +12,21 @@
 
 namespace gs::app {
 
-/// Settings of the first view of a file.
+/// Options for the first view of a file.
 struct FirstViewOptions {
-  std::string viewpoint;          // description, DEF name or number of the initial Viewpoint
-  std::optional<bool> headlight;  // overrides the worlds' NavigationInfo
-  std::optional<Pose> camera;     // initial camera of the first file
+  std::string viewpoint;  // initial Viewpoint: its description, DEF name or number
+  std::optional<bool> headlight;  // overrides the NavigationInfo of worlds
+  std::optional<Pose> camera;  // initial camera, only for the first file
 };
 
-/// First views of files that were read. One thread.
+/// Creation of the first views of files. One thread.
 class FirstViews {
  public:
   FirstViews(StepContext& step, SessionViewports& viewports, CameraControl& camera, Opening& opening,
              LinkFollower& links, Picker& picker, FirstViewOptions options);
 
-  /// Shows files that were read in the viewports that wait for them, and enters them where their links lead.
+  /// Shows files in the viewports that wait for them, after they have been read. Moves each viewer to the Viewpoint of
+  /// the link that led to the file.
   void show();
 
  private:

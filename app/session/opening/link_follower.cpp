@@ -13,7 +13,7 @@ void LinkFollower::follow_anchors(std::size_t pane) {
       return;
     const Link link = link_of(*anchor.scene, anchor.node);
     follow(pane, link);
-    return;  // one link only, because it leaves this world
+    return;  // stop after one link, because it leaves this world
   }
 }
 
@@ -22,7 +22,7 @@ void LinkFollower::enter(Pane& pane) {
   const std::string* const entry = opening_.entry_of(pane.shown);
   if (!entry || !seen || !seen->document->runtime) return;
   if (const auto index = find_viewpoint(seen->list->viewpoints, *entry)) {
-    // Acts as if it were the first Viewpoint of the file (VRML97 6.53).
+    // Enter as if it were the first Viewpoint of the file, without an animation (VRML97 6.53).
     camera_.go_to_viewpoint(*seen, *index);
     if (seen->navigation.transition) seen->navigation.pose = seen->navigation.transition->to;
     seen->navigation.transition.reset();
@@ -43,7 +43,7 @@ void LinkFollower::follow(std::size_t pane, const Link& link) {
       if (!seen) continue;
       return show_viewpoint(pane, place.viewpoint);
     }
-    if (step_.simulated) return;  // simulated time opens no other worlds and no pages
+    if (step_.simulated) return;  // in simulated time, open no other worlds and no web pages
     if (place.for_browser) {
       step_.frame.web_pages.push_back(place.target);
       return;
@@ -52,7 +52,7 @@ void LinkFollower::follow(std::size_t pane, const Link& link) {
   }
 }
 
-// Moves to a Viewpoint of the world of a viewport.
+// Moves the viewer of a viewport to a Viewpoint of its world.
 void LinkFollower::show_viewpoint(std::size_t pane, const std::string& viewpoint) {
   View& seen = *viewports_.panes().at(pane).view();
   const auto index = find_viewpoint(seen.list->viewpoints, viewpoint);
@@ -61,7 +61,7 @@ void LinkFollower::show_viewpoint(std::size_t pane, const std::string& viewpoint
   camera_.jump_to_viewpoint(seen, *index);
 }
 
-// Opens a world of a link, in another viewport if the link names another window.
+// Opens the world at index `number` of a link. Uses another viewport if the link names another window.
 void LinkFollower::open(std::size_t pane, const Link& link, std::size_t number) {
   const Link::Place& place = link.places[number];
   viewports_.activate(pane);
@@ -74,10 +74,10 @@ void LinkFollower::open(std::size_t pane, const Link& link, std::size_t number) 
   }
   if (!place.viewpoint.empty()) opening_.enter_at(place.target, place.viewpoint);
   Link rest = link;
-  rest.other_window = false;  // this file already has its window
+  rest.other_window = false;  // the next URLs open in the viewport that is chosen here
   rest.places.erase(rest.places.begin(), rest.places.begin() + static_cast<std::ptrdiff_t>(number + 1));
   fallback_urls_[place.target] = std::move(rest);
-  // Opens the file without allowing it: only the user grants permission to read files.
+  // Open the file without granting permission to read it, because only the user may grant it.
   viewports_.panes().open(std::vector<std::string>{place.target});
 }
 
@@ -108,7 +108,8 @@ void LinkFollower::take_script_news(Document& document) {
   for (const ScriptRequest& request : document.runtime->requests().take_script_requests()) serve(document, request);
 }
 
-// Marks the worlds that a Script opens as private, if it has read a private file. Their names may reveal its content.
+// If a Script of `document` has read a private file, marks the worlds that it opens as private too. Their names may
+// reveal the content of the file.
 void LinkFollower::keep_private(const Document& document, const Link& link) {
   if (!document.runtime || document.runtime->requests().private_file().empty()) return;
   for (const Link::Place& place : link.places) {
@@ -119,7 +120,7 @@ void LinkFollower::keep_private(const Document& document, const Link& link) {
   }
 }
 
-// Serves a request in the viewport that shows the world; the active one if several do.
+// Serves a request in a viewport that shows the world; in the active viewport if that shows it.
 std::optional<std::string> LinkFollower::serve(const Document& document, const ScriptRequest& request) {
   Panes& panes = viewports_.panes();
   const auto shows = [&](std::size_t pane) {
@@ -142,7 +143,7 @@ std::optional<std::string> LinkFollower::serve(const Document& document, const S
       return std::nullopt;
     case ScriptRequest::Kind::load_url: {
       Link link = link_of(request.urls, request.parameters, *request.origin, request.source);
-      // Without a recent press, the user did not ask for a web page.
+      // Web pages open only within this time (seconds) after a click or key. Otherwise the user did not request them.
       constexpr double kAfterPress = 3;
       if (step_.now - pressed_at_ > kAfterPress)
         for (Link::Place& place : link.places)
@@ -156,7 +157,7 @@ std::optional<std::string> LinkFollower::serve(const Document& document, const S
     }
     case ScriptRequest::Kind::program:
     case ScriptRequest::Kind::create_from_url:
-      return std::nullopt;  // handled by the world itself
+      return std::nullopt;  // the world itself serves these requests
   }
   return std::nullopt;
 }

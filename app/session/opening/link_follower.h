@@ -13,7 +13,7 @@
 
 namespace gs::app {
 
-/// Links of worlds: Anchors, and the requests of programs and clients (VRML97 4.12.10, 6.2). One thread.
+/// Follower of links: of Anchors, and of requests by Scripts and --control clients (VRML97 4.12.10, 6.2). One thread.
 class LinkFollower {
  public:
   LinkFollower(StepContext& step, SessionViewports& viewports, CameraControl& camera, Opening& opening, Travel& travel,
@@ -26,23 +26,23 @@ class LinkFollower {
         load_(load),
         log_(log) {}
 
-  /// Follows the Anchor that the pointing device has activated in the world of a viewport.
+  /// Follows the Anchor that the pointing device has activated in a viewport's world.
   void follow_anchors(std::size_t pane);
-  /// Serves a request of a program or client for a world that is shown. Returns the reason why no URL of loadURL may be
-  /// opened, or nullopt.
+  /// Serves a request of a Script or client for a visible world. If it is a loadURL of which no URL may be opened,
+  /// returns the reason; otherwise returns nullopt.
   std::optional<std::string> serve(const Document& document, const ScriptRequest& request);
-  /// Logs the messages of a world's programs and serves their requests.
+  /// Logs the messages of a world's Scripts and serves their requests.
   void take_script_news(Document& document);
-  /// Moves to the Viewpoint of the link that led here, once the world is running.
+  /// Moves the viewer to the Viewpoint of the link that led to this file. Does nothing until the world is running.
   void enter(Pane& pane);
-  /// Allows Scripts to open web pages for a short time, because the user has pressed a button or key.
+  /// Records that the user pressed a button or key. For a short time afterwards, Scripts may open web pages.
   void note_press() { pressed_at_ = step_.now; }
 
-  /// Ends the link to a file that is now open. Marks its world as private if a Script that opened it was.
+  /// Completes the link to a file that is now open. Marks its world as private if a private world opened it.
   void note_opened(const std::string& path, Document& document);
-  /// Returns true if the link to a file has further URLs, to try if the file cannot be opened.
+  /// Returns true if the link to a file has further URLs, for the case that the file cannot be opened.
   [[nodiscard]] bool has_fallback(const std::string& path) const;
-  /// Tries the next URL of the link to a file that could not be opened (VRML97 6.2).
+  /// Tries the next URL of the link that led to a file, because the file could not be opened (VRML97 6.2).
   void follow_fallback(std::size_t pane, const std::string& path);
 
  private:
@@ -58,9 +58,9 @@ class LinkFollower {
   Travel& travel_;
   const LoadOptions& load_;
   SessionLog& log_;
-  double pressed_at_ = -1e9;                          // time of the last press of a button or key
-  std::map<std::string, Link> fallback_urls_;         // further URLs of a link, by the file that is being read
-  std::map<std::string, std::string> private_files_;  // read by Scripts before they opened a file, by path
+  double pressed_at_ = -1e9;  // session time of the last press of a button or key, in seconds
+  std::map<std::string, Link> fallback_urls_;  // remaining URLs of the link to a file, by the path of that file
+  std::map<std::string, std::string> private_files_;  // private file read by the opening Script, by path of the world
 };
 
 }  // namespace gs::app

@@ -20,7 +20,7 @@ extern char** environ;
 namespace gs::app {
 namespace {
 
-// Returns the base URL of relative URLs: that of the file with the url field (VRML97 4.5.3).
+// Returns the base URL for relative URLs in a file: the URL of that file (VRML97 4.5.3).
 net::Url base_of(const std::string& file) {
   net::Url asked = net::parse_url(file);
   if (!asked.scheme.empty() && net::find_scheme(asked.scheme)) return asked;
@@ -34,7 +34,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-// Returns true for pages, images and films, which a web browser shows.
+// Returns true for URLs that a web browser should open: pages, images and movies.
 bool is_for_browser(const net::Url& url) {
   if (url.scheme == "mailto") return true;
   if (url.scheme != "http" && url.scheme != "https") return false;
@@ -86,7 +86,7 @@ Link link_of(const std::vector<std::string>& urls, const std::vector<std::string
     if (text.starts_with("target=") && text != "target=_self" && text != "target=_top" && text != "target=_parent")
       link.other_window = true;
   }
-  // A text that was read at run time has an own source.
+  // If the text was fetched at run time, relative URLs refer to its own URL.
   const bool is_fetched = source && source != of.source();
   const net::Url base = is_fetched ? net::parse_url(source->url) : base_of(of.file_name());
   for (const std::string& each : urls) {
@@ -116,11 +116,12 @@ Link link_of(const std::vector<std::string>& urls, const std::vector<std::string
 
 void keep_to_readable_files(Link& link, const vrml::SourceText& text, const std::vector<std::string>& allowed) {
   const net::Url base = base_of(text.file_name());
-  if (base.scheme != "file") return;  // link_of() has refused all files
+  if (base.scheme != "file") return;  // a network world, for which link_of() has already refused files
   const net::ReferencePolicy policy = policy_of_world(net::path_of_url(base), allowed);
   for (Link::Place& place : link.places) {
     if (!place.is_file || !place.problem.empty()) continue;
-    // A missing or relative file name could match another file when it is opened: "file:file:///x", "x.wrl#".
+    // Refuse relative and missing names, such as "file:file:///x" or "x.wrl#". Opening such a name could read another
+    // file.
     std::error_code error;
     if (!place.target.starts_with('/') || !std::filesystem::exists(place.target, error))
       place.problem = place.target + ": no such file";
@@ -135,7 +136,7 @@ bool open_in_browser(const std::string& url) {
   char* const arguments[] = {program.data(), argument.data(), nullptr};
   pid_t child = 0;
   if (posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments, environ) != 0) return false;
-  // Does not wait for the program, which passes the URL to the browser and exits.
+  // Do not wait: xdg-open passes the URL to the browser and exits by itself.
   return waitpid(child, nullptr, WNOHANG) >= 0;
 }
 

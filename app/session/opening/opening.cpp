@@ -13,7 +13,7 @@ void Opening::start(const std::vector<std::string>& paths, const std::optional<S
 
 void Opening::open_files(const std::vector<std::string>& paths) {
   step_.frame.files_chosen = true;
-  // Files that the user opens may be read by worlds that the user opens, as on the command line.
+  // Allow worlds to read the files that the user opens, as for files on the command line.
   const std::vector<std::string> targets = targets_of(paths);
   load_.allowed.insert(load_.allowed.end(), targets.begin(), targets.end());
   viewports_.panes().open(targets);
@@ -62,7 +62,7 @@ void Opening::show(const std::string& path) {
   panes.open(std::vector<std::string>{path});
 }
 
-// Returns the paths without their Viewpoints, which are stored until the worlds are loaded.
+// Returns the paths and URLs without the names of Viewpoints, which are stored for the time when the worlds are loaded.
 std::vector<std::string> Opening::targets_of(const std::vector<std::string>& given) {
   std::vector<std::string> targets;
   for (const std::string& one : given) {

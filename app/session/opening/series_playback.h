@@ -10,20 +10,20 @@
 
 namespace gs::app {
 
-/// Playback of the series of files in the active viewport. Its functions do nothing if that shows no series. One
-/// thread.
+/// Playback of the series of numbered files in the active viewport. Without a series there, all functions do nothing.
+/// One thread.
 class SeriesPlayback {
  public:
   SeriesPlayback(StepContext& step, Panes& panes) : step_(step), panes_(panes) {}
 
   void play(bool on);
-  /// Shows one file of the series.
+  /// Shows the file at an index of the series.
   void show(std::size_t file);
-  /// Sets the files per second.
+  /// Sets the playback rate in files per second.
   void set_rate(double rate) { list_.set_rate(name(), rate); }
-  /// Returns the earliest time at which a playing series shows its next file; see SeriesList::next_due().
+  /// Returns the earliest time at which a playing series shows its next file; nullopt if no series plays.
   [[nodiscard]] std::optional<double> next_due() const { return list_.next_due(); }
-  /// Returns the series of the active viewport, or null if it does not show one.
+  /// Returns the series in the active viewport; null if there is none.
   [[nodiscard]] const SeriesList::Series* current() const { return list_.find(name()); }
   /// Returns all series of the session, by name.
   [[nodiscard]] SeriesList& list() { return list_; }

@@ -10,23 +10,24 @@
 
 namespace gs::app {
 
-/// Questions of worlds to the user: about folders, then about the network. One thread.
+/// Questions of worlds to the user. Questions about folders precede those about the network. One thread.
 class SessionQuestions {
  public:
   SessionQuestions(LoadOptions& load, Panes& panes) : load_(load), panes_(panes) {}
 
-  /// Queues the folders that a world refers to, except those that were already answered.
+  /// Queues questions about the folders to which a world refers, except for folders that were already answered.
   void ask(const std::string& world, const std::vector<OutsideFolder>& outside) { folders_.ask(world, outside); }
-  /// Returns the current question about a folder, or null if there is none.
+  /// Returns the current question about a folder; null if there is none.
   [[nodiscard]] const FolderQuestions::Question* folder() const { return folders_.current(); }
-  /// Question about the network, with the path of its world.
+  /// Question about the network, with the path of the world that needs the answer.
   struct Network {
     std::string world;
     NetworkQuestion question;
   };
-  /// Returns the network question, or nullopt if no world asks.
+  /// Returns the first question about the network; nullopt if no world has one.
   [[nodiscard]] std::optional<Network> network() const;
-  /// Answers folder(), or network() if there is no other. Worlds that refer to an allowed folder are read again.
+  /// Answers the question of folder(); if there is none, that of network(). Worlds that refer to a folder that is now
+  /// allowed are read again.
   void answer(bool allow);
 
  private:

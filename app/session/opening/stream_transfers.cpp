@@ -82,14 +82,14 @@ std::uint64_t StreamTransfers::received(std::size_t pane) const {
   return bytes;
 }
 
-// Gives streams a bandwidth share by the weight of their viewports.
+// Sets the weight of each stream by the weights of the viewports that show it.
 void StreamTransfers::weigh() {
   const Panes& panes = viewports_.panes();
   double most = 0;
   for (const std::size_t i : panes.visible())
     if (reads(i)) most = std::max(most, panes.at(i).weight);
   if (most <= 0) return;
-  std::map<const Document*, double> weights;  // max weight of the viewports that show it
+  std::map<const Document*, double> weights;  // max weight of the viewports that show it, relative to all viewports
   for (const std::size_t i : panes.visible())
     if (const View* seen = panes.at(i).view()) {
       double& weight = weights[seen->document.get()];
@@ -99,7 +99,7 @@ void StreamTransfers::weigh() {
     for (const auto& feed : document->world.feeds) feed->set_weight(weight);
 }
 
-// Returns true if a viewport receives data over the network, or may still do so.
+// Returns true if a viewport is receiving network data or still expects some.
 bool StreamTransfers::reads(std::size_t pane) const {
   if (viewports_.panes().loading(pane)) return true;
   const View* seen = viewports_.panes().at(pane).view();

@@ -9,27 +9,29 @@
 
 namespace gs::app {
 
-/// Streams of the visible worlds: their bytes, priorities, and the bandwidth of each viewport. One thread.
+/// Transfers of the streams in visible worlds: received bytes, priorities, and the bandwidth of each viewport. One
+/// thread.
 class StreamTransfers {
  public:
   StreamTransfers(StepContext& step, SessionViewports& viewports, const DocumentReaders& readers,
                   const LoadOptions& load)
       : step_(step), viewports_(viewports), readers_(readers), load_(load) {}
 
-  /// Limits the bandwidth of each world to the highest limit of the viewports that show it.
+  /// Sets the bandwidth limit of each world: the highest limit of the viewports that show it.
   void limit_rates();
-  /// Passes received bytes to the streams. Returns true if the picture changed.
+  /// Passes received bytes to the streams. Returns true if a picture changed.
   bool feed();
-  /// Gives nodes that look large in the active viewport the highest priority.
+  /// Prioritises references of the active viewport's world by the apparent size of their nodes.
   void prioritize();
-  /// Requests the parts of streams that the last drawn picture lacked. Shares the bandwidth by viewport weight.
+  /// Requests the stream parts that the last drawn pictures lacked. Divides the bandwidth by the weights of the
+  /// viewports.
   void request();
 
-  /// Returns a viewport's share of the bandwidth, 0 to 1; 0 means that it receives nothing.
+  /// Returns a viewport's share of the bandwidth, 0 to 1; 0 means that it expects no data.
   [[nodiscard]] double reading_share(std::size_t pane) const;
-  /// Returns the limit of a viewport's bandwidth in bits per second; 0 means unlimited.
+  /// Returns the bandwidth limit of a viewport in bits/s; 0 means unlimited.
   [[nodiscard]] std::uint64_t rate_of(std::size_t pane) const;
-  /// Returns the bytes received over the network for a viewport.
+  /// Returns the number of bytes received over the network for a viewport's file.
   [[nodiscard]] std::uint64_t received(std::size_t pane) const;
 
  private:

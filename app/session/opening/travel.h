@@ -12,26 +12,27 @@
 
 namespace gs::app {
 
-/// Histories of the viewports: visits, back and forward. One thread.
+/// Histories of the files and positions that each viewport showed, with back and forward. One thread.
 class Travel {
  public:
   Travel(SessionViewports& viewports, Opening& opening) : viewports_(viewports), opening_(opening) {}
 
-  /// Records a visit for each visible file that was opened other than by back or forward. Moves viewers to the poses
-  /// of `go` and `open_at` once their files are loaded.
+  /// Records visits of newly opened files, except those opened by going back or forward. After a file has loaded, moves
+  /// the viewer to the pose that go() or open_at() set.
   void note_visits();
-  /// Records that a link leads from this viewer to another Viewpoint of its file.
+  /// Records the viewer's present pose, because a link leads to another Viewpoint of the same file.
   void leave(std::size_t pane, const View& view) {
     histories_[pane].visit(viewports_.panes().at(pane).shown, view.navigation.pose);
   }
-  /// Returns true if the history of the active viewport has an entry before (-1) or after (1) the current one.
+  /// Returns true if the active viewport's history has an entry before (-1) or after (1) the current one.
   [[nodiscard]] bool can_go(int direction) const;
-  /// Moves the active viewport back (-1) or forward (1) in its history.
+  /// Goes back (-1) or forward (1) in the history of the active viewport.
   void go(int direction);
-  /// Opens a file or URL in the active viewport. A non-empty `viewpoint` selects the Viewpoint; else `pose` places the
-  /// viewer once everything is loaded. With neither, the view is the initial one or the last one.
+  /// Opens a file or URL in the active viewport. The viewer goes to `viewpoint` if that is not empty. Otherwise it goes
+  /// to `pose` after everything has loaded. If neither is set, the view is the last one of the file or its initial
+  /// view.
   void open_at(const std::string& place, const std::string& viewpoint, const std::optional<Pose>& pose);
-  /// Removes the history of a closed viewport.
+  /// Removes the history of a viewport. Call when the viewport is closed.
   void forget(std::size_t pane);
 
  private:
@@ -39,8 +40,8 @@ class Travel {
 
   SessionViewports& viewports_;
   Opening& opening_;
-  std::array<TravelHistory, kMaxViewports> histories_;     // by viewport
-  std::map<std::size_t, TravelHistory::Visit> returning_;  // poses of viewers once their files are loaded
+  std::array<TravelHistory, kMaxViewports> histories_;  // by index of the viewport
+  std::map<std::size_t, TravelHistory::Visit> returning_;  // visits to restore after loading, by viewport
 };
 
 }  // namespace gs::app

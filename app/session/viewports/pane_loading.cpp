@@ -43,8 +43,8 @@ void PaneLoading::grow(const Document& document) {
   for (Pane& pane : panes_.all())
     for (auto& [path, view] : pane.views)
       if (view.document.get() == &document) {
-        // The LOD distances now depend on this viewer, so a shared list must be replaced by an own one.
-        constexpr long kOwnUsers = 2;  // this view, and the document's reference for later views
+        // LOD distances now depend on this viewer. If other views share the render scene, this view needs its own.
+        constexpr long kOwnUsers = 2;  // owners of an unshared scene: this view, and the document for later views
         if (document.viewer_dependent && view.scene.use_count() > kOwnUsers) {
           view.scene = document.runtime->look(view.navigation.pose.position, true);
           view.list = view.scene->scene.shared_list();
@@ -52,7 +52,7 @@ void PaneLoading::grow(const Document& document) {
         const bool stays = at_home(view);
         (void)follow_world(view);
         if (!stays) continue;
-        // New parts are visible at once. They do not start the animation that re-frames moving objects.
+        // Show new parts at once, without the animation that re-frames the scene when objects move.
         if (std::exchange(view.navigation.transition, std::nullopt)) view.navigation.pose = view.home;
         view = grown(view, view.document, view.home_size);
       }
@@ -89,7 +89,7 @@ bool PaneLoading::cancel(std::size_t pane) {
   DocumentList& documents = panes_.documents();
   const std::string path = panes_.at(pane).wanted;
   if (documents.arriving(path) && !documents.awaited(path)) {
-    documents.document(path)->reader->cancel();  // keeps the parts received so far
+    documents.document(path)->reader->cancel();  // keep the parts that were received so far
     return true;
   }
   documents.give_up(path);

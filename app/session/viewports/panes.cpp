@@ -60,7 +60,7 @@ void Panes::set_split(SplitTree split) {
   const std::size_t model = active_;
   const std::vector<std::size_t> sight = visible();
   if (std::find(sight.begin(), sight.end(), active_) == sight.end()) active_ = sight.front();
-  // Skips viewports that report a failed file.
+  // Leave viewports empty that report a failed file.
   for (const std::size_t i : sight)
     if (panes_[i].wanted.empty() && !panes_[i].failure) fill(i, model);
 }
@@ -77,7 +77,8 @@ bool Panes::split_pane(std::size_t pane, SplitAxis axis) {
   return true;
 }
 
-// Returns an empty hidden viewport, else any hidden viewport; the files of the latter stay listed.
+// Returns the index of an empty hidden viewport; if there is none, that of any hidden viewport; nullopt if all are
+// visible.
 std::optional<std::size_t> Panes::free_pane() const {
   for (const bool with_file : {false, true})
     for (std::size_t i = 0; i < kMaxViewports; ++i)

@@ -14,30 +14,31 @@
 
 namespace gs::app {
 
-/// Viewports of a session: their rectangles in the window, the active one, and links between their cameras. One thread.
+/// Viewports of a session: their rectangles in the window, which one is active, and links between their cameras. One
+/// thread.
 class SessionViewports {
  public:
   explicit SessionViewports(StepContext& step) : step_(step) {}
 
   [[nodiscard]] Panes& panes() { return panes_; }
   [[nodiscard]] const Panes& panes() const { return panes_; }
-  /// Returns the results of readings, as the viewports show them.
+  /// Returns the connection between the viewports and the readings of their files.
   [[nodiscard]] PaneLoading& loading() { return loading_; }
-  /// Returns the view of the active viewport, or null if it is empty.
+  /// Returns the view of the active viewport; null if the viewport is empty.
   [[nodiscard]] View* view() { return panes_.at(panes_.active()).view(); }
   [[nodiscard]] const View* view() const { return panes_.at(panes_.active()).view(); }
 
-  /// Sets the area of all viewports, in framebuffer pixels.
+  /// Sets the area that the viewports share, in framebuffer pixels.
   void set_area(const Viewport& area) { area_ = area; }
   [[nodiscard]] const Viewport& area() const { return area_; }
-  /// Returns the rectangles of the visible viewports, in the order of `Panes::visible`.
+  /// Returns the rectangles of the visible viewports in framebuffer pixels, in the order of Panes::visible().
   [[nodiscard]] std::vector<Viewport> places() const { return arrange(panes_.split(), area_); }
-  /// Returns the rectangle of a viewport, or the whole area if it is not visible.
+  /// Returns the rectangle of a viewport in framebuffer pixels; the whole area if it is not visible.
   [[nodiscard]] Viewport place_of(std::size_t pane) const;
   [[nodiscard]] Viewport place_of(const View& view) const;
   /// Returns the dividers between the visible viewports.
   [[nodiscard]] std::vector<SplitDivider> dividers() const { return dividers_of(panes_.split(), area_); }
-  /// Returns the viewport that handles a pointer event, as an index into `places`; see PointerRouter.
+  /// Returns the viewport that must handle a pointer event, as an index into places(); see PointerRouter.
   [[nodiscard]] std::optional<std::size_t> route(const WindowEvent& event) { return router_.route(event, places()); }
   /// Ends all drags.
   void release_pointer() { router_.release(); }
@@ -45,29 +46,30 @@ class SessionViewports {
   /// Activates a viewport, which then receives the keys.
   void activate(std::size_t pane);
   void choose_layout(ViewportLayout layout) { change_split(split_of(layout, panes_.active())); }
-  /// Changes the split of the window.
+  /// Changes the arrangement of the viewports.
   void change_split(SplitTree split);
-  /// Moves a divider to a column or row of framebuffer pixels. Viewports keep at least `least` pixels. `ended` is true
-  /// when the drag is over.
+  /// Moves a divider to a column or row of framebuffer pixels. Each viewport keeps at least `least` pixels. `ended`
+  /// means that the user has released the divider.
   void move_divider(const SplitDivider& divider, int place, int least, bool ended);
-  /// Sets the style of files that are shown for the first time, and backdrop and axes of existing views.
+  /// Sets the initial style of views. Applies its backdrop and axes to existing views, too.
   void set_style(const ViewStyle& style);
 
-  /// Links the cameras of the viewports, so that they move together.
+  /// Sets whether the cameras of all viewports move together.
   void set_linked(bool linked);
   [[nodiscard]] bool linked() const { return linked_; }
-  /// Returns the viewport that the user moved last. The others follow it while they are linked.
+  /// Returns the viewport that the user moved last. While the cameras are linked, the others follow it.
   [[nodiscard]] std::size_t leader() const { return leader_; }
   void lead(std::size_t pane) { leader_ = pane; }
   /// Makes the active viewport the one that the user moved last.
   void lead_active() { leader_ = panes_.active(); }
 
-  /// Sets the functions to call before the rectangles change, and after a viewport has lost its file and history.
+  /// Sets two functions: one is called before the rectangles change, the other when a viewport has lost its file and
+  /// history.
   void observe(std::function<void()> before_change, std::function<void(std::size_t pane)> forgotten);
 
-  /// Announces that rectangles are about to change. `change_split` calls it.
+  /// Calls the function that observe() set for changes of rectangles. change_split() does this itself.
   void announce_change() { before_change_(); }
-  /// Removes the state of the former viewport with this number.
+  /// Removes the state of a viewport that was closed.
   void forget(std::size_t pane);
 
  private:

@@ -14,11 +14,11 @@ bool usable(const WideBox& bounds) {
   return size > 0 && std::isfinite(size);
 }
 
-constexpr std::size_t kMaxLeft = 1000;  // max number of stored Viewpoints
+constexpr std::size_t kMaxLeft = 1000;  // max stored poses at Viewpoints that were left
 
 bool same(const vrml::NodePlace& a, const vrml::NodePlace& b) { return a.scene == b.scene && a.node == b.node; }
 
-/// Stores the jump field of the bound Viewpoint. Keeps the last value if the Viewpoint was removed.
+/// Stores the `jump` field of the bound Viewpoint. If the Viewpoint was removed, the stored value remains.
 void note_jump(View& view) {
   const auto [scene, node] = view.bound_place;
   if (scene && view.document->runtime->execution().scenes().has(scene) && scene->contains(node))
@@ -33,7 +33,7 @@ void note_bound(View& view) {
   note_jump(view);
 }
 
-/// Stores the pose of the viewer relative to the bound Viewpoint (VRML97 6.53).
+/// Stores the pose of the viewer relative to the bound Viewpoint, for the return to that Viewpoint (VRML97 6.53).
 void leave_viewpoint(View& view) {
   if (!view.bound_place.scene || !view.viewpoint) return;
   const Pose& stands = view.navigation.transition ? view.navigation.transition->to : view.navigation.pose;
@@ -42,7 +42,7 @@ void leave_viewpoint(View& view) {
   view.left.push_back({view.bound_place, glm::inverse(world_from_viewer(view.home)) * world_from_viewer(stands)});
 }
 
-/// Returns the stored pose and removes it, because it is valid for one return.
+/// Returns the stored pose for the bound Viewpoint, and removes it, because it is valid for one return only.
 glm::dmat4 take_left(View& view) {
   for (auto one = view.left.begin(); one != view.left.end(); ++one)
     if (same(one->viewpoint, view.bound_place)) {
@@ -59,7 +59,7 @@ std::optional<std::size_t> index_of(const render::RenderList& list, const vrml::
   return std::nullopt;
 }
 
-/// Applies the user's projection to a pose of the author or of the initial view.
+/// Returns a pose of the author or of the initial view, with the projection that the user chose.
 Pose seen_as_chosen(const View& view, const Pose& pose) {
   if (!view.style.parallel) return pose;
   const WideBox& bounds = view.list->bounds;
@@ -72,13 +72,13 @@ Pose home_of(const View& view, const render::ViewpointState& viewpoint) {
   return seen_as_chosen(view, pose_of(viewpoint.world_from_camera, viewpoint.field_of_view));
 }
 
-/// Takes the up vector and the scale of the bound Viewpoint (VRML97 6.29).
+/// Applies the up vector and the scale of a Viewpoint to the navigation (VRML97 6.29).
 void take_measures(View& view, const render::ViewpointState& viewpoint) {
   if (view.style.up == UpAxis::automatic) view.navigation.up = glm::vec3(viewpoint.up);
   view.navigation.speed *= static_cast<float>(viewpoint.scale / std::exchange(view.scale, viewpoint.scale));
 }
 
-/// Applies changed fields if another NavigationInfo is bound or the bound one has changed (VRML97 4.6.10, 6.29).
+/// Applies the fields of the bound NavigationInfo that have changed (VRML97 4.6.10, 6.29).
 void follow_navigation_info(View& view) {
   const render::NavigationState& now = view.list->navigation;
   if (now == view.navigation_info) return;
@@ -89,7 +89,7 @@ void follow_navigation_info(View& view) {
   if (now.types != before.types) view.navigation = with_mode(view.navigation, view.rules.start);
 }
 
-/// Sets the home pose to the initial view of `whole`.
+/// Sets the home pose to a view of all of `whole`.
 void choose_home(View& view, const WideBox& whole, const glm::vec2& viewport) {
   view.home = seen_as_chosen(view, first_pose(whole, viewport, upright_of(view)));
   view.home_size = viewport;
@@ -97,17 +97,17 @@ void choose_home(View& view, const WideBox& whole, const glm::vec2& viewport) {
 }
 
 /// Re-frames a world without a Viewpoint after objects have moved out of the picture. The new picture contains the
-/// initial bounds, all bounds since then, and a margin. Does nothing once the user has moved.
+/// initial bounds, all later bounds, and a margin. Does nothing after the user has moved.
 void follow_growth(View& view) {
-  /// Max growth of the diagonal, so that one object that flies away does not shrink the others to a dot.
+  /// max growth of the diagonal, so that one object that flies away does not reduce the others to a dot
   constexpr float kMaxGrowth = 32;
-  /// Margin relative to the diagonal and to half of the growth, so that not each step re-frames.
+  /// margin as a fraction of the diagonal, in addition to half of the growth, so that not every step re-frames
   constexpr float kAir = 0.05f;
   const WideBox& now = view.list->bounds;
   if (view.viewpoint || !view.list->viewpoints.empty() || view.home_size.x <= 0 || !usable(now) || !at_home(view) ||
       render::has_in_view(camera_of(view.home), now, view.home_size.x, view.home_size.y))
     return;
-  // While the user drags an object, the camera must not move.
+  // Do not move the camera while the user drags an object.
   if (view.document->runtime->execution().pointing().pointed_at().active) return;
   WideBox whole = view.framed;
   whole.add(now);
@@ -188,11 +188,12 @@ View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std:
   View view;
   view.document = document;
   view.style = style;
-  view.color_bar = document->world.color_key.has_value();  // such colours have no meaning without it
+  view.color_bar = document->world.color_key.has_value();  // colours that stand for values need their colour bar
   view.list = document->list;
   if (document->runtime) {
     note_bound(view);
-    // The first view reuses the document's initial render scene.
+    // Reuse the document's initial render scene, unless the world depends on the viewer and another view uses the
+    // scene.
     view.scene = document->viewer_dependent && document->first_scene.use_count() > 1
                      ? document->runtime->look({0, 0, 10}, true)
                      : document->first_scene;
@@ -231,7 +232,7 @@ View renewed(const View& before, std::shared_ptr<Document> document, const glm::
   if (!before.document->is_preview) view.color_bar = before.color_bar;
   view.headlight = before.headlight;
   view.budget = before.budget;
-  // After a reload, the viewer stays at its pose, because the user wants to see the changes there.
+  // Keep the pose of the viewer, because the user wants to compare the new file with the old one.
   if (view.rules.allows(before.navigation.mode)) {
     view.navigation.pose = before.navigation.pose;
     view.navigation.mode = before.navigation.mode;
@@ -302,7 +303,7 @@ bool follow_world(View& view) {
     carry(view.navigation.transition->to);
   }
   view.home = home_of(view, viewpoint);
-  if (stays) view.navigation.pose = view.home;  // avoids accumulated rounding errors
+  if (stays) view.navigation.pose = view.home;  // set it exactly, because rounding errors would accumulate
   return true;
 }
 
@@ -337,7 +338,7 @@ bool follow_bound_viewpoint(View& view) {
   view.world_from_viewpoint = viewpoint.world_from_camera;
   view.home = home_of(view, viewpoint);
   take_measures(view, viewpoint);
-  // If the popped Viewpoint had `jump` set, the viewer returns to the pose before it.
+  // If the removed Viewpoint had `jump` TRUE, return to the pose that the viewer had before that Viewpoint was bound.
   const glm::dmat4 left = take_left(view);
   if (popped && popped_jump)
     view.navigation =
@@ -360,13 +361,13 @@ Pose linked_pose(const Pose& pose, const WideBox& from, const WideBox& to) {
 
 void link_view(View& view, const View& leader) {
   if (!view.document || !leader.document || view.navigation.mode == NavigationMode::none) return;
-  // Uses the documents' bounds, because those of views may differ between positions.
+  // Use the bounds of the documents, because those of views may depend on the viewer.
   const WideBox &from = leader.document->list->bounds, &to = view.document->list->bounds;
   view.navigation = with_mode(view.navigation, view.navigation.mode);
   view.navigation.transition.reset();
   view.navigation.pose = linked_pose(leader.navigation.pose, from, to);
   view.style.parallel = leader.style.parallel;
-  Pose center;  // the centre of EXAMINE is mapped in the same way
+  Pose center;  // centre of rotation in EXAMINE, which is mapped like a pose
   center.position = leader.navigation.center;
   view.navigation.center = linked_pose(center, from, to).position;
 }

@@ -14,9 +14,9 @@ class ViewportCommands {
  public:
   ViewportCommands(StepContext& step, SessionViewports& viewports) : step_(step), viewports_(viewports) {}
 
-  /// Serves a request about a viewport, except PaneRequest::Kind::open_again; see Opening::open_again().
+  /// Serves a request of the user about a viewport. Opening::open_again() serves PaneRequest::Kind::open_again.
   void serve(const PaneRequest& request);
-  /// Runs an action about viewports. Returns false for all other actions.
+  /// Runs an action about viewports. Returns false for other actions.
   bool run(Action action);
 
  private:

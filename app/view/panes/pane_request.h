@@ -5,18 +5,18 @@
 
 namespace gs::app {
 
-/// Request to change a viewport.
+/// Request to change one viewport.
 struct PaneRequest {
   enum class Kind : std::uint8_t {
     split_right,
     split_below,
-    maximise,  // toggles
-    swap,      // with `other`
-    even_out,  // all viewports
+    maximise,  // maximises the viewport, or restores all
+    swap,  // swaps the viewport with viewport `other`
+    even_out,  // makes all viewports equally large
     close,
-    weigh,       // sets its share of the layout to `weight`
-    limit,       // limits its downloads to `rate`
-    open_again,  // retries a failed load
+    weigh,  // sets the viewport's weight to `weight`
+    limit,  // sets the bandwidth limit to `rate`
+    open_again,  // tries again to open the file that failed
     dismiss,     // dismisses the error message
   };
   Kind kind = Kind::maximise;

@@ -12,40 +12,41 @@
 
 namespace gs::app {
 
-/// All inputs of a viewport's picture: equal inputs give equal pictures, once complete.
+/// Inputs that determine the picture of a viewport. Equal inputs give equal pictures, if both pictures are complete.
 struct PictureSource {
-  std::weak_ptr<const render::RenderList> list;  // list of the view
-  const render::RenderList* shown = nullptr;     // drawn list: `list` or a copy with slices; only compared
-  std::uint64_t changes = 0;                     // change counter of `shown`
-  std::uint64_t grown = 0;                       // change counter of its streams and movies
+  std::weak_ptr<const render::RenderList> list;  // render list of the view
+  const render::RenderList* shown = nullptr;  // drawn list: that of the view or a copy with slices; only compared
+  std::uint64_t changes = 0;  // number of changes of `shown` so far
+  std::uint64_t grown = 0;  // number of changes of its streams and movies so far
   render::Camera camera;
-  render::DrawOptions draw;  // without window position and decode limit
+  render::DrawOptions draw;  // window position and decode limit are set to 0, because they do not affect the picture
 };
 [[nodiscard]] bool are_same(const PictureSource& one, const PictureSource& other);
 
-/// Inputs of the pictures on screen, by viewport, so that unchanged pictures are not drawn again.
+/// Inputs of the pictures on the screen, by viewport. With them, a viewport is only drawn again if its picture would
+/// change.
 class PictureLedger {
  public:
-  /// Record of a viewport's kept picture.
+  /// Picture on the screen, with its inputs.
   struct Kept {
     PictureSource source;
-    double seconds = 0;     // drawing time
-    Refinement refinement;  // reports whether another frame improves it
+    double seconds = 0;  // seconds that drawing took
+    Refinement refinement;  // determines whether drawing again would add detail
   };
 
-  /// Reports whether the kept picture was made from the same inputs. Call before drawing.
+  /// Reports whether the picture on the screen has the same inputs as `source`. Call before drawing.
   [[nodiscard]] bool is_same(std::size_t viewport, const PictureSource& source) const;
-  /// Reports whether to show the kept picture, of equal inputs, again. `busy` means that the user is interacting: slow
-  /// refinements elsewhere must wait.
+  /// Reports whether the picture on the screen can stay, given equal inputs. `busy` means that the user is acting; then
+  /// a picture that takes long to draw is not refined.
   [[nodiscard]] bool stands(std::size_t viewport, bool busy) const;
-  /// Records that a picture was drawn and is kept.
+  /// Records the inputs of a picture that was drawn and is now on the screen.
   void note(std::size_t viewport, PictureSource source, const render::FrameStatistics& statistics, double seconds);
-  /// Records that a picture was cancelled; the previous one stays on screen.
+  /// Records that drawing was cancelled; the previous picture stays on the screen.
   void note_given_up(std::size_t viewport, const render::FrameStatistics& statistics);
-  /// Reports whether drawing the viewport again would improve its picture.
+  /// Reports whether drawing the viewport again would add detail to its picture.
   [[nodiscard]] bool wants_more(std::size_t viewport) const;
 
-  static constexpr double kQuick = 0.03;  // seconds; faster pictures are refined even during interaction elsewhere
+  static constexpr double kQuick = 0.03;  // seconds; a picture that takes longer is not refined while the user acts
 
  private:
   std::map<std::size_t, Kept> kept_;

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-// Text format of splits, for the command line and saved settings.
+// Text form of a split, for the command line and the saved settings.
 namespace gs::app {
 namespace {
 

@@ -19,13 +19,13 @@ bool in_columns(const SplitPart& part, const Viewport& area) {
   return part.axis == SplitAxis::columns || (part.axis == SplitAxis::longer && area.height <= area.width);
 }
 
-/// Returns the rectangles of a split's parts.
+/// Returns the rectangles of the parts of a split within `area`.
 std::vector<Viewport> places_of_parts(const SplitPart& part, const Viewport& area) {
   double sum = 0, until = 0;
   for (const SplitPart& one : part.parts) sum += one.weight;
   const bool columns = in_columns(part, area);
   const int length = columns ? area.width : area.height;
-  // The epsilon keeps rounding from losing a pixel of an exact half.
+  // The small summand prevents rounding from making an exact half one pixel shorter.
   const auto at = [&](double weight) { return static_cast<int>(std::floor(length * (weight / sum) + 1e-9)); };
   std::vector<Viewport> places;
   for (const SplitPart& one : part.parts) {
@@ -51,7 +51,8 @@ void visit(const SplitPart& part, const Viewport& area, std::vector<std::size_t>
   }
 }
 
-/// Returns the min length in pixels along an axis, so that every viewport in the part has `least`.
+/// Returns the length that a part needs so that each of its viewports is at least `least` pixels long. Measures
+/// horizontally if `along_columns`, else vertically.
 int least_length(const SplitPart& part, bool along_columns, int least) {
   if (part.parts.empty()) return least;
   const bool adds = part.axis == SplitAxis::longer || (part.axis == SplitAxis::columns) == along_columns;
@@ -90,7 +91,7 @@ bool splits_leaf(SplitPart& part, std::size_t pane, SplitAxis axis, std::size_t 
   return false;
 }
 
-/// Merges a nested split along the same axis into its parent.
+/// Replaces each nested split along the same axis by its parts.
 void flatten(SplitPart& part) {
   std::vector<SplitPart> parts;
   for (SplitPart& one : part.parts) {
@@ -255,7 +256,7 @@ SplitTree with_divider_at(SplitTree tree, const SplitDivider& divider, const Vie
     if (&one < &before) until += one.weight;
     sum += one.weight;
   }
-  // Add half a pixel, so that rounding gives the same pixel again.
+  // Add half a pixel, so that places_of_parts() rounds to exactly this pixel.
   const double wanted = (from + std::clamp(place - start - from, lowest, highest) + 0.5) / whole * sum - until;
   const double both = before.weight + behind.weight;
   before.weight = std::clamp(wanted, both * 1e-6, both * (1 - 1e-6));

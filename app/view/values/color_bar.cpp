@@ -58,7 +58,7 @@ std::vector<Tick> nice_ticks(std::pair<double, double> range, std::size_t most) 
       if (last < first) return ends();
       std::vector<Tick> ticks;
       for (double i = first; i <= last; ++i) {
-        const double value = i == 0 ? 0 : i * step;  // avoids -0
+        const double value = i == 0 ? 0 : i * step;  // prevents -0
         ticks.push_back({value, std::clamp((value - least) / width, 0.0, 1.0), tick_label(value, step)});
       }
       return ticks;
@@ -97,7 +97,7 @@ std::string value_unit(const qnv::Description& volume) {
 std::string value_name(const qnv::Description& volume) {
   static constexpr std::array<std::string_view, 2> kKeys{"array", "label"};
   std::string name = find_metadata(volume, kKeys);
-  constexpr std::size_t kMax = 40;  // bytes
+  constexpr std::size_t kMax = 40;  // max bytes of a unit or name
   if (name.size() > kMax) {
     std::size_t end = kMax;
     while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0) == 0x80) --end;

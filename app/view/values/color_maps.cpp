@@ -11,7 +11,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMapPoints = 17;  // points of a mapped transfer function
+constexpr std::size_t kMapPoints = 17;  // points of a transfer function that is made from a map
 constexpr float kMaxMapOpacity = 0.9f;
 
 template <std::size_t count>
@@ -23,7 +23,8 @@ glm::vec3 polynomial(const std::array<glm::vec3, count>& coefficients, float pla
 
 glm::vec3 grey_color(float place) { return glm::vec3(place); }
 
-// Polynomials of degree 6, fitted by M. Zucker (CC0) to the maps of S. van der Walt and N. Smith (matplotlib, CC0).
+// Polynomials of degree 6 by M. Zucker (CC0). They approximate the maps of S. van der Walt and N. Smith in matplotlib
+// (CC0).
 constexpr std::array<glm::vec3, 7> kViridis{{{0.2777273f, 0.0054073f, 0.3340998f},
                                              {0.1050930f, 1.4046135f, 1.3845902f},
                                              {-0.3308618f, 0.2148476f, 0.0950952f},
@@ -52,8 +53,8 @@ constexpr std::array<glm::vec3, 6> kTurbo{{{0.13572138f, 0.09140261f, 0.10667330
                                            {132.13108234f, -14.18503333f, 110.36276771f},
                                            {-152.94239396f, 4.27729857f, -89.90310912f},
                                            {59.28637943f, 2.82956604f, 27.34824973f}}};
-// Cividis: J. Nunez, C. Anderton, R. Renslow, PLoS ONE 13 (2018). Polynomials of degree 5 from M. Bostock's
-// d3-scale-chromatic, for 0..255.
+// Cividis: J. Nunez, C. Anderton, R. Renslow, PLoS ONE 13 (2018). The polynomials of degree 5 are from M. Bostock's
+// d3-scale-chromatic; their values are 0..255.
 constexpr std::array<glm::vec3, 6> kCividis{{{-4.54f, 32.49f, 81.24f},
                                              {-35.34f, 170.73f, 442.36f},
                                              {2381.73f, 52.82f, -2482.43f},
@@ -92,7 +93,7 @@ glm::vec3 msh_color(const Msh& color) {
       0.0f, 1.0f);
 }
 
-/// Returns the hue of a grey of magnitude `m`, from which a saturated colour is reached smoothly.
+/// Returns the hue of an unsaturated colour of magnitude `m`, so that the transition to the saturated colour is smooth.
 double adjusted_hue(const Msh& saturated, double m) {
   if (saturated.m >= m) return saturated.h;
   const double spin =
@@ -105,7 +106,7 @@ glm::vec3 cool_warm(float place) {
   constexpr double kMiddle = 88;
   const bool cool = place < 0.5f;
   const Msh& end = cool ? kCool : kWarm;
-  const double part = std::abs(1 - 2 * static_cast<double>(place));  // weight of the end colour
+  const double part = std::abs(1 - 2 * static_cast<double>(place));  // weight of the saturated end colour
   const double hue = adjusted_hue(end, kMiddle);
   return msh_color({kMiddle + part * (end.m - kMiddle), part * end.s, hue + part * (end.h - hue)});
 }
@@ -157,7 +158,7 @@ Transfer mapped_transfer(const ColorMap& map, OpacityRamp ramp) {
 
 Transfer recolored(const Transfer& transfer, const ColorMap& map) {
   Transfer result;
-  // Keep the points of the original opacities, and add enough points for the colours in between.
+  // Keep the points of the transfer function for their opacities. Add points between them for the colours of the map.
   for (const qnv::TransferPoint& point : transfer) result.push_back({point.value, {}, point.opacity});
   for (std::size_t i = 0; i < kMapPoints; ++i) {
     const float place = static_cast<float>(i) / static_cast<float>(kMapPoints - 1);

@@ -11,19 +11,19 @@
 
 namespace gs::app {
 
-/// Value of a volume at a point, read from a stream's vectors when no voxels are available.
+/// Value of a volume at a point according to the stream's vectors. Used if the file has no voxels.
 struct VectorValue {
   double value = 0;     // value of the nearest vector
-  double step = 0;      // smallest difference between two values of vectors
-  double gradient = 0;  // gradient magnitude: value per unit of length
+  double step = 0;  // smallest difference between two values
+  double gradient = 0;  // magnitude of the gradient: change of the value per unit of length
 };
 
-/// Returns the value of the vector nearest to `place`, in the volume's space. Returns nullopt if no vector has a value.
-/// Scans all vectors: some milliseconds per million.
+/// Returns the value of the vector that is nearest to `place`, which is in the volume's space. Returns nullopt if no
+/// vector has a value. Searches all vectors: some milliseconds per million.
 [[nodiscard]] std::optional<VectorValue> value_near(const qnv::Volume& volume, const glm::dvec3& place);
 
-/// Returns the value that a surface's colours represent at a hit, interpolated between the corners. Returns nullopt if
-/// the surface has no colours of its own there.
+/// Returns the value that the colour of a surface stands for at a hit, interpolated between the corners of the
+/// triangle. Returns nullopt if the surface has no colours there that stand for values.
 [[nodiscard]] std::optional<double> value_on(const ColorKey& key, const vrml::Mesh& mesh,
                                              const render::TriangleHit& hit);
 

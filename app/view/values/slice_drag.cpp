@@ -10,8 +10,8 @@
 namespace gs::app {
 namespace {
 
-// Returns the closest point on a line to the ray, in lengths of `along` from `from`. Returns nullopt if they are nearly
-// parallel.
+// Returns the point of a line that is closest to a ray, as a multiple of `along` from `from`. Returns nullopt if line
+// and ray are nearly parallel.
 std::optional<double> nearest_along(const glm::dvec3& from, const glm::dvec3& along, const Ray& ray) {
   constexpr double kMinSine = 0.2;
   const glm::dvec3 direction(ray.direction);

@@ -13,23 +13,23 @@
 
 namespace gs::app {
 
-/// Slice that is being dragged by one of its edges.
+/// Slice of a volume that the user drags by one of its edges.
 struct SliceGrip {
   std::size_t axis = 0;
-  glm::dvec3 point{0};   // point on the edge, world space
-  glm::dvec3 across{0};  // from the plane of the first voxel to that of the last, world space
-  float place = 0;       // position of the slice at the start of the drag, 0..1
-  glm::vec2 pointer{0};  // pointer position at the start, pixels
-  bool upwards = false;  // the view looks along the slice's normal, so dragging up or down moves it
+  glm::dvec3 point{0};  // point on the edge where the drag began, world space
+  glm::dvec3 across{0};  // vector from the plane of the first voxels to that of the last voxels, world space
+  float place = 0;  // position of the slice when the drag began, 0..1
+  glm::vec2 pointer{0};  // pixels; position of the pointer when the drag began
+  bool upwards = false;  // the view direction is along the slice's normal; then dragging up or down moves the slice
 };
 
-/// Returns the slice with an edge within `reach` pixels of `pointer`, the nearest one if there are several. Pixels
-/// count from the upper left of a viewport of `size`.
+/// Returns a grip on the slice with an edge within `reach` pixels of `pointer`; if there are several, on the nearest
+/// one. `pointer` is in pixels from the upper left of a viewport of `size` pixels. Returns nullopt if there is none.
 [[nodiscard]] std::optional<SliceGrip> slice_at_edge(const VolumeGrid& grid, const VolumeSlices& slices,
                                                      const glm::dmat4& world_from_node, const Pose& pose,
                                                      const glm::vec2& size, const glm::vec2& pointer, float reach);
-/// Returns the slice position, 0..1, after its edge was dragged to `pointer`. The grabbed point stays under the pointer
-/// as far as the plane can follow. If the view looks along the normal, vertical movement counts.
+/// Returns the position of the slice, 0..1, after the pointer was dragged to `pointer`. The grabbed point stays under
+/// the pointer if possible. If `grip.upwards`, only vertical movement counts.
 [[nodiscard]] float dragged_place(const SliceGrip& grip, const Pose& pose, const glm::vec2& size,
                                   const glm::vec2& pointer);
 

@@ -12,7 +12,7 @@
 namespace gs::app {
 namespace {
 
-/// Returns the two axes of a slice's picture.
+/// Returns the two other axes, which are those of the slice's picture.
 std::pair<std::size_t, std::size_t> axes_across(std::size_t axis) {
   return axis == 0   ? std::pair<std::size_t, std::size_t>{1, 2}
          : axis == 1 ? std::pair<std::size_t, std::size_t>{0, 2}
@@ -62,7 +62,7 @@ std::array<glm::dvec3, 4> slice_corners(const VolumeGrid& grid, const VolumeSlic
   for (std::size_t i = 0; i < 4; ++i) {
     glm::dvec3 voxel(0);
     voxel[static_cast<int>(axis)] = slice_voxel(grid, slices, axis);
-    // Pixels are voxels; the outer ones extend half a voxel beyond their centres.
+    // A pixel is a voxel. The outer pixels extend half a voxel beyond the voxels' centres.
     const auto edge = [&](std::size_t of, bool upper) {
       return upper ? (grid.kept(of) - 0.5) * grid.step() : -0.5 * grid.step();
     };
@@ -97,7 +97,7 @@ render::Image slice_image(const VolumeGrid& grid, const VolumeSlices& slices, st
       const float value = grid.kept_value(at[0], at[1], at[2]);
       if (value != value) {
         missing = true;
-        continue;  // transparent
+        continue;  // leave the pixel transparent
       }
       const float place = most > least ? (value - least) / (most - least) : value > least ? 1.0f : 0.0f;
       const auto& color = colors[static_cast<std::size_t>(std::lround(std::clamp(place, 0.0f, 1.0f) * 255))];

@@ -10,21 +10,21 @@
 
 namespace gs::app {
 
-/// Returns the index of the voxel plane that a slice shows, in voxels of the file.
+/// Returns the index of the voxel plane in the file that a slice shows.
 [[nodiscard]] std::uint32_t slice_voxel(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis);
-/// Returns the corners of that plane in the volume's space, in order around it.
+/// Returns the corners of the plane that a slice shows, in the volume's space, in order around the plane.
 [[nodiscard]] std::array<glm::dvec3, 4> slice_corners(const VolumeGrid& grid, const VolumeSlices& slices,
                                                       std::size_t axis);
-/// Returns the picture of that plane, one pixel per kept voxel. Of the two other axes, the first points right and the
-/// second up. RGB, or RGBA with transparency if values are missing.
+/// Makes the picture of a slice, with one pixel for each voxel in memory. Of the two other axes, the first points to
+/// the right and the second upwards. The picture is RGB; if values are missing, it is RGBA and transparent there.
 [[nodiscard]] render::Image slice_image(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis);
 
-/// Render list of a world with slices of its volume added: planes visible from both sides, with coloured edges.
-/// Optionally omits the volume itself. Reuses unchanged parts. Use from one thread.
+/// Copy of a world's render list with slices of its volume. A slice is a textured plane that is visible from both
+/// sides, with coloured edges. The volume itself may be omitted. Unchanged parts are reused. One thread.
 class SliceScene {
  public:
-  /// Returns `list`, or a changed copy that is valid until the next call. A null `grid` means that it is not loaded
-  /// yet.
+  /// Returns `list` itself if no slice is visible; otherwise a changed copy, which is valid until the next call. A null
+  /// `grid` means that the values are not loaded yet.
   const render::RenderList& with_slices(const render::RenderList& list, const std::shared_ptr<const VolumeGrid>& grid,
                                         const VolumeSlices& slices);
 
@@ -39,7 +39,8 @@ class SliceScene {
   render::RenderList list_;
 };
 
-/// Returns the world transform of the first volume in the list; nullopt if there is none.
+/// Returns the transformation from the space of the first volume in the list to world space; nullopt if the list has no
+/// volume.
 [[nodiscard]] std::optional<glm::dmat4> world_from_volume(const render::RenderList& list);
 
 }  // namespace gs::app

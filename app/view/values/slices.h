@@ -10,25 +10,25 @@
 
 namespace gs::app {
 
-/// Display options of a volume's three slices.
+/// Display options of the three slices of a volume.
 struct VolumeSlices {
   std::array<bool, 3> shown{};
-  std::array<float, 3> places{0.5f, 0.5f, 0.5f};  // along the volume's x, y, z: 0 is the first voxel, 1 the last
-  bool alone = false;                             // hides the volume
-  std::optional<std::pair<float, float>> window;  // values of the first and last colour; empty means the volume's range
-  std::string map = "grey";                       // name in color_maps()
+  std::array<float, 3> places{0.5f, 0.5f, 0.5f};  // positions along the volume's axes: 0 is the first voxel, 1 the last
+  bool alone = false;  // show the slices without the volume
+  std::optional<std::pair<float, float>> window;  // values of the first and last colour; nullopt means the full range
+  std::string map = "grey";  // name of the colour map, see color_maps()
   [[nodiscard]] bool any() const { return shown[0] || shown[1] || shown[2]; }
   friend bool operator==(const VolumeSlices&, const VolumeSlices&) = default;
 };
 
-/// Slice from the command line: "x=50%", or "z=12" with a voxel index from 0.
+/// Slice that an option of the command line requests: "x=50%", or "z=12" with a voxel index from 0.
 struct SliceWish {
   std::size_t axis = 0;
   double place = 0;
   bool percent = false;
 };
 [[nodiscard]] std::optional<SliceWish> read_slice_wish(std::string_view text);
-/// Shows the slice in a volume of these dimensions; clamps its position to the volume.
+/// Shows the requested slice of a volume with these dimensions. Limits its position to the volume.
 void apply(const SliceWish& wish, const std::array<std::uint32_t, 3>& dimensions, VolumeSlices& slices);
 
 }  // namespace gs::app

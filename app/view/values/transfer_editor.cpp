@@ -10,8 +10,8 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kSample = 65536;  // number of vectors in the magnitude sample
-constexpr float kAligned = 0.99999f;    // min cosine to count as perpendicular to an axis
+constexpr std::size_t kSample = 65536;  // max vectors in the sample of magnitudes
+constexpr float kAligned = 0.99999f;  // min cosine between the normal of a plane and an axis that count as parallel
 
 /// Clamps to 0..1; NaN becomes 0.
 float unit(float v) { return v > 0 ? std::min(v, 1.0f) : 0.0f; }
@@ -20,7 +20,7 @@ std::uint8_t mix(std::uint8_t from, std::uint8_t to, float part) {
   return static_cast<std::uint8_t>(std::lround(static_cast<float>(from) + part * (static_cast<float>(to) - from)));
 }
 
-/// Converter from Hounsfield units (water 0, air -1000) to 0..1 of a value range.
+/// Converter from Hounsfield units (water is 0, air -1000) to 0..1 of a range of values.
 class Hounsfield {
  public:
   explicit Hounsfield(std::pair<float, float> range) {
@@ -76,7 +76,7 @@ constexpr std::array<TransferPreset, 4> kPresets{{
     {"Rainbow", "Transparent blue to opaque red", &rainbow},
 }};
 
-/// Returns the extent of the bounds along a direction.
+/// Returns the minimum and maximum of the bounds along a direction.
 std::pair<double, double> extent(const glm::dvec3& direction, const WideBox& bounds) {
   if (bounds.empty()) return {-1.0, 1.0};
   double least = 0, most = 0;
@@ -215,7 +215,8 @@ LogScale opacity_scale() { return {0.05f, 80, false}; }
 LogScale magnitude_scale(const VolumeSummary& summary) {
   LogScale scale{summary.least(), summary.largest(), true};
   if (!(scale.largest > 0)) scale.largest = 1;
-  // Equal magnitudes need a range, too. In a wide range, the smallest magnitudes do not matter.
+  // Keep some range if all magnitudes are equal. Limit a very wide range, because the smallest magnitudes do not
+  // matter.
   scale.least = std::clamp(scale.least, scale.largest * 1e-4f, scale.largest * 0.5f);
   return scale;
 }

@@ -15,7 +15,7 @@ namespace {
 
 using TransferJson = nlohmann::ordered_json;
 
-constexpr std::size_t kMaxText = std::size_t{1} << 20;  // max file size in bytes; a point takes about 60
+constexpr std::size_t kMaxText = std::size_t{1} << 20;  // max bytes of a file; a point takes about 60
 constexpr std::string_view kFormat = "ghostspace transfer function";
 
 std::string line_and_column(std::string_view text, std::size_t byte) {
@@ -77,7 +77,7 @@ std::variant<TransferFile, std::string> read_transfer_file(std::string_view text
     root = TransferJson::parse(text);
   } catch (const TransferJson::parse_error& problem) {
     return wrong("not JSON; expected a transfer function", problem.byte > 0 ? problem.byte - 1 : 0);
-  } catch (const TransferJson::exception&) {  // a number out of double's range
+  } catch (const TransferJson::exception&) {  // a number exceeds the range of double
     return wrong("a number is too large; expected finite numbers");
   }
   if (!root.is_object() || !root.contains("points") || !root["points"].is_array())
@@ -113,7 +113,8 @@ Transfer transfer_over(const TransferFile& file, std::pair<float, float> value_r
     all.push_back({static_cast<float>(place), point.color, point.opacity});
   }
   if (all.empty()) return sound_transfer({});
-  // At the ends of the data range, interpolate the function instead of clamping to its outer points.
+  // Returns the function at an end of the data range, interpolated. Clamping an outer point to the end would change the
+  // function.
   const auto at = [&](float place) {
     std::size_t next = 0;
     while (next < all.size() && all[next].value < place) ++next;
@@ -140,7 +141,7 @@ Transfer transfer_over(const TransferFile& file, std::pair<float, float> value_r
 
 std::string transfer_text(const Transfer& transfer, std::pair<float, float> value_range, const std::string& units) {
   const double least = value_range.first, width = static_cast<double>(value_range.second) - least;
-  // Write the shortest decimal that gives the same float.
+  // Write the shortest decimal number that gives the same float.
   const auto rounded = [](double value) {
     char digits[32];
     const auto end = std::to_chars(digits, digits + sizeof digits, static_cast<float>(value)).ptr;

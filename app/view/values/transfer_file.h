@@ -9,8 +9,8 @@
 
 namespace gs::app {
 
-/// Transfer function as stored in a file (docs/formats.md). Point values are data values, or fractions of the data's
-/// range if the file has none.
+/// Transfer function in the form of its file (docs/formats.md). The values of points are data values; if the file has
+/// no `range`, they are fractions of the range of the data.
 struct TransferFile {
   bool has_values = false;
   std::string units;  // unit of the values; may be empty
@@ -22,15 +22,15 @@ struct TransferFile {
   std::vector<Point> points;
 };
 
-/// Parses JSON text. `name` is for messages: "FILE:LINE:COLUMN: error: what, and what was expected". Safe for untrusted
-/// text.
+/// Parses the JSON text of a transfer function file. Returns an error message in the form "FILE:LINE:COLUMN: error:
+/// ..."; `name` is its FILE. Safe for untrusted text.
 [[nodiscard]] std::variant<TransferFile, std::string> read_transfer_file(std::string_view text,
                                                                          const std::string& name);
 
-/// Returns the function for data with this value range.
+/// Converts the function of a file to the range of the data.
 [[nodiscard]] Transfer transfer_over(const TransferFile& file, std::pair<float, float> value_range);
 
-/// Writes a function over this value range as JSON that `read_transfer_file` reads.
+/// Formats a transfer function for data with this range as JSON text for read_transfer_file().
 [[nodiscard]] std::string transfer_text(const Transfer& transfer, std::pair<float, float> value_range,
                                         const std::string& units);
 

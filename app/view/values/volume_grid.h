@@ -18,39 +18,39 @@
 
 namespace gs::app {
 
-/// Values of a volume in memory. A large volume keeps only every second or third voxel per axis.
+/// Values of a volume in memory. For a large volume, only every second or third voxel along each axis is stored.
 class VolumeGrid {
  public:
-  static constexpr std::uint64_t kMaxVoxels = std::uint64_t{1} << 27;  // max kept voxels
+  static constexpr std::uint64_t kMaxVoxels = std::uint64_t{1} << 27;  // max voxels in memory
 
-  /// Reads a volume file. A true `stop` cancels it. Runs on any thread; errors name the file. Memory is charged to
-  /// `budget`.
+  /// Reads a volume file. Setting `stop` to true cancels this. Returns an error message that names the file on failure.
+  /// The memory counts against `budget`. Any thread.
   [[nodiscard]] static std::variant<std::shared_ptr<const VolumeGrid>, std::string> read(
       const std::string& path, const std::atomic<bool>* stop = nullptr, const WorldBudget& budget = own_budget(),
       std::uint64_t most_voxels = kMaxVoxels);
-  /// Reads from a source; see `read`.
+  /// Reads the values from a source; otherwise like read().
   [[nodiscard]] static std::variant<std::shared_ptr<const VolumeGrid>, std::string> take(
       const qnv::VolumeSource& source, const std::atomic<bool>* stop, const WorldBudget& budget,
       std::uint64_t most_voxels);
 
-  /// Returns the dimensions of the file, not of the kept voxels.
+  /// Returns the dimensions of the volume in the file, in voxels.
   [[nodiscard]] const std::array<std::uint32_t, 3>& dimensions() const { return layout_.dimensions; }
   [[nodiscard]] const qnv::VolumeLayout& layout() const { return layout_; }
-  /// Stride of kept voxels; 1 means all.
+  /// Returns the distance between stored voxels in voxels of the file; 1 means that all are stored.
   [[nodiscard]] std::uint32_t step() const { return step_; }
-  /// Returns the minimum and maximum value.
+  /// Returns the minimum and the maximum value.
   [[nodiscard]] std::pair<float, float> value_range() const { return range_; }
 
-  /// Convert between the file's space and voxel coordinates, with 0 at the centre of the first voxel. Positions may lie
-  /// outside.
+  /// Converts a position in the space of the file to voxel coordinates, in which 0 is the centre of the first voxel.
+  /// place_of() does the reverse. Positions may be outside of the volume.
   [[nodiscard]] glm::dvec3 voxel_at(const glm::dvec3& place) const;
   [[nodiscard]] glm::dvec3 place_of(const glm::dvec3& voxel) const;
-  /// Returns the value of the nearest kept voxel. Returns nullopt if the position is over half a voxel outside, or the
-  /// value is missing.
+  /// Returns the value of the nearest stored voxel. Returns nullopt if the position is more than half a voxel outside
+  /// of the volume, or if the value is missing.
   [[nodiscard]] std::optional<float> nearest(const glm::dvec3& voxel) const;
-  /// Returns the number of kept voxels along an axis.
+  /// Returns the number of stored voxels along an axis.
   [[nodiscard]] std::uint32_t kept(std::size_t axis) const { return kept_[axis]; }
-  /// Returns a kept value; kMissing if the value is missing.
+  /// Returns the value of a stored voxel, by its index among the stored ones; kMissing if the value is missing.
   [[nodiscard]] float kept_value(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
     return values_[(std::size_t{z} * kept_[1] + y) * kept_[0] + x];
   }

@@ -15,31 +15,31 @@
 namespace gs::qnv::displaced {
 namespace {
 
-// The mesh grows triangle by triangle over open edges, around one vertex after another (after C. Touma, C. Gotsman,
-// Triangle mesh compression, 1998; S. Gumhold, W. Strasser, Real time compression of triangle mesh connectivity, 1998).
-// FORMAT.md, "Base mesh", defines the order of decisions.
+// The mesh grows triangle by triangle over open edges. All open edges at one vertex are filled before the next vertex.
+// After C. Touma, C. Gotsman, Triangle mesh compression, 1998; S. Gumhold, W. Strasser, Real time compression of
+// triangle mesh connectivity, 1998. FORMAT.md, "Base mesh", defines the order of decisions.
 
 enum class Beside : std::uint8_t { fresh, left, right, rim, far };
 
-/// Gate: a triangle's side from a to b, without a triangle on its other side yet.
+/// Gate: side of a triangle from vertex a to vertex b that still lacks a triangle on its other side.
 struct Gate {
   std::uint32_t a = 0, b = 0, opposite = 0;
 };
 
-/// Decision at a gate.
+/// Decision about the triangle beyond a gate.
 struct Step {
   Beside beside = Beside::rim;
-  std::uint32_t vertex = 0;  // if `far`: the vertex number
+  std::uint32_t vertex = 0;  // index of the vertex, if `beside` is `far`
 };
 
-// Maximum number of triangles per byte of a base; encoders pad with zeros if needed.
+// Maximum number of triangles per byte of an encoded base mesh. Encoders add zero bytes if needed.
 constexpr std::size_t kMaxTrianglesAByte = 64;
-// Maximum number of gates from a vertex, and to it. Meshes have two or three.
+// Maximum number of gates that start at a vertex, and that end there. Real meshes have two or three.
 constexpr std::size_t kMaxGates = 64;
 
 std::uint64_t key(std::uint32_t a, std::uint32_t b) { return std::uint64_t{a} << 32 | b; }
 
-/// Model of a signed number: an adaptive bit length, then plain sign and low bits.
+/// Model of a signed number. The bit length is adaptive; the sign and the low bits are plain.
 struct OffsetModel {
   std::array<BitModel, 20> more;
 };
@@ -47,7 +47,7 @@ struct OffsetModel {
 class BaseModels {
  public:
   std::array<BitModel, 8> fresh, right, left, rim;
-  std::array<OffsetModel, 2> offsets;  // for vertices at a gate; for a component's first triangle
+  std::array<OffsetModel, 2> offsets;  // [0]: for vertices at a gate; [1]: for a component's first triangle
   BitModel component;
   std::array<BitModel, 4> crease;
 };
@@ -88,7 +88,7 @@ class BaseReader {
   int bits_;
 };
 
-/// Encoder of the decisions, which knows the mesh.
+/// Encoder of the decisions, which it derives from the mesh.
 class BaseWriter {
  public:
   BaseWriter(const BaseMesh& mesh, const std::function<bool(std::uint32_t, std::uint32_t)>& is_crease)
@@ -107,7 +107,7 @@ class BaseWriter {
     return another;
   }
   Step step(std::size_t a, std::size_t b, bool has_left, bool has_right, std::uint32_t vertices) {
-    // Uses the arguments of the last beyond().
+    // Uses the vertices that the last beyond() stored.
     const bool fresh = third_ != kNone && coded_[third_] == kNone;
     encoder_.put(models_.fresh[b], fresh);
     if (fresh) {
@@ -128,7 +128,7 @@ class BaseWriter {
     encoder_.put_bits(v, std::bit_width(vertices));
     return {Beside::far, v};
   }
-  /// Selects the side from b to a for the next step().
+  /// Selects the mesh's triangle at the side from b to a, for the next step().
   void beyond(std::uint32_t a, std::uint32_t b, std::uint32_t left, std::uint32_t right) {
     left_ = left;
     right_ = right;
@@ -181,10 +181,10 @@ class BaseWriter {
   std::uint32_t third_ = kNone, left_ = kNone, right_ = kNone;
 };
 
-/// Open gates by their end vertices; at each vertex, the newest is used first.
+/// Open gates, indexed by their end vertices. At each vertex, the newest gate is used first.
 class Gates {
  public:
-  /// Opens a gate. Returns false if there are too many.
+  /// Opens a gate. Returns false if a vertex then has more than kMaxGates gates.
   bool open(const Gate& gate) {
     by_start_[gate.a].push_back(gate);
     by_end_[gate.b].push_back(gate);
@@ -213,7 +213,8 @@ class Gates {
   std::vector<std::vector<Gate>> by_start_, by_end_;
 };
 
-/// Grows a mesh from the decisions of a BaseReader or a BaseWriter. Returns false if they do not describe a base mesh.
+/// Grows a mesh from the decisions of a BaseReader or a BaseWriter. Returns false if the decisions do not describe a
+/// base mesh.
 template <class Decisions>
 bool grow(Decisions& decisions, std::size_t most_triangles, BaseMesh& mesh) {
   Gates gates;
@@ -258,7 +259,7 @@ bool grow(Decisions& decisions, std::size_t most_triangles, BaseMesh& mesh) {
         const Gate* left = gates.to(gate.a);
         const Gate* right = gates.from(gate.b);
         const std::uint32_t left_vertex = left ? left->a : kNone, right_vertex = right ? right->b : kNone;
-        // If both ways lead to the same vertex, it counts as the right one.
+        // If the left and the right neighbour are the same vertex, codes the decision as "right".
         const bool has_left = left && left_vertex != right_vertex;
         if constexpr (requires { decisions.beyond(0u, 0u, 0u, 0u); })
           decisions.beyond(gate.a, gate.b, left_vertex, right_vertex);
@@ -280,7 +281,7 @@ bool grow(Decisions& decisions, std::size_t most_triangles, BaseMesh& mesh) {
         if (vertex >= mesh.vertices.size() || !add_triangle(gate.b, gate.a, vertex)) return false;
       }
   }
-  // Creases usually continue where others end.
+  // Creases usually continue at the end of another crease.
   const Patches patches(mesh.triangles, static_cast<std::uint32_t>(mesh.vertices.size()));
   std::vector<std::uint8_t> meet(mesh.vertices.size(), 0);
   mesh.creases.assign(patches.edges().size(), false);

@@ -18,17 +18,17 @@ struct BaseMesh {
   int bits = 8;  // 1 to 16
   std::vector<glm::ivec3> vertices;
   std::vector<Corners> triangles;
-  std::vector<bool> creases;  // of each edge in the order of Patches; empty if there are none
+  std::vector<bool> creases;  // one per edge, in the order of Patches; empty if the mesh has no creases
 };
 
-/// Encoded base mesh, and the mesh as decoded: equal but reordered. The mesh must be manifold, as simplify() returns
-/// it.
+/// Encoded base mesh, and the mesh that a decoder obtains: equal but reordered. The mesh must be manifold, like the
+/// results of simplify().
 struct CodedBase {
   std::vector<std::byte> bytes;
   BaseMesh mesh;
-  std::vector<std::uint32_t> source;  // original number of each vertex
+  std::vector<std::uint32_t> source;  // original index of each vertex
 };
-/// Encodes a base mesh. `is_crease` is called with two vertices of `mesh` that share an edge.
+/// Encodes a base mesh. Calls `is_crease` with two vertices of `mesh` that share an edge.
 [[nodiscard]] CodedBase encode_base(const BaseMesh& mesh,
                                     const std::function<bool(std::uint32_t, std::uint32_t)>& is_crease);
 

@@ -13,20 +13,21 @@
 
 namespace gs::qnv::displaced {
 
-/// Codes the numbers of the new vertices of a run of patches, in the order of FORMAT.md, "Clusters". Works in both
-/// directions: with BinaryEncoder as `Coder` it reads the numbers, with BinaryDecoder it writes them. Never reads
-/// outside the run, so that nothing depends on lost clusters.
+/// Coder of the numbers of new vertices in a run of patches, in the order of FORMAT.md, "Clusters". With BinaryEncoder
+/// as `Coder`, encodes the numbers; with BinaryDecoder, decodes them. Never uses numbers from outside the run, so that
+/// the loss of a cluster does not affect other clusters.
 template <class Coder>
 class ClusterCoder {
  public:
   ClusterCoder(Coder& coder, const Patches& patches, std::uint32_t first, std::uint32_t count)
       : coder_(coder), patches_(patches), first_(first), end_(first + count) {}
 
-  /// Codes a level (1 and up). `now` has one number per vertex of the level; only those of the run's new vertices are
-  /// coded. `sideways` has the numbers of lines, from the first edge vertex on; nullptr or empty if there are none.
-  /// Returns false if the bytes end early.
+  /// Codes a level (1 and up). `now` has one number per vertex of the level; codes only the new vertices of the run.
+  /// `sideways` has the second numbers of vertices on rims and creases, from the first edge vertex on; nullptr or empty
+  /// if there are none. Returns false if the bytes end early.
   bool level(int level, NumberArray& now, NumberArray* sideways);
-  /// Codes base vertices, each in the first of all patches with it as a corner.
+  /// Codes the numbers of base vertices. A base vertex belongs to the first patch that has it as a corner. Codes only
+  /// vertices that belong to patches of the run.
   bool base(NumberArray& now);
 
  private:
@@ -71,7 +72,7 @@ class ClusterCoder {
   std::uint32_t first_, end_;
   std::array<BitModel, kContexts> nonzero_;
   std::array<NumberModel<6>, 4> sizes_;
-  std::array<BitModel, 3> filled_;  // by the number of preceding empty patches: none, one, more
+  std::array<BitModel, 3> filled_;  // indexed by the number of directly preceding empty patches: none, one, more
   std::uint32_t empties_ = 0;
   std::vector<std::uint32_t> grid_;
   std::vector<std::uint8_t> known_;
@@ -113,7 +114,7 @@ bool ClusterCoder<Coder>::level(int level, NumberArray& now, NumberArray* sidewa
     for (std::uint32_t k = 0; k < 3; ++k) {
       const Patches::Edge& edge = patches_.edges()[patches_.edge(p, k)];
       if (!mine(edge.owner)) continue;
-      std::size_t last = 0;  // previous position on this edge
+      std::size_t last = 0;  // index of the previous position on this edge
       for (std::size_t t = 1; t < n; t += 2) {
         const std::size_t at = k == 0 ? t : k == 1 ? row_start(t, n) + n - t : row_start(n - t, n);
         const std::uint32_t v = grid_[at];

@@ -9,7 +9,7 @@
 
 namespace gs::qnv::displaced {
 
-/// Sparse array of numbers. Unwritten entries are 0; memory is allocated in pages around written ones.
+/// Sparse array of numbers. Entries are 0 until written. Memory is allocated in pages around written entries.
 class NumberArray {
  public:
   [[nodiscard]] bool empty() const { return size_ == 0; }
@@ -20,7 +20,7 @@ class NumberArray {
     pages_.clear();
     pages_.resize((size + kPage - 1) / kPage);
   }
-  /// Allocates all pages; afterwards several threads may write different entries.
+  /// Allocates all pages. Afterwards, several threads may write different entries.
   void fill_pages() {
     for (auto& page : pages_)
       if (!page) page = std::make_unique<Page>();
@@ -34,7 +34,7 @@ class NumberArray {
     if (!page) page = std::make_unique<Page>();
     return (*page)[i % kPage];
   }
-  /// Copies `count` entries from `first` on.
+  /// Copies `count` entries, from index `first` on, to `to`.
   void copy(std::size_t first, std::size_t count, std::int16_t* to) const {
     while (count > 0) {
       const std::size_t at = first % kPage, some = std::min(count, kPage - at);
@@ -47,7 +47,7 @@ class NumberArray {
       to += some;
     }
   }
-  /// Reports whether any of `count` entries from `first` on is not 0.
+  /// Reports whether any of the `count` entries from index `first` on is not 0.
   [[nodiscard]] bool any(std::size_t first, std::size_t count) const {
     for (std::size_t i = first; i < first + count; ++i)
       if ((*this)[i] != 0) return true;

@@ -37,7 +37,7 @@ bool Patches::has_lines() const {
 }
 
 Patches Patches::cut() const {
-  // Corners at a vertex stay together across edges that are not creases.
+  // Joins the corners at a vertex across edges that are not creases.
   std::vector<std::uint32_t> sets(triangles_.size() * 3);
   std::iota(sets.begin(), sets.end(), 0u);
   const auto find = [&](std::uint32_t i) {

@@ -9,28 +9,28 @@
 
 namespace gs::qnv::displaced {
 
-/// Deepest subdivision of a base triangle: 4^8 triangles.
+/// Maximum subdivision level of a base triangle: 4^8 triangles.
 inline constexpr int kDeepestPatch = 8;
 
-/// Position in a patch's grid: i steps from corner 0 towards corner 1, j towards corner 2.
+/// Position in a patch's grid: i steps from corner 0 towards corner 1, and j steps from corner 0 towards corner 2.
 struct GridPlace {
   std::uint32_t i = 0, j = 0;
 };
 
-/// Triangles of a base mesh, each a patch of 4^level triangles, and the numbering of all vertices of a level: base
-/// vertices, then edge vertices, then inner vertices, each once.
+/// Triangles of a base mesh. At each level, a triangle becomes a patch of 4^level triangles. Numbers all vertices of a
+/// level: base vertices, then edge vertices, then inner vertices. Each vertex has one number.
 class Patches {
  public:
   struct Edge {
-    std::uint32_t from = 0, to = 0;              // vertices of the base
-    std::uint32_t owner = kNone, other = kNone;  // adjacent patches; `owner` has the smaller number
-    bool crease = false;                         // both sides have separate normals
+    std::uint32_t from = 0, to = 0;  // base vertices at the ends
+    std::uint32_t owner = kNone, other = kNone;  // adjacent patches; `owner` has the smaller index
+    bool crease = false;  // the patches on both sides have separate normals here
     /// Reports whether the edge is a visible line: a rim or a crease. Its vertices may also move sideways.
     [[nodiscard]] bool line() const { return crease || other == kNone; }
   };
 
   Patches() = default;
-  /// `triangles` index `vertices` vertices; each edge has at most one triangle per side.
+  /// `triangles` contain indices below `vertices`. Each edge has at most one triangle per side.
   Patches(std::vector<Corners> triangles, std::uint32_t vertices);
 
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(triangles_.size()); }
@@ -42,41 +42,43 @@ class Patches {
   [[nodiscard]] bool owns(std::uint32_t patch, std::uint32_t k) const {
     return edges_[patch_edges_[patch][k]].owner == patch;
   }
-  /// Returns the first patch with a base vertex as a corner, or kNone.
+  /// Returns the first patch with the base vertex `vertex` as a corner; kNone if there is none.
   [[nodiscard]] std::uint32_t owner(std::uint32_t vertex) const { return owners_[vertex]; }
 
   [[nodiscard]] std::size_t vertices_at(int level) const {
     const std::size_t n = std::size_t{1} << level;
     return vertices_ + edges_.size() * (n - 1) + triangles_.size() * ((n - 1) * (n - 2) / 2);
   }
-  /// Returns the first vertex of an edge; vertex t (1 to n - 1) from `from` is t - 1 further.
+  /// Returns the index of the first vertex on an edge. The t-th vertex from `from` (t = 1 to n - 1) has this index plus
+  /// t - 1.
   [[nodiscard]] std::size_t edge_start(std::uint32_t edge, int level) const {
     return vertices_ + edge * ((std::size_t{1} << level) - 1);
   }
-  /// Returns the first inner vertex of a patch; the row j = 1 comes first.
+  /// Returns the index of the first inner vertex of a patch. The row j = 1 comes first.
   [[nodiscard]] std::size_t inner_start(std::uint32_t patch, int level) const {
     const std::size_t n = std::size_t{1} << level;
     return vertices_ + edges_.size() * (n - 1) + patch * ((n - 1) * (n - 2) / 2);
   }
 
-  /// Sets for each edge, by number, whether it is a crease; ignores rims.
+  /// Sets for each edge, by index, whether it is a crease. Rims never become creases.
   void set_creases(const std::vector<bool>& creases);
-  /// Returns the same patches cut along their creases, with separate vertices on both sides.
+  /// Returns the patches cut along their creases: the two sides of a crease get separate vertices.
   [[nodiscard]] Patches cut() const;
   [[nodiscard]] bool has_lines() const;
 
-  /// Lists the numbers of all vertices of a patch at a level: n + 1 with j = 0, then n with j = 1, ...
+  /// Lists the indices of all vertices of a patch at a level, row by row: n + 1 vertices with j = 0, then n vertices
+  /// with j = 1, ...
   void grid(std::uint32_t patch, int level, std::vector<std::uint32_t>& indices) const;
 
  private:
   std::vector<Corners> triangles_;
   std::vector<Edge> edges_;
   std::vector<std::array<std::uint32_t, 3>> patch_edges_;
-  std::vector<std::uint32_t> owners_;  // of vertices of the base
+  std::vector<std::uint32_t> owners_;  // owner() of each base vertex
   std::uint32_t vertices_ = 0;
 };
 
-/// Returns the start of row j in a grid of n steps.
+/// Returns the index of the first vertex of row j in a grid with n steps per edge.
 [[nodiscard]] constexpr std::size_t row_start(std::size_t j, std::size_t n) { return j * (n + 1) - j * (j - 1) / 2; }
 
 }  // namespace gs::qnv::displaced

@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::size_t kPatchesTogether = 64;
 
-/// Sums triangle normals at slots, patch by patch. Every slot gets its terms in the order of all patches and their
-/// triangles, independent of the threads.
+/// Sums of triangle normals at slots. Every slot adds its terms in the order of patches and triangles, so that the
+/// result does not depend on the number of threads.
 class NormalSums {
  public:
   NormalSums(const Patches& patches, const Patches& slots, int level, std::span<const glm::vec3> positions,
@@ -23,7 +23,7 @@ class NormalSums {
         positions_(positions),
         normals_(normals) {}
 
-  /// Selects the next patch.
+  /// Selects a patch for the following calls.
   void patch(std::uint32_t p) {
     patches_.grid(p, level_, grid_);
     slots_.grid(p, level_, slot_grid_);
@@ -37,7 +37,7 @@ class NormalSums {
         if (i + j + 1 < n_) triangle({i + 1, j}, {i + 1, j + 1}, {i, j + 1}, any);
       }
   }
-  /// Adds the patch's triangles at its slots, except at corners and edges owned by other patches.
+  /// Adds the patch's triangles at its slots, except at corners and at edges that another patch owns.
   void own(std::uint32_t p) {
     std::array<bool, 3> owns{};
     for (std::uint32_t k = 0; k < 3; ++k) owns[k] = slots_.owns(p, k);
@@ -51,10 +51,10 @@ class NormalSums {
                    [&](const At& at) { return inside || is_own(at, owns, all); });
       }
   }
-  /// Adds the patch's triangles at the slots of an edge owned by another patch.
+  /// Adds the patch's triangles at the slots of edge k, which another patch owns.
   void foreign(std::uint32_t k) {
     for (std::size_t j = 0; j < (k == 0 ? 1 : n_); ++j) {
-      // Triangles that touch the edge, in order.
+      // Visits the triangles that touch the edge, in order.
       const std::size_t row = n_ - j, from = k == 1 && row > 2 ? row - 2 : 0, to = k == 2 ? 1 : row;
       for (std::size_t i = from; i < to; ++i) {
         triangle({i, j}, {i + 1, j}, {i, j + 1}, [&](const At& at) { return edge_of(at) == k; });
@@ -127,7 +127,8 @@ std::vector<glm::vec3> slot_normals(const Patches& patches, const Patches& slots
       sums.whole();
     });
   } else {
-    // An edge's owner precedes the patch on its other side; corners are few and come last.
+    // Patches add to their own slots first, then to edges of other patches: an edge's owner has the smaller index.
+    // Corners are few and come last.
     in_parts([](NormalSums& sums, std::uint32_t p) {
       sums.patch(p);
       sums.own(p);

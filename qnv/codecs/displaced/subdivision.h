@@ -15,14 +15,15 @@ namespace gs::qnv::displaced {
 /// Predicted position of a new vertex, and the directions in which it may be displaced.
 struct Prediction {
   glm::vec3 position{0};
-  glm::vec3 normal{0};    // unit
-  glm::vec3 sideways{0};  // of a line: across it, tangent to the surface, unit; else 0
+  glm::vec3 normal{0};  // unit vector
+  glm::vec3 sideways{0};  // on a rim or crease: unit vector across it, tangent to the surface; otherwise 0
 };
 
-/// Vertices along an edge of the base, from its `from`, in another numbering of the same patches.
+/// Vertices along an edge of the base mesh, starting at the edge's `from`. Returns their indices in another numbering
+/// of the same patches.
 class EdgeWalk {
  public:
-  /// `patch` is adjacent to the edge and selects the side.
+  /// `patch` is adjacent to the edge; it selects the side of a crease.
   EdgeWalk(const Patches& patches, std::uint32_t edge, std::uint32_t patch, const Patches& numbering, int level)
       : n_(std::uint32_t{1} << level) {
     std::uint32_t k = 0;
@@ -46,15 +47,15 @@ class EdgeWalk {
 
 /// New vertex of a level, between two vertices of the previous level.
 struct NewVertex {
-  std::uint32_t vertex = 0, a = 0, b = 0;  // numbers in Patches
-  std::uint32_t edge = kNone;              // edge of the base that contains it, or kNone
-  std::uint32_t slot_a = 0, slot_b = 0;    // slots of a and b in the patches cut along creases
-  std::uint32_t other_a = 0, other_b = 0;  // slots on the other side of a crease
+  std::uint32_t vertex = 0, a = 0, b = 0;  // vertex indices of Patches
+  std::uint32_t edge = kNone;  // edge of the base mesh that contains the vertex, or kNone
+  std::uint32_t slot_a = 0, slot_b = 0;  // indices of a and b in `slots`, the patches cut along creases
+  std::uint32_t other_a = 0, other_b = 0;  // indices in `slots` on the other side of a crease
 };
 
-/// Calls visit(NewVertex) for every new vertex of a level (1 and up). Calls keep(vertex, before) for every other
-/// vertex; `before` is its number at the previous level. `slots` is patches.cut(). Processes one of `parts` disjoint
-/// parts of the level.
+/// Calls visit(NewVertex) for every new vertex of a level (1 and up). For every other vertex, calls keep(vertex,
+/// before) with its index at the previous level as `before`. `slots` is patches.cut(). Processes only part `part` of
+/// `parts` disjoint parts of the level.
 template <class Visit, class Keep>
 void visit_level(const Patches& patches, const Patches& slots, int level, Visit visit, Keep keep, std::size_t part = 0,
                  std::size_t parts = 1) {
@@ -95,17 +96,18 @@ void visit_level(const Patches& patches, const Patches& slots, int level, Visit 
   }
 }
 
-/// Returns the unit mean normals at the slots of a level; zero if undefined. `positions` are those of the vertices. The
-/// result does not depend on the number of threads (0: one per core).
+/// Returns the unit mean normals at the slots of a level; zero if undefined. Slots are the vertices of the patches cut
+/// along creases. `positions` are the positions of the vertices. The result does not depend on the number of threads (0
+/// means one per core).
 [[nodiscard]] std::vector<glm::vec3> slot_normals(const Patches& patches, const Patches& slots, int level,
                                                   std::span<const glm::vec3> positions, unsigned threads = 1);
 
-/// Predicts a vertex between two others: on a curve perpendicular to their normals (T. Boubekeur, M. Alexa, Phong
-/// tessellation, 2008), or halfway on a line.
+/// Predicts a vertex between vertices a and b: on a curve perpendicular to their normals (T. Boubekeur, M. Alexa, Phong
+/// tessellation, 2008). On a rim or crease, predicts their midpoint.
 [[nodiscard]] inline Prediction predict(const NewVertex& v, bool line, std::span<const glm::vec3> positions,
                                         std::span<const glm::vec3> normals) {
   constexpr float kCurve = 0.5f;  // fraction of the way to the mean of both tangent planes
-  constexpr float kMax = 0.15f;   // of the edge's length
+  constexpr float kMax = 0.15f;  // maximum distance from the midpoint, relative to the edge's length
   Prediction p;
   const glm::vec3 a = positions[v.a], b = positions[v.b], middle = 0.5f * (a + b), along = b - a;
   const glm::vec3 normal_a = normals[v.slot_a], normal_b = normals[v.slot_b];

@@ -129,8 +129,8 @@ const LevelNumbers* Surface::find(int layer, int level) const {
   return found.normal.empty() ? nullptr : &found;
 }
 
-// Each patch gets its numbers only once. Otherwise the result would depend on the order, and repeated clusters could
-// occupy a decoder forever.
+// Accepts numbers for each patch only once. Otherwise the result would depend on the order of the clusters, and
+// repeated clusters could occupy a decoder forever.
 bool Surface::add_run(const ClusterHeader& cluster) {
   const int kind = cluster.kind == ClusterHeader::Kind::color ? kLayers : cluster.layer;
   std::vector<bool>& taken = taken_[static_cast<std::size_t>(kind)][static_cast<std::size_t>(cluster.level)];
@@ -188,7 +188,7 @@ std::vector<glm::vec3> Surface::base_normals(const std::vector<glm::vec3>& place
 
 std::vector<glm::vec3> Surface::positions(int level) const {
   std::vector<glm::vec3> places = base_positions();
-  // Accumulate the shifts of finer layers separately. Predictions use layer 0 only, so that they do not depend on the
+  // Accumulates the shifts of finer layers separately. Predictions use layer 0 only, so that they do not depend on the
   // received part of finer layers.
   bool finer = false;
   for (int layer = 1; layer < kLayers; ++layer)

@@ -28,14 +28,14 @@ namespace gs::qnv::exact {
   return root;
 }
 
-/// Prediction of a corner's texture coordinates from the opposite edge and, if available, the triangle beyond it.
-/// `edge` and `corner` are the vectors from the edge's start to its end and to the corner, on the position lattice.
-/// `along` is `edge` in the texture.
+/// Prediction of a corner's texture coordinates from the opposite edge and, if available, the triangle on the other
+/// side of that edge. `edge` and `corner` are vectors from the edge's start, on the position lattice: to the edge's end
+/// and to the corner. `along` is `edge` in the texture.
 struct ExpectedCorner {
   glm::ivec3 edge, corner;
   glm::ivec2 start, along;
 
-  /// Predicts that the texture continues across the edge, with both triangles unfolded into a plane. `beyond` and
+  /// Predicts a texture that continues across the edge if both triangles are unfolded into a plane. `beyond` and
   /// `beyond_at` are the third corner of the other triangle, on the position lattice and in the texture.
   [[nodiscard]] glm::ivec2 folded(const glm::ivec3& beyond, const glm::ivec2& beyond_at) const {
     const std::int64_t square = dot(edge, edge);
@@ -53,7 +53,7 @@ struct ExpectedCorner {
     }
     return at;
   }
-  /// Predicts that the texture keeps the angles of the surface. `turn` is 1, or -1 if the texture is mirrored.
+  /// Predicts a texture that keeps the angles of the surface. `turn` is 1, or -1 if the texture is mirrored.
   [[nodiscard]] glm::ivec2 turned(int turn) const {
     const std::int64_t square = dot(edge, edge);
     if (square == 0) return start;
@@ -86,8 +86,8 @@ struct ExpectedCorner {
   }
 };
 
-/// Codes the texture coordinates of a growing mesh's corners (mesh_growth.h), triangle by triangle. Most corners equal
-/// those of adjacent triangles. Used in both directions; FORMAT.md, "Corners".
+/// Coder of the texture coordinates of a growing mesh (mesh_growth.h), triangle by triangle. Most corners have the
+/// coordinates of adjacent triangles. The same code encodes and decodes; FORMAT.md, "Corners", defines it.
 template <class Coder>
 class CornerGrowth {
  public:
@@ -96,7 +96,8 @@ class CornerGrowth {
 
   [[nodiscard]] bool wanted() const { return models_ != nullptr; }
   [[nodiscard]] const std::vector<CornerCoordinates>& coordinates() const { return coordinates_; }
-  /// Codes the corners of the next triangle. `is` holds them when encoding. Returns false if the decisions are invalid.
+  /// Codes the corners of the next triangle. An encoder passes their coordinates in `is`; a decoder ignores `is`.
+  /// Returns false if the decisions are invalid.
   bool triangle(Decisions<Coder>& decisions, const Gates& gates, const std::vector<glm::ivec3>& places,
                 const CornerCoordinates& is);
 
@@ -104,8 +105,8 @@ class CornerGrowth {
   static constexpr std::size_t kRanks = 16;
   enum Situation : std::size_t { folded, turned, beside, alone, kSituations };
   struct Models {
-    // Context: number of the triangle's corners that differ so far; whether the vertex has several coordinates; number
-    // of adjacent coordinates.
+    // Contexts: how many corners of the triangle differ so far; whether the vertex has several coordinates; how many
+    // adjacent coordinates exist.
     std::array<std::array<std::array<TwoRates, 2>, 2>, 3> same;
     TwoRates other, again;
     std::array<std::array<Lengths, kRanks>, kSituations> sizes;
@@ -114,7 +115,7 @@ class CornerGrowth {
   };
   /// State of a vertex.
   struct Vertex {
-    glm::ivec2 last{0};  // last coordinates coded for it
+    glm::ivec2 last{0};  // coordinates that were coded last for this vertex
     std::uint16_t off = 8;
     bool placed = false, several = false;
   };
@@ -134,11 +135,11 @@ class CornerGrowth {
   std::unique_ptr<Models> models_;
   std::vector<CornerCoordinates> coordinates_;
   std::vector<Vertex> vertices_;
-  glm::ivec2 last_{0};  // last coordinates coded
+  glm::ivec2 last_{0};  // coordinates that were coded last
   int turn_ = 1;
 };
 
-/// Returns the coordinates at the start of a side, from the triangle on its other side.
+/// Returns the texture coordinates at the start of a side, in the triangle on its other side.
 template <class Coder>
 std::optional<glm::ivec2> CornerGrowth<Coder>::at_start(const Gates& gates, std::uint32_t side) const {
   if (!joined(gates, side)) return {};
@@ -179,7 +180,7 @@ bool CornerGrowth<Coder>::triangle(Decisions<Coder>& decisions, const Gates& gat
     const bool known = vertex.placed && vertex.last != first && vertex.last != second;
     if (known && decisions.bit(m.again, is[k] == vertex.last)) found[k] = vertex.last;
   }
-  // First the corners with two known other corners.
+  // Codes the corners first for which both other corners have coordinates.
   const auto count = [&] { return (found[0] ? 1 : 0) + (found[1] ? 1 : 0) + (found[2] ? 1 : 0); };
   while (count() < 3) {
     std::uint32_t k = 0;

@@ -15,9 +15,9 @@ constexpr std::size_t kCoverHeaderBytes = 10;
 constexpr int kMaxCoverStage = 15;
 constexpr std::uint32_t kMaxPatches = 1u << 17;
 
-/// Models of FORMAT.md, "Covered patches".
+/// Probability models for FORMAT.md, "Covered patches".
 struct CoverModels {
-  std::array<displaced::BitModel, 2> changes;  // by whether the previous number changed
+  std::array<displaced::BitModel, 2> changes;  // by whether the number before the current one changed
   displaced::BitModel less;
   displaced::NumberModel<6> by;
 };

@@ -12,7 +12,8 @@ namespace gs::qnv::exact {
 // Header of a tail: FORMAT.md, "Exact tail".
 inline constexpr std::size_t kTailFixedBytes = 11, kTailWeightsBytes = 2 * kNear * kSituations,
                              kTextureLatticeBytes = 17;
-/// Weights of parallelogram predictions: across the gate; for two new triangles, also across the side after the gate.
+/// Default weights of parallelogram predictions: across the gate. With two new triangles, also across the side after
+/// the gate.
 inline constexpr Weights kUsualWeights = [] {
   constexpr std::int16_t kOne = 1 << kWeightBits, kHalf = kOne / 2;
   Weights weights{};
@@ -24,14 +25,14 @@ inline constexpr Weights kUsualWeights = [] {
   }
   return weights;
 }();
-/// Maximum number of triangles per byte of a tail; encoders pad with zeros if needed.
+/// Maximum number of triangles per byte of a tail. Encoders add zero bytes if needed.
 inline constexpr std::size_t kMaxTrianglesAByte = 64;
 
 [[nodiscard]] std::vector<std::byte> encode_tail_header(const TailHeader& header);
-/// Returns nullopt if a field is out of range or promises more than `length` bytes can hold. `tail` is a prefix of the
-/// tail of `length` bytes. Safe for untrusted bytes.
+/// Decodes the header of a tail. `tail` is a prefix of a tail with `length` bytes. Returns nullopt if a field is out of
+/// range, or if `length` bytes cannot contain the promised mesh. Safe for untrusted bytes.
 [[nodiscard]] std::optional<TailHeader> decode_tail_header(std::span<const std::byte> tail, std::size_t length);
-/// Returns the length of the header that starts with these bytes; 0 if more are needed.
+/// Returns the length of the header at the start of `tail`; 0 if `tail` is too short to decide.
 [[nodiscard]] std::size_t tail_header_bytes(std::span<const std::byte> tail);
 
 }  // namespace gs::qnv::exact

@@ -14,16 +14,16 @@
 
 namespace gs::qnv::exact {
 
-// Integer arithmetic for tails. All decoding decisions use integers, so that every machine decodes the same. FORMAT.md,
-// "Exact tail".
+// Integer arithmetic for tails (FORMAT.md, "Exact tail"). All decoding decisions use integers, so that every machine
+// decodes the same mesh.
 
-/// Adaptive probability of a yes, as two estimates that learn fast and slowly.
+/// Adaptive probability of a yes. Keeps two estimates: one learns fast, the other slowly.
 struct TwoRates {
-  std::uint16_t fast = 32768, slow = 32768;  // of 65536
+  std::uint16_t fast = 32768, slow = 32768;  // in units of 1/65536
   std::uint8_t seen = 0;                     // number of decisions, at most kMaxSeen
 
   static constexpr std::uint8_t kMaxSeen = 254, kFastSeen = 30;
-  /// 65536 / (n + 3/2), rounded down.
+  /// Learning rates after n decisions: 65536 / (n + 3/2), rounded down.
   static constexpr std::array<std::uint16_t, kMaxSeen + 1> kRates = [] {
     std::array<std::uint16_t, kMaxSeen + 1> rates{};
     for (std::size_t n = 0; n < rates.size(); ++n) rates[n] = static_cast<std::uint16_t>(131072 / (2 * n + 3));
@@ -43,13 +43,13 @@ struct Lengths {
   static constexpr std::size_t kMax = 23;
   std::array<TwoRates, kMax> longer;
 };
-/// Models of the two bits after the leading one, by length.
+/// Models of the two bits after the leading bit of a number, by the number's bit length.
 struct Digits {
   std::array<std::array<TwoRates, 3>, Lengths::kMax + 1> of;
 };
 
-/// Decisions in both directions. With BinaryEncoder as `Coder`, the given values are written and returned; with
-/// BinaryDecoder, they are ignored.
+/// Coder of decisions. With BinaryEncoder as `Coder`, writes and returns the given values. With BinaryDecoder, ignores
+/// the given values and returns the decoded ones.
 template <class Coder>
 class Decisions {
  public:
@@ -62,7 +62,7 @@ class Decisions {
     model.learn(is);
     return is;
   }
-  /// Codes a decision with two models of different contexts; the probability is their mean.
+  /// Codes a decision with the mean probability of two models, each for a different context.
   bool bit(TwoRates& one, TwoRates& other, bool value) {
     const bool is = decide((one.sum() + other.sum()) >> 2, value);
     one.learn(is);
@@ -77,7 +77,7 @@ class Decisions {
       return coder_.get_bits(count);
     }
   }
-  /// Codes a signed integer with a magnitude below 2^Lengths::kMax.
+  /// Codes a signed integer; its magnitude is below 2^Lengths::kMax.
   int number(Lengths& one, Lengths& other, Digits& digits, int value) {
     const auto size = static_cast<std::uint32_t>(std::abs(value));
     const auto length = static_cast<std::size_t>(std::bit_width(size));
@@ -117,15 +117,15 @@ class Decisions {
   Coder& coder_;
 };
 
-/// Returns the magnitude class of x: x itself below 4, then four classes per octave: 4, 5, 6, 7, 8 (8, 9), 9 (10, 11),
-/// ...
+/// Returns the magnitude class of x. Below 8, the class is x. Above, each octave has four classes: 8 and 9 form class
+/// 8, 10 and 11 form class 9, ...
 [[nodiscard]] constexpr std::uint32_t grade(std::uint64_t x) {
   if (x < 4) return static_cast<std::uint32_t>(x);
   const auto bits = static_cast<std::uint32_t>(std::bit_width(x));
   return (bits - 2) * 4 + static_cast<std::uint32_t>(x >> (bits - 3) & 3);
 }
 
-/// Vector with room for products.
+/// Integer vector with enough bits for products of coordinates.
 using Long3 = std::array<std::int64_t, 3>;
 
 [[nodiscard]] constexpr std::int64_t dot(const glm::ivec3& a, const glm::ivec3& b) {
@@ -138,7 +138,7 @@ using Long3 = std::array<std::int64_t, 3>;
   return {std::int64_t{a.y} * b.z - std::int64_t{a.z} * b.y, std::int64_t{a.z} * b.x - std::int64_t{a.x} * b.z,
           std::int64_t{a.x} * b.y - std::int64_t{a.y} * b.x};
 }
-/// Halves a vector, rounding down, until no component's magnitude exceeds 2^bits - 1.
+/// Halves a vector, rounding down, until the magnitude of each component is at most 2^bits - 1.
 [[nodiscard]] constexpr Long3 reduced(const Long3& v, int bits) {
   std::uint64_t most = 0;
   for (const std::int64_t c : v) most = std::max(most, static_cast<std::uint64_t>(c < 0 ? -c : c));

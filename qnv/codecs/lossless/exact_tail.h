@@ -10,32 +10,36 @@
 
 namespace gs::qnv::exact {
 
-/// Quantises a welded mesh to the lattice. `mesh` is in units of the longest edge of the stream's box, from its lower
-/// corner (displaced::Frame). Splits non-manifold vertices. `bits` is kMinBits to kMaxBits.
+/// Quantises a welded mesh to a lattice of `bits` bits per axis, kMinBits to kMaxBits. `mesh` is in units of the
+/// longest edge of the stream's box, relative to the box's lower corner (displaced::Frame). Splits non-manifold
+/// vertices.
 [[nodiscard]] ExactMesh quantized(displaced::SurfaceMesh mesh, int bits);
 
-/// Ranks from 0 to 7 of the lattice's cells, 2^cell_bits per axis (cell_of() in tail_header.h). The mesh grows through
-/// connected cells of low rank first.
+/// Ranks of the cells of a lattice, 0 to 7. There are 2^cell_bits cells per axis (cell_of() in tail_header.h). The mesh
+/// grows through connected cells of low rank first.
 struct TailRanks {
   int cell_bits = 0;
   std::vector<std::uint8_t> of;
 };
 struct TailOrder {
-  std::vector<std::uint32_t> vertices;   // decoded number of each vertex; kNone if no triangle uses it
-  std::vector<std::uint32_t> triangles;  // in decoding order, as numbers of the mesh
+  std::vector<std::uint32_t> vertices;  // decoding index of each vertex; kNone if no triangle uses it
+  std::vector<std::uint32_t> triangles;  // indices of the mesh's triangles, in decoding order
 };
 
-/// Encodes a mesh as returned by quantized(): every edge has one triangle per side or is a rim, and each vertex has
-/// one fan. Deterministic. `usual` omits weights of its own, which do not pay for small meshes. `ranks` sets the order
-/// of growth; nullptr selects the smallest encoding. Fills `order`, if given, with the decoding order.
+/// Encodes a mesh that quantized() returned. Deterministic. `usual` selects the default prediction weights, because
+/// fitted weights do not pay for small meshes. `ranks` sets the order of growth; if nullptr, uses the order with the
+/// smallest encoding. Writes the decoding order to `order` unless it is nullptr. Every edge of the mesh must have one
+/// triangle per side or be a rim, and each vertex one fan.
 [[nodiscard]] std::vector<std::byte> encode_tail(const ExactMesh& mesh, bool usual = false,
                                                  const TailRanks* ranks = nullptr, TailOrder* order = nullptr);
 
-/// Decodes a mesh, in another order. Returns nullopt if the bytes are not a tail or have more than `most_vertices`
-/// vertices. Safe for untrusted bytes: memory and time are proportional to them.
+/// Decodes a mesh; its vertices and triangles have another order. Returns nullopt if the bytes are not a tail or have
+/// more than `most_vertices` vertices. Safe for untrusted bytes: memory and time are proportional to the number of
+/// bytes.
 [[nodiscard]] std::optional<ExactMesh> decode_tail(std::span<const std::byte> bytes, std::size_t most_vertices);
 
-/// Size of a tail. tail_size() returns nullopt for other data. Safe for untrusted bytes.
+/// Properties of a tail, from its header. tail_size() returns nullopt if the bytes are not a tail. Safe for untrusted
+/// bytes.
 struct TailSize {
   int bits = 0;
   std::uint32_t vertices = 0, triangles = 0;

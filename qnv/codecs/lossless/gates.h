@@ -12,9 +12,9 @@
 
 namespace gs::qnv::exact {
 
-/// Triangles of a growing mesh, and their sides: side 3 t + k leads from corner k of triangle t to the next one. Sides
-/// without a neighbour form closed chains. The next side of a side ending at b is the first that leaves b on the other
-/// side of the gap at b.
+/// Triangles of a growing mesh, and their sides: side 3 t + k leads from corner k of triangle t to the next corner.
+/// Sides without an adjacent triangle form closed chains. If a side ends at vertex b, a gap without triangles follows
+/// at b. The next side of the chain is the first side that leaves b after the gap.
 class Gates {
  public:
   enum class State : std::uint8_t { open, rim, joined };
@@ -35,11 +35,12 @@ class Gates {
   [[nodiscard]] std::uint32_t opposite(std::uint32_t side) const { return triangles_[side / 3][(side % 3 + 2) % 3]; }
   [[nodiscard]] State state(std::uint32_t side) const { return states_[side]; }
   [[nodiscard]] bool open(std::uint32_t side) const { return states_[side] == State::open; }
-  /// Returns the next side of the chain; for a joined side, the adjacent side.
+  /// Returns the next side of the chain. For a side of two triangles, returns the same edge's side in the other
+  /// triangle.
   [[nodiscard]] std::uint32_t next(std::uint32_t side) const { return next_[side]; }
   [[nodiscard]] std::uint32_t before(std::uint32_t side) const { return before_[side]; }
 
-  /// Adds a triangle, and returns its first side. The sides are open and not yet in a chain.
+  /// Adds a triangle, and returns its first side. Its sides are open and do not belong to a chain yet.
   std::uint32_t add(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     const std::uint32_t side = sides();
     triangles_.push_back({a, b, c});
@@ -57,7 +58,7 @@ class Gates {
     next_[side] = other;
     next_[other] = side;
   }
-  /// Returns the adjacent side of each side, or kNone.
+  /// Returns for each side the same edge's side in the other triangle; kNone if there is no other triangle.
   [[nodiscard]] std::vector<std::uint32_t> twins() const {
     std::vector<std::uint32_t> twins(sides(), kNone);
     for (std::uint32_t side = 0; side < sides(); ++side)
@@ -72,8 +73,8 @@ class Gates {
   std::vector<State> states_;
 };
 
-/// Queue of open sides: lowest rank of their end first, then narrowest gap after them, then first in. Skips sides that
-/// are no longer open or have another next side by now.
+/// Queue of open sides. Order: lowest rank of the side's end, then narrowest gap after the side, then first in. Skips a
+/// side if it is no longer open, or if its next side has changed.
 class GateQueue {
  public:
   static constexpr std::uint32_t kGrades = 129, kRanks = 8;

@@ -9,8 +9,8 @@ namespace gs::qnv::exact {
 namespace {
 
 constexpr std::size_t kLowBitsHeaderBytes = 5, kLowBitsBytes = 1185, kMaxLowBitsBytes = std::size_t{1} << 28;
-constexpr std::size_t kRunCost = 64;  // overhead of a run
-constexpr std::size_t kBits = 3;      // per vertex and layer
+constexpr std::size_t kRunCost = 64;  // overhead in bytes of one run of vertices
+constexpr std::size_t kBits = 3;  // bits per vertex and layer
 
 bool bit_at(std::span<const std::byte> bytes, std::size_t at) {
   return (std::to_integer<unsigned>(bytes[at / 8]) >> (7 - at % 8) & 1) != 0;
@@ -71,7 +71,7 @@ bool LowBits::complete(const ExactMesh& mesh) const {
 void LowBits::apply(ExactMesh& mesh) const {
   const int more = std::max(0, mesh.finest - mesh.bits);
   if (more == 0) return;
-  std::vector<std::uint8_t> known(mesh.vertices.size(), 0);  // number of layers known without a gap, by vertex
+  std::vector<std::uint8_t> known(mesh.vertices.size(), 0);  // number of layers received without a gap, for each vertex
   for (const auto& [where, bytes] : runs_) {
     const auto& [layer, first] = where;
     const std::size_t here = 8 * bytes.size() / kBits;

@@ -16,14 +16,14 @@
 
 namespace gs::qnv::exact {
 
-/// Codes a mesh triangle by triangle, at the narrowest gap first (after P. Alliez, C. Gotsman, M. Desbrun, Near-optimal
-/// connectivity encoding, 2001; H. Lee, P. Alliez, M. Desbrun, Angle-Analyzer, 2002). Angles, distances and triangle
-/// counts of the grown part predict each decision. Used in both directions; FORMAT.md, "Exact tail", has every step.
-/// `Guide` provides the mesh when encoding; it is unused when decoding.
+/// Coder of a mesh, triangle by triangle, at the narrowest gap first (after P. Alliez, C. Gotsman, M. Desbrun,
+/// Near-optimal connectivity encoding, 2001; H. Lee, P. Alliez, M. Desbrun, Angle-Analyzer, 2002). Angles, distances
+/// and triangle counts of the grown part predict each decision. The same code encodes and decodes; FORMAT.md, "Exact
+/// tail", defines every step. `Guide` provides the mesh to an encoder; a decoder does not use it.
 template <class Coder, class Guide>
 class MeshGrowth {
  public:
-  /// Reserves memory for up to `room` triangles.
+  /// Reserves memory for at most `room` triangles.
   MeshGrowth(Coder& coder, const TailHeader& header, Guide& guide, std::size_t room)
       : decisions_(coder),
         header_(header),
@@ -38,7 +38,8 @@ class MeshGrowth {
     if (header.cell_bits > 0) ranks_.assign(std::size_t{1} << 3 * header.cell_bits, kNoRank);
   }
   enum class Growth { growing, whole, wrong };  // wrong: the decisions do not describe a mesh
-  /// Continues while `more` permits a step of at most the given number of bytes.
+  /// Grows the mesh step by step. Before each step, calls `more` with the maximum bytes of the step; stops if it
+  /// returns false.
   template <class More>
   Growth run(const More& more);
   bool run() {
@@ -56,9 +57,9 @@ class MeshGrowth {
   static constexpr bool kWrites = Decisions<Coder>::kWrites;
   static constexpr std::size_t kRanks = 40, kGaps = 33, kTurns = 10;
   static constexpr std::uint8_t kNoRank = 255;
-  // Maximum bytes of a step. A decision takes at most 10 bits; a number at most 24 decisions and 42 bits. A vertex has
-  // three numbers, and three more for its colour; a component has three vertices. Two triangles have six corners with
-  // two numbers each.
+  // Maximum bytes of a step, of a component's first triangle, and of corners. A decision takes at most 10 bits; a
+  // number takes at most 24 decisions and 42 bits. A vertex has three numbers, and three more for its colour. A
+  // component's first triangle has three vertices. Two triangles have six corners with two numbers each.
   static constexpr std::size_t kStepBytes = 288, kComponentBytes = 704, kCornersBytes = 448;
 
   /// Prediction errors of a vertex, and its number of triangles.
@@ -67,27 +68,27 @@ class MeshGrowth {
     std::uint8_t triangles = 0;
   };
   struct Models {
-    // By the gap, the triangles at its vertex, and whether its edges differ; the second pair by the gap and the
-    // triangles at its ends.
+    // Contexts of the first pair: the gap, the number of triangles at the gap's vertex, and whether the gap's edges
+    // differ in length. Contexts of the second pair: the gap, and the numbers of triangles at its two ends.
     std::array<std::array<std::array<TwoRates, 2>, kTurns>, kGaps> closes, twice;
     std::array<std::array<std::array<TwoRates, kTurns>, kTurns>, kGaps / 2 + 1> closes_ends, twice_ends;
     std::array<std::array<TwoRates, kTurns>, kGaps> fresh;
     std::array<TwoRates, 2> left, rim;
     std::array<Lengths, 2> starts;
     Digits start_digits;
-    // For one new triangle or two; by the errors of nearby vertices.
+    // First index: one or two new triangles. Second index: the prediction errors at nearby vertices.
     std::array<std::array<std::array<Lengths, 8>, kRanks>, 2> along, across;
     std::array<std::array<std::array<Lengths, 16>, kGaps>, 2> along_gap, across_fold;
     std::array<Digits, 2> along_digits, across_digits;
     std::array<std::array<Lengths, 16>, 3> colors;
     std::array<std::array<Lengths, 10>, 3> colors_before;
     std::array<Digits, 3> color_digits;
-    std::array<std::array<TwoRates, GateQueue::kRanks>, GateQueue::kRanks> ranks;  // by the previous rank
+    std::array<std::array<TwoRates, GateQueue::kRanks>, GateQueue::kRanks> ranks;  // indexed by the previous rank
   };
   /// Surroundings of a new vertex.
   struct Site {
     std::uint32_t a, b, o, r, o2;
-    std::uint32_t side, behind, before;  // the gate and its neighbours in the chain
+    std::uint32_t side, behind, before;  // the gate, the next side and the previous side in the chain
     std::uint32_t gap = 0;
     bool closes = false;  // the next side is open
     bool two = false;
@@ -124,7 +125,7 @@ class MeshGrowth {
   GateQueue queue_;
   std::vector<glm::ivec3> places_, colors_;
   std::vector<Mark> marks_;
-  std::vector<std::uint8_t> ranks_;  // by cell
+  std::vector<std::uint8_t> ranks_;  // rank of each cell
   CornerGrowth<Coder> corners_;
   std::uint32_t last_rank_ = 0;
   bool in_component_ = false;
@@ -163,7 +164,7 @@ bool MeshGrowth<Coder, Guide>::corners() {
   return true;
 }
 
-/// Returns the rank of the vertex's cell, and codes it at first use.
+/// Returns the rank of the cell that contains a vertex. Codes the rank when the cell is first used.
 template <class Coder, class Guide>
 std::uint32_t MeshGrowth<Coder, Guide>::rank_at(std::uint32_t vertex) {
   if (header_.cell_bits == 0) return 0;
@@ -178,8 +179,8 @@ std::uint32_t MeshGrowth<Coder, Guide>::rank_at(std::uint32_t vertex) {
   return last_rank_;
 }
 
-// Gap at b: 32 |a - r|^2 / (|a - b|^2 + |r - b|^2), from 0 to 64: 0 if both edges coincide, 32 if they are
-// perpendicular. For gaps wider than a straight angle: 128 minus that.
+// Returns the width of the gap at b: w = 32 |a - r|^2 / (|a - b|^2 + |r - b|^2). It is 0 if both edges coincide, 32 if
+// they are perpendicular, and at most 64. A gap wider than a straight angle has the width 128 - w.
 template <class Coder, class Guide>
 std::uint32_t MeshGrowth<Coder, Guide>::gap_behind(std::uint32_t side) const {
   const glm::ivec3 a = places_[gates_.from(side)], b = places_[gates_.to(side)], o = places_[gates_.opposite(side)];
@@ -272,7 +273,7 @@ bool MeshGrowth<Coder, Guide>::beside(const GateQueue::Gate& gate) {
   s.o2 = gates_.opposite(s.behind);
   s.closes = gates_.open(s.behind);
   if (s.r == s.a) return false;
-  // The side beyond the gate, if known, and its apex, if it has a number.
+  // `half` is the other side of the gate's edge; `beyond` is the index of the opposite vertex there. kNone if missing.
   std::uint32_t half = Gates::kNone, beyond = Gates::kNone;
   bool is_fresh = false;
   if constexpr (kWrites) {
@@ -406,8 +407,8 @@ glm::ivec3 MeshGrowth<Coder, Guide>::expected(const Site& s, std::array<glm::ive
   return at;
 }
 
-// Codes two axes relative to their prediction. Then codes the third, along which the surface is steepest, relative to
-// the predicted plane.
+// Codes two axes relative to their prediction. Then codes the third axis relative to the predicted plane: the axis
+// closest to the plane's normal.
 template <class Coder, class Guide>
 bool MeshGrowth<Coder, Guide>::vertex(const Site& s) {
   std::array<glm::ivec3, kNear> near{};
@@ -430,7 +431,7 @@ bool MeshGrowth<Coder, Guide>::vertex(const Site& s) {
   const auto rank = [](std::uint32_t x) { return std::min<std::size_t>(grade(x), kRanks - 1); };
   const auto edges = static_cast<std::uint64_t>(dot(a - b, a - b) + dot(o - b, o - b));
   const std::size_t scale = std::clamp(static_cast<int>(std::bit_width(edges)) / 2 - 2, 0, 7);
-  // Fold between the two triangles beside the gap: the squared sine of their angle.
+  // Fold between the two triangles at the gap: the squared sine of the angle between their planes.
   const Long3 n1 = reduced(here, 14), n2 = reduced(there, 14);
   const std::int64_t squares = dot(n1, n1) * dot(n2, n2), together = dot(n1, n2);
   std::int64_t bend = squares == 0 ? 0 : (squares - together * together) / std::max<std::int64_t>(1, squares >> 16);

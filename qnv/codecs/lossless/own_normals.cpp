@@ -20,7 +20,7 @@ using displaced::kNone;
 
 constexpr std::size_t kNormalsHeaderBytes = 5;
 constexpr std::uint32_t kNormalsEnd = 0x4e51;
-// Maximum distance in steps between normals that are treated as equal.
+// Maximum distance between two normals that count as equal, in quantisation steps.
 constexpr float kStepsTogether = 2.5f;
 
 /// Directions as points of a square (octahedral coordinates): 0 to 2^bits - 1 per axis.
@@ -48,7 +48,7 @@ class Square {
   float top_;
 };
 
-/// Codes normals in both directions. `own` holds the normals when encoding; it is unused when decoding.
+/// Coder of normals. The same code encodes and decodes. `own` holds the normals for an encoder; a decoder ignores it.
 template <class Coder>
 class NormalCoder {
  public:
@@ -76,7 +76,8 @@ class NormalCoder {
  private:
   static constexpr bool kWrites = Decisions<Coder>::kWrites;
 
-  /// Returns the normal at the same vertex in an adjacent triangle, if that is coded already.
+  /// Returns the normal at the same vertex in the adjacent triangle. Returns nullptr if that triangle is missing or not
+  /// coded yet.
   [[nodiscard]] const glm::vec3* beside(std::uint32_t side, std::uint32_t step, std::uint32_t corner) const {
     const std::uint32_t twin = mesh_.twins[side];
     if (twin == kNone || twin / 3 >= corner / 3) return nullptr;
@@ -100,8 +101,8 @@ class NormalCoder {
     last_apart_ = apart > 0 ? 1 : 0;
     return place(corner);
   }
-  /// Codes the difference from the rule's normal. Mirrors the square so that the rule's half of the directions lies in
-  /// its middle.
+  /// Codes the difference between a corner's normal and the normal by the shading rule. Mirrors the square so that the
+  /// rule's normal is in the half around the middle.
   bool place(std::uint32_t corner) {
     const bool mirrored = shaded_[corner].z < 0;
     const auto turned = [&](glm::vec3 n) {
@@ -134,7 +135,7 @@ class NormalCoder {
   Square square_;
   float together_;
   std::vector<glm::vec3> normals_;
-  std::vector<std::uint32_t> offs_;  // by vertex: size of the last difference
+  std::vector<std::uint32_t> offs_;  // size of the last difference coded at each vertex
   std::size_t last_apart_ = 0;
   std::array<std::array<std::array<TwoRates, 2>, 2>, 2> same_;
   std::array<Lengths, kRanks> sizes_;

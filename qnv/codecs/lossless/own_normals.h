@@ -12,22 +12,23 @@
 
 namespace gs::qnv::exact {
 
-/// Normals of a mesh's corners from its file, if no shading rule reproduces them. FORMAT.md, "Normals".
+/// Normals that a source file states for the corners of a mesh, if no shading rule reproduces them. FORMAT.md,
+/// "Normals".
 inline constexpr int kOwnNormalBits = 9, kMinNormalBits = 4, kMaxNormalBits = 14;
 
-/// Encodes normals. `mesh` is as decoded. `shaded` and `own` are the unit normals of each corner 3 t + k: by its
-/// shading rule, and from the file.
+/// Encodes the normals of corners. `mesh` must be as a decoder obtains it. `shaded` and `own` hold one unit normal per
+/// corner 3 t + k: by the shading rule, and from the source file.
 [[nodiscard]] std::vector<std::byte> encode_normals(const ExactMesh& mesh, std::span<const glm::vec3> shaded,
                                                     std::span<const glm::vec3> own, int bits = kOwnNormalBits);
-/// Returns the unit normals of all corners, or nullopt if the bytes do not belong to this mesh. Safe for untrusted
-/// bytes; time is proportional to the corners.
+/// Decodes the unit normals of all corners. Returns nullopt if the bytes do not belong to this mesh. Safe for untrusted
+/// bytes; time is proportional to the number of corners.
 [[nodiscard]] std::optional<std::vector<glm::vec3>> decode_normals(std::span<const std::byte> bytes,
                                                                    const ExactMesh& mesh,
                                                                    std::span<const glm::vec3> shaded);
 
-/// Returns the normals of a mesh's corners by a shading rule.
+/// Computes the normals of a mesh's corners by a shading rule.
 [[nodiscard]] std::vector<glm::vec3> shaded_normals(const ExactMesh& mesh, const Shading& shading);
-/// Returns the distance between normals, as the root mean square of chords.
+/// Returns the distance between two sets of normals: the root mean square of the differences.
 [[nodiscard]] double distance_of(std::span<const glm::vec3> shaded, std::span<const glm::vec3> own);
 
 }  // namespace gs::qnv::exact

@@ -10,35 +10,35 @@
 
 namespace gs::qnv::exact {
 
-/// Texture of a tail with texture coordinates. FORMAT.md, "Picture".
+/// Maximum number of files of a texture. FORMAT.md, "Picture".
 inline constexpr std::size_t kMaxPictureFiles = 8;
 struct TailPicture {
   std::vector<PictureFile> files;  // coarse to fine; 1 to kMaxPictureFiles
   bool repeat_s = true, repeat_t = true;
 };
 
-/// Returns the bytes that are cut into chunk payloads.
+/// Encodes a texture as one byte string, which pieces_of() cuts into chunk payloads.
 [[nodiscard]] std::vector<std::byte> encode_picture(const TailPicture& picture);
-/// Returns the length of the prefix needed to show a file.
+/// Returns the number of leading bytes that a decoder needs before it can draw the file with index `file`.
 [[nodiscard]] std::size_t bytes_until_shown(const TailPicture& picture, std::size_t file);
 
-/// Picture received in pieces, in any order. Safe for untrusted bytes; holds at most twice what was received.
+/// Texture that is received in pieces, in any order. Safe for untrusted bytes; holds at most twice the received bytes.
 class PictureReader {
  public:
-  /// Adds the payload of a chunk. Returns false if it is invalid.
+  /// Adds the payload of a picture chunk. Returns false if it is invalid.
   bool add(std::span<const std::byte> payload);
-  /// Reports whether enough was received to show a file.
+  /// Reports whether enough bytes are received to draw a file.
   [[nodiscard]] bool enough() const { return !finest().empty(); }
   [[nodiscard]] bool whole() const { return pieces_.length() != 0 && front_.size() == pieces_.length(); }
-  /// Returns the picture received so far, or nullptr. Returns a new object only after a third more was received, or all
-  /// of it, because decoding a picture takes time.
+  /// Returns the texture received so far; nullptr if no file can be drawn. Decoding a texture takes time, so a new
+  /// object is returned only after a third more bytes were received, or all.
   [[nodiscard]] std::shared_ptr<const SurfacePicture> picture() const;
-  /// Returns the bytes received; length() returns the total, or 0 if unknown.
+  /// Returns the number of bytes received. length() returns the total, or 0 until a piece is received.
   [[nodiscard]] std::size_t come() const { return pieces_.come(); }
   [[nodiscard]] std::size_t length() const { return pieces_.length(); }
 
  private:
-  /// Received range of the finest file that can be shown; empty if none can.
+  /// Received byte range of the finest file that can be drawn; empty if no file can.
   struct Range {
     std::size_t begin = 0, end = 0;
     [[nodiscard]] bool empty() const { return end == begin; }
@@ -48,7 +48,7 @@ class PictureReader {
   TailPieces pieces_;
   std::vector<std::byte> front_;
   mutable std::shared_ptr<const SurfacePicture> shown_;
-  mutable Range shown_range_;  // range held by shown_
+  mutable Range shown_range_;  // byte range that shown_ contains
 };
 
 }  // namespace gs::qnv::exact

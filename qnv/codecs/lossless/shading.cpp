@@ -15,9 +15,9 @@ using displaced::Corners;
 using displaced::kNone;
 
 constexpr std::size_t kShadingBytes = 2;
-// Maximum number of corners at a vertex for comparing every pair of faces.
+// Maximum number of corners at a vertex for which all pairs of faces are compared.
 constexpr std::uint32_t kMaxPairs = 256;
-// Approximate number of vertices that an encoder samples.
+// Approximate number of vertices that an encoder tests.
 constexpr std::size_t kLookedAt = 6000;
 
 float cosine_of(int degrees) { return static_cast<float>(std::cos((degrees + 0.01) * std::numbers::pi / 180)); }
@@ -27,7 +27,7 @@ glm::vec3 unit_or_up(const glm::vec3& v) {
   return length > 0 ? v / length : glm::vec3(0, 0, 1);
 }
 
-/// Sets of corners connected over edges with at most the given angle between both faces.
+/// Sets of corners that are connected across edges with at most a given angle between both faces.
 class JoinedCorners {
  public:
   JoinedCorners(const ShadedMesh& mesh, int angle) : sets_(3 * mesh.triangles.size()) {
@@ -37,7 +37,7 @@ class JoinedCorners {
     for (std::uint32_t side = 0; side < sets_.size(); ++side) {
       const std::uint32_t twin = mesh.twins[side];
       if (twin == kNone || twin < side) continue;
-      // A face without area has no direction, and makes no crease.
+      // A face without area has no direction. Its edges are not creases.
       const glm::vec3 &n = mesh.faces[side / 3], &m = mesh.faces[twin / 3];
       const float lengths = glm::length(n) * glm::length(m);
       if (angle < 180 && lengths > 0 && glm::dot(n, m) < cosine * lengths) continue;
@@ -133,7 +133,7 @@ std::vector<glm::vec3> corner_normals(const ShadedMesh& mesh, const Shading& sha
 Shading shading_of(const displaced::SurfaceMesh& mesh, int edges_angle) {
   Shading best{Shading::Rule::edges, edges_angle};
   if (mesh.normals.empty() || edges_angle >= 180) return best;
-  // Sample vertices, with all triangles around them.
+  // Tests a sample of the vertices, with all triangles around them.
   const std::size_t one_in = mesh.positions.size() / kLookedAt + 1;
   std::vector<bool> wanted(mesh.positions.size(), false);
   for (std::size_t v = 0; v < wanted.size(); v += one_in) wanted[v] = true;
@@ -168,7 +168,7 @@ Shading shading_of(const displaced::SurfaceMesh& mesh, int edges_angle) {
       best = shading;
     }
   };
-  // Try common angles, then refine around the best one.
+  // Tries coarse steps of the angle first, then refines around the best one.
   for (int angle = 0; angle <= 180; angle += angle < 100 ? 10 : 20) look(angle);
   if (best.rule == Shading::Rule::faces)
     for (int step = 8; step > 0; step /= 2) {

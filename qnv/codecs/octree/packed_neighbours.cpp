@@ -5,14 +5,14 @@
 
 namespace gs::qnv {
 std::size_t PlaneBlocks::fill(const PackedVoxels& from, std::size_t first, std::size_t count) {
-  // Undo earlier writes, which is cheaper than clearing the whole block.
+  // Clears only the entries written before, which is cheaper than clearing the whole block.
   for (const std::uint16_t place : places_) planes_[place] = 0;
   places_.clear();
   const unsigned bx = from.x[first], by = from.y[first], bz = from.z[first];
   const auto inside = [&](std::size_t i) {
     return ((from.x[i] ^ bx) | (from.y[i] ^ by) | (from.z[i] ^ bz)) < static_cast<unsigned>(kNeighbourBlock);
   };
-  // A block is a run in Morton order.
+  // The voxels of a block are one run, because voxels are in Morton order.
   std::size_t begin = first, end = first + 1;
   while (begin > 0 && inside(begin - 1)) --begin;
   while (end < from.size() && inside(end)) ++end;
@@ -41,14 +41,14 @@ PlaneBlocks& plane_blocks() {
 
 FaceChanges face_changes(int u, int v, int offset, const std::array<std::uint32_t, 7>& around) {
   FaceChanges changes;
-  if (around[6] == 0) return changes;  // both sides of a sheet are predicted from the sheet alone
+  if (around[6] == 0) return changes;  // a two-sided sheet is predicted from itself alone
   std::array<int, 6> du{}, dv{};
   for (std::size_t face = 0; face < 6; ++face) {
     if ((around[face] & kThere) == 0) continue;
     const int nu = static_cast<int>(around[face] & 0xfff) - kOctahedral,
               nv = static_cast<int>(around[face] >> 12 & 0xfff) - kOctahedral,
               no = static_cast<int>(around[face] >> 24 & 0x7f) - kOffsetUnits / 2;
-    // Choose the nearest of the neighbour's images around the edges of the square.
+    // The octahedral square wraps at its edges. Uses the image of the neighbour's normal that is nearest.
     const int su = (nu < 0 ? -2 : 2) * kOctahedral - nu, sv = (nv < 0 ? -2 : 2) * kOctahedral - nv;
     const std::array<std::array<int, 2>, 3> images{{{nu - u, nv - v}, {su - u, -nv - v}, {-nu - u, sv - v}}};
     int least = kLargestTurn + 1;

@@ -9,50 +9,52 @@
 
 namespace gs::qnv {
 
-// Prediction of children from neighbouring planes, where a surface continues. The neighbours are in the parent's
-// cluster, so all of them are available when the cluster is decoded. FORMAT.md, "Neighbours".
+// Prediction of children from the planes of neighbouring voxels, where a surface continues. The neighbours belong to
+// the parent's cluster, so they are always available when a cluster is decoded. FORMAT.md, "Neighbours".
 
-/// Edge of a neighbour block in voxels; only voxels of the same block are neighbours.
+/// Edge of a neighbour block, in voxels. Two voxels are neighbours only inside the same block.
 constexpr int kNeighbourBlock = 32;
-/// Maximum normal difference of neighbours. Larger differences mean two surfaces, or two sides of an edge.
+/// Maximum difference of normals, in octahedral units, between neighbours on one surface. A larger difference means two
+/// surfaces or a sharp edge.
 constexpr int kLargestTurn = 700;
-/// Plane in 32 bits, for single loads: u + 1024 (12 bits), v + 1024 (12), offset + 32 (7), kThere. 0 means no voxel, or
-/// a double one, which has no definite side.
+/// Highest bit of a packed plane; it is set if there is a plane. A packed plane has 32 bits, which one instruction
+/// loads: u + 1024 (12 bits), v + 1024 (12), offset + 32 (7), and this bit. The value 0 means no voxel, or a two-sided
+/// sheet.
 constexpr std::uint32_t kThere = 0x80000000;
 
-/// Planes of the voxels of one block, with an empty border, so that neighbour lookups need no bounds check.
+/// Planes of the voxels of one block. An empty border replaces bounds checks in neighbour lookups.
 struct PlaneBlock {
   static constexpr std::size_t kStrideY = kNeighbourBlock + 2, kStrideZ = kStrideY * kStrideY,
                                kSize = kStrideZ * kStrideY;
-  const std::uint32_t* planes = nullptr;  // by index in the block
-  const std::uint16_t* places = nullptr;  // block indices of the voxels of a run
-  /// Returns the planes across the faces -x, +x, -y, +y, -z, +z, then the voxel's own plane.
+  const std::uint32_t* planes = nullptr;  // planes by index in the block
+  const std::uint16_t* places = nullptr;  // indices in the block, for a run of voxels
+  /// Returns the planes of the neighbours at the faces -x, +x, -y, +y, -z, +z, then the voxel's own plane.
   [[nodiscard]] std::array<std::uint32_t, 7> around(std::size_t voxel) const {
     const std::uint32_t* const at = planes + places[voxel];
     return {at[-1], at[1], *(at - kStrideY), at[kStrideY], *(at - kStrideZ), at[kStrideZ], at[0]};
   }
 };
 
-/// Fills blocks of planes one after another.
+/// Buffer that holds one block of planes at a time.
 class PlaneBlocks {
  public:
-  /// Fills the block of voxel `first`, and returns the number of voxels from `first` on that lie in it: at most
-  /// `count`, and at least 1 if count > 0. Runs in time proportional to the block's voxels.
+  /// Fills the buffer with the block that contains voxel `first`. Returns the number of voxels from `first` on in that
+  /// block, at most `count`; at least 1 if count > 0. Time is proportional to the number of voxels in the block.
   std::size_t fill(const PackedVoxels& from, std::size_t first, std::size_t count);
   [[nodiscard]] PlaneBlock block() const { return {planes_.data(), places_.data() + before_}; }
 
  private:
   std::vector<std::uint32_t> planes_ = std::vector<std::uint32_t>(PlaneBlock::kSize);
-  std::vector<std::uint16_t> places_;  // block indices of all filled voxels
-  std::size_t before_ = 0;             // filled voxels before the requested ones
+  std::vector<std::uint16_t> places_;  // index in the block of each filled voxel
+  std::size_t before_ = 0;  // number of filled voxels before voxel `first`
 };
-/// Returns the calling thread's PlaneBlocks: 160 kB that need no clearing per cluster.
+/// Returns the PlaneBlocks of the calling thread. They hold 160 kB, which need not be cleared for each cluster.
 [[nodiscard]] PlaneBlocks& plane_blocks();
 
-/// Changes to the predictions for a voxel's children, for each face that a child touches.
+/// Changes of the predictions for a voxel's children. A child adds the changes of the three faces that it touches.
 struct FaceChanges {
-  std::array<int, 6> u{}, v{};  // in 1/16
-  std::array<int, 6> offset{};  // in 1/4
+  std::array<int, 6> u{}, v{};  // in 1/16 of an octahedral unit
+  std::array<int, 6> offset{};  // in 1/4 of an offset unit
 };
 [[nodiscard]] FaceChanges face_changes(int u, int v, int offset, const std::array<std::uint32_t, 7>& around);
 
@@ -60,7 +62,7 @@ struct PredictedPlane {
   int u, v, offset;
 };
 
-/// Returns the predicted plane of child `c` of a voxel. `normals` and `offsets` select prediction from neighbours.
+/// Returns the predicted plane of child `c` of a voxel. `normals` and `offsets` select what neighbours help to predict.
 inline PredictedPlane predicted_plane(int u, int v, int offset, const FaceChanges& changes, unsigned c, bool normals,
                                       bool offsets) {
   const unsigned x = c & 1, y = 2 + (c >> 1 & 1), z = 4 + (c >> 2);

@@ -6,7 +6,7 @@
 namespace gs::qnv {
 namespace {
 
-// Ratio, in 1/256, of the probabilities of consecutive magnitudes, for each model.
+// Ratio of the probabilities of consecutive magnitudes, in 1/256. One entry per model.
 constexpr std::array<std::uint32_t, kResidualModels> kDecay = {4,   10,  18,  28,  40,  54,  70,  88,
                                                                106, 126, 146, 166, 186, 204, 222, 240};
 
@@ -63,7 +63,7 @@ const std::uint32_t* residual_slots() {
 }
 
 const std::array<std::array<std::uint16_t, kOccupancyBins>, kOccupancyModels>& occupancy_models() {
-  // Logistic curves of decreasing steepness, rounded once; part of the format.
+  // Logistic curves of decreasing steepness. The rounded values are part of the format.
   static constexpr std::array<std::array<std::uint16_t, kOccupancyBins>, kOccupancyModels> kModels = {{
       {4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 85, 3256, 4090, 4092, 4092, 4092, 4092, 4092, 4092},
       {6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 14, 293, 2609, 3996, 4090, 4090, 4090, 4090, 4090, 4090},

@@ -7,14 +7,14 @@
 
 namespace gs::qnv {
 
-// Static probabilities of the packed payload. They are part of the format (FORMAT.md, "Probabilities") and are computed
-// in integers, so that every machine gets the same.
+// Static probabilities of the packed payload. They are part of the format (FORMAT.md, "Probabilities"). Computed in
+// integers, so that every machine gets the same values.
 
-/// Residuals -15..15 are zigzag symbols 0..30 (0, -1, 1, -2, 2, ...); symbol 31 means that the value follows in plain
-/// bits.
+/// Number of residual symbols. Symbols 0..30 are the residuals 0, -1, 1, -2, 2, ... 15 (zigzag). Symbol 31 means that
+/// the value follows in plain bits.
 constexpr std::uint32_t kResidualSymbols = 32;
 constexpr std::uint32_t kEscape = 31;
-constexpr int kEscapeBits = 12;  // a zigzag number below 4096
+constexpr int kEscapeBits = 12;  // bits of a plain value: a zigzag number below 4096
 constexpr std::size_t kResidualModels = 16;
 
 struct ResidualModel {
@@ -22,13 +22,13 @@ struct ResidualModel {
     std::uint16_t start, frequency;
   };
   std::array<Interval, kResidualSymbols> interval{};
-  std::array<std::uint16_t, kResidualSymbols> cost{};  // in 1/256 bits, for encoders
+  std::array<std::uint16_t, kResidualSymbols> cost{};  // cost of each symbol for encoders, in 1/256 bits
 };
-/// Returns the models; model 0 is the narrowest. Built once; safe from any thread.
+/// Returns the residual models, narrowest first. Built once. Any thread.
 [[nodiscard]] const std::array<ResidualModel, kResidualModels>& residual_models();
 
-/// Returns all models for decoders, at index model * 4096 + slot. An entry holds, from the lowest bit up: distance from
-/// the symbol's start (12 bits), frequency (13 bits), symbol (5 bits).
+/// Returns the decoding table of all models, with the index model * 4096 + slot. An entry holds, from the lowest bit:
+/// distance from the symbol's start (12 bits), frequency (13 bits), symbol (5 bits).
 [[nodiscard]] const std::uint32_t* residual_slots();
 
 constexpr std::uint32_t zigzag(int value) {
@@ -36,8 +36,9 @@ constexpr std::uint32_t zigzag(int value) {
 }
 constexpr int unzigzag(std::uint32_t code) { return static_cast<int>(code >> 1) ^ -static_cast<int>(code & 1); }
 
-/// Dimensions of the table of occupancy probabilities (of 4096). The bin is how far the child reaches over the parent's
-/// plane: 24 steps of 1/16 of the child's edge, from -1 to 1/2. The model is the roughness of the surface.
+/// Dimensions of the table of occupancy probabilities, which are in 1/4096. The bin is the distance by which the child
+/// extends over the parent's plane: 24 steps of 1/16 of the child's edge, from -1 to 1/2. The model is the roughness of
+/// the surface.
 constexpr std::size_t kOccupancyBins = 24, kOccupancyModels = 8;
 [[nodiscard]] const std::array<std::array<std::uint16_t, kOccupancyBins>, kOccupancyModels>& occupancy_models();
 

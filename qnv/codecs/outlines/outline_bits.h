@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-// Numbers of any bit width, packed without gaps, lowest bit first; and the checksums of heads and records. FORMAT.md,
-// "Outlines payload".
+// Numbers of any bit width, packed without gaps, lowest bit first; and the checksums of chunk heads and records.
+// FORMAT.md, "Outlines payload".
 namespace gs::qnv::outline {
 
 /// Maps 0, -1, 1, -2, 2, ... to 0, 1, 2, 3, 4, ...
@@ -21,11 +21,11 @@ namespace gs::qnv::outline {
 
 /// Maximum order of an Exp-Golomb code.
 constexpr int kMaxOrder = 31;
-/// Bits of an Exp-Golomb code's value; values are below 2^40.
+/// Maximum bits of a value in an Exp-Golomb code: values are below 2^40.
 constexpr int kMaxValueBits = 40;
 
-/// Returns the length of an Exp-Golomb code in bits (J. Teuhola 1978): b - order - 1 zeros, a one, and the lower b - 1
-/// bits of value + 2^order, which has b bits.
+/// Returns the length of an Exp-Golomb code in bits (J. Teuhola 1978). Let b be the number of bits of value + 2^order.
+/// The code is b - order - 1 zeros, a one, and the lowest b - 1 bits of value + 2^order.
 [[nodiscard]] constexpr int golomb_bits(std::uint64_t value, int order) {
   return 2 * static_cast<int>(std::bit_width(value + (std::uint64_t{1} << order))) - order - 1;
 }
@@ -33,7 +33,7 @@ constexpr int kMaxValueBits = 40;
 class BitWriter {
  public:
   explicit BitWriter(std::vector<std::byte>& out) : out_(out) {}
-  /// Writes the lowest `width` bits, at most 40.
+  /// Writes the lowest `width` bits of `value`; `width` is at most 40.
   void bits(std::uint64_t value, int width) {
     waiting_ |= (value & ((std::uint64_t{1} << width) - 1)) << count_;
     for (count_ += width; count_ >= 8; count_ -= 8, waiting_ >>= 8)
@@ -47,7 +47,7 @@ class BitWriter {
     flag(true);
     bits(sum, width - 1);
   }
-  /// Fills the last byte with zeros.
+  /// Fills the rest of the last byte with zeros.
   void align() {
     if (count_ > 0) bits(0, 8 - count_);
   }
@@ -58,11 +58,11 @@ class BitWriter {
   int count_ = 0;
 };
 
-/// Reads packed numbers. Past the end it returns zeros, and good() becomes false.
+/// Reader of packed numbers. Reading past the end returns zeros and makes good() false.
 class BitReader {
  public:
   explicit BitReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
-  /// Reads at most 40 bits.
+  /// Reads a number of `width` bits, at most 40.
   std::uint64_t bits(int width) {
     while (count_ < width) {
       if (at_ == bytes_.size()) {
@@ -90,7 +90,7 @@ class BitReader {
   }
   [[nodiscard]] bool good() const { return good_; }
   [[nodiscard]] std::size_t left() const { return static_cast<std::size_t>(count_) + 8 * (bytes_.size() - at_); }
-  /// Reports whether everything was read except the padding of the last byte, and the padding is 0.
+  /// Reports whether everything except the padding of the last byte was read, and this padding is 0.
   [[nodiscard]] bool at_end() const { return good_ && at_ == bytes_.size() && count_ < 8 && waiting_ == 0; }
 
  private:
@@ -101,9 +101,9 @@ class BitReader {
   bool good_ = true;
 };
 
-/// Returns the CRC-8: polynomial 07, highest bit first, initial value FF, no final inversion.
+/// Returns the CRC-8 of `bytes`: polynomial 07, highest bit first, initial value FF, no final inversion.
 [[nodiscard]] std::uint8_t crc8(std::span<const std::byte> bytes);
-/// Returns the CRC-16: polynomial 1021, highest bit first, initial value FFFF, no final inversion.
+/// Returns the CRC-16 of `bytes`: polynomial 1021, highest bit first, initial value FFFF, no final inversion.
 [[nodiscard]] std::uint16_t crc16(std::span<const std::byte> bytes, std::uint16_t from = 0xffff);
 
 }  // namespace gs::qnv::outline

@@ -32,7 +32,7 @@ std::int64_t sign_extended(std::uint64_t value, int width) {
                                                       : static_cast<std::int64_t>(value);
 }
 
-/// Returns the widths of a frame's origin.
+/// Returns the bit widths of the coordinates of a frame's origin.
 std::array<int, kAxes> origin_bits(const Plane& plane, const LatticeBits& bits) {
   return {bits.positions[plane.u()], bits.positions[plane.v()],
           plane.precision == 0 ? bits.positions[plane.axis] : bits.sheared, bits.texture_coordinates[0],
@@ -154,7 +154,7 @@ LatticeBits::LatticeBits(const OutlineHeader& header) {
     most = std::max(most, positions[axis] = static_cast<int>(std::bit_width(header.positions.size[axis])));
   for (std::size_t axis = 0; axis < 2; ++axis)
     texture_coordinates[axis] = static_cast<int>(std::bit_width(header.texture_coordinates.size[axis]));
-  // Written slopes are at most 1, so w minus the rise spans at most three lattices.
+  // Slopes are at most 1, so that w minus the rise spans at most three times the lattice.
   sheared = most + 3;
 }
 
@@ -167,8 +167,8 @@ std::vector<std::byte> ChunkHead::encode(const LatticeBits& bits) const {
   write.integer(appearance);
   write.integer(static_cast<std::uint8_t>((inner ? kInnerChunk : 0) | (textured ? kTexturedChunk : 0)));
   write.integer(static_cast<std::uint8_t>(frames.size()));
-  write.integer(std::uint16_t{0});  // bytes of the head, set below
-  write.integer(std::uint16_t{0});  // checksum, set below
+  write.integer(std::uint16_t{0});  // placeholder for the size of the head in bytes
+  write.integer(std::uint16_t{0});  // placeholder for the checksum
   write.integer(first_group);
   write.integer(static_cast<std::uint16_t>(lengths.size()));
   write.integer(*shortest);
@@ -218,7 +218,7 @@ bool decode_head(std::span<const std::byte> payload, const LatticeBits& bits, Ch
   std::size_t all = 0;
   for (std::uint16_t& length : head.lengths) {
     const std::size_t value = shortest + pack.bits(length_bits);
-    if (value < 2 || value > 0xffff) return false;  // at least one byte and the checksum
+    if (value < 2 || value > 0xffff) return false;  // a record has at least one byte and the checksum
     length = static_cast<std::uint16_t>(value);
     all += value;
   }

@@ -19,81 +19,82 @@
 
 namespace gs::qnv {
 
-// Outline groups as a stream: first the outlines of all groups, then the polygons that replace them, group after group,
-// largest first. Every polygon is a record with its own checksum and decodes alone, so damage costs one record.
-// FORMAT.md, "Outlines payload", defines the bytes.
+// Streams of outline groups: first the outlines of all groups, then the polygons that replace them, group by group,
+// largest group first. Every polygon is a record with its own checksum and decodes alone, so that damage costs one
+// record. FORMAT.md, "Outlines payload", defines the bytes.
 
 struct OutlineEncodeOptions {
-  int position_bits = 16;          // of the lattice along the longest side of the box; 1..30
-  int texture_bits = 12;           // steps of texture coordinates are 2^-this of the texture, or coarser; 1..20
-  std::size_t max_bytes = 0;       // of the whole stream; 0 means unlimited
-  std::size_t chunk_bytes = 1200;  // approximate payload; larger polygons have longer chunks
+  int position_bits = 16;  // bits of the lattice along the longest side of the box; 1..30
+  int texture_bits = 12;  // texture coordinates have steps of 2^-texture_bits or coarser; 1..20
+  std::size_t max_bytes = 0;  // maximum size of the stream; 0 means unlimited
+  std::size_t chunk_bytes = 1200;  // approximate size of a chunk's payload; a larger polygon has a longer chunk
   std::vector<std::pair<std::string, std::string>> metadata{};
-  unsigned threads = 0;  // 0: one per core
+  unsigned threads = 0;  // 0 means one per core
 };
 
-/// Encodes groups with `appearances`, which the groups index; if empty, a default appearance is used.
-/// Positions are rounded to a lattice with a power-of-two step: the error is at most half a step per axis,
-/// 2^-position_bits of the longest side. Equal corners stay bitwise equal. If all positions lie on a coarser lattice,
-/// that one is used without loss. Polygons without area on the lattice are dropped. A polygon with more corners than a
-/// chunk can hold is cut, which adds corners on the lattice. Returns an error for mismatched arrays, unknown
-/// appearances, or appearances that exceed a header. Returns an error too if no polygon is left, the model is too far
-/// from the origin for its size, or if cancelled. The bytes do not depend on the number of threads. Blocks; safe from
-/// any thread.
+/// Encodes groups with `appearances`, which the groups refer to by index. If empty, uses a default appearance.
+/// Rounds positions to a lattice with a power-of-two step, 2^-position_bits of the longest side. The error is at most
+/// half a step per axis. Equal corners stay bitwise equal. If all positions are on a coarser lattice, uses that lattice
+/// without loss. Drops polygons without area on the lattice. Cuts a polygon with more corners than a chunk can hold;
+/// the cut adds corners on the lattice.
+/// Returns an error for mismatched arrays, for unknown appearances, or if the appearances do not fit into a header.
+/// Also returns an error if no polygon is left, if the model is too far from the origin for its size, or if cancelled.
+/// The bytes do not depend on the number of threads. Blocks. Any thread.
 [[nodiscard]] std::variant<EncodedStream, EncodeError> encode_outlines(const OutlineGroups& groups,
                                                                        std::span<const OutlineAppearance> appearances,
                                                                        const OutlineEncodeOptions& options,
                                                                        Progress* progress = nullptr);
 
-/// Received polygons of one appearance, either outlines or inner ones.
+/// Received polygons of one appearance: either outlines or inner polygons.
 struct OutlineBatch {
-  std::uint32_t appearance = 0;  // index in the header
+  std::uint32_t appearance = 0;  // index in the header's list of appearances
   bool inner = false;
-  std::vector<std::uint32_t> groups;  // group of each polygon, below the header's number of groups
-  /// For each outline polygon, the number of inner polygons that replace its group's outline when all are received; 0:
-  /// it stays, since it is exact. Empty for inner polygons.
+  std::vector<std::uint32_t> groups;  // group of each polygon; less than the header's number of groups
+  /// For each outline, the number of inner polygons of its group. They replace the outline when all are received. 0
+  /// means that the outline is exact and stays. Empty in batches of inner polygons.
   std::vector<std::uint32_t> counts;
-  OutlinePolygons polygons;  // all with texture coordinates, or none
+  OutlinePolygons polygons;  // either all polygons have texture coordinates, or none
 
   [[nodiscard]] bool stays(std::size_t polygon) const { return !inner && counts[polygon] == 0; }
 };
 
-/// Decodes an outline stream, received in pieces or with losses, into polygons. Not thread-safe. Safe for untrusted
-/// bytes: invalid parts are skipped. Memory is bounded by the data received since the last take(), plus one bit per
+/// Decoder of an outline stream. The stream may be received in pieces or with losses. One thread at a time. Safe for
+/// untrusted bytes: skips invalid parts. Memory is bounded by the data received since the last take(), plus one bit per
 /// polygon.
 class OutlineDecoder {
  public:
-  /// Limits the polygons returned to `most_polygons`, and their corners to eight times as many.
+  /// `most_polygons` limits the number of returned polygons. Eight times as many corners are allowed.
   explicit OutlineDecoder(std::size_t most_polygons = std::size_t{1} << 23) : most_polygons_(most_polygons) {}
 
-  /// Decodes the next bytes of the stream. Returns false once the stream is rejected: it is not an outline stream, or
-  /// its header is damaged.
+  /// Decodes the next bytes of the stream. Returns false if the stream is rejected: it is not an outline stream, or its
+  /// header is damaged.
   bool push(std::span<const std::byte> bytes);
-  /// Adds a chunk received separately (as a datagram), after the header, in any order. Skips records received before.
-  /// The bytes `missing` in the payload may be added later or never; if the chunk's head is complete, the other records
-  /// are used.
+  /// Adds a chunk that was received separately, for example as a datagram. Call it after the header is received; chunks
+  /// may have any order. Skips records that were received before. The ranges `missing` of the payload are not received
+  /// yet; a later call may add them. If the chunk's head is complete, uses the other records.
   void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing = {});
-  /// Ends the stream: decodes waiting bytes, and reports missing ones.
+  /// Ends the stream. Decodes the remaining bytes, and reports missing bytes as problems.
   void finish();
 
-  /// Returns the polygons received since the last call, in the order in which their kinds first appeared.
+  /// Returns the polygons received since the last call, in batches. Batches are in the order in which their kinds first
+  /// appeared.
   [[nodiscard]] std::vector<OutlineBatch> take();
 
   [[nodiscard]] const StreamHeader* header() const { return reader_.header(); }
   [[nodiscard]] const std::vector<StreamProblem>& problems() const;
   [[nodiscard]] bool refused() const { return refused_ || reader_.refused(); }
-  /// Returns the number of outlines received, each counted once.
+  /// Returns the number of received outlines. Repetitions do not count.
   [[nodiscard]] std::size_t outline_polygons() const { return outline_polygons_; }
   [[nodiscard]] std::size_t inner_polygons() const { return inner_polygons_; }
-  /// Returns the number of unusable chunks. refused_records() counts unusable records in other chunks, without lost
-  /// ones.
+  /// Returns the number of unusable chunks. refused_records() counts unusable records in usable chunks, except lost
+  /// records.
   [[nodiscard]] std::size_t refused_chunks() const { return refused_chunks_; }
   [[nodiscard]] std::size_t refused_records() const { return refused_records_; }
   [[nodiscard]] const std::vector<DirectoryEntry>& directory() const { return directory_; }
 
  private:
   bool is_outlines();
-  /// Returns false if the head is damaged.
+  /// Adds the polygons of a chunk. Returns false if its head is damaged.
   bool add_polygons(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing);
   OutlineBatch& batch(std::uint32_t appearance, bool inner, bool textured);
 
@@ -101,10 +102,10 @@ class OutlineDecoder {
   std::size_t most_polygons_, corners_ = 0;
   std::size_t outline_polygons_ = 0, inner_polygons_ = 0, refused_chunks_ = 0, refused_records_ = 0;
   bool refused_ = false;
-  std::vector<StreamProblem> other_payload_;                         // problems, if the stream is not of outlines
-  std::unordered_map<std::uint32_t, std::vector<bool>> handed_out_;  // received records, by chunk number
+  std::vector<StreamProblem> other_payload_;  // problems of streams without outlines
+  std::unordered_map<std::uint32_t, std::vector<bool>> handed_out_;  // flags of the received records, by chunk number
   std::vector<OutlineBatch> batches_;
-  std::map<std::tuple<std::uint32_t, bool, bool>, std::size_t> batch_of_;  // appearance, inner, textured
+  std::map<std::tuple<std::uint32_t, bool, bool>, std::size_t> batch_of_;  // key: appearance, inner, textured
   std::vector<DirectoryEntry> directory_;
 };
 

@@ -11,17 +11,17 @@
 namespace gs::qnv::progressive {
 
 // Byte layout of fronts and segments: FORMAT.md, "Splits".
-inline constexpr std::uint8_t kFrontMark = 255;  // stands at the position of a stage's depth
-inline constexpr std::size_t kFrontBytes = 13;   // before the first mesh
+inline constexpr std::uint8_t kFrontMark = 255;  // is where a stage has its depth
+inline constexpr std::size_t kFrontBytes = 13;  // bytes of a front before the first mesh
 inline constexpr std::size_t kSegmentHeaderBytes = 6;
-/// Maximum number of visits per byte of a segment.
+/// Maximum number of vertex visits per byte of a segment.
 inline constexpr std::size_t kMaxVisitsAByte = 64;
 
 struct FrontHeader {
   int bits = 12;
-  bool middles = false;  // as in SplitGrowth
+  bool middles = false;  // see SplitGrowth
   exact::Shading shading;
-  std::uint32_t vertices = 0, triangles = 0;  // final numbers
+  std::uint32_t vertices = 0, triangles = 0;  // numbers of the complete mesh
 };
 
 }  // namespace gs::qnv::progressive

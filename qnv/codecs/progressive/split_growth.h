@@ -15,20 +15,21 @@
 
 namespace gs::qnv::progressive {
 
-/// Action of an encoder at a vertex.
+/// Action that an encoder requests at a vertex.
 struct WantedSplit {
   VertexSplit how;
   glm::ivec3 place{0};
 };
 
-/// Codes a mesh by visiting its vertices repeatedly. Each pass either splits some vertices, or adds one bit to all
-/// positions. Used in both directions; FORMAT.md, "Splits", has every step. Not thread-safe.
+/// Coder of a mesh that visits its vertices repeatedly. Each pass either splits some vertices, or adds one bit to all
+/// positions. The same code encodes and decodes; FORMAT.md, "Splits", defines every step. One thread at a time.
 class SplitGrowth {
  public:
   static constexpr std::uint32_t kMaxVertices = 1u << 28;
 
-  /// `mesh` is on a lattice of `bits` bits, finally `finest`. `vertices` and `triangles` are the maximum numbers. With
-  /// `middles`, new vertices are predicted at the mean of their neighbours, else at the old vertex.
+  /// `mesh` is on a lattice of `bits` bits, which become `finest` bits at the end. `vertices` and `triangles` are the
+  /// maximum numbers. If `middles`, a new vertex is predicted at the mean of its neighbours; otherwise at the vertex
+  /// that is split.
   SplitGrowth(SplitMesh mesh, int bits, int finest, std::size_t vertices, std::size_t triangles, bool middles)
       : mesh_(std::move(mesh)),
         bits_(bits),
@@ -42,17 +43,18 @@ class SplitGrowth {
 
   [[nodiscard]] const SplitMesh& mesh() const { return mesh_; }
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(mesh_.places().size()); }
-  /// Reports whether a pass has ended; next() returns the next vertex of the current pass.
+  /// Reports whether the current pass has ended. next() returns the next vertex of the current pass.
   [[nodiscard]] bool between() const { return at_ == end_; }
   [[nodiscard]] std::uint32_t next() const { return at_; }
   [[nodiscard]] int bits() const { return bits_; }
-  /// Returns a position on the finest lattice: the middle of the remaining interval.
+  /// Returns the position of a vertex on the finest lattice. The bits coded so far leave an interval; returns its
+  /// middle.
   [[nodiscard]] glm::ivec3 place(std::uint32_t vertex) const {
     const int less = finest_ - bits_ + (refines_ && at_ < end_ && vertex >= at_ ? 1 : 0);
     return mesh_.places()[vertex] << less | (less > 0 ? 1 << (less - 1) : 0);
   }
 
-  /// Codes the next visit. `guide` is used only for encoding. Returns false if the decisions are invalid.
+  /// Codes the next visit. Only an encoder uses `guide`. Returns false if the decisions are invalid.
   template <class Coder, class Guide>
   bool visit(exact::Decisions<Coder>& decisions, Guide& guide);
 
@@ -61,7 +63,7 @@ class SplitGrowth {
   static constexpr std::uint32_t kTurns = 12, kSizes = 32;
   static constexpr std::uint32_t kChoices = 16;
   struct Models {
-    std::array<std::array<std::array<TwoRates, 2>, 2>, kTurns> divides;  // by number of triangles, open or closed ring,
+    std::array<std::array<std::array<TwoRates, 2>, 2>, kTurns> divides;  // contexts: triangles, open or closed ring,
                                                                          // new neighbours
     std::array<std::array<TwoRates, 3>, kSizes> divides_size;
     std::array<TwoRates, 2> one, left;
@@ -70,7 +72,7 @@ class SplitGrowth {
     std::array<std::array<TwoRates, 3>, 4> as_left, as_right;
     std::array<std::array<exact::Lengths, 24>, 3> off;
     std::array<exact::Digits, 3> digits;
-    std::array<std::array<TwoRates, 3>, 3> low;  // by the bit of a neighbour
+    std::array<std::array<TwoRates, 3>, 3> low;  // context: the bit of a neighbour
   };
 
   template <class Coder, class Guide>
@@ -84,7 +86,7 @@ class SplitGrowth {
   SplitMesh mesh_;
   int bits_, finest_;
   std::size_t most_vertices_, most_triangles_;
-  std::uint32_t at_ = 0, end_ = 0;  // of the pass; vertices from end_ on were added in it
+  std::uint32_t at_ = 0, end_ = 0;  // range of the pass; vertices from end_ on are new in it
   bool refines_ = false, middles_;
   VertexRing ring_;
   std::unique_ptr<Models> models_;
@@ -107,7 +109,7 @@ bool SplitGrowth::visit(exact::Decisions<Coder>& decisions, Guide& guide) {
     mesh_.ring(at_, ring_);
     glm::ivec3& place = mesh_.places()[at_];
     for (int axis = 0; axis < 3; ++axis) {
-      // A coordinate that equalled a neighbour's usually still does.
+      // If a coordinate equalled a neighbour's in the previous pass, it usually still does.
       std::size_t beside = 2;
       for (const std::uint32_t n : ring_.neighbours)
         if (beside == 2 && n < at_ && mesh_.places()[n][axis] >> 1 == place[axis])
@@ -178,7 +180,7 @@ bool SplitGrowth::divide(exact::Decisions<Coder>& decisions, Guide& guide) {
   return true;
 }
 
-// Codes a choice below `of`.
+// Codes a choice among the numbers below `of`.
 template <class Coder>
 std::uint32_t SplitGrowth::choice(exact::Decisions<Coder>& decisions,
                                   std::array<std::array<TwoRates, kChoices>, kChoices + 1>& by, std::uint32_t of,

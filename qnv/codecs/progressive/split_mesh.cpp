@@ -63,7 +63,7 @@ void SplitMesh::split(std::uint32_t v, const VertexRing& ring, const VertexSplit
   }
   places_.push_back(place);
   corners_.resize(places_.size(), kNone);
-  std::uint32_t middle = kNone;  // the side from the new vertex to the old one, in the left triangle
+  std::uint32_t middle = kNone;  // side from the new vertex to the old one, in the left triangle
   if (how.left) {
     const auto side = static_cast<std::uint32_t>(3 * triangles_.size());
     triangles_.push_back({v, ring.neighbours[how.first % size], made});

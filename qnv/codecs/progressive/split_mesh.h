@@ -13,23 +13,24 @@ namespace gs::qnv::progressive {
 using displaced::Corners;
 using displaced::kNone;
 
-/// Triangles and vertices around a vertex, counter-clockwise: triangle k is between neighbours k and k + 1. At the
-/// mesh's rim, the ring starts after the rim and has one more neighbour than triangles; else neighbour 0 follows the
-/// last one.
+/// Triangles and neighbours around a vertex, counter-clockwise. Triangle k is between the neighbours k and k + 1. At
+/// the mesh's rim, the ring starts at the rim and has one more neighbour than triangles. Inside the mesh, the ring is
+/// closed: neighbour 0 follows the last neighbour.
 struct VertexRing {
-  std::vector<std::uint32_t> corners;     // corners of the triangles: 3 t + k
-  std::vector<std::uint32_t> neighbours;  // vertices
+  std::vector<std::uint32_t> corners;  // corner 3 t + k of each triangle at the vertex
+  std::vector<std::uint32_t> neighbours;  // vertex indices
   bool open = false;
 };
 
-/// Description of a vertex split: the triangles from neighbour `first` to neighbour `last` move to the new vertex. At
-/// both neighbours, a triangle between the old and the new vertex closes the gap, unless it is omitted at a rim.
+/// Description of a vertex split. The triangles from neighbour `first` to neighbour `last` move to the new vertex. A
+/// new triangle between the old and the new vertex closes the gap at each of the two neighbours, except where a rim
+/// omits it.
 struct VertexSplit {
-  std::uint32_t first = 0, last = 0;  // in VertexRing::neighbours; `last` may pass the end: modulo
-  bool left = true, right = true;     // add a triangle at `first`, at `last`
+  std::uint32_t first = 0, last = 0;  // indices in VertexRing::neighbours; `last` may wrap around
+  bool left = true, right = true;  // add a new triangle at `first`; at `last`
 };
 
-/// Triangles, sides and vertices of a mesh that grows by vertex splits. FORMAT.md, "Splits".
+/// Mesh that grows by vertex splits: triangles, sides and vertices. FORMAT.md, "Splits".
 class SplitMesh {
  public:
   SplitMesh() = default;
@@ -39,10 +40,10 @@ class SplitMesh {
   [[nodiscard]] const std::vector<std::uint32_t>& twins() const { return twins_; }
   [[nodiscard]] const std::vector<glm::ivec3>& places() const { return places_; }
   [[nodiscard]] std::vector<glm::ivec3>& places() { return places_; }
-  /// Collects a vertex's ring. A closed ring starts with the smallest corner number. Time is proportional to its
-  /// triangles.
+  /// Collects the ring of a vertex. A closed ring starts with the corner that has the lowest index. Time is
+  /// proportional to the number of triangles around the vertex.
   void ring(std::uint32_t vertex, VertexRing& out) const;
-  /// Splits a vertex; the new vertex gets the next number. `ring` is the vertex's.
+  /// Splits a vertex. The new vertex gets the next index. `ring` must be the ring of `vertex`.
   void split(std::uint32_t vertex, const VertexRing& ring, const VertexSplit& how, const glm::ivec3& place);
 
  private:
@@ -51,8 +52,8 @@ class SplitMesh {
   void join(std::uint32_t side, std::uint32_t other);
 
   std::vector<Corners> triangles_;
-  std::vector<std::uint32_t> twins_;    // of side 3 t + k, from corner k to the next one
-  std::vector<std::uint32_t> corners_;  // one corner of each vertex, or kNone
+  std::vector<std::uint32_t> twins_;  // adjacent side of each side 3 t + k, from corner k to the next one
+  std::vector<std::uint32_t> corners_;  // one corner of each vertex; kNone if it has none
   std::vector<glm::ivec3> places_;
 };
 

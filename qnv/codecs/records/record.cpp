@@ -11,8 +11,8 @@
 namespace gs::qnv {
 namespace {
 
-// Returns the sine of (2k + 1) pi / 64, an angle of some code. Uses the series instead of a library, so that all
-// machines agree.
+// Returns the sine of (2k + 1) pi / 64, the centre of a direction code. Sums the series instead of calling a library,
+// so that all machines agree.
 constexpr double sine_of_odd(unsigned k) {
   k %= 64;
   const double sign = k < 32 ? 1 : -1;
@@ -43,11 +43,11 @@ struct Direction {
   double cosine, sine;
 };
 
-// Borders between the codes of a half turn: k pi / 32.
+// Directions k pi / 32 at the borders between the codes of a half turn.
 constexpr std::array<Direction, 32> kBorders = [] {
   std::array<Direction, 32> borders{};
   borders[0] = {1, 0};
-  for (unsigned k = 1; k < 32; ++k) {  // bisector of the adjacent centres
+  for (unsigned k = 1; k < 32; ++k) {  // bisector of the centres on both sides
     const double c = cosine_of_odd(k - 1) + cosine_of_odd(k), s = sine_of_odd(k - 1) + sine_of_odd(k);
     borders[k] = {c, s};
   }
@@ -60,7 +60,7 @@ constexpr std::array<Direction, kRecordPhis> kPhiCentres = [] {
   return centres;
 }();
 
-// Returns the 32nd of a half turn (sine >= 0) that contains a direction.
+// Returns the part, 0 to 31, of a half turn that contains a direction with sine >= 0.
 unsigned part_of_half_turn(double cosine, double sine) {
   unsigned k = 0;
   for (unsigned step = 16; step > 0; step /= 2) {
@@ -70,7 +70,7 @@ unsigned part_of_half_turn(double cosine, double sine) {
   return k;
 }
 
-constexpr std::uint32_t kDroppedBits = 0x7ff;  // keeps 13 of a float's 24 significant bits
+constexpr std::uint32_t kDroppedBits = 0x7ff;  // keeps 13 of the 24 significant bits of a float
 
 float round_up_to_13_bits(double value) {
   auto rounded = static_cast<float>(value);
@@ -79,14 +79,14 @@ float round_up_to_13_bits(double value) {
   return std::bit_cast<float>((bits + kDroppedBits) & ~kDroppedBits);
 }
 
-// Returns the code of a coordinate; NaN gives 0.
+// Returns the code of a coordinate; 0 for NaN.
 std::uint16_t position_code(double offset, double per_unit) {
   const double code = offset * per_unit;
   if (!(code >= 0)) return 0;
   return static_cast<std::uint16_t>(std::min(code, kRecordPositions - 1.0));
 }
 
-// Constants of a frame for packing.
+// Constants of a RecordFrame for packing.
 struct Packer {
   explicit Packer(const RecordFrame& frame) : weights_per_step(1 / double{frame.weight_step}) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -136,7 +136,7 @@ RecordFrame frame_for(const Box& box, float largest_weight) {
     const double extent = double{box.upper[axis]} - double{box.lower[axis]};
     frame.cell[axis] = extent > 0 ? round_up_to_13_bits(extent / kRecordPositions) : 0;
   }
-  // Keep the step a normal float, so that dividing by it stays finite.
+  // Keeps the step a normal float, so that results of dividing by it are finite.
   frame.weight_step = std::max(largest_weight / kRecordLargestWeight, std::numeric_limits<float>::min());
   return frame;
 }
@@ -158,8 +158,9 @@ unsigned normal_code(const glm::vec3& direction) {
   const double x = direction.x, y = direction.y, z = direction.z;
   if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z)) return 0;
   if (x == 0 && y == 0) return z < 0 ? kRecordThetas - 1 : 0;
-  // For any polar angle, the nearest azimuth is that of the containing sector, so it comes first. Then project the
-  // direction onto the half plane of the sector's centre; the nearest polar angle is that of the projection.
+  // The azimuth comes first: for any polar angle, the nearest azimuth is the centre of the sector that contains the
+  // direction. Then projects the direction onto the half plane of that centre. The nearest polar angle is that of the
+  // projection.
   const bool back = y < 0 || (y == 0 && x < 0);
   const unsigned phi = (back ? 32 : 0) + (back ? part_of_half_turn(-x, -y) : part_of_half_turn(x, y));
   const Direction& centre = kPhiCentres[phi];

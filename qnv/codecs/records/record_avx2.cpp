@@ -6,7 +6,7 @@
 
 #include <cstring>
 
-// Enable the instructions per function, so that the program runs on every x86-64. Exclude FMA, so that the compiler
+// Enables the instructions per function, so that the program runs on every x86-64. Excludes FMA, so that the compiler
 // does not fuse operations that are separate in other paths.
 #define QNV_AVX2 __attribute__((target("avx2")))
 #define QNV_AVX2_INLINE __attribute__((target("avx2"), always_inline)) inline
@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kLanes = 8;
 
-// One axis of the frame, broadcast to eight lanes.
+// One axis of a RecordFrame, copied to eight lanes.
 struct Axis {
   __m256 lower, half_cell;
 };
@@ -46,7 +46,7 @@ QNV_AVX2_INLINE __m256 coordinates(__m256i codes, const Axis& axis) {
   return _mm256_add_ps(axis.lower, _mm256_mul_ps(_mm256_cvtepi32_ps(odd), axis.half_cell));
 }
 
-// x0..x7, y0..y7, z0..z7 to x0 y0 z0 x1 ...
+// Reorders x0..x7, y0..y7, z0..z7 to x0 y0 z0 x1 ...
 QNV_AVX2_INLINE void put_interleaved(Sink& sink, __m256 x, __m256 y, __m256 z) {
   const __m256 xy = _mm256_shuffle_ps(x, y, _MM_SHUFFLE(2, 0, 2, 0));   // x0 x2 y0 y2
   const __m256 yz = _mm256_shuffle_ps(y, z, _MM_SHUFFLE(3, 1, 3, 1));   // y1 y3 z1 z3
@@ -59,7 +59,7 @@ QNV_AVX2_INLINE void put_interleaved(Sink& sink, __m256 x, __m256 y, __m256 z) {
   sink.put(_mm256_permute2f128_ps(b, c, 0x31));
 }
 
-// Returns the normals of two codes; the fourth lane of each repeats z.
+// Returns the normals of two codes. The fourth lane of each normal repeats z.
 QNV_AVX2_INLINE __m256 normals_of(std::uint64_t low, std::uint64_t high) {
   return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(&kNormals[low & 0xffff].x)),
                               _mm_load_ps(&kNormals[high & 0xffff].x), 1);

@@ -6,10 +6,10 @@
 #include <cstddef>
 #include <cstdint>
 
-/// Code paths of unpack_records(), exposed for its tests and benchmark. All give the same bits.
+/// Code paths of unpack_records(), public only for its tests and its benchmark. All give the same bits.
 namespace gs::qnv::record_paths {
 
-/// Output arrays.
+/// Output arrays of unpack_records().
 struct Outputs {
   glm::vec3* positions;
   glm::vec3* normals;
@@ -23,10 +23,10 @@ struct alignas(16) PaddedNormal {
 };
 extern const std::array<PaddedNormal, kNormalCodes> kNormals;
 
-/// Unpacks on any processor.
+/// Unpacks records on any processor.
 void unpack_portable(const std::byte* records, std::size_t count, const RecordFrame& frame, const Outputs& out);
 
-/// Unpacks eight records at a time. Call only if has_avx2().
+/// Reports whether the processor has AVX2. unpack_avx2() requires AVX2, and unpacks eight records at a time.
 [[nodiscard]] bool has_avx2();
 void unpack_avx2(const std::byte* records, std::size_t count, const RecordFrame& frame, const Outputs& out);
 

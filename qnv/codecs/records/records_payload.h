@@ -14,27 +14,27 @@
 #include <variant>
 #include <vector>
 
-/// The records payload of a QNV stream: chunks of 8-byte records, each of one layer and one octree cell. FORMAT.md,
-/// "Records payload", defines the bytes. Pure; safe from any thread.
+/// Records payload of a QNV stream: chunks of 8-byte records. All records of a chunk belong to one layer and one octree
+/// cell. FORMAT.md, "Records payload", defines the bytes. All functions are pure and safe from any thread.
 namespace gs::qnv {
 
-inline constexpr std::size_t kRecordsHeaderBytes = 48;  // the payload of an ATM cell
+inline constexpr std::size_t kRecordsHeaderBytes = 48;  // size of the payload of an ATM cell
 inline constexpr unsigned kDeepestRecordsCell = 20;
 
-/// Octree cell over a stream's box: cell (x, y, z) of the 2^depth cells per axis.
+/// Cell of the octree over a stream's box. At `depth`, there are 2^depth cells per axis; x, y, z select one.
 struct RecordsCell {
   std::uint8_t depth = 0;             // 0..20
   std::uint32_t x = 0, y = 0, z = 0;  // below 2^depth
   friend bool operator==(const RecordsCell&, const RecordsCell&) = default;
 };
 
-/// Cube that the octree divides. It starts at the lower corner of the stream's box and has the box's longest edge.
+/// Cube that the octree divides. Its lower corner is that of the stream's box; its edge is the longest edge of the box.
 class RecordsCube {
  public:
   explicit RecordsCube(const Box& box);
-  /// Returns the cell of depth 20 that contains a position, or the nearest one.
+  /// Returns the cell of depth 20 that contains a position. Outside the cube, returns the nearest cell.
   [[nodiscard]] std::array<std::uint32_t, 3> cell_of(const glm::vec3& position) const;
-  /// Returns the nearest cell of depth 20 among those inside `within`.
+  /// Returns the cell of depth 20 that is nearest to a position among the cells inside `within`.
   [[nodiscard]] std::array<std::uint32_t, 3> cell_of(const glm::vec3& position, const RecordsCell& within) const;
 
  private:
@@ -44,26 +44,26 @@ class RecordsCube {
 
 /// Header of a records chunk.
 struct RecordsHeader {
-  std::uint8_t layer = 0;   // 0 is the coarsest
-  std::uint16_t count = 0;  // number of records; a truncated chunk has fewer
-  RecordsCell cell;         // contains all the records
+  std::uint8_t layer = 0;  // 0 is the coarsest layer
+  std::uint16_t count = 0;  // number of records; a truncated chunk contains fewer
+  RecordsCell cell;  // cell that contains all records of the chunk
   RecordFrame frame;
-  float cell_weight = 0;  // total weight of all vectors in the cell, over all layers
+  float cell_weight = 0;  // total weight of all vectors in the cell, in all layers
   friend bool operator==(const RecordsHeader&, const RecordsHeader&) = default;
 };
 
 struct RecordsChunk {
   RecordsHeader header;
-  std::vector<std::byte> payload;  // header bytes, then records in progressive order
+  std::vector<std::byte> payload;  // header, then records in progressive order
 };
 
 struct RecordsOptions {
   std::uint64_t seed = 1;
-  std::size_t vectors = std::numeric_limits<std::size_t>::max();  // maximum number; the first ones in progressive order
-                                                                  // are kept
-  std::size_t first_layer = 768;       // vectors in layer 0; each further layer multiplies the total by four
-  std::size_t most_per_chunk = 1000;   // 16..8000
-  std::span<const Rgb8> palette = {};  // surface: 1..256 colours; if empty, every index is 0
+  std::size_t vectors = std::numeric_limits<std::size_t>::max();  // maximum number; keeps the first vectors in
+                                                                  // progressive order
+  std::size_t first_layer = 768;  // vectors in layer 0; each layer makes the total four times as large
+  std::size_t most_per_chunk = 1000;  // maximum records per chunk, 16..8000
+  std::span<const Rgb8> palette = {};  // surface: 1..256 colours; if empty, all indices are 0
   unsigned threads = 0;
   Progress* progress = nullptr;  // if cancelled, the result is empty
 };
@@ -79,8 +79,8 @@ struct RecordsOptions {
 /// Received part of one chunk.
 struct RecordsPatch {
   RecordsHeader header;
-  std::vector<std::uint16_t> indices;  // of the received records, ascending
-  std::vector<glm::vec3> positions;    // one entry per received record, as in the arrays below
+  std::vector<std::uint16_t> indices;  // index in the chunk of each received record, ascending
+  std::vector<glm::vec3> positions;  // one entry per received record, like all arrays below
   std::vector<glm::vec3> normals;
   std::vector<float> weights;
   std::vector<std::uint8_t> colors;  // surface: palette indices; volume: classes
@@ -91,9 +91,9 @@ struct RecordsError {
   std::string message;
 };
 
-/// Decodes the records that were received completely. The bytes in `missing` (in any order) and those past the end of
-/// `payload` are lost. Returns an error if the header is lost or invalid, or if bytes follow the last record. Safe for
-/// untrusted bytes.
+/// Decodes the records that were received completely. The ranges `missing` (in any order), and all bytes after the end
+/// of `payload`, are lost. Returns an error if the header is lost or invalid, or if other bytes follow the last record.
+/// Safe for untrusted bytes.
 [[nodiscard]] std::variant<RecordsPatch, RecordsError> decode_records(std::span<const std::byte> payload,
                                                                       std::span<const ByteRange> missing = {});
 

@@ -9,10 +9,10 @@
 
 namespace gs::qnv {
 
-/// Outcome of the chunks that a decoder received.
+/// Numbers of chunks that a decoder received, by result.
 struct DecodeCount {
-  std::size_t refused = 0, taken = 0;  // unusable chunks; changes of the geometry
-  bool full = false;                   // something was dropped because of the maximum number of vectors
+  std::size_t refused = 0, taken = 0;  // unusable chunks; chunks that changed the geometry
+  bool full = false;  // the maximum number of vectors was reached, and data was dropped
 
   DecodeCount& operator+=(const DecodeCount& other) {
     refused += other.refused;
@@ -22,23 +22,24 @@ struct DecodeCount {
   }
 };
 
-/// Received part of the mesh that a stream ends with or grows to.
+/// Progress of the mesh that a stream ends with or grows to.
 struct MeshProgress {
-  std::size_t bytes = 0, received = 0;                  // of an exact mesh; `bytes` is 0 if unknown
-  std::size_t texture_bytes = 0, texture_received = 0;  // of its picture; `texture_bytes` is 0 if unknown
-  std::size_t vertices = 0;                             // of a growing mesh, received
+  std::size_t bytes = 0, received = 0;  // of an exact mesh; `bytes` is 0 until received
+  std::size_t texture_bytes = 0, texture_received = 0;  // of its texture; `texture_bytes` is 0 until received
+  std::size_t vertices = 0;  // number received of a growing mesh
   std::size_t triangles = 0, all_triangles = 0;         // of an exact mesh; `all_triangles` is set if `partly`
-  int bits = 0;                                         // log2 of the lattice positions per axis; 0 means unknown
+  int bits = 0;  // log2 of the lattice positions per axis; 0 until received
   bool partly = false;                                  // received triangles replace a part of the surface
-  bool whole = false;                                   // all triangles are shown; positions may be refined
-  bool growing = false;                                 // a progressive mesh is shown
-  bool final = false;                                   // complete and exact
+  bool whole = false;  // all triangles are drawn; their positions may still be refined
+  bool growing = false;  // a progressive mesh is drawn
+  bool final = false;  // the mesh is complete and exact
 
   [[nodiscard]] bool shown() const { return partly || whole || growing; }
 };
 
-/// Decoder of one stream's chunks, in any order and with losses. At any time, the received part is a complete picture.
-/// Each codec has its own, made by the codec's row (codecs/payloads.h). Not thread-safe; safe for untrusted bytes.
+/// Decoder of the chunks of one stream, in any order and with losses. At any time, the received part gives a complete
+/// picture. Each codec has its own class; the codec's table row creates it (codecs/payloads.h). One thread at a time.
+/// Safe for untrusted bytes.
 class Decoder {
  public:
   Decoder() = default;
@@ -46,8 +47,9 @@ class Decoder {
   Decoder& operator=(const Decoder&) = delete;
   virtual ~Decoder() = default;
 
-  /// Adds the payload of a chunk of one of the codec's types. The bytes `missing` in the payload and those after its
-  /// end may be added later or never; only codecs with records accept that.
+  /// Adds the payload of a chunk. The codec must support the chunk's type. The ranges `missing` in the payload, and
+  /// bytes after its end, are not received. If the codec has records, a later call may add these bytes; other codecs
+  /// ignore incomplete payloads.
   virtual void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) = 0;
   [[nodiscard]] virtual DecodeCount count() const = 0;
   /// Returns the number of vectors of geometry().

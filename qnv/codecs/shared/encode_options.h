@@ -18,61 +18,62 @@
 
 namespace gs::qnv {
 
-/// Function that passes all triangles of a surface to a sink. Each call gives the same triangles in the same order.
-/// Returns false if it failed or the sink requested no more.
+/// Function that passes all triangles of a surface to a sink. Each call passes the same triangles in the same order.
+/// Returns false if reading failed or the sink returned false.
 using TriangleSource = std::function<bool(const TriangleSink&)>;
 
-/// Surface with a texture: original triangles, not subdivided to carry texture colours at their corners.
+/// Surface with a texture. Its triangles are the original ones; they were not subdivided to carry texture colours at
+/// their corners.
 struct TexturedSurface {
   std::vector<Triangle> triangles;
-  std::vector<std::array<glm::vec2, 3>> coordinates;  // s and t (VRML97 4.6.11) of each triangle's corners
-  std::uint32_t width = 1, height = 1;                // of the picture
-  std::vector<PictureFile> picture;                   // coarse to fine; at most exact::kMaxPictureFiles
+  std::vector<std::array<glm::vec2, 3>> coordinates;  // s, t (VRML97 4.6.11) of each triangle's corners
+  std::uint32_t width = 1, height = 1;  // size of the texture, pixels
+  std::vector<PictureFile> picture;  // texture files, coarse to fine; at most exact::kMaxPictureFiles
   bool repeat_s = true, repeat_t = true;
 };
 
-/// Value of EncodeOptions::exact_bits: add an exact tail if the surface is smooth and small enough, with bits chosen by
-/// the size of its triangles, and with parity.
+/// Value of EncodeOptions::exact_bits: adds an exact tail if the surface is smooth and small enough. The tail has
+/// parity, and the size of the triangles determines its bits.
 inline constexpr int kExactWherePays = -1;
-/// Maximum number of triangles of a small surface for kExactWherePays.
+/// Maximum number of triangles for which kExactWherePays adds an exact tail.
 inline constexpr std::size_t kMaxChosenTriangles = 300'000;
 
 struct EncodeOptions {
   Payload payload = Payload::packed;
-  std::size_t vectors = 0;    // approximate, at full detail; 0: chosen automatically
-  std::size_t max_bytes = 0;  // of the whole stream; 0 means unlimited
-  bool compact = false;       // packed: fewer bits per vector, a rougher final picture
-  std::uint64_t seed = 1;     // of the order of records
+  std::size_t vectors = 0;  // approximate number at full detail; 0 means automatic
+  std::size_t max_bytes = 0;  // maximum size of the stream; 0 means unlimited
+  bool compact = false;  // packed: fewer bits per vector, and a rougher final picture
+  std::uint64_t seed = 1;  // of the pseudo-random order of records
   bool two_sided = false;
-  bool only_if_suited = false;     // displaced: fail with EncodeError::unsuited if an octree follows the surface better
-  std::size_t most_triangles = 0;  // displaced: maximum in memory; larger surfaces are thinned to it; 0: unlimited
-  int exact_bits = 0;  // displaced: adds an exact tail with 2^this positions per axis, 8 to 20; 0: no tail; or
+  bool only_if_suited = false;  // displaced: fails with EncodeError::unsuited if an octree is better
+  std::size_t most_triangles = 0;  // displaced: maximum number; larger surfaces are thinned; 0 means unlimited
+  int exact_bits = 0;  // displaced: bits per axis of an exact tail, 8 to 20; 0 means no tail; or
                        // kExactWherePays
-  const TexturedSurface* textured = nullptr;  // displaced: source of the exact tail, or nullptr; must outlive the call
-  glm::dvec3 origin{0};                       // of triangles (Description::origin); point sets have their own
+  const TexturedSurface* textured = nullptr;  // displaced: source of the exact tail, or null; must outlive the call
+  glm::dvec3 origin{0};  // origin of triangles (Description::origin); point sets have their own
   std::vector<std::pair<std::string, std::string>> metadata;
   unsigned threads = 0;
 };
 
-/// Request for a stream of a source.
+/// Request for a stream, independent of the source.
 struct EncodeRequest {
-  std::optional<Payload> payload;  // nullopt: chosen for the source
-  EncodeOptions options;           // `payload` and `only_if_suited` are ignored
+  std::optional<Payload> payload;  // if nullopt, encode() chooses by the source
+  EncodeOptions options;  // encode() ignores `payload` and `only_if_suited`
 };
 
-/// Memory per triangle while encoding a displaced surface.
+/// Memory per triangle during the encoding of a displaced surface, in bytes.
 inline constexpr std::size_t kDisplacedTriangleBytes = 600;
 
 struct EncodeError {
   std::string message;
-  bool unsuited = false;  // another payload suits this source better
+  bool unsuited = false;  // another payload suits the source better
 };
 
-/// Whole stream: its bytes and its header.
+/// Complete stream: its bytes and its header.
 struct EncodedStream {
   StreamHeader header;
   std::vector<std::byte> bytes;
-  bool thinned = false;  // there were more triangles than EncodeOptions::most_triangles
+  bool thinned = false;  // the source had more triangles than EncodeOptions::most_triangles
 };
 
 }  // namespace gs::qnv

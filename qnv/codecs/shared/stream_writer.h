@@ -9,19 +9,19 @@
 
 namespace gs::qnv {
 
-/// Chunk to be written; `entry` lacks only the offset and length.
+/// Chunk to be written. `entry` is complete except for the offset and the length.
 struct OutgoingChunk {
   ChunkType type = ChunkType::packed;
   std::vector<std::byte> payload;
   DirectoryEntry entry;
-  std::uint32_t replaced = 0;  // number of vectors in other chunks that its own replace
+  std::uint32_t replaced = 0;  // number of vectors in other chunks that this chunk replaces
 };
 
-/// Returns the payload bytes that fit into a stream of at most `max_bytes`, for chunks of about 1,200 bytes.
+/// Returns the number of payload bytes that fit into a stream of at most `max_bytes`, if chunks have about 1,200 bytes.
 [[nodiscard]] std::size_t payload_budget(const StreamHeader& header, std::size_t max_bytes);
 
-/// Writes the header, the chunks in order and the directory. If the stream exceeds `max_bytes` (0: unlimited), drops
-/// the last chunks, but never the first. Counts the header's vectors.
+/// Writes the header, the chunks in the given order, and the directory. If the stream exceeds `max_bytes` (0 means
+/// unlimited), drops chunks from the end, but never the first. Sets the header's number of vectors.
 [[nodiscard]] EncodedStream write_stream(StreamHeader header, std::vector<OutgoingChunk> chunks, std::size_t max_bytes);
 
 }  // namespace gs::qnv

@@ -23,7 +23,8 @@ void VolumeVoxels::resize(std::size_t size) {
 }
 
 const OccupancyOdds& occupancy_odds() {
-  // Logistic regression over the volumes of docs/benchmarks.md, rounded once; part of the format.
+  // Coefficients of a logistic regression over the volumes of docs/benchmarks.md. The rounded values are part of the
+  // format.
   static constexpr OccupancyOdds kOdds{{
       {{{{{-12, -15}, {0, 14}}}, {{{-15, -42}, {-8, -22}}}, {{{-4, -9}, {32, 38}}}}},
       {{{{{-7, -16}, {8, 13}}}, {{{-4, -35}, {5, -3}}}, {{{-13, -12}, {26, 22}}}}},
@@ -52,8 +53,8 @@ VolumeVoxels root_volume_voxel() {
   return root;
 }
 
-// A child's neighbour across an inner face is its sibling; across an outer face it is a child of the parent's
-// neighbour.
+// Across an inner face, the neighbour of a child is a sibling. Across an outer face, the neighbour is a child of the
+// parent's neighbour.
 void link_neighbours(const VolumeVoxels& from, std::size_t first, std::span<const std::uint8_t> masks,
                      std::span<const std::uint32_t> first_child, VolumeVoxels& children) {
   children.neighbours.resize(first_child.back());

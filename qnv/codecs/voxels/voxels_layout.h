@@ -10,51 +10,53 @@
 
 namespace gs::qnv {
 
-// Rules that the encoder and decoder of the voxels payload share, in integers.
+// Rules that the encoder and the decoder of the voxels payload share. All arithmetic is in integers.
 
 /// Coding parameters of a cluster: bytes 14 to 23 of its payload.
 struct VolumeParameters {
-  std::uint8_t occupancy = 3, bias = kNoBias;  // steepness of the probabilities; offset of the odds
+  std::uint8_t occupancy = 3, bias = kNoBias;  // steepness of the probabilities; offset of the log odds
   std::uint8_t value_step = 12, direction_step = 20, magnitude_step = 4;
-  std::uint8_t slope = 0;                                            // of values along the parent's direction
-  std::uint8_t turn = 0, trust = 0;                                  // how value differences turn directions: rate,
-                                                                     // weight
-  std::array<std::uint8_t, kResidualContexts> direction{}, value{};  // models, by the parent's activity
+  std::uint8_t slope = 0;  // slope of the values along the parent's direction
+  std::uint8_t turn = 0, trust = 0;  // rate at which value differences turn
+                                                                     // directions, and its weight
+  std::array<std::uint8_t, kResidualContexts> direction{}, value{};  // indices of models, by the parent's activity
   std::uint8_t magnitude = 0;                                        // index of the model
 
   static constexpr std::uint8_t kNoBias = 16;
 };
 constexpr std::size_t kVolumeClusterHeaderSize = 24;
-constexpr int kDirectionUnit = 16;  // unit of VoxelSteps::direction and VolumeParameters::direction_step, in
-                                    // 1/kOctahedral
+constexpr int kDirectionUnit = 16;  // VoxelSteps::direction and VolumeParameters::direction_step are in units of
+                                    // kDirectionUnit / kOctahedral
 
-/// Log odds that a child exists, in 1/16; one term per axis. Indices: share of the parent's direction along the axis;
-/// the child's sibling across the axis (0: not decoded yet, 1: absent, 2: exists); whether the parent has a neighbour
-/// on the child's side; whether it has one on the other side.
+/// Log odds that a child exists, in 1/16: one term per axis. First index: share of the parent's direction along the
+/// axis. Second: state of the child's sibling across the axis (0: not decoded yet, 1: absent, 2: exists). Third:
+/// whether the parent has a neighbour on the child's side. Fourth: whether the parent has a neighbour on the other
+/// side.
 using OccupancyOdds = std::array<std::array<std::array<std::array<std::int8_t, 2>, 2>, 3>, 3>;
 [[nodiscard]] const OccupancyOdds& occupancy_odds();
 constexpr int kOddsOfAll = -12;
-/// Returns the probability (of 4096) for log odds of 0, 1/8, 2/8, ...
+/// Returns the probabilities, in 1/4096, for log odds of 0, 1/8, 2/8, ...
 [[nodiscard]] const std::array<std::uint16_t, 65>& logistic_table();
-/// Steepness for each VolumeParameters::occupancy, in 1/16.
+/// Steepness for each value of VolumeParameters::occupancy, in 1/16.
 constexpr std::array<int, 8> kSteepness{6, 9, 12, 14, 16, 20, 25, 32};
 
-/// Returns the share of a direction of 1-norm kOctahedral along an axis: 0 (small) to 2 (large).
+/// Returns the share of a direction along an axis: 0 (small) to 2 (large). `component` belongs to a direction with
+/// 1-norm kOctahedral.
 inline unsigned share_along(int component) {
   const int size = std::abs(component);
   return size < 200 ? 0 : size < 420 ? 1 : 2;
 }
 
-/// Returns the probability (of 4096) for odds in 1/16.
+/// Returns the probability, in 1/4096, for log odds in 1/16.
 inline std::uint32_t probability_of(int odds, const std::array<std::uint16_t, 65>& logistic, int steepness) {
   const int eighths = std::clamp((odds * steepness) >> 5, -64, 64);
   return eighths >= 0 ? logistic[static_cast<unsigned>(eighths)]
                       : kRansTotal - logistic[static_cast<unsigned>(-eighths)];
 }
 
-/// Odds of the children of one voxel, from the parent's direction and neighbours.
+/// Log odds that the children of one voxel exist, from the voxel's direction and neighbours.
 struct ChildOdds {
-  // Indices: axis; side; sibling not decoded yet, absent or existing.
+  // Indices: axis; side of the child; sibling not decoded yet, absent or existing.
   std::array<std::array<std::array<std::int8_t, 3>, 2>, 3> parts;
 
   ChildOdds(const OccupancyOdds& odds, const std::array<int, 3>& direction,
@@ -67,7 +69,7 @@ struct ChildOdds {
           parts[a][side][sibling] = odds[share_along(direction[a])][sibling][near][far];
       }
   }
-  /// Returns the odds of child `c`. `mask` holds the children before `c`.
+  /// Returns the log odds of child `c`. `mask` has the decoded children before `c`.
   [[nodiscard]] int of(unsigned c, unsigned mask) const {
     const auto part = [&](unsigned a) {
       const unsigned side = c >> a & 1;
@@ -77,7 +79,7 @@ struct ChildOdds {
   }
 };
 
-/// Returns the predicted value of a child, for values that rise linearly along the parent's direction.
+/// Returns the predicted value of a child. Assumes that values rise linearly along the parent's direction.
 inline int predicted_value(int value, const std::array<int, 3>& direction, unsigned c, const VoxelLattice& lattice,
                            int slope) {
   int along = 0;
@@ -89,7 +91,7 @@ struct OctahedralPoint {
   int u, v;
 };
 
-/// Returns the octahedral coordinates of a direction of any length; (0, 0) for a zero direction.
+/// Returns the octahedral coordinates of a direction with any length; (0, 0) for a zero direction.
 inline OctahedralPoint octahedral_of(const std::array<int, 3>& d) {
   const int norm = std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]);
   if (norm == 0) return {0, 0};
@@ -99,9 +101,9 @@ inline OctahedralPoint octahedral_of(const std::array<int, 3>& d) {
   return {u < 0 ? -fu : fu, v < 0 ? -fv : fv};
 }
 
-/// Rates at which value differences turn directions, in the parent's units.
+/// Rates at which value differences turn directions, in units of the parent.
 struct ValueTurns {
-  std::array<int, 3> rate{};  // direction component per unit of value difference, by axis
+  std::array<int, 3> rate{};  // change of the direction component per unit of value difference, by axis
   int trust = 0;
 
   ValueTurns(const VolumeParameters& p, const VoxelLattice& lattice) : trust(p.trust) {
@@ -109,7 +111,8 @@ struct ValueTurns {
   }
 };
 
-/// Directions of a divided voxel and of its neighbours. Neighbours that point away are negated; missing ones are zero.
+/// Directions of a divided voxel and of its neighbours. Negates neighbours that point away from the voxel's direction;
+/// missing neighbours are zero.
 struct DirectionsAround {
   std::array<int, 3> own;
   std::array<std::array<int, 3>, 6> neighbours;
@@ -128,8 +131,9 @@ struct DirectionsAround {
   }
 };
 
-/// Returns the predicted direction of child `c`: the mean of the parent's and its neighbours' on the child's side,
-/// turned towards higher values among the siblings. `values` holds the values of the children in `mask`.
+/// Returns the predicted direction of child `c`. Starts with the mean of the parent's direction and the directions of
+/// the parent's neighbours on the child's side. Turns it towards siblings with higher values. `values` has the values
+/// of the children in `mask`.
 inline OctahedralPoint predicted_direction(const DirectionsAround& around, unsigned c, unsigned mask,
                                            const std::array<std::uint8_t, 8>& values, const ValueTurns& turns) {
   std::array<int, 3> sum{};
@@ -149,9 +153,9 @@ inline OctahedralPoint predicted_direction(const DirectionsAround& around, unsig
   return octahedral_of(sum);
 }
 
-/// Returns the voxel of level 0, which a cluster without parent divides.
+/// Returns the voxel of level 0, which the root cluster divides.
 [[nodiscard]] VolumeVoxels root_volume_voxel();
-/// Links the neighbours among children of a cluster. `first_child` has one entry more than there are divided voxels.
+/// Links neighbours among the children of a cluster. `first_child` has one more entry than there are divided voxels.
 void link_neighbours(const VolumeVoxels& from, std::size_t first, std::span<const std::uint8_t> masks,
                      std::span<const std::uint32_t> first_child, VolumeVoxels& children);
 

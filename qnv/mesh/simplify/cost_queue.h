@@ -10,11 +10,11 @@ namespace gs::qnv::displaced {
 
 /// Edge that may collapse.
 struct Candidate {
-  std::uint32_t u, v, stamp;  // stamp: sum of both vertices' stamps at creation
+  std::uint32_t u, v, stamp;  // `stamp` is the sum of both vertices' stamps when the candidate was made
 };
 
-/// Bucket queue of candidates, cheapest first. Costs within a 32nd of an octave are equal, and those are first in,
-/// first out. Push and pop take constant time, unlike a heap of millions, which waits for memory at every step.
+/// Bucket queue of candidates, cheapest first. Costs within a 32nd of an octave count as equal; of these, the first in
+/// is the first out. Push and pop take constant time. A heap of millions would wait for memory at every step.
 class CostQueue {
  public:
   /// `cost` must be finite and not negative.
@@ -38,7 +38,7 @@ class CostQueue {
   }
 
  private:
-  // Float bits order like the numbers; the shift leaves five bits of the fraction.
+  // The bits of floats >= 0 sort like the numbers. The shift keeps five bits of the fraction.
   static constexpr std::uint32_t kShift = 18, kSlots = 0x7f80'0000u >> kShift;
   struct Slot {
     std::vector<Candidate> waiting;

@@ -29,9 +29,9 @@ struct Quadric {
     return p.x * (xx * p.x + 2 * (xy * p.y + xz * p.z + x)) + p.y * (yy * p.y + 2 * (yz * p.z + y)) +
            p.z * (zz * p.z + 2 * z) + c;
   }
-  /// Returns the minimum near `middle`, or `middle` itself if the minimum is not distinct.
+  /// Returns the position of the minimum that is nearest to `middle`. Returns `middle` if the minimum is not unique.
   [[nodiscard]] glm::dvec3 least(const glm::dvec3& middle) const {
-    // A small weight on the middle makes the matrix invertible.
+    // A small weight of `middle` makes the matrix invertible.
     const double little = 1e-3 * (xx + yy + zz) + 1e-30;
     const double a = xx + little, d = yy + little, f = zz + little;
     const glm::dvec3 right(little * middle.x - x, little * middle.y - y, little * middle.z - z);

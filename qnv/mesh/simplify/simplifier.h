@@ -17,41 +17,42 @@
 
 namespace gs::qnv::displaced {
 
-/// Limits of a collapse: the largest turn of a triangle (as a cosine), and its least quality (1: equilateral).
+/// Limits of a collapse: the maximum turn of a triangle, as a cosine, and the minimum quality of a triangle (1 means
+/// equilateral).
 struct Care {
   double least_turn, least_quality;
 };
-/// Levels of limits; the next level applies when no more edges may collapse.
+/// Levels of limits. The next level applies when the current one allows no more collapses.
 inline constexpr std::array<Care, 2> kCare{{{0.2, 0.08}, {0.05, 0.03}}};
 inline constexpr Care kCareless{-2, 0};
 inline constexpr std::size_t kFromTheStart = 16;
 
-/// Half-edge collapse: vertex `gone` moved to `stays`. `left` and `right` were adjacent to both; `left` is the third
-/// corner of the triangle in which `gone` preceded `stays`; kNone on a rim.
+/// Collapse that moved the vertex `gone` to the vertex `stays`. `left` and `right` were adjacent to both vertices;
+/// kNone on a rim. `left` is the third corner of the triangle in which `gone` preceded `stays`.
 struct HalfCollapse {
   std::uint32_t gone, stays, left, right;
-  double distance;  // root mean square distance between the planes around both and their position, units of the box
+  double distance;  // root mean square distance from the planes around both, units of the box
 };
 
-/// Mesh during simplification (simplify.h). Not thread-safe.
+/// Mesh during simplification (simplify.h). One thread at a time.
 class Simplifier {
  public:
-  /// Kind of collapse: `any` may compute a new position; `halves` keeps one of both vertices in place, which preserves
-  /// planes and their edges but may make narrow triangles.
+  /// Kind of collapse. `any` may move the vertex to a new position. `halves` keeps one of both vertices at its
+  /// position, which preserves planes and their edges but may make narrow triangles.
   enum class Way { any, halves };
-  /// `kept` marks vertices that must not move; empty means none.
+  /// `kept` marks vertices that must not move; if empty, all may move.
   explicit Simplifier(const SurfaceMesh& mesh, std::vector<bool> kept = {}, Way way = Way::any);
-  /// Simplifies to `wanted` triangles. `begun`: an earlier thin() left `begun` times as many triangles.
+  /// Simplifies to `wanted` triangles. If thin() was called before, `begun` is its `left` divided by `wanted`.
   void run(std::size_t wanted, std::size_t begun = kFromTheStart);
-  /// Simplifies until `left` triangles remain, as a step towards a mesh of `wanted` triangles.
+  /// Simplifies until `left` triangles remain, as the first part of the way to `wanted` triangles.
   void thin(std::size_t wanted, std::size_t left);
-  /// Makes at most `most` independent half-edge collapses, cheapest first: no two removed vertices are adjacent, and
-  /// none moves to one that another moves to.
+  /// Makes at most `most` independent half-edge collapses, cheapest first. No two removed vertices are adjacent. A
+  /// vertex that another vertex moves to does not move, and no third vertex moves to it.
   [[nodiscard]] std::vector<HalfCollapse> collapse_apart(std::size_t most);
   /// Removes the limit on how triangles may turn.
   void turn_freely() { care_ = kCareless; }
   [[nodiscard]] std::size_t triangles() const { return mesh_.count(); }
-  /// Fills `places` with the new number of each original vertex, or kNone.
+  /// Returns the simplified mesh. Fills `places` with the new index of each original vertex; kNone if it was removed.
   [[nodiscard]] SurfaceMesh result(const SurfaceMesh& mesh, std::vector<std::uint32_t>& places) const;
 
  private:
@@ -79,20 +80,21 @@ class Simplifier {
   std::vector<glm::dvec3> positions_;
   LinkedTriangles mesh_;
   std::vector<Quadric> quadrics_;
-  std::vector<double> areas_;  // around a vertex
+  std::vector<double> areas_;  // area around each vertex
   std::vector<std::uint32_t> stamp_, mark_, seen_triangles_;
   std::uint32_t searches_ = 0;
   std::vector<bool> rim_, kept_;
   Way way_;
   Care care_ = kCare[0];
-  double noise_ = 0;  // twice the area below which triangles are far smaller than the wanted ones
+  double noise_ = 0;  // twice the area below which a triangle is noise: far smaller than the triangles of the result
   std::uint32_t marks_ = 0;
   CostQueue queue_;
   std::vector<std::uint32_t> at_u_, at_v_, round_, seen_u_, seen_v_;
 };
 
-/// Returns a mesh of several times `wanted` triangles, simplified in `parts` (a power of two, at most 64) in parallel.
-/// Geometry shared by two parts stays unchanged. The result does not depend on the number of threads.
+/// Returns a mesh with several times `wanted` triangles. Simplifies `parts` parts in parallel; `parts` is a power of
+/// two and at most 64. Geometry that two parts share stays unchanged. The result does not depend on the number of
+/// threads.
 [[nodiscard]] SurfaceMesh thinned(const SurfaceMesh& mesh, std::size_t wanted, std::size_t parts, unsigned threads);
 
 }  // namespace gs::qnv::displaced

@@ -9,13 +9,13 @@
 namespace gs::qnv::displaced {
 namespace {
 
-// Weight of planes through rims, perpendicular to the surface, which preserve the rims.
+// Weight of additional planes that preserve the rims. They contain a rim and are perpendicular to the surface.
 constexpr double kRimWeight = 4;
-// Weights of the product of an edge's squared length and the area around it, added to the quadric's cost.
+// Weights of an additional cost: the squared length of an edge times the area around it.
 constexpr double kLengthWeight = 1e-4, kLengthWeightOfHalves = 1e-8;
 constexpr Care kCareOfHalves{0.2, 0};
-constexpr double kNoise = 0.03;  // relative to the area of a triangle of the requested mesh
-constexpr int kRepairs = 3;      // the size limit doubles each time
+constexpr double kNoise = 0.03;  // noise area, relative to a triangle of the result
+constexpr int kRepairs = 3;  // maximum number of repairs; each doubles the size limit
 
 }  // namespace
 
@@ -29,7 +29,7 @@ Simplifier::Simplifier(const SurfaceMesh& mesh, std::vector<bool> kept, Way way)
       kept_(std::move(kept)),
       way_(way),
       care_(way == Way::any ? kCare[0] : kCareOfHalves) {
-  // Scale to the box, so that costs do not depend on the unit.
+  // Scales to the box, so that costs do not depend on the unit.
   Box box;
   for (const glm::vec3& p : mesh.positions) box.add(p);
   const glm::dvec3 size(glm::dvec3(box.upper) - glm::dvec3(box.lower));
@@ -65,7 +65,7 @@ Simplifier::Simplifier(const SurfaceMesh& mesh, std::vector<bool> kept, Way way)
 
 glm::dvec3 Simplifier::place_for(std::uint32_t u, std::uint32_t v, const Quadric& q) const {
   const glm::dvec3 a = positions_[u], b = positions_[v];
-  // The end on a rim stays there.
+  // A rim vertex keeps its position.
   if (rim_[u] != rim_[v]) return rim_[u] ? a : b;
   if (way_ == Way::halves) return q.at(a) <= q.at(b) ? a : b;
   const glm::dvec3 middle = 0.5 * (a + b);
@@ -109,7 +109,7 @@ bool Simplifier::may_turn(std::span<const std::uint32_t> corners, std::uint32_t 
     const glm::dvec3 a = positions_[t[corner % 3]];
     const glm::dvec3 before = glm::cross(b - a, c - a), after = glm::cross(b - place, c - place);
     const double size = glm::length(after), size_before = glm::length(before);
-    // The orientation of noise triangles does not matter.
+    // The orientation of noise triangles may change.
     if (size < noise_ && size_before < noise_) continue;
     if (glm::dot(before, after) < care_.least_turn * size * size_before) return false;
     const auto quality = [&](const glm::dvec3& p, double twice_area) {
@@ -123,7 +123,7 @@ bool Simplifier::may_turn(std::span<const std::uint32_t> corners, std::uint32_t 
 }
 
 bool Simplifier::linked_well(std::uint32_t u, std::uint32_t v) {
-  // Link condition: the vertices adjacent to both must be exactly those opposite the edge.
+  // Tests the link condition: the vertices adjacent to both ends must be exactly those opposite the edge.
   const auto others = [&](std::span<const std::uint32_t> corners, std::uint32_t self,
                           std::vector<std::uint32_t>& seen) {
     seen.clear();
@@ -145,7 +145,7 @@ bool Simplifier::linked_well(std::uint32_t u, std::uint32_t v) {
   }
   if (shared == 0 || common != shared) return false;
   if (rim_[u] && rim_[v] && shared == 2) return false;
-  // Keep the last triangle or tetrahedron of a component.
+  // Keeps the last triangle or tetrahedron of a component.
   if (shared == 1 && at_u_.size() == 1 && at_v_.size() == 1) return false;
   if (shared == 2 && seen_u_.size() <= 3 && seen_v_.size() <= 3) return false;
   for (const std::uint32_t corner : at_u_) {
@@ -179,19 +179,19 @@ bool Simplifier::collapse(std::uint32_t u, std::uint32_t v) {
   return true;
 }
 
-// Call after may_merge(), which collects the corners.
+// Merges u into v. Call it after may_merge(), which collects the corners.
 void Simplifier::merge(std::uint32_t u, std::uint32_t v, const Quadric& q, const glm::dvec3& place) {
   positions_[v] = place;
   quadrics_[v] = q;
   areas_[v] += areas_[u];
   rim_[v] = rim_[v] || rim_[u];
   mesh_.merge(u, v, at_u_);
-  stamp_[u] += 1u << 30;  // never collapses again
+  stamp_[u] += 1u << 30;  // excludes u from further collapses
   ++stamp_[v];
   push_round(v);
 }
 
-/// Returns the area of a triangle of the requested mesh.
+/// Returns the area of a triangle of the result with `wanted` triangles, and sets noise_.
 double Simplifier::see_area(std::size_t wanted) {
   double area = 0;
   for (const double a : areas_) area += a;
@@ -207,7 +207,7 @@ void Simplifier::thin(std::size_t wanted, std::size_t left) {
 
 void Simplifier::run(std::size_t wanted, std::size_t begun) {
   const double area = see_area(wanted);
-  // Scanned noise has holes and tunnels that collapses cannot close, and that would use up all triangles.
+  // Scanned noise has small holes and tunnels. Collapses cannot close them, so they would use up all triangles.
   double edge = std::sqrt(2.31 * area);
   for (std::size_t more = begun; more > 1; more /= 2) {
     collapse_to(more * wanted);

@@ -7,13 +7,14 @@
 
 namespace gs::qnv::displaced {
 
-/// Returns a mesh of about `triangles` triangles close to another one. Collapses edges, least quadric error first
-/// (Garland and Heckbert 1997), and short ones among equals, so that triangles stay compact. No part is cut off, and
-/// every component keeps at least a tetrahedron or a triangle, so the result may have more triangles than requested.
-/// The topology is kept, except that holes and tunnels too small to be visible at the requested size are closed. `mesh`
-/// and the result are as MeshBuilder::finish() returns them. `threads`: number of threads, 0: one per core; the result
-/// does not depend on it. `beside`: other work that is done when this returns; it gets a thread during the last,
-/// single-threaded part.
+/// Returns a mesh with about `triangles` triangles that is close to `mesh`. Collapses the edge with the least quadric
+/// error first (Garland and Heckbert 1997); prefers short edges among equals, so that triangles stay compact.
+/// No part is cut off. Every component keeps at least a tetrahedron or a triangle, so that the result may have more
+/// triangles than requested. The topology stays the same, except that holes and tunnels are closed if they are too
+/// small to be visible at the requested size.
+/// MeshBuilder::finish() defines the properties of `mesh` and of the result. `threads` is the number of threads (0
+/// means one per core); the result does not depend on it. `beside` is other work that is complete on return; it gets a
+/// thread during the last, single-threaded part.
 [[nodiscard]] SurfaceMesh simplify(const SurfaceMesh& mesh, std::size_t triangles, unsigned threads = 0,
                                    const std::function<void()>& beside = {});
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-// Makes independent collapses, which can be undone in any order.
+// Independent collapses, which can be undone in any order.
 namespace gs::qnv::displaced {
 
 std::vector<HalfCollapse> Simplifier::collapse_apart(std::size_t most) {
@@ -17,7 +17,7 @@ std::vector<HalfCollapse> Simplifier::collapse_apart(std::size_t most) {
     std::uint32_t gone = next.u, to = next.v;
     Quadric q = quadrics_[gone];
     q.add(quadrics_[to]);
-    // Keep a rim vertex rather than an inner one; else remove the end with the worse position.
+    // Prefers to keep a rim vertex. Otherwise removes the end with the larger error.
     if (rim_[gone] == rim_[to] ? q.at(positions_[gone]) < q.at(positions_[to]) : rim_[gone]) std::swap(gone, to);
     if (stays[gone] || taken[to] || !may_merge(gone, to, positions_[to])) continue;
     HalfCollapse collapse{gone, to, kNone, kNone, 0};

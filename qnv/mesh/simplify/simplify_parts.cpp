@@ -10,23 +10,24 @@
 #include <utility>
 #include <vector>
 
-// Large meshes are first simplified in parts, in parallel. The partition depends only on the mesh, so the result does
-// not depend on the number of cores.
+// First simplification of large meshes, in parts and in parallel. The division into parts depends only on the mesh, so
+// the result does not depend on the number of cores.
 namespace gs::qnv::displaced {
 namespace {
 
 constexpr std::size_t kPartTriangles = 100'000, kMaxParts = 64;
-// Factor on the requested number, left to the whole mesh, since the parts' borders are not simplified.
+// Ratio of the triangles that remain after this step to the requested number. The rest is simplified as a whole,
+// because borders of parts stay unchanged here.
 constexpr std::size_t kKept = 4;
 
 struct Part {
-  std::vector<std::uint32_t> vertices;  // original vertex numbers
-  SurfaceMesh mesh;                     // then its simplified version
-  std::vector<bool> kept;               // vertices shared with other parts
-  std::vector<std::uint32_t> places;    // new number of each vertex, or kNone
+  std::vector<std::uint32_t> vertices;  // original index of each vertex
+  SurfaceMesh mesh;  // the part; later its simplified version
+  std::vector<bool> kept;  // marks vertices that other parts share
+  std::vector<std::uint32_t> places;  // new index of each vertex; kNone if removed
 };
 
-/// Sorts triangles into `parts` (a power of two) spatially compact runs.
+/// Sorts triangles into runs that are spatially compact. `parts` is the number of runs, a power of two.
 std::vector<std::uint32_t> in_runs(const SurfaceMesh& mesh, std::size_t parts, unsigned threads) {
   std::vector<Centre> centres;
   centres.reserve(mesh.triangles.size());
@@ -58,7 +59,7 @@ std::vector<std::uint32_t> in_runs(const SurfaceMesh& mesh, std::size_t parts, u
 SurfaceMesh thinned(const SurfaceMesh& mesh, std::size_t wanted, std::size_t count, unsigned threads) {
   const std::vector<std::uint32_t> runs = in_runs(mesh, count, threads);
   const auto first_of = [&](std::size_t part) { return runs.size() * part / count; };
-  // Part of each vertex, or `count` if several parts share it.
+  // Index of each vertex's part; `count` if several parts share the vertex.
   std::vector<std::uint8_t> owner(mesh.positions.size(), 0xff);
   for (std::size_t p = 0; p < count; ++p)
     for (std::size_t i = first_of(p); i < first_of(p + 1); ++i)
@@ -94,7 +95,7 @@ SurfaceMesh thinned(const SurfaceMesh& mesh, std::size_t wanted, std::size_t cou
       },
       threads);
   SurfaceMesh out;
-  std::vector<std::uint32_t> joined(mesh.positions.size(), kNone);  // new numbers of shared vertices
+  std::vector<std::uint32_t> joined(mesh.positions.size(), kNone);  // new index of each shared vertex
   for (const Part& part : parts) {
     std::vector<std::uint32_t> places(part.mesh.positions.size(), kNone);
     for (std::size_t v = 0; v < part.vertices.size(); ++v) {

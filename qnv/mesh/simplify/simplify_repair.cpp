@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-// Holes and tunnels of scanned noise, which collapses cannot close, and which would use up all triangles.
+// Closing of small holes and tunnels in scanned noise. Collapses cannot close them, so they would use up all triangles.
 namespace gs::qnv::displaced {
 namespace {
 
-// Maximum perimeter of invisible holes and tunnels, in edges of the requested mesh.
+// Maximum perimeter of holes and of tunnels that are too small to be visible, in edges of the result.
 constexpr double kHoleEdges = 1.5, kTunnelEdges = 0.75;
-constexpr std::size_t kMaxSearched = 3000;  // maximum number of triangles between both sides of a tunnel
+constexpr std::size_t kMaxSearched = 3000;  // maximum number of triangles searched between both sides of a tunnel
 
 }  // namespace
 
@@ -23,11 +23,11 @@ double Simplifier::round(std::uint32_t a, std::uint32_t b, std::uint32_t c) cons
          glm::length(positions_[c] - positions_[a]);
 }
 
-// Fills holes of three edges with a triangle; skips the perimeter of a single triangle.
+// Fills holes of three edges with a triangle. Skips holes that are the outside of a single triangle.
 void Simplifier::close_rims(double most) {
   for (std::uint32_t u = 0; u < mesh_.vertices(); ++u) {
     if (!rim_[u] || !mesh_.used(u)) continue;
-    // Walk the rim opposite to its triangles: from u along the side without a triangle on its left.
+    // Follows the rim from u along the side without a triangle on its left, opposite to the direction of the triangles.
     mesh_.gather(u, at_u_);
     for (const std::uint32_t corner : std::vector<std::uint32_t>(at_u_)) {
       const std::uint32_t v = mesh_.of(corner)[(corner % 3 + 2) % 3];  // side from v to u
@@ -52,7 +52,7 @@ void Simplifier::close_rims(double most) {
   }
 }
 
-// Cuts the surface along cycles of three edges that bound no triangle, and closes both sides.
+// Cuts the surface along cycles of three edges that are not the sides of a triangle, and closes both sides.
 void Simplifier::cut_tunnels(double most) {
   const std::uint32_t vertices = mesh_.vertices();
   for (std::uint32_t u = 0; u < vertices; ++u) {
@@ -64,7 +64,7 @@ void Simplifier::cut_tunnels(double most) {
     for (std::size_t i = 0; i < beside.size() && !cut; ++i) {
       const std::uint32_t v = beside[i];
       if (u > v || rim_[v]) continue;
-      // Mark the ends of sides that leave v. Few lead to another neighbour of u, except along u's own triangles.
+      // Marks the ends of sides that leave v. Few of them are other neighbours of u, except along u's own triangles.
       ++marks_;
       mesh_.any_corner(v, [&](std::uint32_t c) {
         if (const Corners& t = mesh_.of(c); t[(c % 3 + 2) % 3] != u) mark_[t[(c % 3 + 1) % 3]] = marks_;
@@ -83,7 +83,8 @@ void Simplifier::cut_tunnels(double most) {
 }
 
 bool Simplifier::joined_elsewhere(const Corners& cycle) {
-  // Search from the cycle's left to its right across other edges; if there is no path, cutting would separate a part.
+  // Searches a path from the left of the cycle to its right across other edges. Without such a path, the cut would
+  // separate a part.
   const std::uint32_t from = mesh_.left_of(cycle[0], cycle[1]), to = mesh_.left_of(cycle[1], cycle[0]);
   if (from == kNone || to == kNone) return false;
   const auto on_cycle = [&](std::uint32_t v) { return v == cycle[0] || v == cycle[1] || v == cycle[2]; };
@@ -107,7 +108,7 @@ bool Simplifier::joined_elsewhere(const Corners& cycle) {
 }
 
 bool Simplifier::cut_along(const Corners& cycle) {
-  // Triangles of each vertex on the left of the cycle.
+  // triangles at each vertex that are on the left of the cycle
   std::array<std::vector<std::uint32_t>, 3> left;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t v = cycle[k], before = cycle[(k + 2) % 3];

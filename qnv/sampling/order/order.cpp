@@ -12,7 +12,7 @@
 namespace gs::qnv {
 namespace {
 
-constexpr unsigned kClasses = 6;     // of magnitudes, each a factor of eight apart
+constexpr unsigned kClasses = 6;  // number of magnitude classes, each a factor of eight apart
 constexpr unsigned kClassSteps = 4;  // steps of `order::Taken` per halving of the distance
 
 unsigned exponent(float weight) {
@@ -20,7 +20,8 @@ unsigned exponent(float weight) {
   return bits >> 31 ? 0 : bits >> 23;
 }
 
-// Returns the points of each class. The first class starts at the largest magnitude that 1 % of the points reach.
+// Returns the points of each magnitude class. The first class starts at the magnitude that only the largest 1 % of the
+// points reach.
 std::array<std::vector<std::uint32_t>, kClasses> classes_of(std::span<const float> weights) {
   std::array<std::size_t, 256> histogram{};
   for (const float weight : weights) ++histogram[exponent(weight)];
@@ -46,7 +47,8 @@ std::vector<std::uint32_t> order_surface(std::span<const glm::vec3> positions, s
   return result;
 }
 
-// Orders each class separately; then merges them, each class at half the distance of the class above.
+// Orders each class separately, then merges the classes. Each class has half the distance between points of the class
+// with the next lower magnitudes.
 std::vector<std::uint32_t> order_volume(std::span<const glm::vec3> positions, std::span<const float> weights,
                                         const order::Cube& cube, const OrderOptions& options) {
   std::vector<order::KeyedIndex> entries;
@@ -58,14 +60,14 @@ std::vector<std::uint32_t> order_volume(std::span<const glm::vec3> positions, st
     if (taken.size() != tree.source.size()) return {};
     for (std::size_t first = 0, last = 0; first < taken.size(); first = last) {
       while (last < taken.size() && taken[last].step == taken[first].step) ++last;
-      // Within a step, interleave the classes evenly.
+      // Interleaves the classes evenly within each step.
       for (std::size_t i = first; i < last; ++i) {
         const std::uint64_t within = ((i - first) << 16) / (last - first);
         entries.push_back({std::uint64_t{taken[i].step + kClassSteps * c} << 16 | within, tree.source[taken[i].point]});
       }
     }
   }
-  order::sort_by_key(entries, 16 + 7, options.threads);  // maximum step: 4 * 17 + 1 + 4 * 5
+  order::sort_by_key(entries, 16 + 7, options.threads);  // the maximum step is 4 * 17 + 1 + 4 * 5
   std::vector<std::uint32_t> result(entries.size());
   for (std::size_t i = 0; i < entries.size(); ++i) result[i] = entries[i].index;
   return result;

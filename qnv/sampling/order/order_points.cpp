@@ -11,9 +11,9 @@
 namespace gs::qnv::order {
 namespace {
 
-constexpr std::size_t kPointsPerTask = std::size_t{1} << 16;  // for one thread at a time
+constexpr std::size_t kPointsPerTask = std::size_t{1} << 16;  // number of points in one task of a thread
 
-// Calls work(first, last) for blocks that cover `count`.
+// Calls work(first, last) for blocks that together cover 0..count.
 template <class Work>
 void in_blocks(std::size_t count, unsigned threads, const Work& work) {
   const std::size_t blocks = (count + kPointsPerTask - 1) / kPointsPerTask;
@@ -22,10 +22,10 @@ void in_blocks(std::size_t count, unsigned threads, const Work& work) {
       blocks > 1 ? threads : 1);
 }
 
-constexpr unsigned kDigit = 11;  // bits
+constexpr unsigned kDigit = 11;  // bits of a digit
 using DigitHistogram = std::array<std::uint32_t, std::size_t{1} << kDigit>;
 
-// Sorts by one digit.
+// Sorts by one digit of the keys. Stable.
 void sort_by_digit(const std::vector<KeyedIndex>& from, std::vector<KeyedIndex>& to, unsigned shift, unsigned mask,
                    std::vector<DigitHistogram>& histograms, unsigned threads) {
   in_blocks(from.size(), threads, [&](std::size_t first, std::size_t last) {
@@ -66,9 +66,10 @@ std::vector<KeyedIndex> sorted_keys(const Cube& cube, std::span<const glm::vec3>
 
 float finite_or(float value, double otherwise) { return std::isfinite(value) ? value : static_cast<float>(otherwise); }
 
-// Returns the levels from the root to the first with nearly as many cells as points, or to the deepest.
+// Returns the levels from the root to the first level with nearly as many cells as points, or to the deepest level.
 std::vector<Level> make_levels(const std::vector<std::uint64_t>& keys) {
-  // Number of cells that each level adds: the level at which neighbours on the curve separate.
+  // Number of cells that each level adds. Two neighbours on the Morton curve add a cell at the level where they
+  // separate.
   std::array<std::size_t, kDeepest + 1> parted{};
   const auto parting_level = [&](std::size_t i) -> unsigned {
     if (i == 0) return 0;
@@ -104,7 +105,7 @@ std::vector<Level> make_levels(const std::vector<std::uint64_t>& keys) {
 
 GoldenStride::GoldenStride(std::size_t count, std::uint64_t seed) : count_(count), stride_(1), at_(0) {
   if (count < 2) return;
-  // Increase the stride to a number coprime to the count, so that all entries are visited.
+  // Increases the stride until it is coprime to the count, so that all entries are visited.
   stride_ = static_cast<std::size_t>(static_cast<double>(count) * 0.6180339887498949);
   while (std::gcd(++stride_, count) != 1) {
   }
@@ -155,7 +156,7 @@ Tree make_tree(const Cube& cube, std::span<const glm::vec3> positions, std::span
   tree.source.resize(count);
   tree.points.resize(count);
   const std::vector<KeyedIndex> sorted = sorted_keys(cube, positions, indices, threads);
-  // Scale to the cube's size, so that squared distances neither overflow nor underflow.
+  // Scales to the size of the cube, so that squared distances neither overflow nor underflow.
   const double scale = 1 / cube.side;
   in_blocks(count, threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
@@ -182,7 +183,7 @@ Neighbours neighbours_below(const Tree& tree, unsigned level, const Neighbours& 
   const Level& parents = tree.levels[level - 1];
   const Level& cells = tree.levels[level];
   const unsigned shift = 3 * (kDeepest - level);
-  constexpr std::size_t block = 2048;  // parents
+  constexpr std::size_t block = 2048;  // parents per task
   constexpr std::uint32_t none = ~0u;
   std::vector<Neighbours> parts((parents.size() + block - 1) / block);
   const auto find = [&](std::size_t part) {
@@ -190,13 +191,14 @@ Neighbours neighbours_below(const Tree& tree, unsigned level, const Neighbours& 
     const std::size_t end = std::min(parents.size(), (part + 1) * block);
     result.cells.reserve((end - part * block) * 40);
     for (std::size_t parent = part * block; parent < end; ++parent) {
-      // 4 * 4 * 4 cells in and around the parent; each child touches 3 * 3 * 3 of them.
+      // 4 * 4 * 4 cells inside and around the parent. Each child has 3 * 3 * 3 of them as neighbours.
       std::array<std::uint32_t, 64> around;
       around.fill(none);
       const auto at = morton_decode(tree.keys[parents.begin[parent]] >> shift >> 3);
       for (const std::uint32_t uncle : above.of(parent)) {
         const auto uncle_at = morton_decode(tree.keys[parents.begin[uncle]] >> shift >> 3);
-        // Positions of its children relative to the parent's first child, -2..3, plus one; only 0..3 are kept.
+        // Positions of the uncle's children relative to the parent's first child, which are -2..3, plus 1. Only results
+        // 0..3 are used.
         const std::uint32_t x = 2 * (uncle_at[0] - at[0]) + 1, y = 2 * (uncle_at[1] - at[1]) + 1,
                             z = 2 * (uncle_at[2] - at[2]) + 1;
         for (std::uint32_t cell = parents.first_child[uncle]; cell < parents.first_child[uncle + 1]; ++cell) {

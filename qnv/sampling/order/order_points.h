@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-/// Parts of progressive_order(): points sorted along the Morton curve, and their octree.
+/// Building blocks of progressive_order(): points sorted along the Morton curve, and their octree.
 namespace gs::qnv::order {
 
 /// Returns a pseudo-random number for v, equal on every machine (the finaliser of MurmurHash3).
@@ -19,7 +19,7 @@ namespace gs::qnv::order {
   return v ^ v >> 33;
 }
 
-/// Order of visiting a list in which every prefix is spread over the list: multiples of the golden ratio.
+/// Order of visits in which every prefix is spread evenly over a list. Its indices are multiples of the golden ratio.
 class GoldenStride {
  public:
   GoldenStride(std::size_t count, std::uint64_t seed);
@@ -33,7 +33,7 @@ struct KeyedIndex {
   std::uint64_t key;
   std::uint32_t index;
 };
-/// Sorts by the low `bits` of the keys. Stable.
+/// Sorts entries by the lowest `bits` bits of their keys. Stable.
 void sort_by_key(std::vector<KeyedIndex>& entries, unsigned bits, unsigned threads);
 
 /// Cube around a point set.
@@ -43,15 +43,15 @@ struct Cube {
 };
 [[nodiscard]] Cube cube_around(std::span<const glm::vec3> positions);
 
-inline constexpr unsigned kDeepest = 16;  // levels of the octree below its root
+inline constexpr unsigned kDeepest = 16;  // number of octree levels below the root
 
-/// Points in one array per component, for vectorised loops. Padding after the last point is readable.
+/// Points in one array per component, for vectorised loops. Padding after the last point may be read.
 class Points {
  public:
   static constexpr std::size_t kPadding = 8;
   std::vector<float> x, y, z;
-  std::vector<float> nx, ny, nz;  // unit; 0 if the points have none
-  std::vector<float> density;     // >= 1; factor by which more points are wanted here
+  std::vector<float> nx, ny, nz;  // unit normals; 0 if the points have none
+  std::vector<float> density;  // >= 1; factor by which more points are taken here
   /// Resizes the arrays. New points are at 0, with density 1.
   void resize(std::size_t count);
   [[nodiscard]] std::size_t size() const { return count_; }
@@ -65,17 +65,17 @@ class Points {
   std::size_t count_ = 0;
 };
 
-/// One level of the octree: the occupied cells, in Morton order.
+/// Level of the octree: its occupied cells, in Morton order.
 struct Level {
-  std::vector<std::uint32_t> begin;        // first point of each cell, and one entry for the end
-  std::vector<std::uint32_t> first_child;  // index in the next level, and one entry for the end; empty at the deepest
-                                           // level
+  std::vector<std::uint32_t> begin;  // first point of each cell; one more entry for the end
+  std::vector<std::uint32_t> first_child;  // index in the next level; one more entry for the end; empty at the
+                                           // deepest level
   [[nodiscard]] std::size_t size() const { return begin.size() - 1; }
 };
 
 /// Points in Morton order, and their octree.
 struct Tree {
-  std::vector<std::uint64_t> keys;    // Morton codes at kDeepest
+  std::vector<std::uint64_t> keys;  // Morton code of each point at kDeepest
   std::vector<std::uint32_t> source;  // index of each point in the point set
   Points points;
   std::vector<Level> levels;  // from the root to kDeepest, or to the first level with nearly as many cells as points
@@ -89,17 +89,17 @@ struct Tree {
 [[nodiscard]] Tree make_tree(const Cube& cube, std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                              std::vector<std::uint32_t> indices, unsigned threads);
 
-/// Adjacent cells of each cell of a level, the cell itself included.
+/// Adjacent cells of each cell of a level, including the cell itself.
 struct Neighbours {
-  std::vector<std::uint32_t> begin;  // for each cell, its first entry in `cells`; one more for the end
+  std::vector<std::uint32_t> begin;  // index in `cells` of each cell's first entry; one more for the end
   std::vector<std::uint32_t> cells;
   [[nodiscard]] std::span<const std::uint32_t> of(std::size_t cell) const {
     return std::span(cells).subspan(begin[cell], begin[cell + 1] - begin[cell]);
   }
 };
-/// Returns the neighbours of the root.
+/// Returns the neighbours at the level of the root.
 [[nodiscard]] Neighbours neighbours_of_root();
-/// Returns the neighbours of the cells of `level`, given those of the level above it.
+/// Returns the neighbours of the cells of `level`. `above` has the neighbours of the next coarser level.
 [[nodiscard]] Neighbours neighbours_below(const Tree& tree, unsigned level, const Neighbours& above, unsigned threads);
 
 }  // namespace gs::qnv::order

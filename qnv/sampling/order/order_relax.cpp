@@ -9,7 +9,7 @@
 namespace gs::qnv::order {
 namespace {
 
-constexpr float kAway = -0.25f;  // cosine below which two normals face away from each other
+constexpr float kAway = -0.25f;  // below this cosine, two normals face away from each other
 
 }  // namespace
 
@@ -43,7 +43,8 @@ __attribute__((target("avx2"))) void relax_avx2(const Points& points, std::size_
     const __m256 square =
         _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(dx, dx), _mm256_mul_ps(dy, dy)), _mm256_mul_ps(dz, dz));
     const __m256 gap = _mm256_mul_ps(square, _mm256_loadu_ps(&points.density[i]));
-    // Mask lanes beyond `last`, which another thread may be writing. Masked gaps read as 0, so that nothing is smaller.
+    // Masks lanes beyond `last`, where another thread may be writing. Masked gaps read as 0, so that no gap there
+    // shrinks.
     const auto left = static_cast<int>(std::min(last - i, lanes));
     const __m256i here = _mm256_cmpgt_epi32(_mm256_set1_epi32(left), lane);
     __m256 smaller = _mm256_cmp_ps(gap, _mm256_maskload_ps(gaps + i, here), _CMP_LT_OQ);

@@ -9,29 +9,30 @@ namespace gs::qnv::order {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-// Gaps of points already taken: below all distances.
+// Gaps of points that are already taken. They are lower than all distances.
 constexpr float kJustTaken = -1, kTaken = -2;
-constexpr unsigned kSteps = 4;                            // per halving of the distance
-constexpr std::size_t kExactWork = std::size_t{1} << 25;  // maximum number of distances for the exact method
-constexpr std::size_t kExactWhole = 4096;                 // maximum number of points to order exactly to the end
-constexpr std::size_t kRestPart = 4;  // fraction (1/n) after which the rest is sorted by its current distances
+constexpr unsigned kSteps = 4;  // number of steps per halving of the distance
+constexpr std::size_t kExactWork = std::size_t{1} << 25;  // maximum number of distances that the exact method computes
+constexpr std::size_t kExactWhole = 4096;  // maximum number of points for which the whole order is exact
+constexpr std::size_t kRestPart = 4;  // after 1/kRestPart of the points, the rest is sorted by its current distances
 constexpr std::uint32_t kRestSteps = 12;
-constexpr std::size_t kParallel = 2000;  // minimum number of cells for several threads
+constexpr std::size_t kParallel = 2000;  // minimum number of cells for which several threads pay
 constexpr std::size_t kCellsPerTask = 128;
-constexpr unsigned kBlockLevels = 3;  // a block has 8^3 cells; for a surface, few enough for the cache
+constexpr unsigned kBlockLevels = 3;  // log2 of a block's edge in cells; a surface's block fits into the cache
 
-// Returns the square of 2^(-step/4).
+// Returns the squared distance of a step: the square of 2^(-step/4).
 float squared_distance(std::uint32_t step) {
   const float whole = std::ldexp(1.0f, -static_cast<int>(step / 2));
   return step % 2 == 0 ? whole : whole * 0.70710678f;
 }
 
-// Candidates of one octave: points far enough from the taken ones, either all or one per cell of a finer level.
+// Candidates of one octave: points that are far enough from the taken points. Contains all such points, or one such
+// point per cell of a finer level.
 struct Candidates {
   Points points;
-  std::vector<std::uint32_t> of_tree;  // index in the tree
-  std::vector<float> gaps;             // squared distance to the nearest taken point, times density; or kJustTaken,
-                                       // kTaken
+  std::vector<std::uint32_t> of_tree;  // index of each candidate in the tree
+  std::vector<float> gaps;  // squared distance to the nearest taken point, times density; kJustTaken or
+                                       // kTaken for taken points
   [[nodiscard]] std::size_t size() const { return of_tree.size(); }
   void resize(std::size_t count) {
     points.resize(count);
@@ -40,16 +41,16 @@ struct Candidates {
   }
 };
 
-// Taken points by cell.
+// Taken points, sorted by cell.
 struct Centres {
   std::vector<Centre> centres;
-  std::vector<std::uint32_t> first;  // of each cell; one more for the end
+  std::vector<std::uint32_t> first;  // first point of each cell; one more entry for the end
 };
 
 Centre centre_of(const Points& p, std::size_t i) { return {p.x[i], p.y[i], p.z[i], p.nx[i], p.ny[i], p.nz[i]}; }
 
 std::size_t largest(const std::vector<float>& gaps) {
-  // Compare as integers: floats >= 0 keep their order, and negative ones come first.
+  // Compares floats as integers: floats >= 0 keep their order, and negative floats are lower.
   std::int32_t most = std::numeric_limits<std::int32_t>::min();
   for (const float gap : gaps) most = std::max(most, std::bit_cast<std::int32_t>(gap));
   return static_cast<std::size_t>(std::find(gaps.begin(), gaps.end(), std::bit_cast<float>(most)) - gaps.begin());
@@ -62,7 +63,8 @@ class Spreader {
         options_(options),
         points_(tree.points),
         relax_(has_relax_avx2() ? relax_avx2 : relax_portable),
-        // Candidate cells have 1/8 of the octave's initial distance; for a volume 1/4, which gives about as many cells.
+        // Candidate cells have 1/8 of the octave's initial distance. In a volume, candidate cells have 1/4, which gives
+        // about as many cells.
         depth_(options.surface ? 3 : 2),
         is_taken_(tree.points.size() / 64 + 1) {
     if (options.surface) find_densities();
@@ -92,8 +94,8 @@ class Spreader {
   [[nodiscard]] std::size_t candidate_count(unsigned level) const {
     return takes_all(level) ? tree_.source.size() : tree_.levels[level + depth_].size();
   }
-  // Returns the number of distances if the farthest candidates are taken one by one to the end of a level's octave.
-  // About as many are taken as the next level has cells.
+  // Returns the number of distances to compute if candidates are taken one by one, farthest first, to the end of a
+  // level's octave. About as many candidates are taken as the next level has cells.
   [[nodiscard]] std::size_t exact_work(unsigned level) const {
     const std::size_t next = std::min<std::size_t>(level + 1, tree_.levels.size() - 1);
     return candidate_count(level) * tree_.levels[next].size();
@@ -103,8 +105,8 @@ class Spreader {
   }
   [[nodiscard]] bool is_taken(std::size_t point) const { return is_taken_[point / 64] >> point % 64 & 1; }
 
-  // Increases the density if normals vary within cells of about 1/4096 of the object. 1 - |mean normal| of a bent piece
-  // is approximately (angle / 2)^2 / 2; a quarter of a right angle gives the maximum.
+  // Increases the density where normals vary within cells of about 1/4096 of the object. 1 - |mean normal| of a bent
+  // piece is approximately (angle / 2)^2 / 2. A quarter of a right angle gives the maximum density.
   void find_densities() {
     const std::size_t wanted = std::min<std::size_t>(4096, tree_.source.size() / 8);
     unsigned level = 0;
@@ -143,7 +145,7 @@ class Spreader {
     return result;
   }
 
-  // Lists the candidates of one cell: all points, or a random one per cell some levels below; without taken points.
+  // Lists the candidates of one cell, without taken points: all points, or a random point per cell some levels below.
   void list_candidates(unsigned level, std::size_t cell, Candidates& list) const {
     list.of_tree.clear();
     if (takes_all(level)) {
@@ -162,7 +164,7 @@ class Spreader {
     for (std::size_t i = 0; i < list.size(); ++i) list.points.copy(i, points_, list.of_tree[i]);
   }
 
-  // Returns the first cell at level `below` inside a cell of `level`.
+  // Returns the first cell of level `below` that is inside a cell of `level`.
   [[nodiscard]] std::size_t descendant(unsigned level, std::size_t cell, unsigned below) const {
     for (; level < below; ++level) cell = tree_.levels[level].first_child[cell];
     return cell;
@@ -207,7 +209,7 @@ class Spreader {
     parallel_for(parts.size(), join, threads(level));
   }
 
-  // Takes candidates one by one, each the farthest from those before it.
+  // Takes candidates one by one: always the one that is farthest from the taken points.
   void take_furthest(unsigned level) {
     const std::uint32_t last_step = kSteps * (level + 1);
     const bool whole = takes_all(level) && candidates_.size() <= kExactWhole;
@@ -225,7 +227,7 @@ class Spreader {
     }
   }
 
-  // Runs one octave of distances: those below 2^-level.
+  // Takes points for one octave of distances, from 2^-level down to half of that.
   void run_octave(unsigned level) {
     find_candidates(level, squared_distance(kSteps * (level + 1)));
     const unsigned block_level = level > kBlockLevels ? level - kBlockLevels : 0;
@@ -234,8 +236,8 @@ class Spreader {
       colors[block_level == 0 ? 0 : tree_.octant(block_level, block)].push_back(static_cast<std::uint32_t>(block));
     for (unsigned i = 1; i <= kSteps && !cancelled(); ++i) {
       const std::uint32_t step = kSteps * level + i;
-      // Process blocks in eight groups, like a chess board in 3D. Taking points in a block changes no gaps in other
-      // blocks of its group. So threads may share a group, with the same result.
+      // Processes the blocks in eight groups, like the colours of a chess board in 3D. Taking points in a block does
+      // not change gaps in other blocks of the same group. Therefore threads may share a group, with the same result.
       for (const auto& color : colors) {
         parallel_for(
             color.size(), [&](std::size_t b) { sweep(level, block_level, color[b], squared_distance(step)); },
@@ -246,7 +248,7 @@ class Spreader {
     }
   }
 
-  // Takes all candidates of a block that are far enough from earlier points.
+  // Takes all candidates of a block that are far enough from all points taken before.
   void sweep(unsigned level, unsigned block_level, std::size_t block, float least) {
     const std::size_t end = descendant(block_level, block + 1, level);
     for (std::size_t cell = descendant(block_level, block, level); cell < end; ++cell) {
@@ -270,13 +272,14 @@ class Spreader {
     take_spread(found, step);
   }
 
-  // Takes a list in Morton order so that every prefix is spread over it.
+  // Takes the candidates of a list in an order in which every prefix is spread over the list. The list is in Morton
+  // order.
   void take_spread(const std::vector<std::uint32_t>& found, std::uint32_t step) {
     GoldenStride stride(found.size(), options_.seed + step);
     for (std::size_t i = 0; i < found.size(); ++i) take(found[stride.next()], step);
   }
 
-  // Takes the remaining points, the farthest from the taken ones first.
+  // Takes all remaining points: those farthest from the taken points first.
   void take_rest(unsigned level) {
     if (taken_.size() == tree_.source.size()) return;
     const std::uint32_t first_step = taken_.empty() ? 0 : taken_.back().step + 1;
@@ -300,12 +303,12 @@ class Spreader {
   const SpreadOptions options_;
   Points& points_;
   const Relax relax_;
-  const unsigned depth_;  // levels between an octave and its candidates
+  const unsigned depth_;  // number of levels between an octave and its candidates
   std::vector<std::uint64_t> is_taken_;
   std::vector<Taken> taken_;
-  Neighbours neighbours_;  // of the octave's level
+  Neighbours neighbours_;  // neighbours at the octave's level
   Candidates candidates_;
-  std::vector<std::uint32_t> first_;  // first candidate of each cell of the octave's level; one more for the end
+  std::vector<std::uint32_t> first_;  // first candidate of each cell of the octave's level; one more entry for the end
 };
 
 }  // namespace

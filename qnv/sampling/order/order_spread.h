@@ -6,10 +6,11 @@
 #include <cstdint>
 #include <vector>
 
-/// Core of progressive_order(): orders one tree's points by (approximate) farthest-point sampling.
+/// Core of progressive_order(): orders the points of one tree by approximate farthest-point sampling.
 namespace gs::qnv::order {
 
-/// Point of a tree, with its distance from the earlier points: approximately at least side * 2^(-step/4).
+/// Point that is taken from a tree. Its distance from all points taken before is approximately at least side *
+/// 2^(-step/4).
 struct Taken {
   std::uint32_t point;
   std::uint32_t step;
@@ -17,21 +18,21 @@ struct Taken {
 
 struct SpreadOptions {
   std::uint64_t seed = 1;
-  bool surface = true;  // uses normals to tell sides apart
+  bool surface = true;  // distinguishes both sides of a surface by normals
   unsigned threads = 0;
   Progress* progress = nullptr;
 };
 
-/// Returns all points of the tree in order, and sets their densities. Incomplete if cancelled.
+/// Returns all points of the tree in order. Sets their densities in the tree. The result is incomplete if cancelled.
 [[nodiscard]] std::vector<Taken> spread(Tree& tree, const SpreadOptions& options);
 
-/// Position and normal of a taken point.
+/// Position and normal of a taken point, from which distances are measured.
 struct Centre {
   float x, y, z, nx, ny, nz;
 };
 
-/// Lowers gaps[i], for points first..last-1, to the squared distance to the centre times points.density[i]. If
-/// `surface`, skips points that face away from the centre. All processors give the same bits.
+/// Lowers gaps[i], for the points from `first` up to `last` (excluded), to the squared distance to the centre times
+/// points.density[i]. If `surface`, ignores points that face away from the centre. All processors give the same bits.
 using Relax = void (*)(const Points& points, std::size_t first, std::size_t last, const Centre& centre, bool surface,
                        float* gaps);
 void relax_portable(const Points& points, std::size_t first, std::size_t last, const Centre& centre, bool surface,

@@ -15,7 +15,8 @@ namespace {
 
 constexpr double kLargestLength = std::numeric_limits<float>::max();
 
-// Replaces a missing neighbour by the voxel itself; the step is then one voxel instead of two.
+// Returns the central difference. Uses the voxel itself instead of a missing neighbour; the step is then one voxel
+// instead of two.
 inline double difference(float before, float here, float after, double factor) {
   const bool both = before == before && after == after;
   const double low = before == before ? before : here;

@@ -20,13 +20,13 @@ namespace {
 
 constexpr std::uint64_t kMaxVectors = std::uint64_t{1} << 31;
 
-// Bits of a positive float, read as an integer, sort like the float. The first pass counts lengths by the upper 16 bits
-// after the sign; if a bucket is too full, a second pass counts by the lower 15.
+// Bits of a float >= 0, which sort like the floats. The first pass counts lengths by the upper 16 bits after the sign.
+// If a bucket is too full, a second pass counts its lengths by the lower 15 bits.
 using Key = std::uint32_t;
 constexpr unsigned kLowerBits = 15;
 constexpr std::size_t kUpperBuckets = std::size_t{1} << (31 - kLowerBits), kLowerBuckets = std::size_t{1} << kLowerBits;
 
-/// Sums over one block of rows.
+/// Sums over the lengths of one block of rows.
 struct Sums {
   double length = 0;
   float least = std::numeric_limits<float>::infinity(), most = -std::numeric_limits<float>::infinity();
@@ -34,7 +34,7 @@ struct Sums {
 
 using Counts = std::vector<std::uint64_t>;
 
-/// Pool that lends a histogram to each thread, and adds all of them at the end.
+/// Pool that lends a histogram to each thread, and adds up all histograms at the end.
 class CountsPool {
  public:
   explicit CountsPool(std::size_t size) : size_(size) {}
@@ -62,10 +62,10 @@ class CountsPool {
   std::vector<std::unique_ptr<Counts>> free_;
 };
 
-/// Limit of the kept lengths.
+/// Minimum length of the vectors in the result.
 struct Cut {
-  Key lowest = 1;                    // shorter ones are dropped
-  std::uint64_t ties = kMaxVectors;  // number of vectors of exactly that length to keep, in the order of voxels
+  Key lowest = 1;  // key of the minimum; shorter vectors are dropped
+  std::uint64_t ties = kMaxVectors;  // maximum number of vectors with exactly that length; keeps the first voxels
 };
 
 class GradientEncoder {
@@ -99,8 +99,9 @@ class GradientEncoder {
     progress_->total = layout_.dimensions[2];
   }
 
-  /// Calls work(unit, y_begin, y_end, z) for blocks of rows of all voxels, on all threads, one group of blocks at a
-  /// time. Calls done(units) after each group, in order. The blocks do not depend on the number of threads.
+  /// Calls work(unit, y_begin, y_end, z) for blocks of rows that together cover all voxels, on all threads, one group
+  /// of blocks at a time. Calls done(units) after each group, in order. The blocks do not depend on the number of
+  /// threads.
   template <class Work, class Done>
   std::optional<VolumeError> sweep(Work&& work, Done&& done) {
     const std::uint32_t ny = layout_.dimensions[1], nz = layout_.dimensions[2];
@@ -128,7 +129,7 @@ class GradientEncoder {
     return std::nullopt;
   }
 
-  /// Computes the gradient lengths of a row, and adds them to the sums.
+  /// Computes the gradient lengths of a row. Adds them to `sums` and `counts`.
   void measure_row(const GradientRow& row, float* lengths, Sums& sums, Counts& counts) const {
     constexpr std::uint32_t kLanes = 8;
     magnitudes(row, to_world_, gaps_, lengths);
@@ -184,7 +185,7 @@ class GradientEncoder {
     return std::nullopt;
   }
 
-  /// Returns the number of rows per task.
+  /// Returns the number of rows in one task of a thread.
   [[nodiscard]] std::uint32_t block_rows() const {
     constexpr std::uint32_t kBlock = 1u << 16;
     return std::max(1u, kBlock / layout_.dimensions[0]);
@@ -194,8 +195,8 @@ class GradientEncoder {
     return VolumeWindow(source_, 1).batch() * blocks;
   }
 
-  /// Finds the shortest length to keep. Refines it to the last bit if its bucket is too large to be sorted within about
-  /// the result's memory.
+  /// Finds the minimum length of the result. Refines this length to the last bit if too many vectors have a similar
+  /// length to be sorted within about the memory of the result.
   std::optional<VolumeError> find_cut() {
     std::uint64_t above = 0;
     std::size_t bucket = kUpperBuckets - 1;
@@ -223,7 +224,7 @@ class GradientEncoder {
     if (problem) return problem;
     const Counts fine = pool.total();
     std::size_t low = kLowerBuckets - 1;
-    // A source that changed since the first pass may hold fewer; the search then ends at the bottom.
+    // If the source changed after the first pass, it may have fewer such lengths. The search then ends at the bottom.
     while (low > 0 && above + fine[low] < wanted_) above += fine[low--];
     cut_.lowest = std::max<Key>(1, static_cast<Key>(bucket << kLowerBits | low));
     cut_.ties = wanted_ - std::min(wanted_, above);

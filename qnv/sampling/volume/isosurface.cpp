@@ -23,7 +23,7 @@ using marching_cubes::kFaces;
 // Cell of eight voxels that the surface crosses.
 struct CrossedCell {
   std::uint32_t x = 0, y = 0, z = 0;
-  std::uint8_t inside = 0;        // one bit per corner
+  std::uint8_t inside = 0;  // one bit per corner; 1 means inside
   std::array<double, 8> above{};  // value - isovalue of each corner
 };
 
@@ -66,8 +66,8 @@ class Marcher {
   }
 
  private:
-  // Processes the cells above slices z..z+count-1 in blocks. Limits the number of blocks at a time, since a noisy cell
-  // makes ten triangles.
+  // Processes the cells above the slices z to z + count - 1 in blocks. Limits the number of blocks in memory, because a
+  // noisy cell makes ten triangles.
   bool march(const VolumeWindow& window, std::uint32_t z, std::uint32_t count) {
     constexpr std::uint32_t kBlock = 1u << 14;
     constexpr std::size_t kGroup = 32;
@@ -141,7 +141,8 @@ class Marcher {
     }
   }
 
-  // The value of a face's saddle is (ac - bd) / (a + c - b - d), with a, c inside and b, d outside.
+  // Decides each ambiguous face by the value of its saddle, (ac - bd) / (a + c - b - d). Here a and c are inside, b and
+  // d outside.
   static std::uint8_t joined_faces(const CrossedCell& cell, std::uint8_t ambiguous) {
     unsigned joined = 0;
     for (unsigned face = 0; ambiguous >> face != 0; ++face) {
@@ -154,7 +155,7 @@ class Marcher {
     return static_cast<std::uint8_t>(joined);
   }
 
-  // Interpolates from the lower to the upper corner, so that all cells at an edge get the same bits.
+  // Interpolates from the lower to the upper corner, so that all cells with this edge get the same bits.
   SurfaceVertex corner_at(const CrossedCell& cell, std::uint8_t e, const std::array<GradientRow, 4>& rows) const {
     const auto [lower, upper] = kEdges[e];
     const double low = cell.above[lower], high = cell.above[upper];

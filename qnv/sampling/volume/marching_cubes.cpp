@@ -30,10 +30,10 @@ bool share_face(std::uint8_t a, std::uint8_t b) {
   return false;
 }
 
-// Connects the points where the surface crosses a face into segments. Around a face, each segment starts at an edge
-// that enters the inside and ends at an edge that leaves it. Usually that is the next such edge, which cuts off an
-// inside corner. On a joined face it is the previous one, which cuts off an outside corner. Every edge is entered on
-// one of its two faces and left on the other, so the segments form closed loops.
+// Connects the points at which the surface crosses a face into segments. Around a face, each segment starts at an edge
+// that enters the inside and ends at an edge that leaves the inside. Usually it ends at the next such edge, which cuts
+// off an inside corner. On a joined face it ends at the previous one, which cuts off an outside corner. Every edge is
+// entered on one of its two faces and left on the other, so the segments form closed loops.
 std::array<std::uint8_t, 12> segments(std::uint8_t inside, std::uint8_t joined) {
   std::array<std::uint8_t, 12> next;
   next.fill(kNone);
@@ -57,8 +57,8 @@ std::array<std::uint8_t, 12> segments(std::uint8_t inside, std::uint8_t joined) 
   return next;
 }
 
-// Triangulates a loop with as few diagonals as possible on faces of the cell. A diagonal of the adjacent cell might
-// coincide, and four triangles would then share one edge.
+// Triangulation of a loop with the minimum number of diagonals on faces of the cell. Such a diagonal might also be an
+// edge in the adjacent cell; four triangles would then share the edge.
 class Triangulation {
  public:
   Triangulation(const std::vector<std::uint8_t>& loop, std::vector<EdgeTriangle>& to) : loop_(loop), to_(to) {

@@ -30,7 +30,7 @@ T swapped(T value) {
   }
 }
 
-// Loops that the compiler vectorises, one per combination; therefore no `if` on the layout inside.
+// One loop per combination of parameters, without `if` inside, so that the compiler vectorises it.
 template <class T, bool swap, bool scaled, bool gaps>
 void convert(const std::byte* from, float* to, std::size_t count, const VolumeLayout& layout) {
   constexpr double most = std::numeric_limits<float>::max();
@@ -97,7 +97,7 @@ std::optional<VolumeError> check(const VolumeLayout& layout) {
   if (!std::isfinite(layout.slope) || !std::isfinite(layout.intercept))
     return VolumeError{"the slope or intercept of the volume's values is not finite"};
   if (!finite(layout.origin) || !finite(layout.base)) return VolumeError{"the origin of the volume is not finite"};
-  constexpr double kMinStep = 1e-15, kMaxStep = 1e15, kFarthest = 1e18;  // beyond these, areas overflow float
+  constexpr double kMinStep = 1e-15, kMaxStep = 1e15, kFarthest = 1e18;  // beyond these limits, areas overflow float
   if (glm::length(layout.origin + layout.base) > kFarthest)
     return VolumeError{"the origin of the volume is more than 1e18 from the origin of the world"};
   for (const glm::vec3& axis : layout.axes) {
@@ -108,7 +108,7 @@ std::optional<VolumeError> check(const VolumeLayout& layout) {
   }
   const glm::dmat3 axes(layout.axes[0], layout.axes[1], layout.axes[2]);
   const double lengths = glm::length(axes[0]) * glm::length(axes[1]) * glm::length(axes[2]);
-  constexpr double least = 1e-6;  // relative to a cuboid's volume; flatter voxels have no meaningful gradients
+  constexpr double least = 1e-6;  // minimum volume relative to a cuboid; flatter voxels have no useful gradients
   if (!(std::abs(glm::determinant(axes)) > least * lengths))
     return VolumeError{"the axes of the volume do not span space; expected three independent directions"};
   return std::nullopt;

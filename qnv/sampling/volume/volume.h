@@ -16,13 +16,14 @@
 
 namespace gs::qnv {
 
-/// Layout of a regular grid of scalar values. It is read slice by slice, so that it may be larger than memory.
+/// Layout of a regular grid of scalar values. The values are read slice by slice, so that the grid may be larger than
+/// memory.
 struct VolumeLayout {
   std::array<std::uint32_t, 3> dimensions{};  // voxels along x, y, z; x varies fastest
   std::array<glm::vec3, 3> axes{glm::vec3(1, 0, 0), glm::vec3(0, 1, 0),
-                                glm::vec3(0, 0, 1)};  // step of one voxel, world units
+                                glm::vec3(0, 0, 1)};  // step from a voxel to the next, world units
   glm::dvec3 origin{0};                               // centre of voxel (0, 0, 0), world units, relative to `base`
-  glm::dvec3 base{0};                                 // Description::origin of the results
+  glm::dvec3 base{0};  // Description::origin of results
   VoxelType type = VoxelType::u8;
   bool big_endian = false;
   double slope = 1, intercept = 0;                            // value = stored * slope + intercept
@@ -30,8 +31,8 @@ struct VolumeLayout {
   std::vector<std::pair<std::string, std::string>> metadata;  // UTF-8
 };
 
-/// Volume: its layout, and a function that reads the stored bytes of slice z (x * y * size of a voxel). The function
-/// returns false on failure. It is called from one thread at a time, with z in any order.
+/// Volume: its layout, and a function that reads the stored bytes of slice z. A slice has x * y voxels. The function
+/// returns false on failure. Only one thread at a time calls it; z may have any order.
 struct VolumeSource {
   VolumeLayout layout;
   std::function<bool(std::uint32_t z, std::span<std::byte> slice)> read;

@@ -21,7 +21,7 @@ bool VolumeWindow::move_to(std::int64_t first, std::int64_t last) {
   }
   const std::size_t voxels = slice_voxels(source_.layout);
   const std::size_t bytes = voxels * size_of(source_.layout.type);
-  // One thread reads and all convert, alternating in batches of bounded size.
+  // Alternates between two steps on batches of limited size: one thread reads, then all threads convert.
   const std::size_t turn = std::max<std::size_t>(1, (std::size_t{16} << 20) / bytes);
   std::vector<Slot*> fresh;
   for (std::int64_t z = first; z <= last; ++z) {

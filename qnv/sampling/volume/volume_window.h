@@ -9,24 +9,24 @@
 
 namespace gs::qnv {
 
-/// Window over neighbouring slices of a volume that is too large for memory. One thread at a time may read slices; any
-/// thread may read the values.
+/// Window over neighbouring slices of a volume that is too large for memory. Only one thread at a time may load slices;
+/// any thread may read the loaded values.
 class VolumeWindow {
  public:
   /// `source` must outlive the window and have a valid layout.
   VolumeWindow(const VolumeSource& source, unsigned threads) : source_(source), threads_(threads) {}
 
-  /// Returns the number of slices to process at a time, so that they fit the processor's caches.
+  /// Returns the number of slices to process at a time, so that they fit into the processor's caches.
   [[nodiscard]] std::uint32_t batch() const;
 
-  /// Loads slices first..last (clamped to the volume). Does not reload available slices. Returns false if the source
-  /// fails.
+  /// Loads the slices from `first` to `last`, clamped to the volume. Does not load slices again. Returns false if the
+  /// source fails.
   [[nodiscard]] bool move_to(std::int64_t first, std::int64_t last);
 
-  /// Returns the values of a loaded slice, x fastest.
+  /// Returns the values of a loaded slice; x varies fastest.
   [[nodiscard]] const float* slice(std::uint32_t z) const { return slots_[z % slots_.size()].values.data(); }
 
-  /// Returns a row of a loaded slice. Both adjacent slices must be loaded too.
+  /// Returns a row of a loaded slice. Both adjacent slices must be loaded, too.
   [[nodiscard]] GradientRow row(std::uint32_t y, std::uint32_t z) const;
 
  private:

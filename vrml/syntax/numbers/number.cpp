@@ -21,17 +21,18 @@ constexpr std::array<std::uint8_t, 256> kSeparatorClass = [] {
   return table;
 }();
 
-// Number of digits that always fits 64 bits.
+// Number of decimal digits that always fits into 64 bits.
 constexpr std::ptrdiff_t kMaxDigits = 19;
 
 std::uint8_t separator_class(char c) { return kSeparatorClass[static_cast<unsigned char>(c)]; }
 unsigned digit_of(char c) { return static_cast<unsigned>(static_cast<unsigned char>(c)) - '0'; }
 bool is_digit(char c) { return digit_of(c) < 10; }
 
-// Reports whether a bulk read accepts this byte after a number. All others, including `x` and `#`, go to the slow path.
+// Reports whether a bulk read continues after a number that this byte ends. The slow path handles all other bytes, even
+// `x` and `#`.
 bool ends_number(char c) { return separator_class(c) != other || c == ']'; }
 
-// Skips separators up to `guard`. A carriage return counts only before a line feed.
+// Skips separators before `guard`. A carriage return counts as a separator only before a line feed.
 const char* skip_separators(const char* p, const char* guard, NumberRun& run) {
   for (; p < guard; ++p) {
     const std::uint8_t kind = separator_class(*p);
@@ -46,12 +47,12 @@ const char* skip_separators(const char* p, const char* guard, NumberRun& run) {
   return p;
 }
 
-// Reads the digits at `p` and advances it; the value is exact for at most kMaxDigits digits.
+// Reads the digits at `p`, and moves `p` after them. The value is exact for at most kMaxDigits digits.
 void read_digits(const char*& p, std::uint64_t& value) {
   for (unsigned digit; (digit = digit_of(*p)) < 10; ++p) value = value * 10 + digit;
 }
 
-// Reads an optional sign and advances `p`; returns true for a minus.
+// Reads an optional sign, and moves `p` after it. Returns true for a minus.
 bool read_sign(const char*& p) {
   const bool negative = *p == '-';
   p += negative || *p == '+';
@@ -137,7 +138,7 @@ NumberRun portable(const char* begin, const char* end, T* out, std::size_t capac
 template <class T>
 bool parse_decimal(std::string_view text, T& value) {
   const std::size_t sign = text.starts_with('+') || text.starts_with('-');
-  // from_chars also accepts "inf" and "nan"
+  // rejects "inf" and "nan", which from_chars accepts
   if (text.size() == sign || (!is_digit(text[sign]) && text[sign] != '.')) return false;
   if (text.front() == '+') text.remove_prefix(1);
   T parsed{};

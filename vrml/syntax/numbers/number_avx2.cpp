@@ -11,16 +11,16 @@
 namespace gs::vrml::number_paths {
 namespace {
 
-// Each round examines the 64 bytes after the last number. Vector compares turn them into bit masks, and a few
-// operations give the start, the point and the end of each number. No number waits for the previous one. Up to kRound
-// complete numbers of the window are converted at once. Each has its own byte lane, with its last digit in the last
-// byte. Windows with exponents or long numbers take a longer path. read_number repeats numbers with uncertain rounding;
-// read_plain handles windows with anything that is no number.
+// Each round examines the 64 bytes after the last number. Vector compares turn these bytes into bit masks. A few
+// operations on the masks give the start, the decimal point and the end of each number. Thus no number waits for the
+// previous one. Up to kRound complete numbers of the window are converted at once. Each number has a separate lane of
+// bytes, with its last digit in the last byte. Windows with exponents or long numbers take a longer path. read_number
+// repeats numbers with uncertain rounding. read_plain handles windows with text that is not a number.
 constexpr std::ptrdiff_t kWindow = 64;
 constexpr std::size_t kRound = 8;
-constexpr std::ptrdiff_t kLane = 16;  // maximum reach of a lane before the window
+constexpr std::ptrdiff_t kLane = 16;  // maximum number of bytes that a lane reaches before the window
 
-// Converts integers below 2^52 to doubles: their bits are those of the double 2^52 + integer.
+// Converts integers below 2^52 to doubles: their bits are the lowest bits of the double 2^52 + integer.
 GHOSTSPACE_AVX2_INLINE __m256d doubles_of(__m256i integers) {
   const __m256i magic = _mm256_set1_epi64x(0x4330000000000000);
   return _mm256_sub_pd(_mm256_castsi256_pd(_mm256_or_si256(integers, magic)), _mm256_castsi256_pd(magic));
@@ -28,7 +28,7 @@ GHOSTSPACE_AVX2_INLINE __m256d doubles_of(__m256i integers) {
 GHOSTSPACE_AVX2_INLINE __m256i too_large(__m256i integers) {
   return _mm256_cmpgt_epi64(integers, _mm256_set1_epi64x((std::int64_t{1} << 52) - 1));
 }
-// Returns the mantissa bits of doubles that floats drop.
+// Returns the lowest mantissa bits of doubles, which floats drop.
 GHOSTSPACE_AVX2_INLINE __m256i rest_of(__m256d doubles) {
   return _mm256_and_si256(_mm256_castpd_si256(doubles), _mm256_set1_epi64x(0x1fffffff));
 }
@@ -38,20 +38,20 @@ GHOSTSPACE_AVX2_INLINE __m128 signed_floats(__m256d magnitudes, __m256i positive
   return _mm256_cvtpd_ps(_mm256_xor_pd(magnitudes, signs));
 }
 
-// Reads four floats. `doubtful` has a bit for each with uncertain rounding or mantissa.
+// Reads four floats. Sets a bit of `doubtful` for each float with an uncertain rounding or mantissa.
 GHOSTSPACE_AVX2_INLINE __m128 four_floats(Cutter& cutter, unsigned& doubtful) {
   const Four four = cut_four(cutter);
   const __m256d powers = _mm256_setr_pd(kPoints[four.cuts[0].point].power, kPoints[four.cuts[1].point].power,
                                         kPoints[four.cuts[2].point].power, kPoints[four.cuts[3].point].power);
   const __m256d quotients = _mm256_div_pd(doubles_of(four.mantissas), powers);
-  // Integer and power are exact and the quotient is correctly rounded. A second rounding can thus go wrong only exactly
-  // between two floats. No value is small enough to be a denormal float.
+  // Integer and power are exact, and the quotient is correctly rounded. Therefore a second rounding can be wrong only
+  // for a quotient exactly between two floats. No value is small enough to be a denormal float.
   const __m256i middle = _mm256_cmpeq_epi64(rest_of(quotients), _mm256_set1_epi64x(kMiddle));
   doubtful = bits_of(_mm256_or_si256(middle, too_large(four.mantissas)));
   return signed_floats(quotients, four.positive);
 }
 
-// Reads four integers of up to 16 characters. `doubtful` has a bit for each that does not fit 32 bits.
+// Reads four integers of up to 16 characters. Sets a bit of `doubtful` for each integer that does not fit into 32 bits.
 GHOSTSPACE_AVX2_INLINE __m128i four_integers(Cutter& cutter, unsigned& doubtful) {
   const Four four = cut_four(cutter);
   const __m256i negative = _mm256_xor_si256(four.positive, _mm256_set1_epi64x(-1));
@@ -63,7 +63,7 @@ GHOSTSPACE_AVX2_INLINE __m128i four_integers(Cutter& cutter, unsigned& doubtful)
   return _mm256_castsi256_si128(low_halves);
 }
 
-// Advances `run` by `count` numbers and `size` bytes of the window.
+// Moves `run` forward by `count` numbers and `size` bytes of the window.
 GHOSTSPACE_AVX2_INLINE void pass(NumberRun& run, const Window& w, std::size_t count, unsigned size) {
   const std::uint64_t feeds = _bzhi_u64(w.feeds, size);
   run.line_start = feeds ? run.next + 64 - __builtin_clzll(feeds) : run.line_start;
@@ -72,29 +72,29 @@ GHOSTSPACE_AVX2_INLINE void pass(NumberRun& run, const Window& w, std::size_t co
   run.count += count;
 }
 
-// Returns the number of numbers in a round.
+// Returns the number of numbers that a round converts.
 GHOSTSPACE_AVX2_INLINE unsigned round_size(const Window& w) {
   return std::min(static_cast<unsigned>(_mm_popcnt_u64(w.ends)), static_cast<unsigned>(kRound));
 }
 
-// Ends a round; `last_end` is the eighth end, or 64 if there are fewer.
+// Ends a round. `last_end` is the end of the eighth number, or 64 if there are fewer numbers.
 GHOSTSPACE_AVX2_INLINE void finish_round(NumberRun& run, const Window& w, unsigned last_end) {
   pass(run, w, round_size(w), std::min(last_end, 63u - static_cast<unsigned>(__builtin_clzll(w.ends))));
 }
 
-// Returns all bits up to the highest one of `mask`, which is not 0.
+// Returns a mask of all bits up to the highest bit of `mask`, which must not be 0.
 GHOSTSPACE_AVX2_INLINE std::uint64_t up_to_last(std::uint64_t mask) {
   return ~std::uint64_t{0} >> static_cast<unsigned>(__builtin_clzll(mask));
 }
 
-// Skips a window without the end of any number. Returns false if it contains other bytes than separators.
+// Skips a window in which no number ends. Returns false if it contains other bytes than separators.
 GHOSTSPACE_AVX2_INLINE bool pass_blanks(NumberRun& run, const Window& w) {
   if (w.bodies) return false;
-  pass(run, w, 0, kWindow - 1);  // the last byte may be the guard, where read_plain stops
+  pass(run, w, 0, kWindow - 1);  // leaves one byte: it may be the guard, where read_plain stops
   return true;
 }
 
-// Reads the numbers marked in `doubtful` again. Returns false if that fails.
+// Reads the numbers that `doubtful` marks again. Returns false if one of them is not a number.
 GHOSTSPACE_AVX2 bool read_again(const char* p, const Window& w, unsigned doubtful, float* out) {
   for (; doubtful; doubtful = _blsr_u32(doubtful)) {
     const unsigned index = _tzcnt_u32(doubtful);
@@ -104,21 +104,22 @@ GHOSTSPACE_AVX2 bool read_again(const char* p, const Window& w, unsigned doubtfu
   return true;
 }
 
-// Window with exponents or long numbers, cut at the ends of the relevant digits.
+// Window with exponents or long numbers. It is cut at the ends of the digits to read.
 struct LongCutter {
   const char* p;
   std::uint64_t starts;
   std::uint64_t wholes;
-  std::uint64_t ends;   // ends of the mantissa parts that are read, at most 16 bytes each
-  std::uint64_t marks;  // ends of the mantissas: an `e` or the end of the number
-  std::uint64_t longs;  // starts of numbers with digits that are not read
+  std::uint64_t ends;  // ends of the mantissa parts to read, at most 16 bytes each
+  std::uint64_t marks;  // ends of the mantissas: an `e`, or the end of the number
+  std::uint64_t longs;  // starts of numbers with further digits that are not read
 };
 GHOSTSPACE_AVX2_INLINE Cut cut(LongCutter& cutter) {
   const unsigned end = pop(cutter.ends);
   return {end, end - pop(cutter.starts), end - pop(cutter.wholes)};
 }
 
-// Applies the rules of look(), with `e` as both an end and a start. Returns false if a body in `whole` is not a number.
+// Applies the rules of look(); an `e` counts as an end and as a start. Returns false if a body in `whole` is not a
+// number.
 GHOSTSPACE_AVX2_INLINE bool cut_long(const char* p, const Window& w, std::uint64_t whole, LongCutter& cutter) {
   const __m256i bit = _mm256_set1_epi8(0x20);
   const __m256i low = _mm256_or_si256(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(p)), bit);
@@ -131,7 +132,7 @@ GHOSTSPACE_AVX2_INLINE bool cut_long(const char* p, const Window& w, std::uint64
   const std::uint64_t wholes = first_behind(runs, starts);
   const std::uint64_t faults = (w.others & ~marks) | faults_of(w.signs, w.dots, starts, wholes, ~bodies) |
                                (marks & (w.starts | ~bodies >> 1)) | (exponents & long_runs<9>(bodies));
-  // An exponent ends the number and has no point.
+  // An exponent extends to the end of the number and has no decimal point.
   const std::uint64_t exponent_ends = first_behind(runs, exponents);
   const std::uint64_t longs = w.starts & whole & long_runs<17>(bodies);
   if ((faults | (exponent_ends & (marks | w.dots)) | (longs & long_runs<17>(runs))) & whole) return false;
@@ -145,19 +146,19 @@ GHOSTSPACE_AVX2_INLINE bool cut_long(const char* p, const Window& w, std::uint64
   return true;
 }
 
-// A gather instruction is slow on many processors.
+// Uses plain loads, because a gather instruction is slow on many processors.
 GHOSTSPACE_AVX2_INLINE __m256d powers_at(__m128i exponents) {
   alignas(16) std::uint32_t at[4];
   _mm_store_si128(reinterpret_cast<__m128i*>(at), exponents);
   return _mm256_setr_pd(kPowersOfTen[at[0]], kPowersOfTen[at[1]], kPowersOfTen[at[2]], kPowersOfTen[at[3]]);
 }
 
-// Reads four floats like four_floats(), with exponents. `cut_off` marks numbers with unread digits, which are slightly
-// larger.
+// Reads four floats with exponents, like four_floats(). `cut_off` marks numbers with digits that were not read; their
+// values are slightly larger.
 GHOSTSPACE_AVX2_INLINE __m128 four_long_floats(const Four& four, __m128i exponents, unsigned cut_off,
                                                unsigned& doubtful) {
   constexpr int last = static_cast<int>(kPowersOfTen.size()) - 1;
-  constexpr std::int64_t enough = std::int64_t{1} << 40;  // bounds the error of the quotient to 2^13 units
+  constexpr std::int64_t enough = std::int64_t{1} << 40;  // limits the error of the quotient to 2^13 units
   constexpr std::int64_t margin = 1 << 14;
   const __m128i zero = _mm_setzero_si128();
   const __m128i places = _mm_setr_epi32(static_cast<int>(four.cuts[0].point), static_cast<int>(four.cuts[1].point),
@@ -185,7 +186,7 @@ GHOSTSPACE_AVX2 bool read_long_floats(NumberRun& run, const Window& w, std::uint
   ShortCut cuts[8];
   for (ShortCut& c : cuts) {
     c.end = pop(ends);
-    const unsigned length = c.end - pop(cutter.marks);  // of the exponent, including its `e`
+    const unsigned length = c.end - pop(cutter.marks);  // length of the exponent, including its `e`
     c.keep = std::max(length, 1u) - 1;
   }
   const __m256i exponents = eight_integers(run.next, cuts);
@@ -204,7 +205,7 @@ GHOSTSPACE_AVX2 bool read_long_floats(NumberRun& run, const Window& w, std::uint
   return true;
 }
 
-// Reads one round. Returns false, without changes, if the window needs read_plain.
+// Reads one round. Returns false and changes nothing if the window needs read_plain.
 GHOSTSPACE_AVX2_INLINE bool read_round(NumberRun& run, float* out) {
   const Window w = look<true>(run.next);
   if (w.ends == 0) return pass_blanks(run, w);
@@ -222,7 +223,7 @@ GHOSTSPACE_AVX2_INLINE bool read_round(NumberRun& run, float* out) {
   return true;
 }
 
-// Reads a round that contains integers of up to 16 characters.
+// Reads a round with integers of up to 16 characters.
 GHOSTSPACE_AVX2_INLINE bool read_long_integers(NumberRun& run, const Window& w, std::int32_t* out) {
   Cutter cutter{run.next, w.ends, w.ends};
   unsigned doubtful[2];

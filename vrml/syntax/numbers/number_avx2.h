@@ -1,6 +1,6 @@
 #pragma once
 
-// Parts of the AVX2 path of number_paths.h, windows and lanes, for its single source file.
+// Windows and lanes of the AVX2 path in number_paths.h. Only number_avx2.cpp includes this file.
 
 #include <immintrin.h>
 
@@ -8,23 +8,25 @@
 #include <cstddef>
 #include <cstdint>
 
-// The instructions are enabled per function, so that the program runs on every x86-64.
+// Enables the instructions per function, so that the program runs on every x86-64.
 #define GHOSTSPACE_AVX2 __attribute__((target("avx2,bmi,bmi2,popcnt")))
 #define GHOSTSPACE_AVX2_INLINE __attribute__((target("avx2,bmi,bmi2,popcnt"), always_inline)) inline
 
 namespace gs::vrml::number_paths {
 
-// kKeep + n: mask of a lane that keeps its last n bytes, n <= 64. The masks of eight-byte lanes start 8 bytes later.
+// Mask bytes for lanes: the 16 bytes from kKeep + n on keep the last n bytes of a lane, n <= 64. For eight-byte lanes,
+// start 8 bytes later.
 inline constexpr std::array<std::uint8_t, 80> kKeep = [] {
   std::array<std::uint8_t, 80> table{};
   for (std::size_t i = 16; i < table.size(); ++i) table[i] = 0xff;
   return table;
 }();
 
-// By the number of bytes from a number's point to its end, including the point; 0 means no point.
+// Operations for a number with a decimal point a given number of bytes before its end. The index is this number, which
+// counts the point; 0 means that there is no point.
 struct alignas(32) Point {
-  std::uint8_t shuffle[16];  // removes the gap left by the point
-  double power;              // divisor of the digits read as one integer
+  std::uint8_t shuffle[16];  // closes the gap of the decimal point
+  double power;  // divisor of the digits, which are read as one integer
 };
 inline constexpr std::array<Point, 17> kPoints = [] {
   std::array<Point, 17> table{};
@@ -40,16 +42,16 @@ inline constexpr std::array<Point, 17> kPoints = [] {
   return table;
 }();
 
-// 64 bytes, as masks of one bit per byte. A body is a run of bytes that are not separators.
+// Window of 64 bytes, as masks with one bit per byte. A body is a run of bytes that are not separators.
 struct Window {
   std::uint64_t bodies;
   std::uint64_t starts;  // first bytes of bodies
   std::uint64_t ends;    // separators after bodies
-  std::uint64_t wholes;  // first bytes after the integer parts: a point or the end
-  std::uint64_t dots;    // all points
+  std::uint64_t wholes;  // first bytes after integer parts: a decimal point or the end
+  std::uint64_t dots;  // all decimal points
   std::uint64_t signs;
-  std::uint64_t others;  // bytes other than digits, signs, points and separators
-  std::uint64_t faults;  // bytes at which a body is no plain number
+  std::uint64_t others;  // bytes other than digits, signs, decimal points and separators
+  std::uint64_t faults;  // bytes that make a body something else than a plain number
   std::uint64_t feeds;   // line feeds
 };
 
@@ -58,7 +60,7 @@ GHOSTSPACE_AVX2_INLINE std::uint64_t mask_of(__m256i low, __m256i high) {
          std::uint64_t{static_cast<std::uint32_t>(_mm256_movemask_epi8(high))} << 32;
 }
 
-// Marks the bytes that equal the table entry for their low nibble.
+// Marks the bytes that equal the table entry for their lowest four bits.
 GHOSTSPACE_AVX2_INLINE __m256i in_table(__m256i table, __m256i bytes) {
   return _mm256_cmpeq_epi8(bytes, _mm256_shuffle_epi8(table, bytes));
 }
@@ -71,12 +73,14 @@ GHOSTSPACE_AVX2_INLINE __m256i is_digit(__m256i bytes) {
                            _mm256_set1_epi8(9));
 }
 
-// Returns the first bytes outside `runs`, starting from each bit of `from`: the carry of an addition finds them.
+// Returns for each bit of `from` the first byte at or after it that is outside of `runs`. The carry of an addition
+// finds these bytes.
 GHOSTSPACE_AVX2_INLINE std::uint64_t first_behind(std::uint64_t runs, std::uint64_t from) {
   return (runs + from) & ~runs;
 }
 
-// Returns signs that are not at a start or have nothing after them, second points, and points without a digit.
+// Returns the faulty bytes: signs that are not at a start or that nothing follows, second decimal points, and decimal
+// points without a digit.
 GHOSTSPACE_AVX2_INLINE std::uint64_t faults_of(std::uint64_t signs, std::uint64_t dots, std::uint64_t starts,
                                                std::uint64_t wholes, std::uint64_t blanks) {
   const std::uint64_t before_blanks = blanks >> 1;
@@ -100,7 +104,7 @@ GHOSTSPACE_AVX2_INLINE Window look(const char* p) {
   w.feeds = equal_mask(low, high, '\n');
   w.signs = known & ~blanks & ~w.dots;
   w.others = ~(digits | known);
-  if (w.others) {  // a carriage return before a line feed is a separator
+  if (w.others) {  // a carriage return before a line feed counts as a separator
     const std::uint64_t returns = equal_mask(low, high, '\r') & (w.feeds >> 1);
     blanks |= returns;
     w.others &= ~returns;
@@ -113,7 +117,7 @@ GHOSTSPACE_AVX2_INLINE Window look(const char* p) {
   return w;
 }
 
-// Returns the bits where `mask` has kLength bits in a row.
+// Returns the bits at which `mask` has kLength bits in a row.
 template <unsigned kLength>
 GHOSTSPACE_AVX2_INLINE std::uint64_t long_runs(std::uint64_t mask) {
   static_assert(kLength == 9 || kLength == 17);
@@ -135,14 +139,14 @@ GHOSTSPACE_AVX2_INLINE __m256i load16x2(const void* low, const void* high) {
   return _mm256_inserti128_si256(_mm256_castsi128_si256(load16(low)), load16(high), 1);
 }
 
-// Extent of a number in a window.
+// Extent of a number in a window, for a lane.
 struct Cut {
   unsigned end;
-  unsigned keep;   // bytes that its lane keeps before the end
+  unsigned keep;  // number of bytes before the end that the lane keeps
   unsigned point;  // index in kPoints
 };
 
-// Iterates over the plain numbers of a window; positions are 64 if there are no more.
+// Iterator over the plain numbers of a window. After the last number, positions are 64.
 struct Cutter {
   const char* p;
   std::uint64_t wholes;
@@ -156,7 +160,7 @@ GHOSTSPACE_AVX2_INLINE Cut cut(Cutter& cutter) {
   return result;
 }
 
-// Digits of two numbers, and the bytes with a minus sign.
+// Digits of two numbers, and a mask of their minus signs.
 struct Pair {
   __m256i digits;
   __m256i minus;
@@ -165,25 +169,25 @@ GHOSTSPACE_AVX2_INLINE Pair pair(const char* p, const Cut& a, const Cut& b) {
   const __m256i text = load16x2(p + a.end - 16, p + b.end - 16);
   const __m256i keep = load16x2(kKeep.data() + a.keep, kKeep.data() + b.keep);
   const __m256i shuffle = load16x2(kPoints[a.point].shuffle, kPoints[b.point].shuffle);
-  // Signs, points and separators all precede '0' and become zeros before the digits.
+  // Signs, decimal points and separators have lower codes than '0'. They become zeros before the digits.
   const __m256i digits = _mm256_and_si256(_mm256_subs_epu8(text, _mm256_set1_epi8('0')), keep);
   const __m256i minus = _mm256_and_si256(_mm256_cmpeq_epi8(text, _mm256_set1_epi8('-')), keep);
   return {_mm256_shuffle_epi8(digits, shuffle), minus};
 }
 
-// Combines lanes of 16 digits to four numbers below 10^4 each.
+// Joins lanes of 16 digits to four numbers below 10^4 each.
 GHOSTSPACE_AVX2_INLINE __m256i join_to_four(__m256i digits) {
   const __m256i twos = _mm256_maddubs_epi16(digits, _mm256_set1_epi16(0x010a));
   return _mm256_madd_epi16(twos, _mm256_set1_epi32(0x00010064));
 }
 
-// Returns the eight-digit numbers of two pairs, in the order a0 b0 a1 b1.
+// Returns the eight-digit numbers of two pairs, in the order a0, b0, a1, b1.
 GHOSTSPACE_AVX2_INLINE __m256i join_to_eight(__m256i a, __m256i b) {
   const __m256i fours = _mm256_packus_epi32(join_to_four(a), join_to_four(b));
   return _mm256_madd_epi16(fours, _mm256_set1_epi32(0x00012710));
 }
 
-// Four numbers: digits as integers, and all-ones masks for those that are not negative.
+// Four numbers: their digits as integers, and masks with all bits set for numbers that are not negative.
 struct Four {
   Cut cuts[4];
   __m256i mantissas;
@@ -213,7 +217,7 @@ GHOSTSPACE_AVX2_INLINE __m128i load8x2(const void* low, const void* high) {
   return _mm_castps_si128(_mm_loadh_pi(_mm_castsi128_ps(first), static_cast<const __m64*>(high)));
 }
 
-// Extent of an integer in a window: its end, and the bytes that its lane keeps.
+// Extent of an integer in a window: its end, and the number of bytes that its lane keeps.
 struct ShortCut {
   unsigned end;
   unsigned keep;
@@ -227,9 +231,9 @@ GHOSTSPACE_AVX2_INLINE Pair short_pairs(const char* p, ShortCut a, ShortCut b, S
           _mm256_and_si256(_mm256_cmpeq_epi8(text, _mm256_set1_epi8('-')), keep)};
 }
 
-// Parses eight integers of up to eight characters.
+// Reads eight integers of up to eight characters.
 GHOSTSPACE_AVX2_INLINE __m256i eight_integers(const char* p, const ShortCut (&cuts)[8]) {
-  // This order makes the packing produce the original order.
+  // With this order of the cuts, packing gives the original order.
   const Pair a = short_pairs(p, cuts[0], cuts[1], cuts[4], cuts[5]);
   const Pair b = short_pairs(p, cuts[2], cuts[3], cuts[6], cuts[7]);
   const __m256i eights = join_to_eight(a.digits, b.digits);

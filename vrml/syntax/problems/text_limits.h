@@ -7,23 +7,25 @@
 
 namespace gs::vrml {
 
-/// Limits that apply while one text is read into a scene. Draws memory from the scene's budget and reports the first
-/// excess. Single-threaded.
+/// Limits that apply while one text is read into a scene. Draws memory from the scene's budget, and reports the first
+/// limit that is exceeded. One thread.
 class TextLimits {
  public:
   TextLimits(SceneGraph& scene, TextProblems& problems) : scene_(scene), problems_(problems) {}
 
-  /// Returns true for the first excess of a limit; later ones are not reported.
+  /// Returns true only in the first call, so that only the first excess of a limit is reported.
   [[nodiscard]] bool is_first_excess();
   /// Reports whether the budget for nodes is exhausted, so that the grammar must omit the rest of the text.
   [[nodiscard]] bool is_exhausted(SourceLocation location);
-  /// Reports whether a construct inside `depth` others may be opened.
+  /// Reports whether a construct may be opened inside `depth` other constructs.
   [[nodiscard]] bool admits_depth(std::size_t depth, SourceLocation location);
-  /// Draws memory for a string of this size. Returns false if the string must stay empty.
+  /// Draws memory for a string of `bytes` bytes. Returns false if there is not enough; the string must then stay empty.
   [[nodiscard]] bool admits_string(std::size_t bytes, SourceLocation location);
-  /// Checks the first three numbers of an SFImage (VRML97 5.5).
+  /// Checks width, height and components, the first three numbers of an SFImage (VRML97 5.5). Returns false if it
+  /// exceeds a limit.
   [[nodiscard]] bool admits_image(double width, double height, double components, SourceLocation location);
-  /// Draws the growth of a list or an image since `charged` bytes, in steps; to the last byte if `all`.
+  /// Draws memory for the growth of a list or image. `charged` is the number of bytes drawn so far. Draws in steps, or
+  /// exactly if `all` is set.
   void charge_growth(const FieldValue& list, std::size_t& charged, bool all);
 
  private:

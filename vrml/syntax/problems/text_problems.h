@@ -10,7 +10,7 @@
 
 namespace gs::vrml {
 
-/// Reports problems of one text, with its file name. Single-threaded.
+/// Reporter of the problems of one text. It adds the file name. One thread.
 class TextProblems {
  public:
   /// `text` and `diagnostics` must outlive this object.
@@ -30,7 +30,7 @@ class TextProblems {
   Diagnostics& diagnostics_;
 };
 
-/// Returns a word as messages show it: in quotes, shortened, without control characters.
+/// Returns a word for messages: in quotes, shortened, without control characters.
 [[nodiscard]] inline std::string quoted(std::string_view word) {
   constexpr std::size_t kMaxShown = 40;
   std::string text = "'";

@@ -10,7 +10,7 @@
 
 namespace gs::qnv {
 
-/// Decoder of the displaced payload, which an exact mesh may follow.
+/// Decoder of the displaced payload. An exact mesh may follow the stages in the stream.
 class DisplacedDecoder final : public Decoder {
  public:
   DisplacedDecoder(const StreamHeader& header, std::size_t most_vectors);
@@ -24,13 +24,14 @@ class DisplacedDecoder final : public Decoder {
   [[nodiscard]] MeshProgress mesh() const override { return exact_.progress(); }
 
  private:
-  /// Returns the patches that received triangles cover, if a part of the mesh is shown; else an empty list.
+  /// Returns one flag per patch: true if received triangles of the exact mesh cover the patch. Returns an empty list if
+  /// no part of the exact mesh is drawn.
   [[nodiscard]] std::vector<bool> covered() const;
 
   bool colored_;
   std::size_t most_vectors_;
   SurfaceStages stages_;
-  ExactSurface exact_;  // replaces the stages once received
+  ExactSurface exact_;  // exact mesh; replaces the stages when it is complete
 };
 
 }  // namespace gs::qnv

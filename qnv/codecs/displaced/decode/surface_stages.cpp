@@ -11,13 +11,15 @@
 namespace gs::qnv {
 namespace {
 
-// Limit of the clusters waiting for a base, which may never be received; and the overhead of each.
+// Limit of the bytes of clusters that wait for a base mesh, which may never be received. The second constant is the
+// overhead of each cluster.
 constexpr std::size_t kMaxWaitingStageBytes = std::size_t{16} << 20, kWaitingCost = 128;
 
-// Limits on the shown level: vertices per received byte, plus a constant.
+// Limits on the vertices of the drawn level: a number per received byte, plus a constant.
 constexpr std::size_t kMaxVerticesAByte = 1024, kVerticesBesides = 65536;
 
-// Returns the level to show: one beyond the received ones, which is smooth at no cost.
+// Returns the level to draw: the next finer level after the received levels, because it looks smooth without further
+// data.
 int shown_level(const displaced::Surface& surface) {
   int level = std::min(surface.header().depth, surface.finest() + 1);
   const std::size_t most = kVerticesBesides + kMaxVerticesAByte * surface.cluster_bytes();
@@ -33,7 +35,7 @@ std::size_t most_slots(const displaced::Surface& surface) {
   return surface.slots().vertices_at(surface.header().depth);
 }
 
-/// Returns the slots used by patches that are not left out.
+/// Returns one flag per vertex slot: true if a patch uses the slot. Ignores the patches that `without` marks.
 std::vector<bool> used_slots(const displaced::Surface& surface, int level, const std::vector<bool>& without) {
   std::vector<bool> used(surface.slots().vertices_at(level), false);
   std::vector<std::uint32_t> grid;
@@ -79,7 +81,7 @@ void SurfaceStages::add_stage(int number, displaced::StageHeader stage) {
   for (const auto& payload : ready) add(payload);
 }
 
-// Shown stages may have at most most_vectors_ vertices, and waiting stages as many again.
+// Drawn stages may have at most most_vectors_ vertices together. Waiting stages may have the same number again.
 bool SurfaceStages::fits(const displaced::Surface& surface) const {
   std::size_t beside = 0, largest = 0, all = most_slots(surface);
   (surface.header().beside ? beside : largest) = all;
@@ -113,7 +115,7 @@ void SurfaceStages::add(std::span<const std::byte> payload) {
   }
   if ((gone_ >> cluster->stage & 1) != 0) return;
   if (cluster->kind == displaced::ClusterHeader::Kind::base) {
-    // A base may be sent repeatedly, so that one copy arrives.
+    // An encoder may send a base several times, so that losses do not remove all copies.
     if (stages_.contains(cluster->stage)) return;
     auto stage = displaced::decode_stage(payload.subspan(cluster->bytes));
     if (stage)
@@ -134,7 +136,7 @@ void SurfaceStages::add(std::span<const std::byte> payload) {
   }
   if (cluster->level > found->second.header().depth && count_.full) return;
   if (!found->second.add(*cluster, payload)) ++count_.refused;
-  // A truncated cluster may also have contributed numbers.
+  // Marks the change even if add() failed: a truncated cluster may have contributed numbers.
   if (const auto evaluator = evaluators_.find(cluster->stage); evaluator != evaluators_.end()) {
     if (cluster->kind == displaced::ClusterHeader::Kind::color)
       evaluator->second.colors_changed();
@@ -205,8 +207,8 @@ void SurfaceStages::append(const displaced::Surface& surface, IndexedMesh& mesh,
   const std::vector<glm::vec3> normals = displaced::slot_normals(surface.patches(), surface.slots(), level, places);
   const std::vector<std::uint32_t> vertex_of = surface.vertices_of_slots(level);
   const auto start = static_cast<std::uint32_t>(mesh.positions.size());
-  // Omit slots that no remaining patch uses.
-  std::vector<std::uint32_t> numbers;  // by slot
+  // Omits slots that no remaining patch uses.
+  std::vector<std::uint32_t> numbers;  // new index of each slot
   std::uint32_t count = start;
   std::vector<bool> used;
   if (!without.empty()) used = used_slots(surface, level, without);
@@ -227,7 +229,7 @@ void SurfaceStages::append(const displaced::Surface& surface, IndexedMesh& mesh,
   }
   const std::size_t first = mesh.triangles.size();
   const std::vector<std::uint32_t> triangles = surface.triangles(level);
-  const std::size_t corners = std::size_t{3} << 2 * level;  // per patch
+  const std::size_t corners = std::size_t{3} << 2 * level;  // number of corners per patch
   mesh.triangles.reserve(first + triangles.size());
   for (std::size_t i = 0; i < triangles.size(); ++i)
     if (without.empty() || !without[i / corners]) mesh.triangles.push_back(numbers[triangles[i]]);

@@ -16,7 +16,7 @@ void BaseMeshPrefetcher::expect(std::size_t triangles) {
     coming_ = std::async(std::launch::async, [this, triangles] { return simplify(mesh_, triangles); });
     expected_ = triangles;
   } catch (const std::system_error&) {
-    // Without a further thread, base() computes it on request.
+    // If the system allows no further thread, base() computes the mesh on request.
   }
 }
 

@@ -7,16 +7,16 @@
 
 namespace gs::qnv::displaced {
 
-/// Simplifies one mesh to several sizes, and computes the next size while the caller uses the previous one. Collapses
-/// are single-threaded, so other cores would idle until a base is ready.
+/// Simplifier of one mesh to several sizes. It computes the next size on another thread while the caller uses the
+/// previous result. Simplification is single-threaded, so other cores would otherwise wait for a base mesh.
 class BaseMeshPrefetcher {
  public:
-  /// `mesh` must outlive this object. `threads` is as in parallel_for().
+  /// `mesh` must outlive this object. If `threads` is 0, uses one thread per core.
   BaseMeshPrefetcher(const SurfaceMesh& mesh, unsigned threads);
 
-  /// Announces the probable size of the next request.
+  /// Starts to compute the mesh of the size that the caller will probably request next.
   void expect(std::size_t triangles);
-  /// Returns the result of simplify().
+  /// Returns the mesh, simplified to `triangles` triangles by simplify().
   [[nodiscard]] SurfaceMesh base(std::size_t triangles);
 
  private:

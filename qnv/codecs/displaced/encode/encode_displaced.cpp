@@ -31,43 +31,46 @@ using displaced::EncodedStage;
 using displaced::StageCluster;
 
 constexpr std::size_t kFirstTriangles = 640;
-// Limits for a surface that suits a first stage: the base's bytes, and the error relative to the box. Other surfaces
-// are better encoded as an octree.
+// Limits for a surface that a displaced stage suits: bytes of the base mesh, and error of the stage relative to the
+// box. Other surfaces are better encoded as an octree.
 constexpr std::size_t kMaxFirstBytes = 4000;
 constexpr float kMaxFirstError = 0.002f;
-// Components below this fraction of the area are excluded from the stages and follow them.
+// Components with less than this fraction of the area are excluded from the stages. They form an extra stage at the
+// end.
 constexpr double kMinPart = 2e-4;
-// Error, in source edges, above which another stage with four times as many triangles follows.
+// Maximum error of a stage, in edges of the source. Above it, another stage with four times as many triangles follows.
 constexpr float kMaxError = 0.045f;
 constexpr std::size_t kMaxStages = 4;
-// Bytes sent of a stage with a successor, relative to the next base.
+// Bytes of clusters that a stage sends if another stage follows, relative to that stage's base mesh.
 constexpr double kBeforeNext = 1.5;
-// Parity of the front of the last stage and of the small parts, relative to its size, plus additional pieces. At 30 %
-// loss, one stage in a hundred is lost.
+// Parity bytes relative to the bytes that they protect: for the front of the last stage, and for the small components.
+// kParityBesides pieces are added. At 30 % loss, one stage in a hundred is lost.
 constexpr double kParity = 0.75, kParityBeside = 0.4;
 constexpr std::size_t kParityBesides = 3, kMaxFrontBytes = 100'000;
-constexpr std::size_t kClustersAt = 3;  // offset of StageHeader::clusters in its bytes
-// Bases are simplified from a mesh of this size, which is close enough to finer ones.
+constexpr std::size_t kClustersAt = 3;  // byte offset of `clusters` in an encoded StageHeader
+// Base meshes are simplified from a mesh with this number of triangles, which is precise enough.
 constexpr std::size_t kCoarseTriangles = 30'000;
-// Maximum step of the finest layer, relative to a source edge.
+// Maximum quantisation step of the finest layer, relative to an edge of the source.
 constexpr float kFinestStep = 1.0f / 14;
 
-// Maximum bytes before the exact tail, relative to it. If the tail was requested explicitly, the total should stay
-// small; else intermediate pictures matter.
+// Maximum bytes before the exact tail, relative to the tail. The second value applies if the user requested the tail:
+// the total should then stay small. Otherwise intermediate pictures matter more.
 constexpr double kBeforeTail = 1.0 / 9, kBeforeChosenTail = 1.0 / 6;
-// For a textured surface, the picture adds to the tail.
+// The same maximum for a textured surface, where the texture adds to the tail; and its minimum in bytes.
 constexpr double kBeforeTexturedTail = 1.0 / 3, kMinBeforeTextured = 2000;
-// Weight, as a fraction of the tail's bytes, of the picture shown until the tail is complete.
+// Weight of the stage that is drawn until the tail is complete, as a fraction of the tail's bytes.
 constexpr double kWorthOfTail = 0.5, kWorthOfChosenTail = 1;
-// Minimum bytes of a stage before a tail, relative to its front, in addition to it; below that, it looks no better than
-// the previous stage.
+// Minimum bytes of a stage after its front, relative to the front, if a tail follows. With fewer bytes, the stage looks
+// no better than the previous one.
 constexpr double kBesidesFront = 0.5;
-// Maximum fraction of these bytes for later bases; a stage with little beyond its base does not pay.
+// Maximum fraction of the bytes before the tail that bases of later stages may use. A base without further clusters
+// does not pay.
 constexpr double kBasesBeforeTail = 0.5;
-// Limits for surfaces that do not suit a first stage and get an exact tail instead: triangles and tail bytes.
+// Limits of surfaces that get an exact tail instead of an octree, if a displaced stage does not suit: maximum triangles
+// and maximum bytes of the tail.
 constexpr std::size_t kFewTriangles = 100'000, kMaxSmallTail = 100'000;
 
-/// Sorts clusters for sending: largest gain per byte first, but after those that they refine.
+/// Sorts clusters for sending: largest gain per byte first. A cluster never precedes the clusters that it refines.
 std::vector<StageCluster> ordered(std::vector<StageCluster> clusters, std::size_t patches) {
   using Kind = displaced::ClusterHeader::Kind;
   // Sort by dependency: by level within a layer, layer by layer; colours separately.
@@ -78,7 +81,7 @@ std::vector<StageCluster> ordered(std::vector<StageCluster> clusters, std::size_
     return rank(a) < rank(b);
   });
   constexpr double kAny = 1e300;
-  // Minimum gain per byte of the earlier clusters of each patch.
+  // For each patch, the minimum gain per byte of its earlier clusters.
   std::array<std::vector<double>, displaced::kLayers + 1> so_far;
   for (auto& worth : so_far) worth.assign(patches, kAny);
   std::vector<std::pair<double, std::size_t>> keys;
@@ -108,7 +111,7 @@ OutgoingChunk chunk_of(StageCluster cluster, const displaced::Frame& frame) {
   return chunk;
 }
 
-/// Front of a later stage: its base, and the clusters required before it is shown.
+/// Front of a later stage: its base mesh, and the clusters that a decoder requires before it draws the stage.
 class StageFront {
  public:
   StageFront(const EncodedStage& stage, int number, std::size_t clusters, const Box& box) {
@@ -142,14 +145,14 @@ class StageFront {
   DirectoryEntry entry_;
 };
 
-/// Chunks of all stages in order. Stages before the last send only as much as pays until the next is shown. `places` is
-/// the number of source vertices. `distances` has the squared errors of the shown surface, in the unit of cluster
-/// gains, before the first chunk and after each.
+/// Chunks of all stages in order. A stage with a successor sends only the clusters that pay until the successor is
+/// drawn. `places` is the number of source vertices. `distances` has the squared error of the drawn surface before the
+/// first chunk and after each chunk, in the unit of cluster gains.
 struct StageChunks {
   std::vector<OutgoingChunk> chunks;
   std::vector<double> distances;
-  std::vector<std::vector<OutgoingChunk>> parity;  // of the front of each stage
-  std::vector<std::size_t> begins, ready;          // first chunk of each stage, and the first after its front
+  std::vector<std::vector<OutgoingChunk>> parity;  // parity of the front of each stage
+  std::vector<std::size_t> begins, ready;  // per stage: its first chunk, and the first after its front
 };
 StageChunks chunks_of(std::vector<EncodedStage> stages, const Box& box, std::size_t places) {
   const displaced::Frame frame(box);
@@ -199,8 +202,8 @@ StageChunks chunks_of(std::vector<EncodedStage> stages, const Box& box, std::siz
   return out;
 }
 
-/// Truncates the stages to the chunks that fit into `bytes`, including container overhead, and that pay before a tail
-/// of `tail` bytes. Minimises the shown error, summed over all bytes until the tail is complete.
+/// Truncates `chunks` to those that fit into `bytes`, including container overhead, and that pay before a tail of
+/// `tail` bytes. Minimises the sum of the drawn error over all bytes until the tail is complete.
 void keep_before(StageChunks& stages, double bytes, double tail) {
   std::vector<OutgoingChunk>& chunks = stages.chunks;
   std::size_t kept = 0, stage = 0;
@@ -224,7 +227,7 @@ void keep_before(StageChunks& stages, double bytes, double tail) {
   chunks.resize(kept);
 }
 
-/// Returns the stages as a decoder has them after all chunks.
+/// Returns the stages of a decoder that has received all chunks.
 SurfaceStages received_stages(const StreamHeader& header, std::span<const OutgoingChunk> chunks) {
   constexpr std::size_t kMaxDecodedVectors = std::size_t{1} << 26;
   SurfaceStages stages;
@@ -238,7 +241,7 @@ SurfaceStages received_stages(const StreamHeader& header, std::span<const Outgoi
   return stages;
 }
 
-/// Encodes a surface that exceeds the memory limit, after thinning it.
+/// Thins a surface that exceeds the memory limit, and encodes the result.
 std::variant<EncodedStream, EncodeError> encode_thinned(const TriangleSource& source, const EncodeOptions& options,
                                                         Progress* progress) {
   if (options.exact_bits > 0)
@@ -271,7 +274,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   });
   joined.finish();
   if (too_many) {
-    builder = displaced::MeshBuilder(true);  // frees its memory
+    builder = displaced::MeshBuilder(true);  // releases the builder's memory
     return encode_thinned(source, options, progress);
   }
   if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read"};
@@ -286,7 +289,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     const int bits = std::max(options.exact_bits, 0);
     exact = textured ? exact_mesh_of(*textured, frame, bits) : exact_mesh_of(builder, frame, s.colored, bits);
   }
-  // For parts with sharp edges and few triangles, the exact mesh is smaller than any good approximation.
+  // For surfaces with sharp edges and few triangles, the exact mesh is smaller than any good approximation.
   std::optional<exact::ExactMesh> small;
   if (options.only_if_suited && options.exact_bits <= 0 && triangles <= kFewTriangles)
     small = textured ? exact_mesh_of(*textured, frame, kProgressiveBits)
@@ -296,7 +299,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   if (mesh.triangles.empty()) return EncodeError{"no surface to encode; expected triangles with an area"};
   for (glm::vec3& p : mesh.positions) p = frame.inside(p);
   if (progress) progress->stage = "simplifying";
-  // While one thread finishes simplifying, the others build search trees of the target.
+  // While one thread finishes the simplification, the others build search trees of the target.
   std::optional<displaced::Target> made;
   const displaced::SplitMesh parts = displaced::split_components(mesh, kMinPart);
   const displaced::SurfaceMesh& body = parts.large.triangles.empty() ? parts.small : parts.large;
@@ -339,7 +342,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
       bool fits = false;
       if (small) {
         if (s.colored && !textured) {
-          // Touching parts of different colours keep sharp colour borders.
+          // Splits the surface where parts of different colours touch, so that colour borders stay sharp.
           displaced::MeshBuilder parted(true, true);
           const bool again = source([&](std::span<const Triangle> some) {
             parted.add(some);
@@ -393,8 +396,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
                          true};
   }
   header.base = stages[0].bytes;
-  int last = static_cast<int>(stages.size()) - (stages.back().header.beside ? 2 : 1);  // last stage that is not
-                                                                                       // `beside`
+  int last = static_cast<int>(stages.size()) - (stages.back().header.beside ? 2 : 1);  // last stage without `beside`
   StageChunks sent = chunks_of(std::move(stages), s.box, target.mesh().positions.size());
   std::vector<OutgoingChunk>& chunks = sent.chunks;
   if (exact)
@@ -402,7 +404,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
                 (chosen ? kWorthOfChosenTail : kWorthOfTail) * static_cast<double>(tail_size));
   if (exact) {
     if (progress) progress->stage = "joining";
-    // State shown before the tail arrives.
+    // Stages that are drawn until the tail is received.
     const SurfaceStages received = received_stages(header, chunks);
     const SurfaceStages::Shown main = received.main();
     last = main.number;
@@ -417,7 +419,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     if (!exact->coordinates.empty()) set_picture(tail, *textured);
     append_tail(tail, s.box, chunks);
   }
-  // Losing a stage's front loses the whole stage, which matters little if another stage follows.
+  // Without its front, a whole stage is lost. The loss matters little if another stage follows.
   if (options.exact_bits <= 0)
     for (std::size_t i = 0; i < sent.parity.size(); ++i)
       if (static_cast<int>(i) == last || (!exact && static_cast<int>(i) > last))

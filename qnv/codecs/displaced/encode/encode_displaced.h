@@ -6,10 +6,10 @@
 
 namespace gs::qnv {
 
-/// Encodes a surface as a base mesh and displacements along its normals (displaced/surface.h). Unsuited for unordered
-/// heaps of triangles. Holds all triangles in memory, about kDisplacedTriangleBytes each. Reads a source with more than
-/// `most_triangles` several times. An exact tail (exact/exact_tail.h) shortens the part before it. The bytes depend
-/// only on the input and the options, not on threads.
+/// Encodes a surface as base meshes and displacements along their normals (displaced/surface.h). Not for unordered sets
+/// of triangles without a common surface. Stores all triangles in memory, about kDisplacedTriangleBytes each. Reads a
+/// source with more than `most_triangles` triangles several times. If an exact tail follows (exact/exact_tail.h), fewer
+/// bytes precede it. The bytes depend only on the input and the options, not on threads.
 [[nodiscard]] std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& source,
                                                                         const EncodeOptions& options,
                                                                         Progress* progress = nullptr);

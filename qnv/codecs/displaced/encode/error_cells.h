@@ -9,13 +9,13 @@
 
 namespace gs::qnv::displaced {
 
-/// Sample of grid cells in which the error is measured: one of `one_in` cells.
+/// Sample of the grid cells for measuring the error: one of every `one_in` cells.
 class ErrorCells {
  public:
   ErrorCells(float side, std::size_t one_in) : per_side_(1 / std::max(side, 1e-6f)), one_in_(one_in) {}
   [[nodiscard]] bool has(const glm::vec3& p) const { return is_one(cell_of(p)); }
-  /// Reports whether a sampled cell lies within `reach` of a point. `reach` is at most a cell's side; false positives
-  /// are possible slightly beyond.
+  /// Reports whether a sampled cell is within `reach` of the point `p`. `reach` is at most a cell's edge. May also
+  /// return true for cells slightly farther away.
   [[nodiscard]] bool near(const glm::vec3& p, float reach) const {
     if (one_in_ == 1) return true;
     const glm::ivec3 lower = cell_of(p - reach), upper = cell_of(p + reach);

@@ -16,22 +16,23 @@
 namespace gs::qnv::displaced {
 namespace {
 
-// A cluster with its header fits into a datagram.
+// Limits that let a cluster with its header fit into a datagram.
 constexpr std::size_t kMaxClusterBytes = 1190, kAimedClusterBytes = 1000;
-// Residuals below this fraction of a step are dropped; the fraction is larger on deeper levels, where they would only
-// add roughness.
+// Residuals below this fraction of a quantisation step become 0. On deeper levels the fraction is larger, because small
+// residuals would only add roughness.
 constexpr float kDeadZone = 0.6f, kDeeperDeadZone = 1.2f;
 constexpr std::size_t kPartVertices = 8192;  // vertices of a level per task
-// Maximum distance of a base crease from a line of the source, relative to its length.
+// Maximum distance of a crease of the base mesh from a sharp line of the source, relative to the crease's length.
 constexpr float kCreaseReach = 0.12f;
 
-// For a stage with a successor: the maximum number of levels to send, and how many levels before the last one the need
-// for a successor is decided. Points count as far if their distance exceeds kFar source edges for each level left.
+// For stages with a successor. kLevelsSent is the maximum number of levels to send. The encoder decides kLevelsToTell
+// levels before the last one whether a successor is needed. A point is far if its distance exceeds kFar source edges
+// per remaining level.
 constexpr int kLevelsSent = 4, kLevelsToTell = 2;
 constexpr float kFar = 1;
 // Approximate number of target points for measuring the error.
 constexpr std::size_t kErrorSamples = 20'000;
-constexpr std::size_t kErrorPatches = 64, kErrorPlaces = 1024;  // per task
+constexpr std::size_t kErrorPatches = 64, kErrorPlaces = 1024;  // patches and points per task
 
 glm::ivec3 luma_chroma(const glm::vec3& c) {
   const int r = static_cast<int>(c.x + 0.5f), g = static_cast<int>(c.y + 0.5f), b = static_cast<int>(c.z + 0.5f);
@@ -58,8 +59,8 @@ class StageEncoder {
   void displace(Surface& surface, int level);
   void color(Surface& surface, int deepest);
   void cut(Surface& surface, ClusterHeader header, std::vector<StageCluster>& out);
-  /// Root mean square distances of target points to the surface at a level: of all points, and of only those that no
-  /// finer level can approach.
+  /// Root mean square distances of target points to the surface at a level. `all` is for all points, `far` for the
+  /// points that no finer level can approach.
   struct Errors {
     float all, far;
   };
@@ -70,10 +71,10 @@ class StageEncoder {
   const Target& target_;
   const StageOptions& options_;
   EncodedStage& out_;
-  // Current level: vertices by layer 0, and the shifts of finer layers.
+  // State of the current level: the vertices with layer 0, and the shifts of the finer layers.
   std::vector<glm::vec3> places_, normals_;
   std::array<std::vector<glm::vec3>, kLayers> shifts_;
-  std::array<std::vector<glm::vec3>, kDeepestPatch + 1> level_places_, level_normals_;  // final values
+  std::array<std::vector<glm::vec3>, kDeepestPatch + 1> level_places_, level_normals_;  // final vertices per level
 };
 
 void StageEncoder::make_base(const SurfaceMesh& coarse) {
@@ -112,11 +113,11 @@ void StageEncoder::make_base(const SurfaceMesh& coarse) {
                    : std::clamp(static_cast<int>(std::ceil(std::log(ratio * 0.8) / std::log(4.0))), 1, kDeepestPatch);
     if (options_.beside) out_.header.depth = 0;
     if (options_.colored)
-      out_.header.depth = std::max(out_.header.depth, 1);  // clusters of level 1 bring the base's colours
+      out_.header.depth = std::max(out_.header.depth, 1);  // colours of the base vertices are in clusters of level 1
     out_.bytes = encode_stage(out_.header, coded.bytes);
     if (options_.most_bytes == 0 || out_.bytes.size() <= options_.most_bytes) return;
     const std::size_t less = wanted * options_.most_bytes / out_.bytes.size() * 97 / 100;
-    if (small.triangles.size() > wanted * 3 / 2) return;  // cannot become smaller
+    if (small.triangles.size() > wanted * 3 / 2) return;  // `small` cannot be simplified further
     wanted = std::max<std::size_t>(less, 4);
   }
 }
@@ -188,7 +189,7 @@ void StageEncoder::displace(Surface& surface, int level) {
         at += by;
         next[v.vertex] = at;
       } else {
-        // The displacement of this layer counts for all finer layers too.
+        // A displacement of this layer shifts all finer layers too.
         next_shifts[layer][v.vertex] = from + by - next[v.vertex];
         at += by;
       }
@@ -278,7 +279,7 @@ void StageEncoder::measure(Surface& surface, StageCluster& cluster) {
         of(colors[2], v, kChromaStep / 510.0);
       };
       for (const std::size_t v : mine) of_colors(h.level, v);
-      // The base's colours come with level 1, and may be the only ones.
+      // Clusters of level 1 contain the base's colours too, and may contain no others.
       if (h.level == 1)
         for (const std::uint32_t v : {grid[0], grid[n], grid[row_start(n, n)]}) of_colors(0, v);
       continue;
@@ -289,7 +290,7 @@ void StageEncoder::measure(Surface& surface, StageCluster& cluster) {
     if (!numbers.sideways.empty())
       for (std::size_t i = 0; i < lines; ++i) of(numbers.sideways, mine[i] - patches.base_vertices(), step);
   }
-  // Weight by the area per vertex.
+  // Weights the gain by the area per vertex.
   if (h.kind == ClusterHeader::Kind::color) gain *= area / (h.count * static_cast<double>(n * n) / 2);
   cluster.gain = gain;
 }
@@ -321,7 +322,7 @@ StageEncoder::Errors StageEncoder::errors_of(const Surface& surface, int level) 
   const std::vector<glm::vec3>& places = target_.mesh().positions;
   const int levels_left = surface.header().depth - level;
   const float reach = std::ldexp(4 * target_.edge(), levels_left);
-  // The same points at all levels.
+  // Uses the same points at all levels.
   const ErrorCells cells(16 * target_.edge(), std::max<std::size_t>(1, places.size() / kErrorSamples));
   const std::size_t n = std::size_t{1} << level, patches = surface.patches().size(),
                     parts = (patches + kErrorPatches - 1) / kErrorPatches;
@@ -372,7 +373,7 @@ StageEncoder::Errors StageEncoder::errors_of(const Surface& surface, int level) 
   return {root(sum), root(far)};
 }
 
-/// Reports whether another stage is certainly needed, whatever further levels add.
+/// Reports whether another stage is necessary, no matter how many levels this stage adds.
 bool StageEncoder::surely_followed(const Surface& surface, int level, const SurfaceMesh& coarse, float& error) const {
   if (!(options_.most_error > 0) || kMoreTriangles * surface.patches().size() >= coarse.triangles.size()) return false;
   const Errors errors = errors_of(surface, level);
@@ -405,7 +406,7 @@ void StageEncoder::run(const SurfaceMesh& coarse, Progress* progress) {
       depth = level;
   }
   if (options_.colored && !cancelled()) color(surface, depth);
-  // Clusters of different levels, layers and kinds share no numbers.
+  // Clusters of different levels, layers or kinds share no numbers, so that threads can encode them in parallel.
   const std::uint32_t all = surface.patches().size();
   std::vector<ClusterHeader> headers;
   for (int level = 1; level <= depth; ++level) {
@@ -418,12 +419,12 @@ void StageEncoder::run(const SurfaceMesh& coarse, Progress* progress) {
     parallel_for(
         headers.size(),
         [&](std::size_t i) {
-          const std::size_t at = headers.size() - 1 - i;  // largest first
+          const std::size_t at = headers.size() - 1 - i;  // starts with the largest task
           if (!cancelled()) cut(surface, headers[at], clusters[at]);
         },
         options_.threads);
   };
-  // The largest task takes as long as all others, so measure the error meanwhile.
+  // The largest task takes as long as all others together. The other threads measure the error meanwhile.
   const bool whole = depth == out_.header.depth;
   parallel_for(
       whole ? 2 : 1,

@@ -8,10 +8,10 @@
 namespace gs::qnv::displaced {
 namespace {
 
-// Minimum cosine between the search direction and triangles on the same side of the surface.
+// Minimum cosine between the search direction and the normal of a triangle on the same side of the surface.
 constexpr float kSameSide = 0.2f;
-constexpr float kShortLook = 1.0f / 8;  // relative to the full reach
-// Corner normals of two triangles with a smaller cosine make a crease.
+constexpr float kShortLook = 1.0f / 8;  // reach of the first search, relative to the full reach
+// Two triangles form a crease if the cosine between their corner normals is smaller.
 constexpr float kShadedApart = 0.94f;
 
 SurfaceMesh lines_of(const SurfaceMesh& mesh, const Neighbours& beside) {
@@ -51,7 +51,7 @@ Target::Target(const SurfaceMesh& mesh, const Neighbours& beside, unsigned threa
       edge_(mean_edge(mesh_)) {}
 
 float Target::distance(const glm::vec3& from, const glm::vec3& normal, float reach, std::uint32_t& triangle) const {
-  // Most hits are near: a short search that succeeds finds the nearest hit, and visits few boxes.
+  // Most hits are near. A short search visits few boxes, and its hit is the nearest.
   const float look = kShortLook * reach;
   SurfacePoint hit = triangle == kNone ? SurfacePoint() : tree_.on(triangle, from, normal, look);
   if (hit.triangle == kNone) hit = tree_.along(from, normal, look, normal, kSameSide);

@@ -12,21 +12,22 @@ namespace gs::qnv::displaced {
 /// Surface that an encoder approximates, with its search structures. All coordinates are in a Frame.
 class Target {
  public:
-  /// `mesh` must outlive this object; `beside` are its neighbours. Uses `threads` threads (0: one per core).
+  /// `mesh` must outlive this object. `beside` holds the neighbours of the mesh's triangles. Uses `threads` threads (0
+  /// means one per core).
   Target(const SurfaceMesh& mesh, const Neighbours& beside, unsigned threads);
   Target(const Target&) = delete;
   Target& operator=(const Target&) = delete;
 
   [[nodiscard]] const SurfaceMesh& mesh() const { return mesh_; }
-  /// Returns the mean length of an edge.
+  /// Returns the mean edge length.
   [[nodiscard]] float edge() const { return edge_; }
-  /// Returns the signed distance along `normal` from a point to the smooth surface, or 0 if there is none within
-  /// `reach`. `triangle` caches the triangle hit, for nearby queries; start with kNone.
+  /// Returns the signed distance along `normal` from a point to the smooth surface. Returns 0 if the surface is farther
+  /// than `reach`. `triangle` caches the triangle that was hit, for queries nearby; start with kNone.
   [[nodiscard]] float distance(const glm::vec3& from, const glm::vec3& normal, float reach,
                                std::uint32_t& triangle) const;
-  /// Returns the nearest point on a rim or crease; the triangle is kNone if there is none within `reach`.
+  /// Returns the nearest point on a rim or crease. Its triangle is kNone if no such point is within `reach`.
   [[nodiscard]] SurfacePoint line(const glm::vec3& from, float reach) const;
-  /// Returns the colour of the nearest point.
+  /// Returns the colour of the surface at its nearest point.
   [[nodiscard]] glm::vec3 color(const glm::vec3& from, const glm::vec3& normal, float reach) const;
 
  private:

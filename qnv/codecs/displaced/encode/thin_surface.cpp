@@ -17,18 +17,19 @@ namespace gs::qnv {
 namespace {
 
 constexpr int kCellBits = 20;  // bits of a cell's index along an axis
-// Cells intersected per face area, averaged over directions, times two triangles per vertex.
+// Number of triangles per face of an intersected cell's area: cells per face, averaged over directions, times two
+// triangles per vertex.
 constexpr double kTrianglesPerFace = 3;
-// Number of attempts to choose the grid, each based on the previous one; and the accepted fraction of the requested
-// size.
+// Maximum number of attempts to choose the grid, each based on the result of the previous one. The second constant is
+// the accepted fraction of the requested size.
 constexpr int kMaxGrids = 4;
 constexpr double kNearEnough = 0.7, kCautious = 1.08;
 
-/// Corners of triangles in one cell; lengths in cell edges, relative to the cell's middle.
+/// Merged corners of the triangles in one cell. Lengths are in cell edges, relative to the middle of the cell.
 struct ThinCell {
-  std::array<float, 10> planes{};  // a Quadric: sum of squared distances weighted by area
-  glm::vec3 places{0};             // sum
-  glm::vec3 colors{0};             // sum
+  std::array<float, 10> planes{};  // quadric: sum of squared distances to planes, weighted by area
+  glm::vec3 places{0};  // sum of corner positions
+  glm::vec3 colors{0};  // sum of corner colours
   std::uint32_t corners = 0;
 
   void add_plane(const glm::vec3& n, float d, float weight) {
@@ -58,11 +59,11 @@ struct ThinCell {
 
 class CellGrid {
  public:
-  /// `most` limits the triangles and the cells.
+  /// `most` is the maximum number of triangles, and of cells.
   CellGrid(const Box& box, float edge, std::size_t most)
       : lower_(box.lower), edge_(edge), most_(most), table_(1 << 16, 0) {}
 
-  /// Adds a triangle. Returns false once the limit is exceeded.
+  /// Adds a triangle. Returns false if the limit is exceeded.
   [[nodiscard]] bool add(const Triangle& triangle) {
     if (!finite(triangle.positions[0]) || !finite(triangle.positions[1]) || !finite(triangle.positions[2])) return true;
     std::array<glm::vec3, 3> local{};
@@ -82,7 +83,7 @@ class CellGrid {
       ++cell.corners;
     }
     if (at[0] != at[1] && at[1] != at[2] && at[2] != at[0]) {
-      // Start with the smallest number, so that duplicates compare equal.
+      // Starts with the smallest index, so that duplicate triangles compare equal.
       while (at[0] > at[1] || at[0] > at[2]) std::rotate(at.begin(), at.begin() + 1, at.end());
       triangles_.push_back(at);
     }
@@ -156,9 +157,9 @@ class CellGrid {
   float edge_;
   std::size_t most_;
   std::vector<ThinCell> cells_;
-  std::vector<std::uint64_t> keys_;                      // of the cells
-  std::vector<std::uint32_t> table_;                     // open addressing: cell + 1
-  std::vector<std::array<std::uint32_t, 3>> triangles_;  // of cells
+  std::vector<std::uint64_t> keys_;  // keys of the cells
+  std::vector<std::uint32_t> table_;  // hash table with open addressing: cell index + 1
+  std::vector<std::array<std::uint32_t, 3>> triangles_;  // triangles as cell indices
 };
 
 }  // namespace
@@ -221,7 +222,7 @@ std::variant<ThinnedSurface, EncodeError> thin_surface(const TriangleSource& sou
     if (cancelled()) return EncodeError{"cancelled"};
     if (!whole && !full) return EncodeError{"the surface cannot be read again"};
     if (full) {
-      // Assume that the rest has as many triangles per part.
+      // Assumes that the rest of the source has triangles at the same density.
       const double part = std::max(1e-3, static_cast<double>(done) / static_cast<double>(s.triangles));
       too_fine = std::max(too_fine, edge);
       if (edge >= longest * 2) return EncodeError{"the surface cannot be simplified enough"};

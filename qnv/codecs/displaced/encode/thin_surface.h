@@ -20,14 +20,15 @@ struct ThinnedSurface {
   std::vector<Rgb8> colors;          // one per position
   std::vector<std::array<std::uint32_t, 3>> triangles;
 
-  /// Returns a source of the triangles, without normals. Refers to this object.
+  /// Returns a source of the triangles, without normals. The source refers to this object, which must outlive it.
   [[nodiscard]] TriangleSource source() const;
 };
 
-/// Reduces a surface that is too large for memory to at most `most` triangles, close to that number. All corners in a
-/// grid cell become one, at the position nearest to the planes of their triangles, so that edges stay sharp (P.
-/// Lindstrom, Out-of-core simplification of large polygonal models, 2000). Details smaller than a cell vanish. Reads
-/// the source three to six times without storing it; needs about 130 bytes per triangle of `most`. Deterministic.
+/// Reduces a surface that is too large for memory to at most `most` triangles, and close to that number. Merges all
+/// corners in a grid cell into one vertex. Edges stay sharp, because the vertex is at the position nearest to the
+/// planes of the triangles (P. Lindstrom, Out-of-core simplification of large polygonal models, 2000). Details smaller
+/// than a cell vanish. Reads the source three to six times without storing it. Needs about 130 bytes per triangle of
+/// `most`. Deterministic.
 [[nodiscard]] std::variant<ThinnedSurface, EncodeError> thin_surface(const TriangleSource& source, std::size_t most,
                                                                      Progress* progress = nullptr);
 

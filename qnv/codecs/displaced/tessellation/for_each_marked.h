@@ -9,7 +9,7 @@
 
 namespace gs::qnv {
 
-/// Calls work(patch) for the marked patches, from several threads at once.
+/// Calls work(patch) for each marked patch, on several threads at once.
 template <class Work>
 void for_each_marked(const std::vector<char>& marks, const Work& work) {
   std::vector<std::uint32_t> marked;

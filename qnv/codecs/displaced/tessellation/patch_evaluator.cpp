@@ -33,10 +33,10 @@ bool put(glm::vec3& to, const glm::vec3& value) {
 }  // namespace
 
 void PatchEvaluator::changed(const displaced::ClusterHeader& cluster, std::uint32_t patches) {
-  if (cluster.first >= patches || cluster.count > patches - cluster.first) return;  // the surface rejected it
+  if (cluster.first >= patches || cluster.count > patches - cluster.first) return;  // Surface::add() rejected it
   const auto l = static_cast<std::size_t>(cluster.level);
   if (marks_.size() <= l) marks_.resize(l + 1);
-  // Level 1 also brings numbers of the base.
+  // A cluster of level 1 also contains numbers of base vertices.
   for (std::size_t at = l == 1 ? 0 : l; at <= l; ++at) {
     marks_[at].resize(patches, 0);
     std::fill_n(marks_[at].begin() + cluster.first, cluster.count, 1);
@@ -83,7 +83,7 @@ void PatchEvaluator::work_out(const Surface& surface, int level, std::uint32_t p
     numbers[layer] = surface.find(static_cast<int>(layer), level);
     steps[layer] = surface.step(static_cast<int>(layer));
   }
-  // A new level needs no marks; everything changed.
+  // On a new level, everything is new, so sets no marks.
   const auto set = [&](std::uint32_t v, const glm::vec3& place, const glm::vec3& shift, char& changed) {
     if (changes.all) {
       now.places[v] = place;
@@ -131,7 +131,7 @@ void PatchEvaluator::work_out(const Surface& surface, int level, std::uint32_t p
     }
   }
   if (level == 1) return;
-  // Inner vertices, row by row.
+  // Computes the inner vertices, row by row.
   gather(patches, patch, level - 1, before.places, {}, scratch.places);
   gather(patches, patch, level - 1, before.shifts, {}, scratch.shifts);
   gather(slots, patch, level - 1, before.normals, {}, scratch.normals);
@@ -152,7 +152,8 @@ void PatchEvaluator::work_out(const Surface& surface, int level, std::uint32_t p
   }
   char& inside = changes.inner[patch];
   const PatchLoops& loops = patch_loops().front();
-  // Computes every second vertex of a row; `from` is the index of the first among the patch's inner vertices.
+  // Computes every second vertex of a row. `from` is the index of the row's first vertex among the patch's inner
+  // vertices.
   const auto make_row = [&](std::size_t a, std::size_t b, std::size_t vertices, std::uint32_t from) {
     middles.a = a;
     middles.b = b;
@@ -164,7 +165,7 @@ void PatchEvaluator::work_out(const Surface& surface, int level, std::uint32_t p
     for (std::uint32_t i = 0; i < vertices; ++i)
       set(first + from + 2 * i, scratch.made.at(i), scratch.made_shifts.at(i), inside);
   };
-  std::uint32_t done = 0;  // number of inner vertices done
+  std::uint32_t done = 0;  // number of inner vertices computed so far
   for (std::uint32_t j = 1; j + 1 < n; done += n - 1 - j++) {
     const std::uint32_t y = j / 2;
     const std::size_t row = row_start(y, half), above = row_start(y + 1, half);
@@ -210,7 +211,7 @@ std::shared_ptr<const PatchSurface> PatchEvaluator::state(const Surface& surface
   marks_.resize(std::max(marks_.size(), depth));
   worked_out_ = 0;
   const Marks all(count, 1);
-  Marks wanted(count, 0), changed(count, 0);  // of the current level; of the previous level
+  Marks wanted(count, 0), changed(count, 0);  // to evaluate on this level; changed on the previous level
   for (std::size_t l = 0; l < depth; ++l) {
     Changes changes{Marks(count, 0), Marks(patches.edges().size(), 0), Marks(patches.base_vertices(), 0), l >= known};
     Marks& marks = marks_[l];
@@ -234,16 +235,16 @@ std::shared_ptr<const PatchSurface> PatchEvaluator::state(const Surface& surface
     if (l >= known) std::fill(changed.begin(), changed.end(), 1);
     wanted = around(surface, changed);
     if (l + 1 == depth) break;
-    // The former last level has no normals yet.
+    // The deepest level of the previous call has no normals yet.
     const bool fresh = levels_[l].normals.empty();
     if (fresh || std::find(changed.begin(), changed.end(), 1) != changed.end())
       find_normals(surface, static_cast<int>(l), levels_[l].places, {}, fresh ? all : changed, fresh ? all : wanted,
                    &levels_[l].normals, nullptr);
-    // On the first levels, a vertex affects more than the adjacent patches.
+    // On levels 0 and 1, a vertex affects more than the adjacent patches.
     if (l < 2) wanted = around(surface, wanted);
   }
   if (!last_ || last_->level() != level) changed = wanted = all;
-  // Shown positions include the displacements of all layers.
+  // The drawn positions include the displacements of all layers.
   const Level& last = levels_[depth - 1];
   find_normals(surface, level, last.places, last.shifts, changed, wanted, nullptr, &shown_normals_);
   if (colors_changed_ || !last_ || last_->level() != level) colors_ = surface.vertex_colors(level);

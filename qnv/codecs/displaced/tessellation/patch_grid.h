@@ -11,12 +11,12 @@
 
 namespace gs::qnv {
 
-/// Vectors stored as three rows, one per coordinate. Loops may read and write the padding after each row.
+/// Vectors stored as three arrays, one per coordinate. Each array has padding at its end that loops may read and write.
 class Columns {
  public:
   static constexpr std::size_t kRoom = 16;
 
-  /// Resizes the rows; their content is lost.
+  /// Resizes the arrays; their content becomes undefined.
   void resize(std::size_t count) {
     stride_ = count + kRoom;
     if (numbers_.size() < 3 * stride_) numbers_.resize(3 * stride_);
@@ -39,8 +39,8 @@ class Columns {
   std::size_t stride_ = 0;
 };
 
-/// Calls put(i, v) for every vertex of a patch at a level: `v` is the vertex number, `i` its index in the order of
-/// Patches::grid().
+/// Calls put(i, v) for every vertex of a patch at a level. `v` is the vertex index in Patches, `i` its index in the
+/// order of Patches::grid().
 template <class Put>
 void for_each_of_grid(const displaced::Patches& patches, std::uint32_t patch, int level, const Put& put) {
   using displaced::row_start;
@@ -63,7 +63,7 @@ void for_each_of_grid(const displaced::Patches& patches, std::uint32_t patch, in
   }
 }
 
-/// Collects the vectors of a patch's vertices from `of`, and adds `more` if it is not empty.
+/// Collects the vectors of a patch's vertices from `of`. Adds the vectors in `more`, unless `more` is empty.
 inline void gather(const displaced::Patches& patches, std::uint32_t patch, int level, std::span<const glm::vec3> of,
                    std::span<const glm::vec3> more, Columns& to) {
   to.resize(((std::size_t{1} << level) + 1) * ((std::size_t{1} << level) + 2) / 2);

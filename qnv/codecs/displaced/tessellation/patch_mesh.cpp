@@ -7,13 +7,13 @@
 namespace gs::qnv {
 namespace {
 
-/// Returns how far a new vertex of a level has moved towards its own position, 0 to 1.
+/// Returns how far a new vertex of a level has moved to its own position, from 0 to 1.
 float part_of_way(float detail, int level) { return std::clamp(detail - static_cast<float>(level - 1), 0.0f, 1.0f); }
 
 using Float4 = float __attribute__((vector_size(16)));
 using Int4 = std::int32_t __attribute__((vector_size(16)));
 
-/// Positions and normals of four vertices, in columns.
+/// Positions and normals of four vertices, one array per coordinate.
 struct FourVertices {
   Float4 x, y, z;
   Int4 normal;
@@ -26,19 +26,20 @@ void transpose(std::array<Float4, 4>& v) {
        __builtin_shufflevector(c, d, 0, 1, 4, 5), __builtin_shufflevector(c, d, 2, 3, 6, 7)};
 }
 
-/// Packs a component of directions like pack_direction().
+/// Packs one component of four directions like pack_direction().
 Int4 packed_part(const Float4& v, float most, std::uint32_t mask, int shift) {
   const Float4 one = 1.0f - Float4{}, limited = (v < -one) ? -one : (v > one) ? one : v, scaled = limited * most;
-  // Round halves away from zero.
+  // Rounds halves away from zero.
   const Float4 half = scaled < 0.0f ? -0.5f * one : 0.5f * one;
   return (__builtin_convertvector(scaled + half, Int4) & static_cast<std::int32_t>(mask)) << shift;
 }
 
-/// Moves new vertices to their positions between their parents' midpoint and their own position.
+/// Moves each new vertex to a point on the line from the midpoint of its parents (`part` = 0) to its final position
+/// (`part` = 1).
 void slide(std::span<const PatchTable::Middle> middles, float part, PatchVertex* vertices) {
   static_assert(sizeof(PatchVertex) == 16);
   for (std::size_t i = 0; i < middles.size(); i += 4) {
-    // Pad with the last vertex; it is written repeatedly with the same value.
+    // Pads a group of four with the last vertex; the loop then writes it several times with the same value.
     std::array<const PatchTable::Middle*, 4> m;
     for (std::size_t lane = 0; lane < 4; ++lane) m[lane] = &middles[std::min(i + lane, middles.size() - 1)];
     const auto load = [&](auto number_of) {
@@ -85,7 +86,7 @@ Rgb8 slid(const Rgb8& a, const Rgb8& b, const Rgb8& own, float part) {
 void PatchMesh::build(const PatchSurface& surface, const PatchCut& cut) {
   const std::size_t patch = cut.patch;
   const int level = cut.level;
-  // A patch of level 0 may have the most vertices on its edges.
+  // A patch of level 0 may have the maximum number of vertices on its edges.
   constexpr std::size_t kMaxOnEdges = std::size_t{3} << displaced::kDeepestPatch, kRoom = 8;
   count_ = patch_vertices(level);
   if (vertices_.size() < count_ + kMaxOnEdges + kRoom) vertices_.resize(count_ + kMaxOnEdges + kRoom);
@@ -98,7 +99,7 @@ void PatchMesh::build(const PatchSurface& surface, const PatchCut& cut) {
       std::copy_n(surface.colors(patch, l), count, colors_.begin() + static_cast<std::ptrdiff_t>(first));
     first += count;
   }
-  // Process edge vertices by level, since those of the next level lie between them.
+  // Slides edge vertices level by level, because vertices of the next level are between them.
   for (int l = 1; l <= level; ++l)
     for (std::size_t k = 0; k < 3; ++k) slide_all(patch_table(l).on_edges[k], part_of_way(cut.edge_details[k], l));
   const PatchTable& table = patch_table(level);
@@ -117,7 +118,7 @@ void PatchMesh::slide_all(std::span<const PatchTable::Middle> middles, float par
     colors_[m.number] = slid(colors_[m.parents[0]], colors_[m.parents[1]], colors_[m.number], part);
 }
 
-/// Adds edge vertices of levels beyond the patch's own, and the triangles that meet there.
+/// Adds edge vertices of levels finer than the patch's own, and the triangles at these vertices.
 void PatchMesh::refine_edges(const PatchSurface& surface, const PatchCut& cut, int deepest) {
   const int level = cut.level;
   for (std::size_t k = 0; k < 3; ++k) edges_[k] = patch_table(level).edges[k];
@@ -157,7 +158,8 @@ void PatchMesh::refine_edges(const PatchSurface& surface, const PatchCut& cut, i
   border_ = split_;
 }
 
-// Splits a triangle with subdivided sides: from the middle of the side with the most halvings to the opposite corner.
+// Splits a triangle with subdivided sides. The cut runs from the midpoint of the side with the most remaining halvings
+// to the opposite corner.
 void PatchMesh::split(const Triangle& corners, const std::array<Side, 3>& sides) {
   std::size_t k = 0;
   for (std::size_t other = 1; other < 3; ++other)

@@ -18,8 +18,8 @@ glm::vec3 unit(const glm::vec3& v) {
   return length > 0 ? v / length : glm::vec3(0);
 }
 
-/// Sums a patch's products at its rim vertices: at the corners, then along each edge from corner k to corner k + 1.
-/// `products` is as in PatchLoops.
+/// Sums the cross products of a patch's triangles at its rim vertices. Order: corners, then each edge from corner k to
+/// corner k + 1. `products` has the order of PatchLoops::products.
 void sum_rim(const Columns& products, std::size_t n, glm::vec3* to) {
   const auto upright = [&](std::size_t i, std::size_t j) { return products.at(upright_row(j, n) + i); };
   const auto turned = [&](std::size_t i, std::size_t j) { return products.at(turned_row(j, n) + i); };
@@ -54,7 +54,7 @@ void PatchEvaluator::find_normals(const displaced::Surface& surface, int level, 
     loops.pack_directions(made, count, some.data());
     std::copy_n(some.begin(), count, packed->begin() + static_cast<std::ptrdiff_t>(to));
   };
-  // The owner of a slot sums over all patches around it.
+  // The owner of a slot needs the sums of all patches around the slot.
   Marks around = edges;
   for (std::uint32_t p = 0; p < edges.size(); ++p)
     for (std::uint32_t k = 0; k < 3 && edges[p]; ++k) {

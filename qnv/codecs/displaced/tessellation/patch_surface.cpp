@@ -15,7 +15,7 @@
 namespace gs::qnv {
 
 std::uint32_t pack_direction(const glm::vec3& unit) {
-  // Like std::lround, but without a call per value: halves are rounded away from 0, and NaN becomes 0.
+  // Rounds like std::lround, but without a function call: halves away from 0. NaN becomes 0.
   const auto part = [](float v, float most) {
     const float scaled = std::clamp(v, -1.0f, 1.0f) * most, size = std::abs(scaled);
     if (!(size <= most)) return 0u;
@@ -134,7 +134,7 @@ void PatchSurface::measure(std::size_t patch) {
   bounds.box = box;
   bounds.center = box.lower * 0.5f + box.upper * 0.5f;
   bounds.radius = loops.farthest(at, count, bounds.center);
-  // Include triangles of all levels: a coarse one may be turned farther than its children.
+  // Includes the triangles of all levels: a coarse triangle may be turned farther from the axis than its children.
   glm::vec3 sum(0);
   for (int l = 0; l <= level_; ++l) {
     const PatchTable& of_level = patch_table(l);

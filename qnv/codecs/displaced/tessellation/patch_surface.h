@@ -15,9 +15,9 @@
 
 namespace gs::qnv {
 
-/// Packs a direction into 32 bits, two's complement: x and y 11 bits each, z 10, from the lowest.
+/// Packs a direction into 32 bits: from the lowest, 11 bits for x, 11 for y and 10 for z, each in two's complement.
 [[nodiscard]] std::uint32_t pack_direction(const glm::vec3& unit);
-/// Returns a vector of approximately unit length.
+/// Unpacks a direction; the result has approximately unit length.
 [[nodiscard]] inline glm::vec3 unpack_direction(std::uint32_t packed) {
   const auto part = [&](int left, int right) {
     return static_cast<float>(static_cast<std::int32_t>(packed << left) >> right);
@@ -27,18 +27,18 @@ namespace gs::qnv {
 
 struct PatchVertex {
   glm::vec3 position{0};     // units of the stream
-  std::uint32_t normal = 0;  // pack_direction
+  std::uint32_t normal = 0;  // packed by pack_direction()
   friend bool operator==(const PatchVertex&, const PatchVertex&) = default;
 };
 
-/// One stage of a displaced surface, at the detail received so far. Stores the vertices of each patch, coarse ones
-/// first. Vertices on an edge are stored for the patches on both sides, with identical bits. Immutable; successive
-/// states share unchanged parts. Safe from any thread.
+/// One stage of a displaced surface, with the detail received so far. Stores the vertices of each patch, coarse levels
+/// first. Stores vertices on an edge for the patches on both sides, with identical bits. Immutable. Successive states
+/// share unchanged parts. Any thread.
 class PatchSurface {
  public:
-  /// Bounds of a whole patch.
+  /// Bounds of a patch with all its levels.
   struct Bounds {
-    Box box;  // of its vertices
+    Box box;  // of the patch's vertices
     glm::vec3 center{0}, axis{0, 0, 1};
     float radius = 0;
     float cosine = -1;  // cosine of the largest angle between the axis and a triangle's normal
@@ -46,34 +46,34 @@ class PatchSurface {
   struct Edge {
     std::uint32_t owner = 0, other = displaced::kNone;  // adjacent patches; `other` is kNone on a rim
     glm::vec3 center{0};
-    float length = 0, radius = 0;  // along the surface; of the bounding ball around the centre
+    float length = 0, radius = 0;  // length along the surface; radius of the bounding ball around `center`
   };
 
-  /// Surface after evaluation at a level.
+  /// Evaluated vertices of a surface at a level: the input of make().
   struct Worked {
-    std::span<const glm::vec3> places, shifts;   // of vertices, in Frame units; the position is their sum
-    std::span<const std::uint32_t> normals;      // of slots; see pack_direction()
-    std::span<const Rgb8> colors;                // of vertices; empty if there are none
+    std::span<const glm::vec3> places, shifts;  // per vertex, in Frame units; the position is `places` + `shifts`
+    std::span<const std::uint32_t> normals;  // per slot; see pack_direction()
+    std::span<const Rgb8> colors;  // per vertex; empty if the surface has no colours
     const std::vector<char>* changed = nullptr;  // patches that differ from `former`; nullptr means all
-    const PatchSurface* former = nullptr;        // may be nullptr
+    const PatchSurface* former = nullptr;  // previous state; nullptr if there is none
   };
-  /// Makes a surface; shares unchanged parts with the former state.
+  /// Makes a surface from evaluated vertices. The result shares unchanged parts with `worked.former`.
   [[nodiscard]] static std::shared_ptr<const PatchSurface> make(const displaced::Surface& surface, int level,
                                                                 const Box& box, const Worked& worked);
-  /// Makes a surface of all received numbers, and evaluates it here.
+  /// Evaluates all received numbers of `surface` at a level, and makes a surface of them.
   [[nodiscard]] static std::shared_ptr<const PatchSurface> make(const displaced::Surface& surface, int level,
                                                                 const Box& box);
 
-  /// Returns the deepest level of the patches.
+  /// Returns the finest level of the patches.
   [[nodiscard]] int level() const { return level_; }
   [[nodiscard]] std::size_t size() const { return bounds_.size(); }
   [[nodiscard]] bool colored() const { return colored_; }
-  /// Returns the new vertices of a patch at a level, in the order of patch_table().
+  /// Returns the vertices of a patch that are new at a level, in the order of patch_table().
   [[nodiscard]] const PatchVertex* vertices(std::size_t patch, int level) const {
     return blocks_[static_cast<std::size_t>(level)][patch / kBlock]->vertices.data() +
            patch % kBlock * new_patch_vertices(level);
   }
-  /// Returns their colours. Call only if colored().
+  /// Returns the colours of the same vertices. Call it only if colored().
   [[nodiscard]] const Rgb8* colors(std::size_t patch, int level) const {
     return blocks_[static_cast<std::size_t>(level)][patch / kBlock]->colors.data() +
            patch % kBlock * new_patch_vertices(level);
@@ -82,11 +82,11 @@ class PatchSurface {
   [[nodiscard]] const std::vector<Edge>& edges() const { return edges_; }
   /// Returns the edge from corner k to corner k + 1.
   [[nodiscard]] std::uint32_t edge(std::size_t patch, std::size_t k) const { return patch_edges_[patch][k]; }
-  /// Returns the number of vertices, counting those on edges once.
+  /// Returns the number of vertices; vertices on edges count once.
   [[nodiscard]] std::size_t vertex_count() const { return vertex_count_; }
-  /// Returns the memory in use.
+  /// Returns the memory in use, in bytes.
   [[nodiscard]] std::size_t bytes() const;
-  /// Returns how much vertex memory is shared with `other`.
+  /// Returns the vertex memory shared with `other`, in bytes.
   [[nodiscard]] std::size_t shared_bytes(const PatchSurface& other) const;
 
   static constexpr std::size_t kBlock = 8;  // patches per memory block

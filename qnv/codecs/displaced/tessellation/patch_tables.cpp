@@ -31,7 +31,7 @@ PatchTable make_table(int level, const PatchTable* before) {
       for (std::size_t i = 0; i + j <= n; ++i) {
         if (i % 2 == 0 && j % 2 == 0) continue;
         add(i, j);
-        // A vertex lies halfway along a row, a column or a diagonal.
+        // The new vertex is the midpoint of two vertices in the same row, column or diagonal.
         const std::size_t left = i % 2, below = j % 2;
         if (j > 0 && i > 0 && i + j < n)
           table.inside.push_back({at(i, j), left == 1 && below == 1

@@ -17,20 +17,21 @@ bool outside(const PatchSurface::Bounds& bounds, const LodView& view) {
   return false;
 }
 
-/// Reports whether every triangle of a patch is seen from behind.
+/// Reports whether `eye` is behind every triangle of a patch.
 bool faces_away(const PatchSurface::Bounds& bounds, const glm::vec3& eye) {
   if (!(bounds.cosine > 0)) return false;
   const glm::vec3 to = bounds.center - eye;
   const float distance = glm::length(to);
   if (!(distance > bounds.radius)) return false;
-  constexpr float kTurnMargin = 0.01f;  // radians, for rounding
+  constexpr float kTurnMargin = 0.01f;  // radians; margin for rounding errors
   const float along = std::clamp(glm::dot(bounds.axis, to) / distance, -1.0f, 1.0f);
   const float turned =
       std::acos(along) + std::acos(std::min(bounds.cosine, 1.0f)) + std::asin(bounds.radius / distance) + kTurnMargin;
   return turned < 1.570796f;
 }
 
-/// Returns the fractional number of halvings that makes an edge's pieces as short as the view requires.
+/// Returns how often an edge must be halved until its pieces are as short as the view requires. The result may be
+/// fractional.
 float detail_of(const PatchSurface::Edge& edge, const LodView& view) {
   const float distance = std::max(glm::length(edge.center - view.eye) - edge.radius, 0.0f);
   const float pieces = edge.length * view.pixels / (distance * view.error_pixels);
@@ -42,7 +43,7 @@ int level_of(float detail) { return static_cast<int>(std::ceil(detail)); }
 
 std::size_t vertices_of(float detail) {
   const std::size_t n = std::size_t{1} << level_of(detail);
-  return n * n / 2 + 1;  // edge vertices are shared
+  return n * n / 2 + 1;  // adjacent patches share edge vertices
 }
 
 struct PartDetails {

@@ -50,7 +50,7 @@ std::optional<TailHeader> decode_tail_header(std::span<const std::byte> tail, st
   header.triangles = in.integer<std::uint32_t>();
   header.finest = (flags & 4) != 0 ? in.integer<std::uint8_t>() : header.bits;
   header.cell_bits = (flags & 8) != 0 ? in.integer<std::uint8_t>() : 0;
-  bool lies = true;  // texture lattice is valid and finite
+  bool lies = true;  // the texture lattice is valid and finite
   if ((flags & 16) != 0) {
     header.texture.bits = in.integer<std::uint8_t>();
     for (glm::vec2* v : {&header.texture.lower, &header.texture.size})

@@ -111,7 +111,7 @@ void ExactSurface::add_normals(std::span<const std::byte> payload) {
 
 void ExactSurface::read_normals() {
   if (!mesh_ || normal_bytes_.empty()) return;
-  // Use the tail's own rule, since low bits and shading chunks may arrive earlier or later.
+  // Uses the tail's own shading rule, because low bits and shading chunks may be received earlier or later.
   const exact::Shading own{exact::Shading::Rule::edges, mesh_->crease_angle};
   auto normals = exact::decode_normals(normal_bytes_, *mesh_, exact::shaded_normals(*mesh_, own));
   normal_bytes_ = {};
@@ -150,7 +150,7 @@ const IndexedMesh& ExactSurface::shown() const {
   } else {
     shown_ = shaded_mesh(mesh, exact::shaded_normals(mesh, shading_.value_or(own)), box_);
   }
-  // Without creases, there are at most as many as vertices.
+  // Without creases, there are at most as many drawn vertices as mesh vertices.
   if (shown_->positions.size() > most_vectors_)
     shown_ = shaded_mesh(mesh, exact::shaded_normals(mesh, exact::Shading{}), box_);
   return *shown_;

@@ -20,10 +20,10 @@ IndexedMesh shaded_mesh(const exact::ExactMesh& mesh, std::span<const glm::vec3>
   out.triangles.resize(3 * mesh.triangles.size());
   const displaced::Frame frame(box);
   const float step = frame.size / static_cast<float>((1 << mesh.bits) - 1);
-  // Linked list of the output vertices of each mesh vertex: `last` has the newest, `before` the previous one. Most have
-  // one.
+  // Linked lists of the output vertices of each mesh vertex. `last` is the newest one; `before` leads to the previous
+  // one. Most mesh vertices have one output vertex.
   std::vector<std::uint32_t> last(mesh.vertices.size(), kNone), before;
-  std::vector<glm::ivec2> coordinates;  // of output vertices
+  std::vector<glm::ivec2> coordinates;  // texture coordinates of the output vertices
   const bool textured = !mesh.coordinates.empty();
   constexpr int kMaxLooks = 16;
   for (std::uint32_t corner = 0; corner < out.triangles.size(); ++corner) {

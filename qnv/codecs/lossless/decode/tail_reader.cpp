@@ -10,17 +10,17 @@
 namespace gs::qnv::exact {
 namespace {
 
-/// Guide for decoding; never used.
+/// Placeholder for the encoder's guide, which a decoder does not use.
 struct NoGuide {};
 using Growth = MeshGrowth<displaced::BinaryDecoder, NoGuide>;
 
 }  // namespace
 
 struct TailReader::Growing {
-  std::vector<std::byte> bytes;  // all received bytes
+  std::vector<std::byte> bytes;  // all bytes received so far
   TailHeader header;
   NoGuide guide;
-  std::optional<displaced::BinaryDecoder> decoder;  // for the bytes after the header
+  std::optional<displaced::BinaryDecoder> decoder;  // decoder of the bytes after the header
   std::optional<Growth> growth;
 };
 
@@ -37,7 +37,7 @@ void TailReader::push(std::span<const std::byte> more) {
   const auto taken = more.first(std::min(more.size(), length_ - g.bytes.size()));
   g.bytes.insert(g.bytes.end(), taken.begin(), taken.end());
   const bool all = g.bytes.size() == length_;
-  constexpr std::size_t kCodeBytes = 4;  // read by a range decoder at its start
+  constexpr std::size_t kCodeBytes = 4;  // bytes that a range decoder reads at its start
   const std::size_t head = tail_header_bytes(g.bytes);
   if (!all && (head == 0 || g.bytes.size() < head + kCodeBytes)) return;
   const auto body = std::span<const std::byte>(g.bytes).subspan(std::min(head, g.bytes.size()));

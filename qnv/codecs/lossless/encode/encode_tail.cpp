@@ -20,12 +20,13 @@ using displaced::BinaryEncoder;
 using displaced::Corners;
 using displaced::kNone;
 
-// Number of traversals that fit the weights, each with the result of the previous one; another traversal writes.
+// Number of traversals that fit the weights. Each uses the result of the previous one. A last traversal writes the
+// tail.
 constexpr int kFits = 2;
-// Weight of the usual weights relative to the measured data, as a fraction of its mean square.
+// Weight of the default prediction weights in the fit, relative to the mean square of the measured data.
 constexpr double kUsualWorth = 1e-3;
 
-/// Least-squares fit of the weights over all new vertices of a situation.
+/// Least-squares fit of the prediction weights, over all new vertices of one situation.
 class Fit {
  public:
   void add(std::size_t situation, const std::array<glm::ivec3, kNear>& near, const glm::ivec3& is, double spread) {
@@ -60,7 +61,7 @@ class Fit {
       left[i][i] += worth;
       right[i] += worth * usual[i] / kOne;
     }
-    // Cholesky decomposition.
+    // Solves by Cholesky decomposition.
     for (std::size_t i = 0; i < kNear; ++i)
       for (std::size_t j = 0; j <= i; ++j) {
         double rest = left[i][j];
@@ -89,10 +90,11 @@ class Fit {
   std::array<Sums, kSituations> sums_;
 };
 
-/// Guide for MeshGrowth when encoding. Its halves are the sides of the source mesh, three per triangle.
+/// Guide for MeshGrowth in an encoder. A half is a side of a triangle of the source mesh, three per triangle.
 class MeshGuide {
  public:
-  /// `starts` lists triangles in the order in which components start; empty: by number.
+  /// `starts` lists triangles in the order in which components may start. If empty, components start in the order of
+  /// triangle indices.
   MeshGuide(const ExactMesh& mesh, const std::vector<std::uint32_t>& twins, const TailRanks* ranks,
             const std::vector<std::uint32_t>& starts, Fit& fit)
       : mesh_(mesh),
@@ -110,7 +112,7 @@ class MeshGuide {
     return half();
   }
   [[nodiscard]] std::uint32_t rank(std::size_t cell) const { return ranks_->of[cell]; }
-  /// Selects corner k, counted from the start of a half, as the next vertex.
+  /// Makes a vertex of the triangle of `half` the next vertex: corner k, counted from the start of `half`.
   glm::ivec3 fresh(std::uint32_t half, std::size_t k) {
     now_ = corner(half, k);
     numbers_[now_] = count_++;
@@ -118,7 +120,7 @@ class MeshGuide {
   }
   [[nodiscard]] glm::ivec3 place() const { return mesh_.vertices[now_]; }
   [[nodiscard]] glm::ivec3 color() const { return luma_of(mesh_.colors[now_]); }
-  /// Returns the coordinates of the t-th added triangle.
+  /// Returns the texture coordinates of the triangle that was added at index t.
   [[nodiscard]] CornerCoordinates coordinates(std::uint32_t t) const {
     CornerCoordinates is;
     for (std::uint32_t k = 0; k < 3; ++k) {
@@ -127,23 +129,23 @@ class MeshGuide {
     }
     return is;
   }
-  /// Returns the half on the other side of a side.
+  /// Returns the half that is the other side of the edge at `side`.
   [[nodiscard]] std::uint32_t beyond(std::uint32_t side) const { return twins_[halves_[side]]; }
-  /// Returns the number of the vertex opposite a half, or kNone if it has none yet.
+  /// Returns the decoding index of the vertex opposite a half; kNone if that vertex is not coded yet.
   [[nodiscard]] std::uint32_t apex(std::uint32_t half) const { return numbers_[corner(half, 2)]; }
-  /// Returns the half of the unvisited triangle adjacent to that of `half` at its start, between the new vertex and
-  /// `vertex`; or kNone.
+  /// Returns a half of the triangle that is adjacent to the triangle of `half`, at the side that ends where `half`
+  /// starts. Returns kNone if that triangle is already coded or its third vertex is not `vertex`.
   [[nodiscard]] std::uint32_t beside_fresh(std::uint32_t half, std::uint32_t vertex) const {
     const std::uint32_t other = twins_[before(half)];
     return other != kNone && !done(other) && apex(other) == vertex ? other : kNone;
   }
-  /// Returns the side that leaves the vertex opposite a half: the first after the gap that contains the half's
-  /// triangle.
+  /// Returns a side that leaves the vertex opposite a half: the first one after the gap that contains the triangle of
+  /// `half`.
   [[nodiscard]] std::uint32_t side_at_apex(std::uint32_t half, const Gates& gates) const {
     std::uint32_t leaves = twins_[after(half)];
     while (leaves != kNone && !done(leaves)) leaves = twins_[before(leaves)];
     if (leaves != kNone) return sides_[leaves];
-    // This direction reached a rim; search the other one.
+    // The first direction reached a rim. Searches in the other direction.
     std::uint32_t enters = twins_[before(half)];
     while (enters != kNone && !done(enters)) enters = twins_[after(enters)];
     return enters == kNone ? kNone : gates.next(sides_[enters]);
@@ -178,12 +180,12 @@ class MeshGuide {
   const TailRanks* ranks_;
   const std::vector<std::uint32_t>& starts_;
   Fit& fit_;
-  std::vector<std::uint32_t> numbers_;         // by vertex
+  std::vector<std::uint32_t> numbers_;  // decoding index of each vertex
   std::vector<std::uint32_t> halves_, sides_;  // half of each side; side of each half
   std::uint32_t next_ = 0, now_ = 0, count_ = 0;
 };
 
-// Returns the triangles, those in cells of low rank first.
+// Returns the triangles in the order of growth: those in cells of low rank first.
 std::vector<std::uint32_t> starts_of(const ExactMesh& mesh, const TailRanks& ranks) {
   std::vector<std::uint32_t> starts(mesh.triangles.size());
   std::iota(starts.begin(), starts.end(), 0u);
@@ -194,9 +196,9 @@ std::vector<std::uint32_t> starts_of(const ExactMesh& mesh, const TailRanks& ran
   return starts;
 }
 
-// Returns the crease angle that misclassifies the fewest edges as smooth or creased.
+// Returns the crease angle, in degrees, that classifies the fewest edges wrongly as smooth or as creases.
 int crease_angle_of(const displaced::SurfaceMesh& mesh) {
-  constexpr float kApart = 0.9995f;  // as a cosine
+  constexpr float kApart = 0.9995f;  // minimum cosine between the normals at a smooth edge
   if (mesh.normals.empty()) return 180;
   const auto normal_of = [&](std::uint32_t t) {
     const Corners& c = mesh.triangles[t];
@@ -210,7 +212,7 @@ int crease_angle_of(const displaced::SurfaceMesh& mesh) {
       if (mesh.triangles[t][k] == vertex) return mesh.normals[t][k];
     return mesh.normals[t][2];
   };
-  std::array<std::int64_t, 181> apart{}, together{};  // number of edges by angle
+  std::array<std::int64_t, 181> apart{}, together{};  // number of crease edges and of smooth edges, by angle in degrees
   const auto beside = displaced::neighbours_of(mesh.triangles);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -225,7 +227,7 @@ int crease_angle_of(const displaced::SurfaceMesh& mesh) {
         parted = parted || glm::dot(shading(t, v), shading(other, v)) < kApart;
       ++(parted ? apart : together)[std::min<std::size_t>(angle, 180)];
     }
-  // Up to this angle, edges are smooth.
+  // Tries each angle as the maximum of smooth edges.
   std::int64_t wrong = 0, least = 0;
   for (std::size_t angle = 181; angle-- > 0;) wrong += apart[angle];
   int best = 180;
@@ -249,7 +251,7 @@ ExactMesh quantized(displaced::SurfaceMesh mesh, int bits) {
   out.bits = bits;
   out.crease_angle = crease_angle_of(mesh);
   for (glm::vec3& p : mesh.positions) p = glm::clamp(glm::floor(p * top + 0.5f), 0.0f, top);
-  // Quantised positions: for small, flat-shaded triangles the chunk costs more than it saves.
+  // Uses quantised positions: for small flat-shaded triangles, the shading chunk costs more than it saves.
   out.shading = shading_of(mesh, out.crease_angle);
   out.vertices.reserve(mesh.positions.size());
   for (const glm::vec3& p : mesh.positions) out.vertices.emplace_back(p);

@@ -18,26 +18,27 @@
 namespace gs::qnv {
 namespace {
 
-// For automatic bits: lattice positions per mean edge, and the limits of the bits.
+// For automatically chosen bits: lattice positions per mean edge, and the minimum and maximum bits.
 constexpr float kPlacesAnEdge = 96;
 constexpr int kMinChosenBits = 11, kMaxChosenBits = 14;
 // With parity: minimum and maximum bytes per piece of a tail, approximate number of pieces, and bytes of a parity
 // group.
 constexpr std::size_t kMinReadTogether = 512, kMaxReadTogether = 4096, kReads = 24,
                       kGroupBytes = 120 * kAimedPieceBytes;
-// Without parity: minimum size and approximate number of pieces.
+// Without parity: minimum bytes per piece, and approximate number of pieces.
 constexpr std::size_t kMinTailPiece = 4096, kTailPieces = 12;
-// Parity pieces for n pieces: this fraction of n, plus this times its root. At 30 % loss, 99 of 100 groups survive (the
-// mean of a binomial distribution plus 2.3 deviations).
+// Number of parity pieces for n pieces: kGroupParity * n + kGroupParityRoot * sqrt(n) + 1. At 30 % loss, 99 of 100
+// groups survive (mean of a binomial distribution plus 2.3 deviations).
 constexpr double kGroupParity = 0.43, kGroupParityRoot = 1.9;
-// Angle in degrees below which Rule::faces shades faces separately.
+// Angle in degrees. Below it, Rule::faces shades faces separately.
 constexpr int kFacesApart = 30;
-// Accepted growth of the total size for fewer bits in the tail.
+// Maximum growth of the total size that is accepted for fewer bits in the tail.
 constexpr double kWorthOfFewBits = 1.01;
 
-// Root mean square of chords (2 degrees) above which a file's normals are sent as its own.
+// Root mean square difference of unit normals (0.035 is 2 degrees). Above it, the stream contains the normals of the
+// source.
 constexpr double kNormalsApart = 0.035;
-// Texture lattice: log2 of positions per pixel, and the minimum bits.
+// Texture lattice: log2 of the lattice positions per pixel, and the minimum bits.
 constexpr int kTexelBits = 1, kMinTextureBits = 8;
 
 float mean_edge_of(const displaced::SurfaceMesh& mesh) {
@@ -48,7 +49,7 @@ float mean_edge_of(const displaced::SurfaceMesh& mesh) {
   return static_cast<float>(sum / std::max(1.0, 3.0 * static_cast<double>(mesh.triangles.size())));
 }
 
-/// Returns the mesh with fewer bits.
+/// Returns the mesh with positions truncated to `bits` bits.
 exact::ExactMesh coarser(const exact::ExactMesh& mesh, int bits) {
   exact::ExactMesh coarse = mesh;
   coarse.bits = std::min(bits, mesh.bits);
@@ -57,8 +58,8 @@ exact::ExactMesh coarser(const exact::ExactMesh& mesh, int bits) {
   return coarse;
 }
 
-/// Returns the encoded normals of a source, if they differ from its shading rule's by enough to be worth sending.
-/// `coarse` is the mesh as in the tail, `order` its decoding order.
+/// Returns the encoded normals of a source. Returns an empty list if the shading rule reproduces them well enough.
+/// `coarse` is the mesh with the positions of the tail, `order` its decoding order.
 std::vector<std::byte> own_normals_of(const exact::ExactMesh& mesh, const exact::ExactMesh& coarse,
                                       std::span<const std::byte> tail, const exact::TailOrder& order) {
   if (mesh.normals.empty()) return {};
@@ -87,12 +88,12 @@ std::vector<std::byte> own_normals_of(const exact::ExactMesh& mesh, const exact:
   return exact::encode_normals(*decoded, shaded, own);
 }
 
-/// Payloads in pieces with parity, in as many groups as needed and available.
+/// Payloads in pieces, and their parity pieces. They form as many groups as necessary, at most kGroups.
 struct Pieces {
   std::vector<std::vector<std::byte>> data, parity;
 };
 constexpr int kGroups = 16;
-constexpr std::size_t kMaxWithParity = std::size_t{6} << 20;  // capacity of that many groups
+constexpr std::size_t kMaxWithParity = std::size_t{6} << 20;  // capacity of kGroups groups, in bytes
 Pieces pieces_with_parity(int group, std::span<const std::vector<std::byte>> payloads) {
   std::size_t all = 0;
   for (const auto& payload : payloads) all += payload.size();
@@ -130,7 +131,7 @@ exact::ExactMesh exact_mesh_of(const displaced::MeshBuilder& builder, const disp
 
 exact::ExactMesh exact_mesh_of(const TexturedSurface& surface, const displaced::Frame& frame, int bits) {
   displaced::MeshBuilder builder(false);
-  std::vector<std::array<glm::vec2, 3>> kept;  // of triangles with an area
+  std::vector<std::array<glm::vec2, 3>> kept;  // corners of the triangles with an area
   glm::vec2 lower(std::numeric_limits<float>::max()), upper(std::numeric_limits<float>::lowest());
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     const std::size_t before = builder.triangles();
@@ -190,7 +191,7 @@ std::size_t rough_tail_size(const exact::ExactMesh& mesh, int bits) {
 }
 
 int first_tail_bits(const exact::ExactMesh& mesh) {
-  // Flat face normals have larger errors than means around a corner.
+  // Errors of positions affect flat face normals more than the mean normal around a corner.
   const bool apart = mesh.shading.rule == exact::Shading::Rule::faces && mesh.shading.angle < kFacesApart;
   return apart ? kTailBits : kTailBits - 1;
 }
@@ -235,7 +236,7 @@ void append_tail(const SurfaceTail& tail, const Box& box, std::vector<OutgoingCh
   } else {
     pieces.data = std::move(payloads);
   }
-  // First the part of the picture that can be shown, since the mesh is not shown without it.
+  // Sends the drawable first part of the texture before the mesh, because the mesh is not drawn without it.
   Pieces picture;
   const bool picture_parity = tail.parity && tail.picture.size() <= kMaxWithParity;
   picture.data = exact::pieces_of(tail.picture, picture_parity ? together : kMinTailPiece);
@@ -263,7 +264,7 @@ void append_tail(const SurfaceTail& tail, const Box& box, std::vector<OutgoingCh
   append_picture(std::numeric_limits<std::size_t>::max());
   for (std::vector<std::byte>& piece : low.data)
     append(tail.parity ? ChunkType::piece : ChunkType::low_bits, std::move(piece));
-  // Two bytes that change the shading of the whole mesh; repeat them in another packet.
+  // Repeats these two bytes in another packet, because they change the shading of the whole mesh.
   if (tail.parity) append_shading();
   for (auto* parity : {&picture.parity, &pieces.parity, &normals.parity, &low.parity})
     for (std::vector<std::byte>& piece : *parity) append(ChunkType::piece, std::move(piece));

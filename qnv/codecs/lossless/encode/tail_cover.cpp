@@ -18,22 +18,22 @@ namespace {
 constexpr int kRankCellBits = 4;
 constexpr std::size_t kRankCells = std::size_t{1} << 3 * kRankCellBits;
 constexpr int kCoverParts = 64;
-// Search for the surface opposite a point: initial reach and minimum cosine, which excludes the other side of thin
-// parts, then the maximum reach.
+// Search for the surface opposite a point: first reach, minimum cosine, and maximum reach. The cosine excludes the
+// other side of thin parts.
 constexpr float kCoverReach = 0.02f, kCoverSide = -0.2f, kAnyReach = 4;
-// Minimum area of a component in the stages, relative to the total.
+// Minimum area of a component that the stages include, relative to the total area.
 constexpr double kMinPartBeside = 2e-4;
-// Weight and unit of position errors, relative to squared normal errors; they affect silhouettes.
+// Weight and unit of position errors, compared to squared normal errors. Position errors matter at silhouettes.
 constexpr float kOutlineWorth = 0.4f, kOutlineUnit = 0.003f;
-// Weight of adjacent cells in a cell's value.
+// Weight of adjacent cells in the value of a cell.
 constexpr double kBesideCell = 0.3;
 
 std::size_t cell_at(const exact::ExactMesh& mesh, std::uint32_t vertex) {
   return exact::cell_of(mesh.vertices[vertex], mesh.bits, kRankCellBits);
 }
 
-/// Returns the triangles without components below a fraction of the area; stages omit these, and they come last.
-/// Returns all triangles if no component is larger.
+/// Returns the triangles of components with at least `least_part` of the area, because the stages omit smaller ones.
+/// Writes the indices of these triangles to `numbers`. Returns all triangles if no component is large enough.
 std::vector<displaced::Corners> large_components(const displaced::SurfaceMesh& mesh, double least_part,
                                                  std::vector<std::uint32_t>& numbers) {
   std::vector<std::uint32_t> root(mesh.positions.size());
@@ -66,7 +66,7 @@ std::vector<displaced::Corners> large_components(const displaced::SurfaceMesh& m
   return mesh.triangles;
 }
 
-/// Adds to every sum a part of the adjacent cells' sums.
+/// Returns the sums, each increased by a fraction of the sums of adjacent cells.
 std::vector<double> smoothed(const std::vector<double>& sums) {
   constexpr int n = 1 << kRankCellBits;
   std::vector<double> out(kRankCells, 0);
@@ -179,7 +179,7 @@ exact::TailRanks TailCover::ranks() const {
 
 exact::Cover TailCover::cover(int stage, const exact::TailOrder& order) const {
   const std::size_t count = mesh_.triangles.size();
-  std::vector<std::uint32_t> last(mesh_.vertices.size(), 0);  // number of triangles after which all triangles of a
+  std::vector<std::uint32_t> last(mesh_.vertices.size(), 0);  // triangle count after which the triangles of a
                                                               // vertex are complete
   for (std::uint32_t i = 0; i < order.triangles.size(); ++i)
     for (const std::uint32_t v : mesh_.triangles[order.triangles[i]]) last[v] = i + 1;
@@ -188,7 +188,7 @@ exact::Cover TailCover::cover(int stage, const exact::TailOrder& order) const {
   cover.parts = kCoverParts;
   cover.triangles = static_cast<std::uint32_t>(count);
   for (const std::vector<std::uint32_t>& near : near_) {
-    // Require adjacent triangles too, so that the mesh overlaps the patch and leaves no gap.
+    // Requires the adjacent triangles too, so that the mesh overlaps the patch and leaves no gap.
     std::uint64_t come = near.empty() ? count : 0;
     for (const std::uint32_t t : near)
       for (const std::uint32_t v : mesh_.triangles[t]) come = std::max<std::uint64_t>(come, last[v]);

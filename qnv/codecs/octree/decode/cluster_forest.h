@@ -14,14 +14,15 @@
 
 namespace gs::qnv {
 
-/// Received clusters of an octree, in any order; clusters wait for their parent. A Cluster has a header
-/// (ClusterHeader), `voxels` with a size, and level(). Not thread-safe; safe for untrusted bytes.
+/// Received clusters of an octree. Clusters may be received in any order; each waits for its parent. `Cluster` must
+/// have a header (ClusterHeader), a member `voxels` with size(), and level(). One thread at a time. Safe for untrusted
+/// bytes.
 template <class Cluster>
 class ClusterForest {
  public:
   struct Held {
     Cluster cluster;
-    std::vector<bool> refined;  // by voxel: its children were received
+    std::vector<bool> refined;  // one flag per voxel: its children were received
   };
   /// Functions that depend on the payload.
   struct Codec {
@@ -32,8 +33,8 @@ class ClusterForest {
 
   explicit ClusterForest(const Codec& codec) : codec_(codec) {}
 
-  /// Adds a cluster. `decode(payload, parent)` returns the cluster or an error. At most `most_vectors` are shown at a
-  /// time.
+  /// Adds a cluster. `decode(payload, parent)` must return the cluster or an error. Rejects it if more than
+  /// `most_vectors` vectors would be visible.
   template <class Decode>
   void add(std::span<const std::byte> payload, std::size_t most_vectors, const Decode& decode) {
     const auto read = codec_.read_header(payload);
@@ -50,7 +51,7 @@ class ClusterForest {
     }
     auto decoded = decode(payload, parent ? &parent->cluster : nullptr);
     auto* cluster = std::get_if<Cluster>(&decoded);
-    // A voxel is refined only once, and there is only one root.
+    // Rejects a second division of a voxel, and a second root.
     bool again = !parent && rooted_;
     for (std::size_t i = 0; cluster && parent && i < cluster->header.count; ++i)
       again = again || parent->refined[cluster->header.first + i];
@@ -58,7 +59,7 @@ class ClusterForest {
       ++count_.refused;
       return;
     }
-    // Keep refined voxels too, since other clusters may refine the rest of the same cluster.
+    // Keeps refined voxels in memory, because other clusters may refine the rest of the same cluster.
     const std::size_t voxels = cluster->voxels.size();
     if (vectors_ + codec_.vectors_of(*cluster, 0, voxels) > most_vectors || (voxels_ + voxels) / 2 > most_vectors) {
       count_.full = true;
@@ -67,7 +68,7 @@ class ClusterForest {
     }
     const std::uint32_t id = header->id;
     take(std::move(*cluster), parent);
-    // Clusters that waited for this one.
+    // Decodes the clusters that waited for this one.
     std::vector<std::vector<std::byte>> ready;
     const auto [first, last] = orphans_.equal_range(id);
     for (auto i = first; i != last; ++i) {
@@ -79,10 +80,10 @@ class ClusterForest {
   }
 
   [[nodiscard]] const DecodeCount& count() const { return count_; }
-  /// Returns the number of vectors shown.
+  /// Returns the number of visible vectors.
   [[nodiscard]] std::size_t vectors() const { return vectors_; }
 
-  /// Calls visit(cluster, first, count) for all runs of voxels without finer voxels.
+  /// Calls visit(cluster, first, count) for each run of voxels that has no finer voxels.
   template <class Visit>
   void visit_shown(Visit&& visit) const {
     for (const auto& [id, held] : clusters_) {
@@ -97,9 +98,9 @@ class ClusterForest {
   }
 
  private:
-  // Limits the chunks that wait for a parent, which may never be received.
+  // Limit in bytes of the chunks that wait for a parent, which may never be received.
   static constexpr std::size_t kMaxWaitingBytes = std::size_t{64} << 20;
-  /// Returns the approximate memory of a waiting chunk.
+  /// Returns the approximate memory of a waiting chunk, in bytes.
   static std::size_t cost(std::span<const std::byte> payload) { return payload.size() + 128; }
 
   void wait(const ClusterHeader& header, std::span<const std::byte> payload) {
@@ -131,10 +132,10 @@ class ClusterForest {
   Codec codec_;
   DecodeCount count_;
   std::size_t vectors_ = 0, waiting_bytes_ = 0;
-  std::size_t voxels_ = 0;  // of all clusters, including refined voxels
+  std::size_t voxels_ = 0;  // voxels of all clusters, including refined voxels
   bool rooted_ = false;     // the cluster without a parent was received
   std::map<std::uint32_t, Held> clusters_;
-  std::multimap<std::uint32_t, std::vector<std::byte>> orphans_;  // by the missing parent
+  std::multimap<std::uint32_t, std::vector<std::byte>> orphans_;  // payloads by the identifier of the missing parent
 };
 
 }  // namespace gs::qnv

@@ -9,7 +9,7 @@
 
 namespace gs::qnv {
 
-/// Decoder of the octree payload, which an exact mesh may follow.
+/// Decoder of the octree payload. An exact mesh may follow the octree in the stream.
 class OctreeDecoder final : public Decoder {
  public:
   OctreeDecoder(const StreamHeader& header, std::size_t most_vectors);
@@ -25,7 +25,7 @@ class OctreeDecoder final : public Decoder {
   bool colored_;
   std::size_t most_vectors_;
   ClusterForest<Cluster> clusters_;
-  ExactSurface exact_;  // replaces the octree once received
+  ExactSurface exact_;  // exact mesh; replaces the octree when it is complete
 };
 
 }  // namespace gs::qnv

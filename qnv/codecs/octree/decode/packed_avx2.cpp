@@ -13,7 +13,8 @@ namespace {
 #define GS_AVX2 __attribute__((target("avx2,popcnt")))
 #define GS_AVX2_INLINE __attribute__((target("avx2,popcnt"), always_inline)) inline
 
-/// Tables by lane mask: the index of the next word for each lane (`spread`), and the chosen lanes in order (`squeeze`).
+/// Tables indexed by a mask of lanes. `spread` is the index of the next word for each lane; `squeeze` lists the chosen
+/// lanes in order.
 struct LaneTables {
   alignas(64) std::array<std::array<std::uint8_t, 8>, 256> spread{}, squeeze{};
 };
@@ -56,7 +57,7 @@ struct RansVector {
   [[nodiscard]] GS_AVX2_INLINE __m256i slots() const {
     return _mm256_and_si256(states, _mm256_set1_epi32(static_cast<int>(kRansTotal - 1)));
   }
-  /// `distance` is the slot minus the start of its symbol.
+  /// Advances the states by one symbol. `distance` is the slot minus the start of the symbol.
   GS_AVX2_INLINE void advance(__m256i frequency, __m256i distance) {
     const __m256i x = _mm256_add_epi32(_mm256_mullo_epi32(frequency, _mm256_srli_epi32(states, kRansBits)), distance);
     const __m256i low = _mm256_cmpeq_epi32(_mm256_srli_epi32(x, 16), _mm256_setzero_si256());
@@ -71,7 +72,7 @@ struct RansVector {
 
 namespace {
 
-/// Loads table[index] in eight lanes. Uses plain loads: the gather instruction is slow on many processors since the
+/// Loads table[index] in eight lanes. Uses plain loads: many processors have a slow gather instruction because of the
 /// microcode fix for CVE-2022-40982.
 GS_AVX2_INLINE __m256i look_up(const std::uint32_t* table, __m256i index) {
   const __m128i low = _mm256_castsi256_si128(index), high = _mm256_extracti128_si256(index, 1);
@@ -83,7 +84,7 @@ GS_AVX2_INLINE __m256i look_up(const std::uint32_t* table, __m256i index) {
                            at(_mm_extract_epi32(high, 2)), at(_mm_extract_epi32(high, 3)));
 }
 
-/// Computes along() for all eight children.
+/// Computes along() for all eight children of a voxel.
 GS_AVX2_INLINE __m256i along8(const std::array<int, 3>& normal) {
   const __m256i x = _mm256_set1_epi32(normal[0]), y = _mm256_set1_epi32(normal[1]), z = _mm256_set1_epi32(normal[2]);
   const __m256i sx = _mm256_sign_epi32(x, _mm256_setr_epi32(-1, 1, -1, 1, -1, 1, -1, 1));
@@ -112,14 +113,15 @@ GS_AVX2 void occupancy(RansDecoder& decoder, const std::uint32_t* probabilities,
   rans.store();
 }
 
-/// Stores the cells of the chosen children, packed: twice a coordinate plus the child's bit.
+/// Stores the cells of the chosen children without gaps. A child's coordinate is twice the parent's, plus the child's
+/// bit.
 GS_AVX2_INLINE void store_cells(std::uint16_t* to, std::uint16_t from, __m128i bits, __m128i squeeze) {
   const __m128i cells =
       _mm_add_epi16(_mm_set1_epi16(static_cast<short>(from * 2)), _mm_cvtepu8_epi16(_mm_shuffle_epi8(bits, squeeze)));
   _mm_storeu_si128(reinterpret_cast<__m128i*>(to), cells);
 }
 
-/// Inherits the values that do not depend on neighbours: cells, parent, context.
+/// Stores the values that children inherit from the parent alone: cells, parent index, context.
 GS_AVX2_INLINE void inherit_cells(const PackedVoxels& from, std::size_t p, std::size_t next, __m128i squeeze,
                                   const PackedKernels::Inherited& to) {
   const __m128i bits_x = _mm_setr_epi8(0, 1, 0, 1, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0);
@@ -140,7 +142,7 @@ GS_AVX2_INLINE void store_offsets(std::int8_t* to, __m256i offset, __m128i squee
   _mm_storel_epi64(reinterpret_cast<__m128i*>(to), _mm_shuffle_epi8(_mm_packs_epi16(narrow, narrow), squeeze));
 }
 
-/// Computes predicted_offset() for all eight children from their along(), without clamping.
+/// Computes predicted_offset() for all eight children from their along() values, without clamping.
 GS_AVX2_INLINE __m256i offsets8(__m256i distance, int offset) {
   const __m256i half = _mm256_set1_epi32(kOctahedral / 2);
   return _mm256_sub_epi32(_mm256_set1_epi32(2 * offset),
@@ -161,16 +163,16 @@ GS_AVX2 void inherit(const PackedVoxels& from, std::size_t first, std::size_t co
   }
 }
 
-/// Negates lanes with all bits of `minus` set.
+/// Negates the lanes in which `minus` has all bits set.
 GS_AVX2_INLINE __m256i with_sign(__m256i value, __m256i minus) {
   return _mm256_sub_epi32(_mm256_xor_si256(value, minus), minus);
 }
-/// Returns three times each face's value minus the opposite face's.
+/// Computes for each face three times its value minus the value of the opposite face.
 GS_AVX2_INLINE __m256i less_opposite(__m256i d) {
   return _mm256_sub_epi32(_mm256_add_epi32(_mm256_slli_epi32(d, 1), d), _mm256_shuffle_epi32(d, 0xb1));
 }
 
-/// Result of face_changes() for one voxel; the six faces are lanes.
+/// Result of face_changes() for one voxel, with one lane per face.
 struct Changes8 {
   __m256i u, v, offset;
 };
@@ -192,7 +194,7 @@ GS_AVX2_INLINE Changes8 changes8(__m256i u, __m256i v, __m256i offset, const std
   const __m256i nv = _mm256_sub_epi32(_mm256_and_si256(_mm256_srli_epi32(planes, 12), low12), unit);
   const __m256i no = _mm256_sub_epi32(_mm256_and_si256(_mm256_srli_epi32(planes, 24), _mm256_set1_epi32(0x7f)),
                                       _mm256_set1_epi32(kOffsetUnits / 2));
-  // 0 counts as positive.
+  // The sign of 0 counts as positive.
   const __m256i minus_u = _mm256_srai_epi32(nu, 31), minus_v = _mm256_srai_epi32(nv, 31);
   const __m256i su = _mm256_sub_epi32(with_sign(twice, minus_u), nu),
                 sv = _mm256_sub_epi32(with_sign(twice, minus_v), nv);
@@ -204,7 +206,7 @@ GS_AVX2_INLINE Changes8 changes8(__m256i u, __m256i v, __m256i offset, const std
                                           _mm256_cmpgt_epi32(_mm256_set1_epi32(kLargestTurn + 1), least));
   du = _mm256_and_si256(du, counts);
   dv = _mm256_and_si256(dv, counts);
-  // Component of the neighbour's normal across the face.
+  // Component of the neighbour's normal perpendicular to the face.
   const __m256i au = _mm256_abs_epi32(nu), av = _mm256_abs_epi32(nv);
   const __m256i w = _mm256_sub_epi32(_mm256_sub_epi32(unit, au), av), folded = _mm256_srai_epi32(w, 31);
   const __m256i nx = _mm256_blendv_epi8(nu, with_sign(_mm256_sub_epi32(unit, av), minus_u), folded);
@@ -216,7 +218,7 @@ GS_AVX2_INLINE Changes8 changes8(__m256i u, __m256i v, __m256i offset, const std
   return {less_opposite(du), less_opposite(dv), _mm256_and_si256(change, counts)};
 }
 
-/// Sums for all eight children the changes of the three faces that each touches.
+/// Computes for each of the eight children the sum of the changes at the three faces that it touches.
 GS_AVX2_INLINE __m256i of_children(__m256i faces) {
   const __m256i x = _mm256_permutevar8x32_epi32(faces, _mm256_setr_epi32(0, 1, 0, 1, 0, 1, 0, 1));
   const __m256i y = _mm256_permutevar8x32_epi32(faces, _mm256_setr_epi32(2, 2, 3, 3, 2, 2, 3, 3));
@@ -229,7 +231,7 @@ GS_AVX2_INLINE __m256i clamp8(__m256i value, int most) {
   return _mm256_max_epi32(_mm256_min_epi32(value, limit), _mm256_sub_epi32(_mm256_setzero_si256(), limit));
 }
 
-/// Folds lanes with `a` outside the square.
+/// Folds the lanes in which `a` is outside the square.
 GS_AVX2_INLINE void fold8(__m256i& a, __m256i& b) {
   const __m256i outside = _mm256_cmpgt_epi32(_mm256_abs_epi32(a), _mm256_set1_epi32(kOctahedral));
   const __m256i twice = _mm256_set1_epi32(2 * kOctahedral);
@@ -245,7 +247,7 @@ GS_AVX2_INLINE void wrap8(__m256i& u, __m256i& v) {
   v = clamp8(v, kOctahedral);
 }
 
-/// Computes along() of child c with the normal in lane c.
+/// Computes along() of child c in lane c, with the normal in that lane.
 GS_AVX2_INLINE __m256i along_own8(__m256i u, __m256i v) {
   const __m256i unit = _mm256_set1_epi32(kOctahedral), au = _mm256_abs_epi32(u), av = _mm256_abs_epi32(v);
   const __m256i w = _mm256_sub_epi32(_mm256_sub_epi32(unit, au), av), folded = _mm256_srai_epi32(w, 31);
@@ -258,7 +260,7 @@ GS_AVX2_INLINE __m256i along_own8(__m256i u, __m256i v) {
   return _mm256_add_epi32(sx, _mm256_add_epi32(sy, sz));
 }
 
-/// Stores the chosen lanes, packed, as 16 bits each.
+/// Stores the chosen lanes as 16 bits each, without gaps.
 GS_AVX2_INLINE void store_squeezed16(std::int16_t* to, __m256i values, __m256i squeeze) {
   const __m256i chosen = _mm256_permutevar8x32_epi32(values, squeeze);
   _mm_storeu_si128(reinterpret_cast<__m128i*>(to),
@@ -321,7 +323,7 @@ GS_AVX2 void turn(std::int16_t* u, std::int16_t* v, std::uint8_t* state, const s
 }
 
 GS_AVX2 void move(std::int8_t* offset, const std::int16_t* residual, int step, std::size_t n) {
-  // Residuals beyond the whole range lead to its end.
+  // Clamps residuals that lead out of the range.
   const __m128i most = _mm_set1_epi16(kOffsetUnits / 2), far = _mm_set1_epi16(kOffsetUnits);
   const __m128i zero = _mm_setzero_si128(), steps = _mm_set1_epi16(static_cast<short>(step));
   std::size_t i = 0;

@@ -29,7 +29,7 @@ class LevelDecoder {
     for (std::size_t i = 0; i < kOccupancyBins; ++i) probabilities[i] = occupancy_models()[p_.occupancy][i];
     kernels_.occupancy(rans_, probabilities.data(), from_, first_, count_, masks.data());
     for (const std::uint8_t mask : masks) {
-      if (mask == 0) return false;  // a divided voxel must have children, so that nothing vanishes
+      if (mask == 0) return false;  // rejects a divided voxel without children, which would vanish
       size_ += static_cast<std::size_t>(std::popcount(static_cast<unsigned>(mask)));
     }
     if (size_ > most) return false;
@@ -82,7 +82,7 @@ class LevelDecoder {
       }
   }
 
-  // Predicts a child on the other side of a thin sheet.
+  // Predicts a child on the opposite side of a thin sheet.
   void flip(std::size_t i, unsigned c, PackedVoxels& out) const {
     int u = from_.u[parent_[i]], v = from_.v[parent_[i]];
     flip_octahedral(u, v);
@@ -154,7 +154,7 @@ std::variant<Cluster, PackedError> decode_cluster(std::span<const std::byte> pay
                          std::to_string(header.first + header.count - 1) + " of " + std::to_string(source->size())};
     if (parameters.colored && source->luma.empty()) return PackedError{"a coloured cluster under one without colours"};
   }
-  // Copy, so that the decoder may read past the end.
+  // Copies the bytes, so that the entropy decoder may read past the end.
   std::vector<std::byte> bits(payload.begin() + kClusterHeaderSize, payload.end());
   const std::size_t size = bits.size();
   bits.resize(size + RansDecoder::kPadding);
@@ -206,7 +206,7 @@ void append_discs(const Cluster& cluster, std::size_t first, std::size_t count, 
     const glm::vec3 cell(static_cast<float>(voxels.x[i]) + 0.5f, static_cast<float>(voxels.y[i]) + 0.5f,
                          static_cast<float>(voxels.z[i]) + 0.5f);
     const glm::vec3 position = cube.lower + (cell + normal * (offset / length)) * edge;
-    // Keep it positive and finite for any cube.
+    // Keeps the area positive and finite for a cube of any size.
     const float area = std::clamp(plane_section(l1, offset) * edge * edge, std::numeric_limits<float>::min(),
                                   std::numeric_limits<float>::max());
     Rgb8 color = splats.color;

@@ -7,7 +7,7 @@ namespace {
 
 void occupancy(RansDecoder& shared, const std::uint32_t* probabilities, const PackedVoxels& from, std::size_t first,
                std::size_t count, std::uint8_t* masks) {
-  RansDecoder rans = shared;  // a local copy stays in registers
+  RansDecoder rans = shared;  // copies the decoder, so that the copy stays in registers
   for (std::size_t i = 0; i < count; ++i) {
     const std::array<int, 3> normal = octahedral_normal(from.u[first + i], from.v[first + i]);
     const int offset = from.offset[first + i];

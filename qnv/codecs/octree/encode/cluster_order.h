@@ -12,21 +12,23 @@
 
 namespace gs::qnv {
 
-// How octree encoders split levels into clusters and order these. A Node has `encoded` (EncodedCluster), `gain` and
-// `children` (unique_ptr to Nodes).
+// Division of octree levels into clusters, and the order of these clusters in the stream. A Node has `encoded`
+// (EncodedCluster), `gain` and `children` (unique_ptr to Nodes).
 
-// With stream, UDP and IP framing, a cluster fits into the IPv6 minimum MTU of 1,280 bytes.
+// Maximum size of a cluster, in bytes. With stream, UDP and IP framing, it fits into the IPv6 minimum MTU of 1,280
+// bytes.
 constexpr std::size_t kClusterBytes = 1200;
-// Maximum number of voxels that a cluster divides. Keeps clusters small enough to be taken or dropped in one step, even
-// on smooth surfaces.
+// Maximum number of voxels that a cluster divides. The limit keeps clusters small even on smooth surfaces, so that a
+// view can add or drop a cluster in a single step.
 constexpr std::size_t kMaxParents = 850;
 
-/// Divides all `size` voxels of a node into clusters that fit. `divide(first, count)` encodes a run of voxels.
+/// Divides all `size` voxels of a node into clusters that fit into a datagram. `divide(first, count)` must encode a run
+/// of voxels.
 template <class Node, class Divide>
 void divide_in_runs(Node& node, std::size_t size, Divide&& divide) {
   std::size_t run = std::min<std::size_t>(size, 400);
   for (std::size_t first = 0; first < size;) {
-    // Share the remaining voxels evenly, so that the runs have similar lengths.
+    // Divides the remaining voxels evenly, so that the runs have similar lengths.
     const std::size_t left = size - first, parts = (left + run - 1) / run;
     std::size_t count = (left + parts - 1) / parts;
     auto child = divide(first, count);
@@ -42,13 +44,14 @@ void divide_in_runs(Node& node, std::size_t size, Divide&& divide) {
   }
 }
 
-/// Returns the clusters in order. A parent precedes its children; of the ready clusters, the one with the largest gain
-/// per byte comes first. Stops after `vectors` vectors or before exceeding `max_bytes` (0: no limit).
+/// Returns the clusters in the order of sending. A parent precedes its children. Among the clusters with a sent parent,
+/// the cluster with the largest gain per byte is next. Stops after `vectors` vectors, or before `max_bytes` would be
+/// exceeded (0 means unlimited).
 template <class Node>
 std::vector<EncodedCluster> in_order(std::unique_ptr<Node> base, std::size_t vectors, std::size_t max_bytes) {
   struct Entry {
     double worth;
-    std::uint64_t order;  // breaks ties: the cluster created first
+    std::uint64_t order;  // on equal gain, the cluster created first is next
     Node* node;
     std::uint32_t parent;
     bool operator<(const Entry& other) const {

@@ -70,9 +70,9 @@ class VoxelPyramid {
 template <class Voxels>
 struct ClusterNode {
   EncodedCluster encoded;
-  Voxels voxels;                     // as decoded
+  Voxels voxels;  // voxels as a decoder obtains them
   std::vector<std::uint32_t> truth;  // indices of the same voxels in their level of the pyramid
-  int level = 0;                     // of the voxels
+  int level = 0;  // level of the voxels
   double gain = 0;
   std::vector<std::unique_ptr<ClusterNode>> children;
 };

@@ -22,7 +22,7 @@ bool is_good(const VectorView& vectors, std::size_t i) {
          glm::dot(vectors.normals[i], vectors.normals[i]) > 0 && weight > 0 && std::isfinite(weight);
 }
 
-/// Passes to the sink a square for each vector, with its area and direction.
+/// Passes one square per vector to the sink, with the vector's area and direction.
 bool for_each_square(const VectorView& vectors, const TriangleSink& sink) {
   std::vector<Triangle> batch;
   batch.reserve(2 * kDiscsTogether);

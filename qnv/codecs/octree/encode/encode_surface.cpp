@@ -19,12 +19,12 @@ namespace gs::qnv {
 namespace {
 
 constexpr std::size_t kMinVectors = 200'000, kMaxVectorsByDefault = 1'000'000;
-// Average number of voxels per face area that a plane intersects, over all directions.
+// Average number of voxels that a plane intersects per voxel-face area, over all directions of the plane.
 constexpr double kVoxelsPerArea = 1.5;
-// Lower estimate of the cost of a splat, so that --max-bytes is used fully.
+// Lower estimate of the bits per splat. A low value lets the stream use all of --max-bytes.
 constexpr double kMinBitsPerVector = 3.5;
 
-// Part of the octree before the exact mesh: the mesh's bytes divided by this, and a minimum.
+// Size of the octree before an exact mesh: the mesh's bytes divided by kBeforeMesh, but at least kMinBeforeMesh bytes.
 constexpr std::size_t kBeforeMesh = 2, kMinBeforeMesh = 4000;
 
 bool survey(const TriangleSource& source, SurfaceSurvey& out, Progress* progress) {
@@ -41,9 +41,9 @@ int level_for(double vectors, const SurfaceSurvey& s, const Cube& cube) {
   return level;
 }
 
-// Converts voxels to vectors at the mean position of the surface inside. A voxel cut only at a corner has a small area.
-// The area of every block of four voxels along an edge is shared evenly. Area is conserved, and splats of equal size
-// leave no gaps.
+// Converts voxels to vectors at the mean position of the surface inside. A voxel that the surface cuts only at a corner
+// has a small area. Therefore the voxels of each block of 4 x 4 x 4 share their total area evenly. No area is lost, and
+// splats of equal size leave no gaps.
 Splats splats_of(std::span<const Voxel> voxels, const Cube& cube, int level, const SurfaceSurvey& s) {
   Splats splats;
   const float edge = cube.edge / static_cast<float>(1 << level);
@@ -97,8 +97,8 @@ std::vector<OutgoingChunk> packed_chunks(std::vector<Voxel> voxels, int level, S
   return chunks;
 }
 
-/// Appends the exact mesh after the octree if it is small enough, and shortens the octree. Returns false if the source
-/// could not be read.
+/// Appends the exact mesh after the octree if the mesh is small enough; then shortens the octree. Returns false if the
+/// source cannot be read.
 bool append_mesh(const TriangleSource& source, const SurfaceSurvey& s, const EncodeOptions& options,
                  StreamHeader& header, std::vector<OutgoingChunk>& chunks) {
   const TexturedSurface* textured = options.textured;
@@ -109,7 +109,7 @@ bool append_mesh(const TriangleSource& source, const SurfaceSurvey& s, const Enc
   if (textured) {
     mesh = exact_mesh_of(*textured, frame, std::max(options.exact_bits, 0));
   } else {
-    // Touching parts of different colours keep sharp colour borders.
+    // Splits the surface where parts of different colours touch, so that colour borders stay sharp.
     displaced::MeshBuilder builder(s.colored, true);
     const bool read = source([&](std::span<const Triangle> triangles) {
       builder.add(triangles);
@@ -150,7 +150,7 @@ std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& so
                   ? static_cast<std::size_t>(static_cast<double>(options.max_bytes) * 8 / kMinBitsPerVector)
                   : std::clamp(s.triangles * 2, kMinVectors, kMaxVectorsByDefault);
   StreamHeader header = surface_header(options.payload, s, options);
-  // Without a requested number, choose a slightly coarser level and take it whole.
+  // Without a requested number or size, uses all voxels of a slightly coarser level.
   const bool asked = options.vectors != 0 || options.max_bytes != 0;
   const int level = level_for(static_cast<double>(vectors) * (asked ? 1.0 : 0.5), s, header.cube);
   if (progress) {

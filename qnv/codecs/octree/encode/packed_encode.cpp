@@ -13,19 +13,20 @@
 namespace gs::qnv {
 namespace {
 
-// Target size of the first cluster; with the stream's header, it fills the first kilobyte.
+// Target size of the first cluster, in bytes. With the stream's header, the cluster fills the first kilobyte.
 constexpr std::size_t kBaseBytes = 870;
-// Maximum number of voxels of the first cluster, which every view must draw, however distant the object.
+// Maximum number of voxels of the first cluster. Every view must draw them, even of a distant object.
 constexpr std::size_t kMaxBaseVoxels = 600;
-// Coarser steps (as log2) of the first cluster, used if they allow one more level. Twice as many voxels along an edge
-// improve the first picture more; the next level corrects the rest.
+// Coarser quantisation steps for the first cluster, as log2. They are used if they allow one more level. Twice as many
+// voxels along an edge improve the first picture more than fine steps. The next level corrects the errors.
 struct BaseSteps {
   int normal, offset;
 };
 constexpr std::array<BaseSteps, 4> kBaseSteps{{{0, 0}, {1, 0}, {1, 1}, {2, 1}}};
-// Minimum area of a voxel, relative to a face; drops voxels that the surface barely touches.
+// Minimum area of a voxel, relative to a voxel face. Voxels that the surface barely touches are dropped.
 constexpr float kMinArea = 0.03f;
-// First levels with smaller steps, which pay there: voxels are small relative to pixels, and residuals are small.
+// First levels with smaller quantisation steps. There, voxels are small relative to pixels and residuals are small, so
+// that small steps pay.
 constexpr int kFineOffsetLevel = 6, kFineNormalLevel = 8;
 constexpr int kMaxNormalShift = 10, kMaxOffsetShift = 6;
 
@@ -35,14 +36,15 @@ void leave_out_touched(std::vector<Voxel>& finest) {
     all += voxel.moments.area;
     if (voxel.moments.area >= kMinArea) kept += voxel.moments.area;
   }
-  // Keep tiny voxels when they hold over 5 % of the area (wires, dust).
+  // Keeps tiny voxels if they hold over 5 % of the area, as in wires and dust.
   const float least = kept > 0.95 * all ? kMinArea : std::numeric_limits<float>::min();
   std::erase_if(finest, [least](const Voxel& voxel) { return !(voxel.moments.area >= least); });
 }
 
 using Node = ClusterNode<PackedVoxels>;
 
-// Choices of neighbour prediction: both on smooth surfaces, only normals on coarse levels, neither on leaves and dust.
+// Choice of neighbour prediction. Both suit smooth surfaces, only normals suit coarse levels, neither suits leaves and
+// dust.
 struct Prediction {
   bool normals, offsets;
 };
@@ -55,7 +57,7 @@ class PackedEncoder {
 
   [[nodiscard]] int deepest() const { return pyramid_.deepest(); }
 
-  // Returns the first cluster, with as many levels as fit.
+  // Returns the first cluster, with the maximum number of levels that fits.
   [[nodiscard]] std::unique_ptr<Node> base() const {
     std::unique_ptr<Node> best;
     for (const BaseSteps& steps : kBaseSteps) {
@@ -68,7 +70,7 @@ class PackedEncoder {
         };
         if (!cheapest || better(node->encoded, cheapest->encoded)) cheapest = std::move(node);
       }
-      // Coarser steps do not pay in a stream of a few hundred bytes, which lacks later levels.
+      // In a stream of a few hundred bytes, coarser steps do not pay, because no later level corrects their errors.
       const bool coarser = steps.normal + steps.offset > 0;
       if (coarser && options_.max_bytes != 0 && options_.max_bytes < 2 * kBaseBytes) break;
       if (!best || cheapest->level > best->level) best = std::move(cheapest);
@@ -76,7 +78,7 @@ class PackedEncoder {
     return best;
   }
 
-  // Divides all voxels of a node once, into clusters that fit.
+  // Divides all voxels of a node once, and encodes them in clusters that fit into a datagram.
   void divide(Node& node) const {
     LevelSymbols all;
     ClusterParameters chosen;
@@ -126,7 +128,7 @@ class PackedEncoder {
 
   [[nodiscard]] bool fine(int level, int from) const { return !options_.compact && level + 1 >= from; }
 
-  // Returns the parameters for dividing `level`.
+  // Returns the coding parameters of clusters that divide voxels of `level`.
   [[nodiscard]] ClusterParameters parameters(int level, const Prediction& prediction) const {
     ClusterParameters p;
     p.normals_around = prediction.normals;
@@ -145,7 +147,7 @@ class PackedEncoder {
     return quantize_level(from, pyramid_.below(truth, level), 1.0 / static_cast<double>(std::uint64_t{2} << level), p);
   }
 
-  // Returns one cluster that divides a run of a node's voxels.
+  // Returns one cluster that divides a run of the voxels of `node`.
   [[nodiscard]] std::unique_ptr<Node> divide_run(const Node& node, const LevelSymbols& all, const ClusterParameters& p,
                                                  std::size_t first, std::size_t count) const {
     const std::vector<LevelSymbols> symbols{chosen_symbols(all, first, count)};

@@ -16,16 +16,16 @@
 namespace gs::qnv {
 namespace {
 
-// Length of the mean unit normal below which a voxel is a thin, two-sided sheet.
+// Maximum length of a voxel's mean unit normal at which the voxel counts as a thin, two-sided sheet.
 constexpr float kDoubleLength = 0.35f;
-// Weight of a displacement by the object's size, relative to a normal error of one radian.
+// Weight of displacement errors: radians of normal error that cost as much as a displacement by the object's size.
 constexpr double kDisplacementWeight = 20;
-// Weight of area that a splat covers beside the surface, relative to area with a normal error of one radian.
+// Weight of area that a splat covers outside the surface, relative to area with a normal error of one radian.
 constexpr double kOverspillWeight = 0.3;
 
 struct DiscPlane {
-  glm::vec3 normal{0, 0, 1};  // unit
-  float offset = 0;           // 1-norm units: -1/2..1/2
+  glm::vec3 normal{0, 0, 1};  // unit vector
+  float offset = 0;  // distance from the centre, -1/2..1/2, relative to edge times 1-norm
   bool doubled = false;
 };
 
@@ -58,7 +58,7 @@ DiscPlane plane_of(const SurfaceMoments& m) {
   return plane;
 }
 
-// Returns octahedral coordinates, not rounded.
+// Returns the octahedral coordinates of a normal, not rounded.
 std::array<float, 2> octahedral(glm::vec3 n) {
   n = n * (static_cast<float>(kOctahedral) / one_norm(n));
   if (n.z >= 0) return {n.x, n.y};
@@ -71,7 +71,7 @@ glm::vec3 unit_normal(int u, int v) {
   return glm::normalize(glm::vec3(static_cast<float>(m[0]), static_cast<float>(m[1]), static_cast<float>(m[2])));
 }
 
-// Finds the smallest residual that leads to a normal, also around the edges of the square.
+// Finds the smallest residual that leads from (from_u, from_v) to a normal; may cross the edges of the square.
 void normal_difference(const glm::vec3& normal, int from_u, int from_v, int shift, int& du, int& dv) {
   const auto [u, v] = octahedral(normal);
   const auto r2 = static_cast<float>(2 * kOctahedral), step = static_cast<float>(1 << shift);
@@ -114,7 +114,7 @@ class Quantizer {
       sections += std::max(
           0.0f, plane_section(out_.voxels.u[last], out_.voxels.v[last], out_.voxels.offset[last]) - voxel.moments.area);
     }
-    // Area that the parent's splat covers and the surface does not.
+    // Area that the parent's splat covers although the surface does not.
     const double overspill =
         std::max(0.0, 4.0 * plane_section(from_.u[index], from_.v[index], from_.offset[index]) - area);
     entry.gain = gain_ + kOverspillWeight * edge_ * edge_ * std::max(0.0, overspill - sections);
@@ -132,7 +132,7 @@ class Quantizer {
     int u = from_.u[index], v = from_.v[index], offset = from_.offset[index];
     if (plane.doubled || parent_double) {
       const bool opposite = glm::dot(unit_normal(u, v), plane.normal) < 0;
-      if (plane.doubled && opposite) {  // a sheet has no outside; choose the cheaper side
+      if (plane.doubled && opposite) {  // a sheet has no outside; chooses the side with smaller residuals
         plane.normal = -plane.normal;
         plane.offset = -plane.offset;
       }

@@ -10,9 +10,9 @@
 
 namespace gs::qnv {
 
-// How octree encoders write their decisions.
+// Output of the decisions and residuals of octree encoders.
 
-/// Writes one decision.
+/// Writes one decision to a lane.
 inline void put_bit(RansEncoder& rans, std::size_t lane, std::uint32_t probability, bool bit) {
   rans.put(lane, bit ? 0 : probability, bit ? probability : kRansTotal - probability);
 }
@@ -22,7 +22,7 @@ using ResidualHistogram = std::array<std::uint32_t, kResidualSymbols>;
 
 inline void count(ResidualHistogram& histogram, int value) { ++histogram[std::min(zigzag(value), kEscape)]; }
 
-/// Returns the cost of the residuals under a model, in 1/256 bits.
+/// Returns the cost of the residuals with a model, in 1/256 bits.
 inline std::uint64_t cost_of(const ResidualHistogram& histogram, std::size_t model) {
   std::uint64_t cost = 0;
   for (std::uint32_t s = 0; s < kResidualSymbols; ++s)
@@ -30,7 +30,7 @@ inline std::uint64_t cost_of(const ResidualHistogram& histogram, std::size_t mod
   return cost;
 }
 
-/// Returns the cheapest model.
+/// Returns the index of the model with the lowest cost.
 inline std::uint8_t cheapest(const ResidualHistogram& histogram) {
   std::uint8_t best = 0;
   std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
@@ -44,7 +44,8 @@ inline std::uint8_t cheapest(const ResidualHistogram& histogram) {
   return best;
 }
 
-/// Writes the residuals `of(i)` of n children in groups of one per lane: the symbols of a group, then its escapes.
+/// Writes the residuals `of(i)` of n children in groups, one residual per lane. In each group, the symbols precede the
+/// escaped values.
 template <class Of, class ModelOf>
 void put_residuals(RansEncoder& rans, std::size_t n, Of of, ModelOf model_of) {
   for (std::size_t i = 0; i < n; i += kRansLanes) {

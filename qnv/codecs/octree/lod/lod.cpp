@@ -7,7 +7,7 @@
 namespace gs::qnv {
 namespace {
 
-// Number of chunks sampled to detect a wrong directory.
+// Number of chunks that are read to test whether the directory is wrong.
 constexpr std::size_t kSamples = 8;
 constexpr std::size_t kBytesPerRead = std::size_t{1} << 18;
 
@@ -75,7 +75,8 @@ LodStream::Opened LodStream::begin(std::span<const std::byte> front, std::size_t
   return opened;
 }
 
-// Reports whether the directory belongs to this stream: cluster numbers and parents must match the chunks.
+// Reports whether the directory belongs to this stream: in a sample, the cluster identifiers and parents must match the
+// chunks.
 bool LodStream::directory_fits() const {
   std::vector<std::byte> buffer;
   const auto fits = [&](std::uint32_t index) {
@@ -83,18 +84,18 @@ bool LodStream::directory_fits() const {
     if (node.broken) return true;
     const auto chunk = read_chunk(*source_, node.offset, node.bytes, buffer);
     const auto* sound = std::get_if<SoundChunk>(&chunk);
-    if (!sound) return true;  // damage affects only this chunk
+    if (!sound) return true;  // damaged chunk; says nothing about the directory
     const auto header = read_cluster_header(sound->payload);
     const auto* cluster = std::get_if<ClusterHeader>(&header);
     return sound->type == ChunkType::packed && cluster && tree_.misfit(index, *cluster).empty();
   };
   for (std::size_t i = 0; i < tree_.size(); i += std::max<std::size_t>(1, tree_.size() / kSamples))
     if (!fits(static_cast<std::uint32_t>(i))) return false;
-  // The first cluster is indispensable; do not lose it to a wrong directory.
+  // Requires the first cluster, which every view needs: a wrong directory must not lose it.
   return cache_.decode_one(*source_, tree_.root(), nullptr).cluster != nullptr;
 }
 
-// Reads the whole stream once, with all checksums, and collects all chunks.
+// Reads the whole stream once, checks all checksums, and collects all chunks.
 void LodStream::scan() {
   const StreamReader::OnChunk arrive = [this](ChunkType type, std::span<const std::byte> payload,
                                               std::uint64_t offset) {
@@ -158,7 +159,7 @@ bool LodStream::add(std::uint64_t offset, std::span<const std::byte> chunk) {
   return take(std::get<SoundChunk>(sound).type, std::get<SoundChunk>(sound).payload, offset);
 }
 
-// Processes a chunk of a growing stream.
+// Processes a received chunk of a growing stream.
 bool LodStream::take(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
   if (type != ChunkType::packed) return type == ChunkType::directory;
   const auto header = read_cluster_header(payload);
@@ -224,13 +225,13 @@ std::size_t LodStream::visit_whole(std::size_t most_discs, const OnVoxels& visit
   return discs;
 }
 
-// Visits a cluster after its descendants. The recursion is no deeper than the octree.
+// Visits the descendants of a cluster, then the cluster. The recursion is no deeper than the octree.
 void LodStream::visit_below(std::uint32_t index, const Cluster& cluster, std::size_t most_discs, std::size_t& discs,
                             const OnVoxels& visit) {
   std::vector<std::uint32_t> children;
   for (std::uint32_t child = tree_[index].first_child; child != kNoNode; child = tree_[child].next_sibling)
     if (tree_[child].present && !tree_[child].broken) children.push_back(child);
-  std::reverse(children.begin(), children.end());  // in order of arrival
+  std::reverse(children.begin(), children.end());  // in the order in which the chunks were received
   const PackedVoxels& voxels = cluster.voxels;
   std::vector<bool> divided(voxels.size());
   for (const std::uint32_t child : children) {

@@ -26,9 +26,9 @@ namespace gs::qnv {
 struct Piece {
   std::shared_ptr<const Splats> splats;
   std::size_t first = 0, count = 0;
-  std::uint8_t level = 0;   // in the octree
-  std::uint32_t chunk = 0;  // unique number
-  float age = 0;            // 0: received first; 1: received last
+  std::uint8_t level = 0;  // octree level of the splats
+  std::uint32_t chunk = 0;  // identifier of the cluster, unique in the stream
+  float age = 0;  // 0 for the chunk received first, 1 for the last
 };
 
 /// Position of a chunk in its stream.
@@ -39,88 +39,89 @@ struct ChunkRange {
 
 /// Memory limits of a stream.
 struct LodLimits {
-  std::size_t cache_bytes = std::size_t{1} << 29;    // decoded data, besides the last cuts
-  std::size_t discs = std::size_t{1} << 26;          // of one cut or of a full copy, for any budget
-  std::size_t arrived_bytes = std::size_t{1} << 30;  // received chunks of a growing stream
+  std::size_t cache_bytes = std::size_t{1} << 29;  // decoded data that the last cuts do not need
+  std::size_t discs = std::size_t{1} << 26;  // splats of one cut or of whole(), for any budget
+  std::size_t arrived_bytes = std::size_t{1} << 30;  // received chunks of a stream that still grows
 };
 
-/// Packed stream from which each view decodes what it needs: coarse clusters everywhere, finer ones in view, largest on
-/// the screen first. The stream is in memory, in a file, or still growing. Not thread-safe. Safe for untrusted bytes:
-/// invalid clusters are skipped with their descendants, and the coarser picture remains.
+/// Octree stream from which each view decodes the clusters that it needs: coarse clusters everywhere, finer ones in
+/// view, largest on the screen first. The stream is in memory, in a file, or still growing. One thread at a time. Safe
+/// for untrusted bytes: skips invalid clusters with their descendants; the coarser picture remains.
 class LodStream {
  public:
-  /// Default memory for decoded data besides the last cuts.
+  /// Default limit in bytes of decoded data that the last cuts do not need.
   static constexpr std::size_t kCacheBytes = LodLimits{}.cache_bytes;
   using Opened = std::variant<std::unique_ptr<LodStream>, StreamProblem>;
 
-  /// Opens a stream in memory; reads and checks all of it now. Returns an error if that fails.
+  /// Opens a stream in memory. Reads and checks all of it now. Returns an error if that fails.
   [[nodiscard]] static Opened open(std::vector<std::byte> bytes, std::size_t cache_bytes = kCacheBytes);
-  /// Opens a stream in another place: reads the header and the directory now, and chunks when a view needs them. If the
-  /// directory is incomplete or wrong, reads the whole stream once.
+  /// Opens a stream from a source, such as a file. Reads the header and the directory now, and a chunk when a view
+  /// needs it. If the directory is incomplete or wrong, reads the whole stream once.
   [[nodiscard]] static Opened open(std::shared_ptr<const ChunkSource> source, std::size_t cache_bytes = kCacheBytes);
-  /// Opens a growing stream from its first bytes, which include the header.
+  /// Opens a growing stream from its first bytes, which must contain the whole header.
   [[nodiscard]] static Opened begin(std::span<const std::byte> front, std::size_t cache_bytes = kCacheBytes);
 
-  /// Sets the limits. Call before the first cut.
+  /// Sets the limits. Call it before the first cut.
   void set_limits(const LodLimits& limits);
 
-  /// Adds bytes to a growing stream, after those given to begin() and the last push(). Returns false once more bytes
-  /// are useless.
+  /// Adds bytes to a growing stream, directly after the bytes of begin() and of earlier calls. Returns false if further
+  /// bytes are useless.
   bool push(std::span<const std::byte> bytes);
-  /// Ends the calls of push().
+  /// Ends the input. Call it after the last push().
   void finish();
-  /// Sets the directory from all its chunks, concatenated; wanted() needs it. Returns false if they are incomplete.
+  /// Sets the directory. `chunks` are all directory chunks, concatenated. wanted() needs the directory. Returns false
+  /// if `chunks` is incomplete.
   bool set_directory(std::span<const std::byte> chunks);
-  /// Adds a whole chunk at an offset of the stream, in any order. Returns false if it is rejected; problems() has the
-  /// reason.
+  /// Adds a whole chunk at its offset in the stream, in any order. Returns false if the chunk is rejected; problems()
+  /// has the reason.
   bool add(std::uint64_t offset, std::span<const std::byte> chunk);
 
-  /// Returns the pieces to draw. They cover everything in view exactly once. Skips clusters entirely outside the view.
-  /// For the same view and bytes, detail never decreases between calls.
+  /// Returns the runs of splats to draw. They cover everything in view exactly once. Omits clusters entirely outside
+  /// the view. For the same view and bytes, the detail never decreases from call to call.
   [[nodiscard]] std::vector<Piece> cut(const LodView& view);
-  /// Reports whether the last cut lacks received parts that are not decoded yet. The next cut is better.
+  /// Reports whether the last cut lacks clusters that are received but not decoded yet. If so, the next cut is better.
   [[nodiscard]] bool pending() const { return pending_; }
-  /// Returns the chunks that the last cut lacks, most wanted first.
+  /// Returns the chunks that the last cut needed and that are not received yet, most wanted first.
   [[nodiscard]] const std::vector<ChunkRange>& wanted() const { return wanted_; }
-  /// Returns the chunks that the last cuts of all viewports lack, in turn and without duplicates.
+  /// Returns the wanted chunks of all viewports: takes one per viewport in turn, without duplicates.
   [[nodiscard]] std::vector<ChunkRange> wanted_by_all() const;
-  /// Returns the last views of the viewports.
+  /// Returns the view of each viewport's last cut.
   [[nodiscard]] std::vector<LodView> views() const;
-  /// Reports whether the last cut has everything that the view requested.
+  /// Reports whether the last cut contains everything that its view requested.
   [[nodiscard]] bool complete() const { return !pending_ && wanted_.empty(); }
-  /// Removes a viewport that will make no more cuts.
+  /// Frees the state of a viewport that will make no further cuts.
   void forget(std::uint32_t viewport);
 
-  /// Returns all vectors at full detail, up to the limit of a cut.
+  /// Returns all vectors at full detail, or coarser ones at the limit of splats.
   [[nodiscard]] Splats whole();
-  /// Reports whether whole() left parts coarse because of the limit.
+  /// Reports whether whole() returned coarser vectors because of the limit.
   [[nodiscard]] bool cut_short() const { return cut_short_; }
-  /// Returns the number of vectors at full detail. Decodes the whole stream.
+  /// Returns the number of vectors at full detail. Decodes the whole stream to count them.
   [[nodiscard]] std::size_t count();
 
   [[nodiscard]] const StreamHeader& header() const { return header_; }
-  /// Returns the problems of the bytes read so far; valid parts remain usable.
+  /// Returns the problems in the bytes read so far. Valid parts of the stream remain usable.
   [[nodiscard]] const std::vector<StreamProblem>& problems() const { return problems_; }
-  /// Returns the number of clusters received.
+  /// Returns the number of received clusters.
   [[nodiscard]] std::size_t clusters() const { return tree_.present(); }
-  /// Returns a number that changes with every received chunk.
+  /// Returns a counter that increases with every received chunk.
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
   [[nodiscard]] std::size_t cached_discs() const { return cache_.disc_count(); }
   [[nodiscard]] std::size_t cached_bytes() const { return cache_.bytes(); }
-  /// Returns the approximate number of splats decoded for the last cut.
+  /// Returns the approximate number of splats that were decoded for the last cut.
   [[nodiscard]] std::size_t decoded() const { return decoded_; }
 
  private:
-  /// Last cut of one viewport.
+  /// State of the last cut of one viewport.
   struct Viewport {
     LodView view;
-    std::uint64_t last_cut = 0;  // 0 means none
+    std::uint64_t last_cut = 0;  // number of the last cut; 0 means none yet
     std::uint64_t revision = 0;
     std::vector<std::uint32_t> chosen, shown;
-    std::vector<std::uint32_t> lacking;  // missing nodes, most wanted first
+    std::vector<std::uint32_t> lacking;  // nodes not received, most wanted first
   };
   static constexpr std::size_t kViewports = 16;
-  /// Splats of a node to draw: voxels `first` to `last`.
+  /// Part of a node's splats to draw: the splats of its voxels from `first` up to `last`, which is excluded.
   struct Run {
     std::uint32_t node = 0, first = 0, last = 0;
   };
@@ -133,9 +134,10 @@ class LodStream {
   bool take(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset);
   void problem(std::uint64_t offset, std::string message);
   void keep_few_problems();
-  /// Callback for a cluster's voxels `first` to `first + count` - 1, which have no finer voxels.
+  /// Callback that receives `count` voxels of a cluster, from index `first` on. They have no finer voxels.
   using OnVoxels = std::function<void(const Cluster& cluster, std::size_t first, std::size_t count)>;
-  /// Visits everything received, no finer than `most_discs` splats allow. Returns the number of splats.
+  /// Visits the finest received voxels. Visits coarser voxels instead where the number of splats would exceed
+  /// `most_discs`. Returns the number of splats.
   std::size_t visit_whole(std::size_t most_discs, const OnVoxels& visit);
   void visit_below(std::uint32_t node, const Cluster& cluster, std::size_t most_discs, std::size_t& discs,
                    const OnVoxels& visit);
@@ -153,16 +155,16 @@ class LodStream {
   bool cut_short_ = false;
   StreamHeader header_;
   std::shared_ptr<const ChunkSource> source_;
-  std::shared_ptr<ArrivedChunks> arrived_;  // same object as source_, for a growing stream
-  StreamReader reader_;                     // of pushed bytes
-  std::size_t reader_problems_ = 0;         // number already copied from reader_
+  std::shared_ptr<ArrivedChunks> arrived_;  // same object as source_ in a growing stream, otherwise null
+  StreamReader reader_;  // reader of the bytes passed to push()
+  std::size_t reader_problems_ = 0;  // number of problems already copied from reader_
   LodTree tree_;
   LodCache cache_;
   std::vector<StreamProblem> problems_;
   std::uint64_t revision_ = 1, cuts_ = 0;
   std::array<Viewport, kViewports> viewports_;
 
-  // State of the current cut, then of the last one.
+  // Results of the current cut; between two cuts, of the last cut.
   std::vector<std::uint32_t> order_;  // requested nodes, most important first
   std::vector<ChunkRange> wanted_;
   std::size_t decoded_ = 0;

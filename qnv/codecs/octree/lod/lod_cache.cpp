@@ -13,7 +13,7 @@
 namespace gs::qnv {
 namespace {
 
-// Minimum number of clusters to start threads for.
+// Minimum number of clusters for which decoding on several threads pays.
 constexpr std::size_t kMinForThreads = 4;
 // Maximum splats of shared arrays; larger arrays deserve their own buffer and draw call.
 constexpr std::size_t kMaxShared = std::size_t{1} << 16;
@@ -48,11 +48,11 @@ NormalCone cone_of(const PackedVoxels& voxels) {
   return cone;
 }
 
-// Reports whether a claimed box contains the cells, with one edge of tolerance for splats that extend beyond their
-// voxel.
+// Reports whether the box that a directory claims contains the cells. Tolerates one voxel edge, because splats extend
+// beyond their voxels.
 bool holds(const Box& claimed, const Box& cells, float edge, const Box& stream) {
   for (int i = 0; i < 3; ++i) {
-    // The directory cannot describe positions outside the stream's box.
+    // Clips to the stream's box, because the directory cannot describe positions outside.
     const float low = std::max(cells.lower[i], stream.lower[i]), high = std::min(cells.upper[i], stream.upper[i]);
     if (low < claimed.lower[i] - edge || high > claimed.upper[i] + edge) return false;
   }
@@ -61,7 +61,7 @@ bool holds(const Box& claimed, const Box& cells, float edge, const Box& stream) 
 
 }  // namespace
 
-// Clusters that will share a point set.
+// Clusters with the same parent. Their splats will share a point set.
 struct LodCache::Family {
   std::span<const std::uint32_t> nodes;
   std::size_t discs = 0;
@@ -133,7 +133,7 @@ Box LodCache::box_of_run(const PackedVoxels& voxels, int level, std::size_t firs
   return box;
 }
 
-// Adds a decoded cluster to the tree. Returns the problem, or an empty string.
+// Adds a decoded cluster to the tree. Returns the reason if it is rejected; otherwise an empty string.
 std::string LodCache::take(std::uint32_t index, DecodedCluster decoded, std::uint64_t now) {
   if (!decoded.cluster) return std::move(decoded.problem);
   LodNode& node = tree_[index];
@@ -199,7 +199,7 @@ void LodCache::decode(const ChunkSource& source, std::vector<std::uint32_t> node
   };
   for (std::size_t first = 0, last = 0; first < nodes.size(); first = last) {
     while (last < nodes.size() && tree_[nodes[last]].level == tree_[nodes[first]].level) ++last;
-    // Skip clusters that lost their parent meanwhile.
+    // Decodes level by level. Skips clusters that lost their parent in the meantime.
     std::vector<std::uint32_t> wave;
     for (std::size_t i = first; i < last; ++i)
       if (tree_[nodes[i]].parent == kNoNode || has_voxels(tree_[nodes[i]].parent)) wave.push_back(nodes[i]);
@@ -317,7 +317,7 @@ void LodCache::forget_group(std::size_t index) {
   bytes_ -= group->bytes;
   disc_count_ -= group->splats->size();
   for (const std::uint32_t node : group->members) {
-    // A member may have newer splats in another group.
+    // Skips a member that has newer splats in another group.
     if (!entries_[node] || entries_[node]->discs != group.get()) continue;
     entries_[node]->discs = nullptr;
     entries_[node]->disc_of = {};
@@ -338,7 +338,7 @@ void LodCache::shrink(std::uint64_t now) {
   for (std::size_t i = 0; i < entries_.size(); ++i)
     if (entries_[i] && entries_[i]->voxels && entries_[i]->pinned != now) old.push_back({entries_[i]->used, false, i});
   std::sort(old.begin(), old.end(), [](const Old& a, const Old& b) { return a.used < b.used; });
-  // Free more than necessary, to avoid shrinking on every cut.
+  // Frees more than necessary, so that not every cut must free memory.
   const std::size_t enough = most_bytes_ - most_bytes_ / 8;
   for (const Old& item : old) {
     if (bytes_ <= enough) break;

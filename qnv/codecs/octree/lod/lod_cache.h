@@ -14,12 +14,12 @@
 
 namespace gs::qnv {
 
-/// Result of decoding one cluster, before it is added to the tree.
+/// Decoded cluster that is not added to the tree yet.
 struct DecodedCluster {
-  std::unique_ptr<Cluster> cluster;  // nullptr on failure; see `problem`
+  std::unique_ptr<Cluster> cluster;  // nullptr if decoding failed; `problem` is then the reason
   std::string problem;
   NormalCone cone;
-  std::uint32_t discs = 0, replaced = 0;  // its own splats; those of its parent that they replace
+  std::uint32_t discs = 0, replaced = 0;  // number of its splats, and of the parent's splats that these replace
 };
 
 /// Decoded data of a stream's clusters: voxels, which children need, and splats, which are drawn. Clusters of one
@@ -27,25 +27,26 @@ struct DecodedCluster {
 /// thread; it uses others internally.
 class LodCache {
  public:
-  /// `tree` and `header` belong to the stream. `keep_voxels` keeps even the voxels of clusters without known children.
+  /// `tree` and `header` belong to the stream and must outlive this object. If `keep_voxels`, also keeps the voxels of
+  /// clusters without known children, because children may be received later.
   LodCache(LodTree& tree, const StreamHeader& header, std::size_t most_bytes, bool keep_voxels)
       : tree_(tree), header_(header), most_bytes_(most_bytes), keep_voxels_(keep_voxels) {}
 
   void set_most_bytes(std::size_t most_bytes) { most_bytes_ = most_bytes; }
 
-  /// Problems with their byte offsets.
+  /// Problems of the stream with their byte offsets.
   using Problems = std::vector<StreamProblem>;
 
   [[nodiscard]] bool has_voxels(std::uint32_t node) const { return entry(node) && entry(node)->voxels; }
   [[nodiscard]] bool has_discs(std::uint32_t node) const { return entry(node) && entry(node)->discs; }
   [[nodiscard]] bool has(std::uint32_t node) const { return has_voxels(node) || has_discs(node); }
 
-  /// Decodes the voxels of clusters. Every parent must be decoded or in `nodes`. Marks clusters as broken if they are
-  /// invalid or do not match their description.
+  /// Decodes the voxels of the clusters `nodes`. The parent of each cluster must be decoded already or be in `nodes`.
+  /// Marks invalid clusters, and clusters that do not match their description, as broken.
   void decode(const ChunkSource& source, std::vector<std::uint32_t> nodes, std::uint64_t now, Problems& problems);
-  /// Decodes one cluster without storing it. `parent` is its parent's, or nullptr for the root. Pure.
+  /// Decodes one cluster without storing it. `parent` is the decoded parent, or nullptr for the root. Pure function.
   [[nodiscard]] DecodedCluster decode_one(const ChunkSource& source, std::uint32_t node, const Cluster* parent) const;
-  /// Computes a box for a cluster without one, from its parent's voxels if available.
+  /// Computes the box of a cluster without one. Uses the voxels of the parent if they are available.
   void find_box(std::uint32_t node);
   /// Makes the splats of clusters that have voxels.
   void make_discs(std::vector<std::uint32_t> nodes, std::uint64_t now);
@@ -56,17 +57,18 @@ class LodCache {
     std::shared_ptr<const Splats> splats;
     std::size_t first = 0, last = 0;
   };
-  /// Returns splats of a node. `node` must have splats.
+  /// Returns the splats of the voxels from `first_voxel` up to `last_voxel`, which is excluded. The node must have
+  /// splats.
   [[nodiscard]] Discs discs(std::uint32_t node, std::size_t first_voxel, std::size_t last_voxel) const;
 
-  /// Mark data as used now.
+  /// Marks voxels as used at the time `now`; use_discs() does this for splats.
   void use_voxels(std::uint32_t node, std::uint64_t now);
   void use_discs(std::uint32_t node, std::uint64_t now);
-  /// Pin data that a viewport's last cut needs. `pin_discs` pins splats that it shows, `pin` the data of a cluster that
-  /// the cut needs but does not show.
+  /// Marks a cluster's splats as needed by the cut at `now`, so that shrink() keeps them. pin() marks all data of a
+  /// cluster that the cut needs without drawing its splats.
   void pin_discs(std::uint32_t node, std::uint64_t now);
   void pin(std::uint32_t node, std::uint64_t now);
-  /// Frees the least recently used data until the limit holds, except data pinned now.
+  /// Frees the least recently used data until the limit is met. Keeps the data that was pinned at `now`.
   void shrink(std::uint64_t now);
 
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
@@ -81,11 +83,11 @@ class LodCache {
   };
   struct Entry {
     std::unique_ptr<Cluster> voxels;
-    std::vector<bool> divided;           // voxels divided by known children
-    std::uint64_t used = 0, pinned = 0;  // of the voxels
-    Group* discs = nullptr;              // group that holds the splats
-    std::size_t first_disc = 0;          // in the group
-    std::vector<std::uint32_t> disc_of;  // first splat of every voxel, and one more; empty if each has one splat
+    std::vector<bool> divided;  // one flag per voxel: a known child divides it
+    std::uint64_t used = 0, pinned = 0;  // times of the last use and pin of the voxels
+    Group* discs = nullptr;  // group that contains the splats
+    std::size_t first_disc = 0;  // index of the first splat in the group
+    std::vector<std::uint32_t> disc_of;  // first splat of each voxel, then the end; empty if one each
   };
   struct Family;
 
@@ -103,7 +105,7 @@ class LodCache {
   const StreamHeader& header_;
   std::size_t most_bytes_, bytes_ = 0, disc_count_ = 0;
   bool keep_voxels_;
-  std::vector<std::unique_ptr<Entry>> entries_;  // by node
+  std::vector<std::unique_ptr<Entry>> entries_;  // one entry per node
   std::vector<std::unique_ptr<Group>> groups_;
   std::uint64_t groups_made_ = 0;
 };

@@ -15,23 +15,24 @@ namespace gs::qnv {
 namespace {
 
 constexpr std::size_t kMaxWanted = 4096;
-// Hysteresis: an already chosen cluster's error is divided by this when it competes with new ones.
+// Hysteresis: the screen size of clusters in the last cut is divided by this, which prefers them to new clusters.
 constexpr float kGivenUp = 0.7f;
-// Priority of clusters chosen for the identical view.
+// Increase of the priority of clusters in the last cut, if the view is identical.
 constexpr float kStays = 1e30f;
-// Maximum number of decoding rounds. Each goes one level deeper, as long as new knowledge changes the choice.
+// Maximum number of decoding rounds in a cut. Each round goes one level deeper, if the decoded clusters change the
+// choice.
 constexpr int kMaxRounds = 24;
-// Radians: assumed maximum turn of a cluster's normals relative to its parent's, for culling undecoded clusters; and a
-// margin for rounding.
+// Angles in radians, for culling. The first is the assumed maximum turn of a cluster's normals relative to its
+// parent's, because the cluster is not decoded yet. The second is a margin for rounding errors.
 constexpr float kFinerTurn = 0.3f, kTurnMargin = 0.01f;
 
-/// Enlarges a box by the distance that splats may extend beyond their voxels.
+/// Enlarges a box by one voxel edge, because splats extend beyond their voxels.
 Box grown(const Box& box, float edge) { return {box.lower - edge, box.upper + edge}; }
 
 bool outside(const Box& box, const LodView& view) {
   for (const glm::vec4& plane : view.planes) {
     if (plane == glm::vec4(0)) continue;
-    // Corner farthest inside the plane.
+    // Corner that is farthest inside the plane.
     const glm::vec3 p(plane.x >= 0 ? box.upper.x : box.lower.x, plane.y >= 0 ? box.upper.y : box.lower.y,
                       plane.z >= 0 ? box.upper.z : box.lower.z);
     if (plane.x * p.x + plane.y * p.y + plane.z * p.z + plane.w < 0) return true;
@@ -45,8 +46,8 @@ float distance_to(const Box& box, const glm::vec3& p) {
   return std::sqrt(glm::dot(d, d));
 }
 
-// Reports whether every splat in the box is seen from behind: dot(normal, position - eye) > 0 for all normals in the
-// cone, turned by at most `margin`.
+// Reports whether `eye` is behind every splat in the box: dot(normal, position - eye) > 0 for all normals in the cone.
+// Normals may turn by `margin` more, in radians.
 bool faces_away(const NormalCone& cone, const Box& box, const glm::vec3& eye, float margin) {
   if (!(cone.cosine > 0)) return false;
   const glm::vec3 to = box.lower * 0.5f + box.upper * 0.5f - eye, half = box.size() * 0.5f;
@@ -60,7 +61,7 @@ bool faces_away(const NormalCone& cone, const Box& box, const glm::vec3& eye, fl
 }
 
 struct Candidate {
-  float key;  // pixels
+  float key;  // priority: size on the screen, pixels
   std::uint32_t node;
   bool operator<(const Candidate& other) const { return key != other.key ? key < other.key : node > other.node; }
 };
@@ -71,7 +72,8 @@ bool same_view(LodView a, LodView b) {
   return a == b;
 }
 
-// Returns the approximate cost of decoding. The bytes are a lower bound, so that a directory cannot claim too little.
+// Returns the approximate cost of decoding a cluster. Its bytes give a lower bound, so that a directory cannot claim
+// too few voxels.
 std::size_t cost(const LodNode& node) { return std::max<std::size_t>(node.voxels, node.bytes / 8); }
 
 }  // namespace
@@ -115,7 +117,7 @@ std::vector<Piece> LodStream::cut(const LodView& view) {
   return out;
 }
 
-// Returns the slot of a viewport; a new viewport replaces the least recently used one.
+// Returns the slot of a viewport. A new viewport gets the slot that was unused for longest.
 std::size_t LodStream::viewport_of(std::uint32_t id) {
   std::size_t oldest = 0;
   for (std::size_t i = 0; i < kViewports; ++i) {
@@ -157,7 +159,7 @@ std::vector<LodView> LodStream::views() const {
   return all;
 }
 
-// Returns the change of a cut's splat count when this node joins.
+// Returns the change of a cut's number of splats if this node is added.
 std::int64_t LodStream::discs_gained(std::uint32_t index) const {
   const LodNode& node = tree_[index];
   std::int64_t gained = node.visible ? (node.known ? node.discs : node.voxels) : 0;
@@ -166,8 +168,8 @@ std::int64_t LodStream::discs_gained(std::uint32_t index) const {
   return gained;
 }
 
-// Selects the clusters that the view needs, decoded or not, received or not. Sorted by size on the screen, so that a
-// parent precedes its children.
+// Selects the clusters that the view needs, even clusters that are not decoded or not received yet. Sorts the clusters
+// by size on the screen; a parent precedes its children.
 void LodStream::select(const LodView& view, const Viewport& last, std::uint16_t bit) {
   const bool same = last.last_cut != 0 && last.revision == revision_ && same_view(last.view, view);
   const bool backs_left_out = view.leave_backs && !header_.description.two_sided;
@@ -206,8 +208,8 @@ void LodStream::select(const LodView& view, const Viewport& last, std::uint16_t 
   }
 }
 
-// Returns the clusters to decode next, most important first, within the view's limits. Marks decoded and scheduled
-// clusters as ready.
+// Returns the clusters to decode next, most important first, within the view's limits. Marks clusters as ready if they
+// are decoded or in the result.
 std::vector<std::uint32_t> LodStream::to_decode(const LodView& view) {
   std::vector<std::uint32_t> nodes, chain;
   std::vector<bool> marked;
@@ -218,7 +220,7 @@ std::vector<std::uint32_t> LodStream::to_decode(const LodView& view) {
     if (!node.present || (node.parent != kNoNode && !tree_[node.parent].ready)) continue;
     node.ready = cache_.has(index);
     if (node.ready || !more) continue;
-    // Include ancestors with evicted voxels.
+    // Includes ancestors if the cache has freed their voxels.
     chain.assign(1, index);
     std::size_t sum = cost(node);
     for (std::uint32_t above = node.parent; above != kNoNode && !cache_.has_voxels(above) && !is_marked(above);
@@ -240,7 +242,7 @@ std::vector<std::uint32_t> LodStream::to_decode(const LodView& view) {
   return nodes;
 }
 
-// Chooses the available clusters of the selection, within the budget.
+// Chooses the selected clusters that are decoded, within the budget of splats.
 void LodStream::choose(const LodView& view, Viewport& viewport, std::uint16_t bit) {
   for (const std::uint32_t node : viewport.chosen) tree_[node].chosen_by &= static_cast<std::uint16_t>(~bit);
   viewport.chosen.clear();
@@ -257,7 +259,7 @@ void LodStream::choose(const LodView& view, Viewport& viewport, std::uint16_t bi
     discs += discs_gained(index);
   }
   const auto budget = static_cast<std::int64_t>(view.budget == 0 ? most_discs_ : std::min(view.budget, most_discs_));
-  // Estimates may have been too low. The last clusters have no children here.
+  // Drops clusters from the end if estimates were too low. The last cluster has no chosen children.
   while (discs > budget && viewport.chosen.size() > 1) {
     const std::uint32_t last = viewport.chosen.back();
     discs -= discs_gained(last);
@@ -266,7 +268,7 @@ void LodStream::choose(const LodView& view, Viewport& viewport, std::uint16_t bi
   }
 }
 
-// Returns the runs of voxels that no chosen child replaces.
+// Returns the runs of voxels that no chosen child of their cluster replaces.
 std::vector<LodStream::Run> LodStream::runs(Viewport& viewport, std::uint16_t bit) const {
   std::vector<Run> out;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> taken;
@@ -296,7 +298,7 @@ std::vector<Piece> LodStream::pieces(const LodView& view, std::span<const Run> d
   std::vector<std::pair<LodCache::Discs, std::uint32_t>> places;
   places.reserve(drawn.size());
   for (const Run& run : drawn) places.emplace_back(cache_.discs(run.node, run.first, run.last), run.node);
-  // Sort, so that adjacent runs follow each other.
+  // Sorts the runs by position in their point sets, to join adjacent runs.
   std::sort(places.begin(), places.end(), [](const auto& a, const auto& b) {
     return std::tuple(a.first.order, a.first.first) < std::tuple(b.first.order, b.first.first);
   });

@@ -27,7 +27,7 @@ class MemorySource : public ChunkSource {
   std::vector<std::byte> bytes_;
 };
 
-// Returns a chunk's length from its own header, including the header.
+// Returns the length of a chunk, including its header. `head` starts with that header.
 std::size_t length_of(std::span<const std::byte> head) {
   ByteReader read(head);
   (void)read.integer<std::uint16_t>();
@@ -60,7 +60,7 @@ std::variant<SoundChunk, std::string> sound_chunk(std::span<const std::byte> byt
     return "a chunk of " + std::to_string(bytes.size()) + " bytes; expected " + std::to_string(kChunkHeaderBytes) +
            " to " + std::to_string(kChunkHeaderBytes + kMaxChunkBytes);
   SoundChunk chunk{static_cast<ChunkType>(bytes[4]), bytes.subspan(kChunkHeaderBytes)};
-  // Compare mark, length, reserved byte and checksum with a freshly encoded header.
+  // Compares the chunk's mark, length, reserved byte and checksum with a freshly encoded header.
   const std::vector<std::byte> expected = encode_chunk(chunk.type, chunk.payload);
   if (!std::equal(expected.begin(), expected.begin() + kChunkHeaderBytes, bytes.begin()))
     return "a chunk is damaged and left out";

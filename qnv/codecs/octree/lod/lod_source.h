@@ -21,20 +21,20 @@ class ChunkSource {
   ChunkSource& operator=(const ChunkSource&) = delete;
   virtual ~ChunkSource() = default;
 
-  /// Returns the length of the stream.
+  /// Returns the length of the stream, in bytes.
   [[nodiscard]] virtual std::uint64_t size() const = 0;
-  /// Copies bytes from `offset` on. Returns the number of bytes read, which is less than the size of `to` at the end of
-  /// the stream or on failure. Safe from several threads at once.
+  /// Copies bytes from `offset` on to `to`. Returns the number of bytes copied; it is less than the size of `to` at the
+  /// end of the stream or on failure. Safe from several threads at once.
   [[nodiscard]] virtual std::size_t read(std::uint64_t offset, std::span<std::byte> to) const = 0;
 };
 
 /// Returns a source for a stream that is completely in memory.
 [[nodiscard]] std::shared_ptr<const ChunkSource> memory_source(std::vector<std::byte> bytes);
 
-/// Received chunks of a stream, in any order. Add from one thread, and not while others read.
+/// Received chunks of a stream, in any order. Only one thread may add chunks, and only while no thread reads.
 class ArrivedChunks : public ChunkSource {
  public:
-  /// `most_bytes` limits the total size.
+  /// `most_bytes` limits the total size of the chunks.
   explicit ArrivedChunks(std::size_t most_bytes) : most_bytes_(most_bytes) {}
   void set_most_bytes(std::size_t most_bytes) { most_bytes_ = most_bytes; }
   /// Adds a whole chunk at `offset`. Returns false if the limit would be exceeded.
@@ -42,7 +42,7 @@ class ArrivedChunks : public ChunkSource {
   [[nodiscard]] bool has(std::uint64_t offset) const { return chunks_.contains(offset); }
 
   [[nodiscard]] std::uint64_t size() const override { return ~std::uint64_t{0}; }
-  /// Reads one chunk. `offset` must be its start; never reads past its end.
+  /// Reads from one chunk. `offset` must be the start of the chunk; stops at its end.
   [[nodiscard]] std::size_t read(std::uint64_t offset, std::span<std::byte> to) const override;
 
  private:
@@ -53,21 +53,21 @@ class ArrivedChunks : public ChunkSource {
 /// Complete chunk with a valid checksum.
 struct SoundChunk {
   ChunkType type = ChunkType::packed;
-  std::span<const std::byte> payload;  // points into the bytes that were parsed
+  std::span<const std::byte> payload;  // view into the parsed bytes
 };
 
-/// Parses bytes that should be exactly one chunk. Returns a problem otherwise. Safe for untrusted bytes.
+/// Parses bytes that must be exactly one chunk. Otherwise returns the reason as text. Safe for untrusted bytes.
 [[nodiscard]] std::variant<SoundChunk, std::string> sound_chunk(std::span<const std::byte> bytes);
-/// Reads the chunk of `bytes` bytes at `offset` into `buffer`.
+/// Reads the chunk of `bytes` bytes at `offset` into `buffer`, and parses it like sound_chunk().
 [[nodiscard]] std::variant<SoundChunk, std::string> read_chunk(const ChunkSource& source, std::uint64_t offset,
                                                                std::size_t bytes, std::vector<std::byte>& buffer);
 
-/// Reads the header of a stream; sets its length.
+/// Reads the header of a stream. Writes its length in bytes to the last argument.
 [[nodiscard]] std::variant<StreamHeader, StreamProblem> read_stream_header(const ChunkSource& source,
                                                                            std::size_t& header_bytes);
-/// Returns all directory entries; empty if the directory is incomplete.
+/// Reads all directory entries. Returns an empty list if the directory is incomplete.
 [[nodiscard]] std::vector<DirectoryEntry> read_directory(const ChunkSource& source, const StreamHeader& header);
-/// Returns all directory entries from the concatenated directory chunks.
+/// Decodes all directory entries from the concatenated directory chunks.
 [[nodiscard]] std::vector<DirectoryEntry> directory_of(std::span<const std::byte> chunks, const StreamHeader& header);
 
 }  // namespace gs::qnv

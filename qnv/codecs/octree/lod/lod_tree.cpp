@@ -8,7 +8,7 @@
 namespace gs::qnv {
 namespace {
 
-// Maximum number of clusters; more would mean billions of vectors.
+// Maximum number of clusters. More clusters would mean billions of vectors.
 constexpr std::size_t kMaxNodes = std::size_t{1} << 22;
 
 std::uint32_t possible_voxels(std::uint64_t claimed, std::uint32_t bytes) {
@@ -48,7 +48,7 @@ std::size_t LodTree::set_directory(std::span<const DirectoryEntry> entries, std:
   for (std::uint32_t i = 0; i < entries.size(); ++i) {
     const std::uint32_t parent = entries[i].parent;
     LodNode& node = nodes_[i];
-    // Levels increase from parent to child, which excludes cycles.
+    // Requires a higher level than the parent's, which excludes cycles.
     if (parent < nodes_.size() && !node.broken && nodes_[parent].level < node.level)
       attach(i, parent);
     else
@@ -143,7 +143,7 @@ std::uint32_t LodTree::make(std::uint32_t id) {
   return index;
 }
 
-// Links a node to its parent, which may be unknown yet, and links children that waited for this node.
+// Links a node to its parent, if the parent is known, and to children that waited for this node.
 void LodTree::link(std::uint32_t index, std::uint32_t id, std::uint32_t parent_id) {
   if (parent_id == kNoParent) {
     if (root_ == kNoNode)

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kCornersAPolygon = 8;
 
-/// Decoded record, on the lattice.
+/// Decoded record, with corners on the lattice.
 struct ReadPolygon {
   std::uint32_t group = 0, count = 0;
   bool textured = false;
@@ -26,7 +26,7 @@ class RecordReader {
   RecordReader(std::span<const std::byte> bytes, const ChunkHead& head, const OutlineHeader& header, ReadPolygon& to)
       : bits_(bytes), head_(head), header_(header), to_(to) {}
 
-  /// Returns false if the record is invalid.
+  /// Reads one record. Returns false if it is invalid.
   bool read() {
     const std::uint64_t number = bits_.bits(head_.frame_bits());
     if (number >= head_.frames.size()) return false;
@@ -58,7 +58,7 @@ class RecordReader {
     Place last{0, 0, 0, to_.corners[0].t[0], to_.corners[0].t[1]};
     for (bool first = true, more = true; more; first = false) {
       const std::uint64_t size = bits_.golomb(0) + 3;
-      // Every corner takes at least one bit.
+      // Rejects impossible sizes: every corner takes at least one bit.
       if (!bits_.good() || size > bits_.left() + 4) return false;
       const bool parallelogram = size == 4 && bits_.flag();
       const std::uint64_t written = size - (parallelogram ? 1 : 0);
@@ -83,7 +83,8 @@ class RecordReader {
     return bits_.good() && add(view.lattice(last));
   }
 
-  /// Adds a corner. Returns false if it is outside the lattices; checking every corner bounds all sums.
+  /// Adds a corner. Returns false if the corner is outside the lattices. Because every corner is checked, sums cannot
+  /// overflow.
   bool add(const Place& place) {
     Corner corner;
     for (std::size_t axis = 0; axis < axes_; ++axis) {
@@ -104,7 +105,8 @@ class RecordReader {
   Code code_;
 };
 
-/// Returns half the sum of the rings' vector areas; holes have the opposite orientation. Units^2.
+/// Returns half the length of the sum of the rings' vector areas, in units^2. Holes have the opposite orientation, so
+/// they are subtracted.
 double polygon_area(std::span<const glm::vec3> positions, std::span<const std::uint32_t> ring_ends, std::size_t first) {
   const glm::dvec3 origin(positions[0]);
   glm::dvec3 sum(0);
@@ -201,7 +203,7 @@ bool OutlineDecoder::add_polygons(ChunkType type, std::span<const std::byte> pay
     return false;
   if (head.inner != (type == ChunkType::inner) || head.appearance >= outlines.appearances.size()) return false;
   const auto known = handed_out_.find(head.number);
-  // Reject a different chunk with the same number.
+  // Rejects another chunk with the same chunk number.
   if (known != handed_out_.end() && known->second.size() != head.lengths.size()) return false;
   std::vector<bool> done = known == handed_out_.end() ? std::vector<bool>(head.lengths.size()) : known->second;
   bool any = false;

@@ -9,21 +9,22 @@
 namespace gs::qnv::outline {
 namespace {
 
-/// Minimum number of a group's inner polygons in a chunk for a frame of its own.
+/// Minimum number of inner polygons that a group must have in a chunk to get a separate frame.
 constexpr std::size_t kOwnFrame = 5;
 constexpr std::size_t kMaxFrames = 255;
-/// Minimum number of corners for a polygon's own plane, which costs at least 20 bits; triangles cannot save as many.
+/// Minimum number of corners of a polygon with a separate plane. The plane costs at least 20 bits; a triangle cannot
+/// save as many.
 constexpr std::size_t kOwnPlane = 4;
 
 int code_bits(std::size_t axes) { return 5 * static_cast<int>(axes); }
 
-/// Polygon with its chosen encoding.
+/// Polygon with the encoding that was chosen for it.
 struct Prepared {
   const Polygon* polygon;
   std::optional<Plane> own_plane;
   Differences differences;
   Code own_code;
-  std::uint64_t own_cost;  // of the differences with that code, plus the code itself
+  std::uint64_t own_cost;  // bits of the differences with that code, and of the code
 
   Prepared(const Polygon& of, const Plane& plane) : polygon(&of), differences(of, plane) { choose(); }
 
@@ -55,7 +56,7 @@ std::uint64_t cost_of(const std::vector<Prepared>& all, const Code& code) {
   return bits;
 }
 
-/// Returns the frame's code that makes its records smallest, and their bits.
+/// Returns the code for a frame that makes its records smallest, and the total bits of these records.
 std::pair<Code, std::uint64_t> choose_code(const std::vector<Prepared>& all, std::size_t axes) {
   std::vector<Numbers> numbers;
   for (const Prepared& p : all) {
@@ -72,7 +73,8 @@ struct FramedRecords {
   std::uint64_t cost = 0;
 };
 
-/// Returns the lower and upper corners of the box of first corners in a frame; 0 for axes that no polygon has.
+/// Returns the lower and upper corners of the bounding box of the polygons' first corners, in the axes of a frame. Both
+/// are 0 on an axis that no polygon uses.
 std::pair<Place, Place> box_of(std::span<const Polygon* const> polygons, const Frame& frame) {
   Place lower, upper;
   lower.fill(std::numeric_limits<std::int64_t>::max());
@@ -89,11 +91,11 @@ std::pair<Place, Place> box_of(std::span<const Polygon* const> polygons, const F
   return {lower, upper};
 }
 
-/// Sets the box of first corners.
+/// Sets the frame's box to the bounding box of the polygons' first corners.
 void fit_box(std::span<const Polygon* const> polygons, Frame& frame) {
   frame.origin = {};
   const Place corner = box_of(polygons, frame).first;
-  std::copy_n(corner.begin(), 2, frame.origin.begin());  // w depends on the origin of u and v
+  std::copy_n(corner.begin(), 2, frame.origin.begin());  // u and v first: w depends on them
   const auto [lower, upper] = box_of(polygons, frame);
   std::copy(lower.begin() + 2, lower.end(), frame.origin.begin() + 2);
   for (std::size_t axis = 0; axis < kAxes; ++axis)
@@ -177,7 +179,7 @@ bool write_record(const Prepared& p, const ChunkHead& head, std::size_t frame_nu
   return out.size() - begin <= 0xffff;
 }
 
-/// Assigns polygons to frames: one for each large group, and one for all others.
+/// Assigns polygons to frames: one frame for each large group, and one for all other polygons.
 std::vector<std::vector<const Polygon*>> by_frames(std::span<const Polygon> polygons, const ChunkKind& kind) {
   std::vector<std::vector<const Polygon*>> frames(1);
   for (std::size_t i = 0; i < polygons.size();) {
@@ -212,7 +214,7 @@ Chunk encode_chunk_of(std::span<const Polygon> polygons, const ChunkKind& kind) 
     records.push_back(std::move(framed.records));
   }
   chunk.head.first_group = chunk.head.frames.front().first_group;
-  // Restore the original order.
+  // Restores the original order of the polygons.
   std::vector<std::pair<const Prepared*, std::size_t>> order;
   for (std::size_t frame = 0; frame < records.size(); ++frame)
     for (const Prepared& p : records[frame]) order.emplace_back(&p, frame);

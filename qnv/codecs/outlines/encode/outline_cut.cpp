@@ -5,24 +5,25 @@
 #include <limits>
 #include <utility>
 
-// Cuts polygons with more corners than a record holds into halves, along one coordinate of their projection. Corners at
-// the cutting coordinate count as below. Thus no corner is on the line, and rings cross it an even number of times.
+// Cuts a polygon with too many corners for a record into halves, along one coordinate of its projection. Corners
+// exactly on the line count as below the line. Thus no corner is on the line, and each ring crosses the line an even
+// number of times.
 namespace gs::qnv::outline {
 namespace {
 
 constexpr std::size_t kNoIndex = std::numeric_limits<std::size_t>::max();
 
-/// Corners of a ring on one side, between two crossings.
+/// Corners of a ring on one side of the line, between two crossings.
 struct Chain {
   std::vector<Corner> corners;
-  std::size_t to = kNoIndex;  // crossing at its end
+  std::size_t to = kNoIndex;  // index of the crossing at its end
 };
 
 struct Crossing {
-  double along = 0;      // position on the line
-  bool upwards = false;  // the ring leaves the lower side
+  double along = 0;  // position of the crossing along the line
+  bool upwards = false;  // true if the ring goes from below to above
   Corner corner;
-  std::size_t chain = kNoIndex;  // chain that starts here
+  std::size_t chain = kNoIndex;  // index of the chain that starts here
   std::size_t partner = kNoIndex;
 };
 
@@ -35,7 +36,7 @@ class PolygonCutter {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
     line_ = *middle;
-    // Corners at the middle count as below; some corner must be above.
+    // Corners with the middle value count as below. Lowers the line if no corner would be above.
     if (line_ == *std::max_element(values.begin(), values.end())) line_ = line_ == 0 ? 0 : line_ - 1;
   }
 
@@ -76,7 +77,7 @@ class PolygonCutter {
   [[nodiscard]] Crossing crossing(const Corner& from, const Corner& to) const {
     Crossing crossing;
     crossing.upwards = below(from);
-    // Start at the lower side, so that both directions give the same result.
+    // Computes from the lower end, so that both directions give the same result.
     const Corner& a = crossing.upwards ? from : to;
     const Corner& b = crossing.upwards ? to : from;
     const double begin = a.p[across_], part = (line_ + 0.5 - begin) / (b.p[across_] - begin);
@@ -90,8 +91,8 @@ class PolygonCutter {
     return crossing;
   }
 
-  /// Pairs the crossings in order along the line: the polygon's inside is between the first and the second, between the
-  /// third and the fourth, and so on.
+  /// Pairs the crossings in their order along the line. The inside of the polygon is between the first and the second
+  /// crossing, between the third and the fourth, and so on.
   bool pair_up() {
     std::vector<std::size_t> order(crossings_.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -106,7 +107,8 @@ class PolygonCutter {
     return order.size() % 2 == 0;
   }
 
-  /// Traces the pieces of one side: along the ring from an entering crossing to a leaving one, then along the line.
+  /// Traces the pieces on one side of the line. Follows a ring from the crossing where it enters this side to the
+  /// crossing where it leaves. Then follows the line to the paired crossing.
   bool trace(bool lower, std::vector<LatticeRings>& pieces) {
     std::vector<bool> done(crossings_.size());
     const std::size_t first_piece = pieces.size();
@@ -132,7 +134,7 @@ class PolygonCutter {
 
   void add_holes(const std::vector<std::vector<Corner>>& holes, std::span<LatticeRings> pieces) const {
     for (const std::vector<Corner>& hole : holes) {
-      // Holes that touch the outer ring have some corners on it.
+      // Finds the outer ring that contains most corners of the hole; the hole may touch the ring with other corners.
       std::size_t best = 0, most = 0;
       for (std::size_t i = 0; i < pieces.size(); ++i) {
         const auto outer = std::span<const Corner>(pieces[i].corners).first(pieces[i].ring_ends.front());
@@ -183,7 +185,7 @@ bool cut_polygon(const Polygon& polygon, std::vector<LatticeRings>& pieces) {
   for (int turn = 0; turn < 2; ++turn, std::swap(across, along)) {
     std::vector<LatticeRings> parts;
     if (!PolygonCutter(polygon, across, along).cut(parts)) continue;
-    // Each part must be smaller, or cutting would not terminate.
+    // Requires that each part has fewer corners, so that cutting terminates.
     const auto smaller = [&](const LatticeRings& part) { return part.corners.size() < polygon.corners.size(); };
     if (!std::all_of(parts.begin(), parts.end(), smaller)) continue;
     for (LatticeRings& part : parts) pieces.push_back(std::move(part));

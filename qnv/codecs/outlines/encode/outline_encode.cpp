@@ -13,8 +13,7 @@
 namespace gs::qnv::outline {
 namespace {
 
-/// Number of polygons of one appearance that are cut into chunks together. The rest at the end becomes a chunk of any
-/// size.
+/// Number of polygons of one appearance that form chunks together. The rest at the end forms a chunk of any size.
 constexpr std::size_t kInOneRun = 8192;
 constexpr std::size_t kMaxGroups = std::size_t{1} << 31;
 
@@ -48,31 +47,31 @@ std::optional<EncodeError> problem_of(const OutlineGroups& groups, std::size_t a
   return std::nullopt;
 }
 
-/// Polygons for one kind of chunk.
+/// Polygons of one appearance that become chunks of one kind.
 struct Run {
   ChunkKind kind;
-  std::vector<std::uint32_t> polygons;  // indices in the pool, ascending
+  std::vector<std::uint32_t> polygons;  // indices in the pool of polygons, ascending
 };
 
 struct Finished {
   Chunk chunk;
-  std::uint32_t first = 0;  // index in the pool
+  std::uint32_t first = 0;  // index of its first polygon in the pool
   std::uint32_t staying = 0;
   Box box;
 };
 
-/// Encoder of one pass: outlines or inner polygons.
+/// Encoder of either the outlines or the inner polygons.
 class Pass {
  public:
   Pass(const OutlineGroups& groups, const OutlineHeader& header, bool inner, std::size_t chunk_bytes)
       : groups_(groups), header_(header), bits_(header), inner_(inner), chunk_bytes_(chunk_bytes) {}
 
   PolygonPool pool;
-  std::vector<std::uint32_t> counts;  // outlines: number of inner polygons, by group
+  std::vector<std::uint32_t> counts;  // for outlines: number of inner polygons per group
   bool too_long = false;
 
-  /// Encodes the chunks in order. Returns false if cancelled, or if a polygon does not fit into a chunk; sets
-  /// `too_long` then.
+  /// Encodes the chunks in order. Returns false if cancelled, or if a polygon does not fit into a chunk. In the second
+  /// case, sets `too_long`.
   bool encode(unsigned threads, Progress* progress, std::vector<Finished>& finished) {
     const std::vector<Run> runs = make_runs();
     std::vector<std::vector<Finished>> of_runs(runs.size());
@@ -104,7 +103,7 @@ class Pass {
     return runs;
   }
 
-  /// Returns an empty list if a polygon does not fit into a chunk.
+  /// Encodes the polygons of a run as chunks. Returns an empty list if a polygon does not fit into a chunk.
   std::vector<Finished> encode_run(const Run& run) const {
     std::vector<Polygon> polygons;
     polygons.reserve(run.polygons.size());
@@ -130,7 +129,8 @@ class Pass {
     return chunk.head.encode(bits_).size() + chunk.records.size();
   }
 
-  /// Returns a chunk of the first polygons, at least one, that fills it well.
+  /// Returns a chunk with the first polygons. Includes at least one, and as many as fit well. `guess` is the expected
+  /// number.
   Chunk fill(std::span<const Polygon> polygons, const ChunkKind& kind, std::size_t guess) const {
     constexpr int kTries = 6;
     Chunk best;
@@ -173,7 +173,7 @@ class Pass {
   std::size_t chunk_bytes_;
 };
 
-/// Appends chunks, and numbers them after the existing ones.
+/// Appends chunks, and continues their numbering.
 void append_chunks(std::vector<Finished> finished, bool inner, const LatticeBits& bits,
                    std::vector<OutgoingChunk>& chunks) {
   for (Finished& f : finished) {
@@ -214,7 +214,7 @@ StreamHeader header_of(const OutlineGroups& groups, std::span<const OutlineAppea
   return header;
 }
 
-/// Returns an error if the header is too long or cannot be read back.
+/// Returns an error if the encoded header is too long or cannot be decoded.
 std::optional<EncodeError> problem_of(const StreamHeader& header) {
   const std::vector<std::byte> bytes = encode_header(header);
   if (bytes.size() > kMaxHeaderBytes)

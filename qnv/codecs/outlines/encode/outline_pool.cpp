@@ -14,7 +14,7 @@ namespace {
 
 constexpr float kMaxTextureCoordinate = 65536;
 
-/// Replaces absurd or non-finite values, which would spoil the lattice of all others.
+/// Replaces absurd and non-finite values by 0, because they would spoil the lattice of all other values.
 float sane_coordinate(float t) { return t >= -kMaxTextureCoordinate && t <= kMaxTextureCoordinate ? t : 0; }
 
 bool finite_positions(std::span<const glm::vec3> positions) {
@@ -46,8 +46,8 @@ struct Extent {
     if (exact > -149) exact = std::min(exact, lattice_of(value));
   }
   [[nodiscard]] bool empty() const { return !(lower[0] <= upper[0]); }
-  /// Fits a lattice with this step or a coarser one and no coordinate beyond `most`. Returns false if the model is too
-  /// far from the origin.
+  /// Fits a lattice with the step 2^exponent, or a coarser step, to the values. No lattice coordinate exceeds `most`.
+  /// Returns false if the model is too far from the origin.
   [[nodiscard]] bool fit(int exponent, double most, OutlineLattice<Axes>& lattice) const {
     exponent = std::max({exponent, exact, -149});
     const auto fits = [&](std::size_t axis) {
@@ -61,7 +61,7 @@ struct Extent {
       if (std::abs(origin) > static_cast<double>(kMaxLatticeOrigin) || size > most) return false;
       lattice.origin[axis] = static_cast<std::int64_t>(origin);
       lattice.size[axis] = static_cast<std::uint32_t>(size);
-      // Near the limit of f32, the nearest lattice point may overflow.
+      // Tests both ends, because the nearest lattice point may overflow near the limit of float32.
       if (!std::isfinite(lattice.at(axis, 0)) || !std::isfinite(lattice.at(axis, lattice.size[axis]))) return false;
     }
     return true;
@@ -79,7 +79,7 @@ void for_each_polygon(const OutlinePolygons& polygons, const Each& each) {
   }
 }
 
-/// Rotates a triangle so that its longest edge is the implicit closing one.
+/// Rotates the corners of a triangle so that the closing edge, which is not written, is the longest.
 void turn_triangle(std::span<Corner> corners) {
   const auto length = [&](std::size_t from) {
     std::int64_t sum = 0;
@@ -210,8 +210,9 @@ std::optional<Lattices> choose_lattices(const OutlineGroups& groups, int positio
 
 std::size_t most_corners(const LatticeBits& bits) {
   constexpr std::size_t kRecordBits = std::size_t{60000} * 8;
-  // On average, a code with an order near the mean's takes at most three bits more than the largest number has, since
-  // its length grows logarithmically. Differences have a sign, and those of w are up to three times as large.
+  // Margin of bits. A code with the order that suits the mean takes, on average, at most three bits more than the
+  // largest number has: the length of the code grows logarithmically. Differences need a sign. Differences of w are up
+  // to three times as large.
   constexpr int kMore = 4;
   int corner = 3 * (*std::max_element(bits.positions.begin(), bits.positions.end()) + kMore) + 2;
   for (const int width : bits.texture_coordinates) corner += width + kMore;
@@ -220,7 +221,7 @@ std::size_t most_corners(const LatticeBits& bits) {
 
 void clean(LatticeRings& rings) {
   std::size_t to = 0, kept = 0, from = 0;
-  // In place: writing never overtakes reading.
+  // Compacts in place: the write position never overtakes the read position.
   for (std::size_t ring = 0; ring < rings.ring_ends.size(); ++ring) {
     const std::size_t end = rings.ring_ends[ring], begin = to;
     for (; from < end; ++from)

@@ -60,7 +60,7 @@ Differences::Differences(const Polygon& polygon, const Plane& plane) : axes_(pol
   numbers_.reserve(places.size());
   for (std::size_t ring = 0; ring < polygon.ring_ends.size(); ++ring) {
     const std::size_t begin = polygon.ring_begin(ring), end = polygon.ring_end(ring);
-    // A ring's first corner is relative to the last corner of the previous ring.
+    // Writes the first corner of a ring relative to the last corner of the previous ring.
     if (ring > 0) numbers_.push_back(zigzags(minus(places[begin], places[begin - 1])));
     add_ring(std::span(places).subspan(begin, end - begin));
   }

@@ -7,9 +7,9 @@
 namespace gs::qnv::outline {
 namespace {
 
-// Rings as linked lists, to which holes are connected one after another (Eberly, Triangulation by Ear Clipping, section
-// 3). Holes are sorted by their leftmost vertex. To the left of that vertex there is always the outer ring or a
-// connected hole.
+// Rings as linked lists. Connects holes to the outer ring one after another (Eberly, Triangulation by Ear Clipping,
+// section 3). Holes are sorted by their leftmost vertex. Therefore the outer ring, or a hole that is already connected,
+// is to the left of that vertex.
 class Bridges {
  public:
   explicit Bridges(const OutlinePolygon& polygon) {
@@ -68,7 +68,7 @@ class Bridges {
     return best;
   }
 
-  // Chooses rows about as high as the average edge.
+  // Chooses rows that are about as high as the average edge.
   void make_rows() {
     double highest = lowest_ = nodes_[0].p.y, sum = 0;
     for (const Node& node : nodes_) {
@@ -87,7 +87,7 @@ class Bridges {
     return row > 0 ? static_cast<std::size_t>(std::min(row, static_cast<double>(rows_.size() - 1))) : 0;
   }
 
-  // Enters the edge from a node of the ring into the rows.
+  // Adds the edge that starts at a node to the rows that it crosses.
   void enter(std::uint32_t node) {
     constexpr std::size_t kLong = 32;
     const double y = nodes_[node].p.y, next = nodes_[nodes_[node].next].p.y;
@@ -107,7 +107,8 @@ class Bridges {
     } while (at != 0);
   }
 
-  // Visits the ring's nodes with edges that may reach heights from `low` to `high`, some repeatedly.
+  // Visits the nodes of the ring with edges that may reach heights from `low` to `high`. May visit a node several
+  // times.
   template <typename Visit>
   void for_each(double low, double high, const Visit& visit) const {
     for (const std::uint32_t node : long_) visit(node);
@@ -115,7 +116,7 @@ class Bridges {
       for (const std::uint32_t node : rows_[row]) visit(node);
   }
 
-  // Reports whether the direction towards p is inside, judged by the node's two edges.
+  // Reports whether the direction from the node towards p points into the polygon; tests the node's two edges.
   [[nodiscard]] bool opens_to(std::uint32_t node, const glm::dvec2& p) const {
     const glm::dvec2 &here = nodes_[node].p, &before = nodes_[nodes_[node].before].p,
                      &next = nodes_[nodes_[node].next].p;
@@ -123,7 +124,7 @@ class Bridges {
     return turn(before, here, next) >= 0 ? left_of_next && left_of_before : left_of_next || left_of_before;
   }
 
-  // Returns the ring node visible from the hole's leftmost vertex.
+  // Returns a node of the ring that is visible from the leftmost vertex of the hole.
   [[nodiscard]] std::uint32_t bridge_to(std::uint32_t hole) const {
     const glm::dvec2 from = nodes_[hole].p;
     std::uint32_t best = kNone, touching = kNone;
@@ -131,7 +132,7 @@ class Bridges {
     for_each(from.y, from.y, [&](std::uint32_t at) {
       const glm::dvec2 &a = nodes_[at].p, &b = nodes_[nodes_[at].next].p;
       if (a == from && (touching == kNone || opens_to(at, nodes_[nodes_[hole].next].p))) touching = at;
-      if (a.y < from.y || b.y > from.y || a.y == b.y) return;  // the right side of a downward edge is inside
+      if (a.y < from.y || b.y > from.y || a.y == b.y) return;  // the inside is to the right of a downward edge
       const double x = a.x + (from.y - a.y) / (b.y - a.y) * (b.x - a.x);
       if (x > from.x || x <= hit) return;
       hit = x;
@@ -142,11 +143,12 @@ class Bridges {
     return nearest_in_triangle(from, {hit, from.y}, best);
   }
 
-  // If ring corners hide the end of the hit edge, returns the corner closest to the ray, which is visible.
+  // Returns a ring node that is visible from `from`. If ring corners hide the end of the edge that the ray hit, the
+  // corner with the smallest angle to the ray is visible.
   [[nodiscard]] std::uint32_t nearest_in_triangle(const glm::dvec2& from, const glm::dvec2& hit,
                                                   std::uint32_t end) const {
     const glm::dvec2 corner = nodes_[end].p;
-    const double side = corner.y < from.y ? 1 : -1;  // makes from, hit, corner counter-clockwise
+    const double side = corner.y < from.y ? 1 : -1;  // orients the triangle (from, hit, corner) counter-clockwise
     std::uint32_t best = end;
     double best_slope = INFINITY, best_x = -INFINITY;
     for_each(std::min(from.y, corner.y), std::max(from.y, corner.y), [&](std::uint32_t at) {
@@ -162,7 +164,8 @@ class Bridges {
     return best;
   }
 
-  // Connects a hole: to, hole, ..., hole again, to again, and on.
+  // Connects a hole to the node `to`. The ring then visits to, the whole hole, the hole's first node again, to again,
+  // and continues.
   void hang(std::uint32_t hole, std::uint32_t to) {
     const auto hole_again = static_cast<std::uint32_t>(nodes_.size()), to_again = hole_again + 1;
     nodes_.push_back({nodes_[hole].p, nodes_[hole].corner, nodes_[hole].before, to_again});
@@ -178,7 +181,7 @@ class Bridges {
 
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> holes_;
-  // Index of the ring: nodes by the rows that their edges reach; edges across many rows are in long_.
+  // Index of the ring: nodes by the rows that their edges cross. Edges that cross many rows are in long_.
   std::vector<std::vector<std::uint32_t>> rows_;
   std::vector<std::uint32_t> long_;
   double lowest_ = 0, rows_per_unit_ = 0;

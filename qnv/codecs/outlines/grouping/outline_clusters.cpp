@@ -16,33 +16,33 @@ namespace {
 
 constexpr std::size_t kRange = 1u << 13;
 
-// Conservative bounds of a cluster's corners and normals.
+// Conservative bounds of the corners and normals of a cluster.
 struct Bounds {
   glm::vec3 normal{0}, center{0};
-  float low = 0, high = 0;  // of dot(normal, corner - center)
-  float radius = 0;         // of the corners around the centre
-  float angle = 0;          // maximum angle between the normal and any face's
+  float low = 0, high = 0;  // range of dot(normal, corner - center) over all corners
+  float radius = 0;  // maximum distance of a corner from the centre
+  float angle = 0;  // maximum angle between the normal and the normal of a face
 };
 
 struct FaceCluster {
-  glm::dvec3 sum{0};               // of its faces' vector areas
-  glm::dvec3 moment{0};            // of its faces' centres times their areas
-  double length = 0;               // of the sum
-  double area = 0, firm_area = 0;  // of all faces; of those that are not thin
+  glm::dvec3 sum{0};  // sum of the vector areas of its faces
+  glm::dvec3 moment{0};  // sum of the centres of its faces, weighted by area
+  double length = 0;  // length of `sum`
+  double area = 0, firm_area = 0;  // area of all faces; area of the faces that are not thin
   double perimeter = 0;
-  std::uint32_t first = kNone, last = kNone;  // linked list of faces
+  std::uint32_t first = kNone, last = kNone;  // linked list of its faces
   std::uint32_t faces = 0;
 
   [[nodiscard]] glm::dvec3 center() const { return moment / area; }
 };
 
 struct Edge {
-  std::uint32_t a = 0, b = 0;  // clusters, a < b
-  float length = 0;            // of the shared boundary
-  bool refused = false;        // cannot be merged in their current state
+  std::uint32_t a = 0, b = 0;  // indices of the clusters, a < b
+  float length = 0;  // length of the shared boundary
+  bool refused = false;  // the two clusters cannot be merged in their current state
 };
 
-// Rounds a bound outwards to single precision.
+// Converts a bound to single precision, rounded outwards.
 float outward(double x) { return static_cast<float>(x + std::fabs(x) * 1e-6 + std::numeric_limits<float>::min()); }
 
 class Clustering {
@@ -60,7 +60,7 @@ class Clustering {
   }
 
   Labels run() {
-    // Star- or chain-like clusters could need as many rounds as there are clusters.
+    // Limit of the work: clusters in the form of stars or chains could need as many rounds as there are clusters.
     std::uint64_t budget = 256 * std::uint64_t{edges_.size()} + 4096;
     while (clusters_.size() > target_ && edges_.size() < budget) {
       budget -= edges_.size();
@@ -80,7 +80,7 @@ class Clustering {
   }
 
  private:
-  // Candidate merger of two clusters.
+  // Cluster that would result from merging two clusters.
   struct Union {
     glm::dvec3 normal{0}, center{0};
     double low = 0, high = 0, radius = 0, angle = 0;
@@ -136,8 +136,8 @@ class Clustering {
     join_parallel();
   }
 
-  // Extends the union's bounds exactly to a cluster's corners and normals. If `limited`, stops once they exceed the
-  // tolerances.
+  // Extends the union's bounds exactly to the corners and normals of a cluster. If `limited`, stops and returns false
+  // when the bounds exceed the tolerances.
   bool scan(const FaceCluster& cluster, Union& whole, bool limited) const {
     double least = 1, radius2 = whole.radius * whole.radius;
     const double least_allowed = std::cos(angle_);
@@ -161,7 +161,7 @@ class Clustering {
   static void keep(const Union& whole, Bounds& bounds) {
     bounds.normal = glm::vec3(whole.normal);
     bounds.center = glm::vec3(whole.center);
-    // Rounding the centre and the normal moves everything slightly.
+    // Adds the rounding errors of the centre and the normal, which affect all distances.
     const double slack = (glm::length(whole.center) + whole.radius) * 4e-7;
     bounds.low = -outward(slack - whole.low);
     bounds.high = outward(whole.high + slack);
@@ -169,7 +169,7 @@ class Clustering {
     bounds.angle = outward(whole.angle + 1e-6);
   }
 
-  // Extends the union's bounds conservatively to a part, relative to the union's normal and centre.
+  // Extends the union's bounds conservatively to the bounds of a part, relative to the union's normal and centre.
   static void extend(const Bounds& part, Union& whole) {
     const glm::dvec3 normal(part.normal), away = glm::dvec3(part.center) - whole.center;
     const double turn = glm::length(whole.normal - normal) * part.radius;
@@ -183,8 +183,8 @@ class Clustering {
   }
 
   // Returns the cost of a merger: the increase of the L2,1 error of Cohen-Steiner et al., times a penalty for a short
-  // shared boundary. The increase is |a| + |b| - |a + b| up to a factor, computed without cancellation. Infinite if the
-  // union is certainly too bent or too thick.
+  // shared boundary. The increase is proportional to |a| + |b| - |a + b|; it is computed without cancellation. Returns
+  // infinity if the union would certainly be too bent or too thick.
   [[nodiscard]] double cost(const Edge& edge) const {
     const FaceCluster &a = clusters_[edge.a], &b = clusters_[edge.b];
     const glm::dvec3 sum = a.sum + b.sum;
@@ -199,13 +199,13 @@ class Clustering {
     const glm::dvec3 cross = glm::cross(a.sum, b.sum);
     const double bend = dot > 0 ? glm::dot(cross, cross) / (product + dot) : product - dot;
     const double error = 2 * bend / (a.length + b.length + length);
-    // Prefer to merge a cluster with one that surrounds it rather than one that merely touches it.
+    // Prefers to merge a cluster with a cluster that surrounds it, not with one that merely touches it.
     const double perimeter = std::min(a.perimeter, b.perimeter), shared = edge.length;
     return perimeter > shared ? error * perimeter / std::max(shared, perimeter * 1e-6) : error;
   }
 
-  // Chooses the edges that are best at both ends, cheapest first. Compares costs coarsely, then pseudo-randomly, so
-  // that a chain of ever better edges does not limit a round to one merger.
+  // Chooses the edges that are the cheapest at both of their clusters. Compares costs coarsely, then pseudo-randomly.
+  // Otherwise a chain of edges, each cheaper than the previous one, could limit a round to one merger.
   void choose() {
     keys_.resize(edges_.size());
     best_ = std::vector<std::atomic<std::uint64_t>>(clusters_.size());
@@ -228,7 +228,7 @@ class Clustering {
     for (std::uint32_t i = 0; i < edges_.size(); ++i)
       if (keys_[i] != kNever && best_[edges_[i].a] == keys_[i] && best_[edges_[i].b] == keys_[i]) chosen_.push_back(i);
     std::sort(chosen_.begin(), chosen_.end(), [&](std::uint32_t a, std::uint32_t b) { return keys_[a] < keys_[b]; });
-    // Near a target number, avoid expensive mergers while cheap ones remain.
+    // Close to the target number of clusters, avoids expensive mergers as long as cheap ones remain.
     const bool near = clusters_.size() / 16 <= target_;
     if (target_ > 0)
       chosen_.resize(std::min(near ? (chosen_.size() + 1) / 2 : chosen_.size(), clusters_.size() - target_));
@@ -237,13 +237,13 @@ class Clustering {
   [[nodiscard]] std::uint64_t key_of(std::uint32_t edge) const {
     const double value = cost(edges_[edge]);
     if (!(value < INFINITY)) return kNever;
-    // Keep sign, exponent and three bits of the fraction.
+    // Keeps the sign, the exponent and three bits of the fraction.
     const std::uint64_t rough = std::bit_cast<std::uint64_t>(value) >> 49;
     const std::uint64_t chance = (std::uint64_t{edge} * 0x9e3779b97f4a7c15u) >> 47;
     return rough << 49 | chance << 32 | edge;
   }
 
-  // Merges the chosen pairs. Returns false if there were none.
+  // Merges the chosen pairs of clusters. Returns false if no pair was chosen.
   bool merge_chosen() {
     if (chosen_.empty()) return false;
     into_.resize(clusters_.size());
@@ -264,8 +264,8 @@ class Clustering {
     return true;
   }
 
-  // Merges small clusters into larger ones. Otherwise a large cluster that is best for many small ones would merge only
-  // one per round.
+  // Merges small clusters into larger ones. A large cluster may be the best choice for many small ones; otherwise it
+  // would absorb only one of them per round.
   void absorb_small(std::size_t& left) {
     constexpr std::uint32_t kSmall = 8;  // minimum ratio of face counts
     for (std::uint32_t i = 0; i < clusters_.size() && left > target_ + 1; ++i) {
@@ -312,8 +312,8 @@ class Clustering {
     join_parallel();
   }
 
-  // Merges cluster b into a if the result is within the tolerances. Without `thorough`, merges only if the clusters'
-  // bounds prove it.
+  // Merges cluster b into a if the result is within the tolerances. Unless `thorough`, merges only if the bounds of
+  // both clusters prove that the result is.
   bool merge(std::uint32_t a, std::uint32_t b, bool thorough) {
     FaceCluster &to = clusters_[a], &from = clusters_[b];
     FaceCluster both = to;
@@ -337,7 +337,7 @@ class Clustering {
     } else if (!thorough) {
       return false;
     } else {
-      const bool from_first = from.faces < to.faces;  // the smaller one fails sooner
+      const bool from_first = from.faces < to.faces;  // starts with the smaller cluster, which is faster
       if (!scan(from_first ? from : to, whole, true) || !scan(from_first ? to : from, whole, true)) return false;
     }
     next_face_[to.last] = from.first;
@@ -347,8 +347,8 @@ class Clustering {
     return true;
   }
 
-  // Sorts the edges, and combines those between the same two clusters. Removes edges inside a cluster from its
-  // perimeter.
+  // Sorts the edges, and combines all edges between the same two clusters. Subtracts edges inside a cluster from the
+  // cluster's perimeter.
   void join_parallel() {
     std::vector<std::uint32_t> begins(clusters_.size() + 1);
     for (const Edge& edge : edges_) {
@@ -393,8 +393,8 @@ class Clustering {
   std::vector<Edge> edges_;
   std::vector<std::uint64_t> keys_;
   std::vector<std::uint32_t> chosen_;
-  std::vector<std::atomic<std::uint64_t>> best_;  // key of each cluster's best edge
-  std::vector<std::uint32_t> into_;               // for each cluster: the one that it merged into this round, or itself
+  std::vector<std::atomic<std::uint64_t>> best_;  // key of the cheapest edge of each cluster
+  std::vector<std::uint32_t> into_;  // target of each cluster's merger in this round, or the cluster
 };
 
 }  // namespace

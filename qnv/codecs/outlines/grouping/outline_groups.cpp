@@ -47,11 +47,11 @@ OutlineOptions sane(OutlineOptions options) {
   return options;
 }
 
-// Regions that become one polygon each: those with simple boundary rings. All other faces stay unchanged.
+// Regions that become one polygon each, because their boundary rings are simple. All other faces stay unchanged.
 struct Merged {
-  std::vector<std::vector<Ring>> rings;  // by region; empty: unchanged
-  std::vector<glm::dvec3> normals;       // by region, if it has rings
-  std::size_t faces = 0;                 // number of faces saved
+  std::vector<std::vector<Ring>> rings;  // rings by region; empty if its faces stay unchanged
+  std::vector<glm::dvec3> normals;  // normals by region, if it has rings
+  std::size_t faces = 0;  // number of faces that merging saves
 };
 
 glm::dvec3 normal_of(const Mesh& mesh, std::span<const std::uint32_t> faces) {
@@ -66,7 +66,7 @@ glm::dvec3 normal_of(const Mesh& mesh, std::span<const std::uint32_t> faces) {
   return glm::length(sum) > 0 ? glm::normalize(sum) : glm::dvec3(0, 0, 1);
 }
 
-// Reports whether a face has a bridge to a hole, along which it runs there and back.
+// Reports whether a face contains a bridge to a hole. Its ring visits both sides of a bridge.
 bool bridged(const Mesh& mesh, std::uint32_t face) {
   for (std::uint32_t h = mesh.begins[face]; h < mesh.begins[face + 1]; ++h)
     if (mesh.mates[h] != kNone && mesh.faces[mesh.mates[h]] == face) return true;
@@ -122,7 +122,7 @@ void largest_first(OutlinePolygons& polygons) {
   polygons = std::move(sorted);
 }
 
-// Builds the groups from face labels.
+// Builder of the groups from the labels of faces.
 class Assembly {
  public:
   Assembly(const PolygonModel& model, const Mesh& mesh, const Labels& regions, const Labels& groups,
@@ -197,7 +197,8 @@ class Assembly {
     group.deviation = (high - low) / 2;
   }
 
-  // Adds the inner polygons. Returns true if they are a single polygon with the group's boundary.
+  // Adds inner polygons for `faces`. Returns true if the result is a single polygon with the same boundary as the
+  // group.
   bool add_inner(std::span<const std::uint32_t> faces, OutlinePolygons& inner) const {
     const PolygonMaker maker(model_, mesh_, exact_);
     for (const std::uint32_t face : faces) {
@@ -218,13 +219,13 @@ class Assembly {
   const Labels &regions_, &groups_;
   FaceLists region_faces_, group_faces_;
   const OutlineOptions& options_;
-  std::vector<std::uint8_t> visited_;  // by half-edge: 1 for regions, 2 for groups
+  std::vector<std::uint8_t> visited_;  // per half-edge: bit 1 for regions, bit 2 for groups
   Merged merged_;
-  std::vector<std::uint8_t> exact_, coarse_;  // by vertex: kept in polygons; kept in outlines (empty: the same
-                                              // vertices)
+  std::vector<std::uint8_t> exact_, coarse_;  // per vertex: kept in polygons; kept in outlines (if
+                                              // empty, same as exact_)
 };
 
-// Sorts the groups, and records the group of each polygon.
+// Sorts the groups, and sets the group of each polygon of the model.
 void finish(const Mesh& mesh, const Labels& labels, std::vector<OutlineGroup> made, OutlineGroups& result) {
   std::vector<std::uint32_t> order(made.size());
   std::iota(order.begin(), order.end(), 0u);

@@ -15,7 +15,7 @@
 namespace gs::qnv::outline {
 namespace {
 
-std::uint64_t mixed(std::uint64_t x) {  // finaliser of splitmix64
+std::uint64_t mixed(std::uint64_t x) {  // finaliser of the generator splitmix64
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
   return x ^ (x >> 31);
@@ -26,12 +26,12 @@ std::uint64_t hash_of(const glm::vec3& p) {
   return mixed(mixed(bits(p.x) << 32 | bits(p.y)) ^ bits(p.z));
 }
 
-// Returns for each position the first equal one, or kNone if it is not finite.
+// Returns for each position the index of the first equal position; kNone if the position is not finite.
 std::vector<std::uint32_t> welded(const std::vector<glm::vec3>& positions, unsigned threads) {
   std::vector<std::uint32_t> same(positions.size(), kNone);
   const std::size_t size = std::bit_ceil(positions.size() * 3 / 2 + 2);
   std::vector<std::uint32_t> table(size, kNone);
-  // Each part owns a segment of the table and scans all positions; equal positions belong to the same part.
+  // Each part owns a segment of the hash table and scans all positions. Equal positions always belong to the same part.
   const auto weld_part = [&](std::size_t part, std::size_t parts) {
     const std::size_t stretch = size / parts, begin = part * stretch, mask = stretch - 1;
     for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -44,7 +44,8 @@ std::vector<std::uint32_t> welded(const std::vector<glm::vec3>& positions, unsig
       same[i] = table[begin + at];
     }
   };
-  // A segment of the table, which is at most two thirds full, could overflow for unlucky hashes; then use one part.
+  // The hash table is at most two thirds full, but bad luck could overflow the segment of a part. Then one part does
+  // all the work.
   constexpr std::size_t kParts = 4;
   std::array<std::size_t, kParts> counts{};
   for (const glm::vec3& p : positions) ++counts[(hash_of(p) >> 40) % kParts];
@@ -56,7 +57,7 @@ std::vector<std::uint32_t> welded(const std::vector<glm::vec3>& positions, unsig
   return same;
 }
 
-// Reads the model's polygons in order.
+// Reader of the model's polygons, in order.
 class Reader {
  public:
   Reader(const PolygonModel& model, unsigned threads, Mesh& mesh, OutlineCounts& counts)
@@ -131,8 +132,8 @@ class Reader {
   std::vector<std::uint32_t> same_, number_;
 };
 
-// Returns half a unit in the last place of the largest coordinate, in three dimensions, doubled for derived values.
-// Limited to an invisible amount for tiny models far from the origin.
+// Returns the error of coordinates: half a unit in the last place of the largest coordinate, in three dimensions, and
+// doubled for derived values. The error is limited to an invisible amount for tiny models far from the origin.
 double rounding_of(const Mesh& mesh) {
   double largest = 0;
   glm::dvec3 lower(INFINITY), upper(-INFINITY);
@@ -165,7 +166,7 @@ void measure_faces(Mesh& mesh, unsigned threads) {
   });
 }
 
-// Half-edges grouped by edge: sorted by the lower vertex, then the other one.
+// Half-edges grouped by edge. Sorted by the edge's vertex with the lower index, then by the other vertex.
 class EdgeTable {
  public:
   explicit EdgeTable(const Mesh& mesh) : mesh_(mesh), begins_(mesh.positions.size() + 1), order_(mesh.vertices.size()) {
@@ -179,7 +180,7 @@ class EdgeTable {
     }
   }
 
-  // Calls edge(half-edges of one edge) for each edge, on all threads.
+  // Calls edge() with the half-edges of each edge, on all threads.
   template <typename Take>
   void for_each(unsigned threads, const Take& take) {
     for_ranges(mesh_.positions.size(), 1u << 14, threads, [&](std::size_t first, std::size_t last) {
@@ -203,7 +204,7 @@ class EdgeTable {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> order_;
 };
 
-// Finds the mates, and marks faces that traverse an edge in the same direction as another face.
+// Finds the mates of half-edges. Marks faces that traverse an edge in the same direction as another face.
 class Pairing {
  public:
   explicit Pairing(Mesh& mesh) : mesh_(mesh), doubtful_(mesh.face_count()) {}
@@ -238,7 +239,7 @@ class Pairing {
   }
 
   void pair_unusual(std::span<const std::uint32_t> edge, std::uint32_t lower) {
-    constexpr std::size_t kMax = 64;  // more at one edge are not a surface
+    constexpr std::size_t kMax = 64;  // an edge with more half-edges is not part of a surface
     std::vector<std::uint32_t> up, down;
     for (const std::uint32_t h : edge) (mesh_.vertices[h] == lower ? up : down).push_back(h);
     for (const auto* side : {&up, &down})
@@ -274,7 +275,7 @@ class Duplicates {
   [[nodiscard]] std::vector<std::uint8_t> find(const std::vector<std::uint8_t>& doubtful, std::size_t& count) {
     std::vector<std::uint8_t> twice(mesh_.face_count());
     std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> seen;
-    constexpr std::size_t kMax = 64;  // maximum number of different faces compared per hash
+    constexpr std::size_t kMax = 64;  // maximum number of faces that are compared per hash value
     for (std::uint32_t face = 0; face < mesh_.face_count(); ++face) {
       if (!doubtful[face]) continue;
       std::uint64_t hash = mesh_.appearances[face];
@@ -293,7 +294,7 @@ class Duplicates {
  private:
   [[nodiscard]] std::size_t size(std::uint32_t face) const { return mesh_.begins[face + 1] - mesh_.begins[face]; }
 
-  // Returns the i-th half-edge, counted from the face's lowest vertex.
+  // Returns the i-th half-edge of a face, counted from the vertex with the lowest index.
   [[nodiscard]] std::uint32_t half_edge(std::uint32_t face, std::size_t i) const {
     if (face != of_) {
       of_ = face;

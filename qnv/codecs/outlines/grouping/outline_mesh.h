@@ -12,25 +12,26 @@
 #include <cstdint>
 #include <vector>
 
-/// Polygon model prepared for outline grouping: welded, cleaned and with adjacency. Internal to group_outlines().
+/// Polygon model that is prepared for outline grouping: welded, cleaned and with adjacency. Internal to
+/// group_outlines().
 namespace gs::qnv::outline {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 
 /// Half-edge mesh: half-edge h runs from vertices[h] to vertices[next(h)], with its face to the left.
 struct Mesh {
-  std::vector<glm::vec3> positions;        // unique
+  std::vector<glm::vec3> positions;  // without duplicates
   std::vector<std::uint32_t> vertices;     // start vertex of each half-edge
-  std::vector<std::uint32_t> corners;      // of the model, by half-edge; empty without texture coordinates
-  std::vector<std::uint32_t> faces;        // of each half-edge
+  std::vector<std::uint32_t> corners;  // corner of the model per half-edge; empty without texture coordinates
+  std::vector<std::uint32_t> faces;  // face of each half-edge
   std::vector<std::uint32_t> mates;        // opposite half-edge of the same appearance, or kNone
   std::vector<std::uint32_t> begins;       // first half-edge of each face, and one more at the end
-  std::vector<std::uint32_t> sources;      // polygon of the model, by face
-  std::vector<std::uint32_t> appearances;  // by face
+  std::vector<std::uint32_t> sources;  // for each face: index of the model's polygon
+  std::vector<std::uint32_t> appearances;  // appearance of each face
   std::vector<glm::dvec3> normals;         // unit normal per face; zero for faces without area
-  std::vector<double> areas;               // by face
-  std::vector<std::uint8_t> thin;          // by face: so thin that rounding may turn its normal in any direction
-  double rounding = 0;                     // error of coordinates due to float32
+  std::vector<double> areas;  // area of each face
+  std::vector<std::uint8_t> thin;  // per face: so thin that rounding may turn its normal in any direction
+  double rounding = 0;  // maximum error of coordinates that float32 causes
 
   [[nodiscard]] std::size_t face_count() const { return sources.size(); }
   [[nodiscard]] std::uint32_t next(std::uint32_t h) const {
@@ -41,10 +42,10 @@ struct Mesh {
 };
 
 /// Welds equal positions, drops invalid and duplicate polygons, and finds mates. If more than two faces meet at an
-/// edge, those with the closest normals become mates.
+/// edge, the faces with the closest normals become mates.
 [[nodiscard]] Mesh make_mesh(const PolygonModel& model, unsigned threads, OutlineCounts& counts);
 
-/// Calls work(begin, end) for ranges that cover 0..count, with parallel_for().
+/// Calls work(begin, end) for ranges that together cover 0..count, on several threads.
 template <typename Work>
 bool for_ranges(std::size_t count, std::size_t range, unsigned threads, const Work& work,
                 Progress* progress = nullptr) {
@@ -53,7 +54,7 @@ bool for_ranges(std::size_t count, std::size_t range, unsigned threads, const Wo
                       [&](std::size_t i) { work(i * range, std::min(count, (i + 1) * range)); }, threads, progress);
 }
 
-/// Returns twice the vector area of a ring of positions, as the sum of cross products around the first one.
+/// Returns twice the vector area of a ring of positions: the sum of cross products around its first position.
 template <typename Position>
 glm::dvec3 ring_area(std::size_t size, const Position& position) {
   glm::dvec3 sum(0);
@@ -69,7 +70,7 @@ glm::dvec3 ring_area(std::size_t size, const Position& position) {
   return sum;
 }
 
-/// Two axes in the plane of a normal. Preserves orientation: counter-clockwise seen from the front.
+/// Two axes in the plane of a normal. They preserve orientation: counter-clockwise seen from the front.
 struct PlaneAxes {
   explicit PlaneAxes(const glm::dvec3& normal) {
     const glm::dvec3 size(std::fabs(normal.x), std::fabs(normal.y), std::fabs(normal.z));

@@ -11,18 +11,19 @@
 namespace gs::qnv::outline {
 namespace {
 
-// Shading changes with the sine of the angle: 1/4000 of an 8-bit step, so that hardly any pixel in 20 pictures changes.
+// Maximum angle in radians between normals of exact merging. Shading changes with its sine: by 1/4000 of an 8-bit step.
+// Hardly any pixel in 20 pictures changes.
 constexpr double kExactAngle = 1e-6;
-constexpr double kTextureTolerance = 1e-5;  // relative to the texture's width
+constexpr double kTextureTolerance = 1e-5;  // maximum error relative to the texture's width
 
 struct RegionPlane {
   glm::dvec3 normal{0}, origin{0};
-  double offset = 0;  // from the origin
+  double offset = 0;  // distance of the plane from the origin
 
   [[nodiscard]] double distance(const glm::dvec3& p) const { return glm::dot(normal, p - origin) - offset; }
 };
 
-// Texture coordinates as an affine map of positions.
+// Texture coordinates as an affine map of the positions.
 struct TextureMap {
   glm::dvec3 origin{0}, along_s{0}, along_t{0};
   glm::dvec2 at_origin{0};
@@ -53,7 +54,7 @@ class RegionGrower {
   }
 
  private:
-  // Returns the faces with a neighbour in their plane; large ones first, since their planes are most precise.
+  // Returns the faces that have a neighbour in their plane; large faces first, because their planes are most precise.
   std::vector<std::uint32_t> seeds(unsigned threads) {
     std::vector<std::uint8_t> flat(mesh_.face_count());
     for_ranges(mesh_.face_count(), 1u << 14, threads, [&](std::size_t first, std::size_t last) {
@@ -71,7 +72,7 @@ class RegionGrower {
   }
 
   [[nodiscard]] bool has_flat_neighbour(std::uint32_t face) const {
-    constexpr std::size_t kMany = 64;  // more corners are not checked here, or all its neighbours would check them
+    constexpr std::size_t kMany = 64;  // skips faces with more corners: each neighbour would test them all
     if (mesh_.thin[face]) return false;
     const RegionPlane plane = plane_of(face);
     for (std::uint32_t h = mesh_.begins[face]; h < mesh_.begins[face + 1]; ++h) {
@@ -108,7 +109,7 @@ class RegionGrower {
     return std::fabs(a.x - b.x) <= kTextureTolerance && std::fabs(a.y - b.y) <= kTextureTolerance;
   }
 
-  // Returns the map from the largest triangle around the face's first corner.
+  // Returns the map that the largest triangle around the face's first corner defines.
   [[nodiscard]] std::optional<TextureMap> map_of(std::uint32_t face) const {
     const std::uint32_t begin = mesh_.begins[face], end = mesh_.begins[face + 1];
     const auto texture = [&](std::uint32_t h) { return glm::dvec2(model_.texture_coordinates[mesh_.corners[h]]); };
@@ -125,12 +126,13 @@ class RegionGrower {
     if (!(largest > 0)) return std::nullopt;
     const glm::dvec3 a = mesh_.position(at) - origin, b = mesh_.position(at + 1) - origin;
     const glm::dvec3 normal = glm::cross(a, b) / largest;
-    const glm::dvec3 to_a = glm::cross(b, normal) / largest, to_b = glm::cross(normal, a) / largest;  // dual to a, b
+    const glm::dvec3 to_a = glm::cross(b, normal) / largest, to_b = glm::cross(normal, a) / largest;  // dual basis
     const glm::dvec2 ta = texture(at) - texture(begin), tb = texture(at + 1) - texture(begin);
     return TextureMap{origin, to_a * ta.x + to_b * tb.x, to_a * ta.y + to_b * tb.y, texture(begin)};
   }
 
-  // Collects in region_ the faces connected to the seed that fit the plane. With `adapt`, updates the plane from them.
+  // Collects in region_ the connected faces around `seed` that fit the plane. If `adapt`, updates the plane from these
+  // faces.
   void collect(std::uint32_t seed, RegionPlane& plane, double slack, const TextureMap* map, bool adapt) {
     ++stamp_;
     region_.assign(1, seed);
@@ -160,8 +162,8 @@ class RegionGrower {
     if (adapt) plane = {glm::normalize(sum), origin_ + moment / area, 0};
   }
 
-  // Grows a region in two rounds, because small faces give imprecise planes: the first finds the region's plane, the
-  // second its faces.
+  // Grows a region in two rounds, because small faces give imprecise planes. The first round finds the plane of the
+  // region, the second its faces.
   void grow(std::uint32_t seed) {
     const RegionPlane own = plane_of(seed);
     std::optional<TextureMap> map;
@@ -197,7 +199,7 @@ class RegionGrower {
   std::vector<std::uint32_t> stamps_, region_;
   std::uint32_t stamp_ = 0;
   glm::dvec3 origin_{0};
-  std::uint64_t work_ = 0, budget_;  // in corners visited; limits models with quadratic cost
+  std::uint64_t work_ = 0, budget_;  // work in visited corners; the limit prevents quadratic cost
 };
 
 }  // namespace
@@ -220,11 +222,11 @@ FaceLists::FaceLists(const Labels& labels) : begins_(std::size_t{labels.count} +
 }
 
 MergeLimits merge_limits(const Mesh& mesh, const OutlineOptions& options) {
-  // Graphics hardware rounds corners to fractions of pixels, so dropping one from a straight edge changes nearby
-  // samples.
+  // Drops no vertices: graphics hardware rounds corners to fractions of pixels, so that dropping a corner from a
+  // straight edge changes nearby samples.
   if (!(options.merge_tolerance > 0)) return {2 * mesh.rounding, kExactAngle, -1, true};
   const double distance = std::max(options.merge_tolerance, 2 * mesh.rounding);
-  // The distance of two unit vectors is twice the sine of half their angle.
+  // The distance between two unit vectors is twice the sine of half their angle.
   return {distance, 2 * std::sin(std::clamp(options.merge_angle, kExactAngle, 1.0) / 2), distance, false};
 }
 

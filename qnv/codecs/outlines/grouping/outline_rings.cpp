@@ -10,9 +10,9 @@
 namespace gs::qnv::outline {
 namespace {
 
-// Splits a ring at vertices that it visits repeatedly, into rings that touch there.
+// Splits a ring at vertices that it visits repeatedly. The resulting rings touch there.
 void split(const Mesh& mesh, const Ring& ring, std::vector<Ring>& to) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> order;  // vertex, index
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> order;  // pairs of vertex and index in the ring
   for (std::uint32_t i = 0; i < ring.size(); ++i) order.emplace_back(mesh.vertices[ring[i]], i);
   std::sort(order.begin(), order.end());
   bool twice = false;
@@ -21,14 +21,14 @@ void split(const Mesh& mesh, const Ring& ring, std::vector<Ring>& to) {
     to.push_back(ring);
     return;
   }
-  std::vector<std::uint32_t> number(ring.size());  // number of the vertex within the ring
+  std::vector<std::uint32_t> number(ring.size());  // number of each position's vertex; equal vertices share one
   std::uint32_t count = 0;
   for (std::size_t i = 0; i < order.size(); ++i) {
     if (i > 0 && order[i - 1].first != order[i].first) ++count;
     number[order[i].second] = count;
   }
   std::vector<std::uint8_t> open(count + std::size_t{1});
-  std::vector<std::uint32_t> stack;  // indices; no vertex occurs twice
+  std::vector<std::uint32_t> stack;  // indices of the current ring; no vertex occurs twice
   for (std::uint32_t i = 0; i < ring.size(); ++i) {
     if (open[number[i]]) {
       Ring part;
@@ -78,7 +78,7 @@ struct Segment {
   [[nodiscard]] double high(int axis) const { return std::max(a[axis], b[axis]); }
 };
 
-// Reports whether two segments cross by more than `slack`; touching does not count.
+// Reports whether two segments cross by more than `slack`. Segments that touch do not cross.
 bool cross(const Segment& s, const Segment& t, double slack) {
   const double ls = glm::length(s.b - s.a) * slack, lt = glm::length(t.b - t.a) * slack;
   const double a = turn(s.a, s.b, t.a), b = turn(s.a, s.b, t.b);
@@ -87,7 +87,7 @@ bool cross(const Segment& s, const Segment& t, double slack) {
   return (c > lt && d < -lt) || (c < -lt && d > lt);
 }
 
-// Reports whether any two segments cross. Sweeps along the axis on which the segments are shorter.
+// Reports whether any two segments cross. Sweeps along the axis in which the segments are shorter.
 bool any_crossing(std::vector<Segment> segments, double slack) {
   glm::dvec2 extent(0), low(INFINITY), high(-INFINITY);
   for (const Segment& s : segments)
@@ -117,7 +117,7 @@ bool any_crossing(std::vector<Segment> segments, double slack) {
 std::vector<Ring> boundary_rings(const Mesh& mesh, const std::vector<std::uint32_t>& labels,
                                  std::span<const std::uint32_t> faces, std::vector<std::uint8_t>& visited,
                                  std::uint8_t mark) {
-  const auto inside = [&](std::uint32_t h) {  // whether the label continues across the edge
+  const auto inside = [&](std::uint32_t h) {  // reports whether the label continues across the edge
     return mesh.mates[h] != kNone && labels[mesh.faces[mesh.mates[h]]] == labels[mesh.faces[h]];
   };
   std::vector<Ring> rings;
@@ -130,7 +130,7 @@ std::vector<Ring> boundary_rings(const Mesh& mesh, const std::vector<std::uint32
         visited[h] |= mark;
         ring.push_back(h);
         h = mesh.next(h);
-        while (inside(h)) h = mesh.next(mesh.mates[h]);  // around the vertex, across faces of the label
+        while (inside(h)) h = mesh.next(mesh.mates[h]);  // turns around the vertex, across faces of the label
       }
       if (ring.size() > 2) split(mesh, ring, rings);
     }
@@ -138,7 +138,7 @@ std::vector<Ring> boundary_rings(const Mesh& mesh, const std::vector<std::uint32
 }
 
 bool bounds_surface(const Mesh& mesh, const std::vector<Ring>& rings, const glm::dvec3& normal, double area) {
-  constexpr double kMaxBridging = 1e9;  // holes times corners
+  constexpr double kMaxBridging = 1e9;  // maximum number of holes times corners
   const PlaneAxes axes(normal);
   std::vector<Segment> segments;
   std::size_t outer = 0;
@@ -211,8 +211,8 @@ void PolygonMaker::add(std::vector<Ring> rings, const glm::dvec3& normal, bool t
   std::uint64_t budget = 1u << 28;
   for (std::size_t i = 0; i < holes.size(); ++i) {
     std::size_t in = 0;
-    // Find the smallest ring that contains the hole. Test an edge midpoint, since a vertex of the hole may lie on the
-    // ring.
+    // Finds the smallest ring that contains the hole. Tests the midpoint of an edge, because a vertex of the hole may
+    // be on the ring.
     const glm::dvec2 p = axes((mesh_.position(holes[i].second[0]) + mesh_.position(holes[i].second[1])) * 0.5);
     for (std::size_t k = outers.size(); outers.size() > 1 && k-- > 0;) {
       if (budget < outers[k].points.size()) break;

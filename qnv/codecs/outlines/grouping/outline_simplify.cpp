@@ -68,7 +68,7 @@ class Simplifier {
   // Reports whether exactly two edges meet at a vertex.
   [[nodiscard]] bool inner(std::uint32_t vertex) const { return neighbours_[vertex][1] < kMoreThanTwo; }
 
-  // Extends the chain until a vertex that must stay or was visited before.
+  // Extends the chain to the next vertex that must stay or that the chain visited before.
   void follow(std::uint32_t to, std::vector<std::uint8_t>& seen) {
     std::uint32_t from = chain_.back();
     while (true) {
@@ -83,7 +83,7 @@ class Simplifier {
 
   [[nodiscard]] glm::dvec3 position(std::size_t i) const { return {mesh_.positions[chain_[i]]}; }
 
-  // Simplifies a closed loop. Its lowest vertex, which is a corner, and the farthest from it serve as ends.
+  // Simplifies a closed loop. The ends are the lowest vertex, which is a corner, and the vertex farthest from it.
   void simplify_loop() {
     chain_.pop_back();
     const auto before = [&](std::uint32_t a, std::uint32_t b) {
@@ -106,8 +106,8 @@ class Simplifier {
     simplify(farthest, chain_.size() - 1);
   }
 
-  // Keeps the vertex farthest from the line between two kept ones, and repeats in both halves. Repeatedly uneven halves
-  // are split in the middle instead, which bounds the time.
+  // Keeps the vertex that is farthest from the line between two kept vertices; then repeats in both halves. After
+  // several uneven splits, splits in the middle instead, which bounds the time.
   void simplify(std::size_t first, std::size_t last) {
     constexpr int kMaxDeep = 64;
     struct Part {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kMaxWaitingSegmentBytes = std::size_t{16} << 20, kWaitingSegmentCost = 96;
 
-/// Guide for decoding; never used.
+/// Placeholder for the encoder's guide, which a decoder does not use.
 struct NoSplitGuide {};
 
 std::optional<FrontHeader> decode_front(std::span<const std::byte> section) {
@@ -38,7 +38,7 @@ bool is_front(std::span<const std::byte> section) { return decode_front(section)
 
 bool promises_more(std::span<const std::byte> section, std::size_t most_vertices) {
   const auto header = decode_front(section);
-  // If each triangle is shaded separately, it has three vertices.
+  // A triangle that is shaded separately has three vertices of its own.
   return header && (header->vertices > most_vertices || header->triangles > most_vertices / 3);
 }
 

@@ -11,7 +11,7 @@
 
 namespace gs::qnv {
 
-/// Decoder of the progressive payload, which an exact mesh may follow.
+/// Decoder of the progressive payload. An exact mesh may follow in the stream.
 class ProgressiveDecoder final : public Decoder {
  public:
   ProgressiveDecoder(const StreamHeader& header, std::size_t most_vectors);
@@ -31,7 +31,7 @@ class ProgressiveDecoder final : public Decoder {
   progressive::ProgressiveMesh mesh_;
   DecodeCount count_;
   mutable std::optional<IndexedMesh> shown_;
-  ExactSurface exact_;  // replaces the growing mesh once received
+  ExactSurface exact_;  // exact mesh; replaces the growing mesh when it is complete
 };
 
 }  // namespace gs::qnv

@@ -17,20 +17,20 @@ using displaced::HalfCollapse;
 using displaced::Simplifier;
 using displaced::SurfaceMesh;
 
-// Maximum fraction of vertices that a pass splits. Larger fractions mix important and unimportant splits; smaller ones
-// need more bits to mark the splits.
+// Maximum fraction of the vertices that a pass splits. A larger fraction would mix important and unimportant splits; a
+// smaller one would need more bits to mark the splits.
 constexpr double kPartOfPass = 0.12;
 constexpr int kFirstBits = 9;
 constexpr std::size_t kFirstSegmentBytes = 150, kSegmentBytes = 700, kMaxSegments = 65536;
-// Initial triangles per byte in the search for the first mesh.
+// Triangles per byte of the front with which the search for the first mesh begins.
 constexpr double kMaxTrianglesOfFront = 0.9;
-// A pass of position bits pays once splits move the surface by at most this many steps.
+// Maximum distance, in lattice steps, that splits move the surface when a pass of position bits begins to pay.
 constexpr double kStepsOfSplits = 2;
 
-/// Guide for encoding: the action at each vertex, in decoding order.
+/// Guide for an encoder: the action at each vertex, in the order of visits.
 class SplitGuide {
  public:
-  /// `numbers` maps source vertices to the first mesh; kNone: added later.
+  /// `numbers` has the index of each source vertex in the first mesh; kNone if a split adds it later.
   SplitGuide(const std::vector<glm::ivec3>& places, int finest, std::vector<std::uint32_t> numbers)
       : places_(places),
         finest_(finest),
@@ -40,7 +40,7 @@ class SplitGuide {
     for (std::uint32_t v = 0; v < numbers_.size(); ++v)
       if (numbers_[v] != kNone) sources_[numbers_[v]] = v;
   }
-  /// Sets the next pass: the collapses to undo, or none for a pass of position bits.
+  /// Sets the next pass. `collapses` are the collapses that the pass undoes; if empty, the pass adds position bits.
   void pass(std::span<const HalfCollapse> collapses, int bits) {
     refines_ = collapses.empty();
     bits_ = bits;
@@ -77,14 +77,14 @@ class SplitGuide {
   const std::vector<glm::ivec3>& places_;
   int finest_, bits_ = 0;
   bool refines_ = false;
-  std::vector<std::uint32_t> numbers_, sources_;  // decoded number by source vertex, and source vertex by number
-  std::vector<const HalfCollapse*> of_;           // by the source vertex to split
+  std::vector<std::uint32_t> numbers_, sources_;  // index of each source vertex; source vertex of each index
+  std::vector<const HalfCollapse*> of_;  // collapse to undo, for each source vertex
 };
 
-/// First mesh, as encoded in the front of a stream.
+/// First mesh, encoded as the front of a stream.
 struct FirstMesh {
   std::vector<std::byte> bytes;
-  std::vector<std::uint32_t> numbers;  // by source vertex
+  std::vector<std::uint32_t> numbers;  // index of each source vertex
 };
 
 FirstMesh first_of(const Simplifier& simplifier, const SurfaceMesh& source, const exact::ExactMesh& mesh, int bits) {
@@ -107,7 +107,7 @@ FirstMesh first_of(const Simplifier& simplifier, const SurfaceMesh& source, cons
   return first;
 }
 
-/// Writes segments; each continues after the previous one.
+/// Writer of segments. Each segment continues where the previous one ended.
 class SegmentWriter {
  public:
   explicit SegmentWriter(SplitGrowth& growth, ProgressiveBytes& out) : growth_(growth), out_(out) {}
@@ -142,7 +142,7 @@ class SegmentWriter {
   std::uint32_t visits_ = 0;
 };
 
-/// Passes of collapses, and the coarsest mesh.
+/// Coarsest mesh, and the passes of collapses that led to it.
 struct CollapsedMesh {
   std::vector<std::vector<HalfCollapse>> passes;
   FirstMesh first;
@@ -174,7 +174,7 @@ std::optional<CollapsedMesh> collapsed(const exact::ExactMesh& mesh, std::size_t
     const auto wanted = static_cast<std::size_t>(most) + 1;
     std::vector<HalfCollapse> pass = simplifier.collapse_apart(wanted);
     if (pass.empty()) {
-      // Thin parts may be stuck until triangles may flip.
+      // If thin parts stop the simplification, allows that triangles flip.
       simplifier.turn_freely();
       pass = simplifier.collapse_apart(wanted);
     }
@@ -184,7 +184,7 @@ std::optional<CollapsedMesh> collapsed(const exact::ExactMesh& mesh, std::size_t
   }
 }
 
-/// Writes the segments. Returns false if that is impossible.
+/// Writes the segments. Returns false if the splits cannot be encoded.
 bool write_segments(const exact::ExactMesh& mesh, const CollapsedMesh& coarse, bool middles, ProgressiveBytes& out) {
   auto first = exact::decode_tail(coarse.first.bytes, mesh.vertices.size());
   if (!first) return false;

@@ -15,17 +15,18 @@
 namespace gs::qnv {
 namespace {
 
-// Parity relative to the data pieces, plus additional pieces. At 30 % loss, one mesh in a hundred is lost.
+// Parity relative to the data pieces; another constant number of pieces is added. At 30 % loss, one mesh in a hundred
+// is lost.
 constexpr double kSplitParity = 0.75;
 constexpr std::size_t kSplitParityBesides = 3;
-// Piece size near the start of the stream, and the length of that start.
+// Bytes of a piece near the start of the stream, and the number of bytes that count as near the start.
 constexpr std::size_t kSmallPieceBytes = 480, kSmallPiecesUntil = 3000;
-// Maximum number of triangles; a stream of more would begin too coarse.
+// Maximum number of triangles. With more, the first mesh would be too coarse.
 constexpr std::size_t kMaxGrowingTriangles = 100'000;
 
-/// Returns the segments of a progressive mesh, in pieces with parity, so that losses do not stop it.
+/// Returns the segments of a progressive mesh as pieces with parity, so that losses do not stop its growth.
 std::vector<OutgoingChunk> chunks_of(const progressive::ProgressiveBytes& mesh, const Box& box) {
-  // Small pieces near the start, where every byte counts: a truncated piece is useless.
+  // Uses small pieces near the start, where every byte counts: a truncated piece is useless.
   std::size_t few = 0;
   for (std::size_t bytes = 0; few < mesh.segments.size() && bytes < kSmallPiecesUntil; ++few)
     bytes += mesh.segments[few].size();
@@ -41,7 +42,7 @@ std::vector<OutgoingChunk> chunks_of(const progressive::ProgressiveBytes& mesh, 
       chunk.type = ChunkType::piece;
       chunk.entry.parent = 0xffffffff;
       chunk.entry.box = box;
-      const std::size_t n = chunks.size();  // about as many vertices in each
+      const std::size_t n = chunks.size();  // each chunk gets about the same number of vertices
       if (n <= data)
         chunk.entry.vectors = static_cast<std::uint32_t>(mesh.vertices * n / data - mesh.vertices * (n - 1) / data);
       chunk.payload = std::move(piece);

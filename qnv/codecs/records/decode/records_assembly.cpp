@@ -80,7 +80,7 @@ std::size_t RecordsAssembly::add(const RecordsPatch& patch) {
   return size() - before;
 }
 
-// Moves vectors down to nodes created since.
+// Moves vectors to deeper nodes that were created after the vectors were added.
 void RecordsAssembly::descend() {
   for (std::size_t i = 0; i < size(); ++i) {
     std::uint32_t node = deepest_[i];
@@ -113,7 +113,7 @@ RecordsAssembly::Sums RecordsAssembly::sum() const {
   return sums;
 }
 
-// Returns the weight factor for the vectors of each node.
+// Returns the factor for the weights of the vectors of each node.
 std::vector<double> RecordsAssembly::factors(const Sums& sums) const {
   std::vector<double> growth(nodes_.size(), 1), result(nodes_.size(), 1);
   for (std::size_t node = 0; node < nodes_.size(); ++node) {
@@ -121,7 +121,7 @@ std::vector<double> RecordsAssembly::factors(const Sums& sums) const {
     const std::uint32_t around = node == 0 ? kNoOwner : sums.owner[nodes_[node].parent];
     const double given = around == kNoOwner ? 1 : growth[around];
     const double weight = nodes_[node].weight * std::min(given, kLargestGrowth);
-    // The node's own part weighs at least its received vectors, because the difference of large numbers is inexact.
+    // Uses at least the sum of the received vectors, because the difference of large numbers is inexact.
     const double own = sums.own[node] > 0 ? std::max(nodes_[node].weight - sums.inside[node], sums.own[node]) : 0;
     const double all = own + sums.inside[node];
     growth[node] = all > 0 ? weight / all : 1;

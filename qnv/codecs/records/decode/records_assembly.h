@@ -12,13 +12,15 @@
 
 namespace gs::qnv {
 
-/// Received part of a records stream, with weights that keep the integral however much is missing.
-/// The rule is in FORMAT.md, "Conservation". A cell stands if its header was received and it holds at least
-/// kMinVectors received vectors, or if no enclosing cell can stand. Each vector belongs to the deepest standing cell
-/// that contains it. One factor scales all vectors of a cell, so that they and the inner cells weigh what the header
-/// says. If a part of a cell received no vectors, its weight goes to the neighbouring cells. No cell gets more than
-/// kLargestGrowth times its own weight, so no vector weighs more than kLargestGrowth times its cell.
-/// Not thread-safe. Accepts untrusted patches: their size bounds the memory, and any numbers give finite weights.
+/// Received part of a records stream. Scales the weights so that their integral is right, however many vectors are
+/// missing.
+/// FORMAT.md, "Conservation", defines the rule. A cell stands if its header and at least kMinVectors of its vectors
+/// were received, or if no enclosing cell can stand. Each vector belongs to the deepest standing cell that contains it.
+/// One factor scales all vectors of a cell, so that these vectors and the inner cells have the weight that the header
+/// states. If no vector was received in a part of a cell, the weight of that part goes to the neighbouring cells. No
+/// cell gets more than kLargestGrowth times its own weight, so no vector weighs more than kLargestGrowth times its
+/// cell.
+/// One thread at a time. Safe for untrusted patches: their size bounds the memory, and any numbers give finite weights.
 class RecordsAssembly {
  public:
   static constexpr std::size_t kMinVectors = 8;
@@ -28,36 +30,36 @@ class RecordsAssembly {
   /// Uses the box and the total of the stream's `description`.
   explicit RecordsAssembly(const Description& description);
 
-  /// Adds the received records of a chunk, in any order, and skips records that are already there. Returns the number
-  /// of new records. Rejects chunks of further cells once there are kMaxNodes cells, which a valid stream never has.
+  /// Adds the received records of a chunk, in any order. Skips records that were added before. Returns the number of
+  /// new records. Rejects chunks of new cells if there are kMaxNodes cells, which valid streams never have.
   std::size_t add(const RecordsPatch& patch);
 
   [[nodiscard]] std::size_t size() const { return positions_.size(); }
-  /// One entry per vector, in the order of addition.
+  /// Positions of all vectors, in the order in which they were added.
   [[nodiscard]] std::span<const glm::vec3> positions() const { return positions_; }
   [[nodiscard]] std::span<const glm::vec3> normals() const { return normals_; }
-  [[nodiscard]] std::span<const float> weights() const { return weights_; }  // as sent
+  [[nodiscard]] std::span<const float> weights() const { return weights_; }  // as received
   [[nodiscard]] std::span<const std::uint8_t> colors() const { return colors_; }
 
-  /// Returns the weights, scaled by the rule above. All are > 0, except below the range of float. Runs in O(size()).
+  /// Returns the scaled weights of all vectors. Each is > 0, unless it is below the range of float. Runs in O(size()).
   [[nodiscard]] std::vector<float> conserved_weights();
 
  private:
   struct Node {
     std::uint32_t parent = 0;
     std::uint8_t depth = 0;
-    std::array<std::uint32_t, 8> children{};  // 0 means none; the root is not a child
-    double weight = 0;                        // of all vectors in the cell
-    bool known = false;                       // whether `weight` is known
+    std::array<std::uint32_t, 8> children{};  // indices of nodes; 0 means none, since the root is not a child
+    double weight = 0;  // weight of all vectors in the cell, from its header
+    bool known = false;  // `weight` was received
   };
   using HeaderBits = std::array<std::uint32_t, 12>;
-  // Sums over the nodes; one entry per node.
+  // Sums over vectors; each array has one entry per node.
   struct Sums {
     std::vector<std::uint32_t> vectors;  // number of received vectors in the cell
     std::vector<bool> stands;
     std::vector<std::uint32_t> owner;  // deepest standing cell among the node and its ancestors
-    std::vector<double> own;           // sent weight of the vectors that belong to the cell
-    std::vector<double> inside;        // weight of the nearest standing cells inside
+    std::vector<double> own;  // received weight of the vectors that belong to the cell
+    std::vector<double> inside;  // total weight of the nearest standing cells inside the cell
   };
 
   [[nodiscard]] std::uint32_t node_of(const RecordsCell& cell);
@@ -67,13 +69,13 @@ class RecordsAssembly {
   [[nodiscard]] std::vector<double> factors(const Sums& sums) const;
 
   RecordsCube cube_;
-  std::vector<Node> nodes_;                         // parents before children
-  std::map<HeaderBits, std::vector<bool>> chunks_;  // received records of each chunk
+  std::vector<Node> nodes_;  // parents precede their children
+  std::map<HeaderBits, std::vector<bool>> chunks_;  // flags of the received records of each chunk
   std::vector<glm::vec3> positions_, normals_;
   std::vector<float> weights_;
   std::vector<std::uint8_t> colors_;
-  std::vector<std::array<std::uint32_t, 3>> cells_;  // at depth 20
-  std::vector<std::uint32_t> deepest_;               // node that contains each vector
+  std::vector<std::array<std::uint32_t, 3>> cells_;  // cell at depth 20 of each vector
+  std::vector<std::uint32_t> deepest_;  // deepest node that contains each vector
 };
 
 }  // namespace gs::qnv

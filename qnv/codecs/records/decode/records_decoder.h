@@ -26,7 +26,7 @@ class RecordsDecoder final : public Decoder {
   std::vector<Rgb8> palette_;
   std::size_t most_vectors_;
   DecodeCount count_;
-  mutable RecordsAssembly assembly_;  // inserts received chunks only on request
+  mutable RecordsAssembly assembly_;  // gets received chunks when its vectors are requested
 };
 
 }  // namespace gs::qnv

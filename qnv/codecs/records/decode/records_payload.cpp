@@ -34,7 +34,7 @@ std::variant<RecordsHeader, RecordsError> decode_records_header(std::span<const 
   return header;
 }
 
-// Collects the indices and bytes of the received records.
+// Collects the indices and bytes of the records that are not in the ranges `missing`.
 void collect(std::span<const std::byte> records, std::span<const ByteRange> missing, RecordsPatch& patch,
              std::vector<std::byte>& whole) {
   const std::size_t count = records.size() / kRecordBytes;

@@ -15,9 +15,9 @@
 namespace gs::qnv {
 namespace {
 
-// Makes the first picture fit the first datagram.
+// Number of vectors in the first layer, so that the first picture fits into the first datagram.
 constexpr std::size_t kFirstLayer = 160;
-// Bytes of a record, and its share of the chunk headers.
+// Bytes of a record, plus its share of the chunk headers.
 constexpr double kBytesPerVector = 8.35;
 
 StreamHeader header_of(const VectorView& vectors, const EncodeOptions& options) {
@@ -48,8 +48,8 @@ OutgoingChunk outgoing(RecordsChunk chunk) {
   return out;
 }
 
-// Returns the chunks that fit into a stream of at most `max_bytes` (0: unlimited). Truncates the last one to the
-// records that fit.
+// Returns the chunks that fit into a stream of at most `max_bytes` bytes (0 means unlimited). Truncates the last chunk
+// to the records that fit.
 std::vector<OutgoingChunk> fitting(std::vector<RecordsChunk> encoded, const StreamHeader& header,
                                    std::size_t max_bytes) {
   std::vector<OutgoingChunk> chunks;
@@ -96,7 +96,7 @@ std::variant<EncodedStream, EncodeError> encode_vectors(const VectorView& vector
     if (options.max_bytes < taken)
       return EncodeError{"a stream of one vector has " + std::to_string(taken) + " bytes; expected at most " +
                          std::to_string(options.max_bytes)};
-    // Request about as many vectors as fit, so that the last layer is complete.
+    // Requests about the number of vectors that fits, so that the last layer is complete.
     const auto room = static_cast<double>(options.max_bytes - taken) / kBytesPerVector;
     records.vectors = std::min(records.vectors, static_cast<std::size_t>(room) + 1);
   }

@@ -6,7 +6,7 @@
 
 namespace gs::qnv {
 
-/// Encodes existing vectors (a volume's gradients, imported splats) as records.
+/// Encodes vectors from any source, such as gradients of a volume or imported splats, as records.
 [[nodiscard]] std::variant<EncodedStream, EncodeError> encode_vectors(const VectorView& vectors,
                                                                       const EncodeOptions& options,
                                                                       Progress* progress = nullptr);

@@ -12,7 +12,7 @@
 namespace gs::qnv {
 namespace {
 
-constexpr float kLargest = 1e37f;  // maximum position and weight, so that small sums cannot overflow
+constexpr float kLargest = 1e37f;  // maximum position and weight; prevents overflow in small sums
 constexpr unsigned kKeyBits = 3 * kDeepestRecordsCell;
 constexpr std::size_t kVectorsPerTask = 1 << 14;
 
@@ -30,20 +30,20 @@ bool can_be_sent(const glm::vec3& p, float weight) {
 
 std::uint64_t key_of(const std::array<std::uint32_t, 3>& cell) { return morton_encode(cell[0], cell[1], cell[2]); }
 
-// Returns the first key of the depth-20 cells inside a cell.
+// Returns the lowest key of the depth-20 cells inside a cell.
 std::uint64_t first_key(const RecordsCell& cell) {
   return morton_encode(cell.x, cell.y, cell.z) << 3 * (kDeepestRecordsCell - cell.depth);
 }
 std::uint64_t key_count(const RecordsCell& cell) { return std::uint64_t{1} << 3 * (kDeepestRecordsCell - cell.depth); }
 
-// Future chunk, with the ranks of its vectors in the order.
+// Future chunk: a cell, and the ranks of its vectors in progressive order.
 struct Group {
   std::uint8_t layer;
   RecordsCell cell;
   std::vector<std::uint32_t> ranks;  // ascending
 };
 
-// Ranks of one layer, sorted by their cells' keys.
+// Ranks of the vectors of one layer, sorted by the keys of their cells.
 using Keyed = std::span<const order::KeyedIndex>;
 
 class Divider {
@@ -52,7 +52,7 @@ class Divider {
 
   void divide(std::uint8_t layer, const RecordsCell& cell, Keyed vectors) {
     if (vectors.size() <= most_ || cell.depth == kDeepestRecordsCell) {
-      // Only nearly coincident vectors can be too many here.
+      // Only vectors at almost the same position can exceed the limit here. Divides them among several chunks.
       for (; vectors.size() > most_; vectors = vectors.subspan(most_)) add(layer, cell, vectors.first(most_));
       add(layer, cell, vectors);
       return;
@@ -112,7 +112,7 @@ class RecordsEncoder {
  private:
   [[nodiscard]] bool cancelled() const { return options_.progress && options_.progress->cancelled; }
 
-  // Fills order_: indices of all vectors that can be sent, in progressive order.
+  // Fills order_ with the indices of all vectors that can be encoded, in progressive order.
   void list_vectors() {
     std::vector<std::uint32_t> sendable;
     for (std::size_t i = 0; i < vectors_.size(); ++i)
@@ -132,7 +132,7 @@ class RecordsEncoder {
       order_.push_back(sendable[i]);
   }
 
-  // Fills keys_: the depth-20 cell of each rank.
+  // Fills keys_ with the key of the depth-20 cell of each rank.
   void find_keys() {
     keys_.resize(order_.size());
     in_blocks(order_.size(), options_.threads, [&](std::size_t first, std::size_t last) {
@@ -185,7 +185,7 @@ class RecordsEncoder {
     chunk.payload.resize(kRecordsHeaderBytes + count * kRecordBytes);
     const auto records = std::span(chunk.payload).subspan(kRecordsHeaderBytes);
     pack_records(positions, normals, weights, colors, chunk.header.frame, records.data());
-    // From here on, use positions as the receiver decodes them.
+    // From here on, positions are as a decoder computes them.
     colors.resize(count);
     unpack_records(records, chunk.header.frame, positions.data(), normals.data(), weights.data(), colors.data());
     for (std::size_t k = 0; k < count; ++k) keys_[group.ranks[k]] = key_of(cube_.cell_of(positions[k], group.cell));

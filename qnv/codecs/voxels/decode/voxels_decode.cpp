@@ -22,7 +22,7 @@ class VolumeLevelDecoder {
     occupancy();
     first_child_.reserve(count_ + 1);
     for (const std::uint8_t mask : masks_) {
-      if (mask == 0) return false;  // a divided voxel must have children, so that nothing vanishes
+      if (mask == 0) return false;  // rejects a divided voxel without children, which would vanish
       first_child_.push_back(static_cast<std::uint32_t>(size_));
       size_ += static_cast<std::size_t>(std::popcount(static_cast<unsigned>(mask)));
     }
@@ -40,7 +40,7 @@ class VolumeLevelDecoder {
   }
 
  private:
-  // Decodes on a local copy, which stays in registers.
+  // Decodes with a local copy of the decoder, which stays in registers.
   void occupancy() {
     masks_.resize(count_);
     RansDecoder rans = rans_;
@@ -63,7 +63,7 @@ class VolumeLevelDecoder {
     rans_ = rans;
   }
 
-  // Calls work(parent, child's code, child) for every child.
+  // Calls work(parent, code of the child, child) for every child.
   template <class Work>
   void for_each_child(Work&& work) const {
     std::size_t next = 0;
@@ -171,7 +171,7 @@ std::variant<VolumeCluster, PackedError> decode_volume_cluster(std::span<const s
                          std::to_string(header.first + header.count - 1) + " of " + std::to_string(source->size())};
   }
   const VolumeParameters parameters = read_volume_parameters(payload);
-  // Copy, so that the decoder may read past the end.
+  // Copies the bytes, so that the entropy decoder may read past the end.
   std::vector<std::byte> bits(payload.begin() + kVolumeClusterHeaderSize, payload.end());
   const std::size_t size = bits.size();
   bits.resize(size + RansDecoder::kPadding);

@@ -12,7 +12,7 @@ std::uint32_t vectors_of(const VolumeCluster&, std::size_t, std::size_t count) {
   return static_cast<std::uint32_t>(count);
 }
 
-// Returns i with the order of its lowest `bits` bits reversed.
+// Returns `i` with its lowest `bits` bits in reverse order.
 std::uint64_t reversed(std::uint64_t i, int bits) {
   std::uint64_t out = 0;
   for (int bit = 0; bit < bits; ++bit) out |= (i >> bit & 1) << (bits - 1 - bit);
@@ -26,8 +26,7 @@ void permute(std::span<const std::uint32_t> order, std::vector<T>& values) {
   values = std::move(moved);
 }
 
-// Permutes vectors, which are stored in spatial order, by bit-reversed indices. Then every prefix covers all of them
-// evenly.
+// Reorders vectors from their spatial order by bit-reversed indices. Then every prefix covers the volume evenly.
 void spread(Volume& volume) {
   const std::size_t size = volume.size();
   const auto bits = static_cast<int>(std::bit_width(size));

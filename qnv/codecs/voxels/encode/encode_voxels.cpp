@@ -20,12 +20,13 @@
 namespace gs::qnv {
 namespace {
 
-// Maximum distance of a vector from its voxel's centre, in voxels; farther vectors are not on the lattice.
+// Maximum distance of a vector from the centre of its voxel, in voxel edges. A vector farther away is not on the
+// lattice.
 constexpr double kOffCentre = 0.05;
-// Assumed opacity: the default of viewers.
+// Opacity that the encoder assumes: the default of renderers.
 constexpr float kShownOpacity = 2;
 
-// Steps without visible differences at first sight, and those of `compact`.
+// Quantisation steps of the default, which cause no visible differences at first sight, and of `compact`.
 constexpr VoxelSteps kFine{20, 16, 6, {10, 10, 12}}, kCompact{28, 24, 8, {28, 28, 28}};
 
 float middle_weight(const Volume& volume) {
@@ -57,7 +58,8 @@ VoxelLattice lattice_of(const VolumeVectors& volume) {
   return lattice;
 }
 
-// Returns the vectors on the lattice, without those that cannot be drawn; empty if a vector is off the lattice.
+// Returns the vectors on the lattice, except those that cannot be drawn. Returns an empty list if a vector is not on
+// the lattice.
 std::vector<LatticeVector> on_lattice(const VolumeVectors& volume, const VoxelLattice& lattice) {
   const glm::dmat3 axes(lattice.axes[0], lattice.axes[1], lattice.axes[2]), to_index = glm::inverse(axes);
   std::array<glm::vec3, 3> unit_axes;
@@ -92,7 +94,7 @@ std::vector<LatticeVector> on_lattice(const VolumeVectors& volume, const VoxelLa
   return out;
 }
 
-// Returns the optical depth of each class under the stream's transfer function.
+// Returns the optical depth of each class, from the transfer function in `about`.
 std::vector<float> depths_of(const Description& about) {
   std::vector<float> depths;
   const std::vector<TransferPoint>& points = about.transfer;

@@ -11,19 +11,19 @@
 namespace gs::qnv {
 namespace {
 
-constexpr int kGridLevel = 6;      // 64 cells per axis
-constexpr float kMinSeen = 0.04f;  // users may clip away the outside to look in
+constexpr int kGridLevel = 6;  // level of the grid: 64 cells per axis
+constexpr float kMinSeen = 0.04f;  // minimum of TrueVoxel::seen; users may clip the volume to look inside
 constexpr int kDirections = 26;
 
 using Grid = std::vector<float>;
 
-// Returns one of the 26 directions to adjacent cells.
+// Returns one of the 26 directions to adjacent cells, by index.
 std::array<int, 3> direction_of(std::size_t number) {
   const int n = static_cast<int>(number) + (number >= 13 ? 1 : 0);
   return {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
 }
 
-// Returns the light that reaches each cell along one direction, from outside.
+// Returns for each cell the light that reaches it from outside along one direction.
 Grid light_along(const Grid& clear, int size, const std::array<int, 3>& d) {
   Grid light(clear.size(), 1.0f);
   const auto at = [&](int x, int y, int z) { return static_cast<std::size_t>((z * size + y) * size + x); };
@@ -50,7 +50,7 @@ void find_seen(std::span<TrueVoxel> voxels, const VoxelLattice& lattice, std::sp
     return (static_cast<std::size_t>(z) * static_cast<std::size_t>(size) + y) * static_cast<std::size_t>(size) + x;
   };
   Grid clear(static_cast<std::size_t>(size) * static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
-  const float face = std::ldexp(1.0f, -2 * shift);  // fraction of a cell's face that one vector covers
+  const float face = std::ldexp(1.0f, -2 * shift);  // fraction of a cell face that one vector covers
   for (const TrueVoxel& voxel : voxels) {
     const auto value = static_cast<std::size_t>(voxel.value + 0.5f);
     clear[cell_of(voxel)] += face * depth_of_class[std::min(value, depth_of_class.size() - 1)];
@@ -59,7 +59,7 @@ void find_seen(std::span<TrueVoxel> voxels, const VoxelLattice& lattice, std::sp
   std::array<Grid, kDirections> light;
   parallel_for(
       kDirections, [&](std::size_t i) { light[i] = light_along(clear, size, direction_of(i)); }, threads);
-  // Half of all directions lie in front of a surface.
+  // A surface receives light from half of all directions.
   for (TrueVoxel& voxel : voxels) {
     const std::size_t cell = cell_of(voxel);
     float sum = 0;

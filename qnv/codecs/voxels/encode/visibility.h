@@ -7,8 +7,8 @@
 
 namespace gs::qnv {
 
-/// Sets TrueVoxel::seen of the finest voxels: the approximate fraction of ambient light that reaches them.
-/// `depth_of_class` is the optical depth of a vector, by class.
+/// Sets TrueVoxel::seen of the finest voxels: the approximate fraction of the ambient light that reaches them.
+/// `depth_of_class` is the optical depth of a vector of each class.
 void find_seen(std::span<TrueVoxel> voxels, const VoxelLattice& lattice, std::span<const float> depth_of_class,
                unsigned threads);
 

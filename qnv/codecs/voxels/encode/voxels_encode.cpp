@@ -14,18 +14,18 @@
 namespace gs::qnv {
 namespace {
 
-// Maximum size of the first cluster; with the stream's header, it fits the first kilobyte.
+// Maximum size of the first cluster, in bytes. With the stream's header, it fits into the first kilobyte.
 constexpr std::size_t kFirstClusterBytes = 640;
 constexpr std::uint8_t kTrust = 3;
-// Number of finest levels with unweighted means.
+// Number of the finest levels in which means are not weighted by visibility.
 constexpr std::size_t kPlainLevels = 2;
 
-// Returns the weight of a voxel in a mean. In fine levels it is the number of vectors. In coarser levels, where inside
-// and outside merge, only the visible fraction counts.
+// Returns the weight of a voxel in a mean: the number of vectors, in the finest levels. In coarser levels, inside and
+// outside merge, so only the visible fraction counts.
 float share_of(const TrueVoxel& voxel, bool plain) { return plain ? voxel.vectors : voxel.vectors * voxel.seen; }
 
-// Returns the mean gradient. Opposite directions count as equal: the mean lies along the axis that most gradients
-// nearly follow.
+// Returns the mean gradient of voxels. Opposite gradients count as equal: the mean is along the axis that is closest to
+// most gradients.
 glm::vec3 mean_gradient(std::span<const TrueVoxel> voxels, bool plain) {
   glm::vec3 axis(0);
   for (const TrueVoxel& voxel : voxels) {
@@ -77,7 +77,7 @@ class VoxelsEncoder {
 
   [[nodiscard]] int deepest() const { return lattice_.depth; }
 
-  // Returns the first cluster, with as many levels as fit.
+  // Returns the first cluster, with the maximum number of levels that fits.
   [[nodiscard]] std::unique_ptr<VolumeNode> base() const {
     const std::size_t most =
         options_.max_bytes != 0 ? std::min(kFirstClusterBytes, options_.max_bytes) : kFirstClusterBytes;
@@ -103,7 +103,7 @@ class VoxelsEncoder {
     return best;
   }
 
-  // Divides all voxels of a node once, into clusters that fit.
+  // Divides all voxels of a node once, and encodes them in clusters that fit into a datagram.
   void divide(VolumeNode& node) const {
     const auto children = pyramid_.below(node.truth, node.level);
     VolumeParameters p = parameters();
@@ -130,7 +130,7 @@ class VoxelsEncoder {
 
   static double edge_below(int level) { return 1.0 / static_cast<double>(std::uint64_t{2} << level); }
 
-  // Returns one cluster that divides a run of a node's voxels.
+  // Returns one cluster that divides a run of the voxels of `node`.
   [[nodiscard]] std::unique_ptr<VolumeNode> divide_run(const VolumeNode& node, const VolumeSymbols& all,
                                                        const VolumeParameters& p, std::size_t first,
                                                        std::size_t count) const {

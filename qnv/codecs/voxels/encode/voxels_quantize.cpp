@@ -13,13 +13,14 @@
 namespace gs::qnv {
 namespace {
 
-// Worth of a bit, in squared steps of the octahedron: a direction is sent only if it improves the picture by more.
+// Worth of one bit, in squared quantisation steps of the octahedron. A direction is encoded only if the picture gains
+// more than the bits are worth.
 constexpr double kBitWorth = 0.25;
-// Dead zones: a value or magnitude with a smaller error, in steps, stays as predicted.
+// Dead zones: a value or magnitude keeps its prediction if the error is smaller. In quantisation steps.
 constexpr double kValueZone = 0.62, kMagnitudeZone = 0.75;
-// Gain of drawing a region twice as finely, relative to a direction error of one radian.
+// Gain of halving the voxel edge in a region, relative to a direction error of one radian.
 constexpr double kFinerWorth = 0.3;
-// Difference of values that counts as one radian.
+// Difference of values that counts as much as a direction error of one radian.
 constexpr double kValueSeen = 48;
 
 glm::vec3 unit_direction(int u, int v) {
@@ -40,7 +41,7 @@ OctahedralPoint point_of(const glm::vec3& direction) {
 
 double bits_of(int residual) { return residual == 0 ? 0.6 : 1.4 + 1.2 * std::abs(residual); }
 
-/// Residuals of a direction that are worth their bits, and the resulting direction.
+/// Residuals of a direction that are worth their bits, and the direction that they give.
 struct ChosenDirection {
   int du = 0, dv = 0, u = 0, v = 0;
 };
@@ -60,7 +61,7 @@ ChosenDirection choose_direction(const OctahedralPoint& expected, const glm::vec
   };
   consider(0, 0);
   if (least < worth * (bits_of(0) + bits_of(1))) return best;
-  // The octahedron's square continues beyond its edges.
+  // Also tests the images of the direction beyond the edges of the octahedral square.
   const OctahedralPoint t = point_of(truth);
   constexpr int kAround = 2 * kOctahedral;
   const std::array<OctahedralPoint, 5> images{
@@ -148,7 +149,7 @@ class VolumeQuantizer {
 
   [[nodiscard]] double gain(const TrueVoxel& voxel, const glm::vec3& truth, const glm::vec3& before,
                             const glm::vec3& after, int value_before, int value_after) const {
-    const auto turned = [&](const glm::vec3& d) {  // light reaches both sides
+    const auto turned = [&](const glm::vec3& d) {  // opposite directions count as equal
       return 1 - std::abs(static_cast<double>(glm::dot(truth, d)));
     };
     const auto off = [&](int value) { return std::abs(value - static_cast<double>(voxel.value)) / kValueSeen; };
@@ -170,13 +171,13 @@ void copy_run(const std::vector<T>& from, std::size_t first, std::size_t last, s
   to.assign(from.begin() + static_cast<std::ptrdiff_t>(first), from.begin() + static_cast<std::ptrdiff_t>(last));
 }
 
-constexpr int kMaxOdds = 256;  // in 1/16; exceeds every sum of table entries
+constexpr int kMaxOdds = 256;  // in 1/16; larger than every sum of table entries
 
 }  // namespace
 
 void fit_slopes(const VolumeVoxels& from, std::span<const std::span<const TrueVoxel>> below,
                 const VoxelLattice& lattice, VolumeParameters& p) {
-  // Least squares fit: children's values over the parent's direction, and directions over value differences.
+  // Two least-squares fits: values of children along the parent's direction, and directions along value differences.
   double along_value = 0, along_along = 0, rise_share = 0, rise_rise = 0;
   for (std::size_t i = 0; i < below.size(); ++i) {
     const std::array<int, 3> d = octahedral_normal(from.u[i], from.v[i]);
