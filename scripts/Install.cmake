@@ -1,11 +1,11 @@
-# What `cmake --install` puts where (the folders of the freedesktop specifications), and the Debian package of it by CPack.
-# scripts/package.sh builds that.
+# Rules for `cmake --install` (the folders of the freedesktop specifications), and for the Debian package by CPack.
+# scripts/package.sh builds the package.
 include(GNUInstallDirs)
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 
 set(desktop_name org.ghostspace.GhostSpace)
 set(made ${CMAKE_BINARY_DIR}/desktop)
-# FILE is written by `ghostspace ARGUMENTS`, of the program's own tables.
+# Generates FILE with `ghostspace ARGUMENTS`, from the program's own tables.
 function(ghostspace_makes file)
   add_custom_command(OUTPUT ${made}/${file} COMMAND ${CMAKE_COMMAND} -E make_directory ${made}
                      COMMAND ghostspace ${ARGN} > ${made}/${file}.new
@@ -28,7 +28,7 @@ find_program(GZIP_PROGRAM gzip REQUIRED)
 add_custom_command(OUTPUT ${made}/ghostspace.1.gz COMMAND ${GZIP_PROGRAM} -9nkf ${made}/ghostspace.1
                    DEPENDS ${made}/ghostspace.1 VERBATIM)
 set_property(GLOBAL APPEND PROPERTY ghostspace_made ${made}/ghostspace.1.gz)
-# A Debian package tells of its versions.
+# A Debian package contains a changelog.
 string(TIMESTAMP now "%a, %d %b %Y %H:%M:%S +0000" UTC)
 set(contact "GhostSpace <ghostspace@localhost>")
 file(WRITE ${made}/changelog "ghostspace (${PROJECT_VERSION}) stable; urgency=low\n\n  * Version ${PROJECT_VERSION}.\n\n\
@@ -71,8 +71,8 @@ set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR}/package)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-# What is opened at run time: rendering without a display, fonts and the network for all, the rest for sounds, movies and
-# 3D mice.
+# Libraries that are opened at run time. All users need rendering without a display, fonts and the network. The
+# recommended packages are for sounds, movies and 3D mice.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "libosmesa6, fonts-dejavu-core, libcurl4, libmicrohttpd12")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libgl1, libopenal1, libavcodec59, libavformat59, libswscale6, libfluidsynth3, \
 timgm6mb-soundfont, shared-mime-info, desktop-file-utils, xdg-utils, ca-certificates")

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# bench.sh [--quick] [--runs N]: writes the benchmark worlds into a cache folder, measures GhostSpace's parser on them and,
-# where other programs are installed (PEERS_HOME, default ~/.cache/ghostspace-peers), those too, in the same run.
-# Prints markdown tables; docs/benchmarks.md tells what they mean. --quick leaves out what takes minutes.
+# bench.sh [--quick] [--runs N]: writes the benchmark worlds to a cache folder and measures GhostSpace's parser with
+# them. Also measures other programs if they are installed (PEERS_HOME, default ~/.cache/ghostspace-peers), in the same
+# run. Prints Markdown tables; docs/benchmarks.md explains them. --quick leaves out measurements that take minutes.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -24,7 +24,7 @@ done
 build=$root/build/release
 ghostspace=$build/ghostspace
 
-# The worlds are made again when the program that writes them has changed.
+# Write the worlds again if the program that writes them has changed.
 if [ ! "$cache/complete" -nt "$build/bench/bench_inputs" ]; then
   "$build/bench/bench_inputs" "$cache"
   touch "$cache/complete"
@@ -37,11 +37,11 @@ scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 now() { date +%s.%N; }
 
-# The median of the numbers on standard input; - when there are none.
+# Prints the median of the numbers on standard input, or - if there are none.
 median() {
   sort -g | awk '{ v[NR] = $1 } END { if (!NR) print "-"; else if (NR % 2) print v[(NR + 1) / 2]; else print (v[NR / 2] + v[NR / 2 + 1]) / 2 }'
 }
-# Wall-clock seconds of a command; nothing when it fails or takes longer than LIMIT seconds.
+# Prints the elapsed seconds of a command. Prints nothing if it fails or takes longer than LIMIT seconds.
 wall() {
   local start end
   start=$(now)
@@ -50,7 +50,7 @@ wall() {
   awk -v a="$start" -v b="$end" 'BEGIN { printf "%.3f\n", b - a }'
 }
 
-# Each contender prints the seconds that one parse of FILE took, or nothing.
+# The parse_ functions print the seconds that a program needs to parse FILE, or nothing.
 parse_ghostspace() {
   timeout -k 2 120 "$ghostspace" check --stats "$scratch/check.json" "$1" >/dev/null 2>&1 || true
   grep -oE '"parse_s": *[0-9.e+-]+' "$scratch/check.json" 2>/dev/null | sed 's/.*: *//'
@@ -62,14 +62,14 @@ parse_three_node() {
   PEERS_HOME=$peers timeout -k 2 120 node --max-old-space-size=12000 "$shared/peers/tools/three-node.mjs" "$1" 2>/dev/null |
     grep 'ok=true' | grep -oE 'parse [0-9.]+' | cut -d' ' -f2
 }
-# From the start of the program to its picture in a file, 1024x768.
+# The picture_ functions print the seconds from the start of a program to its picture in a file, 1024x768.
 picture_ghostspace() { wall "$ghostspace" --snapshot "$scratch/picture.png" --samples 1 --timeout 120 "$1"; }
 picture_coin() { wall with_display "$peers/bin/coin-tool" "$1" "$scratch/picture.png"; }
 picture_vtk() { wall with_display "$peers/bin/vtk-tool" "$1" "$scratch/picture.png"; }
 picture_view3dscene() {
   wall with_display view3dscene --hide-extras --no-sound --geometry 1024x768+0+0 --screenshot 0 "$scratch/picture.png" "$1"
 }
-# `timeout` needs a program, not a function: the display is set for all.
+# `timeout` can only run a program, not a function. This program sets the display.
 cat >"$scratch/with_display" <<'END'
 #!/bin/sh
 DISPLAY=$BENCH_DISPLAY LIBGL_ALWAYS_SOFTWARE=1 exec "$@"
@@ -85,7 +85,7 @@ if [ -d "$peers/npm/node_modules/three" ] && [ -f "$shared/peers/tools/three-nod
 fi
 if [ -d "$peers" ] && command -v view3dscene >/dev/null; then painters+=(view3dscene); fi
 
-# What is known to take minutes, or gigabytes, and is left out.
+# Returns true for pairs of program and world that take minutes or gigabytes. They are left out.
 too_slow() {
   case $1-$2 in
     three_node-grid4m | view3dscene-grid4m | view3dscene-nodes20k | view3dscene-proto5k | vtk-nodes20k) return 0 ;;
@@ -94,7 +94,7 @@ too_slow() {
   esac
 }
 
-# table WHAT CONTENDER...: medians of interleaved runs, one row a world.
+# table WHAT CONTENDER...: prints medians of interleaved runs, one row per world.
 table() {
   local what=$1 world contender run cells
   shift
@@ -122,7 +122,7 @@ echo
 "$build/bench/parse_bench" --markdown --runs "$runs" "${files[@]}"
 echo
 if [ ${#painters[@]} -gt 1 ] && command -v Xvfb >/dev/null; then
-  # Xvfb picks a free number and writes it down.
+  # Xvfb chooses a free display number and writes it to a file.
   Xvfb -displayfd 3 -screen 0 1280x1024x24 +extension GLX -nolisten tcp 3>"$scratch/display" >/dev/null 2>&1 &
   display_server=$!
   trap 'kill "$display_server" 2>/dev/null || true; rm -rf "$scratch"' EXIT

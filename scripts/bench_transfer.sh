@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # bench_transfer.sh [--quick] [--model FILE] [OPTION...]: measures bench/transfer on emulated links and prints Markdown
-# tables; docs/benchmarks.md tells what they mean. All of it takes about twenty minutes; --quick does one link with and
-# without loss. Other options go to bench/transfer, which lists them when it is given a wrong one. Needs root, or
-# `unshare -r` where that is allowed; nothing of it is seen outside of the namespaces that it makes.
+# tables. docs/benchmarks.md explains them. A full run takes about twenty minutes; --quick measures one link with and
+# without loss. Other options go to bench/transfer, which lists its options if one is wrong. Needs root, or `unshare -r`
+# if permitted. Has no effect outside of its network namespaces.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -25,7 +25,7 @@ done
 (cd "$root" && cmake --preset release >/dev/null && cmake --build --preset release --target ghostspace transfer lod_bench) >&2
 build=$root/build/release
 
-# A packed stream of 50 MB, made once: a minute, and 13 GB of memory.
+# Make a packed stream of 50 MB once. This takes a minute and 13 GB of memory.
 if [ ! -e "$archive" ]; then
   if [ "$(awk '/^MemAvailable/ { print int($2 / 1e6) }' /proc/meminfo)" -ge 15 ]; then
     "$build/bench/lod_bench" --vectors 65 --frames 1 --folder "$cache" >/dev/null

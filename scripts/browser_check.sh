@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
-# browser_check.sh [FOLDER]: proves that a click in a web browser opens a scene in GhostSpace while it comes. Under Xvfb, for
-# Firefox ESR and Chromium as far as they are installed, on a page of `ghostspace serve` and on one of nginx: a click on a
-# link file, and on nginx' page one on a ghostspace: URL. It asserts that the browser fetched the link and not the scene,
-# that GhostSpace fetched the scene, that one window opened, with the scene's name, and that the next click came to the same
-# window. Pictures of the screen go to FOLDER (default: a new one, named at the end). Status 0: all is well.
+# browser_check.sh [FOLDER]: checks that a click in a web browser opens a scene in GhostSpace while the scene loads.
+# Runs under Xvfb with Firefox ESR and Chromium, if they are installed. Clicks on link files on pages of `ghostspace
+# serve` and of nginx, and on a ghostspace: URL on the page of nginx.
+#
+# Checks that the browser fetched the link but not the scene, and that GhostSpace fetched the scene. Checks that one
+# window opened with the scene's name, and that the next click used this window. Screenshots go to FOLDER (default: a
+# new folder, printed at the end). Exits with 0 if all checks pass.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -26,7 +28,7 @@ trap leave EXIT
 failures=0
 wrong() { echo "WRONG: $1"; failures=$((failures + 1)); }
 verify() { if [ "$2" = "$3" ]; then echo "ok: $1"; else wrong "$1: expected '$2', found '$3'"; fi; }
-# Until COMMAND succeeds, for SECONDS at most.
+# Repeats COMMAND until it succeeds, at most for SECONDS.
 until_true() {
   local end=$((SECONDS + $1))
   shift
@@ -37,15 +39,15 @@ until_true() {
   return 1
 }
 
-# A user of his own, for whom GhostSpace is installed.
+# Use a separate user folder, in which GhostSpace is installed.
 export HOME=$work/home XDG_RUNTIME_DIR=$work/runtime XDG_DATA_HOME=$work/home/.local/share XDG_CONFIG_HOME=$work/home/.config
 export XDG_CACHE_HOME=$work/home/.cache
 unset DBUS_SESSION_BUS_ADDRESS WAYLAND_DISPLAY
-# A desktop whose tools know types by shared-mime-info (gio), as all of them do; without one xdg-open asks file(1).
+# Choose a desktop with tools that use shared-mime-info (gio), as all desktops do. Otherwise xdg-open would ask file(1).
 export XDG_CURRENT_DESKTOP=GNOME
 mkdir -p "$XDG_RUNTIME_DIR" "$XDG_DATA_HOME"/{applications,mime/packages} "$XDG_CONFIG_HOME" "$XDG_CACHE_HOME" "$HOME/bin"
 chmod 700 "$XDG_RUNTIME_DIR"
-# What was clicked on is told to the program in these very words.
+# Log the arguments with which the browser starts the program.
 printf '#!/bin/sh\nprintf "%%s\\n" "$*" >>"%s"\nexec "%s" "$@" 2>>"%s"\n' "$work/calls" "$ghostspace" "$work/ghostspace.log" \
   >"$HOME/bin/ghostspace"
 chmod +x "$HOME/bin/ghostspace"
@@ -59,7 +61,7 @@ for type in application/x-ghostspace-link x-scheme-handler/ghostspace; do
   xdg-mime default org.ghostspace.GhostSpace.desktop $type
 done
 
-# The scenes: two streams with names of their own.
+# Scenes: two streams with different names.
 site=$work/site
 mkdir -p "$site"
 "$ghostspace" encode --vectors 60000 "$root/assets/worlds/demo-boat.wrl" "$site/boat.qnv"
@@ -78,7 +80,7 @@ started+=($!)
 until_true 20 grep -q 'serving .* on http' "$work/serve.err"
 serve_url=$(sed -n 's#.* on \(http://[^ ]*/\).*#\1#p' "$work/serve.err" | head -1)
 
-# nginx, with a page of its own: link files that lie beside it, and a URL of the scheme.
+# nginx serves a page with link files from its folder, and with a URL of the scheme.
 port=$((20000 + $$ % 20000))
 mkdir -p "$work/nginx" "$work/www"
 cp "$site/boat.qnv" "$site/second.wrl" "$work/www/"
@@ -103,7 +105,7 @@ nginx -c "$work/nginx.conf" -p "$work/nginx" 2>/dev/null &
 started+=($!)
 until_true 20 curl -sf -o /dev/null "$nginx_url" || { echo "browser_check.sh: nginx does not start" >&2; exit 2; }
 
-# A user who has told his browser once that such links are GhostSpace's.
+# Makes a browser profile of a user who has confirmed once that GhostSpace opens such links.
 profile() {
   case $1 in
     firefox-esr)
@@ -149,8 +151,8 @@ browse() { # BROWSER URL
   browser=$!
   started+=("$browser")
 }
-# The link whose words these are, found by the browser's own search: Enter follows what is found. A busy machine takes
-# seconds to open the search: what is typed before would go to the page.
+# Finds a link by its text with the browser's search. Enter then follows the link. A busy machine takes seconds to open
+# the search; earlier key presses would go to the page.
 click_link() { # BROWSER_WINDOW WORDS
   local busy
   busy=$(awk -v cores="$(nproc)" '{ pause = $1 / cores; print (pause < 1 ? 1 : pause > 6 ? 6 : pause) }' /proc/loadavg)
@@ -170,7 +172,7 @@ ghostspace_windows() { xdotool search --onlyvisible --class '^GhostSpace$' 2>/de
 titled() { xdotool search --onlyvisible --name "$1.*GhostSpace" >/dev/null 2>&1; }
 page_is_there() { xdotool search --onlyvisible --name "$1" >/dev/null 2>&1; }
 page_is_there_or_gone() { page_is_there "$1" || ! kill -0 "$2"; }
-# Ends the browser and takes its profile away: the next one must neither find its window nor a profile in use.
+# Ends the browser and removes its profile. The next browser must find neither a window nor a profile in use.
 close_browser() {
   kill "$browser" 2>/dev/null || true
   wait "$browser" 2>/dev/null || true
@@ -184,7 +186,7 @@ try() { # BROWSER SERVER URL TITLE_OF_PAGE LOG
   : >"$log"
   profile "$1"
   browse "$1" "$3"
-  # The first start of a browser takes minutes of a busy machine: as long as it lives, its page may come.
+  # The first start of a browser can take minutes on a busy machine. Wait for its page while it runs.
   if ! until_true 240 page_is_there_or_gone "$4" "$browser" || ! page_is_there "$4"; then
     import -window root "$pictures/$name-page.png"
     wrong "$name: the page does not show (see $pictures/$name-page.png)"

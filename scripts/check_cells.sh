@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Shows that Wireshark understands our cells: has tshark decode what a server of cells sends as ATM cells behind an
-# MPLS label (RFC 7510, RFC 4717 N-to-one mode), and counts them by VPI and VCI.
-#   scripts/check_cells.sh CAPTURE.pcap [PORT]    a capture; PORT if the server used another than 6635
-#   scripts/check_cells.sh --hex FILE [PORT]      datagrams in the form of `od -Ax -tx1`, which text2pcap makes a capture of
-#   scripts/check_cells.sh --live PORT SECONDS    captures on loopback (needs the right to capture)
-# Fails if there were no cells, or if tshark found fault with one.
+# Checks that Wireshark decodes our cells. tshark decodes datagrams of a cell server as ATM cells after an MPLS label
+# (RFC 7510, RFC 4717 N-to-one mode). Prints the number of cells by VPI and VCI.
+#   scripts/check_cells.sh CAPTURE.pcap [PORT]    a capture; PORT if the server does not use 6635
+#   scripts/check_cells.sh --hex FILE [PORT]      datagrams in the format of `od -Ax -tx1`; text2pcap converts them
+#   scripts/check_cells.sh --live PORT SECONDS    captures on loopback (needs the permission to capture)
+# Fails if there are no cells, or if tshark reports an error in one.
 set -euo pipefail
 label=1000
 folder=$(mktemp -d)

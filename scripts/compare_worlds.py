@@ -1,10 +1,11 @@
 #!/usr/bin/python3
-"""compare_worlds.py [LIST [OUT]]: our pictures of worlds beside those of two other browsers, in numbers and on sheets.
+"""compare_worlds.py [LIST [OUT]]: compares our pictures of worlds with those of two other browsers.
 
-LIST names worlds below --worlds, a line each (default: scripts/compare_worlds.txt). OUT (default: build/compare) gets
-figures.tsv, the pictures and sheet-N.png. Every browser gets the same file: a world without a Viewpoint or a Background
-is copied, among links to its neighbours, with one that frames it, and a black one. Needs python3-numpy and python3-pil of Debian, and for the other
-browsers the script peer-snapshot.sh beside the worlds (or --peer-snapshot) with what it asks for.
+LIST names worlds below --worlds, one per line (default: scripts/compare_worlds.txt). OUT (default: build/compare) gets
+figures.tsv, the pictures and sheet-N.png. All browsers get the same file. If a world has no Viewpoint or Background, a
+copy gets a Viewpoint that frames it, or a black Background; links next to the copy lead to the files of its folder. Needs
+python3-numpy and python3-pil of Debian. The other browsers need the script peer-snapshot.sh next to the worlds (or
+--peer-snapshot) and its requirements.
 """
 import argparse
 import json
@@ -38,7 +39,7 @@ def arguments():
 
 
 def framing(box):
-    """Position and orientation of a Viewpoint that sees all of a box, from above and from the right."""
+    """Returns position and orientation of a Viewpoint that sees all of a box, from above and from the right."""
     lower, upper = numpy.array(box["lower"]), numpy.array(box["upper"])
     centre, radius = (lower + upper) / 2, max(float(numpy.linalg.norm(upper - lower)) / 2, 1e-6)
     back = numpy.array([0.5, 0.4, 1.0])
@@ -54,14 +55,14 @@ def framing(box):
 
 
 def links_to(folder, to):
-    """A tree of links to all files of a folder."""
+    """Makes a tree of links to all files of a folder."""
     if not os.path.isdir(to):
         os.makedirs(os.path.dirname(to), exist_ok=True)
         subprocess.run(["cp", "-rs", folder, to], check=True)
 
 
 def completed(options, world):
-    """The path of a world that binds a Viewpoint and a Background: browsers agree on neither where there is none."""
+    """Returns the path of the world with a Viewpoint and a Background, because browsers have different defaults."""
     source = os.path.join(options.worlds, world)
     with open(source, "rb") as file:
         text = file.read()
@@ -86,7 +87,7 @@ def completed(options, world):
 
 
 def draw(options, path, world, name):
-    """All pictures of a world, by browser; what could not be drawn is missing."""
+    """Returns the pictures of a world by browser. Omits browsers that could not draw it."""
     pictures = {}
     for browser in ["ghostspace", *options.peers.split(",")]:
         out = os.path.join(options.out, "pictures", f"{name}-{browser}.png")
@@ -108,18 +109,18 @@ def draw(options, path, world, name):
 
 
 def half(image):
-    """Half as large: what smooths edges and what does not come closer."""
+    """Returns the image at half its size, so that anti-aliased and other edges differ less."""
     return numpy.asarray(image.resize((WIDTH // 2, HEIGHT // 2), Image.Resampling.BOX), dtype=numpy.int16)
 
 
 def silhouette(pixels):
-    """What is not of the colour that its row has at the picture's borders: all of what is drawn, before most skies."""
+    """Returns the pixels that differ from the border pixels of their row: the objects in front of most skies."""
     sides = numpy.stack([numpy.abs(pixels - pixels[:, column : column + 1]).max(axis=2) > 8 for column in (2, -3)])
     return sides.all(axis=0)
 
 
 def figures(ours, theirs):
-    """Mean difference (of 255), share of pixels that differ by more than 24 in a channel, overlap of silhouettes."""
+    """Returns mean difference (of 255), share of pixels with a channel off by more than 24, and overlap of silhouettes."""
     difference = numpy.abs(ours - theirs)
     a, b = silhouette(ours), silhouette(theirs)
     union = (a | b).sum()
@@ -128,7 +129,7 @@ def figures(ours, theirs):
 
 
 def sheet(rows, browsers, path):
-    """A row a world: the pictures, and where each differs from ours."""
+    """Draws sheets with one row per world: the pictures, and their differences from ours."""
     width, height, label = 256, 192, 14
     page = Image.new("RGB", (width * (2 * len(browsers) - 1), (height + label) * len(rows)), (40, 40, 40))
     pen = ImageDraw.Draw(page)

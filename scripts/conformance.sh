@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
-# Makes docs/conformance.md from docs/conformance.tsv, the table of the rules of VRML97, and the names of the cases in
-# tests/, and prints how many rules pass, fail and are not done.
+# Makes docs/conformance.md from docs/conformance.tsv (the table of the rules of VRML97) and the names of cases in
+# tests/. Prints how many rules pass, fail and are not done.
 #
 #   scripts/conformance.sh            writes docs/conformance.md
-#   scripts/conformance.sh --check    writes nothing, and fails if it is not what would be written
+#   scripts/conformance.sh --check    writes nothing; fails if the file is out of date
 #
-# Status 1 where a row has no state, or is marked pass without a test that exists.
+# Exits with 1 if a row has no state, or is marked pass without an existing test.
 set -eu
 cd "$(dirname "$0")/.."
-# The standard library is enough; without site packages Python starts sooner.
+# The standard library is sufficient. Without site packages, Python starts faster.
 exec python3 -I -S - "$@" <<'PYTHON'
 import collections, fnmatch, pathlib, re, sys
 
@@ -17,7 +17,7 @@ KINDS = ["static", "dynamic", "navigation", "script", "sound"]
 STATES = ["pass", "fail", "not done"]
 problems = []
 
-# The names of all cases, and the files that they stand in. A name may be cut into several literals.
+# Names of all cases, with the files that contain them. A name may consist of several literals.
 cases = collections.defaultdict(set)
 literal = r'"(?:[^"\\]|\\.)*"'
 for file in sorted(pathlib.Path("tests").rglob("*.cpp")):

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Draws the pictures of docs/images that show how streams refine. Usage: scripts/contact_sheets.sh DATA [OUT]
-# DATA holds meshes/scans, meshes/odedstein and volumes/cthead as docs/benchmarks.md names them.
+# contact_sheets.sh DATA [OUT]: draws the pictures in docs/images that show how streams are refined. DATA contains
+# meshes/scans, meshes/odedstein and volumes/cthead (docs/benchmarks.md).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 data=${1:?the folder with the test data}
@@ -23,7 +23,7 @@ for model in scans/bun_zipper.ply odedstein/koala.obj scans/armadillo.obj; do
 done
 "$sheet" 4 "$out/prefixes.png" "${pictures[@]}"
 
-# The scan lies on its back, the face towards -y, the crown towards -z.
+# The scan lies on its back: the face looks to -y, and the top of the head is at -z.
 cat > "$work/head.wrl" <<'WORLD'
 #VRML V2.0 utf8
 Transform {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""draw_icons.py FOLDER: draws the program's icon into a folder laid out as the freedesktop icon theme wants it
-(hicolor/SIZExSIZE/apps/NAME.png and hicolor/scalable/apps/NAME.svg). One description, below, makes all of them.
-Needs nothing but Python."""
+"""draw_icons.py FOLDER: draws the program's icon into a folder with the layout of a freedesktop icon theme
+(hicolor/SIZExSIZE/apps/NAME.png and hicolor/scalable/apps/NAME.svg). One description, below, gives all sizes.
+Needs only Python."""
 import math
 import os
 import struct
@@ -11,8 +11,8 @@ import zlib
 NAME = 'org.ghostspace.GhostSpace'
 SIZES = (16, 22, 24, 32, 48, 64, 128, 256, 512)
 
-# The drawing: polygons in a square of 64, the first at the bottom, each filled with a gradient from its top to its end
-# (red, green, blue, opacity from 0 to 1 at each).
+# Drawing: polygons in a square of side 64, lowest polygon first. Each has a gradient from its top to its bottom, given
+# as (red, green, blue, opacity from 0 to 1) for both ends.
 
 
 def arc(cx, cy, rx, ry, begin, end, steps=48):
@@ -31,14 +31,14 @@ def turned(points, degrees, cx=32, cy=32):
 
 
 def ring(begin, end):
-    """A part of an orbit about the ghost: between two ellipses, tilted."""
+    """Returns a part of the orbit around the ghost: a band between two tilted ellipses."""
     outer = arc(32, 37, 28.5, 8.6, begin, end)
     inner = arc(32, 36.8, 26.0, 6.6, end, begin)
     return turned(outer + inner, -14)
 
 
 def ghost():
-    """Round above, three waves below."""
+    """Returns the outline of the ghost: round at the top, with three waves at the bottom."""
     hem = [(46 - 28 * t / 60, 52 + 2.4 * math.cos(math.radians(t / 60 * 1080))) for t in range(61)]
     return arc(32, 26, 14, 14, 180, 0) + hem
 
@@ -68,7 +68,7 @@ def svg():
 
 
 def cover(points, size, rows_a_pixel=4):
-    """How much of each pixel a polygon covers: rows of (first column, shares)."""
+    """Returns the coverage of each pixel by a polygon, as rows of (first column, shares)."""
     scale = size / 64
     polygon = [(x * scale, y * scale) for x, y in points]
     edges = list(zip(polygon, polygon[1:] + polygon[:1]))

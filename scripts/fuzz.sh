@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
-# fuzz.sh [--jobs N] [--nobuild] MINUTES [TARGET...]: builds the libFuzzer programs with clang and shares MINUTES among all
-# targets (those of tests/fuzz, one for every row of the tables of contents, volumes and images and for what comes over the
-# network), N of them at once (1). Each starts from its corpus in tests/fuzz/corpus, from what it found in earlier runs and
-# from a dictionary of the words in its corpus. Prints a table; what was found is kept in build/fuzz/findings/ROOM/TARGET
-# and makes the script fail: mend it, and move the file to the target's corpus under a name that says what it is.
+# fuzz.sh [--jobs N] [--nobuild] MINUTES [TARGET...]: builds the libFuzzer programs with clang and divides MINUTES among
+# all targets of tests/fuzz, N at a time (1). There is a target for each row of the tables of content types, volumes and
+# images, and for each kind of network data.
+#
+# A target starts from its corpus in tests/fuzz/corpus, from findings of earlier runs, and from a dictionary of the
+# words in its corpus. Prints a table. Keeps findings in build/fuzz/findings/ROOM/TARGET and then fails. After a fix,
+# move the file to the corpus of the target. Its new name must say what it is.
 set -euo pipefail
 
 fail() { echo "fuzz.sh: $1" >&2; exit 2; }
@@ -43,7 +45,7 @@ export seconds=$((minutes * 60 * jobs / ${#targets[@]})) results
 [ "$seconds" -gt 0 ] || export seconds=1
 echo "${#targets[@]} targets, $seconds seconds each, $jobs at once"
 
-# Fuzzes one target until its time is over; what it finds ends a run of libFuzzer, and another begins.
+# Fuzzes one target until its time is over. A finding ends a run of libFuzzer; then another run begins.
 run_target() {
   local room=$1 name=$2 most=$3
   local work=$fuzz/inputs/$room/$name found=$fuzz/findings/$room/$name log=$results/$room.$name.log
@@ -52,7 +54,7 @@ run_target() {
   [ "$room" != vrml ] || seeds+=("$root/tests/vrml/good" "$root/tests/vrml/bad")
   {
     find "${seeds[@]}" -type f -exec grep -aohE '[A-Za-z_][A-Za-z0-9_:.-]{1,30}' {} +
-    # Every name of the node table, and the keywords of Annex A.
+    # Add each name of the node table, and the keywords of Annex A.
     if [[ $name == worlds || $name == vrml97 ]]; then
       "$fuzz/ghostspace" nodes --wrl | grep -oE '[A-Za-z][A-Za-z0-9_]+'
       printf '%s\n' DEF USE ROUTE TO PROTO EXTERNPROTO IS NULL TRUE FALSE

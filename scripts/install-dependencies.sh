@@ -1,7 +1,6 @@
 #!/usr/bin/env bash
-# install-dependencies.sh [PACKAGE...]: installs the Debian 12 packages that GhostSpace is built from, and those that are
-# named, as far as they are missing.
-# Needs no network and no root when nothing is missing.
+# install-dependencies.sh [PACKAGE...]: installs the missing Debian 12 packages that GhostSpace needs, and the given
+# packages. Needs neither network nor root if no package is missing.
 set -euo pipefail
 
 packages=(
@@ -13,17 +12,17 @@ packages=(
   libglm-dev libfast-float-dev nlohmann-json3-dev libtinygltf-dev
   # images and compression
   libpng-dev libjpeg62-turbo-dev libgif-dev zlib1g-dev libzstd-dev
-  # movies and sounds: headers, and what is opened when the first one is read
+  # movies and sounds: headers, and libraries that are opened at run time
   libavutil-dev libavcodec-dev libavformat-dev libswscale-dev
   # sound devices; MIDI, with a sound font
   libopenal-dev libfluidsynth3 timgm6mb-soundfont
-  # fonts: shaping, and one font at least
+  # fonts: shaping, and at least one font
   libfreetype-dev libfontconfig-dev libharfbuzz-dev libfribidi-dev fonts-dejavu-core
   # volumes
   libexpat1-dev
   # network
   libcurl4-openssl-dev libisal-dev libmicrohttpd-dev
-  # programs of worlds
+  # Scripts
   libmozjs-102-dev pkg-config
   # OpenGL headers; rendering without a display
   libgl-dev libosmesa6-dev libosmesa6
@@ -43,7 +42,7 @@ fi
 
 missing=()
 for package in "${packages[@]}"; do
-  # shellcheck disable=SC2016  # the format is dpkg-query's own
+  # shellcheck disable=SC2016  # dpkg-query expands the format itself
   state=$(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null || true)
   [ "$state" = installed ] || missing+=("$package")
 done

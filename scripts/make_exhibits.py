@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""make_exhibits.py GHOSTSPACE FOLDER: makes what the demo world exhibits as streams, by formulas and GHOSTSPACE's encoder:
-demo-pod.qnv, a surface; demo-orbital.qnv, a volume; demo-rock.qnv, outline groups. Needs nothing but Python."""
+"""make_exhibits.py GHOSTSPACE FOLDER: computes the streams of the demo world and encodes them with GHOSTSPACE:
+demo-pod.qnv, a surface; demo-orbital.qnv, a volume; demo-rock.qnv, outline groups. Needs only Python."""
 import math
 import os
 import subprocess
@@ -15,8 +15,8 @@ def write_obj(path, vertices, faces):
 
 
 def pod(path, rows=150, around=300):
-    """A seed pod: a ball drawn out above, with ridges that wind around it and a grain upon them; closed."""
-    def at(across, up):  # across: around the axis; up: 0 below to pi above
+    """Returns a closed seed pod: a ball with a long top, with grained ridges that wind around it."""
+    def at(across, up):  # across: angle around the axis; up: 0 (bottom) to pi (top)
         wind = across + 1.1 * math.sin(up) - 0.5 * up
         ridges = abs(math.cos(4.5 * wind)) ** 0.7
         grain = math.sin(34 * up) * math.sin(36 * wind)
@@ -38,7 +38,7 @@ def pod(path, rows=150, around=300):
 
 
 def orbital(path, n=64, reach=24.0):
-    """The wave function of an electron of hydrogen, n = 3, l = 2, m = 0, in Bohr radii: 128 is zero."""
+    """Returns the wave function of hydrogen's electron, n = 3, l = 2, m = 0, in Bohr radii. 128 means zero."""
     def wave(x, y, z):
         r = math.sqrt(x * x + y * y + z * z)
         return (3 * z * z - r * r) * math.exp(-r / 3)
@@ -55,7 +55,7 @@ def orbital(path, n=64, reach=24.0):
 
 
 def rock(path, n=26):
-    """Basalt: columns of hexagons, each as high as its place on a hill, with flat tops."""
+    """Returns basalt: hexagonal columns with flat tops, each as high as a hill at its position."""
     def hill(x, y):
         peaks = ((0, 0, 1.0, 0.34), (-0.42, 0.25, 0.55, 0.22), (0.45, -0.2, 0.62, 0.2), (0.2, 0.55, 0.3, 0.18))
         high = max(h * math.exp(-((x - a) ** 2 + (y - b) ** 2) / (2 * s * s)) for a, b, h, s in peaks)
@@ -75,7 +75,7 @@ def rock(path, n=26):
             top = [(a, high + lean * (a - x) / step, -b) for a, b in reversed(corners)]
             foot = [(a, -0.05, -b) for a, b in reversed(corners)]
             for face in [top] + [[foot[k], foot[(k + 1) % 6], top[(k + 1) % 6], top[k]] for k in range(6)]:
-                faces.append(tuple(range(len(vertices), len(vertices) + len(face))))  # each alone: edges are sharp
+                faces.append(tuple(range(len(vertices), len(vertices) + len(face))))  # own vertices, for sharp edges
                 vertices += face
     write_obj(path, vertices, faces)
 

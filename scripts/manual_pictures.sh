@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# manual_pictures.sh [NAME...]: makes the pictures of docs/manual.md anew, docs/images/manual/NAME.png (all, or those that are
-# named), and its table of keys, from the program as it is. Worlds are those of assets/ and a volume that is computed here, so
-# that a clean checkout has all it needs. Windows are shown under Xvfb, driven by xdotool and taken by ImageMagick's import.
-# GHOSTSPACE: the program, in the place of build/release/ghostspace. OUT: another folder for pictures.
+# manual_pictures.sh [NAME...]: makes the pictures of docs/manual.md, docs/images/manual/NAME.png (default: all), and
+# its table of keys, with the present program. The worlds are in assets/; a volume is computed here. So a clean checkout
+# is sufficient. Windows run under Xvfb. xdotool controls them, and ImageMagick's import takes the pictures. GHOSTSPACE:
+# program instead of build/release/ghostspace. OUT: other folder for the pictures.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -27,14 +27,14 @@ leave() {
   rm -rf "$work"
 }
 trap leave EXIT
-# A user who has nothing yet, and no desktop whose dialogs would open.
+# Use an empty user folder, and no desktop that would open its own dialogs.
 export HOME=$work/home XDG_RUNTIME_DIR=$work/runtime XDG_CONFIG_HOME=$work/home/.config XDG_STATE_HOME=$work/home/.state
 export XDG_CACHE_HOME=$work/home/.cache
 unset DBUS_SESSION_BUS_ADDRESS WAYLAND_DISPLAY XDG_CURRENT_DESKTOP
 cd "$work"
 cp "$worlds"/*.wrl "$worlds"/*.qnv .
 
-# A molecule of twelve atoms in a ring, as a density of 64 x 64 x 64 voxels.
+# Compute a molecule of twelve atoms in a ring, as a density of 64 x 64 x 64 voxels.
 awk 'BEGIN {
   print "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 64 64 64\nspacings: 0.25 0.25 0.25\nencoding: ascii\n"
   for (k = 0; k < 6; k++) { a = k * 1.0471975512; s = sin(a); c = cos(a)
@@ -48,10 +48,10 @@ awk 'BEGIN {
     print line } }' >molecule.nrrd
 
 small() { convert "$1" -dither FloydSteinberg -colors 256 -strip PNG8:"$out/$2.png"; }
-# draw OUT [OPTION...]: a picture without a window.
+# draw OUT [OPTION...]: makes a picture without a window.
 draw() { "$ghostspace" --snapshot "$1" --backend osmesa "${@:2}"; }
 
-# show WIDTHxHEIGHT [ARGUMENT...]: opens a window, and waits until it stands still.
+# show WIDTHxHEIGHT [ARGUMENT...]: opens a window, and waits until it no longer changes.
 show() {
   if [ -z "$display" ]; then
     exec 9<>"$work/number"
@@ -69,7 +69,7 @@ show() {
   rest
 }
 shot() { import -window root -crop "$size+0+0" +repage "$work/$1"; }
-# Until nothing moves any more, 20 seconds at most; a world that moves gets these.
+# Waits until nothing moves, at most 20 seconds. A world that always moves gets all of them.
 rest() {
   local before=''
   for _ in $(seq "${1:-14}"); do
@@ -89,7 +89,7 @@ drag() {
   xdotool mouseup 1
   rest 6
 }
-# take NAME: keeps what the window shows, and closes it.
+# take NAME: saves the content of the window, and closes the window.
 take() {
   shot taken.png
   small "$work/taken.png" "$1"
@@ -101,7 +101,7 @@ take() {
 
 picture_window() {
   show 900x560 demo.wrl
-  click 71 13 # the View menu
+  click 71 13 # View menu
   take window
 }
 
@@ -115,7 +115,7 @@ picture_palette() {
 
 picture_viewports() {
   show 1000x560 --layout '1:2|(2/3)' demo.wrl molecule.nrrd missing.wrl
-  click 710 77 3 # the menu of the second one
+  click 710 77 3 # menu of the second viewport
   take viewports
 }
 
@@ -128,7 +128,7 @@ picture_transfer() {
 picture_inspect() {
   show 1000x600 demo.wrl
   key ctrl+shift+t ctrl+shift+i
-  click 60 108 # the field in which names are sought
+  click 60 108 # field that filters names
   xdotool type --delay 120 Boat
   key Return
   xdotool mousemove 440 520
@@ -136,7 +136,7 @@ picture_inspect() {
   take inspect
 }
 
-# A stream that comes slowly.
+# Shows a stream that is received slowly.
 picture_streams() {
   mkdir -p served
   "$ghostspace" encode --isovalue 40 --vectors 60000 molecule.nrrd served/molecule.qnv >/dev/null
@@ -149,7 +149,7 @@ picture_streams() {
   done
   show 1000x560 "$address/molecule.qnv"
   key ctrl+shift+e
-  click 200 470 # its row, which shows a plot
+  click 200 470 # row of the stream, which opens a plot
   xdotool mousemove 200 300
   sleep 2
   take streams
@@ -180,7 +180,7 @@ picture_prefixes() {
   small parts.png prefixes
 }
 
-# The table of keys, which the program has from its table of actions, between two marks of the manual.
+# Writes the table of keys, from the program's table of actions, between two marks of the manual.
 keys() {
   "$ghostspace" man | awk '
     /^\.SH/ { inside = ($2 == "KEYS"); next }

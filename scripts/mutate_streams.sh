@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
-# mutate_streams.sh [--seed N] [--jobs N] [--nobuild] COUNT: gives COUNT mutations of the streams in tests/qnv/vectors and
-# tests/fuzz/corpus/qnv to all that reads QNV, watched by AddressSanitizer and UndefinedBehaviorSanitizer
-# (tests/fuzz/stream_mutations.cpp says how they are made), in N processes at once (1). An input that ends the program, or takes ten seconds of the
-# processor or 2 GB, is kept as build/release/mutations/findings/N.qnv with what was said of it, and the rest goes on.
-# Fails when there are any: mend them, and move the files to the corpora under names that say what they are.
+# mutate_streams.sh [--seed N] [--jobs N] [--nobuild] COUNT: makes COUNT mutations of the streams in tests/qnv/vectors
+# and tests/fuzz/corpus/qnv. Passes them to all code that reads QNV, with AddressSanitizer and
+# UndefinedBehaviorSanitizer, in N processes at once (1). tests/fuzz/stream_mutations.cpp describes the mutations.
+#
+# An input is a finding if it ends the program, or takes ten processor seconds or 2 GB. It is kept with its messages as
+# build/release/mutations/findings/N.qnv, and the run continues. The script fails if there are findings. After a fix,
+# move the files to the corpora. Their new names must say what they are.
 set -euo pipefail
 
 fail() { echo "mutate_streams.sh: $1" >&2; exit 2; }
@@ -33,7 +35,7 @@ mkdir -p "$work/findings"
 export ASAN_OPTIONS=detect_leaks=1:hard_rss_limit_mb=2048:max_allocation_size_mb=1024:malloc_context_size=8
 export UBSAN_OPTIONS=print_stacktrace=1
 
-# Mutations from the first to before the last one, again from behind each that ended the program.
+# Runs a range of mutations. If a mutation ends the program, continues after that mutation.
 run_range() {
   local first=$1 last=$2 status ended
   local input=$work/input.$1.qnv number=$work/number.$1 said=$work/said.$1
@@ -43,7 +45,7 @@ run_range() {
     [ "$status" -ne 0 ] || break
     [ "$status" -ne 2 ] || { cat "$said"; return 2; }
     ended=$(cat "$number" 2>/dev/null || true)
-    # Without a new number, the mutator itself failed and would fail again.
+    # If the number has not changed, the mutator itself failed and would fail again.
     [[ $ended =~ ^[0-9]+$ && $ended -ge $first ]] || { cat "$said"; return 2; }
     cp "$input" "$work/findings/$ended.qnv"
     { echo "exit status $status"; cat "$said"; } >"$work/findings/$ended.txt"

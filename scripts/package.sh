@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# package.sh [--check ROOT]: builds the Debian package of this version, build/release/package/ghostspace_VERSION_ARCH.deb,
-# looks through it, and prints its name and SHA-256.
-#   --check ROOT  also installs it in ROOT, a Debian 12 of its own such as `debootstrap --variant=minbase bookworm ROOT`
-#                 makes; runs it there, asks who opens its files, and takes it away again (as root)
+# package.sh [--check ROOT]: builds the Debian package build/release/package/ghostspace_VERSION_ARCH.deb, checks it, and
+# prints its name and SHA-256.
+#   --check ROOT  as root: also installs it in ROOT, a Debian 12 (`debootstrap --variant=minbase bookworm ROOT`), runs
+#                 it there, queries its file associations, and removes it again
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -21,7 +21,7 @@ cmake --build --preset release --target ghostspace desktop_files
 cpack --config build/release/CPackConfig.cmake >/dev/null
 package=$(find build/release/package -maxdepth 1 -name 'ghostspace_*.deb' -printf '%T@ %p\n' | sort -n | tail -1 | cut -d' ' -f2)
 
-# What desktops and shells are told must be right in their own words; who has no tool is told so.
+# Check desktop and shell files with the validators of their formats. Report a validator that is not installed.
 made=build/release/desktop
 examine() {
   if command -v "$1" >/dev/null; then

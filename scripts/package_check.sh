@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# package_check.sh PACKAGE.deb ROOT: installs the package in ROOT, a Debian 12 of its own (debootstrap), as its root; runs
-# it, asks the desktop's tools who opens its files and what types they are, and takes it away again. Status 0: all is well.
+# package_check.sh PACKAGE.deb ROOT: installs the package as root in ROOT, a separate Debian 12 (debootstrap). Runs it,
+# asks the desktop's tools for file types and their programs, and removes it again. Exits with 0 if all checks pass.
 set -euo pipefail
 
 package=$(readlink -f "$1")

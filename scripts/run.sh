@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# run.sh [FILE...]: installs what is missing, builds GhostSpace and opens the files, or the demo world.
-# Without a display it draws pictures instead, into the current folder.
+# run.sh [FILE...]: installs missing packages, builds GhostSpace and opens the files, or the demo world. Without a
+# display, draws pictures into the current folder instead.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -15,7 +15,7 @@ if [ -n "${DISPLAY:-}" ] || [ -n "${WAYLAND_DISPLAY:-}" ]; then
   exec "$ghostspace" "$@"
 fi
 
-# A name that is not taken: NAME.png, NAME-2.png, ...
+# Prints an unused file name: NAME.png, NAME-2.png, ...
 free_name() {
   local candidate=$1.png number=2
   while [ -e "$candidate" ] || [ -L "$candidate" ]; do

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# sweep.sh DIR [--asan]: opens every VRML file under DIR with `ghostspace check` and `ghostspace --snapshot` and reports
-# what became of each. A row a file goes to build/sweep/files.tsv, pictures and the messages of failures beside it; a
-# table by top-level folder goes to standard output. Exit 1 on any crash, hang or sanitizer report.
+# sweep.sh DIR [--asan]: opens all VRML files below DIR with `ghostspace check` and `ghostspace --snapshot`, and reports
+# the results. Writes one row per file to build/sweep/files.tsv; pictures and error messages are in the same folder.
+# Prints a table by top-level folder. Exits with 1 after any crash, hang or sanitizer report.
 set -euo pipefail
 
 script=$(readlink -f "${BASH_SOURCE[0]}")
@@ -12,7 +12,7 @@ usage() {
   exit 2
 }
 
-# What an exit status and the messages on standard error say: ok, refused, crash, hang, sanitizer or usage.
+# Prints the result for an exit status and the messages on standard error: ok, refused, crash, hang, sanitizer or usage.
 outcome() {
   local status=$1 messages=$2
   if grep -qE 'ERROR: (Address|Leak|Thread)Sanitizer|: runtime error: |SUMMARY: [A-Za-z]*Sanitizer' "$messages"; then
@@ -30,7 +30,7 @@ outcome() {
   fi
 }
 
-# The number that a key has in a stats file; - when there is none.
+# Prints the number for a key in a stats file, or - if it is missing.
 stat_of() {
   local value
   value=$(grep -oE "\"$2\": *-?[0-9.e+-]+" "$1" 2>/dev/null | head -1 | sed 's/.*: *//')
@@ -41,7 +41,7 @@ sweep_one() {
   local file=$1 relative=${1#"$SWEEP_DIR"/} collection scratch check picture check_status=0 picture_status=0 key
   case $relative in */*) collection=${relative%%/*} ;; *) collection=. ;; esac
   scratch=$(mktemp -d)
-  # worlds share textures with those beside them
+  # worlds share textures with neighbouring folders
   local allowed=$SWEEP_DIR
   [ "$collection" = . ] || allowed=$SWEEP_DIR/$collection
   key=$(printf '%s' "$relative" | tr -c 'A-Za-z0-9._\n-' '_')
@@ -49,7 +49,7 @@ sweep_one() {
   ulimit -c 0
   [ "$SWEEP_ASAN" = yes ] || ulimit -v $((8 * 1024 * 1024))
 
-  # in braces, so that what bash says about a crash goes into the file too
+  # the braces redirect bash's own message about a crash to the file, too
   { timeout -k 2 "$SWEEP_LIMIT" "$SWEEP_BINARY" check --allow "$allowed" --stats "$scratch/check.json" "$file" \
     >"$scratch/check.out" </dev/null || check_status=$?; } 2>"$scratch/check.err"
   check=$(outcome "$check_status" "$scratch/check.err")
@@ -74,7 +74,7 @@ sweep_one() {
     message=$(cat "$scratch"/check.out "$scratch"/check.err "$scratch"/picture.err |
       { grep -m 1 -aE 'error:|Error|ERROR' || true; } | tr '\t' ' ' | cut -c1-300) || true # cat may find its reader gone
   fi
-  # one write a row: rows of two processes do not mix
+  # write each row at once, so that rows of two processes do not mix
   printf '%s\t%s\t%s\t%s\t%s\t%s\t%s\t%s\t%s\n' "$collection" "$relative" "$check" "$picture" "$colors" \
     "$(stat_of "$scratch/picture.json" errors)" "$(stat_of "$scratch/picture.json" warnings)" \
     "$(stat_of "$scratch/picture.json" load_s)" "${message#"$SWEEP_DIR"/}" >>"$SWEEP_OUT/files.tsv"
@@ -107,9 +107,8 @@ SWEEP_OUT=$root/build/sweep
   echo "sweep.sh: build first: cmake --preset $preset && cmake --build --preset $preset" >&2
   exit 2
 }
-# An exit status of its own, so that a report is not taken for a refusal.
-# Leaks are looked for by the unit tests: at the end of a program that drew, LeakSanitizer sometimes crashes itself while
-# the threads of the software rasteriser go.
+# Use a special exit status, so that a sanitizer report does not count as a refusal. The unit tests check for leaks:
+# LeakSanitizer sometimes crashes after a program has drawn, while the threads of the software rasterizer end.
 export ASAN_OPTIONS=exitcode=99:detect_leaks=0:allocator_may_return_null=0 UBSAN_OPTIONS=print_stacktrace=1:exitcode=99
 export SWEEP_DIR SWEEP_BINARY SWEEP_OUT
 rm -rf "$SWEEP_OUT"

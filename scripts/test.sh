@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# test.sh: installs what is missing, builds GhostSpace and runs every test, in two variants: the optimised one, which
-# users run, and one that AddressSanitizer and UndefinedBehaviorSanitizer watch. ctest's summaries come last.
+# test.sh: installs missing packages, builds GhostSpace and runs all tests in two variants. One is optimised, as for
+# users. The other has AddressSanitizer and UndefinedBehaviorSanitizer. Prints CTest's summaries last.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -25,7 +25,7 @@ summarise() {  # VARIANT STATUS
   local log=$root/build/release/ctest.$1.log counts
   echo "== $1 tests"
   cat "$log"
-  # A test of ctest is a file; what Catch2 counts in it is cases and assertions.
+  # A CTest test is a file. Catch2 counts the cases and assertions in it.
   counts=$(sed -nE 's/^.*\(([0-9]+) assertions? in ([0-9]+) test cases?\).*$/\1 \2/p; s/^test cases: *([0-9]+).*$/0 \1/p; s/^assertions: *([0-9]+).*$/\1 0/p' \
     "$root/build/release/details.$1.log" | awk '{ a += $1; c += $2 } END { printf "%d cases, %d assertions", c, a }')
   summaries+=("$(printf '%-10s %s; %s' "$1:" "$(grep -E 'tests? passed|No tests' "$log" | tail -1)" "$counts")")
@@ -33,7 +33,7 @@ summarise() {  # VARIANT STATUS
 }
 
 cmake --preset release -DGHOSTSPACE_WATCHED=ON >/dev/null
-# The optimised tests run while the watched ones are made: neither keeps all cores busy to its end.
+# Run the optimised tests while the watched tests are built. Neither keeps all cores busy to its end.
 build tests
 run_tests optimised -LE watched &
 optimised=$!

@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
-# Lets simulated time go in every world below a folder, and tells which of them crash, take too long or leak.
+# Advances simulated time in all worlds below a folder. Reports worlds that crash, take too long or leak.
 #
 #   scripts/trace_worlds.sh [--play] FOLDER [PROGRAM]
 #
-# --play: only worlds with Scripts, and somebody tries everything in them: presses, drags and releases each
-# pointing-device sensor and Anchor and goes to each ProximitySensor (trace --press-sensors).
-# PROGRAM is build/release/ghostspace unless it is given; with that of build/asan what its sanitizers report counts,
-# too, leaks among it. UNTIL: seconds of simulated time [10, with --play 20]. LIMIT: seconds for one world [20, with
-# --play 120]. MESSAGES: a file that gets what is said of each world while it is traced, "WORLD<tab>MESSAGE". A world
-# that cannot be read (status 1) or has nothing to send is no fault here: scripts/sweep.sh looks after those.
-# A line a fault, "WHAT WORLD", then a line of counts. Status 1 where there was a fault.
+# --play: only worlds with Scripts. Presses, drags and releases each pointing-device sensor and Anchor, and goes to each
+# ProximitySensor (trace --press-sensors).
+# PROGRAM: default build/release/ghostspace. With the program of build/asan, sanitizer reports and leaks count, too.
+# UNTIL: seconds of simulated time [10, with --play 20]. LIMIT: seconds per world [20, with --play 120].
+# MESSAGES: file for the messages of each world, "WORLD<tab>MESSAGE".
+#
+# Ignores worlds that cannot be read (status 1) or have nothing to send; scripts/sweep.sh checks them. Prints one line
+# per fault, "WHAT WORLD", then a line of counts. Exits with 1 if there was a fault.
 set -u
 play=0
 [ "${1:-}" = --play ] && { play=1; shift; }
@@ -31,7 +32,7 @@ trap 'rm -f "$messages"' EXIT
 all_worlds() {
   find -L "$folder" -type f \( -iname '*.wrl' -o -iname '*.wrz' -o -iname '*.vrml' -o -iname '*.wrl.gz' \) -print0
 }
-# Those with Scripts, gzip'd or not, whatever their names say.
+# Prints the worlds with Scripts, compressed by gzip or not, whatever their names.
 scripted_worlds() {
   local pattern='(^|[^A-Za-z0-9_])Script[[:space:]]*(\{|$)'
   all_worlds | xargs -0 -r grep -lZaE "$pattern"
@@ -45,7 +46,7 @@ worlds=0 faults=0 refused=0 events=0 sensors=0 pressed=0
 fault() { faults=$((faults + 1)); printf '%-8s %s\n' "$1" "$2"; }
 while IFS= read -r -d '' world; do
   worlds=$((worlds + 1))
-  # The events themselves are many: only their number is kept.
+  # There are many events, so keep only their number.
   lines=$(timeout -k 5 "$limit" "$program" trace "$world" "${options[@]}" --until "$until" 2>"$messages" | wc -l; exit "${PIPESTATUS[0]}")
   status=$?
   events=$((events + lines))

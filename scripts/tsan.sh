@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# tsan.sh: builds what has threads with ThreadSanitizer and runs its tests: the loader, its servers, cells, control, and the worlds
-# and streams that come by them. Fails on any race. Takes about fifteen minutes on two cores.
+# tsan.sh: builds the parts with threads with ThreadSanitizer and runs their tests: loader, servers, cells, control, and
+# the worlds and streams that they load. Fails on any race. Takes about fifteen minutes on two cores.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)

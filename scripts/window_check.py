@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""window_check.py [-k FOLDER]: uses the window as somebody does, with the mouse and the keyboard under Xvfb, and looks
-through --control at what came of it: open, split, move, drag a PlaneSensor, follow an Anchor, go back, edit a transfer
-function, draw a slice through a volume, save a picture and a turntable. Prints a line a step; exit status 1 if one failed.
--k: pictures of the window are kept there.
+"""window_check.py [-k FOLDER]: uses the window with mouse and keyboard under Xvfb, and checks the results over --control.
+Steps: open, split, move, drag a PlaneSensor, follow an Anchor, go back, edit a transfer function, draw a slice through a
+volume, save a picture and a turntable. Prints one line per step. Exits with 1 if a step failed.
+-k: keeps pictures of the window in FOLDER.
 
-GHOSTSPACE: the program, in the place of build/release/ghostspace. Needs Xvfb, xdotool and ImageMagick (Debian: xvfb,
+GHOSTSPACE: program instead of build/release/ghostspace. Needs Xvfb, xdotool and ImageMagick (Debian: xvfb,
 xdotool, imagemagick).
 """
 
@@ -24,7 +24,7 @@ sys.path.insert(0, str(ROOT / "docs/examples/control"))
 from ghostspace_control import GhostSpace  # noqa: E402
 
 WIDTH, HEIGHT = 900, 560
-MIDDLE = (WIDTH // 2, 58 + (HEIGHT - 58) // 2)  # of the picture, below the menu and the tools
+MIDDLE = (WIDTH // 2, 58 + (HEIGHT - 58) // 2)  # centre of the picture, below menu and toolbar
 
 FIRST = """#VRML V2.0 utf8
 Viewpoint { position 0 0 10 description "Before it" }
@@ -42,7 +42,7 @@ Shape { appearance Appearance { material Material { diffuseColor 0.2 0.8 0.3 } }
 
 
 def volume():
-    """A ball whose values fall from its middle to its rim."""
+    """Returns a ball with values that fall from its centre to its rim."""
     size = 32
     lines = ["NRRD0004", "type: uchar", "dimension: 3", f"sizes: {size} {size} {size}", "encoding: ascii", ""]
     half = (size - 1) / 2
@@ -104,7 +104,7 @@ class Check:
         wait("the program listens", lambda: socket.exists() and token.exists() and token.stat().st_size > 0)
         self.world = GhostSpace(str(socket), str(token))
         self.world.awaitWorld()
-        # What is drawn is what is seen when the window has stood for a moment.
+        # Wait until the window shows the current state.
         time.sleep(1.5)
 
     def xdotool(self, *arguments):
@@ -133,11 +133,11 @@ class Check:
         time.sleep(0.4)
 
     def picture(self):
-        """What the viewer sees, drawn anew."""
+        """Returns a new picture of the view."""
         return base64.b64decode(self.world.snapshot(width=200, height=150)["png"])
 
     def differing(self, one, other):
-        """Pixels of two pictures that differ visibly."""
+        """Returns the number of pixels that differ visibly in two pictures."""
         for name, data in (("one.png", one), ("other.png", other)):
             (self.folder / name).write_bytes(data)
         result = subprocess.run(["compare", "-metric", "AE", "-fuzz", "4%", "one.png", "other.png", "null:"],
@@ -148,7 +148,7 @@ class Check:
         try:
             work()
             print(f"ok      {what}", flush=True)
-        except Exception as error:  # what follows is tried all the same
+        except Exception as error:  # continue with the next step
             self.failed += 1
             print(f"FAILED  {what}: {error}", flush=True)
         if self.kept:
@@ -190,7 +190,7 @@ def run(check):
         check.drag(MIDDLE, (MIDDLE[0] - 90, MIDDLE[1] - 60))
         wait("the box follows the pointer", lambda: check.world.getValue(node=node, event="translation")[0] < -0.5)
         place = check.world.getValue(node=node, event="translation")
-        # 8.28 m of the plane at 10 m are 502 pixels high, and the face that is held is 9 m away.
+        # 8.28 m of the plane at 10 m are 502 pixels high; the dragged face is 9 m away.
         metres = 2 * 9 * math.tan(0.785398 / 2) / (HEIGHT - 58)
         if not near(place, (-90 * metres, 60 * metres, 0), 0.15):
             raise Failed(f"it went to {place}")
@@ -234,7 +234,7 @@ def run(check):
     def edits():
         check.key("F4")
         time.sleep(2)
-        check.key("F4", "F4")  # the panel stands where it stood
+        check.key("F4", "F4")  # the panel opens at its old position
         time.sleep(1)
         before = window_picture(check)
         check.drag((712, 239), (712, 172))
@@ -257,11 +257,11 @@ def run(check):
             raise Failed(f"{picture} has {size} colours")
 
     def slices():
-        check.key("F4", "v", "shift+5")  # the volume from above, beside the panel Measure
-        check.click((627, 203))  # the plane across X
+        check.key("F4", "v", "shift+5")  # the volume from above, next to the panel Measure
+        check.click((627, 203))  # plane across X
         time.sleep(2)
         before, viewer = window_picture(check), check.world.getViewer()["position"]
-        check.drag((260, 309), (330, 309))  # it is seen from its edge
+        check.drag((260, 309), (330, 309))  # the plane is seen edge-on
         time.sleep(1.5)
         if check.differing(before, window_picture(check)) < 300:
             raise Failed("the picture is as before")
@@ -274,7 +274,7 @@ def run(check):
         check.xdotool("type", "--delay", 40, "panel pictures")
         check.key("Return")
         time.sleep(1)
-        check.click((618, 325))  # one second of it
+        check.click((618, 325))  # one second long
         check.click((599, 383))
         wait("the pictures of a turntable", lambda: len(list(check.folder.glob("home/**/*.0*.png"))) == 25)
         check.click((753, 354))  # as a movie
@@ -296,7 +296,7 @@ def run(check):
 
 
 def window_picture(check):
-    """The left part of the window, where the picture is beside the panel."""
+    """Returns the left part of the window, with the picture."""
     path = check.folder / "window.png"
     subprocess.run(["import", "-window", "root", "-crop", "500x480+0+60", "+repage", str(path)], env=check.environment,
                    check=True)

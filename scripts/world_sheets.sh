@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# world_sheets.sh DIR [OUT]: draws every VRML file under DIR small and puts the pictures with their names on sheets, OUT/sheet-NN.png
-# (build/world_sheets), for somebody to look at. A sheet is itself a world. What fails has a white place.
-# PART=3/10 takes the third tenth of the files.
+# world_sheets.sh DIR [OUT]: draws all VRML files below DIR as small pictures. Puts the pictures with their names on
+# sheets for viewing, OUT/sheet-NN.png (default OUT: build/world_sheets). A sheet is itself a world. A failed file
+# leaves a white square. PART=3/10 takes the third tenth of the files.
 set -euo pipefail
 
 script=$(readlink -f "${BASH_SOURCE[0]}")
@@ -17,7 +17,7 @@ mapfile -t files < <(find -L "$worlds" -type f \( -iname '*.wrl' -o -iname '*.wr
 count=${#files[@]}
 first=$((count * (${part%/*} - 1) / ${part#*/})) end=$((count * ${part%/*} / ${part#*/}))
 
-# The name as a VRML string: what is no plain character, quotes and backslashes become points.
+# Prints the name as a VRML string. Quotes, backslashes and special characters become full stops.
 name_of() {
   local name=${1#"$worlds"/}
   [ ${#name} -le 34 ] || name="..${name: -32}"
@@ -32,7 +32,7 @@ for ((begin = first; begin < end; begin += columns * rows)); do
   {
     echo '#VRML V2.0 utf8'
     echo 'NavigationInfo { headlight FALSE } Background { skyColor 0.25 0.25 0.25 }'
-    # 2 * atan(half the height / distance) over rows of 1.2.
+    # 2 * atan(half the height / distance), with rows of height 1.2.
     echo "Viewpoint { position $(awk "BEGIN { print $columns * 0.7, -$rows * 0.6 - 0.02 }") 40 fieldOfView $(awk "BEGIN { print 2 * atan2($rows * 0.61, 40) }") }"
     echo 'PROTO Picture [ field SFVec3f at 0 0 0 field MFString url [] field MFString name [] ] {'
     echo '  Transform { translation IS at children ['
