@@ -322,11 +322,7 @@ void import_avs_geometry(std::span<const std::byte> bytes, MeshBuilder& builder)
 
 }  // namespace
 
-extern constinit const ContentType kAvsGeometryFormat = {.name = "AVS geometry",
-                                                         .mime = "model/x-avs-geometry",
-                                                         .extensions = ".mgf .geom .geo ",
-                                                         .sniff = is_avs_geometry,
-                                                         .content = ContentClass::mesh,
-                                                         .read = read_mesh<import_avs_geometry>};
+extern constinit const ContentType kAvsGeometryFormat = mesh_type(
+    "AVS geometry", "model/x-avs-geometry", ".mgf .geom .geo ", is_avs_geometry, read_mesh<import_avs_geometry>);
 
 }  // namespace gs::app

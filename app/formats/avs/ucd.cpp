@@ -190,11 +190,7 @@ std::string ucd_label(std::string_view name, std::string_view unit) {
   return in.empty() ? of : of.empty() ? in : of + " (" + in + ")";
 }
 
-extern constinit const ContentType kUcdFormat = {.name = "AVS UCD",
-                                                 .mime = "model/x-avs-ucd",
-                                                 .extensions = ".inp .ucd ",
-                                                 .sniff = is_ucd_text,
-                                                 .content = ContentClass::mesh,
-                                                 .read = read_mesh<import_ucd>};
+extern constinit const ContentType kUcdFormat =
+    mesh_type("AVS UCD", "model/x-avs-ucd", ".inp .ucd ", is_ucd_text, read_mesh<import_ucd>);
 
 }  // namespace gs::app

@@ -446,10 +446,6 @@ void import_obj(std::span<const std::byte> bytes, MeshBuilder& builder, const Re
 
 }  // namespace
 
-extern constinit const ContentType kObjFormat = {.name = "OBJ",
-                                                 .mime = "model/obj",
-                                                 .extensions = ".obj ",
-                                                 .content = ContentClass::mesh,
-                                                 .read = read_mesh<import_obj>};
+extern constinit const ContentType kObjFormat = mesh_type("OBJ", "model/obj", ".obj ", nullptr, read_mesh<import_obj>);
 
 }  // namespace gs::app

@@ -209,11 +209,6 @@ bool is_off(std::span<const std::byte> bytes) {
 
 }  // namespace
 
-extern constinit const ContentType kOffFormat = {.name = "OFF",
-                                                 .mime = "model/x-off",
-                                                 .extensions = ".off ",
-                                                 .sniff = is_off,
-                                                 .content = ContentClass::mesh,
-                                                 .read = read_mesh<import_off>};
+extern constinit const ContentType kOffFormat = mesh_type("OFF", "model/x-off", ".off ", is_off, read_mesh<import_off>);
 
 }  // namespace gs::app
