@@ -17,6 +17,7 @@
 #include <cstring>
 #include <filesystem>
 #include <thread>
+#include <utility>
 
 using namespace gs;
 using namespace gs::app;
@@ -114,13 +115,16 @@ TEST_CASE("searches and sorts an index on the server, without scripts") {
     for (const auto& [at, name] : places) names += name + " ";
     return names;
   };
-  CHECK(order("") == "sub Tower.wrl gate.wrl x.stl ");
-  CHECK(order("sort=size") == "sub Tower.wrl x.stl gate.wrl ");
-  CHECK(order("sort=-size") == "sub gate.wrl x.stl Tower.wrl ");
-  CHECK(order("sort=date&search=") == "sub gate.wrl x.stl Tower.wrl ");
-  CHECK(order("search=TOWER") == "Tower.wrl ");
-  CHECK(order("search=%2ewrl&sort=-name") == "gate.wrl Tower.wrl ");
-  CHECK(order("search=nothing").empty());
+  const std::pair<const char*, const char*> orders[] = {
+      {"", "sub Tower.wrl gate.wrl x.stl "},
+      {"sort=size", "sub Tower.wrl x.stl gate.wrl "},
+      {"sort=-size", "sub gate.wrl x.stl Tower.wrl "},
+      {"sort=date&search=", "sub gate.wrl x.stl Tower.wrl "},
+      {"search=TOWER", "Tower.wrl "},
+      {"search=%2ewrl&sort=-name", "gate.wrl Tower.wrl "},
+      {"search=nothing", ""},
+  };
+  for (const auto& [query, names] : orders) CHECK(order(query) == names);
   const std::string page = archive_index(listing, {false, "search=%22%3E%3Cb%3E&sort=%22%3E%3Cb%3E", {}}, true).body;
   CHECK(page.find("\"><b>") == std::string::npos);
   CHECK(page.find("<a href=\"../\">a b</a> / <a href=\"./\">c</a>") != std::string::npos);

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include <string>
+#include <tuple>
 
 namespace gs::app::field_values_test {
 
@@ -18,19 +19,22 @@ Unit unit_of(const char* type, const char* field) {
 
 // VRML97 4.4.5: lengths are metres, angles radians, times seconds.
 TEST_CASE("shows fields in the units of the standard") {
-  CHECK(unit_of("Transform", "translation") == Unit::metres);
-  CHECK(unit_of("Transform", "rotation") == Unit::radians);
-  CHECK(unit_of("Transform", "scale") == Unit::none);
-  CHECK(unit_of("Viewpoint", "fieldOfView") == Unit::radians);
-  CHECK(unit_of("TimeSensor", "cycleInterval") == Unit::seconds);
-  CHECK(unit_of("TimeSensor", "fraction_changed") == Unit::none);
-  CHECK(unit_of("TimeSensor", "cycleTime") == Unit::seconds);
-  CHECK(unit_of("NavigationInfo", "speed") == Unit::metres_a_second);
-  CHECK(unit_of("MovieTexture", "speed") == Unit::none);
-  CHECK(unit_of("ElevationGrid", "height") == Unit::metres);
-  CHECK(unit_of("PlaneSensor", "translation_changed") == Unit::metres);
-  CHECK(unit_of("CylinderSensor", "offset") == Unit::radians);
-  CHECK(unit_of("PointLight", "attenuation") == Unit::none);
+  const std::tuple<const char*, const char*, Unit> units[] = {
+      {"Transform", "translation", Unit::metres},
+      {"Transform", "rotation", Unit::radians},
+      {"Transform", "scale", Unit::none},
+      {"Viewpoint", "fieldOfView", Unit::radians},
+      {"TimeSensor", "cycleInterval", Unit::seconds},
+      {"TimeSensor", "fraction_changed", Unit::none},
+      {"TimeSensor", "cycleTime", Unit::seconds},
+      {"NavigationInfo", "speed", Unit::metres_a_second},
+      {"MovieTexture", "speed", Unit::none},
+      {"ElevationGrid", "height", Unit::metres},
+      {"PlaneSensor", "translation_changed", Unit::metres},
+      {"CylinderSensor", "offset", Unit::radians},
+      {"PointLight", "attenuation", Unit::none},
+  };
+  for (const auto& [type, field, unit] : units) CHECK(unit_of(type, field) == unit);
   CHECK(symbol_of(Unit::metres_a_second) == "m/s");
 }
 

@@ -9,6 +9,7 @@
 #include <catch2/catch.hpp>
 
 #include <string>
+#include <tuple>
 #include <vector>
 
 using namespace gs::app;
@@ -144,12 +145,13 @@ TEST_CASE("detects the type of a file by its first bytes, then by its name") {
   const auto name_of = [](std::string_view path, std::string_view bytes) {
     return content_type_of(path, byte_span_of(bytes)).name;
   };
-  CHECK(name_of("a.stl", "#VRML V2.0 utf8\n") == "VRML97");
-  CHECK(name_of("a.wrl", "ply\nformat") == "PLY");
-  CHECK(name_of("a", "glTF") == "glTF");
-  CHECK(name_of("A.OBJ", "v 0 0 0") == "OBJ");
-  CHECK(name_of("a.stl.gz", "solid") == "STL");
-  CHECK(name_of("folder.stl/readme", "hello") == "VRML97");
+  const std::tuple<const char*, const char*, const char*> types[] = {{"a.stl", "#VRML V2.0 utf8\n", "VRML97"},
+                                                                     {"a.wrl", "ply\nformat", "PLY"},
+                                                                     {"a", "glTF", "glTF"},
+                                                                     {"A.OBJ", "v 0 0 0", "OBJ"},
+                                                                     {"a.stl.gz", "solid", "STL"},
+                                                                     {"folder.stl/readme", "hello", "VRML97"}};
+  for (const auto& [path, bytes, type] : types) CHECK(name_of(path, bytes) == type);
 }
 
 TEST_CASE("finds Inlines, EXTERNPROTOs and textures beside the file, in any letter case") {

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include <string>
+#include <utility>
 
 namespace gs::app::screenshot_test {
 namespace {
@@ -20,12 +21,15 @@ std::string folder_of(const std::string& own, const std::string& directories) {
 }  // namespace
 
 TEST_CASE("saves pictures in the folder of the desktop's user (xdg-user-dirs)") {
-  CHECK(folder_of("", "") == "/home/u/Pictures");
+  const std::pair<const char*, const char*> folders[] = {
+      {"", "/home/u/Pictures"},
+      {"# x\nXDG_MUSIC_DIR=\"$HOME/m\"\nXDG_PICTURES_DIR=\"$HOME/Bilder\"\n", "/home/u/Bilder"},
+      {"XDG_PICTURES_DIR=\"/data/p\"", "/data/p"},
+      {"XDG_PICTURES_DIR=\"relative\"", "/home/u/Pictures"},
+      {"XDG_PICTURES_DIR=\"", "/home/u/Pictures"},
+  };
+  for (const auto& [directories, folder] : folders) CHECK(folder_of("", directories) == folder);
   CHECK(folder_of("/p", "XDG_PICTURES_DIR=\"$HOME/Bilder\"\n") == "/p");
-  CHECK(folder_of("", "# x\nXDG_MUSIC_DIR=\"$HOME/m\"\nXDG_PICTURES_DIR=\"$HOME/Bilder\"\n") == "/home/u/Bilder");
-  CHECK(folder_of("", "XDG_PICTURES_DIR=\"/data/p\"") == "/data/p");
-  CHECK(folder_of("", "XDG_PICTURES_DIR=\"relative\"") == "/home/u/Pictures");
-  CHECK(folder_of("", "XDG_PICTURES_DIR=\"") == "/home/u/Pictures");
   CHECK(folder_of("relative", "") == "/home/u/Pictures");
   CHECK(pictures_folder([](const char*) { return std::string(); }, "").empty());
 }
