@@ -36,9 +36,9 @@ TEST_CASE("runs a line as part of a Script's program") {
   };
   for (const auto& [line, result] : results) CHECK(evaluate(world, "S", line) == result);
   // VRML97 C.5.2: events continue afterwards.
-  world.events();
+  world.take();
   CHECK(evaluate(world, "S", "out = 0.5") == "0.5");
-  CHECK(world.events(".transparency").size() == 1);
+  CHECK(world.take(".transparency").size() == 1);
   CHECK(evaluate(world, "S", "print('hello')") == "undefined");
   CHECK(world.printed() == Lines{"hello"});
 }

@@ -13,8 +13,7 @@ namespace {
 
 // Returns the value that an interpolator sends for a fraction, or "" if it sends none.
 std::string sent(World& world, double at, float fraction) {
-  world.step(at);
-  world.send("I.set_fraction", SFFloat{fraction});
+  world.send_at(at, "I.set_fraction", SFFloat{fraction});
   const Lines lines = world.take();
   if (lines.empty()) return {};
   return lines.front().substr(lines.front().find("value_changed") + 14);

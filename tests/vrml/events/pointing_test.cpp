@@ -153,8 +153,7 @@ TEST_CASE("sends pointer events only to the sensors that grabbed the pointer (4.
   device.move("B", 1, 0);
   CHECK(world.take() == Lines{"1 T.isOver FALSE", "1 P.trackPoint_changed 1 0 0", "1 P.translation_changed 1 0 0"});
   // The other one continues alone after one is disabled.
-  world.step(2);
-  world.send("P.enabled", false);
+  world.send_at(2, "P.enabled", false);
   CHECK(world.take() == Lines{"2 P.enabled FALSE", "2 P.isActive FALSE"});
   device.move("B", 2, 0);
   CHECK(world.take().empty());
@@ -206,8 +205,7 @@ TEST_CASE("sends collideTime when the avatar meets children of a Collision node,
   device.at("R", 0, 0);
   CHECK_FALSE(collide(world.execution(), device.path()));
   CHECK(world.take().empty());
-  world.step(2);
-  world.send("C.collide", true);
+  world.send_at(2, "C.collide", true);
   CHECK(collide(world.execution(), device.path()));
   CHECK(world.take("collideTime") == Lines{"2 C.collideTime 1002", "2 D.collideTime 1002"});
 }

@@ -194,15 +194,12 @@ TEST_CASE("stops events of removed nodes and reuses their slots") {
     const MFNode made = read(world, "DEF Ticks TimeSensor { loop TRUE stopTime 0 startTime 0 }");
     world.send("Kept.set_children", made);
     (void)world.take();
-    world.step(now + 1);
-    CHECK(world.take("Ticks.time").size() == 1);
-    world.step(now + 2);
-    CHECK(world.take("Ticks.time").size() == 1);
+    CHECK(world.take_at(now + 1, "Ticks.time").size() == 1);
+    CHECK(world.take_at(now + 2, "Ticks.time").size() == 1);
     world.send("Kept.set_children", MFNode());
     CHECK(world.execution().lifetime().remove_unheld() == 1);
     (void)world.take();
-    world.step(now + 3);
-    CHECK(world.take("time").empty());
+    CHECK(world.take_at(now + 3, "time").empty());
     CHECK(!world.execution().next_time());
   }
 }
@@ -213,8 +210,7 @@ TEST_CASE("unbinds a bound node that is deleted, as set_bind FALSE would (4.6.10
   const MFNode made = read(world, "DEF Second Viewpoint { }");
   world.execution().lifetime().hold(world.scene(), made[0]);
   (void)world.take();
-  world.step(1);
-  world.send("Second.set_bind", true);
+  world.send_at(1, "Second.set_bind", true);
   CHECK(world.take("isBound") == Lines{"1 First.isBound FALSE", "1 Second.isBound TRUE"});
   world.step(2);
   world.execution().lifetime().release(world.scene(), made[0]);
@@ -259,8 +255,7 @@ TEST_CASE("removes an Inline with its whole content") {
     const auto changes = world.execution().changes().take();
     CHECK(std::any_of(changes.begin(), changes.end(),
                       [&](const NodeChange& one) { return one.node == world.node("Part"); }));
-    world.step(round + 0.75);
-    CHECK(world.take("time").empty());
+    CHECK(world.take_at(round + 0.75, "time").empty());
   }
   CHECK(world.scene().budget()->used(Resource::nodes) < before + (1 << 19));
 }
