@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/limits.h"
+#include "base/noncopyable.h"
 
 #include <array>
 #include <atomic>
@@ -14,11 +15,9 @@ namespace gs {
 
 /// Limits of a world, the amounts used of them, and the world's cancellation check. Before each allocation with a size
 /// that a file determines, code must take the memory from the budget. Thread-safe, except for `stop_when`.
-class Budget {
+class Budget : NonCopyable {
  public:
   explicit Budget(const Limits& limits = {}) : limits_(limits) {}
-  Budget(const Budget&) = delete;
-  Budget& operator=(const Budget&) = delete;
 
   [[nodiscard]] const Limits& limits() const { return limits_; }
   /// Draws `amount` units. Returns false and draws nothing if fewer are left.

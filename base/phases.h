@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/noncopyable.h"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -42,14 +44,12 @@ class PhaseClock {
 };
 
 /// Guard that enters a phase for its lifetime, then returns to the previous phase. Does nothing without a clock.
-class PhaseScope {
+class PhaseScope : NonCopyable {
  public:
   PhaseScope(PhaseClock* clock, Phase phase) : clock_(clock), before_(clock ? clock->enter(phase) : phase) {}
   ~PhaseScope() {
     if (clock_) clock_->enter(before_);
   }
-  PhaseScope(const PhaseScope&) = delete;
-  PhaseScope& operator=(const PhaseScope&) = delete;
 
  private:
   PhaseClock* clock_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/inspect/node_children.h"
+#include "base/noncopyable.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -11,7 +12,7 @@ namespace gs::app {
 
 /// Live statistics of a world's events: the last time and the rate of each eventOut. Costs nothing unless it watches a
 /// world. World's thread.
-class EventWatch {
+class EventWatch : NonCopyable {
  public:
   struct Seen {
     double time = 0;  // timestamp of the last event
@@ -19,10 +20,7 @@ class EventWatch {
     double a_second = 0;  // events per second in the last complete interval
     std::uint64_t counted = 0;  // value of `count` at the start of the current interval
   };
-  EventWatch() = default;
   ~EventWatch();
-  EventWatch(const EventWatch&) = delete;
-  EventWatch& operator=(const EventWatch&) = delete;
 
   /// Watches this world instead of the previous one. Null ends watching. The world must outlive this object, or be
   /// replaced before it ends.

@@ -9,6 +9,7 @@
 #include "app/inspect/selection_marks.h"
 #include "app/inspect/stream_list.h"
 #include "app/session/session.h"
+#include "base/noncopyable.h"
 
 #include <cstddef>
 #include <memory>
@@ -30,12 +31,8 @@ struct InspectionWants {
 /// Inspection of the world in the active viewport of a session: node tree, selected node, ROUTEs, programs and streams.
 /// Applies the user's edits in the next step, as a SessionExtension. Edits thus have the same effects as events of
 /// remote control. Session's thread. The session must outlive the inspection or remove it.
-class Inspection final : public SessionExtension {
+class Inspection final : public SessionExtension, NonCopyable {
  public:
-  Inspection() = default;
-  Inspection(const Inspection&) = delete;
-  Inspection& operator=(const Inspection&) = delete;
-
   bool act(Session& session) override;
   /// Updates all data of the panels to the current world. Call before the interface is drawn, with the pictures of the
   /// worlds. `now` is in seconds of any clock.

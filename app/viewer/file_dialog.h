@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/noncopyable.h"
+
 #include <functional>
 #include <memory>
 #include <optional>
@@ -21,13 +23,11 @@ inline constexpr const char kFolderArgument[] = "{folder}";
 
 /// File dialog of the desktop. It runs as a child process, so that the window stays responsive. Only one is shown at a
 /// time.
-class FileDialog {
+class FileDialog : NonCopyable {
  public:
   /// Prepares the dialog without showing it. Another thread calls `wake` when take() has an answer.
   explicit FileDialog(std::function<void()> wake, std::span<const DialogProgram> programs = dialog_programs());
   ~FileDialog();
-  FileDialog(const FileDialog&) = delete;
-  FileDialog& operator=(const FileDialog&) = delete;
 
   /// Shows the dialog with the contents of `folder`. Does nothing if a dialog is already shown. Returns false if there
   /// is no desktop, or none of the programs.

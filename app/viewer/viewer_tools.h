@@ -11,6 +11,7 @@
 #include "app/view/values/slice_drag.h"
 #include "app/view/values/slice_scene.h"
 #include "app/viewer/viewer.h"
+#include "base/noncopyable.h"
 
 #include <atomic>
 #include <functional>
@@ -25,12 +26,10 @@
 namespace gs::app {
 
 /// Tools of the active viewport: measuring, values and slices of volumes, saving pictures. Main thread.
-class ViewerTools {
+class ViewerTools : NonCopyable {
  public:
   ViewerTools(const ViewerOptions& options, render::Renderer& renderer);
   ~ViewerTools();
-  ViewerTools(const ViewerTools&) = delete;
-  ViewerTools& operator=(const ViewerTools&) = delete;
 
   /// Handles a click or a movement of the pointer. Returns true if the session must not receive the event.
   bool take(const SessionInput::Event& event, const View* seen, const Viewport& place);

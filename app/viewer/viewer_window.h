@@ -8,6 +8,7 @@
 #include "app/viewer/viewer_controller.h"
 #include "app/viewer/viewer_tools.h"
 #include "app/window/window.h"
+#include "base/noncopyable.h"
 #include "render/draw/renderer.h"
 
 #include <array>
@@ -23,14 +24,12 @@ namespace gs::app {
 ///
 /// The main loop is in viewer.cpp, the drawing in viewer_picture.cpp. The parts that need no window are in
 /// viewer_controller.h.
-class Viewer final : public WindowOperations {
+class Viewer final : public WindowOperations, NonCopyable {
  public:
   Viewer(const ViewerOptions& options, const LoadOptions& load, std::unique_ptr<Window> window,
          std::unique_ptr<render::Renderer> renderer);
   /// Opens the sockets for clients. Returns the error, or nullopt.
   [[nodiscard]] std::optional<std::string> start_control();
-  Viewer(const Viewer&) = delete;
-  Viewer& operator=(const Viewer&) = delete;
   ~Viewer() override = default;
 
   void run();

@@ -3,6 +3,7 @@
 #include "app/window/gamepad.h"
 #include "app/window/space_mouse.h"
 #include "app/window/window_event.h"
+#include "base/noncopyable.h"
 #include "render/gl/context.h"
 
 #include <glm/vec2.hpp>
@@ -22,15 +23,13 @@ struct GLFWwindow;
 namespace gs::app {
 
 /// Desktop window with an OpenGL 3.3 core context. Use on the main thread only, except for wake().
-class Window final : public render::GlContext {
+class Window final : public render::GlContext, NonCopyable {
  public:
   /// Opens a window that has only a colour buffer. Pictures are rendered elsewhere and copied to it. `width` and
   /// `height` are in screen units.
   static std::variant<std::unique_ptr<Window>, render::ContextError> open(const std::string& title, int width,
                                                                           int height);
   ~Window() override;
-  Window(const Window&) = delete;
-  Window& operator=(const Window&) = delete;
 
   void make_current() override;
   void release_current() override;

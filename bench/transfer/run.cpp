@@ -1,5 +1,6 @@
 #include "bench/transfer/run.h"
 
+#include "base/noncopyable.h"
 #include "net/cells/cell_driver.h"
 #include "net/load/loader.h"
 
@@ -26,11 +27,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint16_t kHttpPort = 8080, kCellsPort = 6635;
 
 /// `ghostspace serve` as a child on the server's host, killed at the end.
-class ServerProcess {
+class ServerProcess : NonCopyable {
  public:
-  ServerProcess() = default;
-  ServerProcess(const ServerProcess&) = delete;
-  ServerProcess& operator=(const ServerProcess&) = delete;
   ~ServerProcess() {
     if (child_ > 0) {
       ::kill(child_, SIGKILL);

@@ -1,3 +1,4 @@
+#include "base/noncopyable.h"
 #include "render/image/image_codecs.h"
 
 #include <png.h>
@@ -15,7 +16,7 @@ constexpr std::size_t kSizeEnd = 24;  // bytes of the signature, length and name
 
 /// State that the callbacks of libpng share. libpng leaves functions by longjmp. So this object or the caller owns all
 /// resources, and functions with setjmp have only trivial local variables.
-struct PngReader {
+struct PngReader : NonCopyable {
   std::span<const std::byte> bytes;
   std::size_t position = 0;
   png_structp png = nullptr;
@@ -32,9 +33,6 @@ struct PngReader {
   RowReducer* reducer = nullptr;   // receives the rows if the image must be reduced
   const ImageLimits* limits = nullptr;
 
-  PngReader() = default;
-  PngReader(const PngReader&) = delete;
-  PngReader& operator=(const PngReader&) = delete;
   ~PngReader() { png_destroy_read_struct(&png, &info, nullptr); }
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "render/media/libav.h"
 
 #include <cstddef>
@@ -32,14 +33,12 @@ struct MediaContainer {
 
 /// Demuxer and decoders of FFmpeg for a file in memory. Never reads files or addresses. One thread. Safe for untrusted
 /// bytes.
-class MediaInput {
+class MediaInput : NonCopyable {
  public:
   /// Prepares to read `bytes`, which must outlive this object. `stopped` is called regularly and returns true to
   /// cancel. Null never cancels.
   MediaInput(std::span<const std::byte> bytes, const MediaContainer& container, std::function<bool()> stopped = {});
   ~MediaInput();
-  MediaInput(const MediaInput&) = delete;
-  MediaInput& operator=(const MediaInput&) = delete;
 
   /// Opens the file at its beginning. Returns the error, or nullopt. After an error, no packets can be read.
   [[nodiscard]] std::optional<std::string> open();

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/noncopyable.h"
+
 #include <catch2/catch.hpp>
 
 #include <atomic>
@@ -22,7 +24,7 @@
 /// Server on a loopback address that sends what a test scripts, however wrong. The kernel chooses the port.
 namespace gs::net::test {
 
-class BadServer {
+class BadServer : NonCopyable {
  public:
   /// One request on one connection.
   class Exchange {
@@ -78,8 +80,6 @@ class BadServer {
     port_ = ntohs(address.sin_port);
     acceptor_ = std::thread([this] { accept(); });
   }
-  BadServer(const BadServer&) = delete;
-  BadServer& operator=(const BadServer&) = delete;
   ~BadServer() {
     {
       const std::lock_guard lock(mutex_);

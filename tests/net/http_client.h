@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/noncopyable.h"
+
 #include <curl/curl.h>
 #include <catch2/catch.hpp>
 
@@ -81,7 +83,7 @@ inline std::uint16_t free_port() {
 }
 
 /// Connection without a library. `from` is the client's address in 127.0.0.0/8.
-class RawClient {
+class RawClient : NonCopyable {
  public:
   explicit RawClient(std::uint16_t port, const char* from = "127.0.0.1", int receive_buffer = 0) {
     socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -100,8 +102,6 @@ class RawClient {
     if (!good) throw std::system_error(errno, std::generic_category(), what);
   }
   ~RawClient() { ::close(socket_); }
-  RawClient(const RawClient&) = delete;
-  RawClient& operator=(const RawClient&) = delete;
 
   [[nodiscard]] int socket() const { return socket_; }
   void send(const std::string& text) const {

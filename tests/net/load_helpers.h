@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/noncopyable.h"
 #include "net/load/load_engine.h"
 #include "net/load/loader.h"
 #include "tests/net/memory_network.h"
@@ -20,15 +21,13 @@
 namespace gs::net::test {
 
 /// Temporary folder of one test.
-class TemporaryFolder {
+class TemporaryFolder : NonCopyable {
  public:
   TemporaryFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "ghostspace-loader-test-XXXXXX").string();
     REQUIRE(::mkdtemp(name.data()) != nullptr);
     path_ = name;
   }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
   ~TemporaryFolder() {
     std::error_code error;
     std::filesystem::remove_all(path_, error);

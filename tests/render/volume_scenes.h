@@ -2,6 +2,7 @@
 
 // Helpers of tests of volumes: an exact picture of several volumes, and a target to draw into.
 
+#include "base/noncopyable.h"
 #include "render/volume/volume_lens.h"
 #include "render/volume/volume_pass.h"
 #include "tests/geometries.h"
@@ -98,7 +99,7 @@ inline double psnr_of(const Pixels& a, const Pixels& b) {
 }
 
 /// Framebuffer of known colour and depth, with a pass that draws into it from z = 3.
-class VolumePicture {
+class VolumePicture : NonCopyable {
  public:
   explicit VolumePicture(render::VolumeSort sort = render::VolumeSort::automatic, int width = 80, int height = 60,
                          int samples = 1, GLenum depth_format = GL_DEPTH_COMPONENT24)
@@ -122,8 +123,6 @@ class VolumePicture {
   }
   // Makes the context current, whichever was before.
   ~VolumePicture() { context->make_current(); }
-  VolumePicture(const VolumePicture&) = delete;
-  VolumePicture& operator=(const VolumePicture&) = delete;
 
   [[nodiscard]] render::Projection projection() const {
     return render::projection(camera, static_cast<float>(options.width), static_cast<float>(options.height), reversed_);

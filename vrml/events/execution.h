@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "vrml/event_model/event_budget.h"
 #include "vrml/event_model/placement.h"
 #include "vrml/event_model/states.h"
@@ -26,11 +27,9 @@ namespace gs::vrml {
 /// The cost of a step is proportional to the number of events in it. Memory is drawn from the scene's budget. If the
 /// budget is exhausted, further nodes take no part in events, and EventBudget::problem reports it. Cascades with too
 /// much work end early. Runs on the scene's thread only; the scene must outlive this object.
-class Execution {
+class Execution : NonCopyable {
  public:
   explicit Execution(SceneGraph& root);
-  Execution(const Execution&) = delete;
-  Execution& operator=(const Execution&) = delete;
 
   /// Starts the world at the time `now` with the first cascade. Binds the first bindable node of each type outside
   /// Inlines (4.6.10). Starts the time-dependent nodes that are active at `now` (4.6.9). Call it once.

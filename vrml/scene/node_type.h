@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/diagnostic.h"
+#include "base/noncopyable.h"
 #include "vrml/scene/field_value.h"
 
 #include <cstdint>
@@ -148,7 +149,7 @@ struct NodeRow {
 
 /// Type of a node: built in, declared by a PROTO or EXTERNPROTO, or private to one Script. It does not change after its
 /// first node is created, so any thread may read it.
-struct NodeType {
+struct NodeType : NonCopyable {
   enum class Kind : std::uint8_t { built_in, script, prototype, external_prototype };
 
   std::string name;
@@ -171,8 +172,6 @@ struct NodeType {
 
   NodeType();
   ~NodeType();
-  NodeType(const NodeType&) = delete;
-  NodeType& operator=(const NodeType&) = delete;
 
   /// Adds a declaration. Assigns a slot if the interface stores a value.
   void declare(InterfaceDeclaration declaration);

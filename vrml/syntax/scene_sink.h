@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "vrml/scene/scene_graph.h"
 #include "vrml/syntax/name_table.h"
 #include "vrml/syntax/problems/text_limits.h"
@@ -53,12 +54,10 @@ struct RouteNames {
 /// roles, access types and limits, and reports problems at the positions that the grammar passes. Calls of begin_ and
 /// end_ functions are nested like the constructs. After each call, the scene contains all received data. Names may come
 /// from untrusted text. The grammar must stop if limits().is_exhausted() returns true. One thread.
-class SceneSink {
+class SceneSink : NonCopyable {
  public:
   /// `scene` and `diagnostics` must outlive the sink. New nodes belong to the text `scene.writing()`.
   SceneSink(SceneGraph& scene, Diagnostics& diagnostics);
-  SceneSink(const SceneSink&) = delete;
-  SceneSink& operator=(const SceneSink&) = delete;
 
   [[nodiscard]] SceneGraph& scene() { return scene_; }
   [[nodiscard]] TextProblems& problems() { return problems_; }

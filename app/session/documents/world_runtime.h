@@ -5,6 +5,7 @@
 #include "app/session/documents/run_time_requests.h"
 #include "app/session/documents/world_movies.h"
 #include "app/session/documents/world_programs.h"
+#include "base/noncopyable.h"
 #include "render/collection/render_scene.h"
 #include "vrml/events/execution.h"
 
@@ -35,12 +36,10 @@ struct RuntimeScene {
 
 /// World in which time passes: its events, and the render lists of its views. Use on one thread. The opened world and
 /// the mesh cache must outlive it.
-class WorldRuntime {
+class WorldRuntime : NonCopyable {
  public:
   WorldRuntime(LoadedWorld& world, render::MeshCache& meshes);
   ~WorldRuntime();
-  WorldRuntime(const WorldRuntime&) = delete;
-  WorldRuntime& operator=(const WorldRuntime&) = delete;
 
   /// Returns the Scripts of the world and their browser properties.
   [[nodiscard]] WorldPrograms& programs() { return programs_; }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "qnv/base/geometry.h"
 #include "qnv/container/container.h"
 
@@ -40,11 +41,8 @@ struct MeshProgress {
 /// Decoder of the chunks of one stream, in any order and with losses. At any time, the received part gives a complete
 /// picture. Each codec has its own class; the codec's table row creates it (codecs/payloads.h). One thread at a time.
 /// Safe for untrusted bytes.
-class Decoder {
+class Decoder : NonCopyable {
  public:
-  Decoder() = default;
-  Decoder(const Decoder&) = delete;
-  Decoder& operator=(const Decoder&) = delete;
   virtual ~Decoder() = default;
 
   /// Adds the payload of a chunk. The codec must support the chunk's type. The ranges `missing` in the payload, and

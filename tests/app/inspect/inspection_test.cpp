@@ -1,4 +1,5 @@
 #include "app/inspect/inspection.h"
+#include "base/noncopyable.h"
 
 #include "tests/app/one_world.h"
 
@@ -12,15 +13,13 @@ namespace gs::app::inspection_test {
 using namespace sessions;
 
 /// An inspector of one world.
-struct Inspected : OneWorld {
+struct Inspected : OneWorld, NonCopyable {
   explicit Inspected(const std::string& body, const InspectionWants& shown = {true, true, true, true, false})
       : OneWorld(body), wants(shown) {
     session.add_extension(inspection);
     for (int i = 0; i < 3; ++i) look();  // lets the inspector learn the picture, the world and its nodes
   }
   ~Inspected() { session.remove_extension(inspection); }
-  Inspected(const Inspected&) = delete;
-  Inspected& operator=(const Inspected&) = delete;
   // Runs a step, and draws a picture.
   void look(double seconds = 0) {
     now += seconds;

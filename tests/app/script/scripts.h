@@ -31,8 +31,6 @@ class World : public vrml::traces::World {
     runner_.reset();
     execution().scripts().set_host(nullptr);
   }
-  World(const World&) = delete;
-  World& operator=(const World&) = delete;
 
   void step(double at) override {
     if (runner_) runner_->begin_step();

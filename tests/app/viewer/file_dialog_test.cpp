@@ -1,4 +1,5 @@
 #include "app/viewer/file_dialog.h"
+#include "base/noncopyable.h"
 
 #include <catch2/catch.hpp>
 
@@ -13,7 +14,7 @@ namespace {
 using Files = std::vector<std::string>;
 
 /// Desktop substitute for the lifetime of this object.
-struct Desktop {
+struct Desktop : NonCopyable {
   Desktop() {
     if (const char* value = std::getenv("DISPLAY")) before = value;
     ::setenv("DISPLAY", ":of-a-test", 1);
@@ -24,8 +25,6 @@ struct Desktop {
     else
       ::setenv("DISPLAY", before.c_str(), 1);
   }
-  Desktop(const Desktop&) = delete;
-  Desktop& operator=(const Desktop&) = delete;
   std::string before;
 };
 

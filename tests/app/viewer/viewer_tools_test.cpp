@@ -1,4 +1,5 @@
 #include "app/viewer/viewer_tools.h"
+#include "base/noncopyable.h"
 #include "render/gl/context.h"
 #include "tests/app/interface/driver.h"
 #include "tests/app/scratch_folder.h"
@@ -23,7 +24,7 @@ namespace {
 constexpr Viewport kPlace{0, 0, 96, 64};
 
 /// User's window without a window, with pictures in a folder of the test.
-struct Workshop {
+struct Workshop : NonCopyable {
   Workshop() {
     ::setenv("XDG_PICTURES_DIR", scratch.path("pictures").c_str(), 1);
     auto opened = render::open_headless_context("auto");
@@ -40,8 +41,6 @@ struct Workshop {
     tools.reset();
     renderer.reset();
   }
-  Workshop(const Workshop&) = delete;
-  Workshop& operator=(const Workshop&) = delete;
 
   View& view() { return *user.session().view(); }
   void open(const std::string& path) {

@@ -1,4 +1,5 @@
 #include "net/control/control_server.h"
+#include "base/noncopyable.h"
 #include "masked_frames.h"
 #include "net/control/control_token.h"
 #include "tests/app/scratch_folder.h"
@@ -29,7 +30,7 @@ using test::RawClient;
 const std::string kToken = "0123456789abcdef0123456789abcdef";
 
 /// A client of a Unix socket.
-class LineClient {
+class LineClient : NonCopyable {
  public:
   explicit LineClient(const std::string& path, int receive_buffer = 0) {
     socket_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -41,8 +42,6 @@ class LineClient {
     RawClient::must(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0, "connect");
   }
   ~LineClient() { ::close(socket_); }
-  LineClient(const LineClient&) = delete;
-  LineClient& operator=(const LineClient&) = delete;
   bool send(const std::string& text) const {
     for (std::size_t at = 0; at < text.size();) {
       const ssize_t sent = ::send(socket_, text.data() + at, text.size() - at, MSG_NOSIGNAL);

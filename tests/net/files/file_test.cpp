@@ -1,4 +1,5 @@
 #include "net/files/file.h"
+#include "base/noncopyable.h"
 
 #include <catch2/catch.hpp>
 
@@ -22,15 +23,13 @@ using gs::net::RandomAccessFile;
 using gs::net::write_file_atomically;
 
 /// Temporary folder of one test.
-class Folder {
+class Folder : gs::NonCopyable {
  public:
   Folder() {
     std::string name = (fs::temp_directory_path() / "ghostspace-file-test-XXXXXX").string();
     REQUIRE(::mkdtemp(name.data()) != nullptr);
     path_ = name;
   }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
   ~Folder() {
     std::error_code error;
     fs::permissions(path_, fs::perms::owner_all, error);

@@ -1,4 +1,5 @@
 #include "net/files/guarded_mapping.h"
+#include "base/noncopyable.h"
 
 #include "net/files/file.h"
 
@@ -30,7 +31,7 @@ using gs::net::MappedFile;
 constexpr std::size_t kMappedLarge = 3 * MappedFile::kMappedSize;
 
 // Temporary file of x's.
-class LargeFile {
+class LargeFile : gs::NonCopyable {
  public:
   explicit LargeFile(std::size_t size = kMappedLarge) {
     std::string name = (fs::temp_directory_path() / "ghostspace-mapping-test-XXXXXX").string();
@@ -43,8 +44,6 @@ class LargeFile {
     std::error_code error;
     fs::remove(path, error);
   }
-  LargeFile(const LargeFile&) = delete;
-  LargeFile& operator=(const LargeFile&) = delete;
   std::string path;
 };
 

@@ -10,6 +10,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "base/noncopyable.h"
 #include "tests/net/load_helpers.h"
 
 /// Files by FTP (RFC 959; VRML97 Table 7-1), from a minimal server.
@@ -32,7 +33,7 @@ int listen_on_loopback(int& port) {
 }
 
 /// Server of one file that answers one connection after another until it is destroyed.
-class FtpServer {
+class FtpServer : gs::NonCopyable {
  public:
   struct Ways {
     std::string file = "worlds/a.wrl";
@@ -60,8 +61,6 @@ class FtpServer {
     thread_.join();
     ::close(listener_);
   }
-  FtpServer(const FtpServer&) = delete;
-  FtpServer& operator=(const FtpServer&) = delete;
 
   [[nodiscard]] std::string url(const std::string& path) const {
     return "ftp://127.0.0.1:" + std::to_string(port_) + "/" + path;

@@ -15,6 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/noncopyable.h"
 #include "tests/net/http_client.h"
 #include "tests/net/load_helpers.h"
 
@@ -37,7 +38,7 @@ bool answers(unsigned port) {
   return connected;
 }
 
-class Nginx {
+class Nginx : gs::NonCopyable {
  public:
   Nginx() {
     for (const char* path : {"/usr/sbin/nginx", "/usr/local/sbin/nginx", "/usr/bin/nginx", "/usr/local/bin/nginx"})
@@ -51,8 +52,6 @@ class Nginx {
     // Another process may take the port before nginx listens.
     for (int attempt = 0; attempt < 5 && !running_; ++attempt) start();
   }
-  Nginx(const Nginx&) = delete;
-  Nginx& operator=(const Nginx&) = delete;
   ~Nginx() { stop(); }
 
   /// Returns false with a message if nginx is missing.

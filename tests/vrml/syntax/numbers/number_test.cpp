@@ -1,4 +1,5 @@
 #include "vrml/syntax/numbers/number.h"
+#include "base/noncopyable.h"
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -45,7 +46,7 @@ std::uint32_t bits_of(float value) { return std::bit_cast<std::uint32_t>(value);
 std::uint32_t bits_of(std::int32_t value) { return std::bit_cast<std::uint32_t>(value); }
 
 /// Text between two unreadable pages.
-class GuardedText {
+class GuardedText : gs::NonCopyable {
  public:
   explicit GuardedText(std::size_t capacity) {
     page_ = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
@@ -56,8 +57,6 @@ class GuardedText {
     REQUIRE(mprotect(base_ + page_, size_, PROT_READ | PROT_WRITE) == 0);
   }
   ~GuardedText() { munmap(base_, size_ + 2 * page_); }
-  GuardedText(const GuardedText&) = delete;
-  GuardedText& operator=(const GuardedText&) = delete;
 
   /// Returns the text directly before the unreadable page.
   std::string_view at_end(std::string_view text) {
