@@ -20,17 +20,8 @@ std::uint32_t digest(std::string_view name) {
 }  // namespace
 
 std::string_view name_of(AccessType access) {
-  switch (access) {
-    case AccessType::eventIn:
-      return "eventIn";
-    case AccessType::eventOut:
-      return "eventOut";
-    case AccessType::field:
-      return "field";
-    case AccessType::exposedField:
-      return "exposedField";
-  }
-  return {};
+  static constexpr std::string_view kNames[] = {"eventIn", "eventOut", "field", "exposedField"};
+  return kNames[static_cast<std::size_t>(access)];
 }
 
 NodeType::NodeType() = default;

@@ -30,15 +30,7 @@ const char* emptiness_of(const SessionLog& log) {
 }
 
 const char* word_of(Severity severity) {
-  switch (severity) {
-    case Severity::error:
-      return "error";
-    case Severity::warning:
-      return "warning";
-    case Severity::note:
-      break;
-  }
-  return "note";
+  return severity == Severity::error ? "error" : severity == Severity::warning ? "warning" : "note";
 }
 
 }  // namespace

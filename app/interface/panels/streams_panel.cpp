@@ -11,16 +11,10 @@ namespace gs::app {
 namespace {
 
 const ImVec4& color_of(LoadStage stage) {
-  switch (stage) {
-    case LoadStage::failed:
-      return UiColors::kError;
-    case LoadStage::arriving:
-      return UiColors::kAccent;
-    case LoadStage::cancelled:
-      return UiColors::kWarning;
-    default:
-      return UiColors::kQuiet;
-  }
+  return stage == LoadStage::failed      ? UiColors::kError
+         : stage == LoadStage::arriving  ? UiColors::kAccent
+         : stage == LoadStage::cancelled ? UiColors::kWarning
+                                         : UiColors::kQuiet;
 }
 
 std::string bytes_text(const LoadRow& load) {
