@@ -5,6 +5,7 @@
 #include "qnv/container/container.h"
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <utility>
 
@@ -58,5 +59,12 @@ class Decoder : NonCopyable {
   [[nodiscard]] virtual Geometry geometry_to_draw(GeometryBase base) { return geometry(std::move(base)); }
   [[nodiscard]] virtual MeshProgress mesh() const { return {}; }
 };
+
+// Factories of the codecs' decoders. `most_vectors` limits the number of vectors.
+[[nodiscard]] std::unique_ptr<Decoder> make_records_decoder(const StreamHeader& header, std::size_t most_vectors);
+[[nodiscard]] std::unique_ptr<Decoder> make_displaced_decoder(const StreamHeader& header, std::size_t most_vectors);
+[[nodiscard]] std::unique_ptr<Decoder> make_octree_decoder(const StreamHeader& header, std::size_t most_vectors);
+[[nodiscard]] std::unique_ptr<Decoder> make_progressive_decoder(const StreamHeader& header, std::size_t most_vectors);
+[[nodiscard]] std::unique_ptr<Decoder> make_voxels_decoder(const StreamHeader& header, std::size_t most_vectors);
 
 }  // namespace gs::qnv
