@@ -9,6 +9,7 @@
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/sampling/volume/gradients.h"
 #include "render/scene/render_list.h"
+#include "tests/app/scratch_folder.h"
 #include "tests/fuzz/app_targets.h"
 #include "vrml/mesh/mesh.h"
 #include "vrml/syntax/parser.h"
@@ -128,26 +129,15 @@ bool run_cloud(const ContentType& type, std::span<const std::byte> bytes) {
 /// Folder with two files: one that headers may name, "volume.img", and the partner in formats of two files.
 class VolumeFolder {
  public:
-  VolumeFolder() {
-    std::string pattern = (fs::temp_directory_path() / "ghostspace-fuzz-XXXXXX").string();
-    require(::mkdtemp(pattern.data()) != nullptr);
-    folder_ = pattern;
-  }
-  ~VolumeFolder() {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-  VolumeFolder(const VolumeFolder&) = delete;
-  VolumeFolder& operator=(const VolumeFolder&) = delete;
-  [[nodiscard]] std::string header() const { return (folder_ / "volume.hdr").string(); }
+  [[nodiscard]] std::string header() const { return folder_.path("volume.hdr"); }
   void write(std::span<const std::byte> bytes) {
     if (bytes.empty() && !written_) return;
-    std::ofstream(folder_ / "volume.img", std::ios::binary) << text_of(bytes);
+    folder_.write("volume.img", text_of(bytes));
     written_ = !bytes.empty();
   }
 
  private:
-  fs::path folder_;
+  ScratchFolder folder_;
   bool written_ = false;
 };
 

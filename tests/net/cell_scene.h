@@ -87,6 +87,30 @@ class PatternLibrary : public CellLibrary {
   }
 };
 
+using Streams = std::vector<PatternSource::Stream>;
+
+/// Returns options of a server whose secret is `secret` and the next number.
+inline CellServerOptions server_options(CongestionResponse response = CongestionResponse::reserved,
+                                        std::uint64_t secret = 1) {
+  CellServerOptions options;
+  options.secret = {secret, secret + 1};
+  options.session.response = response;
+  return options;
+}
+
+/// Returns a library with one source, "a".
+inline std::shared_ptr<PatternLibrary> library(const std::shared_ptr<CellSource>& source) {
+  auto made = std::make_shared<PatternLibrary>();
+  made->sources["a"] = source;
+  return made;
+}
+
+inline CellWish wish(std::string path = "a") {
+  CellWish result;
+  result.path = std::move(path);
+  return result;
+}
+
 /// Data of one client, checked byte by byte.
 struct ReceivedCells {
   bool ok = true, base = false, ended = false, failed = false, refused = false;

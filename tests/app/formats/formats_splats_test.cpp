@@ -1,8 +1,8 @@
 #include "app/formats/splats/splats.h"
 
+#include "app/formats/mesh/points.h"
 #include "tests/app/clouds.h"
-
-#include <zlib.h>
+#include "tests/gzip.h"
 
 #include <algorithm>
 
@@ -312,20 +312,6 @@ TEST_CASE("reads .ksplat with buckets") {
   }
 }
 
-Bytes gzip(const Bytes& data) {
-  Bytes result(compressBound(static_cast<uLong>(data.size())) + 64);
-  z_stream stream{};
-  REQUIRE(deflateInit2(&stream, 6, Z_DEFLATED, 31, 8, Z_DEFAULT_STRATEGY) == Z_OK);
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(data.data()));
-  stream.avail_in = static_cast<uInt>(data.size());
-  stream.next_out = reinterpret_cast<Bytef*>(result.data());
-  stream.avail_out = static_cast<uInt>(result.size());
-  REQUIRE(deflate(&stream, Z_FINISH) == Z_STREAM_END);
-  result.resize(stream.total_out);
-  deflateEnd(&stream);
-  return result;
-}
-
 /// Returns two splats of an SPZ file before compression.
 Bytes spz(std::uint32_t version, int flags = 0) {
   Bytes data;
@@ -367,7 +353,7 @@ glm::vec3 first_place(const Splats& cloud) {
 
 TEST_CASE("reads SPZ versions 1 to 3") {
   for (const std::uint32_t version : {1u, 2u, 3u}) {
-    const Bytes bytes = gzip(spz(version));
+    const Bytes bytes = gs::test::deflated(spz(version));
     const Splats cloud = cloud_of(import_splats_spz, bytes);
     REQUIRE(cloud.size() == 2);
     CHECK(first_place(cloud) == glm::vec3(1, -1, 2.5f));
@@ -379,7 +365,7 @@ TEST_CASE("reads SPZ versions 1 to 3") {
     lossy[12] = std::byte{2};
     lossy[16 + (version == 1 ? 12 : 18)] = std::byte{128};
     lossy.resize(lossy.size() + 2 * 24);
-    CHECK(metadata(cloud_of(import_splats_spz, gzip(lossy)), kSplatsDrawnAs) ==
+    CHECK(metadata(cloud_of(import_splats_spz, gs::test::deflated(lossy)), kSplatsDrawnAs) ==
           "opaque surface splats, without their opacity and spherical harmonics up to degree 2");
     check_hostile(import_splats_spz, bytes);
     // Rubbish that decompresses.
@@ -387,13 +373,13 @@ TEST_CASE("reads SPZ versions 1 to 3") {
     for (std::size_t i = 0; i < data.size(); ++i) {
       Bytes changed = data;
       changed[i] ^= std::byte{0xff};
-      check_any(import_splats_spz, gzip(changed));
+      check_any(import_splats_spz, gs::test::deflated(changed));
       changed.resize(i);
-      check_any(import_splats_spz, gzip(changed));
+      check_any(import_splats_spz, gs::test::deflated(changed));
     }
   }
-  CHECK(first_place(cloud_of(import_splats_spz, gzip(spz(3, 2)))) == glm::vec3(1, 1, -2.5f));
-  CHECK(problem_of(import_splats_spz, gzip(spz(5))).find("version 5") != std::string::npos);
+  CHECK(first_place(cloud_of(import_splats_spz, gs::test::deflated(spz(3, 2)))) == glm::vec3(1, 1, -2.5f));
+  CHECK(problem_of(import_splats_spz, gs::test::deflated(spz(5))).find("version 5") != std::string::npos);
   CHECK(problem_of(import_splats_spz, spz(3)).find("header of 32") == std::string::npos);
   CHECK_FALSE(problem_of(import_splats_spz, bytes_of("hello, world")).empty());
 }
@@ -405,7 +391,7 @@ TEST_CASE("allocates nothing for SPZ counts that the file cannot hold") {
   std::memcpy(&bytes[8], &count, 4);
   CHECK(problem_of(import_splats_spz, bytes).find("which exceed the file") != std::string::npos);
   std::memcpy(&bytes[4], "\x03\0\0\0", 4);
-  CHECK(problem_of(import_splats_spz, gzip(bytes)).find("which exceed the file") != std::string::npos);
+  CHECK(problem_of(import_splats_spz, gs::test::deflated(bytes)).find("which exceed the file") != std::string::npos);
 }
 
 TEST_CASE("reads the same scene from SPZ version 4 and compressed PLY") {

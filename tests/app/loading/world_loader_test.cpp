@@ -4,8 +4,8 @@
 #include "base/gzip.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/worlds.h"
+#include "tests/gzip.h"
 
-#include <zlib.h>
 #include <catch2/catch.hpp>
 
 #include <string>
@@ -16,20 +16,6 @@ using namespace gs::app;
 using namespace gs;
 
 namespace {
-
-std::string gzipped_text(const std::string& text) {
-  z_stream stream{};
-  REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) == Z_OK);
-  std::string out(deflateBound(&stream, text.size()) + 32, '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-  stream.avail_in = static_cast<uInt>(text.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  REQUIRE(deflate(&stream, Z_FINISH) == Z_STREAM_END);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  return out;
-}
 
 std::span<const std::byte> byte_span_of(std::string_view text) { return std::as_bytes(std::span(text)); }
 
@@ -44,7 +30,7 @@ const std::string kGif(
 
 TEST_CASE("gunzip: reads members, and reports truncation, damage and limits") {
   const std::string text(300000, 'x');
-  const std::string packed = gzipped_text(text);
+  const std::string packed = test::deflated(text);
   std::string out;
   const auto sink = [&](std::string_view piece) {
     out += piece;
@@ -55,7 +41,8 @@ TEST_CASE("gunzip: reads members, and reports truncation, damage and limits") {
   CHECK_FALSE(gunzip(byte_span_of(packed), own_budget(), sink));
   CHECK(out == text);
   out.clear();
-  CHECK_FALSE(gunzip(byte_span_of(gzipped_text("one") + gzipped_text("two")), own_budget(), sink));
+  CHECK_FALSE(gunzip(byte_span_of(test::deflated(std::string("one")) + test::deflated(std::string("two"))),
+                     own_budget(), sink));
   CHECK(out == "onetwo");
   out.clear();
   const auto small = std::make_shared<Budget>(Limits{.memory = 1024});
@@ -79,7 +66,7 @@ TEST_CASE("gunzip: reads members, and reports truncation, damage and limits") {
 
 TEST_CASE("gunzip: reads pieces of any size as one text, and reports errors at the end") {
   const std::string text = "one, " + std::string(300000, 'x'),
-                    packed = gzipped_text(text) + gzipped_text("two") + "rest";
+                    packed = test::deflated(text) + test::deflated(std::string("two")) + "rest";
   for (const std::size_t size : {1ul, 2ul, 3ul, 7ul, 1000ul}) {
     Gunzip unpacking(own_budget());
     std::string out;
@@ -104,7 +91,7 @@ TEST_CASE("gunzip: reads pieces of any size as one text, and reports errors at t
 
 TEST_CASE("opens gzip'd worlds under any name, and shows the beginning of a truncated one") {
   const ScratchFolder folder;
-  const std::string packed = gzipped_text(kBoxWorld);
+  const std::string packed = test::deflated(std::string(kBoxWorld));
   for (const char* name : {"a.wrl", "a.wrz", "a.wrl.gz", "a"}) {
     const LoadedWorld world = load_world(folder.write(name, packed));
     REQUIRE(world.scene);
@@ -115,7 +102,7 @@ TEST_CASE("opens gzip'd worlds under any name, and shows the beginning of a trun
   std::string large = "#VRML V2.0 utf8\n";
   for (int i = 0; i < 5000; ++i)
     large += "Shape { geometry Sphere { radius " + std::to_string(i * 7919 % 1000) + " } }\n";
-  const std::string packed_large = gzipped_text(large);
+  const std::string packed_large = test::deflated(large);
   const LoadedWorld world = load_world(folder.write("cut.wrl", packed_large.substr(0, packed_large.size() / 2)));
   REQUIRE(world.scene);
   CHECK(world.truncated);

@@ -10,26 +10,6 @@ namespace {
 
 using namespace gs::net;
 using namespace std::chrono_literals;
-using Streams = std::vector<PatternSource::Stream>;
-
-CellServerOptions server_options(CongestionResponse response = CongestionResponse::reserved) {
-  CellServerOptions options;
-  options.secret = {1, 2};
-  options.session.response = response;
-  return options;
-}
-
-std::shared_ptr<PatternLibrary> library(const std::shared_ptr<CellSource>& source) {
-  auto made = std::make_shared<PatternLibrary>();
-  made->sources["a"] = source;
-  return made;
-}
-
-CellWish wish(std::string path = "a") {
-  CellWish result;
-  result.path = std::move(path);
-  return result;
-}
 
 TEST_CASE("sends no more than it received before the cookie returns", "[cell_sender]") {
   const auto source = std::make_shared<PatternSource>(1000, Streams{{true, 10, 8000}});
