@@ -2,6 +2,7 @@
 
 #include "app/encode/surface_triangles.h"
 #include "net/base/url.h"
+#include "net/control/digest.h"
 #include "render/image/image.h"
 
 #include <glm/geometric.hpp>
@@ -31,18 +32,6 @@ bool is_bent(const vrml::Mesh& mesh, const std::array<std::uint32_t, 3>& corners
   return std::any_of(corners.begin(), corners.end(), [&](std::uint32_t corner) {
     return !(std::abs(glm::dot(mesh.normals[corner], n)) >= kFlat * length);
   });
-}
-
-std::string base64(std::span<const std::byte> bytes) {
-  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      group = group << 8 | (i + k < bytes.size() ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0);
-    for (std::size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
 }
 
 class Builder {
@@ -160,7 +149,7 @@ TextureUrls texture_urls(const LoadedWorld& world) {
   // Embed all other textures as data: URLs. They come from Inlines, libraries, importers and PixelTextures.
   for (const auto& [place, image] : world.images)
     if (image && !urls.contains(image.get()))
-      urls.emplace(image.get(), "data:image/png;base64," + base64(render::encode_png(*image)));
+      urls.emplace(image.get(), "data:image/png;base64," + net::base64(render::encode_png(*image)));
   return urls;
 }
 

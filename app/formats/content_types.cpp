@@ -83,6 +83,17 @@ Asset read_volume(const ImportSource& source) {
   return {};
 }
 
+const ContentType* type_by_name(std::string_view path, std::span<const ContentType> types) {
+  std::string name = lower_case(path);
+  if (name.ends_with(".gz")) name.resize(name.size() - 3);
+  const std::size_t point = name.rfind('.');
+  if (point == std::string::npos) return nullptr;
+  const std::string extension = name.substr(point) + ' ';
+  for (const ContentType& type : types)
+    if (type.extensions.find(extension) != std::string_view::npos) return &type;
+  return nullptr;
+}
+
 }  // namespace
 
 std::span<const ContentType> content_types() {
@@ -126,22 +137,14 @@ const ContentType* content_type_by_mark(Bytes bytes) {
   return nullptr;
 }
 
+const ContentType* content_type_by_name(std::string_view path) { return type_by_name(path, content_types()); }
+
 const ContentType& content_type_of(std::string_view path, Bytes bytes) {
   if (const ContentType* type = content_type_by_mark(bytes)) return *type;
   for (const ContentType& type : kNotRead)
     if (type.sniff(bytes)) return type;
-  std::string name(path);
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  if (name.ends_with(".gz")) name.resize(name.size() - 3);
-  const std::size_t point = name.rfind('.');
-  if (point != std::string::npos) {
-    const std::string extension = name.substr(point) + ' ';
-    for (const ContentType& type : content_types())
-      if (type.extensions.find(extension) != std::string_view::npos) return type;
-    for (const ContentType& type : kNotRead)
-      if (type.extensions.find(extension) != std::string_view::npos) return type;
-  }
+  for (const std::span<const ContentType> types : {content_types(), std::span<const ContentType>(kNotRead)})
+    if (const ContentType* type = type_by_name(path, types)) return *type;
   return content_types().front();
 }
 

@@ -25,6 +25,9 @@ namespace gs::app {
 /// Returns the type that the first bytes identify, or null.
 [[nodiscard]] const ContentType* content_type_by_mark(std::span<const std::byte> bytes);
 
+/// Returns the type with the extension of a name, in any case and without a final `.gz`, or null.
+[[nodiscard]] const ContentType* content_type_by_name(std::string_view path);
+
 /// Returns the first bytes of a file, enough to detect its type. Decompresses them if the file is gzip-compressed.
 [[nodiscard]] std::vector<std::byte> first_bytes(std::span<const std::byte> bytes);
 

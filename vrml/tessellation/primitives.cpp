@@ -111,6 +111,18 @@ void add_disc(Builder& builder, const std::vector<Direction>& around, float radi
   }
 }
 
+/// Measures of a cone or cylinder, and the directions around its axis.
+struct RoundSolid {
+  float radius, height;
+  int segments;
+  std::vector<Direction> around;
+};
+RoundSolid round_solid(const SceneGraph& scene, NodeId geometry, std::string_view radius, const MeshOptions& options) {
+  const int segments = segments_of(options);
+  return {measure<SFFloat>(scene, geometry, radius, options), measure<SFFloat>(scene, geometry, "height", options),
+          segments, turn(segments)};
+}
+
 }  // namespace
 
 Mesh tessellate_box(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
@@ -141,11 +153,8 @@ Mesh tessellate_box(const SceneGraph& scene, NodeId geometry, const MeshOptions&
 }
 
 Mesh tessellate_cone(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
-  const auto radius = measure<SFFloat>(scene, geometry, "bottomRadius", options);
-  const auto height = measure<SFFloat>(scene, geometry, "height", options);
+  const auto [radius, height, segments, around] = round_solid(scene, geometry, "bottomRadius", options);
   if (!is_size(radius) || !is_size_or_flat(height)) return {};  // a cone without a radius would be a line
-  const int segments = segments_of(options);
-  const std::vector<Direction> around = turn(segments);
   const float half = height * 0.5f;
 
   Builder builder(3 * around.size(), 2 * around.size());
@@ -171,11 +180,8 @@ Mesh tessellate_cone(const SceneGraph& scene, NodeId geometry, const MeshOptions
 }
 
 Mesh tessellate_cylinder(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
-  const auto radius = measure<SFFloat>(scene, geometry, "radius", options);
-  const auto height = measure<SFFloat>(scene, geometry, "height", options);
+  const auto [radius, height, segments, around] = round_solid(scene, geometry, "radius", options);
   if (!is_size(radius) || !is_size_or_flat(height)) return {};  // a cylinder without a radius would be a line
-  const int segments = segments_of(options);
-  const std::vector<Direction> around = turn(segments);
   const float half = height * 0.5f;
 
   Builder builder(4 * around.size(), 4 * around.size());

@@ -70,10 +70,7 @@ Problem set_length(double& length, const std::string& value) {
 }
 
 Problem set_tolerance(EncodeCommand& options, const std::string& value) {
-  double length = 0;
-  const Problem problem = set_length(length, value);
-  options.tolerance = length;
-  return problem;
+  return set_length(options.tolerance.emplace(), value);
 }
 
 Problem set_groups(EncodeCommand& options, const std::string& value) {

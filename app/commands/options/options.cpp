@@ -91,10 +91,7 @@ Problem set_seconds(double& seconds, const std::string& value) {
 }
 
 Problem set_until(TraceCommand& options, const std::string& value) {
-  double seconds = 0;
-  const Problem problem = set_seconds(seconds, value);
-  options.until = seconds;
-  return problem;
+  return set_seconds(options.until.emplace(), value);
 }
 
 Problem set_splats(PictureOptions& options, const std::string& value) {

@@ -11,6 +11,9 @@
 // Panels that inspect the world of the active viewport. They only draw; app/inspect holds the data.
 namespace gs::app {
 
+/// Returns the inspection of an open world, and marks a part of it as drawn. Otherwise returns null, and prints a note.
+[[nodiscard]] Inspection* drawn_inspection(const UiModel& model, bool InspectionWants::*part);
+
 /// Node tree of the world, with a search field.
 class ScenePanel final : public Panel {
  public:

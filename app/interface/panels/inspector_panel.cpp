@@ -42,14 +42,18 @@ struct InspectorPanel::Field {
   Unit unit;
 };
 
+Inspection* drawn_inspection(const UiModel& model, bool InspectionWants::*part) {
+  if (!model.inspection) return nullptr;
+  model.inspection->drawn().*part = true;
+  if (model.inspection->world()) return model.inspection;
+  if (!model.has_world) colored_text(UiColors::kQuiet, "No world is open.");
+  return nullptr;
+}
+
 void InspectorPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) {
-  if (!model.inspection) return;
-  Inspection& inspection = *model.inspection;
-  inspection.drawn().inspector = true;
-  if (!inspection.world()) {
-    if (!model.has_world) colored_text(UiColors::kQuiet, "No world is open.");
-    return;
-  }
+  Inspection* const shown = drawn_inspection(model, &InspectionWants::inspector);
+  if (!shown) return;
+  Inspection& inspection = *shown;
   if (!(node_ == inspection.selected())) {
     node_ = inspection.selected();
     open_.clear();

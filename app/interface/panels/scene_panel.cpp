@@ -18,13 +18,9 @@ int as_count(std::size_t count) {
 }  // namespace
 
 void ScenePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) {
-  if (!model.inspection) return;
-  Inspection& inspection = *model.inspection;
-  inspection.drawn().tree = true;
-  if (!inspection.world()) {
-    if (!model.has_world) colored_text(UiColors::kQuiet, "No world is open.");
-    return;
-  }
+  Inspection* const shown = drawn_inspection(model, &InspectionWants::tree);
+  if (!shown) return;
+  Inspection& inspection = *shown;
   search_row(frame, inspection, actions);
   rows(frame, inspection);
 }
