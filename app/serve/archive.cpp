@@ -1,5 +1,6 @@
 #include "app/serve/archive.h"
 
+#include "app/formats/content_types.h"
 #include "app/serve/archive_index.h"
 #include "app/serve/cell_archive.h"
 #include "app/serve/child_program.h"

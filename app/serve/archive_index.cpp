@@ -254,14 +254,6 @@ std::string column_heading(const SortRow& row, const std::string& search, const 
 
 }  // namespace
 
-const ContentType* content_type_by_name(std::string_view name) {
-  std::string extension = extension_of(name);
-  if (extension == ".gz ") extension = extension_of(name.substr(0, name.size() - 3));
-  for (const ContentType& type : content_types())
-    if (lists(type.extensions, extension)) return &type;
-  return nullptr;
-}
-
 net::ServedType served_type_of(std::string_view name) {
   const std::string extension = extension_of(name);
   if (extension == ".gz ") return {"application/gzip", false};

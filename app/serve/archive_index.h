@@ -9,9 +9,6 @@
 
 namespace gs::app {
 
-/// Returns the content type of a file name, ignoring a trailing ".gz". Returns null if the extension is unknown.
-[[nodiscard]] const ContentType* content_type_by_name(std::string_view name);
-
 /// Returns the MIME type that a server sends for a file name, and whether gzip saves bytes. Searches the content types
 /// of the program, then common types of the web. Returns application/octet-stream for other names.
 [[nodiscard]] net::ServedType served_type_of(std::string_view name);

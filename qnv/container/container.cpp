@@ -49,11 +49,7 @@ void put_color(ByteWriter& write, const Rgb8& c) {
 }
 
 Rgb8 get_color(ByteReader& read) {
-  Rgb8 c;
-  c.r = read.integer<std::uint8_t>();
-  c.g = read.integer<std::uint8_t>();
-  c.b = read.integer<std::uint8_t>();
-  return c;
+  return {read.integer<std::uint8_t>(), read.integer<std::uint8_t>(), read.integer<std::uint8_t>()};
 }
 
 bool has_origin(const Description& d) { return d.origin != glm::dvec3(0); }

@@ -89,7 +89,7 @@ class PatternLibrary : public CellLibrary {
 
 using Streams = std::vector<PatternSource::Stream>;
 
-/// Returns options of a server whose secret is `secret` and the next number.
+/// Returns options of a server with a response to losses and a secret of two numbers: `secret` and its successor.
 inline CellServerOptions server_options(CongestionResponse response = CongestionResponse::reserved,
                                         std::uint64_t secret = 1) {
   CellServerOptions options;

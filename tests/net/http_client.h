@@ -85,10 +85,8 @@ inline std::uint16_t free_port() {
 /// Connection without a library. `from` is the client's address in 127.0.0.0/8.
 class RawClient : NonCopyable {
  public:
-  explicit RawClient(std::uint16_t port, const char* from = "127.0.0.1", int receive_buffer = 0) {
-    socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    must(socket_ >= 0, "socket");
-    if (receive_buffer > 0) ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
+  explicit RawClient(std::uint16_t port, const char* from = "127.0.0.1", int receive_buffer = 0)
+      : RawClient(AF_INET, receive_buffer) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     ::inet_pton(AF_INET, from, &address.sin_addr);
@@ -104,13 +102,13 @@ class RawClient : NonCopyable {
   ~RawClient() { ::close(socket_); }
 
   [[nodiscard]] int socket() const { return socket_; }
-  void send(const std::string& text) const {
-    std::size_t at = 0;
-    while (at < text.size()) {
+  bool send(const std::string& text) const {
+    for (std::size_t at = 0; at < text.size();) {
       const ssize_t sent = ::send(socket_, text.data() + at, text.size() - at, MSG_NOSIGNAL);
-      if (sent <= 0) return;
+      if (sent <= 0) return false;
       at += static_cast<std::size_t>(sent);
     }
+    return true;
   }
   /// Returns the next bytes, or an empty text at the end of the connection.
   [[nodiscard]] std::string receive(std::size_t most = 65536) const {
@@ -126,7 +124,12 @@ class RawClient : NonCopyable {
     return all;
   }
 
- private:
+ protected:
+  RawClient(int family, int receive_buffer) : socket_(::socket(family, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    must(socket_ >= 0, "socket");
+    if (receive_buffer > 0) ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
+  }
+
   int socket_ = -1;
 };
 

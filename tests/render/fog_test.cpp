@@ -38,11 +38,7 @@ RenderList parsed(const std::string& body) {
 }
 
 Fog fog_of(bool exponential, float visibility, const glm::vec3& color = {0.2f, 0.9f, 0.4f}) {
-  Fog fog;
-  fog.exponential = exponential;
-  fog.visibility_range = visibility;
-  fog.color = color;
-  return fog;
+  return {.color = color, .exponential = exponential, .visibility_range = visibility};
 }
 
 }  // namespace

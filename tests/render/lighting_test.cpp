@@ -83,23 +83,19 @@ void check_against_equation(const Material& material, std::vector<Light> lights,
 }
 
 Light directional_light() {
-  Light light;
-  light.kind = Light::Kind::directional;
-  light.direction = glm::normalize(glm::vec3(1, -2, -3));
-  light.color = {1, 0.8f, 0.5f};
-  light.intensity = 0.7f;
-  light.ambient_intensity = 0.6f;
-  return light;
+  return {.kind = Light::Kind::directional,
+          .color = {1, 0.8f, 0.5f},
+          .direction = glm::normalize(glm::vec3(1, -2, -3)),
+          .intensity = 0.7f,
+          .ambient_intensity = 0.6f};
 }
 
 Light point_light() {
-  Light light;
-  light.kind = Light::Kind::point;
-  light.location = {1, -1, 2};
-  light.attenuation = {0.5f, 0.2f, 0.1f};
-  light.intensity = 1;
-  light.ambient_intensity = 0.3f;
-  return light;
+  return {.kind = Light::Kind::point,
+          .location = {1, -1, 2},
+          .attenuation = {0.5f, 0.2f, 0.1f},
+          .intensity = 1,
+          .ambient_intensity = 0.3f};
 }
 
 Light spot_light() {

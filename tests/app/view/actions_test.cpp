@@ -9,13 +9,7 @@ namespace gs::app::actions_test {
 namespace {
 
 WindowEvent pressed(Key key, bool control = false, bool shift = false, bool alt = false) {
-  WindowEvent event;
-  event.kind = WindowEvent::Kind::key_down;
-  event.key = key;
-  event.control = control;
-  event.shift = shift;
-  event.alt = alt;
-  return event;
+  return {.kind = WindowEvent::Kind::key_down, .key = key, .shift = shift, .control = control, .alt = alt, .paths = {}};
 }
 
 }  // namespace

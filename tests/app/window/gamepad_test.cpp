@@ -10,11 +10,7 @@ namespace {
 
 using Kind = WindowEvent::Kind;
 
-GamepadState connected() {
-  GamepadState state;
-  state.connected = true;
-  return state;
-}
+GamepadState connected() { return {.connected = true}; }
 
 }  // namespace
 

@@ -7,13 +7,7 @@
 
 namespace {
 
-using gs::net::has_scheme;
-using gs::net::parse_url;
-using gs::net::path_of_url;
-using gs::net::resolve;
-using gs::net::tidy_url;
-using gs::net::Url;
-using gs::net::url_of_path;
+using namespace gs::net;
 
 std::string resolved(std::string_view base, std::string_view reference) {
   return resolve(parse_url(base), parse_url(reference)).text();

@@ -16,11 +16,7 @@
 namespace {
 
 namespace fs = std::filesystem;
-using gs::net::FileError;
-using gs::net::map_file;
-using gs::net::MappedFile;
-using gs::net::RandomAccessFile;
-using gs::net::write_file_atomically;
+using namespace gs::net;
 
 /// Temporary folder of one test. Removes files without permissions, too.
 class Folder : public gs::net::test::TemporaryFolder {

@@ -23,10 +23,7 @@
 namespace {
 
 namespace fs = std::filesystem;
-using gs::net::Descriptor;
-using gs::net::GuardedMapping;
-using gs::net::map_file;
-using gs::net::MappedFile;
+using namespace gs::net;
 
 constexpr std::size_t kMappedLarge = 3 * MappedFile::kMappedSize;
 

@@ -36,22 +36,23 @@ qnv::IndexedMesh square(bool pictured) {
   return cloud;
 }
 
-LoadedWorld loaded(const ScratchFolder& folder, const qnv::Geometry& cloud) {
+render::RenderList collected(const qnv::Geometry& cloud) {
+  const ScratchFolder folder;
   const Exported glb = export_glb(cloud, {"square", {}});
   REQUIRE(std::holds_alternative<std::vector<std::byte>>(glb));
   const auto& bytes = std::get<std::vector<std::byte>>(glb);
-  return load_world(folder.write("square.glb", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size())));
+  const LoadedWorld world =
+      load_world(folder.write("square.glb", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size())));
+  INFO(said(world));
+  REQUIRE(world.scene);
+  render::MeshCache meshes;
+  return render::collect(*world.scene, world.images, meshes);
 }
 
 }  // namespace
 
 TEST_CASE("exports triangles of a point set as a mesh in GLB, with their colours") {
-  const ScratchFolder folder;
-  LoadedWorld world = loaded(folder, square(false));
-  INFO(said(world));
-  REQUIRE(world.scene);
-  render::MeshCache meshes;
-  const render::RenderList list = render::collect(*world.scene, world.images, meshes);
+  const render::RenderList list = collected(square(false));
   REQUIRE(list.items.size() == 1);
   const vrml::Mesh& mesh = *list.items[0].mesh;
   CHECK(mesh.indices.size() == 6);
@@ -63,12 +64,7 @@ TEST_CASE("exports triangles of a point set as a mesh in GLB, with their colours
 }
 
 TEST_CASE("exports a texture to GLB pixel by pixel, beside coloured triangles") {
-  const ScratchFolder folder;
-  LoadedWorld world = loaded(folder, square(true));
-  INFO(said(world));
-  REQUIRE(world.scene);
-  render::MeshCache meshes;
-  const render::RenderList list = render::collect(*world.scene, world.images, meshes);
+  const render::RenderList list = collected(square(true));
   REQUIRE(list.items.size() == 2);
   CHECK(!list.items[0].texture.image);
   const render::DrawItem& item = list.items[1];

@@ -20,10 +20,7 @@
 using namespace gs;
 
 using namespace gs::qnv;
-using gs::test::kNaN;
-using gs::test::oblique;
-using gs::test::place_of;
-using gs::test::volume_of;
+using namespace gs::test;
 
 namespace {
 
