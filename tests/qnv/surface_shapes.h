@@ -4,6 +4,7 @@
 #include "qnv/base/voxels.h"
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/shared/encode_options.h"
+#include "tests/watched.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>
@@ -105,6 +106,16 @@ inline Triangles random_triangles(std::size_t count, float extent, std::uint32_t
     out.push_back(triangle_of(a, b, c, {static_cast<std::uint8_t>(random()), 7, 200}));
   }
   return out;
+}
+
+inline void check_sound(const IndexedMesh& cloud) {
+  REQUIRE_EACH(cloud.normals.size() == cloud.size());
+  REQUIRE_EACH(cloud.weights.size() == cloud.size());
+  REQUIRE_EACH((cloud.colors.empty() || cloud.colors.size() == cloud.size()));
+  for (const std::uint32_t v : cloud.triangles) REQUIRE_EACH(v < cloud.size());
+  for (const float w : cloud.weights) REQUIRE_EACH((w > 0 && std::isfinite(w)));
+  for (const glm::vec3& p : cloud.positions) REQUIRE_EACH(std::isfinite(p.x + p.y + p.z));
+  for (const glm::vec3& n : cloud.normals) REQUIRE_EACH(std::abs(glm::length(n) - 1) < 1e-3f);
 }
 
 inline Box box_of(const Triangles& triangles) {

@@ -41,6 +41,15 @@ inline std::shared_ptr<qnv::Splats> sphere(std::size_t count, bool colored = fal
   return cloud;
 }
 
+inline std::vector<std::byte> octree_of(const std::vector<qnv::Triangle>& triangles, std::size_t vectors) {
+  qnv::EncodeOptions options;
+  options.vectors = vectors;
+  auto encoded =
+      qnv::encode_surface([&](const qnv::TriangleSink& sink) { return sink(std::span(triangles)); }, options);
+  if (auto* error = std::get_if<qnv::EncodeError>(&encoded)) FAIL(error->message);
+  return std::move(std::get<qnv::EncodedStream>(encoded).bytes);
+}
+
 /// Returns the sphere as an octree stream, with splats clipped to its cubes.
 inline std::shared_ptr<const qnv::Splats> octree_sphere(std::size_t vectors) {
   const auto on_sphere = [](int row, int column) {
@@ -62,13 +71,8 @@ inline std::shared_ptr<const qnv::Splats> octree_sphere(std::size_t vectors) {
       if (row < 23) add(a, b, c);
       if (row > 0) add(a, c, d);
     }
-  qnv::EncodeOptions options;
-  options.vectors = vectors;
-  auto encoded =
-      qnv::encode_surface([&](const qnv::TriangleSink& sink) { return sink(std::span(triangles)); }, options);
-  if (auto* error = std::get_if<qnv::EncodeError>(&encoded)) FAIL(error->message);
   qnv::StreamDecoder decoder;
-  REQUIRE(decoder.push(std::get<qnv::EncodedStream>(encoded).bytes));
+  REQUIRE(decoder.push(octree_of(triangles, vectors)));
   decoder.finish();
   return std::make_shared<const qnv::Splats>(content_of<qnv::Splats>(decoder.geometry()));
 }
@@ -95,12 +99,7 @@ inline std::shared_ptr<const qnv::Geometry> bumpy_stream(std::size_t vectors) {
       if (row + 1 < kRows) add(a, b, c);
       if (row > 0) add(a, c, d);
     }
-  qnv::EncodeOptions options;
-  options.vectors = vectors;
-  auto encoded =
-      qnv::encode_surface([&](const qnv::TriangleSink& sink) { return sink(std::span(triangles)); }, options);
-  if (auto* error = std::get_if<qnv::EncodeError>(&encoded)) FAIL(error->message);
-  auto opened = qnv::LodStream::open(std::move(std::get<qnv::EncodedStream>(encoded).bytes));
+  auto opened = qnv::LodStream::open(octree_of(triangles, vectors));
   if (auto* problem = std::get_if<qnv::StreamProblem>(&opened)) FAIL(problem->message);
   return std::make_shared<const qnv::Geometry>(
       qnv::OctreeSplats(std::move(std::get<std::unique_ptr<qnv::LodStream>>(opened))));

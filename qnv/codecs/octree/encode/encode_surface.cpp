@@ -30,7 +30,7 @@ constexpr std::size_t kBeforeMesh = 2, kMinBeforeMesh = 4000;
 bool survey(const TriangleSource& source, SurfaceSurvey& out, Progress* progress) {
   return source([&](std::span<const Triangle> triangles) {
     out.add(triangles);
-    return !(progress && progress->cancelled.load());
+    return !is_cancelled(progress);
   });
 }
 
@@ -139,10 +139,10 @@ bool append_mesh(const TriangleSource& source, const SurfaceSurvey& s, const Enc
 
 std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& source, const EncodeOptions& options,
                                                         Progress* progress) {
-  const auto cancelled = [&] { return progress && progress->cancelled.load(); };
   if (progress) progress->stage = "reading";
   SurfaceSurvey s;
-  if (!survey(source, s, progress)) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read"};
+  if (!survey(source, s, progress))
+    return EncodeError{is_cancelled(progress) ? "cancelled" : "the surface cannot be read"};
   if (!s.sound()) return EncodeError{"no surface to encode; expected triangles with an area"};
   std::size_t vectors = options.vectors;
   if (vectors == 0)
@@ -162,9 +162,9 @@ std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& so
   const bool read = source([&](std::span<const Triangle> triangles) {
     voxelizer.add(triangles);
     if (progress) progress->done += triangles.size();
-    return !cancelled();
+    return !is_cancelled(progress);
   });
-  if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read again"};
+  if (!read) return EncodeError{is_cancelled(progress) ? "cancelled" : "the surface cannot be read again"};
   std::vector<Voxel> voxels = voxelizer.finish();
   if (progress) {
     progress->stage = "encoding";
@@ -178,10 +178,10 @@ std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& so
     return encode_vectors(splats, rest, progress);
   }
   std::vector<OutgoingChunk> chunks = packed_chunks(std::move(voxels), level, header, options, progress);
-  if (cancelled()) return EncodeError{"cancelled"};
+  if (is_cancelled(progress)) return EncodeError{"cancelled"};
   if (chunks.empty()) return EncodeError{"no surface to encode; expected triangles with an area"};
   if (options.exact_bits != 0 && !append_mesh(source, s, options, header, chunks))
-    return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read again"};
+    return EncodeError{is_cancelled(progress) ? "cancelled" : "the surface cannot be read again"};
   EncodedStream stream = write_stream(std::move(header), std::move(chunks), options.max_bytes);
   if (options.max_bytes != 0 && stream.bytes.size() > options.max_bytes)
     return EncodeError{"the coarsest picture has " + std::to_string(stream.bytes.size()) + " bytes; expected at most " +

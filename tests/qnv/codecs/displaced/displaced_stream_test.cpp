@@ -96,16 +96,6 @@ double error_of(const IndexedMesh& cloud, const Triangles& source) {
   return std::sqrt(sum / static_cast<double>(count)) / static_cast<double>(std::max({size.x, size.y, size.z}));
 }
 
-void check_sound(const IndexedMesh& cloud) {
-  REQUIRE_EACH(cloud.normals.size() == cloud.size());
-  REQUIRE_EACH(cloud.weights.size() == cloud.size());
-  REQUIRE_EACH((cloud.colors.empty() || cloud.colors.size() == cloud.size()));
-  for (const std::uint32_t v : cloud.triangles) REQUIRE_EACH(v < cloud.size());
-  for (const float w : cloud.weights) REQUIRE_EACH((w > 0 && std::isfinite(w)));
-  for (const glm::vec3& p : cloud.positions) REQUIRE_EACH(std::isfinite(p.x + p.y + p.z));
-  for (const glm::vec3& n : cloud.normals) REQUIRE_EACH(std::abs(glm::length(n) - 1) < 1e-3f);
-}
-
 bool same(const IndexedMesh& a, const IndexedMesh& b) {
   return a.positions == b.positions && a.normals == b.normals && a.weights == b.weights && a.colors == b.colors &&
          a.triangles == b.triangles;

@@ -75,7 +75,7 @@ std::vector<Dressed> dressed(const ExactMesh& mesh) {
 }
 
 ExactMesh mesh_with(const TexturedSurface& surface, int bits) {
-  return exact_mesh_of(surface, displaced::Frame(box_of_all(surface.triangles)), bits);
+  return exact_mesh_of(surface, displaced::Frame(box_of(surface.triangles)), bits);
 }
 
 }  // namespace

@@ -93,15 +93,6 @@ std::size_t header_bytes(const Bytes& stream) {
   return bytes;
 }
 
-void check_sound(const IndexedMesh& cloud) {
-  REQUIRE_EACH(cloud.normals.size() == cloud.size());
-  REQUIRE_EACH(cloud.weights.size() == cloud.size());
-  REQUIRE_EACH((cloud.colors.empty() || cloud.colors.size() == cloud.size()));
-  for (const std::uint32_t v : cloud.triangles) REQUIRE_EACH(v < cloud.size());
-  for (const float w : cloud.weights) REQUIRE_EACH((w > 0 && std::isfinite(w)));
-  for (const glm::vec3& n : cloud.normals) REQUIRE_EACH(std::abs(glm::length(n) - 1) < 1e-3f);
-}
-
 /// Returns the shown triangles of a point set on the lattice.
 std::vector<Turned> triangles_shown(const IndexedMesh& cloud, int bits, bool rgb) {
   const displaced::Frame frame(cloud.description.box);
