@@ -10,6 +10,19 @@
 
 namespace gs::app {
 
+/// eventOut of a node in a world.
+struct WatchedEvent {
+  vrml::NodeId node;
+  const vrml::InterfaceDeclaration* event = nullptr;
+  friend bool operator==(const WatchedEvent&, const WatchedEvent&) = default;
+};
+struct HashWatchedEvent {
+  std::size_t operator()(const WatchedEvent& one) const {
+    return std::hash<std::uint64_t>()(std::uint64_t{one.node.generation} << 32 | one.node.index) * 31 +
+           std::hash<const void*>()(one.event);
+  }
+};
+
 /// Live statistics of a world's events: the last time and the rate of each eventOut. Costs nothing unless it watches a
 /// world. World's thread.
 class EventWatch : NonCopyable {
@@ -34,20 +47,8 @@ class EventWatch : NonCopyable {
   [[nodiscard]] std::size_t size() const { return seen_.size(); }
 
  private:
-  struct Key {
-    vrml::NodeId node;
-    const vrml::InterfaceDeclaration* event = nullptr;
-    friend bool operator==(const Key&, const Key&) = default;
-  };
-  struct Hash {
-    std::size_t operator()(const Key& key) const {
-      return std::hash<std::uint64_t>()(std::uint64_t{key.node.generation} << 32 | key.node.index) * 31 +
-             std::hash<const void*>()(key.event);
-    }
-  };
-
   vrml::Execution* world_ = nullptr;
-  std::unordered_map<Key, Seen, Hash> seen_;
+  std::unordered_map<WatchedEvent, Seen, HashWatchedEvent> seen_;
   double second_ = 0;  // world time at the start of the current interval
   bool news_ = false;
 };

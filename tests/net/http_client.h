@@ -69,8 +69,8 @@ inline Got fetch(std::uint16_t port, const std::string& target, const std::vecto
   return got;
 }
 
-/// Returns a free loopback port.
-inline std::uint16_t free_port() {
+/// Opens a socket on a free loopback port.
+inline int bound_socket(std::uint16_t& port) {
   const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -78,8 +78,15 @@ inline std::uint16_t free_port() {
   socklen_t size = sizeof address;
   REQUIRE(::bind(socket, reinterpret_cast<const sockaddr*>(&address), size) == 0);
   REQUIRE(::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0);
-  ::close(socket);
-  return ntohs(address.sin_port);
+  port = ntohs(address.sin_port);
+  return socket;
+}
+
+/// Returns a free loopback port.
+inline std::uint16_t free_port() {
+  std::uint16_t port = 0;
+  ::close(bound_socket(port));
+  return port;
 }
 
 /// Connection without a library. `from` is the client's address in 127.0.0.0/8.

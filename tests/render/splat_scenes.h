@@ -10,6 +10,7 @@
 #include "qnv/reader/stream_decoder.h"
 #include "render/gl/gl.h"
 #include "tests/geometries.h"
+#include "tests/render/drawing.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>
@@ -108,9 +109,7 @@ inline std::shared_ptr<const qnv::Geometry> bumpy_stream(std::size_t vectors) {
 /// OpenGL context on OSMesa.
 struct OpenContext {
   OpenContext() {
-    auto opened = open_headless_context("osmesa");
-    if (auto* error = std::get_if<ContextError>(&opened)) FAIL(error->message);
-    context = std::move(std::get<std::unique_ptr<GlContext>>(opened));
+    context = open_osmesa();
     auto loaded = Gl::load(*context);
     if (auto* error = std::get_if<ContextError>(&loaded)) FAIL(error->message);
     gl = std::move(std::get<Gl>(loaded));

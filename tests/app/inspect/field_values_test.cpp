@@ -5,7 +5,8 @@
 #include <catch2/catch.hpp>
 
 #include <string>
-#include <tuple>
+#include <utility>
+#include <vector>
 
 namespace gs::app::field_values_test {
 
@@ -19,22 +20,21 @@ Unit unit_of(const char* type, const char* field) {
 
 // VRML97 4.4.5: lengths are metres, angles radians, times seconds.
 TEST_CASE("shows fields in the units of the standard") {
-  const std::tuple<const char*, const char*, Unit> units[] = {
-      {"Transform", "translation", Unit::metres},
-      {"Transform", "rotation", Unit::radians},
-      {"Transform", "scale", Unit::none},
-      {"Viewpoint", "fieldOfView", Unit::radians},
-      {"TimeSensor", "cycleInterval", Unit::seconds},
-      {"TimeSensor", "fraction_changed", Unit::none},
-      {"TimeSensor", "cycleTime", Unit::seconds},
-      {"NavigationInfo", "speed", Unit::metres_a_second},
-      {"MovieTexture", "speed", Unit::none},
-      {"ElevationGrid", "height", Unit::metres},
-      {"PlaneSensor", "translation_changed", Unit::metres},
-      {"CylinderSensor", "offset", Unit::radians},
-      {"PointLight", "attenuation", Unit::none},
+  using Fields = std::vector<std::pair<const char*, const char*>>;
+  const std::pair<Unit, Fields> units[] = {
+      {Unit::metres,
+       {{"Transform", "translation"}, {"ElevationGrid", "height"}, {"PlaneSensor", "translation_changed"}}},
+      {Unit::radians, {{"Transform", "rotation"}, {"Viewpoint", "fieldOfView"}, {"CylinderSensor", "offset"}}},
+      {Unit::seconds, {{"TimeSensor", "cycleInterval"}, {"TimeSensor", "cycleTime"}}},
+      {Unit::metres_a_second, {{"NavigationInfo", "speed"}}},
+      {Unit::none,
+       {{"Transform", "scale"},
+        {"TimeSensor", "fraction_changed"},
+        {"MovieTexture", "speed"},
+        {"PointLight", "attenuation"}}},
   };
-  for (const auto& [type, field, unit] : units) CHECK(unit_of(type, field) == unit);
+  for (const auto& [unit, fields] : units)
+    for (const auto& [type, field] : fields) CHECK(unit_of(type, field) == unit);
   CHECK(symbol_of(Unit::metres_a_second) == "m/s");
 }
 

@@ -153,19 +153,19 @@ TEST_CASE("refuses unencrypted references from https") {
         "a document of https: may not refer to http:, which is not protected against changes in transit; expected "
         "https:");
   CHECK_FALSE(refusal("https://a/", "cells://a/x").empty());
-  CHECK(refusal("https://a/", "https://b/").empty());
-  CHECK(refusal("https://a/", "data:,x").empty());
-  CHECK(refusal("http://a/", "https://b/").empty());
-  CHECK(refusal("cells://a/", "http://b/").empty());
-  CHECK(refusal("file:///a", "http://b/").empty());
+  const std::pair<const char*, const char*> allowed[] = {{"https://a/", "https://b/"},
+                                                         {"https://a/", "data:,x"},
+                                                         {"http://a/", "https://b/"},
+                                                         {"cells://a/", "http://b/"},
+                                                         {"file:///a", "http://b/"}};
+  for (const auto& [from, to] : allowed) CHECK(refusal(from, to).empty());
 }
 
 TEST_CASE("refuses datagrams to the ports of system services") {
   CHECK(refusal("http://a/", "cells://b:53/x") ==
         "a document may not send datagrams to port 53; expected one from 1024 on");
   CHECK_FALSE(refusal("file:///a", "cells://b:1023/x").empty());
-  CHECK(refusal("http://a/", "cells://b:1024/x").empty());
-  CHECK(refusal("http://a/", "cells://b/x").empty());
+  for (const char* to : {"cells://b:1024/x", "cells://b/x"}) CHECK(refusal("http://a/", to).empty());
 }
 
 TEST_CASE("refuses FTP to the ports of system services") {

@@ -11,6 +11,15 @@ namespace {
 using namespace gs::net;
 using namespace std::chrono_literals;
 
+/// Scene with one client, which wants the source.
+struct StartedScene : Scene {
+  explicit StartedScene(const std::shared_ptr<PatternSource>& source, const CellWish& wanted = wish())
+      : Scene(server_options(), library(source)) {
+    add({}, source);
+    clients[0]->client.want(0, wanted, now);
+  }
+};
+
 TEST_CASE("sends no more than it received before the cookie returns", "[cell_sender]") {
   const auto source = std::make_shared<PatternSource>(1000, Streams{{true, 10, 8000}});
   CellServer server(server_options(), library(source));
@@ -114,9 +123,7 @@ TEST_CASE("reports that the server is full", "[cell_sender]") {
 
 TEST_CASE("stops sending two seconds after the last report", "[cell_sender]") {
   const auto source = std::make_shared<PatternSource>(1000, Streams{{true, 100'000, 8000}});
-  Scene scene(server_options(), library(source));
-  scene.add({}, source);
-  scene.clients[0]->client.want(0, wish(), scene.now);
+  StartedScene scene(source);
   scene.run(scene.now + 2s);
   Link::Options cut;
   cut.cut = true;
@@ -206,9 +213,7 @@ TEST_CASE("ends a stream at its budget, and continues with a larger one", "[cell
 
 TEST_CASE("refuses an unknown path with a message", "[cell_sender]") {
   const auto source = std::make_shared<PatternSource>(100, Streams{{true, 1, 80}});
-  Scene scene(server_options(), library(source));
-  scene.add({}, source);
-  scene.clients[0]->client.want(0, wish("b"), scene.now);
+  StartedScene scene(source, wish("b"));
   scene.run(scene.now + 1s);
   REQUIRE(scene.clients[0]->got.refused);
   REQUIRE(scene.clients[0]->got.text == "there is no b");
@@ -216,9 +221,7 @@ TEST_CASE("refuses an unknown path with a message", "[cell_sender]") {
 
 TEST_CASE("says goodbye when the server stops", "[cell_sender]") {
   const auto source = std::make_shared<PatternSource>(100, Streams{{true, 100'000, 8000}});
-  Scene scene(server_options(), library(source));
-  scene.add({}, source);
-  scene.clients[0]->client.want(0, wish(), scene.now);
+  StartedScene scene(source);
   scene.run(scene.now + 1s);
   scene.server.stop();
   scene.run(scene.now + 1s);

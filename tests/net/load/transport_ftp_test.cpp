@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "base/noncopyable.h"
+#include "tests/net/http_client.h"
 #include "tests/net/load_helpers.h"
 
 /// Files by FTP (RFC 959; VRML97 Table 7-1), from a minimal server.
@@ -19,16 +20,9 @@ namespace {
 using namespace gs::net;
 using namespace gs::net::test;
 
-int listen_on_loopback(int& port) {
-  const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  REQUIRE(::bind(listener, reinterpret_cast<const sockaddr*>(&address), size) == 0);
+int listen_on_loopback(std::uint16_t& port) {
+  const int listener = bound_socket(port);
   REQUIRE(::listen(listener, 4) == 0);
-  REQUIRE(::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size) == 0);
-  port = ntohs(address.sin_port);
   return listener;
 }
 
@@ -82,7 +76,8 @@ class FtpServer : gs::NonCopyable {
   void answer(int control) {
     control_ = control;
     send(control, "220 here\r\n");
-    int data_listener = -1, data_port = 0;
+    int data_listener = -1;
+    std::uint16_t data_port = 0;
     std::string line;
     for (char c = 0; ::recv(control, &c, 1, 0) == 1;) {
       if (c != '\n') {
@@ -128,7 +123,7 @@ class FtpServer : gs::NonCopyable {
   }
 
   Ways ways_;
-  int port_ = 0;
+  std::uint16_t port_ = 0;
   int listener_;
   std::atomic<int> control_{-1};
   std::mutex mutex_;

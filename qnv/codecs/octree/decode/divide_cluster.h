@@ -13,7 +13,7 @@
 
 namespace gs::qnv {
 
-/// Decodes the voxels of a cluster, whose header has been read, from those of its parent or from `root`.
+/// Decodes the voxels of a cluster from those of its parent, or from `root`. The header of the cluster must be set.
 ///
 /// `divide(rans, voxels, first, count, level, next, most)` divides the voxels of one level. It returns false for more
 /// than `most` children, or for a voxel without children. Returns the first problem, or nullopt.
