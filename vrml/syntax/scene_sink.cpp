@@ -1,5 +1,6 @@
 #include "vrml/syntax/scene_sink.h"
 
+#include "base/text.h"
 #include "vrml/scene/prototype.h"
 #include "vrml/syntax/stand_ins.h"
 
@@ -17,30 +18,22 @@ namespace {
 // Returns the role that a node in the field `field` of a built-in node must have (VRML97 4.6.3, 4.6.5). No role means
 // that any node is allowed.
 Role role_for(std::string_view field) {
-  struct Row {
-    std::string_view field;
-    Role role;
-  };
-  static constexpr Row kRows[] = {
-      {"children", Role::child},
-      {"choice", Role::child},
-      {"level", Role::child},
-      {"proxy", Role::child},
-      {"geometry", Role::geometry},
-      {"appearance", Role::appearance},
-      {"material", Role::material},
-      {"texture", Role::texture},
-      {"textureTransform", Role::texture_transform},
-      {"coord", Role::geometric_property},
-      {"color", Role::geometric_property},
-      {"normal", Role::geometric_property},
-      {"texCoord", Role::geometric_property},
-      {"fontStyle", Role::font_style},
-      {"source", Role::sound_source},
-  };
-  for (const Row& row : kRows)
-    if (row.field == field) return row.role;
-  return Role::none;
+  static constexpr std::pair<std::string_view, Role> kRoles[] = {{"children", Role::child},
+                                                                 {"choice", Role::child},
+                                                                 {"level", Role::child},
+                                                                 {"proxy", Role::child},
+                                                                 {"geometry", Role::geometry},
+                                                                 {"appearance", Role::appearance},
+                                                                 {"material", Role::material},
+                                                                 {"texture", Role::texture},
+                                                                 {"textureTransform", Role::texture_transform},
+                                                                 {"coord", Role::geometric_property},
+                                                                 {"color", Role::geometric_property},
+                                                                 {"normal", Role::geometric_property},
+                                                                 {"texCoord", Role::geometric_property},
+                                                                 {"fontStyle", Role::font_style},
+                                                                 {"source", Role::sound_source}};
+  return value_named(kRoles, field).value_or(Role::none);
 }
 
 void check_role(const Node& node, std::string_view field, TextProblems& problems) {

@@ -28,24 +28,9 @@ constexpr LocalFace kHexahedron[] = {{0, 1, 2, 3}, {7, 6, 5, 4}, {0, 4, 5, 1},
                                      {1, 5, 6, 2}, {2, 6, 7, 3}, {3, 7, 4, 0}};
 
 std::span<const LocalFace> faces_of(UcdType type) {
-  switch (type) {
-    case UcdType::triangle:
-      return kTriangle;
-    case UcdType::quadrilateral:
-      return kQuadrilateral;
-    case UcdType::tetrahedron:
-      return kTetrahedron;
-    case UcdType::pyramid:
-      return kPyramid;
-    case UcdType::prism:
-      return kPrism;
-    case UcdType::hexahedron:
-      return kHexahedron;
-    case UcdType::point:
-    case UcdType::line:
-      break;
-  }
-  return {};
+  static constexpr std::span<const LocalFace> kFaces[] = {{},           {},       kTriangle, kQuadrilateral,
+                                                          kTetrahedron, kPyramid, kPrism,    kHexahedron};
+  return kFaces[static_cast<std::size_t>(type)];
 }
 
 struct Face {
