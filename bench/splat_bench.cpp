@@ -7,6 +7,7 @@
 // compiles, is not counted.
 
 #include "base/parallel.h"
+#include "bench/open_gl.h"
 #include "render/gl/context.h"
 #include "render/gl/gl.h"
 #include "render/splat/splat_gl.h"
@@ -142,20 +143,11 @@ bool measure(const render::Gl& gl, const std::shared_ptr<const qnv::Splats>& clo
 }
 
 int run(std::size_t discs, int runs, const std::string& backend) {
-  auto opened = render::open_headless_context(backend);
-  if (auto* error = std::get_if<render::ContextError>(&opened)) {
-    std::fprintf(stderr, "%s\n", error->message.c_str());
-    return 1;
-  }
-  const auto context = std::move(std::get<std::unique_ptr<render::GlContext>>(opened));
-  auto loaded = render::Gl::load(*context);
-  if (auto* error = std::get_if<render::ContextError>(&loaded)) {
-    std::fprintf(stderr, "%s\n", error->message.c_str());
-    return 1;
-  }
+  const OpenGl opened(backend);
+  if (!opened.context) return 1;
   const auto cloud = bumpy_sphere(discs);
   for (const int supersample : {1, 2}) {
-    if (measure(std::get<render::Gl>(loaded), cloud, runs, supersample)) continue;
+    if (measure(opened.gl, cloud, runs, supersample)) continue;
     std::fprintf(stderr, "OpenGL could not draw the discs\n");
     return 1;
   }

@@ -6,6 +6,7 @@
 // all components of all pixels, in 0..1 before rounding for surfaces, and in 8 bits for the volume. Splats per second
 // count the whole point set over the median of R runs; the ray caster runs once. Prints a Markdown table.
 
+#include "bench/open_gl.h"
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/shared/encode_options.h"
@@ -328,18 +329,9 @@ bool compare_volume(const std::shared_ptr<const qnv::Geometry>& geometry, render
 }
 
 int run(const Settings& settings) {
-  auto opened = render::open_headless_context(settings.backend);
-  if (auto* error = std::get_if<render::ContextError>(&opened)) {
-    std::fprintf(stderr, "%s\n", error->message.c_str());
-    return 1;
-  }
-  const auto context = std::move(std::get<std::unique_ptr<render::GlContext>>(opened));
-  auto loaded = render::Gl::load(*context);
-  if (auto* error = std::get_if<render::ContextError>(&loaded)) {
-    std::fprintf(stderr, "%s\n", error->message.c_str());
-    return 1;
-  }
-  const render::Gl& gl = std::get<render::Gl>(loaded);
+  const OpenGl opened(settings.backend);
+  if (!opened.context) return 1;
+  const render::Gl& gl = opened.gl;
   render::SplatGl splats(gl);
   std::printf("%dx%d, 1 sample a pixel; processor: %s; OpenGL: %s; medians of %d\n\n", settings.width, settings.height,
               std::string(render::splat_instructions()).c_str(), gl.renderer.c_str(), settings.runs);
@@ -358,7 +350,7 @@ int run(const Settings& settings) {
   render::CutOptions cut;
   cut.budget = 20000;
   good = stream && surface("cut of a packed stream", render::cut_splats(stream, view_of(settings), cut).pieces) && good;
-  good = compare_volume(std::make_shared<const qnv::Geometry>(*volume(20000)), *context, settings) && good;
+  good = compare_volume(std::make_shared<const qnv::Geometry>(*volume(20000)), *opened.context, settings) && good;
   if (!good) std::fprintf(stderr, "not all could be drawn\n");
   return good ? 0 : 1;
 }

@@ -252,18 +252,22 @@ TEST_CASE("shows nothing for textures that promise missing data") {
   }
 }
 
-TEST_CASE("ends a textured surface with its mesh and texture, in any order of its chunks") {
-  const Triangles torus = displaced::torus(60, 30);
-  const TexturedSurface surface = textured(torus, boxed);
-  const TriangleSource source = [&](const TriangleSink& sink) { return sink(torus); };
+EncodedStream encoded_with(const TexturedSurface& surface, int bits) {
   EncodeOptions options;
   options.payload = Payload::displaced;
   options.textured = &surface;
+  options.exact_bits = bits;
+  auto encoded = encode_displaced([&](const TriangleSink& sink) { return sink(surface.triangles); }, options);
+  REQUIRE(std::holds_alternative<EncodedStream>(encoded));
+  return std::move(std::get<EncodedStream>(encoded));
+}
+
+TEST_CASE("ends a textured surface with its mesh and texture, in any order of its chunks") {
+  const Triangles torus = displaced::torus(60, 30);
+  const TexturedSurface surface = textured(torus, boxed);
   for (const int bits : {kExactWherePays, 12}) {
-    options.exact_bits = bits;
-    const auto encoded = encode_displaced(source, options);
-    const auto* stream = std::get_if<EncodedStream>(&encoded);
-    REQUIRE(stream);
+    const EncodedStream encoded = encoded_with(surface, bits);
+    const EncodedStream* const stream = &encoded;
     bool partly = false;
     std::uint64_t revision = 0;
     StreamDecoder decoder;
@@ -311,19 +315,11 @@ TEST_CASE("ends a textured surface with its mesh and texture, in any order of it
 }
 
 TEST_CASE("hides a textured mesh until its texture is received") {
-  const Triangles torus = displaced::torus(24, 12);
-  const TexturedSurface surface = textured(torus, boxed);
-  const TriangleSource source = [&](const TriangleSink& sink) { return sink(torus); };
-  EncodeOptions options;
-  options.payload = Payload::displaced;
-  options.textured = &surface;
-  options.exact_bits = 12;
-  const auto encoded = encode_displaced(source, options);
-  REQUIRE(std::holds_alternative<EncodedStream>(encoded));
+  const EncodedStream encoded = encoded_with(textured(displaced::torus(24, 12), boxed), 12);
   StreamDecoder decoder;
   std::vector<Bytes> pictures;
   StreamReader reader;
-  const auto& bytes = std::get<EncodedStream>(encoded).bytes;
+  const auto& bytes = encoded.bytes;
   bool begun = false;
   (void)reader.push(bytes, [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t at) {
     if (!std::exchange(begun, true)) (void)decoder.push(std::span(bytes).first(at));
