@@ -88,8 +88,8 @@ Parsed parse_streamed(const std::string& path) {
 std::size_t array_bytes(const vrml::SceneGraph& scene) {
   std::unordered_set<const void*> seen;
   std::size_t bytes = 0;
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
-    const vrml::Node& node = scene.node_at(i);
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
+    const vrml::Node& node = scene.nodes().at(i);
     for (const vrml::FieldValue& value : std::span(node.values, node.type->defaults.size())) {
       std::visit(
           [&](const auto& v) {
@@ -166,7 +166,7 @@ bool measure_times(const std::string& path, int runs, Result& result) {
       const double time = seconds([&] { parsed = in_pieces ? parse_pieces(*text) : parse_whole(*text); });
       (in_pieces ? pieces : whole).push_back(time);
       if (run > 0 || in_pieces) return;
-      result.nodes = parsed.scene->node_count();
+      result.nodes = parsed.scene->nodes().count();
       result.errors = parsed.errors;
       result.arrays = array_bytes(*parsed.scene);
     };

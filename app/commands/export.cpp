@@ -66,8 +66,8 @@ std::string url_between(const std::string& out, const std::string& in) {
 // Writes a stream of outlines as a world that any VRML97 browser shows.
 int export_outlines(vrml::SceneGraph& scene, const std::string& in, const std::string& out) {
   // Only the browser sets the field `complete`. Worlds must not contain it.
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i)
-    if (const vrml::NodeId id = scene.resolve_as(scene.id_at(i), vrml::NodeKind::outline_group))
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i)
+    if (const vrml::NodeId id = scene.resolve_as(scene.nodes().id_at(i), vrml::NodeKind::outline_group))
       scene.set<vrml::SFBool>(id, "complete", false);
   const std::vector<std::byte> bytes = outline_world(scene, std::filesystem::path(in).stem().string());
   if (const auto refusal = refuse_to_replace(out, in, bytes)) return fail(*refusal);

@@ -263,7 +263,7 @@ void describe_world(JsonValue& facts, const OpenedSurface& opened) {
     vectors += octree ? static_cast<std::size_t>(octree->stream->header().vectors) : geometry->size();
   }
   facts.put("title", world.title);
-  facts.put("nodes", world.scene->node_count());
+  facts.put("nodes", world.scene->nodes().count());
   facts.put("shapes", opened.list.items.size() + opened.list.splats.size());
   facts.put("triangles", summary.triangles);
   facts.put("vectors", vectors);

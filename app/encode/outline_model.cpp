@@ -147,14 +147,14 @@ TextureUrls texture_urls(const LoadedWorld& world) {
   if (!world.scene) return urls;
   const net::Url asked = net::parse_url(world.path);
   const net::Url base = asked.scheme.empty() ? net::url_of_path(world.path) : asked;
-  for (std::uint32_t i = 1; i <= world.scene->node_count(); ++i) {
-    const vrml::NodeId id = world.scene->id_at(i);
+  for (std::uint32_t i = 1; i <= world.scene->nodes().count(); ++i) {
+    const vrml::NodeId id = world.scene->nodes().id_at(i);
     const auto found = world.images.find(&world.scene->node(id));
     if (found == world.images.end() || !world.scene->resolve_as(id, vrml::NodeKind::image_texture)) continue;
     const auto& list = world.scene->get<vrml::MFString>(id, "url");
     const int slot = world.scene->node(id).type->find_field("url")->slot;
     // In a PROTO library, the url is relative to the library, not to the world.
-    if (!list.empty() && &world.scene->text_of(id, slot) == world.scene.get())
+    if (!list.empty() && &world.scene->nodes().text_of(id, slot) == world.scene.get())
       urls.emplace(found->second.get(), net::resolve(base, net::parse_url(net::tidy_url(list.front().view()))).text());
   }
   // Embed all other textures as data: URLs. They come from Inlines, libraries, importers and PixelTextures.

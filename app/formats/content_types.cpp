@@ -39,7 +39,7 @@ Asset read_gltf(const ImportSource& source) {
   } catch (const OutOfBudget&) {
     whole = source.budget->stopped();
   }
-  if (!whole || scene->exhausted())
+  if (!whole || scene->memory().exhausted())
     source.diagnostics.add(
         {Severity::error, source.path, {}, source.budget->refusal(Resource::nodes) + "; the rest is left out"});
   return SceneAsset(std::move(scene));

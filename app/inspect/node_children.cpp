@@ -30,7 +30,7 @@ void held_nodes(const vrml::Execution& world, const NodeAt& at, std::vector<Held
   }
   if (!node.expansion.empty())
     held.push_back({HeldNodes::kBody, "body", at.scene, node.expansion.span(), node.expansion.size() > 1});
-  if (const vrml::SceneGraph* const content = at.scene->inlined(at.id);
+  if (const vrml::SceneGraph* const content = at.scene->inlines().of(at.id);
       content && world.scenes().has(content) && !content->roots().empty())
     held.push_back({HeldNodes::kContent, "content", content, content->roots().span(), true});
 }

@@ -53,7 +53,7 @@ std::optional<std::string> NodeEditor::target_of_url(const vrml::InterfaceDeclar
   const vrml::FieldValue* const value = value_of(url);
   const auto* const urls = value ? std::get_if<vrml::MFString>(value) : nullptr;
   if (!urls || index >= urls->size() || url.slot < 0) return std::nullopt;
-  const Link link = link_of({(*urls)[index].str()}, {}, node_.scene->text_of(node_.id, url.slot).origin());
+  const Link link = link_of({(*urls)[index].str()}, {}, node_.scene->nodes().text_of(node_.id, url.slot).origin());
   if (link.places.empty() || !link.places.front().problem.empty() || link.places.front().target.empty())
     return std::nullopt;
   return link.places.front().target;

@@ -35,11 +35,11 @@ void send_again(Session& session, const StreamList::Row& row) {
     vrml::Execution& execution = document->runtime->execution();
     std::vector<const vrml::SceneGraph*> scenes{&execution.scenes().root()};
     for (std::size_t i = 0; i < scenes.size(); ++i) {
-      for (const auto& [place, content] : scenes[i]->inlines())
+      for (const auto& [place, content] : scenes[i]->inlines().all())
         if (content && execution.scenes().has(content.get())) scenes.push_back(content.get());
-      for (std::uint32_t place = 1; place <= scenes[i]->node_count(); ++place) {
-        const vrml::Node& node = scenes[i]->node_at(place);
-        const vrml::NodeId id = scenes[i]->id_at(place);
+      for (std::uint32_t place = 1; place <= scenes[i]->nodes().count(); ++place) {
+        const vrml::Node& node = scenes[i]->nodes().at(place);
+        const vrml::NodeId id = scenes[i]->nodes().id_at(place);
         if (&node != row.load.node || !scenes[i]->contains(id)) continue;
         execution.begin_update();
         for (const vrml::InterfaceDeclaration* const url : node.type->url_fields())

@@ -28,9 +28,9 @@ namespace {
 
 constexpr std::size_t kMaxMessages = 1000, kMaxSaid = 4000;
 constexpr int kMaxFaults = 3;
-constexpr std::size_t kWorthCollecting = 64;  // min nodes to count for one text of nodes
+constexpr std::size_t kWorthCollecting = 64;               // min nodes to count for one text of nodes
 constexpr std::size_t kMaxCreated = std::size_t{4} << 20;  // max bytes of a text of nodes
-constexpr std::size_t kTextOfNode = 16;  // min bytes of text for a node
+constexpr std::size_t kTextOfNode = 16;                    // min bytes of text for a node
 
 bool is_object(vrml::FieldType type) {
   using vrml::FieldType;
@@ -197,9 +197,10 @@ bool World::go_on(vrml::EventNode node) {
     report(Severity::error, program, "not enough memory for programs");
     return false;
   }
-  const std::string file = url ? program.scene->text_of(program.id, url->slot).file_name() : script.text->file_name();
+  const std::string file =
+      url ? program.scene->nodes().text_of(program.id, url->slot).file_name() : script.text->file_name();
   const bool own_places = script.type->url_places.size() == urls.size() && url &&
-                          &program.scene->text_of(program.id, url->slot) == script.text;
+                          &program.scene->nodes().text_of(program.id, url->slot) == script.text;
   const auto try_one = [&](std::string_view text, const std::string& name, SourceLocation at_place) {
     if (!program.global && !make_global(program)) return false;
     if (!load(program, text, name, at_place)) return false;

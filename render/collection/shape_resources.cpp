@@ -156,9 +156,9 @@ vrml::NodeId ShapeResources::refiner_of(const vrml::SceneGraph& scene, vrml::Nod
   constexpr vrml::NodeKind kOutlineGroup = vrml::NodeKind::outline_group;
   if (scene.node(geometry).type->read_as != kOutlineGroup) return {};
   const auto [at, fresh] = refiners_.try_emplace(&scene);
-  for (std::uint32_t i = 1; fresh && i <= scene.node_count(); ++i) {
-    const vrml::NodeId id = scene.id_at(i);
-    if (scene.node_at(i).type->read_as != kOutlineGroup || scene.node_at(i).in_prototype_body) continue;
+  for (std::uint32_t i = 1; fresh && i <= scene.nodes().count(); ++i) {
+    const vrml::NodeId id = scene.nodes().id_at(i);
+    if (scene.nodes().at(i).type->read_as != kOutlineGroup || scene.nodes().at(i).in_prototype_body) continue;
     if (const auto refined = scene.resolve_as(scene.get<vrml::SFNode>(id, "refines"), kOutlineGroup))
       at->second.emplace(refined.index, id);
   }
@@ -236,7 +236,7 @@ void ShapeResources::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& 
 std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node, const WideBox& bounds,
                        const glm::dvec3& viewer, float pixels_per_radian, bool pictures) {
   constexpr double kMaxPixels = 0.4;  // maximum deviation of outlines, in pixels
-  constexpr double kMinLetters = 4;  // pixels per em below which small letters are unreadable
+  constexpr double kMinLetters = 4;   // pixels per em below which small letters are unreadable
   const glm::dmat3 matrix(world_from_node);
   const double size = text.font_size * std::max(glm::length(matrix[0]), glm::length(matrix[1]));
   const glm::dvec3 nearest = bounds.empty() ? glm::dvec3(world_from_node[3])

@@ -39,8 +39,8 @@ Limits small_limits() {
 void check_scene(const vrml::SceneGraph& scene) {
   vrml::MeshOptions coarse;
   coarse.segments = 6;
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
-    const vrml::Mesh mesh = tessellate(scene, scene.id_at(i), coarse);
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
+    const vrml::Mesh mesh = tessellate(scene, scene.nodes().id_at(i), coarse);
     for (const std::uint32_t index : mesh.indices) require(index < mesh.positions.size());
   }
   render::MeshCache meshes;
@@ -60,8 +60,8 @@ bool run_vrml(std::span<const std::byte> bytes) {
     parser.push(text_of(bytes));
   (void)parser.finish();
   check_scene(scene);
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
-    const vrml::NodeId node = scene.id_at(i);
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
+    const vrml::NodeId node = scene.nodes().id_at(i);
     if (!(scene.resolve_as(node, vrml::NodeKind::qnv) == node)) continue;
     const auto made = inline_vectors(scene, node);
     if (const auto* geometry = std::get_if<qnv::Geometry>(&made))
@@ -84,7 +84,7 @@ bool run_mesh(const ContentType& type, std::span<const std::byte> bytes) {
   const auto scene = import_scene(type, {files.first, "fuzz", read_file, budget, diagnostics});
   for (const Diagnostic& diagnostic : diagnostics.entries()) require(!diagnostic.message.empty());
   if (scene) check_scene(*scene);
-  if (scene && scene->node_count() <= 2000) (void)vrml::print(*scene);
+  if (scene && scene->nodes().count() <= 2000) (void)vrml::print(*scene);
   // Read it again as a stream of a mesh that does not fit into memory.
   if (const auto stream = open_mesh_stream(files.first)) {
     std::uint64_t triangles = 0;

@@ -28,8 +28,8 @@ struct GeometryWorld {
     REQUIRE(diagnostics.errors() == 0);
     auto moved = std::make_shared<qnv::Geometry>(cloud);
     moved->base().description.origin = origin;
-    for (std::uint32_t i = 1; i <= scene->node_count(); ++i)
-      if (const vrml::NodeId id = scene->resolve_as(scene->id_at(i), vrml::NodeKind::qnv))
+    for (std::uint32_t i = 1; i <= scene->nodes().count(); ++i)
+      if (const vrml::NodeId id = scene->resolve_as(scene->nodes().id_at(i), vrml::NodeKind::qnv))
         clouds[&scene->node(id)] = moved;
     REQUIRE(clouds.size() == 1);
   }

@@ -25,8 +25,8 @@ struct GeometryWorld {
     vrml::parse("#VRML V2.0 utf8\n" + body, *scene, diagnostics);
     for (const Diagnostic& d : diagnostics.entries()) UNSCOPED_INFO(d.text());
     REQUIRE(diagnostics.errors() == 0);
-    for (std::uint32_t i = 1; i <= scene->node_count(); ++i) {
-      const vrml::Node& node = scene->node_at(i);
+    for (std::uint32_t i = 1; i <= scene->nodes().count(); ++i) {
+      const vrml::Node& node = scene->nodes().at(i);
       if (node.type->name != "QNV") continue;
       const auto* url = std::get_if<vrml::MFString>(&node.values[node.type->find_field("url")->slot]);
       REQUIRE(url);

@@ -20,14 +20,14 @@ void Placement::search() {
     const SceneGraph* scene;
     std::vector<bool>* on_path;
     NodeId node;        // open node; null for the roots of a scene
-    int slot;  // slot of its children field
+    int slot;           // slot of its children field
     std::size_t child;  // index of the next child
     bool mover;
   };
   std::unordered_map<const SceneGraph*, std::vector<bool>> on_paths;
   const auto on_path_of = [&](const SceneGraph& scene) {
     std::vector<bool>& flags = on_paths[&scene];
-    flags.resize(scene.node_count() + 1);
+    flags.resize(scene.nodes().count() + 1);
     return &flags;
   };
   Path movers;
@@ -69,7 +69,8 @@ void Placement::search() {
     std::vector<bool>* const on_path = top.on_path;
     (*on_path)[id.index] = true;
     path.push_back({&scene, on_path, id, 0, 0, mover});
-    if (const SceneGraph* inlined = scene.inlined(id)) path.push_back({inlined, on_path_of(*inlined), {}, 0, 0, false});
+    if (const SceneGraph* inlined = scene.inlines().of(id))
+      path.push_back({inlined, on_path_of(*inlined), {}, 0, 0, false});
   }
   visits_ = visits;
   whole_ = path.empty();

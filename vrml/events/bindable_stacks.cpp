@@ -95,7 +95,7 @@ void BindableStacks::bind_new_types() {
 // Background.
 void BindableStacks::bind_first_nodes(SceneState& state, bool of_fresh_types) {
   SceneGraph& scene = *state.scene;
-  std::vector<bool> seen(scene.node_count() + 1);
+  std::vector<bool> seen(scene.nodes().count() + 1);
   std::vector<const NodeType*> known;
   for (const Stack& stack : stacks_)
     if (of_fresh_types) known.push_back(stack.type);

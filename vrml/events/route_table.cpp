@@ -91,7 +91,7 @@ bool RouteTable::connect_instance(SceneGraph& scene, NodeId id) {
     if (mapping.outer->access == AccessType::field) continue;
     const std::optional<std::uint32_t> place = place_in_body(prototype, mapping.node);
     if (!place) continue;
-    const NodeId inner_id = scene.id_at(node.expansion_first + *place);
+    const NodeId inner_id = scene.nodes().id_at(node.expansion_first + *place);
     // An EXTERNPROTO declares its own interfaces, possibly fewer than the PROTO.
     const InterfaceDeclaration* outer = node.type->find(mapping.outer->name);
     if (!scene.contains(inner_id) || !outer || outer->type != mapping.inner->type) continue;

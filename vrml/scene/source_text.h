@@ -71,7 +71,7 @@ class SourceText {
 
  protected:
   friend class SceneGraph;
-  friend class RunTimeText;
+  friend class SceneTexts;
   std::string file_name_;
   const SourceText* origin_ = nullptr;
   std::shared_ptr<const TextSource> source_;

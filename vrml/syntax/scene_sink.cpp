@@ -79,7 +79,7 @@ NodeType& make_script_type(const NodeType& type, SceneGraph& scene, SourceText& 
   own->role = type.role;
   own->behaviour = type.behaviour;
   own->url_content = type.url_content;
-  (void)scene.charge(sizeof(NodeType) + type.interfaces.size() * sizeof(InterfaceDeclaration));
+  (void)scene.memory().charge(sizeof(NodeType) + type.interfaces.size() * sizeof(InterfaceDeclaration));
   for (const InterfaceDeclaration& declaration : type.interfaces) own->declare(declaration);
   return text.add_type(std::move(own));
 }
@@ -87,7 +87,7 @@ NodeType& make_script_type(const NodeType& type, SceneGraph& scene, SourceText& 
 }  // namespace
 
 SceneSink::SceneSink(SceneGraph& scene, Diagnostics& diagnostics)
-    : scene_(scene), text_(scene.writing()), problems_(text_, diagnostics), limits_(scene, problems_) {
+    : scene_(scene), text_(scene.texts().writing()), problems_(text_, diagnostics), limits_(scene, problems_) {
   scopes_.emplace_back();
 }
 
@@ -123,7 +123,7 @@ void SceneSink::skip_unknown(const NodeHeader& header) {
   if (!known && unknown_types_.size() < kMaxTypes) unknown_types_.insert(type);
   NameTable& names = scopes_.back().names;
   if (!header.name.empty() && !names.find(header.name))
-    if (const std::string* const kept = scene_.keep_name(header.name)) names.insert(*kept);
+    if (const std::string* const kept = scene_.texts().keep_name(header.name)) names.insert(*kept);
 }
 
 OpenNode SceneSink::begin_node(const NodeHeader& header) {
@@ -139,14 +139,14 @@ OpenNode SceneSink::begin_node(const NodeHeader& header) {
     node.type = node.own_type = &make_script_type(*node.type, scene_, text_);
   node.id = scene_.create(*node.type, location);
   if (!node.id) {
-    if (!scene_.exhausted() && limits_.is_first_excess())
+    if (!scene_.memory().exhausted() && limits_.is_first_excess())
       problems_.error(location, "more than " + std::to_string(scene_.limits().nodes) + " nodes; the rest is left out");
     return {};
   }
   Scope& scope = scopes_.back();
   if (in_prototype_body()) scene_.put_in_body(node.id, *scope.prototype->prototype);
   if (!header.name.empty()) {
-    scene_.set_name(node.id, header.name);
+    scene_.node(node.id).name = *scene_.texts().keep_name(header.name);
     scope.names.insert(scene_.node(node.id).name) = node.id;
   }
   place(node.id, header.target);
@@ -157,7 +157,7 @@ OpenNode SceneSink::begin_node(const NodeHeader& header) {
 }
 
 void SceneSink::place(NodeId node, NodeTarget target) {
-  (void)scene_.charge(target.value ? sizeof(NodeId) : sizeof(Statement));
+  (void)scene_.memory().charge(target.value ? sizeof(NodeId) : sizeof(Statement));
   if (target.value) {
     if (auto* list = std::get_if<MFNode>(target.value)) {
       list->push_back(node);
@@ -176,11 +176,11 @@ void SceneSink::end_node(NodeId id) {
   check_measures(scene_.node(id), said_measures_, problems_);
   const NodeType& type = *scene_.node(id).type;
   if (!type.prototype) return;
-  const auto before = static_cast<std::uint32_t>(scene_.node_count());
+  const auto before = static_cast<std::uint32_t>(scene_.nodes().count());
   if (!instantiate(scene_, id) && !scene_.budget()->stopped() && limits_.is_first_excess())
     problems_.error(scene_.node(id).location, why_not_expanded(scene_, type) + "; the missing parts stay empty");
-  for (std::uint32_t i = before + 1; i <= scene_.node_count(); ++i)
-    check_measures(scene_.node(scene_.id_at(i)), said_measures_, problems_);
+  for (std::uint32_t i = before + 1; i <= scene_.nodes().count(); ++i)
+    check_measures(scene_.node(scene_.nodes().id_at(i)), said_measures_, problems_);
 }
 
 void SceneSink::use_node(SourceName name, NodeTarget target) {

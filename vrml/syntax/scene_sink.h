@@ -55,7 +55,7 @@ struct RouteNames {
 /// from untrusted text. The grammar must stop if limits().is_exhausted() returns true. One thread.
 class SceneSink {
  public:
-  /// `scene` and `diagnostics` must outlive the sink. New nodes belong to the text `scene.writing()`.
+  /// `scene` and `diagnostics` must outlive the sink. New nodes belong to the text `scene.texts().writing()`.
   SceneSink(SceneGraph& scene, Diagnostics& diagnostics);
   SceneSink(const SceneSink&) = delete;
   SceneSink& operator=(const SceneSink&) = delete;

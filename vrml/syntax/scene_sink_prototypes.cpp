@@ -30,7 +30,7 @@ NodeType& SceneSink::begin_prototype(SourceName name, bool external) {
     type->prototype->scene = &scene_;
     type->prototype->text = &text_;
   }
-  (void)scene_.charge(sizeof(NodeType) + sizeof(Prototype));
+  (void)scene_.memory().charge(sizeof(NodeType) + sizeof(Prototype));
   ++open_interfaces_;
   return text_.add_type(std::move(type));
 }
@@ -45,12 +45,12 @@ bool SceneSink::may_declare(const NodeType& type, const InterfaceDeclaration& de
   if (!script || known->access != declaration.access || known->type != declaration.type)
     problems_.error(location,
                     quoted(declaration.name) + " of " + type.name + " is declared twice; the first one is used");
-  (void)scene_.charge(sizeof(InterfaceDeclaration));
+  (void)scene_.memory().charge(sizeof(InterfaceDeclaration));
   return false;
 }
 
 void SceneSink::declare(NodeType& type, NodeId script, InterfaceDeclaration declaration) {
-  (void)scene_.charge(sizeof(InterfaceDeclaration));
+  (void)scene_.memory().charge(sizeof(InterfaceDeclaration));
   if (script) {
     scene_.declare(script, type, std::move(declaration));
   } else {
@@ -147,7 +147,7 @@ void SceneSink::add_route(const RouteNames& route) {
     return;
   }
   constexpr std::size_t kNames = 64;
-  (void)scene_.charge(sizeof route + kNames);
+  (void)scene_.memory().charge(sizeof route + kNames);
   scope.waiting_routes.push_back(route);
 }
 
@@ -188,7 +188,7 @@ void SceneSink::connect_route(const RouteNames& wanted, NodeId from, NodeId to) 
                                          " '" + wanted.event_in + "'; expected equal types");
     return;
   }
-  (void)scene_.charge(sizeof(Statement) + sizeof(Route));
+  (void)scene_.memory().charge(sizeof(Statement) + sizeof(Route));
   statements().push_back({Statement::Kind::route, {}, nullptr, route});
   if (!scopes_.back().prototype) scene_.routes().push_back(route);
 }

@@ -133,7 +133,7 @@ const NodeType* make(SceneGraph& scene, std::string_view name, std::string_view 
   (void)parse("#VRML V2.0 utf8\nPROTO " + std::string(name) + std::string(text), *library, diagnostics);
   if (!find_prototype(*library, name)) return nullptr;  // the budget is exhausted
   library->types().front()->stands_in = true;
-  return find_prototype(scene.writing().attach_library(std::move(library)), name);
+  return find_prototype(scene.texts().writing().attach_library(std::move(library)), name);
 }
 
 // Makes a PROTO that is a built-in node with another name.

@@ -124,7 +124,7 @@ bool GltfAccessors::charge(std::size_t bytes) {
     problem_ = "the asset refers to its data too many times";
     return false;
   }
-  if (!scene_.charge(bytes)) {
+  if (!scene_.memory().charge(bytes)) {
     problem_ = scene_.budget()->refusal(Resource::nodes);
     return false;
   }

@@ -53,7 +53,7 @@ class TextContent final : public SceneContent {
     if (gunzip_)
       gunzip_->push(bytes, [this](std::string_view piece) {
         parser_->push(piece);
-        return !target_.scene()->exhausted();
+        return !target_.scene()->memory().exhausted();
       });
     else
       parser_->push(text_of(bytes));
@@ -61,9 +61,9 @@ class TextContent final : public SceneContent {
   // Marks all outline groups as complete. Called at the end of the file.
   void complete_outlines() {
     vrml::SceneGraph& scene = *target_.scene();
-    for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
-      const vrml::NodeId id = scene.id_at(i);
-      if (scene.node_at(i).type->url_content != vrml::UrlContent::outlines) continue;
+    for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
+      const vrml::NodeId id = scene.nodes().id_at(i);
+      if (scene.nodes().at(i).type->url_content != vrml::UrlContent::outlines) continue;
       scene.set<vrml::SFBool>(id, "complete", true);
       target_.node_changed(id);
     }

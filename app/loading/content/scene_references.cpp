@@ -83,7 +83,7 @@ std::vector<net::Url> SceneReferences::below_folders(const net::Url& base, const
 
 SceneReferences::Reference SceneReferences::refer(NodeId id) const {
   const int slot = scene().node(id).type->find_field("url")->slot;
-  return refer(scene().get<vrml::MFString>(id, "url"), scene().text_of(id, slot));
+  return refer(scene().get<vrml::MFString>(id, "url"), scene().nodes().text_of(id, slot));
 }
 
 void SceneReferences::ask_for(Reference reference, const vrml::Node* node, std::shared_ptr<ContentHandler> handler,
@@ -104,7 +104,7 @@ void SceneReferences::look() {
   for (const NodeId id : handler_.open_nodes()) open_.insert(id.index);
   for (const NodeId id : std::exchange(later_, {})) visit(id);
   // Visiting a node may append nodes: those of PROTO instances.
-  while (looked_at_ < scene().node_count()) visit(scene().id_at(++looked_at_));
+  while (looked_at_ < scene().nodes().count()) visit(scene().nodes().id_at(++looked_at_));
   handler_.prototypes().look();
 }
 
@@ -158,7 +158,7 @@ UrlRequest SceneReferences::request_of(NodeId id, vrml::MFString urls) const {
 
 void SceneReferences::visit_inline(NodeId id) {
   const auto& list = scene().get<vrml::MFString>(id, "url");
-  if (scene().inlined(id) || list.empty()) return;
+  if (scene().inlines().of(id) || list.empty()) return;
   Reference reference = refer(id);
   if (!reference.places.empty()) ask_for_inline(request_of(id, list), std::move(reference), false);
 }
@@ -177,7 +177,7 @@ void SceneReferences::visit_images(NodeId id) {
     const int slot = fields[i]->slot;
     const auto* list = std::get_if<vrml::MFString>(&node.values[slot]);
     if (!list || list->empty()) continue;
-    Reference reference = refer(*list, scene().text_of(id, slot));
+    Reference reference = refer(*list, scene().nodes().text_of(id, slot));
     if (reference.places.empty()) continue;
     UrlRequest request = request_of(id, *list);
     request.place.url = i;
@@ -262,7 +262,7 @@ void SceneReferences::replace_fallback(NodeId id, const vrml::NodeType& native) 
     const vrml::InterfaceDeclaration* own = instance.type->find_field(declaration.name);
     if (declaration.slot < 0 || !own || own->type != declaration.type) continue;
     node.values[declaration.slot] = instance.values[own->slot];
-    scene().set_text(made, declaration.slot, vrml::text_of_field(scene(), id, *own));
+    scene().nodes().set_text(made, declaration.slot, vrml::text_of_field(scene(), id, *own));
   }
   fallbacks_[made.index] = id;  // the loop of the caller visits the new node too
 }
@@ -280,7 +280,7 @@ void SceneReferences::visit_script(NodeId id) {
     if (kind == ProgramPlace::Kind::held) break;
     if (kind == ProgramPlace::Kind::file) request.urls.push_back(one);
   }
-  Reference reference = refer(request.urls, scene().text_of(id, url->slot));
+  Reference reference = refer(request.urls, scene().nodes().text_of(id, url->slot));
   if (reference.places.empty()) return;
   ask_for(std::move(reference), &node, std::make_shared<TextHandler>(context_.loading, &handler_, request),
           Urgency::prototypes);

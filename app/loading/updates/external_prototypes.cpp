@@ -61,10 +61,10 @@ bool take_prototypes(vrml::SceneGraph& scene, const std::vector<AwaitedPrototype
   vrml::SceneGraph* attached = nullptr;
   bool any = false;
   for (const AwaitedPrototype& one : awaited) {
-    const std::optional<std::uint32_t> owner = scene.text_declaring(one.type);
+    const std::optional<std::uint32_t> owner = scene.texts().declaring(one.type);
     if (!owner || one.type->prototype) continue;
     const vrml::WritingFor writing(scene, *owner);
-    vrml::SourceText& text = scene.writing();
+    vrml::SourceText& text = scene.texts().writing();
     const ReportAt report = [&](Severity severity, SourceLocation at, std::string message) {
       diagnostics.add({severity, text.file_name(), at, std::move(message)});
     };

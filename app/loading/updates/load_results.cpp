@@ -10,9 +10,9 @@ namespace gs::app {
 namespace {
 
 std::string title_of(const vrml::SceneGraph& scene) {
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
-    const vrml::NodeId id = scene.id_at(i);
-    const vrml::Node& node = scene.node_at(i);
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
+    const vrml::NodeId id = scene.nodes().id_at(i);
+    const vrml::Node& node = scene.nodes().at(i);
     if (node.in_prototype_body || node.type->read_as != vrml::NodeKind::world_info) continue;
     std::string title = scene.get<vrml::SFString>(id, "title").str();
     if (!title.empty()) return title;

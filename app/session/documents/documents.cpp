@@ -17,12 +17,12 @@ void inspect(Document& document, const vrml::SceneGraph& from, std::uint32_t fir
   while (!scenes.empty()) {
     const vrml::SceneGraph& scene = *scenes.back();
     scenes.pop_back();
-    for (std::uint32_t index = std::exchange(first, 1); index <= scene.node_count(); ++index) {
-      const vrml::Node& node = scene.node_at(index);
+    for (std::uint32_t index = std::exchange(first, 1); index <= scene.nodes().count(); ++index) {
+      const vrml::Node& node = scene.nodes().at(index);
       if (node.in_prototype_body || node.type->kind != vrml::NodeType::Kind::built_in) continue;
       document.viewer_dependent |= vrml::has(node.type->role, vrml::Role::viewer_dependent);
     }
-    for (const auto& [node, content] : scene.inlines())
+    for (const auto& [node, content] : scene.inlines().all())
       if (content) scenes.push_back(content.get());
   }
 }
@@ -92,7 +92,7 @@ bool arrive(Document& document, ResourceUpdates&& updates) {
     if (one.content) grown.emplace_back(one.content.get(), 1);
   for (const ResourceUpdates::Prototypes& one : updates.prototypes)
     if (document.runtime->execution().scenes().has(one.scene))
-      grown.emplace_back(one.scene, static_cast<std::uint32_t>(one.scene->node_count()) + 1);
+      grown.emplace_back(one.scene, static_cast<std::uint32_t>(one.scene->nodes().count()) + 1);
   document.runtime->arrive(std::move(updates));
   for (const auto& [scene, first] : grown)
     if (document.runtime->execution().scenes().has(scene)) inspect(document, *scene, first);

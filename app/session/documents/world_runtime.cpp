@@ -84,7 +84,7 @@ void WorldRuntime::show_content(ResourceUpdates::Content&& update) {
   execution_.lifetime().remove_content(scene, update.place.node);
   if (!update.content) return;
   meshes_.take(std::move(update.meshes));
-  scene.attach_inline(update.place.node, std::move(update.content));
+  scene.inlines().attach(update.place.node, std::move(update.content));
   execution_.scenes().attach(scene);
   programs_.start();
   execution_.changes().mark_content(scene, update.place.node);
@@ -159,7 +159,7 @@ void WorldRuntime::forget(vrml::SceneGraph& scene, vrml::NodeId node) {
     meshes_.remove(scene, &one);
   };
   if (node) return forget_one(scene.node(node));
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) forget_one(scene.node_at(i));
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) forget_one(scene.nodes().at(i));
   if (ScriptRunner* const runner = programs_.runner()) runner->forget_scene(scene);
   requests_.forget_scene(scene);
   for (std::vector<vrml::NodeChange>& batch : batches_)

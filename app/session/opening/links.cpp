@@ -75,7 +75,7 @@ Link link_of(const vrml::SceneGraph& scene, vrml::NodeId anchor) {
   for (const vrml::SFString& url : scene.get<vrml::MFString>(anchor, "url")) urls.push_back(url.str());
   for (const vrml::SFString& parameter : scene.get<vrml::MFString>(anchor, "parameter"))
     parameters.push_back(parameter.str());
-  const vrml::SourceText& text = scene.text_of(anchor, url_field->slot);
+  const vrml::SourceText& text = scene.nodes().text_of(anchor, url_field->slot);
   return link_of(urls, parameters, text.origin(), text.source());
 }
 

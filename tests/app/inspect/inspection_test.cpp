@@ -30,8 +30,8 @@ struct Inspected : OneWorld {
   }
   [[nodiscard]] NodeAt node(std::string_view name) const {
     const vrml::SceneGraph& scene = *document->world.scene;
-    for (std::uint32_t i = 1; i <= scene.node_count(); ++i)
-      if (scene.node_at(i).name == name) return {&scene, scene.id_at(i)};
+    for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i)
+      if (scene.nodes().at(i).name == name) return {&scene, scene.nodes().id_at(i)};
     return {};
   }
   void choose(std::string_view name) {

@@ -44,8 +44,8 @@ struct Tree {
     return all;
   }
   [[nodiscard]] NodeAt node(std::string_view name) const {
-    for (std::uint32_t i = 1; i <= world.scene->node_count(); ++i)
-      if (world.scene->node_at(i).name == name) return {world.scene.get(), world.scene->id_at(i)};
+    for (std::uint32_t i = 1; i <= world.scene->nodes().count(); ++i)
+      if (world.scene->nodes().at(i).name == name) return {world.scene.get(), world.scene->nodes().id_at(i)};
     return {};
   }
 
@@ -122,7 +122,7 @@ TEST_CASE("lists the content of Inlines below them as it is loaded") {
   auto content = std::make_shared<vrml::SceneGraph>("part.wrl", tree.world.scene->budget());
   Diagnostics diagnostics;
   (void)vrml::parse("#VRML V2.0 utf8\nDEF In Group {}", *content, diagnostics);
-  tree.world.scene->attach_inline(tree.node("I").id, content);
+  tree.world.scene->inlines().attach(tree.node("I").id, content);
   tree.execution.scenes().attach();
   tree.learn();
   CHECK(tree.lines() == Lines{"+[0] Inline 'I'"});
@@ -134,7 +134,7 @@ TEST_CASE("lists the content of Inlines below them as it is loaded") {
   CHECK(tree.index.match(1).scene == content.get());
   const NodeAt inside = tree.index.match(1);
   tree.execution.lifetime().remove_content(*tree.world.scene, tree.node("I").id);
-  tree.world.scene->attach_inline(tree.node("I").id, nullptr);
+  tree.world.scene->inlines().attach(tree.node("I").id, nullptr);
   content.reset();
   // A removed node has no path.
   CHECK(tree.index.way_to(inside).empty());
@@ -175,7 +175,7 @@ TEST_CASE("costs only the visible lines in a world of a million nodes") {
   opened.scene->add_root(root);
   vrml::MFNode children;
   for (std::size_t i = 1; i < count; ++i) children.push_back(opened.scene->create(group));
-  opened.scene->set_name(children[count - 3], *opened.scene->keep_name("Needle"));
+  opened.scene->node(children[count - 3]).name = *opened.scene->texts().keep_name("Needle");
   opened.scene->set<vrml::MFNode>(root, "children", children);
   vrml::Execution execution(*opened.scene);
   SceneIndex index;

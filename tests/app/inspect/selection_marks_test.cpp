@@ -48,8 +48,8 @@ TEST_CASE("computes the bounds of a node over all its instances, and of the firs
   render::MeshCache meshes;
   const render::RenderList list = render::collect(*world.scene, {}, meshes);
   const auto node = [&](std::string_view name) -> NodeAt {
-    for (std::uint32_t i = 1; i <= world.scene->node_count(); ++i)
-      if (world.scene->node_at(i).name == name) return {world.scene.get(), world.scene->id_at(i)};
+    for (std::uint32_t i = 1; i <= world.scene->nodes().count(); ++i)
+      if (world.scene->nodes().at(i).name == name) return {world.scene.get(), world.scene->nodes().id_at(i)};
     return {};
   };
   const auto bounds = [&](std::vector<NodeAt> nodes) { return bounds_in(list, nodes); };

@@ -167,8 +167,8 @@ TEST_CASE("finds Inlines, EXTERNPROTOs and textures beside the file, in any lett
   INFO(said(world));
   REQUIRE(world.scene);
   CHECK(world.diagnostics.entries().empty());
-  REQUIRE(world.scene->inlined(world.scene->roots()[0]));
-  CHECK(world.scene->inlined(world.scene->roots()[0])->roots().size() == 1);
+  REQUIRE(world.scene->inlines().of(world.scene->roots()[0]));
+  CHECK(world.scene->inlines().of(world.scene->roots()[0])->roots().size() == 1);
   const auto shape = world.scene->roots()[1];
   const auto sphere = world.scene->resolve(world.scene->get<vrml::SFNode>(shape, "geometry"));
   REQUIRE(sphere);
@@ -256,8 +256,8 @@ TEST_CASE("data: URLs hold worlds, textures and libraries") {
                    "Inline { url \"data:;base64,a*bc\" }\n"));
   INFO(said(world));
   REQUIRE(world.scene);
-  REQUIRE(world.scene->inlined(world.scene->roots()[0]));
-  CHECK(world.scene->inlined(world.scene->roots()[0])->roots().size() == 1);
+  REQUIRE(world.scene->inlines().of(world.scene->roots()[0]));
+  CHECK(world.scene->inlines().of(world.scene->roots()[0])->roots().size() == 1);
   CHECK(world.diagnostics.warnings() == 1);
 }
 

@@ -249,7 +249,7 @@ TEST_CASE("keeps files from a document of the network, and the network from offl
   web.put("memory://a/world.wrl", "#VRML V2.0 utf8\nInline { url \"file://" + secret + "\" }\nShape { }\n");
   const LoadedWorld world = load_world("memory://a/world.wrl", web.options);
   REQUIRE(world.scene);
-  CHECK_FALSE(world.scene->inlined(world.scene->roots()[0]));
+  CHECK_FALSE(world.scene->inlines().of(world.scene->roots()[0]));
   CHECK(said(world).find("may not refer to file:") != std::string::npos);
   web.options.offline = true;
   const LoadedWorld none = load_world("memory://a/world.wrl", web.options);

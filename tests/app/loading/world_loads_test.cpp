@@ -77,8 +77,8 @@ TEST_CASE("leaves out a cancelled file, and loads the rest of the world") {
   loads.finish();
   CHECK(loads.row("never.wrl").stage == LoadStage::cancelled);
   const LoadedWorld world = loads.loading->take();
-  CHECK_FALSE(world.scene->inlined(world.scene->roots()[0]));
-  CHECK(world.scene->inlined(world.scene->roots()[1]));
+  CHECK_FALSE(world.scene->inlines().of(world.scene->roots()[0]));
+  CHECK(world.scene->inlines().of(world.scene->roots()[1]));
 }
 
 TEST_CASE("keeps the loaded part of a cancelled world") {

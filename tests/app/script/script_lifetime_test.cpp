@@ -25,7 +25,7 @@ vrml::SceneGraph& fill_inline(World& world, const std::string& body) {
   CHECK(diagnostics.errors() == 0);
   content->set_source(world.scene().source());
   world.execution().lifetime().remove_content(world.scene(), inline_node);
-  world.scene().attach_inline(inline_node, content);
+  world.scene().inlines().attach(inline_node, content);
   world.execution().scenes().attach(world.scene());
   world.execution().changes().mark_content(world.scene(), inline_node);
   return *content;

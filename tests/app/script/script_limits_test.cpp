@@ -127,7 +127,7 @@ TEST_CASE("frees nodes that a program makes and discards each frame") {
   std::size_t most = 0;
   for (int i = 1; i <= 400; ++i) {
     world.step(i * 0.1);
-    most = std::max(most, world.scene().node_count());
+    most = std::max(most, world.scene().nodes().count());
   }
   // 32,000 nodes were made.
   CHECK(most < 12'000);
@@ -155,7 +155,7 @@ TEST_CASE("stops programs that send, request, print or create endlessly, and run
     for (int i = 1; i <= 30; ++i) {
       world.step(i * 0.1);
       requests = std::max(requests, world.runner().take_requests().size());
-      most_nodes = std::max(most_nodes, world.scene().node_count());
+      most_nodes = std::max(most_nodes, world.scene().nodes().count());
     }
     CHECK(requests <= 256);
     CHECK(most_nodes < 40'000);  // 60,000 were made
@@ -196,7 +196,7 @@ TEST_CASE("keeps the memory of a world constant that recreates itself with its p
   std::size_t most = 0;
   for (int i = 1; i <= 50; ++i) {
     world.step(i * 0.1);
-    most = std::max(most, world.scene().node_count());
+    most = std::max(most, world.scene().nodes().count());
   }
   // A clock that a program makes starts at once, and runs the program that was made with it: 64 times per timestamp.
   const std::size_t times = world.printed().size();

@@ -281,7 +281,7 @@ TEST_CASE("gives nodes from a host the rights of that host, not of the requestin
               "print('read'); }\" } Inline { url \"file://" +
               web.folder.path("secret.wrl") + "\" }");
   web.run(web.file("world.wrl", reader("memory://b/part.wrl", "")), [](Simulation& simulation) {
-    for (const auto& [node, content] : simulation.world().scene->inlines()) CHECK_FALSE(content);
+    for (const auto& [node, content] : simulation.world().scene->inlines().all()) CHECK_FALSE(content);
   });
   CHECK(web.printed == Lines{"runs"});
 }

@@ -258,9 +258,9 @@ TEST_CASE("returns the path of a hit through PROTO instances and Inlines, with c
   (void)vrml::parse("#VRML V2.0 utf8\nTransform { scale 2 2 2 children DEF Box Shape { geometry Box { } } }", *inlined,
                     diagnostics);
   REQUIRE(diagnostics.errors() == 0);
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i)
-    if (scene.node_at(i).name == "I") {
-      scene.attach_inline(scene.id_at(i), std::move(inlined));
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i)
+    if (scene.nodes().at(i).name == "I") {
+      scene.inlines().attach(scene.nodes().id_at(i), std::move(inlined));
       break;
     }
   render::MeshCache meshes;

@@ -25,8 +25,8 @@ struct World {
   }
   RenderList collect(const glm::vec3& viewer = {0, 0, 10}) { return render::collect(*scene, images, meshes, viewer); }
   vrml::NodeId find(std::string_view name) const {
-    for (std::uint32_t i = 1; i <= scene->node_count(); ++i)
-      if (scene->node_at(i).name == name) return scene->id_at(i);
+    for (std::uint32_t i = 1; i <= scene->nodes().count(); ++i)
+      if (scene->nodes().at(i).name == name) return scene->nodes().id_at(i);
     FAIL("no node named " << name);
     return {};
   }
@@ -270,7 +270,7 @@ TEST_CASE("lists rigid Viewpoints in file order, those of Inlines last") {
       "NavigationInfo { headlight FALSE } " +
           kBox,
       *inner, diagnostics);
-  world.scene->attach_inline(world.scene->roots()[0], std::move(inner));
+  world.scene->inlines().attach(world.scene->roots()[0], std::move(inner));
   const RenderList list = world.collect();
   REQUIRE(list.viewpoints.size() == 3);
   CHECK(list.viewpoints[0].description == "one");

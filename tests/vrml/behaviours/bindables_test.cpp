@@ -76,7 +76,7 @@ TEST_CASE("keeps a stack per bindable type, and binds nodes of an Inline only on
   Diagnostics diagnostics;
   (void)parse("#VRML V2.0 utf8\nDEF V Viewpoint { } DEF G Fog { }", *content, diagnostics);
   SceneGraph& part = *content;
-  world.scene().attach_inline(world.node("Part"), std::move(content));
+  world.scene().inlines().attach(world.node("Part"), std::move(content));
   world.execution().scenes().attach();
   world.start();
   CHECK(world.take() == Lines{"0 F.isBound TRUE"});

@@ -175,7 +175,7 @@ ROUTE Clock.fraction_changed TO I.set_fraction ROUTE I.value_changed TO T.transp
   CHECK(diagnostics.errors() == 0);
   SceneGraph& part = *content;
   world.start();
-  world.scene().attach_inline(world.node("Part"), std::move(content));
+  world.scene().inlines().attach(world.node("Part"), std::move(content));
   world.execution().scenes().attach();
   world.step(1);
   (void)world.take();

@@ -101,7 +101,7 @@ TEST_CASE("applies sensors at top level, in PROTO instances and in Inlines to th
   Diagnostics diagnostics;
   (void)parse("#VRML V2.0 utf8\nDEF InS Shape { } DEF InT TouchSensor { }", *content, diagnostics);
   SceneGraph& inlined = *content;
-  world.scene().attach_inline(world.node("I"), std::move(content));
+  world.scene().inlines().attach(world.node("I"), std::move(content));
   world.execution().scenes().attach();
   world.start();
   PointingDevice device(world);

@@ -124,7 +124,7 @@ TEST_CASE("stops a parse in pieces at the memory limit and discards the rest") {
   parser.push("#VRML V2.0 utf8\nShape { }\n");
   const std::string groups = repeated("Group { } ", 1000);
   for (int i = 0; i < 200; ++i) parser.push(groups);
-  CHECK(scene.exhausted());
+  CHECK(scene.memory().exhausted());
   CHECK(parser.finish() == ParseOutcome::truncated);
   CHECK(diagnostics.errors() == 1);
   CHECK(scene.roots().size() > 1000);
@@ -148,7 +148,7 @@ TEST_CASE("leaves nested PROTOs empty that exceed the limit, and keeps the other
   CHECK_FALSE(small.scene.resolve(small.scene.roots()[1]));
   CHECK(small.scene.resolve_as(small.scene.roots()[2], NodeKind::group));
   CHECK(small.scene.resolve_as(small.scene.roots()[3], NodeKind::shape));
-  CHECK(small.scene.node_count() < 300);
+  CHECK(small.scene.nodes().count() < 300);
 
   // Many small instances reach the limit, too.
   const Small many(laughs(4) + repeated("P4 { }\n", 10'000) + "Shape { }");
@@ -171,13 +171,13 @@ TEST_CASE("shares one budget between the scenes of a world, and gives it back") 
     SceneGraph second("b.wrl", budget), third("c.wrl", budget);
     (void)parse(text, second, diagnostics);
     (void)parse(text, third, diagnostics);
-    CHECK(third.exhausted());
+    CHECK(third.memory().exhausted());
     CHECK(diagnostics.errors() > 0);
   }
   CHECK(budget->used(Resource::nodes) == 0);
   SceneGraph again("a.wrl", budget);
   (void)parse(text, again, diagnostics);
-  CHECK_FALSE(again.exhausted());
+  CHECK_FALSE(again.memory().exhausted());
 }
 
 TEST_CASE("stops instantiation when the budget's stop function returns true") {
@@ -187,7 +187,7 @@ TEST_CASE("stops instantiation when the budget's stop function returns true") {
   Diagnostics diagnostics;
   (void)parse("#VRML V2.0 utf8\n" + laughs(16) + "P16 { }", scene, diagnostics);
   CHECK(diagnostics.errors() == 0);  // the owner of the stop function reports it
-  CHECK(scene.node_count() < 10'000);
+  CHECK(scene.nodes().count() < 10'000);
 }
 
 TEST_CASE("leaves out geometries that exceed the memory limit, and gives back their share") {

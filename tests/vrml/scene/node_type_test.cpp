@@ -113,7 +113,7 @@ TEST_CASE("prints and parses a default node of every type without a change") {
   Diagnostics diagnostics;
   CHECK(parse(printed, again, diagnostics) == ParseOutcome::complete);
   CHECK(diagnostics.errors() == 0);
-  CHECK(again.node_count() == scene.node_count());
+  CHECK(again.nodes().count() == scene.nodes().count());
   CHECK(print(again) == printed);
 }
 

@@ -80,7 +80,7 @@ DEF Late Transform { }
   CHECK(pair.vrml97.messages().empty());
   CHECK(pair.expressions.messages().empty());
   CHECK(print(pair.expressions.scene) == print(pair.vrml97.scene));
-  CHECK(pair.expressions.scene.node_count() == pair.vrml97.scene.node_count());
+  CHECK(pair.expressions.scene.nodes().count() == pair.vrml97.scene.nodes().count());
   CHECK(pair.expressions.scene.routes().size() == pair.vrml97.scene.routes().size());
 }
 

@@ -22,8 +22,8 @@ struct Outlines {
 
   explicit Outlines(const std::string& text) {
     REQUIRE(parse("#VRML V2.0 utf8\n" + text, scene, diagnostics) == ParseOutcome::complete);
-    for (std::uint32_t i = 1; i <= scene.node_count(); ++i)
-      if (scene.node_at(i).type == built_in_node_type("OutlineGroup")) nodes.push_back(scene.id_at(i));
+    for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i)
+      if (scene.nodes().at(i).type == built_in_node_type("OutlineGroup")) nodes.push_back(scene.nodes().id_at(i));
   }
   [[nodiscard]] Mesh mesh(std::size_t i = 0, NodeId refiner = {}) const {
     MeshOptions options;

@@ -168,8 +168,8 @@ TEST_CASE("draws all panels for every field type, and without a world") {
        {Action::scene_tree, Action::routes, Action::inspector, Action::streams, Action::script_console})
     screen.open(panel);
   const vrml::SceneGraph& scene = *screen.document->world.scene;
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
-    screen.inspection.select({&scene, scene.id_at(i)}, true);
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
+    screen.inspection.select({&scene, scene.nodes().id_at(i)}, true);
     // The arrow before a list opens it.
     for (float y = 110; y < 400; y += 30) screen.click(720, y);
   }

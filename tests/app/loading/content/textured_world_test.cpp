@@ -126,8 +126,8 @@ TEST_CASE("keeps the texture of a surface when its material changes, and under t
   const auto image = scene.list().items[0].texture.image;
   REQUIRE(image);
   vrml::NodeId material;
-  for (std::uint32_t i = 1; i <= world.scene->node_count(); ++i)
-    if (world.scene->node_at(i).type->name == "Material") material = world.scene->id_at(i);
+  for (std::uint32_t i = 1; i <= world.scene->nodes().count(); ++i)
+    if (world.scene->nodes().at(i).type->name == "Material") material = world.scene->nodes().id_at(i);
   REQUIRE(material);
   const vrml::NodeChange change{world.scene.get(), material, ~std::uint64_t{0}};
   (void)scene.update(std::span(&change, 1), {}, {0, 0, 10});

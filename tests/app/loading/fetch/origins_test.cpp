@@ -75,7 +75,7 @@ std::size_t lines_with(const std::string& all, const std::string& part) {
 /// Counts Inlines with content, at any depth.
 std::size_t inlined(const vrml::SceneGraph& scene) {
   std::size_t count = 0;
-  for (const auto& [node, content] : scene.inlines())
+  for (const auto& [node, content] : scene.inlines().all())
     if (content) count += 1 + inlined(*content);
   return count;
 }

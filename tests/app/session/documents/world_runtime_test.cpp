@@ -92,7 +92,7 @@ TEST_CASE("keeps an outdated list valid after its Inline is removed") {
   Diagnostics diagnostics;
   (void)vrml::parse("#VRML V2.0 utf8\nShape { geometry Box { } }", *content, diagnostics);
   const std::weak_ptr<vrml::SceneGraph> watched = content;
-  scene.attach_inline(scene.roots()[1], std::move(content));
+  scene.inlines().attach(scene.roots()[1], std::move(content));
   vrml::Execution& execution = world.runtime->execution();
   execution.scenes().attach();
   execution.changes().mark_content(scene, scene.roots()[1]);
