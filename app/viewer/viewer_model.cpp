@@ -122,7 +122,7 @@ UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measu
   window_.describe_tools(model.tools);
   if (!seen) return model;
   model.has_world = true;
-  model.first_steps = store_.settings().first_steps && !not_kept_.empty() && pane.shown == not_kept_;
+  model.first_steps = store_.settings().first_steps && !record_.not_kept().empty() && pane.shown == record_.not_kept();
   const auto& viewpoints = seen->list->viewpoints;
   for (const std::size_t index : listed_viewpoints(viewpoints)) {
     if (seen->viewpoint == index) model.viewpoint = model.viewpoints.size();
@@ -158,9 +158,9 @@ void ViewerController::describe_user(UiModel& model, const Pane& pane) {
   model.settings = store_.settings();
   model.recent = store_.state().recent;
   model.bookmarks = store_.bookmarks();
-  model.to_restore = lost_.files.size();
+  model.to_restore = record_.files_to_restore();
   model.address = pane.wanted.empty() ? pane.shown : pane.wanted;
-  model.bookmark = find_bookmark();
+  model.bookmark = bookmarks_.find();
   model.can_go_back = session_.travel().can_go(-1);
   model.can_go_forward = session_.travel().can_go(1);
   model.loading = session_.panes().loading(session_.panes().active());
