@@ -211,9 +211,9 @@ int fly(const std::string& path, const Setting& setting, std::size_t budget, int
     for (const qnv::Piece& piece : drawn) sum += piece.count;
     discs.push_back(sum);
     pieces.push_back(drawn.size());
-    decoded.push_back(stream.decoded());
-    all_decoded += stream.decoded();
-    cached = std::max(cached, stream.cached_bytes());
+    decoded.push_back(stream.statistics().decoded);
+    all_decoded += stream.statistics().decoded;
+    cached = std::max(cached, stream.statistics().cached_bytes);
   };
   for (int i = 0; i < frames; ++i) {
     frame(i / std::max(1.0, frames - 1.0));

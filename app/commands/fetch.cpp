@@ -41,7 +41,7 @@ bool apply(const WorldLoading& loading) {
 bool shows(const render::RenderList& list) {
   return !list.items.empty() || std::any_of(list.splats.begin(), list.splats.end(), [](const render::SplatItem& item) {
     const auto* octree = item.geometry ? item.geometry->as<qnv::OctreeSplats>() : nullptr;
-    return octree ? octree->stream->clusters() > 0 : item.geometry && item.geometry->size() > 0;
+    return octree ? octree->stream->statistics().clusters > 0 : item.geometry && item.geometry->size() > 0;
   });
 }
 

@@ -18,9 +18,10 @@ std::string detail_of(const Document& document, const LoadRow& load) {
   for (const auto& feed : document.world.feeds) {
     if (feed.get() != load.feed || !feed->stream()) continue;
     const qnv::LodStream& stream = *feed->stream();
-    std::string text =
-        count_text(stream.clusters(), "part") + " received, " + count_text(stream.cached_discs(), "vector") + " shown";
-    const std::size_t wanted = stream.wanted_by_all().size();
+    const qnv::LodStatistics statistics = stream.statistics();
+    std::string text = count_text(statistics.clusters, "part") + " received, " +
+                       count_text(statistics.cached_discs, "vector") + " shown";
+    const std::size_t wanted = stream.wanted().size();
     if (load.by_view && !load.ended)
       text += wanted > 0 ? ", " + count_text(wanted, "part") + " wanted" : ", fine enough";
     return text;

@@ -80,7 +80,7 @@ bool StreamFeed::apply() {
 }
 
 void StreamFeed::ask() {
-  std::vector<qnv::ChunkRange> wanted = stream_->wanted_by_all();
+  std::vector<qnv::ChunkRange> wanted = stream_->wanted();
   std::vector<qnv::LodView> views = stream_->views();
   if (wanted == asked_ && views == told_) return;
   {

@@ -105,7 +105,7 @@ SplatCut cut_splats(const std::shared_ptr<const qnv::Geometry>& geometry, const 
   for (const qnv::Piece& piece : octree->stream->cut(lod))
     cut.pieces.push_back({piece.splats, piece.first, piece.count, 1, tint_of(piece, options.color_by)});
   cut.pending = octree->stream->pending();
-  cut.decoded = octree->stream->decoded();
+  cut.decoded = octree->stream->statistics().decoded;
   return cut;
 }
 

@@ -112,7 +112,7 @@ void look_at(LodStream& stream) {
       require(piece.splats && piece.first <= piece.splats->size() && piece.count <= piece.splats->size() - piece.first);
       check_sound(*piece.splats);
     }
-    (void)stream.wanted_by_all();
+    (void)stream.wanted();
   }
   if (stream.count() <= kMaxVectors) check_sound(stream.whole());
 }
@@ -127,7 +127,7 @@ bool run_levels(std::span<const std::byte> bytes) {
   auto opened = LodStream::open(std::vector(sound.begin(), sound.end()), kCache);
   if (auto* stream = std::get_if<std::unique_ptr<LodStream>>(&opened)) {
     look_at(**stream);
-    taken = (*stream)->clusters() > 0;
+    taken = (*stream)->statistics().clusters > 0;
   }
   auto lying = LodStream::open(memory_source(std::vector(sound.begin(), sound.end())), kCache);
   if (auto* stream = std::get_if<std::unique_ptr<LodStream>>(&lying)) look_at(**stream);

@@ -275,7 +275,7 @@ TEST_CASE("shows a stream from its front, and refines it") {
     const auto octree = content_of<qnv::OctreeSplats>(*list.splats[0].geometry);
     if (feeds.empty()) feeds = loading.feeds();
     for (const auto& feed : feeds) (void)feed->apply();
-    clusters.push_back(octree.stream->clusters());
+    clusters.push_back(octree.stream->statistics().clusters);
   }
   REQUIRE(clusters.size() > 3);
   CHECK(std::is_sorted(clusters.begin(), clusters.end()));
@@ -283,7 +283,7 @@ TEST_CASE("shows a stream from its front, and refines it") {
   const LoadedWorld world = load_world("memory://a/ball.qnv", web.options);
   REQUIRE(world.clouds.size() == 1);
   const auto octree = content_of<qnv::OctreeSplats>(*world.clouds.begin()->second);
-  CHECK(octree.stream->clusters() == clusters.back());
+  CHECK(octree.stream->statistics().clusters == clusters.back());
 }
 
 TEST_CASE("slows a stream beside one of more weight") {
@@ -350,7 +350,7 @@ TEST_CASE("reads from a long stream only the parts that a view needs") {
     (void)feed.apply();
     (void)stream.cut(view);
     feed.ask();
-  } while (!(stream.complete() && stream.clusters() > 1 && ++rounds > 5));
+  } while (!(stream.complete() && stream.statistics().clusters > 1 && ++rounds > 5));
   CHECK(feed.take_problem().empty());
   std::uint64_t asked = 0;
   for (const net::TransferRequest& transfer : web.network->transfers()) {

@@ -240,7 +240,7 @@ TEST_CASE("picks streams with levels at the detail of the picture") {
   CHECK_FALSE(pick_surface(*cloud, kHere, down(1.2f, 0)));
   // Clusters beside the ray are not decoded.
   qnv::LodStream& stream = *cloud->as<qnv::OctreeSplats>()->stream;
-  CHECK(stream.cached_discs() < stream.whole().size());
+  CHECK(stream.statistics().cached_discs < stream.whole().size());
   const glm::mat4 place = glm::scale(glm::translate(glm::mat4(1), {0, 0, -10}), {20, 1, 4});
   const auto stretched = pick_surface(*cloud, place, down(10, 0));
   REQUIRE(stretched);

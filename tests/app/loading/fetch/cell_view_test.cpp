@@ -56,7 +56,7 @@ TEST_CASE("shows the base in a window at once, and requests the next parts by vi
   StreamFeed& feed = *world.feeds.front();
   (void)feed.apply();
   auto& levels = *content_of<qnv::OctreeSplats>(*world.clouds.begin()->second).stream;
-  REQUIRE(levels.clusters() > 0);
+  REQUIRE(levels.statistics().clusters > 0);
   // A close view of the right side.
   qnv::LodView view;
   view.eye = {3, 0, 0};

@@ -61,7 +61,7 @@ TEST_CASE("reads from a remote stream only the chunks that a view needs", "[opti
   const std::size_t directory = stream.bytes.size() - static_cast<std::size_t>(stream.header.directory);
   // Reads some chunks to check that the directory matches.
   CHECK(source->done < 4096 + directory + 12 * 1400);
-  CHECK(lod->clusters() == stream.header.chunks);
+  CHECK(lod->statistics().clusters == stream.header.chunks);
   CHECK(lod->problems().empty());
   const std::size_t opening = source->done;
   LodView far = from({0, 0, 100});
@@ -86,7 +86,7 @@ TEST_CASE("reads the whole stream if it has no valid directory") {
   behind.resize(behind.size() + 1000, std::byte{0x51});
   for (const auto& bytes : {cut_off, damaged, behind}) {
     const auto lod = opened_there(bytes);
-    CHECK(lod->clusters() == stream.header.chunks);
+    CHECK(lod->statistics().clusters == stream.header.chunks);
     CHECK(places(lod->cut(everything())) == expected);
   }
   // With the directory of another stream, or numbers in another order.

@@ -40,7 +40,7 @@ TEST_CASE("returns all vectors of the decoder") {
   CHECK(total_weight(all) == Approx(total_weight(expected)));
   CHECK(all.cells.size() == all.size());
   CHECK(lod->count() == expected.size());
-  CHECK(lod->cached_bytes() == 0);
+  CHECK(lod->statistics().cached_bytes == 0);
 }
 
 TEST_CASE("reports level, chunk and age of each piece of a cut") {
@@ -79,13 +79,13 @@ TEST_CASE("decodes at most the allowed vectors per cut until the view is complet
   LodView view = from({0, 0, 1.5f}, 500);
   const auto whole = places(at_once->cut(view));
   CHECK(at_once->complete());
-  CHECK(at_once->decoded() > 20'000);
+  CHECK(at_once->statistics().decoded > 20'000);
   view.most_decoded = 4200;
   std::size_t before = 0, steps = 0;
   float finest = 1e9f;
   for (; steps < 100; ++steps) {
     const auto pieces = step_by_step->cut(view);
-    CHECK(step_by_step->decoded() <= 4200);
+    CHECK(step_by_step->statistics().decoded <= 4200);
     CHECK(area(pieces) == Approx(kSphereArea).epsilon(0.06));
     CHECK(count(pieces) > before);
     CHECK(finest_edge(pieces) <= finest);
@@ -97,7 +97,7 @@ TEST_CASE("decodes at most the allowed vectors per cut until the view is complet
   CHECK(steps > 3);
   CHECK(steps < 60);
   CHECK(places(step_by_step->cut(view)) == whole);
-  CHECK(step_by_step->decoded() == 0);
+  CHECK(step_by_step->statistics().decoded == 0);
   // Each cut decodes at least one cluster.
   const auto slow = opened_there(stream.bytes);
   view.most_decoded = 1;

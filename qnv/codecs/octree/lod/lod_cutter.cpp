@@ -1,4 +1,4 @@
-#include "qnv/codecs/octree/lod/lod.h"
+#include "qnv/codecs/octree/lod/lod_cutter.h"
 
 #include <glm/geometric.hpp>
 
@@ -78,11 +78,11 @@ std::size_t cost(const LodNode& node) { return std::max<std::size_t>(node.voxels
 
 }  // namespace
 
-std::vector<Piece> LodStream::cut(const LodView& view) {
+std::vector<Piece> LodCutter::cut(const LodView& view) {
   ++cuts_;
   decoded_ = 0;
   pending_ = false;
-  wanted_.clear();
+  lacking_.clear();
   order_.clear();
   if (tree_.root() == kNoNode) return {};
   const std::size_t slot = viewport_of(view.viewport);
@@ -92,15 +92,14 @@ std::vector<Piece> LodStream::cut(const LodView& view) {
     select(view, viewport, bit);
     std::vector<std::uint32_t> nodes = to_decode(view);
     if (nodes.empty()) break;
-    cache_.decode(*source_, std::move(nodes), cuts_, problems_);
-    keep_few_problems();
+    cache_.decode(std::move(nodes), cuts_);
     if (pending_) break;
   }
   choose(view, viewport, bit);
-  for (const std::uint32_t node : viewport.lacking) wanted_.push_back({tree_[node].offset, tree_[node].bytes});
+  for (const std::uint32_t node : viewport.lacking) lacking_.push_back({tree_[node].offset, tree_[node].bytes});
   viewport.view = view;
   viewport.last_cut = cuts_;
-  viewport.revision = revision_;
+  viewport.revision = chunks_.revision();
   const std::vector<Run> drawn = runs(viewport, bit);
   std::vector<std::uint32_t> missing;
   for (const std::uint32_t node : viewport.shown)
@@ -109,16 +108,21 @@ std::vector<Piece> LodStream::cut(const LodView& view) {
   cache_.make_discs(std::move(missing), cuts_);
   for (const std::uint32_t node : viewport.shown) cache_.use_discs(node, cuts_);
   std::vector<Piece> out = pieces(view, drawn);
+  keep_cuts();
+  return out;
+}
+
+// Frees decoded data that no viewport's last cut needs, down to the limit.
+void LodCutter::keep_cuts() {
   for (const Viewport& each : viewports_) {
     for (const std::uint32_t node : each.shown) cache_.pin_discs(node, cuts_);
     for (const std::uint32_t node : each.chosen) cache_.pin(node, cuts_);
   }
   cache_.shrink(cuts_);
-  return out;
 }
 
 // Returns the slot of a viewport. A new viewport gets the slot that was unused for longest.
-std::size_t LodStream::viewport_of(std::uint32_t id) {
+std::size_t LodCutter::viewport_of(std::uint32_t id) {
   std::size_t oldest = 0;
   for (std::size_t i = 0; i < kViewports; ++i) {
     if (viewports_[i].last_cut != 0 && viewports_[i].view.viewport == id) return i;
@@ -128,18 +132,18 @@ std::size_t LodStream::viewport_of(std::uint32_t id) {
   return oldest;
 }
 
-void LodStream::forget_slot(std::size_t slot) {
+void LodCutter::forget_slot(std::size_t slot) {
   const auto others = static_cast<std::uint16_t>(~(1u << slot));
-  for (const std::uint32_t node : viewports_[slot].chosen) tree_[node].chosen_by &= others;
+  for (const std::uint32_t node : viewports_[slot].chosen) tree_.marks(node).chosen_by &= others;
   viewports_[slot] = {};
 }
 
-void LodStream::forget(std::uint32_t viewport) {
+void LodCutter::forget(std::uint32_t viewport) {
   for (std::size_t i = 0; i < kViewports; ++i)
     if (viewports_[i].last_cut != 0 && viewports_[i].view.viewport == viewport) forget_slot(i);
 }
 
-std::vector<ChunkRange> LodStream::wanted_by_all() const {
+std::vector<ChunkRange> LodCutter::lacking_for_all() const {
   std::vector<ChunkRange> all;
   std::unordered_set<std::uint32_t> seen;
   for (std::size_t i = 0, most = 1; i < most; ++i)
@@ -152,7 +156,7 @@ std::vector<ChunkRange> LodStream::wanted_by_all() const {
   return all;
 }
 
-std::vector<LodView> LodStream::views() const {
+std::vector<LodView> LodCutter::views() const {
   std::vector<LodView> all;
   for (const Viewport& viewport : viewports_)
     if (viewport.last_cut != 0) all.push_back(viewport.view);
@@ -160,19 +164,19 @@ std::vector<LodView> LodStream::views() const {
 }
 
 // Returns the change of a cut's number of splats if this node is added.
-std::int64_t LodStream::discs_gained(std::uint32_t index) const {
+std::int64_t LodCutter::discs_gained(std::uint32_t index) const {
   const LodNode& node = tree_[index];
-  std::int64_t gained = node.visible ? (node.known ? node.discs : node.voxels) : 0;
-  if (node.parent != kNoNode && tree_[node.parent].visible)
+  std::int64_t gained = node.marks.visible ? (node.known ? node.discs : node.voxels) : 0;
+  if (node.parent != kNoNode && tree_[node.parent].marks.visible)
     gained -= node.known ? node.replaced : (node.count > 0 ? node.count : node.voxels / kTypicalChildren);
   return gained;
 }
 
 // Selects the clusters that the view needs, even clusters that are not decoded or not received yet. Sorts the clusters
 // by size on the screen; a parent precedes its children.
-void LodStream::select(const LodView& view, const Viewport& last, std::uint16_t bit) {
-  const bool same = last.last_cut != 0 && last.revision == revision_ && same_view(last.view, view);
-  const bool backs_left_out = view.leave_backs && !header_.description.two_sided;
+void LodCutter::select(const LodView& view, const Viewport& last, std::uint16_t bit) {
+  const bool same = last.last_cut != 0 && last.revision == chunks_.revision() && same_view(last.view, view);
+  const bool backs_left_out = view.leave_backs && !chunks_.header().description.two_sided;
   const auto budget = static_cast<std::int64_t>(view.budget == 0 ? most_discs_ : std::min(view.budget, most_discs_));
   std::priority_queue<Candidate> candidates;
   candidates.push({std::numeric_limits<float>::infinity(), tree_.root()});
@@ -182,17 +186,18 @@ void LodStream::select(const LodView& view, const Viewport& last, std::uint16_t 
     const std::uint32_t index = candidates.top().node;
     if (!order_.empty() && !(candidates.top().key > view.error_pixels)) break;
     candidates.pop();
-    LodNode& node = tree_[index];
+    const LodNode& node = tree_[index];
     if (node.broken) continue;
-    const float edge = header_.cube.edge / static_cast<float>(1 << node.level);
+    CutMarks& marks = tree_.marks(index);
+    const float edge = chunks_.header().cube.edge / static_cast<float>(1 << node.level);
     const Box reach = grown(node.box, edge);
-    node.visible = node.box.empty() || !outside(reach, view);
-    if (node.visible && backs_left_out && node.known)
-      node.visible = !faces_away(node.cone, reach, view.eye, kTurnMargin);
+    marks.visible = node.box.empty() || !outside(reach, view);
+    if (marks.visible && backs_left_out && node.known)
+      marks.visible = !faces_away(node.cone, reach, view.eye, kTurnMargin);
     const std::int64_t more = discs_gained(index);
     if (!order_.empty() && discs + more > budget) break;
     discs += more;
-    node.ready = false;
+    marks.ready = false;
     order_.push_back(index);
     for (std::uint32_t child = node.first_child; child != kNoNode; child = tree_[child].next_sibling) {
       const LodNode& c = tree_[child];
@@ -202,7 +207,7 @@ void LodStream::select(const LodView& view, const Viewport& last, std::uint16_t 
       if (backs_left_out && node.known && faces_away(node.cone, around, view.eye, kFinerTurn)) continue;
       float key = edge * view.pixels / std::max(distance_to(c.box, view.eye), edge);
       if (!std::isfinite(key)) key = 0;
-      if ((c.chosen_by & bit) != 0) key = same ? key + kStays : key / kGivenUp;
+      if ((c.marks.chosen_by & bit) != 0) key = same ? key + kStays : key / kGivenUp;
       candidates.push({key, child});
     }
   }
@@ -210,16 +215,17 @@ void LodStream::select(const LodView& view, const Viewport& last, std::uint16_t 
 
 // Returns the clusters to decode next, most important first, within the view's limits. Marks clusters as ready if they
 // are decoded or in the result.
-std::vector<std::uint32_t> LodStream::to_decode(const LodView& view) {
+std::vector<std::uint32_t> LodCutter::to_decode(const LodView& view) {
   std::vector<std::uint32_t> nodes, chain;
   std::vector<bool> marked;
   bool more = true;
   const auto is_marked = [&](std::uint32_t node) { return node < marked.size() && marked[node]; };
   for (const std::uint32_t index : order_) {
-    LodNode& node = tree_[index];
-    if (!node.present || (node.parent != kNoNode && !tree_[node.parent].ready)) continue;
-    node.ready = cache_.has(index);
-    if (node.ready || !more) continue;
+    const LodNode& node = tree_[index];
+    if (!node.present || (node.parent != kNoNode && !tree_[node.parent].marks.ready)) continue;
+    bool& ready = tree_.marks(index).ready;
+    ready = cache_.has(index);
+    if (ready || !more) continue;
     // Includes ancestors if the cache has freed their voxels.
     chain.assign(1, index);
     std::size_t sum = cost(node);
@@ -234,7 +240,7 @@ std::vector<std::uint32_t> LodStream::to_decode(const LodView& view) {
       continue;
     }
     decoded_ += sum;
-    node.ready = true;
+    ready = true;
     marked.resize(tree_.size());
     for (const std::uint32_t i : chain) marked[i] = true;
     nodes.insert(nodes.end(), chain.begin(), chain.end());
@@ -243,18 +249,18 @@ std::vector<std::uint32_t> LodStream::to_decode(const LodView& view) {
 }
 
 // Chooses the selected clusters that are decoded, within the budget of splats.
-void LodStream::choose(const LodView& view, Viewport& viewport, std::uint16_t bit) {
-  for (const std::uint32_t node : viewport.chosen) tree_[node].chosen_by &= static_cast<std::uint16_t>(~bit);
+void LodCutter::choose(const LodView& view, Viewport& viewport, std::uint16_t bit) {
+  for (const std::uint32_t node : viewport.chosen) tree_.marks(node).chosen_by &= static_cast<std::uint16_t>(~bit);
   viewport.chosen.clear();
   viewport.lacking.clear();
   std::int64_t discs = 0;
   for (const std::uint32_t index : order_) {
-    LodNode& node = tree_[index];
-    const bool above = node.parent == kNoNode || (tree_[node.parent].chosen_by & bit) != 0;
+    const LodNode& node = tree_[index];
+    const bool above = node.parent == kNoNode || (tree_[node.parent].marks.chosen_by & bit) != 0;
     if (!node.present && !node.broken && viewport.lacking.size() < kMaxWanted) viewport.lacking.push_back(index);
     if (node.present && above && !node.broken && !cache_.has(index)) pending_ = true;
     if (!node.present || !above || node.broken || !cache_.has(index)) continue;
-    node.chosen_by |= bit;
+    tree_.marks(index).chosen_by |= bit;
     viewport.chosen.push_back(index);
     discs += discs_gained(index);
   }
@@ -263,23 +269,23 @@ void LodStream::choose(const LodView& view, Viewport& viewport, std::uint16_t bi
   while (discs > budget && viewport.chosen.size() > 1) {
     const std::uint32_t last = viewport.chosen.back();
     discs -= discs_gained(last);
-    tree_[last].chosen_by &= static_cast<std::uint16_t>(~bit);
+    tree_.marks(last).chosen_by &= static_cast<std::uint16_t>(~bit);
     viewport.chosen.pop_back();
   }
 }
 
 // Returns the runs of voxels that no chosen child of their cluster replaces.
-std::vector<LodStream::Run> LodStream::runs(Viewport& viewport, std::uint16_t bit) const {
+std::vector<LodCutter::Run> LodCutter::runs(Viewport& viewport, std::uint16_t bit) const {
   std::vector<Run> out;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> taken;
   viewport.shown.clear();
   for (const std::uint32_t index : viewport.chosen) {
     const LodNode& node = tree_[index];
-    if (!node.visible) continue;
+    if (!node.marks.visible) continue;
     taken.clear();
     for (std::uint32_t child = node.first_child; child != kNoNode; child = tree_[child].next_sibling) {
       const LodNode& c = tree_[child];
-      if ((c.chosen_by & bit) != 0) taken.emplace_back(c.first, std::uint32_t{c.first} + c.count);
+      if ((c.marks.chosen_by & bit) != 0) taken.emplace_back(c.first, std::uint32_t{c.first} + c.count);
     }
     std::sort(taken.begin(), taken.end());
     taken.emplace_back(node.voxels, node.voxels);
@@ -294,7 +300,7 @@ std::vector<LodStream::Run> LodStream::runs(Viewport& viewport, std::uint16_t bi
   return out;
 }
 
-std::vector<Piece> LodStream::pieces(const LodView& view, std::span<const Run> drawn) const {
+std::vector<Piece> LodCutter::pieces(const LodView& view, std::span<const Run> drawn) const {
   std::vector<std::pair<LodCache::Discs, std::uint32_t>> places;
   places.reserve(drawn.size());
   for (const Run& run : drawn) places.emplace_back(cache_.discs(run.node, run.first, run.last), run.node);
