@@ -50,7 +50,7 @@ bool CellStream::step() {
     return true;
   }
   if (std::vector<qnv::LodView> views; feed_ && feed_->take_views(views))
-    driver_->prefer(kSlot, regions_of(views, feed_->stream()->header().description.box), {});
+    driver_->prefer(kSlot, regions_of(views, feed_->box()), {});
   follow_weight();
   bool any = false;
   for (net::CellEvent& event : driver_->poll(kAtOnce)) {

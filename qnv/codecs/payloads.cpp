@@ -109,23 +109,23 @@ std::unique_ptr<Decoder> make(const StreamHeader& header, std::size_t most_vecto
 bool is_progressive(const StreamHeader& header) { return progressive::is_front(header.base); }
 
 constexpr std::array<PayloadRow, 6> kRows = {{
-    {Payload::records, "records", PayloadReader::vectors, nullptr, only(ChunkType::records), kRecordsHeaderBytes,
+    {Payload::records, "records", PayloadReader::vectors, RequestOrder::visible_first, nullptr, only(ChunkType::records), kRecordsHeaderBytes,
      kRecordBytes, 1200 / kRecordBytes, choose_records, encode_records, make<RecordsDecoder>},
-    {Payload::packed, "packed", PayloadReader::levels, nullptr,
+    {Payload::packed, "packed", PayloadReader::levels, RequestOrder::visible_first, nullptr,
      types({ChunkType::packed, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
             ChunkType::picture, ChunkType::normals}),
      0, 0, 0, choose_packed, encode_packed, make<OctreeDecoder>},
-    {Payload::outlines, "outlines", PayloadReader::polygons, nullptr, types({ChunkType::outlines, ChunkType::inner}), 0,
+    {Payload::outlines, "outlines", PayloadReader::polygons, RequestOrder::stream, nullptr, types({ChunkType::outlines, ChunkType::inner}), 0,
      0, 0, choose_outlines, encode_groups, nullptr},
-    {Payload::displaced, "progressive", PayloadReader::vectors, is_progressive,
+    {Payload::displaced, "progressive", PayloadReader::vectors, RequestOrder::stream, is_progressive,
      types({ChunkType::splits, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
             ChunkType::cover, ChunkType::picture, ChunkType::normals}),
      0, 0, 0, nullptr, encode_growing, make<ProgressiveDecoder>},
-    {Payload::displaced, "displaced", PayloadReader::vectors, nullptr,
+    {Payload::displaced, "displaced", PayloadReader::vectors, RequestOrder::visible_first, nullptr,
      types({ChunkType::displaced, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
             ChunkType::cover, ChunkType::picture, ChunkType::normals}),
      0, 0, 0, choose_displaced, encode_base_and_displacements, make<DisplacedDecoder>},
-    {Payload::voxels, "voxels", PayloadReader::vectors, nullptr, only(ChunkType::voxels), 0, 0, 0, choose_voxels,
+    {Payload::voxels, "voxels", PayloadReader::vectors, RequestOrder::stream, nullptr, only(ChunkType::voxels), 0, 0, 0, choose_voxels,
      encode_volume_vectors, make<VoxelsDecoder>},
 }};
 

@@ -28,6 +28,12 @@ enum class PayloadReader : std::uint8_t {
   polygons,  // OutlineDecoder: decodes polygons
 };
 
+/// Order in which views request the chunks of a stream.
+enum class RequestOrder : std::uint8_t {
+  stream,  // order of the stream, because the decoder needs it or draws everything
+  visible_first,  // chunks in any view first: each chunk changes only the part of the geometry in its box
+};
+
 /// Input of the outlines encoder: polygons in groups, with their appearances.
 struct OutlineSource {
   const OutlineGroups& groups;
@@ -52,6 +58,7 @@ struct PayloadRow {
   Payload payload;
   std::string_view name;
   PayloadReader reader;
+  RequestOrder requests;  // of streams that are decoded completely; cuts of a LodStream choose the chunks themselves
   /// Reports whether a stream belongs to this row. If nullptr, the row gets all streams with its number that no other
   /// row accepts.
   bool (*sniff)(const StreamHeader& header);

@@ -251,7 +251,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
       share_budget(list.splats, budget_view(whole, camera_from_world), options.budget);
   std::size_t streams = 0, decodable = options.most_decoded;
   for (const SplatItem& item : list.splats) streams += item.geometry->as<qnv::OctreeSplats>() ? 1 : 0;
-  std::unordered_map<const qnv::LodStream*, std::uint32_t> shown;  // instances of each stream so far
+  std::unordered_map<const qnv::ChunkRequests*, std::uint32_t> shown;  // instances of each stream so far
   for (std::size_t i = 0; i < list.splats.size(); ++i) {
     const SplatItem& item = list.splats[i];
     const auto* splats = item.geometry->as<qnv::Splats>();
@@ -259,11 +259,9 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
     if (splats ? !has_whole_arrays(*splats) : !octree) continue;
     whole.camera_from_node = view.camera_from_node = glm::mat4(camera_from_world * item.world_from_node);
     CutOptions wanted{shares[i], 0, item.detail, options.viewport, options.clouds.color_by};
-    if (octree) {
-      // Each instance of a stream keeps its own level of detail.
-      wanted.viewport += shown[octree->stream.get()]++ << 16;
-      if (options.most_decoded > 0) wanted.most_decoded = std::max<std::size_t>(decodable / streams--, 1);
-    }
+    // Each instance of a stream keeps its own level of detail.
+    if (const auto* requests = item.geometry->base().requests.get()) wanted.viewport += shown[requests]++ << 16;
+    if (octree && options.most_decoded > 0) wanted.most_decoded = std::max<std::size_t>(decodable / streams--, 1);
     const SplatCut cut = [&] {
       const PhaseScope phase(gl_.phases, Phase::cut);
       return cut_splats(item.geometry, whole, wanted);

@@ -36,7 +36,10 @@ void SurfacePass::prepare(const RenderList& list, const Camera& camera, const Pr
     looked->budget = options.budget == 0 ? 0 : std::max<std::size_t>(options.budget / surfaces, 1);
     looked->error_pixels = static_cast<float>(options.pixel_side) / item.detail;
     looked->leave_backs = !patches->description.two_sided;
-    Kept& kept = kept_[{patches.get(), options.viewport, shown[patches.get()]++}];
+    const std::uint32_t instance = shown[patches.get()]++;
+    looked->viewport = options.viewport + (instance << 16);
+    if (patches->requests) patches->requests->note(*looked);
+    Kept& kept = kept_[{patches.get(), options.viewport, instance}];
     if (kept.surface.lock() != patches || !(kept.view == *looked)) {
       kept = {patches, *looked, qnv::cut_surface(*patches, *looked), nullptr};
     }

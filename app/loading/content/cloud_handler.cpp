@@ -3,6 +3,7 @@
 #include "app/base/temporary_file.h"
 #include "qnv/codecs/octree/lod/lod_source.h"
 #include "qnv/codecs/payloads.h"
+#include "qnv/reader/directory_requests.h"
 #include "qnv/reader/stream_decoder.h"
 
 #include <algorithm>
@@ -28,7 +29,12 @@ CloudHandler::CloudHandler(Loading& loading, UrlRequest request, Show show, Prog
       progress_(std::move(progress)),
       decoded_(loading.budget, Resource::vectors) {}
 
-CloudHandler::~CloudHandler() = default;
+CloudHandler::~CloudHandler() { end_requests(); }
+
+// Ends the requests of views for a stream that this handler decodes.
+void CloudHandler::end_requests() {
+  if (feed_ && !feed_->takes_bytes()) feed_->finish();
+}
 
 bool CloudHandler::whole_file(const net::MappedFile& file, const std::string& path) {
   way_ = Way::done;
@@ -58,6 +64,7 @@ void CloudHandler::read_whole(std::span<const std::byte> bytes, const std::strin
 
 void CloudHandler::give_up(Resource resource) {
   way_ = Way::done;
+  end_requests();
   drop_bytes();
   loading_.results.report(Severity::error, found_.path, {},
                           loading_.budget->refusal(resource) + "; all or the finer vectors are left out");
@@ -73,9 +80,7 @@ void CloudHandler::receive(std::span<const std::byte> bytes) {
   if (way_ == Way::pushed) return feed_->push(bytes);
   if (way_ == Way::decoded) {
     (void)decoder_->push(bytes);
-    if (count_decoded() && !decoder_->full()) return show_records(false);
-    show_records(true);
-    return give_up(Resource::vectors);
+    return show_more();
   }
   if (!keep(bytes)) return give_up(Resource::files);
   if (way_ == Way::unknown) choose_way();
@@ -108,25 +113,42 @@ void CloudHandler::choose_way() {
     return;
   }
   if (reader == qnv::PayloadReader::levels) {
-    directory_ = known.directory;
     auto begun = qnv::LodStream::begin(bytes_);
     if (auto* stream = std::get_if<std::unique_ptr<qnv::LodStream>>(&begun)) {
       way_ = Way::pushed;
-      start_feed(hold_levels(std::move(*stream), loading_.budget, true));
+      start_levels(hold_levels(std::move(*stream), loading_.budget, true));
       bytes_ = {};
       return;
     }
   }
+  start_decoder(known);
+}
+
+void CloudHandler::start_decoder(const qnv::StreamHeader& header) {
   way_ = Way::decoded;
+  if (loading_.options.by_view)
+    add_feed(std::make_shared<StreamFeed>(std::make_shared<qnv::DirectoryRequests>(header),
+                                          [waker = loading_.waker] { waker->wake(); }));
   decoder_ = std::make_unique<qnv::StreamDecoder>(most_decoded_vectors(*loading_.budget));
   (void)decoder_->push(std::exchange(bytes_, {}));
   show_records(false);
 }
 
-void CloudHandler::start_feed(std::shared_ptr<qnv::LodStream> stream) {
-  feed_ = std::make_shared<StreamFeed>(stream, [waker = loading_.waker] { waker->wake(); });
+void CloudHandler::add_feed(std::shared_ptr<StreamFeed> feed) {
+  feed_ = std::move(feed);
   loading_.results.add(feed_);
+}
+
+void CloudHandler::start_levels(std::shared_ptr<qnv::LodStream> stream) {
+  add_feed(std::make_shared<StreamFeed>(stream, [waker = loading_.waker] { waker->wake(); }));
   show_(std::make_shared<const qnv::Geometry>(qnv::OctreeSplats(std::move(stream))));
+}
+
+// Shows newly decoded vectors, unless they exceed the memory budget.
+void CloudHandler::show_more() {
+  if (count_decoded() && !decoder_->full()) return show_records(false);
+  show_records(true);
+  give_up(Resource::vectors);
 }
 
 // Shows the vectors again after their number or their revision has grown by a quarter. Each time costs linear work. The
@@ -142,8 +164,9 @@ void CloudHandler::show_records(bool last) {
   shown_exact_ = decoder_->mesh().final;
   shown_ = vectors;
   shown_revision_ = revision;
-  show_(std::make_shared<const qnv::Geometry>(loading_.options.whole_surfaces ? decoder_->geometry()
-                                                                              : decoder_->geometry_to_draw()));
+  qnv::Geometry geometry = loading_.options.whole_surfaces ? decoder_->geometry() : decoder_->geometry_to_draw();
+  if (feed_ && !last) geometry.base().requests = feed_->requests();
+  show_(std::make_shared<const qnv::Geometry>(std::move(geometry)));
 }
 
 void CloudHandler::end(const std::optional<std::string>& problem) {
@@ -153,12 +176,14 @@ void CloudHandler::end(const std::optional<std::string>& problem) {
   if (way_ == Way::pushed) {
     feed_->finish();
   } else if (way_ == Way::decoded) {
-    if (!part) decoder_->finish();
+    // If views choose the chunks, the front of the stream ends inside a chunk, which is no problem.
+    if (!part && !by_chunks_) decoder_->finish();
     report_problems(decoder_->problems(), Severity::warning);
-    if (decoder_->refused_chunks() > 0)
+    if (const std::size_t invalid = decoder_->refused_chunks() + damaged_chunks_; invalid > 0)
       loading_.results.report(Severity::warning, found_.path, {},
-                              std::to_string(decoder_->refused_chunks()) + " invalid chunks are left out");
+                              std::to_string(invalid) + " invalid chunks are left out");
     show_records(true);
+    end_requests();
     decoder_.reset();
   } else {
     cut = part;
@@ -182,18 +207,11 @@ void CloudHandler::read_bytes() {
   bytes_ = {};
 }
 
-bool CloudHandler::seek(RangedStream::Place place) {
-  if (way_ != Way::pushed) return false;
-  place.directory = directory_;
-  if (directory_ == 0 || directory_ >= place.total || directory_ < place.front) return false;
-  loading_.fetcher.network().follow(feed_, std::move(place));
-  return true;
-}
-
-void CloudHandler::receive_cells(const net::CellEvent& event) {
-  if (way_ == Way::pushed) {
-    feed_->add_loose(event.name.chunk, event.bytes);
-  } else if (way_ == Way::decoded && event.records) {
+void CloudHandler::receive_piece(const net::CellEvent& event) {
+  if (way_ == Way::pushed) return feed_->add_loose(event.name.chunk, event.bytes);
+  if (way_ != Way::decoded) return;
+  by_chunks_ = true;
+  if (event.records) {
     // The records keep their offset in the chunk. The records before that offset may be received later or never.
     const auto head = std::span(event.head).subspan(std::min(event.head.size(), qnv::kChunkHeaderBytes));
     std::vector<std::byte> payload(head.begin(), head.end());
@@ -201,13 +219,13 @@ void CloudHandler::receive_cells(const net::CellEvent& event) {
     payload.insert(payload.end(), event.bytes.begin(), event.bytes.end());
     const qnv::ByteRange missing{head.size(), head.size() + event.offset};
     decoder_->add(qnv::ChunkType::records, payload, std::span(&missing, event.offset > 0 ? 1 : 0));
-    show_records(false);
-  } else if (way_ == Way::decoded) {
-    // A chunk of any other type is useless until it is complete.
-    const auto chunk = qnv::sound_chunk(event.bytes);
-    if (const auto* sound = std::get_if<qnv::SoundChunk>(&chunk)) decoder_->add(sound->type, sound->payload);
-    show_records(false);
+  } else if (const auto chunk = qnv::sound_chunk(event.bytes); std::holds_alternative<qnv::SoundChunk>(chunk)) {
+    const auto& sound = std::get<qnv::SoundChunk>(chunk);
+    decoder_->add(sound.type, sound.payload);
+  } else {
+    ++damaged_chunks_;
   }
+  show_more();
 }
 
 void CloudHandler::report_problems(const std::vector<qnv::StreamProblem>& problems, Severity severity) {

@@ -14,6 +14,7 @@
 
 namespace gs::qnv {
 class StreamDecoder;
+struct StreamHeader;
 struct StreamProblem;
 }  // namespace gs::qnv
 
@@ -35,15 +36,18 @@ class CloudHandler final : public ResourceHandler {
   bool whole_file(const net::MappedFile& file, const std::string& path) override;
   void receive(std::span<const std::byte> bytes) override;
   void end(const std::optional<std::string>& problem) override;
-  bool seek(RangedStream::Place place) override;
-  void receive_cells(const net::CellEvent& event) override;
-  std::shared_ptr<StreamFeed> follow() override { return way_ == Way::pushed ? feed_ : nullptr; }
+  void receive_piece(const net::CellEvent& event) override;
+  std::shared_ptr<StreamFeed> feed() override { return way_ == Way::done ? nullptr : feed_; }
 
  private:
   enum class Way : std::uint8_t { unknown, pushed, decoded, whole, done };
   void choose_way();
-  void start_feed(std::shared_ptr<qnv::LodStream> stream);
+  void start_levels(std::shared_ptr<qnv::LodStream> stream);
+  void start_decoder(const qnv::StreamHeader& header);
+  void end_requests();
+  void add_feed(std::shared_ptr<StreamFeed> feed);
   void show_records(bool last);
+  void show_more();
   void read_bytes();
   void read_whole(std::span<const std::byte> bytes, const std::string& path);
   void report_problems(const std::vector<qnv::StreamProblem>& problems, Severity severity);
@@ -61,7 +65,8 @@ class CloudHandler final : public ResourceHandler {
   std::size_t shown_ = 0;
   std::uint64_t shown_revision_ = 0;
   bool shown_exact_ = false;  // the exact mesh in the tail of the stream is shown
-  std::uint64_t directory_ = 0;  // byte offset of the directory of a packed stream; 0 means unknown
+  bool by_chunks_ = false;      // chunks were received in any order
+  std::size_t damaged_chunks_ = 0;
 };
 
 }  // namespace gs::app

@@ -140,9 +140,8 @@ class CloudContent final : public SceneContent {
     cloud_->end(std::nullopt);
     if (!node_) target_.refuse();
   }
-  void receive_cells(const net::CellEvent& event) override { cloud_->receive_cells(event); }
-  bool seek(RangedStream::Place place) override { return cloud_->seek(std::move(place)); }
-  std::shared_ptr<StreamFeed> follow() override { return cloud_->follow(); }
+  void receive_piece(const net::CellEvent& event) override { cloud_->receive_piece(event); }
+  std::shared_ptr<StreamFeed> feed() override { return cloud_->feed(); }
 
  private:
   void show(const std::shared_ptr<const qnv::Geometry>& cloud) {
@@ -171,8 +170,8 @@ class OutlineContent final : public SceneContent {
     reader_.receive(bytes);
     show();
   }
-  void receive_cells(const net::CellEvent& event) override {
-    reader_.receive_cells(event);
+  void receive_piece(const net::CellEvent& event) override {
+    reader_.receive_piece(event);
     show();
   }
   void end(bool damaged) override {

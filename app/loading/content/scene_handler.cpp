@@ -112,21 +112,9 @@ void SceneHandler::end(const std::optional<std::string>& problem) {
   finished_reading();
 }
 
-bool SceneHandler::seek(RangedStream::Place place) {
-  if (!content_ || !content_->seek(std::move(place))) return false;
-  finished_reading();
-  return true;
-}
-
-void SceneHandler::receive_cells(const net::CellEvent& event) {
+void SceneHandler::receive_piece(const net::CellEvent& event) {
   bytes_ += event.bytes.size();
-  if (content_) content_->receive_cells(event);
-}
-
-std::shared_ptr<StreamFeed> SceneHandler::follow() {
-  auto feed = content_ ? content_->follow() : nullptr;
-  if (feed) finished_reading();
-  return feed;
+  if (content_) content_->receive_piece(event);
 }
 
 void SceneHandler::missing(const std::string& why) {

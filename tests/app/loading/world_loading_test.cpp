@@ -3,6 +3,8 @@
 
 #include "app/streams/stream_feed.h"
 #include "qnv/codecs/octree/lod/lod.h"
+#include "qnv/codecs/records/encode/encode_vectors.h"
+#include "qnv/reader/stream_decoder.h"
 #include "tests/app/clouds.h"
 #include "tests/app/large_stream.h"
 #include "tests/app/scratch_folder.h"
@@ -365,4 +367,57 @@ TEST_CASE("reads from a long stream only the parts that a view needs") {
   for (const qnv::Piece& piece : stream.cut(view)) discs += piece.count;
   for (const qnv::Piece& piece : reference.cut(view)) wanted += piece.count;
   CHECK(discs == wanted);
+}
+
+TEST_CASE("reads the parts of a records stream in view first, then the rest") {
+  auto encoded = qnv::encode_vectors(test::sphere(200'000), {});
+  const auto& stream = std::get<qnv::EncodedStream>(encoded);
+  qnv::StreamDecoder decoder;
+  REQUIRE(decoder.push(stream.bytes));
+  for (const bool with_view : {true, false}) {
+    Web web;
+    web.options.by_view = true;
+    web.put("memory://a/world.wrl", "#VRML V2.0 utf8\nShape { geometry QNV { url \"ball.qnv\" } }\n");
+    web.put("memory://a/ball.qnv", test::string_of(stream.bytes));
+    WorldLoading loading("memory://a/world.wrl", web.options);
+    qnv::LodView view;
+    view.planes[0] = {1, 0, 0, -stream.header.description.box.upper.x * 0.5f};
+    bool noted = false;
+    while (!loading.done()) {
+      (void)loading.step(kLoadingWait);
+      if (!with_view || noted || loading.feeds().empty()) continue;
+      StreamFeed& feed = *loading.feeds().front();
+      CHECK_FALSE(feed.takes_bytes());
+      feed.requests()->note(view);
+      feed.ask();
+      noted = true;
+    }
+    CHECK(noted == with_view);
+    const LoadedWorld world = loading.take();
+    INFO(said(world));
+    CHECK(said(world).empty());
+    REQUIRE(world.clouds.size() == 1);
+    CHECK(world.clouds.begin()->second->size() == stream.header.vectors);
+    REQUIRE(world.feeds.size() == 1);
+    CHECK_FALSE(world.feeds[0]->reading());
+    // The mean time of a chunk's transfer, in transfers, for chunks in view and others.
+    const auto transfers = web.network->transfers();
+    std::size_t read = 0;
+    double time[2] = {0, 0}, chunks[2] = {0, 0};
+    for (std::size_t i = 0; i < transfers.size(); ++i) {
+      if (!transfers[i].range || transfers[i].range->begin == 0) continue;
+      read += static_cast<std::size_t>(std::min<std::uint64_t>(transfers[i].range->end, stream.bytes.size()) -
+                                       transfers[i].range->begin);
+      for (const qnv::DirectoryEntry& entry : decoder.directory()) {
+        if (entry.offset < transfers[i].range->begin || entry.offset >= transfers[i].range->end) continue;
+        const auto kind = static_cast<std::size_t>(qnv::outside(entry.box, view));
+        time[kind] += static_cast<double>(i);
+        ++chunks[kind];
+      }
+    }
+    CHECK(read < stream.bytes.size() * 5 / 4);
+    REQUIRE(chunks[0] > 10);
+    REQUIRE(chunks[1] > 10);
+    if (with_view) CHECK(time[0] / chunks[0] < 0.7 * time[1] / chunks[1]);
+  }
 }

@@ -8,7 +8,7 @@
 namespace gs::qnv {
 
 OctreeSplats::OctreeSplats(std::shared_ptr<LodStream> of)
-    : GeometryBase{of->header().description, of->header().color}, stream(std::move(of)) {}
+    : GeometryBase{of->header().description, of->header().color, of}, stream(std::move(of)) {}
 
 LodStream::Opened LodStream::make(LodChunks::Opened opened, std::size_t cache_bytes) {
   if (auto* problem = std::get_if<StreamProblem>(&opened)) return std::move(*problem);

@@ -72,6 +72,8 @@ class LodStream final : public ChunkRequests {
   /// Returns the view of each viewport's last cut.
   [[nodiscard]] std::vector<LodView> views() const override { return cutter_.views(); }
   [[nodiscard]] const Box& box() const override { return header().description.box; }
+  [[nodiscard]] std::uint64_t directory() const override { return header().directory; }
+  [[nodiscard]] bool in_stream_order() const override { return false; }
   /// Returns the chunks that the last cuts of all viewports lacked: takes one per viewport in turn, without duplicates.
   [[nodiscard]] std::vector<ChunkRange> wanted() const override { return cutter_.lacking_for_all(); }
 

@@ -29,17 +29,6 @@ constexpr float kFinerTurn = 0.3f, kTurnMargin = 0.01f;
 /// Enlarges a box by one voxel edge, because splats extend beyond their voxels.
 Box grown(const Box& box, float edge) { return {box.lower - edge, box.upper + edge}; }
 
-bool outside(const Box& box, const LodView& view) {
-  for (const glm::vec4& plane : view.planes) {
-    if (plane == glm::vec4(0)) continue;
-    // Corner that is farthest inside the plane.
-    const glm::vec3 p(plane.x >= 0 ? box.upper.x : box.lower.x, plane.y >= 0 ? box.upper.y : box.lower.y,
-                      plane.z >= 0 ? box.upper.z : box.lower.z);
-    if (plane.x * p.x + plane.y * p.y + plane.z * p.z + plane.w < 0) return true;
-  }
-  return false;
-}
-
 float distance_to(const Box& box, const glm::vec3& p) {
   glm::vec3 d(0);
   for (int i = 0; i < 3; ++i) d[i] = std::max({box.lower[i] - p[i], p[i] - box.upper[i], 0.0f});
