@@ -79,7 +79,6 @@ using Curves = std::array<Curve, kCodecs.size()>;
 Curve measure_stream(Studio& studio, const render::RenderList& full, const std::vector<render::Image>& references,
                      const Mesh& original, qnv::Payload payload, bool two_sided, int exact_bits = 0) {
   qnv::EncodeOptions options;
-  options.payload = payload;
   options.two_sided = two_sided;
   options.max_bytes = kBudgets.back();
   options.exact_bits = exact_bits;

@@ -165,7 +165,6 @@ std::vector<std::byte> as_jpeg(const render::Image& image, int quality) {
 Curve measure_stream(Studio& studio, const render::RenderList& full, const std::vector<render::Image>& references,
                      qnv::Payload payload, bool two_sided, bool chosen) {
   qnv::EncodeOptions options;
-  options.payload = payload;
   options.two_sided = two_sided;
   options.only_if_suited = chosen;
   options.exact_bits = qnv::kExactWherePays;

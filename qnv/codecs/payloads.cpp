@@ -55,13 +55,11 @@ Encoded encode_packed(const EncodeSource& source, EncodeOptions options, Progres
   if (const auto* vectors = std::get_if<VectorView>(&source)) return encode_points(*vectors, options, progress);
   const TriangleSource* triangles = triangles_of(source);
   if (!triangles) return EncodeError{"a packed stream needs a surface; expected triangles or vectors"};
-  options.payload = Payload::packed;
   return encode_surface(*triangles, options, progress);
 }
 
 Encoded encode_records(const EncodeSource& source, EncodeOptions options, Progress* progress) {
-  options.payload = Payload::records;
-  if (const TriangleSource* triangles = triangles_of(source)) return encode_surface(*triangles, options, progress);
+  if (const TriangleSource* triangles = triangles_of(source)) return encode_surface_records(*triangles, options, progress);
   if (const auto* vectors = std::get_if<VectorView>(&source)) return encode_vectors(*vectors, options, progress);
   if (const auto* volume = std::get_if<VolumeVectors>(&source))
     return encode_vectors(volume->vectors, options, progress);
@@ -89,7 +87,6 @@ Encoded encode_growing(const EncodeSource& source, EncodeOptions options, Progre
 Encoded encode_volume_vectors(const EncodeSource& source, EncodeOptions options, Progress* progress) {
   const auto* volume = std::get_if<VolumeVectors>(&source);
   if (!volume) return EncodeError{"a voxels stream needs a volume; expected its vectors and its layout"};
-  options.payload = Payload::voxels;
   return encode_voxels(*volume, options, progress);
 }
 

@@ -69,7 +69,7 @@ struct PayloadRow {
   std::size_t packet_records;  // number of records in one packet, which are lost together
   /// Reports how well the payload suits a source. If nullptr, only the encoder of another payload may choose this one.
   Suitability (*choose)(const EncodeSource& source, const EncodeRequest& request);
-  /// Encodes a stream. Returns an error if the payload does not support this kind of source. Ignores `options.payload`.
+  /// Encodes a stream. Returns an error if the payload does not support this kind of source.
   /// For outlines, uses the options in the source instead of `options`. Blocks. Any thread.
   std::variant<EncodedStream, EncodeError> (*encode)(const EncodeSource& source, EncodeOptions options,
                                                      Progress* progress);

@@ -22,7 +22,6 @@ namespace {
 
 std::string ball_stream(std::size_t count) {
   qnv::EncodeOptions options;
-  options.payload = qnv::Payload::records;
   options.metadata = {{"title", "a ball"}};
   auto encoded = qnv::encode_vectors(test::sphere(count), options);
   REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));

@@ -23,7 +23,6 @@ using late_worlds::Site;
 /// Returns a ball of this number of vectors.
 Bytes ball(std::size_t vectors) {
   qnv::EncodeOptions options;
-  options.payload = qnv::Payload::records;
   auto encoded = qnv::encode_vectors(gs::test::sphere(vectors), options);
   REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
   return std::get<qnv::EncodedStream>(std::move(encoded)).bytes;

@@ -328,7 +328,6 @@ TEST_CASE("accepts the records of a chunk in any pieces") {
     cloud.description.total += cloud.weights.back();
   }
   EncodeOptions options;
-  options.payload = Payload::records;
   const auto encoded = encode_vectors(cloud, options);
   const auto& stream = std::get<EncodedStream>(encoded);
   std::vector<Bytes> payloads;

@@ -80,7 +80,6 @@ std::vector<OutgoingChunk> packed_chunks(std::vector<Voxel> voxels, int level, S
   packed.vectors = options.vectors;
   packed.colored = header.colored;
   packed.threads = options.threads;
-  packed.compact = options.compact;
   if (options.max_bytes != 0) packed.max_bytes = payload_budget(header, options.max_bytes);
   std::vector<OutgoingChunk> chunks;
   for (EncodedCluster& cluster : encode_packed(std::move(voxels), level, header.cube, packed, progress)) {
@@ -135,10 +134,9 @@ bool append_mesh(const TriangleSource& source, const SurfaceSurvey& s, const Enc
   return true;
 }
 
-}  // namespace
-
-std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& source, const EncodeOptions& options,
-                                                        Progress* progress) {
+/// Encodes a surface with the payload `packed` or `records`.
+std::variant<EncodedStream, EncodeError> encode_as(Payload payload, const TriangleSource& source,
+                                                   const EncodeOptions& options, Progress* progress) {
   const auto cancelled = [&] { return progress && progress->cancelled.load(); };
   if (progress) progress->stage = "reading";
   SurfaceSurvey s;
@@ -149,7 +147,7 @@ std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& so
     vectors = options.max_bytes != 0
                   ? static_cast<std::size_t>(static_cast<double>(options.max_bytes) * 8 / kMinBitsPerVector)
                   : std::clamp(s.triangles * 2, kMinVectors, kMaxVectorsByDefault);
-  StreamHeader header = surface_header(options.payload, s, options);
+  StreamHeader header = surface_header(payload, s, options);
   // Without a requested number or size, uses all voxels of a slightly coarser level.
   const bool asked = options.vectors != 0 || options.max_bytes != 0;
   const int level = level_for(static_cast<double>(vectors) * (asked ? 1.0 : 0.5), s, header.cube);
@@ -170,7 +168,7 @@ std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& so
     progress->stage = "encoding";
     progress->done = progress->total = 0;
   }
-  if (options.payload == Payload::records) {
+  if (payload == Payload::records) {
     Splats splats = splats_of(voxels, header.cube, level, s);
     splats.description = header.description;
     EncodeOptions rest = options;
@@ -187,6 +185,18 @@ std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& so
     return EncodeError{"the coarsest picture has " + std::to_string(stream.bytes.size()) + " bytes; expected at most " +
                        std::to_string(options.max_bytes)};
   return stream;
+}
+
+}  // namespace
+
+std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& source, const EncodeOptions& options,
+                                                        Progress* progress) {
+  return encode_as(Payload::packed, source, options, progress);
+}
+
+std::variant<EncodedStream, EncodeError> encode_surface_records(const TriangleSource& source,
+                                                                const EncodeOptions& options, Progress* progress) {
+  return encode_as(Payload::records, source, options, progress);
 }
 
 }  // namespace gs::qnv

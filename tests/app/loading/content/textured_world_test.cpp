@@ -48,7 +48,6 @@ const std::string& torus_stream() {
       file.enough = file.bytes.size();
     }
     qnv::EncodeOptions options;
-    options.payload = qnv::Payload::displaced;
     options.exact_bits = qnv::kExactWherePays;
     options.textured = &surface;
     auto made = qnv::encode_displaced([&](const qnv::TriangleSink& sink) { return sink(torus); }, options);

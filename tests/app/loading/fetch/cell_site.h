@@ -40,7 +40,6 @@ inline constexpr std::chrono::milliseconds kCellWait{20};
 inline const std::string& records_stream() {
   static const std::string bytes = [] {
     qnv::EncodeOptions options;
-    options.payload = qnv::Payload::records;
     const auto encoded = qnv::encode_vectors(test::sphere(30'000), options);
     REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
     return string_of(std::get<qnv::EncodedStream>(encoded).bytes);

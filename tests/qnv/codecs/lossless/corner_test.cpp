@@ -257,7 +257,6 @@ TEST_CASE("ends a textured surface with its mesh and texture, in any order of it
   const TexturedSurface surface = textured(torus, boxed);
   const TriangleSource source = [&](const TriangleSink& sink) { return sink(torus); };
   EncodeOptions options;
-  options.payload = Payload::displaced;
   options.textured = &surface;
   for (const int bits : {kExactWherePays, 12}) {
     options.exact_bits = bits;
@@ -315,7 +314,6 @@ TEST_CASE("hides a textured mesh until its texture is received") {
   const TexturedSurface surface = textured(torus, boxed);
   const TriangleSource source = [&](const TriangleSink& sink) { return sink(torus); };
   EncodeOptions options;
-  options.payload = Payload::displaced;
   options.textured = &surface;
   options.exact_bits = 12;
   const auto encoded = encode_displaced(source, options);

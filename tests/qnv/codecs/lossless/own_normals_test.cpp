@@ -102,7 +102,6 @@ TEST_CASE("encodes the normals of a source only if no shading rule gives them") 
       const Triangles& triangles = bent_ones ? own : plain;
       const TriangleSource source = [&](const TriangleSink& sink) { return sink(triangles); };
       EncodeOptions options;
-      options.payload = Payload::displaced;
       options.exact_bits = bits;
       const auto encoded = encode_displaced(source, options);
       REQUIRE(std::holds_alternative<EncodedStream>(encoded));

@@ -77,16 +77,15 @@ TEST_CASE("encodes the same bytes on any number of threads") {
   Triangles many = random_triangles(500, 1, 23);
   const Triangles ball = sphere(60, 1, {}, true);
   many.insert(many.end(), ball.begin(), ball.end());
-  for (const Payload payload : {Payload::packed, Payload::records}) {
+  for (const auto& encode : {encode_surface, encode_surface_records}) {
     EncodeOptions options;
-    options.payload = payload;
     options.vectors = 15000;
-    options.threads = 1;
-    const std::vector<std::byte> expected = encoded(many, options).bytes;
-    for (const unsigned threads : {2u, 5u}) {
+    const auto bytes = [&](unsigned threads) {
       options.threads = threads;
-      CHECK(encoded(many, options).bytes == expected);
-    }
+      return std::get<EncodedStream>(encode(source_of(many), options, nullptr)).bytes;
+    };
+    const std::vector<std::byte> expected = bytes(1);
+    for (const unsigned threads : {2u, 5u}) CHECK(bytes(threads) == expected);
   }
 }
 
@@ -114,16 +113,6 @@ TEST_CASE("never exceeds the requested length of a stream", "[optimised]") {
   EncodeOptions options;
   options.max_bytes = 100;
   CHECK(error_of(source_of(ball), options).find("the coarsest picture has ") == 0);
-}
-
-TEST_CASE("encodes the same vectors in fewer bytes in a compact stream") {
-  const Triangles ball = sphere(100);
-  EncodeOptions options;
-  options.vectors = 30000;
-  const EncodedStream full = encoded(ball, options);
-  options.compact = true;
-  const EncodedStream compact = encoded(ball, options);
-  CHECK(compact.bytes.size() * 20 < full.bytes.size() * 19);
 }
 
 TEST_CASE("encodes one colour for all vectors, or one per vector") {
@@ -188,10 +177,9 @@ TEST_CASE("encodes surfaces of extreme size as vectors that can be drawn") {
   for (const float size : {1e-25f, 1e-10f, 1e10f, 1e18f}) {
     EncodeOptions options;
     options.vectors = 500;
-    for (const Payload payload : {Payload::packed, Payload::records}) {
-      options.payload = payload;
+    for (const auto& encode : {encode_surface, encode_surface_records}) {
       const Triangles ball = sphere(12, size);
-      const auto result = encode_surface(source_of(ball), options);
+      const auto result = encode(source_of(ball), options, nullptr);
       if (std::holds_alternative<EncodeError>(result)) continue;  // reports it
       const Splats cloud = decoded(std::get<EncodedStream>(result));
       REQUIRE_FALSE(cloud.empty());
@@ -207,9 +195,10 @@ TEST_CASE("encodes surfaces of extreme size as vectors that can be drawn") {
 TEST_CASE("encodes records with the exact area of a surface") {
   const Triangles ball = sphere(50);
   EncodeOptions options;
-  options.payload = Payload::records;
   options.vectors = 4000;
-  CHECK(total_weight(decoded(encoded(ball, options))) == Approx(area_of(ball)).epsilon(0.01));
+  const auto result = encode_surface_records(source_of(ball), options);
+  REQUIRE(std::holds_alternative<EncodedStream>(result));
+  CHECK(total_weight(decoded(std::get<EncodedStream>(result))) == Approx(area_of(ball)).epsilon(0.01));
 }
 
 }  // namespace

@@ -143,9 +143,8 @@ TEST_CASE("loses detail to lost packets, but leaves no hole") {
 TEST_CASE("keeps the other records and the area after lost packets") {
   const Triangles triangles = sphere(200);
   EncodeOptions options;
-  options.payload = Payload::records;
   options.vectors = 20'000;
-  auto encoded = encode_surface([&](const TriangleSink& sink) { return sink(triangles); }, options);
+  auto encoded = encode_surface_records([&](const TriangleSink& sink) { return sink(triangles); }, options);
   const auto& stream = std::get<EncodedStream>(encoded);
   StreamDecoder decoder;
   REQUIRE(decoder.push(drop_packets(stream.bytes, 0.3, 3)));

@@ -182,9 +182,6 @@ TEST_CASE("keeps the byte budget of a volume stream, or reports that it cannot")
   EncodeOptions none;
   none.max_bytes = 100;
   CHECK(std::holds_alternative<EncodeError>(encode_voxels(ball.vectors(), none)));
-  EncodeOptions compact;
-  compact.compact = true;
-  CHECK(ball.stream(compact).bytes.size() < ball.stream().bytes.size());
 }
 
 TEST_CASE("refuses vectors that are not at the voxels of a volume") {
