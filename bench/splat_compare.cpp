@@ -14,6 +14,7 @@
 #include "render/gl/gl.h"
 #include "render/scene/camera.h"
 #include "render/splat/splat_gl.h"
+#include "render/splat/splat_kernel.h"
 #include "render/splat/splat_pieces.h"
 #include "render/splat/splat_raster.h"
 #include "tests/render/rays/raycast.h"
@@ -342,7 +343,7 @@ int run(const Settings& settings) {
   const render::Gl& gl = std::get<render::Gl>(loaded);
   render::SplatGl splats(gl);
   std::printf("%dx%d, 1 sample a pixel; processor: %s; OpenGL: %s; medians of %d\n\n", settings.width, settings.height,
-              std::string(render::splat_instructions()).c_str(), gl.renderer.c_str(), settings.runs);
+              std::string(render::splat_kernels().front().name).c_str(), gl.renderer.c_str(), settings.runs);
   std::printf(
       "| cloud | vectors | processor, oracle (dB) | OpenGL, oracle (dB) | processor, OpenGL (dB) | processor M/s |"
       " OpenGL M/s | oracle M/s |\n| --- | --: | --: | --: | --: | --: | --: | --: |\n");

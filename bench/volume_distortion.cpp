@@ -132,7 +132,8 @@ class Painter {
       view.near_plane = camera.near_plane;
       const float tangent = std::tan(kFieldOfView / 2);
       view.tangents = {tangent * kWidth / kHeight, tangent};
-      const render::VolumeLayer layer = render::rasterize_volume(volume, model, view, {});
+      const render::VolumeItem item{&volume, &model, view.camera_from_node, model.spacing.size(), {}};
+      const render::VolumeLayer layer = render::rasterize_volumes(std::span(&item, 1), view);
       render::Image image;
       image.width = kWidth;
       image.height = kHeight;

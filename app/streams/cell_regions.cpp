@@ -11,8 +11,8 @@
 namespace gs::app {
 namespace {
 
-constexpr int kParts = 8;     // number of parts per axis in each pass
-constexpr int kPasses = 5;    // number of passes; each one divides the result of the previous one, to 1/32768 at last
+constexpr int kParts = 8;  // number of parts per axis in each pass
+constexpr int kPasses = 5;  // number of passes; each one divides the result of the previous one, to 1/32768 at last
 constexpr float kAll = 0.9f;  // if the regions cover a larger fraction of the volume, the whole stream is requested
 
 // Divides a box into parts. Returns the bounds of those parts that may be visible in the view, or nullopt if there are

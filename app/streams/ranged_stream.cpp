@@ -13,7 +13,7 @@ namespace {
 // Maximum gap in bytes between two ranges of one request. Reading a smaller gap costs less than another request.
 constexpr std::uint64_t kJoin = 16384;
 constexpr std::uint64_t kBatch = std::uint64_t{256} << 10;  // max bytes per request
-constexpr std::size_t kMaxOpen = 3;                         // max concurrent requests; several keep the connection busy
+constexpr std::size_t kMaxOpen = 3;  // max concurrent requests; several keep the connection busy
 constexpr unsigned kMaxFailures = 5;
 constexpr std::uint64_t kLongDirectory = std::uint64_t{128} << 10;
 constexpr std::uint64_t kMaxDirectory = std::uint64_t{256} << 20;

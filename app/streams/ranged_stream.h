@@ -26,7 +26,7 @@ class RangedStream {
     std::string url;
     net::Origin from;
     net::Validator validator;
-    std::uint64_t front = 0;      // number of first bytes that the stream already has
+    std::uint64_t front = 0;  // number of first bytes that the stream already has
     std::uint64_t directory = 0;  // byte offset of the directory
     std::uint64_t total = 0;
     std::shared_ptr<LoadLedger> ledger;  // ledger for the progress of `row`; never null
@@ -76,8 +76,8 @@ class RangedStream {
   std::vector<qnv::ChunkRange> wanted_;
   std::unordered_set<std::uint64_t> asked_;  // offsets of all requested chunks
   std::unordered_set<std::uint64_t> taken_;  // offsets of all received chunks
-  std::map<std::uint64_t, Batch> open_;      // open requests, by request number
-  unsigned failures_ = 0;                    // number of consecutive failed requests
+  std::map<std::uint64_t, Batch> open_;  // open requests, by request number
+  unsigned failures_ = 0;  // number of consecutive failed requests
   bool has_directory_ = false, over_ = false;
 };
 

@@ -59,7 +59,8 @@ Encoded encode_packed(const EncodeSource& source, EncodeOptions options, Progres
 }
 
 Encoded encode_records(const EncodeSource& source, EncodeOptions options, Progress* progress) {
-  if (const TriangleSource* triangles = triangles_of(source)) return encode_surface_records(*triangles, options, progress);
+  if (const TriangleSource* triangles = triangles_of(source))
+    return encode_surface_records(*triangles, options, progress);
   if (const auto* vectors = std::get_if<VectorView>(&source)) return encode_vectors(*vectors, options, progress);
   if (const auto* volume = std::get_if<VolumeVectors>(&source))
     return encode_vectors(volume->vectors, options, progress);
@@ -106,14 +107,15 @@ std::unique_ptr<Decoder> make(const StreamHeader& header, std::size_t most_vecto
 bool is_progressive(const StreamHeader& header) { return progressive::is_front(header.base); }
 
 constexpr std::array<PayloadRow, 6> kRows = {{
-    {Payload::records, "records", PayloadReader::vectors, RequestOrder::visible_first, nullptr, only(ChunkType::records), kRecordsHeaderBytes,
-     kRecordBytes, 1200 / kRecordBytes, choose_records, encode_records, make<RecordsDecoder>},
+    {Payload::records, "records", PayloadReader::vectors, RequestOrder::visible_first, nullptr,
+     only(ChunkType::records), kRecordsHeaderBytes, kRecordBytes, 1200 / kRecordBytes, choose_records, encode_records,
+     make<RecordsDecoder>},
     {Payload::packed, "packed", PayloadReader::levels, RequestOrder::visible_first, nullptr,
      types({ChunkType::packed, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
             ChunkType::picture, ChunkType::normals}),
      0, 0, 0, choose_packed, encode_packed, make<OctreeDecoder>},
-    {Payload::outlines, "outlines", PayloadReader::polygons, RequestOrder::stream, nullptr, types({ChunkType::outlines, ChunkType::inner}), 0,
-     0, 0, choose_outlines, encode_groups, nullptr},
+    {Payload::outlines, "outlines", PayloadReader::polygons, RequestOrder::stream, nullptr,
+     types({ChunkType::outlines, ChunkType::inner}), 0, 0, 0, choose_outlines, encode_groups, nullptr},
     {Payload::displaced, "progressive", PayloadReader::vectors, RequestOrder::stream, is_progressive,
      types({ChunkType::splits, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
             ChunkType::cover, ChunkType::picture, ChunkType::normals}),
@@ -122,8 +124,8 @@ constexpr std::array<PayloadRow, 6> kRows = {{
      types({ChunkType::displaced, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
             ChunkType::cover, ChunkType::picture, ChunkType::normals}),
      0, 0, 0, choose_displaced, encode_base_and_displacements, make<DisplacedDecoder>},
-    {Payload::voxels, "voxels", PayloadReader::vectors, RequestOrder::stream, nullptr, only(ChunkType::voxels), 0, 0, 0, choose_voxels,
-     encode_volume_vectors, make<VoxelsDecoder>},
+    {Payload::voxels, "voxels", PayloadReader::vectors, RequestOrder::stream, nullptr, only(ChunkType::voxels), 0, 0, 0,
+     choose_voxels, encode_volume_vectors, make<VoxelsDecoder>},
 }};
 
 // Checks the order of the table: ascending payload numbers, which may have gaps. Among rows with the same number, only

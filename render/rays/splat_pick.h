@@ -45,12 +45,6 @@ struct DiscPick {
 /// matrix is singular.
 [[nodiscard]] std::optional<DiscPick> pick_disc(const qnv::Geometry& geometry, const glm::dmat4& world_from_node,
                                                 const PickRay& ray, const PickLimits& limits = {});
-/// Returns the distance of pick_disc() in world units.
-[[nodiscard]] inline std::optional<float> pick_surface(const qnv::Geometry& geometry, const glm::dmat4& world_from_node,
-                                                       const PickRay& ray, const PickLimits& limits = {}) {
-  const auto hit = pick_disc(geometry, world_from_node, ray, limits);
-  return hit ? std::optional(hit->distance) : std::nullopt;
-}
 inline constexpr std::uint32_t kPickViewport = 0xFFFFFFFF;
 
 /// Hit of a ray on a volume.

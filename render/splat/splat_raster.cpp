@@ -306,6 +306,4 @@ SurfaceMeasure measure_surface(std::span<const SplatPiece> pieces, const SplatVi
   return survey;
 }
 
-std::string_view splat_instructions() { return splat_kernels().front().name; }
-
 }  // namespace gs::render

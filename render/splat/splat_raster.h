@@ -92,7 +92,4 @@ struct SurfaceMeasure {
 [[nodiscard]] SurfaceMeasure measure_surface(std::span<const SplatPiece> pieces, const SplatView& view,
                                              std::size_t most);
 
-/// Returns the instruction set in use: "AVX-512", "AVX2" or "SSE2".
-[[nodiscard]] std::string_view splat_instructions();
-
 }  // namespace gs::render

@@ -25,8 +25,6 @@ class SystemFonts : public vrml::TextShaper {
                                        vrml::TextDirection direction, std::size_t level) override;
   /// Returns the atlas of vrml::kTextPictures, for all texts shaped so far. It has one component: 255 inside glyphs.
   [[nodiscard]] std::shared_ptr<const Image> glyph_picture();
-  /// Returns the font file that supplies most of a text. Returns an empty result if the system has no fonts.
-  [[nodiscard]] FontFile main_font(const vrml::FontRequest& font);
 
  private:
   struct Choice {

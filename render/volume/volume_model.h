@@ -18,7 +18,7 @@
 
 namespace gs::render {
 
-/// Drawing model of a volume's vectors. raycast() and rasterize_volume() both use it.
+/// Drawing model of a volume's vectors. raycast() and rasterize_volumes() both use it.
 ///
 /// Vector k is a soft disc that faces the viewer: parallel to the image plane, at the vector's depth. The ray of a
 /// pixel meets the disc's plane at distance d from its centre. The disc's opacity there is (paper, 3.1)

@@ -315,13 +315,6 @@ VolumeLayer rasterize_volumes(std::span<const VolumeItem> items, const SplatView
   return layer;
 }
 
-VolumeLayer rasterize_volume(const qnv::Volume& volume, const VolumeModel& model, const SplatView& view,
-                             const VolumeOptions& options) {
-  if (model.spacing.size() != volume.size()) return {};
-  const VolumeItem item{&volume, &model, view.camera_from_node, volume.size(), options};
-  return rasterize_volumes(std::span(&item, 1), view);
-}
-
 VolumeSurvey survey_volumes(std::span<const VolumeItem> items, const SplatView& view, std::size_t most) {
   const std::vector<Preparer> preparers = preparers_of(items, view);
   std::size_t all = 0, looked = 0, seen = 0;

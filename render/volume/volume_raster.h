@@ -52,10 +52,6 @@ struct VolumeLayer {
 [[nodiscard]] VolumeLayer rasterize_volumes(std::span<const VolumeItem> items, const SplatView& view,
                                             const VolumeStops& stops = {});
 
-/// Rasterizes all vectors of one volume.
-[[nodiscard]] VolumeLayer rasterize_volume(const qnv::Volume& volume, const VolumeModel& model, const SplatView& view,
-                                           const VolumeOptions& options);
-
 /// Estimates for the vectors of volumes in a view, from a sample.
 struct VolumeSurvey {
   std::size_t vectors = 0;  // vectors in view that have an opacity

@@ -23,10 +23,10 @@ struct Loading;
 
 /// Progress of reading a world.
 struct LoadingState {
-  std::uint64_t received = 0;          // received bytes of all files
+  std::uint64_t received = 0;  // received bytes of all files
   std::optional<std::uint64_t> total;  // size of all files in bytes; nullopt if unknown
-  std::size_t files = 0;               // number of files that are read or being read
-  std::size_t waiting = 0;             // number of files that are incomplete
+  std::size_t files = 0;  // number of files that are read or being read
+  std::size_t waiting = 0;  // number of files that are incomplete
   friend bool operator==(const LoadingState&, const LoadingState&) = default;
 };
 
@@ -86,15 +86,15 @@ class Fetcher {
   NetworkTransfers network_;
   CellTransfers cells_;
   std::vector<std::unique_ptr<Fetch>> fetches_;  // incomplete fetches
-  std::deque<Fetch*> local_;                     // fetches of local files, read here in order
+  std::deque<Fetch*> local_;  // fetches of local files, read here in order
   std::vector<Fetch*> ended_;
   std::size_t files_ = 0;
   std::uint64_t received_ = 0;
   enum class Phase : std::uint8_t {
     loading,
     too_many_files,  // too many references; the next step stops loading
-    done,            // complete until further urls are set
-    stopped,         // stopped before the end
+    done,  // complete until further urls are set
+    stopped,  // stopped before the end
   };
   Phase phase_ = Phase::loading;
 };

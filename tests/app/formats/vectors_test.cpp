@@ -9,6 +9,7 @@
 #include "tests/app/volume_files.h"
 #include "tests/app/worlds.h"
 #include "tests/geometries.h"
+#include "tests/qnv/codecs/records/record_fields.h"
 
 #include <catch2/catch.hpp>
 

@@ -213,7 +213,7 @@ inline Sample sample_of(const std::vector<Disc>& discs, const dvec3& ray, double
 
 /// Evaluates equation (1) of the paper for a volume, exactly and slowly. For each pixel's ray it sums over all vectors
 /// in double precision, for the model of volume_model.h. Footprints are unbounded, and only vectors that the model
-/// excludes are skipped. This is the reference for rasterize_volume. The depth is that of the vector at which the
+/// excludes are skipped. This is the reference for rasterize_volumes(). The depth is that of the vector at which the
 /// opacity from the front reaches 0.5; 0 if it never does.
 ///
 /// Takes time proportional to pixels times vectors. Thread-safe; accepts any numbers. Empty if nothing is in view.

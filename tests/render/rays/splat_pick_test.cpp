@@ -55,6 +55,13 @@ PickRay through(const SplatView& view, int x, int y, float& slant) {
   return ray;
 }
 
+/// Returns the distance of the nearest splat on the ray.
+std::optional<float> pick_surface(const qnv::Geometry& geometry, const glm::dmat4& world_from_node, const PickRay& ray,
+                                  const PickLimits& limits = {}) {
+  const auto hit = pick_disc(geometry, world_from_node, ray, limits);
+  return hit ? std::optional(hit->distance) : std::nullopt;
+}
+
 /// Returns the share of pixels that agree with the exact ray caster. The picker measures pixels along the ray, the ray
 /// caster along the view axis, so outlines differ slightly.
 double agreement(const qnv::Geometry& cloud, const SplatView& view) {

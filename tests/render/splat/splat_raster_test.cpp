@@ -181,7 +181,6 @@ TEST_CASE("splats a surface to the same bits on any number of threads") {
 TEST_CASE("splats a surface to the same bits in all kernels", "[optimised]") {
   const std::span<const render::SplatKernel> kernels = render::splat_kernels();
   REQUIRE(!kernels.empty());
-  CHECK(kernels.front().name == render::splat_instructions());
   std::vector<qnv::Splats> clouds{disc_sphere(300, 1), disc_sphere(20'001, 1), finely_cut_sphere(3000)};
   clouds.push_back(random_discs(5000));
   for (std::size_t c = 0; c < clouds.size(); ++c) {

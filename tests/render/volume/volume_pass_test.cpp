@@ -1,5 +1,6 @@
 #include "render/volume/volume_pass.h"
 
+#include "tests/render/volume/one_volume.h"
 #include "tests/render/volume_scenes.h"
 
 #include <algorithm>
@@ -53,7 +54,7 @@ TEST_CASE("blends a volume over the picture, pixel by pixel") {
   view.width = kWidth;
   view.height = kHeight;
   view.near_plane = 0.1f;
-  const VolumeLayer layer = rasterize_volume(*cloud, volume_model(*cloud), view, {});
+  const VolumeLayer layer = test::rasterize_volume(*cloud, view);
   REQUIRE(layer.pixels.size() == drawn.size());
   const std::array<float, 3> under = {0.2f * 255, 0.4f * 255, 0.8f * 255};
   float furthest = 0;

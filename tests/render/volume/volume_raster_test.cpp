@@ -2,6 +2,7 @@
 
 #include "render/volume/volume_tile.h"
 #include "tests/render/rays/raycast.h"
+#include "tests/render/volume/one_volume.h"
 #include "tests/render/volume_scenes.h"
 
 #include <catch2/catch.hpp>
@@ -23,7 +24,7 @@ using render::VolumeOptions;
 namespace {
 
 VolumeLayer drawn(const qnv::Volume& cloud, const SplatView& view, const VolumeOptions& options = {}) {
-  return render::rasterize_volume(cloud, render::volume_model(cloud, view.threads), view, options);
+  return rasterize_volume(cloud, view, options);
 }
 
 /// Returns the agreement of all four components, and the share of clearly opaque pixels with another depth.
@@ -294,7 +295,6 @@ TEST_CASE("draws or skips hostile volumes") {
   CHECK(drawn(cloud, view).empty());
   CHECK(drawn({}, view).empty());
   CHECK(drawn(sound, view_from({0, 0, 3}, 0, 40)).empty());
-  CHECK(render::rasterize_volume(sound, {}, view, {}).empty());
   SplatView away = view;
   away.camera_from_node = glm::lookAt(glm::vec3(0, 0, 30), glm::vec3(0, 0, 60), glm::vec3(0, 1, 0));
   CHECK(drawn(sound, away).empty());  // behind the camera

@@ -42,7 +42,7 @@ TEST_CASE("draws every prefix of a pushed stream as a complete picture") {
   for (std::size_t size = 0; size < parts.header_bytes; size += 7)
     CHECK_FALSE(std::holds_alternative<std::unique_ptr<LodStream>>(LodStream::begin(parts.front(size))));
   const auto lod = taken(LodStream::begin(parts.front(parts.header_bytes)));
-  CHECK(lod->header() == parts.stream.header);
+  CHECK(encode_header(lod->header()) == encode_header(parts.stream.header));
   CHECK(lod->cut(everything()).empty());
   CHECK(lod->complete());
   std::size_t most = 0;
