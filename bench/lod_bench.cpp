@@ -6,7 +6,7 @@
 // with a budget of B million splats (2). Each setting runs in its own process. Prints a Markdown table: the time of a
 // cut, decoded vectors, pieces, and kept memory.
 
-#include "app/formats/qnv/cloud_reader.h"
+#include "app/formats/qnv/geometry_reader.h"
 #include "net/files/file.h"
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/octree/lod/lod.h"

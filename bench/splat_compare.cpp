@@ -49,11 +49,11 @@ struct Settings {
   std::string backend = "auto";
 };
 
-void add(qnv::VectorArrays& cloud, const glm::vec3& position, const glm::vec3& normal, float weight) {
-  cloud.positions.push_back(position);
-  cloud.normals.push_back(normal);
-  cloud.weights.push_back(weight);
-  cloud.description.box.add(position);
+void add(qnv::VectorArrays& geometry, const glm::vec3& position, const glm::vec3& normal, float weight) {
+  geometry.positions.push_back(position);
+  geometry.normals.push_back(normal);
+  geometry.weights.push_back(weight);
+  geometry.description.box.add(position);
 }
 
 /// Returns 1 + bumps of the sphere in direction n, and an outward vector of any length.
@@ -66,35 +66,36 @@ glm::vec3 bumpy_outward(const glm::vec3& n) {
 }
 
 std::shared_ptr<qnv::Splats> bumpy_sphere(std::size_t count) {
-  auto cloud = std::make_shared<qnv::Splats>();
+  auto geometry = std::make_shared<qnv::Splats>();
   for (std::size_t i = 0; i < count; ++i) {
     const float z = 1 - 2 * (static_cast<float>(i) + 0.5f) / static_cast<float>(count);
     const auto angle = static_cast<float>(std::fmod(2.39996322972865332 * static_cast<double>(i), 6.28318530717958648));
     const float across = std::sqrt(1 - z * z);
     const glm::vec3 n(across * std::cos(angle), across * std::sin(angle), z), outward = bumpy_outward(n);
-    add(*cloud, n * bumpy_radius(n), outward / glm::length(outward),
+    add(*geometry, n * bumpy_radius(n), outward / glm::length(outward),
         4 * kPi / static_cast<float>(count) * glm::length(outward));
   }
-  return cloud;
+  return geometry;
 }
 
 std::shared_ptr<qnv::Splats> colored_torus(std::size_t count) {
   constexpr float kAround = 0.8f, kTube = 0.35f;
-  auto cloud = std::make_shared<qnv::Splats>();
+  auto geometry = std::make_shared<qnv::Splats>();
   // Evenly over the area, which grows outwards.
   std::mt19937 random(3);
   std::uniform_real_distribution<float> part(0, 1);
   const float area = 4 * kPi * kPi * kAround * kTube / static_cast<float>(count);
-  for (std::size_t i = 0; cloud->size() < count; ++i) {
+  for (std::size_t i = 0; geometry->size() < count; ++i) {
     const auto turn = static_cast<float>(std::fmod(0.618033988749894848 * static_cast<double>(i), 1.0)) * 2 * kPi;
     const float roll = part(random) * 2 * kPi;
     if (part(random) * (kAround + kTube) > kAround + kTube * std::cos(roll)) continue;
     const glm::vec3 out(std::cos(turn), 0, std::sin(turn)), n = out * std::cos(roll) + glm::vec3(0, std::sin(roll), 0);
-    add(*cloud, out * kAround + n * kTube, n, area);
+    add(*geometry, out * kAround + n * kTube, n, area);
     const auto level = [](float v) { return static_cast<std::uint8_t>(std::lround((v * 0.5f + 0.5f) * 255)); };
-    cloud->colors.push_back({level(std::sin(3 * turn)), level(std::cos(2 * roll)), level(std::cos(5 * turn + roll))});
+    geometry->colors.push_back(
+        {level(std::sin(3 * turn)), level(std::cos(2 * roll)), level(std::cos(5 * turn + roll))});
   }
-  return cloud;
+  return geometry;
 }
 
 /// Encodes triangles of the bumpy sphere as an octree, and returns a view's cut of that stream.
@@ -137,14 +138,14 @@ std::shared_ptr<qnv::Volume> volume(std::size_t count) {
   const auto direction = [&] {
     return glm::normalize(glm::vec3(normal(random), normal(random), normal(random)) + 1e-6f);
   };
-  auto cloud = std::make_shared<qnv::Volume>();
-  cloud->description.spacing = 0.05f;
-  cloud->description.transfer = {{0, {255, 60, 20}, 0.02f}, {0.5f, {60, 230, 90}, 0.3f}, {1, {240, 240, 255}, 0.9f}};
+  auto geometry = std::make_shared<qnv::Volume>();
+  geometry->description.spacing = 0.05f;
+  geometry->description.transfer = {{0, {255, 60, 20}, 0.02f}, {0.5f, {60, 230, 90}, 0.3f}, {1, {240, 240, 255}, 0.9f}};
   for (std::size_t i = 0; i < count; ++i) {
-    add(*cloud, direction() * (0.7f + 0.3f * part(random)), direction(), 0.1f + part(random));
-    cloud->classes.push_back(static_cast<std::uint8_t>(random() % 256));
+    add(*geometry, direction() * (0.7f + 0.3f * part(random)), direction(), 0.1f + part(random));
+    geometry->classes.push_back(static_cast<std::uint8_t>(random() % 256));
   }
-  return cloud;
+  return geometry;
 }
 
 /// RGB, 0..1.
@@ -345,7 +346,7 @@ int run(const Settings& settings) {
   std::printf("%dx%d, 1 sample a pixel; processor: %s; OpenGL: %s; medians of %d\n\n", settings.width, settings.height,
               std::string(render::splat_kernels().front().name).c_str(), gl.renderer.c_str(), settings.runs);
   std::printf(
-      "| cloud | vectors | processor, oracle (dB) | OpenGL, oracle (dB) | processor, OpenGL (dB) | processor M/s |"
+      "| geometry | vectors | processor, oracle (dB) | OpenGL, oracle (dB) | processor, OpenGL (dB) | processor M/s |"
       " OpenGL M/s | oracle M/s |\n| --- | --: | --: | --: | --: | --: | --: | --: |\n");
   bool good = true;
   const auto surface = [&](const std::string& name, const std::vector<render::SharedSplatPiece>& pieces) {

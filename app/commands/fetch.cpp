@@ -46,12 +46,12 @@ bool shows(const render::RenderList& list) {
 }
 
 void count(LoadedWorld& world, Report& report) {
-  for (const auto& [node, geometry] : world.clouds) {
+  for (const auto& [node, geometry] : world.geometries) {
     const auto* octree = geometry->as<qnv::OctreeSplats>();
     report.vectors += octree ? octree->stream->count() : geometry->size();
   }
   render::MeshCache meshes;
-  const render::RenderList list = render::collect(*world.scene, world.images, meshes, {0, 0, 10}, world.clouds);
+  const render::RenderList list = render::collect(*world.scene, world.images, meshes, {0, 0, 10}, world.geometries);
   for (const auto& item : list.items)
     if (item.mesh) report.triangles += item.mesh->indices.size() / 3;
 }

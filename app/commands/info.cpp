@@ -5,7 +5,7 @@
 #include "app/commands/common/vectors_of.h"
 #include "app/encode/surface_triangles.h"
 #include "app/formats/content_types.h"
-#include "app/formats/qnv/cloud_reader.h"
+#include "app/formats/qnv/geometry_reader.h"
 #include "base/json_value.h"
 #include "net/base/url.h"
 #include "net/files/file.h"
@@ -258,7 +258,7 @@ void describe_world(JsonValue& facts, const OpenedSurface& opened) {
   const SurfaceSummary summary = summarize_surface(opened.list);
   const LoadedWorld& world = opened.world;
   std::size_t vectors = 0;
-  for (const auto& [node, geometry] : world.clouds) {
+  for (const auto& [node, geometry] : world.geometries) {
     const auto* octree = geometry->as<qnv::OctreeSplats>();
     vectors += octree ? static_cast<std::size_t>(octree->stream->header().vectors) : geometry->size();
   }

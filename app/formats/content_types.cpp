@@ -45,9 +45,9 @@ Asset read_gltf(const ImportSource& source) {
   return SceneAsset(std::move(scene));
 }
 
-template <ImportedCloud (*import)(Bytes, const WorldBudget&)>
+template <ImportedVectors (*import)(Bytes, const WorldBudget&)>
 Asset read_vectors(const ImportSource& source) {
-  ImportedCloud imported = import(source.bytes, source.budget);
+  ImportedVectors imported = import(source.bytes, source.budget);
   if (auto* splats = std::get_if<qnv::Splats>(&imported)) return std::move(*splats);
   source.diagnostics.add({Severity::error, source.path, {}, std::move(std::get<std::string>(imported))});
   return {};
@@ -63,14 +63,14 @@ bool is_sog(Bytes bytes) {
   return text.starts_with('{') && text.find("\"means\"") != std::string_view::npos &&
          text.find("means_l.webp") != std::string_view::npos;
 }
-ImportedCloud refuse_sog(Bytes, const WorldBudget&) {
+ImportedVectors refuse_sog(Bytes, const WorldBudget&) {
   return "SOG (splats as WebP pictures) is not supported; convert it with PlayCanvas splat-transform to PLY, "
          "compressed PLY, SPZ, KSplat or .splat";
 }
 
 // Formats that are detected but not supported. Messages name them.
 constexpr ContentType kNotRead[] = {
-    {"SOG", "model/x-sog", ".sog ", is_sog, ContentClass::cloud, read_vectors<refuse_sog>},
+    {"SOG", "model/x-sog", ".sog ", is_sog, ContentClass::splats, read_vectors<refuse_sog>},
 };
 
 Asset read_volume(const ImportSource& source) {
@@ -87,16 +87,17 @@ Asset read_volume(const ImportSource& source) {
 
 std::span<const ContentType> content_types() {
   static const std::vector<ContentType> types = [] {
-    constexpr auto kCloud = ContentClass::cloud;
+    constexpr auto kSplats = ContentClass::splats;
     // Table of types. If several types share a mark, the most specific one comes first. content_types() appends the
     // volumes from their own table.
     std::vector<ContentType> all = {
         {"VRML97", "model/vrml", ".wrl .wrz .vrml ", is_vrml},
         {"QNV", "model/x-qnv", ".qnv ", qnv::is_stream, ContentClass::stream},
-        {"compressed splats PLY", "application/x-ply", "", is_splats_compressed_ply, kCloud,
+        {"compressed splats PLY", "application/x-ply", "", is_splats_compressed_ply, kSplats,
          read_vectors<import_splats_compressed_ply>},
-        {"splats PLY", "application/x-ply", "", is_splats_ply, kCloud, read_vectors<import_splats_ply>},
-        {"points PLY", "application/x-ply", "", is_points_ply, kCloud, read_vectors<import_points_ply>, UpRule::survey},
+        {"splats PLY", "application/x-ply", "", is_splats_ply, kSplats, read_vectors<import_splats_ply>},
+        {"points PLY", "application/x-ply", "", is_points_ply, kSplats, read_vectors<import_points_ply>,
+         UpRule::survey},
         kPlyFormat,
         {"glTF", "model/gltf-binary", ".glb .gltf ", is_glb, ContentClass::mesh, read_gltf, UpRule::y, false, true},
         kObjFormat,
@@ -107,10 +108,11 @@ std::span<const ContentType> content_types() {
         kVtpFormat,
         kVtuFormat,
         kVtkLegacyFormat,
-        {"SPZ splats", "model/x-spz", ".spz ", is_splats_spz, kCloud, read_vectors<import_splats_spz>, UpRule::y, true},
-        {"splats", "model/x-splat", ".splat ", nullptr, kCloud, read_vectors<import_splats_antimatter>},
-        {"KSplat", "model/x-ksplat", ".ksplat ", nullptr, kCloud, read_vectors<import_splats_ksplat>},
-        {"points", "text/x-xyz", ".xyz ", nullptr, kCloud, read_vectors<import_points_xyz>, UpRule::survey},
+        {"SPZ splats", "model/x-spz", ".spz ", is_splats_spz, kSplats, read_vectors<import_splats_spz>, UpRule::y,
+         true},
+        {"splats", "model/x-splat", ".splat ", nullptr, kSplats, read_vectors<import_splats_antimatter>},
+        {"KSplat", "model/x-ksplat", ".ksplat ", nullptr, kSplats, read_vectors<import_splats_ksplat>},
+        {"points", "text/x-xyz", ".xyz ", nullptr, kSplats, read_vectors<import_points_xyz>, UpRule::survey},
     };
     for (const VolumeFormatName& volume : volume_format_names())
       all.push_back(

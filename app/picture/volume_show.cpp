@@ -65,7 +65,7 @@ std::optional<std::string> VolumeShow::prepare(const VolumeWishes& wishes, const
 }
 
 void VolumeShow::apply(PictureScene& scene) {
-  if (!transfer_.empty()) scene.draw.clouds.transfer = transfer_;
+  if (!transfer_.empty()) scene.draw.splat_style.transfer = transfer_;
   const qnv::Description* const volume = first_volume(*scene.list);
   if (wishes_.color_bar && (volume || surface_bar_)) {
     scene.over = [before = std::move(scene.over),

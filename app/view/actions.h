@@ -45,7 +45,7 @@ enum class Action : std::uint8_t {
   help,
   statistics,
   log,
-  clouds,
+  transfer,
   scene_tree,
   inspector,
   routes,

@@ -70,10 +70,10 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const render::Si
     const auto volume = qnv::shared_as<qnv::Volume>(item.geometry);
     if (!volume || volume->empty()) continue;
     render::VolumeOptions look;
-    look.opacity = options.clouds.opacity * (1 - item.material.transparency);
-    look.least_magnitude = options.clouds.least_magnitude;
-    if (options.clouds.clip) look.clip = glm::vec4(*options.clouds.clip * item.world_from_node);
-    const render::VolumeTransfer transfer = render::volume_transfer(volume->description, options.clouds.transfer);
+    look.opacity = options.splat_style.opacity * (1 - item.material.transparency);
+    look.least_magnitude = options.splat_style.least_magnitude;
+    if (options.splat_style.clip) look.clip = glm::vec4(*options.splat_style.clip * item.world_from_node);
+    const render::VolumeTransfer transfer = render::volume_transfer(volume->description, options.splat_style.transfer);
     look.transfer = &transfer;
     const auto veil = render::pick_volume(*volume, model_of(volume), look, item.world_from_node, looking);
     if (!veil) continue;

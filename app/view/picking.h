@@ -2,8 +2,8 @@
 
 #include "app/view/navigation.h"
 #include "render/rays/item_bvh.h"
-#include "render/scene/cloud_look.h"
 #include "render/scene/render_list.h"
+#include "render/scene/splat_style.h"
 #include "render/volume/volume_model.h"
 #include "vrml/events/execution.h"
 
@@ -30,7 +30,7 @@ struct Hit {
 
 struct PickOptions {
   float pixel = 0.001f;                              // width of a pixel at distance 1
-  render::SplatStyle clouds;  // style with which the splats are drawn
+  render::SplatStyle splat_style;                    // style with which the splats are drawn
   std::size_t max_triangles = std::size_t{1} << 24;  // max triangles in the cache
 };
 

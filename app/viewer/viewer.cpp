@@ -51,7 +51,7 @@ std::variant<std::vector<std::byte>, std::string> paint(render::Renderer& render
   draw.budget = options.budget > 0 ? options.budget : kWindowBudget;
   draw.headlight = view.headlight;
   draw.unit = static_cast<float>(view.scale);
-  draw.clouds = view.look;
+  draw.splat_style = view.look;
   apply_style(view, draw);
   auto made = renderer.draw_to_image(*view.list, camera_of(view.navigation.pose), draw);
   if (auto* problem = std::get_if<render::ContextError>(&made)) return std::move(problem->message);

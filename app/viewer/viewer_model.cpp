@@ -23,9 +23,9 @@ constexpr double kWeightSteps = 64;  // integer steps for a weight of 1
 std::vector<std::size_t> budgets_of(const Frame& frame, const Panes& panes, std::size_t budget) {
   std::vector<std::size_t> weights;
   for (const Frame::Picture& picture : frame.pictures) {
-    const bool clouds = picture.view && picture.view->document->has_clouds();
+    const bool has_vectors = picture.view && picture.view->document->has_vectors();
     const double weight = std::round(panes.at(picture.pane).weight * kWeightSteps);
-    weights.push_back(clouds ? picture.place.pixels() * static_cast<std::size_t>(weight) : 0);
+    weights.push_back(has_vectors ? picture.place.pixels() * static_cast<std::size_t>(weight) : 0);
   }
   return shares_of(budget, weights);
 }
@@ -145,7 +145,7 @@ UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measu
   model.has_sounds = !seen->list->sounds.empty();
   model.muted = session_.sound().stage().muted();
   model.look = seen->look;
-  model.has_surface_clouds = seen->document->has_surface_clouds;
+  model.has_surface_vectors = seen->document->has_surface_vectors;
   model.has_volumes = seen->document->has_volumes;
   model.bounds = seen->list->bounds;
   model.looking = seen->navigation.pose.forward();

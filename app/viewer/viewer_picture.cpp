@@ -63,7 +63,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   draw.headlight = seen.headlight;
   if (seen.budget > 0) draw.budget = std::min(draw.budget, seen.budget);
   draw.unit = static_cast<float>(seen.scale);
-  draw.clouds = seen.look;
+  draw.splat_style = seen.look;
   apply_style(seen, draw);
   draw.guides = tools_.guides(seen);
   const render::RenderList& list = tools_.shown(picture.pane, seen);

@@ -291,7 +291,7 @@ PictureScene ViewerTools::scene_of(std::size_t slice_scene, const View& seen, co
   scene.draw.splats = options_.splats;
   scene.draw.headlight = seen.headlight;
   scene.draw.unit = static_cast<float>(seen.scale);
-  scene.draw.clouds = seen.look;
+  scene.draw.splat_style = seen.look;
   apply_style(seen, scene.draw);
   scene.draw.guides = guides(seen);
   scene.draw.viewport = kMaxViewports;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/scene/cloud_look.h"
+#include "render/scene/splat_style.h"
 
 #include <glm/vec3.hpp>
 
@@ -43,7 +43,7 @@ struct DrawOptions {
   SplatPath splats = SplatPath::automatic;
   /// Helper lines. They are drawn with the same depth test, unlit and without fog. May be null.
   std::shared_ptr<const RenderList> guides;
-  SplatStyle clouds;
+  SplatStyle splat_style;
   std::uint32_t viewport = 0;  // index of the viewport; each viewport has its own level of detail
   std::size_t most_decoded = 0;  // maximum splats to decode for this frame; 0 means unlimited
   CancellationCheck go_on;  // called several times per second; returns false to cancel the rest of the frame

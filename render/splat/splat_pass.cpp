@@ -216,7 +216,7 @@ void SplatPass::draw_layer(const SplatLayer& layer, const RenderList& list, cons
   const SavedTarget target(gl_);
   const SplatTextures textures = upload(layer);
   target.bind();
-  shade(shown_material(item.material, options.clouds.color_by), textures, 0, set,
+  shade(shown_material(item.material, options.splat_style.color_by), textures, 0, set,
         camera_fog(list.fog, glm::mat3(camera.world_from_camera), projection.back), projection, options);
   gl_.Viewport(options.x, options.y, options.width, options.height);
   gl_.Scissor(options.x, options.y, options.width, options.height);
@@ -244,7 +244,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
   const SavedTarget target(gl_);
   SplatView view = viewport_view(camera, projection, options);
   view.supersample = options.samples > 1 ? 2 : 1;
-  view.color_by_normal = options.clouds.color_by == ColorBy::normal;
+  view.color_by_normal = options.splat_style.color_by == ColorBy::normal;
   // Cut for the whole image, so that its tiles match.
   SplatView whole = whole_view(view, camera);
   const std::vector<std::size_t> shares =
@@ -258,7 +258,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
     const auto* octree = item.geometry->as<qnv::OctreeSplats>();
     if (splats ? !has_whole_arrays(*splats) : !octree) continue;
     whole.camera_from_node = view.camera_from_node = glm::mat4(camera_from_world * item.world_from_node);
-    CutOptions wanted{shares[i], 0, item.detail, options.viewport, options.clouds.color_by};
+    CutOptions wanted{shares[i], 0, item.detail, options.viewport, options.splat_style.color_by};
     // Each instance of a stream keeps its own level of detail.
     if (const auto* requests = item.geometry->base().requests.get()) wanted.viewport += shown[requests]++ << 16;
     if (octree && options.most_decoded > 0) wanted.most_decoded = std::max<std::size_t>(decodable / streams--, 1);
@@ -279,8 +279,8 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
     // Splats that OpenGL could not draw shows in the statistics.
     if (!by_gl || std::string_view(statistics.splats) == "none") statistics.splats = by_gl ? "gl" : "cpu";
     if (textures->normals == 0) continue;
-    shade(shown_material(item, options.clouds.color_by), *textures, by_gl ? closing_for(pieces, whole) : 0, sets[i],
-          fog, projection, options);
+    shade(shown_material(item, options.splat_style.color_by), *textures, by_gl ? closing_for(pieces, whole) : 0,
+          sets[i], fog, projection, options);
     ++statistics.draw_calls;
   }
   gl_.Viewport(options.x, options.y, options.width, options.height);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "qnv/codecs/octree/lod/lod.h"
-#include "render/scene/cloud_look.h"
+#include "render/scene/splat_style.h"
 #include "render/splat/splat_gl.h"
 #include "render/splat/splat_raster.h"
 

@@ -62,7 +62,7 @@ void SurfacePass::draw(const RenderList& list, const Camera& camera, const Proje
                        const DrawOptions& options, SplatPass& shading, FrameStatistics& statistics) {
   for (const OnProcessor& one : on_processor_) {
     const auto& patches = *one.item->patches();
-    const PatchRasterOptions looks{patches.description.two_sided, patches.color, options.clouds.color_by};
+    const PatchRasterOptions looks{patches.description.two_sided, patches.color, options.splat_style.color_by};
     const SplatLayer layer = rasterize_patches(patches, one.kept->cut, one.view, looks);
     shading.draw_layer(layer, list, *one.item, camera, projection, options);
     statistics.vectors += layer.discs;

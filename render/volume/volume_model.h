@@ -1,8 +1,8 @@
 #pragma once
 
 #include "qnv/base/geometry.h"
-#include "render/scene/cloud_look.h"
 #include "render/scene/fog.h"
+#include "render/scene/splat_style.h"
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>

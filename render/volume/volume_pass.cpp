@@ -108,7 +108,7 @@ void VolumePass::gather(const RenderList& list, const Camera& camera, const Spla
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
   const std::vector<std::size_t> shares =
       share_budget(list.splats, budget_view(view, camera_from_world), options.budget);
-  const SplatStyle& look = options.clouds;
+  const SplatStyle& look = options.splat_style;
   if (!look.transfer.empty()) scene.transfer = volume_transfer({}, look.transfer);
   scene.lights.reserve(list.splats.size());  // `items` point to elements of `lights`, so these must not move
   for (std::size_t i = 0; i < list.splats.size(); ++i) {

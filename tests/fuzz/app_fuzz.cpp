@@ -2,7 +2,7 @@
 #include "app/base/local_file.h"
 #include "app/encode/mesh_stream.h"
 #include "app/formats/content_types.h"
-#include "app/formats/qnv/cloud_reader.h"
+#include "app/formats/qnv/geometry_reader.h"
 #include "app/formats/volume/volume_common.h"
 #include "app/script/script_runner.h"
 #include "base/gzip.h"
@@ -110,7 +110,7 @@ void check_vectors(const qnv::VectorView& vectors) {
 }
 
 /// Fuzzes a format of streams or vectors, also compressed by gzip.
-bool run_cloud(const ContentType& type, std::span<const std::byte> bytes) {
+bool run_geometry(const ContentType& type, std::span<const std::byte> bytes) {
   Diagnostics diagnostics;
   const LoadLimit limit(std::chrono::steady_clock::now() + std::chrono::hours(1));
   const auto geometry = read_geometry(type, {"fuzz", bytes}, diagnostics, limit);
@@ -273,8 +273,8 @@ std::vector<FuzzTarget> fuzz_targets() {
         targets.push_back({name, [&type](Bytes bytes) { return run_mesh(type, bytes); }, kMaxBytes});
         break;
       case ContentClass::stream:
-      case ContentClass::cloud:
-        targets.push_back({name, [&type](Bytes bytes) { return run_cloud(type, bytes); }, kMaxBytes});
+      case ContentClass::splats:
+        targets.push_back({name, [&type](Bytes bytes) { return run_geometry(type, bytes); }, kMaxBytes});
         break;
       case ContentClass::volume:
         break;  // these have their own table

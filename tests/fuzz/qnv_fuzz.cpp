@@ -28,13 +28,13 @@ std::vector<std::uint8_t> with_checksums(std::span<const std::byte> bytes) {
 }
 
 void check_sound(const Geometry& geometry) {
-  const VectorView cloud(geometry);
-  require(cloud.normals.size() == cloud.size() && cloud.weights.size() == cloud.size());
-  require(cloud.colors.empty() || cloud.colors.size() == cloud.size());
-  require(cloud.classes.empty() || cloud.classes.size() == cloud.size());
-  require(cloud.cells.empty() || cloud.cells.size() == cloud.size());
-  for (const float weight : cloud.weights) require(weight > 0 && std::isfinite(weight));
-  for (const glm::vec3& p : cloud.positions) require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+  const VectorView vectors(geometry);
+  require(vectors.normals.size() == vectors.size() && vectors.weights.size() == vectors.size());
+  require(vectors.colors.empty() || vectors.colors.size() == vectors.size());
+  require(vectors.classes.empty() || vectors.classes.size() == vectors.size());
+  require(vectors.cells.empty() || vectors.cells.size() == vectors.size());
+  for (const float weight : vectors.weights) require(weight > 0 && std::isfinite(weight));
+  for (const glm::vec3& p : vectors.positions) require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
   const auto* mesh = geometry.as<IndexedMesh>();
   if (!mesh) return;
   require(mesh->triangles.size() % 3 == 0);
@@ -54,10 +54,10 @@ void decode(std::span<const std::byte> bytes) {
   StreamDecoder whole(kMaxVectors), pieces(kMaxVectors);
   read(bytes, whole, pieces);
   const Geometry geometry = whole.geometry(), other_geometry = pieces.geometry();
-  const VectorView cloud(geometry), other(other_geometry);
+  const VectorView vectors(geometry), other(other_geometry);
   check_sound(geometry);
-  require(cloud.size() == whole.vectors() && cloud.size() <= kMaxVectors);
-  require(std::ranges::equal(cloud.positions, other.positions) && std::ranges::equal(cloud.weights, other.weights));
+  require(vectors.size() == whole.vectors() && vectors.size() <= kMaxVectors);
+  require(std::ranges::equal(vectors.positions, other.positions) && std::ranges::equal(vectors.weights, other.weights));
   require(whole.problems().size() == pieces.problems().size());
 }
 

@@ -134,9 +134,9 @@ inline EncodedStream encoded(const Triangles& triangles, const EncodeOptions& op
   return std::get<EncodedStream>(std::move(result));
 }
 
-inline double total_weight(const VectorArrays& cloud) {
+inline double total_weight(const VectorArrays& geometry) {
   double total = 0;
-  for (const float weight : cloud.weights) total += weight;
+  for (const float weight : geometry.weights) total += weight;
   return total;
 }
 

@@ -146,8 +146,8 @@ TEST_CASE("draws small texts in one batch as one by one") {
     for (const int samples : {1, 4}) {
       INFO(about << samples);
       ParsedWorld world(about + labels);
-      const Geometries clouds;
-      RenderScene gathered(*world.scene, world.images, clouds, world.meshes);
+      const Geometries geometries;
+      RenderScene gathered(*world.scene, world.images, geometries, world.meshes);
       gathered.gather({}, {0, 0, 10});
       RenderList list = gathered.list();
       REQUIRE(list.items.size() == 6);

@@ -26,19 +26,19 @@ inline constexpr float kPi = 3.14159265f;
 
 /// Returns splats of equal area along a spiral on a unit sphere.
 inline std::shared_ptr<qnv::Splats> sphere(std::size_t count, bool colored = false) {
-  auto cloud = std::make_shared<qnv::Splats>();
+  auto geometry = std::make_shared<qnv::Splats>();
   for (std::size_t i = 0; i < count; ++i) {
     const float z = 1 - 2 * (static_cast<float>(i) + 0.5f) / static_cast<float>(count);
     const float angle = 2.3999632f * static_cast<float>(i), across = std::sqrt(1 - z * z);
     const glm::vec3 n(across * std::cos(angle), across * std::sin(angle), z);
-    cloud->positions.push_back(n);
-    cloud->normals.push_back(n);
-    cloud->weights.push_back(4 * kPi / static_cast<float>(count));
+    geometry->positions.push_back(n);
+    geometry->normals.push_back(n);
+    geometry->weights.push_back(4 * kPi / static_cast<float>(count));
     const auto level = [](float c) { return static_cast<std::uint8_t>(std::lround((c * 0.5f + 0.5f) * 255)); };
-    if (colored) cloud->colors.push_back({level(n.x), level(n.y), level(-n.z)});
+    if (colored) geometry->colors.push_back({level(n.x), level(n.y), level(-n.z)});
   }
-  cloud->description.box = {{-1, -1, -1}, {1, 1, 1}};
-  return cloud;
+  geometry->description.box = {{-1, -1, -1}, {1, 1, 1}};
+  return geometry;
 }
 
 /// Returns the sphere as an octree stream, with splats clipped to its cubes.

@@ -31,21 +31,21 @@ struct GeometryWorld {
       const auto* url = std::get_if<vrml::MFString>(&node.values[node.type->find_field("url")->slot]);
       REQUIRE(url);
       REQUIRE(!url->empty());
-      clouds[&node] = named.at(std::string(url->front().view()));
+      geometries[&node] = named.at(std::string(url->front().view()));
     }
   }
-  RenderList collect(const glm::vec3& viewer) { return render::collect(*scene, {}, meshes, viewer, clouds); }
+  RenderList collect(const glm::vec3& viewer) { return render::collect(*scene, {}, meshes, viewer, geometries); }
 
   std::unique_ptr<vrml::SceneGraph> scene;
   MeshCache meshes;
-  Geometries clouds;
+  Geometries geometries;
 };
 
 const std::string kPaint =
     "appearance Appearance { material Material { diffuseColor 0.9 0.5 0.3 specularColor 0.4 0.4 0.4 } }";
 
-std::string shape(const std::string& cloud) {
-  return "Shape { " + kPaint + " geometry QNV { url \"" + cloud + "\" } }\n";
+std::string shape(const std::string& geometry) {
+  return "Shape { " + kPaint + " geometry QNV { url \"" + geometry + "\" } }\n";
 }
 
 Camera upright_camera(const glm::vec3& eye) {
@@ -65,13 +65,13 @@ double psnr(const Image& a, const Image& b) {
 }
 
 /// Draws both worlds on both paths. Neither may be empty.
-void check_alike(const std::string& world, const std::string& same, const NamedGeometries& clouds, double least,
+void check_alike(const std::string& world, const std::string& same, const NamedGeometries& geometries, double least,
                  const glm::vec3& eye = {0, 0.5f, 6}) {
   static Drawing drawing;
   drawing.options.width = 160;
   drawing.options.height = 120;
   drawing.options.samples = 4;
-  GeometryWorld first(world, clouds), second(same, clouds);
+  GeometryWorld first(world, geometries), second(same, geometries);
   const RenderList a = first.collect(eye), b = second.collect(eye);
   for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
     drawing.options.splats = path;
@@ -84,15 +84,15 @@ void check_alike(const std::string& world, const std::string& same, const NamedG
 }
 
 /// Returns the splats after `matrix`, with the areas of their ellipses.
-std::shared_ptr<const qnv::Geometry> moved(const qnv::Splats& cloud, const glm::mat4& matrix) {
-  auto result = std::make_shared<qnv::Splats>(cloud);
+std::shared_ptr<const qnv::Geometry> moved(const qnv::Splats& geometry, const glm::mat4& matrix) {
+  auto result = std::make_shared<qnv::Splats>(geometry);
   const glm::mat3 linear(matrix), normals = glm::transpose(glm::inverse(linear)) * glm::determinant(linear);
   result->description.box = {};
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    result->positions[i] = glm::vec3(matrix * glm::vec4(cloud.positions[i], 1));
-    const glm::vec3 n = normals * cloud.normals[i];
+  for (std::size_t i = 0; i < geometry.size(); ++i) {
+    result->positions[i] = glm::vec3(matrix * glm::vec4(geometry.positions[i], 1));
+    const glm::vec3 n = normals * geometry.normals[i];
     result->normals[i] = glm::normalize(n);
-    result->weights[i] = cloud.weights[i] * glm::length(n);
+    result->weights[i] = geometry.weights[i] * glm::length(n);
     result->description.box.add(result->positions[i]);
   }
   return shared_geometry(result);
@@ -100,12 +100,12 @@ std::shared_ptr<const qnv::Geometry> moved(const qnv::Splats& cloud, const glm::
 
 /// Returns a sphere that is red towards +Z and green towards +X.
 std::shared_ptr<const qnv::Geometry> painted() {
-  auto cloud = sphere(3000);
-  for (const glm::vec3& p : cloud->positions)
-    cloud->colors.push_back(p.z > 0.6f   ? qnv::Rgb8{230, 20, 20}
-                            : p.x > 0.6f ? qnv::Rgb8{20, 230, 20}
-                                         : qnv::Rgb8{60, 60, 200});
-  return shared_geometry(cloud);
+  auto geometry = sphere(3000);
+  for (const glm::vec3& p : geometry->positions)
+    geometry->colors.push_back(p.z > 0.6f   ? qnv::Rgb8{230, 20, 20}
+                               : p.x > 0.6f ? qnv::Rgb8{20, 230, 20}
+                                            : qnv::Rgb8{60, 60, 200});
+  return shared_geometry(geometry);
 }
 
 }  // namespace
@@ -165,34 +165,34 @@ TEST_CASE("draws point sets that intersect like one joint point set") {
     both->weights.push_back(blue->weights[i]);
     both->colors.push_back(blue->colors[i]);
   }
-  const NamedGeometries clouds{
+  const NamedGeometries geometries{
       {"red", shared_geometry(red)}, {"blue", shared_geometry(blue)}, {"both", shared_geometry(both)}};
-  check_alike(shape("red") + shape("blue"), shape("both"), clouds, 37);
-  check_alike(shape("blue") + shape("red"), shape("both"), clouds, 37);
+  check_alike(shape("red") + shape("blue"), shape("both"), geometries, 37);
+  check_alike(shape("blue") + shape("red"), shape("both"), geometries, 37);
 }
 
 TEST_CASE("chooses among point sets by Switch and LOD") {
-  const NamedGeometries clouds{
+  const NamedGeometries geometries{
       {"ball", shared_geometry(sphere(3000))}, {"coarse", shared_geometry(sphere(60))}, {"painted", painted()}};
-  check_alike("Switch { whichChoice 1 choice [ " + shape("ball") + shape("painted") + "] }", shape("painted"), clouds,
-              100);
-  GeometryWorld none("Switch { choice " + shape("ball") + "}", clouds);
+  check_alike("Switch { whichChoice 1 choice [ " + shape("ball") + shape("painted") + "] }", shape("painted"),
+              geometries, 100);
+  GeometryWorld none("Switch { choice " + shape("ball") + "}", geometries);
   CHECK(none.collect({0, 0, 10}).splats.empty());
   const std::string lod = "LOD { range [ 5 ] level [ " + shape("ball") + shape("coarse") + "] }";
-  check_alike(lod, shape("ball"), clouds, 100, {0, 0.5f, 4});
-  check_alike(lod, shape("coarse"), clouds, 100, {0, 0.5f, 6});
+  check_alike(lod, shape("ball"), geometries, 100, {0, 0.5f, 4});
+  check_alike(lod, shape("coarse"), geometries, 100, {0, 0.5f, 6});
 }
 
 TEST_CASE("turns the point set of a Billboard to the viewer") {
-  const NamedGeometries clouds{{"painted", painted()}};
+  const NamedGeometries geometries{{"painted", painted()}};
   // Seen from +X, the side of +Z turns to the viewer, as by a quarter turn about Y.
   check_alike("Billboard { children " + shape("painted") + "}",
-              "Transform { rotation 0 1 0 1.5707963 children " + shape("painted") + "}", clouds, 50, {6, 0, 0});
-  check_alike("Billboard { children " + shape("painted") + "}", shape("painted"), clouds, 60, {0, 0, 6});
+              "Transform { rotation 0 1 0 1.5707963 children " + shape("painted") + "}", geometries, 50, {6, 0, 0});
+  check_alike("Billboard { children " + shape("painted") + "}", shape("painted"), geometries, 60, {0, 0, 6});
 }
 
 TEST_CASE("places instances of a PROTO with a point set") {
-  const NamedGeometries clouds{{"painted", painted()}};
+  const NamedGeometries geometries{{"painted", painted()}};
   const std::string proto =
       "PROTO Place [ field SFVec3f at 0 0 0 field SFVec3f size 1 1 1 ] { Transform { translation IS at scale IS size "
       "children " +
@@ -200,7 +200,7 @@ TEST_CASE("places instances of a PROTO with a point set") {
   check_alike(proto + "Place { at -1.2 0 0 } Place { at 1.2 0.3 0 size 0.5 1 0.8 }",
               "Transform { translation -1.2 0 0 children " + shape("painted") +
                   "} Transform { translation 1.2 0.3 0 scale 0.5 1 0.8 children " + shape("painted") + "}",
-              clouds, 100);
+              geometries, 100);
   // USE, and a stream at two instances.
   const NamedGeometries stream{{"stream", bumpy_stream(5000)}};
   check_alike("Transform { translation -1.2 0 0 children DEF S " + shape("stream") +
@@ -211,9 +211,9 @@ TEST_CASE("places instances of a PROTO with a point set") {
 }
 
 TEST_CASE("collects the detail of a QNV node within bounds") {
-  const NamedGeometries clouds{{"ball", shared_geometry(sphere(100))}};
+  const NamedGeometries geometries{{"ball", shared_geometry(sphere(100))}};
   const auto detail = [&](const std::string& value) {
-    GeometryWorld world("Shape { geometry QNV { url \"ball\" " + value + " } }", clouds);
+    GeometryWorld world("Shape { geometry QNV { url \"ball\" " + value + " } }", geometries);
     const RenderList list = world.collect({0, 0, 10});
     REQUIRE(list.splats.size() == 1);
     return list.splats[0].detail;
@@ -264,7 +264,7 @@ TEST_CASE("draws colours that distinguish vectors with any material") {
   for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
     drawing.options.splats = path;
     const auto middle = [&](ColorBy color_by) {
-      drawing.options.clouds.color_by = color_by;
+      drawing.options.splat_style.color_by = color_by;
       return pixel(drawing.draw(list, upright_camera({0, 0, 4})), 32, 32);
     };
     CHECK(middle(ColorBy::own) == glm::vec3(0));

@@ -5,8 +5,8 @@
 #include "render/volume/volume_lens.h"
 #include "render/volume/volume_pass.h"
 #include "tests/geometries.h"
-#include "tests/render/clouds.h"
 #include "tests/render/drawing.h"
+#include "tests/render/geometry_shapes.h"
 #include "tests/render/rays/raycast.h"
 
 #include <catch2/catch.hpp>
@@ -246,11 +246,11 @@ class VolumePicture {
   render::Framebuffer drawn_, resolved_;
 };
 
-inline render::RenderList volume_list(const std::shared_ptr<const qnv::Volume>& cloud,
+inline render::RenderList volume_list(const std::shared_ptr<const qnv::Volume>& geometry,
                                       const glm::mat4& world_from_node = glm::mat4(1.0f)) {
   render::RenderList list;
   render::SplatItem item;
-  item.geometry = shared_geometry(cloud);
+  item.geometry = shared_geometry(geometry);
   item.world_from_node = world_from_node;
   list.splats.push_back(item);
   return list;

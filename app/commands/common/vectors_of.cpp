@@ -6,7 +6,7 @@
 #include "app/encode/surface_triangles.h"
 #include "app/encode/textured_surface.h"
 #include "app/formats/content_types.h"
-#include "app/formats/qnv/cloud_reader.h"
+#include "app/formats/qnv/geometry_reader.h"
 #include "app/loading/updates/limit_report.h"
 #include "app/loading/world_loader.h"
 #include "base/text.h"
@@ -58,7 +58,8 @@ std::optional<Opened> open_volume_input(const InputOptions& options, const std::
   return std::move(std::get<qnv::VolumeSource>(opened));
 }
 
-std::optional<Opened> open_cloud_input(const LoadingOptions& options, const ContentType& type, const CloudFile& file) {
+std::optional<Opened> open_geometry_input(const LoadingOptions& options, const ContentType& type,
+                                          const GeometryFile& file) {
   Diagnostics diagnostics;
   const LoadLimit limit(deadline_of(options));
   const WorldBudget budget = budget_of(options, limit);
@@ -90,7 +91,7 @@ std::optional<Opened> open_world_input(const LoadingOptions& options, const std:
   // Vectors can be viewed from any distance, so tessellate text as finely as for the largest pictures.
   constexpr float kPixelsPerRadian = 20'000;
   surface->list = render::collect(*surface->world.scene, surface->world.images, surface->meshes, glm::vec3(0, 0, 10),
-                                  surface->world.clouds, nullptr, kPixelsPerRadian);
+                                  surface->world.geometries, nullptr, kPixelsPerRadian);
   Diagnostics limits;
   report_limits(surface->list, limits);
   print_diagnostics(limits);
@@ -315,8 +316,8 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
     input.file = file;
   } else if (is_raw(options) || type.content == ContentClass::volume) {
     opened = open_volume_input(options, local);
-  } else if (type.is_cloud() && !is_outline_stream(all)) {
-    opened = open_cloud_input(options, type, {local, all});
+  } else if (type.is_geometry() && !is_outline_stream(all)) {
+    opened = open_geometry_input(options, type, {local, all});
   } else if (form == MeshForm::world || !open_mesh_input(options, type, local, all, opened)) {
     opened = open_world_input(options, local, input.title);
   }

@@ -12,10 +12,10 @@ namespace gs::app {
 
 /// Class of a file's content. Decides how the file is read.
 enum class ContentClass : std::uint8_t {
-  vrml,  // scene, read while it is received and decompressed
+  vrml,    // scene, read while it is received and decompressed
   mesh,    // imported at once as a mesh or a scene
   stream,  // QNV stream, decoded while it is received
-  cloud,  // vectors or splats of other programs, imported as vectors
+  splats,  // vectors or splats of other programs, imported as vectors
   volume,  // volume, read from its path slice by slice; its strongest gradients become vectors
 };
 
@@ -35,8 +35,8 @@ struct ContentType {
   std::string_view mark = {};  // first bytes of each file of this type; empty if they vary
 
   /// Returns true if files of this type become vectors instead of nodes.
-  [[nodiscard]] bool is_cloud() const {
-    return content == ContentClass::stream || content == ContentClass::cloud || content == ContentClass::volume;
+  [[nodiscard]] bool is_geometry() const {
+    return content == ContentClass::stream || content == ContentClass::splats || content == ContentClass::volume;
   }
 };
 

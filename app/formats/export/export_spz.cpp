@@ -1,6 +1,6 @@
 #include "app/formats/common/byte_order.h"
 #include "app/formats/export/export.h"
-#include "app/formats/export/export_discs.h"
+#include "app/formats/export/export_vectors.h"
 #include "app/formats/splats/splats.h"
 #include "app/formats/splats/spz.h"
 

@@ -11,7 +11,7 @@
 #include "app/view/panes/split_tree.h"
 #include "qnv/base/geometry.h"
 #include "render/draw/renderer.h"
-#include "render/scene/cloud_look.h"
+#include "render/scene/splat_style.h"
 #include "vrml/mesh/mesh.h"
 
 #include <glm/vec2.hpp>
@@ -102,7 +102,7 @@ struct UiModel {
 
   // Vectors and volumes of the world.
   render::SplatStyle look;
-  bool has_surface_clouds = false, has_volumes = false;
+  bool has_surface_vectors = false, has_volumes = false;
   WideBox bounds;  // world space, of the whole world
   std::vector<std::shared_ptr<const qnv::Volume>> volumes;  // input of the panel's summary, which is computed only once
   glm::vec3 looking{0, 0, -1};  // world space, viewing direction

@@ -60,10 +60,10 @@ struct LoadedWorld {
   std::string path;  // path or URL as requested
   std::unique_ptr<vrml::SceneGraph> scene;  // null if the world cannot be shown; see the diagnostics
   render::Images images;
-  render::Geometries clouds;
+  render::Geometries geometries;
   std::unordered_map<const vrml::Node*, std::shared_ptr<const MediaFile>> media;  // by AudioClip or MovieTexture
   std::vector<MediaDuration> durations;  // durations that the nodes have not got yet
-  std::vector<std::shared_ptr<StreamFeed>> feeds;  // feeds of streams in `clouds` that still grow; see stream_feed.h
+  std::vector<std::shared_ptr<StreamFeed>> feeds;  // streams of `geometries` that still grow
   /// Scenes that hold the memory shares of polygons from urls, by OutlineGroup.
   std::unordered_map<const vrml::Node*, std::shared_ptr<const vrml::SceneGraph>> outlines;
   std::vector<UrlProgress> progress;  // progress of QNV nodes

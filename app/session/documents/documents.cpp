@@ -31,11 +31,11 @@ glm::vec3 size_of_all(const render::RenderList& list) {
   return list.bounds.empty() ? glm::vec3(0) : list.bounds.size();
 }
 
-void inspect_clouds(Document& document) {
+void inspect_geometries(Document& document) {
   for (const render::SplatItem& item : document.list->splats) {
     if (!item.geometry) continue;
     const bool surface = item.geometry->kind() == qnv::Kind::surface;
-    (surface ? document.has_surface_clouds : document.has_volumes) = true;
+    (surface ? document.has_surface_vectors : document.has_volumes) = true;
   }
 }
 
@@ -53,7 +53,7 @@ std::shared_ptr<Document> preview_document(const std::string& path, const WorldL
   document->has_navigation_info = list.has_navigation;
   document->upright = loading.upright(size_of_all(list));
   document->list = std::make_shared<const render::RenderList>(std::move(list));
-  inspect_clouds(*document);
+  inspect_geometries(*document);
   return document;
 }
 
@@ -83,7 +83,7 @@ void begin_world(Document& document, double now) {
     (void)document.runtime->show(*document.first_scene, viewer);
   }
   report_limits(*document.list, document.world.diagnostics);
-  inspect_clouds(document);
+  inspect_geometries(document);
 }
 
 bool arrive(Document& document, ResourceUpdates&& updates) {

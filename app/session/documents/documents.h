@@ -32,7 +32,7 @@ struct Document {
   bool is_preview = false;  // only a part was received, and there is no scene yet
   bool viewer_dependent = false;  // has LOD or Billboard nodes, so each moving viewer needs an own render list
   bool has_navigation_info = false;
-  bool has_surface_clouds = false, has_volumes = false;  // kinds of QNV data in the world
+  bool has_surface_vectors = false, has_volumes = false;  // kinds of QNV data in the world
   std::shared_ptr<WorldReader> reader;  // reader of references and of stream parts that views need; may be null
   LoadingState arriving;  // progress of loading; empty after everything was loaded
   bool all_came = false;
@@ -40,7 +40,7 @@ struct Document {
   std::optional<glm::dvec3> destination;  // destination of that camera's animated move
   bool controlled = false;  // changed by a --control client, which may also have created its Scripts
 
-  [[nodiscard]] bool has_clouds() const { return has_surface_clouds || has_volumes; }
+  [[nodiscard]] bool has_vectors() const { return has_surface_vectors || has_volumes; }
 };
 
 /// Makes a document from an opened world. Time does not start yet. `meshes` holds meshes that were already made for its

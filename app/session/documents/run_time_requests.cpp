@@ -1,6 +1,6 @@
 #include "app/session/documents/run_time_requests.h"
 
-#include "app/formats/qnv/cloud_reader.h"
+#include "app/formats/qnv/geometry_reader.h"
 #include "app/script/run_time_nodes.h"
 
 #include <algorithm>
@@ -17,12 +17,12 @@ constexpr std::size_t kMaxRequests = 10'000;  // max requests until the caller t
 bool take_own_vectors(LoadedWorld& world, const vrml::SceneGraph& scene, vrml::NodeId id) {
   if (scene.get<vrml::MFInt32>(id, "vectors").empty()) return false;
   const vrml::Node& node = scene.node(id);
-  if (world.clouds.contains(&node)) return true;
+  if (world.geometries.contains(&node)) return true;
   auto made = inline_vectors(scene, id);
   std::string problem;
   if (auto* geometry = std::get_if<qnv::Geometry>(&made)) {
     if (auto held = hold_geometry(std::move(*geometry), scene.budget()))
-      world.clouds[&node] = std::move(held);
+      world.geometries[&node] = std::move(held);
     else
       problem = scene.budget()->refusal(Resource::vectors) + "; left out";
   } else {

@@ -19,7 +19,7 @@ constexpr float kMinSpeed = 1e-4f, kMaxSpeed = 1e6f;
 PickOptions pick_options(const View& seen, const glm::vec2& size) {
   PickOptions options;
   options.pixel = pixel_along_ray(seen.navigation.pose, size);
-  options.clouds = seen.look;
+  options.splat_style = seen.look;
   return options;
 }
 

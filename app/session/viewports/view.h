@@ -4,8 +4,8 @@
 #include "app/view/navigation.h"
 #include "app/view/pose_history.h"
 #include "app/view/values/slices.h"
-#include "render/scene/cloud_look.h"
 #include "render/scene/draw_options.h"
+#include "render/scene/splat_style.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>

@@ -1,6 +1,6 @@
 #include "app/base/load_limit.h"
 
-#include "app/formats/qnv/cloud_reader.h"
+#include "app/formats/qnv/geometry_reader.h"
 #include "app/loading/world_loader.h"
 #include "tests/app/scratch_folder.h"
 

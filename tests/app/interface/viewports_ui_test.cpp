@@ -173,7 +173,7 @@ TEST_CASE("applies the weight of a viewport to its share of vectors and bandwidt
   Driver user;
   show_two(user);
   user.measures().budget = 1'000'000;
-  for (const std::size_t pane : {0u, 1u}) user.session().panes().at(pane).view()->document->has_surface_clouds = true;
+  for (const std::size_t pane : {0u, 1u}) user.session().panes().at(pane).view()->document->has_surface_vectors = true;
   user.settle();
   CHECK(user.sees("50 %"));
   std::vector<std::size_t> budgets = budgets_of(user.frame(), user.session().panes(), 1'000'000);

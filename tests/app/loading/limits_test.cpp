@@ -1,5 +1,5 @@
 #include "app/formats/content_types.h"
-#include "app/formats/qnv/cloud_reader.h"
+#include "app/formats/qnv/geometry_reader.h"
 #include "app/formats/volume/volume.h"
 #include "app/loading/world_loader.h"
 #include "app/session/documents/documents.h"

@@ -5,7 +5,7 @@
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/records/encode/encode_vectors.h"
 #include "qnv/reader/stream_decoder.h"
-#include "tests/app/clouds.h"
+#include "tests/app/geometry_shapes.h"
 #include "tests/app/large_stream.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/worlds.h"
@@ -283,8 +283,8 @@ TEST_CASE("shows a stream from its front, and refines it") {
   CHECK(std::is_sorted(clusters.begin(), clusters.end()));
   CHECK(clusters.front() * 2 < clusters.back());
   const LoadedWorld world = load_world("memory://a/ball.qnv", web.options);
-  REQUIRE(world.clouds.size() == 1);
-  const auto octree = content_of<qnv::OctreeSplats>(*world.clouds.begin()->second);
+  REQUIRE(world.geometries.size() == 1);
+  const auto octree = content_of<qnv::OctreeSplats>(*world.geometries.begin()->second);
   CHECK(octree.stream->statistics().clusters == clusters.back());
 }
 
@@ -299,7 +299,7 @@ TEST_CASE("slows a stream beside one of more weight") {
     REQUIRE(world.feeds.size() == 1);
     StreamFeed& feed = *world.feeds[0];
     feed.set_weight(weight);
-    qnv::LodStream& stream = *content_of<qnv::OctreeSplats>(*world.clouds.begin()->second).stream;
+    qnv::LodStream& stream = *content_of<qnv::OctreeSplats>(*world.geometries.begin()->second).stream;
     qnv::LodView view;
     view.eye = {0, 0, 4};
     view.pixels = 5000;
@@ -340,7 +340,7 @@ TEST_CASE("reads from a long stream only the parts that a view needs") {
   REQUIRE(world.scene);
   REQUIRE(world.feeds.size() == 1);
   StreamFeed& feed = *world.feeds[0];
-  qnv::LodStream& stream = *content_of<qnv::OctreeSplats>(*world.clouds.begin()->second).stream;
+  qnv::LodStream& stream = *content_of<qnv::OctreeSplats>(*world.geometries.begin()->second).stream;
   CHECK(loading.streaming());
   qnv::LodView view;
   view.eye = {0, 0, 4};
@@ -396,8 +396,8 @@ TEST_CASE("reads the parts of a records stream in view first, then the rest") {
     const LoadedWorld world = loading.take();
     INFO(said(world));
     CHECK(said(world).empty());
-    REQUIRE(world.clouds.size() == 1);
-    CHECK(world.clouds.begin()->second->size() == stream.header.vectors);
+    REQUIRE(world.geometries.size() == 1);
+    CHECK(world.geometries.begin()->second->size() == stream.header.vectors);
     REQUIRE(world.feeds.size() == 1);
     CHECK_FALSE(world.feeds[0]->reading());
     // The mean time of a chunk's transfer, in transfers, for chunks in view and others.

@@ -5,7 +5,7 @@
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/reader/decode_stream.h"
 
-#include "tests/app/clouds.h"
+#include "tests/app/geometry_shapes.h"
 #include "tests/app/late_worlds.h"
 
 #include <catch2/catch.hpp>
@@ -83,7 +83,7 @@ TEST_CASE("replaces the vectors of a QNV node on set_url") {
   CHECK(world.vectors() == large);
   world.set_url("small.qnv");
   ResourceUpdates former = world.come();
-  REQUIRE(former.clouds.size() == 1);
+  REQUIRE(former.geometries.size() == 1);
   world.set_url("large.qnv");
   ResourceUpdates present = world.come();
   world.runtime->arrive(std::move(former));

@@ -44,27 +44,27 @@ glm::mat4 at(float z) { return glm::translate(glm::mat4(1), {0, 0, z}); }
 
 /// Returns a disc of area 3.14 in the plane z = 0 that faces +z and covers 1.7 around the origin.
 std::shared_ptr<qnv::Splats> disc() {
-  auto cloud = std::make_shared<qnv::Splats>();
-  cloud->positions = {{0, 0, 0}};
-  cloud->normals = {{0, 0, 1}};
-  cloud->weights = {3.14159f};
-  return cloud;
+  auto geometry = std::make_shared<qnv::Splats>();
+  geometry->positions = {{0, 0, 0}};
+  geometry->normals = {{0, 0, 1}};
+  geometry->weights = {3.14159f};
+  return geometry;
 }
 
 /// Returns ten layers of vectors from z = 0 to -0.9.
 std::shared_ptr<qnv::Volume> fog_volume(float opacity) {
-  auto cloud = std::make_shared<qnv::Volume>();
-  cloud->description.spacing = 0.1f;
-  cloud->description.transfer = {{0, {}, opacity}, {1, {}, opacity}};
+  auto geometry = std::make_shared<qnv::Volume>();
+  geometry->description.spacing = 0.1f;
+  geometry->description.transfer = {{0, {}, opacity}, {1, {}, opacity}};
   for (int i = 0; i < 10 * 441; ++i) {
-    cloud->positions.emplace_back(0.1f * static_cast<float>(i % 21 - 10), 0.1f * static_cast<float>(i / 21 % 21 - 10),
-                                  -0.1f * static_cast<float>(i / 441));
-    cloud->normals.emplace_back(0, 0, 1);
-    cloud->weights.push_back(i < 5 * 441 ? 1.0f : 2.0f);  // the farther half has the longer gradients
-    cloud->classes.push_back(i < 5 * 441 ? 100 : 200);
+    geometry->positions.emplace_back(0.1f * static_cast<float>(i % 21 - 10),
+                                     0.1f * static_cast<float>(i / 21 % 21 - 10), -0.1f * static_cast<float>(i / 441));
+    geometry->normals.emplace_back(0, 0, 1);
+    geometry->weights.push_back(i < 5 * 441 ? 1.0f : 2.0f);  // the farther half has the longer gradients
+    geometry->classes.push_back(i < 5 * 441 ? 100 : 200);
   }
-  cloud->description.box = {{-1, -1, -0.9f}, {1, 1, 0}};
-  return cloud;
+  geometry->description.box = {{-1, -1, -0.9f}, {1, 1, 0}};
+  return geometry;
 }
 
 template <class Content>
@@ -201,15 +201,15 @@ TEST_CASE("ignores the parts of a volume that the style hides") {
   add(list, fog_volume(0.9f), at(-2));
   Picker picker;
   PickOptions options;
-  options.clouds.clip = glm::vec4(0, 0, -1, -2.75f);  // keeps z <= -2.75 of the world
+  options.splat_style.clip = glm::vec4(0, 0, -1, -2.75f);  // keeps z <= -2.75 of the world
   CHECK(picker.pick(list, kAhead, options)->distance == Approx(2.8).margin(0.11));
   options = {};
-  options.clouds.least_magnitude = 1.5f;
+  options.splat_style.least_magnitude = 1.5f;
   CHECK(picker.pick(list, kAhead, options)->distance == Approx(2.5).margin(0.11));
   options = {};
-  options.clouds.transfer = {{0.5f, {}, 0}, {0.6f, {}, 0.9f}};  // class 100 is transparent
+  options.splat_style.transfer = {{0.5f, {}, 0}, {0.6f, {}, 0.9f}};  // class 100 is transparent
   CHECK(picker.pick(list, kAhead, options)->distance == Approx(2.5).margin(0.11));
-  options.clouds.transfer = {{0, {}, 0}};
+  options.splat_style.transfer = {{0, {}, 0}};
   CHECK_FALSE(picker.pick(list, kAhead, options));
   options = {};
   list.splats[0].material.transparency = 1;

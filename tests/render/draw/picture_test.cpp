@@ -1,8 +1,8 @@
 #include "render/draw/picture.h"
 
-#include "tests/render/clouds.h"
 #include "tests/render/draw/whole_picture.h"
 #include "tests/render/drawing.h"
+#include "tests/render/geometry_shapes.h"
 #include "tests/render/image_difference.h"
 
 #include <cmath>
@@ -57,11 +57,11 @@ ImageDifference tiled_against_whole(const RenderList& list, PictureOptions optio
   return std::get<ImageDifference>(difference);
 }
 
-RenderList cloud_world(qnv::Geometry cloud) {
+RenderList geometry_world(qnv::Geometry geometry) {
   RenderList list;
   list.background.sky_colors = {{0.2f, 0.2f, 0.3f}};
   SplatItem item;
-  item.geometry = std::make_shared<const qnv::Geometry>(std::move(cloud));
+  item.geometry = std::make_shared<const qnv::Geometry>(std::move(geometry));
   list.splats.push_back(std::move(item));
   list.bounds.add(glm::vec3(-3));
   list.bounds.add(glm::vec3(3));
@@ -98,8 +98,8 @@ TEST_CASE("draws the same picture in tiles as at once: splats and volumes", "[op
   for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
     PictureOptions options = sized(130, 101);
     options.draw.splats = path;
-    CHECK(tiled_against_whole(cloud_world(test::disc_sphere(3000, 3)), options).psnr > 50);
-    CHECK(tiled_against_whole(cloud_world(test::random_volume(2000, 3, 0.2f)), options).psnr > 45);
+    CHECK(tiled_against_whole(geometry_world(test::disc_sphere(3000, 3)), options).psnr > 50);
+    CHECK(tiled_against_whole(geometry_world(test::random_volume(2000, 3, 0.2f)), options).psnr > 45);
   }
 }
 

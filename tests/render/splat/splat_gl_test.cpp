@@ -12,11 +12,11 @@ using namespace gs::render::testing;
 
 namespace {
 
-RenderList sphere_list(const std::shared_ptr<const qnv::Splats>& cloud,
+RenderList sphere_list(const std::shared_ptr<const qnv::Splats>& geometry,
                        const glm::mat4& world_from_node = glm::mat4(1.0f)) {
   RenderList list;
   SplatItem item;
-  item.geometry = shared_geometry(cloud);
+  item.geometry = shared_geometry(geometry);
   item.world_from_node = world_from_node;
   item.material.specular = glm::vec3(0.3f);
   for (int i = 0; i < 8; ++i)
@@ -127,10 +127,10 @@ TEST_CASE("draws octree splats with OpenGL as on the processor", "[optimised]") 
 }
 
 TEST_CASE("keeps the sides of two-sided surfaces apart with OpenGL", "[optimised]") {
-  auto cloud = sphere(3000, true);
-  cloud->description.two_sided = true;
-  check_same_picture(sphere_list(cloud), camera_at({0, 0, 3.5f}));
-  check_same_picture(sphere_list(cloud), camera_at({0, 0, 0}));  // from inside
+  auto geometry = sphere(3000, true);
+  geometry->description.two_sided = true;
+  check_same_picture(sphere_list(geometry), camera_at({0, 0, 3.5f}));
+  check_same_picture(sphere_list(geometry), camera_at({0, 0, 0}));  // from inside
   auto cells = std::make_shared<qnv::Splats>(*octree_sphere(4000));
   cells->description.two_sided = true;
   check_same_picture(sphere_list(cells), camera_at({0, 0, 0}));
@@ -147,10 +147,10 @@ TEST_CASE("draws surfaces with OpenGL under any scale, and partly behind the vie
   check_same_picture(sphere_list(octree_sphere(4000), shear), camera_at({0, 0, 4}));
   check_same_picture(sphere_list(sphere(2000), scale({-1, 1, 1})), camera_at({0, 0, 4}));
   check_same_picture(sphere_list(sphere(2000), scale(glm::vec3(1e-4f))), camera_at({0, 0, 4e-4f}));
-  auto cloud = sphere(3000);
-  cloud->description.two_sided = true;
-  check_same_picture(sphere_list(cloud), camera_at({0, 0, 1.01f}));
-  check_same_picture(sphere_list(cloud), camera_at({0.9f, 0, 0.3f}));
+  auto geometry = sphere(3000);
+  geometry->description.two_sided = true;
+  check_same_picture(sphere_list(geometry), camera_at({0, 0, 1.01f}));
+  check_same_picture(sphere_list(geometry), camera_at({0.9f, 0, 0.3f}));
 }
 
 TEST_CASE("hides splats and meshes behind each other with OpenGL") {
@@ -266,8 +266,8 @@ TEST_CASE("closes pinholes, but no real openings") {
 TEST_CASE("draws pictures too large for OpenGL on the processor") {
   OpenContext open;
   SplatGl splats(open.gl);
-  const auto cloud = sphere(100);
-  const SharedSplatPiece whole{cloud, 0, 100};
+  const auto geometry = sphere(100);
+  const SharedSplatPiece whole{geometry, 0, 100};
   SplatView view = view_of_sphere();
   view.width = open.gl.max_texture_size + 1;
   CHECK(!splats.draw(std::span(&whole, 1), view));
@@ -315,19 +315,19 @@ TEST_CASE("survives point sets with NaN, infinite and extreme values") {
   std::mt19937 random(9);
   const auto any = [&] { return numbers[random() % numbers.size()]; };
   for (int round = 0; round < 60; ++round) {
-    auto cloud = std::make_shared<qnv::Splats>();
-    cloud->description.two_sided = round % 2 == 0;
-    cloud->description.box = {{-1, -1, -1}, {1, 1, 1}};
+    auto geometry = std::make_shared<qnv::Splats>();
+    geometry->description.two_sided = round % 2 == 0;
+    geometry->description.box = {{-1, -1, -1}, {1, 1, 1}};
     for (int i = 0; i < 1 + round; ++i) {
       // Some rounds have only finite positions, so that something is drawn.
-      cloud->positions.push_back(round % 3 == 0 ? glm::vec3(0.1f * static_cast<float>(i % 9), 0, 0)
-                                                : glm::vec3(any(), any(), any()));
-      cloud->normals.push_back({any(), any(), any()});
-      cloud->weights.push_back(any());
-      if (round % 4 == 1) cloud->cells.push_back({any(), any()});
-      if (round % 5 == 1) cloud->colors.push_back({1, 2, 3});
+      geometry->positions.push_back(round % 3 == 0 ? glm::vec3(0.1f * static_cast<float>(i % 9), 0, 0)
+                                                   : glm::vec3(any(), any(), any()));
+      geometry->normals.push_back({any(), any(), any()});
+      geometry->weights.push_back(any());
+      if (round % 4 == 1) geometry->cells.push_back({any(), any()});
+      if (round % 5 == 1) geometry->colors.push_back({1, 2, 3});
     }
-    (void)drawing.draw(sphere_list(cloud));
+    (void)drawing.draw(sphere_list(geometry));
     CHECK(drawing.statistics.splats != std::string("none"));
     CHECK(faultless(drawing.context()));
   }

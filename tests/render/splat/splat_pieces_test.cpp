@@ -76,11 +76,11 @@ TEST_CASE("makes colour ramps from blue to red, and different colours for neighb
 }
 
 TEST_CASE("draws a prefix of a point set without levels, and cuts it where its colours change") {
-  const auto cloud = shared_geometry(sphere(10000));
+  const auto geometry = shared_geometry(sphere(10000));
   CutOptions options;
-  CHECK(total(cut_splats(cloud, from({0, 0, 3}), options)) == 10000);
+  CHECK(total(cut_splats(geometry, from({0, 0, 3}), options)) == 10000);
   options.budget = 2500;
-  SplatCut cut = cut_splats(cloud, from({0, 0, 3}), options);
+  SplatCut cut = cut_splats(geometry, from({0, 0, 3}), options);
   REQUIRE(cut.pieces.size() == 1);
   CHECK(cut.pieces[0].count == 2500);
   CHECK(cut.pieces[0].growth == 4);
@@ -91,7 +91,7 @@ TEST_CASE("draws a prefix of a point set without levels, and cuts it where its c
     for (const std::size_t budget : {1u, 64u, 65u, 9999u, 0u}) {
       options.color_by = color_by;
       options.budget = budget;
-      cut = cut_splats(cloud, from({0, 0, 3}), options);
+      cut = cut_splats(geometry, from({0, 0, 3}), options);
       std::size_t next = 0;
       for (const SharedSplatPiece& piece : cut.pieces) {
         CHECK(piece.first == next);
@@ -104,17 +104,17 @@ TEST_CASE("draws a prefix of a point set without levels, and cuts it where its c
   }
   CHECK(cut.pieces.size() == 64);     // by age
   options.color_by = ColorBy::level;  // 64, 64, 128, ... 4096, 1808
-  cut = cut_splats(cloud, from({0, 0, 3}), options);
+  cut = cut_splats(geometry, from({0, 0, 3}), options);
   REQUIRE(cut.pieces.size() == 9);
   CHECK(cut.pieces[2].first == 128);
   CHECK(*cut.pieces.front().tint == qnv::Rgb8{0, 0, 255});
   CHECK(*cut.pieces.back().tint == qnv::Rgb8{255, 0, 0});
   options.color_by = ColorBy::age;
-  cut = cut_splats(cloud, from({0, 0, 3}), options);
+  cut = cut_splats(geometry, from({0, 0, 3}), options);
   CHECK(*cut.pieces.front().tint == qnv::Rgb8{0, 0, 255});
   CHECK(*cut.pieces.back().tint == qnv::Rgb8{255, 0, 0});
   options.color_by = ColorBy::chunk;
-  CHECK(cut_splats(cloud, from({0, 0, 3}), options).pieces.size() == 3);
+  CHECK(cut_splats(geometry, from({0, 0, 3}), options).pieces.size() == 3);
   CHECK(cut_splats(std::make_shared<qnv::Geometry>(), from({0, 0, 3}), options).pieces.empty());
 }
 

@@ -4,7 +4,7 @@
 #include "render/splat/splat_pieces.h"
 #include "render/surface/patch_kernel.h"
 #include "tests/qnv/codecs/displaced/tessellation/patch_shapes.h"
-#include "tests/render/clouds.h"
+#include "tests/render/geometry_shapes.h"
 
 #include <catch2/catch.hpp>
 #include <glm/glm.hpp>

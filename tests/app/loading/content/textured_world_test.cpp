@@ -7,7 +7,7 @@
 #include "render/collection/collector.h"
 #include "render/collection/render_scene.h"
 #include "render/image/image.h"
-#include "tests/app/clouds.h"
+#include "tests/app/geometry_shapes.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/worlds.h"
 #include "tests/qnv/codecs/displaced/displaced_shapes.h"
@@ -69,10 +69,10 @@ TEST_CASE("shows a textured surface with the received part of mesh and texture")
     cut.max_bytes = bytes;
     LoadedWorld world = load_world(path, cut);
     INFO(bytes << " bytes: " << said(world));
-    REQUIRE(world.clouds.size() == 1);
-    const auto& [node, cloud] = *world.clouds.begin();
+    REQUIRE(world.geometries.size() == 1);
+    const auto& [node, geometry] = *world.geometries.begin();
     render::MeshCache meshes;
-    const render::RenderList list = render::collect(*world.scene, world.images, meshes, {0, 0, 10}, world.clouds);
+    const render::RenderList list = render::collect(*world.scene, world.images, meshes, {0, 0, 10}, world.geometries);
     const auto pictured =
         std::ranges::count_if(list.items, [](const auto& item) { return item.texture.image != nullptr; });
     if (pictured == 0) {
@@ -96,7 +96,7 @@ TEST_CASE("shows a textured surface with the received part of mesh and texture")
       REQUIRE(!list.items[0].texture.image);
       for (const std::uint32_t i : list.items[0].mesh->indices) REQUIRE_EACH(i < list.items[0].mesh->positions.size());
       REQUIRE(list.items[0].mesh->indices.size() + item.mesh->indices.size() ==
-              cloud->as<qnv::IndexedMesh>()->triangles.size());
+              geometry->as<qnv::IndexedMesh>()->triangles.size());
     } else {
       ++whole;
       REQUIRE(item.mesh->indices.size() == 3u * 2 * 70 * 40);
@@ -117,9 +117,9 @@ TEST_CASE("keeps the texture of a surface when its material changes, and under t
                    "geometry QNV { url \"torus.qnv\" } }");
   LoadedWorld world = load_world(path);
   INFO(said(world));
-  REQUIRE(world.clouds.size() == 1);
+  REQUIRE(world.geometries.size() == 1);
   render::MeshCache meshes;
-  render::RenderScene scene(*world.scene, world.images, world.clouds, meshes);
+  render::RenderScene scene(*world.scene, world.images, world.geometries, meshes);
   scene.gather({}, {0, 0, 10});
   REQUIRE(scene.list().items.size() == 1);
   const auto image = scene.list().items[0].texture.image;

@@ -55,7 +55,7 @@ TEST_CASE("shows the base in a window at once, and requests the next parts by vi
   REQUIRE(world.feeds.size() == 1);
   StreamFeed& feed = *world.feeds.front();
   (void)feed.apply();
-  auto& levels = *content_of<qnv::OctreeSplats>(*world.clouds.begin()->second).stream;
+  auto& levels = *content_of<qnv::OctreeSplats>(*world.geometries.begin()->second).stream;
   REQUIRE(levels.statistics().clusters > 0);
   // A close view of the right side.
   qnv::LodView view;

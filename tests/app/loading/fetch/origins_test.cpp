@@ -276,11 +276,11 @@ TEST_CASE("restricts a header from the network to the network") {
     };
     const LoadedWorld good = with("../data/v.raw");
     INFO(said(good));
-    CHECK(good.clouds.size() == 1);
+    CHECK(good.geometries.size() == 1);
     for (const std::string& data : {secret, "../../../../../../../.." + secret, "file://" + secret}) {
       INFO(data);
       const LoadedWorld bad = with(data);
-      CHECK(bad.clouds.empty());
+      CHECK(bad.geometries.empty());
       CHECK(said(bad).find("404") != std::string::npos);  // it was requested over the network
     }
     // Also as its own document.
@@ -444,7 +444,7 @@ TEST_CASE("greets few unresponsive servers at a time") {
   LoadOptions options;
   options.timeout_seconds = 1;
   const LoadedWorld world = load_world(folder.write("world.wrl", text(body)), options);
-  CHECK(world.clouds.empty());
+  CHECK(world.geometries.empty());
   std::set<net::Endpoint> clients;
   std::size_t count = 0;
   net::Endpoint from;

@@ -26,7 +26,7 @@ LoadedWorld world_of(qnv::Geometry geometry) {
   const vrml::NodeId shape = make("Shape"), qnv = make("QNV");
   world.scene->set<vrml::SFNode>(shape, "geometry", qnv);
   world.scene->add_root(shape);
-  world.clouds[&world.scene->node(qnv)] = std::make_shared<const qnv::Geometry>(std::move(geometry));
+  world.geometries[&world.scene->node(qnv)] = std::make_shared<const qnv::Geometry>(std::move(geometry));
   return world;
 }
 
@@ -145,29 +145,29 @@ TEST_CASE("chooses navigation and Viewpoint at the entry of a world") {
 }
 
 TEST_CASE("reports the point sets of a document") {
-  qnv::Splats cloud;
-  cloud.positions = {{0, 0, 0}, {1, 1, 1}};
-  cloud.normals = {{0, 0, 1}, {0, 1, 0}};
-  cloud.weights = {3, 8};
-  cloud.description.box.add({0, 0, 0});
-  cloud.description.box.add({1, 1, 1});
+  qnv::Splats geometry;
+  geometry.positions = {{0, 0, 0}, {1, 1, 1}};
+  geometry.normals = {{0, 0, 1}, {0, 1, 0}};
+  geometry.weights = {3, 8};
+  geometry.description.box.add({0, 0, 0});
+  geometry.description.box.add({1, 1, 1});
   SECTION("a surface") {
-    const auto document = make_document(world_of(cloud));
-    CHECK(document->has_surface_clouds);
+    const auto document = make_document(world_of(geometry));
+    CHECK(document->has_surface_vectors);
     CHECK_FALSE(document->has_volumes);
-    CHECK(document->has_clouds());
+    CHECK(document->has_vectors());
   }
   SECTION("a volume") {
     qnv::Volume volume;
-    static_cast<qnv::VectorArrays&>(volume) = cloud;
+    static_cast<qnv::VectorArrays&>(volume) = geometry;
     volume.description.value_range = {-1000, 3000};
     volume.description.metadata = {{"title", "head"}};
     volume.classes = {1, 2};
     const auto document = make_document(world_of(volume));
-    CHECK_FALSE(document->has_surface_clouds);
+    CHECK_FALSE(document->has_surface_vectors);
     CHECK(document->has_volumes);
   }
-  CHECK_FALSE(make_document(world_with({"Group"}))->has_clouds());
+  CHECK_FALSE(make_document(world_with({"Group"}))->has_vectors());
 }
 
 TEST_CASE("labels a file with the last part of its path") {

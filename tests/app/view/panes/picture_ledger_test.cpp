@@ -49,9 +49,9 @@ TEST_CASE("keeps a picture while none of its parts changes") {
   CHECK(changed([](PictureSource& now) { now.draw.budget = 7; }));
   CHECK(changed([](PictureSource& now) { now.draw.headlight = false; }));
   CHECK(changed([](PictureSource& now) { now.draw.background = glm::vec3(1); }));
-  CHECK(changed([](PictureSource& now) { now.draw.clouds.opacity = 3; }));
-  CHECK(changed([](PictureSource& now) { now.draw.clouds.color_by = render::ColorBy::normal; }));
-  CHECK(changed([](PictureSource& now) { now.draw.clouds.transfer.resize(2); }));
+  CHECK(changed([](PictureSource& now) { now.draw.splat_style.opacity = 3; }));
+  CHECK(changed([](PictureSource& now) { now.draw.splat_style.color_by = render::ColorBy::normal; }));
+  CHECK(changed([](PictureSource& now) { now.draw.splat_style.transfer.resize(2); }));
   CHECK(changed([](PictureSource& now) { now.draw.splats = render::SplatPath::gl; }));
   CHECK_FALSE(changed([](PictureSource& now) { now.draw.go_on = [] { return false; }; }));
 }

@@ -270,17 +270,18 @@ TEST_CASE("ends a textured surface with its mesh and texture, in any order of it
       (void)decoder.push(std::span(stream->bytes).subspan(at, std::min<std::size_t>(97, stream->bytes.size() - at)));
       if (decoder.revision() == revision) continue;
       revision = decoder.revision();
-      const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
-      REQUIRE_EACH((cloud.colors.empty() || cloud.colors.size() == cloud.positions.size()));
-      REQUIRE_EACH(cloud.texture_coordinates.size() <= cloud.positions.size());
-      if (cloud.texture_coordinates.empty()) continue;
+      const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
+      REQUIRE_EACH((geometry.colors.empty() || geometry.colors.size() == geometry.positions.size()));
+      REQUIRE_EACH(geometry.texture_coordinates.size() <= geometry.positions.size());
+      if (geometry.texture_coordinates.empty()) continue;
       // The textured part comes last, and only together with the texture.
-      REQUIRE_EACH(cloud.picture);
-      partly = partly || cloud.first_textured() > 0;
+      REQUIRE_EACH(geometry.picture);
+      partly = partly || geometry.first_textured() > 0;
       bool pictured = false;
-      for (std::size_t i = 0; i < cloud.triangles.size(); i += 3) {
-        const bool now = cloud.triangles[i] >= cloud.first_textured();
-        for (std::size_t k = 1; k < 3; ++k) REQUIRE_EACH((cloud.triangles[i + k] >= cloud.first_textured()) == now);
+      for (std::size_t i = 0; i < geometry.triangles.size(); i += 3) {
+        const bool now = geometry.triangles[i] >= geometry.first_textured();
+        for (std::size_t k = 1; k < 3; ++k)
+          REQUIRE_EACH((geometry.triangles[i + k] >= geometry.first_textured()) == now);
         REQUIRE_EACH((now || !pictured));
         pictured = now;
       }
@@ -288,20 +289,20 @@ TEST_CASE("ends a textured surface with its mesh and texture, in any order of it
     decoder.finish();
     CHECK(decoder.mesh().final);
     CHECK(decoder.refused_chunks() == 0);
-    const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
-    CHECK(cloud.first_textured() == 0);
-    CHECK(cloud.triangles.size() == 3 * torus.size());
-    REQUIRE(cloud.picture);
-    CHECK(cloud.picture->bytes == surface.picture[0].bytes);
+    const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
+    CHECK(geometry.first_textured() == 0);
+    CHECK(geometry.triangles.size() == 3 * torus.size());
+    REQUIRE(geometry.picture);
+    CHECK(geometry.picture->bytes == surface.picture[0].bytes);
     CHECK(partly);
     // The mesh contains each corner of the source, at its texture coordinate.
     float furthest = 0;
     for (std::size_t t = 0; t < torus.size(); t += 71)
       for (std::size_t k = 0; k < 3; ++k) {
         float nearest = 1e9f;
-        for (std::size_t v = 0; v < cloud.size(); ++v)
-          nearest = std::min(nearest, glm::length(cloud.positions[v] - torus[t].positions[k]) +
-                                          glm::length(cloud.texture_coordinates[v] - surface.coordinates[t][k]));
+        for (std::size_t v = 0; v < geometry.size(); ++v)
+          nearest = std::min(nearest, glm::length(geometry.positions[v] - torus[t].positions[k]) +
+                                          glm::length(geometry.texture_coordinates[v] - surface.coordinates[t][k]));
         furthest = std::max(furthest, nearest);
       }
     CHECK(furthest < 0.1f);

@@ -88,9 +88,9 @@ TEST_CASE("decodes exact tails of version 1 to their pinned meshes") {
     CHECK(normals.size() > 100);
     StreamDecoder decoder;
     REQUIRE(decoder.push(stream));
-    const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
+    const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
     for (const auto& [corner, n] : normals)
-      REQUIRE_EACH(glm::length(cloud.normals[cloud.triangles[corner]] - n) < 1e-4f);
+      REQUIRE_EACH(glm::length(geometry.normals[geometry.triangles[corner]] - n) < 1e-4f);
   }
 }
 
@@ -232,17 +232,19 @@ TEST_CASE("decodes a textured tail to its pinned corners, normals and texture fi
   StreamDecoder decoder;
   REQUIRE(decoder.push(stream));
   CHECK(decoder.mesh().final);
-  const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
-  REQUIRE(cloud.triangles.size() == 3 * faces.size());
-  REQUIRE(cloud.texture_coordinates.size() == cloud.size());
-  for (std::size_t corner = 0; corner < cloud.triangles.size(); ++corner)
-    REQUIRE_EACH(cloud.texture_coordinates[cloud.triangles[corner]] == lattice.at(coordinates[corner / 3][corner % 3]));
+  const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
+  REQUIRE(geometry.triangles.size() == 3 * faces.size());
+  REQUIRE(geometry.texture_coordinates.size() == geometry.size());
+  for (std::size_t corner = 0; corner < geometry.triangles.size(); ++corner)
+    REQUIRE_EACH(geometry.texture_coordinates[geometry.triangles[corner]] ==
+                 lattice.at(coordinates[corner / 3][corner % 3]));
   // The expected normals are computed in f32 from the corners of the square, within one step.
-  for (const auto& [corner, n] : normals) REQUIRE_EACH(glm::length(cloud.normals[cloud.triangles[corner]] - n) < 0.01f);
-  REQUIRE(cloud.picture);
-  CHECK(cloud.picture->bytes.size() == files[0][0]);
-  CHECK(crc32(0, reinterpret_cast<const Bytef*>(cloud.picture->bytes.data()),
-              static_cast<uInt>(cloud.picture->bytes.size())) == files[0][2]);
+  for (const auto& [corner, n] : normals)
+    REQUIRE_EACH(glm::length(geometry.normals[geometry.triangles[corner]] - n) < 0.01f);
+  REQUIRE(geometry.picture);
+  CHECK(geometry.picture->bytes.size() == files[0][0]);
+  CHECK(crc32(0, reinterpret_cast<const Bytef*>(geometry.picture->bytes.data()),
+              static_cast<uInt>(geometry.picture->bytes.size())) == files[0][2]);
 }
 
 // Pinned result of displaced_splits, by tests/qnv/vectors/splits.py.

@@ -65,11 +65,11 @@ TEST_CASE("encodes about the requested number of vectors, with the area of the s
   for (const std::size_t vectors : {500u, 2000u, 10000u, 40000u}) {
     EncodeOptions options;
     options.vectors = vectors;
-    const Splats cloud = decoded(encoded(ball, options));
-    INFO(vectors << " asked for, " << cloud.size() << " came");
-    CHECK(cloud.size() >= vectors * 9 / 10);
-    CHECK(cloud.size() <= vectors + 5000);
-    CHECK(total_weight(cloud) == Approx(area_of(ball)).epsilon(0.05));
+    const Splats geometry = decoded(encoded(ball, options));
+    INFO(vectors << " asked for, " << geometry.size() << " came");
+    CHECK(geometry.size() >= vectors * 9 / 10);
+    CHECK(geometry.size() <= vectors + 5000);
+    CHECK(total_weight(geometry) == Approx(area_of(ball)).epsilon(0.05));
   }
 }
 
@@ -99,16 +99,16 @@ TEST_CASE("never exceeds the requested length of a stream", "[optimised]") {
     INFO(most << " asked for, " << stream.bytes.size() << " came");
     CHECK(stream.bytes.size() <= most);
     if (most >= 3000) CHECK(stream.bytes.size() > most * 6 / 10);
-    const Splats cloud = decoded(stream);
-    CHECK(static_cast<double>(cloud.size()) >= last);
-    CHECK(total_weight(cloud) == Approx(area_of(ball)).epsilon(most < 900 ? 0.5 : 0.2));
+    const Splats geometry = decoded(stream);
+    CHECK(static_cast<double>(geometry.size()) >= last);
+    CHECK(total_weight(geometry) == Approx(area_of(ball)).epsilon(most < 900 ? 0.5 : 0.2));
     StreamDecoder decoder;
     REQUIRE(decoder.push(stream.bytes));
     CHECK(decoder.directory().size() == stream.header.chunks);
     std::size_t voxels = 0;
     for (const DirectoryEntry& e : decoder.directory()) voxels += e.vectors;
     CHECK(voxels >= stream.header.vectors);
-    last = static_cast<double>(cloud.size());
+    last = static_cast<double>(geometry.size());
   }
   EncodeOptions options;
   options.max_bytes = 100;
@@ -181,12 +181,12 @@ TEST_CASE("encodes surfaces of extreme size as vectors that can be drawn") {
       const Triangles ball = sphere(12, size);
       const auto result = encode(source_of(ball), options, nullptr);
       if (std::holds_alternative<EncodeError>(result)) continue;  // reports it
-      const Splats cloud = decoded(std::get<EncodedStream>(result));
-      REQUIRE_FALSE(cloud.empty());
-      for (std::size_t i = 0; i < cloud.size(); ++i) {
-        REQUIRE(cloud.weights[i] > 0);
-        REQUIRE(std::isfinite(cloud.weights[i]));
-        REQUIRE(std::isfinite(glm::length(cloud.positions[i] / size)));
+      const Splats geometry = decoded(std::get<EncodedStream>(result));
+      REQUIRE_FALSE(geometry.empty());
+      for (std::size_t i = 0; i < geometry.size(); ++i) {
+        REQUIRE(geometry.weights[i] > 0);
+        REQUIRE(std::isfinite(geometry.weights[i]));
+        REQUIRE(std::isfinite(glm::length(geometry.positions[i] / size)));
       }
     }
   }

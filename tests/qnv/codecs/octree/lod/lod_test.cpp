@@ -149,11 +149,11 @@ TEST_CASE("keeps the other records and the area after lost packets") {
   StreamDecoder decoder;
   REQUIRE(decoder.push(drop_packets(stream.bytes, 0.3, 3)));
   decoder.finish();
-  const Splats cloud = content_of<Splats>(decoder.geometry());
-  CHECK(cloud.size() > 12'000);
-  CHECK(cloud.size() < 16'500);
+  const Splats geometry = content_of<Splats>(decoder.geometry());
+  CHECK(geometry.size() > 12'000);
+  CHECK(geometry.size() < 16'500);
   double sum = 0;
-  for (const float weight : cloud.weights) sum += weight;
+  for (const float weight : geometry.weights) sum += weight;
   CHECK(sum == Approx(kSphereArea).epsilon(0.03));
 }
 

@@ -19,7 +19,7 @@ struct TransferCanvas;
 
 /// Panel of the splat style: colours, and for volumes the transfer function, opacity, threshold and clipping plane.
 /// Edits the SplatStyle of the UiModel and keeps only the state of the interaction.
-class CloudPanel final : public Panel {
+class TransferPanel final : public Panel {
  public:
   bool close_one() override;
   void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;

@@ -12,50 +12,50 @@
 namespace gs::test {
 
 using gs::qnv::Splats;
-using ImportCloud = gs::app::ImportedCloud (*)(std::span<const std::byte>, const WorldBudget&);
+using ImportVectors = gs::app::ImportedVectors (*)(std::span<const std::byte>, const WorldBudget&);
 
 inline float dot(const glm::vec3& a, const glm::vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 inline float length(const glm::vec3& v) { return std::sqrt(dot(v, v)); }
 
 /// Returns points spread evenly over a sphere, with outward normals, areas that sum to its area, and colours.
 inline Splats sphere(std::size_t count, float radius = 1, glm::vec3 center = glm::vec3(0)) {
-  Splats cloud;
+  Splats geometry;
   const auto all = static_cast<float>(count);
   for (std::size_t i = 0; i < count; ++i) {
     const float z = 1 - (2 * static_cast<float>(i) + 1) / all, r = std::sqrt(1 - z * z);
     const float turn = static_cast<float>(i) * 2.39996323f;
     const glm::vec3 n(r * std::cos(turn), r * std::sin(turn), z);
-    cloud.normals.push_back(n / length(n));
-    cloud.positions.push_back(center + n * radius);
-    cloud.weights.push_back(4 * std::numbers::pi_v<float> * radius * radius / all);
-    cloud.colors.push_back({static_cast<std::uint8_t>(i % 256), static_cast<std::uint8_t>(i / 7 % 256), 200});
-    cloud.description.box.add(cloud.positions.back());
-    cloud.description.total += cloud.weights.back();
+    geometry.normals.push_back(n / length(n));
+    geometry.positions.push_back(center + n * radius);
+    geometry.weights.push_back(4 * std::numbers::pi_v<float> * radius * radius / all);
+    geometry.colors.push_back({static_cast<std::uint8_t>(i % 256), static_cast<std::uint8_t>(i / 7 % 256), 200});
+    geometry.description.box.add(geometry.positions.back());
+    geometry.description.total += geometry.weights.back();
   }
-  return cloud;
+  return geometry;
 }
 
 /// Checks the invariants of every imported point set.
-inline void check_sound(const Splats& cloud) {
-  REQUIRE(cloud.normals.size() == cloud.size());
-  REQUIRE(cloud.weights.size() == cloud.size());
-  REQUIRE((cloud.colors.empty() || cloud.colors.size() == cloud.size()));
+inline void check_sound(const Splats& geometry) {
+  REQUIRE(geometry.normals.size() == geometry.size());
+  REQUIRE(geometry.weights.size() == geometry.size());
+  REQUIRE((geometry.colors.empty() || geometry.colors.size() == geometry.size()));
   double total = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const glm::vec3 p = cloud.positions[i], n = cloud.normals[i];
+  for (std::size_t i = 0; i < geometry.size(); ++i) {
+    const glm::vec3 p = geometry.positions[i], n = geometry.normals[i];
     REQUIRE_EACH((std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)));
     REQUIRE_EACH(std::abs(length(n) - 1) < 1e-3f);
-    REQUIRE_EACH((std::isfinite(cloud.weights[i]) && cloud.weights[i] > 0));
-    const auto& box = cloud.description.box;
+    REQUIRE_EACH((std::isfinite(geometry.weights[i]) && geometry.weights[i] > 0));
+    const auto& box = geometry.description.box;
     for (int k = 0; k < 3; ++k) REQUIRE_EACH((p[k] >= box.lower[k] && p[k] <= box.upper[k]));
-    total += cloud.weights[i];
+    total += geometry.weights[i];
   }
-  REQUIRE(cloud.description.total == Approx(total));
-  REQUIRE(cloud.description.two_sided);
+  REQUIRE(geometry.description.total == Approx(total));
+  REQUIRE(geometry.description.two_sided);
 }
 
 /// Returns the imported point set, which must exist.
-inline Splats cloud_of(ImportCloud import, const Bytes& bytes) {
+inline Splats vectors_of(ImportVectors import, const Bytes& bytes) {
   auto result = import(bytes, own_budget());
   if (const auto* problem = std::get_if<std::string>(&result)) {
     FAIL("not imported: " << *problem);
@@ -64,29 +64,29 @@ inline Splats cloud_of(ImportCloud import, const Bytes& bytes) {
   check_sound(std::get<Splats>(result));
   return std::move(std::get<Splats>(result));
 }
-inline std::string problem_of(ImportCloud import, const Bytes& bytes) {
+inline std::string problem_of(ImportVectors import, const Bytes& bytes) {
   const auto result = import(bytes, own_budget());
   return std::holds_alternative<std::string>(result) ? std::get<std::string>(result) : std::string();
 }
-inline std::string metadata(const Splats& cloud, std::string_view name) {
-  for (const auto& [key, value] : cloud.description.metadata)
+inline std::string metadata(const Splats& geometry, std::string_view name) {
+  for (const auto& [key, value] : geometry.description.metadata)
     if (key == name) return value;
   return {};
 }
 
 /// Checks that an import of any bytes gives a valid point set or a message.
-inline void check_any(ImportCloud import, const Bytes& bytes) {
+inline void check_any(ImportVectors import, const Bytes& bytes) {
   const auto result = import(bytes, own_budget());
-  if (const auto* cloud = std::get_if<Splats>(&result)) {
-    REQUIRE_FALSE(cloud->empty());
-    check_sound(*cloud);
+  if (const auto* geometry = std::get_if<Splats>(&result)) {
+    REQUIRE_FALSE(geometry->empty());
+    check_sound(*geometry);
   } else {
     REQUIRE_FALSE(std::get<std::string>(result).empty());
   }
 }
 
 /// Imports every prefix (in memory of exactly its size), every changed byte, and rubbish after the first bytes.
-inline void check_hostile(ImportCloud import, const Bytes& bytes, std::size_t step = 1) {
+inline void check_hostile(ImportVectors import, const Bytes& bytes, std::size_t step = 1) {
   for (std::size_t n = 0; n <= bytes.size(); n += n < 600 ? watched_step(3) : step)
     check_any(import, Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n)));
   for (std::size_t i = 0; i < bytes.size(); i += i < 600 ? watched_step(3) : step)

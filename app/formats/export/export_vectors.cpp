@@ -1,4 +1,4 @@
-#include "app/formats/export/export_discs.h"
+#include "app/formats/export/export_vectors.h"
 
 #include "app/formats/splats/splats.h"
 #include "base/finite.h"
@@ -20,7 +20,7 @@ glm::vec4 rotation_to(const glm::vec3& n) {
 
 }  // namespace
 
-ExportDiscs::ExportDiscs(const qnv::VectorView& vectors) : vectors_(vectors) {
+ExportVectors::ExportVectors(const qnv::VectorView& vectors) : vectors_(vectors) {
   if (!balls()) return;
   most_weight_ = std::numeric_limits<float>::min();
   for (const float weight : vectors.weights)
@@ -33,24 +33,24 @@ ExportDiscs::ExportDiscs(const qnv::VectorView& vectors) : vectors_(vectors) {
   if (std::isnormal(width * width)) ball_area_ = width * width;
 }
 
-ExportDisc ExportDiscs::operator[](std::size_t i) const {
-  ExportDisc disc;
-  disc.position = vectors_.positions[i];
-  if (!vectors_.normals.empty()) disc.normal = vectors_.normals[i];
-  if (!vectors_.weights.empty()) disc.area = vectors_.weights[i];
-  disc.color = vectors_.colors.empty() ? vectors_.color : vectors_.colors[i];
-  if (balls()) shade_volume(i, disc);
-  return disc;
+ExportVector ExportVectors::operator[](std::size_t i) const {
+  ExportVector item;
+  item.position = vectors_.positions[i];
+  if (!vectors_.normals.empty()) item.normal = vectors_.normals[i];
+  if (!vectors_.weights.empty()) item.area = vectors_.weights[i];
+  item.color = vectors_.colors.empty() ? vectors_.color : vectors_.colors[i];
+  if (balls()) shade_volume(i, item);
+  return item;
 }
 
-void ExportDiscs::shade_volume(std::size_t i, ExportDisc& disc) const {
+void ExportVectors::shade_volume(std::size_t i, ExportVector& item) const {
   const std::vector<qnv::TransferPoint>& transfer = vectors_.description.transfer;
   const std::uint8_t level = vectors_.classes.empty() ? 255 : vectors_.classes[i];
-  disc.opacity = std::clamp(disc.area / most_weight_, 0.0f, 1.0f);
-  disc.area = ball_area_;
-  disc.normal = -disc.normal;  // gradients point inwards, normals outwards
+  item.opacity = std::clamp(item.area / most_weight_, 0.0f, 1.0f);
+  item.area = ball_area_;
+  item.normal = -item.normal;  // gradients point inwards, normals outwards
   if (transfer.empty()) {
-    if (!vectors_.classes.empty()) disc.color = {level, level, level};
+    if (!vectors_.classes.empty()) item.color = {level, level, level};
     return;
   }
   const float value = static_cast<float>(level) / 255;
@@ -62,36 +62,36 @@ void ExportDiscs::shade_volume(std::size_t i, ExportDisc& disc) const {
     return static_cast<std::uint8_t>(
         std::lround(static_cast<float>(a) + (static_cast<float>(b) - static_cast<float>(a)) * t));
   };
-  disc.color = {mix(from.color.r, to.color.r), mix(from.color.g, to.color.g), mix(from.color.b, to.color.b)};
-  disc.opacity = std::clamp(from.opacity + (to.opacity - from.opacity) * t, 0.0f, 1.0f);
+  item.color = {mix(from.color.r, to.color.r), mix(from.color.g, to.color.g), mix(from.color.b, to.color.b)};
+  item.opacity = std::clamp(from.opacity + (to.opacity - from.opacity) * t, 0.0f, 1.0f);
 }
 
-std::vector<ExportDisc> visible_discs(const ExportDiscs& discs) {
-  std::vector<ExportDisc> visible;
-  visible.reserve(discs.size());
-  for (std::size_t i = 0; i < discs.size(); ++i) {
-    const ExportDisc disc = discs[i];
-    if (finite(disc.position) && finite(disc.normal) && std::isnormal(disc.area) && disc.area > 0 &&
-        disc.opacity >= kMinOpacity)
-      visible.push_back(disc);
+std::vector<ExportVector> visible_vectors(const ExportVectors& exported) {
+  std::vector<ExportVector> visible;
+  visible.reserve(exported.size());
+  for (std::size_t i = 0; i < exported.size(); ++i) {
+    const ExportVector item = exported[i];
+    if (finite(item.position) && finite(item.normal) && std::isnormal(item.area) && item.area > 0 &&
+        item.opacity >= kMinOpacity)
+      visible.push_back(item);
   }
   return visible;
 }
 
 std::vector<ExportSplat> splats_of(const qnv::VectorView& vectors, const glm::vec3& axes) {
-  const ExportDiscs discs(vectors);
+  const ExportVectors exported(vectors);
   std::vector<ExportSplat> splats;
-  splats.reserve(discs.size());
+  splats.reserve(exported.size());
   const auto coefficient = [](std::uint8_t c) { return (static_cast<float>(c) / 255 - 0.5f) / kSphericalHarmonic0; };
-  for (const ExportDisc& disc : visible_discs(discs)) {
+  for (const ExportVector& item : visible_vectors(exported)) {
     ExportSplat splat;
-    splat.position = disc.position * axes;
-    splat.normal = disc.normal * axes;
+    splat.position = item.position * axes;
+    splat.normal = item.normal * axes;
     splat.rotation = rotation_to(splat.normal);
-    const float sigma = kSigmaOfRadius * std::sqrt(disc.area / std::numbers::pi_v<float>);
-    splat.scale = {sigma, sigma, discs.balls() ? sigma : sigma * kDiscThickness};
-    splat.dc = {coefficient(disc.color.r), coefficient(disc.color.g), coefficient(disc.color.b)};
-    splat.opacity = std::min(disc.opacity, kSurfaceOpacity);
+    const float sigma = kSigmaOfRadius * std::sqrt(item.area / std::numbers::pi_v<float>);
+    splat.scale = {sigma, sigma, exported.balls() ? sigma : sigma * kSplatThickness};
+    splat.dc = {coefficient(item.color.r), coefficient(item.color.g), coefficient(item.color.b)};
+    splat.opacity = std::min(item.opacity, kSurfaceOpacity);
     splats.push_back(splat);
   }
   return splats;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/formats/qnv/cloud_reader.h"
+#include "app/formats/qnv/geometry_reader.h"
 #include "app/loading/content/resource_handler.h"
 
 #include <cstddef>
@@ -22,14 +22,14 @@ namespace gs::app {
 
 /// Content handler that decodes QNV streams and volumes, and splat files of other programs, while their bytes are
 /// received.
-class CloudHandler final : public ResourceHandler {
+class GeometryHandler final : public ResourceHandler {
  public:
   /// Callback that receives each better version of the vectors.
   using Show = std::function<void(const std::shared_ptr<const qnv::Geometry>&)>;
   using Progress = std::function<void(double)>;
   /// Creates a handler. A `request` without content means that the file is the world itself.
-  CloudHandler(Loading& loading, UrlRequest request, Show show, Progress progress = {});
-  ~CloudHandler() override;
+  GeometryHandler(Loading& loading, UrlRequest request, Show show, Progress progress = {});
+  ~GeometryHandler() override;
   void tell_progress(double fraction) override {
     if (progress_) progress_(fraction);
   }
@@ -65,7 +65,7 @@ class CloudHandler final : public ResourceHandler {
   std::size_t shown_ = 0;
   std::uint64_t shown_revision_ = 0;
   bool shown_exact_ = false;  // the exact mesh in the tail of the stream is shown
-  bool by_chunks_ = false;      // chunks were received in any order
+  bool by_chunks_ = false;    // chunks were received in any order
   std::size_t damaged_chunks_ = 0;
 };
 

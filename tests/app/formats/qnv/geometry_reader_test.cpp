@@ -1,11 +1,11 @@
 // Tests of large octree streams that are read in place.
-#include "app/formats/qnv/cloud_reader.h"
+#include "app/formats/qnv/geometry_reader.h"
 
 #include "app/formats/common/color_key.h"
 #include "app/loading/world_loader.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/shared/encode_options.h"
-#include "tests/app/clouds.h"
+#include "tests/app/geometry_shapes.h"
 #include "tests/app/large_stream.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/geometries.h"
@@ -25,8 +25,8 @@ using namespace gs::app;
 namespace {
 
 qnv::LodStream& levels_of(const LoadedWorld& world) {
-  REQUIRE(world.clouds.size() == 1);
-  return *content_of<qnv::OctreeSplats>(*world.clouds.begin()->second).stream;
+  REQUIRE(world.geometries.size() == 1);
+  return *content_of<qnv::OctreeSplats>(*world.geometries.begin()->second).stream;
 }
 
 std::size_t discs(qnv::LodStream& stream, float error_pixels) {
@@ -92,22 +92,22 @@ TEST_CASE("copies a stream to memory that cannot be read in place") {
   const ScratchFolder folder;
   const std::string other = folder.write("other.qnv", "another file that has come to lie there");
   for (const std::string& path : {std::string("nowhere/at/all.qnv"), other}) {
-    const CloudFile file{path, {first, large_stream().size()}};
-    const auto cloud = read_geometry(content_type_of("x.qnv", first_bytes(file.bytes)), file, diagnostics,
-                                     std::chrono::steady_clock::now() + std::chrono::hours(1));
-    REQUIRE(cloud);
-    const auto octree = content_of<qnv::OctreeSplats>(*cloud);
+    const GeometryFile file{path, {first, large_stream().size()}};
+    const auto geometry = read_geometry(content_type_of("x.qnv", first_bytes(file.bytes)), file, diagnostics,
+                                        std::chrono::steady_clock::now() + std::chrono::hours(1));
+    REQUIRE(geometry);
+    const auto octree = content_of<qnv::OctreeSplats>(*geometry);
     CHECK(discs(*octree.stream, 0) >= octree.stream->header().vectors);
   }
   CHECK(diagnostics.errors() + diagnostics.warnings() == 0);
 }
 
 TEST_CASE("gives the scene of a stream its one colour, and the meaning of its colours") {
-  qnv::Splats cloud;
-  cloud.color = {51, 102, 204};
-  cloud.description.metadata = {{"title", "a part"}, {"color key", "0 10 #000000 #ffffff heat (K)"}};
+  qnv::Splats geometry;
+  geometry.color = {51, 102, 204};
+  geometry.description.metadata = {{"title", "a part"}, {"color key", "0 10 #000000 #ffffff heat (K)"}};
   vrml::SceneGraph scene("stream.qnv");
-  const vrml::NodeId node = add_geometry_shape(scene, cloud, "stream.qnv");
+  const vrml::NodeId node = add_geometry_shape(scene, geometry, "stream.qnv");
   REQUIRE(node);
   const vrml::NodeId appearance = scene.get<vrml::NodeId>(scene.roots().back(), "appearance");
   const vrml::NodeId material = scene.get<vrml::NodeId>(appearance, "material");

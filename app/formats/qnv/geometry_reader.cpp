@@ -1,4 +1,4 @@
-#include "app/formats/qnv/cloud_reader.h"
+#include "app/formats/qnv/geometry_reader.h"
 #include "app/formats/qnv/surface_pictures.h"
 
 #include "app/formats/common/color_key.h"
@@ -33,14 +33,15 @@ constexpr std::uint64_t kHeldBytes = 64, kLevelBytes = 96, kGradientBytes = 90;
 constexpr std::chrono::milliseconds kCancelWait{50};
 constexpr const char* kLate = "the time limit for loading was reached; the rest of the file is left out";
 
-class CloudFileReader {
+class GeometryFileReader {
  public:
-  CloudFileReader(const CloudFile& file, Diagnostics& diagnostics, const LoadLimit& limit, const WorldBudget& budget)
+  GeometryFileReader(const GeometryFile& file, Diagnostics& diagnostics, const LoadLimit& limit,
+                     const WorldBudget& budget)
       : file_(file), diagnostics_(diagnostics), limit_(limit), budget_(budget) {}
 
   std::optional<qnv::Geometry> levels(qnv::LodStream::Opened opened);
   std::optional<qnv::Geometry> stream();
-  std::optional<qnv::Geometry> cloud(const ContentType& type);
+  std::optional<qnv::Geometry> splats(const ContentType& type);
   std::optional<qnv::Geometry> volume(const ContentType& type);
 
  private:
@@ -48,7 +49,7 @@ class CloudFileReader {
     diagnostics_.add({severity, file_.path, {}, std::move(message)});
   }
 
-  const CloudFile& file_;
+  const GeometryFile& file_;
   std::vector<std::byte> arrived_;  // bytes that remain after simulated loss; else empty
   Diagnostics& diagnostics_;
   LoadLimit limit_;
@@ -69,7 +70,7 @@ class FileSource : public qnv::ChunkSource {
 };
 
 // Keeps an octree-packed stream encoded, in memory or in its file. Views decode the visible parts.
-std::optional<qnv::Geometry> CloudFileReader::levels(qnv::LodStream::Opened opened) {
+std::optional<qnv::Geometry> GeometryFileReader::levels(qnv::LodStream::Opened opened) {
   auto* made = std::get_if<std::unique_ptr<qnv::LodStream>>(&opened);
   if (!made) return std::nullopt;
   const std::shared_ptr<qnv::LodStream> stream = hold_levels(std::move(*made), budget_, false);
@@ -79,19 +80,19 @@ std::optional<qnv::Geometry> CloudFileReader::levels(qnv::LodStream::Opened open
   return qnv::OctreeSplats(stream);
 }
 
-std::optional<qnv::Geometry> CloudFileReader::stream() {
+std::optional<qnv::Geometry> GeometryFileReader::stream() {
   const bool as_it_lies = !file_.cut && !(file_.loss > 0) && file_.bytes.size() >= net::MappedFile::kMappedSize;
   if (as_it_lies && qnv::is_stream(file_.bytes)) {
     const auto source = stream_source(file_.path);
     // The path may refer to another file by now. Compare the sizes.
     if (source && source->size() == file_.bytes.size())
-      if (auto cloud = levels(qnv::LodStream::open(source))) return cloud;
+      if (auto geometry = levels(qnv::LodStream::open(source))) return geometry;
   }
   if (!is_gzip(file_.bytes)) {
     std::vector<std::byte> bytes = file_.loss > 0 ? qnv::drop_packets(file_.bytes, file_.loss, file_.loss_seed)
                                                   : std::vector<std::byte>(file_.bytes.begin(), file_.bytes.end());
     if (file_.loss > 0) arrived_ = bytes;
-    if (auto cloud = levels(qnv::LodStream::open(std::move(bytes)))) return cloud;
+    if (auto geometry = levels(qnv::LodStream::open(std::move(bytes)))) return geometry;
   }
   qnv::StreamDecoder decoder(most_decoded_vectors(*budget_));
   bool late = false;
@@ -127,7 +128,7 @@ std::optional<qnv::Geometry> CloudFileReader::stream() {
   return geometry;
 }
 
-std::optional<qnv::Geometry> CloudFileReader::cloud(const ContentType& type) {
+std::optional<qnv::Geometry> GeometryFileReader::splats(const ContentType& type) {
   UnpackedBytes unpacked;
   std::span<const std::byte> bytes = file_.bytes;
   if (is_gzip(bytes) && !type.unpacks_itself) {
@@ -145,7 +146,7 @@ std::optional<qnv::Geometry> CloudFileReader::cloud(const ContentType& type) {
   return std::move(*splats);
 }
 
-std::optional<qnv::Geometry> CloudFileReader::volume(const ContentType& type) {
+std::optional<qnv::Geometry> GeometryFileReader::volume(const ContentType& type) {
   if (file_.cut) {
     report(Severity::error, "a volume cannot be read in part");
     return std::nullopt;
@@ -258,15 +259,15 @@ Deadline::Deadline(const LoadLimit& limit)
 
 Deadline::~Deadline() = default;
 
-std::optional<qnv::Geometry> read_geometry(const ContentType& type, const CloudFile& file, Diagnostics& diagnostics,
+std::optional<qnv::Geometry> read_geometry(const ContentType& type, const GeometryFile& file, Diagnostics& diagnostics,
                                            const LoadLimit& limit, const WorldBudget& budget) {
-  CloudFileReader reader(file, diagnostics, limit, budget);
+  GeometryFileReader reader(file, diagnostics, limit, budget);
   if (file.bytes.empty()) {
     diagnostics.add({Severity::error, file.path, {}, "the file is empty; expected " + std::string(type.name)});
     return std::nullopt;
   }
   if (type.content == ContentClass::stream) return reader.stream();
-  if (type.content == ContentClass::cloud) return reader.cloud(type);
+  if (type.content == ContentClass::splats) return reader.splats(type);
   return reader.volume(type);
 }
 

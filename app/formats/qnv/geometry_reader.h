@@ -25,22 +25,22 @@
 namespace gs::app {
 
 /// File to read as vectors.
-struct CloudFile {
-  std::string path;  // name for diagnostics; also opens volumes and large streams
+struct GeometryFile {
+  std::string path;                  // name for diagnostics; also opens volumes and large streams
   std::span<const std::byte> bytes;  // bytes of the file, gzip-compressed or not
-  bool cut = false;  // truncated on purpose (`--max-bytes`)
-  double loss = 0;  // fraction of a stream's packets to drop (`--loss`), 0 to 1
+  bool cut = false;                  // truncated on purpose (`--max-bytes`)
+  double loss = 0;                   // fraction of a stream's packets to drop (`--loss`), 0 to 1
   std::uint64_t loss_seed = 1;
   VolumeOrigin origin{};  // origin of a volume's files
-  bool to_draw = false;  // true keeps a displaced surface as patches for cuts, not as arrays
+  bool to_draw = false;   // true keeps a displaced surface as patches for cuts, not as arrays
 };
 
-/// Reads the vectors of a file of a type that `is_cloud`: from a stream, an importer, or the strongest 9 % of a
+/// Reads the vectors of a file of a type that `is_geometry`: from a stream, an importer, or the strongest 9 % of a
 /// volume's gradients. Reports problems to `diagnostics`; returns nullopt if there is no vector to show. A truncated
 /// stream gives fewer vectors, with a warning at most. Of a large complete packed stream, reads only header and
 /// directory; it stays open, and views read the parts that they show. Safe for untrusted files; stops at `limit`.
 /// Working memory is charged to `budget`; the caller charges the result (`hold_geometry`).
-[[nodiscard]] std::optional<qnv::Geometry> read_geometry(const ContentType& type, const CloudFile& file,
+[[nodiscard]] std::optional<qnv::Geometry> read_geometry(const ContentType& type, const GeometryFile& file,
                                                          Diagnostics& diagnostics, const LoadLimit& limit,
                                                          const WorldBudget& budget = own_budget());
 

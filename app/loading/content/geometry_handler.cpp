@@ -1,4 +1,4 @@
-#include "app/loading/content/cloud_handler.h"
+#include "app/loading/content/geometry_handler.h"
 
 #include "app/base/temporary_file.h"
 #include "qnv/codecs/octree/lod/lod_source.h"
@@ -23,46 +23,46 @@ std::string file_name_of(const Found& found) {
 
 }  // namespace
 
-CloudHandler::CloudHandler(Loading& loading, UrlRequest request, Show show, Progress progress)
+GeometryHandler::GeometryHandler(Loading& loading, UrlRequest request, Show show, Progress progress)
     : ResourceHandler(loading, std::move(request)),
       show_(std::move(show)),
       progress_(std::move(progress)),
       decoded_(loading.budget, Resource::vectors) {}
 
-CloudHandler::~CloudHandler() { end_requests(); }
+GeometryHandler::~GeometryHandler() { end_requests(); }
 
 // Ends the requests of views for a stream that this handler decodes.
-void CloudHandler::end_requests() {
+void GeometryHandler::end_requests() {
   if (feed_ && !feed_->takes_bytes()) feed_->finish();
 }
 
-bool CloudHandler::whole_file(const net::MappedFile& file, const std::string& path) {
+bool GeometryHandler::whole_file(const net::MappedFile& file, const std::string& path) {
   way_ = Way::done;
   read_whole(file.bytes(), path);
   return true;
 }
 
-void CloudHandler::read_whole(std::span<const std::byte> bytes, const std::string& path) {
+void GeometryHandler::read_whole(std::span<const std::byte> bytes, const std::string& path) {
   const ContentType& type = content_type_of(path, first_bytes(bytes));
   if (is_outline_stream(bytes))
     return warn(": " + path + " is a stream of outlines; expected vectors, or an OutlineGroup for outlines");
-  if (!type.is_cloud()) return warn(": " + path + " is " + std::string(type.name) + "; expected a QNV stream");
-  CloudFile file{path, bytes, cut};
+  if (!type.is_geometry()) return warn(": " + path + " is " + std::string(type.name) + "; expected a QNV stream");
+  GeometryFile file{path, bytes, cut};
   file.to_draw = !loading_.options.whole_surfaces;
   file.origin = {loading_.fetcher.reader_of(found_.origin), file_name_of(found_)};
   if (!is_node()) {
     file.loss = loading_.options.loss;
     file.loss_seed = loading_.options.loss_seed;
   }
-  auto cloud = read_geometry(type, file, loading_.results.diagnostics(), loading_.limit, loading_.budget);
-  if (!cloud) return;
-  if (auto held = hold_geometry(std::move(*cloud), loading_.budget))
+  auto geometry = read_geometry(type, file, loading_.results.diagnostics(), loading_.limit, loading_.budget);
+  if (!geometry) return;
+  if (auto held = hold_geometry(std::move(*geometry), loading_.budget))
     show_(std::move(held));
   else
     give_up(Resource::vectors);
 }
 
-void CloudHandler::give_up(Resource resource) {
+void GeometryHandler::give_up(Resource resource) {
   way_ = Way::done;
   end_requests();
   drop_bytes();
@@ -70,12 +70,12 @@ void CloudHandler::give_up(Resource resource) {
                           loading_.budget->refusal(resource) + "; all or the finer vectors are left out");
 }
 
-bool CloudHandler::count_decoded() {
+bool GeometryHandler::count_decoded() {
   const std::uint64_t bytes = decoder_->vectors() * kDecodedBytes;
   return bytes <= decoded_.amount() || decoded_.grow(bytes - decoded_.amount());
 }
 
-void CloudHandler::receive(std::span<const std::byte> bytes) {
+void GeometryHandler::receive(std::span<const std::byte> bytes) {
   if (way_ == Way::done) return;
   if (way_ == Way::pushed) return feed_->push(bytes);
   if (way_ == Way::decoded) {
@@ -88,7 +88,7 @@ void CloudHandler::receive(std::span<const std::byte> bytes) {
 
 // Selects the decoder of the resource. QNV streams are shown while they are received. Other files are read when they
 // are complete.
-void CloudHandler::choose_way() {
+void GeometryHandler::choose_way() {
   if (!qnv::is_stream(bytes_)) {
     if (bytes_.size() >= kTypeBytes) way_ = Way::whole;
     return;
@@ -124,7 +124,7 @@ void CloudHandler::choose_way() {
   start_decoder(known);
 }
 
-void CloudHandler::start_decoder(const qnv::StreamHeader& header) {
+void GeometryHandler::start_decoder(const qnv::StreamHeader& header) {
   way_ = Way::decoded;
   if (loading_.options.by_view)
     add_feed(std::make_shared<StreamFeed>(std::make_shared<qnv::DirectoryRequests>(header),
@@ -134,18 +134,18 @@ void CloudHandler::start_decoder(const qnv::StreamHeader& header) {
   show_records(false);
 }
 
-void CloudHandler::add_feed(std::shared_ptr<StreamFeed> feed) {
+void GeometryHandler::add_feed(std::shared_ptr<StreamFeed> feed) {
   feed_ = std::move(feed);
   loading_.results.add(feed_);
 }
 
-void CloudHandler::start_levels(std::shared_ptr<qnv::LodStream> stream) {
+void GeometryHandler::start_levels(std::shared_ptr<qnv::LodStream> stream) {
   add_feed(std::make_shared<StreamFeed>(stream, [waker = loading_.waker] { waker->wake(); }));
   show_(std::make_shared<const qnv::Geometry>(qnv::OctreeSplats(std::move(stream))));
 }
 
 // Shows newly decoded vectors, unless they exceed the memory budget.
-void CloudHandler::show_more() {
+void GeometryHandler::show_more() {
   if (count_decoded() && !decoder_->full()) return show_records(false);
   show_records(true);
   give_up(Resource::vectors);
@@ -153,7 +153,7 @@ void CloudHandler::show_more() {
 
 // Shows the vectors again after their number or their revision has grown by a quarter. Each time costs linear work. The
 // revision also grows when the vectors of a surface only move.
-void CloudHandler::show_records(bool last) {
+void GeometryHandler::show_records(bool last) {
   // Counting the vectors of a mesh needs the mesh, so only its revision is compared.
   const bool mesh = decoder_->mesh().shown();
   const std::size_t vectors = mesh ? shown_ + 1 : decoder_->vectors();
@@ -169,7 +169,7 @@ void CloudHandler::show_records(bool last) {
   show_(std::make_shared<const qnv::Geometry>(std::move(geometry)));
 }
 
-void CloudHandler::end(const std::optional<std::string>& problem) {
+void GeometryHandler::end(const std::optional<std::string>& problem) {
   if (problem) warn(": " + *problem + "; the received part is shown");
   if (way_ == Way::done) return;
   const bool part = cut || problem;
@@ -191,7 +191,7 @@ void CloudHandler::end(const std::optional<std::string>& problem) {
   }
 }
 
-void CloudHandler::read_bytes() {
+void GeometryHandler::read_bytes() {
   const std::string name = found_.local ? found_.path : file_name_of(found_);
   const ContentType& type = content_type_of(name, first_bytes(bytes_));
   if (type.content != ContentClass::volume || found_.local) {
@@ -207,7 +207,7 @@ void CloudHandler::read_bytes() {
   bytes_ = {};
 }
 
-void CloudHandler::receive_piece(const net::CellEvent& event) {
+void GeometryHandler::receive_piece(const net::CellEvent& event) {
   if (way_ == Way::pushed) return feed_->add_loose(event.name.chunk, event.bytes);
   if (way_ != Way::decoded) return;
   by_chunks_ = true;
@@ -228,7 +228,7 @@ void CloudHandler::receive_piece(const net::CellEvent& event) {
   show_more();
 }
 
-void CloudHandler::report_problems(const std::vector<qnv::StreamProblem>& problems, Severity severity) {
+void GeometryHandler::report_problems(const std::vector<qnv::StreamProblem>& problems, Severity severity) {
   for (const qnv::StreamProblem& problem : problems)
     loading_.results.report(severity, found_.path, {},
                             "byte " + std::to_string(problem.offset) + ": " + problem.message);

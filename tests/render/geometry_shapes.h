@@ -58,10 +58,10 @@ class Psnr {
   std::size_t count_ = 0;
 };
 
-inline void add(qnv::VectorArrays& cloud, const glm::vec3& position, const glm::vec3& normal, float weight) {
-  cloud.positions.push_back(position);
-  cloud.normals.push_back(normal);
-  cloud.weights.push_back(weight);
+inline void add(qnv::VectorArrays& geometry, const glm::vec3& position, const glm::vec3& normal, float weight) {
+  geometry.positions.push_back(position);
+  geometry.normals.push_back(normal);
+  geometry.weights.push_back(weight);
 }
 
 inline glm::vec3 random_direction(std::mt19937& random) {
@@ -72,47 +72,47 @@ inline glm::vec3 random_direction(std::mt19937& random) {
 
 /// Returns a volume with a white transfer function and one opacity for all classes.
 inline qnv::Volume empty_volume(float opacity, float spacing) {
-  qnv::Volume cloud;
-  cloud.description.spacing = spacing;
-  cloud.description.transfer = {{0, {255, 255, 255}, opacity}, {1, {255, 255, 255}, opacity}};
-  return cloud;
+  qnv::Volume geometry;
+  geometry.description.spacing = spacing;
+  geometry.description.transfer = {{0, {255, 255, 255}, opacity}, {1, {255, 255, 255}, opacity}};
+  return geometry;
 }
 
-inline void add(qnv::Volume& cloud, const glm::vec3& position, const glm::vec3& normal, float weight,
+inline void add(qnv::Volume& geometry, const glm::vec3& position, const glm::vec3& normal, float weight,
                 std::uint8_t value) {
-  add(cloud, position, normal, weight);
-  cloud.classes.push_back(value);
+  add(geometry, position, normal, weight);
+  geometry.classes.push_back(value);
 }
 
 /// Returns a thick shell of radius about 1, with vectors of all magnitudes and classes.
 inline qnv::Volume random_volume(std::size_t count, unsigned seed, float spacing) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> part(0, 1);
-  qnv::Volume cloud;
-  cloud.description.spacing = spacing;
-  cloud.description.transfer = {{0, {255, 60, 20}, 0.02f}, {0.5f, {60, 230, 90}, 0.3f}, {1, {240, 240, 255}, 0.9f}};
+  qnv::Volume geometry;
+  geometry.description.spacing = spacing;
+  geometry.description.transfer = {{0, {255, 60, 20}, 0.02f}, {0.5f, {60, 230, 90}, 0.3f}, {1, {240, 240, 255}, 0.9f}};
   for (std::size_t i = 0; i < count; ++i) {
     const glm::vec3 n = random_direction(random);
-    add(cloud, n * (0.7f + 0.3f * part(random)), random_direction(random), 0.1f + part(random),
+    add(geometry, n * (0.7f + 0.3f * part(random)), random_direction(random), 0.1f + part(random),
         static_cast<std::uint8_t>(random() % 256));
   }
-  return cloud;
+  return geometry;
 }
 
 /// Returns a sphere of evenly spread discs with the area of the sphere in total.
 inline qnv::Splats disc_sphere(std::size_t count, float radius, const glm::vec3& center = glm::vec3(0)) {
-  qnv::Splats cloud;
+  qnv::Splats geometry;
   const auto all = static_cast<float>(count);
   for (std::size_t i = 0; i < count; ++i) {
     const float z = 1 - (2 * static_cast<float>(i) + 1) / all, r = std::sqrt(1 - z * z);
     const float turn = static_cast<float>(i) * 2.39996323f;
     const glm::vec3 n(r * std::cos(turn), r * std::sin(turn), z);
-    add(cloud, center + n * radius, n, 4 * 3.14159265f * radius * radius / all);
-    cloud.colors.push_back(
+    add(geometry, center + n * radius, n, 4 * 3.14159265f * radius * radius / all);
+    geometry.colors.push_back(
         {static_cast<std::uint8_t>(i * 255 / count), static_cast<std::uint8_t>(128 + 120 * n.x), 90});
-    cloud.description.box.add(cloud.positions.back());
+    geometry.description.box.add(geometry.positions.back());
   }
-  return cloud;
+  return geometry;
 }
 
 }  // namespace gs::test

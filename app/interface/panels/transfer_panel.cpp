@@ -1,4 +1,4 @@
-#include "app/interface/panels/cloud_panel.h"
+#include "app/interface/panels/transfer_panel.h"
 
 #include "app/interface/base/text_field.h"
 #include "app/view/values/color_bar.h"
@@ -143,7 +143,7 @@ std::optional<std::size_t> point_under(const TransferCanvas& canvas, const Trans
 
 }  // namespace
 
-void CloudPanel::summarize_volumes(const std::vector<std::shared_ptr<const qnv::Volume>>& volumes) {
+void TransferPanel::summarize_volumes(const std::vector<std::shared_ptr<const qnv::Volume>>& volumes) {
   const bool same = std::equal(volumes.begin(), volumes.end(), summarized_.begin(), summarized_.end(),
                                [](const auto& now, const auto& before) { return now == before.lock(); });
   if (same) return;
@@ -152,7 +152,7 @@ void CloudPanel::summarize_volumes(const std::vector<std::shared_ptr<const qnv::
   point_.reset();
 }
 
-bool CloudPanel::edit_curve(const TransferCanvas& canvas, Transfer& transfer) {
+bool TransferPanel::edit_curve(const TransferCanvas& canvas, Transfer& transfer) {
   const ImVec2 pointer = ImGui::GetIO().MousePos;
   bool changed = false;
   if (ImGui::IsItemHovered() && ImGui::IsMouseClicked(ImGuiMouseButton_Right)) {
@@ -188,7 +188,7 @@ bool CloudPanel::edit_curve(const TransferCanvas& canvas, Transfer& transfer) {
   return changed;
 }
 
-bool CloudPanel::slider(const char* id, float& place, const std::string& reading, const char* help) {
+bool TransferPanel::slider(const char* id, float& place, const std::string& reading, const char* help) {
   ImGui::SetNextItemWidth(width_left() - kReadingWidth * frame_->scale);
   const bool moved = ImGui::SliderFloat(id, &place, 0, 1, "", kSliderFlags);
   frame_->tooltips.show(help);
@@ -197,13 +197,13 @@ bool CloudPanel::slider(const char* id, float& place, const std::string& reading
   return moved;
 }
 
-void CloudPanel::log_slider(const char* id, float& value, const LogScale& scale, const std::string& reading,
-                            const char* help) {
+void TransferPanel::log_slider(const char* id, float& value, const LogScale& scale, const std::string& reading,
+                               const char* help) {
   float place = scale.place_of(value);
   if (slider(id, place, reading, help)) value = scale.value_at(place);
 }
 
-void CloudPanel::color_by_row(render::SplatStyle& look) {
+void TransferPanel::color_by_row(render::SplatStyle& look) {
   label("Colour", frame_->scale);
   const render::ColorBy chosen = look.color_by;
   for (const ColorByRow& row : kColorBy) {
@@ -213,7 +213,7 @@ void CloudPanel::color_by_row(render::SplatStyle& look) {
   }
 }
 
-void CloudPanel::preset_row(Transfer& transfer, bool& own, const Range& values) {
+void TransferPanel::preset_row(Transfer& transfer, bool& own, const Range& values) {
   label("Transfer", frame_->scale);
   const char* shown = own ? "Own" : "Edited";
   for (const TransferPreset& preset : transfer_presets())
@@ -251,7 +251,7 @@ void CloudPanel::preset_row(Transfer& transfer, bool& own, const Range& values) 
   ImGui::EndCombo();
 }
 
-bool CloudPanel::curve(Transfer& transfer, const Range& values) {
+bool TransferPanel::curve(Transfer& transfer, const Range& values) {
   const float scale = frame_->scale, edge = (kPointRadius + 3) * scale;
   const ImVec2 from = ImGui::GetCursorScreenPos();
   const ImVec2 size(width_left(), kCurveHeight * scale), to(from.x + size.x, from.y + size.y);
@@ -283,7 +283,7 @@ bool CloudPanel::curve(Transfer& transfer, const Range& values) {
   return changed;
 }
 
-bool CloudPanel::color_button(std::array<float, 3>& color) {
+bool TransferPanel::color_button(std::array<float, 3>& color) {
   const ImVec4 shown(color[0], color[1], color[2], 1);
   if (ImGui::ColorButton("##color", shown, ImGuiColorEditFlags_NoTooltip)) ImGui::OpenPopup("##picker");
   frame_->tooltips.show("Colour of the point");
@@ -297,17 +297,17 @@ bool CloudPanel::color_button(std::array<float, 3>& color) {
   return changed;
 }
 
-void CloudPanel::keep_popup() {
+void TransferPanel::keep_popup() {
   popup_ = true;
   if (std::exchange(close_popup_, false)) ImGui::CloseCurrentPopup();
 }
 
-bool CloudPanel::close_one() {
+bool TransferPanel::close_one() {
   close_popup_ = popup_;
   return popup_;
 }
 
-bool CloudPanel::point_fields(qnv::TransferPoint& point, const Range& values, float width) {
+bool TransferPanel::point_fields(qnv::TransferPoint& point, const Range& values, float width) {
   const float range = values.second - values.first;
   float value = value_in(values, point.value);
   ImGui::SetNextItemWidth(width);
@@ -321,7 +321,7 @@ bool CloudPanel::point_fields(qnv::TransferPoint& point, const Range& values, fl
   return moved;
 }
 
-bool CloudPanel::point_row(Transfer& transfer, const Range& values) {
+bool TransferPanel::point_row(Transfer& transfer, const Range& values) {
   if (!point_ || *point_ >= transfer.size()) {
     point_.reset();
     ImGui::AlignTextToFramePadding();
@@ -352,7 +352,7 @@ bool CloudPanel::point_row(Transfer& transfer, const Range& values) {
   return colored || moved || removed;
 }
 
-void CloudPanel::transfer_rows(const UiModel& model, render::SplatStyle& look) {
+void TransferPanel::transfer_rows(const UiModel& model, render::SplatStyle& look) {
   const qnv::Description& volume = model.volumes.front()->description;
   bool own = look.transfer.empty();
   Transfer transfer = own ? own_transfer(volume) : sound_transfer(look.transfer);
@@ -363,7 +363,7 @@ void CloudPanel::transfer_rows(const UiModel& model, render::SplatStyle& look) {
   look.transfer = own && !changed ? Transfer() : transfer;
 }
 
-void CloudPanel::clip_rows(const UiModel& model, render::SplatStyle& look) {
+void TransferPanel::clip_rows(const UiModel& model, render::SplatStyle& look) {
   static constexpr std::array<const char*, 4> kAxes{"X", "Y", "Z", "View"};
   // The axis "view" may give the same plane as x, y or z. If the plane still fits the last choice, show that choice.
   const bool remembered = !look.clip || *look.clip == clip_plane(clip_, model.bounds);
@@ -399,7 +399,7 @@ void CloudPanel::clip_rows(const UiModel& model, render::SplatStyle& look) {
   look.clip = on ? std::optional(clip_plane(clip, model.bounds)) : std::nullopt;
 }
 
-void CloudPanel::volume_rows(const UiModel& model, render::SplatStyle& look) {
+void TransferPanel::volume_rows(const UiModel& model, render::SplatStyle& look) {
   summarize_volumes(model.volumes);
   transfer_rows(model, look);
   ImGui::Separator();
@@ -417,7 +417,7 @@ void CloudPanel::volume_rows(const UiModel& model, render::SplatStyle& look) {
   clip_rows(model, look);
 }
 
-void CloudPanel::file_row(const UiModel& model, UiActions& actions) {
+void TransferPanel::file_row(const UiModel& model, UiActions& actions) {
   if (path_.empty()) path_ = model.tools.folder + "/transfer.json";
   label("File", frame_->scale);
   // The path has its own line, so that its end is visible.
@@ -429,11 +429,11 @@ void CloudPanel::file_row(const UiModel& model, UiActions& actions) {
   if (ImGui::Button("Load")) actions.tools.load_transfer = path_;
 }
 
-void CloudPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) {
+void TransferPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) {
   frame_ = &frame;
   popup_ = false;
   render::SplatStyle look = model.look;
-  if (!model.has_surface_clouds && !model.has_volumes) {
+  if (!model.has_surface_vectors && !model.has_volumes) {
     ImGui::PushTextWrapPos(0);
     colored_text(UiColors::kQuiet,
                  "This world has no volume and no vectors. This panel edits their colours and opacity.");
