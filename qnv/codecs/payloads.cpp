@@ -107,7 +107,7 @@ std::unique_ptr<Decoder> make(const StreamHeader& header, std::size_t most_vecto
 bool is_progressive(const StreamHeader& header) { return progressive::is_front(header.base); }
 
 constexpr std::array<PayloadRow, 6> kRows = {{
-    {Payload::records, "records", PayloadReader::vectors, RequestOrder::visible_first, nullptr,
+    {Payload::records, "records", PayloadReader::vectors, RequestOrder::stream, nullptr,
      only(ChunkType::records), kRecordsHeaderBytes, kRecordBytes, 1200 / kRecordBytes, choose_records, encode_records,
      make<RecordsDecoder>},
     {Payload::packed, "packed", PayloadReader::levels, RequestOrder::visible_first, nullptr,

@@ -30,7 +30,7 @@ enum class PayloadReader : std::uint8_t {
 
 /// Order in which views request the chunks of a stream.
 enum class RequestOrder : std::uint8_t {
-  stream,  // order of the stream, because the decoder needs it or draws everything
+  stream,  // order of the stream: the decoder needs it, or each chunk changes the whole geometry
   visible_first,  // chunks in any view first: each chunk changes only the part of the geometry in its box
 };
 

@@ -14,8 +14,9 @@
 namespace gs::qnv {
 
 /// Requests for the chunks of a stream that is decoded completely, ordered by its directory: first the chunks in any
-/// view, then the others, both in the order of the stream. Codecs with RequestOrder::stream, which need their chunks in
-/// the order of the stream, keep that order for every view. Without views, all codecs keep it. Any thread.
+/// view, then the others, both in the order of the stream. Codecs with RequestOrder::stream cannot profit from views and
+/// keep the order of the stream: each layer of records and of voxels spreads over the whole object, and the segments of
+/// a progressive mesh need their predecessors. Without views, all codecs keep it. Any thread.
 class DirectoryRequests final : public ChunkRequests {
  public:
   explicit DirectoryRequests(const StreamHeader& header);

@@ -1,13 +1,12 @@
 #include "qnv/reader/directory_requests.h"
 
+#include "qnv/codecs/payloads.h"
 #include "qnv/codecs/progressive/encode/progressive_stream.h"
-#include "qnv/codecs/records/encode/encode_vectors.h"
 #include "qnv/reader/stream_decoder.h"
 #include "tests/qnv/surface_shapes.h"
 
 #include <catch2/catch.hpp>
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -17,19 +16,11 @@
 namespace gs::qnv {
 namespace {
 
-EncodedStream records_of_sphere() {
-  constexpr int kVectors = 30'000;
-  Splats splats;
-  for (int i = 0; i < kVectors; ++i) {
-    const float z = 1 - (2 * static_cast<float>(i) + 1) / kVectors, r = std::sqrt(1 - z * z);
-    const float angle = 2.399963f * static_cast<float>(i);
-    splats.positions.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
-    splats.normals.push_back(splats.positions.back());
-    splats.weights.push_back(4 * 3.1416f / kVectors);
-  }
-  auto encoded = encode_vectors(splats, {});
-  REQUIRE(std::holds_alternative<EncodedStream>(encoded));
-  return std::get<EncodedStream>(std::move(encoded));
+// Returns an octree, as a decoder reads it if an exact mesh follows.
+EncodedStream octree_of_sphere() {
+  EncodeOptions options;
+  options.vectors = 30'000;
+  return encoded(sphere(100), options);
 }
 
 std::span<const std::byte> directory_of(const EncodedStream& stream) {
@@ -59,7 +50,7 @@ LodView view_from(float least, std::uint32_t viewport = 0) {
 }  // namespace
 
 TEST_CASE("requests chunks in the order of the stream without views") {
-  const EncodedStream stream = records_of_sphere();
+  const EncodedStream stream = octree_of_sphere();
   DirectoryRequests requests(stream.header);
   CHECK(requests.wanted().empty());
   CHECK_FALSE(requests.in_stream_order());
@@ -71,7 +62,7 @@ TEST_CASE("requests chunks in the order of the stream without views") {
 }
 
 TEST_CASE("requests the chunks in view first") {
-  const EncodedStream stream = records_of_sphere();
+  const EncodedStream stream = octree_of_sphere();
   DirectoryRequests requests(stream.header);
   REQUIRE(requests.set_directory(directory_of(stream)));
   const std::vector<DirectoryEntry> entries = entries_of(stream);
@@ -94,6 +85,9 @@ TEST_CASE("requests the chunks in view first") {
 }
 
 TEST_CASE("keeps the order of a progressive stream for every view") {
+  for (const Payload payload : {Payload::records, Payload::voxels})
+    CHECK(row_of(payload).requests == RequestOrder::stream);
+
   const Triangles ball = sphere(60);
   auto encoded = encode_progressive(source_of(ball), {}, nullptr);
   REQUIRE(std::holds_alternative<EncodedStream>(encoded));
