@@ -167,6 +167,14 @@ const vrml::InterfaceDeclaration* setter_of(const vrml::NodeType& type, const vr
   return setter && setter->access == AccessType::eventIn && setter->type == field.type ? setter : nullptr;
 }
 
+const vrml::InterfaceDeclaration* field_set_by(const vrml::NodeType& type,
+                                               const vrml::InterfaceDeclaration& event_in) {
+  if (event_in.access == AccessType::exposedField) return &event_in;
+  if (type.kind != vrml::NodeType::Kind::built_in || !event_in.name.starts_with("set_")) return nullptr;
+  const vrml::InterfaceDeclaration* const field = type.find_field(event_in.name.substr(4));
+  return field && setter_of(type, *field) == &event_in ? field : nullptr;
+}
+
 std::string why_not_set(const vrml::InterfaceDeclaration& field) {
   return field.access == AccessType::eventOut ? "eventOut: sent by the node only"
                                               : "field: fixed by the file, without an eventIn";

@@ -61,6 +61,8 @@ class Inspection final : public SessionExtension {
   [[nodiscard]] StreamList& streams() { return streams_; }
   /// Returns the editor, which has the values of the selected node and sends edits of them.
   [[nodiscard]] NodeEditor& editor() { return editor_; }
+  /// Undoes (-1) or redoes (1) the last edit of the world in the active viewport, in the next step.
+  void step_edit(int direction) { step_ = direction; }
   /// Returns the mark: the outline of the selected node in the pictures.
   [[nodiscard]] const SelectionMark& mark() const { return mark_; }
 
@@ -103,6 +105,7 @@ class Inspection final : public SessionExtension {
   bool finds_ = false;  // true until the first match was selected
   bool reveal_ = false, picking_ = false, fly_ = false, more_ = false;
   std::optional<std::size_t> revealed_, match_;
+  int step_ = 0;  // argument of step_edit(); 0 means none
   double last_news_ = 0, shown_at_ = 0, clock_ = 0;
   bool news_ = false;
 };

@@ -85,12 +85,31 @@ NodeAt NodeEditor::script() const {
   return id && vrml::has(node_.scene->node(id).type->role, vrml::Role::script) ? NodeAt{node_.scene, id} : NodeAt{};
 }
 
-bool NodeEditor::deliver() {
+bool NodeEditor::deliver(WorldEdits& edits) {
   if (edits_.empty()) return false;
   world_->begin_update();
-  for (Edit& one : std::exchange(edits_, {}))
-    if (is_in(*world_, one.node))
-      (void)world_->cascade().post(*one.node.scene, one.node.id, *one.event_in, std::move(one.value));
+  for (Edit& one : std::exchange(edits_, {})) {
+    if (!is_in(*world_, one.node)) continue;
+    const vrml::InterfaceDeclaration* const field =
+        field_set_by(*one.node.scene->node(one.node.id).type, *one.event_in);
+    const vrml::FieldValue* const before =
+        field ? world_->cascade().last_value(*one.node.scene, one.node.id, *field) : nullptr;
+    WorldEdit edit{one.node.scene, one.node.id, one.event_in, field,     before ? *before : vrml::FieldValue(),
+                   one.value,      world_->now(), gesture_};
+    if (world_->cascade().post(*one.node.scene, one.node.id, *one.event_in, std::move(one.value)) && before)
+      edits.note(std::move(edit));
+  }
+  world_->end_update();
+  return true;
+}
+
+bool NodeEditor::step(WorldEdits& edits, int direction) {
+  const auto edit = edits.go(direction);
+  if (!edit) return false;
+  if (!world_ || !is_in(*world_, {edit->scene, edit->node})) return true;
+  end_gesture();
+  world_->begin_update();
+  (void)world_->cascade().post(*edit->scene, edit->node, *edit->event_in, direction < 0 ? edit->before : edit->after);
   world_->end_update();
   return true;
 }

@@ -66,7 +66,7 @@ void action_table() {
     ImGui::TableNextRow();
     for (const std::size_t i : {line, line + half}) {
       ImGui::TableNextColumn();
-      if (i < rows.size()) colored_text(UiColors::kAccent, keys_of(rows[i]));
+      if (i < rows.size()) colored_text(UiColors::kAccent, all_keys_of(rows[i]));
       ImGui::TableNextColumn();
       if (i < rows.size()) ImGui::TextWrapped("%s", std::string(rows[i].help).c_str());
     }

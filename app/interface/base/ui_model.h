@@ -97,7 +97,7 @@ struct UiModel {
   Pose pose;              // of the viewer
   Upright upright;  // up axis of the displayed file
   std::string grid_text;  // how large the squares on the ground are; empty: there are none
-  bool can_undo_move = false, can_redo_move = false;
+  bool can_undo = false, can_redo = false;  // a movement of the viewer or an edit
   bool has_sounds = false, muted = false;
 
   // Vectors and volumes of the world.

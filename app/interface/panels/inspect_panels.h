@@ -30,6 +30,8 @@ class ScenePanel final : public Panel {
 class InspectorPanel final : public Panel {
  public:
   void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;
+  /// Clears the message about a rejected value.
+  bool close_one() override;
 
  private:
   struct Field;

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -46,6 +47,7 @@ void InspectorPanel::draw(const PanelFrame& frame, const UiModel& model, UiActio
   if (!model.inspection) return;
   Inspection& inspection = *model.inspection;
   inspection.drawn().inspector = true;
+  if (!ImGui::IsAnyItemActive()) inspection.editor().end_gesture();
   if (!inspection.world()) {
     if (!model.has_world) colored_text(UiColors::kQuiet, "No world is open.");
     return;
@@ -71,6 +73,8 @@ void InspectorPanel::draw(const PanelFrame& frame, const UiModel& model, UiActio
     row(frame, inspection, one, actions);
   ImGui::EndTable();
 }
+
+bool InspectorPanel::close_one() { return std::exchange(problem_of_, nullptr) != nullptr; }
 
 void InspectorPanel::head(const PanelFrame& frame, Inspection& inspection) {
   const vrml::Node& node = node_.scene->node(node_.id);

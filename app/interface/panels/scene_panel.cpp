@@ -123,6 +123,9 @@ bool ScenePanel::line(const PanelFrame& frame, Inspection& inspection, std::size
     if (!node.name.empty()) {
       ImGui::SameLine(0, 0);
       colored_text(UiColors::kAccent, "  " + shortened(node.name, kName));
+    } else if (const std::string content = row.use ? std::string() : content_name(row.node); !content.empty()) {
+      ImGui::SameLine(0, 0);
+      colored_text(UiColors::kQuiet, "  " + shortened(content, kName));
     }
     if (hovered && node.type->kind == vrml::NodeType::Kind::prototype) frame.tooltips.show("PROTO instance");
   }

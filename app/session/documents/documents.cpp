@@ -111,10 +111,11 @@ std::shared_ptr<Document> make_document(LoadedWorld world, render::MeshCache mes
 
 void DocumentList::add(std::string_view path) {
   if (path.empty()) return;
-  if (entry(path))
-    reload(path);
-  else
+  if (const Entry* known = entry(path)) {
+    if (!known->document || !known->document->edits.unsaved()) reload(path);
+  } else {
     entries_.push_back({std::string(path), true, 0, nullptr, nullptr});
+  }
 }
 
 void DocumentList::reload(std::string_view path) {

@@ -2,6 +2,7 @@
 
 #include "app/loading/updates/loaded_world.h"
 #include "app/loading/world_loading.h"
+#include "app/session/documents/world_edits.h"
 #include "app/session/documents/world_runtime.h"
 #include "qnv/base/description.h"
 #include "render/scene/render_list.h"
@@ -38,6 +39,7 @@ struct Document {
   bool all_came = false;
   const void* viewer = nullptr;  // view with the camera that the sensors follow; never dereferenced
   std::optional<glm::dvec3> destination;  // destination of that camera's animated move
+  WorldEdits edits;  // edits of the user
   bool controlled = false;  // changed by a --control client, which may also have created its Scripts
 
   [[nodiscard]] bool has_clouds() const { return has_surface_clouds || has_volumes; }
@@ -74,7 +76,8 @@ class DocumentList {
     std::shared_ptr<std::atomic<bool>> cancelled;
   };
 
-  /// Adds a file to the list. If the file is already listed, marks it to be read again. Ignores an empty path.
+  /// Adds a file to the list. If the file is already listed, marks it to be read again, unless its world has unsaved
+  /// edits. Ignores an empty path.
   void add(std::string_view path);
   /// Marks a file to be read again.
   void reload(std::string_view path);

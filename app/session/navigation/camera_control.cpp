@@ -71,9 +71,9 @@ bool CameraControl::run(View& seen, Action action) {
       seeking_ = !seeking_ && seen.navigation.mode != NavigationMode::none;
       step_.notify(seeking_ ? "Seek: click a point to move halfway to it" : "", false, "seek");
       return true;
-    case Action::undo_move:
-    case Action::redo_move:
-      undo_move(seen, action == Action::undo_move ? -1 : 1);
+    case Action::undo:
+    case Action::redo:
+      undo_move(seen, action == Action::undo ? -1 : 1);
       return true;
     case Action::faster:
       change_speed(seen, std::sqrt(2.0f));
