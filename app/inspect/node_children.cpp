@@ -21,12 +21,17 @@ std::string name_of_content(const vrml::SceneGraph& scene, vrml::NodeId id, int 
   if (depth > 0 && !node.name.empty()) return std::string(node.name);
   if (vrml::has(node.type->role, vrml::Role::geometry)) return node.type->name;
   if (depth > 0 && node.type->kind == vrml::NodeType::Kind::prototype) return node.type->name;
+  if (node.type->read_as == vrml::NodeKind::inline_node) {
+    const auto& urls = scene.get<vrml::MFString>(id, "url");
+    if (!urls.empty()) return std::string(urls[0].view().substr(urls[0].view().rfind('/') + 1));
+  }
   std::string name;
   for (const vrml::InterfaceDeclaration& one : node.type->interfaces) {
     if (one.slot < 0 || !vrml::holds_nodes(one.type) || one.name == "appearance") continue;
     const auto nodes = nodes_of(node.values[one.slot]);
     for (std::size_t i = 0; i < nodes.size() && i < kMaxOfName && name.empty(); ++i)
       name = name_of_content(scene, nodes[i], depth + 1, left);
+    if (name.empty() && depth == 0 && !nodes.empty() && scene.contains(nodes[0])) name = scene.node(nodes[0]).type->name;
     if (name.empty()) continue;
     return nodes.size() > 1 && depth == 0 ? name + ", " + std::to_string(nodes.size() - 1) + " more" : name;
   }

@@ -196,10 +196,20 @@ bool UiOverlay::run(Action action) {
 
 void UiOverlay::show_open_dialog() {
   State& state = *state_;
+  if (std::exchange(state.dialog.saves, false)) state.dialog.typed = typed_path(state.dialog.typed).before;
   state.dialog.open = state.dialog.appears = true;
   state.dialog.problem.clear();
   state.text_waits = kFramesToFocus;
   state.help = false;
+}
+
+void UiOverlay::show_save_dialog(const std::string& path, const std::string& formats) {
+  show_open_dialog();
+  State::OpenDialog& dialog = state_->dialog;
+  dialog.saves = true;
+  dialog.typed = path;
+  dialog.formats = formats;
+  dialog.chosen.reset();
 }
 
 void UiOverlay::show_panel(Action toggle) {

@@ -70,6 +70,8 @@ class UiOverlay {
   bool run(Action action);
   /// Opens the built-in file dialog, for desktops that have none.
   void show_open_dialog();
+  /// Opens the built-in dialog for saving, with a proposed path. `formats` lists the possible extensions.
+  void show_save_dialog(const std::string& path, const std::string& formats);
   /// Returns the positions of the panels. arrange() restores them, and the sizes of the dock areas in the order left,
   /// right, bottom.
   [[nodiscard]] std::vector<PanelMemory> panels() const;

@@ -65,6 +65,8 @@ struct UiOverlay::State {
 
   struct OpenDialog {
     bool open = false, appears = false;
+    bool saves = false;  // asks for a file to save
+    std::string formats;  // formats of saved files, as text
     bool wanted = false;  // the text field requests the focus
     std::string typed;
     std::optional<std::size_t> chosen;  // index in the list of files

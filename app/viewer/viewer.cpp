@@ -85,7 +85,7 @@ std::optional<std::string> Viewer::start_control() {
 }
 
 void Viewer::run() {
-  while (!window_->should_close() && !EndOnSignals::told() && !(control_ && control_->control().wants_to_end())) {
+  while (!ends()) {
     wait_for_something();
     const glm::ivec2 size = window_->framebuffer_size();
     const bool in_sight = size.x > 0 && size.y > 0;
@@ -138,6 +138,16 @@ void Viewer::run() {
     controller_.note_window(size.x, size.y, place ? std::optional(std::array{place->x, place->y}) : std::nullopt);
   }
   window_->hide();
+}
+
+// Returns true if the main loop must end. Asks the user first if a request to close the window would lose edits.
+bool Viewer::ends() {
+  if (EndOnSignals::told() || (control_ && control_->control().wants_to_end())) return true;
+  if (!window_->should_close()) return false;
+  if (controller_.may_close()) return true;
+  window_->keep_open();
+  frames_wanted_ = kSettlingFrames;
+  return false;
 }
 
 void Viewer::wait_for_something() {

@@ -68,6 +68,16 @@ SessionOptions with_settings(SessionOptions options, const UserSettings& setting
 
 std::size_t memory_of(double gibibytes) { return static_cast<std::size_t>(gibibytes * (1 << 30)); }
 
+// Dismisses the message of a visible viewport that could not show a file. Returns false if there is none.
+bool dismiss_failure(Session& session) {
+  for (const std::size_t pane : session.panes().visible()) {
+    if (!session.panes().at(pane).failure) continue;
+    session.input().serve(PaneRequest{PaneRequest::Kind::dismiss, pane});
+    return true;
+  }
+  return false;
+}
+
 bool is_arrow(Key key) { return key == Key::left || key == Key::right || key == Key::up || key == Key::down; }
 
 }  // namespace
@@ -82,7 +92,8 @@ ViewerController::ViewerController(ViewerControllerOptions options, LoadOptions 
       memory_given_(load.limits.memory != Limits{}.memory),
       ui_(std::move(backend), options.scale, store_.settings()),
       session_(with_settings(options.session, store_.settings(), options.up_given), std::move(load), wake),
-      dialog_(wake, options.dialogs) {
+      dialog_(wake, options.dialogs),
+      saver_({session_, ui_, dialog_, store_}, not_kept_, [this] { window_.close(); }, wake) {
   if (!memory_given_) session_.opening().set_memory(memory_of(store_.settings().memory));
   session_.add_extension(inspection_);
   const AppState& state = store_.state();
@@ -148,8 +159,17 @@ bool ViewerController::run(Action action) {
       window_.toggle_full_screen();
       return true;
     case Action::quit:
-      window_.close();
+      if (may_close()) window_.close();
       return true;
+    case Action::save_as:
+      saver_.ask_for_file();
+      return true;
+    case Action::undo:
+    case Action::redo:
+      return undo(action == Action::undo ? -1 : 1);
+    case Action::reload:
+    case Action::close_viewport:
+      return !saver_.permits(action);  // the session runs the action
     case Action::pick:
       inspection_.set_picking(!inspection_.picking());
       if (inspection_.picking()) ui_.show_notice("Click an object to select its node", false);
@@ -162,7 +182,7 @@ bool ViewerController::run(Action action) {
       }
       if (ui_.close_over() || window_.run_tool(action)) return true;
       if (session_.panes().loading(session_.panes().active())) return false;  // the session must cancel loading
-      return ui_.close_beside();
+      return dismiss_failure(session_) || ui_.close_beside();
     case Action::larger_text:
       settings.text_size += kTextStep;
       break;
@@ -222,6 +242,18 @@ void ViewerController::exchange_camera(Action action) {
   ui_.show_notice("Copied: " + ui_.clipboard(), false);
 }
 
+// Undoes or redoes an edit if that was the last action. Returns false if a movement of the viewer was, which the session
+// handles.
+bool ViewerController::undo(int direction) {
+  const View* const seen = session_.view();
+  const auto edit = seen ? seen->document->edits.time_of(direction) : std::nullopt;
+  if (!edit) return false;
+  const auto move = seen->history.time_of(direction);
+  if (move && (direction < 0 ? *move > *edit : *move < *edit)) return false;
+  inspection_.step_edit(direction);
+  return true;
+}
+
 void ViewerController::change(const UserSettings& settings) {
   if (settings.speed != store_.settings().speed) session_.camera().set_speed(settings.speed);
   if (!memory_given_) session_.opening().set_memory(memory_of(settings.memory));
@@ -254,7 +286,9 @@ void ViewerController::apply(const UiActions& actions) {
   if (actions.divider)
     session_.viewports().move_divider(actions.divider->divider, actions.divider->place, actions.divider->least,
                                       actions.divider->ended);
-  if (actions.pane) session_.input().serve(*actions.pane);
+  if (actions.save) saver_.save_to(*actions.save, false);
+  if (actions.answer) saver_.answer(*actions.answer);
+  if (actions.pane && saver_.permits(*actions.pane)) session_.input().serve(*actions.pane);
   if (actions.run && !run(*actions.run)) (void)session_.input().run(*actions.run);
   if (actions.allow_question) session_.questions().answer(*actions.allow_question);
   if (actions.cancel_loading) session_.readers().cancel(*actions.cancel_loading);
@@ -329,7 +363,7 @@ void ViewerController::open_bookmark(std::size_t index) {
 // Messages ----------------------------------------------------------------------------------------
 
 bool ViewerController::tell(const Frame& frame) {
-  bool any = false;
+  bool any = saver_.take_results();
   for (const std::string& line : store_.take_problems()) {
     complain("ghostspace: %s", line.c_str());
     store_.log(line);
@@ -396,6 +430,11 @@ void ViewerController::restore() {
 bool ViewerController::take_chosen_files() {
   const auto answer = dialog_.take();
   if (!answer) return false;
+  if (answer->saves) {
+    if (answer->failed) saver_.ask_in_window();
+    if (!answer->files.empty()) saver_.save_to(answer->files.front(), true);
+    return true;
+  }
   if (answer->failed) ui_.show_open_dialog();
   if (!answer->files.empty()) session_.opening().open_files(answer->files);
   return true;
@@ -405,7 +444,8 @@ std::string ViewerController::title() {
   const View* seen = session_.view();
   if (!seen) return "GhostSpace";
   const LoadedWorld& world = seen->document->world;
-  return title_of(world.title, file_label(world.path)) + " - GhostSpace";
+  const char* const edited = seen->document->edits.unsaved() ? ", edited" : "";
+  return title_of(world.title, file_label(world.path)) + edited + " - GhostSpace";
 }
 
 }  // namespace gs::app

@@ -6,6 +6,7 @@
 #include "app/settings/settings_store.h"
 #include "app/view/actions.h"
 #include "app/viewer/file_dialog.h"
+#include "app/viewer/world_saver.h"
 
 #include <array>
 #include <cstddef>
@@ -83,6 +84,8 @@ class ViewerController {
   void apply(const UiActions& actions);
   /// Opens the files that the user has chosen in the desktop's dialog. Returns true if the dialog has ended.
   bool take_chosen_files();
+  /// Returns true if the window may be closed. Otherwise asks the user first, and closes it later.
+  [[nodiscard]] bool may_close() { return saver_.permits_end(); }
   /// Returns the present title of the window.
   [[nodiscard]] std::string title();
   /// Saves the size and position of the window for the next start, in screen units.
@@ -93,6 +96,7 @@ class ViewerController {
   bool picks(const WindowEvent& event);
   void change(const UserSettings& settings);
   void exchange_camera(Action action);
+  bool undo(int direction);
   [[nodiscard]] std::string folder_of_file() const;
   [[nodiscard]] std::optional<Bookmark> bookmark_of_view();
   [[nodiscard]] std::optional<std::size_t> find_bookmark();
@@ -114,6 +118,7 @@ class ViewerController {
   Inspection inspection_;  // extension of the session
   std::array<RateHistory, kMaxViewports> readings_;
   FileDialog dialog_;
+  WorldSaver saver_;
   SessionMemory lost_;  // files of sessions that crashed, until the user has decided about them
   std::string opening_;  // file that the user chose in the Open dialog and that is still loading
 };

@@ -96,7 +96,9 @@ UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measu
   }
   model.file = panes.selected();
   describe_viewports(model, frame, measures.budget);
-  if (const FolderQuestions::Question* question = session_.questions().folder())
+  if (auto question = saver_.question())
+    model.question = std::move(question);
+  else if (const FolderQuestions::Question* question = session_.questions().folder())
     model.question = {UiQuestion::Kind::folder, file_label(question->worlds.front()), question->folder,
                       question->reference};
   else if (const auto network = session_.questions().network())
@@ -140,8 +142,9 @@ UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measu
   model.upright = upright_of(*seen);
   if (const double spacing = seen->style.grid ? grid_spacing(seen->list->bounds, model.upright) : 0; spacing > 0)
     model.grid_text = "Grid: " + readable_value(spacing, seen->document->world.authored ? "m" : "");
-  model.can_undo_move = session_.camera().can_undo_move(-1);
-  model.can_redo_move = session_.camera().can_undo_move(1);
+  const WorldEdits& edits = seen->document->edits;
+  model.can_undo = session_.camera().can_undo_move(-1) || edits.time_of(-1);
+  model.can_redo = session_.camera().can_undo_move(1) || edits.time_of(1);
   model.has_sounds = !seen->list->sounds.empty();
   model.muted = session_.sound().stage().muted();
   model.look = seen->look;

@@ -118,11 +118,13 @@ bool Viewer::run_tool(Action action) {
     tools_.toggle_ruler();
     return true;
   }
-  if (action != Action::take_picture && action != Action::tour_view) return false;
+  if (action != Action::take_picture && action != Action::copy_picture && action != Action::tour_view) return false;
   const View* const seen = session_.view();
   if (!seen) return true;
   if (action == Action::tour_view)
     tools_.add_to_tour(*seen, teller());
+  else if (action == Action::copy_picture)
+    tools_.copy_picture(*seen, active_place(), teller());
   else
     tools_.take_picture(*seen, active_place(), teller());
   return true;

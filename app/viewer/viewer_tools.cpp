@@ -2,6 +2,7 @@
 
 #include "app/base/temporary_file.h"
 #include "app/picture/paint.h"
+#include "app/picture/picture_clipboard.h"
 #include "app/picture/picture_marks.h"
 #include "app/picture/screenshot.h"
 #include "app/picture/volume_show.h"
@@ -320,6 +321,18 @@ void ViewerTools::take_picture(const View& seen, const Viewport& place, const Te
   if (const auto problem = net::write_file_atomically(path, std::get<std::vector<std::byte>>(picture)))
     return tell("Cannot save the picture: " + path + ": " + problem->message, true);
   tell("Picture saved: " + path, false);
+}
+
+void ViewerTools::copy_picture(const View& seen, const Viewport& place, const Tell& tell) {
+  PictureRequest request;
+  request.color_bar = seen.color_bar;
+  const PictureScene scene = scene_of(kMaxViewports, seen, glm::ivec2(place.size()), request);
+  const auto picture = paint_png(renderer_, scene, request);
+  if (const auto* problem = std::get_if<std::string>(&picture))
+    return tell("Cannot copy the picture: " + *problem, true);
+  if (const auto problem = copy_png(std::get<std::vector<std::byte>>(picture)))
+    return tell("Cannot copy the picture: " + *problem, true);
+  tell("Copied the picture", false);
 }
 
 std::vector<render::Camera>& ViewerTools::tour_of(const View& seen) {

@@ -43,6 +43,8 @@ class ViewerTools {
   using Tell = std::function<void(std::string text, bool is_problem)>;
   void apply(const UiToolActions& actions, View* seen, const Viewport& place, const Tell& tell);
   void take_picture(const View& seen, const Viewport& place, const Tell& tell);
+  /// Copies the picture of a viewport to the clipboard, in the size of the viewport.
+  void copy_picture(const View& seen, const Viewport& place, const Tell& tell);
   /// Adds the present camera to the tour of the view's file.
   void add_to_tour(const View& seen, const Tell& tell);
   void toggle_ruler();

@@ -39,6 +39,7 @@ class Viewer final : public WindowOperations {
   void toggle_full_screen() override { window_->toggle_full_screen(); }
   void close() override { window_->close(); }
 
+  [[nodiscard]] bool ends();
   void wait_for_something();
   void wait_idle();
   void measure(double started, double now, bool in_motion);

@@ -52,6 +52,8 @@ class Window final : public render::GlContext {
 
   [[nodiscard]] bool should_close() const;
   void close();
+  /// Withdraws a request to close the window.
+  void keep_open();
   /// Hides the window at once. Releasing its contents may then take a while.
   void hide();
   /// Brings the window to the front, if the desktop permits it.

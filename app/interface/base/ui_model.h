@@ -46,17 +46,22 @@ struct UiViewport {
   Pose pose;  // pose of the viewer
 };
 
-/// Question to the user about a permission of a world.
+/// Question to the user: about a permission of a world, or before data are lost.
 struct UiQuestion {
   enum class Kind : std::uint8_t {
     folder,  // read a folder outside the world's own folder
     network,  // let Scripts use the network, although they have read another local file
+    replace,  // replace an existing file
+    unsaved,  // lose the edits of a world
   };
   Kind kind = Kind::folder;
   std::string world;  // name of the world's file
-  std::string subject;  // the folder, or the first requested URL
+  std::string subject;  // the folder, the first requested URL, or the file to replace
   std::string reason;  // the world's reference to the folder, or the local file that the Script read
 };
+
+/// Answer to a question before data are lost.
+enum class UiAnswer : std::uint8_t { cancel, discard, save };
 
 /// State that the user interface shows. Rebuilt for each frame; pointers are valid for that frame only.
 struct UiModel {
@@ -135,7 +140,9 @@ struct UiActions {
     bool ended = false;  // the user released the divider
   };
   std::optional<DividerMove> divider;
-  std::optional<bool> allow_question;  // answer to UiModel::question
+  std::optional<bool> allow_question;  // answer to UiModel::question about a permission
+  std::optional<UiAnswer> answer;  // answer to another UiModel::question
+  std::optional<std::string> save;  // path at which to save the world, from the built-in dialog
   std::optional<std::size_t> cancel_loading;  // index in UiModel::viewports
   std::optional<render::SplatStyle> look;  // replaces UiModel::look
   std::optional<UserSettings> settings;  // replaces UiModel::settings
