@@ -8,9 +8,9 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kWork = 200'000;  // max number of nodes to visit per step
+constexpr std::size_t kWork = 200'000;    // max number of nodes to visit per step
 constexpr double kBetweenPictures = 0.1;  // min seconds between two pictures while values change
-constexpr double kLit = 0.6;  // seconds for which an event highlights its ROUTE
+constexpr double kLit = 0.6;              // seconds for which an event highlights its ROUTE
 
 std::shared_ptr<Document> document_of(Session& session) {
   const View* const seen = session.view();

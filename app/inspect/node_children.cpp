@@ -31,7 +31,8 @@ std::string name_of_content(const vrml::SceneGraph& scene, vrml::NodeId id, int 
     const auto nodes = nodes_of(node.values[one.slot]);
     for (std::size_t i = 0; i < nodes.size() && i < kMaxOfName && name.empty(); ++i)
       name = name_of_content(scene, nodes[i], depth + 1, left);
-    if (name.empty() && depth == 0 && !nodes.empty() && scene.contains(nodes[0])) name = scene.node(nodes[0]).type->name;
+    if (name.empty() && depth == 0 && !nodes.empty() && scene.contains(nodes[0]))
+      name = scene.node(nodes[0]).type->name;
     if (name.empty()) continue;
     return nodes.size() > 1 && depth == 0 ? name + ", " + std::to_string(nodes.size() - 1) + " more" : name;
   }

@@ -94,7 +94,7 @@ bool NodeEditor::deliver(WorldEdits& edits) {
         field_set_by(*one.node.scene->node(one.node.id).type, *one.event_in);
     const vrml::FieldValue* const before =
         field ? world_->cascade().last_value(*one.node.scene, one.node.id, *field) : nullptr;
-    WorldEdit edit{one.node.scene, one.node.id, one.event_in, field,     before ? *before : vrml::FieldValue(),
+    WorldEdit edit{one.node.scene, one.node.id,   one.event_in, field, before ? *before : vrml::FieldValue(),
                    one.value,      world_->now(), gesture_};
     if (world_->cascade().post(*one.node.scene, one.node.id, *one.event_in, std::move(one.value)) && before)
       edits.note(std::move(edit));

@@ -13,8 +13,8 @@ namespace gs::app {
 /// Returns a path with ".wrl" added if it has no extension of a format in which a world can be saved.
 [[nodiscard]] std::string path_with_format(const std::string& path);
 
-/// Writes a text to a file completely or not at all. Compresses it if the path ends in .gz or .wrz. Returns the error, or
-/// nullopt.
+/// Writes a text to a file completely or not at all. Compresses it if the path ends in .gz or .wrz. Returns the error,
+/// or nullopt.
 [[nodiscard]] std::optional<std::string> write_world_text(const std::string& path, std::string_view text);
 
 }  // namespace gs::app

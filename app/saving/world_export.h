@@ -14,7 +14,7 @@ namespace gs::app {
 /// Input of an export: a file, or a text that was written for it.
 struct ExportSource {
   std::string path;
-  std::string folder;  // folder that the text may refer to; empty if `path` is the world's own file
+  std::string folder;                   // folder that the text may refer to; empty if `path` is the world's own file
   std::unique_ptr<TemporaryFile> text;  // owner of the text at `path`; null if `path` is the world's own file
 };
 
@@ -43,7 +43,7 @@ class WorldExport {
   std::string program_;
   std::mutex mutex_;
   std::optional<Result> result_;  // guarded by the mutex
-  std::jthread thread_;  // last member: its thread uses the others
+  std::jthread thread_;           // last member: its thread uses the others
 };
 
 }  // namespace gs::app

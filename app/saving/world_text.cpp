@@ -128,7 +128,8 @@ std::string printed_world(Document& document) {
   std::vector<vrml::NodeId> without_url;
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
     const vrml::NodeId id = scene.id_at(i);
-    if (!scene.contains(id) || scene.node(id).in_prototype_body || scene.node(id).type->read_as != vrml::NodeKind::image_texture)
+    if (!scene.contains(id) || scene.node(id).in_prototype_body ||
+        scene.node(id).type->read_as != vrml::NodeKind::image_texture)
       continue;
     if (scene.get<vrml::MFString>(id, "url").empty() && document.world.images.contains(&scene.node(id)))
       without_url.push_back(id);

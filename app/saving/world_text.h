@@ -21,7 +21,7 @@ void keep_source_text(Document& document);
 /// Text of a world to be saved.
 struct WorldText {
   std::string text;
-  bool is_source = false;  // the text of the file, in which only edited values differ; otherwise printed nodes
+  bool is_source = false;    // the text of the file, in which only edited values differ; otherwise printed nodes
   std::size_t left_out = 0;  // edits of nodes that the file does not contain, such as the nodes of Inlines
 };
 

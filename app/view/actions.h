@@ -123,12 +123,12 @@ struct ActionRow {
   Action action;
   Key key;  // Key::unknown if the action has no key
   bool control = false, shift = false;
-  bool of_world = false;  // acts on the active viewport; a focused text field or panel gets the key first
+  bool of_world = false;   // acts on the active viewport; a focused text field or panel gets the key first
   std::string_view label;  // text on the button
-  std::string_view help;  // one-line description; also the text of the menu item
+  std::string_view help;   // one-line description; also the text of the menu item
   Menu menu = Menu::view;
-  bool alt = false;  // the shortcut includes Alt
-  std::string_view group = {};  // name of the submenu; empty means none. The rows of a submenu must be adjacent
+  bool alt = false;                // the shortcut includes Alt
+  std::string_view group = {};     // name of the submenu; empty means none. The rows of a submenu must be adjacent
   Key control_key = Key::unknown;  // this key with Control runs the action, too; Key::unknown if there is none
 };
 [[nodiscard]] std::span<const ActionRow> actions();

@@ -12,7 +12,7 @@ namespace gs::app {
 class PoseHistory {
  public:
   static constexpr std::size_t kMaxPlaces = 100;  // max entries; beyond it, the oldest are dropped
-  static constexpr double kRest = 0.5;  // seconds without movement that count as a rest
+  static constexpr double kRest = 0.5;            // seconds without movement that count as a rest
 
   /// Records a movement from one pose to another at `now`, in seconds.
   void moved(const Pose& from, const Pose& to, double now);
@@ -32,7 +32,7 @@ class PoseHistory {
     double time = 0;  // begin of the movement
   };
   std::vector<Entry> behind_, ahead_;  // for undo and for redo; the next entry is the last one
-  std::optional<Pose> goal_;  // goal of the last transition of go()
+  std::optional<Pose> goal_;           // goal of the last transition of go()
   bool taken_ = false;
   double last_ = -1e9;  // time of the last movement, in seconds
 };

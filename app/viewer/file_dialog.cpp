@@ -45,11 +45,14 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 std::span<const DialogProgram> dialog_programs() {
   static const std::vector<DialogProgram> kPrograms = {
-      {"zenity", {"--file-selection", "--multiple", "--separator=\n", "--title=Open", "--filename={folder}/"},
+      {"zenity",
+       {"--file-selection", "--multiple", "--separator=\n", "--title=Open", "--filename={folder}/"},
        {"--file-selection", "--save", "--confirm-overwrite", "--title=Save as", "--filename={file}"}},
-      {"kdialog", {"--title", "Open", "--multiple", "--separate-output", "--getopenfilename", "{folder}"},
+      {"kdialog",
+       {"--title", "Open", "--multiple", "--separate-output", "--getopenfilename", "{folder}"},
        {"--title", "Save as", "--getsavefilename", "{file}"}},
-      {"qarma", {"--file-selection", "--multiple", "--separator=\n", "--title=Open", "--filename={folder}/"},
+      {"qarma",
+       {"--file-selection", "--multiple", "--separator=\n", "--title=Open", "--filename={folder}/"},
        {"--file-selection", "--save", "--confirm-overwrite", "--title=Save as", "--filename={file}"}},
   };
   return kPrograms;
@@ -61,7 +64,7 @@ struct FileDialog::Running {
   net::Descriptor output;
   std::mutex mutex;
   std::optional<Answer> answer;  // guarded by the mutex
-  std::thread reader;  // last member: its thread uses the others
+  std::thread reader;            // last member: its thread uses the others
 };
 
 FileDialog::FileDialog(std::function<void()> wake, std::span<const DialogProgram> programs)

@@ -11,7 +11,7 @@ namespace gs::app {
 
 /// Program of a desktop that shows a file dialog.
 struct DialogProgram {
-  std::string name;  // file name; searched in $PATH unless it contains a /
+  std::string name;                    // file name; searched in $PATH unless it contains a /
   std::vector<std::string> arguments;  // make it print the chosen files, one per line; may contain kFolderArgument
   /// Arguments that make the program ask for a file to save. It must ask before an existing file is replaced. May
   /// contain kFileArgument. Empty if the program cannot do this.
@@ -43,8 +43,8 @@ class FileDialog {
   /// Result of the dialog.
   struct Answer {
     std::vector<std::string> files;  // empty if the user cancelled
-    bool failed = false;  // the program failed before the user could choose
-    bool saves = false;  // answer of show_saving(); the user agreed to replace the file if it exists
+    bool failed = false;             // the program failed before the user could choose
+    bool saves = false;              // answer of show_saving(); the user agreed to replace the file if it exists
   };
   /// Returns the answer of the user. Returns nullopt while the dialog is shown, and if it was not shown.
   [[nodiscard]] std::optional<Answer> take();

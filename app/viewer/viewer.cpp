@@ -13,9 +13,9 @@
 namespace gs::app {
 namespace {
 
-constexpr int kSettlingFrames = 3;  // number of frames until the interface has adapted to a change
-constexpr double kIdleWait = 30;  // seconds; max wait without events
-constexpr double kLongPicture = 0.3;  // seconds; longer drawing is a delay that users notice
+constexpr int kSettlingFrames = 3;     // number of frames until the interface has adapted to a change
+constexpr double kIdleWait = 30;       // seconds; max wait without events
+constexpr double kLongPicture = 0.3;   // seconds; longer drawing is a delay that users notice
 constexpr double kLoadingWait = 0.25;  // seconds between pictures of the moving progress line
 
 ViewerControllerOptions controller_options(const ViewerOptions& options, float scale) {

@@ -93,7 +93,8 @@ ViewerController::ViewerController(ViewerControllerOptions options, LoadOptions 
       ui_(std::move(backend), options.scale, store_.settings()),
       session_(with_settings(options.session, store_.settings(), options.up_given), std::move(load), wake),
       dialog_(wake, options.dialogs),
-      saver_({session_, ui_, dialog_, store_}, not_kept_, [this] { window_.close(); }, wake) {
+      saver_(
+          {session_, ui_, dialog_, store_}, not_kept_, [this] { window_.close(); }, wake) {
   if (!memory_given_) session_.opening().set_memory(memory_of(store_.settings().memory));
   session_.add_extension(inspection_);
   const AppState& state = store_.state();
@@ -242,8 +243,8 @@ void ViewerController::exchange_camera(Action action) {
   ui_.show_notice("Copied: " + ui_.clipboard(), false);
 }
 
-// Undoes or redoes an edit if that was the last action. Returns false if a movement of the viewer was, which the session
-// handles.
+// Undoes or redoes an edit if that was the last action. Returns false if a movement of the viewer was, which the
+// session handles.
 bool ViewerController::undo(int direction) {
   const View* const seen = session_.view();
   const auto edit = seen ? seen->document->edits.time_of(direction) : std::nullopt;

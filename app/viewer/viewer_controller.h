@@ -38,10 +38,10 @@ class WindowOperations {
 
 struct ViewerControllerOptions {
   SessionOptions session;
-  UserFolders folders;  // paths of user data; if empty, none are read or written
-  std::string not_kept;  // file that is not added to the recent files, such as the demo world
-  float scale = 1;  // scale of the screen; 1 is normal
-  bool up_given = false;  // `session.style.up` has precedence over the setting
+  UserFolders folders;                     // paths of user data; if empty, none are read or written
+  std::string not_kept;                    // file that is not added to the recent files, such as the demo world
+  float scale = 1;                         // scale of the screen; 1 is normal
+  bool up_given = false;                   // `session.style.up` has precedence over the setting
   std::span<const DialogProgram> dialogs;  // programs for file dialogs; if empty, the built-in dialog is used
 };
 
@@ -119,7 +119,7 @@ class ViewerController {
   std::array<RateHistory, kMaxViewports> readings_;
   FileDialog dialog_;
   WorldSaver saver_;
-  SessionMemory lost_;  // files of sessions that crashed, until the user has decided about them
+  SessionMemory lost_;   // files of sessions that crashed, until the user has decided about them
   std::string opening_;  // file that the user chose in the Open dialog and that is still loading
 };
 

@@ -24,7 +24,7 @@
 namespace gs::app {
 namespace {
 
-constexpr float kClick = 4;  // pixels; max movement of the pointer between press and release of a click
+constexpr float kClick = 4;      // pixels; max movement of the pointer between press and release of a click
 constexpr float kSliceEdge = 6;  // pixels; max distance from the edge of a slice at which it can be dragged
 
 double seconds_since_1970() {

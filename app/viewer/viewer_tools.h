@@ -107,12 +107,12 @@ class ViewerTools {
     std::weak_ptr<Document> of;
     bool all = false;  // all options are applied; false while slices wait for the dimensions of the volume
   };
-  std::vector<Wished> wished_;  // documents to which the options of the command line were applied
+  std::vector<Wished> wished_;                      // documents to which the options of the command line were applied
   std::map<std::size_t, SliceScene> slice_scenes_;  // by viewport; kMaxViewports is used for saved pictures and values
   PictureWish wish_;
   std::string folder_;
   std::string replaceable_transfer_;  // file that was read, written or confirmed here, and may be overwritten
-  std::weak_ptr<Document> asked_;  // document to which `asked_is_volume_` refers
+  std::weak_ptr<Document> asked_;     // document to which `asked_is_volume_` refers
   bool asked_is_volume_ = false;
   std::optional<Export> export_;
   std::vector<render::Camera> tour_;

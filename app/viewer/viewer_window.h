@@ -69,7 +69,7 @@ class Viewer final : public WindowOperations {
   UiOverlay& ui_;                            // owned by controller_
   Session& session_;                         // owned by controller_
   std::unique_ptr<ControlService> control_;  // null if no client can control the program
-  std::unique_ptr<HandOver> hand_over_;  // null if other processes cannot send files to this window
+  std::unique_ptr<HandOver> hand_over_;      // null if other processes cannot send files to this window
   Frame frame_;                              // result of the last step
   ViewerTools tools_;
   PictureLedger pictures_;
@@ -81,7 +81,7 @@ class Viewer final : public WindowOperations {
   int frames_wanted_;
   bool was_in_motion_ = false, was_loading_ = false;
   bool interface_first_ = false;  // draw the interface at once, without waiting for a new picture of the worlds
-  double picture_seconds_ = 0;  // seconds; duration of the last picture
+  double picture_seconds_ = 0;    // seconds; duration of the last picture
 };
 
 }  // namespace gs::app

@@ -95,8 +95,8 @@ void WorldSaver::start_export(const std::string& path) {
     if (source.folder.empty() || !is_file(document_->world.path)) source.folder = ".";
     const auto made = world_text(*document_, source.path);
     const auto* problem = std::get_if<std::string>(&made);
-    const auto unwritten = problem ? std::optional(*problem)
-                                   : write_world_text(source.path, std::get<WorldText>(made).text);
+    const auto unwritten =
+        problem ? std::optional(*problem) : write_world_text(source.path, std::get<WorldText>(made).text);
     if (unwritten) return ui_.show_notice("Cannot save " + path + ": " + *unwritten, true);
   }
   ui_.show_notice("Saving " + path + "...", false);
@@ -121,9 +121,9 @@ void WorldSaver::saved(const std::string& path, std::size_t left_out) {
 bool WorldSaver::take_results() {
   for (auto& one : exports_)
     if (const auto result = one->take()) {
-      ui_.show_notice(result->problem ? "Cannot save " + result->target + ": " + *result->problem
-                                      : "Saved: " + result->target,
-                      result->problem.has_value());
+      ui_.show_notice(
+          result->problem ? "Cannot save " + result->target + ": " + *result->problem : "Saved: " + result->target,
+          result->problem.has_value());
       one.reset();
     }
   return std::erase(exports_, nullptr) > 0;

@@ -74,11 +74,11 @@ class WorldSaver {
   const SettingsStore& store_;
   std::string not_kept_;
   std::function<void()> close_, wake_;
-  std::shared_ptr<Document> document_;  // world that is being saved; null if none is
-  std::optional<Waiting> asked_;  // action about which the user is asked
-  std::optional<Waiting> after_;  // action that follows when `document_` is saved
+  std::shared_ptr<Document> document_;                // world that is being saved; null if none is
+  std::optional<Waiting> asked_;                      // action about which the user is asked
+  std::optional<Waiting> after_;                      // action that follows when `document_` is saved
   std::vector<std::shared_ptr<Document>> discarded_;  // worlds that may be lost when the window closes
-  bool warned_ = false;  // the user knows that closing the window ends exports
+  bool warned_ = false;                               // the user knows that closing the window ends exports
   std::string replaced_;  // existing file about which the user is asked; empty if there is none
   std::vector<std::unique_ptr<WorldExport>> exports_;
 };

@@ -88,7 +88,7 @@ class Window final : public render::GlContext {
   SpaceMouse space_mouse_;
   bool has_gamepad_ = false;
   std::vector<WindowEvent> events_;
-  glm::vec2 pointer_{0};  // pointer position at the previous event; GLFW reports only the present position
+  glm::vec2 pointer_{0};    // pointer position at the previous event; GLFW reports only the present position
   glm::ivec4 windowed_{0};  // position and size of the window outside of full-screen mode
 };
 

@@ -102,7 +102,8 @@ class Editor {
  public:
   explicit Editor(std::string_view text) : text_(text), lines_{0} {
     for (std::size_t i = 0; i < text.size(); ++i)
-      if (text[i] == '\n' || (text[i] == '\r' && (i + 1 == text.size() || text[i + 1] != '\n'))) lines_.push_back(i + 1);
+      if (text[i] == '\n' || (text[i] == '\r' && (i + 1 == text.size() || text[i + 1] != '\n')))
+        lines_.push_back(i + 1);
   }
 
   bool add(const TextEdit& edit) {

@@ -12,9 +12,9 @@ namespace gs::vrml {
 /// New value of one field in a VRML97 text.
 struct TextEdit {
   SourceLocation location;  // of the type name of a node, or of the name in a PROTO or EXTERNPROTO
-  std::string name;  // name that the text has there
-  std::string field;  // field of the node, or field of the PROTO; empty means the url list of the EXTERNPROTO
-  std::string value;  // VRML97 text
+  std::string name;         // name that the text has there
+  std::string field;        // field of the node, or field of the PROTO; empty means the url list of the EXTERNPROTO
+  std::string value;        // VRML97 text
 };
 
 /// Returns the text with new values of fields. Other text stays as it is, comments included. Adds a field to a node

@@ -237,7 +237,7 @@ std::string manual_page() {
          ".\n.PP\nOutput of export: " + export_format_list() + ".\n";
   out += ".SH KEYS\nActions in a window. F1 also lists the keys that move the viewer.\n";
   for (const ActionRow& row : actions())
-    if (const std::string keys = keys_of(row); !keys.empty())
+    if (const std::string keys = all_keys_of(row); !keys.empty())
       out += ".TP\n.B " + escaped(keys) + "\n" + std::string(row.help) + ".\n";
   out +=
       ".SH SETTINGS\nLines NAME = VALUE in $XDG_CONFIG_HOME/ghostspace/settings.conf (default "

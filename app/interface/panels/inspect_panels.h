@@ -52,7 +52,7 @@ class InspectorPanel final : public Panel {
   };
   std::vector<OpenList> open_;
   const vrml::InterfaceDeclaration* problem_of_ = nullptr;
-  std::string problem_;  // error message of the last rejected value
+  std::string problem_;    // error message of the last rejected value
   unsigned typed_in_ = 0;  // Dear ImGui ID of the focused field with text that was not sent; 0 if there is none
   std::string typed_;
 };

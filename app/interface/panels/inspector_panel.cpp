@@ -39,7 +39,7 @@ struct InspectorPanel::Field {
   const vrml::NodeType& type;
   const vrml::InterfaceDeclaration& interface;
   const vrml::InterfaceDeclaration* setter;  // eventIn that sets the field; null if it is read-only
-  const vrml::FieldValue* value;  // null if the value is unknown
+  const vrml::FieldValue* value;             // null if the value is unknown
   Unit unit;
 };
 

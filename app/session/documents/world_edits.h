@@ -18,7 +18,7 @@ struct WorldEdit {
   const vrml::InterfaceDeclaration* event_in = nullptr;  // eventIn or exposedField that sets the field
   const vrml::InterfaceDeclaration* field = nullptr;
   vrml::FieldValue before, after;
-  double time = 0;  // seconds since 1970
+  double time = 0;            // seconds since 1970
   std::uint64_t gesture = 0;  // edits of one gesture count as one edit; 0 means none
 };
 
@@ -46,7 +46,7 @@ class WorldEdits {
 
  private:
   std::vector<WorldEdit> done_, undone_;  // the next edit to undo or redo is the last one
-  std::vector<WorldEdit> settled_;  // oldest edits, which cannot be undone
+  std::vector<WorldEdit> settled_;        // oldest edits, which cannot be undone
   std::size_t saved_ = 0;  // size of `done_` when the world was saved; above it means that this state is lost
 };
 

@@ -53,6 +53,18 @@ TEST_CASE("drops undone movements after a new one, and undoes a running one from
   CHECK(history.go(-1, at(7))->position.x == 1.2);
 }
 
+TEST_CASE("reports the begin of the movement to undo or redo") {
+  PoseHistory history;
+  CHECK_FALSE(history.time_of(-1));
+  history.moved(at(0), at(1), 3);
+  history.moved(at(1), at(2), 3.1);
+  history.moved(at(2), at(3), 8);
+  CHECK(history.time_of(-1) == 8);
+  (void)history.go(-1, at(3));
+  CHECK(history.time_of(-1) == 3);
+  CHECK(history.time_of(1) == 8);
+}
+
 TEST_CASE("forgets the oldest positions") {
   PoseHistory history;
   for (int i = 0; i < 500; ++i) history.moved(at(i), at(i + 1), i);

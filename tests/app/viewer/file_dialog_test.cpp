@@ -67,6 +67,21 @@ TEST_CASE("opens the desktop's dialog in the given folder, and prints nothing") 
   CHECK(dialog.take()->files == Files{"--in=/a b/c/", "/a b/c", "/dev/null"});
 }
 
+TEST_CASE("asks for a file to save with a program that can, and reports it") {
+  const Desktop desktop;
+  const std::vector<DialogProgram> programs = {{"/bin/sh", {"-c", "echo open"}},
+                                               {"/bin/sh", {"-c", "echo open"}, {"-c", "echo \"$0\"", "{file}"}}};
+  std::binary_semaphore woken{0};
+  FileDialog dialog([&] { woken.release(); }, programs);
+  REQUIRE(dialog.show_saving("/a b/c.wrl"));
+  woken.acquire();
+  const auto answer = dialog.take();
+  REQUIRE(answer);
+  CHECK(answer->files == Files{"/a b/c.wrl"});
+  CHECK(answer->saves);
+  for (const DialogProgram& known : dialog_programs()) CHECK_FALSE(known.save_arguments.empty());
+}
+
 TEST_CASE("closes the dialog with its window, and runs without one") {
   const Desktop desktop;
   const std::vector<DialogProgram> patient = {{"/bin/sh", {"-c", "exec sleep 1000"}}};
