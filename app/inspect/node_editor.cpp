@@ -96,7 +96,8 @@ bool NodeEditor::deliver(WorldEdits& edits) {
         field ? world_->cascade().last_value(*one.node.scene, one.node.id, *field) : nullptr;
     WorldEdit edit{one.node.scene, one.node.id,   one.event_in, field, before ? *before : vrml::FieldValue(),
                    one.value,      world_->now(), gesture_};
-    if (world_->cascade().post(*one.node.scene, one.node.id, *one.event_in, std::move(one.value)) && before)
+    const bool changes = before && edit.before != edit.after;
+    if (world_->cascade().post(*one.node.scene, one.node.id, *one.event_in, std::move(one.value)) && changes)
       edits.note(std::move(edit));
   }
   world_->end_update();

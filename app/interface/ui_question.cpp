@@ -31,7 +31,7 @@ void ask_for_network(const UiQuestion& question) {
 void ask_to_replace(const UiQuestion& question) {
   text("The file already exists:");
   colored_text(UiColors::kAccent, question.subject);
-  text("Replace it with " + question.world + "?");
+  text("Replace it?");
 }
 
 void ask_about_edits(const UiQuestion& question) {

@@ -40,7 +40,10 @@ std::optional<std::string> moved_list(const vrml::MFString& urls, const std::str
   if (!differs) return std::nullopt;
   static const vrml::SceneGraph kNoScene;
   std::string text;
-  vrml::print_value(text, moved, kNoScene);
+  if (moved.size() == 1)
+    vrml::print_value(text, moved[0], kNoScene);
+  else
+    vrml::print_value(text, moved, kNoScene);
   return text;
 }
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <iterator>
 #include <span>
+#include <utility>
 
 namespace gs::app {
 namespace {
@@ -29,9 +30,11 @@ bool is_text_path(std::string_view path) { return ends_with_any(path, kTextExten
 
 std::string save_format_list() {
   std::string text = ".wrl, .wrz (VRML97)";
-  for (const ExportFormat& format : export_formats())
-    if (export_format_of("a" + std::string(format.extension)) == &format && !is_text_path(format.extension))
-      text += ", " + std::string(format.extension) + " (" + std::string(format.description) + ")";
+  const char* separator = "; only the surface: ";
+  for (const ExportFormat& format : export_formats()) {
+    if (is_text_path(format.extension)) continue;
+    text.append(std::exchange(separator, ", ")).append(format.extension);
+  }
   return text;
 }
 

@@ -45,7 +45,7 @@ class Reader {
     lexer_.go_back(here);
     return piece;
   }
-  // Skips the rest of a list or body whose opening brace was read. Returns its end, or nullopt if it is incomplete.
+  // Skips the rest of a list or body after its opening brace. Returns its end, or nullopt if it is incomplete.
   std::optional<std::size_t> skip_block() {
     for (std::size_t depth = 1;;) {
       const Piece piece = next();

@@ -13,7 +13,7 @@ std::string edited(const std::string& text, const std::vector<TextEdit>& edits) 
   return edited_text(text, edits).value_or("nothing");
 }
 
-// Returns an edit of the node whose type name begins at an offset of a text.
+// Returns an edit of the first node with a type name.
 TextEdit edit_of(const std::string& text, const std::string& name, const std::string& field, const std::string& value) {
   const std::size_t at = text.find(name);
   REQUIRE(at != std::string::npos);
