@@ -50,7 +50,7 @@ void send_again(Session& session, const StreamList::Row& row) {
     }
   }
   if (session.panes().documents().find(row.world))
-    session.panes().reload(row.world);
+    session.panes().documents().reload_unedited(row.world);
   else
     session.opening().open_files({row.world});
 }

@@ -3,7 +3,7 @@
 #include "app/saving/save_formats.h"
 #include "app/saving/world_text.h"
 #include "app/settings/user_folders.h"
-#include "net/files/file.h"
+#include "net/files/standard_input.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 bool is_file(const std::string& path) {
   std::error_code error;
-  return fs::is_regular_file(path, error);
+  return path != net::kStandardInputPath && fs::is_regular_file(path, error);
 }
 
 }  // namespace

@@ -111,11 +111,15 @@ std::shared_ptr<Document> make_document(LoadedWorld world, render::MeshCache mes
 
 void DocumentList::add(std::string_view path) {
   if (path.empty()) return;
-  if (const Entry* known = entry(path)) {
-    if (!known->document || !known->document->edits.unsaved()) reload(path);
-  } else {
+  if (entry(path))
+    reload_unedited(path);
+  else
     entries_.push_back({std::string(path), true, 0, nullptr, nullptr});
-  }
+}
+
+void DocumentList::reload_unedited(std::string_view path) {
+  const Entry* known = find(path);
+  if (!known || !known->document || !known->document->edits.unsaved()) reload(path);
 }
 
 void DocumentList::reload(std::string_view path) {

@@ -81,6 +81,8 @@ class DocumentList {
   void add(std::string_view path);
   /// Marks a file to be read again.
   void reload(std::string_view path);
+  /// Marks a file to be read again, unless its world has unsaved edits.
+  void reload_unedited(std::string_view path);
 
   /// Begins to read a file. Returns nullopt if the document is up to date or the file is already being read.
   [[nodiscard]] std::optional<Reading> begin(std::string_view path);
