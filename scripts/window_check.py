@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """window_check.py [-k FOLDER]: uses the window with mouse and keyboard under Xvfb, and checks the results over --control.
-Steps: open, split, move, drag a PlaneSensor, follow an Anchor, go back, edit a transfer function, draw a slice through a
-volume, save a picture and a turntable. Prints one line per step. Exits with 1 if a step failed.
+Steps: open, split, move, drag a PlaneSensor, follow an Anchor, go back, edit a node and save the world, edit a transfer
+function, draw a slice through a volume, save a picture and a turntable. Prints one line per step. Exits with 1 if a step failed.
 -k: keeps pictures of the window in FOLDER.
 
 GHOSTSPACE: program instead of build/release/ghostspace. Needs Xvfb, xdotool and ImageMagick (Debian: xvfb,
@@ -224,6 +224,42 @@ def run(check):
         check.key("alt+Right")
         wait("forward is the second", lambda: check.world.getWorldURL().endswith("second.wrl"))
 
+    def title():
+        return subprocess.run(["xdotool", "search", "--name", "GhostSpace", "getwindowname"], env=check.environment,
+                              capture_output=True, text=True).stdout
+
+    def viewer_at(z):
+        return lambda: near(check.world.getViewer()["position"], (0, 0, z), 0.01)
+
+    def saves():
+        check.key("ctrl+shift+t", "ctrl+shift+i")
+        check.click((70, 133))  # the Viewpoint in the tree
+        check.click((780, 338))  # its position
+        check.key("ctrl+a")
+        check.xdotool("type", "--delay", 40, "0 0 7")
+        check.key("Return")
+        wait("the viewer follows its Viewpoint", viewer_at(7))
+        wait("the title shows the edit", lambda: "edited" in title())
+        check.key("ctrl+z")
+        wait("the edit is undone", viewer_at(6))
+        if "edited" in title():
+            raise Failed("the title still shows the edit")
+        check.key("ctrl+y")
+        wait("the edit is redone", viewer_at(7))
+        check.key("ctrl+q")
+        time.sleep(1)
+        if check.window.poll() is not None:
+            raise Failed("the window is closed without a question")
+        check.key("Escape", "ctrl+s", "ctrl+a")
+        saved = check.folder / "saved.wrl"
+        check.xdotool("type", "--delay", 40, str(saved))
+        check.key("Return")
+        wait("the world is saved", saved.exists)
+        if saved.read_text() != SECOND.replace("0 0 6", "0 0 7"):
+            raise Failed(f"it is {saved.read_text()}")
+        wait("the title is as before", lambda: "edited" not in title())
+        check.key("ctrl+shift+t", "ctrl+shift+i")
+
     def opens():
         check.key("ctrl+l", "ctrl+a")
         check.xdotool("type", "--delay", 40, ball)
@@ -288,6 +324,7 @@ def run(check):
     check.step("a viewport is split, and closed", splits)
     check.step("an Anchor is followed", follows)
     check.step("back and forward", goes_back)
+    check.step("a node is edited, and the world is saved", saves)
     check.step("a file is opened by its path", opens)
     check.step("a transfer function is edited, and saved", edits)
     check.step("a slice is drawn by its edge", slices)
