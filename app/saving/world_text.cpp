@@ -122,30 +122,34 @@ std::optional<std::string> edited_source(const std::string& source, const SceneG
   return whole ? text : std::nullopt;
 }
 
-// Prints the nodes of a world. Textures that its file embeds become data: URLs.
+// Prints the nodes of a world. Textures that its file embeds become data: URLs, and the field `complete`, which only
+// the browser sets, gets its default.
 std::string printed_world(Document& document) {
   SceneGraph& scene = *document.world.scene;
-  std::vector<vrml::NodeId> without_url;
+  std::vector<std::pair<vrml::FieldValue*, vrml::FieldValue>> changed;  // fields with their values in the world
+  const auto change = [&](vrml::NodeId id, std::string_view field, vrml::FieldValue value) {
+    const vrml::Node& node = scene.node(id);
+    vrml::FieldValue& present = node.values[node.type->find_field(field)->slot];
+    changed.emplace_back(&present, std::exchange(present, std::move(value)));
+  };
+  std::optional<TextureUrls> urls;  // made for the first texture, because it is slow
   for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
     const vrml::NodeId id = scene.id_at(i);
-    if (!scene.contains(id) || scene.node(id).in_prototype_body ||
-        scene.node(id).type->read_as != vrml::NodeKind::image_texture)
-      continue;
-    if (scene.get<vrml::MFString>(id, "url").empty() && document.world.images.contains(&scene.node(id)))
-      without_url.push_back(id);
-  }
-  if (without_url.empty()) return vrml::print(scene);
-  const TextureUrls urls = texture_urls(document.world);
-  for (const vrml::NodeId id : without_url) {
+    if (!scene.contains(id) || scene.node(id).in_prototype_body) continue;
+    const vrml::NodeKind kind = scene.node(id).type->read_as;
+    if (kind == vrml::NodeKind::outline_group) change(id, "complete", false);
+    if (kind != vrml::NodeKind::image_texture || !scene.get<vrml::MFString>(id, "url").empty()) continue;
     const auto image = document.world.images.find(&scene.node(id));
-    const auto url = urls.find(image->second.get());
-    if (url == urls.end()) continue;
+    if (image == document.world.images.end()) continue;
+    if (!urls) urls = texture_urls(document.world);
+    const auto url = urls->find(image->second.get());
+    if (url == urls->end()) continue;
     vrml::MFString list;
     list.push_back(url->second);
-    scene.set(id, "url", std::move(list));
+    change(id, "url", std::move(list));
   }
   std::string text = vrml::print(scene);
-  for (const vrml::NodeId id : without_url) scene.set(id, "url", vrml::MFString());
+  for (auto& [field, value] : changed) *field = std::move(value);
   return text;
 }
 

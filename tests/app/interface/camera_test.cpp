@@ -170,7 +170,7 @@ TEST_CASE("copies and pastes a camera, and reports invalid text") {
   user.wait(1);
   user.press(letter_key('O'));
   const Pose kept = pose(user);
-  user.press(letter_key('C'), true);
+  user.press(letter_key('C'), true, true);
   CHECK(user.controller().ui().clipboard() == camera_text(kept));
   user.press(letter_key('O'));
   user.press(letter_key('1'), false, true);

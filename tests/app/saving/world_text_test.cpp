@@ -68,12 +68,12 @@ TEST_CASE("writes only the edited values into the text of the file, while the wo
   Edited world(folder.write("room.wrl", kRoom));
   CHECK(world.text(folder.path("a.wrl")).text == kRoom);
   world.set(world.find("Table"), "translation", "2 0 0.5");
-  world.set(world.find("Top"), "set_size", "1 1 1");
+  world.set(world.find("Table"), "scale", "2 2 2");
   (void)world.document->runtime->step(1000.3);  // the lamp moves
   const WorldText made = world.text(folder.path("a.wrl"));
   CHECK(made.is_source);
   CHECK(made.left_out == 0);
-  CHECK(made.text == replaced(kRoom, "translation 1 0 0", "translation 2 0 0.5"));
+  CHECK(made.text == replaced(kRoom, "translation 1 0 0", "scale 2 2 2\n  translation 2 0 0.5"));
 }
 
 TEST_CASE("writes edits of a compressed file, and of a file that was replaced meanwhile") {

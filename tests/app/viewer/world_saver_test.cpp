@@ -21,7 +21,7 @@ struct Desk {
   explicit Desk(const std::string& text = kRoom) : path(folder.write("room.wrl", text)) {
     user.session().opening().open_files({path});
     REQUIRE(user.wait_for([&] { return user.session().view() != nullptr; }));
-    user.settle();
+    user.press(letter_key('I'), true, true);
   }
   void edit(const std::string& value) {
     const vrml::SceneGraph& scene = *user.session().view()->document->world.scene;
