@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <cmath>
 #include <string>
 #include <string_view>
 
@@ -62,10 +63,12 @@ TEST_CASE("undoes and redoes edits and movements in their order") {
   desk.edit("2 0 0");
   CHECK(desk.place() == 2);
   desk.user.wait(1);
-  const glm::vec2 middle(500, 400);
+  desk.user.press(letter_key('1'));  // Examine
+  const glm::vec2 middle(400, 400);
   desk.user.drag(middle, middle + glm::vec2(80, 0));
   desk.user.wait(1);
   const glm::dvec3 moved = desk.user.session().view()->navigation.pose.position;
+  CHECK(std::abs(moved.x) > 0.1);
   desk.edit("3 0 0");
   desk.user.press(letter_key('Z'), true);
   CHECK(desk.place() == 2);
