@@ -162,7 +162,7 @@ std::shared_ptr<const std::string> source_text(const std::string& place, std::si
   const auto* file = std::get_if<net::MappedFile>(&opened);
   if (!file || (size != 0 && file->bytes().size() != size)) return nullptr;
   const std::span<const std::byte> bytes = file->bytes();
-  if (&content_type_of(path, bytes) != &content_type_of("a.wrl", {})) return nullptr;
+  if (&content_type_of(path, first_bytes(bytes)) != &content_type_of("a.wrl", {})) return nullptr;
   auto text = std::make_shared<std::string>();
   if (!is_gzip(bytes)) {
     text->assign(reinterpret_cast<const char*>(bytes.data()), bytes.size());

@@ -12,6 +12,7 @@
 namespace gs::app::world_saver_test {
 namespace {
 
+constexpr std::string_view kHeader = "#VRML V2.0 utf8\n";
 constexpr const char* kRoom =
     "#VRML V2.0 utf8\n# my room\nViewpoint { position 0 0 9 }\nDEF Table Transform { translation 1 0 0 children Shape "
     "{ "
@@ -19,8 +20,12 @@ constexpr const char* kRoom =
 
 /// User with an open file.
 struct Desk {
-  explicit Desk(const std::string& text = kRoom) : path(folder.write("room.wrl", text)) {
-    user.session().opening().open_files({path});
+  // `clocked` starts the world at the time of the user, not at the present time.
+  explicit Desk(bool clocked = false) : path(folder.write("room.wrl", kRoom)) {
+    if (clocked)
+      user.show_world(std::string(kRoom).substr(kHeader.size()), path);
+    else
+      user.session().opening().open_files({path});
     REQUIRE(user.wait_for([&] { return user.session().view() != nullptr; }));
     user.press(letter_key('I'), true, true);
   }
@@ -59,7 +64,7 @@ struct Desk {
 }  // namespace
 
 TEST_CASE("undoes and redoes edits and movements in their order") {
-  Desk desk;
+  Desk desk(true);
   desk.edit("2 0 0");
   CHECK(desk.place() == 2);
   desk.user.wait(1);
