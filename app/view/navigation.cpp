@@ -13,14 +13,14 @@ namespace gs::app {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-constexpr glm::vec3 kUp(0, 1, 0);  // up direction of a world (VRML97 4.4.5)
-constexpr float kLongestStep = 0.25f;  // seconds; longer steps are shortened to this
-constexpr float kEaseTime = 0.08f;  // seconds; time constant of the speed after a key changes (63 %)
-constexpr float kZoomTime = 0.06f;  // seconds; time constant of the wheel
-constexpr float kZoomNotch = 0.85f;  // factor on the distance for one notch
-constexpr float kTurnRate = kPi / 3;  // radians/s for a held key
+constexpr glm::vec3 kUp(0, 1, 0);            // up direction of a world (VRML97 4.4.5)
+constexpr float kLongestStep = 0.25f;        // seconds; longer steps are shortened to this
+constexpr float kEaseTime = 0.08f;           // seconds; time constant of the speed after a key changes (63 %)
+constexpr float kZoomTime = 0.06f;           // seconds; time constant of the wheel
+constexpr float kZoomNotch = 0.85f;          // factor on the distance for one notch
+constexpr float kTurnRate = kPi / 3;         // radians/s for a held key
 constexpr float kSteepest = 85 * kPi / 180;  // radians; max pitch in WALK
-constexpr float kLevelTime = 0.15f;  // seconds; time constant with which WALK removes roll
+constexpr float kLevelTime = 0.15f;          // seconds; time constant with which WALK removes roll
 constexpr float kFast = 4;
 
 glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise) {
@@ -319,7 +319,8 @@ Navigation step(const Navigation& state, const NavigationInput& raw, float secon
 
 Navigation with_body(const Navigation& before, Navigation after, const Avatar& avatar, const Obstacles& obstacles,
                      float seconds) {
-  const bool has_body = (after.mode == NavigationMode::walk || after.mode == NavigationMode::fly) && !after.ghost;
+  const bool has_body =
+      (after.mode == NavigationMode::walk || after.mode == NavigationMode::fly) && !after.ghost && avatar.solid;
   if (!has_body || before.transition || after.transition) {
     after.body = {};
     return after;

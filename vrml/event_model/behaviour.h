@@ -62,6 +62,7 @@ struct Behaviour {
   /// For nodes that play a sound or movie: returns the playback state; see vrml::media_play(Execution&, ...).
   MediaPlay (*media_play)(Execution& execution, EventNode node) = nullptr;
   bool media_backwards = false;  // negative and zero speed are allowed (6.28)
+  bool watches_routes = false;   // a new ROUTE from the node causes a call of on_time
 };
 
 // Behaviours that rows of the node table use.
@@ -71,9 +72,11 @@ extern const Behaviour kProximitySensorBehaviour, kVisibilitySensorBehaviour;
 extern const Behaviour kTouchSensorBehaviour, kPlaneSensorBehaviour, kCylinderSensorBehaviour, kSphereSensorBehaviour;
 extern const Behaviour kGroupBehaviour;  // addChildren, removeChildren (4.6.5)
 extern const Behaviour kAnchorBehaviour, kBillboardBehaviour, kCollisionBehaviour;
+extern const Behaviour kInlineBehaviour;    // children_changed
+extern const Behaviour kBrowserBehaviour;   // the browser as a node (vrml/events/world_browser.h)
 extern const Behaviour kBindableBehaviour;  // bindable nodes (4.6.10)
-inline constexpr int kSetBind = 0;  // event index of set_bind in all bindable nodes
-inline constexpr int kFieldOfView = 3;  // event index of fieldOfView in Viewpoint
+inline constexpr int kSetBind = 0;          // event index of set_bind in all bindable nodes
+inline constexpr int kFieldOfView = 3;      // event index of fieldOfView in Viewpoint
 extern const Behaviour kTimeSensorBehaviour;
 extern const Behaviour kAudioClipBehaviour, kMovieTextureBehaviour;  // 6.4, 6.28
 extern const Behaviour kScriptBehaviour;                             // 6.40

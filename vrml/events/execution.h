@@ -12,6 +12,7 @@
 #include "vrml/events/route_table.h"
 #include "vrml/events/script_queue.h"
 #include "vrml/events/timer_queue.h"
+#include "vrml/events/world_browser.h"
 #include "vrml/events/world_scenes.h"
 #include "vrml/events/world_viewer.h"
 
@@ -70,6 +71,7 @@ class Execution {
   [[nodiscard]] Placement& placement() { return placement_; }
   [[nodiscard]] WorldViewer& viewer() { return viewer_; }
   [[nodiscard]] Pointing& pointing() { return pointing_; }
+  [[nodiscard]] WorldBrowser& browser() { return browser_; }
   /// Returns the states of behaviours. EventNodes::state_of is the index of a node's state.
   [[nodiscard]] BehaviourStates& states() { return states_; }
 
@@ -81,6 +83,8 @@ class Execution {
   }
   /// Reports whether the event was sent with the present timestamp.
   [[nodiscard]] bool has_sent(EventNode node, int event) const;
+  /// Reports whether a ROUTE or IS leads from the event to another node.
+  [[nodiscard]] bool is_listened_to(EventNode node, int event);
   /// Sends an event from an eventOut, or sets an exposedField and sends its value.
   template <class T>
   void send(EventNode node, int event, T value) {
@@ -101,6 +105,7 @@ class Execution {
   Placement placement_;
   WorldViewer viewer_;
   Pointing pointing_;
+  WorldBrowser browser_;
   BehaviourStates states_;
 };
 

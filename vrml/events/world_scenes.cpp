@@ -84,8 +84,23 @@ void WorldScenes::attach_all(std::vector<std::size_t> order) {
     for (const auto& [node, content] : scene.inlines())
       if (content && !has(content.get())) inlines.push_back(node);
     std::sort(inlines.begin(), inlines.end());
-    for (const std::uint32_t node : inlines) order.push_back(place_of(*scene.inlined(scene.id_at(node))));
+    for (const std::uint32_t node : inlines) {
+      order.push_back(place_of(*scene.inlined(scene.id_at(node))));
+      note_content(scene, scene.id_at(node));
+    }
   }
+}
+
+// Lets an Inline send children_changed for its new content, if another node listens.
+void WorldScenes::note_content(const SceneGraph& scene, NodeId inline_node) {
+  SceneState* const state = find(&scene);
+  const EventNode node = state && inline_node.index < state->members.size() ? state->members[inline_node.index] : 0;
+  if (node == 0) return;
+  const Behaviour* const behaviour = execution_.nodes().schema_of(node).behaviour;
+  if (!behaviour || !behaviour->watches_routes) return;
+  execution_.nodes().state_of(node) = 0;
+  execution_.timers().look_again(node);
+  execution_.timers().call_at(node, execution_.now());
 }
 
 void WorldScenes::attach_node(SceneState& state, NodeId id) {

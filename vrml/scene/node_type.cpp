@@ -76,9 +76,13 @@ const InterfaceDeclaration* NodeType::find_event_out(std::string_view wanted) co
 const InterfaceDeclaration* NodeType::find_event_in(std::string_view wanted) const {
   const InterfaceDeclaration* found = find(wanted);
   if (found && (found->access == AccessType::eventIn || found->access == AccessType::exposedField)) return found;
-  if (!wanted.starts_with(kSetPrefix)) return nullptr;
-  found = find(wanted.substr(kSetPrefix.size()));
-  return found && found->access == AccessType::exposedField ? found : nullptr;
+  if (wanted.starts_with(kSetPrefix)) {
+    found = find(wanted.substr(kSetPrefix.size()));
+    return found && found->access == AccessType::exposedField ? found : nullptr;
+  }
+  if (found || kind != Kind::built_in) return nullptr;
+  found = find(std::string(kSetPrefix) + std::string(wanted));
+  return found && found->access == AccessType::eventIn ? found : nullptr;
 }
 
 }  // namespace gs::vrml

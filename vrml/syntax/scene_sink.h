@@ -22,7 +22,7 @@ struct SourceName {
 /// Destination of a node. Without a value, the node is a statement of the file or of a PROTO's body.
 struct NodeTarget {
   FieldValue* value = nullptr;  // SFNode or MFNode that receives the node
-  std::string_view field;  // name of a field that restricts the node's role (VRML97 4.6); otherwise empty
+  std::string_view field;       // name of a field that restricts the node's role (VRML97 4.6); otherwise empty
 };
 
 /// Start of a node, up to its opening brace.
@@ -37,7 +37,7 @@ struct NodeHeader {
 struct OpenNode {
   NodeId id;  // null if the grammar must skip the body
   const NodeType* type = nullptr;
-  NodeType* own_type = nullptr;  // type of a Script, which the body extends; null for other nodes
+  NodeType* own_type = nullptr;    // type of a Script, which the body extends; null for other nodes
   std::uint64_t fields_given = 0;  // one bit per slot below 64 with a value in the text
 };
 
@@ -122,6 +122,7 @@ class SceneSink {
   void add_type(NodeType& type);
   void connect_route(const RouteNames& wanted, NodeId from, NodeId to);
   void add_waiting_routes();
+  void make_browser(SourceLocation location);
 
   SceneGraph& scene_;
   SourceText& text_;  // text that is read: the scene's file or a run-time text
@@ -131,7 +132,7 @@ class SceneSink {
   std::size_t open_interfaces_ = 0;                  // open PROTO interfaces; their default nodes are live
   std::unordered_set<std::string_view> said_types_;  // type names that were reported as declared twice
   std::unordered_map<std::string_view, const NodeType*> stand_ins_;  // stand-ins for the types that the text uses
-  std::unordered_set<std::string> unknown_types_;  // types that were reported as unknown
+  std::unordered_set<std::string> unknown_types_;                    // types that were reported as unknown
   std::unordered_set<std::uint64_t> said_measures_;                  // positions of nodes with invalid measures
 };
 

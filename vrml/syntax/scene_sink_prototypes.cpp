@@ -155,6 +155,8 @@ void SceneSink::add_waiting_routes() {
   Scope& scope = scopes_.back();
   const std::vector<RouteNames> routes = std::exchange(scope.waiting_routes, {});
   for (const RouteNames& route : routes) {
+    for (const std::string* const name : {&route.from, &route.to})
+      if (*name == kBrowserName && !scope.names.find(*name)) make_browser(route.location);
     const NodeId* const from = scope.names.find(route.from);
     const NodeId* const to = scope.names.find(route.to);
     if (from && to) {
@@ -164,6 +166,16 @@ void SceneSink::add_waiting_routes() {
                       "ROUTE names '" + (!from ? route.from : route.to) + "', but no DEF has this name");
     }
   }
+}
+
+// Makes the browser as a node of this scope, for its ROUTEs. The node is no part of the scene's hierarchy.
+void SceneSink::make_browser(SourceLocation location) {
+  const NodeId made = scene_.create(browser_node_type(), location);
+  if (!made) return;
+  Scope& scope = scopes_.back();
+  if (scope.prototype) scene_.put_in_body(made, *scope.prototype->prototype);
+  scene_.set_name(made, kBrowserName);
+  scope.names.insert(scene_.node(made).name) = made;
 }
 
 void SceneSink::connect_route(const RouteNames& wanted, NodeId from, NodeId to) {

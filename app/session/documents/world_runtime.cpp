@@ -148,6 +148,7 @@ void WorldRuntime::arrive(ResourceUpdates&& updates) {
 // Removes all data about a removed node; for a null `node`, about all nodes of a scene. Required because their
 // addresses may be reused.
 void WorldRuntime::forget(vrml::SceneGraph& scene, vrml::NodeId node) {
+  rays_.forget();
   const auto forget_one = [&](const vrml::Node& one) {
     for (std::size_t i = 0, count = one.type ? one.type->url_fields().size() : 0; i < count; ++i)
       world_.images.erase({&one, i});

@@ -32,7 +32,10 @@ void stand_at(View& seen, const Pose& pose, bool animated) {
 }
 
 void CameraControl::end_journey(View& seen) const {
-  if (!step_.simulated || !seen.navigation.transition) return;
+  if (!seen.navigation.transition) return;
+  const bool instant = seen.navigation.transition->jump && seen.document->runtime &&
+                       !seen.document->runtime->execution().browser().settings().viewpoint_animation;
+  if (!step_.simulated && !instant) return;
   seen.navigation.pose = seen.navigation.transition->to;
   seen.navigation.transition.reset();
 }

@@ -71,7 +71,9 @@ TEST_CASE("matches the interfaces of the standard, row by row") {
   for (const auto& [name, interfaces] : facts.items()) {
     const NodeType* type = built_in_node_type(name);
     REQUIRE(type);
-    CHECK(type->interfaces.size() == interfaces.size());
+    const auto others = std::count_if(type->interfaces.begin(), type->interfaces.end(),
+                                      [](const InterfaceDeclaration& one) { return one.of_other_browsers; });
+    CHECK(type->interfaces.size() - static_cast<std::size_t>(others) == interfaces.size());
     for (const auto& row : interfaces) {
       ++rows;
       const std::string field = row["name"];
@@ -122,7 +124,10 @@ TEST_CASE("parses printed interfaces to equal declarations") {
     if (type->kind == NodeType::Kind::script) continue;
     NodeType again;
     REQUIRE(parse_interface(print_interface(*type), again));
-    REQUIRE(again.interfaces.size() == type->interfaces.size());
+    // Events of other browsers are at the end, and are not printed.
+    std::size_t printed = type->interfaces.size();
+    while (printed > 0 && type->interfaces[printed - 1].of_other_browsers) --printed;
+    REQUIRE(again.interfaces.size() == printed);
     for (std::size_t i = 0; i < again.interfaces.size(); ++i) {
       CHECK(again.interfaces[i].name == type->interfaces[i].name);
       CHECK((again.interfaces[i].initial == type->interfaces[i].initial));

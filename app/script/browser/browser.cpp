@@ -1,3 +1,4 @@
+#include "app/script/browser/browser_natives.h"
 #include "app/script/run_time_nodes.h"
 #include "app/script/script_world.h"
 
@@ -6,10 +7,9 @@
 #include <js/Object.h>
 #include <js/PropertySpec.h>
 
-#include <glm/glm.hpp>
-#include <glm/gtc/quaternion.hpp>
-
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 // The Browser object (VRML97 4.12.10, C.6.3), print() and trace(), constants, and further functions that browsers of
@@ -107,34 +107,6 @@ bool create_from_url(JSContext* context, unsigned argc, JS::Value* vp) {
   return true;
 }
 
-template <bool kAdd>
-bool change_route(JSContext* context, unsigned argc, JS::Value* vp) {
-  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
-  World& world = world_of(context);
-  args.rval().setUndefined();
-  const NodeBox* const from = args.get(0).isObject() ? node_of(&args[0].toObject()) : nullptr;
-  const NodeBox* const to = args.get(2).isObject() ? node_of(&args[2].toObject()) : nullptr;
-  std::string out, in;
-  if (!text_of_value(context, args.get(1), out) || !text_of_value(context, args.get(3), in)) return false;
-  vrml::SceneGraph* const scene = from ? from->live_scene() : nullptr;
-  if (!scene || !to || to->live_scene() != scene) return fail(context, "expected two nodes of one file");
-  const auto found = route_between(*scene, from->id, out, to->id, in);
-  if (const auto* const why = std::get_if<std::string>(&found)) return fail(context, *why);
-  const vrml::Route& route = std::get<vrml::Route>(found);
-  // Adding a ROUTE lets the target read values of the source, and may replace the program of a Script. Both need
-  // permission.
-  const vrml::Node &source = scene->node(from->id), &target = scene->node(to->id);
-  const bool same_source = source.text->source() == target.text->source();
-  if (kAdd && !same_source && !world.may_read(source)) return true;
-  if (kAdd && sets_program(*target.type, *route.event_in) && !world.may_read(target)) return true;
-  // Adding a ROUTE that exists already has no effect (4.10.2).
-  if (kAdd)
-    (void)world.execution().routes().add(*scene, route);
-  else
-    (void)world.execution().routes().remove(*scene, route);
-  return true;
-}
-
 bool load_url(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   World& world = world_of(context);
@@ -167,48 +139,6 @@ bool print(JSContext* context, unsigned argc, JS::Value* vp) {
   world_of(context).print(std::move(line));
   args.rval().setUndefined();
   return true;
-}
-
-// Accepts calls of functions that only other browsers implement.
-bool do_nothing(JSContext*, unsigned argc, JS::Value* vp) {
-  JS::CallArgsFromVp(argc, vp).rval().setUndefined();
-  return true;
-}
-bool give_false(JSContext*, unsigned argc, JS::Value* vp) {
-  JS::CallArgsFromVp(argc, vp).rval().setBoolean(false);
-  return true;
-}
-bool give_true(JSContext*, unsigned argc, JS::Value* vp) {
-  JS::CallArgsFromVp(argc, vp).rval().setBoolean(true);
-  return true;
-}
-bool give_zero(JSContext*, unsigned argc, JS::Value* vp) {
-  JS::CallArgsFromVp(argc, vp).rval().setInt32(0);
-  return true;
-}
-bool give_empty(JSContext* context, unsigned argc, JS::Value* vp) {
-  return make_string(context, "", JS::CallArgsFromVp(argc, vp).rval());
-}
-
-// ---- Position and orientation of the viewer (Blaxxun Contact)
-
-bool viewpoint_position(JSContext* context, unsigned argc, JS::Value* vp) {
-  const glm::dmat4 viewer = world_of(context).execution().viewer().pose();
-  const double c[] = {viewer[3][0], viewer[3][1], viewer[3][2]};
-  JSObject* const made = make_tuple(context, vrml::FieldType::SFVec3f, c);
-  JS::CallArgsFromVp(argc, vp).rval().setObjectOrNull(made);
-  return made != nullptr;
-}
-bool viewpoint_orientation(JSContext* context, unsigned argc, JS::Value* vp) {
-  const glm::dmat4 viewer = world_of(context).execution().viewer().pose();
-  const glm::dquat q = glm::normalize(glm::quat_cast(glm::dmat3(viewer)));
-  const glm::dvec3 v(q.x, q.y, q.z);
-  const double size = glm::length(v);
-  const double c[] = {size > 0 ? v.x / size : 0, size > 0 ? v.y / size : 0, size > 0 ? v.z / size : 1,
-                      2 * std::atan2(size, q.w)};
-  JSObject* const made = make_tuple(context, vrml::FieldType::SFRotation, c);
-  JS::CallArgsFromVp(argc, vp).rval().setObjectOrNull(made);
-  return made != nullptr;
 }
 
 // ---- Functions without an object
@@ -302,45 +232,106 @@ bool random_number(JSContext* context, unsigned argc, JS::Value* vp) {
   return true;
 }
 
+// Table of the methods of the Browser object. docs/manual.md lists them.
 const JSFunctionSpec kBrowser[] = {
     // Functions of Table C.1
     JS_FN("getName", get_name, 0, 0), JS_FN("getVersion", get_version, 0, 0), JS_FN("getCurrentSpeed", get_speed, 0, 0),
     JS_FN("getCurrentFrameRate", get_frame_rate, 0, 0), JS_FN("getWorldURL", get_world_url, 0, 0),
     JS_FN("replaceWorld", replace_world, 1, 0), JS_FN("createVrmlFromString", create_from_string, 1, 0),
-    JS_FN("createVrmlFromURL", create_from_url, 3, 0), JS_FN("addRoute", change_route<true>, 4, 0),
-    JS_FN("deleteRoute", change_route<false>, 4, 0), JS_FN("loadURL", load_url, 2, 0),
+    JS_FN("createVrmlFromURL", create_from_url, 3, 0), JS_FN("addRoute", add_route, 4, 0),
+    JS_FN("deleteRoute", delete_route, 4, 0), JS_FN("loadURL", load_url, 2, 0),
     JS_FN("setDescription", tell_text<ScriptRequest::Kind::description>, 1, 0),
     // Other spellings of these functions, which worlds and even the examples of Annex C use
     JS_FN("createVRMLFromString", create_from_string, 1, 0), JS_FN("createVRMLFromURL", create_from_url, 3, 0),
     JS_FN("createVrmlFromUrl", create_from_url, 3, 0), JS_FN("createX3DFromString", create_from_string, 1, 0),
     JS_FN("createX3DFromURL", create_from_url, 3, 0), JS_FN("loadUrl", load_url, 2, 0),
-    JS_FN("getWorldUrl", get_world_url, 0, 0), JS_FN("print", print, 1, 0), JS_FN("println", print, 1, 0),
-    // Functions of Cosmo Player, Blaxxun Contact and Cortona
+    JS_FN("loadURLrel", load_url, 2, 0), JS_FN("getWorldUrl", get_world_url, 0, 0), JS_FN("print", print, 1, 0),
+    JS_FN("println", print, 1, 0),
+    // Functions of Cosmo Player, Blaxxun Contact and Cortona. Time, files and settings
     JS_FN("getTime", get_time, 0, 0), JS_FN("getCurrentTime", get_time, 0, 0),
-    JS_FN("setViewpoint", tell_text<ScriptRequest::Kind::viewpoint>, 1, 0), JS_FN("showConsole", do_nothing, 0, 0),
-    JS_FN("hideConsole", do_nothing, 0, 0), JS_FN("beginUpdate", do_nothing, 0, 0),
-    JS_FN("endUpdate", do_nothing, 0, 0), JS_FN("setNavigationMode", do_nothing, 1, 0),
-    JS_FN("setCollisionDetection", do_nothing, 1, 0), JS_FN("setGravity", do_nothing, 1, 0),
-    JS_FN("setHeadlight", do_nothing, 1, 0), JS_FN("setCpuLoad", do_nothing, 1, 0),
-    JS_FN("setLocalLightRadius", do_nothing, 1, 0), JS_FN("setBspMode", do_nothing, 1, 0),
+    JS_FN("getWorldStartTime", get_start_time, 0, 0), JS_FN("getWorldBaseURL", get_world_base_url, 0, 0),
+    JS_FN("getBaseURL", get_base_url, 0, 0), JS_FN("getOption", get_option, 1, 0), JS_FN("setOption", set_option, 2, 0),
+    JS_FN("getScript", get_script, 0, 0), JS_FN("isKeyPressed", is_key_pressed, 1, 0),
+    // Viewer and window
+    JS_FN("setViewpoint", tell_text<ScriptRequest::Kind::viewpoint>, 1, 0),
+    JS_FN("setViewpointByValue", set_viewpoint_by_value, 3, 0),
+    JS_FN("getViewpointByValue", get_viewpoint_by_value, 3, 0), JS_FN("computeRayHit", compute_ray_hit, 3, 0),
+    JS_FN("getWindowSizeX", get_window_width, 0, 0), JS_FN("getWindowSizeY", get_window_height, 0, 0),
+    JS_FN("getWindowAspect", get_window_aspect, 0, 0),
+    // Navigation
+    JS_FN("getNavigationMode", get_navigation_mode, 0, 0), JS_FN("setNavigationMode", set_navigation_mode, 1, 0),
+    JS_FN("getAvatarHeight", get_measure<Measure::height>, 0, 0),
+    JS_FN("setAvatarHeight", set_measure<Measure::height>, 1, 0),
+    JS_FN("getStepOverSize", get_measure<Measure::step>, 0, 0),
+    JS_FN("setStepOverSize", set_measure<Measure::step>, 1, 0),
+    JS_FN("getCollisionDistance", get_measure<Measure::distance>, 0, 0),
+    JS_FN("setCollisionDistance", set_measure<Measure::distance>, 1, 0),
+    JS_FN("getVisibilityLimit", get_measure<Measure::visibility>, 0, 0),
+    JS_FN("setVisibilityLimit", set_measure<Measure::visibility>, 1, 0),
+    JS_FN("getWalkSpeed", get_measure<Measure::speed>, 0, 0), JS_FN("setWalkSpeed", set_measure<Measure::speed>, 1, 0),
+    JS_FN("getZNear", get_z_near, 0, 0), JS_FN("getZFar", get_z_far, 0, 0), JS_FN("getHeadlight", get_headlight, 0, 0),
+    JS_FN("getHeadLight", get_headlight, 0, 0), JS_FN("setHeadlight", set_headlight, 1, 0),
+    JS_FN("setHeadLight", set_headlight, 1, 0), JS_FN("getGravity", get_setting<&vrml::BrowserSettings::gravity>, 0, 0),
+    JS_FN("setGravity", set_setting<&vrml::BrowserSettings::gravity>, 1, 0),
+    JS_FN("getCollisionDetection", get_setting<&vrml::BrowserSettings::collision>, 0, 0),
+    JS_FN("setCollisionDetection", set_setting<&vrml::BrowserSettings::collision>, 1, 0),
+    JS_FN("getSoundEnabled", get_setting<&vrml::BrowserSettings::sound>, 0, 0),
+    JS_FN("setSoundEnabled", set_setting<&vrml::BrowserSettings::sound>, 1, 0),
+    JS_FN("getViewpointAnimation", get_setting<&vrml::BrowserSettings::viewpoint_animation>, 0, 0),
+    JS_FN("setViewpointAnimation", set_setting<&vrml::BrowserSettings::viewpoint_animation>, 1, 0),
+    // Functions without effect: consoles, avatars, loading and rendering of other browsers
+    JS_FN("showConsole", do_nothing, 0, 0), JS_FN("hideConsole", do_nothing, 0, 0),
+    JS_FN("beginUpdate", do_nothing, 0, 0), JS_FN("endUpdate", do_nothing, 0, 0), JS_FN("setFocus", do_nothing, 0, 0),
+    JS_FN("setCpuLoad", do_nothing, 1, 0), JS_FN("setLocalLightRadius", do_nothing, 1, 0),
+    JS_FN("setBspMode", do_nothing, 1, 0), JS_FN("setBspLoadingMode", do_nothing, 1, 0),
     JS_FN("setUnloadDist", do_nothing, 1, 0), JS_FN("setLoadDist", do_nothing, 1, 0),
-    JS_FN("setPrefetch", do_nothing, 1, 0), JS_FN("setRenderMode", do_nothing, 1, 0),
+    JS_FN("setUnloadMode", do_nothing, 2, 0), JS_FN("setPrefetch", do_nothing, 1, 0),
+    JS_FN("prefetch", give_zero, 3, 0), JS_FN("setRenderMode", do_nothing, 1, 0),
     JS_FN("setBrowserOption", do_nothing, 2, 0), JS_FN("getBrowserOption", give_zero, 1, 0),
     JS_FN("getBrowserProperty", give_false, 1, 0), JS_FN("getRenderingProperty", give_zero, 1, 0),
     JS_FN("isConnected", give_false, 0, 0), JS_FN("isMember", give_false, 0, 0),
-    JS_FN("getMenuDisplay", give_zero, 0, 0), JS_FN("getCap", give_zero, 1, 0),
-    JS_FN("getCollisionDetection", give_true, 0, 0), JS_FN("getNavigationMode", give_empty, 0, 0),
-    JS_FN("getMyName", give_empty, 0, 0), JS_FN("setMyAvatarURL", do_nothing, 1, 0),
-    JS_FN("eventNotify", do_nothing, 0, 0), JS_FN("getFloatProperty", give_zero, 1, 0), JS_FS_END};
+    JS_FN("getMenuDisplay", give_zero, 0, 0), JS_FN("getCap", give_zero, 1, 0), JS_FN("getMyName", give_empty, 0, 0),
+    JS_FN("getInstallDirectory", give_empty, 0, 0), JS_FN("setMyAvatar", do_nothing, 1, 0),
+    JS_FN("setMyAvatarURL", do_nothing, 1, 0), JS_FN("setMyAvatarName", do_nothing, 1, 0),
+    JS_FN("showMyAvatar", give_false, 1, 0), JS_FN("getThirdPersonView", give_false, 0, 0),
+    JS_FN("setThirdPersonView", give_false, 1, 0), JS_FN("mouseSelect", do_nothing, 1, 0),
+    JS_FN("computeCollision", do_nothing, 5, 0), JS_FN("eventNotify", do_nothing, 0, 0),
+    JS_FN("getFloatProperty", give_zero, 1, 0), JS_FS_END};
 
-const JSPropertySpec kBrowserState[] = {JS_PSG("name", get_name, kProperty),
-                                        JS_PSG("version", get_version, kProperty),
-                                        JS_PSG("currentSpeed", get_speed, kProperty),
-                                        JS_PSG("currentFrameRate", get_frame_rate, kProperty),
-                                        JS_PSG("worldURL", get_world_url, kProperty),
-                                        JS_PSGS("viewpointPosition", viewpoint_position, do_nothing, kProperty),
-                                        JS_PSGS("viewpointOrientation", viewpoint_orientation, do_nothing, kProperty),
-                                        JS_PS_END};
+const JSPropertySpec kBrowserState[] = {
+    JS_PSG("name", get_name, kProperty),
+    JS_PSG("version", get_version, kProperty),
+    JS_PSG("currentSpeed", get_speed, kProperty),
+    JS_PSG("currentFrameRate", get_frame_rate, kProperty),
+    JS_PSG("worldURL", get_world_url, kProperty),
+    JS_PSGS("viewpointPosition", get_viewpoint_position, set_viewpoint_position, kProperty),
+    JS_PSGS("viewpointOrientation", get_viewpoint_orientation, set_viewpoint_orientation, kProperty),
+    JS_PSGS("boundViewpoint", get_bound_viewpoint, do_nothing, kProperty),
+    JS_PSGS("windowSize", get_window_size, do_nothing, kProperty),
+    JS_PSGS("windowAspect", get_window_aspect, do_nothing, kProperty),
+    JS_PSGS("eventMask", get_event_mask, set_event_mask, kProperty),
+    JS_PSGS("myAvatarURL", give_empty, do_nothing, kProperty),
+    JS_PSGS("myAvatarName", give_empty, do_nothing, kProperty),
+    JS_PS_END};
+
+// Implements $browser(name), which returns an object with a method of this name; see contact_text(). That is the
+// Browser object, if a program has given it such a method. Otherwise warns once, and the method does nothing.
+bool browser_with(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  JS::RootedObject library(context, library_of(context).global);
+  JS::RootedValue browser(context), method(context);
+  std::string name;
+  if (!cut_text_of_value(context, args.get(0), kMaxTold, name)) return false;
+  if (!JS_GetProperty(context, library, "Browser", &browser) || !browser.isObject()) return false;
+  JS::RootedObject object(context, &browser.toObject());
+  if (!JS_GetProperty(context, object, name.c_str(), &method)) return false;
+  args.rval().set(browser);
+  if (method.isObject() && JS::IsCallable(&method.toObject())) return true;
+  world_of(context).warn_once("Browser has no method '" + name.substr(0, 80) + "'; it does nothing");
+  JS::RootedObject stand_in(context, JS_NewPlainObject(context));
+  args.rval().setObjectOrNull(stand_in);
+  return stand_in && JS_DefineFunction(context, stand_in, name.c_str(), do_nothing, 0, 0) != nullptr;
+}
 
 const JSFunctionSpec kFunctions[] = {JS_FN("print", print, 1, 0),
                                      JS_FN("trace", print, 1, 0),
@@ -350,6 +341,7 @@ const JSFunctionSpec kFunctions[] = {JS_FN("print", print, 1, 0),
                                      JS_FN("repeatableRandom", random_number, 0, 0),
                                      JS_FN("$copy", copy, 1, 0),
                                      JS_FN("$values", values, 1, 0),
+                                     JS_FN("$browser", browser_with, 1, 0),
                                      JS_FS_END};
 
 template <Plain kPlain>
@@ -358,6 +350,11 @@ bool define_plain(JSContext* context, JS::HandleObject library, const char* name
 }
 
 }  // namespace
+
+bool is_browser_method(std::string_view name) {
+  return std::any_of(std::begin(kBrowser), std::end(kBrowser),
+                     [&](const JSFunctionSpec& one) { return one.name.string() && one.name.string() == name; });
+}
 
 bool define_browser(JSContext* context, JS::HandleObject library) {
   JS::RootedObject browser(context, JS_NewPlainObject(context));
