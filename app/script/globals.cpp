@@ -6,6 +6,8 @@
 #include <js/Realm.h>
 #include <jsfriendapi.h>
 
+#include <optional>
+#include <string>
 #include <string_view>
 #include <unordered_set>
 #include <utility>
@@ -32,17 +34,30 @@ const std::unordered_set<std::string_view>& left_out() {
 
 // ---- Undeclared names, which Contact lets programs read
 
-// Returns undefined for an undeclared name, with a warning.
+// Returns the position of the code that runs now; nullopt if it is unknown.
+std::optional<Diagnostic> running_place(JSContext* context) {
+  JS::AutoFilename file;
+  unsigned line = 0, column = 0;
+  if (!JS::DescribeScriptedCaller(context, &file, &line, &column) || !file.get()) return std::nullopt;
+  return Diagnostic{Severity::warning, file.get(), {line, column + 1}, {}};
+}
+
+// Returns undefined for an undeclared name. The first time, warns and makes the name a variable.
 bool get_undeclared(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   JS::RootedValue name(context, js::GetFunctionNativeReserved(&args.callee(), 0));
   Program* const program = program_of_global(JS::GetNonCCWObjectGlobal(&args.callee()));
+  JS::RootedObject global(context, JS::GetNonCCWObjectGlobal(&args.callee()));
+  JS::RootedString string(context, name.toString());
+  JS::RootedId id(context);
   std::string text;
   args.rval().setUndefined();
   if (!program || !text_of_value(context, name, text)) return program == nullptr;
-  if (!program->undeclared.is_tested(text))
-    program->world->warn_once("reads '" + text + "', which is not declared; it is undefined");
-  return true;
+  // A test by `typeof` comes before the use.
+  if (program->undeclared.is_tested(text)) return true;
+  program->world->warn_once("reads '" + text + "', which is not declared; it is undefined", running_place(context));
+  return JS_StringToId(context, string, &id) &&
+         JS_DefinePropertyById(context, global, id, JS::UndefinedHandleValue, JSPROP_ENUMERATE);
 }
 
 // Makes an undeclared name a variable of its value, as ECMAScript does.

@@ -41,7 +41,9 @@ void World::print(std::string text) {
   tell({{Severity::note, "", {}, std::move(text)}, true});
 }
 
-void World::warn_once(std::string text) { report(Severity::warning, *running_, std::move(text)); }
+void World::warn_once(std::string text, std::optional<Diagnostic> at) {
+  report(Severity::warning, *running_, std::move(text), std::move(at));
+}
 
 // Adds a request for the session. Drops it if too many requests, or too much text, are already waiting.
 void World::request(ScriptRequest request) {

@@ -270,11 +270,12 @@ bool World::deliver(vrml::EventNode node, std::uint32_t interface, const vrml::F
     // The name of an exposedField is its value; its handler has another name (contact_text()).
     const vrml::InterfaceDeclaration& declaration =
         *execution_.nodes().schema_of(node).interfaces[interface].declaration;
-    const std::string handler = std::string(kHandlerPrefix) + declaration.name;
-    if (declaration.access == vrml::AccessType::exposedField
-            ? !JS_GetProperty(context, program->global, handler.c_str(), &function)
-            : !JS_GetPropertyById(context, program->global, name, &function))
+    if (declaration.access != vrml::AccessType::exposedField) {
+      if (!JS_GetPropertyById(context, program->global, name, &function)) return false;
+    } else if (const std::string handler = std::string(kHandlerPrefix) + declaration.name;
+               !JS_GetProperty(context, program->global, handler.c_str(), &function)) {
       return false;
+    }
     if (!function.isObject() || !JS::IsCallable(&function.toObject())) return true;
     JS::RootedValueArray<2> arguments(context);
     if (!to_value(context, program->scene, copy, {}, arguments[0])) return false;

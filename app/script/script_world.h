@@ -171,7 +171,8 @@ class World final : public ScriptRunner {
   /// Returns the time for Date in seconds since 1970, in simulated time.
   [[nodiscard]] double date();
   void print(std::string text);
-  void warn_once(std::string text);
+  /// Reports a warning about the running program, unless it was reported before. `at` is its position, if known.
+  void warn_once(std::string text, std::optional<Diagnostic> at = {});
   void request(ScriptRequest request);
   /// Records that a field or eventOut of the running Script was written.
   void own_changed(Program& program, std::uint32_t place);

@@ -45,6 +45,7 @@ class ScriptGrammar {
   void node_write();
   void list_call();
   void browser_call();
+  void contact_call();
   void later();
   void abuse();
   void function(const std::string& head, const std::string& tail, const std::string& result);

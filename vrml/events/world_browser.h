@@ -59,7 +59,7 @@ struct BrowserView {
 /// Settings of navigation and sound that programs change. The user's own settings apply too.
 struct BrowserSettings {
   bool collision = true, gravity = true, sound = true;
-  bool viewpoint_animation = true;  // false: moves to Viewpoints are instant
+  bool viewpoint_animation = true;  // moves to Viewpoints take time
 };
 
 /// Result of a ray in a world.

@@ -52,7 +52,7 @@ bool send_navigation(JSContext* context, const vrml::NodePlace& at, const char* 
   return sent;
 }
 
-// Makes a NavigationInfo like the present navigation, and binds it.
+// Makes a NavigationInfo like the present navigation.
 bool make_navigation(JSContext* context, vrml::NodePlace& at) {
   World& world = world_of(context);
   vrml::Execution& execution = world.execution();
@@ -69,7 +69,7 @@ bool make_navigation(JSContext* context, vrml::NodePlace& at) {
   at = {&scene, made.roots.front()};
   execution.lifetime().hold(scene, at.node);
   execution.browser().set_made_navigation(at);
-  return send_navigation(context, at, "set_bind", vrml::SFBool{true});
+  return true;
 }
 
 bool set_navigation(JSContext* context, const char* field, vrml::FieldValue value) {
@@ -77,6 +77,10 @@ bool set_navigation(JSContext* context, const char* field, vrml::FieldValue valu
   if (world.ends() || world.running().ended) return true;
   vrml::NodePlace at = navigation_node(world);
   if (!at.scene && !make_navigation(context, at)) return false;
+  // A NavigationInfo that was made earlier may have lost its place, for example by replaceWorld().
+  if (!world.execution().stacks().bound(navigation_type()).scene &&
+      !send_navigation(context, at, "set_bind", vrml::SFBool{true}))
+    return false;
   return send_navigation(context, at, field, std::move(value));
 }
 

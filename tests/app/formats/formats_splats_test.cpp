@@ -1,5 +1,6 @@
 #include "app/formats/splats/splats.h"
 
+#include "app/formats/mesh/points.h"
 #include "tests/app/clouds.h"
 
 #include <zlib.h>

@@ -120,6 +120,45 @@ TEST_CASE("a Script of the network reads nodes of its own host") {
   CHECK(web.warnings == Lines{});
 }
 
+TEST_CASE("computeRayHit finds only Shapes that the Script may read") {
+  const auto look = [](const std::string& file) {
+    return kHeader +
+           reader(file,
+                  "} function go() { var h = Browser.computeRayHit(new SFVec3f(0, 0, 9), new SFVec3f(0, 0, -9)); "
+                  "print(h ? h.hitPath.length : 'nothing');",
+                  "eventIn SFTime go") +
+           "DEF C TimeSensor { startTime 946684801 cycleInterval 5 } ROUTE C.cycleTime TO S.go";
+  };
+  for (const bool own : {true, false}) {
+    Web web;
+    web.put("memory://a/world.wrl", look(own ? "part.wrl" : "memory://b/part.wrl"));
+    for (const char* const host : {"a", "b"})
+      web.put("memory://" + std::string(host) + "/part.wrl",
+              kHeader + "Transform { children Shape { geometry Box { } } }");
+    web.run("memory://a/world.wrl");
+    CHECK(web.printed == Lines{own ? "3" : "nothing"});
+    CHECK(web.warned("cannot read nodes of memory://b") == !own);
+  }
+}
+
+TEST_CASE("keeps values of other hosts out of the Browser object") {
+  Web web;
+  web.put("memory://a/world.wrl",
+          kHeader +
+              reader("memory://b/part.wrl",
+                     "Browser.addRoute(n[0], 'value_changed', Browser, 'set_viewpointPosition'); n[0].set_fraction = "
+                     "0.5; n[1].set_bind = true; } function go() { print(Browser.viewpointPosition + ' ' + "
+                     "Browser.getWalkSpeed() + ' ' + Browser.getAvatarHeight().toFixed(1));",
+                     "eventIn SFTime go") +
+              "DEF C TimeSensor { startTime 946684801 cycleInterval 5 } ROUTE C.cycleTime TO S.go Viewpoint { }");
+  web.put("memory://b/part.wrl", kHeader +
+                                     "PositionInterpolator { key [ 0 1 ] keyValue [ 7 8 9, 7 8 9 ] } NavigationInfo { "
+                                     "speed 77 avatarSize [ 3 3 3 ] }");
+  web.run("memory://a/world.wrl");
+  CHECK(web.printed == Lines{"0 0 10 1 1.6"});
+  CHECK(web.warned("cannot read nodes of memory://b"));
+}
+
 TEST_CASE("blocks ROUTEs and program replacement across hosts for a Script of the network") {
   Web web;
   web.put("memory://a/world.wrl",
