@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """window_check.py [-k FOLDER]: uses the window with mouse and keyboard under Xvfb, and checks the results over --control.
 Steps: open, split, move, drag a PlaneSensor, follow an Anchor, go back, edit a transfer function, draw a slice through a
-volume, save a picture and a turntable. Prints one line per step. Exits with 1 if a step failed.
+volume, save a picture and a turntable, and move the viewer by keys of a Script. Prints one line per step. Exits with 1 if
+a step failed.
 -k: keeps pictures of the window in FOLDER.
 
 GHOSTSPACE: program instead of build/release/ghostspace. Needs Xvfb, xdotool and ImageMagick (Debian: xvfb,
@@ -38,6 +39,18 @@ ROUTE Plane.translation_changed TO Slider.set_translation
 SECOND = """#VRML V2.0 utf8
 Viewpoint { position 0 0 6 }
 Shape { appearance Appearance { material Material { diffuseColor 0.2 0.8 0.3 } } geometry Cone { } }
+"""
+KEYS = """#VRML V2.0 utf8
+Viewpoint { position 0 0 10 }
+Shape { geometry Box { } }
+DEF S Script { eventIn SFNode key url "javascript:
+  function key(e) {
+    if (e.type != 'keydown' || e.keyCode != 75) return;
+    var ahead = Browser.viewpointOrientation.multVec(new SFVec3f(0, 0, -1));
+    Browser.viewpointPosition = Browser.viewpointPosition.add(ahead);
+    Browser.setNavigationMode('NONE');
+  }" }
+ROUTE Browser.event_changed TO S.key
 """
 
 
@@ -283,6 +296,17 @@ def run(check):
         wait("a movie of it", lambda: any(movie.read_bytes()[4:8] == b"ftyp" and movie.stat().st_size > 2000
                                           for movie in check.folder.glob("home/**/*.mp4")))
 
+    def steers():
+        check.open(check.file("keys.wrl", KEYS))
+        check.xdotool("mousemove", *MIDDLE)
+        check.key("k")
+        wait("the Script moves the viewer", lambda: near(check.world.getViewer()["position"], (0, 0, 9)))
+        check.key("k")
+        wait("the viewer moves again", lambda: near(check.world.getViewer()["position"], (0, 0, 8)))
+        check.drag((300, 500), (420, 460))
+        if not near(check.world.getViewer()["position"], (0, 0, 8)):
+            raise Failed("the user moves, although the Script has set the mode NONE")
+
     check.step("a PlaneSensor is dragged", slides)
     check.step("the viewer moves, and undoes it", moves)
     check.step("a viewport is split, and closed", splits)
@@ -293,6 +317,7 @@ def run(check):
     check.step("a slice is drawn by its edge", slices)
     check.step("a picture is saved", keeps)
     check.step("a turntable is saved, as pictures and as a movie", turns)
+    check.step("a Script gets keys, and moves the viewer", steers)
 
 
 def window_picture(check):
