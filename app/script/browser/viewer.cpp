@@ -60,9 +60,11 @@ bool move_viewer(JSContext* context, const JS::CallArgs& args, JS::HandleValue p
   return true;
 }
 
-// Sets the components of a value that the program has passed to be filled.
+// Sets the components of an SFVec3f or SFRotation that the program has passed. Ignores other values.
 bool fill(JSContext* context, JS::HandleValue value, const double* c, int count) {
-  if (!value.isObject()) return true;
+  vrml::FieldType type{};
+  double before[kLengthOfOrientation] = {};
+  if (!value.isObject() || !is_tuple(&value.toObject(), type, before)) return true;
   JS::RootedObject object(context, &value.toObject());
   for (int i = 0; i < count; ++i) {
     JS::RootedValue component(context, JS::DoubleValue(c[i]));

@@ -40,7 +40,6 @@ TEST_CASE("a node that is called Browser has precedence over the browser") {
 }
 
 TEST_CASE("prints ROUTEs of the Browser so that they can be read again") {
-  const std::string text = "#VRML V2.0 utf8\nDEF T Transform {\n}\nROUTE Browser.viewpointPosition TO T.translation\n";
   const std::string again = printed("DEF T Transform { } ROUTE Browser.viewpointPosition TO T.set_translation");
   CHECK(again.find("ROUTE Browser.viewpointPosition TO T.translation") != std::string::npos);
   CHECK(printed(again.substr(again.find('\n') + 1)) == again);
@@ -124,7 +123,7 @@ TEST_CASE("a movie sends mediaTime while it is active and a node listens (Contac
   world.step(1);
   CHECK(world.take("P.time") == Lines{"1 P.time 0"});
   world.step(2.5);
-  CHECK(world.take("time") == Lines{"2.5 MovieTexture#2.mediaTime 1.5", "2.5 P.time 1.5"});
+  CHECK(world.take("P.time") == Lines{"2.5 P.time 1.5"});
   CHECK(world.execution().next_time() == world.execution().now());
   world.step(5);
   CHECK(world.take("ediaTime").empty());

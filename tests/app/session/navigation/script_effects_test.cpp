@@ -75,12 +75,13 @@ TEST_CASE("a Script changes the navigation mode, also to one that the user may n
 
 TEST_CASE("a Script turns gravity and collision off (Contact)") {
   const std::string room =
-      "NavigationInfo { type \"WALK\" speed 10 } Viewpoint { position 0 1.6 10 } Transform { "
-      "translation 0 0 5 children Shape { geometry Box { size 20 20 0.1 } } } ";
+      "NavigationInfo { type \"WALK\" speed 10 } Viewpoint { position 0 1.6 10 } Transform { translation 0 0 5 "
+      "children "
+      "Shape { geometry Box { size 20 20 0.1 } } } Transform { translation 0 -0.05 0 children Shape { geometry Box { "
+      "size 100 0.1 100 } } } ";
   for (const bool solid : {true, false}) {
     INFO(solid);
     ScriptWorld world(solid ? "" : "Browser.setCollisionDetection(false);", "", room);
-    world.step(0.05, {key(Kind::key_down, 'W')});
     WindowEvent up;
     up.kind = Kind::key_down;
     up.key = Key::up;
