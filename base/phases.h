@@ -7,7 +7,7 @@
 
 namespace gs {
 
-/// Phase of a drawing program: the work that it does or waits for.
+/// Kind of work that the program does, or waits for, while it draws pictures.
 enum class Phase : std::uint8_t { other, read, parse, tessellate, compile, upload, cut, draw, write };
 /// Names, indexed by Phase.
 inline constexpr std::array<std::string_view, 9> kPhaseNames = {"other",  "read", "parse", "tessellate", "compile",

@@ -50,7 +50,7 @@ double residual_bits(const std::vector<std::pair<int, int>>& values) {  // conte
   return sum;
 }
 
-// Returns the bits of the finest voxels without coarser ones.
+// Returns the bits for coding only the finest voxels, without the planes of coarser levels.
 double bits_at_once(std::vector<Finest> finest, int level, int normal_shift, int offset_shift) {
   std::sort(finest.begin(), finest.end(), [](const Finest& a, const Finest& b) { return a.key < b.key; });
   double bits = 0;

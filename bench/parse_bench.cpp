@@ -1,4 +1,4 @@
-// parse_bench [--runs N] [--markdown] FILE...: compares GhostSpace's parser with the limit of memory.
+// parse_bench [--runs N] [--markdown] FILE...: compares the speed of GhostSpace's parser with the speed of memory.
 //
 // Each of N rounds runs in sequence: reading memory, the bare number loop, the parser with the whole text, and the
 // parser with 64 KiB at a time. Prints medians. Peak memory is that of child processes that only parse: `peak` reads

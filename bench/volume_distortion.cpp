@@ -242,7 +242,7 @@ void measure_gzip(const Painter& painter, const Grid& grid, int values, Curve& c
   if (of_use(bytes)) keep_best(curve, bytes, painter.error(back));
 }
 
-// Measures all slices side by side as one picture of eight bits.
+// Measures JPEG XL: all slices side by side in one grey image with 8 bits per pixel.
 void measure_jxl(const Painter& painter, const Grid& grid, const std::string& base, double distance, Curve& curve) {
   const auto [least, most] = grid.range();
   const auto& n = grid.layout.dimensions;

@@ -29,7 +29,7 @@ double LinkDirection::chance() {
 }
 
 void LinkDirection::offer(std::vector<std::byte> packet, Nanoseconds now) {
-  // Drawn for every packet, so that a seed loses the same ones whatever the queue does.
+  // Draws both random numbers for every packet, even if the queue refuses it. So equal seeds lose equal packets.
   const bool lost = chance() < spec_.loss;
   const bool late = chance() < spec_.reordered;
   ++counts_.packets;

@@ -19,9 +19,9 @@ struct LinkCounts {
   std::uint64_t not_carried = 0;  // rejected by the system
 };
 
-/// Two hosts with a link: two network namespaces of this process with TUN devices (MTU 1500), so that TCP and UDP are
-/// the kernel's, and a thread that carries IPv4 packets as a LinkSpec defines. Needs root or `unshare -r` to make
-/// namespaces. The devices offer no offloads, so packets have the size of the line.
+/// Two hosts and a link between them. Each host is a network namespace with a TUN device (MTU 1500), so the kernel's
+/// TCP and UDP run. A thread carries the IPv4 packets as a LinkSpec defines. Needs root or `unshare -r` to make
+/// namespaces. The devices have no offloads, so no packet is larger than the MTU.
 class EmulatedLink {
  public:
   static constexpr const char *kServerAddress = "10.77.0.1", *kClientAddress = "10.77.0.2";

@@ -28,7 +28,7 @@ struct TransferOptions {
 /// Parses the arguments. Returns a message on failure.
 [[nodiscard]] std::variant<TransferOptions, std::string> transfer_options(int count, char** arguments);
 
-/// Returns the usage.
+/// Returns the usage text.
 [[nodiscard]] const char* transfer_usage();
 
 }  // namespace gs::bench

@@ -62,7 +62,7 @@ CellAssembly::CellAssembly(std::size_t slot, const GrantMessage& grant)
 
 bool CellAssembly::continues(const GrantMessage& grant) const {
   if (grant.version != version_ || grant.base_crc != base_crc_ || grant.streams.size() != streams_.size()) return false;
-  // If the base is incomplete, its layout must be equal, because its symbols would not fit another layout.
+  // While the base is incomplete, the new grant must keep its layout. The received symbols fit no other layout.
   if (!base_done_ &&
       (grant.base.bytes != layout_.bytes || grant.base.symbol != layout_.symbol || grant.base.source != layout_.source))
     return false;

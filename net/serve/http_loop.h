@@ -47,7 +47,7 @@ class HttpLoop {
     bool shared = false;  // the peer is a proxy with many clients
     Phase phase = Phase::receiving;
     Instant since{};  // start of the current phase, or last progress in it
-    std::size_t credit = 0;  // bytes of the body that may be sent without another turn
+    std::size_t credit = 0;  // bytes of the body that may be sent before the next wait for the bandwidth limit
     std::uint64_t sent = 0;  // sent bytes of the response body
   };
   struct Request {

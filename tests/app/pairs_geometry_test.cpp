@@ -79,7 +79,7 @@ TEST_CASE("draws every geometry like the IndexedFaceSet of its triangles (VRML97
                                  [&](int segments) { return kScene + shape(faces_of(mesh_of(geometry, segments))); });
 }
 
-TEST_CASE("draws equal shapes of different geometry nodes alike") {
+TEST_CASE("draws equal pictures of equal shapes by different geometry nodes") {
   Studio studio;
   const auto alike = [&](const std::string& what, const std::string& a, const std::string& b) {
     check_alike(studio, what, kScene + a, kScene + b);
@@ -119,7 +119,7 @@ TEST_CASE("draws equal shapes of different geometry nodes alike") {
             "-0.5 -0.5, 0.5 0.5, 0.5 0.5 ] }"));
 }
 
-TEST_CASE("draws faces alike, however they are listed (VRML97 6.23)") {
+TEST_CASE("draws equal pictures of faces in any notation (VRML97 6.23)") {
   Studio studio;
   const auto alike = [&](const std::string& what, const std::string& a, const std::string& b,
                          const std::string& appearance = kDressed) {
@@ -165,7 +165,7 @@ TEST_CASE("draws faces alike, however they are listed (VRML97 6.23)") {
         "texCoord TextureCoordinate { point [ 0 0, 1 0, 1 1, 0 1 ] }");
 }
 
-TEST_CASE("draws lines and points alike, however they are listed (VRML97 6.24, 6.36)") {
+TEST_CASE("draws equal pictures of lines and points in any notation (VRML97 6.24, 6.36)") {
   Studio studio;
   const std::string points = "coord Coordinate { point [ -1 -1 0, 1 -1 0, 1 1 0, -1 1 0, -1 0 1, 1 0 1 ] } ";
   const auto lines = [&](const std::string& rest, const std::string& appearance = glowing("1 0 0")) {

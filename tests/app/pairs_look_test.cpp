@@ -27,7 +27,7 @@ const std::string kColors = "image 4 2 3 0xff4040 0x40ff40 0x4040ff 0xffff40 0xf
 
 }  // namespace
 
-TEST_CASE("draws lights alike, wherever they are written (VRML97 4.6.6, 6.16, 6.35, 6.45)") {
+TEST_CASE("draws equal pictures wherever a light is written (VRML97 4.6.6, 6.16, 6.35, 6.45)") {
   Studio studio;
   const std::string ball = shape(material("diffuseColor 0.9 0.7 0.5 specularColor 0.4 0.4 0.4"), "Sphere { }");
   const std::string box = shape(material("diffuseColor 0.2 0.7 0.9"));
@@ -143,7 +143,7 @@ TEST_CASE("takes colours from the sources of the lighting tables (VRML97 4.14, T
         shape(material(rest + "diffuseColor 0.8 0.6 0.4")));
 }
 
-TEST_CASE("draws textures alike by coordinates and by transform (VRML97 6.22, 6.33, 6.48, 6.49)") {
+TEST_CASE("draws equal pictures by texture coordinates and by TextureTransform (VRML97 6.22, 6.33, 6.48, 6.49)") {
   Studio studio;
   const std::string view = "Viewpoint { position 0 0 3 }\n";
   const auto textured = [&](const std::string& texture, const std::string& coordinates) {
@@ -213,7 +213,7 @@ TEST_CASE("draws textures alike by coordinates and by transform (VRML97 6.22, 6.
         40);
 }
 
-TEST_CASE("draws transparent surfaces alike in any order, of shapes and within a mesh (VRML97 4.14)") {
+TEST_CASE("draws equal pictures for any order of transparent shapes and faces (VRML97 4.14)") {
   Studio studio;
   const std::string view = "NavigationInfo { headlight FALSE } Viewpoint { position 0 0 4 }\n";
   const auto square = [](double z, double x) {

@@ -62,7 +62,7 @@ TEST_CASE("ignores wrong bounding boxes (VRML97 4.6.4)") {
     }
 }
 
-TEST_CASE("draws joined and separate transformations alike (VRML97 6.52)") {
+TEST_CASE("draws equal pictures for joined and for separate transformations (VRML97 6.52)") {
   Studio studio;
   const auto alike = [&](const std::string& what, const std::string& a, const std::string& b) {
     check_alike(studio, what, kView + a, kView + b, 20);

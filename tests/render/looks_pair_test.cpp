@@ -66,7 +66,7 @@ std::string text(const std::string& fields, const std::string& transform = "") {
 
 }  // namespace
 
-TEST_CASE("draws Text like its written-out form") {
+TEST_CASE("draws Text equal to Text with explicit defaults, scales and translations") {
   const std::string word = "string \"Shore\"";
   // 6.20: the defaults.
   check_alike(text(word),
@@ -90,7 +90,7 @@ TEST_CASE("draws Text like its written-out form") {
               text("string \"Sea\"" + vertical) + text("string \"tide\"" + again, "translation 1 0 0"));
 }
 
-TEST_CASE("draws Text by USE and by PROTO like its written-out form") {
+TEST_CASE("draws Text by USE and by PROTO equal to Text without them") {
   const std::string words = "Text { string [ \"ab\" \"cd\" ] fontStyle FontStyle { style \"BOLD\" } }";
   const std::string shape = "Shape { " + kPaint + "geometry ";
   const std::string plain = "Transform { children " + shape + words + " } }\n" +

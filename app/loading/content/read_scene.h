@@ -49,7 +49,7 @@ class ReadScene {
     outer.attach_inline(inline_node, nullptr);
   }
 
-  /// Gives the scene together with the one that it is attached to.
+  /// Marks the content of an Inline as given, because `outer`, which holds it, is handed over.
   void give_with(const vrml::SceneGraph& outer, vrml::NodeId inline_node) {
     owner_ = Given{outer.inlines().at(inline_node.index)};
   }

@@ -126,7 +126,7 @@ TEST_CASE("shows current values, and the times at which eventOuts were sent") {
   CHECK(world.inspection.routes().rows().size() == 1);
 }
 
-TEST_CASE("selects the Shape of a click, and opens the tree at it") {
+TEST_CASE("selects the clicked Shape, and reveals it in the scene tree") {
   Inspected world(
       "DEF Far Transform { translation 0 0 -500 children Shape { geometry Box {} } } "
       "Group { children DEF Near Shape { geometry Box {} } } Viewpoint { position 0 0 10 }");

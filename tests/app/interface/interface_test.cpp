@@ -328,8 +328,7 @@ TEST_CASE("shows right-to-left input in visual order, with the pointer at the vi
   CHECK(*a < *gimel);
   CHECK(*gimel < *bet);
   CHECK(*bet < *alef);
-  // A click between the right two letters is between the first two of the text. A click left of them is after the
-  // third.
+  // The text reads right to left. So a click between the two rightmost letters puts the caret between the first two.
   const float line = user.find("z")->y;
   user.click(glm::vec2(*alef - 1, line));
   user.type("1");

@@ -242,7 +242,7 @@ TEST_CASE("ends stalled loads at the time limit") {
   CHECK(said(world).find("the time limit for loading was reached") != std::string::npos);
 }
 
-TEST_CASE("keeps files from a document of the network, and the network from offline sessions") {
+TEST_CASE("denies files to a document from the network, and denies the network to offline sessions") {
   const ScratchFolder folder;
   const std::string secret = folder.write("secret.wrl", boxes(1));
   Web web;

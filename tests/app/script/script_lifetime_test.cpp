@@ -206,7 +206,7 @@ TEST_CASE("keeps the faults of a Script that replaces its own program") {
   CHECK(world.printed().size() == 3);
 }
 
-TEST_CASE("keeps the type of the list of a removed Inline's Script") {
+TEST_CASE("keeps the element type of a Script's list after the Script's Inline is removed") {
   World world(
       "Inline { } DEF S Script { eventIn SFBool look url \"javascript: function look() { var l = Browser.kept[0]; "
       "print(l.length + ' ' + l[0]); l[0] = new SFVec3f(1, 2, 3); print(l); }\" }");

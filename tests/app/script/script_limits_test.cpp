@@ -164,7 +164,7 @@ TEST_CASE("stops programs that send, request, print or create endlessly, and run
   }
 }
 
-TEST_CASE("stops a program that sends itself an event for each event, per timestamp (4.10.4)") {
+TEST_CASE("limits the events that a Script may send to itself at one timestamp (4.10.4)") {
   World world(
       "DEF S Script { directOutput TRUE field SFNode me USE S eventIn SFInt32 again field SFInt32 n 0 url "
       "\"javascript: "

@@ -94,8 +94,7 @@ struct WebWithSecret : Web {
 }  // namespace
 
 TEST_CASE(
-    "hides values of nodes from another host from a Script of the network, and still draws the nodes and sends them "
-    "events") {
+    "hides values of another host's nodes from a Script from the network, and still draws the nodes and sends them events") {
   Web web;
   web.put("memory://a/world.wrl",
           kHeader + reader("memory://b/part.wrl",
@@ -111,7 +110,7 @@ TEST_CASE(
   CHECK(web.warned("cannot read nodes of memory://b"));
 }
 
-TEST_CASE("a Script of the network reads nodes of its own host") {
+TEST_CASE("lets a Script from the network read nodes of its own host") {
   Web web;
   web.put("memory://a/world.wrl", kHeader + reader("part.wrl", "print(n[0].translation);"));
   web.put("memory://a/part.wrl", kHeader + "Transform { translation 7 8 9 }");
@@ -120,7 +119,7 @@ TEST_CASE("a Script of the network reads nodes of its own host") {
   CHECK(web.warnings == Lines{});
 }
 
-TEST_CASE("blocks ROUTEs and program replacement across hosts for a Script of the network") {
+TEST_CASE("blocks ROUTEs and program replacement across hosts for a Script from the network") {
   Web web;
   web.put("memory://a/world.wrl",
           kHeader + reader("memory://b/part.wrl",
@@ -254,7 +253,7 @@ TEST_CASE("a local world that reads its own nodes uses the network as before") {
   CHECK(web.asked("memory://b/1.gif"));
 }
 
-TEST_CASE("lets a PROTO of the network read nodes that a local world passes, and then requires permission") {
+TEST_CASE("lets a PROTO from the network read nodes that a local world passes, and then requires permission") {
   Web web;
   web.put("memory://b/lib.wrl",
           kHeader +

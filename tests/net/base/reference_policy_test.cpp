@@ -30,7 +30,7 @@ std::string made(const TemporaryFolder& folder, const std::string& name) {
   return path;
 }
 
-TEST_CASE("lets a document of the network refer to the network only") {
+TEST_CASE("lets a document from the network refer only to the network") {
   const std::string file = "file:///etc/passwd";
   for (const char* from :
        {"http://a/b.wrl", "https://a/b.wrl", "data:model/vrml,x", "cells://a/b", "memory:a", "b.wrl", "javascript:x"}) {

@@ -172,7 +172,7 @@ TEST_CASE("HTTP server: lets transfers end at a stop, and cuts them at the deadl
   }
 }
 
-TEST_CASE("HTTP server: cuts the answer if the file changes while it is sent") {
+TEST_CASE("HTTP server: truncates the response if the file changes while it is sent") {
   ServedSite site;
   site.write("big", std::string(std::size_t{8} << 20, 'x'));
   site.options.limits.total_rate = 1'000'000;

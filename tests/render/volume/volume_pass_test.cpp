@@ -175,7 +175,7 @@ TEST_CASE("mixes vectors of intersecting volumes by depth, vector by vector", "[
       std::swap(list.splats[0], list.splats[1]);
     }
   }
-  // Drawing one over the other differs.
+  // Blending one finished volume over the other gives a different picture.
   Psnr layered;
   const RayImage one = exact_volumes(std::span(items).first(1), target.view()),
                  other = exact_volumes(std::span(items).last(1), target.view());
@@ -212,7 +212,7 @@ TEST_CASE("hides the volume behind a polygon, and veils the polygon by the volum
     item.options.opacity = 0.5f;
     const RayImage exact = exact_volumes(std::span(&item, 1), target.view(), stops);
     CHECK(psnr_over(drawn, exact, under) >= 40);
-    // Differs from the bare polygon and from the whole volume over it.
+    // The picture shows neither the polygon alone nor the whole volume in front of it.
     const RayImage all = exact_volumes(std::span(&item, 1), target.view());
     CHECK(psnr_over(drawn, all, under) < 35);
     CHECK(glm::distance(pixel_color(drawn, 40, 30), yellow) > 0.1f);

@@ -102,7 +102,7 @@ TEST_CASE("interpolates orientations along the shortest rotation (6.32)") {
   CHECK(sent(world, 1, 1) == "0 1 0 7");  // the value of the file at a key
 }
 
-TEST_CASE("sends as many values from a CoordinateInterpolator as each key has (6.13)") {
+TEST_CASE("interpolates every point of a key in a CoordinateInterpolator, and ignores an incomplete last key (6.13)") {
   World world(
       "DEF I CoordinateInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 1 1 1, 2 0 0, 3 1 1, 9 9 9 ] } "
       "DEF C Coordinate { } ROUTE I.value_changed TO C.point");

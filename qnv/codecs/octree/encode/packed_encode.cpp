@@ -23,7 +23,8 @@ struct BaseSteps {
   int normal, offset;
 };
 constexpr std::array<BaseSteps, 4> kBaseSteps{{{0, 0}, {1, 0}, {1, 1}, {2, 1}}};
-// Minimum area of a voxel, relative to a voxel face. Voxels that the surface barely touches are dropped.
+// Minimum area of the surface inside a voxel, relative to a voxel face. Voxels that the surface barely touches are
+// dropped.
 constexpr float kMinArea = 0.03f;
 // First levels with smaller quantisation steps. There, voxels are small relative to pixels and residuals are small, so
 // that small steps pay.

@@ -291,7 +291,7 @@ TEST_CASE("restricts a header from the network to the network") {
 
 // Origins -----------------------------------------------------------------------------------------
 
-TEST_CASE("a PROTO from the network stays of the network in a world of this machine") {
+TEST_CASE("gives a PROTO from the network only the network's rights in a local world") {
   const ScratchFolder folder;
   const std::string picture = folder.write("p.gif", kPicture);
   folder.write("in.wrl", text("Shape { geometry Box { } }"));

@@ -273,7 +273,7 @@ TEST_CASE("ends a surface with the mesh if that pays and restores the mesh after
     lossy.finish();
     CHECK(lossy.mesh().whole);
   }
-  // A stream of smaller limit has no table.
+  // With a limit of 1,700 bytes, the stream has no exact mesh.
   EncodeOptions options;
   options.exact_bits = kExactWherePays;
   options.max_bytes = 1700;

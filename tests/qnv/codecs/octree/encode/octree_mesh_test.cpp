@@ -1,4 +1,4 @@
-// Tests of octrees of surfaces that end with the mesh itself.
+// Tests of octree streams that end with the exact mesh.
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/shared/encode_options.h"

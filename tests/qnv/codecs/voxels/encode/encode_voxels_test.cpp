@@ -153,7 +153,7 @@ TEST_CASE("covers the whole volume with the first vectors of a volume stream") {
   const SoftBall ball(32);
   const Volume cloud = cloud_of(ball.stream().bytes);
   REQUIRE(cloud.size() == ball.cloud.size());
-  std::map<std::array<int, 3>, std::array<int, 2>> blocks;  // of all, and of the first eighth
+  std::map<std::array<int, 3>, std::array<int, 2>> blocks;  // number of vectors in each block: all, first eighth
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const glm::vec3 part = (cloud.positions[i] - cloud.description.box.lower) / cloud.description.box.size() * 3.99f;
     auto& count = blocks[{static_cast<int>(part.x), static_cast<int>(part.y), static_cast<int>(part.z)}];
