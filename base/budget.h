@@ -13,7 +13,7 @@
 namespace gs {
 
 /// Limits of a world, the amounts used of them, and the world's cancellation check. Before each allocation with a size
-/// that a file determines, code must take the memory from the budget. Thread-safe, except for `stop_when`.
+/// that a file determines, code must charge the memory to the budget. Thread-safe, except for `stop_when`.
 class Budget {
  public:
   explicit Budget(const Limits& limits = {}) : limits_(limits) {}
@@ -21,7 +21,7 @@ class Budget {
   Budget& operator=(const Budget&) = delete;
 
   [[nodiscard]] const Limits& limits() const { return limits_; }
-  /// Draws `amount` units. Returns false and draws nothing if fewer are left.
+  /// Charges `amount` units. Returns false and charges nothing if fewer are left.
   [[nodiscard]] bool take(Resource resource, std::uint64_t amount);
   void give_back(Resource resource, std::uint64_t amount);
   /// Returns the unused units of a resource. limit() returns all units, used() the used ones.
@@ -51,7 +51,7 @@ class Budget {
   std::function<bool()> stop_;
 };
 
-/// Amount drawn from a budget for one object, given back on destruction.
+/// Amount charged to a budget for one object, given back on destruction.
 class Share {
  public:
   Share() = default;

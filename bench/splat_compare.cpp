@@ -1,10 +1,10 @@
 // splat_compare [--width W] [--height H] [--runs R] [--backend NAME]: compares the ways to draw QNV with the exact ray
 // caster.
 //
-// Draws small point sets with one sample per pixel: surfaces with a headlight (diffuse, white without colours) on the
-// processor, with OpenGL and by render/raycast; a volume by the renderer with its lighting. PSNR covers
-// all components of all pixels, in 0..1 before rounding for surfaces, and in 8 bits for the volume. Splats per second
-// count the whole point set over the median of R runs; the ray caster runs once. Prints a Markdown table.
+// Draws small geometries with one sample per pixel: surfaces with a headlight (diffuse, white without colours) on the
+// processor, with OpenGL and by render/raycast; a volume by the renderer with its lighting. PSNR covers all components
+// of all pixels, in 0..1 before rounding for surfaces, and in 8 bits for the volume. Splats per second count the whole
+// geometry over the median of R runs; the ray caster runs once. Prints a Markdown table.
 
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/octree/lod/lod.h"

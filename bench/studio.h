@@ -34,7 +34,7 @@ class Studio {
   std::unique_ptr<render::Renderer> renderer_;
 };
 
-/// Returns a list that shows a point set in its own colours.
+/// Returns a list that shows splats in their own colours.
 [[nodiscard]] render::RenderList list_of(qnv::Geometry geometry);
 
 }  // namespace gs::bench

@@ -51,8 +51,7 @@ class ShapeResources {
   };
   [[nodiscard]] TextMesh text_mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured,
                                       std::size_t level);
-  /// Returns the mesh of a point set with triangles. If `pictured`, returns the part with a texture, otherwise the
-  /// rest.
+  /// Returns the mesh of a geometry with triangles. If `pictured`, returns the part with a texture, otherwise the rest.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> surface_mesh(const std::shared_ptr<const qnv::Geometry>& geometry,
                                                                bool pictured) {
     return meshes_.surface_of(geometry, pictured);

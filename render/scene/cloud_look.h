@@ -12,14 +12,14 @@ namespace gs::render {
 
 /// Source of the colour of splats and voxels. All values except `own` are for the inspection of streams.
 enum class ColorBy : std::uint8_t {
-  own,  // colour of the point set or of the material
+  own,  // colour of the geometry or of the material
   normal,  // normal in node space: x, y, z from -1 to 1 become red, green, blue
   level,   // level of detail: coarse is blue, fine is red
   chunk,  // one colour per chunk
   age,  // order of receipt: first is blue, last is red
 };
 
-/// User settings for all point sets of an image.
+/// User settings for all splats and volumes of an image.
 struct SplatStyle {
   ColorBy color_by = ColorBy::own;
   // The following fields apply to volumes only.

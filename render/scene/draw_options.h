@@ -36,7 +36,7 @@ struct DrawOptions {
   bool headlight = true;
   bool visibility_limit = true;  // apply the visibilityLimit of the bound NavigationInfo (VRML97 6.29)
   float unit = 1;  // for the visibility limit: world units per unit of the Viewpoint
-  std::size_t budget = 0;  // maximum splats of all point sets together; 0 means unlimited
+  std::size_t budget = 0;  // maximum splats of all items together; 0 means unlimited
   std::optional<glm::vec3> background;  // colour that replaces the world's Background
   bool backdrop = false;  // neutral gradient instead of the world's Background, unless `background` is set
   DisplayMode display = DisplayMode::surface;

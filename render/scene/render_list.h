@@ -172,7 +172,7 @@ struct RenderList {
   std::uint64_t generation = 0, dressed = 0;
   std::vector<std::uint32_t> moved;
   /// Number that changes with any content, unique in the process (next_change()). While it is equal, a drawn image is
-  /// valid. 0 means that changes are not tracked. Does not cover the growth of point sets and images in the list.
+  /// valid. 0 means that changes are not tracked. Does not cover the growth of geometries and images in the list.
   std::uint64_t changes = 0;
   std::vector<SplatItem> splats;
   std::vector<Light> lights;  // directional lights have effect only through DrawItem::directional_lights

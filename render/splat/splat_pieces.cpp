@@ -31,7 +31,7 @@ std::optional<qnv::Rgb8> tint_of(const qnv::Piece& piece, ColorBy color_by) {
   return std::nullopt;
 }
 
-/// Returns the first `count` vectors of a point set as pieces. Each piece has one tint.
+/// Returns the first `count` vectors of a geometry as pieces. Each piece has one tint.
 std::vector<SharedSplatPiece> prefix_of(const std::shared_ptr<const qnv::Splats>& splats, std::size_t count,
                                         ColorBy color_by) {
   const std::size_t all = splats->size();

@@ -33,16 +33,16 @@ static_assert(sizeof(SplatDisc) == 64);
 /// Flag in SplatDisc::color: the back of the splat is visible.
 constexpr std::uint32_t kSplatBack = 1u << 24;
 
-/// Rays of a view, the same for all splats of a point set.
+/// Rays of a view, the same for all splats of a geometry.
 struct SplatRays {
   glm::vec3 origin, right, up;  // node space, at depth 1: ray of sample (0, 0), and its increase per sample
   float near_plane;
 };
 
-/// Properties of all splats of a point set.
+/// Properties that all splats of a geometry share.
 struct SplatKind {
   bool cubes = false, colored = false;
-  bool sides = false;  // the point set is two-sided
+  bool sides = false;  // the splats are two-sided
   bool smooth = false;  // normals follow the surface between the splats
 };
 

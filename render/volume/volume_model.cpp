@@ -124,8 +124,8 @@ class Counts {
   std::vector<Grid> grids_;
 };
 
-/// Returns the box of a point set: that of the description if valid, enlarged to contain all positions. The
-/// description's box covers vectors that are not received yet.
+/// Returns the box of a volume: that of the description if valid, enlarged to contain all positions. The description's
+/// box covers vectors that are not received yet.
 Box box_of(const qnv::Volume& volume) {
   Box box;
   for (const glm::vec3& p : volume.positions)

@@ -206,7 +206,7 @@ void VolumePass::draw(const RenderList& list, const Camera& camera, const Projec
     if (const auto drawn = volume_gl_.draw(scene.held, scene.items, gl_view)) {
       statistics.vectors += drawn->vectors;
       statistics.pending = statistics.pending || drawn->pending;
-      // Report OpenGL, unless the CPU has already drawn a point set of this frame.
+      // Report OpenGL, unless the CPU has already drawn a volume of this frame.
       if (std::string_view(statistics.splats) == "none") statistics.splats = "gl";
       ++statistics.draw_calls;
       return;

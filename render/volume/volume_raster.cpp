@@ -22,7 +22,7 @@ constexpr unsigned kDepthDigitBits = 11, kDepthDigits = 1u << kDepthDigitBits;
 /// Prepares the vectors of a volume that are in view.
 class Preparer {
  public:
-  /// Prepares for an item, which must have a point set and a model.
+  /// Prepares for an item, which must have a volume and a model.
   Preparer(const VolumeItem& item, const SplatView& view)
       : volume_(*item.volume), model_(*item.model), near_plane_(view.near_plane), options_(item.options) {
     const std::optional<VolumeLens> lens = volume_lens(view, item.camera_from_node);

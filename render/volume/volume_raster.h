@@ -15,7 +15,7 @@ namespace gs::render {
 /// Volume that is part of an image.
 struct VolumeItem {
   const qnv::Volume* volume = nullptr;
-  const VolumeModel* model = nullptr;  // model of the point set
+  const VolumeModel* model = nullptr;  // model of the volume
   glm::mat4 camera_from_node{1.0f};    // any affine matrix
   std::size_t count = 0;  // number of vectors to draw, from index 0 on; at most model->spacing.size()
   VolumeOptions options;  // with lights in camera space

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-/// Helpers of tests of point sets.
+/// Helpers of tests of imported vectors.
 namespace gs::test {
 
 using gs::qnv::Splats;
@@ -35,7 +35,7 @@ inline Splats sphere(std::size_t count, float radius = 1, glm::vec3 center = glm
   return cloud;
 }
 
-/// Checks the invariants of every imported point set.
+/// Checks the invariants of every imported geometry.
 inline void check_sound(const Splats& cloud) {
   REQUIRE(cloud.normals.size() == cloud.size());
   REQUIRE(cloud.weights.size() == cloud.size());
@@ -54,7 +54,7 @@ inline void check_sound(const Splats& cloud) {
   REQUIRE(cloud.description.two_sided);
 }
 
-/// Returns the imported point set, which must exist.
+/// Returns the imported geometry, which must exist.
 inline Splats cloud_of(ImportCloud import, const Bytes& bytes) {
   auto result = import(bytes, own_budget());
   if (const auto* problem = std::get_if<std::string>(&result)) {
@@ -74,7 +74,7 @@ inline std::string metadata(const Splats& cloud, std::string_view name) {
   return {};
 }
 
-/// Checks that an import of any bytes gives a valid point set or a message.
+/// Checks that an import of any bytes gives a valid geometry or a message.
 inline void check_any(ImportCloud import, const Bytes& bytes) {
   const auto result = import(bytes, own_budget());
   if (const auto* cloud = std::get_if<Splats>(&result)) {

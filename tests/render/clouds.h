@@ -14,7 +14,7 @@
 #include <random>
 #include <vector>
 
-/// Helpers of tests of splatted point sets.
+/// Helpers of tests of splats.
 namespace gs::test {
 
 inline constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();

@@ -1,4 +1,4 @@
-// Pairs of equal pictures: a point set at the origin, and 4,500 km away together with the viewer.
+// Pairs of equal pictures: splats and the viewer at the origin, and both 4,500 km away.
 
 #include "render/collection/collector.h"
 #include "tests/render/clouds.h"

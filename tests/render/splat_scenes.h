@@ -1,6 +1,6 @@
 #pragma once
 
-// Point sets for tests of splatting, and a bare context.
+// Splats for tests, and an OpenGL context without a window.
 
 #include "qnv/base/geometry.h"
 #include "qnv/codecs/octree/encode/encode_surface.h"

@@ -17,7 +17,7 @@ namespace {
 
 using NamedGeometries = std::map<std::string, std::shared_ptr<const qnv::Geometry>>;
 
-/// World with QNV nodes that show the point set of their first url.
+/// World with QNV nodes that show the geometry of their first url.
 struct GeometryWorld {
   GeometryWorld(const std::string& body, const NamedGeometries& named)
       : scene(std::make_unique<vrml::SceneGraph>("test.wrl")) {
@@ -110,7 +110,7 @@ std::shared_ptr<const qnv::Geometry> painted() {
 
 }  // namespace
 
-TEST_CASE("draws a point set under Transforms like one that was moved before") {
+TEST_CASE("draws splats under Transforms like splats with transformed positions") {
   const auto ball = sphere(8000);
   glm::mat4 rigid = glm::translate(glm::mat4(1), glm::vec3(0.7f, -0.3f, 0.5f));
   rigid = glm::scale(glm::rotate(rigid, 0.8f, glm::vec3(0, 0, 1)), glm::vec3(1.4f));
@@ -124,7 +124,7 @@ TEST_CASE("draws a point set under Transforms like one that was moved before") {
               shape("moved"), {{"ball", shared_geometry(ball)}, {"moved", moved(*ball, shear)}}, 55);
 }
 
-TEST_CASE("draws a point set under any scale like the polygons that it represents") {
+TEST_CASE("draws splats under any scale like the polygons that they represent") {
   const auto ball = sphere(20000);
   for (const std::string scale : {"1 1 1", "2 0.5 1", "0.3 1.5 1.5"}) {
     const std::string before = "Transform { rotation 0 0 1 0.4 scale " + scale + " children ";
@@ -133,7 +133,7 @@ TEST_CASE("draws a point set under any scale like the polygons that it represent
   }
 }
 
-TEST_CASE("hides point sets and polygons behind each other like polygons") {
+TEST_CASE("hides splats and polygons behind each other like polygons") {
   const auto ball = sphere(20000);
   const std::string board =
       "Transform { rotation 0 1 0 0.7 children Shape { appearance Appearance { material Material { "
@@ -151,7 +151,7 @@ TEST_CASE("hides point sets and polygons behind each other like polygons") {
               {{"ball", shared_geometry(ball)}}, 40);
 }
 
-TEST_CASE("draws point sets that intersect like one joint point set") {
+TEST_CASE("draws intersecting splat items like one joint item") {
   auto red = std::make_shared<qnv::Splats>(*sphere(8000)), blue = std::make_shared<qnv::Splats>(*red);
   red->colors.assign(red->size(), {220, 40, 40});
   blue->colors.assign(blue->size(), {40, 40, 220});
@@ -171,7 +171,7 @@ TEST_CASE("draws point sets that intersect like one joint point set") {
   check_alike(shape("blue") + shape("red"), shape("both"), clouds, 37);
 }
 
-TEST_CASE("chooses among point sets by Switch and LOD") {
+TEST_CASE("chooses among splat items by Switch and LOD") {
   const NamedGeometries clouds{
       {"ball", shared_geometry(sphere(3000))}, {"coarse", shared_geometry(sphere(60))}, {"painted", painted()}};
   check_alike("Switch { whichChoice 1 choice [ " + shape("ball") + shape("painted") + "] }", shape("painted"), clouds,
@@ -183,7 +183,7 @@ TEST_CASE("chooses among point sets by Switch and LOD") {
   check_alike(lod, shape("coarse"), clouds, 100, {0, 0.5f, 6});
 }
 
-TEST_CASE("turns the point set of a Billboard to the viewer") {
+TEST_CASE("turns the splats of a Billboard to the viewer") {
   const NamedGeometries clouds{{"painted", painted()}};
   // Seen from +X, the side of +Z turns to the viewer, as by a quarter turn about Y.
   check_alike("Billboard { children " + shape("painted") + "}",
@@ -191,7 +191,7 @@ TEST_CASE("turns the point set of a Billboard to the viewer") {
   check_alike("Billboard { children " + shape("painted") + "}", shape("painted"), clouds, 60, {0, 0, 6});
 }
 
-TEST_CASE("places instances of a PROTO with a point set") {
+TEST_CASE("draws the splats of each instance of a PROTO at its position") {
   const NamedGeometries clouds{{"painted", painted()}};
   const std::string proto =
       "PROTO Place [ field SFVec3f at 0 0 0 field SFVec3f size 1 1 1 ] { Transform { translation IS at scale IS size "

@@ -65,7 +65,7 @@ struct FormulaParts {
          (!parts.color || glm::length(a.color - b.color) < 1e-6);
 }
 
-/// Compares two triangles of equal orientation, from any corner on.
+/// Compares two triangles with the same orientation; they may begin at different corners.
 [[nodiscard]] inline bool same_triangle(const FormulaTriangle& a, const FormulaTriangle& b, double size,
                                         const FormulaParts& parts) {
   for (std::size_t turn = 0; turn < 3; ++turn)

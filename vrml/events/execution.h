@@ -23,7 +23,7 @@ namespace gs::vrml {
 /// Execution model of VRML97 (4.10, 4.11) for a world and its attached Inlines. Owns the classes that share this work,
 /// and advances the time.
 ///
-/// The cost of a step is proportional to the number of events in it. Memory is drawn from the scene's budget. If the
+/// The cost of a step is proportional to the number of events in it. Memory is charged to the scene's budget. If the
 /// budget is exhausted, further nodes take no part in events, and EventBudget::problem reports it. Cascades with too
 /// much work end early. Runs on the scene's thread only; the scene must outlive this object.
 class Execution {

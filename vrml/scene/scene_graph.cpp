@@ -46,7 +46,7 @@ SceneGraph::~SceneGraph() {
     if (n.values) std::destroy_n(n.values, n.type->defaults.size());
 }
 
-// ---- Nodes: indices and values are used again and stay drawn from the budget.
+// ---- Nodes: indices and values are used again and stay charged to the budget.
 
 // Allocates values. Returns null if the budget is exhausted, unless `needed` is set.
 FieldValue* SceneGraph::allocate_values(std::size_t count, bool needed) {
@@ -251,7 +251,7 @@ std::optional<std::uint32_t> SceneGraph::text_declaring(const NodeType* type) co
 // ---- The budget
 
 bool SceneGraph::draw(std::size_t bytes) {
-  constexpr std::size_t kStep = std::size_t{64} << 10;  // bytes drawn at a time, because threads share the counter
+  constexpr std::size_t kStep = std::size_t{64} << 10;  // bytes charged at a time, because threads share the counter
   if (exhausted_) return false;
   const std::size_t wanted = charged_ + bytes;
   if (wanted > nodes_share_.amount()) {

@@ -68,7 +68,7 @@ struct Prototype {
 /// the text's names, types, libraries and budget.
 class SceneGraph : public SourceText {
  public:
-  /// `file_name` identifies the file in diagnostics. Memory for nodes is drawn from `budget`, which all scenes of a
+  /// `file_name` identifies the file in diagnostics. Memory for nodes is charged to `budget`, which all scenes of a
   /// world share.
   SceneGraph(std::string file_name, std::shared_ptr<Budget> budget);
   /// Makes a scene with its own budget.
@@ -184,9 +184,9 @@ class SceneGraph : public SourceText {
   /// Counts `count` more nodes with `bytes` bytes as copies for PROTO instances. Returns false if the limit is reached.
   [[nodiscard]] bool reserve_expansion(std::size_t count, std::size_t bytes);
   /// Draws memory for names, lists and similar data from the budget. Returns false if the budget is exhausted. After
-  /// that, the scene never draws more.
+  /// that, the scene never charges more.
   [[nodiscard]] bool charge(std::size_t bytes);
-  /// Returns the bytes drawn from the budget.
+  /// Returns the bytes charged to the budget.
   [[nodiscard]] std::size_t charged() const { return charged_; }
   /// Reports whether something was omitted because the budget for nodes was exhausted.
   [[nodiscard]] bool exhausted() const { return exhausted_; }

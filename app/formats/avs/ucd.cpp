@@ -153,7 +153,7 @@ void import_ucd(std::span<const std::byte> bytes, MeshBuilder& builder) {
 }
 
 // Detects ASCII UCD: comments, then a line of five integers. The comments alone do not suffice, because AVS fields may
-// begin with the same ones.
+// begin with such comments too.
 bool is_ucd_text(std::span<const std::byte> bytes) {
   std::string_view text = text_of(bytes);
   while (text.starts_with('#')) {

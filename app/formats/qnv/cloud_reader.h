@@ -46,7 +46,7 @@ struct CloudFile {
 
 /// Reports whether the budget has room for a copy of `geometry`.
 [[nodiscard]] bool has_room_for(const qnv::Geometry& geometry, const Budget& budget);
-/// Charges `budget` for a point set and the renderer's copy of it. The result owns the point set and its share. Returns
+/// Charges `budget` for a geometry and the renderer's copy of it. The result owns the geometry and its share. Returns
 /// null if the budget is exceeded.
 [[nodiscard]] std::shared_ptr<const qnv::Geometry> hold_geometry(qnv::Geometry geometry, const WorldBudget& budget);
 

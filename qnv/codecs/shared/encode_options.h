@@ -50,7 +50,7 @@ struct EncodeOptions {
   int exact_bits = 0;  // displaced: bits per axis of an exact tail, 8 to 20; 0 means no tail; or
                        // kExactWherePays
   const TexturedSurface* textured = nullptr;  // displaced: source of the exact tail, or null; must outlive the call
-  glm::dvec3 origin{0};  // origin of triangles (Description::origin); point sets have their own
+  glm::dvec3 origin{0};  // origin of triangles (Description::origin); vectors have their own
   std::vector<std::pair<std::string, std::string>> metadata;
   unsigned threads = 0;
 };

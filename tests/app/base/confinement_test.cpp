@@ -304,7 +304,7 @@ TEST_CASE("limits the memory and file size of a child, and passes it no descript
   const auto descriptors = run_child("/bin/sh", {"-c", "echo /proc/self/fd/* >&2; exit 1"}, {}, stop.get_token());
   ::close(open);
   REQUIRE(descriptors);
-  // The shell's own three, and the one that reads the folder.
+  // The three descriptors of the shell, and the descriptor that reads the folder.
   CHECK(descriptors->message.find("/proc/self/fd/4") == std::string::npos);
   const std::string world = scratch.write("box.wrl", kConfinedWorld);
   limits = {};

@@ -1,4 +1,4 @@
-// Tests of point sets of a metre, thousands of kilometres from the origin.
+// Tests of geometries one metre large and thousands of kilometres from the origin.
 #include "app/encode/surface_triangles.h"
 #include "app/formats/export/export.h"
 #include "app/formats/mesh/points.h"
@@ -33,7 +33,7 @@ std::vector<glm::dvec3> far_places(std::size_t count) {
   return places;
 }
 
-/// Returns the largest distance of the point set's positions from given ones in equal order.
+/// Returns the largest distance between the geometry's positions and given positions in the same order.
 double farthest(const Splats& cloud, const std::vector<glm::dvec3>& places, const glm::dvec3& axes = glm::dvec3(1)) {
   REQUIRE(cloud.size() == places.size());
   double most = 0;

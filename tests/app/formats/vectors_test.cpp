@@ -35,7 +35,7 @@ double area(const qnv::VectorView& cloud) {
   return sum;
 }
 
-// Returns the only point set of a world.
+// Returns the only geometry of a world.
 const qnv::Geometry& only_geometry(const LoadedWorld& world) {
   INFO(said(world));
   REQUIRE(world.clouds.size() == 1);
@@ -70,7 +70,7 @@ TEST_CASE("opens a QNV stream as a shape: whole, truncated and compressed") {
   const std::string packed = string_of(test::gzipped(std::vector<std::byte>(first, first + bytes.size())));
   CHECK(only_geometry(load_world(folder.write("packed.qnv", packed))).size() == 3000);
 
-  // Every prefix is a coarser ball of equal area, without errors.
+  // Every prefix is a coarser ball with the same area, without errors.
   std::size_t before = 0;
   LoadOptions cut;
   for (cut.max_bytes = 3000; cut.max_bytes < bytes.size(); cut.max_bytes += 1500) {

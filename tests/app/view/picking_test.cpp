@@ -214,7 +214,7 @@ TEST_CASE("ignores the parts of a volume that the style hides") {
   options = {};
   list.splats[0].material.transparency = 1;
   CHECK_FALSE(picker.pick(list, kAhead, options));
-  // Another point set may have the same address. The picker must distinguish them.
+  // Another geometry may have the same address. The picker must distinguish them.
   for (int i = 0; i < 20; ++i) {
     list.splats.clear();
     add(list, fog_volume(0.9f), at(-2 - static_cast<float>(i)));
@@ -222,10 +222,10 @@ TEST_CASE("ignores the parts of a volume that the style hides") {
   }
 }
 
-TEST_CASE("ignores invalid point sets") {
+TEST_CASE("ignores invalid splats and volumes") {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   render::RenderList list;
-  list.splats.emplace_back();  // without a point set
+  list.splats.emplace_back();  // without a geometry
   add(list, std::make_shared<qnv::Splats>(), at(-1));
   auto broken = disc();
   broken->normals.clear();

@@ -252,10 +252,9 @@ inline RayImage raycast_volume(const qnv::Volume& cloud, const SplatView& view, 
 ///
 /// For each sample's ray, it finds the nearest splat that covers the ray's intersection with its plane. A splat from an
 /// octree covers its cube plus a margin on each side: kCubeMargin of the edge (kBackMargin if its back is visible), or
-/// kSampleMargin samples. Any other splat covers kDiscCover times its radius; if the point set has cubes, it covers a
-/// cube of that half edge. All splats cover at least kMinReach samples. Back-facing splats count only if the point
-/// set is two-sided. Splats seen edge-on, up to a cosine of kGrazing, never count. splat_constants.h defines the
-/// constants.
+/// kSampleMargin samples. Any other splat covers kDiscCover times its radius; if the splats have cubes, it covers a
+/// cube of that half edge. All splats cover at least kMinReach samples. Back-facing splats count only if the splats are
+/// two-sided. Splats seen edge-on, up to a cosine of kGrazing, never count. splat_constants.h defines the constants.
 ///
 /// At that point p, normals and colours are weighted means over all splats that show the same side. The weights are
 /// bells (1 - |p - x_k|^2 / (4 R_k^2))^4. These approximate the paper's exp(-|p - x_k|^2 / A_k) with A_k = 0.83 R_k^2
@@ -265,8 +264,8 @@ inline RayImage raycast_volume(const qnv::Volume& cloud, const SplatView& view, 
 /// With `smooth`, kSmoothing times the slope of the blended surface is added to the normal. That surface is the zero
 /// set of the weighted mean height over the splats' planes. rasterize_surface does so if measure_surface says so.
 ///
-/// Takes time proportional to samples times splats. Thread-safe; accepts any numbers. Empty if the point set or the
-/// view is.
+/// Takes time proportional to samples times splats. Thread-safe; accepts any numbers. The result is empty if the splats
+/// or the view are.
 inline RaySurface raycast_surface(const qnv::Splats& cloud, const SplatView& view, bool smooth) {
   RaySurface image;
   const int s = std::max(view.supersample, 1);

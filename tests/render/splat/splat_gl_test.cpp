@@ -191,13 +191,13 @@ TEST_CASE("draws tints and normals as colours with OpenGL") {
   check_color(middle({{plain, 0, 4000, 1, red}}), glm::vec3(250, 10, 20) / 255.0f);
   check_color(middle({{colored, 0, 4000, 1, red}}), glm::vec3(250, 10, 20) / 255.0f);
   check_color(middle({{plain, 0, 2000, 1, green}, {colored, 2000, 2000, 1, red}}), glm::vec3(0, 200, 1) / 255.0f);
-  // Pieces without a tint keep the colour of their point set.
+  // Pieces without a tint keep the colour of their splats.
   check_color(middle({{plain, 0, 2000}, {colored, 2000, 2000, 1, red}}), glm::vec3(0.8f));
   view.color_by_normal = true;
   check_color(middle({{colored, 0, 4000, 1, red}}), {0.5f, 0.5f, 1}, 4);
 }
 
-TEST_CASE("draws thousands of point sets with a few calls") {
+TEST_CASE("draws thousands of splat items with a few calls") {
   OpenContext open;
   SplatGl splats(open.gl);
   const auto whole = sphere(40000);
@@ -283,7 +283,7 @@ TEST_CASE("draws pictures too large for OpenGL on the processor") {
   CHECK(!take_errors(open.gl));
 }
 
-TEST_CASE("joins pieces of point sets to one surface") {
+TEST_CASE("joins pieces of splats to one surface") {
   OpenContext open;
   SplatGl splats(open.gl);
   const auto whole = sphere(4000), other = sphere(4000, true);
@@ -297,7 +297,7 @@ TEST_CASE("joins pieces of point sets to one surface") {
   CHECK(difference.both > 3000);
   CHECK(difference.uncovered < 0.005);
   CHECK(difference.wrong < 0.01);
-  // A piece beyond the point set is skipped.
+  // A piece beyond the end of the splats is skipped.
   const std::array<SharedSplatPiece, 2> hostile{
       {{whole, 3999, 2}, {whole, std::numeric_limits<std::size_t>::max(), 2}}};
   const auto nothing = splats.draw(hostile, view);
@@ -305,7 +305,7 @@ TEST_CASE("joins pieces of point sets to one surface") {
   CHECK(nothing->normals == 0);
 }
 
-TEST_CASE("survives point sets with NaN, infinite and extreme values") {
+TEST_CASE("survives splats with NaN, infinite and extreme values") {
   Drawing drawing;
   drawing.options.width = drawing.options.height = 24;
   drawing.options.splats = SplatPath::gl;

@@ -75,7 +75,7 @@ TEST_CASE("makes colour ramps from blue to red, and different colours for neighb
   CHECK(octave_of(kNoLimit) <= 63);
 }
 
-TEST_CASE("draws a prefix of a point set without levels, and cuts it where its colours change") {
+TEST_CASE("draws a prefix of splats without levels, and splits it where the colours change") {
   const auto cloud = shared_geometry(sphere(10000));
   CutOptions options;
   CHECK(total(cut_splats(cloud, from({0, 0, 3}), options)) == 10000);

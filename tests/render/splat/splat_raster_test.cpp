@@ -260,7 +260,7 @@ TEST_CASE("draws tints of pieces and normal colours instead of stored colours") 
   }
 }
 
-TEST_CASE("thins point sets that cover too much, equally on any number of threads") {
+TEST_CASE("thins splats that cover too many samples, equally on any number of threads") {
   qnv::Splats cloud;
   constexpr std::size_t kDiscs = 40'000;
   for (std::size_t i = 0; i < kDiscs; ++i) add(cloud, {0, 0, -2 - 1e-5f * static_cast<float>(i)}, {0, 0, 1}, 200);

@@ -9,7 +9,7 @@ namespace {
 
 bool add_splats(SplatStore& store, std::shared_ptr<const qnv::Splats> cloud) { return store.add(std::span(&cloud, 1)); }
 
-/// Returns the codes of a point set on the GPU.
+/// Returns the codes of splats on the GPU.
 std::vector<SplatCode> codes_of(const OpenContext& open, const SplatStore& store, const qnv::Splats& cloud) {
   const auto get = reinterpret_cast<PFNGLGETBUFFERSUBDATAPROC>(open.context->proc_address("glGetBufferSubData"));
   REQUIRE(get);
@@ -28,7 +28,7 @@ std::vector<SplatCode> codes_of(const OpenContext& open, const SplatStore& store
 
 }  // namespace
 
-TEST_CASE("drops a point set with its last owner") {
+TEST_CASE("drops splats with their last owner") {
   OpenContext open;
   SplatStore store(open.gl, 100000, 1000);
   auto first = sphere(1000), second = sphere(3000), third = sphere(5000);
@@ -38,7 +38,7 @@ TEST_CASE("drops a point set with its last owner") {
   REQUIRE(add_splats(store, second));
   CHECK(store.bytes() == 64000);
   CHECK(store.find(second.get())->ranges.size() == 3);
-  // Refuses a third one in this frame. Later it replaces the one that was drawn longest ago.
+  // The store refuses third splats in this frame. Later they replace the splats that were drawn longest ago.
   CHECK(!add_splats(store, third));
   CHECK(!store.find(third.get()));
   CHECK(store.bytes() == 64000);
@@ -62,7 +62,7 @@ TEST_CASE("drops a point set with its last owner") {
   CHECK(store.bytes() == 20 * cells->size());
 }
 
-TEST_CASE("stores small point sets in one buffer and large ones in several") {
+TEST_CASE("stores few splats in one buffer and many in several") {
   OpenContext open;
   const Gl& gl = open.gl;
   SplatStore store(gl, std::size_t{1} << 20, 2000);
@@ -83,7 +83,7 @@ TEST_CASE("stores small point sets in one buffer and large ones in several") {
     }
   };
   check_all();
-  // Adds and drops point sets at random: no byte leaks.
+  // Adds and drops splats at random: no byte leaks.
   for (int round = 0; round < 60; ++round) {
     clouds.erase(clouds.begin() + static_cast<std::ptrdiff_t>(random() % clouds.size()));
     store.forget_unused();
@@ -101,7 +101,7 @@ TEST_CASE("stores small point sets in one buffer and large ones in several") {
   CHECK(!take_errors(gl));
 }
 
-TEST_CASE("splits a point set if no slab has enough contiguous space") {
+TEST_CASE("splits splats if no slab has enough contiguous space") {
   OpenContext open;
   SplatStore store(open.gl, 16 * 8192, 8192);
   // 8 of 1024, of which every other one is dropped.

@@ -1,4 +1,4 @@
-// Tests of small text, which is drawn from a glyph sheet like its outlines.
+// Tests of small text. Drawn from the glyph atlas, it must look like its outlines.
 #include "render/text/glyph_sheet.h"
 
 #include "render/collection/render_scene.h"
@@ -19,7 +19,7 @@ namespace {
 using namespace render;
 using namespace render::testing;
 
-/// Returns the share of a rectangle that the sheet marks as inside (half or more).
+/// Returns the share of a rectangle that the atlas marks as inside (half or more).
 double inside(const Image& image, const vrml::GlyphShape& shape) {
   const auto pixel_at = [&](const glm::vec2& place) {
     return glm::vec2(place.x, 1 - place.y) * static_cast<float>(GlyphSheet::kSide);
@@ -38,7 +38,7 @@ struct World {
     vrml::parse("#VRML V2.0 utf8\n" + text, scene, diagnostics);
     REQUIRE(diagnostics.errors() == 0);
   }
-  /// Draws text seen from +Z, from the glyph sheet or as outlines.
+  /// Draws text seen from +Z, from the glyph atlas or as outlines.
   RenderList seen_from(double distance, bool pictures) {
     if (!pictures) return collect(scene, images, meshes, {0, 0, distance});
     RenderScene list(scene, images, geometries, meshes);
@@ -59,7 +59,7 @@ double mean_green(const Image& image) {
 
 }  // namespace
 
-TEST_CASE("draws the inside of contours into the glyph sheet, at the returned rectangle") {
+TEST_CASE("draws the inside of contours into the glyph atlas, at the returned rectangle") {
   GlyphSheet sheet;
   // A square of half an em with a hole of a quarter em of the other orientation (non-zero winding).
   const Contours ring = {{{0, 0}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}},

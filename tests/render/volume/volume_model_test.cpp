@@ -34,7 +34,7 @@ TEST_CASE("counts the spacing of a prefix at powers of the square root of two") 
   }
 }
 
-TEST_CASE("gives a prefix the spacing of a point set that ends there") {
+TEST_CASE("gives a prefix the spacing of a volume that ends there") {
   const qnv::Volume cloud = random_volume(4000, 2, 0.02f);
   const VolumeModel all = volume_model(cloud), some = volume_model(cloud, 0, 512);
   CHECK(all.spacing.size() == 4000);

@@ -123,7 +123,7 @@ TEST_CASE("sorts at most one view late, and exactly for an unchanged view") {
   CHECK(order.number == number);
 }
 
-TEST_CASE("waits for the order after large turns, other counts and other point sets") {
+TEST_CASE("waits for the order after large turns, other counts and other volumes") {
   const auto cloud = points(30'000, 2), other = points(30'000, 3);
   VolumeSorter sorter;
   const std::array<VolumeSortPart, 6> views{{{cloud, 30'000, row(0)},
@@ -141,7 +141,7 @@ TEST_CASE("waits for the order after large turns, other counts and other point s
   CHECK(sorter.order(std::span(&broken, 1)).far_first.size() == 20'000);
 }
 
-TEST_CASE("releases point sets, and stops during a sort") {
+TEST_CASE("releases volumes, and stops during a sort") {
   auto cloud = points(200'000, 4);
   const std::weak_ptr<const qnv::Volume> watched = cloud;
   for (int i = 0; i < 5; ++i) {

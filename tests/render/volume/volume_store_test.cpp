@@ -72,7 +72,7 @@ TEST_CASE("stores positions, directions, weights, colours and classes of volumes
   }
 }
 
-TEST_CASE("stores point sets without extent and with equal weights") {
+TEST_CASE("stores volumes without extent and with equal weights") {
   qnv::Volume cloud = empty_volume(0.5f, 1);
   for (int i = 0; i < 4; ++i) add(cloud, {1, 2, 3}, {0, 0, -1}, 2, 9);
   const VolumeCoding coding = volume_coding(cloud, 4);

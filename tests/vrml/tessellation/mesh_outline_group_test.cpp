@@ -61,7 +61,7 @@ TEST_CASE("fills an outline until all its polygons are received") {
   CHECK(area(Outlines("Shape { geometry OutlineGroup { " + own + kInner + "} }").mesh()) == Approx(kFolded));
   const std::string first = "group [ 0 ] point [ 0 0 0, 2 0 0, 0 2 2 ] coordIndex [ 0 1 2 -1 ] ";
   CHECK(area(Outlines("Shape { geometry OutlineGroup { " + own + first + "} }").mesh()) == Approx(4));
-  // A complete group with a lost polygon lacks only that one.
+  // A complete group with a lost polygon lacks only that polygon.
   const std::string ended = "complete TRUE ";
   CHECK(area(Outlines("Shape { geometry OutlineGroup { " + own + first + ended + "} }").mesh()) == Approx(kFolded / 2));
   CHECK(area(Outlines("Shape { geometry OutlineGroup { " + own + ended + "} }").mesh()) == Approx(4));

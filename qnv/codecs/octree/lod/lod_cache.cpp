@@ -61,7 +61,7 @@ bool holds(const Box& claimed, const Box& cells, float edge, const Box& stream) 
 
 }  // namespace
 
-// Clusters with the same parent. Their splats will share a point set.
+// Clusters with the same parent. Their splats will share arrays.
 struct LodCache::Family {
   std::span<const std::uint32_t> nodes;
   std::size_t discs = 0;

@@ -298,7 +298,7 @@ std::vector<Piece> LodStream::pieces(const LodView& view, std::span<const Run> d
   std::vector<std::pair<LodCache::Discs, std::uint32_t>> places;
   places.reserve(drawn.size());
   for (const Run& run : drawn) places.emplace_back(cache_.discs(run.node, run.first, run.last), run.node);
-  // Sorts the runs by position in their point sets, to join adjacent runs.
+  // Sorts the runs by position in their shared splats, to join adjacent runs.
   std::sort(places.begin(), places.end(), [](const auto& a, const auto& b) {
     return std::tuple(a.first.order, a.first.first) < std::tuple(b.first.order, b.first.first);
   });

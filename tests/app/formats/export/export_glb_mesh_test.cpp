@@ -45,7 +45,7 @@ LoadedWorld loaded(const ScratchFolder& folder, const qnv::Geometry& cloud) {
 
 }  // namespace
 
-TEST_CASE("exports triangles of a point set as a mesh in GLB, with their colours") {
+TEST_CASE("exports triangles of a stream as a mesh in GLB, with their colours") {
   const ScratchFolder folder;
   LoadedWorld world = loaded(folder, square(false));
   INFO(said(world));

@@ -19,7 +19,7 @@ std::shared_ptr<Document> empty_document(const std::string& path) {
   return document;
 }
 
-/// Returns a world of one QNV node with this point set.
+/// Returns a world of one QNV node with this geometry.
 LoadedWorld world_of(qnv::Geometry geometry) {
   LoadedWorld world = world_with({});
   const auto make = [&](const char* type) { return world.scene->create(*vrml::built_in_node_type(type)); };
@@ -144,7 +144,7 @@ TEST_CASE("chooses navigation and Viewpoint at the entry of a world") {
   }
 }
 
-TEST_CASE("reports the point sets of a document") {
+TEST_CASE("reports the geometries of a document") {
   qnv::Splats cloud;
   cloud.positions = {{0, 0, 0}, {1, 1, 1}};
   cloud.normals = {{0, 0, 1}, {0, 1, 0}};

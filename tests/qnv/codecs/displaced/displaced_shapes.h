@@ -115,7 +115,8 @@ inline std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides_of(const std
   return sides;
 }
 
-/// Reports whether each directed edge occurs once, so that an edge has at most two triangles of equal orientation.
+/// Reports whether each directed edge occurs once, so that an edge has at most two triangles, with the same
+/// orientation.
 inline bool sides_once(const std::vector<Corners>& triangles) {
   for (const auto& [side, times] : sides_of(triangles))
     if (times != 1) return false;

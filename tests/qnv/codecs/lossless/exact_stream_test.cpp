@@ -102,7 +102,7 @@ void check_sound(const IndexedMesh& cloud) {
   for (const glm::vec3& n : cloud.normals) REQUIRE_EACH(std::abs(glm::length(n) - 1) < 1e-3f);
 }
 
-/// Returns the shown triangles of a point set on the lattice.
+/// Returns the shown triangles of a geometry on the lattice.
 std::vector<Turned> triangles_shown(const IndexedMesh& cloud, int bits, bool rgb) {
   const displaced::Frame frame(cloud.description.box);
   const float step = frame.size / static_cast<float>((1 << bits) - 1);

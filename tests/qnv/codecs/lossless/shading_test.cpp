@@ -110,7 +110,7 @@ IndexedMesh shown(const ShadedStream& stream, bool with_shading) {
   return cloud;
 }
 
-/// Returns the mean angle in degrees between a point set's normals and those of the source's corners at that position
+/// Returns the mean angle in degrees between a geometry's normals and those of the source's corners at that position
 /// and face.
 double off(const IndexedMesh& cloud, const Triangles& source) {
   double sum = 0;

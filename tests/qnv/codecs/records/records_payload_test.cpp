@@ -255,7 +255,7 @@ TEST_CASE("makes chunks that do not depend on threads, within seeds and limits")
   CHECK(weight == Approx(cloud.description.total).epsilon(1e-6));  // of all vectors, sent or not
 }
 
-TEST_CASE("encodes point sets with invalid or coincident vectors") {
+TEST_CASE("encodes inputs with invalid or coincident vectors") {
   CHECK(encode_records(Splats(), {}).empty());
   auto cloud = ball<Volume>(500);
   const float nan = std::numeric_limits<float>::quiet_NaN();

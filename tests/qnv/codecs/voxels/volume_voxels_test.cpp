@@ -51,7 +51,7 @@ struct Decoded {
 
 std::uint64_t key_of(const VolumeVoxels& v, std::size_t i) { return morton_encode(v.x[i], v.y[i], v.z[i]); }
 
-/// vectors of the point set by voxel
+/// vectors of the volume by voxel
 std::map<std::uint64_t, std::size_t> places_of(const SoftBall& ball) {
   const VolumeLayout& layout = ball.source.layout;
   const glm::dmat3 inverse = glm::inverse(glm::dmat3(layout.axes[0], layout.axes[1], layout.axes[2]));

@@ -184,7 +184,7 @@ TEST_CASE("encodes fewer vectors as the beginning of more") {
 }
 
 TEST_CASE("cuts more equal lengths than one sort holds at the right voxel") {
-  // A ramp of 1.3 million voxels of equal gradient except in one plane.
+  // A ramp of 1.3 million voxels. All gradients are equal except in one plane.
   VolumeLayout layout;
   layout.dimensions = {128, 128, 80};
   std::vector<std::uint16_t> values;

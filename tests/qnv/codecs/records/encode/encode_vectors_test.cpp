@@ -67,7 +67,7 @@ double sum(const VectorArrays& cloud) {
 
 }  // namespace
 
-TEST_CASE("restores positions, directions, weights and colours of a point set from its stream") {
+TEST_CASE("restores positions, directions, weights and colours of vectors from their stream") {
   EncodeOptions options;
   options.metadata = {{"title", "ball"}};
   Splats cloud = sphere_cloud(5000, true);
@@ -139,7 +139,7 @@ TEST_CASE("encodes a volume's classes and transfer function, with the total of t
   CHECK(sum(back) == Approx(4 * std::numbers::pi).epsilon(1e-4));
 }
 
-TEST_CASE("leaves out invalid vectors and refuses an empty point set") {
+TEST_CASE("omits invalid vectors and refuses an input without vectors") {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
   Splats cloud = sphere_cloud(50, false);
   cloud.weights[3] = 0;

@@ -31,7 +31,7 @@ namespace encode_voxels_test {
 
 using Bytes = std::vector<std::byte>;
 
-/// Set of the octree cells that a point set shows.
+/// Set of the octree cells that a volume shows.
 class Cells {
  public:
   explicit Cells(const VoxelLattice& lattice) : lattice_(lattice) {
