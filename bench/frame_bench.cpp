@@ -1,7 +1,7 @@
 // Measures frames of software rendering: `frame_bench [--frames N] FILE...` prints, for each world, triangles, items
 // and draw calls of a frame of 1024 x 768 pixels with 4 samples, and median times as a picture and as a window: at
-// rest, and while the viewer moves sideways by a thousandth of the view. Milliseconds elapsed, and of the processor
-// (all threads).
+// rest, and while the viewer moves sideways by a thousandth of the view. Times are milliseconds: elapsed time, and
+// processor time of all threads.
 #include "bench/world_file.h"
 #include "render/collection/render_scene.h"
 #include "render/draw/renderer.h"

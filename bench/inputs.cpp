@@ -40,7 +40,7 @@ class Writer {
   Writer& triple(double x, double y, double z, int decimals) {
     return number(x, decimals).text(" ").number(y, decimals).text(" ").number(z, decimals);
   }
-  /// Returns false if anything was not written.
+  /// Returns false if a write failed.
   [[nodiscard]] bool finish() {
     flush();
     return good_ && std::fflush(file_.get()) == 0;

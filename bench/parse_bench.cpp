@@ -84,7 +84,8 @@ Parsed parse_streamed(const std::string& path) {
   return parsed;
 }
 
-/// Returns the bytes of all multiple-valued fields of a scene, with shared storage counted once: the scene's minimum.
+/// Returns the bytes of all multiple-valued fields of a scene, with shared storage counted once. A scene needs at least
+/// this memory.
 std::size_t array_bytes(const vrml::SceneGraph& scene) {
   std::unordered_set<const void*> seen;
   std::size_t bytes = 0;
@@ -139,7 +140,7 @@ struct Result {
   double read = 0, bare = 0, whole = 0, pieces = 0;  // seconds
 };
 
-/// Measures memory while this process is still small, since a child starts with its parent's resident size.
+/// Measures memory while this process is still small, because a child starts with its parent's resident size.
 Result measure_memory(const std::string& path) {
   Result result;
   result.name = path.substr(path.find_last_of('/') + 1);

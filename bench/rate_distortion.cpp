@@ -180,7 +180,7 @@ void plot(const std::string& path, const std::vector<std::pair<std::string, Curv
   out << "</svg>\n";
 }
 
-/// Prints distances of displaced streams, with and without the exact mesh, and of Draco's files.
+/// Prints distances from the model to displaced streams, with and without the exact mesh, and to Draco's files.
 void print_distances(const Curves& curves) {
   std::printf(
       "\n| budget, bytes | displaced: geometric PSNR | mean, 1e-4 | Hausdorff, 1e-4 | without mesh: geometric PSNR | "

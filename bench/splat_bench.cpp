@@ -3,8 +3,8 @@
 // Draws N small splats of a bumpy sphere at 1024x768 with one and four samples per pixel, unshaded. Each of R rounds
 // runs in sequence: the processor with one and two threads and with each vector instruction set; a plain sum over the
 // same arrays, the minimum for any splatter; and OpenGL with splats in its memory, until glFinish. Prints medians and
-// minima as a Markdown table: splats per second, of all and of those in view. A first round, which uploads and
-// compiles, is not counted.
+// minima as a Markdown table: splats per second, for all splats and for the splats in view. A first round, which
+// uploads and compiles, is not counted.
 
 #include "base/parallel.h"
 #include "render/gl/context.h"

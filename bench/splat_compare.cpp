@@ -80,7 +80,7 @@ std::shared_ptr<qnv::Splats> bumpy_sphere(std::size_t count) {
 std::shared_ptr<qnv::Splats> colored_torus(std::size_t count) {
   constexpr float kAround = 0.8f, kTube = 0.35f;
   auto cloud = std::make_shared<qnv::Splats>();
-  // Evenly over the area, which grows outwards.
+  // The vectors are spread evenly over the area, which grows outwards.
   std::mt19937 random(3);
   std::uniform_real_distribution<float> part(0, 1);
   const float area = 4 * kPi * kPi * kAround * kTube / static_cast<float>(count);
@@ -128,7 +128,7 @@ std::shared_ptr<const qnv::Geometry> packed_stream(std::size_t vectors) {
   return std::make_shared<const qnv::Geometry>(qnv::OctreeSplats(std::move(*levels)));
 }
 
-/// Returns a thick shell of vectors of all magnitudes and classes.
+/// Returns a thick spherical shell of vectors with all magnitudes and classes.
 std::shared_ptr<qnv::Volume> volume(std::size_t count) {
   std::mt19937 random(7);
   std::normal_distribution<float> normal;
@@ -224,7 +224,7 @@ render::SplatView view_of(const Settings& settings) {
   return view;
 }
 
-/// Copies all pieces together for the ray caster.
+/// Copies all pieces into one list for the ray caster.
 qnv::Splats together(std::span<const render::SharedSplatPiece> pieces) {
   qnv::Splats all;
   if (!pieces.empty()) all.description = pieces.front().splats->description;
@@ -304,7 +304,7 @@ bool compare_volume(const std::shared_ptr<const qnv::Geometry>& geometry, render
     const double time = seconds(
         [&] {
           auto drawn = (*renderer)->draw_to_image(list, camera, options, &statistics);
-          // Sorted for this view, not for the previous one.
+          // Draws again until the vectors are sorted for this view.
           while (statistics.pending && std::holds_alternative<render::Image>(drawn))
             drawn = (*renderer)->draw_to_image(list, camera, options, &statistics);
           if (auto* got = std::get_if<render::Image>(&drawn)) image = std::move(*got);

@@ -17,7 +17,7 @@ struct View {
   float azimuth = 0, elevation = 0;
 };
 
-/// Studio for compared pictures: 800x600, headlight, black background. One thread.
+/// Renderer for compared pictures: 800x600, headlight, black background. One thread.
 class Studio {
  public:
   static constexpr int kWidth = 800, kHeight = 600;

@@ -81,7 +81,7 @@ Grid read_grid(const qnv::VolumeSource& source) {
   return grid;
 }
 
-/// Averages two voxels along each axis.
+/// Returns a grid of half the resolution: each voxel is the mean of two voxels along each axis.
 Grid halved(const Grid& fine) {
   Grid grid{fine.layout, {}};
   const auto& n = fine.layout.dimensions;
@@ -220,7 +220,7 @@ void measure_zfp(const Painter& painter, const Grid& grid, const std::string& ba
   keep_best(curve, bytes, painter.error(back));
 }
 
-// Measures deflated slices, with values or differences to the previous value, whichever is smaller.
+// Measures deflated slices. Uses values or differences to the previous value, whichever is smaller.
 void measure_gzip(const Painter& painter, const Grid& grid, int values, Curve& curve) {
   const auto [least, most] = grid.range();
   const float step = (most - least) / static_cast<float>(values - 1);

@@ -76,7 +76,7 @@ void Model::take_draco(const std::string& base) {
 std::optional<std::string> Model::make_streams(const render::RenderList& full) {
   const app::SurfaceSummary summary = app::summarize_surface(full);
   triangles_ = summary.triangles;
-  // Draco is optional: without its programs it has no row.
+  // Draco is optional. Without its programs the table has no row for it.
   const std::string base = options_.folder + "/model";
   if (write_obj(welded(full), base + ".obj") && make_draco(base, options_.draco_bits)) take_draco(base);
   constexpr std::size_t kWithoutDraco = 200'000;

@@ -24,7 +24,8 @@ using namespace gs::app;
 namespace {
 
 const std::string kPrintedWorld = "#VRML V2.0 utf8\nShape { geometry Box { } }\n";
-// Clears the screen, sets the title, rings, and writes "red"; again by C1 controls; deletes; reverses the text.
+// Text that clears the screen, sets the title, rings the bell and writes "red". It does this again by C1 controls, then
+// deletes and reverses text.
 const std::string kEvil =
     "\x1b[2J\x1b]0;title\x07\x1b[31mred\xc2\x9b"
     "2J\x7f\xe2\x80\xae\r\xff\xc0\xaf";
@@ -145,7 +146,7 @@ TEST_CASE("reports in every command that its output could not be written, and fa
     CHECK(closed.status != kDone);
     CHECK(closed.output.find("cannot write standard output") != std::string::npos);
   }
-  // Prints nothing, so nothing can fail.
+  // `check` prints nothing here, so its output cannot fail.
   CHECK(run_shell(program() + " check " + world + " > /dev/full").status == kDone);
   CHECK(run_shell(program() + " check " + bad + " 2>&- >&- <&-").status == kFailed);
 }
@@ -153,7 +154,7 @@ TEST_CASE("reports in every command that its output could not be written, and fa
 TEST_CASE("reports a full disk for every kind of output, and leaves no file") {
   const ScratchFolder folder;
   const std::string world = quoted(folder.write("box.wrl", kPrintedWorld));
-  // A file size limit of 0 acts like a full disk, with another reason.
+  // A file size limit of 0 acts like a full disk, but with another message.
   const std::string picture = "--backend osmesa --samples 1 --size 32x24 --snapshot ";
   for (const std::string& arguments :
        {"encode --vectors 1000 " + world + " " + quoted(folder.path("o.qnv")),
@@ -194,7 +195,7 @@ TEST_CASE("ends with one line and a status if memory is too small, never with a 
       CHECK((result.status == kDone || result.status == kFailed));
       if (result.status == kFailed) CHECK(result.output.find("memory") != std::string::npos);
       ++(result.status == kFailed ? failed : done);
-      if (result.status == kDone) break;  // larger limits succeed, too
+      if (result.status == kDone) break;  // larger limits succeed too
     }
   CHECK(failed > 0);
   CHECK(done > 0);

@@ -17,7 +17,7 @@ TEST_CASE("export: writes every format of the table, and reads it back") {
     INFO(result.output);
     REQUIRE(result.status == kDone);
     CHECK(result.output.starts_with(out + ": 1000 vectors, "));
-    // Again over a file of its own kind.
+    // A second export may replace a file of the same format.
     CHECK(run("export --vectors 1000 " + quoted(stream) + " " + quoted(out)).status == kDone);
     CHECK(info(out)["bytes"] > 1000);
   }
@@ -60,7 +60,7 @@ TEST_CASE("encode and export overwrite only files of their own kind") {
   CHECK(folder.read("mesh.ply") == "ply\nformat ascii 1.0\n");
   CHECK(folder.read("ball.wrl") == kBall);
   CHECK(folder.read("ball.qnv") == bytes);
-  // A truncated stream shows less, not nothing.
+  // A truncated stream still gives a picture of its first part.
   const std::string cut = folder.write("half.qnv", bytes.substr(0, bytes.size() * 2 / 3));
   CHECK(run("export " + quoted(cut) + " " + quoted(folder.path("half.ply"))).status == kDone);
   CHECK(info(folder.path("half.ply"))["vectors"] > 0);

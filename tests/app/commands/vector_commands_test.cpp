@@ -216,7 +216,7 @@ TEST_CASE("encode: makes records or a smaller octree of points, in the orientati
   const std::string points = folder.write("wall.xyz", text), out = folder.path("wall.qnv");
   REQUIRE(run("encode " + quoted(points) + " " + quoted(out)).status == kDone);
   CHECK(info(out)["payload"] == "records");
-  CHECK(info(out)["metadata"]["up"] == "z");  // metres, as in a survey
+  CHECK(info(out)["metadata"]["up"] == "z");  // the file has the size of a survey, so +Z is up
   const std::size_t records = folder.read("wall.qnv").size();
   REQUIRE(run("encode --packed " + quoted(points) + " " + quoted(out)).status == kDone);
   CHECK(info(out)["payload"] == "packed");

@@ -19,8 +19,8 @@ const std::string kExamples = GHOSTSPACE_TESTS "/../docs/examples/control/";
 
 bool has(const std::string& name) { return run_shell("command -v " + name).status == 0; }
 
-/// Runs a shell line while the program listens at ./socket with the token in ./token, and returns its output. Then ends
-/// the program, with its own output in ./log.
+/// Runs a shell line while the program listens at ./socket, and returns the output of the line. ./token holds the
+/// token. Then ends the program; its output is in ./log.
 Run with_program(const ScratchFolder& folder, const std::string& line, const std::string& arguments) {
   return run_shell(
       "cd " + quoted(folder.path("")) + "; " + program() + " --backend osmesa --control socket " +

@@ -18,7 +18,7 @@ std::size_t wrong_at(std::string_view text) {
   return problem->place;
 }
 
-/// Writes the value again that a cursor reads.
+/// Reads a value with a cursor, and returns its text as written again.
 std::string again(JsonCursor& json) {
   std::string out, made;
   switch (json.kind()) {

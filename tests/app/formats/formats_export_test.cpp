@@ -148,7 +148,7 @@ TEST_CASE("adapts the fixed point of SPZ to the coordinates") {
     const Splats cloud = sphere(50, size);
     const Splats back = cloud_of(import_splats_spz, written(cloud, export_spz));
     REQUIRE(back.size() == 50);
-    // Up to 2^23 the largest coordinate decides; then the format ends.
+    // Up to 2^23, the largest coordinate determines the precision. Larger coordinates exceed the format.
     if (size < 1e6f) CHECK(length(back.positions[7] - cloud.positions[7]) <= size * 3e-7f + 1e-7f);
   }
 }

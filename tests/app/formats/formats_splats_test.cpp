@@ -47,7 +47,7 @@ TEST_CASE("converts a splat to the disc across its smallest axis") {
   const float half = std::sqrt(0.5f);
   cloud = cloud_of_splats(one_splat({0, 0, 0}, {1, 0.01f, 1}, {half, 0, 0, half}));
   CHECK(near(cloud.normals[0] * cloud.normals[0], {0, 0, 1}));
-  // A quaternion of another length, with the axes of most files, gives the same.
+  // A quaternion of another length, with the axes of most files, gives the same splat.
   model = one_splat({0, 5, 7}, {0.01f, 1, 1}, {0, 0, 3 * half, 3 * half});
   model.axes = kFromRightDownForward;
   cloud = cloud_of_splats(model);
@@ -56,7 +56,7 @@ TEST_CASE("converts a splat to the disc across its smallest axis") {
 }
 
 TEST_CASE("orients splats away from the middle of the box unless they have normals") {
-  // Round ones look away from the middle of the box, flat ones keep their z axis, known normals win.
+  // Round splats face away from the middle of the box. Flat splats keep their z axis. Given normals take precedence.
   SplatModel model = one_splat({0, 0, -1}, {1, 1, 0.1f}, kNoTurn);
   model.resize(2);
   model.positions[1] = {0, 0, 1};
@@ -113,7 +113,7 @@ TEST_CASE("names the opacity and the harmonics that splats lose") {
   CHECK(drawn() == "opaque surface splats, without their opacity and spherical harmonics up to degree 3");
   model.harmonics = 0;
   CHECK(drawn() == "opaque surface splats, without their opacity");
-  // A dropped splat loses nothing.
+  // A dropped splat does not count as lost opacity.
   model.resize(2);
   model.opacities = {1, 0.001f};
   model.scales[1] = model.scales[0];
@@ -177,7 +177,7 @@ TEST_CASE("reads 3DGS PLY of a trained scene") {
   CHECK(metadata(cloud, "splats not discs") == "865");
   CHECK(metadata(cloud, kSplatsDrawnAs) ==
         "opaque surface splats, without their opacity and spherical harmonics up to degree 3");
-  // Computed from the file independently, in double precision.
+  // This value was computed from the file by another program, in double precision.
   CHECK(cloud.description.total == Approx(12.003164223254227).epsilon(1e-5));
   CHECK(near(cloud.positions[500], {-3.191091775894165f, -0.17911396920681f, 1.1883732080459595f}));
   CHECK(near(cloud.normals[0], {0.9759472f, 0.2069927f, 0.0684179f}));
@@ -382,7 +382,7 @@ TEST_CASE("reads SPZ versions 1 to 3") {
     CHECK(metadata(cloud_of(import_splats_spz, gzip(lossy)), kSplatsDrawnAs) ==
           "opaque surface splats, without their opacity and spherical harmonics up to degree 2");
     check_hostile(import_splats_spz, bytes);
-    // Rubbish that decompresses.
+    // Invalid data that decompresses.
     Bytes data = spz(version);
     for (std::size_t i = 0; i < data.size(); ++i) {
       Bytes changed = data;

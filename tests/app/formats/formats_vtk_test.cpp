@@ -143,7 +143,7 @@ TEST_CASE("VTP: reads cell values, vector lengths, byte colours, and points alon
       imported("VTK PolyData",
                bytes_of(writer.file(square_piece(
                    writer, "<CellData>" + writer.array<std::int32_t>("Int32", "part", {0, 0, 1, 2}) + "</CellData>"))));
-  // VTK counts vertices, lines, polygons, strips.
+  // VTK numbers its cells in this order: vertices, lines, polygons, strips.
   const auto faces = cells.only("IndexedFaceSet");
   CHECK_FALSE(cells.scene->get<bool>(faces, "colorPerVertex"));
   const auto& colors = cells.scene->get<vrml::MFColor>(cells.scene->get<vrml::NodeId>(faces, "color"), "color");

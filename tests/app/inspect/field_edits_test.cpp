@@ -73,7 +73,7 @@ TEST_CASE("reports the expected range for a value outside it") {
   CHECK(editor.fine("IndexedFaceSet", "set_coordIndex", "[ 0, 1, 2, -1 ]"));
   CHECK(editor.why("IndexedFaceSet", "set_coordIndex", "[ 0, -2 ]") ==
         "element 2: -2 is out of range; expected at least -1");
-  // The second range of a rotation is the angle's; an axis has a direction (5.8).
+  // The second range of a rotation is that of the angle. The axis must not be 0 (5.8).
   CHECK(editor.fine("Transform", "rotation", "0 3 0 12"));
   CHECK(editor.why("Transform", "rotation", "0 0 0 1").find("not an axis") != std::string::npos);
   CHECK(editor.fine("Transform", "rotation", "0 0 0 0"));

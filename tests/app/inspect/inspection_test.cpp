@@ -16,7 +16,7 @@ struct Inspected : OneWorld {
   explicit Inspected(const std::string& body, const InspectionWants& shown = {true, true, true, true, false})
       : OneWorld(body), wants(shown) {
     session.add_extension(inspection);
-    for (int i = 0; i < 3; ++i) look();  // lets the inspector learn the picture, the world and its nodes
+    for (int i = 0; i < 3; ++i) look();  // until the inspector has the picture, the world and its nodes
   }
   ~Inspected() { session.remove_extension(inspection); }
   Inspected(const Inspected&) = delete;
@@ -99,7 +99,7 @@ TEST_CASE("rejects an invalid value, and reports why") {
   CHECK_FALSE(world.inspection.busy());
   world.look();
   CHECK(world.value<vrml::SFFloat>("transparency") == before);
-  // A node of a list.
+  // Elements of a list field.
   world.choose("Bright");
   const vrml::FieldValue list = *world.inspection.editor().value_of(world.interface("keyValue"));
   CHECK(world.inspection.editor().send_element_text(world.interface("keyValue"), list, 1, "x"));
@@ -153,7 +153,7 @@ TEST_CASE("marks the selected node in the picture, and flies to it") {
   CHECK(world.inspection.fly_to_selected());
   world.look();
   world.look(1);
-  // After that, the centre of its edges is the centre of the picture.
+  // After the flight, the centre of the marked edges is the centre of the picture.
   glm::vec2 middle(0);
   for (const auto& [a, b] : world.inspection.mark().outlines()[0].lines) middle += (a + b) / 24.0f;
   CHECK(middle.x == Approx(100).margin(1));
@@ -189,7 +189,7 @@ TEST_CASE("runs lines in the selected Script, or alone") {
   CHECK(world.inspection.console().lines().front().text == "begun");
   world.inspection.console().enter("x + 1");
   world.look();
-  CHECK(last().kind == ProgramLine::Kind::failure);  // of no Script
+  CHECK(last().kind == ProgramLine::Kind::failure);  // not about a Script
   world.choose("S");
   world.inspection.console().enter("x + 1");
   CHECK(world.inspection.busy());
@@ -229,7 +229,7 @@ TEST_CASE("clears the selection when its node is removed") {
   world.look(0.1);
   CHECK_FALSE(world.inspection.selected());
   CHECK(world.inspection.outline().size() == 1);
-  // The same with a world.
+  // A new world clears the selection.
   const auto other = hold_world(world_of("Group {} Group {}"));
   begin_world(*other, world.now);
   world.session.readers().show(other);

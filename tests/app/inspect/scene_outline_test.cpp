@@ -130,7 +130,7 @@ TEST_CASE("lists the content of Inlines below them as it is loaded") {
   CHECK(tree.lines() == Lines{"-[0] Inline 'I'", "   content[0] Group 'In'"});
   tree.index.find("In");
   tree.learn();
-  REQUIRE(tree.index.matches() == 2);  // by its type and by its name
+  REQUIRE(tree.index.matches() == 2);  // one by its type, one by its name
   CHECK(tree.index.match(1).scene == content.get());
   const NodeAt inside = tree.index.match(1);
   tree.execution.lifetime().remove_content(*tree.world.scene, tree.node("I").id);
@@ -184,12 +184,12 @@ TEST_CASE("costs only the visible lines in a world of a million nodes") {
   outline.set_world(&execution, &index);
   outline.set_open(0, true);
   CHECK(outline.size() == count);
-  // Draws fifty lines anywhere before the index is built.
+  // Before the index is built, drawing fifty lines at any position must be cheap.
   const std::uint64_t before = outline.work_done();
   outline.refresh();
   for (std::size_t i = count / 2; i < count / 2 + 50; ++i) CHECK(outline.row(i).node.id == children[i - 1]);
   CHECK(outline.work_done() - before < 1000);
-  // Each frame learns within its limit, and finally everything is known.
+  // Each frame indexes nodes within its limit, until the index is complete.
   index.find("needle");
   std::size_t frames = 0;
   constexpr std::size_t kWork = 10'000;

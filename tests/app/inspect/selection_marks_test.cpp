@@ -34,7 +34,7 @@ TEST_CASE("drops edges behind the viewer, and cuts edges that pass the viewer") 
   const Viewport viewport{0, 0, 100, 100};
   CHECK(edges_of({{-1, -1, 5}, {1, 1, 6}}, pose, viewport).empty());
   const std::vector<PixelLine> inside = edges_of({{-1, -1, -5}, {1, 1, 5}}, pose, viewport);
-  CHECK(inside.size() == 8);  // four in front of the viewer, and four that pass
+  CHECK(inside.size() == 8);  // four edges in front of the viewer, and four that pass the viewer
   for (const auto& [a, b] : inside) CHECK((std::isfinite(a.x) && std::isfinite(b.x)));
   CHECK(edges_of({}, pose, viewport).empty());
 }

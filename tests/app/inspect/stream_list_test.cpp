@@ -68,7 +68,7 @@ TEST_CASE("limits the rate of a world, and wakes its reader") {
   ledger.set_rate(0);
   CHECK(ledger.rate() == 0U);
   CHECK(woken == 2);
-  // Received bytes are counted, also of finished rows.
+  // The total also counts the received bytes of finished rows.
   ledger.receive(ledger.begin("a", "http", nullptr), 100, {});
   ledger.receive(ledger.begin("b", "http", nullptr), 20, {});
   CHECK(ledger.received() == 120);

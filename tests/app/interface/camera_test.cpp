@@ -121,7 +121,7 @@ TEST_CASE("undoes and redoes movements, and leaves the world alone while text is
   user.press(letter_key('Z'), true, true);
   user.wait(1);
   CHECK(glm::distance(pose(user).position, above.position) < 1e-6);
-  user.press(letter_key('P'), true, true);  // the palette has the focus
+  user.press(letter_key('P'), true, true);  // opens the palette, which takes the focus
   user.type("fit");
   user.press(letter_key('Z'), true);
   user.press(Key::escape);

@@ -26,7 +26,7 @@ TEST_CASE("lists every file type in the desktop entry, the thumbnailer and the M
   const std::string mime = made("mime"), entry = made("entry"), thumbnailer = made("thumbnailer");
   for (const ContentType& type : content_types()) {
     INFO(type.name << " " << type.mime);
-    // Types that only an ambiguous name indicates are left to other programs.
+    // Other programs keep the types that only an ambiguous file name indicates.
     const bool told = has(mime, "type=\"" + std::string(type.mime) + "\"");
     CHECK((told || type.name == "raw voxels" || type.name == "points"));
     CHECK(has(entry, std::string(type.mime) + ";") == told);

@@ -58,7 +58,7 @@ TEST_CASE("reads a large octree stream in place, also if the file becomes shorte
   const std::string other = folder.write("other.qnv", large_stream());
   const LoadedWorld second = load_world(other);
   std::filesystem::remove(other);
-  CHECK(discs(levels_of(second), 0) >= stream.header().vectors);  // some are two-sided
+  CHECK(discs(levels_of(second), 0) >= stream.header().vectors);  // two-sided voxels give two splats
   CHECK(levels_of(second).problems().empty());
 }
 

@@ -81,7 +81,7 @@ TEST_CASE("hits the drawn triangles of a displaced surface by the pointer") {
     CHECK(glm::length(hit->point - middle) == Approx(2).margin(0.02));
     CHECK(glm::dot(hit->normal, glm::normalize(hit->point - middle)) > 0.99);
     CHECK(glm::length(hit->point - line.origin) == Approx(hit->distance));
-    // From a distance both the picture and the hit are coarse.
+    // From a distance, the picture and the hit use equally coarse triangles.
     PickOptions far;
     far.pixel = 1;
     const auto coarse = Picker().pick(list, line, far);

@@ -31,7 +31,7 @@ render::Image colored_picture(std::uint32_t size) {
   return image;
 }
 
-/// Returns a torus with a texture of 128 pixels per axis, seen from above, and a coarse one of 32 before it.
+/// Returns a torus with a texture of 128 pixels per axis, after a coarse texture of 32 pixels.
 const std::string& torus_stream() {
   static const std::string bytes = [] {
     const qnv::Triangles torus = qnv::displaced::torus(70, 40);

@@ -48,7 +48,7 @@ inline const std::string& records_stream() {
   return bytes;
 }
 
-/// Returns a distant ball that ends with the mesh itself: version 2.
+/// Returns a stream of a ball far from the origin, so version 2. It ends with the exact mesh.
 inline const std::string& exact_stream() {
   static const std::string bytes = [] {
     qnv::EncodeOptions options;

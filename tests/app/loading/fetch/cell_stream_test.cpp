@@ -1,4 +1,4 @@
-// Tests of streams that come as cells over UDP on this machine.
+// Tests of streams that are received as cells over UDP on this machine.
 #include "tests/app/loading/fetch/cell_site.h"
 #include "tests/geometries.h"
 
@@ -60,7 +60,7 @@ TEST_CASE("loses only detail with lost cells", "[optimised]") {
     CHECK(world.diagnostics.errors() == 0);
     const qnv::Geometry cloud = geometry_of_world(world);
     CHECK(cloud.size() > whole.size() / 20);
-    // The area is that of the whole, whatever is missing.
+    // The total area equals that of the whole stream, whichever vectors are missing.
     CHECK(total_of(cloud) == Approx(total_of(whole)).epsilon(0.05));
   }
 }

@@ -1,4 +1,4 @@
-// Tests of the requests of views for streams that come as cells over UDP.
+// Tests of the requests of views for streams that are received as cells over UDP.
 #include "tests/app/loading/fetch/cell_site.h"
 #include "tests/geometries.h"
 
@@ -81,7 +81,7 @@ TEST_CASE("shows the base in a window at once, and requests the next parts by vi
     if (feed.apply()) preferred = discs(view) > 4 * before && discs(view) > 2 * discs(opposite);
   }
   CHECK(preferred);
-  // Beside a stream of more weight it requests less of the rate.
+  // With a smaller weight, the stream requests a smaller share of the rate.
   feed.set_weight(0.25);
   while (loading.cells().granted > 2'200'000 && std::chrono::steady_clock::now() < deadline)
     (void)loading.step(kCellWait);
