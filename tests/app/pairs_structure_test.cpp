@@ -178,7 +178,7 @@ TEST_CASE("draws Inlines, PROTOs and EXTERNPROTOs like their content (VRML97 4.8
                                      "rotation 0 1 0 0.3 translation IS at children IS inside } } P { inside [ " +
                                      body + " ] }"}},
               pasted, 0);
-  // IS values of nodes of every kind.
+  // IS passes values to nodes of every kind.
   check_alike(studio, "values by IS",
               kView +
                   "PROTO P [ field SFColor c 1 1 1 field SFVec3f s 1 1 1 field SFVec2f t 0 0 field SFImage i 0 0 0 ] { "

@@ -25,8 +25,8 @@ class ScratchFolder {
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;
 
-  /// Writes a file as a new one. ext4 flushes files that are truncated and written again, which costs milliseconds per
-  /// round.
+  /// Writes a new file. Removes an old file first, because ext4 flushes files that are truncated and written again.
+  /// Each flush takes milliseconds.
   std::string write(const std::string& name, std::string_view bytes) const {
     const std::filesystem::path path = path_ / name;
     std::filesystem::create_directories(path.parent_path());

@@ -277,7 +277,7 @@ std::vector<FuzzTarget> fuzz_targets() {
         targets.push_back({name, [&type](Bytes bytes) { return run_cloud(type, bytes); }, kMaxBytes});
         break;
       case ContentClass::volume:
-        break;  // these have their own table
+        break;  // volumes have their own table
     }
   }
   for (const VolumeFormat& format : volume_formats())

@@ -198,7 +198,7 @@ void visit(const LoadOptions& options, std::string_view console) {
 
 bool play_script_world(std::string_view text, bool verbose) {
   const std::vector<WorldPart> parts = world_parts(text);
-  // Refuse worlds that could use a network.
+  // Reject worlds that could use a network.
   if (parts.empty() || text.find("tp:") != text.npos || text.find("tps:") != text.npos) return false;
   const LoadOptions options = site_of(parts);
   bool good = false;

@@ -1,5 +1,6 @@
-// Any bytes, whole and in pieces, must decode without harm and to the same sound geometry, and be drawn at any detail.
-// Checksums that a mutation broke are mended first, so that the fuzzer reaches what is behind them.
+// Fuzzes decoders of streams. Any bytes must decode without harm, whole and in pieces, to the same valid geometry,
+// which must be drawable at any detail. Broken checksums are corrected first, so that the fuzzer reaches the code after
+// them.
 #include "qnv/codecs/displaced/tessellation/patch_mesh.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/outlines/outline_stream.h"
@@ -41,7 +42,7 @@ void check_sound(const Geometry& geometry) {
   for (const std::uint32_t vertex : mesh->triangles) require(vertex < mesh->size());
 }
 
-// Passes all bytes at once to one decoder, and in pieces to another. Both must have equal results.
+// Passes all bytes at once to one decoder, and in pieces to another. The results must be equal.
 template <class Decoder>
 void read(std::span<const std::byte> bytes, Decoder& whole, Decoder& pieces) {
   (void)whole.push(bytes);

@@ -229,7 +229,7 @@ TEST_CASE("ignores an empty url, and searches a url from a server's root in the 
   const LoadedWorld rooted = load_world(folder.write("rooted.wrl", texture("/pictures/red.gif")));
   CHECK(said(rooted).empty());
   CHECK(rooted.images.size() == 1);
-  // Not in folders that the world may not read.
+  // Files in folders that the world may not read are not found.
   (void)folder.write("inner/outer.gif", kGif);
   const LoadedWorld outside = load_world(folder.write("inner/deep/world.wrl", texture("/outer.gif")));
   CHECK(outside.images.empty());

@@ -120,7 +120,7 @@ TEST_CASE("shows a long IndexedFaceSet during loading") {
   REQUIRE(triangles.size() > 2);
   CHECK(std::is_sorted(triangles.begin(), triangles.end()));
   CHECK(triangles.front() < 1900);
-  // As many as in a load at once; slivers without area are omitted.
+  // As many triangles as without pieces; slivers without area are omitted.
   web.put("memory://a/whole.wrl", text);
   WorldLoading at_once("memory://a/whole.wrl", web.options);
   while (!at_once.done()) (void)at_once.step(kLoadingWait);
@@ -319,7 +319,7 @@ TEST_CASE("slows a stream beside one of more weight") {
     for (std::size_t i = before; i < transfers.size(); ++i) {
       REQUIRE(transfers[i].range);
       const std::uint64_t end = std::min<std::uint64_t>(transfers[i].range->end, large_stream().size());
-      if (end < large_stream().size()) most = std::max(most, end - transfers[i].range->begin);  // without the directory
+      if (end < large_stream().size()) most = std::max(most, end - transfers[i].range->begin);  // the directory does not count
     }
     return most;
   };

@@ -54,7 +54,7 @@ TEST_CASE("has one row per file of a world, with its bytes, its end and its firs
   CHECK(loads.row("part.wrl").total == part.size());
   CHECK(loads.row("part.wrl").first_picture);
   CHECK(loads.row("part.wrl").node);
-  // The second url has it; its row is the first one's.
+  // The second url has the image. Its row has the name of the first url.
   CHECK(loads.row("grey.pgm").stage == LoadStage::whole);
   CHECK(loads.row("none.png").number == 0);
   const LoadRow missing = loads.row("missing.wrl");

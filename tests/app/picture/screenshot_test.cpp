@@ -40,7 +40,7 @@ TEST_CASE("removes slashes and controls from a title, and shortens it to a file 
   CHECK(picture_name("...", 0).starts_with("GhostSpace 19"));
   std::string wide;
   for (int i = 0; i < 100; ++i) wide += "\xc3\xa4";
-  CHECK(picture_name(wide, 0).starts_with(wide.substr(0, 80) + " 19"));  // cuts no character
+  CHECK(picture_name(wide, 0).starts_with(wide.substr(0, 80) + " 19"));  // no character is split
 }
 
 TEST_CASE("chooses a new name for each picture") {

@@ -143,7 +143,7 @@ TEST_CASE("delivers requested files later, as an event with its own timestamp (4
   CHECK(world.printed() == Lines{});
   const std::vector<ScriptRequest> requests = world.runner().take_requests();
   REQUIRE(requests.size() == 1);
-  // Received between two steps: it is sorted after the earlier one, and its loop ends (4.10.4).
+  // An event is received between two steps. It is sorted after the earlier event, and its loop ends (4.10.4).
   world.step(2.5);
   CHECK(world.created(requests[0], "#VRML V2.0 utf8\nGroup {}", "x.wrl"));
   CHECK(world.events("A.out") == Lines{"2.5 A.out 1"});
@@ -173,7 +173,7 @@ TEST_CASE("repeats Date and Math.random in simulated time") {
   CHECK(lines[2].starts_with("1002000 1002000 0 0."));
   CHECK(lines[0].substr(18) != lines[2].substr(18));
   CHECK(seen() == lines);
-  // In a window, the machine's clock counts.
+  // In a window, Date uses the machine's clock.
   World window("DEF S Script { url \"javascript: function initialize() { print(Date.now() > 1500000000000); }\" }", {},
                {0, false});
   window.start();
@@ -265,7 +265,7 @@ TEST_CASE("reports an exception with file, line and column, and continues the pr
   }
   CHECK(world.printed() == Lines{"0", "2"});
   CHECK(world.problems() == Lines{"text.wrl:4:17: error: Script S: ReferenceError: nothing is not defined"});
-  // In the first line, the position is that in the file, too.
+  // In the first line too, the reported position is that in the file.
   World first("Script { url \"javascript:nothing();\" }");
   first.start();
   CHECK(first.problems() == Lines{"text.wrl:2:26: error: Script: ReferenceError: nothing is not defined"});
@@ -291,7 +291,7 @@ TEST_CASE("returns keyValue[0] as value_changed of an interpolator before any fr
   world.step(2);
   world.send("N.keyValue", vrml::MFFloat{3, 4});
   world.send("S.go", true);
-  // After the first event, it is the last sent value.
+  // After the first event, the eventOut has the last sent value.
   const scripts::Lines lines = world.printed();
   REQUIRE(lines.size() == 6);
   CHECK(lines[0] == "1 2 3");

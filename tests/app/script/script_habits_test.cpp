@@ -61,7 +61,7 @@ TEST_CASE("accepts for each, functions without braces, open comments, toSource a
         Lines{"4 3", "2,3"});
   CHECK(printed("function initialize() { print('runs'); } /* and so on") == Lines{"runs"});
   CHECK(printed("function initialize() { print([1].toSource() + uneval('a').length); }") == Lines{"[1]3"});
-  // A word with a meaning today stays unchanged.
+  // A word that has a meaning in ECMAScript today stays unchanged.
   CHECK(printed("var each = 2; function initialize() { for (var each in { k: 1 }) print(each); }") == Lines{"k"});
 }
 

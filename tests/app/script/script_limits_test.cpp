@@ -16,7 +16,7 @@ Limits small_limits() {
   return limits;
 }
 
-/// Runs initialize() and then an event in another Script.
+/// Runs initialize() of a Script, then an event in another Script. Returns the reported problem.
 std::string problem_of(const std::string& program, const std::string& interface = {},
                        const Limits& limits = small_limits()) {
   World world("DEF Bad Script { directOutput TRUE " + interface + " url \"javascript: function initialize() { " +
@@ -129,7 +129,7 @@ TEST_CASE("frees nodes that a program makes and discards each frame") {
     world.step(i * 0.1);
     most = std::max(most, world.scene().node_count());
   }
-  // 32,000 nodes were made.
+  // of 32,000 nodes in all
   CHECK(most < 12'000);
 }
 
@@ -158,7 +158,7 @@ TEST_CASE("stops programs that send, request, print or create endlessly, and run
       most_nodes = std::max(most_nodes, world.scene().node_count());
     }
     CHECK(requests <= 256);
-    CHECK(most_nodes < 40'000);  // 60,000 were made
+    CHECK(most_nodes < 40'000);  // of 60,000 nodes in all
     CHECK(std::get<std::int32_t>(*world.execution().cascade().last_value(
               world.scene(), world.node("S"), *world.scene().node(world.node("S")).type->find_field("n"))) >= 30);
   }
@@ -198,7 +198,8 @@ TEST_CASE("keeps the memory of a world constant that recreates itself with its p
     world.step(i * 0.1);
     most = std::max(most, world.scene().node_count());
   }
-  // A clock that a program makes starts at once, and runs the program that was made with it: 64 times per timestamp.
+  // A TimeSensor that a program makes starts immediately. It runs the Script that was made with it, which makes the
+  // next TimeSensor: 64 times per timestamp.
   const std::size_t times = world.printed().size();
   CHECK(times >= 50);
   CHECK(times <= 51 * 64);

@@ -42,7 +42,7 @@ TEST_CASE("rotates, multiplies, inverts and interpolates by SFRotation (C.6.7.4)
   CHECK(value("r.getAxis()", quarter) == "0 0 1");
   CHECK(value("round(r.multVec(new SFVec3f(1, 0, 0)))", quarter) == "0,1,0");
   CHECK(value("round(r.inverse().multVec(new SFVec3f(0, 1, 0)))", quarter) == "1,0,0");
-  // Vectors are rows (C.6.19): r first, from x to y, then s, from y to z.
+  // Vectors are rows (C.6.19), so r applies first, from x to y. Then s applies, from y to z.
   CHECK(value("round(r.multiply(s).multVec(new SFVec3f(1, 0, 0)))", quarter) == "0,0,1");
   CHECK(value("r", quarter + "r.setAxis(new SFVec3f(0, 1, 0)); r.angle = 0.5;") == "0 1 0 0.5");
   CHECK(value("r.slerp(new SFRotation(0, 0, 1, 0), 0)", "var r = new SFRotation(0, 0, 1, 1);") == "0 0 1 1");

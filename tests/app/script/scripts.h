@@ -19,8 +19,8 @@ namespace gs::app::scripts {
 
 using Lines = std::vector<std::string>;
 
-/// World with Scripts, their printed text, their errors, and its events: "time node.event value", with times in seconds
-/// since kStart.
+/// World with Scripts. Records their printed text and errors, and the events of the world: "time node.event value",
+/// with times in seconds since kStart.
 class World {
  public:
   static constexpr double kStart = 1000;
@@ -80,7 +80,7 @@ class World {
       if (line.find(part) != std::string::npos) some.push_back(line);
     return some;
   }
-  /// Ends the world with its programs; later output is in `printed`.
+  /// Ends the world and its programs. printed() then also returns the output of shutdown().
   void end() { runner_.reset(); }
   vrml::SceneGraph& scene() { return *scene_; }
   vrml::Execution& execution() { return *execution_; }
@@ -101,7 +101,7 @@ class World {
   std::unique_ptr<ScriptRunner> runner_;
 };
 
-/// Returns the lines that a program prints in initialize(). The program must not conflict with VRML's strings.
+/// Returns the lines that a program prints in initialize(). `program` must be valid inside a VRML string.
 inline Lines run(const std::string& program, const std::string& interface = {}) {
   World world("DEF S Script { directOutput TRUE " + interface + " url \"javascript: function initialize() { " +
               program + " }\" }");

@@ -127,10 +127,10 @@ TEST_CASE("gives instances the body of their EXTERNPROTO when it loads, and even
   World world(site);
   CHECK(world.items() == 0);
   const vrml::NodeId a = world.root(0), b = world.root(1);
-  // Ignored until it is loaded.
+  // The event is ignored until the PROTO is loaded.
   CHECK(world.runtime->send(world.scene(), a, "set_at", vrml::FieldValue(vrml::SFVec3f(9, 9, 9))));
   world.load();
-  REQUIRE(world.items() == 3);  // two balls, and the Group instead of the missing one
+  REQUIRE(world.items() == 3);  // two balls, and a Group instead of the missing PROTO
   const auto moved = [&](vrml::NodeId ball) {
     return world.scene().get<vrml::SFVec3f>(world.scene().resolve(ball), "translation");
   };
@@ -192,7 +192,7 @@ TEST_CASE("loads the body of an EXTERNPROTO in a text that is read at run time (
     CHECK(world.items() == 1);
     world.load();
     CHECK(world.items() == 3);
-    // A PROTO of the world's file, and a missing one.
+    // EXTERNPROTOs for a PROTO of the world's file, and for a missing file.
     read("EXTERNPROTO Own [ ] \"#Own\" Own { } EXTERNPROTO N [ ] \"none.wrl\" N { }");
     world.load();
     CHECK(world.items() == 1);
@@ -200,7 +200,7 @@ TEST_CASE("loads the body of an EXTERNPROTO in a text that is read at run time (
     CHECK(world.scene().run_time_texts() == 1);
     if (round > 1) CHECK(world.scene().node_count() == nodes);
   }
-  // No node waits for it any more.
+  // No node waits for the library any more.
   read("EXTERNPROTO Q [ ] \"lib.wrl#P\" Q { }");
   auto requests = world.runtime->take_url_requests();
   CHECK(requests.size() == 1);

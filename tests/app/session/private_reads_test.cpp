@@ -48,7 +48,7 @@ struct Web {
     const auto transfers = network->transfers();
     return std::any_of(transfers.begin(), transfers.end(), [&](const auto& one) { return one.url == url; });
   }
-  /// Runs a world for some simulated seconds. Calls `between` after the first one.
+  /// Runs a world for some simulated seconds. Calls `between` after the first second.
   template <class Between>
   void run(const std::string& world, const Between& between) {
     WorldLoading loading(world, options);

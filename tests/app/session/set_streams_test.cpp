@@ -79,7 +79,7 @@ TEST_CASE("replaces the vectors of a QNV node on set_url") {
   world.arrive();
   CHECK(world.vectors() == small);
   world.set_url("large.qnv");
-  CHECK(world.vectors() == small);  // until another one is loaded
+  CHECK(world.vectors() == small);  // until another stream is loaded
   world.arrive();
   CHECK(world.vectors() == large);
   world.set_url("small.qnv");
@@ -128,7 +128,7 @@ TEST_CASE("replaces the polygons of an OutlineGroup on set_url") {
   CHECK(world.triangles() == 12);
   world.runtime->arrive(std::move(present));
   CHECK(world.triangles() == 12);
-  // A missing one, then none.
+  // The url names a missing file, then none.
   world.set_url("none.qnv");
   world.arrive();
   CHECK(world.triangles() == 0);

@@ -81,7 +81,7 @@ TEST_CASE("shows the new image of an ImageTexture on set_url (6.22)") {
   CHECK(world.shades() == Shades{-1, 10});
   world.runtime->arrive(world.fetch());
   CHECK(world.shades() == Shades{-1, 200});
-  // A loaded one, a missing one, and none.
+  // The url names a loaded file, a missing file, and none.
   world.set_url(world.texture(), "dark.pgm");
   world.runtime->arrive(world.fetch());
   CHECK(world.shades() == Shades{-1, 10});
@@ -160,7 +160,7 @@ TEST_CASE("replaces the content of an Inline on set_url (6.25)") {
   world.runtime->arrive(world.fetch());
   CHECK(world.shades() == Shades{10});
   CHECK(!world.scene().inlined(inlined));
-  // Only the outer one's images remain.
+  // Only the images of the outer scene remain.
   CHECK(world.opened.images.size() == 1);
 }
 

@@ -29,7 +29,7 @@ TEST_CASE("reports a drag while the button is down") {
   CHECK(input.moved == glm::vec2(30, -10));
   CHECK(tracker.input(NavigationMode::examine, kPlace).drag == Drag::none);
 
-  // A press and release within a frame count, too.
+  // A press and release within one frame count too.
   tracker.take(event(EventKind::pointer, {131, 90}), NavigationMode::examine);
   tracker.take(event(EventKind::button_up, {131, 90}), NavigationMode::examine);
   tracker.take(event(EventKind::pointer, {300, 300}), NavigationMode::examine);

@@ -97,7 +97,7 @@ TEST_CASE("picks overlays first, which never collide") {
   list.items[0].collidable = false;
   CHECK_FALSE(items.nearest(list, line, 1000, render::Sought::met));
   CHECK(items.near(list, {-9, -9, -9}, {9, 9, 9}, 100).empty());
-  // Beside it, the rest is hit as before.
+  // Without the other items in the way, the ray hits the first item again.
   list.items[1].world_from_node = list.items[2].world_from_node = glm::translate(glm::mat4(1), {9, 0, 0});
   list.items[0].collidable = true;
   CHECK(picker.pick(list, ray)->item == 0);

@@ -12,7 +12,7 @@ TEST_CASE("draws late pictures more coarsely while the viewer moves, and finely 
   detail.note(1, true, 0.4);
   CHECK(detail.coarseness(true) == 2);
   CHECK(detail.coarseness(false) == 1);
-  detail.note(1, true, 0.4);  // the fine one, after too short a rest
+  detail.note(1, true, 0.4);  // the fine picture, after too short a rest
   CHECK(detail.coarseness(true) == 2);
   detail.note(2, true, 0.4);
   CHECK(detail.coarseness(true) == 4);
@@ -41,14 +41,14 @@ TEST_CASE("keeps the loading progress visible during slow pictures") {
   CHECK(pace.go_on(10, 10.49));
   CHECK_FALSE(pace.go_on(10, 10.5));
   pace.note(true, 10, 10.6);
-  CHECK_FALSE(pace.go_on(11, 11));  // the interface gets as much time
+  CHECK_FALSE(pace.go_on(11, 11));  // the interface gets equal time
   pace.note(true, 11, 11);
   CHECK(pace.go_on(11.25, 12));
   CHECK_FALSE(pace.go_on(11.25, 12.25));
   for (double begin = 20; begin < 1000; begin += 50) pace.note(true, begin, begin + LoadingPace::kMax);
   CHECK(pace.go_on(2000, 2000 + LoadingPace::kMax - 0.1));
   CHECK_FALSE(pace.go_on(2000, 2000 + LoadingPace::kMax));
-  pace.note(true, 2000, 2000.1);  // after input of the user
+  pace.note(true, 2000, 2000.1);  // the next frame follows user input
   CHECK(pace.go_on(2001, 2003));
   pace.note(false, 2001, 2003);
   CHECK_FALSE(pace.go_on(2010, 2010.5));

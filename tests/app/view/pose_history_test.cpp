@@ -24,7 +24,7 @@ TEST_CASE("joins continuous movements to one, and undoes and redoes it") {
   const auto before = history.go(-1, at(20));
   REQUIRE(before);
   CHECK(before->position.x == 10);
-  // The transition there is no movement of the user.
+  // The transition to the restored pose is not a movement of the user.
   history.moved(at(20), at(15), 5.1);
   history.moved(at(15), at(10), 5.2);
   const auto first = history.go(-1, at(10));
@@ -43,7 +43,7 @@ TEST_CASE("drops undone movements after a new one, and undoes a running one from
   history.moved(at(0), at(1), 0);
   history.moved(at(1), at(2), 10);
   CHECK(history.go(-1, at(2))->position.x == 1);
-  // Still on the way.
+  // The transition is not finished.
   history.moved(at(2), at(1.5), 10.1);
   CHECK(history.go(-1, at(1.5))->position.x == 0);
   CHECK(history.go(1, at(1.2))->position.x == 1);

@@ -46,7 +46,8 @@ const glm::vec3 kRed(1, 0, 0), kGreen(0, 1, 0), kBlue(0, 0, 1);
 TEST_CASE("accepts an EXTERNPROTO that names a PROTO of its own file (VRML97 4.9.2)") {
   const ScratchFolder folder;
   const std::string nodes = "Y { } Y { c 0 1 0 }\n";
-  // Before and after the PROTO, by a fragment alone, by the file's name, and without the PROTO's name.
+  // The EXTERNPROTO is before and after the PROTO. Its URL is a fragment alone, the file's name with a fragment, or
+  // without the PROTO's name.
   for (const std::string url : {"\"#X\"", "\"my world.wrl#X\"", "\"my%20world.wrl\"", "[ \"gone.wrl#X\" \"#X\" ]"})
     for (const bool before : {true, false}) {
       const std::string declared = "EXTERNPROTO Y [ field SFColor c ] " + url + "\n";
@@ -75,7 +76,8 @@ TEST_CASE("loads an EXTERNPROTO of its own file in pieces, and in libraries") {
   INFO(shown.messages);
   CHECK(shown.messages.empty());
   CHECK(shown.colors == std::vector<glm::vec3>{kBlue, kGreen});
-  // A library's PROTO uses one of a second library, which passes on that of a third. Its other references are not read.
+  // A library's PROTO uses a PROTO of a second library, which passes on the PROTO of a third. Other references of the
+  // libraries are not read.
   put("memory://a/lib.wrl", kHeader + "EXTERNPROTO Two [ field SFColor c ] \"two.wrl#Two\"\n" +
                                 "EXTERNPROTO Gone [ ] \"gone.wrl\"\nPROTO Unused [ ] { Gone { } }\n" +
                                 "PROTO L [ field SFColor c 0 1 0 ] { Group { children Two { c IS c } } }\n");
@@ -93,7 +95,7 @@ TEST_CASE("reports a missing or recursive EXTERNPROTO of its own file, and shows
       show(folder.write("a.wrl", kHeader + "EXTERNPROTO Y [ field SFColor c ] \"#Q\"\nY { }\n" + kX + "X { }\n"));
   CHECK(missing.colors == std::vector<glm::vec3>{kRed});
   CHECK(missing.messages.find("a.wrl:2:13: error: no PROTO 'Q' in this file for EXTERNPROTO Y") != std::string::npos);
-  // Inside its own body directly, and indirectly.
+  // The PROTO is inside its own body, directly and indirectly.
   for (const std::string text :
        {"EXTERNPROTO Y [ ] \"#P\"\nPROTO P [ ] { Group { children Y { } } }\nP { } X { }\n",
         "EXTERNPROTO Y [ ] \"#P\"\nEXTERNPROTO Z [ ] \"#Q\"\nPROTO P [ ] { Group { children Z { } } }\n"

@@ -56,7 +56,7 @@ TEST_CASE("reads a file once, and again on request") {
   CHECK(list.entries().size() == 1);
   const auto again = list.begin("a.wrl");
   REQUIRE(again);
-  CHECK(list.document("a.wrl") == before);  // until it is read
+  CHECK(list.document("a.wrl") == before);  // until the file is read
   list.reload("a.wrl");                     // again during reading
   CHECK_FALSE(list.begin("a.wrl"));
   list.deliver(again->number, empty_document("a.wrl"));
@@ -100,7 +100,7 @@ TEST_CASE("drops the result of a cancelled load") {
   const auto reading = list.begin("a");
   list.cancel("a");
   CHECK(*reading->cancelled);
-  CHECK(list.awaited("a"));  // from the start
+  CHECK(list.awaited("a"));  // from the start of reading
   CHECK_FALSE(list.deliver(reading->number, empty_document("a")));
   CHECK_FALSE(list.document("a"));
   const auto again = list.begin("a");

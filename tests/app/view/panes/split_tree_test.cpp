@@ -187,9 +187,10 @@ TEST_CASE("places dividers between viewports, and drags them within the minimum 
   CHECK(column_of(with_divider_at(tree, dividers[0], area, 5000, 50), 1) == 226);
   CHECK(arrange(with_divider_at(tree, dividers[2], area, 90, 50), area)[2].top == 90);
   CHECK(arrange(with_divider_at(tree, dividers[2], area, 30, 50), area)[2].top == 70);
-  // Without enough space: at the middle.
+  // Without enough space, the divider is in the middle.
   CHECK(arrange(with_divider_at(tree, dividers[2], area, 30, 150), area)[2].top == 120);
-  // Two viewports above each other need the width of one, two beside each other need twice that.
+  // Two viewports on top of each other need the width of one viewport. Two viewports side by side need twice that
+  // width.
   const SplitTree nested = split("(1/2)|((3|4)/5)");
   CHECK(arrange(with_divider_at(nested, dividers_of(nested, area)[0], area, 5000, 50), area)[2].left == 310);
   CHECK(dividers_of(split("1|2!1"), area).empty());

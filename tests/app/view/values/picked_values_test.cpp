@@ -13,7 +13,7 @@ TEST_CASE("returns the value of the nearest vector in a volume stream") {
   cloud.positions = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}};
   cloud.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
   cloud.weights = {0.5f, 2, 8};
-  CHECK_FALSE(value_near(cloud, {0, 0, 0}));  // its values have no meaning
+  CHECK_FALSE(value_near(cloud, {0, 0, 0}));  // colours without a key have no values
   cloud.classes = {0, 128, 255};
   REQUIRE(value_near(cloud, {0, 0, 0}));
   CHECK(value_near(cloud, {0.4, 0, 0})->value == -100);
