@@ -1,5 +1,5 @@
-// Fuzzes the VRML parser and the execution of worlds. Whole and in pieces, any bytes must give the same scene, text,
-// meshes and events.
+// Fuzzes the VRML parser and the execution of worlds. Any bytes must give the same scene, text, meshes and events,
+// whole or in pieces.
 #include "tests/fuzz/fuzz_target.h"
 #include "vrml/behaviours/browser_events.h"
 #include "vrml/events/execution.h"

@@ -19,7 +19,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-/// Server on a loopback address that sends what a test scripts, however wrong. The kernel chooses the port.
+/// Server on a loopback address that sends scripted bytes, which may be wrong. The kernel chooses the port.
 namespace gs::net::test {
 
 class BadServer {
@@ -28,7 +28,7 @@ class BadServer {
   class Exchange {
    public:
     std::string request;      // the request line and the headers
-    unsigned number = 0;      // number of the request, from 0
+    unsigned number = 0;      // index of the request
     bool keep_alive = false;  // set if another request may follow
 
     /// Returns false if the client is gone.

@@ -14,18 +14,18 @@
 
 namespace gs::net {
 
-/// Source with bytes that follow from their positions, so that a reader can check them.
+/// Source whose bytes are a function of their positions, so that a test can check received bytes.
 class PatternSource : public CellSource {
  public:
   struct Stream {
     bool records = true;
-    std::uint32_t chunks = 0, bytes = 0;  // of a chunk's body
+    std::uint32_t chunks = 0, bytes = 0;  // chunks per stream; bytes of a chunk's body
   };
   PatternSource(std::size_t base, std::vector<Stream> streams, std::uint32_t version = 7)
       : base_(base), streams_(std::move(streams)), version_(version) {
     for (std::size_t i = 0; i < base; ++i) base_[i] = static_cast<std::byte>(i * 7 + (i >> 8));
   }
-  /// Fills the bytes of a chunk from `offset` on, eight of one number.
+  /// Fills the bytes of a chunk from `offset` on. Each number gives eight bytes.
   static void fill(std::span<std::byte> bytes, std::size_t stream, std::uint32_t chunk, std::size_t offset) {
     for (std::size_t done = 0; done < bytes.size();) {
       std::uint64_t state = stream << 56 | std::uint64_t{chunk} << 24 | (offset + done) / 8;
@@ -147,7 +147,7 @@ struct ReceivedCells {
   }
 };
 
-/// A server and its clients, each with its own link, in simulated time.
+/// Server and clients in simulated time. Each client has its own link.
 class Scene {
  public:
   struct Client {

@@ -95,7 +95,7 @@ class RawClient {
     address.sin_port = htons(port);
     must(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0, "connect");
   }
-  // Replaces Catch's assertions, which work on one thread only.
+  // Fails the test. Used instead of Catch's assertions, which work on one thread only.
   static void must(bool good, const char* what) {
     if (!good) throw std::system_error(errno, std::generic_category(), what);
   }

@@ -13,7 +13,7 @@ namespace gs::render::far_places_test {
 using namespace gs::render::testing;
 namespace {
 
-// Representable as float32 for the Transform.
+// Each coordinate is a float32 value, as the Transform requires.
 const glm::dvec3 kFar{4'500'000.5, -4'500'000.5, 3'200'000.25};
 
 /// World of one QNV node below a Transform, with the vectors of `cloud`.

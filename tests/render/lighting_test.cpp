@@ -181,7 +181,7 @@ TEST_CASE("applies a thousand lights to an item, and of more the strongest", "[o
     light.intensity = 0.005f;
   }
   list.lights[99].intensity = 0.6f;
-  // 0.6 and 99 times 0.005, each times diffuse 0.5
+  // The lights are 0.6 and 99 times 0.005. Diffuse 0.5 multiplies each.
   check_color(pixel(drawing.draw(list), 32, 32), glm::vec3(0.5475f), 1.5f);
   list.lights.insert(list.lights.begin(), kMaxLightsOfAnItem, list.lights[0]);
   for (Light& light : list.lights) light.intensity = 1e-4f;

@@ -1,4 +1,5 @@
-// Pairs of worlds with equal pictures: one uses a field of Text, Fog or Background, the other does without.
+// Pairs of worlds with equal pictures: one uses a field of Text, Fog or Background, the other has an equivalent without
+// this field.
 
 #include "render/collection/render_scene.h"
 #include "tests/render/drawing.h"

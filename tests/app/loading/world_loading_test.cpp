@@ -319,7 +319,7 @@ TEST_CASE("slows a stream beside one of more weight") {
     for (std::size_t i = before; i < transfers.size(); ++i) {
       REQUIRE(transfers[i].range);
       const std::uint64_t end = std::min<std::uint64_t>(transfers[i].range->end, large_stream().size());
-      if (end < large_stream().size()) most = std::max(most, end - transfers[i].range->begin);  // the directory does not count
+      if (end < large_stream().size()) most = std::max(most, end - transfers[i].range->begin);  // not the directory
     }
     return most;
   };

@@ -54,7 +54,7 @@ TEST_CASE("packs 47 records into eight cells as in figure 6", "[aal5]") {
   REQUIRE(cells.size() == kRecordPduCells);
   for (std::size_t i = 0; i < 8; ++i) {
     REQUIRE(cells[i].type == (i == 7 ? 1 : 0));
-    // Six whole records in a cell, five in the last.
+    // A cell has six whole records, the last cell has five.
     REQUIRE(std::equal(records.begin() + static_cast<std::ptrdiff_t>(48 * i),
                        records.begin() + static_cast<std::ptrdiff_t>(48 * i + (i == 7 ? 40 : 48)),
                        cells[i].payload.begin()));
@@ -106,7 +106,7 @@ TEST_CASE("reassembles PDUs of two channels with alternating cells", "[aal5]") {
   std::vector<Pdu> out;
   for (std::size_t i = 0; i < a.size(); ++i) {
     reassembler.push(a[i], out);
-    Cell oam = a[i];  // no user data: not part of the PDU
+    Cell oam = a[i];  // no user data, so the cell is not part of the PDU
     oam.type = 5;
     reassembler.push(oam, out);
     reassembler.push(b[i], out);
@@ -121,7 +121,7 @@ TEST_CASE("separates two PDUs when cells around the end of the first are lost", 
   Reassembler reassembler;
   std::vector<Pdu> out;
   for (std::size_t i = 0; i < 5; ++i) reassembler.push(a[i], out);
-  // Three of the first and two of the second are missing.
+  // Three cells of the first PDU and two of the second are missing.
   reassembler.lost_anywhere(out);
   for (std::size_t i = 2; i < 8; ++i) reassembler.push(b[i], out);
   REQUIRE(out.size() == 2);
@@ -183,7 +183,7 @@ TEST_CASE("limits the memory of the reassembler", "[aal5]") {
     REQUIRE(out.size() <= 1);
     out.clear();
   }
-  // A PDU without end, followed by an end.
+  // A PDU without an end cell, then a single end cell.
   cell.vc = {9, 9};
   for (int i = 0; i < 100'000; ++i) reassembler.push(cell, out);
   cell.type = 1;

@@ -179,11 +179,11 @@ TEST_CASE("HTTP server: keeps other clients of a proxy served when one reaches i
   }
   CHECK(refused);
   for (std::size_t i = 1; i < connections.size(); ++i) {
-    // Addresses that a client writes before its own are ignored.
+    // The server ignores addresses that the client writes into X-Forwarded-For before the proxy's entry.
     connections[i]->send(ask("198.51.100.1, 198.51.100." + std::to_string(10 + i)));
     CHECK(connections[i]->receive().starts_with("HTTP/1.1 200"));
   }
-  // The field of an address that is no trusted proxy is ignored.
+  // The server ignores X-Forwarded-For from an address that is not a trusted proxy.
   RawClient stranger(site.port, "127.0.0.7");
   bool limited = false;
   for (int i = 0; i < 100 && !limited; ++i) {

@@ -74,7 +74,7 @@ TEST_CASE("normalises the site of a text") {
   CHECK(site("http:///a.example/") != site("http:///b.example/"));
   CHECK(site("FILE:///a") == site("file:///b"));
   CHECK(Origin{"FILE:///a"}.is_file());
-  // A relative reference keeps the typed HOST:80 and its password.
+  // A relative reference keeps the typed HOST:80 and the password.
   CHECK(refusal("http://user:pw@A:80/w.wrl", "http://user:pw@a/x").empty());
 }
 
@@ -88,7 +88,7 @@ TEST_CASE("lets a file refer to allowed folders and below, after following links
   const auto refused = [&](const std::string& path) {
     return !refusal(policy, from, url_of_path(path).text()).empty();
   };
-  CHECK(refused(beside));  // nothing is allowed
+  CHECK(refused(beside));  // no folder is allowed yet
   policy.allow(folder / "worlds/sub");
   CHECK_FALSE(refused(world));
   CHECK_FALSE(refused(beside));
@@ -98,8 +98,8 @@ TEST_CASE("lets a file refer to allowed folders and below, after following links
   CHECK(refused(near));
   CHECK(refused(folder / "worlds/sub/../d.wrl"));
   CHECK(refused("/etc/passwd"));
-  CHECK_FALSE(refused(folder / "worlds/nothing.wrl"));  // opening it reports the reason
-  // Links are judged by their targets.
+  CHECK_FALSE(refused(folder / "worlds/nothing.wrl"));  // the file is missing; opening it reports that
+  // The target of a symbolic link decides.
   fs::create_symlink(above, folder / "worlds/sub/out.wrl");
   fs::create_directory_symlink(folder / "worlds", folder / "worlds/sub/up");
   fs::create_symlink("b c.wrl", folder / "worlds/sub/in.wrl");
@@ -110,7 +110,7 @@ TEST_CASE("lets a file refer to allowed folders and below, after following links
   ReferencePolicy by_link;
   by_link.allow(folder / "way");
   CHECK_FALSE(by_link.refuse_file(from, beside));
-  // A single file without its neighbours.
+  // A single file can be allowed without its neighbours.
   policy.allow(above);
   CHECK_FALSE(refused(above));
   CHECK(refused(near));
@@ -128,7 +128,7 @@ TEST_CASE("names the folder to allow in a refusal") {
   CHECK(why->message == "it lies outside of the world's folder; --allow " + wanted + " allows it");
   policy.allow(why->folder);
   CHECK_FALSE(policy.refuse({url_of_path(world).text()}, url_of_path(texture)));
-  // No allowed folder would permit these.
+  // For these references, no folder could be allowed.
   CHECK(ReferencePolicy().refuse({"http://a/"}, url_of_path(texture))->folder.empty());
   CHECK(ReferencePolicy().refuse({"https://a/"}, parse_url("http://a/"))->folder.empty());
 }
@@ -140,7 +140,7 @@ TEST_CASE("refuses user names and passwords from a document") {
       CHECK(refusal(from, to) == "a document may not specify a user or password; expected https://HOST/PATH");
     }
   CHECK(refusal("file:///w.wrl", "cells://user:password@b/x").find("password") != std::string::npos);
-  // A relative reference keeps the user's text.
+  // A relative reference keeps the user name and password of the base.
   const Url base = parse_url("http://user:password@a/w.wrl");
   CHECK(refusal(base.text(), resolve(base, parse_url("x.png")).text()).empty());
   CHECK_FALSE(refusal(base.text(), "http://user:password@b/x.png").empty());

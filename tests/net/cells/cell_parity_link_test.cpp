@@ -69,7 +69,7 @@ TEST_CASE("adds no bytes for parity without loss", "[cell_parity]") {
     REQUIRE(with->clients[0]->client.statistics().parity == 0);
     trial.parity = false;
     const auto without = trial.run(source);
-    // Except for the slightly shorter first datagrams.
+    // The sent bytes are equal, except for the slightly shorter first datagrams.
     REQUIRE(static_cast<double>(with->clients[0]->down.sent_bytes()) <
             1.02 * static_cast<double>(without->clients[0]->down.sent_bytes()));
   }
@@ -79,7 +79,7 @@ TEST_CASE("restores lost datagrams without another request", "[cell_parity][opti
   struct Case {
     double loss, chunks, most_sent;  // relative to the bytes without loss
   };
-  // For comparison, 1 / (1 - loss): 1.01, 1.11, 1.43, 2.
+  // For comparison, the minimum 1 / (1 - loss) is 1.01, 1.11, 1.43, 2.
   const Case cases[] = {{0.01, 0.99, 1.18}, {0.1, 0.995, 1.45}, {0.3, 0.98, 2.2}, {0.5, 0.95, 3.5}};
   for (const bool packed : {false, true}) {
     const auto source = packed ? parity_clusters() : parity_records();
@@ -145,7 +145,7 @@ TEST_CASE("restores datagrams despite reordering and duplicates", "[cell_parity]
     trial.link.duplicated = 0.1;
     const auto scene = trial.run(source);
     CHECK(measure(*scene, *source).bytes > 0.99);
-    CHECK(scene->clients[0]->got.bytes <= source->total());  // nothing twice
+    CHECK(scene->clients[0]->got.bytes <= source->total());  // no byte is received twice
   }
 }
 

@@ -89,7 +89,7 @@ TEST_CASE("uses the cells of damaged PDUs with small datagrams", "[cell_receiver
   trial.parity = false;
   const auto scene = trial.run(source);
   REQUIRE(scene->clients[0]->got.ok);
-  // Whole PDUs alone would be 0.7^4 = 24 %.
+  // With whole PDUs alone, the share would be 0.7^4 = 24 %.
   REQUIRE(share(*scene, *source) == Approx(0.7).margin(0.03));
 }
 
@@ -208,7 +208,7 @@ TEST_CASE("keeps the rate of a sender that reacts to delay when the link itself 
   const auto careful = trial.run(source);
   REQUIRE(aware->clients[0]->got.ended_at < Instant(10s));
   REQUIRE(careful->clients[0]->got.bytes < aware->clients[0]->got.bytes);
-  // A queue slows it.
+  // A queue slows the sender.
   trial.response = CongestionResponse::delay_aware;
   trial.link.loss = 0;
   trial.link.bandwidth = 2'000'000;
@@ -244,7 +244,7 @@ TEST_CASE("resumes after the link was cut", "[cell_receiver]") {
   client.down.set(link);
   scene.run(scene.now + 20s);
   REQUIRE(client.got.ok);
-  REQUIRE(client.got.bytes == source->total());  // nothing handed out twice
+  REQUIRE(client.got.bytes == source->total());  // no byte is delivered twice
 }
 
 TEST_CASE("reports a missing server", "[cell_receiver]") {

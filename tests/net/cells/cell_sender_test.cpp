@@ -47,7 +47,7 @@ TEST_CASE("sends no more than it received before the cookie returns", "[cell_sen
   for (std::uint64_t i = 0; i < 200; ++i) {
     put(encode_contract(HelloMessage{i}));
     RequestMessage request;
-    request.cookie = {i, 5, Link::next_random(random)};  // a guess
+    request.cookie = {i, 5, Link::next_random(random)};  // a guessed tag
     request.number = 1;
     request.path = "a";
     request.rate = 1'000'000'000;
@@ -170,7 +170,7 @@ TEST_CASE("sends regions and wishes first", "[cell_sender]") {
   const auto& order = scene.clients[0]->got.order;
   REQUIRE(order.size() > 80);
   const auto place = [&](ChunkName name) { return std::find(order.begin(), order.end(), name) - order.begin(); };
-  // A few were under way before the first report.
+  // A few chunks were in flight before the first report.
   REQUIRE(place({1, 999}) < 15);
   for (std::uint32_t i = 0; i < 20; ++i) {
     REQUIRE(place({0, 500 + i}) < 40);
@@ -194,7 +194,7 @@ TEST_CASE("shares the rate between slots by weight", "[cell_sender]") {
   const double ratio = static_cast<double>(bytes[0]) / static_cast<double>(bytes[5]);
   REQUIRE(ratio > 2.8);
   REQUIRE(ratio < 3.2);
-  // After one is dropped, the other gets the whole rate.
+  // After one slot is cleared, the other gets the whole rate.
   scene.clients[0]->client.want(0, {}, scene.now);
   scene.run(scene.now + 500ms);
   const auto first = bytes[0], second = bytes[5];
@@ -220,7 +220,7 @@ TEST_CASE("ends a stream at its budget, and continues with a larger one", "[cell
   scene.clients[0]->client.want(0, asked, scene.now);
   scene.run(scene.now + 3s);
   REQUIRE(got.slot_bytes[0] >= 150'000);
-  REQUIRE(got.slot_bytes[0] <= 158'000);  // nothing twice
+  REQUIRE(got.slot_bytes[0] <= 158'000);  // no chunk is sent twice
   REQUIRE(got.ok);
 }
 

@@ -28,7 +28,7 @@ using test::RawClient;
 
 const std::string kToken = "0123456789abcdef0123456789abcdef";
 
-/// A client of a Unix socket.
+/// Client of a Unix socket.
 class LineClient {
  public:
   explicit LineClient(const std::string& path, int receive_buffer = 0) {
@@ -349,7 +349,7 @@ TEST_CASE("disconnects a client that does not read, within bounded memory") {
     ++sent;
   }
   CHECK(served.server->is_behind(number));
-  // A client that reads again catches up, and a wake reports it.
+  // A client that reads again receives the waiting messages. A wake reports that its queue has space.
   const int wakes = served.wakes;
   std::size_t got = 0;
   while (got < static_cast<std::size_t>(sent) * (text.size() + 1)) got += client.receive().size();

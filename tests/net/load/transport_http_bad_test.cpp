@@ -352,7 +352,7 @@ TEST_CASE("stops reading from a server while the owner does not poll") {
   request.url = server.url();
   const RequestId id = loader->request(request);
   while (loader->queued_bytes() < (256 << 10)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  // Longer than the stall time-out, which must not run meanwhile.
+  // This is longer than the stall time-out, which must not run meanwhile.
   std::this_thread::sleep_for(std::chrono::milliseconds(250));
   CHECK(loader->queued_bytes() <= (256 << 10) + 16384);
   CHECK(sent < 32 << 20);

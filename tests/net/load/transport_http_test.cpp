@@ -86,7 +86,7 @@ class Nginx {
     if (!running_) return;
     running_ = false;
     ::kill(process_, SIGQUIT);
-    // A running loader closes idle connections, so this ends.
+    // The loader closes idle connections, so nginx ends.
     int status = 0;
     ::waitpid(process_, &status, 0);
   }
@@ -285,7 +285,7 @@ TEST_CASE("nginx: loads several ranges on one HTTP/2 connection over TLS, and re
   loader.reset();
   const auto log = nginx.log();
   CHECK(count(log, "206 5000 ") == 10);
-  // The number of requests on the connection reaches ten, so there was only one.
+  // The last request is the tenth on its connection, so there was only one connection.
   CHECK(count(log, "206 5000 10 HTTP/2.0") == 1);
 }
 

@@ -64,14 +64,14 @@ TEST_CASE("clusters many colours with a small error") {
   const std::vector<Rgb8> palette = make_palette(colors);
   REQUIRE(palette.size() <= 256);
   CHECK(palette.size() > 240);
-  std::vector<Rgb8> cube;  // a palette without knowledge of the colours
+  std::vector<Rgb8> cube;  // a fixed palette, independent of the colours
   for (int r = 0; r < 6; ++r)
     for (int g = 0; g < 6; ++g)
       for (int b = 0; b < 6; ++b)
         cube.push_back(
             {static_cast<std::uint8_t>(51 * r), static_cast<std::uint8_t>(51 * g), static_cast<std::uint8_t>(51 * b)});
   CHECK(mean_error(colors, palette) < mean_error(colors, cube) / 20);
-  // 200 * 40 colours in 256 clusters: about 31 each, within 2 or 3 levels of their means.
+  // The 200 * 40 colours have 256 clusters. A cluster has about 31 colours within 2 or 3 levels of the mean.
   CHECK(std::sqrt(mean_error(colors, palette)) < 4 * 3);
 }
 

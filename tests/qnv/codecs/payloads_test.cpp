@@ -142,7 +142,7 @@ TEST_CASE("cuts chunks so that their parts are useful after losses") {
       CHECK(parts->head.size() == (row.record_bytes > 0 ? kChunkHeaderBytes + kRecordsHeaderBytes : 0));
       CHECK(parts->head.size() + parts->body.size() == chunk.size());
       CHECK(parts->body.data() + parts->body.size() == chunk.data() + chunk.size());
-      // Too short, too long, of another payload, and no chunk.
+      // The chunk is too short, too long, of another payload, or not a chunk.
       CHECK(!cut_chunk(row, std::span(chunk).first(chunk.size() - 1)));
       std::vector<std::byte> longer = chunk;
       longer.push_back({});

@@ -137,7 +137,7 @@ TEST_CASE("writes the header as FORMAT.md defines") {
   CHECK(u8(114 + 3) == 2);
 }
 
-// Readers of version 1 reject streams that they would place elsewhere.
+// Readers of version 1 must reject these streams, because they would show them at a wrong position.
 TEST_CASE("writes version 2 for a header with an origin, else version 1") {
   StreamHeader header = example_header();
   const Bytes before = encode_header(header);
@@ -250,7 +250,7 @@ TEST_CASE("returns whole chunks of any size, however the stream is cut") {
       REQUIRE(read.offsets[i] == e.starts[i]);
     }
   }
-  // The longest header.
+  // Now the longest header.
   Bytes bytes = encode_header(plain_header());
   append(bytes, encode_chunk(ChunkType::packed, payload_of(kMaxChunkBytes, 5)));
   CHECK(read_all(bytes, 1000).chunks.at(0).second == payload_of(kMaxChunkBytes, 5));

@@ -218,7 +218,7 @@ TEST_CASE("reports every flipped bit of a stream and shows no wrong data") {
   const Splats expected = parts.whole();
   Bytes bytes = parts.stream.bytes;
   std::set<std::array<float, 3>> right;
-  // Splats of all levels, of which some show when a chunk is missing.
+  // The stream shows splats of several levels while a chunk is missing.
   StreamDecoder growing = parts.begun();
   for (const Bytes& payload : parts.payloads) {
     growing.add(ChunkType::packed, payload);
@@ -270,7 +270,7 @@ TEST_CASE("rejects cycles, duplicate numbers and second roots") {
   const PackedParts parts = small_parts();
   const Splats expected = parts.whole();
   StreamDecoder decoder = parts.begun();
-  // A chunk that is its own parent, and two that are each other's: they wait for ever.
+  // One chunk is its own parent, and two chunks are each other's parents. They wait endlessly.
   decoder.add(ChunkType::packed, with_ids(parts.payloads[1], 900, 900));
   decoder.add(ChunkType::packed, with_ids(parts.payloads[1], 901, 902));
   decoder.add(ChunkType::packed, with_ids(parts.payloads[1], 902, 901));
@@ -284,11 +284,11 @@ TEST_CASE("rejects cycles, duplicate numbers and second roots") {
     return decoder.refused_chunks() == ++refused && same(content_of<Splats>(decoder.geometry()), expected);
   };
   CHECK(refuses(parts.payloads[0]));                            // repeated
-  CHECK(refuses(parts.payloads[1]));                            // another repeated one
+  CHECK(refuses(parts.payloads[1]));                            // another repeated chunk
   CHECK(refuses(with_ids(parts.payloads[0], 700, kNoParent)));  // a second root
   CHECK(refuses(with_ids(parts.payloads[1], 701, 0)));          // already divided
   CHECK(refuses(with_ids(parts.payloads[0], 702, 0)));          // levels that do not fit
-  CHECK(refuses(with_ids(parts.payloads[1], kNoParent, 0)));    // no number
+  CHECK(refuses(with_ids(parts.payloads[1], kNoParent, 0)));    // an invalid chunk number
   CHECK(refuses({}));
   CHECK(refuses(Bytes(21)));
   decoder.add(ChunkType::records, parts.payloads[0]);
@@ -362,7 +362,7 @@ TEST_CASE("accepts the records of a chunk in any pieces") {
     return all;
   };
   CHECK(sorted(content_of<Splats>(pieces.geometry())) == sorted(content_of<Splats>(whole.geometry())));
-  // Only records can be received so.
+  // Only records can have missing ranges.
   const ByteRange missing{0, 8};
   pieces.add(ChunkType::packed, payloads[0], std::span(&missing, 1));
   CHECK(pieces.refused_chunks() == 1);

@@ -166,7 +166,7 @@ TEST_CASE("shares meshes by USE, shows children of Anchor, Collision and Group, 
   CHECK_FALSE(list.items[1].collidable);
   CHECK(list.items[0].mesh == list.items[3].mesh);
   CHECK(list.items[3].visible);
-  CHECK(world.collect().items[0].mesh == list.items[0].mesh);  // and between frames
+  CHECK(world.collect().items[0].mesh == list.items[0].mesh);  // later frames share the mesh too
   world.meshes.clear();
   CHECK(world.collect().items[0].mesh != list.items[0].mesh);
 }
@@ -184,7 +184,7 @@ TEST_CASE("shares one mesh between primitives of any size, node and PROTO instan
   CHECK(list.items[0].mesh == list.items[2].mesh);
   CHECK(list.items[0].mesh != list.items[4].mesh);
   CHECK(list.items[5].mesh == list.items[6].mesh);
-  CHECK(list.items[5].mesh != list.items[7].mesh);  // without the side
+  CHECK(list.items[5].mesh != list.items[7].mesh);  // this cone has no side
   check_vector(moved(list.items[2].world_from_node, {1, 1, -1}), {3, 3, -3});
   check_vector(moved(list.items[5].world_from_node, {1, 1, -1}), {2, 1.5f, -2});
   CHECK_FALSE(list.items[0].mesh->texture_coordinates.empty());
@@ -315,7 +315,7 @@ TEST_CASE("collects the first node of PROTO instances (VRML97 4.8.3)") {
       "paint } }\n"
       "    geometry Box { } } } }\nPlace { at 7 0 0 } Place { paint 0 1 0 }");
   const RenderList list = world.collect();
-  REQUIRE(list.items.size() == 2);  // and nothing of the declaration
+  REQUIRE(list.items.size() == 2);  // the declaration of the PROTO shows nothing
   CHECK(list.items[0].world_from_node[3].x == 7);
   CHECK(list.items[0].material.diffuse == glm::vec3(1, 0, 0));
   CHECK(list.items[1].world_from_node[3].x == 1);

@@ -28,7 +28,7 @@ Camera parallel_at(const glm::vec3& eye, double height) {
   return camera;
 }
 
-/// Returns a lens that sees about as much as a parallel one at z = 0.
+/// Returns a perspective camera with a narrow lens. At z = 0 it shows about as much as a parallel camera.
 Camera narrow(double height) {
   Camera camera = camera_at({0, 0, static_cast<float>(kFar)});
   camera.field_of_view = static_cast<float>(2 * std::atan(height / 2 / kFar));
@@ -94,7 +94,8 @@ TEST_CASE("keeps sizes at any distance in parallel projection, also behind the v
 
 TEST_CASE("resolves depth in parallel projection however close meshes are") {
   Drawing drawing;
-  // A view of two metres in a scene of thousands of metres. A distant perspective camera could not resolve these.
+  // A view of two metres in a scene of thousands of metres. A distant perspective camera could not resolve their
+  // depths.
   RenderList list;
   add(list, glowing(square(), {0, 1, 0}, translation({0, 0, 0.02f})));
   add(list, glowing(square(), {1, 0, 0}));

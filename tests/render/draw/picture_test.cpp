@@ -45,7 +45,7 @@ PictureOptions sized(int width, int height) {
   return options;
 }
 
-/// Compares a picture in tiles of 48 pixels with the whole one.
+/// Compares a picture in tiles of 48 pixels with the whole picture.
 ImageDifference tiled_against_whole(const RenderList& list, PictureOptions options) {
   Drawing drawing;
   const Image at_once = whole(drawing, list, options);
@@ -112,7 +112,7 @@ TEST_CASE("keeps colours on a transparent background, and blends glass by half")
   REQUIRE(image.components == 4);
   const auto at = [&](std::uint32_t x, std::uint32_t y) { return image.pixels.data() + 4 * (y * 64 + x); };
   CHECK(at(1, 1)[3] == 0);
-  // The square at -1.3, 0.9 and distance 9, where 32 pixels are 9 tan(pi / 8).
+  // The square is at -1.3, 0.9 and distance 9. There, 32 pixels are 9 tan(pi / 8) units.
   const auto pixel_of = [](float x, float y, float away) {
     const float scale = 32 / (away * std::tan(0.785398f / 2));
     return std::pair{static_cast<std::uint32_t>(32 + x * scale), static_cast<std::uint32_t>(32 - y * scale)};
@@ -136,7 +136,7 @@ TEST_CASE("draws points at screen distance at one pixel for both eyes, and other
     return static_cast<double>(clip.x / clip.w) * std::tan(0.785398 / 2);
   };
   CHECK(tangent(eyes.left, {0.3, 0, 2}) == Approx(tangent(eyes.right, {0.3, 0, 2})).margin(1e-6));
-  // Parallax: e / screen - e / distance.
+  // The parallax is e / screen - e / distance.
   CHECK(tangent(eyes.right, {0.3, 0, -10}) - tangent(eyes.left, {0.3, 0, -10}) ==
         Approx(0.5 / 8 - 0.5 / 20).margin(1e-6));
   CHECK(tangent(eyes.right, {0.3, 0, 5}) - tangent(eyes.left, {0.3, 0, 5}) == Approx(0.5 / 8 - 0.5 / 5).margin(1e-6));
@@ -152,7 +152,7 @@ TEST_CASE("turns both eyes around the point at screen distance in parallel proje
   CHECK(right_of(eyes.left, {0, 0, 2}) == Approx(0).margin(1e-9));
   CHECK(right_of(eyes.right, {0, 0, 2}) == Approx(0).margin(1e-9));
   CHECK(eyes.left.world_from_camera[3].x < 0);
-  // For the right eye, a point behind moves right by twice the sine of half the angle per unit.
+  // For the right eye, a point behind the centre moves to the right: per unit, twice the sine of half the angle.
   const double shift = 2 * 10 * std::sin(std::atan(0.25 / 8));
   CHECK(right_of(eyes.right, {0, 0, -8}) - right_of(eyes.left, {0, 0, -8}) == Approx(shift));
   CHECK(right_of(eyes.right, {0, 0, 12}) - right_of(eyes.left, {0, 0, 12}) == Approx(-shift));

@@ -99,7 +99,7 @@ TEST_CASE("keeps the previous stage if the base mesh of a stage is lost") {
   const IndexedMesh cloud = content_of<IndexedMesh>(decoded(parts, without).geometry());
   CHECK(same(cloud, content_of<IndexedMesh>(decoded(parts, first).geometry())));
   CHECK(!same(cloud, content_of<IndexedMesh>(decoded(parts, parts.chunks).geometry())));
-  // A stream with a damaged first stage is shown from its second one on.
+  // A stream with a damaged first stage is shown from its second stage on.
   StreamReader reader;
   (void)reader.push(parts.head, [](ChunkType, std::span<const std::byte>, std::uint64_t) {});
   StreamHeader header = *reader.header();
@@ -152,7 +152,7 @@ TEST_CASE("limits memory however many stages a stream claims") {
       chunk[3] = static_cast<std::byte>(flags);
       chunk[4] = std::byte{200};
       decoder.add(ChunkType::displaced, chunk);
-      // Clusters of the deepest levels.
+      // Decodes clusters of all levels, down to the deepest.
       for (int level = 1; level <= 8; ++level) {
         ClusterHeader cluster{ClusterHeader::Kind::displacement, stage, level, 0, 0, 40, 0};
         Bytes payload = encode_cluster_header(cluster);

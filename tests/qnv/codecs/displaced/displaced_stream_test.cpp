@@ -162,7 +162,7 @@ TEST_CASE("keeps closed surfaces closed and boundaries in place") {
       const auto bytes =
           std::max(header_bytes(s.stream), static_cast<std::size_t>(part * static_cast<double>(s.stream.size())));
       const IndexedMesh cloud = content_of<IndexedMesh>(decoded(std::span(s.stream).first(bytes)).geometry());
-      // Slots at one position are one vertex.
+      // Corners at one position become one vertex.
       Triangles triangles;
       for (std::size_t i = 0; i < cloud.triangles.size(); i += 3)
         triangles.push_back(triangle_of(cloud.positions[cloud.triangles[i]], cloud.positions[cloud.triangles[i + 1]],
@@ -192,7 +192,7 @@ TEST_CASE("restores colours within their quantisation steps") {
     for (const auto& [a, b] : {std::pair{wanted.r, got.r}, {wanted.g, got.g}, {wanted.b, got.b}})
       sum += (static_cast<double>(a) - b) * (static_cast<double>(a) - b);
   }
-  // Steps of 6 and 12 in luma and chroma.
+  // Colours have steps of 6 in luma and 12 in chroma.
   CHECK(std::sqrt(sum / (3.0 * static_cast<double>(cloud.size()))) < 8);
   CHECK(content_of<IndexedMesh>(decoded(samples()[0].stream).geometry()).colors.empty());
 }
@@ -272,11 +272,11 @@ TEST_CASE("makes a displaced surface only rougher when chunks are lost", "[optim
       check_sound(cloud);
       sum += error_of(cloud, rough);
     }
-    // Relative to the error of the base alone.
+    // The error is compared with the error of the base alone.
     INFO("lost " << share << ": " << sum / kRounds << "; whole " << whole << ", base " << base);
     CHECK(sum / kRounds < whole + factor * (base - whole));
   }
-  // In streams of few chunks a loss is large: finer parts remain beside the lost ones.
+  // In a stream of few chunks, a loss affects a large part; finer parts remain beside the lost parts.
   for (const Sample& s : samples()) {
     INFO(s.name);
     StreamReader of;
@@ -346,7 +346,8 @@ TEST_CASE("decodes at most the maximum number of vectors of a displaced stream")
 }
 
 TEST_CASE("allocates little memory for a few hostile bytes") {
-  // A base of many triangles with 2^26 vertices on its deepest level, of which a small cluster contains a few.
+  // The base has many triangles, with 2^26 vertices on the deepest level. A small cluster contains a few of these
+  // vertices.
   const Sample& s = samples()[0];
   StreamReader reader;
   (void)chunks_of(s.stream, reader);

@@ -17,7 +17,7 @@
 namespace gs::qnv::displaced::vectors_test {
 namespace {
 
-/// Data that tests/qnv/vectors/displaced.py states of a stage.
+/// Data of a stage, as tests/qnv/vectors/displaced.py prints them.
 struct Told {
   int depth = 0, step_exponent = 0, colored = 0, clusters = 0, bits = 0;
   std::vector<glm::ivec3> vertices;

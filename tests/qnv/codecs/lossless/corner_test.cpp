@@ -63,7 +63,7 @@ std::vector<Dressed> dressed(const ExactMesh& mesh) {
       corners[k] = {p.x, p.y, p.z, q.x, q.y};
     }
     std::rotate(corners.begin(), std::ranges::min_element(corners), corners.end());
-    Dressed least = corners;  // for two equal corners
+    Dressed least = corners;  // two corners may be equal, so all rotations are compared
     for (int k = 0; k < 2; ++k) {
       std::rotate(corners.begin(), corners.begin() + 1, corners.end());
       least = std::min(least, corners);
@@ -111,7 +111,7 @@ TEST_CASE("predicts a corner from the triangle across the edge and exactly in a 
   const auto at = [](const glm::ivec3& p) { return glm::ivec2(1000 + 7 * p.x - 3 * p.y, 2000 + 2 * p.x + 9 * p.y); };
   const glm::ivec3 from(40, 10, 0), to(90, 60, 0), beyond(120, 5, 0), corner(15, 80, 0);
   const ExpectedCorner expected{to - from, corner - from, at(from), at(to) - at(from)};
-  const glm::ivec2 off = expected.folded(beyond - from, at(beyond)) - at(corner);  // two roundings
+  const glm::ivec2 off = expected.folded(beyond - from, at(beyond)) - at(corner);  // both sides are rounded
   CHECK(std::max(std::abs(off.x), std::abs(off.y)) <= 1);
   // Unfolds an upright triangle into the plane.
   const glm::ivec3 along(100, 0, 0), up(30, 0, 50), down(30, -50, 0);
@@ -188,7 +188,7 @@ TEST_CASE("keeps the lattice of texture coordinates finite") {
   CHECK(!decode_tail(with(11, {17}), kMax));
   CHECK(!decode_tail(with(12, {0, 0, 0x80, 0x7f}), kMax));  // infinite
   CHECK(!decode_tail(with(12, {0, 0, 0xc0, 0x7f}), kMax));  // no number
-  CHECK(!decode_tail(with(20, {0, 0, 0x80, 0xbf}), kMax));  // a size of -1
+  CHECK(!decode_tail(with(20, {0, 0, 0x80, 0xbf}), kMax));  // a step of -1
   CHECK(!decode_tail(with(24, {0xff, 0xff, 0x7f, 0xff}), kMax));
 }
 
@@ -242,7 +242,7 @@ TEST_CASE("shows nothing for textures that promise missing data") {
   };
   CHECK(!read({std::byte{3}}));
   CHECK(!read({std::byte{3}, std::byte{0}, std::byte{1}}));                              // no file
-  CHECK(!read(Bytes(40, std::byte{0xff})));                                              // 255 of them
+  CHECK(!read(Bytes(40, std::byte{0xff})));                                              // 255 files
   CHECK(!read({std::byte{3}, std::byte{1}, std::byte{9}, std::byte{0}, std::byte{0}}));  // cut off
   std::mt19937 random(9);
   for (std::size_t round = 0; round < 300; ++round) {
@@ -275,7 +275,7 @@ TEST_CASE("ends a textured surface with its mesh and texture, in any order of it
       REQUIRE_EACH((cloud.colors.empty() || cloud.colors.size() == cloud.positions.size()));
       REQUIRE_EACH(cloud.texture_coordinates.size() <= cloud.positions.size());
       if (cloud.texture_coordinates.empty()) continue;
-      // The textured part comes last, and only together with the texture.
+      // The textured part is shown last, and only together with the texture.
       REQUIRE_EACH(cloud.picture);
       partly = partly || cloud.first_textured() > 0;
       bool pictured = false;

@@ -87,7 +87,7 @@ struct Source {
   bool colored = false;
 };
 
-/// Returns defective surfaces; each one is restored nevertheless.
+/// Returns defective surfaces. The codec must restore each of them.
 inline std::vector<Source> nasty_sources() {
   std::vector<Source> all;
   const glm::vec3 o(0), x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);

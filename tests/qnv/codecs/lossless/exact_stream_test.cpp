@@ -234,12 +234,12 @@ TEST_CASE("refines positions bit by bit after the tail, with any losses and in a
   std::shuffle(shuffled.begin(), shuffled.end(), random);
   CHECK(triangles_shown(with(shuffled, false), s.bits, false) == whole);
   CHECK(triangles_shown(with(shuffled, true), s.bits, false) == whole);
-  const std::size_t layer = low.size() / 8;  // for 12 to 20 bits
+  const std::size_t layer = low.size() / 8;  // layers for the bits 13 to 20
   const float none = off(with({}, false)), one = off(with(std::span(low).first(layer), false)),
               three = off(with(std::span(low).first(3 * layer), false));
   CHECK(one < 0.6f * none);
   CHECK(three < 0.6f * one);
-  // If one chunk of the first layer is missing, its vertices keep their positions.
+  // If one chunk of the first layer is missing, the vertices of this chunk keep their positions.
   CHECK(off(with(std::span(low).subspan(1), false)) <= none);
   CHECK(off(with(std::span(low).subspan(1), false)) > 0.5f * none);
 }
@@ -342,7 +342,7 @@ TEST_CASE("rejects pieces that do not belong together") {
   CHECK(!held.add(other));
   other = pieces[1];
   other.back() = std::byte{4};
-  CHECK(!held.add(other));  // received already with other bytes
+  CHECK(!held.add(other));  // received before with other bytes
   CHECK(held.add(pieces[1]));
   CHECK(held.come() == 16384);
   REQUIRE(held.add(pieces[2]));

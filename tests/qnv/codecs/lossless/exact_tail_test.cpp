@@ -88,7 +88,7 @@ TEST_CASE("rejects prefixes of a tail, and decodes mutations to a mesh or reject
   for (const Source& s : all_sources()) {
     INFO(s.name);
     const Bytes tail = encode_tail(mesh_of(s.triangles, 10, s.colored));
-    // Zeros at the end may be omitted.
+    // A tail may omit zeros at its end.
     const std::size_t prefixes = std::max<std::size_t>(1, tail.size() / 40) * watched_step(4);
     for (std::size_t length = 0; length + 8 < tail.size(); length += prefixes)
       REQUIRE_EACH(!decode_tail(std::span(tail).first(length), kMax));

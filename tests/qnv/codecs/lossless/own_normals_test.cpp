@@ -120,7 +120,7 @@ TEST_CASE("encodes the normals of a source only if no shading rule gives them") 
       REQUIRE(decoder.mesh().final);
       const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
       if (!bent_ones) continue;
-      // The vertex nearest to the first corner of every eleventh triangle.
+      // Compares the normals at the first corner of every eleventh triangle.
       double sum = 0, count = 0;
       for (std::size_t t = 0; t < triangles.size(); t += 11) {
         std::size_t nearest = 0;

@@ -157,7 +157,7 @@ TEST_CASE("shades corners by faces of similar direction and by faces that edges 
     CHECK(near(shaded(mesh, {rule, 180})[0], all));
     CHECK(near(shaded(mesh, {rule, 0})[0], glm::normalize(faces[0])));
   }
-  // All neighbours shade a face without area.
+  // The faces around a face without area determine its shading.
   SurfaceMesh flat = mesh;
   flat.positions[2] = flat.positions[1];
   const auto faces_of_flat = faces_of(flat);

@@ -112,7 +112,7 @@ TEST_CASE("decodes a prefix of a tail to its first triangles, wherever it is cut
       const auto whole = decode_tail(tail, kMax);
       REQUIRE(whole);
       CHECK(triangles_in(*whole) == triangles_in(mesh));
-      // Triangles come in reading order.
+      // The triangles are in decoding order.
       REQUIRE(order.triangles.size() == whole->triangles.size());
       for (std::size_t t = 0; t < order.triangles.size(); ++t) {
         const displaced::Corners& now = whole->triangles[t];
@@ -146,7 +146,7 @@ TEST_CASE("grows a mesh first in the cells of the highest ranks") {
   for (std::size_t cell = 0; cell < 32; ++cell) ranks.of[cell] = 1;  // the lower half
   const auto whole = decode_tail(encode_tail(mesh, false, &ranks), kMax);
   REQUIRE(whole);
-  // One half comes before the other, except for cells between them.
+  // All triangles of one half come before those of the other half, except in cells on the border.
   std::size_t low = 0;
   const std::size_t half = whole->triangles.size() / 2;
   for (std::size_t t = 0; t < half; ++t) low += whole->vertices[whole->triangles[t][0]].z < 2048 ? 1 : 0;
@@ -217,7 +217,7 @@ TEST_CASE("replaces patches by the received part of the mesh without holes while
     REQUIRE(cloud.normals.size() == cloud.size());
     for (const float w : cloud.weights) REQUIRE_EACH(w > 0);
     for (const std::uint32_t v : cloud.triangles) REQUIRE_EACH(v < cloud.size());
-    // The number of patches falls.
+    // The number of remaining patches decreases.
     const std::size_t patches = cloud.triangles.size() / 3 - decoder.mesh().triangles;
     CHECK((mixed == 1 || patches <= last));
     last = patches;

@@ -60,7 +60,7 @@ struct Packed {
 
 std::uint64_t key_of(const PackedVoxels& v, std::size_t i) { return morton_encode(v.x[i], v.y[i], v.z[i]); }
 
-// Checks the encoder's promises of every voxel: it contains surface, and its plane is exact within half a step.
+// Checks the encoder's guarantees for every voxel: it contains surface, and its plane is exact within half a step.
 void check_promises(const Packed& packed) {
   std::vector<std::size_t> seen(packed.truth.size());
   for (std::size_t c = 0; c < packed.clusters.size(); ++c) {
@@ -120,7 +120,7 @@ TEST_CASE("decodes an octree sphere within the promised errors on every level") 
         REQUIRE_EACH(glm::length(cloud.normals[i]) == Approx(1).epsilon(1e-5));
         REQUIRE_EACH(cloud.weights[i] > 0);
         REQUIRE_EACH(cloud.cells[i].edge == edge);
-        // The centre of its cube.
+        // The centre of the voxel's cube.
         const glm::vec3 cell =
             (cloud.positions[i] - cloud.normals[i] * cloud.cells[i].offset - packed.cube.lower) / edge - 0.5f;
         for (int axis = 0; axis < 3; ++axis) REQUIRE_EACH(std::abs(cell[axis] - std::round(cell[axis])) < 1e-2f);
@@ -216,7 +216,7 @@ TEST_CASE("restores colours within half a step") {
 }
 
 TEST_CASE("encodes wires, dust and surfaces without area") {
-  // No voxel is filled by even a thirtieth.
+  // In every voxel, the surface has less than a thirtieth of a face's area.
   Triangles dust;
   std::mt19937 random(3);
   const auto number = [&random] { return static_cast<float>(random() % 1000) / 1000; };
@@ -254,7 +254,7 @@ TEST_CASE("fits clusters into a datagram, and names only earlier parents") {
       REQUIRE_FALSE(divided[e.header.parent][at]);
       divided[e.header.parent][at] = true;
     }
-    // In Morton order of the run.
+    // Divided voxels are in Morton order.
     const PackedVoxels& v = packed.clusters[i].voxels;
     for (std::size_t k = 1; k < v.size(); ++k) REQUIRE_EACH(key_of(v, k - 1) < key_of(v, k));
   }

@@ -103,7 +103,7 @@ TEST_CASE("decodes pinned records to their pinned numbers") {
     CHECK(v.position == expected.position);
     CHECK(v.weight == expected.weight);
     CHECK(v.color == expected.color);
-    // Another library's sine gave these numbers: the last bit may differ.
+    // These numbers were computed with the sine of another library, so the last bit may differ.
     for (int axis = 0; axis < 3; ++axis) CHECK(std::abs(v.normal[axis] - expected.normal[axis]) < 6e-8f);
   }
 }

@@ -58,7 +58,7 @@ RecordsPatch decoded(const RecordsChunk& chunk) {
   return std::get<RecordsPatch>(std::move(result));
 }
 
-// Keeps the entries of a patch with keep(i).
+// Returns a patch with the entries i for which keep(i) is true.
 template <class Keep>
 RecordsPatch part_of(const RecordsPatch& patch, const Keep& keep) {
   RecordsPatch part;
@@ -377,7 +377,8 @@ TEST_CASE("keeps the weight of the whole and of its octants in every prefix of t
       REQUIRE(weights.size() == assembly.size());
       REQUIRE(sum_of(weights) == Approx(cloud.description.total).epsilon(1e-5));
       if (assembly.size() < 768) continue;
-      // Only deeper chunks know octants. Before them, octants are as even as the order.
+      // Only deeper chunks have weights of octants. Before them, the weights of octants are as even as the order of
+      // vectors.
       const std::array<double, 8> got = by_octant(box, assembly.positions(), weights);
       for (std::size_t i = 0; i < 8; ++i)
         REQUIRE(got[i] == Approx(source[i]).epsilon(assembly.size() < 4000 ? 0.2 : 0.02));
@@ -416,7 +417,7 @@ TEST_CASE("keeps the weight of every cell, whichever records are lost") {
         sum += weights[i];
         ++inside;
       }
-      if (inside < 60) continue;  // in smaller ones, a record on the border that counts on the other side matters
+      if (inside < 60) continue;  // in smaller cells, a single record on the border would exceed the tolerance
       ++checked;
       INFO("loss " << loss << " depth " << int{cell.depth} << " inside " << inside);
       CHECK(sum == Approx(chunk.header.cell_weight).epsilon(0.03));
@@ -428,17 +429,17 @@ TEST_CASE("keeps the weight of every cell, whichever records are lost") {
 TEST_CASE("limits the size of a vector to twice its cell") {
   const Splats cloud = ball(30'000);
   const std::vector<RecordsChunk> chunks = encode_records(cloud, {});
-  // Five tiny records of one deep chunk, out of everything.
+  // Only five tiny records of one deep chunk are received.
   RecordsAssembly assembly(cloud.description);
   const RecordsPatch few = part_of(decoded(chunks.back()), [](std::size_t i) { return i < 5; });
   assembly.add(few);
-  // The root keeps its weight from the stream's header; the cell has too few records.
+  // The root keeps its weight from the stream's header, because the cell has too few records.
   CHECK(sum_of(assembly.conserved_weights()) == Approx(cloud.description.total).epsilon(1e-5));
-  // With the whole chunk, the cell keeps its weight, without that of all the rest.
+  // With the whole chunk, the cell keeps its own weight. It does not get the weight of the missing rest.
   assembly.add(decoded(chunks.back()));
   CHECK(assembly.size() == chunks.back().header.count);
   CHECK(sum_of(assembly.conserved_weights()) == Approx(2 * chunks.back().header.cell_weight).epsilon(1e-4));
-  // Without a total in the stream it has the weight of its header.
+  // If the stream has no total, the cell has the weight of its header.
   Description unknown = cloud.description;
   unknown.total = 0;
   RecordsAssembly alone(unknown);

@@ -82,9 +82,9 @@ TEST_CASE("restores a volume's vectors at their voxels, with small errors") {
       const std::size_t k = found->second;
       REQUIRE_EACH(glm::distance(cloud.positions[i], ball.cloud.positions[k]) < 1e-4f);
       REQUIRE_EACH(glm::length(cloud.normals[i]) == Approx(1).epsilon(1e-5));
-      // Encoding omits under 0.62 of a step of 16, plus half a unit of rounding.
+      // The encoder omits corrections below 0.62 of a step of 16. Rounding adds half a unit.
       REQUIRE_EACH(std::abs(cloud.classes[i] - ball.cloud.classes[k]) <= 10);
-      // Under 0.75 of a step of an octave and a half.
+      // The error of magnitudes is below 0.75 of a step. A step is one and a half octaves.
       const float octaves = std::log2(cloud.weights[i] / ball.cloud.weights[k]);
       REQUIRE_EACH(std::abs(octaves) <= 1.13f);
       const float cosine = glm::dot(cloud.normals[i], ball.cloud.normals[k]);

@@ -195,7 +195,7 @@ TEST_CASE("orders a few vectors by farthest-point sampling") {
 }
 
 TEST_CASE("makes the pinned order with any compiler") {
-  // Exact numbers, independent of library rounding: 40,000 points of a bent sheet.
+  // 40,000 points of a bent sheet. Their numbers are exact, so that library rounding has no effect.
   Vectors v;
   for (int x = 0; x < 200; ++x)
     for (int y = 0; y < 200; ++y) {
@@ -293,7 +293,7 @@ TEST_CASE("takes vectors of a volume in proportion to their magnitude") {
     for (std::size_t i = 0; i < count; ++i) strong += v.positions[order[i]].x < 20;
     INFO(strong << " of " << count);
     CHECK(strong > count * 3 / 4);     // a factor of eight in density would be 8/9
-    CHECK(strong < count * 97 / 100);  // and omits nothing
+    CHECK(strong < count * 97 / 100);  // and the flat square is not omitted
   }
 }
 

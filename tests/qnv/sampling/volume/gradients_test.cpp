@@ -95,7 +95,7 @@ TEST_CASE("omits vectors at missing voxels, and takes one-sided differences besi
     return encoded(volume_of(f32, std::move(values)));
   };
   const Volume cloud = along_x({1, 3, kNaN, 5, kNaN, 8, 9});
-  // 1: 3-1 at the border; 3: 3-1; 5: no neighbour at all; 8: 9-8; 9: 9-8.
+  // Voxel 1 has 3 - 1 at the border, voxel 3 has 3 - 1, voxel 5 has no neighbours. Voxels 8 and 9 have 9 - 8.
   REQUIRE(cloud.size() == 4);
   CHECK(cloud.weights == std::vector<float>{2, 2, 1, 1});
   CHECK(cloud.positions[0].x == 0);

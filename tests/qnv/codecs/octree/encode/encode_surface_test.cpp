@@ -47,7 +47,7 @@ TEST_CASE("describes its surface in the header of a stream") {
   CHECK(stream.header.kind == Kind::surface);
   CHECK(d.box == box_of(ball));
   CHECK(d.total == Approx(area_of(ball)));
-  CHECK_FALSE(d.two_sided);  // it is closed, so its inside is invisible
+  CHECK_FALSE(d.two_sided);  // the surface is closed, so its inside is invisible
   CHECK(d.metadata == options.metadata);
   CHECK_FALSE(stream.header.colored);
   StreamDecoder decoder;
@@ -192,7 +192,7 @@ TEST_CASE("encodes surfaces of extreme size as vectors that can be drawn") {
       options.payload = payload;
       const Triangles ball = sphere(12, size);
       const auto result = encode_surface(source_of(ball), options);
-      if (std::holds_alternative<EncodeError>(result)) continue;  // reports it
+      if (std::holds_alternative<EncodeError>(result)) continue;  // the encoder reports an error
       const Splats cloud = decoded(std::get<EncodedStream>(result));
       REQUIRE_FALSE(cloud.empty());
       for (std::size_t i = 0; i < cloud.size(); ++i) {

@@ -105,7 +105,7 @@ TEST_CASE("lists the missing chunks of a view by importance", "[optimised]") {
   view.budget = 30'000;
   const auto lod = taken(LodStream::begin(parts.front(parts.header_bytes)));
   CHECK(lod->cut(view).empty());
-  CHECK(lod->wanted().empty());  // the contents are unknown
+  CHECK(lod->wanted().empty());  // the stream does not have its directory yet
   REQUIRE(lod->set_directory(parts.directory()));
   CHECK(lod->cut(view).empty());
   CHECK_FALSE(lod->complete());
@@ -149,7 +149,7 @@ TEST_CASE("lists the missing chunks of several viewports in turn without duplica
   REQUIRE(of_left != of_right);
   CHECK(lod->views() == std::vector<LodView>{left, right});
   auto all = lod->wanted_by_all();
-  // The first chunk of each view precedes the second one of any single view.
+  // The first chunk of each view precedes the second chunk of any view.
   CHECK(all[0] == of_left[0]);
   const auto place = [&](const ChunkRange& range) { return std::find(all.begin(), all.end(), range) - all.begin(); };
   for (std::size_t i = 0; i < 10; ++i) {
@@ -202,7 +202,7 @@ TEST_CASE("ignores invalid chunks and reports them") {
   CHECK_FALSE(lod->set_directory({}));
   CHECK(lod->problems().size() == 4);
   REQUIRE(lod->set_directory(parts.directory()));
-  // A valid chunk at the offset of another.
+  // The chunk is valid, but belongs to another offset.
   CHECK_FALSE(lod->add(parts.entries[2].offset, parts.chunk(1)));
   for (std::size_t i = 0; i < parts.entries.size(); ++i)
     if (i != 2) CHECK(lod->add(parts.entries[i].offset, parts.chunk(i)));

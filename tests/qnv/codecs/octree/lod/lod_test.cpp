@@ -86,8 +86,8 @@ TEST_CASE("makes the same cuts with a small cache, and keeps it small", "[optimi
     CHECK(places(small->cut(view)) == places(large->cut(view)));
     CHECK(small->complete());
     most_bytes = std::max(most_bytes, small->cached_bytes());
-    // Plus splats of both cuts (36 bytes each) with their neighbours in the same arrays, and their source voxels (12
-    // bytes and a third more).
+    // Above the limit, the cache keeps the splats of both cuts (36 bytes each) with their neighbours in the same
+    // arrays. It also keeps their source voxels (12 bytes and a third more).
     CHECK(small->cached_bytes() < kSmall + 2 * 20'000 * (2 * 36 + 16));
   }
   CHECK(large->cached_bytes() > 1.5 * most_bytes);

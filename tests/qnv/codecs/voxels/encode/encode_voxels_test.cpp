@@ -129,14 +129,14 @@ TEST_CASE("leaves no hole with voxel clusters in any order and with any losses")
     std::vector<std::size_t> order(payloads.size());
     std::iota(order.begin(), order.end(), 0);
     std::shuffle(order.begin(), order.end(), random);
-    if (round % 2 == 1) {  // loses some, but not the first
+    if (round % 2 == 1) {  // loses some clusters, but not the first
       order.resize(order.size() - random() % (order.size() / 2 + 1));
       if (std::find(order.begin(), order.end(), 0u) == order.end()) order.push_back(0);
     }
     StreamDecoder decoder;
     REQUIRE(decoder.push(encode_header(stream.header)));
     for (const std::size_t i : order) decoder.add(ChunkType::voxels, payloads[i]);
-    decoder.add(ChunkType::voxels, payloads[order.front()]);  // repeated: refused, or waits for ever
+    decoder.add(ChunkType::voxels, payloads[order.front()]);  // a repeated cluster is refused, or waits endlessly
     cells.check_cover(content_of<Volume>(decoder.geometry()), ball.cloud);
     if (round % 2 == 0) REQUIRE(same(content_of<Volume>(decoder.geometry()), whole));
   }
@@ -238,7 +238,7 @@ TEST_CASE("survives random changes of volume streams") {
       for (std::size_t changes = random() % 3; changes > 0; --changes)
         changed[random() % changed.size()] ^= static_cast<std::byte>(1u << random() % 8);
       decoder.add(ChunkType::voxels, changed);
-      if (round % 16 != 0) break;  // mostly the first only
+      if (round % 16 != 0) break;  // in most rounds, only the first chunk is changed
     }
     const Volume cloud = content_of<Volume>(decoder.geometry());
     REQUIRE_EACH(cloud.size() == decoder.vectors());
