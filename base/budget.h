@@ -68,8 +68,8 @@ class Share {
     if (budget_ && amount_ > 0) budget_->give_back(resource_, amount_);
   }
 
-  /// Draws more from the budget. Returns false and draws nothing if the budget has less left. Without a budget, always
-  /// returns true.
+  /// Charges more to the budget. Returns false and charges nothing if the budget has less left. Without a budget,
+  /// always returns true.
   [[nodiscard]] bool grow(std::uint64_t amount) {
     if (budget_ && !budget_->take(resource_, amount)) return false;
     amount_ += amount;

@@ -35,7 +35,7 @@ namespace fs = std::filesystem;
 
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr std::size_t kMaxBytes = 24576;  // maximum bytes of a mutation; longer mutations are slower and find no more faults
+constexpr std::size_t kMaxBytes = 24576;  // bytes of a mutation; longer ones are slower and find no more faults
 constexpr int kMaxSeconds = 10;  // maximum processor seconds for one input
 constexpr double kLongSeconds = 1;  // longer inputs are reported
 // Smaller streams are mutated kSmallTurns times as often, because larger ones take about five times as long.

@@ -14,7 +14,7 @@
 
 namespace gs::net {
 
-/// Source whose bytes are a function of their positions, so that a test can check received bytes.
+/// Source with bytes that are a function of their positions, so that a test can check received bytes.
 class PatternSource : public CellSource {
  public:
   struct Stream {

@@ -46,7 +46,7 @@ struct Holes {
   std::size_t pixels = 0, open = 0;
 };
 
-/// Counts pixels with rays within `within` of the origin, and those that show the background.
+/// Counts the pixels with rays within `within` of the origin, and those of them that show the background.
 Holes holes_in(Drawing& drawing, const RenderList& list, float distance, float within) {
   Holes holes;
   const auto size = static_cast<float>(drawing.options.width);

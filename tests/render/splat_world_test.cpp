@@ -1,4 +1,4 @@
-// Pairs of worlds with equal pictures, with and without a feature, on both paths.
+// Tests of pairs of worlds with equal pictures: one uses a feature, the other does not. Both paths draw both worlds.
 
 #include "tests/render/drawing.h"
 #include "tests/render/splat_scenes.h"
@@ -64,7 +64,7 @@ double psnr(const Image& a, const Image& b) {
   return 10 * std::log10(255.0 * 255.0 * static_cast<double>(a.pixels.size()) / std::max(sum, 1e-9));
 }
 
-/// Draws both worlds on both paths. Neither may be empty.
+/// Draws both worlds on both paths. Neither picture may be empty.
 void check_alike(const std::string& world, const std::string& same, const NamedGeometries& clouds, double least,
                  const glm::vec3& eye = {0, 0.5f, 6}) {
   static Drawing drawing;
@@ -83,7 +83,7 @@ void check_alike(const std::string& world, const std::string& same, const NamedG
   }
 }
 
-/// Returns the splats after `matrix`, with the areas of their ellipses.
+/// Returns the splats transformed by `matrix`, with the areas of their ellipses.
 std::shared_ptr<const qnv::Geometry> moved(const qnv::Splats& cloud, const glm::mat4& matrix) {
   auto result = std::make_shared<qnv::Splats>(cloud);
   const glm::mat3 linear(matrix), normals = glm::transpose(glm::inverse(linear)) * glm::determinant(linear);
@@ -141,7 +141,7 @@ TEST_CASE("hides splats and polygons behind each other like polygons") {
   const std::string sphere_shape = "Shape { " + kPaint + " geometry Sphere { radius 1 } }\n";
   check_alike(board + shape("ball"), board + sphere_shape, {{"ball", shared_geometry(ball)}}, 40);
   check_alike(shape("ball") + board, board + sphere_shape, {{"ball", shared_geometry(ball)}}, 40);
-  // Glass before and behind.
+  // Panes of glass are in front of the splats and behind them.
   const auto glass = [](const std::string& z) {
     return "Transform { translation 0 0 " + z +
            " children Shape { appearance Appearance { material Material { emissiveColor 0.2 0.2 0.9 diffuseColor 0 0 0 "
@@ -201,7 +201,7 @@ TEST_CASE("draws the splats of each instance of a PROTO at its position") {
               "Transform { translation -1.2 0 0 children " + shape("painted") +
                   "} Transform { translation 1.2 0.3 0 scale 0.5 1 0.8 children " + shape("painted") + "}",
               clouds, 100);
-  // USE, and a stream at two instances.
+  // One geometry by USE, and a stream at two instances.
   const NamedGeometries stream{{"stream", bumpy_stream(5000)}};
   check_alike("Transform { translation -1.2 0 0 children DEF S " + shape("stream") +
                   "} Transform { translation 1.2 0 -6 children USE S }",
@@ -268,7 +268,7 @@ TEST_CASE("draws colours that distinguish vectors with any material") {
       return pixel(drawing.draw(list, upright_camera({0, 0, 4})), 32, 32);
     };
     CHECK(middle(ColorBy::own) == glm::vec3(0));
-    // Faces the viewer along +Z: blue, and lit head-on by the headlight.
+    // The normal +Z is shown blue, and the headlight lights it head-on.
     check_color(middle(ColorBy::normal), {0.5f, 0.5f, 1}, 6);
     // The first splats of the spiral face +Z and are the oldest.
     check_color(middle(ColorBy::age), {0, 0, 1}, 6);

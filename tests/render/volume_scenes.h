@@ -97,7 +97,7 @@ inline double psnr_of(const Pixels& a, const Pixels& b) {
   return psnr.decibels();
 }
 
-/// Framebuffer of known colour and depth, with a pass that draws into it from z = 3.
+/// Framebuffer with known colour and depth, and a pass that draws volumes into it. The camera is at z = 3.
 class VolumePicture {
  public:
   explicit VolumePicture(render::VolumeSort sort = render::VolumeSort::automatic, int width = 80, int height = 60,
@@ -120,7 +120,7 @@ class VolumePicture {
     options.height = height;
     options.splats = render::SplatPath::cpu;
   }
-  // Makes the context current, whichever was before.
+  // Makes the context current, so that the OpenGL objects are freed in it.
   ~VolumePicture() { context->make_current(); }
   VolumePicture(const VolumePicture&) = delete;
   VolumePicture& operator=(const VolumePicture&) = delete;

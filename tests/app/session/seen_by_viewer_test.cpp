@@ -46,7 +46,7 @@ std::array<int, 3> pixel_at(const render::Image& image, std::size_t x, std::size
   return {pixel[0], pixel[1], pixel[2]};
 }
 
-// Sign whose halves differ, so that a mirrored picture differs.
+// Sign with different halves, so that a mirrored picture differs.
 const std::string kFlag =
     "Shape { geometry IndexedFaceSet { solid FALSE coord Coordinate { point [ -1 -1 0, 1 -1 0, 1 1 0, -0.2 0.3 0 ] } "
     "coordIndex [ 0 1 2 3 ] } }";

@@ -18,7 +18,7 @@ using render::VolumeOptions;
 
 namespace {
 
-/// Returns light without direction, so that colours are those of the transfer function.
+/// Returns options without directional light, so that colours are those of the transfer function.
 VolumeOptions flat() {
   VolumeOptions options;
   options.opacity = 1;
@@ -42,7 +42,7 @@ TEST_CASE("draws one vector of a volume as a Gaussian around its position") {
   add(cloud, {0, 0, -10}, {0, 0, 1}, 3, 128);
   const render::VolumeModel model = render::volume_model(cloud);
   REQUIRE(model.spacing.size() == 1);
-  // A cube of edge 2 with one vector: 2 sqrt(3 / 1).
+  // For a cube of edge 2 with one vector, the spacing is 2 sqrt(3 / 1).
   const double s = static_cast<double>(model.spacing[0]);
   CHECK(s == Approx(2 * std::sqrt(3.0)));
   const render::SplatView view = straight_view(101, 101);
@@ -50,7 +50,7 @@ TEST_CASE("draws one vector of a volume as a Gaussian around its position") {
   REQUIRE(image.width == 101);
   const double area = static_cast<double>(render::kVolumeFootprint) * s * s;
   for (const auto& [dx, dy] : {std::pair{0, 0}, std::pair{7, 0}, std::pair{0, -9}, std::pair{12, 5}}) {
-    // A pixel is 2 / 101 at depth 1, and 20 / 101 there.
+    // A pixel is 2 / 101 units wide at depth 1, and 20 / 101 at the vector.
     const double d2 = (dx * dx + dy * dy) * (20.0 / 101) * (20.0 / 101);
     const double alpha = peak(0.5) * std::exp(-d2 / area);
     const glm::vec4 seen = image.color[pixel_index(image, 50 + dx, 50 + dy)];
@@ -107,7 +107,7 @@ TEST_CASE("keeps the integrated opacity of vectors smaller than a pixel") {
   REQUIRE(!image.empty());
   double sum = 0;
   for (const glm::vec4& c : image.color) sum += static_cast<double>(c.w);
-  const double edge = 20.0 / 41;  // of a pixel
+  const double edge = 20.0 / 41;  // edge of a pixel
   const double s = static_cast<double>(model.spacing[0]);
   const double whole =
       peak(0.9) * std::numbers::pi * static_cast<double>(render::kVolumeFootprint) * s * s / (edge * edge);
@@ -195,7 +195,7 @@ TEST_CASE("enlarges footprints as the number of vectors shrinks") {
     std::sort(spacing.begin(), spacing.end());
     return spacing[spacing.size() / 2];
   };
-  // Never too small, but slightly too large where a boundary runs between two cells.
+  // The spacing is never too small. It is slightly too large if a boundary runs between two cells.
   for (const int step : {1, 2, 4, 8}) {
     const float spacing = lattice(step);
     INFO("every " << step << ": " << spacing);
@@ -243,7 +243,7 @@ TEST_CASE("hides a splat behind another, and blends it with its neighbour") {
   REQUIRE(!seen.empty());
   CHECK(seen.color[50 * 101 + 50] == glm::vec4(1, 0, 0, 1));
   CHECK(seen.depth[50 * 101 + 50] == 10);
-  // Side by side in one plane, with the pixel halfway between.
+  // The splats are side by side in one plane. The pixel is halfway between them.
   cloud.positions = {{-0.3f, 0, -10}, {0.3f, 0, -10}};
   seen = raycast_surface(cloud, straight_view(101, 101), false);
   CHECK(seen.color[50 * 101 + 50].x == Approx(0.5f));

@@ -40,8 +40,8 @@ PickRay down(float x, float y, float z = 5) {
 }
 const glm::mat4 kHere(1);
 
-/// Returns the ray through the centre of a pixel, in the camera's node, and its length relative to the depth along the
-/// axis.
+/// Returns the ray through the centre of a pixel, in node space. Sets `slant` to the length of the ray relative to its
+/// depth along the axis.
 PickRay through(const SplatView& view, int x, int y, float& slant) {
   const glm::mat4 world_from_camera = glm::inverse(view.camera_from_node);
   const glm::vec3 seen(((static_cast<float>(x) + 0.5f) / static_cast<float>(view.width) * 2 - 1) * view.tangents.x,
@@ -125,7 +125,7 @@ TEST_CASE("meets the backs of splats where they are drawn") {
   cloud.description.two_sided = true;
   REQUIRE(pick_surface(cloud, kHere, from_behind));
   CHECK(*pick_surface(cloud, kHere, from_behind) == Approx(3));
-  // Edge on it is invisible.
+  // Seen edge-on, the splat is invisible.
   PickRay along = down(-5, 0, 0.001f);
   along.direction = {1, 0, 0};
   CHECK_FALSE(pick_surface(cloud, kHere, along));
@@ -139,7 +139,7 @@ TEST_CASE("returns the colour of a splat that has one") {
   CHECK_FALSE(plain->color);
   cloud.colors = {{1, 2, 3}};
   CHECK(pick_disc(cloud, kHere, down(0, 0))->color == qnv::Rgb8{1, 2, 3});
-  // Of two splats, the nearer one.
+  // The ray hits the nearer of two splats.
   add(cloud, {0, 0, 2}, {0, 0, 1}, 3.14f);
   cloud.colors.push_back({7, 8, 9});
   CHECK(pick_disc(cloud, kHere, down(0, 0))->color == qnv::Rgb8{7, 8, 9});
@@ -195,7 +195,7 @@ TEST_CASE("picks surfaces where the exact ray caster sees them", "[optimised]") 
   SECTION("tiny discs far away") {
     CHECK(agreement(test::disc_sphere(200000, 0.9f), test::view_from({1, 2, 30}, 24, 20)) > 0.98);
   }
-  SECTION("cubes") { CHECK(agreement(*testing::octree_sphere(3000), view) > 0.97); }  // cut splats: ragged rims
+  SECTION("cubes") { CHECK(agreement(*testing::octree_sphere(3000), view) > 0.97); }  // splats that cubes clip have ragged rims
   SECTION("two-sided") {
     qnv::Splats half = test::disc_sphere(3000, 0.9f);
     half.positions.resize(1500), half.normals.resize(1500), half.weights.resize(1500), half.colors.resize(1500);
@@ -310,7 +310,7 @@ TEST_CASE("picks a volume where it absorbs half of the light") {
   CHECK(first->opacity > 0.99f);
   CHECK(deeper->distance > first->distance + 0.15f);
   CHECK_FALSE(pick_here(dense, {}, down(2, 0)));
-  // Without half opacity, the middle of the volume counts.
+  // If no opacity reaches one half, the middle of the volume is hit.
   VolumeOptions faint;
   faint.opacity = 0.1f;
   const auto veil = pick_here(thin, faint, down(0, 0));

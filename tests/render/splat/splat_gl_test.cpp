@@ -76,10 +76,10 @@ SplatView view_of_sphere() {
   return view;
 }
 
-// Shares of the pixels.
+// Differences of two layers, as shares of the pixels.
 struct LayerDifference {
-  double uncovered = 0;  // covered in only one of the two
-  double wrong = 0;      // of those covered in both: normal off by over 2 degrees, depth by 1/1000, or colour by 3
+  double uncovered = 0;  // covered in only one of the two layers
+  double wrong = 0;      // of pixels covered in both: the normal differs by over 2 degrees, the depth by 1/1000, or the colour by 3
   std::size_t both = 0;
 };
 
@@ -111,9 +111,9 @@ LayerDifference compare(const SplatLayer& a, const SplatLayer& b) {
 
 TEST_CASE("draws surfaces of splats with OpenGL as on the processor", "[optimised]") {
   check_same_picture(sphere_list(sphere(3000)), camera_at({0, 0, 3.5f}));
-  // Wide splats with interpolated normals between them.
+  // The splats are wide, with interpolated normals between them.
   check_same_picture(sphere_list(sphere(300)), camera_at({0, 0, 3.5f}));
-  // Splats smaller than a sample.
+  // The splats are smaller than a sample.
   check_same_picture(sphere_list(sphere(100000)), camera_at({0, 0, 8}));
   check_same_picture(sphere_list(sphere(3000, true)), camera_at({0.5f, 0.3f, 3.5f}));
   check_same_picture(sphere_list(sphere(300, true)), camera_at({0, 0, 3.5f}));
@@ -141,7 +141,7 @@ TEST_CASE("draws surfaces with OpenGL under any scale, and partly behind the vie
                        glm::vec4(0, 0, 0, 1));
   check_same_picture(sphere_list(sphere(3000), turn * scale({1.5f, 0.5f, 0.8f})), camera_at({0, 0, 4}));
   check_same_picture(sphere_list(octree_sphere(4000), turn * scale({1.5f, 0.5f, 0.8f})), camera_at({0, 0, 4}));
-  // Sheared: rotated, then scaled.
+  // The item is sheared: rotated, then scaled.
   const glm::mat4 shear = scale({2, 0.5f, 1}) * turn;
   check_same_picture(sphere_list(sphere(300), shear), camera_at({0, 0, 4}));
   check_same_picture(sphere_list(octree_sphere(4000), shear), camera_at({0, 0, 4}));
@@ -249,7 +249,7 @@ TEST_CASE("closes pinholes, but no real openings") {
   close_pinholes(closed, view, 2);
   CHECK(*std::min_element(closed.normals.begin(), closed.normals.end()) > 30000);
   CHECK(std::all_of(closed.depth.begin(), closed.depth.end(), [](float depth) { return depth == 5; }));
-  // Too wide, open at one side, or in a layer that ends before the picture.
+  // The hole is too wide, open at one side, or in a layer that ends before the picture.
   closed = layer;
   close_pinholes(closed, view, 1);
   CHECK(closed.normals[4 * (3 * 9 + 4) + 3] == 0);

@@ -145,7 +145,7 @@ TEST_CASE("cuts a stream for the view at the requested detail") {
     CHECK(colors.size() > 1);
   }
   options.color_by = ColorBy::own;
-  // Loads gradually, and reports pending data until the cut is complete.
+  // A stream loads gradually, and reports pending data until the cut is complete.
   const auto again = bumpy_stream(60000);
   options.most_decoded = 2000;
   std::size_t frames = 0, last = 0;
@@ -184,7 +184,7 @@ TEST_CASE("spends the budget in proportion to pixels") {
     const auto shares = share_budget(items, view, 16000);
     CHECK(sum_of(shares) <= 16000);
     CHECK(sum_of(shares) >= 15990);
-    // A sixteenth of the pixels, and each a sixteenth of the former budget.
+    // The item covers a sixteenth of the pixels, so it gets a sixteenth of the budget.
     CHECK(static_cast<double>(shares[1]) == Approx(1000 + 14000.0 / 17).epsilon(0.02));
   }
   SECTION("What one cannot use goes to the others") {

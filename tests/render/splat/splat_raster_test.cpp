@@ -229,7 +229,7 @@ TEST_CASE("draws tints of pieces and normal colours instead of stored colours") 
     }
     CHECK(wrong == 0);
   }
-  // One tinted half, and one with its own colours.
+  // One half has a tint, the other half has its own colours.
   const std::size_t half = plain.size() / 2;
   const render::SplatPiece halves[] = {{&plain, 0, half, 1, tint}, {&plain, half, plain.size() - half}};
   const SplatLayer two = render::rasterize_surface(halves, view);
@@ -275,7 +275,7 @@ TEST_CASE("thins splats that cover too many samples, equally on any number of th
   view.threads = 1;
   const SplatLayer thin = render::rasterize_surface(pieces, view, kernel, kMax);
   CHECK(thin.discs == kDiscs);
-  // Each preparing task may exceed the limit by one.
+  // Each preparing task may exceed the limit by one splat.
   CHECK(thin.drawn * 150 * 100 <= kMax + 3 * 150 * 100);
   CHECK(thin.drawn >= kMax / (150 * 100) / 2);
   CHECK(covered_pixels(thin) == 150u * 100);
@@ -353,7 +353,7 @@ TEST_CASE("keeps the silhouette of an octree sphere within half a voxel") {
       INFO(cloud.size() << " discs, voxels of " << edge << ", " << inside << " pixels");
       CHECK(inside > 5000);
       CHECK(beyond == 0);
-      // Planes of neighbouring cubes seen nearly edge on leave a few pixels open.
+      // Planes in neighbouring cubes leave a few pixels open if they are seen nearly edge-on.
       CHECK(missing <= inside / 500);
     }
   }

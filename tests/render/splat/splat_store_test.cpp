@@ -104,7 +104,7 @@ TEST_CASE("stores few splats in one buffer and many in several") {
 TEST_CASE("splits splats if no slab has enough contiguous space") {
   OpenContext open;
   SplatStore store(open.gl, 16 * 8192, 8192);
-  // 8 of 1024, of which every other one is dropped.
+  // Stores 8 times 1024 splats, and drops every second of them.
   std::vector<std::shared_ptr<const qnv::Splats>> clouds;
   for (int i = 0; i < 8; ++i) clouds.push_back(sphere(1024));
   REQUIRE(store.add(clouds));

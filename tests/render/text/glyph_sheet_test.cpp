@@ -68,18 +68,18 @@ TEST_CASE("draws the inside of contours into the glyph atlas, at the returned re
   REQUIRE(shape);
   REQUIRE(shape->points.size() == 4);
   CHECK(shape->triangles.size() == 6);
-  // One more pixel on each side.
+  // The rectangle has one more pixel on each side.
   constexpr float kPixel = 1.0f / GlyphSheet::kPixelsPerEm;
   CHECK(shape->points[0] == glm::vec2(-kPixel));
   CHECK(shape->points[2] == glm::vec2(0.5f + kPixel));
   CHECK(inside(*sheet.image(), *shape) == Approx(0.25 - 0.0625));
-  // Two contours of one orientation: the inner one is no hole.
+  // Two contours have one orientation, so the inner contour is not a hole.
   const Contours twice = {ring[0], {{0.125, 0.125}, {0.375, 0.125}, {0.375, 0.375}, {0.125, 0.375}}};
   const auto full = sheet.add(twice);
   REQUIRE(full);
   CHECK(inside(*sheet.image(), *full) == Approx(0.25));
   CHECK(inside(*sheet.image(), *shape) == Approx(0.25 - 0.0625));  // unchanged
-  // Half covered pixels.
+  // The glyph covers half of its pixels.
   const auto thin = sheet.add({{{0, 0}, {0.5 * double{kPixel}, 0}, {0.5 * double{kPixel}, 1}, {0, 1}}});
   REQUIRE(thin);
   const glm::vec2 place = (thin->coordinates[0] + thin->coordinates[2]) * 0.5f;
@@ -194,7 +194,7 @@ TEST_CASE("draws unreadably small text as one bar per word, as bright as its let
   drawing.options.width = drawing.options.height = 64;
   const RenderList list = world.seen_from(300, true);
   CHECK(list.items[0].mesh->indices.size() / 3 == 2 * 3);
-  // From nearer, and from the distance at which letters are drawn.
+  // The viewer is nearer, and at the distance from which letters are drawn.
   World letters(
       "Shape { appearance Appearance { material Material { diffuseColor 1 1 1 } } geometry Text { string "
       "\"ten thousand labels\" } }");

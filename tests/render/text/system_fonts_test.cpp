@@ -161,7 +161,7 @@ TEST_CASE("makes coarser levels of fewer triangles and equal extent") {
   CHECK(triangles_of(least) < triangles_of(coarse));
   CHECK(bars.glyphs.size() == 3);  // words
   CHECK(triangles_of(bars) == 2 * bars.glyphs.size());
-  CHECK(area_of(bars) > area_of(least));  // the glyph sheet fills a part of it
+  CHECK(area_of(bars) > area_of(least));  // the glyph atlas fills a part of the bars
   CHECK(area_of(bars) < 2 * area_of(least));
   const ShapedText rectangles = fonts.shape(kFamilies[0], text, TextDirection::right, vrml::kTextPictures);
   CHECK(triangles_of(rectangles) == 2 * (text.size() - 2));
@@ -187,7 +187,7 @@ TEST_CASE("chooses the first available family of VRML97 6.20.2") {
   CHECK(fonts.main_font({}).path == serif);
   CHECK(fonts.main_font(family("")).path == serif);
   CHECK(fonts.main_font(family("No Such Family 77")).path == serif);
-  CHECK(fonts.main_font(family("sans")).path != typewriter);  // case-sensitive, and no family of that name
+  CHECK(fonts.main_font(family("sans")).path != typewriter);  // names are case-sensitive, and no family has this name
   FontRequest several;
   several.families = {"No Such Family 77", "TYPEWRITER", "SANS"};
   CHECK(fonts.main_font(several).path == typewriter);
@@ -202,7 +202,7 @@ TEST_CASE("chooses the first available family of VRML97 6.20.2") {
 
 TEST_CASE("draws bold and italic styles, also of fonts without them") {  // 6.20.2
   SystemFonts fonts;
-  // Returns the slant of the letter I by its upper half, and its area.
+  // Returns the slant of the upper half of the letter I, and the area of the letter.
   const auto measure = [&](const char* name, bool bold, bool italic) {
     FontRequest request = family(name);
     request.bold = bold;
@@ -258,7 +258,7 @@ TEST_CASE("runs Hebrew from right to left and its numbers from left to right, in
     const ShapedText number = fonts.shape(kFamilies[1], kHebrew + " 12", direction, 1);
     CHECK(place_of(fonts, number, "1") < place_of(fonts, number, "2"));
   }
-  // Embedded in a left-to-right line and in a right-to-left line.
+  // The text is embedded in a left-to-right line and in a right-to-left line.
   const ShapedText right = fonts.shape(kFamilies[1], "a" + kHebrew + "z", TextDirection::right, 1);
   CHECK(place_of(fonts, right, "a") < place_of(fonts, right, kGimel));
   CHECK(place_of(fonts, right, kAlef) < place_of(fonts, right, "z"));
@@ -286,7 +286,7 @@ TEST_CASE("stacks characters of vertical text, centred (VRML97 6.20.3)") {
     REQUIRE(line.glyphs.size() == 3);
     CHECK(line.extent > 2.5);
     for (std::size_t i = 0; i < 3; ++i) {
-      // From top to bottom, with centred boxes within their part of the line.
+      // Characters follow from top to bottom. Their boxes are centred, within their part of the line.
       float left = 1e9f, right = -1e9f, top = -1e9f, bottom = 1e9f;
       for (const glm::vec2& p : line.glyphs[i].shape->points) {
         left = std::min(left, p.x + line.glyphs[i].at.x);
@@ -304,7 +304,7 @@ TEST_CASE("stacks characters of vertical text, centred (VRML97 6.20.3)") {
 
 TEST_CASE("takes missing characters from another font") {
   SystemFonts fonts;
-  // Some monospaced font of the system has Hebrew, not every one.
+  // Some monospaced fonts have Hebrew, others do not.
   const ShapedText text = fonts.shape(family("TYPEWRITER"), kAlef, TextDirection::right, 1);
   REQUIRE(text.glyphs.size() == 1);
   // private-use character
@@ -336,7 +336,7 @@ TEST_CASE("shapes any bytes in any direction") {
     CHECK(std::isfinite(text.extent));
     for (const PlacedGlyph& glyph : text.glyphs) CHECK((glyph.shape && std::isfinite(glyph.at.x + glyph.at.y)));
   }
-  // Endless marks on one letter, and a run longer than the shaper's maximum.
+  // One letter has thousands of marks, and a run is longer than the shaper's maximum.
   std::string marks = "a";
   for (int i = 0; i < 20'000; ++i) marks += "\xCC\x81";
   CHECK(std::isfinite(fonts.shape(kFamilies[0], marks, TextDirection::right, 2).extent));

@@ -75,7 +75,7 @@ TEST_CASE("draws many small and few large vectors with OpenGL as on the processo
   (void)check_same(volume_list(shell(30'000, 7, 0.02f)), {});
   (void)check_same(volume_list(shell(20, 8, 0.4f)), {});
   (void)check_same(volume_list(shell(1, 9, 0.4f)), {});
-  // Vectors smaller than a pixel.
+  // The vectors are smaller than a pixel.
   (void)check_same(volume_list(shell(3000, 9, 0.01f)), {}, {0, 0, 20});
 }
 
@@ -127,7 +127,7 @@ TEST_CASE("draws nested, transformed volumes with OpenGL as on the processor") {
   SplatItem again = list.splats[0];
   again.world_from_node = translation({-0.5f, 0, 0});
   list.splats.push_back(again);
-  list.splats.push_back(volume_list(shell(50, 13), scale({0, 1, 1})).splats[0]);  // flat: not drawn
+  list.splats.push_back(volume_list(shell(50, 13), scale({0, 1, 1})).splats[0]);  // a flat volume is not drawn
   (void)check_same(list, {});
   for (int i = 0; i < 40; ++i)
     list.splats.push_back(
@@ -206,7 +206,7 @@ TEST_CASE("sorts in compute shaders like the sorting thread", "[optimised]") {
   REQUIRE(sort);
   const Buffer order = make_buffer(picture.gl), item_buffer = make_buffer(picture.gl);
   const Texture items = make_texture(picture.gl);
-  // One depth, all depths, and many vectors at one depth.
+  // The vectors have one depth, all depths, or many of them one depth.
   for (const std::size_t count : {1u, 2u, 255u, 4096u, 4097u, 70'000u}) {
     for (const float deep : {0.0f, 1.0f}) {
       auto cloud = std::make_shared<qnv::Volume>(random_volume(count, 3, 0.1f));

@@ -44,7 +44,7 @@ TEST_CASE("gives a prefix the spacing of a volume that ends there") {
     sum_all += static_cast<double>(all.spacing[k]);
     sum_some += static_cast<double>(some.spacing[k]);
   }
-  // An eighth of the vectors: spacing doubles in a solid, and nearly triples at a boundary.
+  // With an eighth of the vectors, the spacing doubles in a solid, and nearly triples at a boundary.
   CHECK(sum_some / sum_all > 1.8);
   CHECK(sum_some / sum_all < 3);
   CHECK(some.full_magnitude == all.full_magnitude);
@@ -62,7 +62,7 @@ TEST_CASE("limits a vector to its octree cell, except in a prefix") {
   for (std::size_t k = 1; k < cloud.size(); k += 4) cloud.cells[k].edge = 1e-6f;
   const VolumeModel bounded = volume_model(cloud);
   for (std::size_t k = 0; k < cloud.size(); ++k) {
-    // Never less than the voxel spacing.
+    // The spacing is never less than the voxel spacing.
     const float edge = std::max(cloud.cells[k].edge, cloud.description.spacing);
     REQUIRE(bounded.spacing[k] == (cloud.cells[k].edge > 0 ? std::min(free.spacing[k], edge) : free.spacing[k]));
   }

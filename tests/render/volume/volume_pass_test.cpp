@@ -230,7 +230,7 @@ TEST_CASE("smooths polygon edges before, in and behind a volume with several sam
       target.options.splats = chosen;
       const auto draw = [&](bool polygon, bool volume) {
         target.clear({0, 0, 1}, 25);
-        // Its left edge halves column 30.
+        // The left edge of the polygon halves column 30.
         if (polygon) target.polygon(rectangle(target, depth, 30.5f, -5, 90, 70), {1, 0, 0});
         if (volume) target.volumes(volume_list(cloud));
         return target.read();
@@ -239,7 +239,7 @@ TEST_CASE("smooths polygon edges before, in and behind a volume with several sam
       const Pixels bare = draw(false, true);
       double worst = 0;
       for (int y = 5; y < kHeight - 5; ++y) {
-        // Half of the samples of that column match the left column, half the right one.
+        // Half of the samples of column 30 match the left column, half match the right column.
         const glm::vec3 left = pixel_color(bare, 30, y),
                         right = 0.5f * (pixel_color(drawn[path], 31, y) + pixel_color(drawn[path], 32, y)),
                         middle = pixel_color(drawn[path], 30, y), wanted = 0.5f * (left + right);
@@ -289,7 +289,7 @@ TEST_CASE("applies a chosen transfer function to all volumes, and colours by the
   const Pixels own = target.draw(volume_list(cloud), {0, 0, 0}, 25);
   target.options.clouds.transfer = {{0, {0, 255, 0}, 0.5f}, {1, {0, 255, 0}, 0.5f}};
   const Pixels green = target.draw(volume_list(cloud), {0, 0, 0}, 25);
-  // Its gloss is white but weak.
+  // The gloss of the polygon is white but weak.
   CHECK(pixel_color(green, 40, 30).y > 3 * pixel_color(green, 40, 30).x);
   target.options.clouds.transfer = {{0, {0, 255, 0}, 0}, {1, {0, 255, 0}, 0}};
   CHECK(plain(target.draw(volume_list(cloud), {0, 0, 0}, 25), {0, 0, 0}));
@@ -356,7 +356,7 @@ TEST_CASE("combines volumes with polygons for all depth formats, and without a d
           CHECK(psnr_of(drawn, wanted) >= 40);
           continue;
         }
-        // Blends into eight bits.
+        // The target has eight bits per component.
         const VolumeModel model = volume_model(*cloud);
         const VolumeItem item = item_of(*cloud, model, target.view().camera_from_node);
         const double psnr = psnr_over(drawn, exact_volumes(std::span(&item, 1), target.view()), {0, 0, 255, 255});

@@ -146,7 +146,7 @@ TEST_CASE("draws several volumes with stops to their exact picture on any number
   };
   CHECK(decibels(one.pixels, far) >= 40);
   CHECK(decibels(one.edge_pixels, near) >= 40);
-  // Stops beyond the volume, and stops of another size, change nothing.
+  // Stops beyond the volume, and lists of stops with another size, have no effect.
   const std::vector<float> none(48 * 36, kInfinity);
   const VolumeLayer free = render::rasterize_volumes(items, view);
   CHECK(same(free, render::rasterize_volumes(items, view, {none, none})));

@@ -69,7 +69,7 @@ TEST_CASE("sorts entries by key, and keeps the order of equal keys") {
       for (std::uint32_t i = 0; i < count; ++i)
         entries.push_back(entry(static_cast<std::uint32_t>(random()) & mask, i));
       std::vector<std::uint64_t> wanted = entries;
-      // Values ascend, so an order by both equals the stable one by key.
+      // Values ascend, so an order by key and value equals the stable order by key.
       std::sort(wanted.begin(), wanted.end());
       sort_by_key(entries, room);
       CHECK(entries == wanted);
@@ -87,7 +87,7 @@ TEST_CASE("orders the vectors of several volumes together, at one depth the late
   for (const float z : {1.0f, kNaN, kInfinity}) add(*other, {0, 0, z}, {0, 0, 1}, 1);
   VolumeSorter sorter;
   const std::array<VolumeSortPart, 2> parts{{{cloud, 4, row(0)}, {other, 3, {0, 0, -1, 6}}}};
-  // Depths 5 4 5 7 and 5 NaN -infinity.
+  // The depths are 5 4 5 7 and 5 NaN -infinity.
   const auto order = sorter.order(parts);
   CHECK(order.exact);
   CHECK(std::vector(order.far_first.begin(), order.far_first.end()) == std::vector<std::uint32_t>{3, 4, 2, 0, 1, 6, 5});

@@ -66,7 +66,7 @@ TEST_CASE("stores positions, directions, weights, colours and classes of volumes
     if (k == 6 || k == 7) {
       REQUIRE(decoded.normal == glm::vec3(0));
     } else {
-      // Ten bits per octahedral axis: a quarter of a degree.
+      // Ten bits per octahedral axis give an error of a quarter of a degree.
       REQUIRE(glm::dot(decoded.normal, glm::normalize(cloud.normals[k])) > 0.99999f);
     }
   }
@@ -96,7 +96,7 @@ TEST_CASE("keeps volumes that are drawn, and removes others to make room") {
   REQUIRE(again.size() == 2);
   CHECK(again[0].first == places[0].first);
   CHECK(again[1].first == places[1].first);
-  // A third one in the next viewport.
+  // The next viewport has a third volume.
   const SharedVolume third = shared(250, 3);
   CHECK(store.place(std::span(&third, 1)).size() == 1);
   CHECK(store.bytes() <= 1000 * VolumeStore::kBytes);
@@ -109,7 +109,7 @@ TEST_CASE("keeps volumes that are drawn, and removes others to make room") {
   const auto one = store.place(twice);
   REQUIRE(one.size() == 2);
   CHECK(one[0].first == one[1].first);
-  // Adds and drops many.
+  // Many volumes are added and dropped.
   for (unsigned i = 0; i < 50; ++i) {
     store.forget_unused();
     const SharedVolume passing = shared(200, i);

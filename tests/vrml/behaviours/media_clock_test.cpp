@@ -118,7 +118,7 @@ TEST_CASE("ignores set_pitch, set_speed, set_startTime and an early set_stopTime
   CHECK(play_of(world, "M").rate == 1);
   CHECK(play_of(world, "C").start == 0);
   world.step(2);
-  world.send("C.stopTime", SFTime{1002});  // the present: it ends
+  world.send("C.stopTime", SFTime{1002});  // the present time, so the clip ends
   world.send("M.loop", SFBool{true});
   CHECK(world.take() == Lines{"2 C.stopTime 1002", "2 C.isActive FALSE", "2 M.loop TRUE"});
   world.send("C.pitch", SFFloat{2});

@@ -29,7 +29,7 @@ TEST_CASE("reports entry, movement and exit of the viewer by a ProximitySensor (
   CHECK(world.take() == Lines{"3 P.position_changed 1 0.5 0"});
   world.execution().viewer().set(viewer_at(103, 0, 0));
   world.step(4);
-  // A straight path that leads out at once.
+  // The straight path leads out of the box in the same step.
   CHECK(world.take() == Lines{"4 P.isActive FALSE", "4 P.exitTime 1003", "4 P.position_changed 1 0.5 0",
                               "4 P.orientation_changed 0 0 1 0"});
 }
@@ -170,7 +170,7 @@ TEST_CASE("reports the times and positions at which the viewer crossed the box o
   world.step(5);
   CHECK(world.take() == Lines{"5 P.isActive FALSE", "5 P.exitTime 1004.25", "5 P.position_changed -1 0 0",
                               "5 P.orientation_changed 0 0 1 0"});
-  // Past a corner, and from an invalid position.
+  // The paths pass a corner, and come from an invalid position.
   world.execution().viewer().set(viewer_at(0, 7.5, 0));
   world.step(6);
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -59,7 +59,7 @@ TEST_CASE("sends touchTime only if the button is released over the TouchSensor (
   world.step(5);
   device.release();
   CHECK(world.take() == Lines{"5 T.isActive FALSE"});
-  // Pressed elsewhere and released over it: no click.
+  // A press elsewhere and a release over the sensor is not a click.
   world.step(6);
   device.press();
   world.step(7);
@@ -68,7 +68,7 @@ TEST_CASE("sends touchTime only if the button is released over the TouchSensor (
   device.release();
   CHECK(world.take("T.isOver") == Lines{"7 T.isOver TRUE"});
   CHECK(world.take().empty());
-  // Away and back again.
+  // The pointer moves away and back again.
   world.step(9);
   device.press();
   world.step(10);

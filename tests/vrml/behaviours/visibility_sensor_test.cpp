@@ -29,14 +29,14 @@ TEST_CASE("reports when the box of a VisibilitySensor enters and leaves the view
   world.step(4);
   world.send("V.enabled", true);
   CHECK(world.take("isActive") == Lines{"4 V.isActive TRUE"});
-  // From behind.
+  // The viewer looks from behind.
   world.execution().viewer().set(glm::rotate(looking_at_x(100), 3.14159, {0.0, 1.0, 0.0}));
   world.step(5);
   CHECK(world.take("isActive") == Lines{"5 V.isActive FALSE"});
 }
 
 TEST_CASE("derives the edges of the view from fieldOfView, aspect ratio and the renderer (6.53, 6.54)") {
-  // tan(0.785398 / 2) = 0.414: 4.14 up and 5.52 to the side at a distance of 10.
+  // tan(0.785398 / 2) = 0.414. At a distance of 10 the view extends 4.14 up and 5.52 to the side.
   World world(
       "DEF A Viewpoint { position 0 0 10 } DEF B Viewpoint { position 0 0 10 fieldOfView 1.5707963 } "
       "DEF In VisibilitySensor { center 5.4 0 0 } DEF Out VisibilitySensor { center 0 5.4 0 }");

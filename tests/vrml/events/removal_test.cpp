@@ -138,7 +138,7 @@ TEST_CASE("keeps nodes that fields, ROUTEs, PROTO instances or holds refer to") 
     CHECK(execution.lifetime().remove_unheld() == 0);
     execution.lifetime().release(scene, made);
     CHECK(execution.lifetime().remove_unheld() == 1);
-    execution.lifetime().release(scene, made);  // no longer in use
+    execution.lifetime().release(scene, made);  // the caller no longer uses the node
   }
   SECTION("its ROUTE to a node that is held, not one from such a node") {
     const MFNode made = read(world, "PositionInterpolator { } PositionInterpolator { }");
@@ -338,7 +338,7 @@ TEST_CASE("removes exactly the unreferenced nodes under random operations") {
           CHECK(scene.revision() != before);
           for (const NodeId id : roots) made.push_back(id);
           if (kind == 5) routes.push_back(route_of(scene, roots[0], "value_changed", roots[1], "set_fraction"));
-          // Often holds it for a while.
+          // In half of the rounds, a caller holds the node for a while.
           if (below(2) == 0) {
             execution.lifetime().hold(scene, roots[0]);
             holds[roots[0].index].first = roots[0];

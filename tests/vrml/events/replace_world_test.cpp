@@ -81,7 +81,7 @@ TEST_CASE("replaces the world by nodes of an Inline's scene and removes the Inli
     if (round == 3) places = world.scene().node_count() + part.node_count();
     if (round > 3) CHECK(world.scene().node_count() + part.node_count() == places);
   }
-  // Nodes of the file, in reused slots.
+  // Nodes of the file get reused slots.
   MFNode made = read(world, "Group { }");
   CHECK(world.execution().lifetime().replace_world(world.scene(), made));
   world.step(200);

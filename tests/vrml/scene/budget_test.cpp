@@ -15,7 +15,7 @@ using namespace vrml;
 
 constexpr std::size_t kMemory = std::size_t{8} << 20;
 
-/// A text in a world with a small memory limit.
+/// Text parsed in a world with a small memory limit.
 struct Small {
   explicit Small(const std::string& body, std::size_t memory = kMemory)
       : scene("bomb.wrl", Limits{.memory = memory}), outcome(parse("#VRML V2.0 utf8\n" + body, scene, diagnostics)) {}
@@ -61,12 +61,12 @@ TEST_CASE("limits each resource of a budget, and their sum") {
   CHECK(budget.refusal(Resource::meshes) ==
         "more than the limit for meshes, 1600 bytes of one world (--memory raises it)");
   CHECK(budget.take(Resource::nodes, 1300));
-  CHECK(budget.left(Resource::meshes) == 100);  // of 2400 for everything
+  CHECK(budget.left(Resource::meshes) == 100);  // of 2400 in total
   CHECK_FALSE(budget.take(Resource::vectors, 101));
   CHECK(budget.used(Resource::vectors) == 0);
   CHECK(budget.refusal(Resource::vectors) ==
         "more than the limit for memory in use, 2400 bytes of one world (--memory raises it)");
-  CHECK(budget.take(Resource::unpacked, 3200));  // is not held
+  CHECK(budget.take(Resource::unpacked, 3200));  // this resource is not held
   budget.give_back(Resource::nodes, 1300);
   CHECK(budget.take(Resource::vectors, 1400));
   CHECK_FALSE(budget.take(Resource::meshes, ~std::uint64_t{0}));
@@ -212,7 +212,7 @@ TEST_CASE("leaves out geometries that exceed the memory limit, and gives back th
   check(extrusion, false);  // fewer than two rings
   section.resize(10);
   scene.set(extrusion, "crossSection", section);
-  check(extrusion, true);  // the start of the spine
+  check(extrusion, true);  // the mesh has the start of the spine
   spine.resize(50);
   scene.set(extrusion, "spine", spine);
   CHECK_FALSE(tessellate(scene, extrusion).limited);

@@ -29,7 +29,7 @@ std::string squeezed(std::string text) {
   return text;
 }
 
-// Restores infinity and pi signs that the JSON file lost.
+// Restores the signs for infinity and pi, which are missing in the JSON file.
 std::string repaired(const std::string& node, std::string range) {
   range = squeezed(range);
   if (range == "seeSoSFImage") return "";
@@ -82,7 +82,7 @@ TEST_CASE("matches the interfaces of the standard, row by row") {
       CHECK(std::string(name_of(declaration->type)) == row["type"]);
       CHECK(squeezed(declaration->range) == repaired(name, row["range"]));
       if (declaration->slot < 0) continue;
-      // The same reader must read the default to an equal value.
+      // The reader must read the standard's default to an equal value.
       NodeType standard;
       REQUIRE(parse_interface("field " + std::string(row["type"]) + " x " + std::string(row["default"]), standard));
       CHECK((declaration->initial == standard.interfaces.front().initial));

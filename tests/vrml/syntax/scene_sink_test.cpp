@@ -144,7 +144,7 @@ TEST_CASE("applies the limits of a world to a second grammar") {
   CHECK(print(counted.expressions.scene) == print(counted.vrml97.scene));
 
   Limits flat;
-  flat.nesting = 4;  // the grammar above counts a field and its node as one construct
+  flat.nesting = 4;  // this grammar counts a field and its node as one level
   World world(flat);
   gs::vrml::test::SceneReader(world.scene, world.diagnostics).read(expressions);
   CHECK(world.messages() == "1: error nested deeper than 4 levels; deeper content is left out\n");

@@ -61,7 +61,7 @@ TEST_CASE("chooses a stand-in for an EXTERNPROTO by its name or its children") {
   external.kind = NodeType::Kind::external_prototype;
   CHECK(stand_in_for(scene, external) == nullptr);
   external.declare({AccessType::field, FieldType::SFNode, "children", SFNode{}, {}});
-  CHECK(stand_in_for(scene, external) == nullptr);  // not a list
+  CHECK(stand_in_for(scene, external) == nullptr);  // `children` is not a list
   external.name = "HUD";
   REQUIRE(stand_in_for(scene, external));
   CHECK(stand_in_for(scene, external)->name == "HUD");
@@ -96,7 +96,7 @@ TEST_CASE("fixes only the HUD stand-in to the viewer") {
   REQUIRE(stand_in(scene, "HUD"));
   CHECK(is_overlay(*stand_in(scene, "HUD")));
   CHECK_FALSE(is_overlay(*stand_in(scene, "Layer")));
-  NodeType own;  // of the world, with the same name
+  NodeType own;  // a type of the world with the same name
   own.name = "HUD";
   CHECK_FALSE(is_overlay(own));
 }

@@ -133,7 +133,7 @@ inline std::size_t rims_of(const std::vector<Corners>& triangles) {
 
 /// Reports whether the triangles around each vertex form one fan.
 inline bool one_fan_a_vertex(const std::vector<Corners>& triangles) {
-  std::map<std::uint32_t, std::map<std::uint32_t, std::uint32_t>> round;  // for each vertex: from one neighbour to the next
+  std::map<std::uint32_t, std::map<std::uint32_t, std::uint32_t>> round;  // per vertex: next neighbour
   std::map<std::uint32_t, std::size_t> count;
   for (const Corners& t : triangles)
     for (std::size_t k = 0; k < 3; ++k) {

@@ -78,7 +78,7 @@ TEST_CASE("groups a cube of twelve triangles into six squares", "[outline]") {
       REQUIRE(group.outline[0].ring(0).size() == 4);
       CHECK(vector_area(group.outline[0].ring(0)) == glm::dvec3(group.normal));
       CHECK(group.offset ==
-            std::max({group.normal.x, group.normal.y, group.normal.z}));  // 1 for sides at coordinate 1, 0 for sides at coordinate 0
+            std::max({group.normal.x, group.normal.y, group.normal.z}));  // 1 for sides at 1, 0 for sides at 0
       normals.insert(place_key(group.normal + 0.0f));
     }
     CHECK(normals.size() == 6);
