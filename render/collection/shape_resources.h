@@ -44,7 +44,7 @@ class ShapeResources {
   /// returns the previous mesh. Null or an empty mesh means that nothing is drawn.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry,
                                                           bool textured);
-  /// Mesh of a Text at `level` of vrml::kTextTolerances. If the budget does not permit it, the coarsest mesh.
+  /// Mesh of a Text at `level` of vrml::kTextTolerances. The coarsest mesh if the budget does not permit that level.
   struct TextMesh {
     std::shared_ptr<const vrml::Mesh> mesh;
     std::uint8_t level;
@@ -67,7 +67,7 @@ class ShapeResources {
   [[nodiscard]] bool clear_made_mesh() { return std::exchange(made_mesh_, false); }
   void report_limit(const std::string& why, const vrml::SceneGraph& scene, vrml::NodeId node);
   [[nodiscard]] std::vector<LimitReport>& limit_reports() { return limit_reports_; }
-  /// Forgets which OutlineGroup refines which. Call it when this may have changed.
+  /// Forgets the refining OutlineGroups. Call it when they may have changed.
   void forget_refiners() { refiners_.clear(); }
 
  private:

@@ -105,8 +105,8 @@ bool draws_layers(const Gl& gl, const RenderList& list, const DrawOptions& optio
 }
 
 /// Returns options for off-screen drawing. If `reduced`, software drivers draw four times the pixels, which are
-/// averaged later: multisampling takes three times as long. Not for CPU-rasterized surfaces, which have their own
-/// sampling.
+/// averaged later: multisampling takes three times as long. Does not reduce CPU-rasterized surfaces, which have their
+/// own sampling.
 DrawOptions for_target(const Gl& gl, const RenderList& list, const DrawOptions& options, bool reduced) {
   DrawOptions local = options;
   local.x = local.y = 0;

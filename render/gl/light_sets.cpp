@@ -130,7 +130,7 @@ void LightSets::choose_local(const glm::vec3& center, float radius, std::size_t 
   (looked_at_ < kManyLooks ? local_ : few_).each_near(center, radius, [&](const LightTree::Sphere& sphere) {
     const ShaderLight& light = lights_[sphere.number];
     const float distance = glm::length(light.location - center);
-    // A light that reaches only a part of the item counts less.
+    // A light that reaches only a part of the item has a smaller weight.
     const float covered = radius > 0 ? std::min((light.radius + radius - distance) / (2 * radius), 1.0f) : 1.0f;
     const float strength = covered * light.intensity * std::max({light.color.r, light.color.g, light.color.b}) *
                            attenuation_at(light.attenuation, std::max(distance - std::max(radius, 0.0f), 0.0f));

@@ -85,7 +85,7 @@ class LightSets {
     ShaderLight lights[kMaxOfBlock];
   };
   static_assert(sizeof(ShaderSet) <= 16 * 1024);  // 16 KiB is the minimum that OpenGL guarantees
-  using Choice = std::vector<std::uint16_t>;      // indices into lights_
+  using Choice = std::vector<std::uint16_t>;      // indices in lights_
   struct ChoiceHash {
     std::size_t operator()(const Choice& choice) const;
   };

@@ -11,7 +11,7 @@
 namespace gs::render {
 namespace {
 
-constexpr int kMaxScans = 100;  // a hostile progressive file may have thousands, each a pass over the image
+constexpr int kMaxScans = 100;  // a hostile progressive file may have thousands of scans, each a pass over the image
 constexpr int kMaxBrokenScans = 8;
 constexpr std::uint32_t kAllRows = std::numeric_limits<std::uint32_t>::max();
 

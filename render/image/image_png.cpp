@@ -109,7 +109,8 @@ bool read_rows(PngReader& reader) {
   std::memcpy(reader.pixels, reader.first_row, stride);
   for (int pass = 0; pass < reader.passes; ++pass)
     for (std::uint32_t y = pass == 0 ? 1 : 0; y < reader.height && !stopped(reader); ++y)
-      // As the second buffer, libpng writes whole blocks of an interlaced image, so that a truncated image has no gaps.
+      // Passes the row as the second buffer. There libpng writes whole blocks of an interlaced image, so that a
+      // truncated image has no gaps.
       png_read_row(reader.png, nullptr, reader.pixels + y * stride);
   return true;
 }

@@ -43,7 +43,7 @@ class MediaInput {
 
   /// Opens the file at its beginning. Returns the error, or nullopt. After an error, no packets can be read.
   [[nodiscard]] std::optional<std::string> open();
-  /// Returns the index of the first stream of a kind. Ignores cover pictures. Returns -1 if no stream exists.
+  /// Returns the index of the first stream of a kind. Ignores cover pictures. Returns -1 if there is no such stream.
   [[nodiscard]] int find_stream(AVMediaType kind) const;
   /// Opens a decoder for a stream. Returns null on failure and sets `problem`. `adjust` may set options of the decoder
   /// first.

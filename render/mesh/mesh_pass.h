@@ -80,7 +80,7 @@ class MeshPass {
     std::uint32_t lights = 0, texture = 0;
     [[nodiscard]] std::uint64_t packed() const;
   };
-  /// Item that is ready to draw.
+  /// Item with the data that its draw needs.
   struct Prepared {
     Instance instance;
     DrawState state;

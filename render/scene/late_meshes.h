@@ -82,8 +82,7 @@ class LateMeshes {
   /// has replaced it.
   [[nodiscard]] std::vector<Made> take(MeshCache& meshes);
 
-  /// Returns the elements that were processed within frames so far. The next function returns the meshes submitted so
-  /// far.
+  /// Returns the number of elements that were processed within frames so far.
   [[nodiscard]] std::uint64_t work_in_frames() const { return work_in_frames_; }
   [[nodiscard]] std::uint64_t handed_over() const { return handed_over_; }
 

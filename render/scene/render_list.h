@@ -194,11 +194,11 @@ struct RenderList {
 [[nodiscard]] std::uint64_t next_change();
 
 /// Traverses the scene, including PROTO instances and attached Inlines, and collects its visible content. Accepts any
-/// graph that a file can describe: it cuts cycles; the scene's budget bounds depth, items, triangles and mesh memory,
-/// and `limit_reports` reports omissions. Many primitives get coarser meshes. Stops early if the budget is cancelled.
-/// `viewer` is the camera position in world space, for LOD. Geometry nodes in `geometries` become splats or surfaces.
-/// `bound` selects NavigationInfo, Background and Fog; null means the first ones outside Inlines. `pixels_per_radian`
-/// determines the detail of Text.
+/// graph that a file can describe: the traversal stops at cycles; the scene's budget bounds depth, items, triangles and
+/// mesh memory, and `limit_reports` reports omissions. Many primitives get coarser meshes. Stops early if the budget is
+/// cancelled. `viewer` is the camera position in world space, for LOD. Geometry nodes in `geometries` become splats or
+/// surfaces. `bound` selects NavigationInfo, Background and Fog; null means the first ones outside Inlines.
+/// `pixels_per_radian` determines the detail of Text.
 [[nodiscard]] RenderList collect(const vrml::SceneGraph& scene, const Images& images, MeshCache& meshes,
                                  const glm::dvec3& viewer = glm::dvec3(0, 0, 10), const Geometries& geometries = {},
                                  const BoundNodes* bound = nullptr, float pixels_per_radian = kUsualPixelsPerRadian);

@@ -195,7 +195,7 @@ TEST_CASE("picks surfaces where the exact ray caster sees them", "[optimised]") 
   SECTION("tiny discs far away") {
     CHECK(agreement(test::disc_sphere(200000, 0.9f), test::view_from({1, 2, 30}, 24, 20)) > 0.98);
   }
-  SECTION("cubes") { CHECK(agreement(*testing::octree_sphere(3000), view) > 0.97); }  // splats that cubes clip have ragged rims
+  SECTION("cubes") { CHECK(agreement(*testing::octree_sphere(3000), view) > 0.97); }  // clipped splats: ragged rims
   SECTION("two-sided") {
     qnv::Splats half = test::disc_sphere(3000, 0.9f);
     half.positions.resize(1500), half.normals.resize(1500), half.weights.resize(1500), half.colors.resize(1500);

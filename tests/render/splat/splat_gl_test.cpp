@@ -79,7 +79,7 @@ SplatView view_of_sphere() {
 // Differences of two layers, as shares of the pixels.
 struct LayerDifference {
   double uncovered = 0;  // covered in only one of the two layers
-  double wrong = 0;      // of pixels covered in both: the normal differs by over 2 degrees, the depth by 1/1000, or the colour by 3
+  double wrong = 0;      // of both covered: normal off by over 2 degrees, depth by 1/1000, or colour by 3
   std::size_t both = 0;
 };
 

@@ -66,7 +66,7 @@ TEST_CASE("activates an Anchor only if the button is released over it (6.2)") {
   CHECK(anchors(world).empty());
   world.step(2);
   device.move("R", 1, 0);
-  CHECK_FALSE(world.execution().pointing().pointed_at().sensor);  // A has grabbed the pointer; the pointer is not over A
+  CHECK_FALSE(world.execution().pointing().pointed_at().sensor);  // A has grabbed the pointer
   device.release();
   CHECK(anchors(world).empty());
   CHECK(world.execution().pointing().pointed_at().anchor.node == world.node("B"));
