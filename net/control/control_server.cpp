@@ -97,7 +97,7 @@ struct Mailbox {
   bool gone = false;                 // the connection is closed
   std::deque<std::string> answers;
   std::size_t answer_bytes = 0, unsent_bytes = 0;  // bytes in `answers`; bytes not sent by the server's thread
-  bool behind = false, cut_off = false;  // the client has many unread bytes; it has too many
+  bool behind = false, cut_off = false;  // behind: the client has many unread bytes; cut_off: too many
 };
 
 struct Peer {

@@ -278,7 +278,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
     if (!textures) textures = on_processor(pieces, view, whole);
     statistics.vectors += textures->discs;
     statistics.draw_calls += textures->draw_calls;
-    // Splats that OpenGL could not draw shows in the statistics.
+    // The statistics show that OpenGL could not draw splats.
     if (!by_gl || std::string_view(statistics.splats) == "none") statistics.splats = by_gl ? "gl" : "cpu";
     if (textures->normals == 0) continue;
     shade(shown_material(item, options.clouds.color_by), *textures, by_gl ? closing_for(pieces, whole) : 0, sets[i],

@@ -12,7 +12,7 @@
 
 namespace gs::qnv::exact {
 
-/// Rule that selects the faces that contribute to a corner's normal. Each face counts by its area.
+/// Rule that selects the faces that contribute to a corner's normal. The weight of a face is its area.
 struct Shading {
   enum class Rule : std::uint8_t {
     edges = 0,  // faces that are connected over edges with at most `angle` between both faces

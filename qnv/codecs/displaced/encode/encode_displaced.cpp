@@ -56,7 +56,8 @@ constexpr float kFinestStep = 1.0f / 14;
 // Maximum bytes before the exact tail, relative to the tail. The second value applies if the user requested the tail:
 // the total should then stay small. Otherwise intermediate pictures matter more.
 constexpr double kBeforeTail = 1.0 / 9, kBeforeChosenTail = 1.0 / 6;
-// The same maximum for a textured surface, where the texture adds to the tail; and its minimum in bytes.
+// Maximum bytes before the tail of a textured surface, relative to the tail, because the texture adds to the tail; and
+// the minimum in bytes.
 constexpr double kBeforeTexturedTail = 1.0 / 3, kMinBeforeTextured = 2000;
 // Weight of the stage that is drawn until the tail is complete, as a fraction of the tail's bytes.
 constexpr double kWorthOfTail = 0.5, kWorthOfChosenTail = 1;

@@ -44,8 +44,8 @@ void leave_out_touched(std::vector<Voxel>& finest) {
 
 using Node = ClusterNode<PackedVoxels>;
 
-// Choice of neighbour prediction. Both suit smooth surfaces, only normals suit coarse levels, neither suits leaves and
-// dust.
+// Selects the values that neighbours help to predict. Smooth surfaces use normals and offsets, coarse levels only
+// normals, leaves and dust neither.
 struct Prediction {
   bool normals, offsets;
 };
