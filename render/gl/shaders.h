@@ -40,7 +40,7 @@ vec3 reflected(Light light, vec3 n, vec3 place, vec3 to_viewer, vec3 diffuse, ve
   float strength = 1.0;
 #ifdef LOCAL_LIGHTS
   // No branches: in software drivers they cost more than the computation. Directional lights have neutral values, and
-  // point lights have a cone that includes all directions.
+  // point lights a cone that includes all directions.
   l -= light.location_local.w * place;
   float distance = length(l);
   l /= max(distance, 1e-30);

@@ -17,10 +17,10 @@ struct Vector {
 struct Piece {
   vec3 lower;  // position = lower + code * step, in node space
   vec3 step;
-  vec2 radius;  // logarithm of the minimum radius, and its increase per code
+  vec2 radius;  // logarithm of the smallest radius, and what a step of the code adds to it
   vec2 edge;  // log2 of the minimum edge, and its increase per code
   float scale;  // factor of radii
-  float tint;  // 24-bit colour that replaces all colours; negative means no tint
+  float tint;  // 24-bit colour that replaces all colours; negative: none
 };
 layout(location = 0) in uvec2 instance;  // x: first vector; y: number of vectors (low byte), index of piece
 uniform usamplerBuffer vectors;
