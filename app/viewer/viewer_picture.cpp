@@ -90,7 +90,8 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   pane.statistics = renderer_->draw(list, camera, draw);
   const double end = Window::now();
   if (frame_.loading) pace_.note(pane.statistics.given_up, begin, end);
-  // If drawing was cancelled only to show progress or the interface, its time says nothing about the detail for motion.
+  // If drawing was cancelled only to show progress or the interface, its time is no measure for the detail during
+  // motion.
   const bool given_up = pane.statistics.given_up;
   if (given_up)
     pictures_.note_given_up(picture.pane, pane.statistics);

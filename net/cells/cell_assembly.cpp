@@ -200,7 +200,7 @@ void CellAssembly::handle_records(std::size_t stream, const Pdu& pdu, std::vecto
   }
   for (const Pdu::Part& part : pdu.parts) {
     const std::size_t from = std::size_t{part.place} * kCellPayload;
-    // If the PDU ends at another cell than the place says, its cells belong to another chunk.
+    // If the PDU ends at another cell than its place states, its cells belong to another chunk.
     if (part.last != (part.place + 1 == cells_of_pdu(size)) || from >= size) continue;
     put_records(stream, *group, offset + static_cast<std::uint32_t>(from),
                 std::span(part.payload).first(std::min(kCellPayload, size - from)), out);

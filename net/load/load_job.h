@@ -49,7 +49,7 @@ struct Fetch {
     std::optional<ResponseHead> not_modified;
     bool whole = false;
     std::optional<std::uint64_t> end;  // end of the body, as an offset in the resource
-    std::vector<std::byte> held;  // offset in the resource at which the body ends
+    std::vector<std::byte> held;  // body bytes delivered after the cached bytes
     std::optional<TransferEnd> held_end;
   } answer;
 };

@@ -176,7 +176,7 @@ std::size_t prepare_all(std::vector<Segment>& segments, const SplatView& view, c
         Segment& segment = segments[i];
         for (const SplatPiece& part : segment.parts)
           segment.count += kernel.prepare(source_of(part, view), camera, discs + segment.first + segment.count);
-        // Sort now, while the data is in the cache. Sort later if there are so many splats that they may need thinning.
+        // Sort now, while the data is in the cache, unless there are so many splats that they may need thinning.
         count_in_tiles(segment, discs, grid, 1, most / segments.size());
         if (!segment.begin.empty()) sort_by_tiles(segment, discs, grid, 1);
       },

@@ -85,7 +85,7 @@ inline void check_any(ImportCloud import, const Bytes& bytes) {
   }
 }
 
-/// Imports every prefix (in memory of exactly its size), every changed byte, and rubbish after the first bytes.
+/// Imports every prefix (in memory of exactly its size), every changed byte, and invalid bytes after the first bytes.
 inline void check_hostile(ImportCloud import, const Bytes& bytes, std::size_t step = 1) {
   for (std::size_t n = 0; n <= bytes.size(); n += n < 600 ? watched_step(3) : step)
     check_any(import, Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n)));

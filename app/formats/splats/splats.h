@@ -71,7 +71,7 @@ struct SplatModel {
 ///
 /// Metadata has "source" and these counts unless they are 0: "splats not discs" (included, but thicker than
 /// kMaxDiscThickness), "splats too faint", "splats broken", and "splats missing" (announced, but not in the file).
-/// kSplatsDrawnAs says which of opacity and spherical harmonics were dropped.
+/// kSplatsDrawnAs states which of opacity and spherical harmonics were dropped.
 [[nodiscard]] qnv::Splats cloud_of_splats(const SplatModel& model);
 
 using ImportedCloud = std::variant<qnv::Splats, std::string>;

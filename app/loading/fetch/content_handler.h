@@ -51,7 +51,7 @@ class ContentHandler {
   /// Like whole_file(), but may move from the mapping. Returns false if the mapping still belongs to the caller.
   virtual bool take_file(net::MappedFile&) { return false; }
   virtual void receive(std::span<const std::byte> bytes) = 0;
-  /// Ends the resource. `problem` says why the remaining bytes are missing; nullopt means that the resource is
+  /// Ends the resource. `problem` states why the remaining bytes are missing; nullopt means that the resource is
   /// complete.
   virtual void end(const std::optional<std::string>& problem) = 0;
   /// Returns the reason why the content is unusable, or nullopt. With a reason, the caller tries the next candidate.

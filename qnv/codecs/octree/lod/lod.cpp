@@ -84,7 +84,7 @@ bool LodStream::directory_fits() const {
     if (node.broken) return true;
     const auto chunk = read_chunk(*source_, node.offset, node.bytes, buffer);
     const auto* sound = std::get_if<SoundChunk>(&chunk);
-    if (!sound) return true;  // damaged chunk; says nothing about the directory
+    if (!sound) return true;  // damaged chunk; proves nothing about the directory
     const auto header = read_cluster_header(sound->payload);
     const auto* cluster = std::get_if<ClusterHeader>(&header);
     return sound->type == ChunkType::packed && cluster && tree_.misfit(index, *cluster).empty();
