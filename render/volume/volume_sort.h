@@ -16,7 +16,7 @@
 namespace gs::render {
 
 /// Returns a sort key that increases from the farthest to the nearest depth. +0 and -0 have equal keys. NaN has the
-/// highest.
+/// highest key.
 [[nodiscard]] std::uint32_t far_first_key(float depth);
 
 /// Sorts entries (key << 32 | value) by key, ascending and stable. Radix sort, 11 bits per pass. `other` is working

@@ -94,7 +94,8 @@ struct WebWithSecret : Web {
 }  // namespace
 
 TEST_CASE(
-    "hides values of another host's nodes from a Script from the network, and still draws the nodes and sends them events") {
+    "hides values of another host's nodes from a Script from the network, and still draws the nodes and sends them "
+    "events") {
   Web web;
   web.put("memory://a/world.wrl",
           kHeader + reader("memory://b/part.wrl",
