@@ -5,6 +5,7 @@
 #include "app/commands/common/vectors_of.h"
 #include "app/encode/surface_triangles.h"
 #include "app/formats/content_types.h"
+#include "app/formats/foreign_types.h"
 #include "app/formats/qnv/cloud_reader.h"
 #include "base/json_value.h"
 #include "net/base/url.h"
@@ -286,7 +287,10 @@ int run_info(const InfoCommand& options) {
   const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                            std::chrono::duration<double>(std::min(options.timeout_seconds, 1e6)));
   auto mapped = net::map_file(local);
-  if (const auto* problem = std::get_if<net::FileError>(&mapped)) return fail(problem->message);
+  if (const auto* problem = std::get_if<net::FileError>(&mapped)) {
+    const auto folder = refusal_of_folder(local);
+    return fail(folder ? local + ": " + *folder : problem->message);
+  }
   auto bytes = std::get<net::MappedFile>(mapped).bytes();
   JsonValue facts = JsonValue::named({{"file", path}, {"type", ""}, {"bytes", bytes.size()}});
   bytes = bytes.first(std::min(bytes.size(), options.max_bytes));

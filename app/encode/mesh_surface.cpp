@@ -56,6 +56,7 @@ MeshSurface mesh_surface(MeshAsset asset, const std::string& path, const WorldBu
     Share share(budget, Resource::meshes);
     const bool allowed = share.grow(mesh.cost());
     if ((!allowed || mesh.limited) && !budget->stopped()) left_out.add(budget->refusal(Resource::meshes));
+    surface.face_colors |= !part.geometry.color_per_vertex && !part.geometry.colors.empty();
     part.geometry = {};
     const std::size_t triangles = mesh.indices.size() / 3;
     if (!allowed || triangles == 0) continue;

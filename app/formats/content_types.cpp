@@ -1,6 +1,7 @@
 #include "app/formats/content_types.h"
 
 #include "app/formats/common/scene_builder.h"
+#include "app/formats/foreign_types.h"
 #include "app/formats/gltf/gltf.h"
 #include "app/formats/mesh/points.h"
 #include "app/formats/splats/splats.h"
@@ -26,8 +27,8 @@ using Bytes = std::span<const std::byte>;
 bool is_vrml(Bytes bytes) {
   std::string_view text = text_of(bytes);
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
-  return text.starts_with("#VRML") || text.starts_with("#vrml") || text.starts_with("#X3D") ||
-         text.starts_with("#Inventor");
+  const std::string mark = lower_case(text.substr(0, 10));
+  return mark.starts_with("#vrml") && mark != "#vrml v1.0";
 }
 bool is_glb(Bytes bytes) { return text_of(bytes).starts_with("glTF"); }
 
@@ -52,26 +53,6 @@ Asset read_vectors(const ImportSource& source) {
   source.diagnostics.add({Severity::error, source.path, {}, std::move(std::get<std::string>(imported))});
   return {};
 }
-
-// Detects SOG: splats as WebP images, in a ZIP archive or beside their meta.json.
-bool is_sog(Bytes bytes) {
-  const std::string_view text = text_of(bytes).substr(0, 4096);
-  if (text.starts_with("PK\x03\x04")) {
-    const std::string_view name = text.substr(std::min<std::size_t>(text.size(), 30), 32);
-    return name.starts_with("meta.json") || name.starts_with("means_") || name.starts_with("lod-meta.json");
-  }
-  return text.starts_with('{') && text.find("\"means\"") != std::string_view::npos &&
-         text.find("means_l.webp") != std::string_view::npos;
-}
-ImportedCloud refuse_sog(Bytes, const WorldBudget&) {
-  return "SOG (splats as WebP pictures) is not supported; convert it with PlayCanvas splat-transform to PLY, "
-         "compressed PLY, SPZ, KSplat or .splat";
-}
-
-// Formats that are detected but not supported. Messages name them.
-constexpr ContentType kNotRead[] = {
-    {"SOG", "model/x-sog", ".sog ", is_sog, ContentClass::cloud, read_vectors<refuse_sog>},
-};
 
 Asset read_volume(const ImportSource& source) {
   auto opened = open_volume(source.path, {}, {source.read_file, source.name}, source.budget);
@@ -120,6 +101,15 @@ std::span<const ContentType> content_types() {
   return types;
 }
 
+namespace {
+
+// Reports whether the type has this extension, which begins with a point.
+bool has_extension(const ContentType& type, std::string_view extension) {
+  return type.extensions.find(std::string(extension) + ' ') != std::string_view::npos;
+}
+
+}  // namespace
+
 const ContentType* content_type_by_mark(Bytes bytes) {
   for (const ContentType& type : content_types())
     if (type.sniff && type.sniff(bytes)) return &type;
@@ -128,21 +118,18 @@ const ContentType* content_type_by_mark(Bytes bytes) {
 
 const ContentType& content_type_of(std::string_view path, Bytes bytes) {
   if (const ContentType* type = content_type_by_mark(bytes)) return *type;
-  for (const ContentType& type : kNotRead)
-    if (type.sniff(bytes)) return type;
-  std::string name(path);
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  for (const ContentType& type : foreign_types())
+    if (type.sniff && type.sniff(bytes)) return type;
+  std::string name = lower_case(path);
   if (name.ends_with(".gz")) name.resize(name.size() - 3);
   const std::size_t point = name.rfind('.');
-  if (point != std::string::npos) {
-    const std::string extension = name.substr(point) + ' ';
-    for (const ContentType& type : content_types())
-      if (type.extensions.find(extension) != std::string_view::npos) return type;
-    for (const ContentType& type : kNotRead)
-      if (type.extensions.find(extension) != std::string_view::npos) return type;
-  }
-  return content_types().front();
+  const ContentType* named = nullptr;
+  for (const std::span<const ContentType> types : {content_types(), foreign_types()})
+    for (const ContentType& type : types)
+      if (!named && point != std::string::npos && has_extension(type, std::string_view(name).substr(point)))
+        named = &type;
+  if (!named) named = &content_types().front();
+  return named->content == ContentClass::vrml && unknown_binary().sniff(bytes) ? unknown_binary() : *named;
 }
 
 std::optional<std::string> refuse_first_bytes(std::string_view path, Bytes first) {

@@ -19,6 +19,8 @@ class ProgressBar {
   [[nodiscard]] Progress& whole() { return whole_; }
   /// Returns the progress of one part of the operation. Cancellation applies to both.
   [[nodiscard]] Progress& part() { return part_; }
+  /// Removes the line from the terminal. Ctrl-C then no longer cancels.
+  void hide();
   [[nodiscard]] bool cancelled() const { return whole_.cancelled; }
 
  private:

@@ -41,6 +41,8 @@ template <class Number>
   count = static_cast<Number>(number);
   return true;
 }
+/// Parses a share from 0 to 1, or a percentage such as "30%".
+[[nodiscard]] bool read_share(std::string_view text, double& share);
 inline constexpr std::string_view kExpectedBytes = "expected a number of bytes, optionally with k, M or G: 400k";
 
 /// Calls `take` with each part of a list such as "a,b,c". Stops and returns false if `take` returns false.

@@ -15,6 +15,10 @@ SceneAsset::~SceneAsset() = default;
 
 Asset read_asset(const ContentType& type, ImportSource source) {
   Diagnostics& diagnostics = source.diagnostics;
+  if (!type.remedy.empty() && !source.bytes.empty()) {
+    diagnostics.add({Severity::error, source.path, {}, type.refusal()});
+    return {};
+  }
   if (source.bytes.empty()) {
     diagnostics.add({Severity::error, source.path, {}, "the file is empty; expected " + std::string(type.name)});
     return {};

@@ -40,6 +40,7 @@ void CloudHandler::read_whole(std::span<const std::byte> bytes, const std::strin
   const ContentType& type = content_type_of(path, first_bytes(bytes));
   if (is_outline_stream(bytes))
     return warn(": " + path + " is a stream of outlines; expected vectors, or an OutlineGroup for outlines");
+  if (!type.remedy.empty()) return warn(": " + path + ": " + type.refusal());
   if (!type.is_cloud()) return warn(": " + path + " is " + std::string(type.name) + "; expected a QNV stream");
   CloudFile file{path, bytes, cut};
   file.to_draw = !loading_.options.whole_surfaces;

