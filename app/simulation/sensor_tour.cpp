@@ -49,7 +49,7 @@ bool SensorTour::press_next() {
     vrml::NodePlace sensor;
   };
   std::vector<Candidate> candidates;
-  for (const SensorGeometry& one : sensor_geometry(*world(), *seen.list)) {
+  for (const SensorGeometry& one : session_.pointing().sensors_in(seen)) {
     const vrml::Node* const node = &one.sensor.scene->node(one.sensor.node);
     candidates.push_back({presses_[node], node, one.sensor});
   }

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <unordered_map>
+#include <utility>
 
 namespace gs::app {
 namespace {
@@ -124,14 +125,35 @@ std::vector<SensorGeometry> sensor_geometry(vrml::Execution& world, const render
   return result;
 }
 
+const std::vector<SensorGeometry>& SensorGeometries::of(vrml::Execution& world, const render::RenderList& list) {
+  const bool same = list.generation != 0 && list.generation == generation_ && world_ == &world &&
+                    world.pointing().revision() == revision_;
+  if (same) return known_;
+  known_ = sensor_geometry(world, list);
+  world_ = &world;
+  generation_ = list.generation;
+  revision_ = world.pointing().revision();
+  return known_;
+}
+
 render::RenderList only(const render::RenderList& list, const std::vector<std::size_t>& items) {
   render::RenderList result;
-  result.places = list.places;
-  result.world_from_frame = list.world_from_frame;
   result.scenes = list.scenes;
+  std::unordered_map<std::uint32_t, std::uint32_t> places;  // new index of a place by its old index
   for (const std::size_t i : items) {
     result.items.push_back(list.items[i]);
     result.overlays = result.overlays || list.items[i].overlay;
+    std::uint32_t* from = &result.items.back().place;
+    for (std::uint32_t at = *from; at < list.places.size();) {
+      const auto [place, fresh] = places.try_emplace(at, static_cast<std::uint32_t>(result.places.size()));
+      *from = place->second;
+      if (!fresh) break;
+      result.places.push_back(list.places[at]);
+      render::Place& made = result.places.back();
+      result.world_from_frame.push_back(list.world_from_frame[std::exchange(made.frame, place->second)]);
+      at = made.parent;
+      from = &made.parent;
+    }
   }
   return result;
 }

@@ -70,7 +70,19 @@ struct SensorGeometry {
 /// Returns the enabled sensors and Anchors with draw items in `list`, in the order of their first items. Ignores
 /// splats.
 [[nodiscard]] std::vector<SensorGeometry> sensor_geometry(vrml::Execution& world, const render::RenderList& list);
-/// Returns a copy of `list` that contains only these items.
+/// Sensor geometry of the last list that was asked for. Computes the geometry again only after changes of the list's
+/// structure or of the sensors.
+class SensorGeometries {
+ public:
+  /// Returns sensor_geometry(). Valid until the next call.
+  [[nodiscard]] const std::vector<SensorGeometry>& of(vrml::Execution& world, const render::RenderList& list);
+
+ private:
+  std::vector<SensorGeometry> known_;
+  const vrml::Execution* world_ = nullptr;
+  std::uint64_t generation_ = 0, revision_ = 0;  // of the list and of the world's Pointing
+};
+/// Returns a list of these items of `list`, with the places above them.
 [[nodiscard]] render::RenderList only(const render::RenderList& list, const std::vector<std::size_t>& items);
 /// Returns a line from `eye` that hits a triangle of the list, if possible in the middle of an item. Returns nullopt if
 /// the list has only lines, points, and triangles that are edge-on to `eye`.

@@ -3,6 +3,7 @@
 #include "render/collection/collect_nodes.h"
 #include "render/scene/render_list.h"
 #include "vrml/mesh/text_shaper.h"
+#include "vrml/scene/meant_node.h"
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
@@ -72,7 +73,7 @@ class ShapeResources {
   void forget_refiners() { refiners_.clear(); }
 
  private:
-  TextureUse texture_use(const vrml::SceneGraph& scene, const NodeView& appearance);
+  TextureUse texture_use(const vrml::SceneGraph& scene, const vrml::ShapeParts& parts);
   std::shared_ptr<const Image> image_of_texture(const vrml::SceneGraph& scene, vrml::NodeId texture);
   vrml::NodeId refiner_of(const vrml::SceneGraph& scene, vrml::NodeId geometry);
   void bring_up_to_date(MeshCache::Entry& entry, const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured,

@@ -57,10 +57,6 @@ std::vector<EventNode> BindableStacks::nodes() {
          node = execution_.nodes()[node].bound_below)
       found.push_back(node);
   std::reverse(found.begin(), found.end());
-  for (const EventNode node : found) {
-    const EventMember& at = execution_.nodes()[node];
-    execution_.placement().look_for(*at.scene, at.id);
-  }
   return found;
 }
 

@@ -11,6 +11,7 @@ Execution::Execution(SceneGraph& root)
       changes_(*this),
       stacks_(*this),
       timers_(*this),
+      idle_(*this),
       lifetime_(*this),
       scripts_(*this),
       placement_(root),

@@ -7,6 +7,7 @@
 #include "vrml/events/change_list.h"
 #include "vrml/events/event_cascade.h"
 #include "vrml/events/event_nodes.h"
+#include "vrml/events/idle_sensors.h"
 #include "vrml/events/node_lifetime.h"
 #include "vrml/events/pointing.h"
 #include "vrml/events/route_table.h"
@@ -65,6 +66,8 @@ class Execution {
   [[nodiscard]] BindableStacks& stacks() { return stacks_; }
   [[nodiscard]] const BindableStacks& stacks() const { return stacks_; }
   [[nodiscard]] TimerQueue& timers() { return timers_; }
+  [[nodiscard]] IdleSensors& idle() { return idle_; }
+  [[nodiscard]] const IdleSensors& idle() const { return idle_; }
   [[nodiscard]] NodeLifetime& lifetime() { return lifetime_; }
   [[nodiscard]] ScriptQueue& scripts() { return scripts_; }
   [[nodiscard]] Placement& placement() { return placement_; }
@@ -96,6 +99,7 @@ class Execution {
   ChangeList changes_;
   BindableStacks stacks_;
   TimerQueue timers_;
+  IdleSensors idle_;
   NodeLifetime lifetime_;
   ScriptQueue scripts_;
   Placement placement_;

@@ -195,12 +195,12 @@ void NodeLifetime::remove_nodes(SceneState& state, const std::vector<NodeId>& no
     if (observer_) observer_(scene, id);
     if (SceneGraph* const content = scene.inlined(id)) remove_scene(*content);
     if (const EventNode member = state.member_of(id)) remove_member(member);
+    execution_.placement().remove(scene, id);
   }
   scene.remove(nodes);
   const auto is_gone = [&](NodeId id) { return !scene.contains(id); };
   std::erase_if(state.at_run_time, is_gone);
   std::erase_if(state.waiting, is_gone);
-  execution_.placement().forget();
   execution_.pointing().forget();
   forget_removed();
 }
@@ -214,12 +214,13 @@ void NodeLifetime::remove_member(EventNode node) {
     if (behaviour->on_remove) behaviour->on_remove(execution_, node);
   }
   execution_.timers().remove(node);
-  execution_.placement().remove(*at.node);
+  execution_.placement().remove(*at.scene, at.id);
   execution_.scenes().find(at.scene)->members[at.id.index] = 0;
   execution_.nodes().remove(node);
 }
 
 void NodeLifetime::remove_scene(SceneGraph& scene) {
+  execution_.placement().forget();
   std::vector<SceneGraph*> scenes{&scene};
   for (std::size_t i = 0; i < scenes.size(); ++i)
     for (const auto& [place, content] : scenes[i]->inlines())
@@ -327,6 +328,7 @@ void NodeLifetime::do_replace_world() {
   const bool is_root = next.scene == &root;
   const bool has_room = is_root || move_to_root(*next.scene);
   if (has_room) next.scene->set_roots(next.nodes);
+  execution_.placement().forget();
   for (const NodeId id : next.nodes) release(*next.scene, id);
   if (!has_room) return;
   SceneState& state = scenes.state_of(*next.scene);

@@ -73,11 +73,12 @@ void WorldScenes::attach(SceneGraph& scene) {
   if (const auto place = places_.find(&scene); place != places_.end()) attach_all({place->second});
 }
 
-// Attaches scenes. An Inline precedes the Inlines nested in it.
+// Attaches scenes. An Inline precedes the Inlines nested in it. New nodes of a scene that lives are not yet in the
+// hierarchy.
 void WorldScenes::attach_all(std::vector<std::size_t> order) {
-  execution_.placement().forget();
   execution_.pointing().forget();
   for (std::size_t i = 0; i < order.size(); ++i) {
+    if (!states_[order[i]].lives) execution_.placement().forget();
     attach_scene(states_[order[i]]);
     const SceneGraph& scene = *states_[order[i]].scene;
     std::vector<std::uint32_t> inlines;

@@ -119,6 +119,8 @@ class SceneSink {
   [[nodiscard]] std::vector<Statement>& statements();
   void skip_unknown(const NodeHeader& header);
   void place(NodeId node, NodeTarget target);
+  void place_checked(NodeId node, NodeTarget target, SourceLocation location);
+  bool place_in_shape(NodeId node, NodeTarget target);
   void add_type(NodeType& type);
   void connect_route(const RouteNames& wanted, NodeId from, NodeId to);
   void add_waiting_routes();
@@ -128,6 +130,7 @@ class SceneSink {
   TextProblems problems_;
   TextLimits limits_;
   std::vector<Scope> scopes_;
+  NodeId made_shape_;                                // last Shape that was made for misplaced nodes
   std::size_t open_interfaces_ = 0;                  // open PROTO interfaces; their default nodes are live
   std::unordered_set<std::string_view> said_types_;  // type names that were reported as declared twice
   std::unordered_map<std::string_view, const NodeType*> stand_ins_;  // stand-ins for the types that the text uses

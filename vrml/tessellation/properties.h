@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vrml/scene/meant_node.h"
 #include "vrml/scene/scene_graph.h"
 
 namespace gs::vrml {
@@ -21,7 +22,8 @@ namespace gs::vrml {
   return node ? scene.get<MFColor>(node, "color") : MFColor{};
 }
 [[nodiscard]] inline MFVec2f texture_coordinates_of(const SceneGraph& scene, NodeId geometry) {
-  const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "texCoord"), NodeKind::texture_coordinate);
+  const NodeId given = meant_node(scene, scene.get<SFNode>(geometry, "texCoord"), Role::geometric_property);
+  const NodeId node = scene.resolve_as(given, NodeKind::texture_coordinate);
   return node ? scene.get<MFVec2f>(node, "point") : MFVec2f{};
 }
 

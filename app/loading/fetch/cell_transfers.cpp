@@ -81,6 +81,7 @@ void CellTransfers::open(Fetch& fetch, const net::Url& url) {
     found.path = net::url_for_messages(url.text());
     found.origin = {found.url.text(), net::AddressSpace::global};
     if (!at->fetch) return;
+    found.candidate = at->fetch->next - 1;
     fetcher.begin_taking(*at->fetch, found);
     if (at->fetch->stage == Fetch::Stage::refused) fetcher.finish(*std::exchange(at->fetch, nullptr), std::nullopt);
   };

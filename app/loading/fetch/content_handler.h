@@ -23,6 +23,7 @@ struct Found {
   net::Url url;  // URL after redirects, without the fragment
   std::string path;  // path of a local file, else the URL; the file name in diagnostics
   std::string fragment;
+  std::size_t candidate = 0;  // index of the URL among those of the reference
   bool local = false;
   net::Origin origin;  // origin of all references inside the resource
 };

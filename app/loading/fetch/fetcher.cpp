@@ -203,6 +203,7 @@ bool Fetcher::begin_local(Fetch& fetch, const net::Url& url) {
   Found found;
   found.url = url;
   found.fragment = std::exchange(found.url.fragment, {});
+  found.candidate = fetch.next - 1;
   found.url.has_fragment = false;
   if (url.scheme == "data") {
     auto decoded = net::decode_data_url(url.text());

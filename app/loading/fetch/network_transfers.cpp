@@ -106,7 +106,8 @@ void NetworkTransfers::take(Fetch& fetch, net::LoadEvent& event) {
     if (fetch.part == Fetch::Part::front && !take_front(fetch, *head)) return;
     Found found;
     found.url = net::parse_url(head->url);
-    found.fragment = fetch.candidates[fetch.next - 1].fragment;
+    found.candidate = fetch.next - 1;
+    found.fragment = fetch.candidates[found.candidate].fragment;
     found.path = net::url_for_messages(head->url);
     found.origin = head->origin();
     if (fetch.stage == Fetch::Stage::seeking) fetcher.begin_taking(fetch, found);

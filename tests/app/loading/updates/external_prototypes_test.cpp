@@ -87,6 +87,30 @@ TEST_CASE("loads an EXTERNPROTO of its own file in pieces, and in libraries") {
   CHECK(shown.colors == std::vector<glm::vec3>{kBlue, kGreen});
 }
 
+TEST_CASE("uses the PROTO name of the URL that loads (VRML97 4.9.3)") {
+  const ScratchFolder folder;
+  (void)folder.write("lib.wrl", kHeader + "PROTO First [ ] { Group { } }\n" + kX +
+                                    "PROTO Second [ field SFColor c 0 1 0 ] { Shape { appearance Appearance { material "
+                                    "Material { emissiveColor IS c } } geometry Box { } } }\n");
+  const auto colors = [&](const std::string& text) {
+    const Shown shown = show(folder.write("a.wrl", kHeader + text));
+    UNSCOPED_INFO(shown.messages);
+    CHECK(shown.messages.empty());
+    return shown.colors;
+  };
+  const std::string fields = " [ field SFColor c ] ", both = "P { c 1 0 0 } Q { }\n";
+  CHECK(colors("EXTERNPROTO P [ ] [ \"urn:x:node:P\" \"lib.wrl#Second\" ] P { }\n") == std::vector<glm::vec3>{kGreen});
+  // Two types share the file, although their first URLs have other names.
+  CHECK(colors("EXTERNPROTO P" + fields + "[ \"gone.wrl#A\" \"lib.wrl#X\" ] EXTERNPROTO Q" + fields +
+               "[ \"gone.wrl#B\" \"lib.wrl#Second\" ]\n" + both) == std::vector<glm::vec3>{kRed, kGreen});
+  // A later URL of the same file has the name.
+  CHECK(colors("EXTERNPROTO P" + fields + "[ \"lib.wrl#Gone\" \"lib.wrl#X\" ] P { c 0 0 1 }\n") ==
+        std::vector<glm::vec3>{kBlue});
+  // In an Inline.
+  (void)folder.write("inner.wrl", kHeader + "EXTERNPROTO P" + fields + "[ \"urn:x:node:P\" \"lib.wrl#X\" ] P { }\n");
+  CHECK(colors("Inline { url \"inner.wrl\" }\n") == std::vector<glm::vec3>{kRed});
+}
+
 TEST_CASE("reports a missing or recursive EXTERNPROTO of its own file, and shows the rest") {
   const ScratchFolder folder;
   const Shown missing =
