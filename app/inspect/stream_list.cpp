@@ -140,8 +140,28 @@ std::string readable_rate(double bits) {
 }
 
 std::optional<double> loss_of(const LoadRow& row) {
-  const std::uint64_t sent = row.datagrams + row.lost;
-  return sent == 0 ? std::nullopt : std::optional(static_cast<double>(row.lost) / static_cast<double>(sent));
+  const std::uint64_t sent = row.cells.datagrams + row.cells.lost;
+  return sent == 0 ? std::nullopt : std::optional(static_cast<double>(row.cells.lost) / static_cast<double>(sent));
+}
+
+std::string state_of(const LoadRow& row) {
+  std::string text(name_of(row.stage));
+  if (const double loss = loss_of(row).value_or(0); row.stage == LoadStage::whole && row.cells.missing && loss > 0) {
+    char percent[32];
+    std::snprintf(percent, sizeof percent, loss < 0.01 ? ", %.1f %% lost" : ", %.0f %% lost", loss * 100);
+    text += percent;
+  }
+  return text;
+}
+
+std::string slowness_of(const LoadRow& row) {
+  constexpr double kSlow = 0.9;  // the server always sends a little less than it granted
+  const CellCounts& cells = row.cells;
+  if (row.ended || !(cells.loss_events > 0) || cells.rate == 0 ||
+      static_cast<double>(cells.rate) >= kSlow * static_cast<double>(cells.granted))
+    return {};
+  return "slowed by losses: " + readable_rate(static_cast<double>(cells.rate)) + " of " +
+         readable_rate(static_cast<double>(cells.granted));
 }
 
 }  // namespace gs::app

@@ -103,7 +103,7 @@ UiActions UiOverlay::build(const UiModel& model) {
     else if (!viewport.failed.empty())
       widgets.failure_card(viewport, model, state.is_on(Action::log, model), actions);
     else if (viewport.label.empty() && !state.dialog.open)
-      widgets.welcome(viewport, i);
+      widgets.welcome(viewport, i, model, actions);
     // The line of the ruler uses the position of the first steps.
     else if (model.first_steps && viewport.active && !state.dialog.open && !model.tools.measuring)
       widgets.first_steps(viewport, model, actions);

@@ -98,8 +98,10 @@ void CellStream::take(net::CellEvent& event) {
   } else if (event.kind == Kind::piece) {
     sink_.piece(event);
   } else if (event.kind == Kind::ended) {
+    missing_ = true;  // unless `complete` follows
     sink_.ended(std::nullopt);
   } else if (event.kind == Kind::complete) {
+    missing_ = false;
     end(std::nullopt);
   } else if (event.kind == Kind::refused || event.kind == Kind::failed) {
     answered_ = answered_ || event.kind == Kind::refused;

@@ -13,9 +13,9 @@
 namespace gs::app {
 namespace {
 
-constexpr int kSettlingFrames = 3;  // number of frames until the interface has adapted to a change
-constexpr double kIdleWait = 30;  // seconds; max wait without events
-constexpr double kLongPicture = 0.3;  // seconds; longer drawing is a delay that users notice
+constexpr int kSettlingFrames = 3;     // number of frames until the interface has adapted to a change
+constexpr double kIdleWait = 30;       // seconds; max wait without events
+constexpr double kLongPicture = 0.3;   // seconds; longer drawing is a delay that users notice
 constexpr double kLoadingWait = 0.25;  // seconds between pictures of the moving progress line
 
 ViewerControllerOptions controller_options(const ViewerOptions& options, float scale) {
@@ -69,6 +69,7 @@ Viewer::Viewer(const ViewerOptions& options, const LoadOptions& load, std::uniqu
       session_(controller_.session()),
       hand_over_(HandOver::listen(hand_over_folder(), &Window::wake)),
       tools_(options, *renderer_),
+      start_page_(options.folders.state),
       frames_wanted_(kSettlingFrames) {
   measures_.gl_renderer = renderer_->gl_renderer();
 }
@@ -124,7 +125,9 @@ void Viewer::run() {
     if (interface_first_) frames_wanted_ = kSettlingFrames;
     session_.streams().request();
     controller_.inspection().prepare(session_, frame_.pictures, now);
-    controller_.apply(ui_.build(controller_.model(frame_, measures_)));
+    const UiModel model = controller_.model(frame_, measures_);
+    start_page_.set_recent(model.recent, window_->content_scale() * static_cast<float>(model.settings.text_size));
+    controller_.apply(ui_.build(model));
     if (tools_.go_on(session_.view(), teller())) frames_wanted_ = kSettlingFrames;
     ui_.draw();
     window_->present();

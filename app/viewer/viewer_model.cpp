@@ -62,7 +62,10 @@ void ViewerController::describe_viewports(UiModel& model, const Frame& frame, st
       viewport.axes = seen->style.axes && !seen->document->world.authored;
       viewport.pose = seen->navigation.pose;
     }
-    if (panes.loading(picture.pane)) viewport.loading = progress_of(pane.wanted);
+    if (panes.loading(picture.pane)) {
+      viewport.loading = progress_of(pane.wanted);
+      viewport.loaded = received_part(session_.readers().progress_of(pane.wanted));
+    }
     viewport.active = picture.pane == panes.active();
     viewport.weight = pane.weight;
     viewport.budget = budgets[model.viewports.size()];

@@ -156,11 +156,12 @@ std::shared_ptr<const render::RenderList> ViewerTools::guides(const View& view) 
   return view.style.grid ? grids_.of(view.list->bounds, upright_of(view)) : nullptr;
 }
 
-// Applies the options of the command line for volumes, once to each opened document.
+// Applies the options of the command line for volumes, once to each opened document. Shows images as planes.
 void ViewerTools::show_as_wished(View& seen, const Tell& tell) {
   const VolumeWishes& wishes = options_.volume;
-  const qnv::Description* const volume = wishes.any() ? first_volume(*seen.list) : nullptr;
-  if (!volume) return;
+  const qnv::Description* const volume = first_volume(*seen.list);
+  const auto image = volume && wishes.slices.empty() ? image_axis(*volume) : std::nullopt;
+  if (!volume || !(wishes.any() || image)) return;
   std::erase_if(wished_, [](const Wished& one) { return one.of.expired(); });
   auto known =
       std::find_if(wished_.begin(), wished_.end(), [&](const Wished& one) { return one.of.lock() == seen.document; });
@@ -175,7 +176,7 @@ void ViewerTools::show_as_wished(View& seen, const Tell& tell) {
       else
         seen.look.transfer = std::move(std::get<Transfer>(transfer));
     }
-    known->all = wishes.slices.empty();
+    known->all = wishes.slices.empty() && !(image && has_volume_values(seen.document->world.path));
     if (!known->all) seen.slices = wishes.slice_look;
   }
   if (known->all) return;
@@ -184,6 +185,7 @@ void ViewerTools::show_as_wished(View& seen, const Tell& tell) {
   known->all = true;
   if (!values.grid) return tell("Slices: " + values.problem, true);
   for (const SliceWish& wish : wishes.slices) gs::app::apply(wish, values.grid->dimensions(), seen.slices);
+  if (image) show_image(*values.grid, *image, seen.slices);
 }
 
 // Determines the value under the pointer. For a volume, it is the value at the visible depth, on a slice or surface;
@@ -251,7 +253,7 @@ void ViewerTools::describe(UiTools& tools, const View* seen, const Viewport& pla
   const qnv::Description* const volume = first_volume(*seen->list);
   if (volume && asked_.lock() != seen->document) {
     asked_ = seen->document;
-    asked_is_volume_ = is_volume_file(*seen);
+    asked_is_volume_ = has_volume_values(seen->document->world.path);
   }
   tools.has_file = volume && asked_is_volume_;
   const bool waits = std::any_of(wished_.begin(), wished_.end(),
@@ -267,15 +269,6 @@ void ViewerTools::describe(UiTools& tools, const View* seen, const Viewport& pla
   tools.value = value_;
   tools.color_bar = seen->color_bar;
   tools.bar = bar_of(*seen);
-}
-
-bool ViewerTools::is_volume_file(const View& seen) {
-  std::error_code error;
-  const std::string& path = seen.document->world.path;
-  if (!std::filesystem::is_regular_file(path, error)) return false;
-  const auto opened = net::map_file(path);
-  const auto* file = std::get_if<net::MappedFile>(&opened);
-  return file && is_volume(path, file->bytes().first(std::min<std::size_t>(file->bytes().size(), 1024)));
 }
 
 PictureScene ViewerTools::scene_of(std::size_t slice_scene, const View& seen, const glm::ivec2& size,

@@ -77,7 +77,6 @@ class ViewerTools {
   Values& values_of(const View& view);
   bool take(Values& values);
   void show_as_wished(View& seen, const Tell& tell);
-  [[nodiscard]] static bool is_volume_file(const View& seen);
   [[nodiscard]] std::optional<SliceGrip> slice_under_pointer(const View& seen, const Viewport& place);
   void describe_slices(UiTools& tools, const View& seen, const Viewport& place);
   [[nodiscard]] static std::optional<ColorBar> bar_of(const View& seen);

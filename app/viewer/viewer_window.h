@@ -4,6 +4,7 @@
 #include "app/view/picture_detail.h"
 #include "app/viewer/frame_rate.h"
 #include "app/viewer/hand_over.h"
+#include "app/viewer/start_page.h"
 #include "app/viewer/viewer.h"
 #include "app/viewer/viewer_controller.h"
 #include "app/viewer/viewer_tools.h"
@@ -71,6 +72,7 @@ class Viewer final : public WindowOperations {
   std::unique_ptr<HandOver> hand_over_;  // null if other processes cannot send files to this window
   Frame frame_;                              // result of the last step
   ViewerTools tools_;
+  StartPage start_page_;
   PictureLedger pictures_;
   std::array<PictureDetail, kMaxViewports> details_;
   LoadingPace pace_;

@@ -206,7 +206,7 @@ void SplatPass::draw_layer(const SplatLayer& layer, const RenderList& list, cons
                            const Projection& projection, const DrawOptions& options) {
   if (layer.empty()) return;
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
-  lights_.begin(list.lights, camera_from_world, options.headlight);
+  lights_.begin(list.lights, camera_from_world, options);
   const WideBox bounds = world_bounds(item.mesh->bounds, item.world_from_node);
   const glm::dvec3 center = (glm::dvec3(bounds.lower) + glm::dvec3(bounds.upper)) * 0.5;
   const std::uint32_t set =
@@ -229,7 +229,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
   splat_gl_.forget_unused();
   if (list.splats.empty()) return;
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
-  lights_.begin(list.lights, camera_from_world, options.headlight);
+  lights_.begin(list.lights, camera_from_world, options);
   const CameraFog fog = camera_fog(list.fog, glm::mat3(camera.world_from_camera), projection.back);
   std::vector<std::uint32_t> sets;
   for (const SplatItem& item : list.splats) {

@@ -75,7 +75,7 @@ struct PictureOptions : SizeOptions, UpOption {
   bool orthographic = false;
   std::optional<Pose> camera;
   render::DisplayMode display = render::DisplayMode::surface;
-  bool backdrop = false;
+  std::optional<bool> backdrop;  // gradient or the world's Background; nullopt: as in a window
   std::string backend = "auto";
   render::SplatPath splats = render::SplatPath::automatic;
   std::size_t budget = 0;  // vector budget; 0 means unlimited

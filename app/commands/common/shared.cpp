@@ -16,7 +16,7 @@
 namespace gs::app {
 
 void print_diagnostics(const Diagnostics& diagnostics) {
-  for (const Diagnostic& diagnostic : diagnostics.entries()) complain("%s", diagnostic.text().c_str());
+  for (const CountedDiagnostic& one : joined(diagnostics.entries())) complain("%s", text_of(one).c_str());
   if (diagnostics.dropped() > 0) complain("ghostspace: %zu more diagnostics are not shown", diagnostics.dropped());
 }
 

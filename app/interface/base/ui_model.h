@@ -34,6 +34,7 @@ struct UiViewport {
   Viewport place;
   std::string label;  // name of the displayed file; empty if the viewport is empty
   std::string loading;  // name and progress of the file that is loading; empty if no file is
+  std::optional<double> loaded;  // received fraction of the file that is loading, 0 to 1; nullopt if unknown
   bool active = false;
   double weight = 1;  // weight of the viewport when budget and bandwidth are divided
   double vectors = 0;  // share of all drawn vectors, 0 to 1; 0 if no vectors are drawn

@@ -26,7 +26,7 @@ void add(net::CellClientStatistics& sum, const net::CellClientStatistics& more) 
 
 // Limits of requests to silent servers, because a hostile text could name any host. Each silent server gets 16
 // greetings of 256 bytes.
-constexpr std::size_t kMaxUnanswered = 4;  // concurrent requests without an answer
+constexpr std::size_t kMaxUnanswered = 4;      // concurrent requests without an answer
 constexpr std::size_t kMaxSilentServers = 16;  // per world
 
 }  // namespace
@@ -34,9 +34,9 @@ constexpr std::size_t kMaxSilentServers = 16;  // per world
 struct CellTransfers::Cells {
   std::unique_ptr<CellStream> stream;
   std::string server;
-  Fetch* fetch = nullptr;  // fetch that waits for the resource; null if none
+  Fetch* fetch = nullptr;            // fetch that waits for the resource; null if none
   std::shared_ptr<StreamFeed> feed;  // feed for the views that request the rest, or null
-  std::uint64_t row = 0;  // row number in the ledger
+  std::uint64_t row = 0;             // row number in the ledger
 };
 
 // Begins to read a resource as cells. Returns false if the text may not request it.
@@ -143,7 +143,8 @@ bool CellTransfers::step() {
     if (!one->stream->step()) continue;
     any = true;
     const net::CellClientStatistics counted = one->stream->statistics();
-    loading_.ledger->count_datagrams(one->row, counted.datagrams, counted.lost);
+    loading_.ledger->count_cells(one->row, {counted.datagrams, counted.lost, counted.granted, counted.server_rate,
+                                            counted.loss_event_rate, one->stream->missing()});
   }
   std::erase_if(cells_, [this](const auto& one) {
     const bool over = one->stream->over() || (!one->fetch && !one->feed);

@@ -79,8 +79,9 @@ struct LoadedWorld {
   std::size_t bytes = 0;  // size of the opened file on disk, without references
   double parse_seconds = 0;  // parsing time of the opened file, without references
 
-  /// Returns the up axis of the world. `size` is the extent of all visible objects along x, y and z.
-  [[nodiscard]] Upright upright(const glm::vec3& size) const { return stated_up.value_or(upright_of(up, size)); }
+  /// Returns the orientation of the world. `size` is the extent of all visible objects along x, y and z. Objects that
+  /// are no authored world are first shown in a three-quarter view, except pictures: flat objects that face the viewer.
+  [[nodiscard]] Upright upright(const glm::vec3& size) const;
 };
 
 }  // namespace gs::app

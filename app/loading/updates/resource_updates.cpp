@@ -12,6 +12,15 @@ LoadedWorld::LoadedWorld(LoadedWorld&& other) noexcept = default;
 LoadedWorld& LoadedWorld::operator=(LoadedWorld&& other) noexcept = default;
 LoadedWorld::~LoadedWorld() = default;
 
+Upright LoadedWorld::upright(const glm::vec3& size) const {
+  constexpr float kFlat = 1e-3f;  // max ratio of depth to width or height of a picture
+  Upright upright = stated_up.value_or(upright_of(up, size));
+  const auto extent = [&](const glm::vec3& direction) { return glm::dot(glm::abs(direction), size); };
+  const bool picture = extent(upright.front) <= kFlat * std::min(extent(upright.right()), extent(upright.up));
+  upright.three_quarter = upright.three_quarter || (!authored && !picture);
+  return upright;
+}
+
 ResourceUpdates::ResourceUpdates() = default;
 ResourceUpdates::ResourceUpdates(ResourceUpdates&& other) noexcept = default;
 ResourceUpdates& ResourceUpdates::operator=(ResourceUpdates&& other) noexcept = default;

@@ -144,7 +144,15 @@ Upright upright_of(const View& view) {
   return view.viewpoint && view.navigation.up != of_file.up ? upright_along(view.navigation.up) : of_file;
 }
 
+void light_objects(const Document& document, render::DrawOptions& draw) {
+  if (document.world.authored) return;
+  const glm::vec3 above_left(-0.35f, 0.4f, 1);
+  draw.headlight_towards = glm::normalize(above_left);
+  draw.occlusion = render::Occlusion::hardware;
+}
+
 void apply_style(const View& view, render::DrawOptions& draw) {
+  if (view.document) light_objects(*view.document, draw);
   draw.display = view.style.display;
   draw.backdrop = view.style.backdrop && view.document && !view.document->world.authored;
 }

@@ -302,6 +302,23 @@ Viewpoint { } Transform { translation 2 0 0 children [ Shape { geometry Box { } 
   CHECK(dragged != picture("3.png", quoted(world)));
 }
 
+TEST_CASE("draws pictures before the background of the window: a gradient, except for worlds") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("a.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }"),
+                    mesh = folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const auto picture = [&](const std::string& name, const std::string& arguments) {
+    const Run drawn = run(arguments + " --size 64x64 --snapshot " + quoted(folder.path(name)));
+    INFO(drawn.output);
+    CHECK(drawn.status == kDone);
+    return run_shell("cksum < " + quoted(folder.path(name))).output;
+  };
+  CHECK(picture("1.png", quoted(mesh)) == picture("2.png", "--background gradient " + quoted(mesh)));
+  CHECK(picture("1.png", quoted(mesh)) != picture("3.png", "--background world " + quoted(mesh)));
+  CHECK(picture("3.png", "--background world " + quoted(mesh)) == picture("4.png", "--background 0,0,0 " + quoted(mesh)));
+  CHECK(picture("5.png", quoted(world)) == picture("6.png", "--background world " + quoted(world)));
+  CHECK(picture("5.png", quoted(world)) != picture("7.png", "--background gradient " + quoted(world)));
+}
+
 TEST_CASE("draws the picture at the simulated time of --time") {
   const ScratchFolder folder;
   const std::string world = folder.write("world.wrl", kWorld), still = folder.write("still.wrl", R"(#VRML V2.0 utf8

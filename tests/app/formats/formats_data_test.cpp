@@ -5,6 +5,7 @@
 
 namespace {
 
+using namespace gs;
 using namespace gs::test;
 namespace fs = std::filesystem;
 

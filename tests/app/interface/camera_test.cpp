@@ -201,6 +201,10 @@ TEST_CASE("shows axes in the corner of unstyled objects, and the size of the gri
   user.session().readers().show(std::move(document));
   user.settle();
   CHECK(user.session().view()->style.backdrop);
+  CHECK(near(pose(user).right(), glm::normalize(glm::vec3(pose(user).right().x, pose(user).right().y, 0))));
+  CHECK(pose(user).up().z > 0.8f);
+  user.session().input().run(Action::side_front);
+  user.wait(1);
   CHECK(near(pose(user).up(), {0, 0, 1}));
   const float em = ImGui::GetFontSize(), half = 3.2f * em, length = half - 0.8f * em;
   const Viewport place = user.picture();

@@ -146,7 +146,7 @@ TEST_CASE("fills the whole rectangle with a coarse picture, and reports that a b
   Drawing drawing;
   Screen screen(drawing.context(), 64);
   for (const int samples : {1, 4})
-    for (const int coarseness : {2, 3, 8}) {
+    for (const float coarseness : {1.25f, 2.0f, 3.0f, 8.0f}) {
       drawing.options.samples = samples;
       drawing.options.coarseness = coarseness;
       drawing.options.x = 16;

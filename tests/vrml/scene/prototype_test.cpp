@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+using namespace gs;
 using namespace gs::vrml;
 
 namespace {
