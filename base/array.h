@@ -15,7 +15,7 @@ namespace gs {
 /// Growable array with copy-on-write storage.
 ///
 /// DEF/USE, PROTO instances, events and meshes copy field values often; sharing makes each copy a pointer copy. The
-/// reference count is atomic: copies may live on different threads. Two threads must not use one object at the same
+/// reference count is atomic, so threads may own copies of one array. Two threads must not use one object at the same
 /// time. Storage of trivially copyable elements grows with realloc, which moves pages instead of bytes for large
 /// arrays. An empty array owns no memory. Throws std::bad_alloc if memory is exhausted.
 template <class T>

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/limits.h"
+#include "base/noncopyable.h"
 
 #include <array>
 #include <atomic>
@@ -13,15 +14,13 @@
 namespace gs {
 
 /// Limits of a world, the amounts used of them, and the world's cancellation check. Before each allocation with a size
-/// that a file determines, code must take the memory from the budget. Thread-safe, except for `stop_when`.
-class Budget {
+/// that a file determines, code must charge the memory to the budget. Thread-safe, except for `stop_when`.
+class Budget : NonCopyable {
  public:
   explicit Budget(const Limits& limits = {}) : limits_(limits) {}
-  Budget(const Budget&) = delete;
-  Budget& operator=(const Budget&) = delete;
 
   [[nodiscard]] const Limits& limits() const { return limits_; }
-  /// Draws `amount` units. Returns false and draws nothing if fewer are left.
+  /// Charges `amount` units. Returns false and charges nothing if fewer are left.
   [[nodiscard]] bool take(Resource resource, std::uint64_t amount);
   void give_back(Resource resource, std::uint64_t amount);
   /// Returns the unused units of a resource. limit() returns all units, used() the used ones.
@@ -51,7 +50,7 @@ class Budget {
   std::function<bool()> stop_;
 };
 
-/// Amount drawn from a budget for one object, given back on destruction.
+/// Amount charged to a budget for one object, given back on destruction.
 class Share {
  public:
   Share() = default;
@@ -68,8 +67,8 @@ class Share {
     if (budget_ && amount_ > 0) budget_->give_back(resource_, amount_);
   }
 
-  /// Draws more from the budget. Returns false and draws nothing if the budget has less left. Without a budget, always
-  /// returns true.
+  /// Charges more to the budget. Returns false and charges nothing if the budget has less left. Without a budget,
+  /// always returns true.
   [[nodiscard]] bool grow(std::uint64_t amount) {
     if (budget_ && !budget_->take(resource_, amount)) return false;
     amount_ += amount;

@@ -1,5 +1,8 @@
 #include "base/diagnostic.h"
 
+#include <map>
+#include <string_view>
+#include <tuple>
 #include <utility>
 
 namespace gs {
@@ -32,6 +35,28 @@ void Diagnostics::append(const Diagnostics& other) {
   errors_ += other.errors_;
   warnings_ += other.warnings_;
   dropped_ += other.dropped_;
+}
+
+std::vector<CountedDiagnostic> joined(const std::vector<Diagnostic>& diagnostics) {
+  std::vector<CountedDiagnostic> result;
+  std::map<std::tuple<Severity, std::string_view, std::string_view>, std::size_t> known;
+  for (const Diagnostic& one : diagnostics) {
+    if (one.severity != Severity::error) {
+      const auto [at, fresh] = known.try_emplace({one.severity, one.file, one.message}, result.size());
+      if (!fresh) {
+        ++result[at->second].count;
+        continue;
+      }
+    }
+    result.push_back({&one, 1});
+  }
+  return result;
+}
+
+std::string text_of(const CountedDiagnostic& diagnostic) {
+  std::string text = diagnostic.first->text();
+  if (diagnostic.count > 1) text += " (" + std::to_string(diagnostic.count) + " times)";
+  return text;
 }
 
 }  // namespace gs

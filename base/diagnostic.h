@@ -50,4 +50,15 @@ class Diagnostics {
   std::size_t errors_ = 0, warnings_ = 0, dropped_ = 0;
 };
 
+/// Diagnostic with the number of equal ones: those with its severity, file and message at any position.
+struct CountedDiagnostic {
+  const Diagnostic* first;
+  std::size_t count;
+};
+/// Joins equal warnings and notes, in the order of the first of each. Errors stay separate, because each position needs
+/// a correction. The result refers to `diagnostics`.
+[[nodiscard]] std::vector<CountedDiagnostic> joined(const std::vector<Diagnostic>& diagnostics);
+/// Returns the text of the first diagnostic, with the count if there are several.
+[[nodiscard]] std::string text_of(const CountedDiagnostic& diagnostic);
+
 }  // namespace gs

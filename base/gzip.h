@@ -2,6 +2,7 @@
 
 #include "base/array.h"
 #include "base/budget.h"
+#include "base/noncopyable.h"
 
 #include <cstddef>
 #include <functional>
@@ -19,7 +20,7 @@ namespace gs {
 
 /// Incremental decompressor of gzip members, for pieces of any size. Safe for untrusted input; constant memory. One
 /// thread.
-class Gunzip {
+class Gunzip : NonCopyable {
  public:
   /// Receiver of the decompressed bytes; returns false to stop.
   using Sink = std::function<bool(std::string_view)>;
@@ -28,8 +29,6 @@ class Gunzip {
   /// expand too much (Limits::unpack_ratio), and when `budget` reports a stop.
   explicit Gunzip(WorldBudget budget);
   ~Gunzip();
-  Gunzip(const Gunzip&) = delete;
-  Gunzip& operator=(const Gunzip&) = delete;
 
   /// Decompresses the next bytes. Returns false if it needs no more input: after an error (see `finish`), at the end,
   /// or if the sink returned false.

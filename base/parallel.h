@@ -13,9 +13,11 @@ struct Progress {
   std::atomic<const char*> stage{""};            // "reading", "encoding", ...; must be a string literal
 };
 
+[[nodiscard]] inline bool is_cancelled(const Progress* progress) { return progress && progress->cancelled.load(); }
+
 /// Calls work(i) for every i < count, in undefined order, on `threads` threads (0 means one per core). Returns when all
-/// calls are done. If `progress->cancelled` is set, soon returns false; some calls may then be missing. Rethrows an
-/// exception of `work`.
+/// calls are done. If `progress->cancelled` is set, soon returns false; some calls may then not have been made.
+/// Rethrows an exception of `work`.
 bool parallel_for(std::size_t count, const std::function<void(std::size_t)>& work, unsigned threads = 0,
                   Progress* progress = nullptr);
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/noncopyable.h"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -7,7 +9,7 @@
 
 namespace gs {
 
-/// Phase of a drawing program: the work that it does or waits for.
+/// Kind of work that the program does, or waits for, while it draws pictures.
 enum class Phase : std::uint8_t { other, read, parse, tessellate, compile, upload, cut, draw, write };
 /// Names, indexed by Phase.
 inline constexpr std::array<std::string_view, 9> kPhaseNames = {"other",  "read", "parse", "tessellate", "compile",
@@ -42,14 +44,12 @@ class PhaseClock {
 };
 
 /// Guard that enters a phase for its lifetime, then returns to the previous phase. Does nothing without a clock.
-class PhaseScope {
+class PhaseScope : NonCopyable {
  public:
   PhaseScope(PhaseClock* clock, Phase phase) : clock_(clock), before_(clock ? clock->enter(phase) : phase) {}
   ~PhaseScope() {
     if (clock_) clock_->enter(before_);
   }
-  PhaseScope(const PhaseScope&) = delete;
-  PhaseScope& operator=(const PhaseScope&) = delete;
 
  private:
   PhaseClock* clock_;

@@ -15,7 +15,7 @@ std::size_t unit_of(std::uint64_t bytes) {
   return unit;
 }
 
-// Formats `bytes` in a unit. The number of decimals suits the amount `of`.
+// Formats `bytes` in a unit. Shows one decimal, or none if `of` is in bytes or has three digits in this unit.
 std::string in_unit(std::uint64_t bytes, std::size_t unit, std::uint64_t of) {
   double scale = 1;
   for (std::size_t i = 0; i < unit; ++i) scale *= 1000;
@@ -44,7 +44,7 @@ std::string readable_size(std::uint64_t bytes) {
 
 std::string readable_part(std::uint64_t bytes, std::uint64_t of) {
   const std::size_t unit = unit_of(of);
-  const bool alike = bytes == 0 || unit_of(bytes) == unit;  // otherwise `bytes` could round to almost 0
+  const bool alike = bytes == 0 || unit_of(bytes) == unit;  // otherwise a much smaller amount would show as 0.0
   return (alike ? in_unit(bytes, unit, of) : readable_size(bytes)) + " of " + in_unit(of, unit, of) + " " +
          kSizeUnits[unit];
 }

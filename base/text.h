@@ -2,15 +2,26 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace gs {
 
 /// Returns bytes as text, without checks or copies.
 [[nodiscard]] inline std::string_view text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// Returns the value of a name in a table, or nullopt.
+template <class Value, std::size_t size>
+[[nodiscard]] std::optional<Value> value_named(const std::pair<std::string_view, Value> (&table)[size],
+                                               std::string_view name) {
+  for (const auto& [row_name, value] : table)
+    if (row_name == name) return value;
+  return std::nullopt;
 }
 
 /// Returns text with ASCII letters in lower case; other bytes do not change.

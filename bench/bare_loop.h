@@ -8,14 +8,14 @@
 namespace gs::bench {
 
 /// Lower bound for a parser: converts only the numbers of a text to binary, with fast_float for reals and a plain loop
-/// for integers, into existing memory. Builds and checks nothing. Of VRML it uses only that integers follow a word that
-/// ends in "Index".
+/// for integers, into existing memory. Builds and checks nothing. It detects integers by the preceding word, which ends
+/// in "Index".
 class BareLoop {
  public:
-  /// Allocates and touches memory for the numbers of any text of up to `bytes`.
+  /// Allocates and touches memory for the numbers of any text of at most `bytes` bytes.
   explicit BareLoop(std::size_t bytes);
 
-  /// Returns the number of numbers read.
+  /// Returns the count of numbers that it read.
   std::size_t run(std::string_view text);
 
  private:

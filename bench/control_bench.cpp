@@ -92,7 +92,7 @@ std::string world_of(int nodes) {
   return text;
 }
 
-/// Returns a call that moves all nodes, by number or by name.
+/// Returns a call that moves all nodes. It names the nodes by number or by DEF name.
 std::string frame_of(int nodes, int frame, bool by_name, bool one_each) {
   std::string text = one_each ? "[" : "{\"jsonrpc\":\"2.0\",\"method\":\"setValues\",\"params\":{\"events\":[";
   for (int i = 0; i < nodes; ++i) {
@@ -134,7 +134,7 @@ void measure_apply(int nodes, int frames, bool by_name, bool one_each, bool look
               looks ? "read, applied, list updated" : "read, applied", bytes, median(times));
 }
 
-// Measures a tree of the same text, and a walk along it.
+// Measures reading the text into a tree, and a walk along the text without a tree.
 void measure_readers(int nodes) {
   const std::string text = frame_of(nodes, 1, false, false);
   std::vector<double> trees, cursors;
@@ -219,7 +219,7 @@ struct Client {
       at += static_cast<std::size_t>(sent);
     }
   }
-  /// Receives until a text ends in `end`; answers are short.
+  /// Receives bytes until they end in `end`; answers are short.
   void hear(const char* end) const {
     std::string all;
     char bytes[4096];

@@ -4,8 +4,8 @@
 //
 // Prints a Markdown table with a row per model: bytes before the tail, of the tail, in total, and of Draco's file
 // (level 10); processor times in seconds; and PSNR (dB) of the header alone, of everything before the tail, of the
-// whole, and of Draco's, against pictures of the full model from six sides, 800x600, headlight. Needs draco_encoder and
-// draco_decoder in the PATH.
+// whole stream, and of Draco's file, against pictures of the full model from six sides, 800x600, headlight. Needs
+// draco_encoder and draco_decoder in the PATH.
 #include "app/encode/surface_triangles.h"
 #include "app/loading/world_loader.h"
 #include "bench/mesh_files.h"

@@ -1,8 +1,8 @@
-// Measures frames of software rendering: `frame_bench [--frames N] FILE...` prints, for each world, triangles, items
-// and draw calls of a frame of 1024 x 768 pixels with 4 samples, and median times as a picture and as a window: at
-// rest, and while the viewer moves sideways by a thousandth of the view. Milliseconds elapsed, and of the processor
-// (all threads).
-#include "bench/world_file.h"
+// Measures frames of software rendering: `frame_bench [--frames N] [--size WxH] [--samples N] FILE...` prints, for each
+// world, triangles, items and draw calls of a frame (1024x768 with 4 samples), and median times as a picture and as a
+// window: at rest, and while the viewer moves sideways by a thousandth of the view. Milliseconds elapsed, and of the
+// processor (all threads). Worlds are loaded with Inlines, images and streams, and stand at their first moment.
+#include "app/loading/world_loader.h"
 #include "render/collection/render_scene.h"
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"
@@ -18,6 +18,7 @@
 #include <ctime>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -54,9 +55,13 @@ std::string measured(int frames, const Draw& draw) {
 
 int main(int count, char** arguments) {
   int frames = 20, first = 1;
-  if (count > 2 && std::strcmp(arguments[1], "--frames") == 0) {
-    frames = std::max(std::atoi(arguments[2]), 1);
-    first = 3;
+  render::DrawOptions draw;
+  for (; first + 1 < count && arguments[first][0] == '-'; first += 2) {
+    const char* const value = arguments[first + 1];
+    const std::string_view name = arguments[first];
+    if (name == "--frames") frames = std::max(std::atoi(value), 1);
+    if (name == "--samples") draw.samples = std::max(std::atoi(value), 1);
+    if (name == "--size") (void)std::sscanf(value, "%dx%d", &draw.width, &draw.height);
   }
   auto opened = render::open_headless_context("osmesa");
   if (auto* error = std::get_if<render::ContextError>(&opened)) return std::fputs(error->message.c_str(), stderr), 1;
@@ -70,16 +75,15 @@ int main(int count, char** arguments) {
   std::printf("%-28s %9s %7s %7s %18s %18s %18s\n", "world, ms clock / processor", "triangles", "items", "calls",
               "picture", "window", "window, moving");
   for (int i = first; i < count; ++i) {
-    vrml::SceneGraph scene(arguments[i]);
-    bench::read_world(arguments[i], scene);
-    const render::Images images;
-    const render::Geometries geometries;
+    const app::LoadedWorld loaded_world = app::load_world(arguments[i]);
+    if (!loaded_world.scene) return std::fprintf(stderr, "%s: cannot be read\n", arguments[i]), 1;
     render::MeshCache meshes;
-    render::RenderScene world(scene, images, geometries, meshes);
+    render::RenderScene world(*loaded_world.scene, loaded_world.images, loaded_world.geometries, meshes);
     world.gather({}, {0, 0, 10});
     render::Camera camera;
     if (world.list().viewpoints.empty()) {
-      camera = render::orbit_camera(world.list().bounds, 0, 0, 0.785398f, 1024, 768);
+      camera = render::orbit_camera(world.list().bounds, 0, 0, 0.785398f,
+                                    static_cast<float>(draw.width), static_cast<float>(draw.height));
     } else {
       camera.world_from_camera = world.list().viewpoints[0].world_from_camera;
       camera.field_of_view = world.list().viewpoints[0].field_of_view;
@@ -92,10 +96,10 @@ int main(int count, char** arguments) {
       (void)world.update({}, {}, at);
     };
     look(0);
-    render::DrawOptions draw;
     render::FrameStatistics statistics;
     const std::string picture =
         measured(frames, [&](int) { (void)renderer->draw_to_image(world.list(), camera, draw, &statistics); });
+    draw.go_on = render::CancellationCheck{[] { return true; }};  // as in a window, where input cancels drawing
     const auto window = [&](int frame) {
       look(frame);
       (void)renderer->draw(world.list(), camera, draw);

@@ -40,7 +40,7 @@ class Writer {
   Writer& triple(double x, double y, double z, int decimals) {
     return number(x, decimals).text(" ").number(y, decimals).text(" ").number(z, decimals);
   }
-  /// Returns false if anything was not written.
+  /// Returns false if a write failed.
   [[nodiscard]] bool finish() {
     flush();
     return good_ && std::fflush(file_.get()) == 0;
@@ -262,9 +262,11 @@ bool write_labels(const std::filesystem::path& path) {
 }  // namespace
 
 int main(int count, char** arguments) {
-  if (count != 2) {
-    std::fputs("usage: bench_inputs DIR\n", stderr);
-    return 2;
+  // A word that begins with "-" is an option, not the name of a folder.
+  const std::string_view word = count == 2 ? arguments[1] : "";
+  if (word.empty() || word.starts_with('-')) {
+    std::fputs("usage: bench_inputs DIR\nWrites seven VRML97 worlds for the benchmarks into DIR.\n", stderr);
+    return word == "--help" || word == "-h" ? 0 : 2;
   }
   const std::filesystem::path folder = arguments[1];
   std::error_code error;

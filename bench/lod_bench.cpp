@@ -6,7 +6,7 @@
 // with a budget of B million splats (2). Each setting runs in its own process. Prints a Markdown table: the time of a
 // cut, decoded vectors, pieces, and kept memory.
 
-#include "app/formats/qnv/cloud_reader.h"
+#include "app/formats/qnv/geometry_reader.h"
 #include "net/files/file.h"
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/octree/lod/lod.h"
@@ -44,7 +44,8 @@ double peak_megabytes() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-/// Returns the distance of the surface from the centre: bumps on bumps, each half as large and high.
+/// Returns the distance of the surface from the centre: bumps in octaves, each half as wide and high as the previous
+/// one.
 float radius_in(const glm::vec3& direction) {
   float radius = 1, height = 0.12f, scale = 3;
   for (int octave = 0; octave < 7; ++octave, height *= 0.5f, scale *= 2)
@@ -86,7 +87,7 @@ bool for_each_triangle(int n, float width, const qnv::TriangleSink& sink) {
   return true;
 }
 
-// Returns the area in faces of the surrounding cube.
+// Returns the surface area, in faces of the surrounding cube.
 double faces_of(int n, float width) {
   Box box;
   double area = 0;
@@ -102,11 +103,12 @@ double faces_of(int n, float width) {
   return area / (edge * edge);
 }
 
-/// Returns the width at which a level of the octree has about this many voxels, so that all are used.
+/// Returns the width at which a level of the octree has about `vectors` voxels, so that all vectors of the level are
+/// used.
 float width_for(double vectors) {
   constexpr double kVoxelsPerArea = 1.5;  // as the encoder counts
   constexpr int kCoarse = 200;
-  constexpr double kSpare = 1.15;  // omits voxels that are only touched
+  constexpr double kSpare = 1.15;  // spare vectors, because the encoder omits voxels that the surface barely touches
   const auto voxels = [&](float width, int level) {
     return kVoxelsPerArea * faces_of(kCoarse, width) * std::pow(4.0, level);
   };
@@ -211,9 +213,9 @@ int fly(const std::string& path, const Setting& setting, std::size_t budget, int
     for (const qnv::Piece& piece : drawn) sum += piece.count;
     discs.push_back(sum);
     pieces.push_back(drawn.size());
-    decoded.push_back(stream.decoded());
-    all_decoded += stream.decoded();
-    cached = std::max(cached, stream.cached_bytes());
+    decoded.push_back(stream.statistics().decoded);
+    all_decoded += stream.statistics().decoded;
+    cached = std::max(cached, stream.statistics().cached_bytes);
   };
   for (int i = 0; i < frames; ++i) {
     frame(i / std::max(1.0, frames - 1.0));
@@ -233,7 +235,7 @@ int fly(const std::string& path, const Setting& setting, std::size_t budget, int
   return stream.problems().empty() ? 0 : 1;
 }
 
-// Runs a function in its own process, to measure its memory.
+// Runs a function in a child process, to measure the function's memory.
 int apart(const std::function<int()>& work) {
   std::fflush(stdout);
   const pid_t child = ::fork();

@@ -22,8 +22,8 @@ struct Mesh {
 [[nodiscard]] std::string vrml_text(const Mesh& mesh, float crease_angle = 3.14f);
 /// Compresses like `gzip -9`, without a name.
 [[nodiscard]] std::string gzipped(const std::string& text);
-/// Encodes MESH.obj as MESH.drc and decodes it to MESH.out.obj with draco_encoder and draco_decoder, at a level of 10.
-/// Returns false if they are missing or fail. `base` is the path without extension.
+/// Encodes MESH.obj as MESH.drc and decodes that to MESH.out.obj, with draco_encoder and draco_decoder at level 10.
+/// Returns false if the programs are missing or fail. `base` is the path without extension.
 [[nodiscard]] bool make_draco(const std::string& base, int bits);
 
 }  // namespace gs::bench

@@ -50,7 +50,7 @@ double residual_bits(const std::vector<std::pair<int, int>>& values) {  // conte
   return sum;
 }
 
-// Returns the bits of the finest voxels without coarser ones.
+// Returns the bits for coding only the finest voxels, without the planes of coarser levels.
 double bits_at_once(std::vector<Finest> finest, int level, int normal_shift, int offset_shift) {
   std::sort(finest.begin(), finest.end(), [](const Finest& a, const Finest& b) { return a.key < b.key; });
   double bits = 0;
@@ -70,7 +70,7 @@ double bits_at_once(std::vector<Finest> finest, int level, int normal_shift, int
     for (const auto& [byte, n] : counts) bits -= n * std::log2(n / static_cast<double>(parents.size()));
     keys = std::move(parents);
   }
-  constexpr std::size_t kCluster = 1600;  // voxels about
+  constexpr std::size_t kCluster = 1600;  // about this number of voxels
   for (std::size_t first = 0; first < finest.size(); first += kCluster) {
     std::vector<std::pair<int, int>> normal, offset;
     int context = 2;
@@ -79,7 +79,7 @@ double bits_at_once(std::vector<Finest> finest, int level, int normal_shift, int
       const int du = (finest[i].u - before.u) >> normal_shift, dv = (finest[i].v - before.v) >> normal_shift;
       normal.emplace_back(context, du);
       normal.emplace_back(context, dv);
-      // Position of the former plane in this voxel.
+      // Offset of the previous voxel's plane, seen from this voxel.
       const auto m = qnv::octahedral_normal(before.u, before.v);
       const glm::vec3 step = qnv::voxel_cell(finest[i].key) - qnv::voxel_cell(before.key);
       const double along = (static_cast<double>(m[0]) * step.x + static_cast<double>(m[1]) * step.y +

@@ -1,4 +1,4 @@
-// parse_bench [--runs N] [--markdown] FILE...: compares GhostSpace's parser with the limit of memory.
+// parse_bench [--runs N] [--markdown] FILE...: compares the speed of GhostSpace's parser with the speed of memory.
 //
 // Each of N rounds runs in sequence: reading memory, the bare number loop, the parser with the whole text, and the
 // parser with 64 KiB at a time. Prints medians. Peak memory is that of child processes that only parse: `peak` reads
@@ -84,12 +84,13 @@ Parsed parse_streamed(const std::string& path) {
   return parsed;
 }
 
-/// Returns the bytes of all multiple-valued fields of a scene, with shared storage counted once: the scene's minimum.
+/// Returns the bytes of all multiple-valued fields of a scene, with shared storage counted once. A scene needs at least
+/// this memory.
 std::size_t array_bytes(const vrml::SceneGraph& scene) {
   std::unordered_set<const void*> seen;
   std::size_t bytes = 0;
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
-    const vrml::Node& node = scene.node_at(i);
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
+    const vrml::Node& node = scene.nodes().at(i);
     for (const vrml::FieldValue& value : std::span(node.values, node.type->defaults.size())) {
       std::visit(
           [&](const auto& v) {
@@ -139,7 +140,7 @@ struct Result {
   double read = 0, bare = 0, whole = 0, pieces = 0;  // seconds
 };
 
-/// Measures memory while this process is still small, since a child starts with its parent's resident size.
+/// Measures memory while this process is still small, because a child starts with its parent's resident size.
 Result measure_memory(const std::string& path) {
   Result result;
   result.name = path.substr(path.find_last_of('/') + 1);
@@ -166,7 +167,7 @@ bool measure_times(const std::string& path, int runs, Result& result) {
       const double time = seconds([&] { parsed = in_pieces ? parse_pieces(*text) : parse_whole(*text); });
       (in_pieces ? pieces : whole).push_back(time);
       if (run > 0 || in_pieces) return;
-      result.nodes = parsed.scene->node_count();
+      result.nodes = parsed.scene->nodes().count();
       result.errors = parsed.errors;
       result.arrays = array_bytes(*parsed.scene);
     };

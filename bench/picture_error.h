@@ -9,7 +9,7 @@
 
 namespace gs::bench {
 
-/// Error of pictures against their references, over all of them.
+/// Error of pictures against their references, combined over all pictures.
 struct PictureError {
   double psnr = 0;  // dB, over all components
   double ssim = 0;  // mean over windows of 8 x 8 pixels of the luma (Wang et al. 2004), 4 apart

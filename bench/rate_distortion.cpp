@@ -79,7 +79,6 @@ using Curves = std::array<Curve, kCodecs.size()>;
 Curve measure_stream(Studio& studio, const render::RenderList& full, const std::vector<render::Image>& references,
                      const Mesh& original, qnv::Payload payload, bool two_sided, int exact_bits = 0) {
   qnv::EncodeOptions options;
-  options.payload = payload;
   options.two_sided = two_sided;
   options.max_bytes = kBudgets.back();
   options.exact_bits = exact_bits;
@@ -180,7 +179,7 @@ void plot(const std::string& path, const std::vector<std::pair<std::string, Curv
   out << "</svg>\n";
 }
 
-/// Prints distances of displaced streams, with and without the exact mesh, and of Draco's files.
+/// Prints distances from the model to displaced streams, with and without the exact mesh, and to Draco's files.
 void print_distances(const Curves& curves) {
   std::printf(
       "\n| budget, bytes | displaced: geometric PSNR | mean, 1e-4 | Hausdorff, 1e-4 | without mesh: geometric PSNR | "

@@ -3,10 +3,11 @@
 // Draws N small splats of a bumpy sphere at 1024x768 with one and four samples per pixel, unshaded. Each of R rounds
 // runs in sequence: the processor with one and two threads and with each vector instruction set; a plain sum over the
 // same arrays, the minimum for any splatter; and OpenGL with splats in its memory, until glFinish. Prints medians and
-// minima as a Markdown table: splats per second, of all and of those in view. A first round, which uploads and
-// compiles, is not counted.
+// minima as a Markdown table: splats per second, for all splats and for the splats in view. A first round, which
+// uploads and compiles, is not counted.
 
 #include "base/parallel.h"
+#include "bench/open_gl.h"
 #include "render/gl/context.h"
 #include "render/gl/gl.h"
 #include "render/splat/splat_gl.h"
@@ -37,19 +38,19 @@ namespace {
 
 std::shared_ptr<const qnv::Splats> bumpy_sphere(std::size_t count) {
   constexpr float kPi = 3.14159265f;
-  auto cloud = std::make_shared<qnv::Splats>();
+  auto geometry = std::make_shared<qnv::Splats>();
   for (std::size_t i = 0; i < count; ++i) {
     const float z = 1 - 2 * (static_cast<float>(i) + 0.5f) / static_cast<float>(count);
     const auto angle = static_cast<float>(std::fmod(2.39996322972865332 * static_cast<double>(i), 6.28318530717958648));
     const float across = std::sqrt(1 - z * z), x = across * std::cos(angle), y = across * std::sin(angle);
     const glm::vec3 n(x, y, z), bump(std::cos(20 * x), std::cos(20 * y), std::cos(20 * z));
-    cloud->positions.push_back(n * (1 + 0.02f * (std::sin(20 * x) + std::sin(20 * y) + std::sin(20 * z))));
+    geometry->positions.push_back(n * (1 + 0.02f * (std::sin(20 * x) + std::sin(20 * y) + std::sin(20 * z))));
     const glm::vec3 tilted = n - (bump - n * glm::dot(bump, n)) * 0.4f;
-    cloud->normals.push_back(tilted / glm::length(tilted));
-    cloud->weights.push_back(4 * kPi / static_cast<float>(count));
-    cloud->description.box.add(cloud->positions.back());
+    geometry->normals.push_back(tilted / glm::length(tilted));
+    geometry->weights.push_back(4 * kPi / static_cast<float>(count));
+    geometry->description.box.add(geometry->positions.back());
   }
-  return cloud;
+  return geometry;
 }
 
 struct Row {
@@ -64,9 +65,9 @@ double median(std::vector<double> values) {
 }
 
 /// Reads the positions, normals and weights that a splatter must read.
-float sum_of(const qnv::Splats& cloud, unsigned threads) {
+float sum_of(const qnv::Splats& geometry, unsigned threads) {
   constexpr std::size_t kPart = 16384, kLanes = 16;
-  std::vector<float> sums((cloud.size() + kPart - 1) / kPart);
+  std::vector<float> sums((geometry.size() + kPart - 1) / kPart);
   const auto sum = [](const float* values, std::size_t count) {
     std::array<float, kLanes> lanes{};
     std::size_t i = 0;
@@ -80,15 +81,15 @@ float sum_of(const qnv::Splats& cloud, unsigned threads) {
   parallel_for(
       sums.size(),
       [&](std::size_t part) {
-        const std::size_t first = part * kPart, count = std::min(kPart, cloud.size() - first);
-        sums[part] = sum(&cloud.positions[first].x, 3 * count) + sum(&cloud.normals[first].x, 3 * count) +
-                     sum(&cloud.weights[first], count);
+        const std::size_t first = part * kPart, count = std::min(kPart, geometry.size() - first);
+        sums[part] = sum(&geometry.positions[first].x, 3 * count) + sum(&geometry.normals[first].x, 3 * count) +
+                     sum(&geometry.weights[first], count);
       },
       threads);
   return sum(sums.data(), sums.size());
 }
 
-bool measure(const render::Gl& gl, const std::shared_ptr<const qnv::Splats>& cloud, int runs, int supersample) {
+bool measure(const render::Gl& gl, const std::shared_ptr<const qnv::Splats>& geometry, int runs, int supersample) {
   render::SplatView view;
   view.camera_from_node[3] = glm::vec4(0, 0, -3, 1);
   view.tangents = {0.4f * 1024 / 768, 0.4f};
@@ -97,9 +98,9 @@ bool measure(const render::Gl& gl, const std::shared_ptr<const qnv::Splats>& clo
   view.near_plane = 0.1f;
   view.supersample = supersample;
   render::SplatGl splats(gl);
-  const render::SharedSplatPiece whole{cloud, 0, cloud->size()};
+  const render::SharedSplatPiece whole{geometry, 0, geometry->size()};
   bool good = true;
-  const render::SplatPiece all{cloud.get(), 0, cloud->size()};
+  const render::SplatPiece all{geometry.get(), 0, geometry->size()};
   const std::size_t in_view = render::rasterize_surface(std::span(&all, 1), view).discs;
   const auto finished = [&](const std::optional<render::SplatTextures>& drawn) {
     good = good && drawn && drawn->normals != 0;
@@ -115,7 +116,7 @@ bool measure(const render::Gl& gl, const std::shared_ptr<const qnv::Splats>& clo
                         own.threads = threads;
                         good = good && !render::rasterize_surface(std::span(&all, 1), own, kernel).empty();
                       }});
-    rows.push_back({"sum over the arrays, 28 bytes a disc" + on, [&, threads] { kept = sum_of(*cloud, threads); }});
+    rows.push_back({"sum over the arrays, 28 bytes a disc" + on, [&, threads] { kept = sum_of(*geometry, threads); }});
   }
   rows.push_back({"OpenGL (" + gl.renderer + ")", [&] { finished(splats.draw(std::span(&whole, 1), view)); }});
   for (int run = -1; run < runs; ++run) {
@@ -126,7 +127,7 @@ bool measure(const render::Gl& gl, const std::shared_ptr<const qnv::Splats>& clo
       if (run >= 0) row.seconds.push_back(seconds);
     }
   }
-  std::printf("\n%zu discs, %zu of them in view, 1024x768, %d sample%s a pixel, %d runs\n\n", cloud->size(), in_view,
+  std::printf("\n%zu discs, %zu of them in view, 1024x768, %d sample%s a pixel, %d runs\n\n", geometry->size(), in_view,
               supersample * supersample, supersample > 1 ? "s" : "", runs);
   std::printf(
       "| | ms | least ms | M discs/s | M discs/s in view | of OpenGL |\n| --- | --- | --- | --- | --- | --- |\n");
@@ -135,27 +136,18 @@ bool measure(const render::Gl& gl, const std::shared_ptr<const qnv::Splats>& clo
     const double seconds = median(row.seconds);
     std::printf("| %s | %.1f | %.1f | %.2f | %.2f | %.2f |\n", row.name.c_str(), seconds * 1e3,
                 *std::min_element(row.seconds.begin(), row.seconds.end()) * 1e3,
-                static_cast<double>(cloud->size()) / seconds / 1e6, static_cast<double>(in_view) / seconds / 1e6,
+                static_cast<double>(geometry->size()) / seconds / 1e6, static_cast<double>(in_view) / seconds / 1e6,
                 gl_seconds / seconds);
   }
   return good;
 }
 
 int run(std::size_t discs, int runs, const std::string& backend) {
-  auto opened = render::open_headless_context(backend);
-  if (auto* error = std::get_if<render::ContextError>(&opened)) {
-    std::fprintf(stderr, "%s\n", error->message.c_str());
-    return 1;
-  }
-  const auto context = std::move(std::get<std::unique_ptr<render::GlContext>>(opened));
-  auto loaded = render::Gl::load(*context);
-  if (auto* error = std::get_if<render::ContextError>(&loaded)) {
-    std::fprintf(stderr, "%s\n", error->message.c_str());
-    return 1;
-  }
-  const auto cloud = bumpy_sphere(discs);
+  const OpenGl opened(backend);
+  if (!opened.context) return 1;
+  const auto geometry = bumpy_sphere(discs);
   for (const int supersample : {1, 2}) {
-    if (measure(std::get<render::Gl>(loaded), cloud, runs, supersample)) continue;
+    if (measure(opened.gl, geometry, runs, supersample)) continue;
     std::fprintf(stderr, "OpenGL could not draw the discs\n");
     return 1;
   }

@@ -1,11 +1,12 @@
 // splat_compare [--width W] [--height H] [--runs R] [--backend NAME]: compares the ways to draw QNV with the exact ray
 // caster.
 //
-// Draws small point sets with one sample per pixel: surfaces with a headlight (diffuse, white without colours) on the
-// processor, with OpenGL and by render/raycast; a volume by the renderer with its lighting. PSNR covers
-// all components of all pixels, in 0..1 before rounding for surfaces, and in 8 bits for the volume. Splats per second
-// count the whole point set over the median of R runs; the ray caster runs once. Prints a Markdown table.
+// Draws small geometries with one sample per pixel: surfaces with a headlight (diffuse, white without colours) on the
+// processor, with OpenGL and by render/raycast; a volume by the renderer with its lighting. PSNR covers all components
+// of all pixels, in 0..1 before rounding for surfaces, and in 8 bits for the volume. Splats per second count the whole
+// geometry over the median of R runs; the ray caster runs once. Prints a Markdown table.
 
+#include "bench/open_gl.h"
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/shared/encode_options.h"
@@ -14,6 +15,7 @@
 #include "render/gl/gl.h"
 #include "render/scene/camera.h"
 #include "render/splat/splat_gl.h"
+#include "render/splat/splat_kernel.h"
 #include "render/splat/splat_pieces.h"
 #include "render/splat/splat_raster.h"
 #include "tests/render/rays/raycast.h"
@@ -48,11 +50,11 @@ struct Settings {
   std::string backend = "auto";
 };
 
-void add(qnv::VectorArrays& cloud, const glm::vec3& position, const glm::vec3& normal, float weight) {
-  cloud.positions.push_back(position);
-  cloud.normals.push_back(normal);
-  cloud.weights.push_back(weight);
-  cloud.description.box.add(position);
+void add(qnv::VectorArrays& geometry, const glm::vec3& position, const glm::vec3& normal, float weight) {
+  geometry.positions.push_back(position);
+  geometry.normals.push_back(normal);
+  geometry.weights.push_back(weight);
+  geometry.description.box.add(position);
 }
 
 /// Returns 1 + bumps of the sphere in direction n, and an outward vector of any length.
@@ -65,35 +67,36 @@ glm::vec3 bumpy_outward(const glm::vec3& n) {
 }
 
 std::shared_ptr<qnv::Splats> bumpy_sphere(std::size_t count) {
-  auto cloud = std::make_shared<qnv::Splats>();
+  auto geometry = std::make_shared<qnv::Splats>();
   for (std::size_t i = 0; i < count; ++i) {
     const float z = 1 - 2 * (static_cast<float>(i) + 0.5f) / static_cast<float>(count);
     const auto angle = static_cast<float>(std::fmod(2.39996322972865332 * static_cast<double>(i), 6.28318530717958648));
     const float across = std::sqrt(1 - z * z);
     const glm::vec3 n(across * std::cos(angle), across * std::sin(angle), z), outward = bumpy_outward(n);
-    add(*cloud, n * bumpy_radius(n), outward / glm::length(outward),
+    add(*geometry, n * bumpy_radius(n), outward / glm::length(outward),
         4 * kPi / static_cast<float>(count) * glm::length(outward));
   }
-  return cloud;
+  return geometry;
 }
 
 std::shared_ptr<qnv::Splats> colored_torus(std::size_t count) {
   constexpr float kAround = 0.8f, kTube = 0.35f;
-  auto cloud = std::make_shared<qnv::Splats>();
-  // Evenly over the area, which grows outwards.
+  auto geometry = std::make_shared<qnv::Splats>();
+  // The vectors are spread evenly over the area, which grows outwards.
   std::mt19937 random(3);
   std::uniform_real_distribution<float> part(0, 1);
   const float area = 4 * kPi * kPi * kAround * kTube / static_cast<float>(count);
-  for (std::size_t i = 0; cloud->size() < count; ++i) {
+  for (std::size_t i = 0; geometry->size() < count; ++i) {
     const auto turn = static_cast<float>(std::fmod(0.618033988749894848 * static_cast<double>(i), 1.0)) * 2 * kPi;
     const float roll = part(random) * 2 * kPi;
     if (part(random) * (kAround + kTube) > kAround + kTube * std::cos(roll)) continue;
     const glm::vec3 out(std::cos(turn), 0, std::sin(turn)), n = out * std::cos(roll) + glm::vec3(0, std::sin(roll), 0);
-    add(*cloud, out * kAround + n * kTube, n, area);
+    add(*geometry, out * kAround + n * kTube, n, area);
     const auto level = [](float v) { return static_cast<std::uint8_t>(std::lround((v * 0.5f + 0.5f) * 255)); };
-    cloud->colors.push_back({level(std::sin(3 * turn)), level(std::cos(2 * roll)), level(std::cos(5 * turn + roll))});
+    geometry->colors.push_back(
+        {level(std::sin(3 * turn)), level(std::cos(2 * roll)), level(std::cos(5 * turn + roll))});
   }
-  return cloud;
+  return geometry;
 }
 
 /// Encodes triangles of the bumpy sphere as an octree, and returns a view's cut of that stream.
@@ -128,7 +131,7 @@ std::shared_ptr<const qnv::Geometry> packed_stream(std::size_t vectors) {
   return std::make_shared<const qnv::Geometry>(qnv::OctreeSplats(std::move(*levels)));
 }
 
-/// Returns a thick shell of vectors of all magnitudes and classes.
+/// Returns a thick spherical shell of vectors with all magnitudes and classes.
 std::shared_ptr<qnv::Volume> volume(std::size_t count) {
   std::mt19937 random(7);
   std::normal_distribution<float> normal;
@@ -136,14 +139,14 @@ std::shared_ptr<qnv::Volume> volume(std::size_t count) {
   const auto direction = [&] {
     return glm::normalize(glm::vec3(normal(random), normal(random), normal(random)) + 1e-6f);
   };
-  auto cloud = std::make_shared<qnv::Volume>();
-  cloud->description.spacing = 0.05f;
-  cloud->description.transfer = {{0, {255, 60, 20}, 0.02f}, {0.5f, {60, 230, 90}, 0.3f}, {1, {240, 240, 255}, 0.9f}};
+  auto geometry = std::make_shared<qnv::Volume>();
+  geometry->description.spacing = 0.05f;
+  geometry->description.transfer = {{0, {255, 60, 20}, 0.02f}, {0.5f, {60, 230, 90}, 0.3f}, {1, {240, 240, 255}, 0.9f}};
   for (std::size_t i = 0; i < count; ++i) {
-    add(*cloud, direction() * (0.7f + 0.3f * part(random)), direction(), 0.1f + part(random));
-    cloud->classes.push_back(static_cast<std::uint8_t>(random() % 256));
+    add(*geometry, direction() * (0.7f + 0.3f * part(random)), direction(), 0.1f + part(random));
+    geometry->classes.push_back(static_cast<std::uint8_t>(random() % 256));
   }
-  return cloud;
+  return geometry;
 }
 
 /// RGB, 0..1.
@@ -224,7 +227,7 @@ render::SplatView view_of(const Settings& settings) {
   return view;
 }
 
-/// Copies all pieces together for the ray caster.
+/// Copies all pieces into one list for the ray caster.
 qnv::Splats together(std::span<const render::SharedSplatPiece> pieces) {
   qnv::Splats all;
   if (!pieces.empty()) all.description = pieces.front().splats->description;
@@ -304,7 +307,7 @@ bool compare_volume(const std::shared_ptr<const qnv::Geometry>& geometry, render
     const double time = seconds(
         [&] {
           auto drawn = (*renderer)->draw_to_image(list, camera, options, &statistics);
-          // Sorted for this view, not for the previous one.
+          // Draws again until the vectors are sorted for this view.
           while (statistics.pending && std::holds_alternative<render::Image>(drawn))
             drawn = (*renderer)->draw_to_image(list, camera, options, &statistics);
           if (auto* got = std::get_if<render::Image>(&drawn)) image = std::move(*got);
@@ -328,23 +331,14 @@ bool compare_volume(const std::shared_ptr<const qnv::Geometry>& geometry, render
 }
 
 int run(const Settings& settings) {
-  auto opened = render::open_headless_context(settings.backend);
-  if (auto* error = std::get_if<render::ContextError>(&opened)) {
-    std::fprintf(stderr, "%s\n", error->message.c_str());
-    return 1;
-  }
-  const auto context = std::move(std::get<std::unique_ptr<render::GlContext>>(opened));
-  auto loaded = render::Gl::load(*context);
-  if (auto* error = std::get_if<render::ContextError>(&loaded)) {
-    std::fprintf(stderr, "%s\n", error->message.c_str());
-    return 1;
-  }
-  const render::Gl& gl = std::get<render::Gl>(loaded);
+  const OpenGl opened(settings.backend);
+  if (!opened.context) return 1;
+  const render::Gl& gl = opened.gl;
   render::SplatGl splats(gl);
   std::printf("%dx%d, 1 sample a pixel; processor: %s; OpenGL: %s; medians of %d\n\n", settings.width, settings.height,
-              std::string(render::splat_instructions()).c_str(), gl.renderer.c_str(), settings.runs);
+              std::string(render::splat_kernels().front().name).c_str(), gl.renderer.c_str(), settings.runs);
   std::printf(
-      "| cloud | vectors | processor, oracle (dB) | OpenGL, oracle (dB) | processor, OpenGL (dB) | processor M/s |"
+      "| geometry | vectors | processor, oracle (dB) | OpenGL, oracle (dB) | processor, OpenGL (dB) | processor M/s |"
       " OpenGL M/s | oracle M/s |\n| --- | --: | --: | --: | --: | --: | --: | --: |\n");
   bool good = true;
   const auto surface = [&](const std::string& name, const std::vector<render::SharedSplatPiece>& pieces) {
@@ -358,7 +352,7 @@ int run(const Settings& settings) {
   render::CutOptions cut;
   cut.budget = 20000;
   good = stream && surface("cut of a packed stream", render::cut_splats(stream, view_of(settings), cut).pieces) && good;
-  good = compare_volume(std::make_shared<const qnv::Geometry>(*volume(20000)), *context, settings) && good;
+  good = compare_volume(std::make_shared<const qnv::Geometry>(*volume(20000)), *opened.context, settings) && good;
   if (!good) std::fprintf(stderr, "not all could be drawn\n");
   return good ? 0 : 1;
 }

@@ -17,7 +17,7 @@ struct View {
   float azimuth = 0, elevation = 0;
 };
 
-/// Studio for compared pictures: 800x600, headlight, black background. One thread.
+/// Renderer for compared pictures: 800x600, headlight, black background. One thread.
 class Studio {
  public:
   static constexpr int kWidth = 800, kHeight = 600;
@@ -34,7 +34,7 @@ class Studio {
   std::unique_ptr<render::Renderer> renderer_;
 };
 
-/// Returns a list that shows a point set in its own colours.
+/// Returns a list that shows splats in their own colours.
 [[nodiscard]] render::RenderList list_of(qnv::Geometry geometry);
 
 }  // namespace gs::bench

@@ -58,7 +58,7 @@ Times now() {
 
 struct Row {
   std::string what;
-  Times spent;          // of all frames
+  Times spent;          // sums over all frames
   double least = 1e30;  // elapsed time of the fastest frame
   double vertices = 0, triangles = 0;
 };
@@ -108,7 +108,7 @@ class Bench {
     if (what.find(only_) == std::string::npos) return;
     Row row;
     row.what = what;
-    for (int frame = -1; frame < frames_; ++frame) {  // the first one is not counted
+    for (int frame = -1; frame < frames_; ++frame) {  // the first frame is not counted
       const int at = frame < 0 ? 0 : frame;
       const Times start = now();
       const std::pair<double, double> drawn = body(at);

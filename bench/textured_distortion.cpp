@@ -116,7 +116,7 @@ void write_obj(const TexturedMesh& mesh, bool normals, const std::string& path) 
   }
 }
 
-/// Returns the means of squares of pixels.
+/// Returns an image of the means of `by` x `by` pixels.
 render::Image smaller(const render::Image& image, std::uint32_t by) {
   render::Image out;
   out.components = 3;
@@ -165,7 +165,6 @@ std::vector<std::byte> as_jpeg(const render::Image& image, int quality) {
 Curve measure_stream(Studio& studio, const render::RenderList& full, const std::vector<render::Image>& references,
                      qnv::Payload payload, bool two_sided, bool chosen) {
   qnv::EncodeOptions options;
-  options.payload = payload;
   options.two_sided = two_sided;
   options.only_if_suited = chosen;
   options.exact_bits = qnv::kExactWherePays;
@@ -201,7 +200,7 @@ struct Candidate {
   double psnr = 0;
 };
 
-/// Keeps candidates that no smaller one surpasses.
+/// Keeps the candidates that are better than all smaller candidates.
 template <class Content>
 void keep_efficient(std::vector<Candidate<Content>>& all) {
   std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.bytes < b.bytes; });

@@ -81,7 +81,7 @@ Grid read_grid(const qnv::VolumeSource& source) {
   return grid;
 }
 
-/// Averages two voxels along each axis.
+/// Returns a grid of half the resolution: each voxel is the mean of two voxels along each axis.
 Grid halved(const Grid& fine) {
   Grid grid{fine.layout, {}};
   const auto& n = fine.layout.dimensions;
@@ -132,7 +132,8 @@ class Painter {
       view.near_plane = camera.near_plane;
       const float tangent = std::tan(kFieldOfView / 2);
       view.tangents = {tangent * kWidth / kHeight, tangent};
-      const render::VolumeLayer layer = render::rasterize_volume(volume, model, view, {});
+      const render::VolumeItem item{&volume, &model, view.camera_from_node, model.spacing.size(), {}};
+      const render::VolumeLayer layer = render::rasterize_volumes(std::span(&item, 1), view);
       render::Image image;
       image.width = kWidth;
       image.height = kHeight;
@@ -220,7 +221,7 @@ void measure_zfp(const Painter& painter, const Grid& grid, const std::string& ba
   keep_best(curve, bytes, painter.error(back));
 }
 
-// Measures deflated slices, with values or differences to the previous value, whichever is smaller.
+// Measures deflated slices. Uses values or differences to the previous value, whichever is smaller.
 void measure_gzip(const Painter& painter, const Grid& grid, int values, Curve& curve) {
   const auto [least, most] = grid.range();
   const float step = (most - least) / static_cast<float>(values - 1);
@@ -242,7 +243,7 @@ void measure_gzip(const Painter& painter, const Grid& grid, int values, Curve& c
   if (of_use(bytes)) keep_best(curve, bytes, painter.error(back));
 }
 
-// Measures all slices side by side as one picture of eight bits.
+// Measures JPEG XL: all slices side by side in one grey image with 8 bits per pixel.
 void measure_jxl(const Painter& painter, const Grid& grid, const std::string& base, double distance, Curve& curve) {
   const auto [least, most] = grid.range();
   const auto& n = grid.layout.dimensions;

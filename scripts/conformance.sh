@@ -27,7 +27,7 @@ for file in sorted(pathlib.Path("tests").rglob("*.cpp")):
 
 
 def matches(pattern):
-    """What a pattern of the table names: pairs of a file and a case, or a file alone."""
+    """Returns the tests that a pattern of the table names: pairs of file and title, or a file alone."""
     if pattern.startswith("tests/"):
         return [(pattern[len("tests/"):], "")] if pathlib.Path(pattern).is_file() else []
     if "*" not in pattern:
@@ -86,10 +86,10 @@ for number, line in enumerate(TABLE.read_text().splitlines(), 1):
         f"{' (' + cell(remark) + ')' if remark else ''} | {'<br>'.join(names)} |")
 
 page = ["# Conformance with VRML97, rule by rule", "",
-        "Made by `scripts/conformance.sh` from `docs/conformance.tsv` and the names of the test cases; change those, not this",
-        "page. Clauses are those of ISO/IEC 14772-1:1997, rules are in our own words. *pass*: the tests beside it assert the",
-        "rule; *fail*: it was tried and is not so, in the way said; *not done*: all others, also what works but has no test.",
-        "Table 7-1 of the standard asks for less than this in places.", "",
+        "`scripts/conformance.sh` makes this page from `docs/conformance.tsv` and the titles of the tests; change those, not this",
+        "page. Clauses are those of ISO/IEC 14772-1:1997; rules are in our own words. *pass*: the listed tests check the rule.",
+        "*fail*: a test showed a violation, which the row describes. *not done*: all other rules, also working ones without a test.",
+        "For some rules, Table 7-1 of the standard requires less.", "",
         "| kind | " + " | ".join(STATES) + " | all |", "| --- |" + " --: |" * (len(STATES) + 1)]
 for kind in KINDS + ["all"]:
     row = [sum(n for (k, s), n in counts.items() if (kind == "all" or k == kind) and s == state) for state in STATES]

@@ -92,9 +92,9 @@ def main():
         pod(at('pod.obj'))
         orbital(at('orbital.nrrd'))
         rock(at('rock.obj'))
-        encode('--displaced', '--max-bytes', '40k', at('pod.obj'), to('demo-pod.qnv'))
+        encode('--method', 'displaced', '--max-bytes', '40k', at('pod.obj'), to('demo-pod.qnv'))
         encode('--max-bytes', '64k', at('orbital.nrrd'), to('demo-orbital.qnv'))
-        encode('--outlines', at('rock.obj'), to('demo-rock.qnv'))
+        encode('--method', 'outlines', at('rock.obj'), to('demo-rock.qnv'))
 
 
 main()

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """window_check.py [-k FOLDER]: uses the window with mouse and keyboard under Xvfb, and checks the results over --control.
-Steps: open, split, move, drag a PlaneSensor, follow an Anchor, go back, edit a transfer function, draw a slice through a
-volume, save a picture and a turntable. Prints one line per step. Exits with 1 if a step failed.
+Steps: open, split, move, drag a PlaneSensor, follow an Anchor, go back, edit a node and save the world, edit a transfer
+function, draw a slice through a volume, save a picture and a turntable, and move the viewer by keys of a Script. Prints one line per step. Exits with 1 if
+a step failed.
 -k: keeps pictures of the window in FOLDER.
 
 GHOSTSPACE: program instead of build/release/ghostspace. Needs Xvfb, xdotool and ImageMagick (Debian: xvfb,
@@ -38,6 +39,18 @@ ROUTE Plane.translation_changed TO Slider.set_translation
 SECOND = """#VRML V2.0 utf8
 Viewpoint { position 0 0 6 }
 Shape { appearance Appearance { material Material { diffuseColor 0.2 0.8 0.3 } } geometry Cone { } }
+"""
+KEYS = """#VRML V2.0 utf8
+Viewpoint { position 0 0 10 }
+Shape { geometry Box { } }
+DEF S Script { eventIn SFNode key url "javascript:
+  function key(e) {
+    if (e.type != 'keydown' || e.keyCode != 75) return;
+    var ahead = Browser.viewpointOrientation.multVec(new SFVec3f(0, 0, -1));
+    Browser.viewpointPosition = Browser.viewpointPosition.add(ahead);
+    Browser.setNavigationMode('NONE');
+  }" }
+ROUTE Browser.event_changed TO S.key
 """
 
 
@@ -224,6 +237,42 @@ def run(check):
         check.key("alt+Right")
         wait("forward is the second", lambda: check.world.getWorldURL().endswith("second.wrl"))
 
+    def title():
+        return subprocess.run(["xdotool", "search", "--name", "GhostSpace", "getwindowname"], env=check.environment,
+                              capture_output=True, text=True).stdout
+
+    def viewer_at(z):
+        return lambda: near(check.world.getViewer()["position"], (0, 0, z), 0.01)
+
+    def saves():
+        check.key("ctrl+shift+t", "ctrl+shift+i")
+        check.click((70, 133))  # the Viewpoint in the tree
+        check.click((780, 338))  # its position
+        check.key("ctrl+a")
+        check.xdotool("type", "--delay", 40, "0 0 7")
+        check.key("Return")
+        wait("the viewer follows its Viewpoint", viewer_at(7))
+        wait("the title shows the edit", lambda: "edited" in title())
+        check.key("ctrl+z")
+        wait("the edit is undone", viewer_at(6))
+        if "edited" in title():
+            raise Failed("the title still shows the edit")
+        check.key("ctrl+y")
+        wait("the edit is redone", viewer_at(7))
+        check.key("ctrl+q")
+        time.sleep(1)
+        if check.window.poll() is not None:
+            raise Failed("the window is closed without a question")
+        check.key("Escape", "ctrl+s", "ctrl+a")
+        saved = check.folder / "saved.wrl"
+        check.xdotool("type", "--delay", 40, str(saved))
+        check.key("Return")
+        wait("the world is saved", saved.exists)
+        if saved.read_text() != SECOND.replace("0 0 6", "0 0 7"):
+            raise Failed(f"it is {saved.read_text()}")
+        wait("the title is as before", lambda: "edited" not in title())
+        check.key("ctrl+shift+t", "ctrl+shift+i")
+
     def opens():
         check.key("ctrl+l", "ctrl+a")
         check.xdotool("type", "--delay", 40, ball)
@@ -283,16 +332,29 @@ def run(check):
         wait("a movie of it", lambda: any(movie.read_bytes()[4:8] == b"ftyp" and movie.stat().st_size > 2000
                                           for movie in check.folder.glob("home/**/*.mp4")))
 
+    def steers():
+        check.open(check.file("keys.wrl", KEYS))
+        check.xdotool("mousemove", *MIDDLE)
+        check.key("k")
+        wait("the Script moves the viewer", lambda: near(check.world.getViewer()["position"], (0, 0, 9)))
+        check.key("k")
+        wait("the viewer moves again", lambda: near(check.world.getViewer()["position"], (0, 0, 8)))
+        check.drag((300, 500), (420, 460))
+        if not near(check.world.getViewer()["position"], (0, 0, 8)):
+            raise Failed("the user moves, although the Script has set the mode NONE")
+
     check.step("a PlaneSensor is dragged", slides)
     check.step("the viewer moves, and undoes it", moves)
     check.step("a viewport is split, and closed", splits)
     check.step("an Anchor is followed", follows)
     check.step("back and forward", goes_back)
+    check.step("a node is edited, and the world is saved", saves)
     check.step("a file is opened by its path", opens)
     check.step("a transfer function is edited, and saved", edits)
     check.step("a slice is drawn by its edge", slices)
     check.step("a picture is saved", keeps)
     check.step("a turntable is saved, as pictures and as a movie", turns)
+    check.step("a Script gets keys, and moves the viewer", steers)
 
 
 def window_picture(check):

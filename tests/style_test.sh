@@ -64,6 +64,25 @@ report "Header without #pragma once:" \
   "$(sources app vrml qnv net render base | grep '\.h$' | xargs -r grep -L '#pragma once')"
 report "CTest cuts the name of a test at a semicolon:" "$(grep -rnE 'TEST_CASE\("[^"]*;' tests --include='*.cpp')"
 
+# Paths in backticks whose first part is a folder of the root or of the document's folder. The extension may be missing, and the path
+# may have `*`. Names of fuzz targets are folders below tests/fuzz/corpus. Exceptions: placeholders in capitals (NAME, ROOM), the
+# generated page, docs/scripts.md with files of users, and build/.
+missing_paths() {
+  local document line path folder top at
+  grep -noE '`[A-Za-z0-9_*][A-Za-z0-9_.*-]*(/[A-Za-z0-9_.*-]+)+/?`' "$@" | tr -d '`' | while IFS=: read -r document line path; do
+    [[ $path =~ (NAME|ROOM|FILE|NNNN) || $path == build/* ]] && continue
+    folder=${document%/*} top=${path%%/*}
+    [ "$folder" = "$document" ] && folder=.
+    [ -d "$top" ] || [ -d "$folder/$top" ] || continue
+    for at in . "$folder" tests/fuzz/corpus; do
+      if compgen -G "$at/$path" >/dev/null || compgen -G "$at/${path%/}.*" >/dev/null; then continue 2; fi
+    done
+    echo "$document:$line: $path"
+  done
+}
+report "Documents name files that do not exist:" "$(missing_paths $(printf '%s\n' README.md */*.md docs/decisions/*.md |
+  grep -vxE 'docs/(conformance|scripts)\.md'))"
+
 # The search itself works: it finds the violations of these samples, and nothing else.
 sample='/// Likewise, whose name is given.
 /// The row. Null: none.

@@ -1,23 +1,23 @@
-// How exhaustive a loop is in each of the builds that tests run in, and assertions of very many elements.
+// Helpers for long loops in tests: their step under sanitizers, and assertions for very many elements.
 #pragma once
 
 #include <catch2/catch.hpp>
 
 #include <cstddef>
 
-// A test's object file stands in both variants of its program; which of them runs shows only then.
+// Both variants of a test program contain the same object files. These symbols show at run time which variant runs.
 extern "C" void __asan_init() __attribute__((weak));
 extern "C" void __tsan_init() __attribute__((weak));
 
 namespace gs {
 
-/// Whether AddressSanitizer or ThreadSanitizer watches what is tested: they keep what was freed, and terabytes of
+/// Reports whether AddressSanitizer or ThreadSanitizer runs. They keep freed memory, and reserve terabytes of
 /// addresses.
 inline bool watched() { return __asan_init != nullptr || __tsan_init != nullptr; }
 
-/// The step of a loop over bits, prefixes, split points or random rounds: 1 in the optimised build, `step` where
-/// AddressSanitizer watches each access or a debugger follows (which takes ten times as long and more for the same
-/// paths through the code). Odd steps meet every bit of a byte and every alignment.
+/// Returns the step of a loop over bits, prefixes, split points or random rounds. This is 1 in the optimised build, and
+/// `step` with sanitizers or in a debug build, which take at least ten times as long. An odd step reaches every bit of
+/// a byte and every alignment.
 inline std::size_t watched_step(std::size_t step) {
 #ifdef NDEBUG
   return watched() ? step : 1;
@@ -28,8 +28,8 @@ inline std::size_t watched_step(std::size_t step) {
 
 }  // namespace gs
 
-/// REQUIRE for one of very many elements: Catch2, which takes a microsecond for an assertion and several where every
-/// access is watched, hears of those that fail.
+/// REQUIRE for one of very many elements. Passes only failures to Catch2, which takes at least a microsecond per
+/// assertion.
 #define REQUIRE_EACH(...)                       \
   do {                                          \
     if (!(__VA_ARGS__)) REQUIRE((__VA_ARGS__)); \

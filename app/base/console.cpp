@@ -1,5 +1,6 @@
 #include "app/base/console.h"
 
+#include <atomic>
 #include <cerrno>
 #include <cstdarg>
 #include <cstdint>
@@ -12,6 +13,9 @@
 
 namespace gs::app {
 namespace {
+
+constexpr char kClearLine[] = "\r\033[K";
+std::atomic<bool> progress_line{false};  // true if the terminal shows a progress line
 
 int output_error = 0;  // errno of the first write to standard output that failed; 0 means none
 
@@ -113,7 +117,7 @@ void complain(const char* format, ...) {
   va_start(arguments, format);
   const std::string text = formatted(format, arguments);
   va_end(arguments);
-  const std::string line = printable(text) + "\n";
+  const std::string line = (progress_line.exchange(false) ? kClearLine : "") + printable(text) + "\n";
   (void)std::fwrite(line.data(), 1, line.size(), stderr);
 }
 
@@ -124,7 +128,8 @@ bool progress_shows() {
 
 void show_progress(std::string_view text) {
   if (!progress_shows()) return;
-  const std::string line = "\r\033[K" + std::string(text);
+  progress_line = !text.empty();
+  const std::string line = kClearLine + std::string(text);
   (void)std::fwrite(line.data(), 1, line.size(), stderr);
 }
 

@@ -177,24 +177,17 @@ class Filter {
     jump(BPF_JEQ, static_cast<std::uint32_t>(call), 0, 1);
     finish(answer);
   }
-  /// Refuses a call if, among the bits of `mask`, exactly `bits` are set in the argument.
-  void refuse_bits(long call, unsigned argument, std::uint32_t mask, std::uint32_t bits) {
+  /// Refuses a call if, among the bits of `mask`, exactly `bits` are set in the argument, or `unless` they are.
+  void refuse_bits(long call, unsigned argument, std::uint32_t mask, std::uint32_t bits, bool unless = false) {
     begin(call, 5);
     load(low_word(argument));
     step(BPF_ALU | BPF_AND | BPF_K, mask);
-    jump(BPF_JEQ, bits, 0, 1);
+    jump(BPF_JEQ, bits, unless, !unless);
     finish(kRefuse);
     load(offsetof(seccomp_data, nr));
   }
   /// Refuses a call unless all of `bits` are set in the argument.
-  void require_bits(long call, unsigned argument, std::uint32_t bits) {
-    begin(call, 5);
-    load(low_word(argument));
-    step(BPF_ALU | BPF_AND | BPF_K, bits);
-    jump(BPF_JEQ, bits, 1, 0);
-    finish(kRefuse);
-    load(offsetof(seccomp_data, nr));
-  }
+  void require_bits(long call, unsigned argument, std::uint32_t bits) { refuse_bits(call, argument, bits, bits, true); }
   /// Refuses a call unless the argument equals `number`.
   void require(long call, unsigned argument, std::uint32_t number) {
     begin(call, 6);

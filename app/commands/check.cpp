@@ -23,7 +23,7 @@ int run_check(const CheckCommand& options) {
     seconds += world.parse_seconds;
     errors += world.diagnostics.errors();
     warnings += world.diagnostics.warnings();
-    if (world.scene) nodes += world.scene->node_count();
+    if (world.scene) nodes += world.scene->nodes().count();
   }
   if (!options.stats.empty()) {
     const JsonValue stats = JsonValue::named({{"bytes", bytes},

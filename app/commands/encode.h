@@ -6,16 +6,15 @@ namespace gs::app {
 
 /// Options of `encode`.
 struct EncodeCommand : ConversionOptions, ReportOptions {
-  bool outlines = false;
   std::optional<double> tolerance;  // outline groups: max deviation in units; nullopt means a fraction of the size
-  double merge = 0;  // tolerance for merging their polygons, in units
-  std::size_t groups = 0;  // approximate number of groups; 0 means as few as `tolerance` allows
+  double merge = 0;                 // tolerance for merging their polygons, in units
+  std::size_t groups = 0;           // approximate number of groups; 0 means as few as `tolerance` allows
   int position_bits = 16;
 };
 int run_encode(const EncodeCommand& options);
 std::optional<std::string> check_encode(const EncodeCommand& options);
 
-/// Encodes polygons as outline groups (`encode --outlines`).
+/// Encodes polygons as outline groups (`encode --method outlines`).
 int encode_outlines(const EncodeCommand& options);
 
 }  // namespace gs::app

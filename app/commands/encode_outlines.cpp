@@ -1,4 +1,5 @@
 #include "app/base/console.h"
+#include "app/commands/common/conversion_report.h"
 #include "app/commands/common/progress_bar.h"
 #include "app/commands/common/shared.h"
 #include "app/commands/common/vectors_of.h"
@@ -46,7 +47,7 @@ std::variant<OutlineModel, std::string> model_of(const EncodeCommand& options, c
            " faces, which exceed the memory limit; expected fewer, or a larger --memory";
   const auto* volume = std::get_if<qnv::VolumeSource>(&input.content);
   if (!volume) return "has no polygons; expected a world, a mesh, or a volume with --isovalue";
-  if (!options.isovalue) return "is a volume; --outlines needs --isovalue to select a surface";
+  if (!options.isovalue) return "is a volume; --method outlines needs --isovalue to select a surface";
   return isosurface_outlines(options, *volume, progress);
 }
 
@@ -63,7 +64,9 @@ void make_relative(std::vector<qnv::OutlineAppearance>& appearances, const std::
   }
 }
 
-void tell(const EncodeCommand& options, const qnv::OutlineGroups& groups, std::size_t bytes, double seconds) {
+void tell(const EncodeCommand& options, const qnv::OutlineGroups& groups, std::uint64_t in_bytes, std::size_t bytes,
+          std::chrono::steady_clock::time_point start) {
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   std::size_t outlines = 0, inner = 0;
   for (const qnv::OutlineGroup& group : groups.groups) outlines += group.outline.size(), inner += group.inner.size();
   const qnv::OutlineCounts& counts = groups.counts;
@@ -81,8 +84,12 @@ void tell(const EncodeCommand& options, const qnv::OutlineGroups& groups, std::s
     print_text(facts.json());
     return;
   }
-  print_line("%s: %zu polygons as %zu outlines of %zu groups and %zu inner polygons, %zu bytes, %.2f s",
-             options.files[1].c_str(), counts.polygons, outlines, groups.groups.size(), inner, bytes, seconds);
+  print_conversion(
+      {options.files[0], in_bytes, options.files[1], bytes,
+       counted(counts.polygons, "polygon", "polygons") + " as " + counted(outlines, "outline", "outlines") + " of " +
+           counted(groups.groups.size(), "group", "groups") + " and " +
+           counted(inner, "inner polygon", "inner polygons")},
+      start);
   if (counts.invalid + counts.degenerate + counts.duplicates > 0)
     print_line("left out: %zu polygons with invalid corners, %zu without area, %zu duplicates", counts.invalid,
                counts.degenerate, counts.duplicates);
@@ -99,9 +106,10 @@ int encode_outlines(const EncodeCommand& options) {
   if (const auto refusal =
           refuse_to_replace(out, in, stream ? std::span<const std::byte>(first) : std::as_bytes(std::span(kWorld))))
     return fail(*refusal);
+  ProgressBar progress;
+  progress.whole().stage = "reading";
   const auto input = open_input(options, in, MeshForm::world);
   if (!input) return kFailed;
-  ProgressBar progress;
   auto built = model_of(options, *input, progress);
   if (const auto* problem = std::get_if<std::string>(&built)) return fail(in + " " + *problem);
   auto& model = std::get<OutlineModel>(built);
@@ -142,11 +150,12 @@ int encode_outlines(const EncodeCommand& options) {
     if (out.ends_with(".wrz")) bytes = gzip(bytes);
   }
   if (const auto problem = net::write_file_atomically(out, bytes)) return fail_to_write(problem->message);
-  if (model.left_out > 0)
+  if (model.omitted > 0)
     complain("%s: warning: %zu Shapes of lines or points are left out, because they have no outlines", in.c_str(),
-             model.left_out);
+             model.omitted);
   if (model.averaged) complain("%s: warning: colours that vary within a face are averaged", in.c_str());
-  tell(options, groups, bytes.size(), std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  progress.hide();
+  tell(options, groups, input->bytes, bytes.size(), start);
   return kDone;
 }
 

@@ -1,17 +1,20 @@
 #include "app/commands/export.h"
 
 #include "app/base/console.h"
+#include "app/commands/common/conversion_report.h"
 #include "app/commands/common/progress_bar.h"
 #include "app/commands/common/shared.h"
 #include "app/commands/common/vectors_of.h"
 #include "app/formats/export/export.h"
 #include "app/formats/export/outline_text.h"
+#include "app/formats/qnv/surface_pictures.h"
 #include "net/base/url.h"
 #include "net/files/file.h"
 #include "qnv/container/container.h"
 #include "qnv/sampling/order/order.h"
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <numeric>
 
@@ -66,8 +69,8 @@ std::string url_between(const std::string& out, const std::string& in) {
 // Writes a stream of outlines as a world that any VRML97 browser shows.
 int export_outlines(vrml::SceneGraph& scene, const std::string& in, const std::string& out) {
   // Only the browser sets the field `complete`. Worlds must not contain it.
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i)
-    if (const vrml::NodeId id = scene.resolve_as(scene.id_at(i), vrml::NodeKind::outline_group))
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i)
+    if (const vrml::NodeId id = scene.resolve_as(scene.nodes().id_at(i), vrml::NodeKind::outline_group))
       scene.set<vrml::SFBool>(id, "complete", false);
   const std::vector<std::byte> bytes = outline_world(scene, std::filesystem::path(in).stem().string());
   if (const auto refusal = refuse_to_replace(out, in, bytes)) return fail(*refusal);
@@ -76,29 +79,63 @@ int export_outlines(vrml::SceneGraph& scene, const std::string& in, const std::s
   return kDone;
 }
 
+// File to write, with its path.
+struct WrittenFile {
+  std::string path;
+  std::span<const std::byte> bytes;
+};
+
+// Returns the geometry of an input. Formats with triangles get those of the input, without the losses of a stream.
+std::variant<qnv::Geometry, qnv::EncodeError> converted(const ExportCommand& options, const ExportFormat& format,
+                                                        OpenedInput input, ProgressBar& progress) {
+  if ((format.keeps & kKeepsTriangles) != 0 && options.vectors == 0)
+    if (auto mesh = mesh_of_input(options, input, progress)) return std::move(*mesh);
+  return geometry_of_input(options, std::move(input), progress);
+}
+
+// Returns the content of a written file, in the words of users.
+std::string contents_of(const ExportFormat& format, const qnv::Geometry& geometry,
+                        const std::vector<CompanionFile>& beside) {
+  const auto* mesh = (format.keeps & kKeepsTriangles) != 0 ? geometry.as<qnv::IndexedMesh>() : nullptr;
+  std::string text = mesh && !mesh->triangles.empty() ? counted(mesh->size(), "vertex", "vertices") + ", " +
+                                                            counted(mesh->triangles.size() / 3, "triangle", "triangles")
+                                                      : counted(geometry.size(), "splat", "splats");
+  for (const CompanionFile& file : beside) text += ", " + file.name;
+  return text;
+}
+
 }  // namespace
 
 std::optional<std::string> check_export(const ExportCommand& options) {
   const std::string& out = options.files.back();
-  if (format_of(options)) return std::nullopt;
+  const ExportFormat* format = format_of(options);
+  if (format && (format->keeps & kNeedsTriangles) != 0 && options.vectors > 0)
+    return std::string(format->extension) + " holds triangles only; --vectors excludes it";
+  if (format) return std::nullopt;
   return options.vrml97 ? "expected OUT.wrl with --vrml97, not '" + out + "'"
                         : "unknown extension of '" + out + "'; expected one of: " + export_format_list();
 }
 
 int run_export(const ExportCommand& options) {
   const std::string &in = options.files[0], &out = options.files[1];
+  const auto start = std::chrono::steady_clock::now();
   std::error_code error;
   if (std::filesystem::equivalent(in, out, error)) return fail(out + " is also the input; not overwritten");
+  ProgressBar progress;
+  progress.whole().stage = "reading";
   auto input = open_input(options, in);
   if (!input) return kFailed;
+  const ExportFormat& format = *format_of(options);
   if (auto* world = std::get_if<std::unique_ptr<OpenedSurface>>(&input->content);
-      world && input->type == "QNV" && format_of(options)->name.starts_with("vrml97"))
+      world && input->type == "QNV" && format.name.starts_with("vrml97"))
     return export_outlines(*(*world)->world.scene, in, out);
-  ProgressBar progress;
   ExportOptions export_options;
   export_options.title = input->title;
+  export_options.name = std::filesystem::path(out).stem().string();
   if (input->type == "QNV") export_options.stream_url = url_between(out, in);
-  auto made = geometry_of_input(options, std::move(*input), progress);
+  const std::uint64_t in_bytes = input->bytes;
+  std::vector<std::string> losses = lost_properties(*input);
+  auto made = converted(options, format, std::move(*input), progress);
   if (progress.cancelled()) return fail("cancelled; " + out + " was not written");
   if (const auto* problem = std::get_if<qnv::EncodeError>(&made)) return fail(in + ": " + problem->message);
   auto& geometry = std::get<qnv::Geometry>(made);
@@ -106,15 +143,27 @@ int run_export(const ExportCommand& options) {
     if (key == "title" && !value.empty()) export_options.title = value;
   if (options.vectors > 0 && geometry.size() > options.vectors)
     geometry = thinned(geometry, options.vectors, options, progress.whole());
+  for (std::string& loss : export_losses(format, geometry)) losses.push_back(std::move(loss));
+  if (auto* mesh = geometry.as<qnv::IndexedMesh>(); mesh && mesh->picture && (format.keeps & kKeepsTexture) == 0)
+    color_by_picture(*mesh, std::make_shared<Budget>(options.limits));
   if (progress.cancelled()) return fail("cancelled; " + out + " was not written");
   progress.whole().stage = "writing";
-  const Exported exported = format_of(options)->write(geometry, export_options);
+  std::vector<CompanionFile> beside;
+  export_options.beside = &beside;
+  const Exported exported = format.write(geometry, export_options);
   if (const auto* problem = std::get_if<std::string>(&exported)) return fail(out + ": " + *problem);
   const auto& bytes = std::get<std::vector<std::byte>>(exported);
-  if (const auto refusal = refuse_to_replace(out, in, bytes)) return fail(*refusal);
+  std::vector<WrittenFile> written{{out, bytes}};
+  for (const CompanionFile& file : beside)
+    written.push_back({(std::filesystem::path(out).parent_path() / file.name).string(), file.bytes});
+  for (const WrittenFile& file : written)
+    if (const auto refusal = refuse_to_replace(file.path, in, file.bytes)) return fail(*refusal);
   if (progress.cancelled()) return fail("cancelled; " + out + " was not written");
-  if (const auto problem = net::write_file_atomically(out, bytes)) return fail_to_write(problem->message);
-  print_line("%s: %zu vectors, %zu bytes", out.c_str(), geometry.size(), bytes.size());
+  for (const WrittenFile& file : written)
+    if (const auto problem = net::write_file_atomically(file.path, file.bytes)) return fail_to_write(problem->message);
+  progress.hide();
+  print_losses(in, losses);
+  print_conversion({in, in_bytes, out, bytes.size(), contents_of(format, geometry, beside)}, start);
   return kDone;
 }
 

@@ -41,17 +41,17 @@ bool apply(const WorldLoading& loading) {
 bool shows(const render::RenderList& list) {
   return !list.items.empty() || std::any_of(list.splats.begin(), list.splats.end(), [](const render::SplatItem& item) {
     const auto* octree = item.geometry ? item.geometry->as<qnv::OctreeSplats>() : nullptr;
-    return octree ? octree->stream->clusters() > 0 : item.geometry && item.geometry->size() > 0;
+    return octree ? octree->stream->statistics().clusters > 0 : item.geometry && item.geometry->size() > 0;
   });
 }
 
 void count(LoadedWorld& world, Report& report) {
-  for (const auto& [node, geometry] : world.clouds) {
+  for (const auto& [node, geometry] : world.geometries) {
     const auto* octree = geometry->as<qnv::OctreeSplats>();
     report.vectors += octree ? octree->stream->count() : geometry->size();
   }
   render::MeshCache meshes;
-  const render::RenderList list = render::collect(*world.scene, world.images, meshes, {0, 0, 10}, world.clouds);
+  const render::RenderList list = render::collect(*world.scene, world.images, meshes, {0, 0, 10}, world.geometries);
   for (const auto& item : list.items)
     if (item.mesh) report.triangles += item.mesh->indices.size() / 3;
 }

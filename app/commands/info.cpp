@@ -5,7 +5,8 @@
 #include "app/commands/common/vectors_of.h"
 #include "app/encode/surface_triangles.h"
 #include "app/formats/content_types.h"
-#include "app/formats/qnv/cloud_reader.h"
+#include "app/formats/foreign_types.h"
+#include "app/formats/qnv/geometry_reader.h"
 #include "base/json_value.h"
 #include "net/base/url.h"
 #include "net/files/file.h"
@@ -258,12 +259,12 @@ void describe_world(JsonValue& facts, const OpenedSurface& opened) {
   const SurfaceSummary summary = summarize_surface(opened.list);
   const LoadedWorld& world = opened.world;
   std::size_t vectors = 0;
-  for (const auto& [node, geometry] : world.clouds) {
+  for (const auto& [node, geometry] : world.geometries) {
     const auto* octree = geometry->as<qnv::OctreeSplats>();
     vectors += octree ? static_cast<std::size_t>(octree->stream->header().vectors) : geometry->size();
   }
   facts.put("title", world.title);
-  facts.put("nodes", world.scene->node_count());
+  facts.put("nodes", world.scene->nodes().count());
   facts.put("shapes", opened.list.items.size() + opened.list.splats.size());
   facts.put("triangles", summary.triangles);
   facts.put("vectors", vectors);
@@ -286,7 +287,10 @@ int run_info(const InfoCommand& options) {
   const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                            std::chrono::duration<double>(std::min(options.timeout_seconds, 1e6)));
   auto mapped = net::map_file(local);
-  if (const auto* problem = std::get_if<net::FileError>(&mapped)) return fail(problem->message);
+  if (const auto* problem = std::get_if<net::FileError>(&mapped)) {
+    const auto folder = refusal_of_folder(local);
+    return fail(folder ? local + ": " + *folder : problem->message);
+  }
   auto bytes = std::get<net::MappedFile>(mapped).bytes();
   JsonValue facts = JsonValue::named({{"file", path}, {"type", ""}, {"bytes", bytes.size()}});
   bytes = bytes.first(std::min(bytes.size(), options.max_bytes));

@@ -16,6 +16,7 @@ std::string as_markdown(const vrml::NodeType& type) {
                      "\n\n| access | type | name | default | range |\n| --- | --- | --- | --- | --- |\n";
   const vrml::SceneGraph nothing;
   for (const vrml::InterfaceDeclaration& declaration : type.interfaces) {
+    if (declaration.of_other_browsers) continue;
     std::string value;
     if (declaration.slot >= 0) vrml::print_value(value, declaration.initial, nothing);
     text.append("| ").append(name_of(declaration.access)).append(" | ").append(name_of(declaration.type));

@@ -3,6 +3,7 @@
 #include "app/control/control_channel.h"
 #include "app/control/services.h"
 #include "app/session/session.h"
+#include "base/noncopyable.h"
 #include "vrml/events/execution.h"
 
 #include <chrono>
@@ -19,7 +20,7 @@ namespace gs::app {
 
 /// Server of control clients for the worlds of a session. Offers the services of ISO/IEC 14772-2 as JSON-RPC 2.0
 /// (docs/control.md). In each step, it acts after time has advanced and before the user's input. Session's thread.
-class Control final : public SessionExtension {
+class Control final : public SessionExtension, NonCopyable {
  public:
   /// Function that draws a view with a size in pixels. Returns a PNG file, or an error.
   using Painter =
@@ -30,8 +31,6 @@ class Control final : public SessionExtension {
   Control(ControlChannel& channel, std::function<void()> wake,
           std::chrono::steady_clock::duration most_of_step = std::chrono::milliseconds(10));
   ~Control() override;
-  Control(const Control&) = delete;
-  Control& operator=(const Control&) = delete;
 
   void set_painter(Painter painter) { painter_ = std::move(painter); }
   /// Returns true if a client has asked the program to end.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/inspect/event_watch.h"
 #include "app/session/documents/documents.h"
 #include "vrml/scene/node_names.h"
 #include "vrml/scene/scene_graph.h"
@@ -21,19 +22,6 @@ namespace gs::app {
 struct PlacedNode {
   vrml::SceneGraph* scene = nullptr;
   vrml::NodeId id;
-};
-
-/// eventOut of a node in a world.
-struct WatchedEvent {
-  vrml::NodeId node;
-  const vrml::InterfaceDeclaration* event = nullptr;
-  friend bool operator==(const WatchedEvent&, const WatchedEvent&) = default;
-};
-struct HashWatchedEvent {
-  std::size_t operator()(const WatchedEvent& one) const {
-    return std::hash<std::uint64_t>()(std::uint64_t{one.node.generation} << 32 | one.node.index) * 31 +
-           std::hash<const void*>()(one.event);
-  }
 };
 
 /// State that all clients of one world share.

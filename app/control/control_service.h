@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/control/control.h"
+#include "base/noncopyable.h"
 
 #include <cstdint>
 #include <functional>
@@ -21,15 +22,13 @@ struct ControlPlaces {
 };
 
 /// Control together with its network server.
-class ControlService {
+class ControlService : NonCopyable {
  public:
   /// Starts the server and prints its addresses on standard error. `wake` is passed to net::ControlServer. Returns an
   /// error that contains the address.
   [[nodiscard]] static std::variant<std::unique_ptr<ControlService>, std::string> start(const ControlPlaces& places,
                                                                                         std::function<void()> wake);
   ~ControlService();
-  ControlService(const ControlService&) = delete;
-  ControlService& operator=(const ControlService&) = delete;
 
   [[nodiscard]] Control& control();
 

@@ -19,6 +19,7 @@ struct MeshSurface {
   std::vector<Share> shares;  // of the memory of the parts
   SurfaceSummary summary;
   std::optional<ColorKey> color_key;  // as read from a scene of the mesh
+  bool face_colors = false;           // some faces have colours of their own
 };
 
 /// Tessellates the faces of a mesh as in its scene, by the same limits. Leaves out lines, points and textures. Reports

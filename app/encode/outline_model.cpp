@@ -2,6 +2,7 @@
 
 #include "app/encode/surface_triangles.h"
 #include "net/base/url.h"
+#include "net/control/digest.h"
 #include "render/image/image.h"
 
 #include <glm/geometric.hpp>
@@ -31,18 +32,6 @@ bool is_bent(const vrml::Mesh& mesh, const std::array<std::uint32_t, 3>& corners
   return std::any_of(corners.begin(), corners.end(), [&](std::uint32_t corner) {
     return !(std::abs(glm::dot(mesh.normals[corner], n)) >= kFlat * length);
   });
-}
-
-std::string base64(std::span<const std::byte> bytes) {
-  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      group = group << 8 | (i + k < bytes.size() ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0);
-    for (std::size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
 }
 
 class Builder {
@@ -79,7 +68,7 @@ class Builder {
       model.bent.push_back(look.crease_angle > 0 && is_bent(mesh, corners) ? 1 : 0);
     }
   }
-  void leave_out() { ++out_.left_out; }
+  void count_omitted() { ++out_.omitted; }
   [[nodiscard]] OutlineModel take() {
     if (!out_.model.texture_coordinates.empty()) out_.model.texture_coordinates.resize(out_.model.corners.size());
     return std::move(out_);
@@ -147,20 +136,20 @@ TextureUrls texture_urls(const LoadedWorld& world) {
   if (!world.scene) return urls;
   const net::Url asked = net::parse_url(world.path);
   const net::Url base = asked.scheme.empty() ? net::url_of_path(world.path) : asked;
-  for (std::uint32_t i = 1; i <= world.scene->node_count(); ++i) {
-    const vrml::NodeId id = world.scene->id_at(i);
+  for (std::uint32_t i = 1; i <= world.scene->nodes().count(); ++i) {
+    const vrml::NodeId id = world.scene->nodes().id_at(i);
     const auto found = world.images.find(&world.scene->node(id));
     if (found == world.images.end() || !world.scene->resolve_as(id, vrml::NodeKind::image_texture)) continue;
     const auto& list = world.scene->get<vrml::MFString>(id, "url");
     const int slot = world.scene->node(id).type->find_field("url")->slot;
     // In a PROTO library, the url is relative to the library, not to the world.
-    if (!list.empty() && &world.scene->text_of(id, slot) == world.scene.get())
+    if (!list.empty() && &world.scene->nodes().text_of(id, slot) == world.scene.get())
       urls.emplace(found->second.get(), net::resolve(base, net::parse_url(net::tidy_url(list.front().view()))).text());
   }
   // Embed all other textures as data: URLs. They come from Inlines, libraries, importers and PixelTextures.
   for (const auto& [place, image] : world.images)
     if (image && !urls.contains(image.get()))
-      urls.emplace(image.get(), "data:image/png;base64," + base64(render::encode_png(*image)));
+      urls.emplace(image.get(), "data:image/png;base64," + net::base64(render::encode_png(*image)));
   return urls;
 }
 
@@ -170,7 +159,7 @@ OutlineModel outline_model(const render::RenderList& list, const TextureUrls& te
     if (has_surface(item))
       builder.add(item);
     else
-      builder.leave_out();
+      builder.count_omitted();
   return builder.take();
 }
 

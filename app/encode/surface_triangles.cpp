@@ -175,7 +175,7 @@ class Emitter {
   }
 
   // Subdivides a triangle. The vertices on an edge depend only on that edge, so that the adjacent triangle gets the
-  // same ones. `depth` is the number of subdivisions so far.
+  // same vertices. `depth` is the number of subdivisions so far.
   bool emit(const std::array<SurfaceCorner, 3>& c, const EdgeCuts& cuts, int depth) {
     const auto is_cut = [&](std::size_t k) { return cuts[k % 3].halvings > 0; };
     const int halved = is_cut(0) + is_cut(1) + is_cut(2);

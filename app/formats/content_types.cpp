@@ -1,6 +1,7 @@
 #include "app/formats/content_types.h"
 
 #include "app/formats/common/scene_builder.h"
+#include "app/formats/foreign_types.h"
 #include "app/formats/gltf/gltf.h"
 #include "app/formats/mesh/points.h"
 #include "app/formats/splats/splats.h"
@@ -26,8 +27,8 @@ using Bytes = std::span<const std::byte>;
 bool is_vrml(Bytes bytes) {
   std::string_view text = text_of(bytes);
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
-  return text.starts_with("#VRML") || text.starts_with("#vrml") || text.starts_with("#X3D") ||
-         text.starts_with("#Inventor");
+  const std::string mark = lower_case(text.substr(0, 10));
+  return mark.starts_with("#vrml") && mark != "#vrml v1.0";
 }
 bool is_glb(Bytes bytes) { return text_of(bytes).starts_with("glTF"); }
 
@@ -39,39 +40,19 @@ Asset read_gltf(const ImportSource& source) {
   } catch (const OutOfBudget&) {
     whole = source.budget->stopped();
   }
-  if (!whole || scene->exhausted())
+  if (!whole || scene->memory().exhausted())
     source.diagnostics.add(
         {Severity::error, source.path, {}, source.budget->refusal(Resource::nodes) + "; the rest is left out"});
   return SceneAsset(std::move(scene));
 }
 
-template <ImportedCloud (*import)(Bytes, const WorldBudget&)>
+template <ImportedVectors (*import)(Bytes, const WorldBudget&)>
 Asset read_vectors(const ImportSource& source) {
-  ImportedCloud imported = import(source.bytes, source.budget);
+  ImportedVectors imported = import(source.bytes, source.budget);
   if (auto* splats = std::get_if<qnv::Splats>(&imported)) return std::move(*splats);
   source.diagnostics.add({Severity::error, source.path, {}, std::move(std::get<std::string>(imported))});
   return {};
 }
-
-// Detects SOG: splats as WebP images, in a ZIP archive or beside their meta.json.
-bool is_sog(Bytes bytes) {
-  const std::string_view text = text_of(bytes).substr(0, 4096);
-  if (text.starts_with("PK\x03\x04")) {
-    const std::string_view name = text.substr(std::min<std::size_t>(text.size(), 30), 32);
-    return name.starts_with("meta.json") || name.starts_with("means_") || name.starts_with("lod-meta.json");
-  }
-  return text.starts_with('{') && text.find("\"means\"") != std::string_view::npos &&
-         text.find("means_l.webp") != std::string_view::npos;
-}
-ImportedCloud refuse_sog(Bytes, const WorldBudget&) {
-  return "SOG (splats as WebP pictures) is not supported; convert it with PlayCanvas splat-transform to PLY, "
-         "compressed PLY, SPZ, KSplat or .splat";
-}
-
-// Formats that are detected but not supported. Messages name them.
-constexpr ContentType kNotRead[] = {
-    {"SOG", "model/x-sog", ".sog ", is_sog, ContentClass::cloud, read_vectors<refuse_sog>},
-};
 
 Asset read_volume(const ImportSource& source) {
   auto opened = open_volume(source.path, {}, {source.read_file, source.name}, source.budget);
@@ -83,20 +64,33 @@ Asset read_volume(const ImportSource& source) {
   return {};
 }
 
+const ContentType* type_by_name(std::string_view path, std::span<const ContentType> types) {
+  std::string name = lower_case(path);
+  if (name.ends_with(".gz")) name.resize(name.size() - 3);
+  const std::size_t point = name.rfind('.');
+  // A name such as ".wrl" has no extension.
+  if (point == std::string::npos || point == 0 || name[point - 1] == '/') return nullptr;
+  const std::string extension = name.substr(point) + ' ';
+  for (const ContentType& type : types)
+    if (type.extensions.find(extension) != std::string_view::npos) return &type;
+  return nullptr;
+}
+
 }  // namespace
 
 std::span<const ContentType> content_types() {
   static const std::vector<ContentType> types = [] {
-    constexpr auto kCloud = ContentClass::cloud;
+    constexpr auto kSplats = ContentClass::splats;
     // Table of types. If several types share a mark, the most specific one comes first. content_types() appends the
     // volumes from their own table.
     std::vector<ContentType> all = {
         {"VRML97", "model/vrml", ".wrl .wrz .vrml ", is_vrml},
         {"QNV", "model/x-qnv", ".qnv ", qnv::is_stream, ContentClass::stream},
-        {"compressed splats PLY", "application/x-ply", "", is_splats_compressed_ply, kCloud,
+        {"compressed splats PLY", "application/x-ply", "", is_splats_compressed_ply, kSplats,
          read_vectors<import_splats_compressed_ply>},
-        {"splats PLY", "application/x-ply", "", is_splats_ply, kCloud, read_vectors<import_splats_ply>},
-        {"points PLY", "application/x-ply", "", is_points_ply, kCloud, read_vectors<import_points_ply>, UpRule::survey},
+        {"splats PLY", "application/x-ply", "", is_splats_ply, kSplats, read_vectors<import_splats_ply>},
+        {"points PLY", "application/x-ply", "", is_points_ply, kSplats, read_vectors<import_points_ply>,
+         UpRule::survey},
         kPlyFormat,
         {"glTF", "model/gltf-binary", ".glb .gltf ", is_glb, ContentClass::mesh, read_gltf, UpRule::y, false, true},
         kObjFormat,
@@ -107,10 +101,11 @@ std::span<const ContentType> content_types() {
         kVtpFormat,
         kVtuFormat,
         kVtkLegacyFormat,
-        {"SPZ splats", "model/x-spz", ".spz ", is_splats_spz, kCloud, read_vectors<import_splats_spz>, UpRule::y, true},
-        {"splats", "model/x-splat", ".splat ", nullptr, kCloud, read_vectors<import_splats_antimatter>},
-        {"KSplat", "model/x-ksplat", ".ksplat ", nullptr, kCloud, read_vectors<import_splats_ksplat>},
-        {"points", "text/x-xyz", ".xyz ", nullptr, kCloud, read_vectors<import_points_xyz>, UpRule::survey},
+        {"SPZ splats", "model/x-spz", ".spz ", is_splats_spz, kSplats, read_vectors<import_splats_spz>, UpRule::y,
+         true},
+        {"splats", "model/x-splat", ".splat ", nullptr, kSplats, read_vectors<import_splats_antimatter>},
+        {"KSplat", "model/x-ksplat", ".ksplat ", nullptr, kSplats, read_vectors<import_splats_ksplat>},
+        {"points", "text/x-xyz", ".xyz ", nullptr, kSplats, read_vectors<import_points_xyz>, UpRule::survey},
     };
     for (const VolumeFormatName& volume : volume_format_names())
       all.push_back(
@@ -126,23 +121,17 @@ const ContentType* content_type_by_mark(Bytes bytes) {
   return nullptr;
 }
 
+const ContentType* content_type_by_name(std::string_view path) { return type_by_name(path, content_types()); }
+
 const ContentType& content_type_of(std::string_view path, Bytes bytes) {
   if (const ContentType* type = content_type_by_mark(bytes)) return *type;
-  for (const ContentType& type : kNotRead)
-    if (type.sniff(bytes)) return type;
-  std::string name(path);
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  if (name.ends_with(".gz")) name.resize(name.size() - 3);
-  const std::size_t point = name.rfind('.');
-  if (point != std::string::npos) {
-    const std::string extension = name.substr(point) + ' ';
-    for (const ContentType& type : content_types())
-      if (type.extensions.find(extension) != std::string_view::npos) return type;
-    for (const ContentType& type : kNotRead)
-      if (type.extensions.find(extension) != std::string_view::npos) return type;
-  }
-  return content_types().front();
+  for (const ContentType& type : foreign_types())
+    if (type.sniff && type.sniff(bytes)) return type;
+  const ContentType* named = nullptr;
+  for (const std::span<const ContentType> types : {content_types(), foreign_types()})
+    if (!named) named = type_by_name(path, types);
+  if (!named) named = &content_types().front();
+  return named->content == ContentClass::vrml && unknown_binary().sniff(bytes) ? unknown_binary() : *named;
 }
 
 std::optional<std::string> refuse_first_bytes(std::string_view path, Bytes first) {

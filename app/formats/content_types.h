@@ -15,7 +15,8 @@ namespace gs::app {
 [[nodiscard]] std::span<const ContentType> content_types();
 
 /// Returns the type of a file. Decides by the first bytes (see `first_bytes`), else by the name without a final `.gz`.
-/// Otherwise returns VRML97, because its parser reports the best errors.
+/// Includes the foreign types, which have a `remedy` instead of an importer. Otherwise returns VRML97 for text, because
+/// its parser reports the best errors.
 [[nodiscard]] const ContentType& content_type_of(std::string_view path, std::span<const std::byte> bytes);
 
 /// Refuses a file if its name belongs to a type with a `mark` and the file does not begin with that mark. Returns the
@@ -24,6 +25,9 @@ namespace gs::app {
 
 /// Returns the type that the first bytes identify, or null.
 [[nodiscard]] const ContentType* content_type_by_mark(std::span<const std::byte> bytes);
+
+/// Returns the type with the extension of a name, in any case and without a final `.gz`, or null.
+[[nodiscard]] const ContentType* content_type_by_name(std::string_view path);
 
 /// Returns the first bytes of a file, enough to detect its type. Decompresses them if the file is gzip-compressed.
 [[nodiscard]] std::vector<std::byte> first_bytes(std::span<const std::byte> bytes);

@@ -16,7 +16,7 @@ void EventWatch::watch(vrml::Execution* world) {
   second_ = world_->now();
   world_->cascade().observe(
       [this](const vrml::SentEvent& event) {
-        const Key key{event.node, event.event};
+        const WatchedEvent key{event.node, event.event};
         auto found = seen_.find(key);
         if (found == seen_.end()) {
           if (seen_.size() >= kMax) return;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/inspect/node_children.h"
+#include "base/noncopyable.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -9,9 +10,22 @@
 
 namespace gs::app {
 
+/// eventOut of a node in a world.
+struct WatchedEvent {
+  vrml::NodeId node;
+  const vrml::InterfaceDeclaration* event = nullptr;
+  friend bool operator==(const WatchedEvent&, const WatchedEvent&) = default;
+};
+struct HashWatchedEvent {
+  std::size_t operator()(const WatchedEvent& one) const {
+    return std::hash<std::uint64_t>()(std::uint64_t{one.node.generation} << 32 | one.node.index) * 31 +
+           std::hash<const void*>()(one.event);
+  }
+};
+
 /// Live statistics of a world's events: the last time and the rate of each eventOut. Costs nothing unless it watches a
 /// world. World's thread.
-class EventWatch {
+class EventWatch : NonCopyable {
  public:
   struct Seen {
     double time = 0;  // timestamp of the last event
@@ -19,10 +33,7 @@ class EventWatch {
     double a_second = 0;  // events per second in the last complete interval
     std::uint64_t counted = 0;  // value of `count` at the start of the current interval
   };
-  EventWatch() = default;
   ~EventWatch();
-  EventWatch(const EventWatch&) = delete;
-  EventWatch& operator=(const EventWatch&) = delete;
 
   /// Watches this world instead of the previous one. Null ends watching. The world must outlive this object, or be
   /// replaced before it ends.
@@ -36,20 +47,8 @@ class EventWatch {
   [[nodiscard]] std::size_t size() const { return seen_.size(); }
 
  private:
-  struct Key {
-    vrml::NodeId node;
-    const vrml::InterfaceDeclaration* event = nullptr;
-    friend bool operator==(const Key&, const Key&) = default;
-  };
-  struct Hash {
-    std::size_t operator()(const Key& key) const {
-      return std::hash<std::uint64_t>()(std::uint64_t{key.node.generation} << 32 | key.node.index) * 31 +
-             std::hash<const void*>()(key.event);
-    }
-  };
-
   vrml::Execution* world_ = nullptr;
-  std::unordered_map<Key, Seen, Hash> seen_;
+  std::unordered_map<WatchedEvent, Seen, HashWatchedEvent> seen_;
   double second_ = 0;  // world time at the start of the current interval
   bool news_ = false;
 };

@@ -80,7 +80,7 @@ std::string range_words(const Interval& one) {
 
 struct Ranges {
   std::optional<Interval> numbers;  // range of numbers; for a rotation, of the numbers of its axis
-  std::optional<Interval> angle;  // for a rotation, range of its angle
+  std::optional<Interval> angle;    // for a rotation, range of its angle
   std::string_view alternative;     // special value outside the range: "-1,-1,-1"
 };
 Ranges ranges_of(std::string_view text) {
@@ -165,6 +165,13 @@ const vrml::InterfaceDeclaration* setter_of(const vrml::NodeType& type, const vr
   if (field.access != AccessType::field) return nullptr;
   const vrml::InterfaceDeclaration* const setter = type.find("set_" + field.name);
   return setter && setter->access == AccessType::eventIn && setter->type == field.type ? setter : nullptr;
+}
+
+const vrml::InterfaceDeclaration* field_set_by(const vrml::NodeType& type, const vrml::InterfaceDeclaration& event_in) {
+  if (event_in.access == AccessType::exposedField) return &event_in;
+  if (type.kind != vrml::NodeType::Kind::built_in || !event_in.name.starts_with("set_")) return nullptr;
+  const vrml::InterfaceDeclaration* const field = type.find_field(event_in.name.substr(4));
+  return field && setter_of(type, *field) == &event_in ? field : nullptr;
 }
 
 std::string why_not_set(const vrml::InterfaceDeclaration& field) {

@@ -14,6 +14,10 @@ namespace gs::app {
 /// if nothing sets the field.
 [[nodiscard]] const vrml::InterfaceDeclaration* setter_of(const vrml::NodeType& type,
                                                           const vrml::InterfaceDeclaration& field);
+/// Returns the field that keeps the value of an eventIn: the exposedField itself, or the field x of a built-in node for
+/// `set_x`. Returns null if the eventIn sets no field.
+[[nodiscard]] const vrml::InterfaceDeclaration* field_set_by(const vrml::NodeType& type,
+                                                             const vrml::InterfaceDeclaration& event_in);
 /// Returns one line of text that explains why a field without setter cannot be set.
 [[nodiscard]] std::string why_not_set(const vrml::InterfaceDeclaration& field);
 

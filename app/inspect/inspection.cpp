@@ -1,14 +1,16 @@
 #include "app/inspect/inspection.h"
 
+#include "app/saving/world_text.h"
+
 #include <algorithm>
 #include <utility>
 
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kWork = 200'000;  // max number of nodes to visit per step
+constexpr std::size_t kWork = 200'000;    // max number of nodes to visit per step
 constexpr double kBetweenPictures = 0.1;  // min seconds between two pictures while values change
-constexpr double kLit = 0.6;  // seconds for which an event highlights its ROUTE
+constexpr double kLit = 0.6;              // seconds for which an event highlights its ROUTE
 
 std::shared_ptr<Document> document_of(Session& session) {
   const View* const seen = session.view();
@@ -40,7 +42,8 @@ void Inspection::enter(const std::shared_ptr<Document>& document) {
 }
 
 bool Inspection::act(Session& session) {
-  enter(wants_.world() || picking_ || selected_ ? document_of(session) : nullptr);
+  const int step = std::exchange(step_, 0);
+  enter(wants_.world() || picking_ || selected_ || step != 0 ? document_of(session) : nullptr);
   streams_.send_retries(session);
   if (!world_) {
     if (!console_.take_entered().empty()) console_.answer("no world is running", true);
@@ -52,7 +55,9 @@ bool Inspection::act(Session& session) {
   if (learns && index_.world() != world_) index_.set_world(world_);
   if (!learns && index_.world()) index_.set_world(nullptr);
   more_ = learns && index_.go_on(kWork, world_->now());
-  bool changed = editor_.deliver();
+  if (editor_.pending()) keep_source_text(*document_);
+  bool changed = editor_.deliver(document_->edits);
+  if (step != 0) changed = editor_.step(document_->edits, step) || changed;
   for (const std::string& line : console_.take_entered()) {
     const NodeAt script = editor_.script();
     const ScriptRunner::Evaluation answer =
@@ -67,7 +72,7 @@ bool Inspection::act(Session& session) {
 }
 
 bool Inspection::busy() const {
-  return more_ || fly_ || editor_.pending() || console_.has_entered() || streams_.has_retries();
+  return more_ || fly_ || step_ != 0 || editor_.pending() || console_.has_entered() || streams_.has_retries();
 }
 
 std::optional<double> Inspection::next_change() const {

@@ -9,6 +9,7 @@
 #include "app/inspect/selection_marks.h"
 #include "app/inspect/stream_list.h"
 #include "app/session/session.h"
+#include "base/noncopyable.h"
 
 #include <cstddef>
 #include <memory>
@@ -30,12 +31,8 @@ struct InspectionWants {
 /// Inspection of the world in the active viewport of a session: node tree, selected node, ROUTEs, programs and streams.
 /// Applies the user's edits in the next step, as a SessionExtension. Edits thus have the same effects as events of
 /// remote control. Session's thread. The session must outlive the inspection or remove it.
-class Inspection final : public SessionExtension {
+class Inspection final : public SessionExtension, NonCopyable {
  public:
-  Inspection() = default;
-  Inspection(const Inspection&) = delete;
-  Inspection& operator=(const Inspection&) = delete;
-
   bool act(Session& session) override;
   /// Updates all data of the panels to the current world. Call before the interface is drawn, with the pictures of the
   /// worlds. `now` is in seconds of any clock.
@@ -61,6 +58,8 @@ class Inspection final : public SessionExtension {
   [[nodiscard]] StreamList& streams() { return streams_; }
   /// Returns the editor, which has the values of the selected node and sends edits of them.
   [[nodiscard]] NodeEditor& editor() { return editor_; }
+  /// Undoes (-1) or redoes (1) the last edit of the world in the active viewport, in the next step.
+  void step_edit(int direction) { step_ = direction; }
   /// Returns the mark: the outline of the selected node in the pictures.
   [[nodiscard]] const SelectionMark& mark() const { return mark_; }
 
@@ -103,6 +102,7 @@ class Inspection final : public SessionExtension {
   bool finds_ = false;  // true until the first match was selected
   bool reveal_ = false, picking_ = false, fly_ = false, more_ = false;
   std::optional<std::size_t> revealed_, match_;
+  int step_ = 0;  // argument of step_edit(); 0 means none
   double last_news_ = 0, shown_at_ = 0, clock_ = 0;
   bool news_ = false;
 };

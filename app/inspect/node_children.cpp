@@ -2,6 +2,54 @@
 
 namespace gs::app {
 
+namespace {
+
+constexpr int kMaxDepthOfName = 12;
+constexpr std::size_t kMaxOfName = 64;  // max children that are searched per node
+
+std::span<const vrml::NodeId> nodes_of(const vrml::FieldValue& value) {
+  if (const auto* single = std::get_if<vrml::SFNode>(&value)) return {single, *single ? 1u : 0u};
+  const auto* list = std::get_if<vrml::MFNode>(&value);
+  return list ? list->span() : std::span<const vrml::NodeId>();
+}
+
+// Finds the node that names the content of `id`. `left` limits the number of visited nodes.
+std::string name_of_content(const vrml::SceneGraph& scene, vrml::NodeId id, int depth, std::size_t& left) {
+  if (!scene.contains(id) || depth > kMaxDepthOfName || left == 0) return {};
+  --left;
+  const vrml::Node& node = scene.node(id);
+  if (depth > 0 && !node.name.empty()) return std::string(node.name);
+  if (vrml::has(node.type->role, vrml::Role::geometry)) return node.type->name;
+  if (depth > 0 && node.type->kind == vrml::NodeType::Kind::prototype) return node.type->name;
+  if (node.type->read_as == vrml::NodeKind::inline_node) {
+    const auto& urls = scene.get<vrml::MFString>(id, "url");
+    if (!urls.empty()) return std::string(urls[0].view().substr(urls[0].view().rfind('/') + 1));
+  }
+  std::string name;
+  for (const vrml::InterfaceDeclaration& one : node.type->interfaces) {
+    if (one.slot < 0 || !vrml::holds_nodes(one.type) || one.name == "appearance") continue;
+    const auto nodes = nodes_of(node.values[one.slot]);
+    for (std::size_t i = 0; i < nodes.size() && i < kMaxOfName && name.empty(); ++i)
+      name = name_of_content(scene, nodes[i], depth + 1, left);
+    if (name.empty() && depth == 0 && !nodes.empty() && scene.contains(nodes[0]))
+      name = scene.node(nodes[0]).type->name;
+    if (name.empty()) continue;
+    return nodes.size() > 1 && depth == 0 ? name + ", " + std::to_string(nodes.size() - 1) + " more" : name;
+  }
+  return name;
+}
+
+}  // namespace
+
+std::string content_name(const NodeAt& at) {
+  if (!at || !at.scene->contains(at.id)) return {};
+  const vrml::Node& node = at.scene->node(at.id);
+  const bool groups = vrml::has(node.type->role, vrml::Role::grouping) || node.type->read_as == vrml::NodeKind::shape;
+  if (!node.name.empty() || !groups) return {};
+  std::size_t left = kMaxOfName;
+  return name_of_content(*at.scene, at.id, 0, left);
+}
+
 bool is_in(const vrml::Execution& world, const NodeAt& node) {
   return node && world.scenes().has(node.scene) && node.scene->contains(node.id);
 }
@@ -30,7 +78,7 @@ void held_nodes(const vrml::Execution& world, const NodeAt& at, std::vector<Held
   }
   if (!node.expansion.empty())
     held.push_back({HeldNodes::kBody, "body", at.scene, node.expansion.span(), node.expansion.size() > 1});
-  if (const vrml::SceneGraph* const content = at.scene->inlined(at.id);
+  if (const vrml::SceneGraph* const content = at.scene->inlines().of(at.id);
       content && world.scenes().has(content) && !content->roots().empty())
     held.push_back({HeldNodes::kContent, "content", content, content->roots().span(), true});
 }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -26,7 +27,7 @@ struct HeldNodes {
   std::string_view field;   // field name, "content" or "body"
   const vrml::SceneGraph* scene = nullptr;
   std::span<const vrml::NodeId> nodes;  // never empty
-  bool list = false;  // true for MFNode, false for SFNode
+  bool list = false;                    // true for MFNode, false for SFNode
 };
 
 /// Returns true if the node is part of the world now.
@@ -34,6 +35,10 @@ struct HeldNodes {
 /// Stores all children of a node in `held`, in the order of the node's interface. For a null node, stores the top-level
 /// nodes of the world. Valid until the next step of the world. The cost does not depend on the length of lists.
 void held_nodes(const vrml::Execution& world, const NodeAt& node, std::vector<HeldNodes>& held);
+
+/// Returns a description of the content of a node without a name, such as "Box" or "Wheel, 3 more": the first named
+/// node or geometry below it. Returns an empty text if there is none. Visits at most a few nodes.
+[[nodiscard]] std::string content_name(const NodeAt& node);
 
 /// One step of the path from the top level of a world to a node.
 struct HeldStep {

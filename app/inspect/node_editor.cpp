@@ -53,7 +53,7 @@ std::optional<std::string> NodeEditor::target_of_url(const vrml::InterfaceDeclar
   const vrml::FieldValue* const value = value_of(url);
   const auto* const urls = value ? std::get_if<vrml::MFString>(value) : nullptr;
   if (!urls || index >= urls->size() || url.slot < 0) return std::nullopt;
-  const Link link = link_of({(*urls)[index].str()}, {}, node_.scene->text_of(node_.id, url.slot).origin());
+  const Link link = link_of({(*urls)[index].str()}, {}, node_.scene->nodes().text_of(node_.id, url.slot).origin());
   if (link.places.empty() || !link.places.front().problem.empty() || link.places.front().target.empty())
     return std::nullopt;
   return link.places.front().target;
@@ -85,12 +85,32 @@ NodeAt NodeEditor::script() const {
   return id && vrml::has(node_.scene->node(id).type->role, vrml::Role::script) ? NodeAt{node_.scene, id} : NodeAt{};
 }
 
-bool NodeEditor::deliver() {
+bool NodeEditor::deliver(WorldEdits& edits) {
   if (edits_.empty()) return false;
   world_->begin_update();
-  for (Edit& one : std::exchange(edits_, {}))
-    if (is_in(*world_, one.node))
-      (void)world_->cascade().post(*one.node.scene, one.node.id, *one.event_in, std::move(one.value));
+  for (Edit& one : std::exchange(edits_, {})) {
+    if (!is_in(*world_, one.node)) continue;
+    const vrml::InterfaceDeclaration* const field =
+        field_set_by(*one.node.scene->node(one.node.id).type, *one.event_in);
+    const vrml::FieldValue* const before =
+        field ? world_->cascade().last_value(*one.node.scene, one.node.id, *field) : nullptr;
+    WorldEdit edit{one.node.scene, one.node.id,   one.event_in, field, before ? *before : vrml::FieldValue(),
+                   one.value,      world_->now(), gesture_};
+    const bool changes = before && edit.before != edit.after;
+    if (world_->cascade().post(*one.node.scene, one.node.id, *one.event_in, std::move(one.value)) && changes)
+      edits.note(std::move(edit));
+  }
+  world_->end_update();
+  return true;
+}
+
+bool NodeEditor::step(WorldEdits& edits, int direction) {
+  const auto edit = edits.go(direction);
+  if (!edit) return false;
+  if (!world_ || !is_in(*world_, {edit->scene, edit->node})) return true;
+  end_gesture();
+  world_->begin_update();
+  (void)world_->cascade().post(*edit->scene, edit->node, *edit->event_in, direction < 0 ? edit->before : edit->after);
   world_->end_update();
   return true;
 }

@@ -1,10 +1,12 @@
 #pragma once
 
 #include "app/inspect/node_children.h"
+#include "app/session/documents/world_edits.h"
 #include "vrml/events/execution.h"
 #include "vrml/scene/node_names.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -41,8 +43,13 @@ class NodeEditor {
   /// node.
   [[nodiscard]] NodeAt script() const;
 
-  /// Sends all events of edits to their nodes. Returns false if there were none.
-  bool deliver();
+  /// Sends all events of edits to their nodes, and records those that change fields in `edits`. Returns false if there
+  /// were none.
+  bool deliver(WorldEdits& edits);
+  /// Undoes (-1) or redoes (1) an edit in `edits`. Returns false if there is none.
+  bool step(WorldEdits& edits, int direction);
+  /// Ends a gesture, such as a drag. Edits of one field during a gesture count as one edit.
+  void end_gesture() { ++gesture_; }
   [[nodiscard]] bool pending() const { return !edits_.empty(); }
 
  private:
@@ -57,6 +64,7 @@ class NodeEditor {
   NodeAt node_;
   std::unique_ptr<vrml::NodeNames> names_;  // null until an edit refers to a node by name
   std::vector<Edit> edits_;
+  std::uint64_t gesture_ = 1;
 };
 
 }  // namespace gs::app

@@ -6,9 +6,9 @@
 namespace gs::app {
 namespace {
 
-constexpr double kBetween = 2;  // min seconds between two rebuilds of the index
-constexpr std::size_t kMaxDepth = 100'000;  // max depth of the tree; texts have a far lower limit
-constexpr std::size_t kMaxScenes = 0xffff;  // max number of scenes, because an entry stores 16 bits
+constexpr double kBetween = 2;                         // min seconds between two rebuilds of the index
+constexpr std::size_t kMaxDepth = 100'000;             // max depth of the tree; texts have a far lower limit
+constexpr std::size_t kMaxScenes = 0xffff;             // max number of scenes, because an entry stores 16 bits
 constexpr std::size_t kDrawn = std::size_t{64} << 10;  // number of entries for which memory is charged at a time
 
 char small(char letter) { return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter + 32) : letter; }
@@ -47,8 +47,8 @@ std::uint64_t SceneIndex::revision() const {
   std::vector<const vrml::SceneGraph*> scenes{&world_->scenes().root()};
   std::uint64_t sum = 0;
   for (std::size_t i = 0; i < scenes.size(); ++i) {
-    sum = sum * 31 + scenes[i]->revision();
-    for (const auto& [place, content] : scenes[i]->inlines())
+    sum = sum * 31 + scenes[i]->nodes().revision();
+    for (const auto& [place, content] : scenes[i]->inlines().all())
       if (content && world_->scenes().has(content.get())) scenes.push_back(content.get());
   }
   return sum;
@@ -97,7 +97,7 @@ bool SceneIndex::enter(const NodeAt& node, std::uint32_t parent, std::uint16_t p
   if (cut_short_) return false;
   std::vector<std::uint32_t>& known = scenes_[number->second].entries;
   if (known.size() <= node.id.index)
-    known.resize(std::max<std::size_t>(node.scene->node_count() + 1, node.id.index + 1), kNone);
+    known.resize(std::max<std::size_t>(node.scene->nodes().count() + 1, node.id.index + 1), kNone);
   known[node.id.index] = static_cast<std::uint32_t>(entries_.size());
   entries_.push_back({node.id, parent, element, place, number->second});
   return true;

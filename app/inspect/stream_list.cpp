@@ -18,9 +18,10 @@ std::string detail_of(const Document& document, const LoadRow& load) {
   for (const auto& feed : document.world.feeds) {
     if (feed.get() != load.feed || !feed->stream()) continue;
     const qnv::LodStream& stream = *feed->stream();
-    std::string text =
-        count_text(stream.clusters(), "part") + " received, " + count_text(stream.cached_discs(), "vector") + " shown";
-    const std::size_t wanted = stream.wanted_by_all().size();
+    const qnv::LodStatistics statistics = stream.statistics();
+    std::string text = count_text(statistics.clusters, "part") + " received, " +
+                       count_text(statistics.cached_discs, "vector") + " shown";
+    const std::size_t wanted = stream.wanted().size();
     if (load.by_view && !load.ended)
       text += wanted > 0 ? ", " + count_text(wanted, "part") + " wanted" : ", fine enough";
     return text;
@@ -35,11 +36,11 @@ void send_again(Session& session, const StreamList::Row& row) {
     vrml::Execution& execution = document->runtime->execution();
     std::vector<const vrml::SceneGraph*> scenes{&execution.scenes().root()};
     for (std::size_t i = 0; i < scenes.size(); ++i) {
-      for (const auto& [place, content] : scenes[i]->inlines())
+      for (const auto& [place, content] : scenes[i]->inlines().all())
         if (content && execution.scenes().has(content.get())) scenes.push_back(content.get());
-      for (std::uint32_t place = 1; place <= scenes[i]->node_count(); ++place) {
-        const vrml::Node& node = scenes[i]->node_at(place);
-        const vrml::NodeId id = scenes[i]->id_at(place);
+      for (std::uint32_t place = 1; place <= scenes[i]->nodes().count(); ++place) {
+        const vrml::Node& node = scenes[i]->nodes().at(place);
+        const vrml::NodeId id = scenes[i]->nodes().id_at(place);
         if (&node != row.load.node || !scenes[i]->contains(id)) continue;
         execution.begin_update();
         for (const vrml::InterfaceDeclaration* const url : node.type->url_fields())
@@ -50,7 +51,7 @@ void send_again(Session& session, const StreamList::Row& row) {
     }
   }
   if (session.panes().documents().find(row.world))
-    session.panes().reload(row.world);
+    session.panes().documents().reload_unedited(row.world);
   else
     session.opening().open_files({row.world});
 }
@@ -140,8 +141,28 @@ std::string readable_rate(double bits) {
 }
 
 std::optional<double> loss_of(const LoadRow& row) {
-  const std::uint64_t sent = row.datagrams + row.lost;
-  return sent == 0 ? std::nullopt : std::optional(static_cast<double>(row.lost) / static_cast<double>(sent));
+  const std::uint64_t sent = row.cells.datagrams + row.cells.lost;
+  return sent == 0 ? std::nullopt : std::optional(static_cast<double>(row.cells.lost) / static_cast<double>(sent));
+}
+
+std::string state_of(const LoadRow& row) {
+  std::string text(name_of(row.stage));
+  if (const double loss = loss_of(row).value_or(0); row.stage == LoadStage::whole && row.cells.missing && loss > 0) {
+    char percent[32];
+    std::snprintf(percent, sizeof percent, loss < 0.01 ? ", %.1f %% lost" : ", %.0f %% lost", loss * 100);
+    text += percent;
+  }
+  return text;
+}
+
+std::string slowness_of(const LoadRow& row) {
+  constexpr double kSlow = 0.9;  // the server always sends a little less than it granted
+  const CellCounts& cells = row.cells;
+  if (row.ended || !(cells.loss_events > 0) || cells.rate == 0 ||
+      static_cast<double>(cells.rate) >= kSlow * static_cast<double>(cells.granted))
+    return {};
+  return "slowed by losses: " + readable_rate(static_cast<double>(cells.rate)) + " of " +
+         readable_rate(static_cast<double>(cells.granted));
 }
 
 }  // namespace gs::app

@@ -47,9 +47,9 @@ class StreamList {
     std::string world;  // path or URL of the world with the download
     std::shared_ptr<LoadLedger> ledger;
     std::shared_ptr<Document> document;  // null if that world is not open
-    std::string detail;  // for a QNV stream: text about received and visible parts
-    double rate = 0;  // current rate in bits per second
-    std::vector<float> rates;  // as from RateHistory::samples
+    std::string detail;                  // for a QNV stream: text about received and visible parts
+    double rate = 0;                     // current rate in bits per second
+    std::vector<float> rates;            // as from RateHistory::samples
     [[nodiscard]] bool ended() const { return load.ended.has_value(); }
   };
   /// Updates all rows, at most four times per second. `now` is in seconds of any clock.
@@ -78,5 +78,9 @@ class StreamList {
 [[nodiscard]] std::string readable_rate(double bits_a_second);
 /// Returns the fraction of datagrams that were lost, 0 to 1. Returns nullopt if the download uses no datagrams.
 [[nodiscard]] std::optional<double> loss_of(const LoadRow& row);
+/// Returns the stage of a download in words. Includes the fraction of lost datagrams if data are missing at the end.
+[[nodiscard]] std::string state_of(const LoadRow& row);
+/// Returns text if the server of a download sends more slowly because of losses; otherwise an empty string.
+[[nodiscard]] std::string slowness_of(const LoadRow& row);
 
 }  // namespace gs::app

@@ -97,7 +97,7 @@ float width_of(const BarPlan& plan, const UiModel& model, float scale) {
   for (const ModeIcon& one : kModeIcons) width += button(row_of(one.mode).label, plan.mode_words);
   width += group + button("Reset", plan.words) + button("Fit", plan.words) + group + button("Headlight", plan.words);
   if (model.has_sounds) width += button("Sound", plan.words);
-  if (plan.panels && (model.has_surface_clouds || model.has_volumes)) width += group + button("Transfer", plan.words);
+  if (plan.panels && (model.has_surface_vectors || model.has_volumes)) width += group + button("Transfer", plan.words);
   width += group + (plan.layouts ? 3 * layout_button_width() + 2 : layout_button_width());
   if (plan.link && model.panes > 1) width += 1 + button_width("Link");
   return width;
@@ -208,9 +208,9 @@ void UiOverlay::State::tool_bar(const UiModel& model, UiActions& actions) {
     ImGui::SameLine(0, 1);
     tool(Action::mute, model.muted ? Icon::silence : Icon::sound, plan.words, model, actions);
   }
-  if (plan.panels && (model.has_surface_clouds || model.has_volumes)) {
+  if (plan.panels && (model.has_surface_vectors || model.has_volumes)) {
     group_gap();
-    tool(Action::clouds, Icon::curve, plan.words, model, actions);
+    tool(Action::transfer, Icon::curve, plan.words, model, actions);
   }
   group_gap();
   layout_buttons(model, actions, plan.layouts, plan.link);

@@ -93,10 +93,10 @@ bool UiOverlay::State::is_possible(Action action, const UiModel& model) {
       return model.viewpoints.size() > 1;
     case Action::bookmark:
       return !model.address.empty();
-    case Action::undo_move:
-      return model.can_undo_move;
-    case Action::redo_move:
-      return model.can_redo_move;
+    case Action::undo:
+      return model.can_undo;
+    case Action::redo:
+      return model.can_redo;
     case Action::fit:
     case Action::side_front:
     case Action::side_back:

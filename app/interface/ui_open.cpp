@@ -9,7 +9,7 @@
 #include <string>
 #include <system_error>
 
-// Built-in Open dialog, for desktops that have none.
+// Built-in dialog for opening and saving files, for desktops that have none.
 namespace gs::app {
 namespace {
 
@@ -31,8 +31,13 @@ void UiOverlay::State::choose_in_dialog(const std::string& typed, UiActions& act
     listing.forget();
     return;
   }
-  actions.open = path;
   dialog.typed = typed;
+  if (dialog.saves) {
+    actions.save = path;
+    dialog.open = false;
+    return;
+  }
+  actions.open = path;
   dialog.opening = true;
   dialog.problem.clear();
 }
@@ -40,7 +45,7 @@ void UiOverlay::State::choose_in_dialog(const std::string& typed, UiActions& act
 // Returns the entries of the typed folder that match the last component of the path.
 std::vector<FolderListing::Entry> UiOverlay::State::dialog_rows(const TypedPath& path) {
   std::vector<FolderListing::Entry> rows;
-  const std::string part = lower_case(path.part);
+  const std::string part = dialog.saves ? std::string() : lower_case(path.part);  // a new file matches no other
   for (const FolderListing::Entry& entry : listing.entries_of(path.folder)) {
     if (entry.name[0] == '.' && !path.part.starts_with('.')) continue;
     if (!entry.is_folder && !entry.is_known && !dialog.all_files) continue;
@@ -56,7 +61,9 @@ void UiOverlay::State::open_dialog(const UiModel& model, UiActions& actions) {
   ImGui::SetNextWindowPos({screen.x / 2, screen.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSize({width, std::min(480 * scale, screen.y - 24 * scale)});
   if (dialog.appears) ImGui::SetNextWindowFocus();
-  const bool visible = ImGui::Begin("Open", &dialog.open,
+  const char* const title = dialog.saves ? "Save as" : "Open";
+  const char* const verb = dialog.saves ? "Save" : "Open";
+  const bool visible = ImGui::Begin(title, &dialog.open,
                                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse |
                                         ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
   if (!visible) return ImGui::End();
@@ -65,13 +72,13 @@ void UiOverlay::State::open_dialog(const UiModel& model, UiActions& actions) {
     dialog.wanted = true;
   }
   if (std::exchange(dialog.wanted, false)) ImGui::SetKeyboardFocusHere();
-  const float button = ImGui::CalcTextSize("Open").x + 2 * ImGui::GetStyle().FramePadding.x;
+  const float button = ImGui::CalcTextSize(verb).x + 2 * ImGui::GetStyle().FramePadding.x;
   const FieldEvents events =
-      text_field("##path", "Path, URL or part of a name", dialog.typed,
+      text_field("##path", dialog.saves ? "Path of the new file" : "Path, URL or part of a name", dialog.typed,
                  width - button - 2 * ImGui::GetStyle().WindowPadding.x - ImGui::GetStyle().ItemSpacing.x, false,
                  {[this](const std::string& typed) { return completed_path(typed, listing); }});
   ImGui::SameLine();
-  const bool pressed = ImGui::Button("Open");
+  const bool pressed = ImGui::Button(verb);
   if (events.changed) dialog.chosen.reset();
   const TypedPath path = typed_path(dialog.typed);
   const std::vector<FolderListing::Entry> rows =
@@ -86,9 +93,9 @@ void UiOverlay::State::open_dialog(const UiModel& model, UiActions& actions) {
   if (events.entered || pressed) {
     std::error_code error;
     const bool is_there = fs::exists(opened_path(dialog.typed), error);
-    if (dialog.chosen)
+    if (dialog.chosen && !dialog.saves)
       choice = path.before + rows[*dialog.chosen].name;
-    else if (rows.size() == 1 && !is_there)
+    else if (rows.size() == 1 && !is_there && !dialog.saves)
       choice = path.before + rows.front().name;  // the only match of a partial name
     else
       choice = dialog.typed;
@@ -100,7 +107,12 @@ void UiOverlay::State::open_dialog(const UiModel& model, UiActions& actions) {
   } else if (dialog.opening) {
     colored_text(UiColors::kQuiet, "Opening...");
   }
-  if (dialog.typed.empty() && !model.recent.empty()) {
+  if (dialog.saves) {
+    ImGui::PushTextWrapPos(0);
+    colored_text(UiColors::kQuiet, "The extension selects the format: " + dialog.formats);
+    ImGui::PopTextWrapPos();
+  }
+  if (dialog.typed.empty() && !dialog.saves && !model.recent.empty()) {
     colored_text(UiColors::kQuiet, "Recent");
     std::vector<Suggestion> recent;
     for (const std::string& place : model.recent)
@@ -126,7 +138,12 @@ void UiOverlay::State::open_dialog(const UiModel& model, UiActions& actions) {
       const FolderListing::Entry& entry = rows[static_cast<std::size_t>(i)];
       ImGui::PushID(i);
       const bool chosen = dialog.chosen && *dialog.chosen == static_cast<std::size_t>(i);
-      if (ImGui::Selectable("##entry", chosen)) choice = path.before + entry.name;
+      if (ImGui::Selectable("##entry", chosen)) {
+        if (dialog.saves && !entry.is_folder)
+          dialog.typed = path.before + entry.name;  // only the button replaces a file
+        else
+          choice = path.before + entry.name;
+      }
       ImGui::SameLine(4 * scale);
       inline_icon(entry.is_folder ? Icon::folder : Icon::file);
       text(shortened(entry.name, 120));

@@ -103,7 +103,7 @@ UiActions UiOverlay::build(const UiModel& model) {
     else if (!viewport.failed.empty())
       widgets.failure_card(viewport, model, state.is_on(Action::log, model), actions);
     else if (viewport.label.empty() && !state.dialog.open)
-      widgets.welcome(viewport, i);
+      widgets.welcome(viewport, i, model, actions);
     // The line of the ruler uses the position of the first steps.
     else if (model.first_steps && viewport.active && !state.dialog.open && !model.tools.measuring)
       widgets.first_steps(viewport, model, actions);
@@ -196,10 +196,20 @@ bool UiOverlay::run(Action action) {
 
 void UiOverlay::show_open_dialog() {
   State& state = *state_;
+  if (std::exchange(state.dialog.saves, false)) state.dialog.typed = typed_path(state.dialog.typed).before;
   state.dialog.open = state.dialog.appears = true;
   state.dialog.problem.clear();
   state.text_waits = kFramesToFocus;
   state.help = false;
+}
+
+void UiOverlay::show_save_dialog(const std::string& path, const std::string& formats) {
+  show_open_dialog();
+  State::OpenDialog& dialog = state_->dialog;
+  dialog.saves = true;
+  dialog.typed = path;
+  dialog.formats = formats;
+  dialog.chosen.reset();
 }
 
 void UiOverlay::show_panel(Action toggle) {

@@ -6,6 +6,7 @@
 #include "app/view/actions.h"
 #include "app/view/viewports.h"
 #include "app/window/window_event.h"
+#include "base/noncopyable.h"
 
 #include <glm/vec2.hpp>
 
@@ -19,11 +20,8 @@
 namespace gs::app {
 
 /// Interface between Dear ImGui and the platform: a window, or a null implementation in tests.
-class InterfaceBackend {
+class InterfaceBackend : NonCopyable {
  public:
-  InterfaceBackend() = default;
-  InterfaceBackend(const InterfaceBackend&) = delete;
-  InterfaceBackend& operator=(const InterfaceBackend&) = delete;
   virtual ~InterfaceBackend() = default;
 
   /// Initialises the backend. Called once, when the Dear ImGui context is current.
@@ -38,13 +36,11 @@ class InterfaceBackend {
 
 /// User interface around and over the picture: bars, panels, dialogs. Use on the window's thread with its OpenGL
 /// context current. Writes no files.
-class UiOverlay {
+class UiOverlay : NonCopyable {
  public:
   /// `scale` is the scale of the screen; 1 is normal.
   UiOverlay(std::unique_ptr<InterfaceBackend> backend, float scale, const UserSettings& settings = {});
   ~UiOverlay();
-  UiOverlay(const UiOverlay&) = delete;
-  UiOverlay& operator=(const UiOverlay&) = delete;
 
   /// Starts a frame with the events since the last frame. Afterwards, wants_pointer() and wants_keys() hold for these
   /// events.
@@ -70,6 +66,8 @@ class UiOverlay {
   bool run(Action action);
   /// Opens the built-in file dialog, for desktops that have none.
   void show_open_dialog();
+  /// Opens the built-in dialog for saving, with a proposed path. `formats` lists the possible extensions.
+  void show_save_dialog(const std::string& path, const std::string& formats);
   /// Returns the positions of the panels. arrange() restores them, and the sizes of the dock areas in the order left,
   /// right, bottom.
   [[nodiscard]] std::vector<PanelMemory> panels() const;

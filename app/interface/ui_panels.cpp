@@ -20,8 +20,9 @@ constexpr KeyHelp kPointerHelp[] = {
     {"Left drag",
      "Examine: turn about the point under the pointer.  Fly, Walk: move and turn; a longer drag is faster"},
     {"Right drag", "Examine: slide.  Fly, Walk: look around"},
-    {"Middle drag", "Examine: zoom.  Fly, Walk: slide"},
+    {"Middle drag", "Slide"},
     {"Shift or Ctrl + left drag", "Slide"},
+    {"Shift or Ctrl + right drag", "Examine: zoom"},
     {"Wheel", "Examine: zoom to the point under the pointer.  Fly, Walk: move forward and back"},
     {"Double click", "Examine: set the centre of rotation"},
     {"Click", "Look at: go to the point under the pointer"},
@@ -66,7 +67,7 @@ void action_table() {
     ImGui::TableNextRow();
     for (const std::size_t i : {line, line + half}) {
       ImGui::TableNextColumn();
-      if (i < rows.size()) colored_text(UiColors::kAccent, keys_of(rows[i]));
+      if (i < rows.size()) colored_text(UiColors::kAccent, all_keys_of(rows[i]));
       ImGui::TableNextColumn();
       if (i < rows.size()) ImGui::TextWrapped("%s", std::string(rows[i].help).c_str());
     }

@@ -31,7 +31,7 @@ struct UiOverlay::State {
   bool help = false, statistics = false, preferences = false;
   std::unique_ptr<InterfaceBackend> backend;
   std::unique_ptr<InterfaceFonts> fonts;
-  int text_waits = 0;  // frames until a new text field gets the focus
+  int text_waits = 0;     // frames until a new text field gets the focus
   bool has_text = false;  // a text field has the focus
   std::size_t to_restore = 0;
 
@@ -45,9 +45,9 @@ struct UiOverlay::State {
   struct Address {
     std::string text;
     bool wanted = false, active = false, list_hovered = false;
-    bool typed = false;  // the user changed the text after the field got the focus
-    std::string opening;  // text entered last; empty after any other input
-    std::string retried;  // text that failed to open, shown again for correction
+    bool typed = false;                 // the user changed the text after the field got the focus
+    std::string opening;                // text entered last; empty after any other input
+    std::string retried;                // text that failed to open, shown again for correction
     std::optional<std::size_t> chosen;  // index in the list of suggestions
   } address;
 
@@ -65,11 +65,13 @@ struct UiOverlay::State {
 
   struct OpenDialog {
     bool open = false, appears = false;
+    bool saves = false;   // asks for a file to save
+    std::string formats;  // formats of saved files, as text
     bool wanted = false;  // the text field requests the focus
     std::string typed;
     std::optional<std::size_t> chosen;  // index in the list of files
-    bool all_files = false;  // also lists files of unknown type
-    bool opening = false;  // the chosen file is loading but not displayed yet
+    bool all_files = false;             // also lists files of unknown type
+    bool opening = false;               // the chosen file is loading but not displayed yet
     std::string problem;                // error message
   } dialog;
 

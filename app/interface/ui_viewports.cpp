@@ -1,6 +1,10 @@
+#include "app/interface/base/fonts.h"
+#include "app/interface/base/start_layout.h"
 #include "app/interface/base/viewport_area.h"
 #include "app/interface/ui_state.h"
 #include "app/interface/viewport_widgets.h"
+#include "app/session/documents/documents.h"
+#include "app/settings/user_folders.h"
 
 #include <imgui.h>
 
@@ -84,13 +88,19 @@ void ViewportWidgets::viewport_marks(const UiModel& model) const {
 void ViewportWidgets::loading_line(const UiViewport& viewport, std::size_t index, UiActions& actions) {
   const ViewportArea area = area_of(viewport.place);
   const float thickness = std::round(3 * scale_);
-  // Draw a moving progress bar along the upper edge, because the end is unknown.
+  // Draw a progress bar along the upper edge. It moves while the end is unknown.
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
-  const float phase = static_cast<float>(std::fmod(now_ * 0.8, 1.0));
-  const float from = area.lower.x + (phase * 1.3f - 0.3f) * area.width();
-  draw.AddRectFilled({std::max(area.lower.x, from), area.lower.y},
-                     {std::min(area.upper.x, from + 0.3f * area.width()), area.lower.y + thickness},
-                     ImGui::GetColorU32(UiColors::kAccent));
+  float from = area.lower.x, to = area.lower.x;
+  if (viewport.loaded) {
+    to += static_cast<float>(*viewport.loaded) * area.width();
+    draw.AddRectFilled(area.lower, {area.upper.x, area.lower.y + thickness}, ImGui::GetColorU32(UiColors::kBar));
+  } else {
+    const float phase = static_cast<float>(std::fmod(now_ * 0.8, 1.0));
+    from += (phase * 1.3f - 0.3f) * area.width();
+    to = std::min(area.upper.x, from + 0.3f * area.width());
+    from = std::max(area.lower.x, from);
+  }
+  draw.AddRectFilled({from, area.lower.y}, {to, area.lower.y + thickness}, ImGui::GetColorU32(UiColors::kAccent));
   ImGui::SetNextWindowPos({std::floor((area.lower.x + area.upper.x) / 2), area.lower.y + std::round(46 * scale_)},
                           ImGuiCond_Always, {0.5f, 0});
   ImGui::SetNextWindowSizeConstraints({0, 0}, {std::max(area.width() - 16 * scale_, 40.0f), area.height()});
@@ -105,20 +115,47 @@ void ViewportWidgets::loading_line(const UiViewport& viewport, std::size_t index
   ImGui::End();
 }
 
-void ViewportWidgets::welcome(const UiViewport& viewport, std::size_t index) {
+void ViewportWidgets::welcome(const UiViewport& viewport, std::size_t index, const UiModel& model, UiActions& actions) {
   const ViewportArea area = area_of(viewport.place);
   if (area.height() < 3 * ImGui::GetTextLineHeight()) return;
   static constexpr const char* kFirst = "Drop a file here";
   static constexpr const char* kSecond = "or press Ctrl+O to open one.  F1 lists all keys.";
   const float least = ImGui::CalcTextSize(kFirst).x + 24 * scale_;
   if (area.width() < least) return;
-  ImGui::SetNextWindowPos({(area.lower.x + area.upper.x) / 2, area.lower.y + area.height() * 0.45f}, ImGuiCond_Always,
-                          {0.5f, 0.5f});
+  const StartLayout layout = start_layout(viewport.place, model.recent.size(), scale_);
+  const ImVec2 unit = units_of_pixel();
+  const float middle = layout.thumbnails.empty() ? area.lower.y + area.height() * 0.45f
+                                                 : static_cast<float>(layout.top) * unit.y - 45 * scale_;
+  ImGui::SetNextWindowPos({(area.lower.x + area.upper.x) / 2, middle}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSizeConstraints({0, 0}, {area.width(), area.height()});
   ImGui::Begin(("##welcome" + std::to_string(index)).c_str(), nullptr,
                kLineFlags | ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoInputs);
   colored_text(UiColors::kOnPicture, kFirst);
   if (area.width() >= ImGui::CalcTextSize(kSecond).x + 24 * scale_) colored_text(UiColors::kQuietOnPicture, kSecond);
+  ImGui::End();
+  for (std::size_t i = 0; i < layout.thumbnails.size(); ++i)
+    recent_card(area_of(layout.thumbnails[i]), "##recent" + std::to_string(index) + "/" + std::to_string(i),
+                model.recent[i], actions);
+}
+
+void ViewportWidgets::recent_card(const ViewportArea& area, const std::string& id, const std::string& place,
+                                  UiActions& actions) {
+  const float line = ImGui::GetTextLineHeight();
+  ImGui::SetNextWindowPos(area.lower);
+  ImGui::SetNextWindowSize({area.width(), area.height() + line + 8 * scale_});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
+  ImGui::Begin(id.c_str(), nullptr, (kLineFlags & ~ImGuiWindowFlags_AlwaysAutoResize) | ImGuiWindowFlags_NoBackground);
+  ImGui::PopStyleVar();
+  if (ImGui::InvisibleButton("##open", {area.width(), area.height() + line + 8 * scale_})) actions.open = place;
+  const bool hovered = ImGui::IsItemHovered();
+  tooltips_.show(shortened(shown(without_home(place)), 400));
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  draw.AddRect(area.lower, area.upper, ImGui::GetColorU32(hovered ? UiColors::kAccent : UiColors::kQuietOnPicture), 0,
+               0, std::max(1.0f, std::round(scale_)));
+  const std::string name = shown(file_label(place));
+  draw.PushClipRect(area.lower, {area.upper.x, area.upper.y + line + 8 * scale_});
+  draw.AddText({area.lower.x, area.upper.y + 5 * scale_}, ImGui::GetColorU32(UiColors::kOnPicture), name.c_str());
+  draw.PopClipRect();
   ImGui::End();
 }
 

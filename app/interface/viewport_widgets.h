@@ -2,6 +2,7 @@
 
 #include "app/interface/base/ui_model.h"
 #include "app/interface/base/ui_style.h"
+#include "app/interface/base/viewport_area.h"
 
 #include <cstddef>
 #include <string>
@@ -18,7 +19,8 @@ class ViewportWidgets {
   /// Draws the borders of the viewports, and marks the active one.
   void viewport_marks(const UiModel& model) const;
   void loading_line(const UiViewport& viewport, std::size_t index, UiActions& actions);
-  void welcome(const UiViewport& viewport, std::size_t index);
+  /// Draws the texts of the start page in an empty viewport. A click on a thumbnail opens its file.
+  void welcome(const UiViewport& viewport, std::size_t index, const UiModel& model, UiActions& actions);
   void first_steps(const UiViewport& viewport, const UiModel& model, UiActions& actions);
   void divider_handles(const UiModel& model, UiActions& actions);
   void pane_bar(const UiViewport& viewport, const UiModel& model, UiActions& actions);
@@ -29,6 +31,7 @@ class ViewportWidgets {
   void axes_widget(const UiViewport& viewport, const UiModel& model, UiActions& actions);
 
  private:
+  void recent_card(const ViewportArea& area, const std::string& id, const std::string& place, UiActions& actions);
   void pane_menu(const UiViewport& viewport, const UiModel& model, UiActions& actions);
   void pane_shares(const UiViewport& viewport, UiActions& actions);
   void grid_line(const UiViewport& viewport, const std::string& grid);

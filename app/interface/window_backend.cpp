@@ -15,8 +15,6 @@ class WindowBackend final : public InterfaceBackend {
     ImGui_ImplOpenGL3_Shutdown();
     ImGui_ImplGlfw_Shutdown();
   }
-  WindowBackend(const WindowBackend&) = delete;
-  WindowBackend& operator=(const WindowBackend&) = delete;
 
   void begin() override {
     ImGui_ImplGlfw_InitForOpenGL(window_, false);

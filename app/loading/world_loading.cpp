@@ -147,7 +147,8 @@ render::RenderList WorldLoading::collect(const glm::dvec3& viewer) {
   SceneHandler& root = *s.root;
   if (!root.target().scene() || root.target().refused() || results.is_handed_over()) return {};
   forget_open(root, s.meshes);
-  return render::collect(*root.target().scene(), results.world()->images, s.meshes, viewer, results.world()->clouds);
+  return render::collect(*root.target().scene(), results.world()->images, s.meshes, viewer,
+                         results.world()->geometries);
 }
 
 LoadingState WorldLoading::state() const { return state_->loading.fetcher.state(); }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/budget.h"
+#include "base/noncopyable.h"
 #include "net/files/file.h"
 #include "render/media/sample_reader.h"
 
@@ -15,13 +16,11 @@
 namespace gs::app {
 
 /// Encoded sound or movie file that is decoded during playback. Immutable. Any thread.
-class MediaFile {
+class MediaFile : NonCopyable {
  public:
   /// Holds the bytes of a file from the network, with their share of the memory budget.
   MediaFile(std::vector<std::byte> bytes, Share held) : copy_(std::move(bytes)), held_(std::move(held)) {}
   explicit MediaFile(net::MappedFile file, Share held) : held_(std::move(held)), file_(std::move(file)) {}
-  MediaFile(const MediaFile&) = delete;
-  MediaFile& operator=(const MediaFile&) = delete;
 
   [[nodiscard]] std::span<const std::byte> bytes() const { return file_ ? file_->bytes() : copy_; }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/media/voice_stream.h"
+#include "base/noncopyable.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -30,12 +31,10 @@ struct Voice {
 
 /// Mixer of voices. Any thread, except for mix(): it decodes files and must run on one thread, which must not draw
 /// frames.
-class Mixer {
+class Mixer : NonCopyable {
  public:
   Mixer();
   ~Mixer();
-  Mixer(const Mixer&) = delete;
-  Mixer& operator=(const Mixer&) = delete;
 
   /// Sets the voices that play from `now` on, in seconds since 1970. A voice that is missing from `voices` stops at
   /// `now` or at its `end`, whichever is earlier.

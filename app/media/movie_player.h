@@ -2,6 +2,7 @@
 
 #include "app/media/media_file.h"
 #include "base/budget.h"
+#include "base/noncopyable.h"
 #include "render/image/image.h"
 
 #include <atomic>
@@ -17,14 +18,11 @@ namespace gs::app {
 /// Decoder of movie pictures for requested times. It decodes on its own thread, so that no frame waits, or
 /// synchronously if exact pictures are needed. Memory is bounded: a few pictures for each movie, and the state of
 /// render::Movie. The interface is for one thread.
-class MoviePlayers {
+class MoviePlayers : NonCopyable {
  public:
   class Player;
 
-  MoviePlayers() = default;
   ~MoviePlayers();
-  MoviePlayers(const MoviePlayers&) = delete;
-  MoviePlayers& operator=(const MoviePlayers&) = delete;
 
   /// Opens a movie. `first` is its first picture. Returns null if the budget has no room for the decoder's pictures.
   [[nodiscard]] std::shared_ptr<Player> open(std::shared_ptr<const MediaFile> file, const render::Image& first,

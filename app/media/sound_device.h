@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/media/mixer.h"
+#include "base/noncopyable.h"
 
 #include <atomic>
 #include <condition_variable>
@@ -12,7 +13,7 @@ namespace gs::app {
 
 /// Output of a mixer on the system's sound device through OpenAL. It decodes and mixes on its own thread: this never
 /// delays frames, and sounds continue while no frame is drawn. Without the library or a device, it stays silent.
-class SoundDevice {
+class SoundDevice : NonCopyable {
  public:
   /// Delay of sound relative to pictures, in seconds. The device mixes in advance; because of the delay, a sound that
   /// has just started still plays from its first sample.
@@ -22,8 +23,6 @@ class SoundDevice {
   /// object.
   SoundDevice(Mixer& mixer, std::function<double()> clock);
   ~SoundDevice();
-  SoundDevice(const SoundDevice&) = delete;
-  SoundDevice& operator=(const SoundDevice&) = delete;
 
   /// Wakes the thread, because there may be sound to play.
   void wake();

@@ -5,6 +5,9 @@
 #include "app/view/values/transfer_file.h"
 #include "net/files/file.h"
 
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
 #include <utility>
 #include <variant>
 
@@ -14,6 +17,51 @@ const qnv::Description* first_volume(const render::RenderList& list) {
   for (const render::SplatItem& item : list.splats)
     if (item.geometry && item.geometry->as<qnv::Volume>()) return &item.geometry->description();
   return nullptr;
+}
+
+std::optional<std::size_t> image_axis(const qnv::Description& volume) {
+  if (volume.box.empty()) return std::nullopt;
+  const glm::vec3 size = volume.box.size();
+  std::optional<std::size_t> flat;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (size[static_cast<int>(axis)] >= volume.spacing / 2) continue;
+    if (flat) return std::nullopt;  // a line of voxels
+    flat = axis;
+  }
+  return flat;
+}
+
+bool has_volume_values(const std::string& path) {
+  constexpr std::size_t kHeader = 1024;  // bytes with which every format begins recognisably
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
+  const auto opened = net::map_file(path);
+  const auto* file = std::get_if<net::MappedFile>(&opened);
+  return file && is_volume(path, file->bytes().first(std::min(file->bytes().size(), kHeader)));
+}
+
+void show_image(const VolumeGrid& grid, std::size_t axis, VolumeSlices& slices) {
+  constexpr std::size_t kOutliers = 200;  // one value of so many is an outlier, on each side
+  constexpr std::uint64_t kSampled = 1'000'000;  // max values that determine the colours
+  slices.shown = {};
+  slices.shown[axis] = true;
+  slices.places[axis] = 0;
+  slices.alone = true;
+  if (slices.window) return;
+  const std::uint64_t count = std::uint64_t{grid.kept(0)} * grid.kept(1) * grid.kept(2);
+  const std::uint64_t step = count / kSampled + 1;
+  std::vector<float> values;
+  for (std::uint64_t i = 0; i < count; i += step) {
+    const auto x = static_cast<std::uint32_t>(i % grid.kept(0)), row = static_cast<std::uint32_t>(i / grid.kept(0));
+    const float value = grid.kept_value(x, row % grid.kept(1), row / grid.kept(1));
+    if (std::isfinite(value)) values.push_back(value);
+  }
+  if (values.size() < 2) return;
+  const auto skipped = static_cast<std::ptrdiff_t>(values.size() / kOutliers);
+  const auto low = values.begin() + skipped, high = values.end() - 1 - skipped;
+  std::nth_element(values.begin(), low, values.end());
+  std::nth_element(low + 1, high, values.end());
+  if (*low < *high) slices.window = {*low, *high};
 }
 
 std::variant<Transfer, std::string> named_transfer(const std::string& name, const qnv::Description& volume) {
@@ -40,8 +88,9 @@ std::optional<std::string> VolumeShow::prepare(const VolumeWishes& wishes, const
                                                const render::RenderList& list, const std::optional<ColorKey>& key,
                                                const WorldBudget& budget) {
   wishes_ = wishes;
-  if (!wishes.any()) return std::nullopt;
   const qnv::Description* const volume = first_volume(list);
+  const auto image = volume && wishes.slices.empty() && has_volume_values(path) ? image_axis(*volume) : std::nullopt;
+  if (!wishes.any() && !image) return std::nullopt;
   if (!volume && key && wishes.transfer.empty() && wishes.slices.empty()) {
     surface_bar_ = color_bar_of(*key);
     return std::nullopt;
@@ -56,16 +105,17 @@ std::optional<std::string> VolumeShow::prepare(const VolumeWishes& wishes, const
     transfer_ = std::move(std::get<Transfer>(transfer));
   }
   slices_ = wishes.slice_look;
-  if (wishes.slices.empty()) return std::nullopt;
+  if (wishes.slices.empty() && !image) return std::nullopt;
   auto grid = VolumeGrid::read(path, nullptr, budget);
   if (auto* problem = std::get_if<std::string>(&grid)) return "slices: " + *problem;
   grid_ = std::move(std::get<std::shared_ptr<const VolumeGrid>>(grid));
   for (const SliceWish& wish : wishes.slices) gs::app::apply(wish, grid_->dimensions(), slices_);
+  if (image) show_image(*grid_, *image, slices_);
   return std::nullopt;
 }
 
 void VolumeShow::apply(PictureScene& scene) {
-  if (!transfer_.empty()) scene.draw.clouds.transfer = transfer_;
+  if (!transfer_.empty()) scene.draw.splat_style.transfer = transfer_;
   const qnv::Description* const volume = first_volume(*scene.list);
   if (wishes_.color_bar && (volume || surface_bar_)) {
     scene.over = [before = std::move(scene.over),

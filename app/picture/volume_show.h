@@ -45,6 +45,13 @@ class VolumeShow {
   SliceScene slice_scene_;
 };
 
+/// Returns the axis of a volume of one layer of voxels, such as an image; nullopt for other volumes.
+[[nodiscard]] std::optional<std::size_t> image_axis(const qnv::Description& volume);
+/// Returns true if the local file `path` has the values of a volume, which slices show. Reads the start of the file.
+[[nodiscard]] bool has_volume_values(const std::string& path);
+/// Shows the only layer of an image as a slice, with colours for nearly all of its values. Replaces `slices`, except
+/// its colour map and window.
+void show_image(const VolumeGrid& grid, std::size_t axis, VolumeSlices& slices);
 /// Returns the transfer function with the name of a colour map, or from a file with the path `name`. Returns a message
 /// if `name` is neither.
 [[nodiscard]] std::variant<Transfer, std::string> named_transfer(const std::string& name,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/script/bounds/block_limit.h"
+#include "base/noncopyable.h"
 
 #include <jsapi.h>
 
@@ -24,13 +25,11 @@ class JobQueue;
 
 /// SpiderMonkey on one thread, for all worlds of that thread. Also contains the watcher, which ends programs that take
 /// too long.
-class Engine {
+class Engine : NonCopyable {
  public:
   /// Returns the engine of the calling thread. The first call creates it. Returns null if memory is insufficient.
   static Engine* of_this_thread();
   ~Engine();
-  Engine(const Engine&) = delete;
-  Engine& operator=(const Engine&) = delete;
 
   [[nodiscard]] JSContext* context() const { return context_; }
 
@@ -39,12 +38,10 @@ class Engine {
 
   /// Scope in which a program may use the engine, for at most `seconds` and `heap_bytes`. Within another turn, the
   /// limits of the outer turn apply. `late_message` must outlive the turn; see on_overdue().
-  class Turn {
+  class Turn : NonCopyable {
    public:
     Turn(Engine& engine, double seconds, std::size_t heap_bytes, const std::string& late_message);
     ~Turn();
-    Turn(const Turn&) = delete;
-    Turn& operator=(const Turn&) = delete;
     /// Returns the reason why the engine stopped the program; Stop::none if it did not.
     [[nodiscard]] Stop stop() const { return engine_.stop_; }
     /// Runs one promise job that was enqueued in this turn. Returns false if there is none. For `*good`, see

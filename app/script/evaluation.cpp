@@ -43,8 +43,14 @@ ScriptRunner::Evaluation World::evaluate(const vrml::SceneGraph& scene, vrml::No
     JS::RootedScript compiled(context, compile_mended(context, modern_text_of(*program, line), "console", {1, 1}));
     JS::RootedValue value(context);
     bool good = compiled && JS_ExecuteScript(context, compiled, &value);
-    if (good) js::RunJobs(context);
-    good = good && flush_changed(context) && text_of_result(context, value, result.text);
+    // Runs the promise jobs of the line. Returns false if one was stopped.
+    const auto run_jobs_of_line = [&] {
+      bool done = true;
+      while (done && turn.stop() == Stop::none && turn.run_job(&done)) {
+      }
+      return done && turn.stop() == Stop::none;
+    };
+    good = good && run_jobs_of_line() && flush_changed(context) && text_of_result(context, value, result.text);
     if (!good || turn.stop() != Stop::none) {
       result.failed = true;
       bool recursion = false;
@@ -55,7 +61,7 @@ ScriptRunner::Evaluation World::evaluate(const vrml::SceneGraph& scene, vrml::No
                     : said                      ? said->text()
                                                 : "it failed";
       JS_ClearPendingException(context);
-      if (!flush_changed(context)) JS_ClearPendingException(context);
+      if (!run_jobs_of_line() || !flush_changed(context)) JS_ClearPendingException(context);
     }
   }
   send_all(*program);

@@ -6,6 +6,8 @@
 #include <js/Realm.h>
 #include <jsfriendapi.h>
 
+#include <optional>
+#include <string>
 #include <string_view>
 #include <unordered_set>
 #include <utility>
@@ -30,8 +32,58 @@ const std::unordered_set<std::string_view>& left_out() {
   return names;
 }
 
+// ---- Undeclared names, which Contact lets programs read
+
+// Returns the position of the code that runs now; nullopt if it is unknown.
+std::optional<Diagnostic> running_place(JSContext* context) {
+  JS::AutoFilename file;
+  unsigned line = 0, column = 0;
+  if (!JS::DescribeScriptedCaller(context, &file, &line, &column) || !file.get()) return std::nullopt;
+  return Diagnostic{Severity::warning, file.get(), {line, column + 1}, {}};
+}
+
+// Returns undefined for an undeclared name. The first time, warns and makes the name a variable.
+bool get_undeclared(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  JS::RootedValue name(context, js::GetFunctionNativeReserved(&args.callee(), 0));
+  Program* const program = program_of_global(JS::GetNonCCWObjectGlobal(&args.callee()));
+  JS::RootedObject global(context, JS::GetNonCCWObjectGlobal(&args.callee()));
+  JS::RootedString string(context, name.toString());
+  JS::RootedId id(context);
+  std::string text;
+  args.rval().setUndefined();
+  if (!program || !text_of_value(context, name, text)) return program == nullptr;
+  // A test by `typeof` comes before the use.
+  if (program->undeclared.is_tested(text)) return true;
+  program->world->warn_once("reads '" + text + "', which is not declared; it is undefined", running_place(context));
+  return JS_StringToId(context, string, &id) &&
+         JS_DefinePropertyById(context, global, id, JS::UndefinedHandleValue, JSPROP_ENUMERATE);
+}
+
+// Makes an undeclared name a variable of its value, as ECMAScript does.
+bool set_undeclared(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  JS::RootedObject global(context, JS::GetNonCCWObjectGlobal(&args.callee()));
+  JS::RootedString name(context, js::GetFunctionNativeReserved(&args.callee(), 0).toString());
+  JS::RootedId id(context);
+  args.rval().setUndefined();
+  return JS_StringToId(context, name, &id) && JS_DefinePropertyById(context, global, id, args.get(0), JSPROP_ENUMERATE);
+}
+
+bool define_undeclared(JSContext* context, JS::HandleObject global, JS::HandleId id) {
+  JSFunction* const get = js::NewFunctionWithReserved(context, get_undeclared, 0, 0, nullptr);
+  JS::RootedObject getter(context, get ? JS_GetFunctionObject(get) : nullptr);
+  JSFunction* const set = js::NewFunctionWithReserved(context, set_undeclared, 1, 0, nullptr);
+  JS::RootedObject setter(context, set ? JS_GetFunctionObject(set) : nullptr);
+  if (!getter || !setter) return false;
+  js::SetFunctionNativeReserved(getter, 0, JS::StringValue(id.toString()));
+  js::SetFunctionNativeReserved(setter, 0, JS::StringValue(id.toString()));
+  return JS_DefinePropertyById(context, global, id, getter, setter, 0);
+}
+
 bool resolve(JSContext* context, JS::HandleObject global, JS::HandleId id, bool* resolved) {
   *resolved = false;
+  bool undeclared = false;
   if (id.isString()) {
     Program* const program = program_of_global(global);
     char name[40];
@@ -45,6 +97,7 @@ bool resolve(JSContext* context, JS::HandleObject global, JS::HandleId id, bool*
       }
       const std::string_view wanted(name, length);
       if (left_out().contains(wanted)) return true;
+      undeclared = program && program->world && program->undeclared.contains(wanted);
       if (program && program->world) {
         JS::RootedObject library(context, program->library->global);
         JS::RootedValue value(context);
@@ -67,7 +120,10 @@ bool resolve(JSContext* context, JS::HandleObject global, JS::HandleId id, bool*
       }
     }
   }
-  return JS_ResolveStandardClass(context, global, id, resolved);
+  if (!JS_ResolveStandardClass(context, global, id, resolved)) return false;
+  if (*resolved || !undeclared) return true;
+  *resolved = true;
+  return define_undeclared(context, global, id);
 }
 
 const JSClassOps kGlobalOps = {nullptr, nullptr, nullptr, JS_NewEnumerateStandardClasses, resolve, nullptr,
@@ -159,7 +215,7 @@ bool World::is_own_name(std::string_view name) {
       "SFColor", "SFRotation", "SFVec2f",  "SFVec3f",      "SFImage", "SFNode",  "MFColor", "MFFloat", "MFInt32",
       "MFNode",  "MFRotation", "MFString", "MFTime",       "MFVec2f", "MFVec3f", "SFFloat", "SFTime",  "SFDouble",
       "SFInt32", "SFBool",     "SFString", "VrmlMatrix",   "Browser", "print",   "trace",   "TRACE",   "alert",
-      "TRUE",    "FALSE",      "NULL",     "vrmlParseInt", "$copy",   "$values"};
+      "TRUE",    "FALSE",      "NULL",     "vrmlParseInt", "$copy",   "$values", "$browser"};
   return names.contains(name);
 }
 

@@ -23,20 +23,22 @@ bool changed(JSContext* context, JS::HandleObject image) {
   return write_back(context, source, static_cast<std::uint32_t>(JS::GetReservedSlot(image, kPlace).toInt32()), value);
 }
 
-bool this_image(JSContext* context, const JS::CallArgs& args, JS::MutableHandleObject image) {
+/// Calls `use` with the arguments and the SFImage that a function was called on.
+template <class Use>
+bool with_image(JSContext* context, unsigned argc, JS::Value* vp, Use use) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   if (!args.thisv().isObject() || !is_image(&args.thisv().toObject()))
     return fail(context, "called on a value that is not an SFImage");
-  image.set(&args.thisv().toObject());
-  return true;
+  const JS::RootedObject image(context, &args.thisv().toObject());
+  return use(args, image);
 }
 
 template <std::uint32_t kSlot>
 bool get_part(JSContext* context, unsigned argc, JS::Value* vp) {
-  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
-  JS::RootedObject image(context);
-  if (!this_image(context, args, &image)) return false;
-  args.rval().set(JS::GetReservedSlot(image, kSlot));
-  return true;
+  return with_image(context, argc, vp, [](const JS::CallArgs& args, JS::HandleObject image) {
+    args.rval().set(JS::GetReservedSlot(image, kSlot));
+    return true;
+  });
 }
 
 bool set_array(JSContext* context, JS::HandleObject image, JS::HandleValue value) {
@@ -53,18 +55,17 @@ bool set_array(JSContext* context, JS::HandleObject image, JS::HandleValue value
 
 template <std::uint32_t kSlot>
 bool set_part(JSContext* context, unsigned argc, JS::Value* vp) {
-  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
-  JS::RootedObject image(context);
-  if (!this_image(context, args, &image)) return false;
-  args.rval().setUndefined();
-  if constexpr (kSlot == kArray) {
-    if (!set_array(context, image, args.get(0))) return false;
-  } else {
-    double number = 0;
-    if (!JS::ToNumber(context, args.get(0), &number)) return false;
-    JS::SetReservedSlot(image, kSlot, JS::Int32Value(JS::ToInt32(number)));
-  }
-  return changed(context, image);
+  return with_image(context, argc, vp, [context](const JS::CallArgs& args, JS::HandleObject image) {
+    args.rval().setUndefined();
+    if constexpr (kSlot == kArray) {
+      if (!set_array(context, image, args.get(0))) return false;
+    } else {
+      double number = 0;
+      if (!JS::ToNumber(context, args.get(0), &number)) return false;
+      JS::SetReservedSlot(image, kSlot, JS::Int32Value(JS::ToInt32(number)));
+    }
+    return changed(context, image);
+  });
 }
 
 bool construct_image(JSContext* context, unsigned argc, JS::Value* vp) {
@@ -82,14 +83,14 @@ bool construct_image(JSContext* context, unsigned argc, JS::Value* vp) {
 }
 
 bool image_to_text(JSContext* context, unsigned argc, JS::Value* vp) {
-  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
-  JS::RootedObject image(context);
-  vrml::PixelImage value;
-  if (!this_image(context, args, &image) || !image_of(context, image, value)) return false;
-  std::string text;
-  for (std::size_t i = 0; i < std::max<std::size_t>(3, value.words.size()); ++i)
-    text += (i ? " " : "") + std::to_string(i < value.words.size() ? value.words[i] : 0);
-  return make_string(context, text, args.rval());
+  return with_image(context, argc, vp, [context](const JS::CallArgs& args, JS::HandleObject image) {
+    vrml::PixelImage value;
+    if (!image_of(context, image, value)) return false;
+    std::string text;
+    for (std::size_t i = 0; i < std::max<std::size_t>(3, value.words.size()); ++i)
+      text += (i ? " " : "") + std::to_string(i < value.words.size() ? value.words[i] : 0);
+    return make_string(context, text, args.rval());
+  });
 }
 
 const JSPropertySpec kParts[] = {JS_PSGS("x", get_part<kWidth>, set_part<kWidth>, kProperty),

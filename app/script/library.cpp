@@ -19,7 +19,7 @@ ScriptLibrary::ScriptLibrary(World& of, JSContext* context) : world(&of), global
 const vrml::SourceText& text_of_program(const Program& program) {
   const vrml::Node& node = program.scene->node(program.id);
   const vrml::InterfaceDeclaration* const url = node.type->find_field("url");
-  return url ? program.scene->text_of(program.id, url->slot) : *node.text;
+  return url ? program.scene->nodes().text_of(program.id, url->slot) : *node.text;
 }
 
 // Returns the library for Scripts of this source. Creates it if necessary. Returns null if memory is insufficient.

@@ -143,7 +143,9 @@ class NodeHandler final : public LiveProxyHandler {
     }
     const bool writable = declaration->access == AccessType::exposedField;
     const Source source = writable ? Source{proxy, place_of(*node->type, *declaration)} : Source{};
-    const vrml::FieldValue copy = *value;
+    vrml::FieldValue copy = *value;
+    if (declaration->type == vrml::FieldType::MFNode && declaration->slot >= 0)
+      world.add_posted_children(*scene, box.id, *declaration, copy);
     return to_value(context, scene, copy, source, result);
   }
   bool set(JSContext* context, JS::HandleObject proxy, JS::HandleId id, JS::HandleValue value, JS::HandleValue,

@@ -1,5 +1,6 @@
 #include "app/script/script_world.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <utility>
@@ -9,6 +10,12 @@ namespace gs::app::script {
 namespace {
 
 constexpr std::size_t kMaxRequests = 256, kMaxRequestText = std::size_t{32} << 20;
+
+bool is_object(vrml::FieldType type) {
+  using vrml::FieldType;
+  return vrml::is_multiple(type) || type == FieldType::SFColor || type == FieldType::SFVec2f ||
+         type == FieldType::SFVec3f || type == FieldType::SFRotation || type == FieldType::SFImage;
+}
 
 }  // namespace
 
@@ -34,7 +41,9 @@ void World::print(std::string text) {
   tell({{Severity::note, "", {}, std::move(text)}, true});
 }
 
-void World::warn_once(std::string text) { report(Severity::warning, *running_, std::move(text)); }
+void World::warn_once(std::string text, std::optional<Diagnostic> at) {
+  report(Severity::warning, *running_, std::move(text), std::move(at));
+}
 
 // Adds a request for the session. Drops it if too many requests, or too much text, are already waiting.
 void World::request(ScriptRequest request) {
@@ -44,6 +53,58 @@ void World::request(ScriptRequest request) {
   if (ends_ || running_->ended || requests_.size() >= kMaxRequests || bytes > kMaxRequestText - request_bytes_) return;
   request_bytes_ += bytes;
   requests_.push_back(std::move(request));
+}
+
+std::string World::modern_text_of(const Program& program, std::string_view text) {
+  std::vector<std::string> values, exposed;
+  for (const auto& interface : execution_.nodes().schema_of(program.node).interfaces) {
+    const vrml::InterfaceDeclaration& declaration = *interface.declaration;
+    if (declaration.access != vrml::AccessType::eventIn && is_object(declaration.type))
+      values.push_back(declaration.name);
+    if (declaration.access == vrml::AccessType::exposedField) exposed.push_back(declaration.name);
+  }
+  return contact_text(modern_text(text, values), exposed, is_browser_method);
+}
+
+// Takes time proportional to the stored events and their nodes.
+void World::add_posted_children(const vrml::SceneGraph& scene, vrml::NodeId node,
+                                const vrml::InterfaceDeclaration& children, vrml::FieldValue& value) const {
+  const vrml::NodeType& type = *scene.node(node).type;
+  const vrml::InterfaceDeclaration *const add = type.find("addChildren"), *const remove = type.find("removeChildren");
+  const auto is_list = [](const vrml::InterfaceDeclaration* event) {
+    return event && event->access == vrml::AccessType::eventIn && event->type == vrml::FieldType::MFNode;
+  };
+  if (children.name != "children" || !is_list(add) || !is_list(remove)) return;
+  const auto changes = [&](const Post& post) {
+    return post.scene == &scene && post.node == node && (post.event_in == add || post.event_in == remove);
+  };
+  if (std::none_of(posts_.begin(), posts_.end(), changes)) return;
+  std::vector<vrml::NodeId> list;
+  std::unordered_map<std::uint32_t, std::size_t> places;  // positions in `list`, by node index
+  const auto append = [&](vrml::NodeId child) {
+    if (child && places.emplace(child.index, list.size()).second) list.push_back(child);
+  };
+  for (const vrml::NodeId child : std::get<vrml::MFNode>(scene.node(node).values[children.slot])) append(child);
+  for (const Post& post : posts_) {
+    if (post.scene != &scene || post.node != node) continue;
+    if (post.event_in == &children) {
+      list.clear();
+      places.clear();
+    }
+    for (const vrml::NodeId child :
+         changes(post) || post.event_in == &children ? std::get<vrml::MFNode>(post.value) : vrml::MFNode{}) {
+      if (post.event_in != remove) {
+        append(child);
+      } else if (const auto known = places.find(child.index); known != places.end()) {
+        list[known->second] = {};
+        places.erase(known);
+      }
+    }
+  }
+  vrml::MFNode made;
+  for (const vrml::NodeId child : list)
+    if (child) made.push_back(child);
+  value = std::move(made);
 }
 
 std::string World::late_message(const Program& program) const {

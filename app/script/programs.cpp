@@ -84,9 +84,10 @@ void check_programs(const vrml::SceneGraph& scene, Diagnostics& diagnostics) {
   JS::RootedObject global(context, script::new_global(context, nullptr, nullptr));
   if (!global) return;
   const JSAutoRealm realm(context, global);
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
-    const vrml::Node& node = scene.node_at(i);
-    if (!node.type || !vrml::has(node.type->role, vrml::Role::script) || !scene.contains(scene.id_at(i))) continue;
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
+    const vrml::Node& node = scene.nodes().at(i);
+    if (!node.type || !vrml::has(node.type->role, vrml::Role::script) || !scene.contains(scene.nodes().id_at(i)))
+      continue;
     if (node.instance != 0) continue;  // a copy in a PROTO instance; its original is checked
     const vrml::InterfaceDeclaration* const url = node.type->find_field("url");
     const auto* const list = url ? std::get_if<vrml::MFString>(&node.values[url->slot]) : nullptr;

@@ -28,15 +28,9 @@ namespace {
 
 constexpr std::size_t kMaxMessages = 1000, kMaxSaid = 4000;
 constexpr int kMaxFaults = 3;
-constexpr std::size_t kWorthCollecting = 64;  // min nodes to count for one text of nodes
+constexpr std::size_t kWorthCollecting = 64;               // min nodes to count for one text of nodes
 constexpr std::size_t kMaxCreated = std::size_t{4} << 20;  // max bytes of a text of nodes
-constexpr std::size_t kTextOfNode = 16;  // min bytes of text for a node
-
-bool is_object(vrml::FieldType type) {
-  using vrml::FieldType;
-  return vrml::is_multiple(type) || type == FieldType::SFColor || type == FieldType::SFVec2f ||
-         type == FieldType::SFVec3f || type == FieldType::SFRotation || type == FieldType::SFImage;
-}
+constexpr std::size_t kTextOfNode = 16;                    // min bytes of text for a node
 
 }  // namespace
 
@@ -81,20 +75,13 @@ Program* World::program_of(vrml::EventNode node) const {
   return found == programs_.end() ? nullptr : found->second.get();
 }
 
-std::string World::modern_text_of(const Program& program, std::string_view text) {
-  std::vector<std::string> values;
-  for (const auto& interface : execution_.nodes().schema_of(program.node).interfaces)
-    if (interface.declaration->access != vrml::AccessType::eventIn && is_object(interface.declaration->type))
-      values.push_back(interface.declaration->name);
-  return modern_text(text, values);
-}
-
 // Compiles and runs the text of a program. `place` is the position of the text in its file, for messages.
 bool World::load(Program& program, std::string_view text, const std::string& file, SourceLocation place) {
   JSContext* const context = engine_.context();
   bool good = false;
   run(program, [&] {
     const std::string modern = modern_text_of(program, text);
+    program.undeclared = UndeclaredNames(modern);
     JS::RootedScript script(context, compile_mended(context, modern, file, place));
     JS::RootedValue ignored(context);
     if (!script) return false;
@@ -197,9 +184,10 @@ bool World::go_on(vrml::EventNode node) {
     report(Severity::error, program, "not enough memory for programs");
     return false;
   }
-  const std::string file = url ? program.scene->text_of(program.id, url->slot).file_name() : script.text->file_name();
+  const std::string file =
+      url ? program.scene->nodes().text_of(program.id, url->slot).file_name() : script.text->file_name();
   const bool own_places = script.type->url_places.size() == urls.size() && url &&
-                          &program.scene->text_of(program.id, url->slot) == script.text;
+                          &program.scene->nodes().text_of(program.id, url->slot) == script.text;
   const auto try_one = [&](std::string_view text, const std::string& name, SourceLocation at_place) {
     if (!program.global && !make_global(program)) return false;
     if (!load(program, text, name, at_place)) return false;
@@ -280,7 +268,15 @@ bool World::deliver(vrml::EventNode node, std::uint32_t interface, const vrml::F
     JSContext* const context = engine_.context();
     JS::RootedValue function(context), ignored(context);
     JS::RootedId name(context, program->names[interface]);
-    if (!JS_GetPropertyById(context, program->global, name, &function)) return false;
+    // The name of an exposedField is its value; its handler has another name (contact_text()).
+    const vrml::InterfaceDeclaration& declaration =
+        *execution_.nodes().schema_of(node).interfaces[interface].declaration;
+    if (declaration.access != vrml::AccessType::exposedField) {
+      if (!JS_GetPropertyById(context, program->global, name, &function)) return false;
+    } else if (const std::string handler = std::string(kHandlerPrefix) + declaration.name;
+               !JS_GetProperty(context, program->global, handler.c_str(), &function)) {
+      return false;
+    }
     if (!function.isObject() || !JS::IsCallable(&function.toObject())) return true;
     JS::RootedValueArray<2> arguments(context);
     if (!to_value(context, program->scene, copy, {}, arguments[0])) return false;

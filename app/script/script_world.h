@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/script/engine.h"
+#include "app/script/habits/contact_habits.h"
 #include "app/script/read_rule.h"
 #include "app/script/script_runner.h"
 
@@ -36,10 +37,10 @@ struct Program {
   /// Cached decisions of may_read(), by the source of the node. The shared pointers keep the keys valid.
   std::unordered_map<const vrml::TextSource*, std::pair<std::shared_ptr<const vrml::TextSource>, Reading>> readings;
   JS::PersistentRootedObject global;
-  std::vector<jsid> names;  // by index in the node type's interfaces
+  std::vector<jsid> names;                                         // by index in the node type's interfaces
   std::vector<std::unique_ptr<JS::PersistentRootedObject>> lists;  // objects of MF fields and eventOuts, by the index
                                                                    // of `names`
-  std::vector<bool> unsent;  // eventOuts with unsent values; by index of `names`
+  std::vector<bool> unsent;                                        // eventOuts with unsent values; by index of `names`
   std::vector<std::uint32_t> to_send;
   std::vector<std::size_t> counted;  // by index of `names`: bytes that count against the heap of programs
   bool runs = false, waits = false, off = false, has_processed = false, told_direct = false;
@@ -47,6 +48,7 @@ struct Program {
   int faults = 0;
   std::string late_message;  // see Engine::on_overdue()
   std::size_t next_url = 0;  // index of the first entry of the url field that was not tried yet
+  UndeclaredNames undeclared;
 };
 
 /// Key of a node in any scene of a world. A NodeId alone is unique only within its scene.
@@ -64,7 +66,7 @@ struct HashNodeKey {
 
 /// Part of a library that outlives its world, because objects may be collected later.
 struct Link {
-  vrml::Execution* execution = nullptr;  // null after the world is destroyed
+  vrml::Execution* execution = nullptr;                         // null after the world is destroyed
   std::unordered_map<NodeKey, JSObject*, HashNodeKey> objects;  // objects of nodes
 };
 
@@ -105,11 +107,11 @@ struct ListBox {
   Program* program = nullptr;  // owner of the field or eventOut; null for a separate value
   std::uint32_t place = 0;
   vrml::FieldType type = vrml::FieldType::MFInt32;
-  SceneRef scene;  // scene of the nodes of an MFNode
+  SceneRef scene;          // scene of the nodes of an MFNode
   vrml::FieldValue value;  // unused if there is a `program`
   std::vector<vrml::NodeId> held;
   std::size_t counted = 0;  // bytes that count against the heap of programs
-  bool changed = false;  // the value must still be sent to the node or image from which the list was read
+  bool changed = false;     // the value must still be sent to the node or image from which the list was read
 };
 
 /// Objects of VRML97's types and of the browser. They have their own compartment.
@@ -118,6 +120,7 @@ struct ScriptLibrary {
   std::shared_ptr<Link> link = std::make_shared<Link>();
   JS::PersistentRootedObject global;
   std::vector<JS::PersistentRootedObject> prototypes;
+  std::unordered_map<std::string, std::string> options;  // values of Browser.setOption()
 
   explicit ScriptLibrary(World& of, JSContext* context);
   [[nodiscard]] JSObject* prototype(vrml::FieldType type) const { return prototypes[static_cast<std::size_t>(type)]; }
@@ -168,7 +171,8 @@ class World final : public ScriptRunner {
   /// Returns the time for Date in seconds since 1970, in simulated time.
   [[nodiscard]] double date();
   void print(std::string text);
-  void warn_once(std::string text);
+  /// Reports a warning about the running program, unless it was reported before. `at` is its position, if known.
+  void warn_once(std::string text, std::optional<Diagnostic> at = {});
   void request(ScriptRequest request);
   /// Records that a field or eventOut of the running Script was written.
   void own_changed(Program& program, std::uint32_t place);
@@ -179,6 +183,9 @@ class World final : public ScriptRunner {
   /// Returns the value of the stored event for an eventIn; null if there is none.
   [[nodiscard]] const vrml::FieldValue* posted(const vrml::SceneGraph& scene, vrml::NodeId node,
                                                const vrml::InterfaceDeclaration& event_in) const;
+  /// Applies the stored addChildren and removeChildren events of a node to the value of its `children`.
+  void add_posted_children(const vrml::SceneGraph& scene, vrml::NodeId node, const vrml::InterfaceDeclaration& children,
+                           vrml::FieldValue& value) const;
   /// Records that a list was changed that was read from a node.
   bool note_changed(JSContext* context, JS::HandleObject list);
   bool flush_changed(JSContext* context);
@@ -254,7 +261,7 @@ class World final : public ScriptRunner {
   std::unordered_set<std::string> said_;
   BrowserState browser_;
   std::chrono::steady_clock::duration spent_{}, longest_{};  // in this step: time of all calls, and of the longest call
-  vrml::EventNode slowest_ = 0;  // Script of the longest call
+  vrml::EventNode slowest_ = 0;                              // Script of the longest call
   bool late_ = false, ends_ = false;
   std::uint32_t clock_looks_ = 0;  // number of reads of the clock in the running function
   std::uint64_t random_ = 0x9e3779b97f4a7c15U;
@@ -339,8 +346,10 @@ bool image_array_changed(JSContext* context, JS::HandleObject image);
 // matrices.cpp
 bool define_matrices(JSContext* context, JS::HandleObject library, std::vector<JS::PersistentRootedObject>& prototypes);
 
-// browser.cpp
+// browser/browser.cpp
 bool define_browser(JSContext* context, JS::HandleObject library);
+/// Reports whether the Browser object has a method with this name.
+[[nodiscard]] bool is_browser_method(std::string_view name);
 
 // legacy_vrmlscript.cpp
 /// Rewrites assignments so that they copy, as in Annex C. `values` holds the names of the fields and eventOuts with

@@ -1,5 +1,6 @@
 #include "app/serve/archive.h"
 
+#include "app/formats/content_types.h"
 #include "app/serve/archive_index.h"
 #include "app/serve/cell_archive.h"
 #include "app/serve/child_program.h"
@@ -154,8 +155,10 @@ std::variant<std::unique_ptr<Archive>, std::string> Archive::start(const Archive
     http.makers.push_back(thumbnail_maker(options.program, served));
     http.makers.push_back(stream_maker(options.program, served));
   }
-  http.list = [make](const net::FolderListing& listing, const net::FolderRequest& request) {
-    return archive_index(listing, request, make);
+  const std::string name = fs::canonical(options.folder, folder_error).filename().string();
+  http.list = [make, name = name.empty() ? std::string("Archive") : name](const net::FolderListing& listing,
+                                                                          const net::FolderRequest& request) {
+    return archive_index(listing, request, make, name);
   };
   http.missing = [make](const std::string& name, const net::FolderRequest& request) {
     return scene_link_page(name, request, make);

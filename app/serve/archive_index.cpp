@@ -1,5 +1,6 @@
 #include "app/serve/archive_index.h"
 
+#include "app/serve/index_rows.h"
 #include "app/session/documents/link_file.h"
 #include "base/text.h"
 #include "net/serve/http_range.h"
@@ -13,6 +14,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <ctime>
+#include <unordered_map>
 #include <vector>
 
 namespace gs::app {
@@ -94,12 +96,16 @@ std::string link(std::string_view name, bool folder) { return "./" + net::encode
 
 std::string json_page(const net::FolderListing& listing, bool made) {
   nlohmann::json entries = nlohmann::json::array();
+  std::unordered_map<std::string, nlohmann::json> data;  // names of data files, by header
+  for (const IndexRow& row : index_rows(listing.entries))
+    for (const net::FolderEntry& part : row.data) data[row.entry.name].push_back(part.name);
   for (const net::FolderEntry& entry : listing.entries) {
     nlohmann::json one = {{"name", entry.name}, {"url", link(entry.name, entry.folder)}, {"folder", entry.folder}};
     one["modified"] = entry.modified;
     if (!entry.folder) {
       one["bytes"] = entry.size;
       one["type"] = served_type_of(entry.name).mime;
+      if (const auto parts = data.find(entry.name); parts != data.end()) one["data"] = parts->second;
       if (made && content_type_by_name(entry.name)) one["thumbnail"] = link(entry.name, false) + "?thumbnail";
       if (made && can_be_encoded(entry.name)) one["qnv"] = link(entry.name + ".qnv", false);
     }
@@ -167,8 +173,8 @@ constexpr std::string_view kIndexStyle =
     "}\n"
     "tr:hover td { background: #8881; }\nfooter { margin-top: 1.5em; font-size: 85%; }\n";
 
-// Returns the heading "Archive / a / b", with a link to each folder.
-std::string path_heading(std::string_view path) {
+// Returns the heading "FOLDER / a / b", with a link to each folder. `name` is the name of the served folder.
+std::string path_heading(std::string_view path, const std::string& name) {
   std::vector<std::string> names;
   for (std::size_t begin = 1; begin < path.size();) {
     const std::size_t end = std::min(path.find('/', begin), path.size());
@@ -180,10 +186,11 @@ std::string path_heading(std::string_view path) {
     heading = " / <a href=\"" + (up.empty() ? "./" : up) + "\">" + html(names[i]) + "</a>" + heading;
     up += "../";
   }
-  return "<a href=\"" + (up.empty() ? "./" : up) + "\">Archive</a>" + heading;
+  return "<a href=\"" + (up.empty() ? "./" : up) + "\">" + html(name) + "</a>" + heading;
 }
 
-std::string html_row(const net::FolderEntry& entry, bool made) {
+std::string html_row(const IndexRow& shown, bool made) {
+  const net::FolderEntry& entry = shown.entry;
   const std::string url = link(entry.name, entry.folder);
   const bool opens = !entry.folder && content_type_by_name(entry.name);
   const std::string scene = link(opened_name(entry.name, made) + std::string(kLinkExtension), false);
@@ -197,7 +204,10 @@ std::string html_row(const net::FolderEntry& entry, bool made) {
     row += "<div class=\"more\"><a href=\"" + url + "\" download>file</a>";
     if (made && can_be_encoded(entry.name))
       row += " <a class=\"made\" href=\"" + link(entry.name + ".qnv", false) + "\" download>stream</a>";
-    row += " " + html(content_type_by_name(entry.name)->name) + "</div>";
+    row += " " + html(content_type_by_name(entry.name)->name);
+    for (const net::FolderEntry& part : shown.data)
+      row += " + <a href=\"" + link(part.name, false) + "\" download>" + html(part.name) + "</a>";
+    row += "</div>";
   }
   return row + "</td><td class=\"number\">" + (entry.folder ? std::string() : readable_size(entry.size)) +
          "</td><td class=\"number\">" + readable_date(entry.modified) + "</td></tr>\n";
@@ -214,20 +224,24 @@ constexpr SortRow kSorts[] = {
     {"date", "Date", [](const net::FolderEntry& a, const net::FolderEntry& b) { return a.modified < b.modified; }},
 };
 
-std::vector<net::FolderEntry> chosen_entries(const net::FolderListing& listing, const std::string& search,
-                                             const std::string& sort) {
-  std::vector<net::FolderEntry> entries;
+std::vector<IndexRow> chosen_rows(const net::FolderListing& listing, const std::string& search,
+                                  const std::string& sort) {
   const std::string wanted = lower_case(search);
-  for (const net::FolderEntry& entry : listing.entries)
-    if (wanted.empty() || lower_case(entry.name).find(wanted) != std::string::npos) entries.push_back(entry);
+  const auto is_found = [&](const net::FolderEntry& entry) {
+    return lower_case(entry.name).find(wanted) != std::string::npos;
+  };
+  std::vector<IndexRow> rows = index_rows(listing.entries);
+  std::erase_if(rows, [&](const IndexRow& row) {
+    return !is_found(row.entry) && std::none_of(row.data.begin(), row.data.end(), is_found);
+  });
   const bool down = sort.starts_with('-');
   for (const SortRow& row : kSorts)
     if (row.name == std::string_view(sort).substr(down ? 1 : 0))
-      std::stable_sort(entries.begin(), entries.end(), [&](const net::FolderEntry& a, const net::FolderEntry& b) {
-        if (a.folder != b.folder) return a.folder;
-        return down ? row.before(b, a) : row.before(a, b);
+      std::stable_sort(rows.begin(), rows.end(), [&](const IndexRow& a, const IndexRow& b) {
+        if (a.entry.folder != b.entry.folder) return a.entry.folder;
+        return down ? row.before(b.entry, a.entry) : row.before(a.entry, b.entry);
       });
-  return entries;
+  return rows;
 }
 
 std::string form_text(std::string_view text) {
@@ -254,20 +268,13 @@ std::string column_heading(const SortRow& row, const std::string& search, const 
 
 }  // namespace
 
-const ContentType* content_type_by_name(std::string_view name) {
-  std::string extension = extension_of(name);
-  if (extension == ".gz ") extension = extension_of(name.substr(0, name.size() - 3));
-  for (const ContentType& type : content_types())
-    if (lists(type.extensions, extension)) return &type;
-  return nullptr;
-}
-
 net::ServedType served_type_of(std::string_view name) {
   const std::string extension = extension_of(name);
   if (extension == ".gz ") return {"application/gzip", false};
   for (const WebType& type : kWebTypes)
     if (lists(type.extensions, extension)) return {std::string(type.mime), type.compress};
-  if (const ContentType* type = content_type_by_name(name)) return {std::string(type->mime), lists(kTexts, extension)};
+  if (const ContentType* type = extension.empty() ? nullptr : content_type_by_name(name))
+    return {std::string(type->mime), lists(kTexts, extension)};
   return {};
 }
 
@@ -276,13 +283,15 @@ bool can_be_encoded(std::string_view name) {
   return type && type->content != ContentClass::stream;
 }
 
-net::FolderPage archive_index(const net::FolderListing& listing, const net::FolderRequest& request, bool made) {
+net::FolderPage archive_index(const net::FolderListing& listing, const net::FolderRequest& request, bool made,
+                              const std::string& name) {
   if (request.json) return {"application/json", json_page(listing, made)};
   const std::string search = field_of(request.query, "search"), sort = field_of(request.query, "sort");
   const std::string known_sort = sort.size() <= 5 ? sort : std::string();
-  std::string page = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + html(listing.path) +
+  std::string page = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" +
+                     html(name + (listing.path == "/" ? "" : listing.path)) +
                      "</title>\n<meta name=\"viewport\" content=\"width=device-width\">\n<style>\n";
-  page.append(kIndexStyle).append("</style></head>\n<body><header><h1>").append(path_heading(listing.path));
+  page.append(kIndexStyle).append("</style></head>\n<body><header><h1>").append(path_heading(listing.path, name));
   page +=
       "</h1><form role=\"search\"><input type=\"search\" name=\"search\" placeholder=\"Search this folder\" value=\"" +
       html(search) + "\">";
@@ -292,15 +301,15 @@ net::FolderPage archive_index(const net::FolderListing& listing, const net::Fold
   page += "</tr>\n";
   if (listing.path != "/")
     page += "<tr><td class=\"picture\"></td><td><a href=\"../\">..</a></td><td></td><td></td></tr>\n";
-  const std::vector<net::FolderEntry> entries = chosen_entries(listing, search, known_sort);
+  const std::vector<IndexRow> rows = chosen_rows(listing, search, known_sort);
   std::uint64_t bytes = 0;
-  for (const net::FolderEntry& entry : entries) {
-    bytes += entry.folder ? 0 : entry.size;
-    page += html_row(entry, made);
+  for (const IndexRow& row : rows) {
+    bytes += row.entry.folder ? 0 : row.entry.size;
+    page += html_row(row, made);
   }
   page += "</table>\n";
   if (!listing.complete) page += "<p>More files exist; they are not listed.</p>\n";
-  page += "<footer>" + std::to_string(entries.size()) + (entries.size() == 1 ? " entry, " : " entries, ") +
+  page += "<footer>" + std::to_string(rows.size()) + (rows.size() == 1 ? " entry, " : " entries, ") +
           readable_size(bytes) +
           ". Click a scene to open it in GhostSpace. <a href=\"?json\">JSON</a></footer></body></html>\n";
   return {"text/html; charset=utf-8", page};

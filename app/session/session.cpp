@@ -1,5 +1,6 @@
 #include "app/session/session.h"
 
+#include "app/session/navigation/script_effects.h"
 #include "render/scene/late_meshes.h"
 
 #include <algorithm>
@@ -111,8 +112,9 @@ std::optional<double> Session::next_event() const {
 // it moves with the Viewpoint. For a viewer on its way to a Viewpoint, the destination is set (VRML97 6.53).
 void Session::place_viewer(Document& document, const View& leader) const {
   vrml::Execution& execution = document.runtime->execution();
-  if (const Viewport place = viewports_.place_of(leader); place.height > 0)
-    execution.viewer().set_aspect(static_cast<double>(place.width) / place.height);
+  const Viewport place = viewports_.place_of(leader);
+  if (place.height > 0) execution.viewer().set_aspect(static_cast<double>(place.width) / place.height);
+  tell_viewport(document, leader, place);
   const std::optional<Transition>& way = leader.navigation.transition;
   const std::optional<glm::dvec3> before =
       std::exchange(document.destination, way ? std::optional(way->to.position) : std::nullopt);
@@ -165,8 +167,9 @@ bool Session::advance_world(Document& document, bool look) {
     seen->bound = leader->bound;
     seen->bound_place = leader->bound_place;
   }
+  if (apply_script_requests(*leader)) any = true;
   camera_.end_journey(*leader);
-  sound_.add(document, *leader);
+  if (execution.browser().settings().sound) sound_.add(document, *leader);
   if (moved && leader == view()) pointing_.repeat_in(panes().active());
   return any;
 }

@@ -18,6 +18,7 @@
 #include "app/session/viewports/session_viewports.h"
 #include "app/session/viewports/step.h"
 #include "app/view/picking.h"
+#include "base/noncopyable.h"
 
 #include <functional>
 #include <optional>
@@ -57,12 +58,10 @@ class SessionExtension {
 /// Documents, viewports and time of one program run. The window, `--snapshot` and `trace` call step() and draw or print
 /// its result. The session itself draws nothing. It reads the clock only to measure durations. step() calls the parts
 /// of the session in a fixed order. One thread.
-class Session {
+class Session : NonCopyable {
  public:
   /// Creates a session. Other threads call `wake` when the next step has something to do; it must be thread-safe.
   Session(const SessionOptions& options, LoadOptions load, const std::function<void()>& wake);
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
 
   /// Runs one step: applies received data and the user's input, and advances time to `now`, in seconds since 1970.
   /// `now` must never decrease.

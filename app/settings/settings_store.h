@@ -4,6 +4,7 @@
 #include "app/settings/log_file.h"
 #include "app/settings/user_folders.h"
 #include "app/settings/user_settings.h"
+#include "base/noncopyable.h"
 
 #include <optional>
 #include <string>
@@ -17,13 +18,11 @@ namespace gs::app {
 /// Store of the user's settings and bookmarks, and of the state that is kept between windows. Each change writes its
 /// file atomically. An unreadable file is copied to FILE.bad, reported once, and otherwise ignored. If `folders` is
 /// empty, nothing is read or written. One thread.
-class SettingsStore {
+class SettingsStore : NonCopyable {
  public:
   explicit SettingsStore(UserFolders folders);
   /// Removes this window's session file, because after a regular end there is nothing to restore.
   ~SettingsStore();
-  SettingsStore(const SettingsStore&) = delete;
-  SettingsStore& operator=(const SettingsStore&) = delete;
 
   [[nodiscard]] const UserSettings& settings() const { return settings_; }
   void set(const UserSettings& settings);

@@ -13,10 +13,10 @@ constexpr std::uint64_t kPressesOfVisit = 4;  // number of presses between visit
 void add_scenes(const vrml::SceneGraph& scene, std::vector<const vrml::SceneGraph*>& scenes) {
   scenes.push_back(&scene);
   std::vector<std::uint32_t> places;
-  for (const auto& [place, content] : scene.inlines())
+  for (const auto& [place, content] : scene.inlines().all())
     if (content) places.push_back(place);
   std::sort(places.begin(), places.end());
-  for (const std::uint32_t place : places) add_scenes(*scene.inlined(scene.id_at(place)), scenes);
+  for (const std::uint32_t place : places) add_scenes(*scene.inlines().of(scene.nodes().id_at(place)), scenes);
 }
 
 }  // namespace
@@ -31,12 +31,12 @@ std::vector<vrml::NodePlace> sensors_of(const vrml::SceneGraph& world, bool poin
   std::vector<const vrml::SceneGraph*> scenes;
   add_scenes(world, scenes);
   for (const vrml::SceneGraph* const scene : scenes)
-    for (std::uint32_t i = 1; i <= scene->node_count(); ++i) {
-      const vrml::Node& node = scene->node_at(i);
-      if (!scene->contains(scene->id_at(i)) || node.in_prototype_body || !node.type->behaviour) continue;
+    for (std::uint32_t i = 1; i <= scene->nodes().count(); ++i) {
+      const vrml::Node& node = scene->nodes().at(i);
+      if (!scene->contains(scene->nodes().id_at(i)) || node.in_prototype_body || !node.type->behaviour) continue;
       const vrml::Behaviour& behaviour = *node.type->behaviour;
       if (pointing ? behaviour.pointing != nullptr : behaviour.sensed_place != nullptr)
-        result.push_back({scene, scene->id_at(i)});
+        result.push_back({scene, scene->nodes().id_at(i)});
     }
   return result;
 }
@@ -49,7 +49,7 @@ bool SensorTour::press_next() {
     vrml::NodePlace sensor;
   };
   std::vector<Candidate> candidates;
-  for (const SensorGeometry& one : sensor_geometry(*world(), *seen.list)) {
+  for (const SensorGeometry& one : session_.pointing().sensors_in(seen)) {
     const vrml::Node* const node = &one.sensor.scene->node(one.sensor.node);
     candidates.push_back({presses_[node], node, one.sensor});
   }

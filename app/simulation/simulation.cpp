@@ -35,7 +35,7 @@ Simulation::Simulation(LoadedWorld world, const glm::ivec2& size, const ViewStyl
 std::optional<std::string> Simulation::bind_action(const std::string& viewpoint, Action& action) {
   if (viewpoints_.empty())
     viewpoints_ =
-        render::collect(*world().scene, world().images, document_->meshes, {0, 0, 10}, world().clouds).viewpoints;
+        render::collect(*world().scene, world().images, document_->meshes, {0, 0, 10}, world().geometries).viewpoints;
   const auto found = find_viewpoint(viewpoints_, viewpoint);
   if (!found) return "no Viewpoint '" + viewpoint + "'; " + viewpoint_list(viewpoints_);
   action.kind = InputRow::Kind::viewpoint;

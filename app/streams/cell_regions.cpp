@@ -15,15 +15,6 @@ constexpr int kParts = 8;  // number of parts per axis in each pass
 constexpr int kPasses = 5;  // number of passes; each one divides the result of the previous one, to 1/32768 at last
 constexpr float kAll = 0.9f;  // if the regions cover a larger fraction of the volume, the whole stream is requested
 
-bool outside(const glm::vec3& lower, const glm::vec3& upper, const qnv::LodView& view) {
-  return std::any_of(view.planes.begin(), view.planes.end(), [&](const glm::vec4& plane) {
-    // Take the corner that is furthest on the inner side of the plane.
-    const glm::vec3 p(plane.x >= 0 ? upper.x : lower.x, plane.y >= 0 ? upper.y : lower.y,
-                      plane.z >= 0 ? upper.z : lower.z);
-    return plane != glm::vec4(0) && plane.x * p.x + plane.y * p.y + plane.z * p.z + plane.w < 0;
-  });
-}
-
 // Divides a box into parts. Returns the bounds of those parts that may be visible in the view, or nullopt if there are
 // none.
 std::optional<Box> seen_part(const Box& box, const qnv::LodView& view) {
@@ -33,7 +24,7 @@ std::optional<Box> seen_part(const Box& box, const qnv::LodView& view) {
     const glm::vec3 at(static_cast<float>(i % kParts), static_cast<float>(i / kParts % kParts),
                        static_cast<float>(i / (kParts * kParts)));
     const glm::vec3 lower = box.lower + at * step, upper = lower + step;
-    if (outside(lower, upper, view)) continue;
+    if (qnv::outside({lower, upper}, view)) continue;
     if (!seen) seen = Box{lower, upper};
     seen->lower = glm::min(seen->lower, lower);
     seen->upper = glm::max(seen->upper, upper);

@@ -3,7 +3,7 @@
 #include "net/cells/cell_contract.h"
 #include "net/cells/cell_source.h"
 #include "qnv/base/description.h"
-#include "qnv/codecs/octree/lod/lod.h"
+#include "qnv/codecs/shared/lod_view.h"
 
 #include <span>
 #include <vector>

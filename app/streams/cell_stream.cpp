@@ -50,7 +50,7 @@ bool CellStream::step() {
     return true;
   }
   if (std::vector<qnv::LodView> views; feed_ && feed_->take_views(views))
-    driver_->prefer(kSlot, regions_of(views, feed_->stream()->header().description.box), {});
+    driver_->prefer(kSlot, regions_of(views, feed_->box()), {});
   follow_weight();
   bool any = false;
   for (net::CellEvent& event : driver_->poll(kAtOnce)) {
@@ -98,8 +98,10 @@ void CellStream::take(net::CellEvent& event) {
   } else if (event.kind == Kind::piece) {
     sink_.piece(event);
   } else if (event.kind == Kind::ended) {
+    missing_ = true;  // unless `complete` follows
     sink_.ended(std::nullopt);
   } else if (event.kind == Kind::complete) {
+    missing_ = false;
     end(std::nullopt);
   } else if (event.kind == Kind::refused || event.kind == Kind::failed) {
     answered_ = answered_ || event.kind == Kind::refused;

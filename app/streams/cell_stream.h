@@ -48,6 +48,8 @@ class CellStream {
   /// Returns true if the server has sent anything so far.
   [[nodiscard]] bool answered() const { return answered_; }
   [[nodiscard]] bool over() const { return over_; }
+  /// Returns true if the server has sent everything, but lost data are missing.
+  [[nodiscard]] bool missing() const { return missing_; }
   /// Returns the statistics of received and lost datagrams.
   [[nodiscard]] net::CellClientStatistics statistics() const;
 
@@ -67,7 +69,7 @@ class CellStream {
   std::optional<std::uint32_t> version_;
   std::vector<net::CellEvent> early_;  // pieces that were received before the base
   std::size_t early_bytes_ = 0;
-  bool granted_ = false, base_ = false, answered_ = false, over_ = false;
+  bool granted_ = false, base_ = false, answered_ = false, over_ = false, missing_ = false;
 };
 
 }  // namespace gs::app

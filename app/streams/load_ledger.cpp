@@ -8,7 +8,7 @@
 namespace gs::app {
 
 std::string_view name_of(LoadStage stage) {
-  constexpr std::array<std::string_view, 5> kNames = {"waiting", "arriving", "whole", "failed", "cancelled"};
+  constexpr std::array<std::string_view, 5> kNames = {"waiting", "arriving", "complete", "failed", "cancelled"};
   return kNames[static_cast<std::size_t>(stage)];
 }
 
@@ -60,12 +60,11 @@ void LoadLedger::receive(std::uint64_t number, std::uint64_t bytes, std::optiona
   row->ended = now();
 }
 
-void LoadLedger::count_datagrams(std::uint64_t number, std::uint64_t datagrams, std::uint64_t lost) {
+void LoadLedger::count_cells(std::uint64_t number, const CellCounts& counts) {
   const std::lock_guard lock(mutex_);
   LoadRow* const row = find(number);
   if (!row) return;
-  row->datagrams = datagrams;
-  row->lost = lost;
+  row->cells = counts;
 }
 
 void LoadLedger::follow(std::uint64_t number, const StreamFeed* feed, bool by_view) {

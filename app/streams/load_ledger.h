@@ -23,30 +23,38 @@ class StreamFeed;
 
 /// Stage in the loading of a file or stream.
 enum class LoadStage : std::uint8_t {
-  waiting,  // nothing is received yet
-  arriving,  // a part is received; for streams, views may request more
+  waiting,    // nothing is received yet
+  arriving,   // a part is received; for streams, views may request more
   whole,      // completely received
-  failed,  // incomplete, because of an error
+  failed,     // incomplete, because of an error
   cancelled,  // incomplete, because the user cancelled loading
 };
 [[nodiscard]] std::string_view name_of(LoadStage stage);
 
+/// Transfer of a stream as cells.
+struct CellCounts {
+  std::uint64_t datagrams = 0, lost = 0;  // received and lost datagrams
+  std::uint64_t granted = 0, rate = 0;    // bits per second that the server granted, and that it sends after losses
+  double loss_events = 0;                 // loss events per datagram; these reduce the rate (RFC 5348)
+  bool missing = false;  // the server has sent everything, but lost data are missing
+};
+
 /// File or stream of a world, with the progress of its loading.
 struct LoadRow {
   std::uint64_t number = 0;
-  std::string url;  // URL without passwords and tokens
+  std::string url;   // URL without passwords and tokens
   std::string kind;  // "file", "data", "http", "https", "cells", ...
   LoadStage stage = LoadStage::waiting;
   std::string why;  // error, or reason why it is incomplete
   std::uint64_t received = 0;
   std::optional<std::uint64_t> total;
-  std::uint64_t datagrams = 0, lost = 0;  // numbers of received and lost datagrams with cells
-  bool by_view = false;  // views choose which parts are read
-  double began = 0;  // start, in seconds after the world was requested
+  CellCounts cells;
+  bool by_view = false;                 // views choose which parts are read
+  double began = 0;                     // start, in seconds after the world was requested
   std::optional<double> first_picture;  // seconds from `began` until the first part was visible
-  std::optional<double> ended;  // end, in seconds after the world was requested
-  const vrml::Node* node = nullptr;  // node that refers to the resource, or null; do not dereference
-  const StreamFeed* feed = nullptr;  // feed of a stream that grows; do not dereference
+  std::optional<double> ended;          // end, in seconds after the world was requested
+  const vrml::Node* node = nullptr;     // node that refers to the resource, or null; do not dereference
+  const StreamFeed* feed = nullptr;     // feed of a stream that grows; do not dereference
 };
 
 /// Progress of all files and streams of a world. The loader writes it, the interface reads it. If there are too many
@@ -61,7 +69,7 @@ class LoadLedger {
   /// Notes the candidate URL that is tried now.
   void seek(std::uint64_t number, std::string url, std::string kind);
   void receive(std::uint64_t number, std::uint64_t bytes, std::optional<std::uint64_t> total);
-  void count_datagrams(std::uint64_t number, std::uint64_t datagrams, std::uint64_t lost);
+  void count_cells(std::uint64_t number, const CellCounts& counts);
   /// Marks a row as a stream that grows. If `by_view` is true, views choose from now on which parts are read.
   void follow(std::uint64_t number, const StreamFeed* feed, bool by_view);
   void show(std::uint64_t number);

@@ -21,15 +21,15 @@ constexpr int kDirectoryPriority = 1900, kChunkPriority = 1500;  // between Urge
 
 }  // namespace
 
-RangedStream::RangedStream(net::Loader& loader, std::shared_ptr<StreamFeed> feed, Place place)
-    : loader_(loader), feed_(std::move(feed)), place_(std::move(place)) {
-  place_.ledger->follow(place_.row, feed_.get(), true);
+RangedStream::RangedStream(net::Loader& loader, std::shared_ptr<StreamFeed> feed, Place place, Sink sink)
+    : loader_(loader), feed_(std::move(feed)), place_(std::move(place)), sink_(std::move(sink)) {
+  if (!has_fetch()) place_.ledger->follow(place_.row, feed_.get(), true);
   if (place_.total - place_.directory > kMaxDirectory)
     give_up("its directory exceeds the limit");
   else
     directory_request_ = request({{place_.directory, place_.total}}, kDirectoryPriority);
   // Views cannot choose chunks before the directory is here. Meanwhile, read the chunks in the order of the file.
-  if (!over_ && place_.total - place_.directory > kLongDirectory)
+  if (!over_ && !has_fetch() && place_.total - place_.directory > kLongDirectory)
     front_request_ = request({{place_.front, place_.directory}}, kDirectoryPriority);
 }
 
@@ -54,6 +54,7 @@ bool RangedStream::ask_for_more() {
     std::uint64_t bytes = 0;
     for (const qnv::ChunkRange& chunk : wanted_) {
       if (bytes >= most) break;
+      if (chunk.offset + chunk.bytes <= place_.front || chunk.offset + chunk.bytes > place_.directory) continue;
       if (!asked_.insert(chunk.offset).second) continue;
       batch.chunks.push_back(chunk);
       bytes += chunk.bytes;
@@ -65,7 +66,15 @@ bool RangedStream::ask_for_more() {
     open_.emplace(id.value, std::move(batch));
     any = true;
   }
+  end_if_complete();
   return any;
+}
+
+// Ends a stream without cuts, which is complete when all of its chunks are received.
+void RangedStream::end_if_complete() {
+  if (!has_fetch() || !open_.empty()) return;
+  stop();
+  sink_.end(std::nullopt);
 }
 
 bool RangedStream::take(net::LoadEvent& event) {
@@ -93,9 +102,7 @@ bool RangedStream::take(net::LoadEvent& event) {
   } else if (std::holds_alternative<net::LoadDone>(event.what)) {
     failures_ = 0;
     if (of_directory) {
-      directory_request_.reset();
-      stop_front();
-      feed_->set_directory(std::exchange(directory_, {}));
+      take_directory();
     } else {
       open_.erase(batch);
     }
@@ -108,6 +115,13 @@ bool RangedStream::take(net::LoadEvent& event) {
     }
   }
   return true;
+}
+
+void RangedStream::take_directory() {
+  directory_request_.reset();
+  stop_front();
+  has_directory_ = feed_->set_directory(std::exchange(directory_, {}));
+  if (!has_directory_) give_up("its directory is invalid");
 }
 
 // Takes the chunks out of received data. A range begins at a chunk, and a gap consists of complete chunks.
@@ -123,11 +137,21 @@ void RangedStream::take_data(Batch& batch, const net::LoadData& data) {
   for (auto head = qnv::chunk_head(rest); head && head->bytes <= rest.size(); head = qnv::chunk_head(rest)) {
     const std::size_t size = head->bytes;
     asked_.insert(at);
-    feed_->add(at, {rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(size)});
+    take_chunk(at, rest.first(size));
     at += size;
     rest = rest.subspan(size);
   }
   if (!rest.empty()) batch.runs[at + rest.size()] = {rest.begin(), rest.end()};
+}
+
+// Passes a chunk on. The gaps of two requests may contain the same chunk.
+void RangedStream::take_chunk(std::uint64_t offset, std::span<const std::byte> chunk) {
+  if (!taken_.insert(offset).second) return;
+  std::vector<std::byte> bytes(chunk.begin(), chunk.end());
+  if (has_fetch())
+    sink_.chunk(std::move(bytes));
+  else
+    feed_->add(offset, std::move(bytes));
 }
 
 void RangedStream::stop_front() {
@@ -137,11 +161,13 @@ void RangedStream::stop_front() {
 
 void RangedStream::give_up(const std::string& why) {
   stop();
+  if (has_fetch()) return has_directory_ ? sink_.end(why) : sink_.read_on();
   place_.ledger->end(place_.row, LoadStage::failed, why);
   feed_->fail("finer vectors of " + place_.url + " cannot be read: " + why);
 }
 
 void RangedStream::cancel() {
+  if (over_) return;
   stop();
   place_.ledger->end(place_.row, LoadStage::cancelled);
 }

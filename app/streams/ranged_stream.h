@@ -6,17 +6,20 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <unordered_set>
 #include <vector>
 
 namespace gs::app {
 
-/// Reader of a long packed stream from an HTTP server, with Range requests. First it reads the directory. If that is
-/// long, it also reads the bytes after `front` meanwhile. Then it reads the chunks that views want. Reader thread only.
+/// Reader of a long stream from an HTTP server, with Range requests. First it reads the directory. If that is long and
+/// the feed takes bytes, it also reads the bytes after `front` meanwhile. Then it reads the chunks that views want, in
+/// the order of StreamFeed::take_wanted. Reader thread only.
 class RangedStream {
  public:
   struct Place {
@@ -29,14 +32,22 @@ class RangedStream {
     std::shared_ptr<LoadLedger> ledger;  // ledger for the progress of `row`; never null
     std::uint64_t row = 0;
   };
-  RangedStream(net::Loader& loader, std::shared_ptr<StreamFeed> feed, Place place);
+  /// Receiver of the chunks if the feed takes no bytes. The stream then ends after its last chunk.
+  struct Sink {
+    std::function<void(std::vector<std::byte>)> chunk;
+    std::function<void(const std::optional<std::string>& problem)> end;
+    std::function<void()> read_on;  // the directory is unusable; the bytes after `front` must be read in order
+  };
+  RangedStream(net::Loader& loader, std::shared_ptr<StreamFeed> feed, Place place, Sink sink = {});
 
   /// Requests chunks that views want now. Returns true if it made a request.
   bool ask_for_more();
   /// Handles an event of the loader. Returns false if the event belongs to another stream.
   bool take(net::LoadEvent& event);
   [[nodiscard]] std::uint64_t row() const { return place_.row; }
-  /// Cancels all requests and ends the stream.
+  /// Returns true if a fetch receives the chunks, not the feed.
+  [[nodiscard]] bool has_fetch() const { return !feed_->takes_bytes(); }
+  /// Cancels all requests and ends the stream. Does not call the sink.
   void cancel();
   /// Returns true if the stream is complete, failed or cancelled.
   [[nodiscard]] bool over() const { return over_; }
@@ -48,7 +59,10 @@ class RangedStream {
     std::vector<qnv::ChunkRange> chunks;
   };
   net::RequestId request(std::vector<net::ByteRange> ranges, int priority);
+  void take_directory();
   void take_data(Batch& batch, const net::LoadData& data);
+  void take_chunk(std::uint64_t offset, std::span<const std::byte> chunk);
+  void end_if_complete();
   void stop_front();
   void give_up(const std::string& why);
   void stop();
@@ -56,13 +70,15 @@ class RangedStream {
   net::Loader& loader_;
   std::shared_ptr<StreamFeed> feed_;
   Place place_;
+  Sink sink_;
   std::optional<net::RequestId> directory_request_, front_request_;
   std::vector<std::byte> directory_;
   std::vector<qnv::ChunkRange> wanted_;
   std::unordered_set<std::uint64_t> asked_;  // offsets of all requested chunks
+  std::unordered_set<std::uint64_t> taken_;  // offsets of all received chunks
   std::map<std::uint64_t, Batch> open_;  // open requests, by request number
   unsigned failures_ = 0;  // number of consecutive failed requests
-  bool over_ = false;
+  bool has_directory_ = false, over_ = false;
 };
 
 }  // namespace gs::app

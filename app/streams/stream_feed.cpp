@@ -5,16 +5,27 @@
 namespace gs::app {
 
 StreamFeed::StreamFeed(std::shared_ptr<qnv::LodStream> stream, std::function<void()> wake)
-    : stream_(std::move(stream)), wake_(std::move(wake)) {}
+    : requests_(stream), stream_(std::move(stream)), wake_(std::move(wake)) {}
+
+StreamFeed::StreamFeed(std::shared_ptr<qnv::ChunkRequests> requests, std::function<void()> wake)
+    : requests_(std::move(requests)), wake_(std::move(wake)) {}
 
 void StreamFeed::push(std::span<const std::byte> bytes) {
   const std::lock_guard lock(mutex_);
   front_.insert(front_.end(), bytes.begin(), bytes.end());
 }
 
-void StreamFeed::set_directory(std::vector<std::byte> chunks) {
+bool StreamFeed::set_directory(std::vector<std::byte> chunks) {
+  if (!stream_ && !requests_->set_directory(chunks)) return false;
   const std::lock_guard lock(mutex_);
-  directory_ = std::move(chunks);
+  if (stream_) {
+    directory_ = std::move(chunks);
+  } else {
+    // Nothing may be drawn yet, so do not wait for a view.
+    wanted_ = requests_->wanted();
+    wanted_is_new_ = true;
+  }
+  return true;
 }
 
 void StreamFeed::add(std::uint64_t offset, std::vector<std::byte> chunk) {
@@ -60,6 +71,7 @@ bool StreamFeed::take_views(std::vector<qnv::LodView>& views) {
 }
 
 bool StreamFeed::apply() {
+  if (!stream_) return false;
   std::vector<std::byte> front, directory;
   std::vector<Chunk> chunks;
   bool finished = false;
@@ -80,11 +92,14 @@ bool StreamFeed::apply() {
 }
 
 void StreamFeed::ask() {
-  std::vector<qnv::ChunkRange> wanted = stream_->wanted_by_all();
-  std::vector<qnv::LodView> views = stream_->views();
-  if (wanted == asked_ && views == told_) return;
+  std::vector<qnv::LodView> views = requests_->views();
+  // The order of a stream that the reader thread decodes depends only on the views.
+  if (!stream_ && (over_ || views == told_)) return;
+  std::vector<qnv::ChunkRange> wanted;
   {
     const std::lock_guard lock(mutex_);
+    wanted = requests_->wanted();
+    if (wanted == asked_ && views == told_) return;
     wanted_is_new_ = wanted_is_new_ || wanted != asked_;
     views_are_new_ = views_are_new_ || views != told_;
     wanted_ = wanted;

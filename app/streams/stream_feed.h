@@ -14,18 +14,29 @@
 
 namespace gs::app {
 
-/// Hand-over between reader thread and drawing thread for one stream. Passes received bytes to the drawing thread, and
-/// wanted chunks to the reader thread. Only the drawing thread uses the stream itself.
+/// Hand-over between reader thread and drawing thread for one stream. Passes wanted chunks and views to the reader
+/// thread. If the drawing thread decodes the stream, also passes received bytes to that thread.
 class StreamFeed {
  public:
-  /// Creates a feed. The drawing thread calls `wake` when it wants other chunks.
+  /// Creates a feed for a stream that the drawing thread decodes. That thread calls `wake` when it wants other chunks.
   StreamFeed(std::shared_ptr<qnv::LodStream> stream, std::function<void()> wake);
+  /// Creates a feed for a stream that the reader thread decodes. `requests` must be safe for any thread.
+  StreamFeed(std::shared_ptr<qnv::ChunkRequests> requests, std::function<void()> wake);
+
+  // Functions for any thread.
+  // Returns true if the drawing thread decodes the stream, and the feed passes the bytes.
+  [[nodiscard]] bool takes_bytes() const { return stream_ != nullptr; }
+  /// Returns the bounds of the stream, in the coordinates of the views.
+  [[nodiscard]] const Box& box() const { return requests_->box(); }
+  /// Returns the offset of the stream's directory. 0 means unknown.
+  [[nodiscard]] std::uint64_t directory() const { return requests_->directory(); }
+  [[nodiscard]] const std::shared_ptr<qnv::ChunkRequests>& requests() const { return requests_; }
 
   // Functions for the reader thread.
   // Adds the next bytes of a stream that is read from front to back.
   void push(std::span<const std::byte> bytes);
-  /// Adds all directory chunks of the stream.
-  void set_directory(std::vector<std::byte> chunks);
+  /// Adds all directory chunks of the stream. Returns false if the chunks are known to be invalid.
+  bool set_directory(std::vector<std::byte> chunks);
   /// Adds a complete chunk. `offset` is its position in the stream.
   void add(std::uint64_t offset, std::vector<std::byte> chunk);
   /// Adds a complete chunk with an unknown offset. `number` identifies the chunk.
@@ -52,12 +63,13 @@ class StreamFeed {
   /// Requests the chunks that the last cuts lacked. Call after each picture.
   void ask();
   /// Drops the wanted chunks of a viewport, because it no longer shows the stream.
-  void forget(std::uint32_t viewport) { stream_->forget(viewport); }
+  void forget(std::uint32_t viewport) { requests_->forget(viewport); }
   /// Sets the bandwidth of this stream relative to that of the most important stream: above 0, at most 1.
   void set_weight(double weight) { weight_ = weight; }
   /// Returns true if views lack chunks that may still be received.
   [[nodiscard]] bool reading() const { return !asked_.empty() && !over_; }
 
+  /// Returns the stream if the drawing thread decodes it, else null.
   [[nodiscard]] const qnv::LodStream* stream() const { return stream_.get(); }
 
  private:
@@ -65,7 +77,8 @@ class StreamFeed {
     std::uint64_t offset = 0;
     std::vector<std::byte> bytes;
   };
-  std::shared_ptr<qnv::LodStream> stream_;
+  std::shared_ptr<qnv::ChunkRequests> requests_;
+  std::shared_ptr<qnv::LodStream> stream_;  // same object as requests_, or null
   std::function<void()> wake_;
   std::vector<qnv::ChunkRange> asked_;  // drawing thread only
   std::vector<qnv::LodView> told_;      // drawing thread only

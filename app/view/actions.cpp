@@ -26,6 +26,7 @@ constexpr ActionRow kActions[] = {
     {Action::faster, Key::plus, false, false, true, "", "Move faster", Menu::navigate},
     {Action::slower, Key::minus, false, false, true, "", "Move slower", Menu::navigate},
     {Action::open_file, 'O'_key, true, false, false, "Open", "Open a file", Menu::file},
+    {Action::save_as, 'S'_key, true, false, true, "Save as", "Save as: write the world to a file", Menu::file},
     {Action::next_file, Key::tab, true, false, false, "", "Next file", Menu::file},
     {Action::previous_file, Key::tab, true, true, false, "", "Previous file", Menu::file},
     {Action::reload, Key::f5, false, false, false, "", "Reload", Menu::file},
@@ -46,16 +47,17 @@ constexpr ActionRow kActions[] = {
     {Action::help, Key::f1, false, false, false, "?", "Keys and mouse", Menu::help},
     {Action::statistics, Key::f2, false, false, false, "", "Statistics", Menu::view},
     {Action::log, Key::f3, false, false, false, "Log", "Log: errors and warnings", Menu::view},
-    {Action::clouds, Key::f4, false, false, false, "Transfer", "Transfer function and clipping", Menu::view},
+    {Action::transfer, Key::f4, false, false, false, "Transfer", "Transfer function and clipping", Menu::view},
     {Action::scene_tree, 'T'_key, true, true, false, "Tree", "Scene tree: nodes of the world", Menu::view},
     {Action::inspector, 'I'_key, true, true, false, "Inspector", "Inspector: fields of a node", Menu::view},
     {Action::routes, 'R'_key, true, true, false, "Routes", "Routes and their events", Menu::view},
     {Action::script_console, 'J'_key, true, true, false, "Console", "Script console", Menu::view},
     {Action::streams, 'E'_key, true, true, false, "Streams", "Streams: loading progress", Menu::view},
-    {Action::pick, 'C'_key, true, true, false, "Pick", "Pick a node (Alt+click)", Menu::view},
+    {Action::pick, 'N'_key, true, true, false, "Pick", "Pick a node (Alt+click)", Menu::view},
     {Action::measure, 'V'_key, false, false, true, "Measure", "Measure: values and slices", Menu::view},
     {Action::ruler, 'R'_key, false, false, true, "Ruler", "Ruler: lengths, angles, areas", Menu::view},
     {Action::take_picture, Key::f12, false, false, false, "", "Save picture", Menu::file},
+    {Action::copy_picture, 'C'_key, true, false, true, "", "Copy picture", Menu::file},
     {Action::pictures, Key::unknown, false, false, false, "Pictures", "Pictures and movies", Menu::file},
     {Action::tour_view, 'T'_key, false, false, true, "", "Add view to tour", Menu::file},
     {Action::mute, 'M'_key, false, false, true, "Sound", "Sound on", Menu::view, false, kSounds},
@@ -80,8 +82,8 @@ constexpr ActionRow kActions[] = {
     {Action::side_bottom, '6'_key, false, true, true, "", "View from below", Menu::navigate, false, kSides},
     {Action::straighten, 'U'_key, false, false, true, "", "Straighten: make up vertical", Menu::navigate},
     {Action::seek, 'K'_key, false, false, true, "", "Seek: move halfway to a point", Menu::navigate},
-    {Action::undo_move, 'Z'_key, true, false, true, "", "Undo movement", Menu::navigate},
-    {Action::redo_move, 'Z'_key, true, true, true, "", "Redo movement", Menu::navigate},
+    {Action::undo, 'Z'_key, true, false, true, "", "Undo movement or edit", Menu::navigate},
+    {Action::redo, 'Z'_key, true, true, true, "", "Redo movement or edit", Menu::navigate, false, {}, 'Y'_key},
     {Action::orthographic, 'O'_key, false, false, true, "", "Parallel projection", Menu::view},
     {Action::display_surface, Key::unknown, false, false, true, "", "Faces: filled", Menu::view, false, kDisplays},
     {Action::display_edges, Key::unknown, false, false, true, "", "Faces: filled, with edges", Menu::view, false,
@@ -92,7 +94,7 @@ constexpr ActionRow kActions[] = {
     {Action::grid, 'N'_key, false, false, true, "", "Grid on the ground", Menu::view},
     {Action::backdrop, Key::unknown, false, false, false, "", "Gradient background", Menu::view},
     {Action::axes, Key::unknown, false, false, false, "", "Coordinate axes", Menu::view},
-    {Action::copy_camera, 'C'_key, true, false, true, "", "Copy camera", Menu::navigate},
+    {Action::copy_camera, 'C'_key, true, true, true, "", "Copy camera", Menu::navigate},
     {Action::copy_viewpoint, Key::unknown, false, false, true, "", "Copy camera as Viewpoint node", Menu::navigate},
     {Action::paste_camera, 'V'_key, true, false, true, "", "Paste camera", Menu::navigate},
     {Action::up_auto, Key::unknown, false, false, true, "", "Up: automatic", Menu::view, false, kUps},
@@ -155,6 +157,7 @@ const ActionRow& row_of(Action action) {
 const ActionRow* action_of(const WindowEvent& event) {
   const ActionRow* without_shift = nullptr;
   for (const ActionRow& row : kActions) {
+    if (row.control_key != Key::unknown && row.control_key == event.key && event.control && !event.alt) return &row;
     if (row.key == Key::unknown || row.key != event.key || row.control != event.control || row.alt != event.alt)
       continue;
     if (row.shift == event.shift) return &row;
@@ -184,6 +187,13 @@ std::string keys_of(const ActionRow& row) {
   for (const KeyName& name : kKeyNames)
     if (name.key == row.key) return text.append(name.name);
   return text += static_cast<char>(row.key);
+}
+
+std::string all_keys_of(const ActionRow& row) {
+  std::string text = keys_of(row);
+  if (row.control_key == Key::unknown) return text;
+  const ActionRow other{row.action, row.control_key, true, false, row.of_world, row.label, row.help};
+  return text.append(text.empty() ? "" : ", ").append(keys_of(other));
 }
 
 std::string tooltip_of(Action action) {

@@ -25,6 +25,7 @@ enum class Action : std::uint8_t {
   faster,
   slower,
   open_file,
+  save_as,
   next_file,
   previous_file,
   reload,
@@ -45,7 +46,7 @@ enum class Action : std::uint8_t {
   help,
   statistics,
   log,
-  clouds,
+  transfer,
   scene_tree,
   inspector,
   routes,
@@ -55,6 +56,7 @@ enum class Action : std::uint8_t {
   measure,
   ruler,
   take_picture,
+  copy_picture,
   pictures,
   tour_view,
   mute,
@@ -79,8 +81,8 @@ enum class Action : std::uint8_t {
   side_bottom,
   straighten,
   seek,
-  undo_move,
-  redo_move,
+  undo,
+  redo,
   orthographic,
   display_surface,
   display_edges,
@@ -121,12 +123,13 @@ struct ActionRow {
   Action action;
   Key key;  // Key::unknown if the action has no key
   bool control = false, shift = false;
-  bool of_world = false;  // acts on the active viewport; a focused text field or panel gets the key first
+  bool of_world = false;   // acts on the active viewport; a focused text field or panel gets the key first
   std::string_view label;  // text on the button
-  std::string_view help;  // one-line description; also the text of the menu item
+  std::string_view help;   // one-line description; also the text of the menu item
   Menu menu = Menu::view;
-  bool alt = false;  // the shortcut includes Alt
-  std::string_view group = {};  // name of the submenu; empty means none. The rows of a submenu must be adjacent
+  bool alt = false;                // the shortcut includes Alt
+  std::string_view group = {};     // name of the submenu; empty means none. The rows of a submenu must be adjacent
+  Key control_key = Key::unknown;  // this key with Control runs the action, too; Key::unknown if there is none
 };
 [[nodiscard]] std::span<const ActionRow> actions();
 [[nodiscard]] const ActionRow& row_of(Action action);
@@ -137,6 +140,8 @@ struct ActionRow {
 [[nodiscard]] std::optional<Key> find_key(std::string_view name);
 /// Returns the shortcut of a row as text, such as "Ctrl+O" or "Page Down".
 [[nodiscard]] std::string keys_of(const ActionRow& row);
+/// Returns all shortcuts of a row, such as "Ctrl+Shift+Z, Ctrl+Y".
+[[nodiscard]] std::string all_keys_of(const ActionRow& row);
 /// Returns the tooltip of an action with its shortcut, such as "Open a file (Ctrl+O)".
 [[nodiscard]] std::string tooltip_of(Action action);
 

@@ -14,15 +14,9 @@ constexpr float kDoubleClickRange = 6;  // max pixels between two presses
 constexpr float kPixelsANotch = 20;  // pixels of a zoom drag that equal one wheel notch
 
 DragButton drag_button(MouseButton button) {
-  switch (button) {
-    case MouseButton::left:
-      return DragButton::left;
-    case MouseButton::right:
-      return DragButton::right;
-    case MouseButton::middle:
-      break;
-  }
-  return DragButton::middle;
+  return button == MouseButton::left    ? DragButton::left
+         : button == MouseButton::right ? DragButton::right
+                                        : DragButton::middle;
 }
 
 }  // namespace

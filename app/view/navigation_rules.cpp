@@ -78,7 +78,7 @@ Drag drag_of(NavigationMode mode, DragButton button, bool modified) {
     case NavigationMode::examine:
     case NavigationMode::look_at:
       if (left) return modified ? Drag::pan : Drag::rotate;
-      return right ? Drag::pan : Drag::zoom;
+      return modified ? Drag::zoom : Drag::pan;
     case NavigationMode::pan:
       if (left) return modified ? Drag::zoom : Drag::pan;
       return right ? Drag::pan : Drag::zoom;

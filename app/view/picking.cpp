@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <unordered_map>
+#include <utility>
 
 namespace gs::app {
 namespace {
@@ -70,10 +71,10 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const render::Si
     const auto volume = qnv::shared_as<qnv::Volume>(item.geometry);
     if (!volume || volume->empty()) continue;
     render::VolumeOptions look;
-    look.opacity = options.clouds.opacity * (1 - item.material.transparency);
-    look.least_magnitude = options.clouds.least_magnitude;
-    if (options.clouds.clip) look.clip = glm::vec4(*options.clouds.clip * item.world_from_node);
-    const render::VolumeTransfer transfer = render::volume_transfer(volume->description, options.clouds.transfer);
+    look.opacity = options.splat_style.opacity * (1 - item.material.transparency);
+    look.least_magnitude = options.splat_style.least_magnitude;
+    if (options.splat_style.clip) look.clip = glm::vec4(*options.splat_style.clip * item.world_from_node);
+    const render::VolumeTransfer transfer = render::volume_transfer(volume->description, options.splat_style.transfer);
     look.transfer = &transfer;
     const auto veil = render::pick_volume(*volume, model_of(volume), look, item.world_from_node, looking);
     if (!veil) continue;
@@ -124,14 +125,35 @@ std::vector<SensorGeometry> sensor_geometry(vrml::Execution& world, const render
   return result;
 }
 
+const std::vector<SensorGeometry>& SensorGeometries::of(vrml::Execution& world, const render::RenderList& list) {
+  const bool same = list.generation != 0 && list.generation == generation_ && world_ == &world &&
+                    world.pointing().revision() == revision_;
+  if (same) return known_;
+  known_ = sensor_geometry(world, list);
+  world_ = &world;
+  generation_ = list.generation;
+  revision_ = world.pointing().revision();
+  return known_;
+}
+
 render::RenderList only(const render::RenderList& list, const std::vector<std::size_t>& items) {
   render::RenderList result;
-  result.places = list.places;
-  result.world_from_frame = list.world_from_frame;
   result.scenes = list.scenes;
+  std::unordered_map<std::uint32_t, std::uint32_t> places;  // new index of a place by its old index
   for (const std::size_t i : items) {
     result.items.push_back(list.items[i]);
     result.overlays = result.overlays || list.items[i].overlay;
+    std::uint32_t* from = &result.items.back().place;
+    for (std::uint32_t at = *from; at < list.places.size();) {
+      const auto [place, fresh] = places.try_emplace(at, static_cast<std::uint32_t>(result.places.size()));
+      *from = place->second;
+      if (!fresh) break;
+      result.places.push_back(list.places[at]);
+      render::Place& made = result.places.back();
+      result.world_from_frame.push_back(list.world_from_frame[std::exchange(made.frame, place->second)]);
+      at = made.parent;
+      from = &made.parent;
+    }
   }
   return result;
 }

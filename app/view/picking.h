@@ -2,8 +2,8 @@
 
 #include "app/view/navigation.h"
 #include "render/rays/item_bvh.h"
-#include "render/scene/cloud_look.h"
 #include "render/scene/render_list.h"
+#include "render/scene/splat_style.h"
 #include "render/volume/volume_model.h"
 #include "vrml/events/execution.h"
 
@@ -30,7 +30,7 @@ struct Hit {
 
 struct PickOptions {
   float pixel = 0.001f;                              // width of a pixel at distance 1
-  render::SplatStyle clouds;  // style with which the splats are drawn
+  render::SplatStyle splat_style;                    // style with which the splats are drawn
   std::size_t max_triangles = std::size_t{1} << 24;  // max triangles in the cache
 };
 
@@ -70,7 +70,19 @@ struct SensorGeometry {
 /// Returns the enabled sensors and Anchors with draw items in `list`, in the order of their first items. Ignores
 /// splats.
 [[nodiscard]] std::vector<SensorGeometry> sensor_geometry(vrml::Execution& world, const render::RenderList& list);
-/// Returns a copy of `list` that contains only these items.
+/// Sensor geometry of the last list that was asked for. Computes the geometry again only after changes of the list's
+/// structure or of the sensors.
+class SensorGeometries {
+ public:
+  /// Returns sensor_geometry(). Valid until the next call.
+  [[nodiscard]] const std::vector<SensorGeometry>& of(vrml::Execution& world, const render::RenderList& list);
+
+ private:
+  std::vector<SensorGeometry> known_;
+  const vrml::Execution* world_ = nullptr;
+  std::uint64_t generation_ = 0, revision_ = 0;  // of the list and of the world's Pointing
+};
+/// Returns a list of these items of `list`, with the places above them.
 [[nodiscard]] render::RenderList only(const render::RenderList& list, const std::vector<std::size_t>& items);
 /// Returns a line from `eye` that hits a triangle of the list, if possible in the middle of an item. Returns nullopt if
 /// the list has only lines, points, and triangles that are edge-on to `eye`.

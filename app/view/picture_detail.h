@@ -1,28 +1,44 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+
 namespace gs::app {
 
-/// Reduction of a viewport's resolution during movement, so that slow machines also complete their pictures in time.
+/// Quality of a picture of a viewport.
+struct PictureQuality {
+  bool one_sample;   // no anti-aliasing
+  float coarseness;  // divisor of the resolution along each axis
+  friend bool operator==(const PictureQuality&, const PictureQuality&) = default;
+};
+
+/// Choice of the quality of a viewport's pictures while they change, so that slow machines draw them fluently. Pictures
+/// at rest have full quality. Omits anti-aliasing first, then reduces the resolution in small
+/// steps, by more than a half only if input cancels pictures. All times are in seconds.
 class PictureDetail {
  public:
-  static constexpr int kMax = 8;
+  static constexpr double kGoal = 1.0 / 15;  // max time of a picture that changes
+  static constexpr std::array<PictureQuality, 8> kQualities{
+      {{false, 1}, {true, 1}, {true, 1.25f}, {true, 1.6f}, {true, 2}, {true, 2.8f}, {true, 4}, {true, 8}}};
 
-  /// Returns the divisor of the resolution along each axis for the next picture. `changing` means that the next picture
+  /// Returns the level of quality of the next picture: an index into kQualities. `changing` means that the next picture
   /// differs from the last one.
-  [[nodiscard]] int coarseness(bool changing) const { return changing ? coarseness_ : 1; }
-  /// Records that a picture with this coarseness took `seconds`, or was cancelled because of user input.
-  void note(int coarseness, bool given_up, double seconds) {
-    if (given_up)
-      coarseness_ = coarseness < coarseness_ ? coarseness_ : coarseness * 2 > kMax ? kMax : coarseness * 2;
-    else if (coarseness == coarseness_ && coarseness > 1 && seconds * kCostOfHalf < kSoon)
-      coarseness_ /= 2;
-  }
+  [[nodiscard]] std::size_t level(bool changing) const { return changing ? level_ : 0; }
+  /// Records that a picture at `level` took `seconds`, or was cancelled because of user input.
+  void note(std::size_t level, bool given_up, double seconds);
 
  private:
-  static constexpr double kCostOfHalf = 4;  // max increase of the drawing time when the coarseness is halved
-  static constexpr double kSoon = 0.2;  // seconds; the coarseness is only halved if pictures then take less
+  void choose(std::size_t level);
+  void learn();
 
-  int coarseness_ = 1;
+  std::size_t level_ = 0;
+  int pictures_ = 0;        // pictures at the current level
+  double mean_ = 0;         // mean time of these pictures; recent pictures count more
+  std::size_t former_ = 0;  // level before the last change; equal to level_ if the change is already measured
+  double former_mean_ = 0;
+  int resting_ = 0;  // pictures until a coarser level may be chosen again, because the last one saved no time
+  /// measured ratio of the times of the next finer level and of this level; 0 if unknown
+  std::array<double, kQualities.size()> growth_{};
 };
 
 /// Time limit for pictures while a world loads, so that its progress stays visible. A picture that exceeds the limit is

@@ -22,20 +22,25 @@ void PoseHistory::moved(const Pose& from, const Pose& to, double now) {
   }
   if (!begins) return;
   if (behind_.size() >= kMaxPlaces) behind_.erase(behind_.begin());
-  behind_.push_back(from);
+  behind_.push_back({from, now});
   ahead_.clear();
 }
 
 std::optional<Pose> PoseHistory::go(int direction, const Pose& from) {
-  std::vector<Pose>&places = direction < 0 ? behind_ : ahead_, &others = direction < 0 ? ahead_ : behind_;
+  std::vector<Entry>&places = direction < 0 ? behind_ : ahead_, &others = direction < 0 ? ahead_ : behind_;
   if (places.empty()) return std::nullopt;
   // During a transition of go(), store its goal instead of the present pose.
-  others.push_back(taken_ && goal_ ? *goal_ : from);
-  goal_ = places.back();
+  others.push_back({taken_ && goal_ ? *goal_ : from, places.back().time});
+  goal_ = places.back().pose;
   places.pop_back();
   taken_ = !same_place(from, *goal_);
   last_ = -1e9;
   return goal_;
+}
+
+std::optional<double> PoseHistory::time_of(int direction) const {
+  const std::vector<Entry>& places = direction < 0 ? behind_ : ahead_;
+  return places.empty() ? std::nullopt : std::optional(places.back().time);
 }
 
 }  // namespace gs::app

@@ -12,7 +12,7 @@ namespace gs::app {
 class PoseHistory {
  public:
   static constexpr std::size_t kMaxPlaces = 100;  // max entries; beyond it, the oldest are dropped
-  static constexpr double kRest = 0.5;  // seconds without movement that count as a rest
+  static constexpr double kRest = 0.5;            // seconds without movement that count as a rest
 
   /// Records a movement from one pose to another at `now`, in seconds.
   void moved(const Pose& from, const Pose& to, double now);
@@ -21,12 +21,18 @@ class PoseHistory {
   /// reports that pose.
   [[nodiscard]] std::optional<Pose> go(int direction, const Pose& from);
   [[nodiscard]] bool can_go(int direction) const { return !(direction < 0 ? behind_ : ahead_).empty(); }
+  /// Returns the time at which the movement began that go() would undo (-1) or redo (1); nullopt if there is none.
+  [[nodiscard]] std::optional<double> time_of(int direction) const;
   /// Ends a transition of go(), so that the next movement counts as one of the user.
   void interrupt() { taken_ = false; }
 
  private:
-  std::vector<Pose> behind_, ahead_;  // for undo and for redo; the next pose is the last one
-  std::optional<Pose> goal_;  // goal of the last transition of go()
+  struct Entry {
+    Pose pose;
+    double time = 0;  // begin of the movement
+  };
+  std::vector<Entry> behind_, ahead_;  // for undo and for redo; the next entry is the last one
+  std::optional<Pose> goal_;           // goal of the last transition of go()
   bool taken_ = false;
   double last_ = -1e9;  // time of the last movement, in seconds
 };

@@ -15,8 +15,9 @@ namespace gs::app {
 /// height to the eye height. All sizes are > 0.
 struct Avatar {
   double radius = 0.25, height = 1.6, step = 0.75;  // `height` is the height of the eye above the ground
-  glm::dvec3 up{0, 1, 0};  // up direction, unit length
+  glm::dvec3 up{0, 1, 0};                           // up direction, unit length
   bool gravity = true;                              // true in WALK, false in FLY
+  bool solid = true;                                // obstacles stop the viewer; false also turns gravity off
 };
 
 /// Obstacles around the viewer, as search functions.
@@ -30,10 +31,10 @@ struct Obstacles {
 
 /// State of the viewer's body between movements.
 struct Walk {
-  glm::dvec3 eye{0};  // position of the eye without `lag`
-  double falling = 0;  // world units/s; speed of falling
-  bool on_ground = false;  // the body stands on a surface
-  double lag = 0;  // world units; height that the view must still rise (negative: sink) after a step
+  glm::dvec3 eye{0};                // position of the eye without `lag`
+  double falling = 0;               // world units/s; speed of falling
+  bool on_ground = false;           // the body stands on a surface
+  double lag = 0;                   // world units; height that the view must still rise (negative: sink) after a step
   std::optional<std::size_t> item;  // index of the item that the body touched last
 
   /// Reports whether the body will move without further input.

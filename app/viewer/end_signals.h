@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/noncopyable.h"
+
 #include <semaphore.h>
 
 #include <csignal>
@@ -9,12 +11,10 @@
 namespace gs::app {
 
 /// Semaphore that wakes a waiting thread. Other threads and signal handlers may call ring().
-class Doorbell {
+class Doorbell : NonCopyable {
  public:
   Doorbell() { (void)sem_init(&semaphore_, 0, 0); }
   ~Doorbell() { (void)sem_destroy(&semaphore_); }
-  Doorbell(const Doorbell&) = delete;
-  Doorbell& operator=(const Doorbell&) = delete;
 
   void ring() { (void)sem_post(&semaphore_); }
   void wait(double seconds);
@@ -26,12 +26,10 @@ class Doorbell {
 
 /// Handler of SIGINT and SIGTERM, as long as the object exists. The first signal rings `bell`; the second one ends the
 /// program. Only one object may exist at a time.
-class EndOnSignals {
+class EndOnSignals : NonCopyable {
  public:
   explicit EndOnSignals(Doorbell& bell);
   ~EndOnSignals();
-  EndOnSignals(const EndOnSignals&) = delete;
-  EndOnSignals& operator=(const EndOnSignals&) = delete;
 
   /// Returns true if a signal was received.
   [[nodiscard]] static bool told();
@@ -42,12 +40,10 @@ class EndOnSignals {
 
 /// Handler like EndOnSignals, for a main thread that cannot wait for a Doorbell. Calls `wake` on another thread after a
 /// signal.
-class EndWatch {
+class EndWatch : NonCopyable {
  public:
   explicit EndWatch(std::function<void()> wake);
   ~EndWatch();
-  EndWatch(const EndWatch&) = delete;
-  EndWatch& operator=(const EndWatch&) = delete;
 
  private:
   Doorbell bell_;
@@ -59,12 +55,10 @@ class EndWatch {
 /// `is_asked_to_close` returns true. Then it ends the process with a line on standard error. It calls
 /// `is_asked_to_close` on another thread. The session file remains, so that the next start can restore the session.
 /// Only one object may exist at a time.
-class EndOverdueScripts {
+class EndOverdueScripts : NonCopyable {
  public:
   explicit EndOverdueScripts(std::function<bool()> is_asked_to_close);
   ~EndOverdueScripts();
-  EndOverdueScripts(const EndOverdueScripts&) = delete;
-  EndOverdueScripts& operator=(const EndOverdueScripts&) = delete;
 };
 
 }  // namespace gs::app

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <iterator>
 #include <mutex>
 #include <thread>
@@ -44,19 +45,26 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 std::span<const DialogProgram> dialog_programs() {
   static const std::vector<DialogProgram> kPrograms = {
-      {"zenity", {"--file-selection", "--multiple", "--separator=\n", "--title=Open", "--filename={folder}/"}},
-      {"kdialog", {"--title", "Open", "--multiple", "--separate-output", "--getopenfilename", "{folder}"}},
-      {"qarma", {"--file-selection", "--multiple", "--separator=\n", "--title=Open", "--filename={folder}/"}},
+      {"zenity",
+       {"--file-selection", "--multiple", "--separator=\n", "--title=Open", "--filename={folder}/"},
+       {"--file-selection", "--save", "--confirm-overwrite", "--title=Save as", "--filename={file}"}},
+      {"kdialog",
+       {"--title", "Open", "--multiple", "--separate-output", "--getopenfilename", "{folder}"},
+       {"--title", "Save as", "--getsavefilename", "{file}"}},
+      {"qarma",
+       {"--file-selection", "--multiple", "--separator=\n", "--title=Open", "--filename={folder}/"},
+       {"--file-selection", "--save", "--confirm-overwrite", "--title=Save as", "--filename={file}"}},
   };
   return kPrograms;
 }
 
 struct FileDialog::Running {
   pid_t child = 0;
+  bool saves = false;
   net::Descriptor output;
   std::mutex mutex;
   std::optional<Answer> answer;  // guarded by the mutex
-  std::thread reader;  // last member: its thread uses the others
+  std::thread reader;            // last member: its thread uses the others
 };
 
 FileDialog::FileDialog(std::function<void()> wake, std::span<const DialogProgram> programs)
@@ -71,12 +79,17 @@ FileDialog::~FileDialog() {
   running_->reader.join();
 }
 
-bool FileDialog::show(const std::string& folder) {
+bool FileDialog::show(const std::string& folder) { return start(false, kFolderArgument, folder); }
+
+bool FileDialog::show_saving(const std::string& path) { return start(true, kFileArgument, path); }
+
+bool FileDialog::start(bool saves, const char* placeholder, const std::string& place) {
   if (running_) return true;
   if (!has_desktop()) return false;
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0) return false;
   auto running = std::make_unique<Running>();
+  running->saves = saves;
   running->output = net::Descriptor(ends[0]);
   const net::Descriptor input(ends[1]);
   posix_spawn_file_actions_t actions;
@@ -86,10 +99,11 @@ bool FileDialog::show(const std::string& folder) {
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
   bool started = false;
   for (const DialogProgram& program : programs_) {
-    std::vector<std::string> arguments = program.arguments;
+    std::vector<std::string> arguments = saves ? program.save_arguments : program.arguments;
+    if (arguments.empty()) continue;
     for (std::string& argument : arguments)
-      if (const std::size_t at = argument.find(kFolderArgument); at != std::string::npos)
-        argument.replace(at, std::size(kFolderArgument) - 1, folder);
+      if (const std::size_t at = argument.find(placeholder); at != std::string::npos)
+        argument.replace(at, std::strlen(placeholder), place);
     std::vector<char*> words{const_cast<char*>(program.name.c_str())};
     for (std::string& argument : arguments) words.push_back(argument.data());
     words.push_back(nullptr);
@@ -113,6 +127,7 @@ bool FileDialog::show(const std::string& folder) {
     while (::waitid(P_PID, static_cast<id_t>(run->child), &about, WEXITED | WNOWAIT) != 0 && errno == EINTR) {
     }
     Answer answer;
+    answer.saves = run->saves;
     {
       // Reap the child under the mutex: a reaped process ID may be reused, and the destructor must not kill it then.
       const std::lock_guard lock(run->mutex);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/noncopyable.h"
+
 #include <functional>
 #include <memory>
 #include <string>
@@ -23,14 +25,12 @@ namespace gs::app {
 [[nodiscard]] bool hand_over(const std::string& folder, const std::vector<std::string>& files);
 
 /// Receiver of files from other processes for this window. Only the first window of a desktop session has a receiver.
-class HandOver {
+class HandOver : NonCopyable {
  public:
   /// Starts to listen in `folder`. Another thread calls `wake` when take() has files. Returns null if there is no
   /// folder, or if another window listens already.
   [[nodiscard]] static std::unique_ptr<HandOver> listen(const std::string& folder, std::function<void()> wake);
   ~HandOver();
-  HandOver(const HandOver&) = delete;
-  HandOver& operator=(const HandOver&) = delete;
 
   /// Files that were received since the previous call. `asked` is true if there was a request, even one without files;
   /// then the window should come to the front.

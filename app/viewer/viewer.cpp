@@ -13,9 +13,9 @@
 namespace gs::app {
 namespace {
 
-constexpr int kSettlingFrames = 3;  // number of frames until the interface has adapted to a change
-constexpr double kIdleWait = 30;  // seconds; max wait without events
-constexpr double kLongPicture = 0.3;  // seconds; longer drawing is a delay that users notice
+constexpr int kSettlingFrames = 3;     // number of frames until the interface has adapted to a change
+constexpr double kIdleWait = 30;       // seconds; max wait without events
+constexpr double kLongPicture = 0.3;   // seconds; longer drawing is a delay that users notice
 constexpr double kLoadingWait = 0.25;  // seconds between pictures of the moving progress line
 
 ViewerControllerOptions controller_options(const ViewerOptions& options, float scale) {
@@ -51,7 +51,7 @@ std::variant<std::vector<std::byte>, std::string> paint(render::Renderer& render
   draw.budget = options.budget > 0 ? options.budget : kWindowBudget;
   draw.headlight = view.headlight;
   draw.unit = static_cast<float>(view.scale);
-  draw.clouds = view.look;
+  draw.splat_style = view.look;
   apply_style(view, draw);
   auto made = renderer.draw_to_image(*view.list, camera_of(view.navigation.pose), draw);
   if (auto* problem = std::get_if<render::ContextError>(&made)) return std::move(problem->message);
@@ -69,6 +69,7 @@ Viewer::Viewer(const ViewerOptions& options, const LoadOptions& load, std::uniqu
       session_(controller_.session()),
       hand_over_(HandOver::listen(hand_over_folder(), &Window::wake)),
       tools_(options, *renderer_),
+      start_page_(options.folders.state),
       frames_wanted_(kSettlingFrames) {
   measures_.gl_renderer = renderer_->gl_renderer();
 }
@@ -85,7 +86,7 @@ std::optional<std::string> Viewer::start_control() {
 }
 
 void Viewer::run() {
-  while (!window_->should_close() && !EndOnSignals::told() && !(control_ && control_->control().wants_to_end())) {
+  while (!ends()) {
     wait_for_something();
     const glm::ivec2 size = window_->framebuffer_size();
     const bool in_sight = size.x > 0 && size.y > 0;
@@ -124,7 +125,9 @@ void Viewer::run() {
     if (interface_first_) frames_wanted_ = kSettlingFrames;
     session_.streams().request();
     controller_.inspection().prepare(session_, frame_.pictures, now);
-    controller_.apply(ui_.build(controller_.model(frame_, measures_)));
+    const UiModel model = controller_.model(frame_, measures_);
+    start_page_.set_recent(model.recent, window_->content_scale() * static_cast<float>(model.settings.text_size));
+    controller_.apply(ui_.build(model));
     if (tools_.go_on(session_.view(), teller())) frames_wanted_ = kSettlingFrames;
     ui_.draw();
     window_->present();
@@ -138,6 +141,16 @@ void Viewer::run() {
     controller_.note_window(size.x, size.y, place ? std::optional(std::array{place->x, place->y}) : std::nullopt);
   }
   window_->hide();
+}
+
+// Returns true if the main loop must end. Asks the user first if a request to close the window would lose edits.
+bool Viewer::ends() {
+  if (EndOnSignals::told() || (control_ && control_->control().wants_to_end())) return true;
+  if (!window_->should_close()) return false;
+  if (controller_.may_close()) return true;
+  window_->keep_open();
+  frames_wanted_ = kSettlingFrames;
+  return false;
 }
 
 void Viewer::wait_for_something() {

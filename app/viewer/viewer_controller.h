@@ -6,6 +6,9 @@
 #include "app/settings/settings_store.h"
 #include "app/view/actions.h"
 #include "app/viewer/file_dialog.h"
+#include "app/viewer/session_record.h"
+#include "app/viewer/view_bookmarks.h"
+#include "app/viewer/world_saver.h"
 
 #include <array>
 #include <cstddef>
@@ -37,10 +40,10 @@ class WindowOperations {
 
 struct ViewerControllerOptions {
   SessionOptions session;
-  UserFolders folders;  // paths of user data; if empty, none are read or written
-  std::string not_kept;  // file that is not added to the recent files, such as the demo world
-  float scale = 1;  // scale of the screen; 1 is normal
-  bool up_given = false;  // `session.style.up` has precedence over the setting
+  UserFolders folders;                     // paths of user data; if empty, none are read or written
+  std::string not_kept;                    // file that is not added to the recent files, such as the demo world
+  float scale = 1;                         // scale of the screen; 1 is normal
+  bool up_given = false;                   // `session.style.up` has precedence over the setting
   std::span<const DialogProgram> dialogs;  // programs for file dialogs; if empty, the built-in dialog is used
 };
 
@@ -83,6 +86,8 @@ class ViewerController {
   void apply(const UiActions& actions);
   /// Opens the files that the user has chosen in the desktop's dialog. Returns true if the dialog has ended.
   bool take_chosen_files();
+  /// Returns true if the window may be closed. Otherwise asks the user first, and closes it later.
+  [[nodiscard]] bool may_close() { return saver_.permits_end(); }
   /// Returns the present title of the window.
   [[nodiscard]] std::string title();
   /// Saves the size and position of the window for the next start, in screen units.
@@ -93,28 +98,23 @@ class ViewerController {
   bool picks(const WindowEvent& event);
   void change(const UserSettings& settings);
   void exchange_camera(Action action);
+  bool undo(int direction);
   [[nodiscard]] std::string folder_of_file() const;
-  [[nodiscard]] std::optional<Bookmark> bookmark_of_view();
-  [[nodiscard]] std::optional<std::size_t> find_bookmark();
-  void toggle_bookmark();
-  void open_bookmark(std::size_t index);
-  void remember(const std::vector<std::string>& arrived);
-  void note_session();
-  void restore();
   void describe_viewports(UiModel& model, const Frame& frame, std::size_t budget);
   void describe_user(UiModel& model, const Pane& pane);
   [[nodiscard]] std::string progress_of(const std::string& path);
 
   SettingsStore store_;
   WindowOperations& window_;
-  std::string not_kept_;
   bool up_given_, memory_given_;
   UiOverlay ui_;
   Session session_;
   Inspection inspection_;  // extension of the session
   std::array<RateHistory, kMaxViewports> readings_;
+  ViewBookmarks bookmarks_;
+  SessionRecord record_;
   FileDialog dialog_;
-  SessionMemory lost_;  // files of sessions that crashed, until the user has decided about them
+  WorldSaver saver_;
   std::string opening_;  // file that the user chose in the Open dialog and that is still loading
 };
 

@@ -23,9 +23,9 @@ constexpr double kWeightSteps = 64;  // integer steps for a weight of 1
 std::vector<std::size_t> budgets_of(const Frame& frame, const Panes& panes, std::size_t budget) {
   std::vector<std::size_t> weights;
   for (const Frame::Picture& picture : frame.pictures) {
-    const bool clouds = picture.view && picture.view->document->has_clouds();
+    const bool has_vectors = picture.view && picture.view->document->has_vectors();
     const double weight = std::round(panes.at(picture.pane).weight * kWeightSteps);
-    weights.push_back(clouds ? picture.place.pixels() * static_cast<std::size_t>(weight) : 0);
+    weights.push_back(has_vectors ? picture.place.pixels() * static_cast<std::size_t>(weight) : 0);
   }
   return shares_of(budget, weights);
 }
@@ -62,7 +62,10 @@ void ViewerController::describe_viewports(UiModel& model, const Frame& frame, st
       viewport.axes = seen->style.axes && !seen->document->world.authored;
       viewport.pose = seen->navigation.pose;
     }
-    if (panes.loading(picture.pane)) viewport.loading = progress_of(pane.wanted);
+    if (panes.loading(picture.pane)) {
+      viewport.loading = progress_of(pane.wanted);
+      viewport.loaded = received_part(session_.readers().progress_of(pane.wanted));
+    }
     viewport.active = picture.pane == panes.active();
     viewport.weight = pane.weight;
     viewport.budget = budgets[model.viewports.size()];
@@ -96,7 +99,9 @@ UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measu
   }
   model.file = panes.selected();
   describe_viewports(model, frame, measures.budget);
-  if (const FolderQuestions::Question* question = session_.questions().folder())
+  if (auto question = saver_.question())
+    model.question = std::move(question);
+  else if (const FolderQuestions::Question* question = session_.questions().folder())
     model.question = {UiQuestion::Kind::folder, file_label(question->worlds.front()), question->folder,
                       question->reference};
   else if (const auto network = session_.questions().network())
@@ -122,7 +127,7 @@ UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measu
   window_.describe_tools(model.tools);
   if (!seen) return model;
   model.has_world = true;
-  model.first_steps = store_.settings().first_steps && !not_kept_.empty() && pane.shown == not_kept_;
+  model.first_steps = store_.settings().first_steps && !record_.not_kept().empty() && pane.shown == record_.not_kept();
   const auto& viewpoints = seen->list->viewpoints;
   for (const std::size_t index : listed_viewpoints(viewpoints)) {
     if (seen->viewpoint == index) model.viewpoint = model.viewpoints.size();
@@ -140,12 +145,13 @@ UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measu
   model.upright = upright_of(*seen);
   if (const double spacing = seen->style.grid ? grid_spacing(seen->list->bounds, model.upright) : 0; spacing > 0)
     model.grid_text = "Grid: " + readable_value(spacing, seen->document->world.authored ? "m" : "");
-  model.can_undo_move = session_.camera().can_undo_move(-1);
-  model.can_redo_move = session_.camera().can_undo_move(1);
+  const WorldEdits& edits = seen->document->edits;
+  model.can_undo = session_.camera().can_undo_move(-1) || edits.time_of(-1);
+  model.can_redo = session_.camera().can_undo_move(1) || edits.time_of(1);
   model.has_sounds = !seen->list->sounds.empty();
   model.muted = session_.sound().stage().muted();
   model.look = seen->look;
-  model.has_surface_clouds = seen->document->has_surface_clouds;
+  model.has_surface_vectors = seen->document->has_surface_vectors;
   model.has_volumes = seen->document->has_volumes;
   model.bounds = seen->list->bounds;
   model.looking = seen->navigation.pose.forward();
@@ -158,9 +164,9 @@ void ViewerController::describe_user(UiModel& model, const Pane& pane) {
   model.settings = store_.settings();
   model.recent = store_.state().recent;
   model.bookmarks = store_.bookmarks();
-  model.to_restore = lost_.files.size();
+  model.to_restore = record_.files_to_restore();
   model.address = pane.wanted.empty() ? pane.shown : pane.wanted;
-  model.bookmark = find_bookmark();
+  model.bookmark = bookmarks_.find();
   model.can_go_back = session_.travel().can_go(-1);
   model.can_go_forward = session_.travel().can_go(1);
   model.loading = session_.panes().loading(session_.panes().active());

@@ -50,10 +50,9 @@ bool Viewer::wants_finer() const {
 }
 
 void Viewer::draw_nothing(const Frame::Picture& picture, render::DrawOptions draw) {
-  static const render::RenderList kNothing;
   if (!draw.background) draw.background = kEmptyBackground;
   render::FrameStatistics& statistics = session_.panes().at(picture.pane).statistics;
-  statistics = renderer_->draw(kNothing, render::Camera{}, draw);
+  statistics = start_page_.draw(*renderer_, picture.place, draw);
   pictures_.note(picture.pane, {}, statistics, 0);
 }
 
@@ -63,7 +62,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   draw.headlight = seen.headlight;
   if (seen.budget > 0) draw.budget = std::min(draw.budget, seen.budget);
   draw.unit = static_cast<float>(seen.scale);
-  draw.clouds = seen.look;
+  draw.splat_style = seen.look;
   apply_style(seen, draw);
   draw.guides = tools_.guides(seen);
   const render::RenderList& list = tools_.shown(picture.pane, seen);
@@ -73,11 +72,16 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   for (const auto& feed : seen.document->world.feeds) source.grown += feed->applied();
   if (seen.document->runtime) source.grown += seen.document->runtime->movies().pictures();
   const bool busy = frames_wanted_ > 0 || frame_.moving, same = pictures_.is_same(picture.pane, source);
-  if (same && pictures_.stands(picture.pane, busy) && renderer_->show_again(draw)) return;
+  if (same && pictures_.stands(picture.pane, busy) && renderer_->show_again(draw)) {
+    if (!busy && !frame_.loading) start_page_.note(*renderer_, seen, draw);
+    return;
+  }
   // User input can cancel a picture that takes longer than kMaxUninterrupted. Without input, the picture is completed.
   PictureDetail& detail = details_[picture.pane];
   const double begin = Window::now();
-  draw.coarseness = detail.coarseness(busy && !same);
+  const std::size_t level = detail.level(busy && !same);
+  draw.coarseness = PictureDetail::kQualities[level].coarseness;
+  if (PictureDetail::kQualities[level].one_sample) draw.samples = 1;
   draw.go_on = [this, begin] {
     if (interface_first_) return false;
     const double now = Window::now();
@@ -88,16 +92,18 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   };
   const render::Camera camera = source.camera;
   pane.statistics = renderer_->draw(list, camera, draw);
+  pane.statistics.pending = pane.statistics.pending || level > 0;
   const double end = Window::now();
   if (frame_.loading) pace_.note(pane.statistics.given_up, begin, end);
-  // If drawing was cancelled only to show progress or the interface, its time says nothing about the detail for motion.
+  // If drawing was cancelled only to show progress or the interface, its time is no measure for the detail during
+  // motion.
   const bool given_up = pane.statistics.given_up;
   if (given_up)
     pictures_.note_given_up(picture.pane, pane.statistics);
   else
     pictures_.note(picture.pane, std::move(source), pane.statistics, end - begin);
   if (!given_up || frame_.loading) picture_seconds_ = end - begin;
-  if (!given_up || !(frame_.loading || interface_first_)) detail.note(draw.coarseness, given_up, end - begin);
+  if (!given_up || !(frame_.loading || interface_first_)) detail.note(level, given_up, end - begin);
 }
 
 // Tools: measuring, values and slices, saving ------------------------------------------------------
@@ -118,11 +124,13 @@ bool Viewer::run_tool(Action action) {
     tools_.toggle_ruler();
     return true;
   }
-  if (action != Action::take_picture && action != Action::tour_view) return false;
+  if (action != Action::take_picture && action != Action::copy_picture && action != Action::tour_view) return false;
   const View* const seen = session_.view();
   if (!seen) return true;
   if (action == Action::tour_view)
     tools_.add_to_tour(*seen, teller());
+  else if (action == Action::copy_picture)
+    tools_.copy_picture(*seen, active_place(), teller());
   else
     tools_.take_picture(*seen, active_place(), teller());
   return true;

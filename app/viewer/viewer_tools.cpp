@@ -2,6 +2,7 @@
 
 #include "app/base/temporary_file.h"
 #include "app/picture/paint.h"
+#include "app/picture/picture_clipboard.h"
 #include "app/picture/picture_marks.h"
 #include "app/picture/screenshot.h"
 #include "app/picture/volume_show.h"
@@ -23,7 +24,7 @@
 namespace gs::app {
 namespace {
 
-constexpr float kClick = 4;  // pixels; max movement of the pointer between press and release of a click
+constexpr float kClick = 4;      // pixels; max movement of the pointer between press and release of a click
 constexpr float kSliceEdge = 6;  // pixels; max distance from the edge of a slice at which it can be dragged
 
 double seconds_since_1970() {
@@ -156,11 +157,12 @@ std::shared_ptr<const render::RenderList> ViewerTools::guides(const View& view) 
   return view.style.grid ? grids_.of(view.list->bounds, upright_of(view)) : nullptr;
 }
 
-// Applies the options of the command line for volumes, once to each opened document.
+// Applies the options of the command line for volumes, once to each opened document. Shows images as planes.
 void ViewerTools::show_as_wished(View& seen, const Tell& tell) {
   const VolumeWishes& wishes = options_.volume;
-  const qnv::Description* const volume = wishes.any() ? first_volume(*seen.list) : nullptr;
-  if (!volume) return;
+  const qnv::Description* const volume = first_volume(*seen.list);
+  const auto image = volume && wishes.slices.empty() ? image_axis(*volume) : std::nullopt;
+  if (!volume || !(wishes.any() || image)) return;
   std::erase_if(wished_, [](const Wished& one) { return one.of.expired(); });
   auto known =
       std::find_if(wished_.begin(), wished_.end(), [&](const Wished& one) { return one.of.lock() == seen.document; });
@@ -175,7 +177,7 @@ void ViewerTools::show_as_wished(View& seen, const Tell& tell) {
       else
         seen.look.transfer = std::move(std::get<Transfer>(transfer));
     }
-    known->all = wishes.slices.empty();
+    known->all = wishes.slices.empty() && !(image && has_volume_values(seen.document->world.path));
     if (!known->all) seen.slices = wishes.slice_look;
   }
   if (known->all) return;
@@ -184,6 +186,7 @@ void ViewerTools::show_as_wished(View& seen, const Tell& tell) {
   known->all = true;
   if (!values.grid) return tell("Slices: " + values.problem, true);
   for (const SliceWish& wish : wishes.slices) gs::app::apply(wish, values.grid->dimensions(), seen.slices);
+  if (image) show_image(*values.grid, *image, seen.slices);
 }
 
 // Determines the value under the pointer. For a volume, it is the value at the visible depth, on a slice or surface;
@@ -251,7 +254,7 @@ void ViewerTools::describe(UiTools& tools, const View* seen, const Viewport& pla
   const qnv::Description* const volume = first_volume(*seen->list);
   if (volume && asked_.lock() != seen->document) {
     asked_ = seen->document;
-    asked_is_volume_ = is_volume_file(*seen);
+    asked_is_volume_ = has_volume_values(seen->document->world.path);
   }
   tools.has_file = volume && asked_is_volume_;
   const bool waits = std::any_of(wished_.begin(), wished_.end(),
@@ -269,15 +272,6 @@ void ViewerTools::describe(UiTools& tools, const View* seen, const Viewport& pla
   tools.bar = bar_of(*seen);
 }
 
-bool ViewerTools::is_volume_file(const View& seen) {
-  std::error_code error;
-  const std::string& path = seen.document->world.path;
-  if (!std::filesystem::is_regular_file(path, error)) return false;
-  const auto opened = net::map_file(path);
-  const auto* file = std::get_if<net::MappedFile>(&opened);
-  return file && is_volume(path, file->bytes().first(std::min<std::size_t>(file->bytes().size(), 1024)));
-}
-
 PictureScene ViewerTools::scene_of(std::size_t slice_scene, const View& seen, const glm::ivec2& size,
                                    const PictureRequest& request) {
   PictureScene scene;
@@ -291,7 +285,7 @@ PictureScene ViewerTools::scene_of(std::size_t slice_scene, const View& seen, co
   scene.draw.splats = options_.splats;
   scene.draw.headlight = seen.headlight;
   scene.draw.unit = static_cast<float>(seen.scale);
-  scene.draw.clouds = seen.look;
+  scene.draw.splat_style = seen.look;
   apply_style(seen, scene.draw);
   scene.draw.guides = guides(seen);
   scene.draw.viewport = kMaxViewports;
@@ -320,6 +314,18 @@ void ViewerTools::take_picture(const View& seen, const Viewport& place, const Te
   if (const auto problem = net::write_file_atomically(path, std::get<std::vector<std::byte>>(picture)))
     return tell("Cannot save the picture: " + path + ": " + problem->message, true);
   tell("Picture saved: " + path, false);
+}
+
+void ViewerTools::copy_picture(const View& seen, const Viewport& place, const Tell& tell) {
+  PictureRequest request;
+  request.color_bar = seen.color_bar;
+  const PictureScene scene = scene_of(kMaxViewports, seen, glm::ivec2(place.size()), request);
+  const auto picture = paint_png(renderer_, scene, request);
+  if (const auto* problem = std::get_if<std::string>(&picture))
+    return tell("Cannot copy the picture: " + *problem, true);
+  if (const auto problem = copy_png(std::get<std::vector<std::byte>>(picture)))
+    return tell("Cannot copy the picture: " + *problem, true);
+  tell("Copied the picture", false);
 }
 
 std::vector<render::Camera>& ViewerTools::tour_of(const View& seen) {

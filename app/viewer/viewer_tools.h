@@ -11,6 +11,7 @@
 #include "app/view/values/slice_drag.h"
 #include "app/view/values/slice_scene.h"
 #include "app/viewer/viewer.h"
+#include "base/noncopyable.h"
 
 #include <atomic>
 #include <functional>
@@ -25,12 +26,10 @@
 namespace gs::app {
 
 /// Tools of the active viewport: measuring, values and slices of volumes, saving pictures. Main thread.
-class ViewerTools {
+class ViewerTools : NonCopyable {
  public:
   ViewerTools(const ViewerOptions& options, render::Renderer& renderer);
   ~ViewerTools();
-  ViewerTools(const ViewerTools&) = delete;
-  ViewerTools& operator=(const ViewerTools&) = delete;
 
   /// Handles a click or a movement of the pointer. Returns true if the session must not receive the event.
   bool take(const SessionInput::Event& event, const View* seen, const Viewport& place);
@@ -43,6 +42,8 @@ class ViewerTools {
   using Tell = std::function<void(std::string text, bool is_problem)>;
   void apply(const UiToolActions& actions, View* seen, const Viewport& place, const Tell& tell);
   void take_picture(const View& seen, const Viewport& place, const Tell& tell);
+  /// Copies the picture of a viewport to the clipboard, in the size of the viewport.
+  void copy_picture(const View& seen, const Viewport& place, const Tell& tell);
   /// Adds the present camera to the tour of the view's file.
   void add_to_tour(const View& seen, const Tell& tell);
   void toggle_ruler();
@@ -77,7 +78,6 @@ class ViewerTools {
   Values& values_of(const View& view);
   bool take(Values& values);
   void show_as_wished(View& seen, const Tell& tell);
-  [[nodiscard]] static bool is_volume_file(const View& seen);
   [[nodiscard]] std::optional<SliceGrip> slice_under_pointer(const View& seen, const Viewport& place);
   void describe_slices(UiTools& tools, const View& seen, const Viewport& place);
   [[nodiscard]] static std::optional<ColorBar> bar_of(const View& seen);
@@ -105,12 +105,12 @@ class ViewerTools {
     std::weak_ptr<Document> of;
     bool all = false;  // all options are applied; false while slices wait for the dimensions of the volume
   };
-  std::vector<Wished> wished_;  // documents to which the options of the command line were applied
+  std::vector<Wished> wished_;                      // documents to which the options of the command line were applied
   std::map<std::size_t, SliceScene> slice_scenes_;  // by viewport; kMaxViewports is used for saved pictures and values
   PictureWish wish_;
   std::string folder_;
   std::string replaceable_transfer_;  // file that was read, written or confirmed here, and may be overwritten
-  std::weak_ptr<Document> asked_;  // document to which `asked_is_volume_` refers
+  std::weak_ptr<Document> asked_;     // document to which `asked_is_volume_` refers
   bool asked_is_volume_ = false;
   std::optional<Export> export_;
   std::vector<render::Camera> tour_;

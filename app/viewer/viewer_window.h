@@ -4,10 +4,12 @@
 #include "app/view/picture_detail.h"
 #include "app/viewer/frame_rate.h"
 #include "app/viewer/hand_over.h"
+#include "app/viewer/start_page.h"
 #include "app/viewer/viewer.h"
 #include "app/viewer/viewer_controller.h"
 #include "app/viewer/viewer_tools.h"
 #include "app/window/window.h"
+#include "base/noncopyable.h"
 #include "render/draw/renderer.h"
 
 #include <array>
@@ -23,14 +25,12 @@ namespace gs::app {
 ///
 /// The main loop is in viewer.cpp, the drawing in viewer_picture.cpp. The parts that need no window are in
 /// viewer_controller.h.
-class Viewer final : public WindowOperations {
+class Viewer final : public WindowOperations, NonCopyable {
  public:
   Viewer(const ViewerOptions& options, const LoadOptions& load, std::unique_ptr<Window> window,
          std::unique_ptr<render::Renderer> renderer);
   /// Opens the sockets for clients. Returns the error, or nullopt.
   [[nodiscard]] std::optional<std::string> start_control();
-  Viewer(const Viewer&) = delete;
-  Viewer& operator=(const Viewer&) = delete;
   ~Viewer() override = default;
 
   void run();
@@ -39,6 +39,7 @@ class Viewer final : public WindowOperations {
   void toggle_full_screen() override { window_->toggle_full_screen(); }
   void close() override { window_->close(); }
 
+  [[nodiscard]] bool ends();
   void wait_for_something();
   void wait_idle();
   void measure(double started, double now, bool in_motion);
@@ -68,9 +69,10 @@ class Viewer final : public WindowOperations {
   UiOverlay& ui_;                            // owned by controller_
   Session& session_;                         // owned by controller_
   std::unique_ptr<ControlService> control_;  // null if no client can control the program
-  std::unique_ptr<HandOver> hand_over_;  // null if other processes cannot send files to this window
+  std::unique_ptr<HandOver> hand_over_;      // null if other processes cannot send files to this window
   Frame frame_;                              // result of the last step
   ViewerTools tools_;
+  StartPage start_page_;
   PictureLedger pictures_;
   std::array<PictureDetail, kMaxViewports> details_;
   LoadingPace pace_;
@@ -80,7 +82,7 @@ class Viewer final : public WindowOperations {
   int frames_wanted_;
   bool was_in_motion_ = false, was_loading_ = false;
   bool interface_first_ = false;  // draw the interface at once, without waiting for a new picture of the worlds
-  double picture_seconds_ = 0;  // seconds; duration of the last picture
+  double picture_seconds_ = 0;    // seconds; duration of the last picture
 };
 
 }  // namespace gs::app

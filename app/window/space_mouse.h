@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/window/window_event.h"
+#include "base/noncopyable.h"
 
 #include <array>
 #include <optional>
@@ -26,13 +27,11 @@ struct SpnavLibrary {
 
 /// 3D mouse. The cap moves and turns the viewer; the first two buttons act as keys. Without the library or the daemon,
 /// it produces no events and no message. One thread.
-class SpaceMouse {
+class SpaceMouse : NonCopyable {
  public:
   explicit SpaceMouse(std::optional<SpnavLibrary> library);
   SpaceMouse() : SpaceMouse(open_spnav()) {}
   ~SpaceMouse();
-  SpaceMouse(const SpaceMouse&) = delete;
-  SpaceMouse& operator=(const SpaceMouse&) = delete;
 
   [[nodiscard]] bool there() const { return open_; }
   /// Returns the events since the previous call. `time` is their time in seconds.

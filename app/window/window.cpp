@@ -240,6 +240,7 @@ std::vector<WindowEvent> Window::take_events() { return std::exchange(events_, {
 
 bool Window::should_close() const { return glfwWindowShouldClose(window_) != 0; }
 void Window::close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
+void Window::keep_open() { glfwSetWindowShouldClose(window_, GLFW_FALSE); }
 void Window::raise() {
   glfwRestoreWindow(window_);
   glfwShowWindow(window_);

@@ -3,6 +3,7 @@
 #include "app/window/gamepad.h"
 #include "app/window/space_mouse.h"
 #include "app/window/window_event.h"
+#include "base/noncopyable.h"
 #include "render/gl/context.h"
 
 #include <glm/vec2.hpp>
@@ -22,15 +23,13 @@ struct GLFWwindow;
 namespace gs::app {
 
 /// Desktop window with an OpenGL 3.3 core context. Use on the main thread only, except for wake().
-class Window final : public render::GlContext {
+class Window final : public render::GlContext, NonCopyable {
  public:
   /// Opens a window that has only a colour buffer. Pictures are rendered elsewhere and copied to it. `width` and
   /// `height` are in screen units.
   static std::variant<std::unique_ptr<Window>, render::ContextError> open(const std::string& title, int width,
                                                                           int height);
   ~Window() override;
-  Window(const Window&) = delete;
-  Window& operator=(const Window&) = delete;
 
   void make_current() override;
   void release_current() override;
@@ -52,6 +51,8 @@ class Window final : public render::GlContext {
 
   [[nodiscard]] bool should_close() const;
   void close();
+  /// Withdraws a request to close the window.
+  void keep_open();
   /// Hides the window at once. Releasing its contents may then take a while.
   void hide();
   /// Brings the window to the front, if the desktop permits it.
@@ -86,7 +87,7 @@ class Window final : public render::GlContext {
   SpaceMouse space_mouse_;
   bool has_gamepad_ = false;
   std::vector<WindowEvent> events_;
-  glm::vec2 pointer_{0};  // pointer position at the previous event; GLFW reports only the present position
+  glm::vec2 pointer_{0};    // pointer position at the previous event; GLFW reports only the present position
   glm::ivec4 windowed_{0};  // position and size of the window outside of full-screen mode
 };
 

@@ -12,7 +12,8 @@
 namespace gs::bench {
 namespace {
 
-// Returns the cost of a transfer in parts of the machine, which has `parallel`. TCP is slow at such loss on any line.
+// Returns the cost of a transfer. The machine has `parallel` units, which concurrent transfers share. With high loss
+// TCP is slow on any line, so it costs one unit.
 unsigned cost_of(const TransferSpec& spec, unsigned parallel) {
   constexpr double kFast = 5e7, kMedium = 5e6, kMuchLoss = 0.1;
   if (spec.link.bits_per_second < kMedium || (!spec.cells && spec.link.loss >= kMuchLoss)) return 1;
@@ -24,10 +25,10 @@ class Schedule {
   Schedule(const std::vector<TransferSpec>& specs, unsigned parallel) : room_(parallel), waiting_(specs.size()) {
     for (const TransferSpec& spec : specs) costs_.push_back(cost_of(spec, parallel));
     for (std::size_t i = 0; i < waiting_.size(); ++i) waiting_[i] = i;
-    // Transfers that run alone start first, or they would wait until nothing else is left.
+    // Transfers that need the whole machine start first. Otherwise they would wait for all others.
     std::stable_sort(waiting_.begin(), waiting_.end(), [&](auto a, auto b) { return costs_[a] > costs_[b]; });
   }
-  /// Returns the next transfer when there is room for it, or nullopt if all are taken.
+  /// Waits until the next transfer fits, and returns it. Returns nullopt if none is left.
   [[nodiscard]] std::optional<std::size_t> take() {
     std::unique_lock lock(mutex_);
     for (;;) {
@@ -43,7 +44,7 @@ class Schedule {
       changed_.wait(lock);
     }
   }
-  /// Returns the number of finished transfers.
+  /// Ends a transfer. Returns the number of ended transfers.
   [[nodiscard]] std::size_t done(std::size_t job) {
     const std::lock_guard lock(mutex_);
     room_ += costs_[job];

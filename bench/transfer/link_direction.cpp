@@ -29,7 +29,7 @@ double LinkDirection::chance() {
 }
 
 void LinkDirection::offer(std::vector<std::byte> packet, Nanoseconds now) {
-  // Drawn for every packet, so that a seed loses the same ones whatever the queue does.
+  // Draws both random numbers for every packet, even if the queue refuses it. So equal seeds lose equal packets.
   const bool lost = chance() < spec_.loss;
   const bool late = chance() < spec_.reordered;
   ++counts_.packets;
@@ -91,7 +91,7 @@ std::optional<std::string> test_delay() {
   return std::nullopt;
 }
 
-// A queue of 32 kB accepts 25 of a burst of 100 packets of 1250 bytes, including the one on the line.
+// A queue of 32 kB accepts 25 packets of a burst of 100 packets of 1250 bytes. The packet on the line is one of the 25.
 std::optional<std::string> test_queue() {
   LinkDirection link({}, 1);
   for (std::size_t i = 0; i < 100; ++i) link.offer(numbered(i, 1250), 0);
@@ -121,7 +121,7 @@ std::optional<std::string> test_loss() {
   }
   const auto lost = static_cast<double>(link.counts().lost);
   if (link.counts().refused != 0 || std::abs(lost - 10'000) > 5 * 95) return "not as many are lost as should be";
-  // 4 ms late means after the next four, unless these are lost. 4,500 are expected.
+  // A packet that is 4 ms late arrives after the next four packets, unless these are lost. 4,500 are expected.
   if (overtaken < 4'000 || overtaken > 5'000) return "not as many are reordered as should be";
   return std::nullopt;
 }

@@ -15,7 +15,7 @@ struct LinkSpec {
   double round_trip = 0.02;      // seconds, without queue and serialization; each direction has half
   double loss = 0;               // share of the packets of each direction, data and acknowledgements alike
   double reordered = 0;          // share of packets that are delayed, and overtaken by others
-  double reorder_delay = 0.004;  // seconds of this delay
+  double reorder_delay = 0.004;  // the delay in seconds
   std::uint64_t seed = 1;        // for losses and reordering
 };
 

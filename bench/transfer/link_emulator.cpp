@@ -32,7 +32,7 @@ using Clock = std::chrono::steady_clock;
 constexpr int kMtu = 1500;
 constexpr int kNetworkBits = 24;
 constexpr const char* kDevice = "link0";
-// Keeps bursts in our queue, not before it.
+// The device accepts whole bursts, so that they wait in the emulated queue.
 constexpr std::uint32_t kDeviceQueue = 10'000;  // packets
 constexpr int kReadAtOnce = 64;
 constexpr std::int64_t kLate = 1'000'000;  // nanoseconds
@@ -123,7 +123,7 @@ class RouteMessage {
     put(&head, sizeof head);
     put(data, size);
   }
-  /// Returns false with errno set.
+  /// Sends the message. Returns false with errno set on failure.
   [[nodiscard]] bool send() {
     const Descriptor socket(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE));
     header_.nlmsg_len = static_cast<std::uint32_t>(sizeof header_ + body_.size());
@@ -153,7 +153,8 @@ class RouteMessage {
   std::vector<std::byte> body_;
 };
 
-// Sets it by the route, since the namespace's sysctl only allows values that the whole machine permits.
+// Sets the congestion control by the route, because the namespace's sysctl only allows values that the whole machine
+// permits.
 bool set_congestion_control(const char* device, const char* address, const std::string& name) {
   rtmsg route{};
   route.rtm_family = AF_INET;
@@ -178,7 +179,7 @@ bool set_congestion_control(const char* device, const char* address, const std::
   return message.send();
 }
 
-// Uses rtnetlink, since only root of the whole machine may use the ioctl.
+// Uses rtnetlink, because only root of the whole machine may use the ioctl.
 bool set_device_queue(const char* device, std::uint32_t packets) {
   ifinfomsg link{};
   link.ifi_family = AF_UNSPEC;
@@ -244,7 +245,7 @@ void EmulatedLink::State::read(int device, LinkDirection& direction) {
   for (int i = 0; i < kReadAtOnce; ++i) {
     const ssize_t size = ::read(device, buffer.data(), buffer.size());
     if (size <= 0) return;
-    // IPv6 has no addresses here, but looks for neighbours.
+    // Skip packets of IPv6. It has no addresses here, but sends neighbour discovery.
     if (std::to_integer<int>(buffer[0]) >> 4 != 4) continue;
     direction.offer({buffer.begin(), buffer.begin() + size}, now());
   }
@@ -267,7 +268,7 @@ void EmulatedLink::State::set_timer() const {
   if (const auto other = to_server.due(); other && (!next || *other < *next)) next = other;
   itimerspec spec{};
   if (next) {
-    // Zero would disable the timer.
+    // The value 0 would disable the timer.
     const std::int64_t at = std::max<std::int64_t>(*next, 1);
     spec.it_value.tv_sec = at / 1'000'000'000;
     spec.it_value.tv_nsec = at % 1'000'000'000;
@@ -276,7 +277,7 @@ void EmulatedLink::State::set_timer() const {
 }
 
 void EmulatedLink::State::carry(const std::stop_token& stop) {
-  // A permitted real-time priority precedes all computations; each turn is short.
+  // With a real-time priority, if permitted, the thread precedes all computations. Each of its turns is short.
   sched_param priority{};
   priority.sched_priority = 1;
   (void)::sched_setscheduler(0, SCHED_FIFO, &priority);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "bench/transfer/link_direction.h"
 
 #include <chrono>
@@ -19,10 +20,10 @@ struct LinkCounts {
   std::uint64_t not_carried = 0;  // rejected by the system
 };
 
-/// Two hosts with a link: two network namespaces of this process with TUN devices (MTU 1500), so that TCP and UDP are
-/// the kernel's, and a thread that carries IPv4 packets as a LinkSpec defines. Needs root or `unshare -r` to make
-/// namespaces. The devices offer no offloads, so packets have the size of the line.
-class EmulatedLink {
+/// Two hosts and a link between them. Each host is a network namespace with a TUN device (MTU 1500), so the kernel's
+/// TCP and UDP run. A thread carries the IPv4 packets as a LinkSpec defines. Needs root or `unshare -r` to make
+/// namespaces. The devices have no offloads, so no packet is larger than the MTU.
+class EmulatedLink : NonCopyable {
  public:
   static constexpr const char *kServerAddress = "10.77.0.1", *kClientAddress = "10.77.0.2";
 
@@ -31,8 +32,6 @@ class EmulatedLink {
   [[nodiscard]] static std::variant<std::unique_ptr<EmulatedLink>, std::string> create(
       const LinkSpec& spec, const std::string& congestion_control);
   ~EmulatedLink();
-  EmulatedLink(const EmulatedLink&) = delete;
-  EmulatedLink& operator=(const EmulatedLink&) = delete;
 
   /// Runs a function on the thread of a host, and waits. Its sockets, threads and processes belong to that host. The
   /// threads live as long as the link. One caller at a time.

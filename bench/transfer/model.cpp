@@ -76,7 +76,7 @@ void Model::take_draco(const std::string& base) {
 std::optional<std::string> Model::make_streams(const render::RenderList& full) {
   const app::SurfaceSummary summary = app::summarize_surface(full);
   triangles_ = summary.triangles;
-  // Draco is optional: without its programs it has no row.
+  // Draco is optional. Without its programs the table has no row for it.
   const std::string base = options_.folder + "/model";
   if (write_obj(welded(full), base + ".obj") && make_draco(base, options_.draco_bits)) take_draco(base);
   constexpr std::size_t kWithoutDraco = 200'000;
@@ -84,14 +84,15 @@ std::optional<std::string> Model::make_streams(const render::RenderList& full) {
   for (const auto payload : {qnv::Payload::packed, qnv::Payload::records}) {
     const bool packed = payload == qnv::Payload::packed;
     qnv::EncodeOptions options;
-    options.payload = payload;
     options.two_sided = summary.two_sided;
     if (packed)
       options.max_bytes = options_.packed_bytes > 0 ? options_.packed_bytes : draco > 0 ? 2 * draco : kWithoutDraco;
     else
       options.vectors = options_.record_vectors;
-    const auto encoded =
-        qnv::encode_surface([&](const qnv::TriangleSink& sink) { return app::for_each_triangle(full, sink); }, options);
+    const qnv::TriangleSource source = [&](const qnv::TriangleSink& sink) {
+      return app::for_each_triangle(full, sink);
+    };
+    const auto encoded = packed ? qnv::encode_surface(source, options) : qnv::encode_surface_records(source, options);
     if (const auto* problem = std::get_if<qnv::EncodeError>(&encoded)) return problem->message;
     const auto& stream = std::get<qnv::EncodedStream>(encoded);
     (packed ? packed_vectors_ : record_vectors_) = stream.header.vectors;

@@ -31,7 +31,7 @@ struct Format {
   bool one_range = false;  // requested as one range, so that the server does not compress it
 };
 
-/// Formats in the order of the tables. A new one needs a row here, and its file in Model::make.
+/// Formats in the order of the tables. A new format needs a row here, and its file in Model::make.
 inline constexpr std::array<Format, 9> kFormats{{
     {"records", "QNV records, HTTP", "records.qnv", Prefix::stream},
     {"packed", "QNV packed, HTTP", "packed.qnv", Prefix::stream},
@@ -55,7 +55,7 @@ inline constexpr std::array<Format, 9> kFormats{{
 inline constexpr double kUsable = 0.9;
 
 struct ModelOptions {
-  std::string file;              // of any type that opens as polygons; VRML97 is sent as it is
+  std::string file;              // of any type that opens as polygons; VRML97 is sent unchanged
   std::string folder;            // for all generated files; exists and is empty
   View view;                     // of all pictures
   int draco_bits = 11;           // per coordinate
@@ -64,20 +64,20 @@ struct ModelOptions {
   double tolerance = 0.005;  // for outline groups, relative to the model's diagonal
 };
 
-/// Visible result of a part of a transfer.
+/// Picture from a part of a transfer.
 struct Shown {
   bool anything = false;  // at least one pixel that is not background
-  PictureError error;     // relative to the mesh itself
+  PictureError error;     // relative to the picture of the mesh itself
 };
 
 /// Bytes of a file that a picture needs.
 struct Thresholds {
   std::uint64_t size = 0;
-  std::optional<std::uint64_t> first, usable;  // for any picture; for SSIM 0.9
+  std::optional<std::uint64_t> first, usable;  // bytes for any picture; bytes for SSIM 0.9
   PictureError end;
 };
 
-/// Model in all formats in a folder that can be served, with its picture. Keeps the studio. One thread.
+/// Model with files in all formats, in a folder that can be served. Draws their pictures. One thread.
 class Model {
  public:
   [[nodiscard]] static std::variant<std::unique_ptr<Model>, std::string> make(const ModelOptions& options,
@@ -87,7 +87,7 @@ class Model {
   /// Returns 0 for missing formats, as without Draco's programs.
   [[nodiscard]] std::uint64_t size(const Format& format) const;
   [[nodiscard]] std::size_t triangles() const { return triangles_; }
-  /// Of the QNV streams.
+  /// Returns the number of vectors of the octree stream.
   [[nodiscard]] std::size_t packed_vectors() const { return packed_vectors_; }
   [[nodiscard]] std::size_t record_vectors() const { return record_vectors_; }
 

@@ -52,7 +52,7 @@ Problem set_number(Number& number, std::string_view text, double least, double m
   return {};
 }
 
-// A name selects itself, and all that begin with it and a dash.
+// A name selects the format of this name, and all formats that begin with the name and a dash.
 Problem set_formats(std::vector<const Format*>& formats, std::string_view text) {
   formats.clear();
   for (const std::string_view name : split(text)) {
@@ -152,7 +152,7 @@ std::variant<TransferOptions, std::string> transfer_options(int count, char** ar
     congestion_given = congestion_given || name == "--congestion";
   }
   if (options.model.file.empty()) return "--model is missing";
-  // By default uses the response for links with random loss.
+  // The default is the response for links with random loss.
   if (!congestion_given && serve_has_option(options.program, "--congestion")) options.congestion = "delay-aware";
   return options;
 }

@@ -11,8 +11,8 @@ namespace gs::bench {
 /// Options of the transfer benchmark.
 struct TransferOptions {
   std::string program;     // path of ghostspace
-  ModelOptions model;      // with an empty folder for a temporary one
-  std::string archive;     // an octree stream of about 50 MB; without one, its table is omitted
+  ModelOptions model;      // if `folder` is empty, a temporary folder is used
+  std::string archive;     // path of an octree stream of about 50 MB; if empty, its table is omitted
   std::string congestion;  // for `serve --congestion`, unless empty
   std::string tcp = "cubic";
   std::vector<double> rates{1, 10, 155};         // Mbit/s
@@ -28,7 +28,7 @@ struct TransferOptions {
 /// Parses the arguments. Returns a message on failure.
 [[nodiscard]] std::variant<TransferOptions, std::string> transfer_options(int count, char** arguments);
 
-/// Returns the usage.
+/// Returns the usage text.
 [[nodiscard]] const char* transfer_usage();
 
 }  // namespace gs::bench

@@ -13,7 +13,7 @@
 namespace gs::bench {
 namespace {
 
-/// Decoded result of a chunk of records.
+/// Received part of a chunk of records.
 struct RecordsCame {
   std::vector<std::byte> payload;  // the 48 bytes of its header, and the received records
   net::RangeSet came;              // received ranges of payload

@@ -1,5 +1,6 @@
 #include "bench/transfer/run.h"
 
+#include "base/noncopyable.h"
 #include "net/cells/cell_driver.h"
 #include "net/load/loader.h"
 
@@ -26,11 +27,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint16_t kHttpPort = 8080, kCellsPort = 6635;
 
 /// `ghostspace serve` as a child on the server's host, killed at the end.
-class ServerProcess {
+class ServerProcess : NonCopyable {
  public:
-  ServerProcess() = default;
-  ServerProcess(const ServerProcess&) = delete;
-  ServerProcess& operator=(const ServerProcess&) = delete;
   ~ServerProcess() {
     if (child_ > 0) {
       ::kill(child_, SIGKILL);
@@ -49,8 +47,8 @@ class ServerProcess {
 };
 
 std::optional<std::string> ServerProcess::start(const ServerSpec& spec) {
-  // Listens on all interfaces, since cells know only those or this machine. Without a rate, HTTP is unlimited, and
-  // cells send 50 Mbit/s per client.
+  // Listens on all interfaces, because cells can only listen on all or on the loopback. Without a rate, HTTP is
+  // unlimited, and cells send 50 Mbit/s per client.
   std::vector<std::string> words{spec.program, "serve", spec.folder, "--http", std::to_string(kHttpPort)};
   for (const char* word : {"--bind", "*", "--log", "/dev/null", "--cells"}) words.emplace_back(word);
   words.push_back(std::to_string(kCellsPort));
@@ -63,7 +61,7 @@ std::optional<std::string> ServerProcess::start(const ServerSpec& spec) {
   if (::pipe2(ends, O_CLOEXEC) != 0) return "no pipe for the server";
   child_ = ::fork();
   if (child_ == 0) {
-    // Other threads run in the parent, so only system calls are safe here. The child must not outlive the parent.
+    // The parent has other threads, so only system calls are safe here. The child must not outlive the parent.
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     ::dup2(ends[1], STDERR_FILENO);
     ::execv(spec.program.c_str(), arguments.data());
@@ -74,7 +72,7 @@ std::optional<std::string> ServerProcess::start(const ServerSpec& spec) {
   return child_ > 0 ? wait_for_word() : "no process for the server";
 }
 
-// Reads the listening messages on stderr, with cells last.
+// Waits until the server listens. It prints a message for each port on stderr, with cells last.
 std::optional<std::string> ServerProcess::wait_for_word() const {
   constexpr auto kPatience = std::chrono::seconds(20);
   const auto until = Clock::now() + kPatience;

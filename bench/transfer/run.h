@@ -68,7 +68,7 @@ struct Recording {
 /// Reports whether `ghostspace serve` has an option.
 [[nodiscard]] bool serve_has_option(const std::string& program, const std::string& option);
 
-/// Decodes a stream from pieces received as cells. Returns an empty point set before the base.
+/// Decodes a stream from pieces received as cells. Returns an empty geometry before the base.
 [[nodiscard]] qnv::Geometry geometry_of(std::span<const CellArrival> arrivals);
 /// Draws the pieces as vectors, or as polygons for a stream of outlines.
 [[nodiscard]] render::RenderList list_of(std::span<const CellArrival> arrivals);

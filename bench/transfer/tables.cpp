@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// Seconds. kNever: all data did not suffice; over the limit: not received in time.
+/// Times in seconds. kNever means that all data did not suffice. A time over the limit means that the data was not
+/// received in time.
 struct Times {
   double first = kNever, usable = kNever, end = kNever;
 };
@@ -102,7 +103,7 @@ std::string cell_text(const std::vector<Times>& runs, double limit) {
          seconds_text(median(end), limit);
 }
 
-/// Accuracy of all links together.
+/// Accuracy of the emulation, combined over all links.
 struct Accuracy {
   double worst = 0;
   std::uint64_t late = 0, delivered = 0, not_carried = 0;

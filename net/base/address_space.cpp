@@ -77,17 +77,8 @@ const std::vector<SpaceBlock>& space_blocks() {
 }  // namespace
 
 std::string_view name_of(AddressSpace space) {
-  switch (space) {
-    case AddressSpace::special:
-      return "no single host";
-    case AddressSpace::loopback:
-      return "this machine";
-    case AddressSpace::local:
-      return "a local network";
-    case AddressSpace::global:
-      break;
-  }
-  return "the Internet";
+  static constexpr std::string_view kNames[] = {"no single host", "this machine", "a local network", "the Internet"};
+  return kNames[static_cast<std::size_t>(space)];
 }
 
 bool AddressBlock::contains(const IpAddress& address) const {

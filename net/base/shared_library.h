@@ -2,8 +2,8 @@
 
 #include <string>
 
-/// Macros for lists of functions. The first declares a member for a function; the second finds the function in
-/// `library`.
+/// Macros for lists of functions. The first macro declares a member for a function. The second macro finds the function
+/// in `library`.
 #define GHOSTSPACE_LIBRARY_MEMBER(name) decltype(&::name) name = nullptr;
 #define GHOSTSPACE_LIBRARY_FIND(name) library.find(#name, name);
 

@@ -7,7 +7,7 @@
 
 namespace gs::net {
 
-/// Parts of a URI reference (RFC 3986 appendix B). The `has_` fields tell an empty part from a missing part.
+/// Parts of a URI reference (RFC 3986 appendix B). The `has_` fields distinguish an empty part from a missing part.
 struct Url {
   std::string scheme, authority, path, query, fragment;
   bool has_authority = false, has_query = false, has_fragment = false;

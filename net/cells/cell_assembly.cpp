@@ -62,7 +62,7 @@ CellAssembly::CellAssembly(std::size_t slot, const GrantMessage& grant)
 
 bool CellAssembly::continues(const GrantMessage& grant) const {
   if (grant.version != version_ || grant.base_crc != base_crc_ || grant.streams.size() != streams_.size()) return false;
-  // If the base is incomplete, its layout must be equal, because its symbols would not fit another layout.
+  // While the base is incomplete, the new grant must keep its layout. The received symbols fit no other layout.
   if (!base_done_ &&
       (grant.base.bytes != layout_.bytes || grant.base.symbol != layout_.symbol || grant.base.source != layout_.source))
     return false;
@@ -200,7 +200,7 @@ void CellAssembly::handle_records(std::size_t stream, const Pdu& pdu, std::vecto
   }
   for (const Pdu::Part& part : pdu.parts) {
     const std::size_t from = std::size_t{part.place} * kCellPayload;
-    // If the PDU ends at another cell than the place says, its cells belong to another chunk.
+    // If the PDU ends at another cell than its place states, its cells belong to another chunk.
     if (part.last != (part.place + 1 == cells_of_pdu(size)) || from >= size) continue;
     put_records(stream, *group, offset + static_cast<std::uint32_t>(from),
                 std::span(part.payload).first(std::min(kCellPayload, size - from)), out);

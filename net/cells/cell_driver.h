@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "net/cells/cell_receiver.h"
 #include "net/cells/cell_sender.h"
 #include "net/cells/udp.h"
@@ -15,14 +16,12 @@ namespace gs::net {
 
 /// Serves cells on a UDP port with its own thread, the only thread that uses the library. The destructor says goodbye
 /// to all clients and waits some milliseconds for the thread.
-class CellServerDriver {
+class CellServerDriver : NonCopyable {
  public:
   /// Starts the server. `port` 0 means any free port. If the secret is all zeros, replaces it by a random secret.
   [[nodiscard]] static std::variant<std::unique_ptr<CellServerDriver>, UdpError> start(
       CellServerOptions options, std::shared_ptr<CellLibrary> library, std::uint16_t port, bool loopback);
   ~CellServerDriver();
-  CellServerDriver(const CellServerDriver&) = delete;
-  CellServerDriver& operator=(const CellServerDriver&) = delete;
   [[nodiscard]] std::uint16_t port() const;
   /// Returns the statistics. Any thread.
   [[nodiscard]] CellServerStatistics statistics() const;
@@ -35,7 +34,7 @@ class CellServerDriver {
 
 /// Client of cells with its own thread and socket. Call all functions on one thread. Only `poll` returns results. The
 /// destructor says goodbye and waits some milliseconds for the thread, or longer while it resolves the host name.
-class CellClientDriver {
+class CellClientDriver : NonCopyable {
  public:
   /// Starts the client. The client's thread calls `wake` when `poll` has events; `wake` may be empty. If options.nonce
   /// is 0, replaces it by a random number.
@@ -44,8 +43,6 @@ class CellClientDriver {
                                                                                        std::uint16_t port,
                                                                                        std::function<void()> wake);
   ~CellClientDriver();
-  CellClientDriver(const CellClientDriver&) = delete;
-  CellClientDriver& operator=(const CellClientDriver&) = delete;
   /// Forwards to the function of CellClient, as do the following functions.
   void want(std::size_t slot, CellWish wish);
   void prefer(std::size_t slot, std::vector<Region> regions, std::vector<ChunkName> chunks);

@@ -96,7 +96,7 @@ CellSession* CellServer::session_for(const Endpoint& from, const RequestMessage&
   }
   ++statistics_.accepted;
   auto& place = sessions_[from];
-  // The age of the cookie is one round trip and the client's reaction time, so it bounds the round trip.
+  // The age of the cookie is one round trip plus the client's reaction time. So the age bounds the round trip.
   place = std::make_unique<CellSession>(options_.session, cookies_.session(from, request.cookie.nonce),
                                         request.cookie.nonce, age, now);
   return place.get();

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/noncopyable.h"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -28,11 +30,8 @@ constexpr std::size_t kMaxStreams = 16, kMaxChunks = std::size_t{1} << 20;
 
 /// Data that a cell server sends: a base, which clients must receive completely, and streams of chunks, which may be
 /// lost. The owner implements it over files. The server calls it on one thread; calls may read a disk.
-class CellSource {
+class CellSource : NonCopyable {
  public:
-  CellSource() = default;
-  CellSource(const CellSource&) = delete;
-  CellSource& operator=(const CellSource&) = delete;
   virtual ~CellSource() = default;
 
   /// Returns a number that identifies the version of the content.
@@ -54,11 +53,8 @@ class CellSource {
 };
 
 /// Opens the sources of a server.
-class CellLibrary {
+class CellLibrary : NonCopyable {
  public:
-  CellLibrary() = default;
-  CellLibrary(const CellLibrary&) = delete;
-  CellLibrary& operator=(const CellLibrary&) = delete;
   virtual ~CellLibrary() = default;
   /// Opens a source, or returns a reason for refusal that the client displays. `path` is untrusted text of at most
   /// kMaxPath bytes. Clients that request one path may share a source.

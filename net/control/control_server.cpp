@@ -93,11 +93,11 @@ std::variant<Listener, std::string> listen_at_port(std::uint16_t& port) {
 struct Mailbox {
   std::deque<std::string> messages;  // messages from the client
   std::size_t bytes = 0;  // bytes in `messages`
-  bool ended = false, told = false;  // no more messages follow; the owner knows this
+  bool ended = false, told = false;  // ended: no more messages follow; told: the owner has this event
   bool gone = false;                 // the connection is closed
   std::deque<std::string> answers;
   std::size_t answer_bytes = 0, unsent_bytes = 0;  // bytes in `answers`; bytes not sent by the server's thread
-  bool behind = false, cut_off = false;  // the client has many unread bytes; it has too many
+  bool behind = false, cut_off = false;  // behind: the client has many unread bytes; cut_off: too many
 };
 
 struct Peer {

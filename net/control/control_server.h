@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "net/control/control_connection.h"
 
 #include <cstdint>
@@ -31,7 +32,7 @@ struct ControlNews {
 /// Serves the clients that control this program, on its own thread. Accepts only clients on this machine. The owner
 /// takes messages with `next`, which serves the clients in turn, and answers with `send`. If the owner takes no
 /// messages, the server stops reading. ControlTerms bounds the memory.
-class ControlServer {
+class ControlServer : NonCopyable {
  public:
   /// Starts the server. Returns an error that names the path or port on failure. The server's thread calls `wake` when
   /// `next` has an event, or when `is_behind` becomes false.
@@ -39,8 +40,6 @@ class ControlServer {
                                                                                        std::function<void()> wake);
   /// Disconnects all clients. Waits some milliseconds for the thread.
   ~ControlServer();
-  ControlServer(const ControlServer&) = delete;
-  ControlServer& operator=(const ControlServer&) = delete;
 
   /// Returns the TCP ports in the order of the options. A port 0 is replaced by the port that was chosen.
   [[nodiscard]] const std::vector<std::uint16_t>& ports() const;

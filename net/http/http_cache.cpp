@@ -38,26 +38,23 @@ std::string entry_name_of(const std::string& key) {
   return hexadecimal(hash(key, 0)) + hexadecimal(hash(key, 0x5bd1e995));
 }
 
-bool read_exactly(int file, std::span<std::byte> to, std::uint64_t offset) {
-  while (!to.empty()) {
-    const ssize_t got = ::pread(file, to.data(), to.size(), static_cast<off_t>(offset));
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return false;
-    to = to.subspan(static_cast<std::size_t>(got));
-    offset += static_cast<std::uint64_t>(got);
+/// Calls pread or pwrite until all bytes are transferred.
+template <class Bytes, class Transfer>
+bool transfer_exactly(int file, Bytes bytes, std::uint64_t offset, Transfer transfer) {
+  while (!bytes.empty()) {
+    const ssize_t done = transfer(file, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (done < 0 && errno == EINTR) continue;
+    if (done <= 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(done));
+    offset += static_cast<std::uint64_t>(done);
   }
   return true;
 }
-
+bool read_exactly(int file, std::span<std::byte> to, std::uint64_t offset) {
+  return transfer_exactly(file, to, offset, ::pread);
+}
 bool write_exactly(int file, std::span<const std::byte> bytes, std::uint64_t offset) {
-  while (!bytes.empty()) {
-    const ssize_t put = ::pwrite(file, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (put < 0 && errno == EINTR) continue;
-    if (put <= 0) return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(put));
-    offset += static_cast<std::uint64_t>(put);
-  }
-  return true;
+  return transfer_exactly(file, bytes, offset, ::pwrite);
 }
 
 }  // namespace

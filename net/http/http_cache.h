@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "base/noncopyable.h"
 #include "net/base/descriptor.h"
 #include "net/files/file.h"
 #include "net/http/cache_entry.h"
@@ -47,10 +48,8 @@ class CachedResource {
 };
 
 /// Writer of one version of a resource. Does nothing after its first failure.
-class CacheWriter {
+class CacheWriter : NonCopyable {
  public:
-  CacheWriter(const CacheWriter&) = delete;
-  CacheWriter& operator=(const CacheWriter&) = delete;
   /// Discards bytes that were not committed.
   ~CacheWriter();
 

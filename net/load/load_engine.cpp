@@ -113,8 +113,7 @@ void LoadEngine::pump() {
     const auto found = jobs_.find(id);
     if (found == jobs_.end()) continue;
     LoadJob& job = *found->second;
-    job.pump(now_);
-    const bool more = !job.over() && job.has_cached_bytes();
+    const bool more = job.pump(now_);
     if (!more && pumping_.erase(id) > 0) schedule_needed_ = true;
     if (more) pumping_.insert(id);
     if (job.over()) jobs_.erase(found);
@@ -133,7 +132,7 @@ void LoadEngine::hold_back() {
 LoadEngine::Load LoadEngine::count_load() const {
   Load load;
   for (const auto& [id, running] : running_) {
-    const std::string& host = running.job->host();
+    const std::string& host = running.job->location().host();
     ++(running.fetch->preempted ? load.all_preempted : load.all);
     if (!host.empty()) ++(running.fetch->preempted ? load.host_preempted : load.host)[host];
     if (!running.fetch->preempted) ++load.viewport[running.job->request().viewport];
@@ -143,22 +142,25 @@ LoadEngine::Load LoadEngine::count_load() const {
 
 bool LoadEngine::fits(const LoadJob& job, const Load& load) const {
   return load.all < options_.max_transfers &&
-         (job.host().empty() || count_of(load.host, job.host()) < options_.max_transfers_per_host);
+         (job.location().host().empty() ||
+          count_of(load.host, job.location().host()) < options_.max_transfers_per_host);
 }
 
 /// Preempts a transfer of lower priority to make room for a transfer of `job`. Returns true if it now fits.
 bool LoadEngine::make_room(const LoadJob& job, Load& load) {
-  const std::string& host = job.host();
+  const std::string& host = job.location().host();
   const bool host_full = !host.empty() && count_of(load.host, host) >= options_.max_transfers_per_host;
   if (load.all_preempted >= kMaxPreempted) return false;
   Running* least = nullptr;
   TransferId least_id = 0;
   for (auto& [id, running] : running_) {
-    if (running.fetch->preempted || running.job->priority() >= job.priority()) continue;
-    if (host_full && running.job->host() != host) continue;
-    if (count_of(load.host_preempted, running.job->host()) >= kMaxPreemptedPerHost) continue;
+    if (running.fetch->preempted || running.job->request().priority >= job.request().priority) continue;
+    if (host_full && running.job->location().host() != host) continue;
+    if (count_of(load.host_preempted, running.job->location().host()) >= kMaxPreemptedPerHost) continue;
     // Among transfers of the lowest priority, preempt the newest, because it probably has most bytes left.
-    if (least && std::pair(-least->job->priority(), least_id) >= std::pair(-running.job->priority(), id)) continue;
+    if (least &&
+        std::pair(-least->job->request().priority, least_id) >= std::pair(-running.job->request().priority, id))
+      continue;
     least = &running;
     least_id = id;
   }
@@ -178,11 +180,11 @@ void LoadEngine::let_run(const Candidate& candidate, Load& load) {
     next_ready_ = now_;
     return;
   }
-  const auto transport = transports_.find(job->scheme()->transport);
+  const auto transport = transports_.find(job->location().scheme()->transport);
   if (transport == transports_.end()) {
-    const auto refused = refused_transports_.find(job->scheme()->transport);
+    const auto refused = refused_transports_.find(job->location().scheme()->transport);
     job->fail(LoadErrorKind::unsupported,
-              "no transport for the scheme " + std::string(job->scheme()->name) + ":" +
+              "no transport for the scheme " + std::string(job->location().scheme()->name) + ":" +
                   (refused == refused_transports_.end() ? "" : " (" + refused->second + ")"));
     touched_.insert(job->id());
     return;
@@ -207,13 +209,14 @@ void LoadEngine::schedule() {
         candidates.push_back({job.get(), fetch.get()});
     }
   // Requests with equal priority stay in order.
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.job->priority() > b.job->priority(); });
+  std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return a.job->request().priority > b.job->request().priority;
+  });
   Load load = count_load();
   for (std::size_t begin = 0; begin < candidates.size();) {
     std::size_t end = begin;
-    const int priority = candidates[begin].job->priority();
-    while (end < candidates.size() && candidates[end].job->priority() == priority) ++end;
+    const int priority = candidates[begin].job->request().priority;
+    while (end < candidates.size() && candidates[end].job->request().priority == priority) ++end;
     schedule_equals(std::span(candidates).subspan(begin, end - begin), load);
     begin = end;
   }

@@ -8,19 +8,18 @@
 #include <unordered_map>
 #include <vector>
 
+#include "base/noncopyable.h"
 #include "net/load/load_job.h"
 
 namespace gs::net {
 
 /// Engine of one loader thread: advances the jobs and selects the transfers that run. Time is an argument, so tests
 /// with the memory transport need neither threads nor waiting.
-class LoadEngine final : private TransferSink {
+class LoadEngine final : private TransferSink, NonCopyable {
  public:
   /// Creates an engine without jobs. `options`, `queue` and `cache` must outlive it. A null `cache` disables caching.
   LoadEngine(const LoaderOptions& options, LoadQueue& queue, HttpCache* cache);
   ~LoadEngine();
-  LoadEngine(const LoadEngine&) = delete;
-  LoadEngine& operator=(const LoadEngine&) = delete;
 
   void add_transport(TransportKind kind, std::unique_ptr<Transport> transport);
   /// Makes all requests for this transport fail. `why` is the reason in the message.

@@ -1,7 +1,6 @@
-#include <algorithm>
-#include <array>
-
 #include "net/load/load_job.h"
+
+#include <algorithm>
 
 namespace gs::net {
 namespace {
@@ -40,11 +39,32 @@ std::string range_text(std::uint64_t begin, std::uint64_t end) {
   return std::to_string(begin) + " to " + (end == kOpenEnd ? "the end" : std::to_string(end - 1));
 }
 
+// Returns the error if a response does not fit the request; nullopt if it fits.
+std::optional<LoadError> check_answer(const Request& request, const Fetch& fetch, const ResponseHead& head) {
+  const auto bad = [](const std::string& what) { return LoadError{LoadErrorKind::bad_response, what, 0}; };
+  if (!request.validator.empty() && !request.validator.agrees(head.validator))
+    return LoadError{LoadErrorKind::changed, "it is no longer the requested version", 0};
+  if (head.status != 206) return std::nullopt;
+  const std::string expected = "; expected bytes " + range_text(fetch.position, fetch.range.end);
+  if (fetch.position == 0 && fetch.range.end == kOpenEnd)
+    return bad("the server answered 206 Partial Content; expected the whole file");
+  if (head.content_type.starts_with("multipart/byteranges")) return bad("the server sent several ranges" + expected);
+  if (head.encoded) return bad("the server sent part of a compressed body" + expected);
+  if (!head.content_range || !head.content_range->begin)
+    return bad("the server answered 206 Partial Content without Content-Range" + expected);
+  if (*head.content_range->begin != fetch.position || *head.content_range->end > fetch.range.end)
+    return bad("the server sent bytes " + range_text(*head.content_range->begin, *head.content_range->end) + expected);
+  if (head.content_length && *head.content_length != *head.content_range->end - fetch.position)
+    return bad("the server announced " + std::to_string(*head.content_length) + " bytes for a part of " +
+               std::to_string(*head.content_range->end - fetch.position));
+  return std::nullopt;
+}
+
 }  // namespace
 
 HeadVerdict LoadJob::on_head(Fetch& fetch, const ResponseHead& head) {
   fetch.answer = {};
-  if (const auto why = refuse_host(reach_, head.space)) {
+  if (const auto why = refuse_host(location_.reach(), head.space)) {
     fail(LoadErrorKind::forbidden, *why);
     return HeadVerdict::stop;
   }
@@ -53,7 +73,7 @@ HeadVerdict LoadJob::on_head(Fetch& fetch, const ResponseHead& head) {
     fetch.answer.redirect = head.location;
     return HeadVerdict::discard;
   }
-  if (head.status == 304 && fetch.conditional && cached_) {
+  if (head.status == 304 && fetch.conditional && cache_.has_entry()) {
     fetch.answer.not_modified = head;
     return HeadVerdict::discard;
   }
@@ -72,14 +92,13 @@ HeadVerdict LoadJob::on_head(Fetch& fetch, const ResponseHead& head) {
 /// Handles status 416: the range begins after the end of the resource.
 HeadVerdict LoadJob::accept_empty(Fetch& fetch, const ResponseHead& head) {
   const auto total = head.content_range ? head.content_range->total : std::nullopt;
-  if (cached_ && !head_sent_) {
+  if (cache_.has_entry() && !head_sent_) {
     restart(LoadErrorKind::changed, "it became shorter", {});
-  } else if (total && (head_sent_ ? !total_ : fetch.position == 0 && *total == 0)) {
+  } else if (total && (head_sent_ ? !version_.total : fetch.position == 0 && *total == 0)) {
     fetch.finished = true;
-    stop(fetch);
+    plan_.stop(fetch);
     if (head_sent_) {
-      total_ = total;
-      if (clamp()) check_done();
+      if (set_total(*total)) check_done();
     } else {
       adopt(head, total);
       check_done();
@@ -93,60 +112,30 @@ HeadVerdict LoadJob::accept_empty(Fetch& fetch, const ResponseHead& head) {
   return HeadVerdict::stop;
 }
 
-/// Checks whether a response fits the request. Otherwise fails the job and returns false.
-bool LoadJob::check_answer(Fetch& fetch, const ResponseHead& head) {
-  const auto bad = [this](const std::string& what) {
-    fail(LoadErrorKind::bad_response, what);
-    return false;
-  };
-  if (!request_.validator.empty() && !request_.validator.agrees(head.validator)) {
-    fail(LoadErrorKind::changed, "it is no longer the requested version");
-    return false;
-  }
-  if (head.status != 206) return true;
-  const std::string expected = "; expected bytes " + range_text(fetch.position, fetch.range.end);
-  if (fetch.position == 0 && fetch.range.end == kOpenEnd)
-    return bad("the server answered 206 Partial Content; expected the whole file");
-  if (head.content_type.starts_with("multipart/byteranges")) return bad("the server sent several ranges" + expected);
-  if (head.encoded) return bad("the server sent part of a compressed body" + expected);
-  if (!head.content_range || !head.content_range->begin)
-    return bad("the server answered 206 Partial Content without Content-Range" + expected);
-  if (*head.content_range->begin != fetch.position || *head.content_range->end > fetch.range.end)
-    return bad("the server sent bytes " + range_text(*head.content_range->begin, *head.content_range->end) + expected);
-  if (head.content_length && *head.content_length != *head.content_range->end - fetch.position)
-    return bad("the server announced " + std::to_string(*head.content_length) + " bytes for a part of " +
-               std::to_string(*head.content_range->end - fetch.position));
-  return true;
-}
-
-/// Keeps the cached bytes if `proven`, that is, if the server's version equals the cached version. Otherwise drops
-/// them.
-void LoadJob::settle_cached(const ResponseHead& head, bool proven) {
-  if (proven) {
-    context_.cache->confirm(key(), version_, freshness(head), context_.unix_seconds());
-    trusted_ = true;
-  } else {
-    cached_.reset();
-    version_ = {};
-    total_.reset();
-    encoded_ = false;
-  }
-}
-
 HeadVerdict LoadJob::accept(Fetch& fetch, const ResponseHead& head) {
-  if (!check_answer(fetch, head)) return HeadVerdict::stop;
+  if (const auto error = check_answer(request_, fetch, head)) {
+    fail(error->kind, error->message);
+    return HeadVerdict::stop;
+  }
   const bool whole_body = head.status != 206;
   const auto total = whole_body ? head.content_length : head.content_range->total;
-  const bool agrees = version_.agrees(head.validator) && (!total_ || !total || *total_ == *total);
-  const bool proven = agrees && !encoded_ && !head.encoded && !version_.strong().empty() &&
-                      version_.strong() == head.validator.strong();
-  if (cached_ && !trusted_) {
+  const Validator& validator = version_.validator;
+  const bool agrees = validator.agrees(head.validator) && (!version_.total || !total || *version_.total == *total);
+  const bool proven = agrees && !version_.encoded && !head.encoded && !validator.strong().empty() &&
+                      validator.strong() == head.validator.strong();
+  if (cache_.has_entry() && !cache_.trusted()) {
     if (!proven && !whole_body) {
       restart(LoadErrorKind::changed, "it changed since it was cached", {});
       return HeadVerdict::stop;
     }
-    settle_cached(head, proven);
-  } else if (head_sent_ && (!agrees || (whole_body && received_ > 0 && !proven))) {
+    // Keep the cached bytes only if the server's version equals the cached version.
+    if (proven) {
+      cache_.confirm(validator, freshness(head));
+    } else {
+      cache_.forget_entry();
+      version_ = {};
+    }
+  } else if (head_sent_ && (!agrees || (whole_body && delivery_.received() > 0 && !proven))) {
     restart(
         LoadErrorKind::changed,
         agrees ? "the server cannot resume an interrupted transfer" : "it changed on the server during the transfer",
@@ -155,56 +144,40 @@ HeadVerdict LoadJob::accept(Fetch& fetch, const ResponseHead& head) {
   }
   if (!head_sent_) adopt(head, total);
   if (over_) return HeadVerdict::stop;
-  // A name may later resolve to another address. Refuse later responses from a more private host.
-  reach_ = std::max(reach_, head.space);
-  if (!total_ && total) {
-    total_ = total;
-    if (!clamp()) return HeadVerdict::stop;
-  }
+  location_.narrow_reach(head.space);
+  if (!version_.total && total && !set_total(*total)) return HeadVerdict::stop;
   fetch.answer.whole = whole_body;
   if (whole_body) {
     // This body contains all requested bytes in order, so stop the other transfers.
-    for (const auto& other : fetches_)
-      if (other.get() != &fetch) {
-        stop(*other);
-        other->finished = true;
-      }
+    plan_.finish_others(&fetch);
+    const RangeSet& needed = delivery_.needed();
     fetch.position = 0;
-    fetch.range = {0, whole() ? kOpenEnd : needed_.empty() ? 0 : needed_.ranges().back().end};
+    fetch.range = {0, delivery_.whole() ? kOpenEnd : needed.empty() ? 0 : needed.ranges().back().end};
     fetch.answer.end = head.content_length;
   } else {
     fetch.answer.end = head.content_range->end;
-    plan_what_is_missing();
+    plan_.cover(delivery_.needed().without(cache_.pending(delivery_.needed())));
   }
-  open_writer(head);
+  cache_.open_writer(head, version_);
   return HeadVerdict::take;
 }
 
 /// Makes the version of this response the current version.
 void LoadJob::adopt(const ResponseHead& head, std::optional<std::uint64_t> total) {
-  if (!cached_) {
-    version_ = head.validator;
-    encoded_ = head.encoded;
-    space_ = head.space;
+  if (!cache_.has_entry()) {
+    version_.validator = head.validator;
+    version_.encoded = head.encoded;
+    version_.space = head.space;
   }
-  space_ = std::max(space_, head.space);
-  if (total) total_ = total;
-  accepts_ranges_ = head.accepts_ranges && !head.encoded;
-  if (accepts_ranges_) {
+  version_.space = std::max(version_.space, head.space);
+  if (total) version_.total = total;
+  version_.accepts_ranges = head.accepts_ranges && !head.encoded;
+  if (version_.accepts_ranges) {
     constexpr std::size_t kMax = 1024;
     if (context_.ranges_known.size() >= kMax) context_.ranges_known.clear();
-    context_.ranges_known[url_] = true;
+    context_.ranges_known[location_.url()] = true;
   }
-  emit_head({url_, total_, head.content_type, version_, accepts_ranges_, cached_.has_value(), space_});
-}
-
-void LoadJob::open_writer(const ResponseHead& head) {
-  if (writer_ || !may_cache()) return;
-  if (head.cache_control.no_store || head.other_answers) return context_.cache->drop(key());
-  const std::int64_t fresh_for = freshness(head);
-  if (version_.empty() && fresh_for == 0) return;
-  writer_ = context_.cache->write(key(), {url_, head.content_type, version_, total_, accepts_ranges_, encoded_,
-                                          context_.unix_seconds(), fresh_for, space_});
+  emit_head(head.content_type);
 }
 
 DataVerdict LoadJob::on_data(Fetch& fetch, std::span<const std::byte> bytes) {
@@ -215,7 +188,7 @@ DataVerdict LoadJob::on_data(Fetch& fetch, std::span<const std::byte> bytes) {
          "the server sent more than the " + std::to_string(fetch.answer.end.value_or(0)) + " bytes it announced");
     return DataVerdict::stop;
   }
-  if (whole() && !cached_pending().empty()) {
+  if (delivery_.whole() && !cache_.pending(delivery_.needed()).empty()) {
     fetch.answer.held.insert(fetch.answer.held.end(), bytes.begin(), bytes.end());
     return DataVerdict::pause;
   }
@@ -224,31 +197,24 @@ DataVerdict LoadJob::on_data(Fetch& fetch, std::span<const std::byte> bytes) {
 
 DataVerdict LoadJob::deliver(Fetch& fetch, std::span<const std::byte> bytes) {
   const std::uint64_t begin = fetch.position, end = begin + bytes.size();
-  const RangeSet pieces = needed_.within(ByteRange{begin, end});
-  if (pieces.size() > request_.max_bytes - std::min(request_.max_bytes, received_)) {
+  if (delivery_.exceeds_limit({begin, end})) {
     fail(LoadErrorKind::too_large, "more than " + std::to_string(request_.max_bytes) + " bytes were received" +
-                                       (encoded_ ? " after decompression" : "") + ", the limit of this request");
+                                       (version_.encoded ? " after decompression" : "") +
+                                       ", the limit of this request");
     return DataVerdict::stop;
   }
-  if (writer_) writer_->append(begin, bytes);
-  for (const ByteRange& piece : pieces.ranges()) {
-    received_ += piece.size();
-    context_.queue.push_data(
-        id_, piece.begin,
-        bytes.subspan(static_cast<std::size_t>(piece.begin - begin), static_cast<std::size_t>(piece.size())));
-  }
-  needed_.subtract({begin, end});
+  cache_.append(begin, bytes);
+  if (delivery_.push(begin, bytes)) fetch.failures = 0;
   fetch.position = end;
-  if (!pieces.empty()) fetch.failures = 0;
-  const bool more_wanted = !needed_.within(ByteRange{end, fetch.range.end}).empty();
+  const bool more_wanted = !delivery_.needed().within(ByteRange{end, fetch.range.end}).empty();
   const bool nearly_over = fetch.answer.end && *fetch.answer.end - end <= kWorthReading;
   if (!more_wanted && !nearly_over) {
     fetch.finished = true;
-    stop(fetch);
+    plan_.stop(fetch);
     check_done();
     return DataVerdict::stop;
   }
-  return context_.queue.room(id_) == 0 ? DataVerdict::pause : DataVerdict::more;
+  return delivery_.room() == 0 ? DataVerdict::pause : DataVerdict::more;
 }
 
 void LoadJob::on_end(Fetch& fetch, const TransferEnd& end, TimePoint now) {
@@ -259,7 +225,17 @@ void LoadJob::on_end(Fetch& fetch, const TransferEnd& end, TimePoint now) {
   }
   const Fetch::Answer& answer = fetch.answer;
   if (!answer.redirect.empty()) return follow(std::string(answer.redirect), answer.space);
-  if (answer.not_modified) return use_confirmed(fetch);
+  if (answer.not_modified) {
+    // Status 304: the cached version is still valid.
+    const ResponseHead head = *answer.not_modified;
+    fetch.answer = {};
+    fetch.finished = true;
+    const bool says = head.cache_control.max_age || head.expires || head.cache_control.no_cache;
+    cache_.confirm(version_.validator, says ? freshness(head) : cache_.head().fresh_for);
+    version_.space = std::max(version_.space, head.space);
+    emit_head(cache_.head().content_type);
+    return check_done();
+  }
   if (answer.error) return retry(fetch, LoadError(*answer.error), answer.transient, answer.retry_after, now);
   if (!end.error) return end_body(fetch, now);
   if (end.error->kind != LoadErrorKind::changed) return retry(fetch, *end.error, end.transient, std::nullopt, now);
@@ -278,13 +254,11 @@ void LoadJob::end_body(Fetch& fetch, TimePoint now) {
   if (!head_sent_) return broken(0);
   if (fetch.answer.end && fetch.position < *fetch.answer.end) return broken(*fetch.answer.end);
   if (fetch.answer.whole) {
-    if (total_ && !needed_.empty() && fetch.position < *total_) return broken(*total_);
-    if (!total_) {
-      total_ = fetch.position;
-      if (!clamp()) return;
-    }
+    const auto total = version_.total;
+    if (total && !delivery_.needed().empty() && fetch.position < *total) return broken(*total);
+    if (!total && !set_total(fetch.position)) return;
   }
-  const RangeSet rest = needed_.within(ByteRange{fetch.position, fetch.range.end});
+  const RangeSet rest = delivery_.needed().within(ByteRange{fetch.position, fetch.range.end});
   fetch.answer = {};
   fetch.finished = rest.empty();
   if (!fetch.finished) {
@@ -299,44 +273,15 @@ void LoadJob::end_body(Fetch& fetch, TimePoint now) {
 }
 
 void LoadJob::follow(const std::string& location, AddressSpace space) {
-  constexpr std::size_t kLongest = 8192;
-  if (redirects_ >= context_.options.max_redirects)
-    return fail(LoadErrorKind::too_many_redirects,
-                "too many redirects; expected at most " + std::to_string(redirects_) + " redirects");
-  if (location.size() > kLongest) return fail(LoadErrorKind::bad_response, "the server redirects to an invalid URL");
-  const Url target = resolve(parse_url(url_), parse_url(tidy_url(location)));
-  const Scheme* const scheme = find_scheme(target.scheme);
-  // memory: URLs may redirect to memory: URLs, for tests.
-  const bool within_memory = scheme && scheme == scheme_ && scheme->transport == TransportKind::memory;
-  if (!scheme || (!scheme->redirect_target && !within_memory))
-    return fail(LoadErrorKind::forbidden,
-                "the server redirects to " + url_for_messages(target.text()) + "; expected http or https");
-  // The redirect has the same rights as a document of that server.
-  reach_ = std::max(reach_, Origin{url_, space}.reach());
-  if (const auto why = context_.options.policy.refuse({url_, space}, target))
-    return fail(LoadErrorKind::forbidden,
-                "the server redirects to " + url_for_messages(target.text()) + ": " + why->message);
+  const auto target = location_.redirect_target(location, space);
+  if (const auto* const error = std::get_if<LoadError>(&target)) return fail(error->kind, error->message);
   const bool sent = head_sent_;
   if (sent && !void_version(LoadErrorKind::changed, "the server started to redirect during the transfer")) return;
-  stop_all();
-  ++redirects_;
-  set_url(target.text());
-  if (const auto why = refusal()) return fail(LoadErrorKind::bad_response, *why);
-  use_cache_ = !sent;
+  plan_.stop_all();
+  location_.redirect_to(std::get<Url>(target));
+  if (const auto why = location_.invalid()) return fail(LoadErrorKind::bad_response, *why);
+  cache_.set_searching(!sent);
   open_version();
-}
-
-/// Handles status 304: the cached version is still valid.
-void LoadJob::use_confirmed(Fetch& fetch) {
-  const ResponseHead head = *fetch.answer.not_modified;
-  fetch.answer = {};
-  fetch.finished = true;
-  const bool says = head.cache_control.max_age || head.expires || head.cache_control.no_cache;
-  context_.cache->confirm(key(), version_, says ? freshness(head) : cached_->head().fresh_for, context_.unix_seconds());
-  trusted_ = true;
-  space_ = std::max(space_, head.space);
-  emit_head({url_, total_, cached_->head().content_type, version_, accepts_ranges_, true, space_});
-  check_done();
 }
 
 void LoadJob::retry(Fetch& fetch, const LoadError& error, bool transient, std::optional<std::int64_t> retry_after,
@@ -345,7 +290,7 @@ void LoadJob::retry(Fetch& fetch, const LoadError& error, bool transient, std::o
   fetch.answer = {};
   ++fetch.failures;
   // If the server has sent bytes before, it may be restarting, so retry.
-  transient |= error.kind == LoadErrorKind::unreachable && received_ > 0;
+  transient |= error.kind == LoadErrorKind::unreachable && delivery_.received() > 0;
   const auto longest = std::chrono::duration_cast<std::chrono::seconds>(options.max_retry_after).count();
   const bool asks_too_much = retry_after && *retry_after > longest;
   if (!transient || asks_too_much || fetch.failures > options.max_retries || fetch.attempts >= options.max_attempts) {
@@ -361,9 +306,9 @@ void LoadJob::retry(Fetch& fetch, const LoadError& error, bool transient, std::o
       Milliseconds(static_cast<std::int64_t>(context_.random() % static_cast<std::uint64_t>(delay.count() / 2 + 1)));
   if (retry_after) delay = std::max(delay, Milliseconds(*retry_after * 1000));
   fetch.not_before = now + delay;
-  if (received_ > 0 && (encoded_ || version_.strong().empty()))
+  if (delivery_.received() > 0 && (version_.encoded || version_.validator.strong().empty()))
     return restart(error.kind, error.message + ", and the server gives no validator for its version", fetch.not_before);
-  const RangeSet rest = needed_.within(fetch.range);
+  const RangeSet rest = delivery_.needed().within(fetch.range);
   fetch.finished = rest.empty();
   if (!fetch.finished) fetch.position = rest.ranges().front().begin;
   check_done();

@@ -14,14 +14,14 @@
 
 namespace gs::net {
 
-/// Queue of events from the loader's threads to the main thread. The loader must check `room` before it pushes data:
-/// the queue takes all data, even above its limit in bytes. Any thread.
+/// Queue of events from the loader's threads to the thread that polls: the reader thread in `app/`. The loader must
+/// check `room` before it pushes data: the queue takes all data, even above its limit in bytes. Any thread.
 class LoadQueue {
  public:
   LoadQueue(std::size_t max_bytes, std::size_t max_bytes_per_request, std::function<void()> wake)
       : max_bytes_(max_bytes), max_bytes_per_request_(max_bytes_per_request), wake_(std::move(wake)) {}
 
-  // Functions for the main thread.
+  // Functions for the polling thread.
   void open(RequestId id, int priority);
   /// Drops all events of a request, also later ones.
   void close(RequestId id);

@@ -10,6 +10,7 @@
 #include <thread>
 #include <unordered_map>
 
+#include "base/noncopyable.h"
 #include "net/http/curl_library.h"
 #include "net/http/http_cache.h"
 #include "net/load/load_engine.h"
@@ -57,12 +58,10 @@ struct LaneCommand {
 };
 
 /// Loader thread with its engine and waiter.
-class LaneThread {
+class LaneThread : NonCopyable {
  public:
   LaneThread(std::unique_ptr<Waiter> waiter, std::function<std::unique_ptr<LoadEngine>()> make_engine)
       : waiter_(std::move(waiter)), thread_([this, make_engine = std::move(make_engine)] { run(make_engine); }) {}
-  LaneThread(const LaneThread&) = delete;
-  LaneThread& operator=(const LaneThread&) = delete;
   ~LaneThread() {
     {
       const std::lock_guard lock(mutex_);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/noncopyable.h"
 #include "net/load/load_types.h"
 
 namespace gs::net {
@@ -15,12 +16,10 @@ namespace gs::net {
 ///
 /// Received bytes are bounded: if poll() is not called, transfers wait. The destructor stops all transfers at once and
 /// waits only for a pending disk read.
-class Loader {
+class Loader : NonCopyable {
  public:
   [[nodiscard]] static std::unique_ptr<Loader> create(LoaderOptions options = {});
   ~Loader();
-  Loader(const Loader&) = delete;
-  Loader& operator=(const Loader&) = delete;
 
   /// Starts a request. Never blocks. Errors are events of the request.
   RequestId request(Request request);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/noncopyable.h"
 #include "net/load/load_types.h"
 
 namespace gs::net {
@@ -49,11 +50,8 @@ class TransferSink {
 };
 
 /// Transport for the URLs of some schemes. Runs on one thread. Blocks only for disk reads.
-class Transport {
+class Transport : NonCopyable {
  public:
-  Transport() = default;
-  Transport(const Transport&) = delete;
-  Transport& operator=(const Transport&) = delete;
   virtual ~Transport() = default;
 
   /// Starts a transfer. Must not be called by a function of the sink.
@@ -71,11 +69,8 @@ class Transport {
 };
 
 /// Interruptible wait of a loader thread.
-class Waiter {
+class Waiter : NonCopyable {
  public:
-  Waiter() = default;
-  Waiter(const Waiter&) = delete;
-  Waiter& operator=(const Waiter&) = delete;
   virtual ~Waiter() = default;
   /// Waits until `time` has passed, a socket is readable, or wake() is called. Returns at once if wake() was called
   /// before.

@@ -367,7 +367,7 @@ void CurlTransport::apply_pauses() {
   }
 }
 
-// Resumes transfers that wait for the bandwidth limit, one block each. The longest wait is first.
+// Resumes transfers that wait for the bandwidth limit, one block each. The transfer that waited longest is first.
 void CurlTransport::go_on_at_rate() {
   while (rate_.admits(now_)) {
     Transfer* first = nullptr;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "net/serve/http_site.h"
 
 #include <microhttpd.h>
@@ -21,12 +22,10 @@ inline constexpr std::size_t kConnectionMemory = 32768;
 
 /// Thread of an HttpServer. libmicrohttpd handles sockets and HTTP, and calls back only from `run`. All functions run
 /// on this thread, except those marked "Any thread".
-class HttpLoop {
+class HttpLoop : NonCopyable {
  public:
   explicit HttpLoop(HttpServerOptions options);
   ~HttpLoop();
-  HttpLoop(const HttpLoop&) = delete;
-  HttpLoop& operator=(const HttpLoop&) = delete;
 
   /// Opens the folder, port and log, and starts to serve. Returns the error, or nullopt.
   [[nodiscard]] std::optional<std::string> start();
@@ -47,7 +46,7 @@ class HttpLoop {
     bool shared = false;  // the peer is a proxy with many clients
     Phase phase = Phase::receiving;
     Instant since{};  // start of the current phase, or last progress in it
-    std::size_t credit = 0;  // bytes of the body that may be sent without another turn
+    std::size_t credit = 0;  // bytes of the body that may be sent before the next wait for the bandwidth limit
     std::uint64_t sent = 0;  // sent bytes of the response body
   };
   struct Request {

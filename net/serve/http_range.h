@@ -35,8 +35,7 @@ struct Conditions {
 enum class Verdict : std::uint8_t { proceed, not_modified, failed };  // status 200, 304 or 412
 /// Evaluates the conditions of GET and HEAD for an existing resource. `modified` is in Unix seconds.
 [[nodiscard]] Verdict evaluate(const Conditions& conditions, const std::string& etag, std::int64_t modified);
-/// Reports whether the Range header applies. It does if If-Range is missing or names exactly this version (RFC 9110
-/// 13.1.5).
+/// Reports whether the Range header applies: If-Range is missing or names exactly this version (RFC 9110 13.1.5).
 [[nodiscard]] bool range_counts(const Conditions& conditions, const std::string& etag, std::int64_t modified);
 
 /// Reports whether an Accept-Encoding header allows gzip (RFC 9110 12.5.3).

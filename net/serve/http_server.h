@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "net/base/address_space.h"
 #include "net/limits/client_limits.h"
 #include "net/serve/access_log.h"
@@ -103,13 +104,11 @@ struct HttpServerError {
 
 /// Serves a folder over HTTP/1.1 on its own thread: GET, HEAD, ranges, validators, gzip, CORS (docs/serving.md). Uses
 /// at most about 100 kB of memory per connection. Also serves /health, and /metrics to this machine only.
-class HttpServer {
+class HttpServer : NonCopyable {
  public:
   [[nodiscard]] static std::variant<std::unique_ptr<HttpServer>, HttpServerError> start(HttpServerOptions options);
   /// Calls stop(0).
   ~HttpServer();
-  HttpServer(const HttpServer&) = delete;
-  HttpServer& operator=(const HttpServer&) = delete;
 
   [[nodiscard]] std::uint16_t port() const;
   /// Returns the statistics. Any thread.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "net/limits/clock.h"
 
 #include <chrono>
@@ -37,7 +38,7 @@ struct MadeFile {
 ///
 /// The folder is bounded in bytes: the file that was unused for the longest time is removed first. A failed file is
 /// made again after a delay. Any thread.
-class MadeFiles {
+class MadeFiles : NonCopyable {
  public:
   /// Writes the file `out`, which has its own folder. Returns the error, or nullopt. Should end soon after a stop
   /// request. Runs on a thread of the lane.
@@ -61,8 +62,6 @@ class MadeFiles {
   MadeFiles(Options options, const std::vector<std::size_t>& at_once, std::function<void()> wake);
   /// Stops the running jobs and waits for them.
   ~MadeFiles();
-  MadeFiles(const MadeFiles&) = delete;
-  MadeFiles& operator=(const MadeFiles&) = delete;
 
   /// Returns the state of the file for a key. Starts to make the file if it is missing. The key must identify all
   /// inputs. `extension` includes its dot.

@@ -18,6 +18,7 @@
 
 namespace gs::qnv {
 
+class ChunkRequests;
 class LodStream;
 class PatchSurface;
 
@@ -45,6 +46,7 @@ struct SurfacePicture {
 struct GeometryBase {
   Description description;
   Rgb8 color;  // of vectors without their own
+  std::shared_ptr<ChunkRequests> requests{};  // requests of views for more of the stream, or null
 };
 
 /// Arrays that all decoded vectors have, one entry per vector. Units are the source's; positions are relative to

@@ -61,7 +61,8 @@ std::vector<Bin> bins_of(std::span<const Rgb8> colors) {
   return all;
 }
 
-// Returns the colour as three coordinates; color_distance() is the sum of their squared differences.
+// Returns luma, counted twice, and chroma (YCoCg) of the encoded values, which are roughly perceptually uniform. The
+// approximate visual difference of two colours is the sum of the squared differences.
 std::array<std::int32_t, 3> coordinates(const Rgb8& c) {
   return {c.r + 2 * c.g + c.b, 2 * (c.r - c.b), 2 * c.g - c.r - c.b};
 }

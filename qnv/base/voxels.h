@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "base/parallel.h"
 #include "qnv/base/description.h"
 #include "qnv/base/triangles.h"
@@ -47,13 +48,11 @@ struct Voxel {
 /// Integrates triangles over the voxels of one level. Clips triangles exactly at voxel faces, so that no area is lost
 /// or counted twice. Memory grows with the number of voxels that the surface intersects, not with the number of
 /// triangles. The result is the same, bit by bit, for any number of threads.
-class SurfaceVoxelizer {
+class SurfaceVoxelizer : NonCopyable {
  public:
   /// Creates a voxelizer; `level` is 1 to kDeepestLevel.
   SurfaceVoxelizer(const Cube& cube, int level, unsigned threads = 0);
   ~SurfaceVoxelizer();
-  SurfaceVoxelizer(const SurfaceVoxelizer&) = delete;
-  SurfaceVoxelizer& operator=(const SurfaceVoxelizer&) = delete;
 
   /// Adds triangles. Skips a triangle if a corner is not finite or is outside the cube.
   void add(std::span<const Triangle> triangles);

@@ -1,16 +1,12 @@
 #include "qnv/codecs/payloads.h"
 
-#include "qnv/codecs/displaced/decode/displaced_decoder.h"
 #include "qnv/codecs/displaced/encode/encode_displaced.h"
-#include "qnv/codecs/octree/decode/octree_decoder.h"
 #include "qnv/codecs/octree/encode/encode_surface.h"
-#include "qnv/codecs/progressive/decode/progressive_decoder.h"
 #include "qnv/codecs/progressive/encode/progressive_stream.h"
-#include "qnv/codecs/records/decode/records_decoder.h"
+#include "qnv/codecs/progressive/progressive.h"
 #include "qnv/codecs/records/encode/encode_vectors.h"
 #include "qnv/codecs/records/record.h"
 #include "qnv/codecs/records/records_payload.h"
-#include "qnv/codecs/voxels/decode/voxels_decoder.h"
 
 #include <algorithm>
 #include <array>
@@ -55,13 +51,12 @@ Encoded encode_packed(const EncodeSource& source, EncodeOptions options, Progres
   if (const auto* vectors = std::get_if<VectorView>(&source)) return encode_points(*vectors, options, progress);
   const TriangleSource* triangles = triangles_of(source);
   if (!triangles) return EncodeError{"a packed stream needs a surface; expected triangles or vectors"};
-  options.payload = Payload::packed;
   return encode_surface(*triangles, options, progress);
 }
 
 Encoded encode_records(const EncodeSource& source, EncodeOptions options, Progress* progress) {
-  options.payload = Payload::records;
-  if (const TriangleSource* triangles = triangles_of(source)) return encode_surface(*triangles, options, progress);
+  if (const TriangleSource* triangles = triangles_of(source))
+    return encode_surface_records(*triangles, options, progress);
   if (const auto* vectors = std::get_if<VectorView>(&source)) return encode_vectors(*vectors, options, progress);
   if (const auto* volume = std::get_if<VolumeVectors>(&source))
     return encode_vectors(volume->vectors, options, progress);
@@ -89,7 +84,6 @@ Encoded encode_growing(const EncodeSource& source, EncodeOptions options, Progre
 Encoded encode_volume_vectors(const EncodeSource& source, EncodeOptions options, Progress* progress) {
   const auto* volume = std::get_if<VolumeVectors>(&source);
   if (!volume) return EncodeError{"a voxels stream needs a volume; expected its vectors and its layout"};
-  options.payload = Payload::voxels;
   return encode_voxels(*volume, options, progress);
 }
 
@@ -101,32 +95,28 @@ constexpr ChunkTypes types(std::initializer_list<ChunkType> told) {
 }
 constexpr ChunkTypes only(ChunkType type) { return types({type}); }
 
-template <class Made>
-std::unique_ptr<Decoder> make(const StreamHeader& header, std::size_t most_vectors) {
-  return std::make_unique<Made>(header, most_vectors);
-}
-
 bool is_progressive(const StreamHeader& header) { return progressive::is_front(header.base); }
 
 constexpr std::array<PayloadRow, 6> kRows = {{
-    {Payload::records, "records", PayloadReader::vectors, nullptr, only(ChunkType::records), kRecordsHeaderBytes,
-     kRecordBytes, 1200 / kRecordBytes, choose_records, encode_records, make<RecordsDecoder>},
-    {Payload::packed, "packed", PayloadReader::levels, nullptr,
+    {Payload::records, "records", PayloadReader::vectors, RequestOrder::stream, nullptr,
+     only(ChunkType::records), kRecordsHeaderBytes, kRecordBytes, 1200 / kRecordBytes, choose_records, encode_records,
+     make_records_decoder},
+    {Payload::packed, "packed", PayloadReader::levels, RequestOrder::visible_first, nullptr,
      types({ChunkType::packed, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
             ChunkType::picture, ChunkType::normals}),
-     0, 0, 0, choose_packed, encode_packed, make<OctreeDecoder>},
-    {Payload::outlines, "outlines", PayloadReader::polygons, nullptr, types({ChunkType::outlines, ChunkType::inner}), 0,
-     0, 0, choose_outlines, encode_groups, nullptr},
-    {Payload::displaced, "progressive", PayloadReader::vectors, is_progressive,
+     0, 0, 0, choose_packed, encode_packed, make_octree_decoder},
+    {Payload::outlines, "outlines", PayloadReader::polygons, RequestOrder::stream, nullptr,
+     types({ChunkType::outlines, ChunkType::inner}), 0, 0, 0, choose_outlines, encode_groups, nullptr},
+    {Payload::displaced, "progressive", PayloadReader::vectors, RequestOrder::stream, is_progressive,
      types({ChunkType::splits, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
             ChunkType::cover, ChunkType::picture, ChunkType::normals}),
-     0, 0, 0, nullptr, encode_growing, make<ProgressiveDecoder>},
-    {Payload::displaced, "displaced", PayloadReader::vectors, nullptr,
+     0, 0, 0, nullptr, encode_growing, make_progressive_decoder},
+    {Payload::displaced, "displaced", PayloadReader::vectors, RequestOrder::visible_first, nullptr,
      types({ChunkType::displaced, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
             ChunkType::cover, ChunkType::picture, ChunkType::normals}),
-     0, 0, 0, choose_displaced, encode_base_and_displacements, make<DisplacedDecoder>},
-    {Payload::voxels, "voxels", PayloadReader::vectors, nullptr, only(ChunkType::voxels), 0, 0, 0, choose_voxels,
-     encode_volume_vectors, make<VoxelsDecoder>},
+     0, 0, 0, choose_displaced, encode_base_and_displacements, make_displaced_decoder},
+    {Payload::voxels, "voxels", PayloadReader::vectors, RequestOrder::stream, nullptr, only(ChunkType::voxels), 0, 0, 0,
+     choose_voxels, encode_volume_vectors, make_voxels_decoder},
 }};
 
 // Checks the order of the table: ascending payload numbers, which may have gaps. Among rows with the same number, only

@@ -28,6 +28,12 @@ enum class PayloadReader : std::uint8_t {
   polygons,  // OutlineDecoder: decodes polygons
 };
 
+/// Order in which views request the chunks of a stream.
+enum class RequestOrder : std::uint8_t {
+  stream,  // order of the stream: the decoder needs it, or each chunk changes the whole geometry
+  visible_first,  // chunks in any view first: each chunk changes only the part of the geometry in its box
+};
+
 /// Input of the outlines encoder: polygons in groups, with their appearances.
 struct OutlineSource {
   const OutlineGroups& groups;
@@ -52,6 +58,7 @@ struct PayloadRow {
   Payload payload;
   std::string_view name;
   PayloadReader reader;
+  RequestOrder requests;  // of streams that are decoded completely; cuts of a LodStream choose the chunks themselves
   /// Reports whether a stream belongs to this row. If nullptr, the row gets all streams with its number that no other
   /// row accepts.
   bool (*sniff)(const StreamHeader& header);
@@ -62,7 +69,7 @@ struct PayloadRow {
   std::size_t packet_records;  // number of records in one packet, which are lost together
   /// Reports how well the payload suits a source. If nullptr, only the encoder of another payload may choose this one.
   Suitability (*choose)(const EncodeSource& source, const EncodeRequest& request);
-  /// Encodes a stream. Returns an error if the payload does not support this kind of source. Ignores `options.payload`.
+  /// Encodes a stream. Returns an error if the payload does not support this kind of source.
   /// For outlines, uses the options in the source instead of `options`. Blocks. Any thread.
   std::variant<EncodedStream, EncodeError> (*encode)(const EncodeSource& source, EncodeOptions options,
                                                      Progress* progress);

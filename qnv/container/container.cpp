@@ -49,11 +49,7 @@ void put_color(ByteWriter& write, const Rgb8& c) {
 }
 
 Rgb8 get_color(ByteReader& read) {
-  Rgb8 c;
-  c.r = read.integer<std::uint8_t>();
-  c.g = read.integer<std::uint8_t>();
-  c.b = read.integer<std::uint8_t>();
-  return c;
+  return {read.integer<std::uint8_t>(), read.integer<std::uint8_t>(), read.integer<std::uint8_t>()};
 }
 
 bool has_origin(const Description& d) { return d.origin != glm::dvec3(0); }
@@ -118,13 +114,6 @@ bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version
 }
 
 }  // namespace
-
-bool operator==(const StreamHeader& a, const StreamHeader& b) {
-  return a.description == b.description && a.kind == b.kind && a.payload == b.payload && a.colored == b.colored &&
-         a.color == b.color && a.vectors == b.vectors && a.chunks == b.chunks && a.directory == b.directory &&
-         a.cube.lower == b.cube.lower && a.cube.edge == b.cube.edge && a.palette == b.palette &&
-         a.outlines == b.outlines && a.base == b.base && a.lattice == b.lattice;
-}
 
 std::vector<std::byte> encode_header(const StreamHeader& header) {
   std::vector<std::byte> out;

@@ -69,7 +69,6 @@ struct StreamHeader {
   OutlineHeader outlines;       // outlines only
   std::vector<std::byte> base;  // displaced: encoded first stage (displaced/surface.h)
   VoxelLattice lattice;         // voxels only
-  friend bool operator==(const StreamHeader&, const StreamHeader&);
 };
 
 /// Directory entry of a chunk.

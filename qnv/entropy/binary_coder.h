@@ -17,18 +17,21 @@ namespace gs::qnv::displaced {
 /// Maximum number of trailing zero bytes that an encoder omits. Decoders read zeros after the end.
 inline constexpr std::size_t kSparedZeros = 8;
 
+/// Returns the learning rates after n decisions: 65536 / (n + 3/2), rounded down.
+template <std::size_t count>
+constexpr std::array<std::uint16_t, count> learning_rates() {
+  std::array<std::uint16_t, count> rates{};
+  for (std::size_t n = 0; n < count; ++n) rates[n] = static_cast<std::uint16_t>(131072 / (2 * n + 3));
+  return rates;
+}
+
 /// Adaptive probability of a yes. It learns fast at first.
 struct BitModel {
   std::uint16_t one = 32768;  // probability of a 1, in 1/65536
   std::uint8_t seen = 0;      // number of decisions, at most kMaxSeen
 
   static constexpr std::uint8_t kMaxSeen = 30;
-  /// Learning rates after n decisions: 65536 / (n + 3/2), rounded down.
-  static constexpr std::array<std::uint16_t, kMaxSeen + 1> kRates = [] {
-    std::array<std::uint16_t, kMaxSeen + 1> rates{};
-    for (std::size_t n = 0; n < rates.size(); ++n) rates[n] = static_cast<std::uint16_t>(131072 / (2 * n + 3));
-    return rates;
-  }();
+  static constexpr auto kRates = learning_rates<kMaxSeen + 1>();
   void learn(bool bit) {
     const std::int32_t target = bit ? 65535 : 0;
     const std::int32_t change = (target - one) * static_cast<std::int64_t>(kRates[seen]) >> 16;

@@ -60,7 +60,7 @@ class MeshBuilder {
 };
 
 /// Duplicates vertices so that the mesh becomes manifold. The triangles around each vertex then form one fan, and each
-/// edge has at most two triangles, of equal orientation.
+/// edge has at most two triangles, with the same orientation.
 void part(SurfaceMesh& mesh);
 
 /// Mesh split into two, without colours and normals: the components with at least a given fraction of the area, and all

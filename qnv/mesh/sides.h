@@ -28,8 +28,8 @@ bool side_before(const Side& a, const Side& b);
 /// undefined order.
 void for_each_edge(std::span<const Side> sides, const std::function<void(std::size_t, std::size_t)>& each);
 
-/// Sets the neighbours at edges with exactly two triangles of equal orientation. `beside` must have its final size.
-/// Returns the sides of all other edges with several triangles, in the order of sorted_sides().
+/// Sets the neighbours at edges with exactly two triangles that have the same orientation. `beside` must have its final
+/// size. Returns the sides of all other edges with several triangles, in the order of sorted_sides().
 [[nodiscard]] std::vector<Side> join_at(std::span<const Corners> triangles, std::span<const Side> sides,
                                         Neighbours& beside);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "qnv/base/triangles.h"
 
 #include <condition_variable>
@@ -16,13 +17,11 @@ namespace gs::qnv {
 
 /// Pipeline that passes batches of triangles, in order, to work on a second thread. Meanwhile the caller reads the next
 /// triangles. With one thread, or if the system has no other, put() does the work immediately.
-class TrianglePipeline {
+class TrianglePipeline : NonCopyable {
  public:
   using Work = std::function<void(std::span<const Triangle>)>;
   /// If `threads` is 0, uses one thread per core.
   TrianglePipeline(Work work, unsigned threads);
-  TrianglePipeline(const TrianglePipeline&) = delete;
-  TrianglePipeline& operator=(const TrianglePipeline&) = delete;
   ~TrianglePipeline() { stop(); }
 
   /// Adds triangles. Blocks while too many batches are waiting. Returns false if the work threw an exception; further

@@ -1,5 +1,7 @@
 #include "render/collection/collect_schema.h"
 
+#include "vrml/scene/meant_node.h"
+
 namespace gs::render {
 namespace {
 
@@ -26,7 +28,7 @@ constexpr SchemaRow kSchemaRows[] = {
     {NodeKind::navigation_info, {"type", "avatarSize", "speed", "visibilityLimit", "headlight"}},
     {NodeKind::background, {"skyColor", "skyAngle", "groundColor", "groundAngle"}},
     {NodeKind::fog, {"color", "fogType", "visibilityRange"}},
-    {NodeKind::appearance, {"material", "texture", "textureTransform"}},
+    {NodeKind::appearance, {}},
     {NodeKind::material,
      {"diffuseColor", "emissiveColor", "specularColor", "ambientIntensity", "shininess", "transparency"}},
     {NodeKind::image_texture, {"repeatS", "repeatT"}},
@@ -58,6 +60,12 @@ Schema make_schema(const vrml::NodeType& type) {
 const Schema& Schemas::of(const vrml::NodeType& type) {
   const auto found = schemas_.find(&type);
   return found != schemas_.end() ? found->second : schemas_.emplace(&type, make_schema(type)).first->second;
+}
+
+vrml::NodeId geometry_of(const vrml::SceneGraph& scene, const NodeView& shape) {
+  const vrml::NodeId given = shape.get(ShapeFields::geometry, vrml::NodeId{});
+  const vrml::NodeId meant = vrml::meant_node(scene, given, vrml::Role::geometry);
+  return meant ? meant : scene.resolve(given);
 }
 
 NodeView Schemas::view(const vrml::SceneGraph& scene, vrml::NodeId id) {

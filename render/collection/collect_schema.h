@@ -59,9 +59,6 @@ struct BackgroundFields {
 struct FogFields {
   enum : int { color, fog_type, visibility_range };
 };
-struct AppearanceFields {
-  enum : int { material, texture, texture_transform };
-};
 struct MaterialFields {
   enum : int { diffuse_color, emissive_color, specular_color, ambient_intensity, shininess, transparency };
 };
@@ -106,6 +103,9 @@ struct NodeView {
     return value ? *value : otherwise;
   }
 };
+
+/// Returns the geometry that a Shape draws. Null means that the Shape draws nothing.
+[[nodiscard]] vrml::NodeId geometry_of(const vrml::SceneGraph& scene, const NodeView& shape);
 
 /// Schemas by node type. Looks up the fields of a type by name only once.
 class Schemas {

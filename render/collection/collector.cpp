@@ -24,7 +24,7 @@ constexpr std::size_t kMaxViewpoints = 10'000;
 constexpr std::size_t kMaxSounds = 10'000;
 constexpr std::size_t kMaxDepth = 100'000;
 constexpr std::size_t kMaxPlaces = std::size_t{1} << 20;  // also limits coordinate systems; further content has no path
-constexpr std::size_t kBetweenLooks = 1024;  // visits between two checks for cancellation
+constexpr std::size_t kBetweenLooks = 1024;               // visits between two checks for cancellation
 
 /// Reports whether a PROTO of the node is a stand-in with content that is fixed to the viewer.
 bool begins_overlay(const vrml::SceneGraph& scene, vrml::NodeId id) {
@@ -62,7 +62,7 @@ WideBox world_bounds(const Box& bounds, const dmat4& matrix) {
 
 RenderList Collector::collect(const vrml::SceneGraph& scene) {
   auto& open = open_nodes_[&scene];
-  open.resize(scene.node_count() + 1);
+  open.resize(scene.nodes().count() + 1);
   list_.world_from_frame.emplace_back(1.0);
   if (sources_) {
     *sources_ = {};
@@ -236,12 +236,12 @@ void Collector::enter_collision(const Frame& parent, vrml::NodeId id, const Node
 }
 
 void Collector::enter_inline(const Frame& parent, vrml::NodeId id) {
-  const vrml::SceneGraph* inlined = parent.scene->inlined(id);
+  const vrml::SceneGraph* inlined = parent.scene->inlines().of(id);
   if (!inlined || inlined->roots().empty()) return;
   const auto [open, fresh] = open_nodes_.try_emplace(inlined);
   if (fresh) {
-    open->second.resize(inlined->node_count() + 1);
-    list_.scenes.push_back(parent.scene->inlines().at(id.index));
+    open->second.resize(inlined->nodes().count() + 1);
+    list_.scenes.push_back(parent.scene->inlines().all().at(id.index));
   }
   Frame frame = frame_below(parent, id, {inlined->roots().begin(), inlined->roots().end()});
   frame.scene = inlined;

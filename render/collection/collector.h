@@ -160,7 +160,7 @@ class Collector {
 
 /// Reports whether all elements are finite and within the range of float.
 [[nodiscard]] bool fits_float(const glm::dmat4& matrix);
-/// Returns the matrix from positions of a point set, relative to its origin, to world space.
+/// Returns the matrix from positions of a geometry, relative to its origin, to world space.
 [[nodiscard]] glm::dmat4 world_from_geometry(const glm::dmat4& world_from_node, const qnv::Geometry& geometry);
 
 }  // namespace gs::render

@@ -25,7 +25,7 @@ dmat4 world_from_geometry(const dmat4& world_from_node, const qnv::Geometry& geo
 }
 
 void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& shape) {
-  const vrml::NodeId geometry = parent.scene->resolve(shape.get(ShapeFields::geometry, vrml::NodeId{}));
+  const vrml::NodeId geometry = geometry_of(*parent.scene, shape);
   if (!geometry) return;
   DrawItem item;
   resources_.apply_appearance(item, *parent.scene, shape);

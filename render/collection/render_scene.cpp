@@ -329,7 +329,7 @@ bool RenderScene::refine_texts() {
     if (level == source.text_level || item.place == kNoPlace) continue;
     const Place& place = list_->places[item.place];
     const NodeView shape = resources_.schemas().view(*place.scene, place.node);
-    const vrml::NodeId geometry = place.scene->resolve(shape.get(ShapeFields::geometry, vrml::NodeId{}));
+    const vrml::NodeId geometry = geometry_of(*place.scene, shape);
     item.mesh = nullptr;  // release the mesh, so that the cache may free an unused level
     auto [mesh, made] = resources_.text_mesh_of(*place.scene, geometry, source.appearance.texture != nullptr, level);
     any = any || made != source.text_level;
@@ -349,7 +349,7 @@ bool RenderScene::renew_geometry(std::uint32_t i) {
   if (item.place == kNoPlace || item.surface) return false;
   const Place& place = list_->places[item.place];
   const NodeView shape = resources_.schemas().view(*place.scene, place.node);
-  const vrml::NodeId geometry = place.scene->resolve(shape.get(ShapeFields::geometry, vrml::NodeId{}));
+  const vrml::NodeId geometry = geometry_of(*place.scene, shape);
   if (!geometry || vrml::scale_of_primitive(*place.scene, geometry)) return false;
   auto mesh = resources_.mesh_of(*place.scene, geometry, sources_.items[i].appearance.texture != nullptr);
   if (!mesh || mesh->empty()) return false;

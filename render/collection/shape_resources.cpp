@@ -43,13 +43,12 @@ void widen(vrml::Mesh& mesh, float factor) {
 
 ShapeResources::AppearanceNodes ShapeResources::appearance_nodes(const vrml::SceneGraph& scene, const NodeView& shape) {
   AppearanceNodes nodes;
-  const NodeView appearance = schemas_.view(scene, shape.get(ShapeFields::appearance, vrml::NodeId{}));
-  nodes.appearance = appearance.node;
-  if (appearance.kind() != NodeKind::appearance) return nodes;
-  const auto node_of = [&](int field) { return schemas_.view(scene, appearance.get(field, vrml::NodeId{})).node; };
-  nodes.material = node_of(AppearanceFields::material);
-  nodes.texture = node_of(AppearanceFields::texture);
-  nodes.texture_transform = node_of(AppearanceFields::texture_transform);
+  const auto parts = vrml::parts_of_appearance(scene, shape.get(ShapeFields::appearance, vrml::NodeId{}));
+  const auto node_of = [&](vrml::NodeId id) { return id ? &scene.node(id) : nullptr; };
+  nodes.appearance = node_of(parts.appearance);
+  nodes.material = node_of(parts.material);
+  nodes.texture = node_of(parts.texture);
+  nodes.texture_transform = node_of(parts.texture_transform);
   return nodes;
 }
 
@@ -58,11 +57,10 @@ void ShapeResources::apply_appearance(DrawItem& item, const vrml::SceneGraph& sc
   item.texture = {};
   item.material.lit = false;
   item.material.diffuse = glm::vec3(1);
-  const NodeView appearance = schemas_.view(scene, shape.get(ShapeFields::appearance, vrml::NodeId{}));
-  if (appearance.kind() != NodeKind::appearance) return;
-  const NodeView material = schemas_.view(scene, appearance.get(AppearanceFields::material, vrml::NodeId{}));
+  const auto parts = vrml::parts_of_appearance(scene, shape.get(ShapeFields::appearance, vrml::NodeId{}));
+  const NodeView material = schemas_.view(scene, parts.material);
   if (material.kind() == NodeKind::material) item.material = material_of(material);
-  item.texture = texture_use(scene, appearance);
+  item.texture = texture_use(scene, parts);
 }
 
 TextureUse ShapeResources::surface_texture(const vrml::Node& node, const qnv::IndexedMesh& mesh) const {
@@ -75,18 +73,17 @@ TextureUse ShapeResources::surface_texture(const vrml::Node& node, const qnv::In
   return use;
 }
 
-TextureUse ShapeResources::texture_use(const vrml::SceneGraph& scene, const NodeView& appearance) {
+TextureUse ShapeResources::texture_use(const vrml::SceneGraph& scene, const vrml::ShapeParts& parts) {
   TextureUse use;
-  const auto id = appearance.get(AppearanceFields::texture, vrml::NodeId{});
-  const NodeView texture = schemas_.view(scene, id);
+  const NodeView texture = schemas_.view(scene, parts.texture);
   if (texture.kind() != NodeKind::image_texture && texture.kind() != NodeKind::movie_texture &&
       texture.kind() != NodeKind::pixel_texture)
     return use;
-  use.image = image_of_texture(scene, id);
+  use.image = image_of_texture(scene, parts.texture);
   if (!use.image) return use;
   use.repeat_s = texture.get(TextureFields::repeat_s, true);
   use.repeat_t = texture.get(TextureFields::repeat_t, true);
-  const NodeView transform = schemas_.view(scene, appearance.get(AppearanceFields::texture_transform, vrml::NodeId{}));
+  const NodeView transform = schemas_.view(scene, parts.texture_transform);
   if (transform.kind() == NodeKind::texture_transform) use.transform = texture_matrix(transform);
   return use;
 }
@@ -156,9 +153,9 @@ vrml::NodeId ShapeResources::refiner_of(const vrml::SceneGraph& scene, vrml::Nod
   constexpr vrml::NodeKind kOutlineGroup = vrml::NodeKind::outline_group;
   if (scene.node(geometry).type->read_as != kOutlineGroup) return {};
   const auto [at, fresh] = refiners_.try_emplace(&scene);
-  for (std::uint32_t i = 1; fresh && i <= scene.node_count(); ++i) {
-    const vrml::NodeId id = scene.id_at(i);
-    if (scene.node_at(i).type->read_as != kOutlineGroup || scene.node_at(i).in_prototype_body) continue;
+  for (std::uint32_t i = 1; fresh && i <= scene.nodes().count(); ++i) {
+    const vrml::NodeId id = scene.nodes().id_at(i);
+    if (scene.nodes().at(i).type->read_as != kOutlineGroup || scene.nodes().at(i).in_prototype_body) continue;
     if (const auto refined = scene.resolve_as(scene.get<vrml::SFNode>(id, "refines"), kOutlineGroup))
       at->second.emplace(refined.index, id);
   }
@@ -236,7 +233,7 @@ void ShapeResources::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& 
 std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node, const WideBox& bounds,
                        const glm::dvec3& viewer, float pixels_per_radian, bool pictures) {
   constexpr double kMaxPixels = 0.4;  // maximum deviation of outlines, in pixels
-  constexpr double kMinLetters = 4;  // pixels per em below which small letters are unreadable
+  constexpr double kMinLetters = 4;   // pixels per em below which small letters are unreadable
   const glm::dmat3 matrix(world_from_node);
   const double size = text.font_size * std::max(glm::length(matrix[0]), glm::length(matrix[1]));
   const glm::dvec3 nearest = bounds.empty() ? glm::dvec3(world_from_node[3])

@@ -3,6 +3,7 @@
 #include "render/collection/collect_nodes.h"
 #include "render/scene/render_list.h"
 #include "vrml/mesh/text_shaper.h"
+#include "vrml/scene/meant_node.h"
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
@@ -44,15 +45,14 @@ class ShapeResources {
   /// returns the previous mesh. Null or an empty mesh means that nothing is drawn.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry,
                                                           bool textured);
-  /// Mesh of a Text at `level` of vrml::kTextTolerances. If the budget does not permit it, the coarsest mesh.
+  /// Mesh of a Text at `level` of vrml::kTextTolerances. The coarsest mesh if the budget does not permit that level.
   struct TextMesh {
     std::shared_ptr<const vrml::Mesh> mesh;
     std::uint8_t level;
   };
   [[nodiscard]] TextMesh text_mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured,
                                       std::size_t level);
-  /// Returns the mesh of a point set with triangles. If `pictured`, returns the part with a texture, otherwise the
-  /// rest.
+  /// Returns the mesh of a geometry with triangles. If `pictured`, returns the part with a texture, otherwise the rest.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> surface_mesh(const std::shared_ptr<const qnv::Geometry>& geometry,
                                                                bool pictured) {
     return meshes_.surface_of(geometry, pictured);
@@ -68,11 +68,11 @@ class ShapeResources {
   [[nodiscard]] bool clear_made_mesh() { return std::exchange(made_mesh_, false); }
   void report_limit(const std::string& why, const vrml::SceneGraph& scene, vrml::NodeId node);
   [[nodiscard]] std::vector<LimitReport>& limit_reports() { return limit_reports_; }
-  /// Forgets which OutlineGroup refines which. Call it when this may have changed.
+  /// Forgets the refining OutlineGroups. Call it when they may have changed.
   void forget_refiners() { refiners_.clear(); }
 
  private:
-  TextureUse texture_use(const vrml::SceneGraph& scene, const NodeView& appearance);
+  TextureUse texture_use(const vrml::SceneGraph& scene, const vrml::ShapeParts& parts);
   std::shared_ptr<const Image> image_of_texture(const vrml::SceneGraph& scene, vrml::NodeId texture);
   vrml::NodeId refiner_of(const vrml::SceneGraph& scene, vrml::NodeId geometry);
   void bring_up_to_date(MeshCache::Entry& entry, const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured,

@@ -34,7 +34,7 @@ struct Eyes {
 /// Receiver of the bands of an image, from the top, each of full width. May take their pixels. Returns false to stop.
 using TakeBand = std::function<bool(Image& band)>;
 
-/// Draws an image of any size, in tiles if necessary. Tiles have a margin, which is cut off, so that neighbours match.
+/// Draws an image of any size, in tiles if necessary. Tiles have a margin, which is removed, so that neighbours match.
 /// Returns an error if drawing failed. Returns nullopt on success and if `take` stopped it.
 [[nodiscard]] std::optional<ContextError> draw_picture(Renderer& renderer, const RenderList& list, const Camera& camera,
                                                        const PictureOptions& options, const TakeBand& take,

@@ -5,6 +5,7 @@
 #include "render/gl/gpu.h"
 #include "render/mesh/background_pass.h"
 #include "render/mesh/mesh_pass.h"
+#include "render/mesh/occlusion_pass.h"
 #include "render/splat/splat_pass.h"
 #include "render/surface/surface_pass.h"
 #include "render/volume/volume_pass.h"
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <map>
@@ -40,7 +42,7 @@ namespace {
 constexpr std::size_t kMaxFramebufferBytes = std::size_t{1} << 30;
 constexpr std::size_t kBytesPerSample = 8;  // colour and depth
 constexpr int kPixelSide = 2;  // with pixels as samples: number of samples along the side of a pixel
-constexpr int kMaxCoarseness = 16;
+constexpr float kMaxCoarseness = 16;
 constexpr std::size_t kLightsOfManyPixels = 8;  // with more lights, additional pixels take too long
 
 void attach(const Gl& gl, const Renderbuffer& buffer, GLenum format, GLenum attachment, int samples, int width,
@@ -105,8 +107,8 @@ bool draws_layers(const Gl& gl, const RenderList& list, const DrawOptions& optio
 }
 
 /// Returns options for off-screen drawing. If `reduced`, software drivers draw four times the pixels, which are
-/// averaged later: multisampling takes three times as long. Not for CPU-rasterized surfaces, which have their own
-/// sampling.
+/// averaged later: multisampling takes three times as long. Does not reduce CPU-rasterized surfaces, which have their
+/// own sampling.
 DrawOptions for_target(const Gl& gl, const RenderList& list, const DrawOptions& options, bool reduced) {
   DrawOptions local = options;
   local.x = local.y = 0;
@@ -182,6 +184,7 @@ struct Renderer::State {
   std::unique_ptr<SplatPass> splats;
   std::unique_ptr<SurfacePass> surfaces;
   std::unique_ptr<VolumePass> volumes;
+  std::optional<OcclusionPass> occlusion;  // made at first use
   OffscreenTarget target;
   std::map<std::uint32_t, FormerPicture> former;  // by viewport; kept for drawing that can be cancelled
 };
@@ -237,10 +240,11 @@ FrameStatistics Renderer::draw(const RenderList& list, const Camera& camera, con
   GLint outer = 0, outer_samples = 0;
   gl.GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &outer);
   gl.GetIntegerv(GL_SAMPLES, &outer_samples);
-  const int coarseness = std::clamp(options.coarseness, 1, kMaxCoarseness);
+  const float coarseness = std::clamp(options.coarseness, 1.0f, kMaxCoarseness);
+  const auto reduced = [&](int side) { return static_cast<int>(std::ceil(static_cast<float>(side) / coarseness)); };
   DrawOptions coarse = options;
-  coarse.width = (options.width + coarseness - 1) / coarseness;
-  coarse.height = (options.height + coarseness - 1) / coarseness;
+  coarse.width = reduced(options.width);
+  coarse.height = reduced(options.height);
   const DrawOptions local = for_target(gl, list, coarse, outer_samples == 0);
   if (!bind_target(local.width, local.height, std::min(local.samples, local.target_samples))) {
     gl.BindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(outer));
@@ -259,6 +263,7 @@ FrameStatistics Renderer::draw(const RenderList& list, const Camera& camera, con
   gl.BlitFramebuffer(0, 0, width, height, options.x, options.y, options.x + options.width, options.y + options.height,
                      GL_COLOR_BUFFER_BIT, same_size ? GL_NEAREST : GL_LINEAR);
   gl.BindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(outer));
+  if (options.go_on && gl.software) gl.Finish();  // callers that can cancel drawing also measure its time
   return statistics;
 }
 
@@ -353,6 +358,7 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& w
   gl.DepthMask(GL_TRUE);
   state_->surfaces->prepare(list, camera, lens, options);
   const auto between = [&] {
+    occlude(lens, bounds, options);
     state_->surfaces->draw(list, camera, lens, options, *state_->splats, statistics);
     state_->splats->draw(list, camera, lens, options, statistics);
     state_->volumes->draw(list, camera, lens, options, statistics);
@@ -375,6 +381,17 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& w
   gl.Disable(GL_SCISSOR_TEST);
   gl.Disable(GL_DEPTH_TEST);
   return statistics;
+}
+
+/// Darkens the opaque meshes that are drawn so far, if the options request it.
+void Renderer::occlude(const Projection& lens, const WideBox& bounds, const DrawOptions& options) {
+  constexpr double kReach = 0.04;  // fraction of the diagonal of the scene
+  const bool wanted = options.occlusion == Occlusion::always ||
+                      (options.occlusion == Occlusion::hardware && !state_->gl.software);
+  if (!wanted || options.display != DisplayMode::surface || bounds.empty() || options.x != 0 || options.y != 0) return;
+  if (!state_->occlusion) state_->occlusion.emplace(state_->gl);
+  const auto radius = static_cast<float>(kReach * glm::length(glm::dvec3(bounds.upper) - glm::dvec3(bounds.lower)));
+  state_->occlusion->draw(lens, {options.width, options.height}, radius);
 }
 
 // Draws overlays with their own depth range, in front of all other items.

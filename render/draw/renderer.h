@@ -53,6 +53,7 @@ class Renderer {
   void resolve(int width, int height);
   void keep_whole_picture(const DrawOptions& options, bool given_up, int& width, int& height);
   explicit Renderer(std::unique_ptr<State> state);
+  void occlude(const Projection& lens, const WideBox& bounds, const DrawOptions& options);
   void draw_overlays(const RenderList& list, const Camera& camera, const DrawOptions& options,
                      FrameStatistics& statistics);
   std::unique_ptr<State> state_;

@@ -9,6 +9,16 @@ namespace {
 using Shader = GpuHandle<GpuObject::shader>;
 constexpr std::string_view kVersion = "#version 330 core\n";
 
+/// Returns the information log of a shader or program.
+template <class GetNumber, class GetLog>
+std::string log_of(GLuint name, GetNumber get_number, GetLog get_log) {
+  GLint length = 0;
+  get_number(name, GL_INFO_LOG_LENGTH, &length);
+  std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
+  get_log(name, length, nullptr, log.data());
+  return log;
+}
+
 std::variant<Shader, ContextError> compile(const Gl& gl, GLenum stage, std::string_view defines,
                                            std::string_view source) {
   Shader shader(gl, gl.CreateShader(stage));
@@ -20,11 +30,7 @@ std::variant<Shader, ContextError> compile(const Gl& gl, GLenum stage, std::stri
   GLint compiled = GL_FALSE;
   gl.GetShaderiv(shader.name(), GL_COMPILE_STATUS, &compiled);
   if (compiled) return shader;
-  GLint length = 0;
-  gl.GetShaderiv(shader.name(), GL_INFO_LOG_LENGTH, &length);
-  std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
-  gl.GetShaderInfoLog(shader.name(), length, nullptr, log.data());
-  return ContextError{"shader: " + log};
+  return ContextError{"shader: " + log_of(shader.name(), gl.GetShaderiv, gl.GetShaderInfoLog)};
 }
 
 /// Makes an object with a function such as glGenBuffers.
@@ -59,11 +65,7 @@ std::variant<Program, ContextError> make_program(const Gl& gl, std::string_view 
   GLint linked = GL_FALSE;
   gl.GetProgramiv(program.name(), GL_LINK_STATUS, &linked);
   if (linked) return program;
-  GLint length = 0;
-  gl.GetProgramiv(program.name(), GL_INFO_LOG_LENGTH, &length);
-  std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
-  gl.GetProgramInfoLog(program.name(), length, nullptr, log.data());
-  return ContextError{"linking shaders: " + log};
+  return ContextError{"linking shaders: " + log_of(program.name(), gl.GetProgramiv, gl.GetProgramInfoLog)};
 }
 
 bool take_errors(const Gl& gl) {

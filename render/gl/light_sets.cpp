@@ -90,7 +90,7 @@ LightSets::ShaderLight LightSets::to_camera(const Light& light, const glm::dmat4
   return result;
 }
 
-void LightSets::begin(const std::vector<Light>& lights, const glm::dmat4& camera_from_world, bool headlight) {
+void LightSets::begin(const std::vector<Light>& lights, const glm::dmat4& camera_from_world, const DrawOptions& options) {
   lights_.clear();
   directional_.clear();
   numbers_.clear();
@@ -98,7 +98,8 @@ void LightSets::begin(const std::vector<Light>& lights, const glm::dmat4& camera
   directional_only_.assign(1, true);
   offsets_.assign(1, 0);
   bytes_ = stride(0);
-  headlight_ = headlight;
+  headlight_ = options.headlight;
+  headlight_towards_ = options.headlight_towards;
   std::vector<LightTree::Sphere> local;
   const std::size_t count = std::min<std::size_t>(lights.size(), kHeadlight);
   for (std::size_t i = 0; i < count; ++i) {
@@ -130,7 +131,7 @@ void LightSets::choose_local(const glm::vec3& center, float radius, std::size_t 
   (looked_at_ < kManyLooks ? local_ : few_).each_near(center, radius, [&](const LightTree::Sphere& sphere) {
     const ShaderLight& light = lights_[sphere.number];
     const float distance = glm::length(light.location - center);
-    // A light that reaches only a part of the item counts less.
+    // A light that reaches only a part of the item has a smaller weight.
     const float covered = radius > 0 ? std::min((light.radius + radius - distance) / (2 * radius), 1.0f) : 1.0f;
     const float strength = covered * light.intensity * std::max({light.color.r, light.color.g, light.color.b}) *
                            attenuation_at(light.attenuation, std::max(distance - std::max(radius, 0.0f), 0.0f));
@@ -171,9 +172,10 @@ std::uint32_t LightSets::choose(const LightList& directional, const glm::vec3& c
   return last_number_;
 }
 
-/// Returns the headlight of VRML97 6.29: white, intensity 1, ambientIntensity 0, along the view.
-LightSets::ShaderLight LightSets::headlight() {
-  ShaderLight result = directional_light({0, 0, 1});
+/// Returns the headlight of VRML97 6.29: white, intensity 1, ambientIntensity 0, along the view unless the options
+/// choose another direction.
+LightSets::ShaderLight LightSets::headlight() const {
+  ShaderLight result = directional_light(headlight_towards_);
   result.color = glm::vec3(1);
   result.intensity = 1;
   return result;

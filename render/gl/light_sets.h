@@ -2,6 +2,7 @@
 
 #include "render/gl/gpu.h"
 #include "render/gl/light_tree.h"
+#include "render/scene/draw_options.h"
 #include "render/scene/render_list.h"
 
 #include <glm/mat4x4.hpp>
@@ -45,7 +46,7 @@ class LightSets {
   explicit LightSets(const Gl& gl);
 
   /// Clears the sets of the previous frame. Transforms all lights to camera space.
-  void begin(const std::vector<Light>& lights, const glm::dmat4& camera_from_world, bool headlight);
+  void begin(const std::vector<Light>& lights, const glm::dmat4& camera_from_world, const DrawOptions& options);
   /// Returns the index of the light set for an item. The set has the item's directional lights, the headlight, and the
   /// point and spot lights that reach the sphere (camera space), up to kMaxLightsOfAnItem, strongest first. A negative
   /// radius means that the size is unknown.
@@ -85,12 +86,12 @@ class LightSets {
     ShaderLight lights[kMaxOfBlock];
   };
   static_assert(sizeof(ShaderSet) <= 16 * 1024);  // 16 KiB is the minimum that OpenGL guarantees
-  using Choice = std::vector<std::uint16_t>;      // indices into lights_
+  using Choice = std::vector<std::uint16_t>;      // indices in lights_
   struct ChoiceHash {
     std::size_t operator()(const Choice& choice) const;
   };
 
-  static ShaderLight headlight();
+  [[nodiscard]] ShaderLight headlight() const;
   static ShaderLight directional_light(const glm::vec3& to_light);
 
   static constexpr std::uint16_t kHeadlight = 0xFFFF;
@@ -109,6 +110,7 @@ class LightSets {
   LightTree local_, few_;  // point and spot lights; if there are many, few_ has the strongest near the camera
   std::size_t looked_at_ = 0;  // light tests for all items of the frame so far
   bool headlight_ = true;
+  glm::vec3 headlight_towards_{0, 0, 1};
   std::unordered_map<Choice, std::uint32_t, ChoiceHash> numbers_;
   std::vector<Choice> sets_;
   std::vector<bool> directional_only_;  // by set

@@ -1,3 +1,4 @@
+#include "base/noncopyable.h"
 #include "render/image/image_codecs.h"
 
 #include <csetjmp>
@@ -11,13 +12,13 @@
 namespace gs::render {
 namespace {
 
-constexpr int kMaxScans = 100;  // a hostile progressive file may have thousands, each a pass over the image
+constexpr int kMaxScans = 100;  // a hostile progressive file may have thousands of scans, each a pass over the image
 constexpr int kMaxBrokenScans = 8;
 constexpr std::uint32_t kAllRows = std::numeric_limits<std::uint32_t>::max();
 
 /// State that the callbacks of libjpeg share. libjpeg leaves functions by longjmp. So this object or the caller owns
 /// all resources, and functions with setjmp have only trivial local variables.
-struct JpegReader {
+struct JpegReader : NonCopyable {
   jpeg_decompress_struct jpeg{};
   jpeg_error_mgr errors{};
   jpeg_source_mgr source{};
@@ -35,9 +36,6 @@ struct JpegReader {
   std::uint8_t* line = nullptr;  // one row in libjpeg's format, if that differs from the result's
   std::uint8_t* pixels = nullptr;
 
-  JpegReader() = default;
-  JpegReader(const JpegReader&) = delete;
-  JpegReader& operator=(const JpegReader&) = delete;
   ~JpegReader() {
     if (created) jpeg_destroy_decompress(&jpeg);
   }

@@ -1,3 +1,4 @@
+#include "base/noncopyable.h"
 #include "render/image/image.h"
 
 #include <array>
@@ -42,7 +43,7 @@ constexpr std::array<jpeg_scan_info, 10> kGreyScans{{
 }};
 
 /// State of the encoder. libjpeg leaves functions by longjmp, so this object owns all resources.
-struct JpegWriter {
+struct JpegWriter : NonCopyable {
   jpeg_compress_struct jpeg{};
   jpeg_error_mgr errors{};
   std::jmp_buf escape{};
@@ -50,9 +51,6 @@ struct JpegWriter {
   unsigned long size = 0;
   bool created = false;
 
-  JpegWriter() = default;
-  JpegWriter(const JpegWriter&) = delete;
-  JpegWriter& operator=(const JpegWriter&) = delete;
   ~JpegWriter() {
     if (created) jpeg_destroy_compress(&jpeg);
     std::free(memory);

@@ -1,3 +1,4 @@
+#include "base/noncopyable.h"
 #include "render/image/image_codecs.h"
 
 #include <png.h>
@@ -15,7 +16,7 @@ constexpr std::size_t kSizeEnd = 24;  // bytes of the signature, length and name
 
 /// State that the callbacks of libpng share. libpng leaves functions by longjmp. So this object or the caller owns all
 /// resources, and functions with setjmp have only trivial local variables.
-struct PngReader {
+struct PngReader : NonCopyable {
   std::span<const std::byte> bytes;
   std::size_t position = 0;
   png_structp png = nullptr;
@@ -32,9 +33,6 @@ struct PngReader {
   RowReducer* reducer = nullptr;   // receives the rows if the image must be reduced
   const ImageLimits* limits = nullptr;
 
-  PngReader() = default;
-  PngReader(const PngReader&) = delete;
-  PngReader& operator=(const PngReader&) = delete;
   ~PngReader() { png_destroy_read_struct(&png, &info, nullptr); }
 };
 
@@ -109,7 +107,8 @@ bool read_rows(PngReader& reader) {
   std::memcpy(reader.pixels, reader.first_row, stride);
   for (int pass = 0; pass < reader.passes; ++pass)
     for (std::uint32_t y = pass == 0 ? 1 : 0; y < reader.height && !stopped(reader); ++y)
-      // As the second buffer, libpng writes whole blocks of an interlaced image, so that a truncated image has no gaps.
+      // Passes the row as the second buffer. There libpng writes whole blocks of an interlaced image, so that a
+      // truncated image has no gaps.
       png_read_row(reader.png, nullptr, reader.pixels + y * stride);
   return true;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "render/media/libav.h"
 
 #include <cstddef>
@@ -32,18 +33,16 @@ struct MediaContainer {
 
 /// Demuxer and decoders of FFmpeg for a file in memory. Never reads files or addresses. One thread. Safe for untrusted
 /// bytes.
-class MediaInput {
+class MediaInput : NonCopyable {
  public:
   /// Prepares to read `bytes`, which must outlive this object. `stopped` is called regularly and returns true to
   /// cancel. Null never cancels.
   MediaInput(std::span<const std::byte> bytes, const MediaContainer& container, std::function<bool()> stopped = {});
   ~MediaInput();
-  MediaInput(const MediaInput&) = delete;
-  MediaInput& operator=(const MediaInput&) = delete;
 
   /// Opens the file at its beginning. Returns the error, or nullopt. After an error, no packets can be read.
   [[nodiscard]] std::optional<std::string> open();
-  /// Returns the index of the first stream of a kind. Ignores cover pictures. Returns -1 if no stream exists.
+  /// Returns the index of the first stream of a kind. Ignores cover pictures. Returns -1 if there is no such stream.
   [[nodiscard]] int find_stream(AVMediaType kind) const;
   /// Opens a decoder for a stream. Returns null on failure and sets `problem`. `adjust` may set options of the decoder
   /// first.

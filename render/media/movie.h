@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "render/image/image.h"
 
 #include <cstddef>
@@ -15,7 +16,7 @@ namespace gs::render {
 /// render/media/media_input.cpp. FFmpeg decodes them and is loaded at run time. One thread.
 ///
 /// Safe for untrusted bytes: reads no files or addresses, and ImageLimits bounds the cost.
-class Movie {
+class Movie : NonCopyable {
  public:
   struct Frame {
     Image image;  // 1 or 3 components, or 4 with alpha; scaled down if ImageLimits requires it
@@ -26,8 +27,6 @@ class Movie {
   [[nodiscard]] static std::variant<std::unique_ptr<Movie>, ImageError> open(std::span<const std::byte> bytes,
                                                                              const ImageLimits& limits = {});
   ~Movie();
-  Movie(const Movie&) = delete;
-  Movie& operator=(const Movie&) = delete;
 
   /// Returns the next frame, or nullopt at the end. After an error, no more frames follow.
   [[nodiscard]] std::variant<std::optional<Frame>, ImageError> next();

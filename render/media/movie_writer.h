@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "render/image/image.h"
 
 #include <cstddef>
@@ -31,15 +32,13 @@ struct MovieFormat {
 [[nodiscard]] const MovieFormat* movie_format_of(std::string_view file_name);
 
 /// Encodes a movie in memory, frame by frame. FFmpeg is loaded at run time. One thread.
-class MovieWriter {
+class MovieWriter : NonCopyable {
  public:
   /// Opens a writer for frames of `width` x `height` pixels. Drops the last row or column if their number is odd.
   /// `rate` is in frames per second, positive, a multiple of 1/1000. The error names the missing library or encoder.
   [[nodiscard]] static std::variant<std::unique_ptr<MovieWriter>, ImageError> open(const MovieFormat& format, int width,
                                                                                    int height, double rate);
   ~MovieWriter();
-  MovieWriter(const MovieWriter&) = delete;
-  MovieWriter& operator=(const MovieWriter&) = delete;
 
   /// Adds an RGB or RGBA frame of that size. Returns the error, or nullopt.
   [[nodiscard]] std::optional<ImageError> add(const Image& image);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/noncopyable.h"
+
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -15,11 +17,8 @@ struct MediaError {
 };
 
 /// Stream of sound samples, decoded on demand: memory does not grow with the length. One thread at a time.
-class SampleReader {
+class SampleReader : NonCopyable {
  public:
-  SampleReader() = default;
-  SampleReader(const SampleReader&) = delete;
-  SampleReader& operator=(const SampleReader&) = delete;
   virtual ~SampleReader() = default;
 
   /// Returns the sampling rate in samples per second and channel, more than 0.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "render/gl/gl.h"
 
 #include <array>
@@ -15,13 +16,11 @@ namespace gs::render {
 ///
 /// Software drivers store the triangles of a slice until other threads have filled their pixels. So the slices in
 /// flight are limited even without `go_on`. Runs on the thread of the context.
-class DrawPacer {
+class DrawPacer : NonCopyable {
  public:
   /// Starts a frame. `go_on` returns false to cancel and may be null. `pixels` is the number of pixels of the target.
   DrawPacer(const Gl& gl, const std::function<bool()>& go_on, std::size_t pixels);
   ~DrawPacer();
-  DrawPacer(const DrawPacer&) = delete;
-  DrawPacer& operator=(const DrawPacer&) = delete;
 
   /// Returns the number of primitives that may be drawn before the next `spend`; at least 1.
   [[nodiscard]] std::size_t room() const { return slice_ - spent_; }

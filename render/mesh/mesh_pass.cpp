@@ -206,6 +206,9 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
     state.variant |= kFirstLightBit * lights;
     // Large sets rarely have only directional lights. Treat all of them as local, which saves a program.
     if (lights >= LightSets::kLoop || !lights_.directional_only(state.lights)) state.variant |= kLocalLights;
+    if (material.specular == glm::vec3(0) &&
+        worth_own_program(state.variant & ~unsigned{kSpecular}, sphere.radius, depth, view))
+      state.variant &= ~unsigned{kSpecular};
     instance.shininess = material.shininess * kShininessScale;
   }
   bool transparent = instance.alpha < 1;
@@ -230,6 +233,16 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   (transparent ? transparent_ : opaque_)
       .push_back({layer, state.packed(), mesh, depth, static_cast<std::uint32_t>(prepared_.size())});
   prepared_.push_back(prepared);
+}
+
+/// Reports whether to draw an item with a program of its own, which computes less but must be compiled. Software
+/// drivers compile it for items that fill much of the picture, after the first frames of a window.
+bool MeshPass::worth_own_program(unsigned variant, float radius, float depth, const View& view) const {
+  constexpr std::uint64_t kFirstFrames = 16;
+  constexpr float kLarge = 0.5f;  // min radius of the item, as a fraction of half the height of the picture
+  if (!gl_.software) return false;
+  if (programs_.contains(variant)) return true;
+  return view.cancellable && frame_ > kFirstFrames && radius > kLarge * view.tangents.y * std::abs(depth);
 }
 
 /// Returns the drawing layer of an item: later layers are drawn later. Of coincident faces, the last in the file must
@@ -375,28 +388,6 @@ void MeshPass::apply(const DrawState& state, const Projection& projection) {
   anything_applied_ = true;
 }
 
-void MeshPass::batch(const std::vector<SortKey>& order, std::size_t first_instance) {
-  batches_.clear();
-  for (std::size_t begin = 0; begin < order.size();) {
-    const SortKey& first = order[begin];
-    std::size_t end = begin + 1;
-    const auto joins = [&](const SortKey& key) {
-      return key.layer == first.layer && key.state == first.state && key.mesh == first.mesh &&
-             prepared_[key.prepared].sorted == kUnsorted;
-    };
-    if (prepared_[first.prepared].sorted == kUnsorted)
-      while (end < order.size() && joins(order[end])) ++end;
-    batches_.push_back({first.layer, first.state, static_cast<std::uint32_t>(first.mesh >> 32), first.depth,
-                        first_instance + begin, end - begin, first.prepared});
-    if (first.mesh == kMergedMesh) {
-      Batch& merged = batches_.back();
-      merged.merged = std::exchange(merged.count, 1);
-      merged.first = instances_.size() - 1;
-    }
-    begin = end;
-  }
-}
-
 void MeshPass::draw(const RenderList& list, const Camera& camera, const Projection& projection,
                     const DrawOptions& options, FrameStatistics& statistics, const std::function<void()>& between,
                     const SurfacePass* surfaces, bool overlays) {
@@ -416,11 +407,12 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
   view.low = 1.0f / glm::sqrt(1.0f + low * low);
   view.high = 1.0f / glm::sqrt(1.0f + high * high);
   view.near_plane = camera.near_plane;
+  view.cancellable = static_cast<bool>(options.go_on);
   view.far_plane = camera.far_plane;
   view.pixels = static_cast<float>(options.height) / (2 * view.tangents.y * static_cast<float>(options.pixel_side));
 
   fog_ = camera_fog(list.fog, glm::mat3(camera.world_from_camera));
-  lights_.begin(list.lights, view.camera_from_world, options.headlight);
+  lights_.begin(list.lights, view.camera_from_world, options);
   GLint samples = 0;  // samples per pixel of the bound target
   gl_.GetIntegerv(GL_SAMPLES, &samples);
   several_samples_ = samples > 1;

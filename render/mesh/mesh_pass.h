@@ -80,7 +80,7 @@ class MeshPass {
     std::uint32_t lights = 0, texture = 0;
     [[nodiscard]] std::uint64_t packed() const;
   };
-  /// Item that is ready to draw.
+  /// Item with the data that its draw needs.
   struct Prepared {
     Instance instance;
     DrawState state;
@@ -117,6 +117,7 @@ class MeshPass {
     float near_plane, far_plane;
     float pixels;  // pixels per metre at distance 1
     const SurfacePass* surfaces;
+    bool cancellable;  // the picture belongs to a window, which can cancel it
   };
 
   explicit MeshPass(const Gl& gl);
@@ -133,6 +134,7 @@ class MeshPass {
   [[nodiscard]] bool find_glyphs();
   void merge_texts();
   void add_text(const Prepared& prepared);
+  [[nodiscard]] bool worth_own_program(unsigned variant, float radius, float depth, const View& view) const;
   [[nodiscard]] std::uint32_t layer_of(const glm::vec3& center, float radius, std::uint64_t state);
   [[nodiscard]] std::uint32_t texture_number(const TextureUse& use, const TextureStore::Entry& entry);
   void sort_triangles();

@@ -14,6 +14,28 @@ std::size_t corners_of(GLenum primitive) { return primitive == GL_TRIANGLES ? 3 
 
 }  // namespace
 
+void MeshPass::batch(const std::vector<SortKey>& order, std::size_t first_instance) {
+  batches_.clear();
+  for (std::size_t begin = 0; begin < order.size();) {
+    const SortKey& first = order[begin];
+    std::size_t end = begin + 1;
+    const auto joins = [&](const SortKey& key) {
+      return key.layer == first.layer && key.state == first.state && key.mesh == first.mesh &&
+             prepared_[key.prepared].sorted == kUnsorted;
+    };
+    if (prepared_[first.prepared].sorted == kUnsorted)
+      while (end < order.size() && joins(order[end])) ++end;
+    batches_.push_back({first.layer, first.state, static_cast<std::uint32_t>(first.mesh >> 32), first.depth,
+                        first_instance + begin, end - begin, first.prepared});
+    if (first.mesh == kMergedMesh) {
+      Batch& merged = batches_.back();
+      merged.merged = std::exchange(merged.count, 1);
+      merged.first = instances_.size() - 1;
+    }
+    begin = end;
+  }
+}
+
 /// If phases are measured, draws the first primitive of a program separately, because drivers compile for the drawing
 /// state at the first draw. The caller then draws the complete instance.
 void MeshPass::draw_first(const MeshStore::Slice& mesh, std::size_t& first, std::size_t& count, std::size_t primitives,

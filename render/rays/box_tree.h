@@ -55,8 +55,8 @@ class BoxTree {
   /// false.
   template <class Meet>
   void visit(const glm::dvec3& lower, const glm::dvec3& upper, const Meet& meet) const;
-  /// Calls `meet(thing)` for all things except those in a box that satisfies `outside(lower, upper)`. May also call it
-  /// for some of those. Stops if `meet` returns false.
+  /// Calls `meet(thing)` for all things except those in a box that satisfies `outside(lower, upper)`. May also call
+  /// `meet` for some excluded things. Stops if `meet` returns false.
   template <class Outside, class Meet>
   void visit_unless(const Outside& outside, const Meet& meet) const;
 

@@ -23,7 +23,7 @@ struct SurfaceHit {
   /// Unit normal. Interpolated if the mesh has normals, otherwise that of the triangle with counter-clockwise corners.
   /// 0 if undefined.
   glm::dvec3 normal{0};
-  /// Texture coordinate of the mesh, or of the default mapping (VRML97 6.23). Does not include the TextureTransform.
+  /// Texture coordinate of the mesh, or of the default mapping (VRML97 6.23), before the TextureTransform.
   glm::vec2 texture_coordinate{0};
   std::optional<glm::vec3> patch_color{};  // colour, if the hit is on a patch with own colours
 };

@@ -27,7 +27,7 @@ constexpr float kMinOpacity = 0.01f;  // minimum opacity of a volume that can be
 constexpr float kVolumeReach = 4.5f;  // square of the distance, in spacings, beyond which opacity is negligible
 constexpr float kMinDeterminant = 1e-30f;
 
-/// Ray in the space of a point set.
+/// Ray in the space of a geometry.
 struct NodeRay {
   glm::vec3 origin, direction;  // `direction` is one world unit long
   glm::vec3 across, up;         // unit vectors, orthogonal to `direction` and to each other
@@ -64,7 +64,7 @@ std::optional<NodeRay> in_node(const PickRay& ray, const glm::dmat4& world_from_
   return node;
 }
 
-/// Finds the nearest splat that a ray hits, in a range of a point set.
+/// Finds the nearest splat that a ray hits, in a range of a geometry.
 class DiscPicker {
  public:
   DiscPicker(const qnv::Splats& splats, float growth, bool two_sided, const NodeRay& ray)
@@ -184,7 +184,7 @@ struct Veil {
   float depth, alpha;
 };
 
-/// Finds the volume vectors near a ray, in a range of a point set.
+/// Finds the volume vectors near a ray, in a range of a geometry.
 class VeilFinder {
  public:
   VeilFinder(const qnv::Volume& volume, const VolumeModel& model, const VolumeOptions& options,

@@ -21,36 +21,30 @@ struct PickRay {
   float farthest = std::numeric_limits<float>::infinity();  // maximum distance of a hit
 };
 
-/// Limits of the work for one ray, per point set.
+/// Limits of the work for one ray, per geometry.
 struct PickLimits {
-  std::size_t vectors = std::size_t{1} << 23;  // of a larger point set, the first ones represent all
-  std::size_t level_vectors = std::size_t{1} << 18;  // point sets with levels: maximum vectors of a cut
+  std::size_t vectors = std::size_t{1} << 23;  // of a larger geometry, the first vectors represent all
+  std::size_t level_vectors = std::size_t{1} << 18;  // geometries with levels: maximum vectors of a cut
   unsigned threads = 0;
 };
 
 /// Nearest hit of a ray on the splats of a surface.
 struct DiscPick {
   float distance = 0;  // distance in world units
-  std::optional<qnv::Rgb8> color;  // colour of the splat; nullopt means that the point set has no colours per vector
+  std::optional<qnv::Rgb8> color;  // colour of the splat; nullopt means that the geometry has no colours per vector
 };
 
 /// Returns the nearest splat of a surface on the ray. It is the splat that an image sample shows, by the definition in
-/// tests/render/rays/raycast.h. Small splats are enlarged as in images. Back faces can be hit only if the point set is
+/// tests/render/rays/raycast.h. Small splats are enlarged as in images. Back faces can be hit only if the geometry is
 /// two-sided.
 ///
-/// If the point set has levels, decodes the cut along the ray, like LodStream::cut for the viewport kPickViewport. Call
+/// If the geometry has levels, decodes the cut along the ray, like LodStream::cut for the viewport kPickViewport. Call
 /// it on the drawing thread. Otherwise, tests all splats, in about 6 ns each.
 ///
-/// Accepts any numbers and any affine matrix. Returns nullopt if the arrays of the point set are inconsistent or the
+/// Accepts any numbers and any affine matrix. Returns nullopt if the arrays of the geometry are inconsistent or the
 /// matrix is singular.
 [[nodiscard]] std::optional<DiscPick> pick_disc(const qnv::Geometry& geometry, const glm::dmat4& world_from_node,
                                                 const PickRay& ray, const PickLimits& limits = {});
-/// Returns the distance of pick_disc() in world units.
-[[nodiscard]] inline std::optional<float> pick_surface(const qnv::Geometry& geometry, const glm::dmat4& world_from_node,
-                                                       const PickRay& ray, const PickLimits& limits = {}) {
-  const auto hit = pick_disc(geometry, world_from_node, ray, limits);
-  return hit ? std::optional(hit->distance) : std::nullopt;
-}
 inline constexpr std::uint32_t kPickViewport = 0xFFFFFFFF;
 
 /// Hit of a ray on a volume.

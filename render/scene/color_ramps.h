@@ -42,7 +42,7 @@ namespace gs::render {
 /// Returns the colour of an order of receipt: 0 (first) is blue, 1 (last) is red.
 [[nodiscard]] inline qnv::Rgb8 age_color(double age) { return ramp_color(age); }
 
-// In point sets without levels, the vectors are in progressive order. There, octaves of this order replace levels, and
+// In geometries without levels, the vectors are in progressive order. There, octaves of this order replace levels, and
 // blocks replace chunks.
 
 /// Octave of a vector. Octave 0 has the first kFirstOctave vectors; each further octave doubles the number so far.

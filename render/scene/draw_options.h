@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/scene/cloud_look.h"
+#include "render/scene/splat_style.h"
 
 #include <glm/vec3.hpp>
 
@@ -17,6 +17,9 @@ struct RenderList;
 /// Renderer of surface vectors. automatic: OpenGL, or the CPU if OpenGL is a software driver.
 enum class SplatPath : std::uint8_t { automatic, gl, cpu };
 
+/// Ambient occlusion of meshes. hardware: unless OpenGL is a software driver, where it costs much time.
+enum class Occlusion : std::uint8_t { none, hardware, always };
+
 /// Drawing mode of faces. Does not affect splats and volumes, which have no faces.
 enum class DisplayMode : std::uint8_t { surface, edges, wireframe, points };
 
@@ -32,18 +35,20 @@ struct DrawOptions {
   int x = 0, y = 0, width = 1024, height = 768;  // rectangle in the target, in pixels from its lower left corner
   int samples = 4;  // samples per pixel for anti-aliasing; at most the context's limit
   int pixel_side = 1;  // side of an image pixel in target pixels
-  int coarseness = 1;  // factor by which the resolution is reduced in each direction
+  float coarseness = 1;  // factor by which the resolution is reduced in each direction
   bool headlight = true;
+  glm::vec3 headlight_towards{0, 0, 1};  // unit vector in camera space, from the scene towards the headlight
   bool visibility_limit = true;  // apply the visibilityLimit of the bound NavigationInfo (VRML97 6.29)
   float unit = 1;  // for the visibility limit: world units per unit of the Viewpoint
-  std::size_t budget = 0;  // maximum splats of all point sets together; 0 means unlimited
+  std::size_t budget = 0;  // maximum splats of all items together; 0 means unlimited
   std::optional<glm::vec3> background;  // colour that replaces the world's Background
   bool backdrop = false;  // neutral gradient instead of the world's Background, unless `background` is set
+  Occlusion occlusion = Occlusion::none;
   DisplayMode display = DisplayMode::surface;
   SplatPath splats = SplatPath::automatic;
   /// Helper lines. They are drawn with the same depth test, unlit and without fog. May be null.
   std::shared_ptr<const RenderList> guides;
-  SplatStyle clouds;
+  SplatStyle splat_style;
   std::uint32_t viewport = 0;  // index of the viewport; each viewport has its own level of detail
   std::size_t most_decoded = 0;  // maximum splats to decode for this frame; 0 means unlimited
   CancellationCheck go_on;  // called several times per second; returns false to cancel the rest of the frame

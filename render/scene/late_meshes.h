@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "render/scene/mesh_cache.h"
 #include "vrml/mesh/geometry_copy.h"
 #include "vrml/mesh/mesh.h"
@@ -27,14 +28,12 @@ struct MeshJob {
 
 /// Thread that makes meshes, in the order of submission. Skips jobs that only it owns. The destructor waits for the
 /// current mesh. Thread-safe.
-class MeshWorker {
+class MeshWorker : NonCopyable {
  public:
   /// Starts without a thread. The worker thread calls `prepare` for each new mesh and `wake` after each job.
   explicit MeshWorker(std::function<void()> wake = {},
                       std::function<void(const std::shared_ptr<const vrml::Mesh>&)> prepare = {});
   ~MeshWorker();
-  MeshWorker(const MeshWorker&) = delete;
-  MeshWorker& operator=(const MeshWorker&) = delete;
 
   void add(std::shared_ptr<MeshJob> job);
   /// Waits until all submitted jobs are done.
@@ -82,8 +81,7 @@ class LateMeshes {
   /// has replaced it.
   [[nodiscard]] std::vector<Made> take(MeshCache& meshes);
 
-  /// Returns the elements that were processed within frames so far. The next function returns the meshes submitted so
-  /// far.
+  /// Returns the number of elements that were processed within frames so far.
   [[nodiscard]] std::uint64_t work_in_frames() const { return work_in_frames_; }
   [[nodiscard]] std::uint64_t handed_over() const { return handed_over_; }
 

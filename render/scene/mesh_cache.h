@@ -59,7 +59,7 @@ struct MeshCache {
   /// primitives share one mesh, with different scales, and so one draw call.
   std::unordered_map<std::string, std::shared_ptr<const vrml::Mesh>> primitives;
 
-  /// Meshes of a point set with triangles. Valid while the point set exists.
+  /// Meshes of a geometry with triangles. Valid while the geometry exists.
   struct SurfaceEntry {
     std::weak_ptr<const qnv::Geometry> geometry;
     std::array<std::shared_ptr<const vrml::Mesh>, 2> meshes;  // [1]: part with a texture

@@ -172,7 +172,7 @@ struct RenderList {
   std::uint64_t generation = 0, dressed = 0;
   std::vector<std::uint32_t> moved;
   /// Number that changes with any content, unique in the process (next_change()). While it is equal, a drawn image is
-  /// valid. 0 means that changes are not tracked. Does not cover the growth of point sets and images in the list.
+  /// valid. 0 means that changes are not tracked. Does not cover the growth of geometries and images in the list.
   std::uint64_t changes = 0;
   std::vector<SplatItem> splats;
   std::vector<Light> lights;  // directional lights have effect only through DrawItem::directional_lights
@@ -194,11 +194,11 @@ struct RenderList {
 [[nodiscard]] std::uint64_t next_change();
 
 /// Traverses the scene, including PROTO instances and attached Inlines, and collects its visible content. Accepts any
-/// graph that a file can describe: it cuts cycles; the scene's budget bounds depth, items, triangles and mesh memory,
-/// and `limit_reports` reports omissions. Many primitives get coarser meshes. Stops early if the budget is cancelled.
-/// `viewer` is the camera position in world space, for LOD. Geometry nodes in `geometries` become splats or surfaces.
-/// `bound` selects NavigationInfo, Background and Fog; null means the first ones outside Inlines. `pixels_per_radian`
-/// determines the detail of Text.
+/// graph that a file can describe: the traversal stops at cycles; the scene's budget bounds depth, items, triangles and
+/// mesh memory, and `limit_reports` reports omissions. Many primitives get coarser meshes. Stops early if the budget is
+/// cancelled. `viewer` is the camera position in world space, for LOD. Geometry nodes in `geometries` become splats or
+/// surfaces. `bound` selects NavigationInfo, Background and Fog; null means the first ones outside Inlines.
+/// `pixels_per_radian` determines the detail of Text.
 [[nodiscard]] RenderList collect(const vrml::SceneGraph& scene, const Images& images, MeshCache& meshes,
                                  const glm::dvec3& viewer = glm::dvec3(0, 0, 10), const Geometries& geometries = {},
                                  const BoundNodes* bound = nullptr, float pixels_per_radian = kUsualPixelsPerRadian);

@@ -12,7 +12,7 @@
 namespace gs::render {
 namespace {
 
-// Share of the budget that all items divide evenly, so that small point sets do not vanish.
+// Share of the budget that all items divide evenly, so that small items do not vanish.
 constexpr double kEvenPart = 0.125;
 // Maximum useful vectors per covered pixel. At full detail, voxel edges are a quarter to one pixel, and front and back
 // of the object count.

@@ -14,7 +14,7 @@
 
 namespace gs::render {
 
-/// Camera of a viewport, for the importance of point sets.
+/// Camera of a viewport, for the importance of splat items.
 struct BudgetView {
   glm::dmat4 camera_from_world{1.0};
   glm::vec2 tangents{1.0f};  // tangents of half the angles of view, horizontal and vertical

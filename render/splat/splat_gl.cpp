@@ -13,8 +13,8 @@ namespace gs::render {
 namespace {
 
 constexpr std::size_t kSurveyedDiscs = 8192;  // splats that are sampled
-// Maximum covered samples, summed over the splats. Larger point sets are thinned, because the system resets a driver
-// that is busy for seconds. Typical point sets cover a thousandth.
+// Maximum covered samples, summed over the splats. Larger geometries are thinned, because the system resets a driver
+// that is busy for seconds. Typical geometries cover a thousandth.
 constexpr double kMaxCoveredSamples = 2e10;
 constexpr float kMargin = 0.05f;  // margin of the rectangles in samples, for the rounding of their corners
 
@@ -155,7 +155,7 @@ std::optional<SplatTextures> SplatGl::draw(std::span<const SharedSplatPiece> pie
   return draw(surface, survey, view);
 }
 
-// Uploads the point sets of a surface. Returns false if the GPU has too little memory.
+// Uploads the splats of a surface. Returns false if the GPU has too little memory.
 bool SplatGl::upload(const Surface& surface) {
   const PhaseScope phase(gl_.phases, Phase::upload);
   const std::size_t rows = (surface.pieces.size() + kPiecesARow - 1) / kPiecesARow;

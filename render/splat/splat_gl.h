@@ -16,7 +16,7 @@
 
 namespace gs::render {
 
-/// Range of a point set's splats. Like SplatPiece, but owns the point set.
+/// Range of splats. Like SplatPiece, but owns the splats.
 struct SharedSplatPiece {
   std::shared_ptr<const qnv::Splats> splats;
   std::size_t first = 0, count = 0;
@@ -52,7 +52,7 @@ class SplatGl {
   /// Reads the result into a layer of the viewport's size.
   [[nodiscard]] SplatLayer read(const SplatTextures& textures, const SplatView& view);
 
-  /// Frees point sets that have no other owners. Call it once per frame.
+  /// Frees splats that have no other owners. Call it once per frame.
   void forget_unused() { store_.forget_unused(); }
   [[nodiscard]] const SplatStore& store() const { return store_; }
 

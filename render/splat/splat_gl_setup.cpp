@@ -92,7 +92,7 @@ bool SplatGl::make_targets(const SplatView& view, const Kind& kind) {
   made.width = view.width;
   made.height = view.height;
   made.samples = view.supersample;
-  // Keep attachments that only earlier point sets needed: later point sets of the image will need them again.
+  // Keep attachments that only earlier splat items needed: later items of the image will need them again.
   made.colored = kind.colored || (same && t.colored);
   made.smooth = kind.smooth || (same && t.smooth);
   t = {};

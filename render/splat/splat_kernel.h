@@ -12,7 +12,7 @@
 
 namespace gs::render {
 
-/// Splats of a point set in the form that the kernels read.
+/// Splats of a geometry in the form that the kernels read.
 struct SplatSource {
   const glm::vec3 *positions = nullptr, *normals = nullptr;
   const float* weights = nullptr;

@@ -206,7 +206,7 @@ void SplatPass::draw_layer(const SplatLayer& layer, const RenderList& list, cons
                            const Projection& projection, const DrawOptions& options) {
   if (layer.empty()) return;
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
-  lights_.begin(list.lights, camera_from_world, options.headlight);
+  lights_.begin(list.lights, camera_from_world, options);
   const WideBox bounds = world_bounds(item.mesh->bounds, item.world_from_node);
   const glm::dvec3 center = (glm::dvec3(bounds.lower) + glm::dvec3(bounds.upper)) * 0.5;
   const std::uint32_t set =
@@ -216,7 +216,7 @@ void SplatPass::draw_layer(const SplatLayer& layer, const RenderList& list, cons
   const SavedTarget target(gl_);
   const SplatTextures textures = upload(layer);
   target.bind();
-  shade(shown_material(item.material, options.clouds.color_by), textures, 0, set,
+  shade(shown_material(item.material, options.splat_style.color_by), textures, 0, set,
         camera_fog(list.fog, glm::mat3(camera.world_from_camera), projection.back), projection, options);
   gl_.Viewport(options.x, options.y, options.width, options.height);
   gl_.Scissor(options.x, options.y, options.width, options.height);
@@ -229,7 +229,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
   splat_gl_.forget_unused();
   if (list.splats.empty()) return;
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
-  lights_.begin(list.lights, camera_from_world, options.headlight);
+  lights_.begin(list.lights, camera_from_world, options);
   const CameraFog fog = camera_fog(list.fog, glm::mat3(camera.world_from_camera), projection.back);
   std::vector<std::uint32_t> sets;
   for (const SplatItem& item : list.splats) {
@@ -244,26 +244,24 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
   const SavedTarget target(gl_);
   SplatView view = viewport_view(camera, projection, options);
   view.supersample = options.samples > 1 ? 2 : 1;
-  view.color_by_normal = options.clouds.color_by == ColorBy::normal;
+  view.color_by_normal = options.splat_style.color_by == ColorBy::normal;
   // Cut for the whole image, so that its tiles match.
   SplatView whole = whole_view(view, camera);
   const std::vector<std::size_t> shares =
       share_budget(list.splats, budget_view(whole, camera_from_world), options.budget);
   std::size_t streams = 0, decodable = options.most_decoded;
   for (const SplatItem& item : list.splats) streams += item.geometry->as<qnv::OctreeSplats>() ? 1 : 0;
-  std::unordered_map<const qnv::LodStream*, std::uint32_t> shown;  // instances of each stream so far
+  std::unordered_map<const qnv::ChunkRequests*, std::uint32_t> shown;  // instances of each stream so far
   for (std::size_t i = 0; i < list.splats.size(); ++i) {
     const SplatItem& item = list.splats[i];
     const auto* splats = item.geometry->as<qnv::Splats>();
     const auto* octree = item.geometry->as<qnv::OctreeSplats>();
     if (splats ? !has_whole_arrays(*splats) : !octree) continue;
     whole.camera_from_node = view.camera_from_node = glm::mat4(camera_from_world * item.world_from_node);
-    CutOptions wanted{shares[i], 0, item.detail, options.viewport, options.clouds.color_by};
-    if (octree) {
-      // Each instance of a stream keeps its own level of detail.
-      wanted.viewport += shown[octree->stream.get()]++ << 16;
-      if (options.most_decoded > 0) wanted.most_decoded = std::max<std::size_t>(decodable / streams--, 1);
-    }
+    CutOptions wanted{shares[i], 0, item.detail, options.viewport, options.splat_style.color_by};
+    // Each instance of a stream keeps its own level of detail.
+    if (const auto* requests = item.geometry->base().requests.get()) wanted.viewport += shown[requests]++ << 16;
+    if (octree && options.most_decoded > 0) wanted.most_decoded = std::max<std::size_t>(decodable / streams--, 1);
     const SplatCut cut = [&] {
       const PhaseScope phase(gl_.phases, Phase::cut);
       return cut_splats(item.geometry, whole, wanted);
@@ -278,11 +276,11 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
     if (!textures) textures = on_processor(pieces, view, whole);
     statistics.vectors += textures->discs;
     statistics.draw_calls += textures->draw_calls;
-    // Splats that OpenGL could not draw shows in the statistics.
+    // The statistics show that OpenGL could not draw splats.
     if (!by_gl || std::string_view(statistics.splats) == "none") statistics.splats = by_gl ? "gl" : "cpu";
     if (textures->normals == 0) continue;
-    shade(shown_material(item, options.clouds.color_by), *textures, by_gl ? closing_for(pieces, whole) : 0, sets[i],
-          fog, projection, options);
+    shade(shown_material(item, options.splat_style.color_by), *textures, by_gl ? closing_for(pieces, whole) : 0,
+          sets[i], fog, projection, options);
     ++statistics.draw_calls;
   }
   gl_.Viewport(options.x, options.y, options.width, options.height);

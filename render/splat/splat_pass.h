@@ -18,13 +18,13 @@
 
 namespace gs::render {
 
-/// Draws the point sets of a RenderList. Rasterizes them on the CPU or with OpenGL. Then shades each pixel with the
+/// Draws the splat items of a RenderList. Rasterizes them on the CPU or with OpenGL. Then shades each pixel with the
 /// scene's lights and tests it against the existing depth.
 class SplatPass {
  public:
   explicit SplatPass(const Gl& gl);
 
-  /// Draws the point sets. `camera` must have near and far planes. Leaves blending and the depth test off.
+  /// Draws the splat items. `camera` must have near and far planes. Leaves blending and the depth test off.
   void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
             FrameStatistics& statistics);
 

@@ -31,7 +31,7 @@ std::optional<qnv::Rgb8> tint_of(const qnv::Piece& piece, ColorBy color_by) {
   return std::nullopt;
 }
 
-/// Returns the first `count` vectors of a point set as pieces. Each piece has one tint.
+/// Returns the first `count` vectors of a geometry as pieces. Each piece has one tint.
 std::vector<SharedSplatPiece> prefix_of(const std::shared_ptr<const qnv::Splats>& splats, std::size_t count,
                                         ColorBy color_by) {
   const std::size_t all = splats->size();
@@ -92,7 +92,8 @@ SplatCut cut_splats(const std::shared_ptr<const qnv::Geometry>& geometry, const 
     cut.pieces = prefix_of(splats, options.budget == 0 ? all : std::min(all, options.budget), options.color_by);
   }
   const auto* octree = geometry->as<qnv::OctreeSplats>();
-  if (!octree) return cut;
+  const std::shared_ptr<qnv::ChunkRequests>& requests = geometry->base().requests;
+  if (!octree && !requests) return cut;
   auto looked = lod_view(view);
   if (!looked) return cut;
   qnv::LodView& lod = *looked;
@@ -102,10 +103,14 @@ SplatCut cut_splats(const std::shared_ptr<const qnv::Geometry>& geometry, const 
   lod.most_decoded = options.most_decoded;
   lod.leave_backs = true;
   lod.each_chunk = options.color_by != ColorBy::own && options.color_by != ColorBy::normal;
+  if (!octree) {
+    requests->note(lod);
+    return cut;
+  }
   for (const qnv::Piece& piece : octree->stream->cut(lod))
     cut.pieces.push_back({piece.splats, piece.first, piece.count, 1, tint_of(piece, options.color_by)});
   cut.pending = octree->stream->pending();
-  cut.decoded = octree->stream->decoded();
+  cut.decoded = octree->stream->statistics().decoded;
   return cut;
 }
 

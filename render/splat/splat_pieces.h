@@ -1,7 +1,7 @@
 #pragma once
 
 #include "qnv/codecs/octree/lod/lod.h"
-#include "render/scene/cloud_look.h"
+#include "render/scene/splat_style.h"
 #include "render/splat/splat_gl.h"
 #include "render/splat/splat_raster.h"
 
@@ -13,7 +13,7 @@
 
 namespace gs::render {
 
-/// Size and colours of the part of a point set that a view draws.
+/// Size and colours of the part of a geometry that a view draws.
 struct CutOptions {
   std::size_t budget = 0;  // maximum vectors; 0 means unlimited
   std::size_t most_decoded = 0;  // maximum vectors to decode now; 0 means unlimited
@@ -28,11 +28,11 @@ struct SplatCut {
   std::size_t decoded = 0;  // vectors that were decoded for this cut
 };
 
-/// Selects the part of a point set that a view draws. For a stream with levels, this is a cut. For other point sets, it
+/// Selects the part of a geometry that a view draws. For a stream with levels, this is a cut. For other geometries, it
 /// is the prefix of the progressive order within the budget, enlarged to keep its area.
 ///
 /// If colours distinguish levels, chunks or order of receipt, each piece has a tint of color_ramps.h. A level has one
-/// colour in all streams. In point sets without levels, octaves of the order replace levels, and blocks replace chunks.
+/// colour in all streams. In geometries without levels, octaves of the order replace levels, and blocks replace chunks.
 ///
 /// Returns no pieces if the view is not finite.
 [[nodiscard]] SplatCut cut_splats(const std::shared_ptr<const qnv::Geometry>& geometry, const SplatView& view,

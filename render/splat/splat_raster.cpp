@@ -176,7 +176,7 @@ std::size_t prepare_all(std::vector<Segment>& segments, const SplatView& view, c
         Segment& segment = segments[i];
         for (const SplatPiece& part : segment.parts)
           segment.count += kernel.prepare(source_of(part, view), camera, discs + segment.first + segment.count);
-        // Sort now, while the data is in the cache. Wait if there are so many splats that they may need thinning.
+        // Sort now, while the data is in the cache, unless there are so many splats that they may need thinning.
         count_in_tiles(segment, discs, grid, 1, most / segments.size());
         if (!segment.begin.empty()) sort_by_tiles(segment, discs, grid, 1);
       },
@@ -305,7 +305,5 @@ SurfaceMeasure measure_surface(std::span<const SplatPiece> pieces, const SplatVi
   survey.smooth = is_smooth(width, in_view);
   return survey;
 }
-
-std::string_view splat_instructions() { return splat_kernels().front().name; }
 
 }  // namespace gs::render

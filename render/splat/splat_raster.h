@@ -17,7 +17,7 @@
 
 namespace gs::render {
 
-/// View of a point set for rasterizing.
+/// View of splats for rasterizing.
 struct SplatView {
   glm::mat4 camera_from_node{1.0f};  // any affine matrix
   glm::vec2 tangents{1.0f};  // tangents of half the angles of view, horizontal and vertical
@@ -48,13 +48,13 @@ struct SplatAllocator : std::allocator<T> {
   }
 };
 
-/// Rasterized point set in a rectangle of the viewport, rows from the bottom. Empty pixels have coverage 0.
+/// Rasterized splats in a rectangle of the viewport, rows from the bottom. Empty pixels have coverage 0.
 struct SplatLayer {
   int x = 0, y = 0, width = 0, height = 0;
   std::vector<float, SplatAllocator<float>> depth;  // distance along the view axis, in camera units
   // 4 per pixel: normal in camera space, x, y, z from -1 to 1 as 0 to 65535; coverage, 0 to 65535.
   std::vector<std::uint16_t, SplatAllocator<std::uint16_t>> normals;
-  // 4 per pixel: RGB and an unused byte. Empty if the point set has one colour.
+  // 4 per pixel: RGB and an unused byte. Empty if the splats have one colour.
   std::vector<std::uint8_t, SplatAllocator<std::uint8_t>> colors;
   std::size_t discs = 0;  // splats in view
   std::size_t drawn = 0;  // drawn splats; fewer if all splats would cover more than kMaxSplatSamples samples
@@ -67,7 +67,7 @@ struct SplatLayer {
 /// Splats of an octree cover only their cube and a small margin. Gives identical bits for any number of threads.
 [[nodiscard]] SplatLayer rasterize_surface(const qnv::Splats& splats, const SplatView& view);
 
-/// Range of the splats of a point set.
+/// Range of the splats of a geometry.
 struct SplatPiece {
   const qnv::Splats* splats = nullptr;
   std::size_t first = 0, count = 0;
@@ -77,8 +77,8 @@ struct SplatPiece {
 /// Draws pieces of one surface. Either all or none may have cells; either all or none may be two-sided.
 [[nodiscard]] SplatLayer rasterize_surface(std::span<const SplatPiece> pieces, const SplatView& view);
 
-/// Maximum blended samples, summed over the splats. Larger point sets would take seconds, so they are thinned evenly.
-/// Typical point sets need a hundredth.
+/// Maximum blended samples, summed over the splats. Larger geometries would take seconds, so their splats are thinned
+/// evenly. Typical geometries need a hundredth.
 inline constexpr std::uint64_t kMaxSplatSamples = 2'000'000'000;
 
 /// Estimates for the splats of pieces in a view, from a sample.
@@ -91,8 +91,5 @@ struct SurfaceMeasure {
 /// Estimates from about `most` splats, evenly spread over the pieces. If there are fewer splats, examines all.
 [[nodiscard]] SurfaceMeasure measure_surface(std::span<const SplatPiece> pieces, const SplatView& view,
                                              std::size_t most);
-
-/// Returns the instruction set in use: "AVX-512", "AVX2" or "SSE2".
-[[nodiscard]] std::string_view splat_instructions();
 
 }  // namespace gs::render

@@ -160,7 +160,7 @@ bool SplatStore::add(std::span<const std::shared_ptr<const qnv::Splats>> sets) {
   std::vector<Upload> uploads;
   for (const auto& splats : sets) {
     Entry& entry = entries_[splats.get()];
-    // If the point set has expired, the entry belonged to another point set at this address.
+    // If the splats have expired, the entry belonged to other splats at this address.
     if (entry.splats.expired()) {
       give_back(entry);
       entry = {};
@@ -187,7 +187,7 @@ bool SplatStore::add(std::span<const std::shared_ptr<const qnv::Splats>> sets) {
   return !take_errors(gl_) && good;
 }
 
-// Allocates memory for all splats of a point set. Allocates nothing and returns false if it does not suffice.
+// Allocates memory for all splats of a geometry. Allocates nothing and returns false if it does not suffice.
 bool SplatStore::place(Entry& entry) {
   std::size_t left = entry.discs, want = std::min(left, slab_discs_);
   while (left > 0) {
@@ -240,7 +240,7 @@ bool SplatStore::make_slab(bool cells) {
   return true;
 }
 
-// Frees the point sets that were unused for the longest time, but not those of this frame. Returns false if none can be
+// Frees the splats that were unused for the longest time, but not those of this frame. Returns false if none can be
 // freed.
 bool SplatStore::make_room() {
   std::uint64_t oldest = frame_;
@@ -288,7 +288,7 @@ void SplatStore::upload(std::span<const Upload> uploads) {
   // Part of a range that one task encodes.
   struct Task {
     const Upload* upload;
-    std::size_t from;  // index of the first splat in the point set
+    std::size_t from;  // index of the first splat in the geometry
     Range to;
     std::size_t at;  // index of the first splat in `codes`
   };

@@ -18,31 +18,31 @@
 
 namespace gs::render {
 
-/// Splat in the vertex shader's format, 16 bytes. Bits: 3 x 20 for a position in the box of the point set, 2 x 14 for
-/// an octahedral normal, 16 for a logarithmic radius (0 means invisible), 24 for a colour.
+/// Splat in the vertex shader's format, 16 bytes. Bits: 3 x 20 for a position in the box of the splats, 2 x 14 for an
+/// octahedral normal, 16 for a logarithmic radius (0 means invisible), 24 for a colour.
 using SplatCode = std::array<std::uint32_t, 4>;
 /// Cube of a splat. Bits: 16 for a logarithmic edge (0 means that it has no cube), 16 for the offset of its centre.
 using CellCode = std::uint32_t;
 
-/// Parameters that decode the codes of one point set.
+/// Parameters that decode the codes of one geometry's splats.
 struct SplatCoding {
   // Maximum distance of a cube's centre from its splat, in edge lengths.
   static constexpr float kOffsetRange = 4;
-  glm::vec3 lower{0}, step{0};  // position = lower + code * step, in units of the point set
+  glm::vec3 lower{0}, step{0};  // position = lower + code * step, in units of the geometry
   glm::vec2 radius{0}, edge{0};  // log2 of radius or edge: x + code * y
   float largest_radius = 0, reach = 0;  // reach: maximum distance of a point of a cube from its splat
 };
 
-/// Returns the parameters for a point set. Returns nullopt if its arrays differ in length or no splat is finite.
-/// Accepts any numbers.
+/// Returns the parameters for the splats of a geometry. Returns nullopt if its arrays differ in length or no splat is
+/// finite. Accepts any numbers.
 [[nodiscard]] std::optional<SplatCoding> splat_coding(const qnv::Splats& splats);
 /// Encodes codes.size() splats, from index `first` on.
 void encode_splats(const qnv::Splats& splats, const SplatCoding& coding, std::size_t first, std::span<SplatCode> codes);
-/// Encodes the cubes of codes.size() splats, from index `first` on. The point set must have cubes.
+/// Encodes the cubes of codes.size() splats, from index `first` on. The splats must have cubes.
 void encode_cells(const qnv::Splats& splats, const SplatCoding& coding, std::size_t first, std::span<CellCode> codes);
 
-/// Point sets in GPU memory: 16 bytes per splat, 20 with cubes. Keeps them while they have other owners. If memory is
-/// full, frees those that were unused for the longest time.
+/// Splats in GPU memory: 16 bytes per splat, 20 with cubes. Keeps them while they have other owners. If memory is full,
+/// frees those that were unused for the longest time.
 ///
 /// The memory consists of slabs. A slab is a large buffer that thousands of clusters of a stream share, so that a cut
 /// needs few calls to upload and draw. Shaders read slabs as buffer textures, indexed by splat.
@@ -52,7 +52,7 @@ class SplatStore {
     Buffer codes, cells;  // SplatCodes, and CellCodes if there are cubes
     Texture codes_texture, cells_texture;  // RGBA32UI and R32UI, one texel per splat
     RangeAllocator free;
-    std::size_t discs = 0;  // splats of all point sets in the slab
+    std::size_t discs = 0;  // splats of all geometries in the slab
   };
   /// Range of splats in a slab.
   struct Range {
@@ -60,8 +60,8 @@ class SplatStore {
   };
   struct Entry {
     std::weak_ptr<const qnv::Splats> splats;
-    std::optional<SplatCoding> coding;  // nullopt if nothing of the point set can be drawn
-    std::vector<Range> ranges;  // ranges of the point set's splats, in the order of the splats
+    std::optional<SplatCoding> coding;  // nullopt if no splat can be drawn
+    std::vector<Range> ranges;  // ranges of the splats, in their order
     std::size_t discs = 0;
     bool cells = false;
     std::uint64_t used = 0;
@@ -71,11 +71,11 @@ class SplatStore {
   explicit SplatStore(const Gl& gl, std::size_t most_bytes = std::size_t{1} << 30,
                       std::size_t slab_discs = std::size_t{1} << 18);
 
-  /// Uploads the point sets that are not in the store. Returns false if memory does not suffice for all of them.
+  /// Uploads the splats that are not in the store. Returns false if memory does not suffice for all of them.
   bool add(std::span<const std::shared_ptr<const qnv::Splats>> sets);
-  /// Returns the entry of a point set. Returns null if it was not added. Valid until the next `add` or `forget_unused`.
+  /// Returns the entry of splats. Returns null if they were not added. Valid until the next `add` or `forget_unused`.
   [[nodiscard]] const Entry* find(const qnv::Splats* splats) const;
-  /// Frees point sets that have no other owners. Call it once per frame.
+  /// Frees splats that have no other owners. Call it once per frame.
   void forget_unused();
 
   [[nodiscard]] const Slab& slab(std::uint32_t number) const { return *slabs_[number]; }

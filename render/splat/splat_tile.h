@@ -33,16 +33,16 @@ static_assert(sizeof(SplatDisc) == 64);
 /// Flag in SplatDisc::color: the back of the splat is visible.
 constexpr std::uint32_t kSplatBack = 1u << 24;
 
-/// Rays of a view, the same for all splats of a point set.
+/// Rays of a view, the same for all splats of a geometry.
 struct SplatRays {
   glm::vec3 origin, right, up;  // node space, at depth 1: ray of sample (0, 0), and its increase per sample
   float near_plane;
 };
 
-/// Properties of all splats of a point set.
+/// Properties that all splats of a geometry share.
 struct SplatKind {
   bool cubes = false, colored = false;
-  bool sides = false;  // the point set is two-sided
+  bool sides = false;  // the splats are two-sided
   bool smooth = false;  // normals follow the surface between the splats
 };
 
@@ -63,8 +63,8 @@ struct alignas(64) SplatTile {
   std::array<std::array<Samples, 3>, kBlocksAcross> rays_across, rays_up;
   std::array<Sums, std::size_t{kBlocksAcross} * kStride> sums;
   std::array<std::array<Samples, 3>, kBlocks> color;
-  // Sums over the bells: three of the slopes, three of the slopes times the height above the splat's plane, and one of
-  // the bell times that height.
+  // Sums over the splats, for smooth normals (see splat_resolve_loop.inc). 0 to 2: gradient of the splat's weight. 3 to
+  // 5: that gradient times the height of the sample above the splat's plane. 6: weight times height.
   std::array<std::array<Samples, 7>, kBlocks> slopes;
   std::array<Samples, kBlocks> side;  // 1 if the back of the nearest surface is visible
   // Values of pixels, with kTile pixels per row.

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "qnv/codecs/displaced/tessellation/surface_cut.h"
-#include "render/scene/cloud_look.h"
+#include "render/scene/splat_style.h"
 #include "render/splat/splat_raster.h"
 
 #include <cstddef>

@@ -36,7 +36,10 @@ void SurfacePass::prepare(const RenderList& list, const Camera& camera, const Pr
     looked->budget = options.budget == 0 ? 0 : std::max<std::size_t>(options.budget / surfaces, 1);
     looked->error_pixels = static_cast<float>(options.pixel_side) / item.detail;
     looked->leave_backs = !patches->description.two_sided;
-    Kept& kept = kept_[{patches.get(), options.viewport, shown[patches.get()]++}];
+    const std::uint32_t instance = shown[patches.get()]++;
+    looked->viewport = options.viewport + (instance << 16);
+    if (patches->requests) patches->requests->note(*looked);
+    Kept& kept = kept_[{patches.get(), options.viewport, instance}];
     if (kept.surface.lock() != patches || !(kept.view == *looked)) {
       kept = {patches, *looked, qnv::cut_surface(*patches, *looked), nullptr};
     }
@@ -59,7 +62,7 @@ void SurfacePass::draw(const RenderList& list, const Camera& camera, const Proje
                        const DrawOptions& options, SplatPass& shading, FrameStatistics& statistics) {
   for (const OnProcessor& one : on_processor_) {
     const auto& patches = *one.item->patches();
-    const PatchRasterOptions looks{patches.description.two_sided, patches.color, options.clouds.color_by};
+    const PatchRasterOptions looks{patches.description.two_sided, patches.color, options.splat_style.color_by};
     const SplatLayer layer = rasterize_patches(patches, one.kept->cut, one.view, looks);
     shading.draw_layer(layer, list, *one.item, camera, projection, options);
     statistics.vectors += layer.discs;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "vrml/mesh/text_shaper.h"
 
 #include <cstddef>
@@ -20,12 +21,10 @@ struct FontFile {
 };
 
 /// Fonts of the system, from Fontconfig. One thread at a time.
-class FontCatalogue {
+class FontCatalogue : NonCopyable {
  public:
   FontCatalogue();
   ~FontCatalogue();
-  FontCatalogue(const FontCatalogue&) = delete;
-  FontCatalogue& operator=(const FontCatalogue&) = delete;
 
   /// Returns fonts for a request, best first. Later fonts supply characters that the first lacks. Takes the first
   /// available family (VRML97 6.20.2): SERIF, SANS and TYPEWRITER are always available, others if the system has them

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "render/text/glyph_outline.h"
 #include "render/text/glyph_sheet.h"
 #include "vrml/mesh/text_shaper.h"
@@ -22,7 +23,7 @@ struct RunStyle {
 };
 
 /// Font of one file. HarfBuzz shapes text, FreeType supplies outlines. One thread at a time.
-class FontFace {
+class FontFace : NonCopyable {
  public:
   /// Style properties that the font lacks. They are imitated with its outlines.
   struct Synthetic {
@@ -33,8 +34,6 @@ class FontFace {
   static std::unique_ptr<FontFace> open(const std::string& path, int index, Synthetic synthetic,
                                         GlyphSheet* sheet = nullptr);
   ~FontFace();
-  FontFace(const FontFace&) = delete;
-  FontFace& operator=(const FontFace&) = delete;
 
   [[nodiscard]] bool has(char32_t character) const;
   [[nodiscard]] vrml::LineEdges edges() const;

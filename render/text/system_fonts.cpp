@@ -143,14 +143,6 @@ std::shared_ptr<const Image> SystemFonts::glyph_picture() {
   return sheet_.image();
 }
 
-FontFile SystemFonts::main_font(const vrml::FontRequest& font) {
-  const std::lock_guard lock(mutex_);
-  Choice& chosen = choice(font);
-  for (std::size_t i = 0; i < chosen.files.size(); ++i)
-    if (face(chosen, i)) return chosen.files[i];
-  return {};
-}
-
 SystemFonts& system_fonts() {
   static SystemFonts fonts;
   return fonts;

@@ -23,10 +23,9 @@ class SystemFonts : public vrml::TextShaper {
   [[nodiscard]] vrml::LineEdges edges(const vrml::FontRequest& font) override;
   [[nodiscard]] vrml::ShapedText shape(const vrml::FontRequest& font, std::string_view text,
                                        vrml::TextDirection direction, std::size_t level) override;
-  /// Returns the atlas of vrml::kTextPictures, for all texts shaped so far. It has one component: 255 inside glyphs.
+  /// Returns the glyph atlas for Texts at the level kTextPictures. It holds the glyphs of all texts shaped so far, with
+  /// one component: 255 inside glyphs.
   [[nodiscard]] std::shared_ptr<const Image> glyph_picture();
-  /// Returns the font file that supplies most of a text. Returns an empty result if the system has no fonts.
-  [[nodiscard]] FontFile main_font(const vrml::FontRequest& font);
 
  private:
   struct Choice {

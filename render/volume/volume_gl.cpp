@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kMaxShaderLights = 8, kTransferAt = 19 + 5 * kMaxShaderLights, kItemTexels = kTransferAt + 256;
 constexpr std::size_t kMaxVectors = std::size_t{1} << 28;
 constexpr std::size_t kMaxViewports = 16;
-constexpr std::size_t kSurveyedVectors = 8192;  // vectors that are sampled
+constexpr std::size_t kSurveyedVectors = 8192;  // vectors from which survey_volumes() estimates the work
 // Maximum samples to blend. The CPU draws larger images, because it stops at opaque pixels. The system resets a driver
 // that is busy for seconds.
 constexpr double kMaxBlendedSamples = 2e10;

@@ -124,8 +124,8 @@ class Counts {
   std::vector<Grid> grids_;
 };
 
-/// Returns the box of a point set: that of the description if valid, enlarged to contain all positions. The
-/// description's box covers vectors that are not received yet.
+/// Returns the box of a volume: that of the description if valid, enlarged to contain all positions. The description's
+/// box covers vectors that are not received yet.
 Box box_of(const qnv::Volume& volume) {
   Box box;
   for (const glm::vec3& p : volume.positions)
@@ -138,12 +138,13 @@ Box box_of(const qnv::Volume& volume) {
   return box;
 }
 
-/// Returns the largest floor(sqrt(2)^i) that is at most `n`, for n >= 1. `power_above` returns the next value.
+/// Returns the largest floor(sqrt(2)^i) that is at most `n`, for n >= 1.
 std::size_t power_below(std::size_t n) {
   const std::size_t whole = std::bit_floor(n);
   const auto half = static_cast<std::size_t>(static_cast<double>(whole) * kRootOfTwo);
   return half <= n ? half : whole;
 }
+/// Returns the smallest floor(sqrt(2)^i) that is greater than `n`, for n >= 1.
 std::size_t power_above(std::size_t n) {
   const std::size_t whole = std::bit_floor(n);
   const auto half = static_cast<std::size_t>(static_cast<double>(whole) * kRootOfTwo);

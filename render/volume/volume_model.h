@@ -1,8 +1,8 @@
 #pragma once
 
 #include "qnv/base/geometry.h"
-#include "render/scene/cloud_look.h"
 #include "render/scene/fog.h"
+#include "render/scene/splat_style.h"
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
@@ -18,7 +18,7 @@
 
 namespace gs::render {
 
-/// Drawing model of a volume's vectors. raycast() and rasterize_volume() both use it.
+/// Drawing model of a volume's vectors. raycast() and rasterize_volumes() both use it.
 ///
 /// Vector k is a soft disc that faces the viewer: parallel to the image plane, at the vector's depth. The ray of a
 /// pixel meets the disc's plane at distance d from its centre. The disc's opacity there is (paper, 3.1)
@@ -76,7 +76,7 @@ struct VolumeOptions {
   CameraFog fog;
 };
 
-/// Data of a point set, or of a prefix of its vectors, that does not depend on the view.
+/// Data of a volume, or of a prefix of its vectors, that does not depend on the view.
 struct VolumeModel {
   /// s_k in node units:
   /// - Description::spacing, if the vectors around k are as dense as in a boundary three voxels thick;
@@ -84,8 +84,8 @@ struct VolumeModel {
   /// - e cbrt(1 / n) if they are denser than in a solid.
   /// At most twice the 90th percentile. If all vectors are drawn, at most the edge of the vector's cell.
   std::vector<float> spacing;
-  VolumeTransfer transfer{};  // table of the point set's description
-  float full_magnitude = 0;  // median weight of the whole point set
+  VolumeTransfer transfer{};  // table of the volume's description
+  float full_magnitude = 0;  // median weight of the whole volume
 
   [[nodiscard]] bool empty() const { return spacing.empty(); }
 };
@@ -100,13 +100,13 @@ struct VolumePrefix {
 /// vectors overlap by up to a fifth more than necessary.
 [[nodiscard]] VolumePrefix volume_prefix(std::size_t size, std::size_t budget);
 
-/// Computes the model of a point set. By default, the model is for images of all vectors.
+/// Computes the model of a volume. By default, the model is for images of all vectors.
 ///
 /// With `counted` from volume_prefix() and less than the size, the model is for all prefixes with that `counted`. It
 /// has spacings for all vectors of these prefixes, as among the first `counted` vectors.
 ///
-/// Returns an empty model if the point set is empty or its arrays are inconsistent. Thread-safe; accepts any numbers.
-/// The number of threads does not affect the result. Takes a few bytes per vector and at most 16 MB.
+/// Returns an empty model if the volume is empty or its arrays are inconsistent. Thread-safe; accepts any numbers. The
+/// number of threads does not affect the result. Takes a few bytes per vector and at most 16 MB.
 [[nodiscard]] VolumeModel volume_model(const qnv::Volume& volume, unsigned threads = 0,
                                        std::size_t counted = std::numeric_limits<std::size_t>::max());
 

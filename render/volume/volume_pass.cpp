@@ -108,7 +108,7 @@ void VolumePass::gather(const RenderList& list, const Camera& camera, const Spla
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
   const std::vector<std::size_t> shares =
       share_budget(list.splats, budget_view(view, camera_from_world), options.budget);
-  const SplatStyle& look = options.clouds;
+  const SplatStyle& look = options.splat_style;
   if (!look.transfer.empty()) scene.transfer = volume_transfer({}, look.transfer);
   scene.lights.reserve(list.splats.size());  // `items` point to elements of `lights`, so these must not move
   for (std::size_t i = 0; i < list.splats.size(); ++i) {
@@ -206,7 +206,7 @@ void VolumePass::draw(const RenderList& list, const Camera& camera, const Projec
     if (const auto drawn = volume_gl_.draw(scene.held, scene.items, gl_view)) {
       statistics.vectors += drawn->vectors;
       statistics.pending = statistics.pending || drawn->pending;
-      // Report OpenGL, unless the CPU has already drawn a point set of this frame.
+      // Report OpenGL, unless the CPU has already drawn a volume of this frame.
       if (std::string_view(statistics.splats) == "none") statistics.splats = "gl";
       ++statistics.draw_calls;
       return;

@@ -20,8 +20,8 @@
 namespace gs::render {
 
 /// Draws the volumes of a RenderList (only SplatItems with a qnv::Volume): blends the vectors of all of
-/// them by depth, with OpenGL or on the CPU, over the existing image. Colours are those of DrawOptions::clouds; of the
-/// material only the transparency counts. volume_lights() selects the lights. If the budget (share_budget) excludes
+/// them by depth, with OpenGL or on the CPU, over the existing image. Colours are those of DrawOptions::splat_style; of
+/// the material only the transparency counts. volume_lights() selects the lights. If the budget (share_budget) excludes
 /// some vectors, a volume shows a prefix of its progressive order.
 ///
 /// The existing image hides vectors behind it per sample, so that polygons before, inside and behind a volume are

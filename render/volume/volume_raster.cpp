@@ -22,7 +22,7 @@ constexpr unsigned kDepthDigitBits = 11, kDepthDigits = 1u << kDepthDigitBits;
 /// Prepares the vectors of a volume that are in view.
 class Preparer {
  public:
-  /// Prepares for an item, which must have a point set and a model.
+  /// Prepares for an item, which must have a volume and a model.
   Preparer(const VolumeItem& item, const SplatView& view)
       : volume_(*item.volume), model_(*item.model), near_plane_(view.near_plane), options_(item.options) {
     const std::optional<VolumeLens> lens = volume_lens(view, item.camera_from_node);
@@ -313,13 +313,6 @@ VolumeLayer rasterize_volumes(std::span<const VolumeItem> items, const SplatView
   }
   Painter(parts, view, stops, layer).run();
   return layer;
-}
-
-VolumeLayer rasterize_volume(const qnv::Volume& volume, const VolumeModel& model, const SplatView& view,
-                             const VolumeOptions& options) {
-  if (model.spacing.size() != volume.size()) return {};
-  const VolumeItem item{&volume, &model, view.camera_from_node, volume.size(), options};
-  return rasterize_volumes(std::span(&item, 1), view);
 }
 
 VolumeSurvey survey_volumes(std::span<const VolumeItem> items, const SplatView& view, std::size_t most) {

@@ -15,7 +15,7 @@ namespace gs::render {
 /// Volume that is part of an image.
 struct VolumeItem {
   const qnv::Volume* volume = nullptr;
-  const VolumeModel* model = nullptr;  // model of the point set
+  const VolumeModel* model = nullptr;  // model of the volume
   glm::mat4 camera_from_node{1.0f};    // any affine matrix
   std::size_t count = 0;  // number of vectors to draw, from index 0 on; at most model->spacing.size()
   VolumeOptions options;  // with lights in camera space
@@ -51,10 +51,6 @@ struct VolumeLayer {
 /// view. Thread-safe; accepts any numbers.
 [[nodiscard]] VolumeLayer rasterize_volumes(std::span<const VolumeItem> items, const SplatView& view,
                                             const VolumeStops& stops = {});
-
-/// Rasterizes all vectors of one volume.
-[[nodiscard]] VolumeLayer rasterize_volume(const qnv::Volume& volume, const VolumeModel& model, const SplatView& view,
-                                           const VolumeOptions& options);
 
 /// Estimates for the vectors of volumes in a view, from a sample.
 struct VolumeSurvey {

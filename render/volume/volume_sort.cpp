@@ -89,7 +89,7 @@ VolumeSorter::Likeness VolumeSorter::likeness(std::span<const Seen> seen, std::s
   bool same = true;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const VolumeSortPart& part = parts[i];
-    // Compare owners, not addresses: another point set may have the same address.
+    // Compare owners, not addresses: another volume may have the same address.
     if (seen[i].count != part.count || seen[i].volume.owner_before(part.volume) ||
         part.volume.owner_before(seen[i].volume))
       return Likeness::far;
@@ -146,7 +146,7 @@ void VolumeSorter::run(const std::stop_token& stop) {
     } catch (const std::bad_alloc&) {
       result->far_first.clear();
     }
-    parts.clear();  // release the point sets
+    parts.clear();  // release the volumes
     lock.lock();
     newest_ = std::move(result);
     changed_.notify_all();

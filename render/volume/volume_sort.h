@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "qnv/base/geometry.h"
 
 #include <glm/vec4.hpp>
@@ -16,7 +17,7 @@
 namespace gs::render {
 
 /// Returns a sort key that increases from the farthest to the nearest depth. +0 and -0 have equal keys. NaN has the
-/// highest.
+/// highest key.
 [[nodiscard]] std::uint32_t far_first_key(float depth);
 
 /// Sorts entries (key << 32 | value) by key, ascending and stable. Radix sort, 11 bits per pass. `other` is working
@@ -32,7 +33,7 @@ struct VolumeSortPart {
 
 /// Sorts the vectors of volumes by depth on its own thread, for the successive views of one viewport. Call all
 /// functions on one thread.
-class VolumeSorter {
+class VolumeSorter : NonCopyable {
  public:
   struct Order {
     /// Indexes of vectors over all parts, farthest first. At equal depth, later vectors come first. Valid until the
@@ -42,10 +43,7 @@ class VolumeSorter {
     std::uint64_t number = 0;  // unique serial number of the order
   };
 
-  VolumeSorter() = default;
   ~VolumeSorter();
-  VolumeSorter(const VolumeSorter&) = delete;
-  VolumeSorter& operator=(const VolumeSorter&) = delete;
 
   /// Returns the newest order that is ready, and requests the order for `parts`. Waits if the newest order is older
   /// than the previous request, has other vectors, or was made for a direction that differs by more than kMaxTurn. If

@@ -17,12 +17,12 @@
 
 namespace gs::render {
 
-/// Vector of a volume in the vertex shader's format, 16 bytes. Bits: 3 x 20 for a position in the box of the point set,
-/// 2 x 10 for an octahedral normal (or kNoNormal), 16 for a logarithmic weight (0 means zero), 24 for a colour, 8 for
-/// the class.
+/// Vector of a volume in the vertex shader's format, 16 bytes. Bits: 3 x 20 for a position in the box of the volume, 2
+/// x 10 for an octahedral normal (or kNoNormal), 16 for a logarithmic weight (0 means zero), 24 for a colour, 8 for the
+/// class.
 using VolumeCode = std::array<std::uint32_t, 4>;
 
-/// Parameters that decode the codes of one point set.
+/// Parameters that decode the codes of one volume.
 struct VolumeCoding {
   static constexpr std::uint32_t kLargestPosition = 0xFFFFF, kLargestNormal = 1022, kNoNormal = 1023,
                                  kLargestWeight = 0xFFFF;
@@ -30,20 +30,20 @@ struct VolumeCoding {
   glm::vec2 weight{0};  // log2 of the weight: x + code * y
 };
 
-/// Returns the parameters for the first `count` vectors of a point set. Accepts any numbers.
+/// Returns the parameters for the first `count` vectors of a volume. Accepts any numbers.
 [[nodiscard]] VolumeCoding volume_coding(const qnv::Volume& volume, std::size_t count);
 /// Encodes codes.size() vectors, from index `first` on.
 void encode_volume_codes(const qnv::Volume& volume, const VolumeCoding& coding, std::size_t first,
                          std::span<VolumeCode> codes);
-/// Volume that owns its point set and its model, shared with others.
+/// Volume and its model, shared with other owners.
 struct SharedVolume {
   std::shared_ptr<const qnv::Volume> volume;
   std::shared_ptr<const VolumeModel> model;
 };
 
 /// Vectors of volumes in GPU memory, 20 bytes each. One buffer texture holds all, so that several volumes can be drawn
-/// in one order. The number of vectors of a volume is that of the spacings in its model. Keeps data while the point
-/// sets have other owners. Runs on the thread of its context.
+/// in one order. The number of vectors of a volume is that of the spacings in its model. Keeps data while the volumes
+/// have other owners. Runs on the thread of its context.
 class VolumeStore {
  public:
   /// Creates an empty store that uses at most `most_bytes` of GPU memory.
@@ -56,7 +56,7 @@ class VolumeStore {
   /// Uploads the volumes that are not in the store. Returns their locations, in order. Returns an empty list if memory
   /// does not suffice. Valid until the next call.
   std::vector<Place> place(std::span<const SharedVolume> volumes);
-  /// Frees the data of point sets that have no other owners. Call it once per frame.
+  /// Frees the data of volumes that have no other owners. Call it once per frame.
   void forget_unused();
 
   [[nodiscard]] const Texture& codes() const { return codes_; }  // texture format GL_RGBA32UI

@@ -31,15 +31,17 @@ struct alignas(64) VolumeTile {
 };
 
 /// Functions that blend the splats with indexes `order`, front to back, into a tile. (left, bottom) is the lower left
-/// pixel of the tile. They stop when the tile is opaque. `tile` ignores the stops; `stopped_tile` applies them.
+/// pixel of the tile. The functions stop when the tile is opaque. `tile` ignores the stops; `stopped_tile` applies
+/// them.
 struct VolumeKernel {
   using Tile = void (*)(const VolumeSplat* splats, std::span<const std::uint32_t> order, int left, int bottom,
                         VolumeTile& tile);
   Tile tile, stopped_tile;
 };
 
-/// Returns the kernel for this CPU. The next function returns the portable kernel. Both give identical bits.
+/// Returns the fastest kernel for this CPU.
 [[nodiscard]] const VolumeKernel& volume_kernel();
+/// Returns the portable kernel. Its results are identical to those of `volume_kernel`, bit for bit.
 [[nodiscard]] const VolumeKernel& volume_kernel_baseline();
 
 }  // namespace gs::render

@@ -72,8 +72,8 @@ struct Imported {
 
   [[nodiscard]] std::vector<vrml::NodeId> all(std::string_view type) const {
     std::vector<vrml::NodeId> found;
-    for (std::uint32_t i = 1; i <= scene->node_count(); ++i)
-      if (scene->node_at(i).type->name == type) found.push_back(scene->id_at(i));
+    for (std::uint32_t i = 1; i <= scene->nodes().count(); ++i)
+      if (scene->nodes().at(i).type->name == type) found.push_back(scene->nodes().id_at(i));
     return found;
   }
   [[nodiscard]] vrml::NodeId only(std::string_view type) const {

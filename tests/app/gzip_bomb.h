@@ -1,7 +1,8 @@
 #pragma once
 
+#include "tests/gzip.h"
+
 #include <zlib.h>
-#include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -21,20 +22,7 @@ inline std::string gzip_bomb(std::string_view head, std::string_view unit, std::
   while (rest.size() < bytes - pieces * piece.size()) rest += unit;
 
   // Makes blocks that end at a whole byte and refer to nothing before.
-  const auto blocks = [](std::string_view text, int flush) {
-    z_stream stream{};
-    REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY) == Z_OK);
-    std::string out(deflateBound(&stream, static_cast<uLong>(text.size())) + 64, '\0');
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-    stream.avail_in = static_cast<uInt>(text.size());
-    stream.next_out = reinterpret_cast<Bytef*>(out.data());
-    stream.avail_out = static_cast<uInt>(out.size());
-    const int status = deflate(&stream, flush);
-    REQUIRE(status == (flush == Z_FINISH ? Z_STREAM_END : Z_OK));
-    out.resize(stream.total_out);
-    deflateEnd(&stream);
-    return out;
-  };
+  const auto blocks = [](std::string_view text, int flush) { return test::deflated(std::string(text), -15, flush); };
   const auto crc_of = [](std::string_view text) {
     return crc32_z(0, reinterpret_cast<const Bytef*>(text.data()), text.size());
   };

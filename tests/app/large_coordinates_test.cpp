@@ -20,8 +20,8 @@ std::string vector(const glm::dvec3& v) { return number(v.x) + number(v.y) + num
 /// At these coordinates float32 has steps of 1, 0.5 and 0.25 metres, and represents them exactly.
 const glm::dvec3 kFar(10'000'000, -5'000'000, 3'000'000);
 
-/// Returns boards of a few millimetres and a lamp, seen from 30 cm. `to_place` leads there; the rest is near its
-/// origin.
+/// Returns boards of a few millimetres and a lamp, seen from 30 cm. `to_place` is the distant translation; all other
+/// coordinates are near 0.
 std::string boards(const glm::dvec3& to_place, const glm::dvec3& viewer, const std::string& boards_text) {
   return "Transform { translation " + vector(to_place) +
          " children [ NavigationInfo { headlight FALSE }\n"

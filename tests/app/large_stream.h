@@ -46,7 +46,8 @@ inline std::string encoded_large_stream() {
 }
 
 /// Returns an octree stream of a bumpy ball of over a megabyte, long enough for partial reads. Tests are separate
-/// processes, so the first one that needs the stream stores it beside the program until that changes.
+/// processes, so the first test that needs the stream stores it beside the program. The file is valid until the program
+/// changes.
 inline const std::string& large_stream() {
   static const std::string bytes = [] {
     namespace fs = std::filesystem;

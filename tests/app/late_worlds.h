@@ -28,7 +28,8 @@ inline Bytes bytes_of(const std::string& text) {
   return {bytes.begin(), bytes.end()};
 }
 
-/// Adds a file of memory://a/. `rate`: bytes per second, 0 for all at once; `block`: bytes per delivery.
+/// Adds a file of memory://a/. `rate`: bytes per second; 0 means that all bytes come in one delivery. `block`: bytes
+/// per delivery.
 inline void put(LoadOptions& options, const std::string& name, Bytes bytes, std::uint64_t rate = 0,
                 std::size_t block = 64) {
   net::network_of(options.memory)
@@ -87,7 +88,7 @@ struct World {
   }
   vrml::SceneGraph& scene() { return *opened.scene; }
   vrml::NodeId root(std::size_t place) { return scene().roots()[place]; }
-  /// Sets one url, or none.
+  /// Sets the url field to one URL, or to an empty list.
   void set_url(vrml::NodeId node, const std::string& url) {
     vrml::MFString list;
     if (!url.empty()) list.push_back(url);

@@ -31,7 +31,7 @@ inline std::string number(double value) {
   return text.data();
 }
 
-/// Files by name; "main.wrl" is shown.
+/// Contents of files by name. The studio shows "main.wrl".
 using Files = std::map<std::string, std::string>;
 
 /// Studio that draws worlds of 64 x 64 pixels from their first Viewpoint.

@@ -12,12 +12,12 @@ using namespace pairs;
 
 namespace {
 
-/// Seen obliquely from above, with its own light.
+/// Beginning of each world: a view obliquely from above, and a light.
 const std::string kScene =
     "NavigationInfo { headlight FALSE }\n"
     "Viewpoint { position 2.2 2.4 5 orientation -0.74 0.66 0.12 0.55 }\n"
     "DirectionalLight { direction -0.3 -1 -0.6 ambientIntensity 0.4 }\n";
-/// Four colours, none of them black.
+/// Texture with four colours. None is black.
 const std::string kTexture =
     "PixelTexture { image 4 2 3 0xff4040 0x40ff40 0x4040ff 0xffff40 0xff40ff 0x40ffff 0xffffff 0x808080 }";
 const std::string kDressed =
@@ -79,7 +79,7 @@ TEST_CASE("draws every geometry like the IndexedFaceSet of its triangles (VRML97
                                  [&](int segments) { return kScene + shape(faces_of(mesh_of(geometry, segments))); });
 }
 
-TEST_CASE("draws equal shapes of different geometry nodes alike") {
+TEST_CASE("draws equal pictures of equal shapes by different geometry nodes") {
   Studio studio;
   const auto alike = [&](const std::string& what, const std::string& a, const std::string& b) {
     check_alike(studio, what, kScene + a, kScene + b);
@@ -119,7 +119,7 @@ TEST_CASE("draws equal shapes of different geometry nodes alike") {
             "-0.5 -0.5, 0.5 0.5, 0.5 0.5 ] }"));
 }
 
-TEST_CASE("draws faces alike, however they are listed (VRML97 6.23)") {
+TEST_CASE("draws equal pictures of faces in any notation (VRML97 6.23)") {
   Studio studio;
   const auto alike = [&](const std::string& what, const std::string& a, const std::string& b,
                          const std::string& appearance = kDressed) {
@@ -155,7 +155,8 @@ TEST_CASE("draws faces alike, however they are listed (VRML97 6.23)") {
             "normal Normal { vector [ -0.6246950 0.7808688 0, 0 1 0, 0.6246950 0.7808688 0, -0.6246950 0.7808688 0, 0 "
             "1 0, "
             "0.6246950 0.7808688 0 ] }");
-  // S along the longest side of the box (ties: X, Y, Z), T along the next one, both scaled by the longest.
+  // S is along the longest side of the box, T along the next one; the longest side scales both. The order X, Y, Z
+  // decides between equal sides.
   alike("default texture coordinates", roof + faces,
         roof + faces + "texCoord TextureCoordinate { point [ 0 1, 0.5 1, 1 1, 0 0, 0.5 0, 1 0 ] }");
   alike("seen from behind",
@@ -165,7 +166,7 @@ TEST_CASE("draws faces alike, however they are listed (VRML97 6.23)") {
         "texCoord TextureCoordinate { point [ 0 0, 1 0, 1 1, 0 1 ] }");
 }
 
-TEST_CASE("draws lines and points alike, however they are listed (VRML97 6.24, 6.36)") {
+TEST_CASE("draws equal pictures of lines and points in any notation (VRML97 6.24, 6.36)") {
   Studio studio;
   const std::string points = "coord Coordinate { point [ -1 -1 0, 1 -1 0, 1 1 0, -1 1 0, -1 0 1, 1 0 1 ] } ";
   const auto lines = [&](const std::string& rest, const std::string& appearance = glowing("1 0 0")) {

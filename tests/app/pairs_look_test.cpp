@@ -27,7 +27,7 @@ const std::string kColors = "image 4 2 3 0xff4040 0x40ff40 0x4040ff 0xffff40 0xf
 
 }  // namespace
 
-TEST_CASE("draws lights alike, wherever they are written (VRML97 4.6.6, 6.16, 6.35, 6.45)") {
+TEST_CASE("draws equal pictures wherever a light is written (VRML97 4.6.6, 6.16, 6.35, 6.45)") {
   Studio studio;
   const std::string ball = shape(material("diffuseColor 0.9 0.7 0.5 specularColor 0.4 0.4 0.4"), "Sphere { }");
   const std::string box = shape(material("diffuseColor 0.2 0.7 0.9"));
@@ -99,7 +99,7 @@ TEST_CASE("takes colours from the sources of the lighting tables (VRML97 4.14, T
     return "Transform { translation 0 0 -2 children " + wall + " }" + text;
   };
   const std::string half = number(128.0 / 255), quarter = number(64.0 / 255), part = number(96.0 / 255);
-  // Unlit without Material.
+  // A Shape without Material is unlit.
   const auto unlit = [&](const std::string& color, const std::string& more = "") {
     return shape(material("diffuseColor 0 0 0 ambientIntensity 0 emissiveColor " + color + more));
   };
@@ -116,7 +116,7 @@ TEST_CASE("takes colours from the sources of the lighting tables (VRML97 4.14, T
       "IndexedFaceSet { coord Coordinate { point [ -1 -1 0, 1 -1 0, 1 1 0, -1 1 0 ] } coordIndex [ 0 1 2 3 ] ";
   alike("unlit, Color node", "Shape { geometry " + square + color + "} }",
         shape(material("diffuseColor 0 0 0 emissiveColor 0.9 0.5 0.2"), square + "}"));
-  // Lit: a Color node replaces diffuseColor, intensity multiplies it, RGB replaces it.
+  // With Material: a Color node replaces diffuseColor. An intensity texture multiplies it, an RGB texture replaces it.
   const std::string rest = "specularColor 0.2 0.2 0.2 ambientIntensity 0.5 emissiveColor 0.1 0 0 ";
   alike("lit, Color node", shape(material(rest + "diffuseColor 0 1 0"), square + color + "}"),
         shape(material(rest + "diffuseColor 0.9 0.5 0.2"), square + "}"));
@@ -143,7 +143,7 @@ TEST_CASE("takes colours from the sources of the lighting tables (VRML97 4.14, T
         shape(material(rest + "diffuseColor 0.8 0.6 0.4")));
 }
 
-TEST_CASE("draws textures alike by coordinates and by transform (VRML97 6.22, 6.33, 6.48, 6.49)") {
+TEST_CASE("draws equal pictures by texture coordinates and by TextureTransform (VRML97 6.22, 6.33, 6.48, 6.49)") {
   Studio studio;
   const std::string view = "Viewpoint { position 0 0 3 }\n";
   const auto textured = [&](const std::string& texture, const std::string& coordinates) {
@@ -181,7 +181,8 @@ TEST_CASE("draws textures alike by coordinates and by transform (VRML97 6.22, 6.
   alike("all of it", transformed("rotation 0.7 center 0.4 0.1 scale 1.5 0.7 translation 0.2 0.6"),
         textured("", by_formula({0.4, 0.1}, 0.7, {1.5, 0.7}, {0.2, 0.6})));
   alike("repeated", textured("", "0 0, 2 0, 2 2, 0 2"), textured("", "-3 5, -1 5, -1 7, -3 7"));
-  // Clamped coordinates show the colours of the edge: of the right column from s = 1 on, of the top row from t = 1 on.
+  // Clamped coordinates show the colours of the edge. From s = 1 on this is the right column, from t = 1 on the top
+  // row.
   alike("clamped", textured("repeatS FALSE repeatT FALSE", "2 2, 3 2, 3 3, 2 3"),
         view + shape("texture PixelTexture { image 1 1 3 0x808080 }", kSquare));
   alike(
@@ -195,7 +196,7 @@ TEST_CASE("draws textures alike by coordinates and by transform (VRML97 6.22, 6.
                    "0xffff40 }",
                    kSquare));
 
-  // The same pixels in an image file.
+  // An image file has the same pixels.
   render::Image image{4, 2, 3, {}};
   for (const unsigned word : {0xff40ffu, 0x40ffffu, 0xffffffu, 0x808080u, 0xff4040u, 0x40ff40u, 0x4040ffu, 0xffff40u})
     for (const int shift : {16, 8, 0}) image.pixels.push_back(static_cast<std::uint8_t>(word >> shift));
@@ -213,7 +214,7 @@ TEST_CASE("draws textures alike by coordinates and by transform (VRML97 6.22, 6.
         40);
 }
 
-TEST_CASE("draws transparent surfaces alike in any order, of shapes and within a mesh (VRML97 4.14)") {
+TEST_CASE("draws equal pictures for any order of transparent shapes and faces (VRML97 4.14)") {
   Studio studio;
   const std::string view = "NavigationInfo { headlight FALSE } Viewpoint { position 0 0 4 }\n";
   const auto square = [](double z, double x) {
@@ -246,7 +247,7 @@ TEST_CASE("draws transparent surfaces alike in any order, of shapes and within a
               in_order, 0);
   check_alike(studio, "faces, middle first", faces("4 5 6 7 -1 0 1 2 3 -1 8 9 10 11 -1", "0 1 0, 1 0 0, 0 0 1"),
               in_order, 0);
-  // In one mesh, and in three.
+  // The faces are in one mesh, and in three meshes.
   const std::string three = view + "DirectionalLight { }" + [&] {
     std::string text;
     for (const auto& [z, x, color] : {std::tuple{0.5, -0.3, "1 0 0"}, {0.0, 0.0, "0 1 0"}, {-0.5, 0.3, "0 0 1"}})
@@ -272,7 +273,7 @@ TEST_CASE("draws transparent surfaces alike in any order, of shapes and within a
   };
   const std::string a = pane(0.5, -0.3, "0xff000080"), b = pane(-0.5, 0.3, "0x0000ff80");
   check_alike(studio, "textures", view + a + b, view + b + a, 0);
-  // One in front of the other, of which 127 / 255 of half remain.
+  // One pane is in front of the other. Of the farther pane, 127 / 255 of one half remain.
   const render::Image panes = studio.picture(view + a + b);
   const std::uint8_t* middle = panes.pixels.data() + (std::size_t{32} * panes.width + 32) * panes.components;
   CHECK(middle[0] == Approx(128).margin(1.5));

@@ -62,7 +62,7 @@ TEST_CASE("ignores wrong bounding boxes (VRML97 4.6.4)") {
     }
 }
 
-TEST_CASE("draws joined and separate transformations alike (VRML97 6.52)") {
+TEST_CASE("draws equal pictures for joined and for separate transformations (VRML97 6.52)") {
   Studio studio;
   const auto alike = [&](const std::string& what, const std::string& a, const std::string& b) {
     check_alike(studio, what, kView + a, kView + b, 20);
@@ -178,7 +178,7 @@ TEST_CASE("draws Inlines, PROTOs and EXTERNPROTOs like their content (VRML97 4.8
                                      "rotation 0 1 0 0.3 translation IS at children IS inside } } P { inside [ " +
                                      body + " ] }"}},
               pasted, 0);
-  // IS values of nodes of every kind.
+  // IS passes values to nodes of every kind.
   check_alike(studio, "values by IS",
               kView +
                   "PROTO P [ field SFColor c 1 1 1 field SFVec3f s 1 1 1 field SFVec2f t 0 0 field SFImage i 0 0 0 ] { "

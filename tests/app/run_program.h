@@ -19,7 +19,7 @@ struct Run {
   std::string output;  // stdout and stderr
 };
 
-/// Runs a shell line. Output that its parts redirect is not returned.
+/// Runs a shell line. Returns the output, except redirected output.
 inline Run run_shell(const std::string& line) {
   // AddressSanitizer would print suppressed leaks at the end.
   FILE* pipe = popen(("export LSAN_OPTIONS=print_suppressions=0; { " + line + "; } 2>&1").c_str(), "r");

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/noncopyable.h"
+
 #include <atomic>
 #include <filesystem>
 #include <fstream>
@@ -10,7 +12,7 @@
 #include <unistd.h>
 
 /// Temporary folder of one test.
-class ScratchFolder {
+class ScratchFolder : gs::NonCopyable {
  public:
   ScratchFolder() {
     static std::atomic<int> count{0};
@@ -22,11 +24,9 @@ class ScratchFolder {
     std::error_code error;
     std::filesystem::remove_all(path_, error);
   }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
 
-  /// Writes a file as a new one. ext4 flushes files that are truncated and written again, which costs milliseconds per
-  /// round.
+  /// Writes a new file. Removes an old file first, because ext4 flushes files that are truncated and written again.
+  /// Each flush takes milliseconds.
   std::string write(const std::string& name, std::string_view bytes) const {
     const std::filesystem::path path = path_ / name;
     std::filesystem::create_directories(path.parent_path());

@@ -4,10 +4,10 @@
 #include "qnv/sampling/volume/volume_slices.h"
 #include "tests/app/formats_helpers.h"
 #include "tests/app/scratch_folder.h"
+#include "tests/gzip.h"
 
 #include <catch2/catch.hpp>
 
-#include <zlib.h>
 
 #include <algorithm>
 #include <array>
@@ -43,19 +43,7 @@ inline Bytes operator+(Bytes a, const Bytes& b) {
   return a;
 }
 
-inline Bytes gzipped(const Bytes& bytes, int window = 31) {
-  z_stream stream{};
-  REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, window, 8, Z_DEFAULT_STRATEGY) == Z_OK);
-  Bytes out(deflateBound(&stream, bytes.size()) + 64);
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(bytes.data()));
-  stream.avail_in = static_cast<uInt>(bytes.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  REQUIRE(deflate(&stream, Z_FINISH) == Z_STREAM_END);
-  const auto end = out.begin() + static_cast<std::ptrdiff_t>(out.size() - stream.avail_out);
-  deflateEnd(&stream);
-  return {out.begin(), end};
-}
+inline Bytes gzipped(const Bytes& bytes, int window = 31) { return test::deflated(bytes, window); }
 inline Bytes zlib_packed(const Bytes& bytes) { return gzipped(bytes, 15); }
 
 inline std::vector<float> values_of(const qnv::VolumeSource& source) {

@@ -2,13 +2,14 @@
 #include "app/base/local_file.h"
 #include "app/encode/mesh_stream.h"
 #include "app/formats/content_types.h"
-#include "app/formats/qnv/cloud_reader.h"
+#include "app/formats/qnv/geometry_reader.h"
 #include "app/formats/volume/volume_common.h"
 #include "app/script/script_runner.h"
 #include "base/gzip.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/sampling/volume/gradients.h"
 #include "render/scene/render_list.h"
+#include "tests/app/scratch_folder.h"
 #include "tests/fuzz/app_targets.h"
 #include "vrml/mesh/mesh.h"
 #include "vrml/syntax/parser.h"
@@ -39,8 +40,8 @@ Limits small_limits() {
 void check_scene(const vrml::SceneGraph& scene) {
   vrml::MeshOptions coarse;
   coarse.segments = 6;
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
-    const vrml::Mesh mesh = tessellate(scene, scene.id_at(i), coarse);
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
+    const vrml::Mesh mesh = tessellate(scene, scene.nodes().id_at(i), coarse);
     for (const std::uint32_t index : mesh.indices) require(index < mesh.positions.size());
   }
   render::MeshCache meshes;
@@ -60,8 +61,8 @@ bool run_vrml(std::span<const std::byte> bytes) {
     parser.push(text_of(bytes));
   (void)parser.finish();
   check_scene(scene);
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
-    const vrml::NodeId node = scene.id_at(i);
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
+    const vrml::NodeId node = scene.nodes().id_at(i);
     if (!(scene.resolve_as(node, vrml::NodeKind::qnv) == node)) continue;
     const auto made = inline_vectors(scene, node);
     if (const auto* geometry = std::get_if<qnv::Geometry>(&made))
@@ -84,7 +85,7 @@ bool run_mesh(const ContentType& type, std::span<const std::byte> bytes) {
   const auto scene = import_scene(type, {files.first, "fuzz", read_file, budget, diagnostics});
   for (const Diagnostic& diagnostic : diagnostics.entries()) require(!diagnostic.message.empty());
   if (scene) check_scene(*scene);
-  if (scene && scene->node_count() <= 2000) (void)vrml::print(*scene);
+  if (scene && scene->nodes().count() <= 2000) (void)vrml::print(*scene);
   // Read it again as a stream of a mesh that does not fit into memory.
   if (const auto stream = open_mesh_stream(files.first)) {
     std::uint64_t triangles = 0;
@@ -110,7 +111,7 @@ void check_vectors(const qnv::VectorView& vectors) {
 }
 
 /// Fuzzes a format of streams or vectors, also compressed by gzip.
-bool run_cloud(const ContentType& type, std::span<const std::byte> bytes) {
+bool run_geometry(const ContentType& type, std::span<const std::byte> bytes) {
   Diagnostics diagnostics;
   const LoadLimit limit(std::chrono::steady_clock::now() + std::chrono::hours(1));
   const auto geometry = read_geometry(type, {"fuzz", bytes}, diagnostics, limit);
@@ -128,26 +129,15 @@ bool run_cloud(const ContentType& type, std::span<const std::byte> bytes) {
 /// Folder with two files: one that headers may name, "volume.img", and the partner in formats of two files.
 class VolumeFolder {
  public:
-  VolumeFolder() {
-    std::string pattern = (fs::temp_directory_path() / "ghostspace-fuzz-XXXXXX").string();
-    require(::mkdtemp(pattern.data()) != nullptr);
-    folder_ = pattern;
-  }
-  ~VolumeFolder() {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-  VolumeFolder(const VolumeFolder&) = delete;
-  VolumeFolder& operator=(const VolumeFolder&) = delete;
-  [[nodiscard]] std::string header() const { return (folder_ / "volume.hdr").string(); }
+  [[nodiscard]] std::string header() const { return folder_.path("volume.hdr"); }
   void write(std::span<const std::byte> bytes) {
     if (bytes.empty() && !written_) return;
-    std::ofstream(folder_ / "volume.img", std::ios::binary) << text_of(bytes);
+    folder_.write("volume.img", text_of(bytes));
     written_ = !bytes.empty();
   }
 
  private:
-  fs::path folder_;
+  ScratchFolder folder_;
   bool written_ = false;
 };
 
@@ -273,11 +263,11 @@ std::vector<FuzzTarget> fuzz_targets() {
         targets.push_back({name, [&type](Bytes bytes) { return run_mesh(type, bytes); }, kMaxBytes});
         break;
       case ContentClass::stream:
-      case ContentClass::cloud:
-        targets.push_back({name, [&type](Bytes bytes) { return run_cloud(type, bytes); }, kMaxBytes});
+      case ContentClass::splats:
+        targets.push_back({name, [&type](Bytes bytes) { return run_geometry(type, bytes); }, kMaxBytes});
         break;
       case ContentClass::volume:
-        break;  // these have their own table
+        break;  // volumes have their own table
     }
   }
   for (const VolumeFormat& format : volume_formats())

@@ -29,7 +29,7 @@ namespace {
 
 constexpr char kFirst[] = "memory://a/world.wrl";
 constexpr double kSeconds = 1, kPiece = 0.25;  // seconds of simulated time
-constexpr std::clock_t kMaxProcessor = 4;  // seconds of processor time for a trace or a session
+constexpr std::clock_t kMaxProcessor = 4;      // seconds of processor time for a trace or a session
 constexpr glm::ivec2 kSize(64, 64);
 
 std::vector<std::byte> bytes_of(std::string_view text) {
@@ -73,8 +73,8 @@ void collect_garbage(const ScriptMessage& message) {
 /// Ends the program if a field refers to a node that its scene does not contain.
 void check_nodes(const vrml::SceneGraph& scene) {
   const auto check = [&](vrml::NodeId id) { require(!id || scene.contains(id)); };
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
-    const vrml::NodeId id = scene.id_at(i);
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
+    const vrml::NodeId id = scene.nodes().id_at(i);
     if (!scene.contains(id)) continue;
     const vrml::Node& node = scene.node(id);
     for (const vrml::FieldValue& value : std::span(node.values, node.type->defaults.size())) {
@@ -184,8 +184,8 @@ void visit(const LoadOptions& options, std::string_view console) {
     WorldRuntime& runtime = *seen->document->runtime;
     runtime.programs().observe(collect_garbage);
     const vrml::SceneGraph& scene = *seen->document->world.scene;
-    for (std::uint32_t at = 1; !console.empty() && i % 8 == 7 && at <= scene.node_count(); ++at) {
-      const vrml::NodeId id = scene.id_at(at);
+    for (std::uint32_t at = 1; !console.empty() && i % 8 == 7 && at <= scene.nodes().count(); ++at) {
+      const vrml::NodeId id = scene.nodes().id_at(at);
       if (!scene.contains(id) || scene.node(id).name != "S0") continue;
       (void)runtime.programs().evaluate(scene, id, std::string(console));
       (void)runtime.programs().evaluate(scene, {}, std::string(console));
@@ -198,7 +198,7 @@ void visit(const LoadOptions& options, std::string_view console) {
 
 bool play_script_world(std::string_view text, bool verbose) {
   const std::vector<WorldPart> parts = world_parts(text);
-  // Refuse worlds that could use a network.
+  // Reject worlds that could use a network.
   if (parts.empty() || text.find("tp:") != text.npos || text.find("tps:") != text.npos) return false;
   const LoadOptions options = site_of(parts);
   bool good = false;

@@ -34,7 +34,7 @@ bool run_urls(std::span<const std::byte> bytes) {
     const std::string path = path_of_url(url);
     require(path.empty() || url.scheme == "file");
     if (path.starts_with('/')) {
-      const std::string plain = path_of_url(url_of_path(path));  // without "/./"; of a drive, without its slash
+      const std::string plain = path_of_url(url_of_path(path));  // without "/./"; a drive has no leading slash
       require(!plain.starts_with('/') || path_of_url(url_of_path(plain)) == plain);
     }
     require(!has_control(url_for_messages(url.text())));
@@ -123,7 +123,7 @@ bool run_cache_entry(std::span<const std::byte> bytes) {
     require(again && again->key == entry->key && again->extents.size() == entry->extents.size());
     return true;
   };
-  // The record ends with a checksum. Correct it after a mutation.
+  // The record ends with a checksum. The target corrects the checksum after a mutation.
   std::vector<std::byte> mended = own;
   if (mended.size() >= 4) {
     const std::uint32_t sum = cache_checksum(std::span(mended).first(mended.size() - 4));

@@ -1,12 +1,10 @@
 // Fuzzes requests to a served folder. No file outside of it may be opened, and all headers of responses must be valid.
 #include "net/serve/http_site.h"
+#include "tests/app/scratch_folder.h"
 #include "tests/fuzz/net_targets.h"
 
 #include <filesystem>
-#include <fstream>
 #include <map>
-
-#include <stdlib.h>
 
 using namespace gs::net;
 
@@ -19,16 +17,12 @@ namespace fs = std::filesystem;
 class ServedSample {
  public:
   ServedSample() {
-    std::string pattern = (fs::temp_directory_path() / "ghostspace-fuzz-XXXXXX").string();
-    require(::mkdtemp(pattern.data()) != nullptr);
-    base_ = pattern;
-    fs::create_directories(base_ / "www" / "sub folder");
-    std::ofstream(base_ / "secret") << "secret";
-    std::ofstream(base_ / "www" / "a.txt") << std::string(2000, 'a');
-    std::ofstream(base_ / "www" / ".hidden") << "hidden";
-    std::ofstream(base_ / "www" / "sub folder" / "b.wrl") << "#VRML V2.0 utf8\n";
-    fs::create_symlink("../secret", base_ / "www" / "way_out");
-    fs::create_symlink("a.txt", base_ / "www" / "way_in");
+    base_.write("secret", "secret");
+    base_.write("www/a.txt", std::string(2000, 'a'));
+    base_.write("www/.hidden", "hidden");
+    base_.write("www/sub folder/b.wrl", "#VRML V2.0 utf8\n");
+    fs::create_symlink("../secret", base_.path("www/way_out"));
+    fs::create_symlink("a.txt", base_.path("www/way_in"));
     inode_ = std::get<ServedFile>(root("").open(RequestPath{{"secret"}, false})).stamp.inode;
     options_.type_of = [](const std::string& name) { return ServedType{"text/plain", name.ends_with(".txt")}; };
     options_.list = [](const FolderListing& listing, const FolderRequest& request) {
@@ -39,21 +33,15 @@ class ServedSample {
     };
     site_ = std::make_unique<HttpSite>(options_, root("www"), nullptr, [] { return std::string("metrics\n"); });
   }
-  ~ServedSample() {
-    std::error_code ignored;
-    fs::remove_all(base_, ignored);
-  }
-  ServedSample(const ServedSample&) = delete;
-  ServedSample& operator=(const ServedSample&) = delete;
 
   [[nodiscard]] HttpSite::Reply answer(const HttpRequest& request) const { return site_->answer(request); }
   [[nodiscard]] std::uint64_t forbidden() const { return inode_; }
 
  private:
   [[nodiscard]] ServedFolder root(const std::string& name) const {
-    return std::get<ServedFolder>(ServedFolder::open((base_ / name).string()));
+    return std::get<ServedFolder>(ServedFolder::open(base_.path(name)));
   }
-  fs::path base_;
+  ScratchFolder base_;
   std::uint64_t inode_ = 0;
   HttpServerOptions options_;
   std::unique_ptr<HttpSite> site_;

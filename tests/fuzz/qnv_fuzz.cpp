@@ -1,5 +1,6 @@
-// Any bytes, whole and in pieces, must decode without harm and to the same sound geometry, and be drawn at any detail.
-// Checksums that a mutation broke are mended first, so that the fuzzer reaches what is behind them.
+// Fuzzes decoders of streams. Any bytes must decode without harm, whole and in pieces, to the same valid geometry,
+// which must be drawable at any detail. Broken checksums are corrected first, so that the fuzzer reaches the code after
+// them.
 #include "qnv/codecs/displaced/tessellation/patch_mesh.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/outlines/outline_stream.h"
@@ -28,20 +29,20 @@ std::vector<std::uint8_t> with_checksums(std::span<const std::byte> bytes) {
 }
 
 void check_sound(const Geometry& geometry) {
-  const VectorView cloud(geometry);
-  require(cloud.normals.size() == cloud.size() && cloud.weights.size() == cloud.size());
-  require(cloud.colors.empty() || cloud.colors.size() == cloud.size());
-  require(cloud.classes.empty() || cloud.classes.size() == cloud.size());
-  require(cloud.cells.empty() || cloud.cells.size() == cloud.size());
-  for (const float weight : cloud.weights) require(weight > 0 && std::isfinite(weight));
-  for (const glm::vec3& p : cloud.positions) require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+  const VectorView vectors(geometry);
+  require(vectors.normals.size() == vectors.size() && vectors.weights.size() == vectors.size());
+  require(vectors.colors.empty() || vectors.colors.size() == vectors.size());
+  require(vectors.classes.empty() || vectors.classes.size() == vectors.size());
+  require(vectors.cells.empty() || vectors.cells.size() == vectors.size());
+  for (const float weight : vectors.weights) require(weight > 0 && std::isfinite(weight));
+  for (const glm::vec3& p : vectors.positions) require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
   const auto* mesh = geometry.as<IndexedMesh>();
   if (!mesh) return;
   require(mesh->triangles.size() % 3 == 0);
   for (const std::uint32_t vertex : mesh->triangles) require(vertex < mesh->size());
 }
 
-// Passes all bytes at once to one decoder, and in pieces to another. Both must have equal results.
+// Passes all bytes at once to one decoder, and in pieces to another. The results must be equal.
 template <class Decoder>
 void read(std::span<const std::byte> bytes, Decoder& whole, Decoder& pieces) {
   (void)whole.push(bytes);
@@ -54,10 +55,10 @@ void decode(std::span<const std::byte> bytes) {
   StreamDecoder whole(kMaxVectors), pieces(kMaxVectors);
   read(bytes, whole, pieces);
   const Geometry geometry = whole.geometry(), other_geometry = pieces.geometry();
-  const VectorView cloud(geometry), other(other_geometry);
+  const VectorView vectors(geometry), other(other_geometry);
   check_sound(geometry);
-  require(cloud.size() == whole.vectors() && cloud.size() <= kMaxVectors);
-  require(std::ranges::equal(cloud.positions, other.positions) && std::ranges::equal(cloud.weights, other.weights));
+  require(vectors.size() == whole.vectors() && vectors.size() <= kMaxVectors);
+  require(std::ranges::equal(vectors.positions, other.positions) && std::ranges::equal(vectors.weights, other.weights));
   require(whole.problems().size() == pieces.problems().size());
 }
 
@@ -112,7 +113,7 @@ void look_at(LodStream& stream) {
       require(piece.splats && piece.first <= piece.splats->size() && piece.count <= piece.splats->size() - piece.first);
       check_sound(*piece.splats);
     }
-    (void)stream.wanted_by_all();
+    (void)stream.wanted();
   }
   if (stream.count() <= kMaxVectors) check_sound(stream.whole());
 }
@@ -127,7 +128,7 @@ bool run_levels(std::span<const std::byte> bytes) {
   auto opened = LodStream::open(std::vector(sound.begin(), sound.end()), kCache);
   if (auto* stream = std::get_if<std::unique_ptr<LodStream>>(&opened)) {
     look_at(**stream);
-    taken = (*stream)->clusters() > 0;
+    taken = (*stream)->statistics().clusters > 0;
   }
   auto lying = LodStream::open(memory_source(std::vector(sound.begin(), sound.end())), kCache);
   if (auto* stream = std::get_if<std::unique_ptr<LodStream>>(&lying)) look_at(**stream);

@@ -34,8 +34,9 @@ void ScriptGrammar::function(const std::string& head, const std::string& tail, c
 
 std::string ScriptGrammar::number() {
   if (depth_ < kDeepest && random_.once_in(4)) return hostile();
-  return random_.pick({"0", "1", "2", "-1", "0.5", "7", "1e9", "NaN", "1e300", "-Infinity", "calls", "null",
-                       "undefined", "true", "v", "pts.length", "kids.length", "me", "4294967295"});
+  return random_.pick({"0",   "1",          "2",          "-1",          "0.5",  "7",         "1e9",
+                       "NaN", "1e300",      "-Infinity",  "calls",       "null", "undefined", "true",
+                       "v",   "undeclared", "pts.length", "kids.length", "me",   "4294967295"});
 }
 
 std::string ScriptGrammar::text() {
@@ -322,8 +323,48 @@ void ScriptGrammar::list_call() {
   }
 }
 
+// Appends a call or an assignment of the Browser object of other browsers (app/script/browser/browser.cpp).
+void ScriptGrammar::contact_call() {
+  switch (random_.below(8)) {
+    case 0:
+      return line("Browser." + random_.pick({"viewpointPosition", "viewpointOrientation", "eventMask", "windowSize"}) +
+                  " = " + any() + ";");
+    case 1:
+      return line("Browser." + random_.pick({"setViewpointByValue", "getViewpointByValue", "computeRayHit"}) + "(" +
+                  vector() + ", " + vector() + ", " + any() + ");");
+    case 2:
+      return line("Browser." +
+                  random_.pick({"setAvatarHeight", "setStepOverSize", "setCollisionDistance", "setVisibilityLimit",
+                                "setWalkSpeed", "setHeadlight", "setGravity", "setCollisionDetection",
+                                "setSoundEnabled", "setViewpointAnimation"}) +
+                  "(" + number() + ");");
+    case 3:
+      return line("Browser.setNavigationMode(" + quoted(random_.pick({"WALK", "fly", "NONE", "SLIDE", "x"})) + ");");
+    case 4:
+      return line("Browser." + random_.pick({"addRoute", "addRoute", "deleteRoute"}) + "(Browser, " +
+                  quoted(random_.pick({"event_changed", "windowAspect", "viewpointPosition"})) + ", " + node() + ", " +
+                  quoted(random_.pick({"one", "go", "place", "set_translation"})) + ");");
+    case 5:
+      return line("Browser.addRoute(" + node() + ", " + quoted(random_.pick({"v", "translation"})) + ", Browser, " +
+                  quoted("set_viewpointPosition") + ");");
+    case 6:
+      return line("use(Browser." +
+                  random_.pick({"getScript()", "boundViewpoint", "getAvatarHeight()", "getZFar()", "viewpointPosition",
+                                "getOption(s)", "setOption(s, s)", "getBaseURL()", "isKeyPressed(65)", "unknown(n)",
+                                "getNavigationMode()"}) +
+                  ");");
+    default:
+      return line("var hit = Browser.computeRayHit(" + vector() + ", " + vector() +
+                  "); if (hit) { hold(hit.hitPath[0]); n = hit.hitPath[hit.hitPath.length - 1]; }");
+  }
+}
+
 void ScriptGrammar::browser_call() {
-  switch (random_.below(10)) {
+  switch (random_.below(13)) {
+    case 10:
+    case 11:
+    case 12:
+      return contact_call();
     case 0:
     case 1:
       if (!nested_ && depth_ <= 2 && random_.once_in(2)) return nested_script();

@@ -27,8 +27,8 @@ class Random {
 /// lines. Programs use only single quotes, because they are inside of VRML strings.
 class ScriptGrammar {
  public:
-  /// Prepares a generator that appends to `out`. Each bit of `kinds` permits a kind of statement. Without some kinds,
-  /// others reach code that is harder to reach.
+  /// Prepares a generator that appends to `out`. Each bit of `kinds` permits a kind of statement. If some kinds are
+  /// missing, the other kinds reach more code.
   ScriptGrammar(Random& random, std::string& out, std::uint64_t kinds) : random_(random), out_(out), kinds_(kinds) {}
 
   /// Appends a complete program: variables, helper functions and event handlers.
@@ -45,6 +45,7 @@ class ScriptGrammar {
   void node_write();
   void list_call();
   void browser_call();
+  void contact_call();
   void later();
   void abuse();
   void function(const std::string& head, const std::string& tail, const std::string& result);

@@ -106,6 +106,9 @@ void WorldMaker::routes(int scripts, bool prototypes) {
     out_ += "ROUTE " + name() + "." + wire.out + " TO ";
     out_ += name() + "." + wire.in + "\n";
   }
+  if (random_.once_in(3)) out_ += "ROUTE Browser.event_changed TO " + name() + ".one\n";
+  if (random_.once_in(3)) out_ += "ROUTE Browser.viewpointPosition TO " + name() + ".place\n";
+  if (random_.once_in(4)) out_ += "ROUTE I0.children_changed TO " + name() + ".nodes\n";
   if (prototypes) out_ += "ROUTE C.cycleTime TO P0.tick\nROUTE P0.kids TO " + name() + ".nodes\n";
 }
 

@@ -35,7 +35,7 @@ namespace fs = std::filesystem;
 
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr std::size_t kMaxBytes = 24576;  // maximum bytes of a mutation; longer ones are slower and find no more faults
+constexpr std::size_t kMaxBytes = 24576;  // bytes of a mutation; longer ones are slower and find no more faults
 constexpr int kMaxSeconds = 10;  // maximum processor seconds for one input
 constexpr double kLongSeconds = 1;  // longer inputs are reported
 // Smaller streams are mutated kSmallTurns times as often, because larger ones take about five times as long.
@@ -54,7 +54,7 @@ struct SeedStream {
   std::vector<Part> sections, chunks;
 };
 
-/// Splits a stream into parts. Of an invalid stream, takes the parts to which its lengths lead.
+/// Splits a stream into parts. If the stream is invalid, follows its lengths as far as possible.
 SeedStream parts_of(const Bytes& bytes, std::string name) {
   SeedStream stream;
   stream.name = std::move(name);
@@ -99,7 +99,7 @@ class Mutator {
  private:
   std::size_t below(std::size_t most) { return most == 0 ? 0 : random_() % most; }
 
-  /// Returns a number with which readers often fail, such as a boundary value.
+  /// Returns a number that often causes faults in readers, such as a boundary value.
   std::uint32_t telling_number() {
     constexpr std::array<std::uint32_t, 14> kNumbers{
         0, 1, 2, 0x7f, 0x80, 0xff, 0x100, 0x7fff, 0x8000, 0xffff, 0x7fffffff, 0x80000000, 0xffffffff, 0x7f800000};
@@ -317,7 +317,7 @@ int run(std::size_t count, std::uint64_t seed, std::size_t first, const char* ke
     const itimerval limit{{0, 0}, {kMaxSeconds, 0}};
     setitimer(ITIMER_PROF, &limit, nullptr);
     const double before = processor_seconds();
-    // The first target decodes everything. Of the others, which draw parts, only one runs.
+    // The first target decodes everything. Only one of the other targets runs; they draw parts.
     const bool taken = targets.front().run(std::as_bytes(std::span(bytes)));
     if (targets.size() > 1) (void)targets[1 + i % (targets.size() - 1)].run(std::as_bytes(std::span(bytes)));
     Count& done = counts[stream.name];

@@ -1,5 +1,5 @@
-// Fuzzes the VRML parser and the execution of worlds. Whole and in pieces, any bytes must give the same scene, text,
-// meshes and events.
+// Fuzzes the VRML parser and the execution of worlds. Any bytes must give the same scene, text, meshes and events,
+// whole or in pieces.
 #include "tests/fuzz/fuzz_target.h"
 #include "vrml/behaviours/browser_events.h"
 #include "vrml/events/execution.h"
@@ -67,8 +67,8 @@ std::uint64_t live(SceneGraph& scene) {
   });
   double now = 946684800;
   execution.start(now);
-  for (std::uint32_t i = 1; i <= std::min<std::size_t>(kNodes, scene.node_count()); ++i) {
-    const NodeId id = scene.id_at(i);
+  for (std::uint32_t i = 1; i <= std::min<std::size_t>(kNodes, scene.nodes().count()); ++i) {
+    const NodeId id = scene.nodes().id_at(i);
     if (scene.node(id).in_prototype_body) continue;
     touch(execution, scene, id, now);
     for (const InterfaceDeclaration& declaration : scene.node(id).type->interfaces)
@@ -100,8 +100,8 @@ bool run_world(std::span<const std::byte> bytes) {
   require(said_whole.entries().size() == said_pieces.entries().size());
   MeshOptions coarse;
   coarse.segments = 6;
-  for (std::uint32_t i = 1; i <= whole.node_count(); ++i) {
-    const Mesh mesh = tessellate(whole, whole.id_at(i), coarse);
+  for (std::uint32_t i = 1; i <= whole.nodes().count(); ++i) {
+    const Mesh mesh = tessellate(whole, whole.nodes().id_at(i), coarse);
     for (const std::uint32_t index : mesh.indices) require(index < mesh.positions.size());
   }
   require(live(whole) == live(pieces));

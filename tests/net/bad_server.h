@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/noncopyable.h"
+
 #include <catch2/catch.hpp>
 
 #include <atomic>
@@ -19,16 +21,16 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-/// Server on a loopback address that sends what a test scripts, however wrong. The kernel chooses the port.
+/// Server on a loopback address that sends scripted bytes, which may be wrong. The kernel chooses the port.
 namespace gs::net::test {
 
-class BadServer {
+class BadServer : NonCopyable {
  public:
   /// One request on one connection.
   class Exchange {
    public:
     std::string request;      // the request line and the headers
-    unsigned number = 0;      // number of the request, from 0
+    unsigned number = 0;      // index of the request
     bool keep_alive = false;  // set if another request may follow
 
     /// Returns false if the client is gone.
@@ -78,8 +80,6 @@ class BadServer {
     port_ = ntohs(address.sin_port);
     acceptor_ = std::thread([this] { accept(); });
   }
-  BadServer(const BadServer&) = delete;
-  BadServer& operator=(const BadServer&) = delete;
   ~BadServer() {
     {
       const std::lock_guard lock(mutex_);

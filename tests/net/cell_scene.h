@@ -14,18 +14,18 @@
 
 namespace gs::net {
 
-/// Source with bytes that follow from their positions, so that a reader can check them.
+/// Source with bytes that are a function of their positions, so that a test can check received bytes.
 class PatternSource : public CellSource {
  public:
   struct Stream {
     bool records = true;
-    std::uint32_t chunks = 0, bytes = 0;  // of a chunk's body
+    std::uint32_t chunks = 0, bytes = 0;  // chunks per stream; bytes of a chunk's body
   };
   PatternSource(std::size_t base, std::vector<Stream> streams, std::uint32_t version = 7)
       : base_(base), streams_(std::move(streams)), version_(version) {
     for (std::size_t i = 0; i < base; ++i) base_[i] = static_cast<std::byte>(i * 7 + (i >> 8));
   }
-  /// Fills the bytes of a chunk from `offset` on, eight of one number.
+  /// Fills the bytes of a chunk from `offset` on. Each number gives eight bytes.
   static void fill(std::span<std::byte> bytes, std::size_t stream, std::uint32_t chunk, std::size_t offset) {
     for (std::size_t done = 0; done < bytes.size();) {
       std::uint64_t state = stream << 56 | std::uint64_t{chunk} << 24 | (offset + done) / 8;
@@ -87,6 +87,30 @@ class PatternLibrary : public CellLibrary {
   }
 };
 
+using Streams = std::vector<PatternSource::Stream>;
+
+/// Returns options of a server with a response to losses and a secret of two numbers: `secret` and its successor.
+inline CellServerOptions server_options(CongestionResponse response = CongestionResponse::reserved,
+                                        std::uint64_t secret = 1) {
+  CellServerOptions options;
+  options.secret = {secret, secret + 1};
+  options.session.response = response;
+  return options;
+}
+
+/// Returns a library with one source, "a".
+inline std::shared_ptr<PatternLibrary> library(const std::shared_ptr<CellSource>& source) {
+  auto made = std::make_shared<PatternLibrary>();
+  made->sources["a"] = source;
+  return made;
+}
+
+inline CellWish wish(std::string path = "a") {
+  CellWish result;
+  result.path = std::move(path);
+  return result;
+}
+
 /// Data of one client, checked byte by byte.
 struct ReceivedCells {
   bool ok = true, base = false, ended = false, failed = false, refused = false;
@@ -147,7 +171,7 @@ struct ReceivedCells {
   }
 };
 
-/// A server and its clients, each with its own link, in simulated time.
+/// Server and clients in simulated time. Each client has its own link.
 class Scene {
  public:
   struct Client {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/noncopyable.h"
+
 #include <curl/curl.h>
 #include <catch2/catch.hpp>
 
@@ -67,8 +69,8 @@ inline Got fetch(std::uint16_t port, const std::string& target, const std::vecto
   return got;
 }
 
-/// Returns a free loopback port.
-inline std::uint16_t free_port() {
+/// Opens a socket on a free loopback port.
+inline int bound_socket(std::uint16_t& port) {
   const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -76,17 +78,22 @@ inline std::uint16_t free_port() {
   socklen_t size = sizeof address;
   REQUIRE(::bind(socket, reinterpret_cast<const sockaddr*>(&address), size) == 0);
   REQUIRE(::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0);
-  ::close(socket);
-  return ntohs(address.sin_port);
+  port = ntohs(address.sin_port);
+  return socket;
+}
+
+/// Returns a free loopback port.
+inline std::uint16_t free_port() {
+  std::uint16_t port = 0;
+  ::close(bound_socket(port));
+  return port;
 }
 
 /// Connection without a library. `from` is the client's address in 127.0.0.0/8.
-class RawClient {
+class RawClient : NonCopyable {
  public:
-  explicit RawClient(std::uint16_t port, const char* from = "127.0.0.1", int receive_buffer = 0) {
-    socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    must(socket_ >= 0, "socket");
-    if (receive_buffer > 0) ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
+  explicit RawClient(std::uint16_t port, const char* from = "127.0.0.1", int receive_buffer = 0)
+      : RawClient(AF_INET, receive_buffer) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     ::inet_pton(AF_INET, from, &address.sin_addr);
@@ -95,22 +102,20 @@ class RawClient {
     address.sin_port = htons(port);
     must(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0, "connect");
   }
-  // Replaces Catch's assertions, which work on one thread only.
+  // Fails the test. Used instead of Catch's assertions, which work on one thread only.
   static void must(bool good, const char* what) {
     if (!good) throw std::system_error(errno, std::generic_category(), what);
   }
   ~RawClient() { ::close(socket_); }
-  RawClient(const RawClient&) = delete;
-  RawClient& operator=(const RawClient&) = delete;
 
   [[nodiscard]] int socket() const { return socket_; }
-  void send(const std::string& text) const {
-    std::size_t at = 0;
-    while (at < text.size()) {
+  bool send(const std::string& text) const {
+    for (std::size_t at = 0; at < text.size();) {
       const ssize_t sent = ::send(socket_, text.data() + at, text.size() - at, MSG_NOSIGNAL);
-      if (sent <= 0) return;
+      if (sent <= 0) return false;
       at += static_cast<std::size_t>(sent);
     }
+    return true;
   }
   /// Returns the next bytes, or an empty text at the end of the connection.
   [[nodiscard]] std::string receive(std::size_t most = 65536) const {
@@ -126,7 +131,12 @@ class RawClient {
     return all;
   }
 
- private:
+ protected:
+  RawClient(int family, int receive_buffer) : socket_(::socket(family, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    must(socket_ >= 0, "socket");
+    if (receive_buffer > 0) ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
+  }
+
   int socket_ = -1;
 };
 

@@ -12,13 +12,13 @@
 
 namespace gs::net {
 
-/// Scripted direction of a network: equal seeds and calls give equal results, bit for bit.
+/// One direction of a simulated network. Equal seeds and calls give equal results, bit for bit.
 class Link {
  public:
   struct Options {
     Instant latency{0};
     std::uint64_t bandwidth = 0;     // bits per second; 0 means unlimited
-    std::size_t queue = 256 * 1024;  // bytes that can wait for the bandwidth; more are dropped
+    std::size_t queue = 256 * 1024;  // maximum bytes that wait for the bandwidth; further packets are dropped
     double loss = 0, duplicated = 0, reordered = 0;
     Instant reordered_by{20'000};
     bool cut = false;  // nothing passes

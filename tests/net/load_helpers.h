@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/noncopyable.h"
 #include "net/load/load_engine.h"
 #include "net/load/loader.h"
 #include "tests/net/memory_network.h"
@@ -20,15 +21,13 @@
 namespace gs::net::test {
 
 /// Temporary folder of one test.
-class TemporaryFolder {
+class TemporaryFolder : NonCopyable {
  public:
   TemporaryFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "ghostspace-loader-test-XXXXXX").string();
     REQUIRE(::mkdtemp(name.data()) != nullptr);
     path_ = name;
   }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
   ~TemporaryFolder() {
     std::error_code error;
     std::filesystem::remove_all(path_, error);
@@ -74,7 +73,7 @@ inline Request ranges_of(const std::string& url, std::vector<ByteRange> ranges) 
 
 /// Result of one request. Fails the test if the order of events is wrong.
 struct Outcome {
-  std::string events;  // one letter each: Head, data (one d per run), Restarted, done (.), error (!)
+  std::string events;  // one letter per event: H head, d a run of data, R restart, . done, ! error
   LoadHead head;
   std::map<std::uint64_t, std::string> pieces;  // joined
   std::optional<LoadError> error;
@@ -181,7 +180,7 @@ class Bench {
       const auto next = engine->step(now);
       const std::size_t before = queue->queued_bytes();
       if (polls) poll();
-      if (polls && before > 0) continue;  // polling made room
+      if (polls && before > 0) continue;  // polling freed space, so continue
       if (!next) return;
       if (*next > end) {
         now = end;
@@ -226,7 +225,7 @@ inline std::map<RequestId, Outcome> wait_for(Loader& loader, const std::vector<R
       if (!outcomes[id].ended()) return true;
     return false;
   };
-  // Prevents hanging; asserts nothing about time.
+  // The deadline only prevents a hang; it checks no time.
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   while (open()) {
     for (const LoadEvent& event : loader.poll(max_bytes)) outcomes[event.id].add(event);

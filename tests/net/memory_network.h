@@ -213,7 +213,7 @@ struct MakeMemoryTransport {
   std::unique_ptr<Transport> operator()() const { return std::make_unique<MemoryTransport>(network); }
 };
 
-/// Returns the network of options that have a MakeMemoryTransport.
+/// Returns the network that a MakeMemoryTransport in the options uses.
 [[nodiscard]] inline MemoryNetwork& network_of(const std::function<std::unique_ptr<Transport>()>& memory) {
   return *memory.target<MakeMemoryTransport>()->network;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "net/serve/http_server.h"
 #include "tests/net/http_client.h"
 
@@ -14,7 +15,7 @@
 namespace gs::net::test {
 
 /// Served folder with a folder for made files beside it; both are temporary.
-class ServedSite {
+class ServedSite : NonCopyable {
  public:
   ServedSite() {
     static std::atomic<int> count{0};
@@ -28,8 +29,6 @@ class ServedSite {
     server.reset();
     std::filesystem::remove_all(base_);
   }
-  ServedSite(const ServedSite&) = delete;
-  ServedSite& operator=(const ServedSite&) = delete;
 
   /// Writes a file of the served folder; "../x" is beside it.
   void write(const std::string& name, const std::string& bytes) const {

@@ -1,3 +1,4 @@
+#include "base/noncopyable.h"
 #include "tests/net/served_site.h"
 
 #include <cstdlib>
@@ -33,7 +34,7 @@ std::string documented_block() {
 }
 
 /// nginx with the documented block, for one folder; killed at the end.
-class DocumentedNginx {
+class DocumentedNginx : gs::NonCopyable {
  public:
   explicit DocumentedNginx(const fs::path& base) {
     const std::string program = "/usr/sbin/nginx";
@@ -46,8 +47,6 @@ class DocumentedNginx {
     ::kill(child_, SIGTERM);
     ::waitpid(child_, nullptr, 0);
   }
-  DocumentedNginx(const DocumentedNginx&) = delete;
-  DocumentedNginx& operator=(const DocumentedNginx&) = delete;
 
   bool running = false;
   std::uint16_t port = 0;

@@ -16,7 +16,7 @@
 #include <variant>
 #include <vector>
 
-// Comparable content of outline streams.
+// Decoded content of outline streams, in a form that tests can compare.
 namespace gs::qnv::outlines {
 
 using Bytes = std::vector<std::byte>;

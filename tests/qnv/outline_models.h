@@ -77,7 +77,7 @@ inline OutlineGroups groups_of(const PolygonModel& model, const OutlineOptions& 
   return std::move(std::get<OutlineGroups>(made));
 }
 
-/// Returns the polygons shown in the end.
+/// Returns the polygons that are finally shown.
 inline const OutlinePolygons& surface_of(const OutlineGroup& group) {
   return group.inner.empty() ? group.outline : group.inner;
 }

@@ -4,6 +4,7 @@
 #include "qnv/base/voxels.h"
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/shared/encode_options.h"
+#include "tests/watched.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>
@@ -107,6 +108,16 @@ inline Triangles random_triangles(std::size_t count, float extent, std::uint32_t
   return out;
 }
 
+inline void check_sound(const IndexedMesh& geometry) {
+  REQUIRE_EACH(geometry.normals.size() == geometry.size());
+  REQUIRE_EACH(geometry.weights.size() == geometry.size());
+  REQUIRE_EACH((geometry.colors.empty() || geometry.colors.size() == geometry.size()));
+  for (const std::uint32_t v : geometry.triangles) REQUIRE_EACH(v < geometry.size());
+  for (const float w : geometry.weights) REQUIRE_EACH((w > 0 && std::isfinite(w)));
+  for (const glm::vec3& p : geometry.positions) REQUIRE_EACH(std::isfinite(p.x + p.y + p.z));
+  for (const glm::vec3& n : geometry.normals) REQUIRE_EACH(std::abs(glm::length(n) - 1) < 1e-3f);
+}
+
 inline Box box_of(const Triangles& triangles) {
   Box box;
   for (const Triangle& t : triangles)
@@ -134,9 +145,9 @@ inline EncodedStream encoded(const Triangles& triangles, const EncodeOptions& op
   return std::get<EncodedStream>(std::move(result));
 }
 
-inline double total_weight(const VectorArrays& cloud) {
+inline double total_weight(const VectorArrays& geometry) {
   double total = 0;
-  for (const float weight : cloud.weights) total += weight;
+  for (const float weight : geometry.weights) total += weight;
   return total;
 }
 

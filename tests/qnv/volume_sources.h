@@ -48,7 +48,7 @@ inline qnv::VolumeLayout oblique(std::uint32_t nx, std::uint32_t ny, std::uint32
   return layout;
 }
 
-/// Returns the position of a voxel, by definition.
+/// Returns the position of a voxel, computed from the definition.
 inline glm::vec3 place_of(const qnv::VolumeLayout& layout, float x, float y, float z) {
   return glm::vec3(layout.origin) + x * layout.axes[0] + y * layout.axes[1] + z * layout.axes[2];
 }

@@ -18,7 +18,7 @@ namespace gs::qnv {
 /// Soft ball with a plate inside, on an oblique lattice of n^3 voxels, with the longest quarter of its gradients.
 struct SoftBall {
   VolumeSource source;
-  Volume cloud;
+  Volume geometry;
 
   explicit SoftBall(std::uint32_t n, double fraction = 0.25) {
     const auto middle = static_cast<float>(n - 1) * 0.5f, radius = static_cast<float>(n) * 0.33f;
@@ -31,9 +31,9 @@ struct SoftBall {
     GradientOptions options;
     options.fraction = fraction;
     auto found = gradient_vectors(source, options);
-    cloud = std::move(std::get<Volume>(found));
+    geometry = std::move(std::get<Volume>(found));
   }
-  [[nodiscard]] VolumeVectors vectors() const { return {cloud, source.layout}; }
+  [[nodiscard]] VolumeVectors vectors() const { return {geometry, source.layout}; }
   [[nodiscard]] EncodedStream stream(const EncodeOptions& options = {}) const {
     auto encoded = encode_voxels(vectors(), options);
     return std::move(std::get<EncodedStream>(encoded));

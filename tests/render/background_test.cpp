@@ -27,7 +27,7 @@ glm::vec3 color_at(Drawing& drawing, const Background& background, float from_ze
   return pixel(drawing.draw(list, looking_up(kHalfTurn / 2 - from_zenith)), 32, 32);
 }
 
-/// The panorama face in view direction `ahead`, with `up` upwards (VRML97 6.5).
+/// Face of the panorama, its view direction and its up direction (VRML97 6.5).
 struct Look {
   Background::Face face;
   glm::vec3 ahead, up;
@@ -55,7 +55,7 @@ std::shared_ptr<const Image> face_picture(std::size_t face) {
   return std::make_shared<const Image>(Image{2, 2, 3, {red, 0, 0, red, 255, 0, red, 0, 255, red, 255, 255}});
 }
 
-/// Checks that the image is the face's, upright and not mirrored.
+/// Checks that the picture shows this face, upright and not mirrored.
 void check_face(const Image& drawn, std::size_t face) {
   const float red = 40 * static_cast<float>(face) / 255;
   check_color(pixel(drawn, 15, 15), {red, 0, 0}, 9);

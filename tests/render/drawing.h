@@ -73,13 +73,17 @@ inline Camera camera_at(const glm::vec3& eye) {
   return camera;
 }
 
+inline std::unique_ptr<GlContext> open_osmesa() {
+  auto opened = open_headless_context("osmesa");
+  if (auto* error = std::get_if<ContextError>(&opened)) FAIL(error->message);
+  return std::move(std::get<std::unique_ptr<GlContext>>(opened));
+}
+
 /// Renderer on OSMesa, which GhostSpace requires. Without it, the test fails.
 class Drawing {
  public:
   Drawing() {
-    auto opened = open_headless_context("osmesa");
-    if (auto* error = std::get_if<ContextError>(&opened)) FAIL(error->message);
-    context_ = std::move(std::get<std::unique_ptr<GlContext>>(opened));
+    context_ = open_osmesa();
     auto made = Renderer::create(*context_);
     if (auto* error = std::get_if<ContextError>(&made)) FAIL(error->message);
     renderer_ = std::move(std::get<std::unique_ptr<Renderer>>(made));

@@ -38,11 +38,7 @@ RenderList parsed(const std::string& body) {
 }
 
 Fog fog_of(bool exponential, float visibility, const glm::vec3& color = {0.2f, 0.9f, 0.4f}) {
-  Fog fog;
-  fog.exponential = exponential;
-  fog.visibility_range = visibility;
-  fog.color = color;
-  return fog;
+  return {.color = color, .exponential = exponential, .visibility_range = visibility};
 }
 
 }  // namespace
@@ -76,7 +72,7 @@ TEST_CASE("measures visibilityRange in the Fog's coordinate system (VRML97 6.19)
   CHECK_FALSE(parsed("Fog { fogType \"exponential\" }").fog.exponential);
   CHECK(interpolant(fog, {0, 3, -4}) == Approx(0.5));
   CHECK(interpolant("Transform { scale 2 2 2 children " + fog + " }", {0, 3, -4}) == Approx(0.75));
-  // Neither rotated nor moved.
+  // Rotation and translation of the Fog have no effect.
   CHECK(interpolant("Transform { translation 50 6 7 rotation 1 2 3 0.7 children " + fog + " }", {0, 3, -4}) ==
         Approx(0.5));
   // The Fog's coordinate system is stretched along y.
@@ -171,7 +167,7 @@ TEST_CASE("keeps fog relative to the viewer in every direction") {
   turned.world_from_node =
       glm::mat4(glm::vec4(0, 0, -1, 0), glm::vec4(0, 1, 0, 0), glm::vec4(1, 0, 0, 0), glm::vec4(0, 0, 0, 1));
   add(list, turned);
-  // 8 m along x are 4 of the Fog's: a fifth.
+  // 8 m along x are 4 units of the Fog, so the fog has a fifth of its effect.
   check_color(pixel(drawing.draw(list, camera), 32, 32), glm::mix(list.fog.color, glm::vec3(1), 0.8f), 2.1f);
 }
 

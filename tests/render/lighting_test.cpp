@@ -83,23 +83,19 @@ void check_against_equation(const Material& material, std::vector<Light> lights,
 }
 
 Light directional_light() {
-  Light light;
-  light.kind = Light::Kind::directional;
-  light.direction = glm::normalize(glm::vec3(1, -2, -3));
-  light.color = {1, 0.8f, 0.5f};
-  light.intensity = 0.7f;
-  light.ambient_intensity = 0.6f;
-  return light;
+  return {.kind = Light::Kind::directional,
+          .color = {1, 0.8f, 0.5f},
+          .direction = glm::normalize(glm::vec3(1, -2, -3)),
+          .intensity = 0.7f,
+          .ambient_intensity = 0.6f};
 }
 
 Light point_light() {
-  Light light;
-  light.kind = Light::Kind::point;
-  light.location = {1, -1, 2};
-  light.attenuation = {0.5f, 0.2f, 0.1f};
-  light.intensity = 1;
-  light.ambient_intensity = 0.3f;
-  return light;
+  return {.kind = Light::Kind::point,
+          .location = {1, -1, 2},
+          .attenuation = {0.5f, 0.2f, 0.1f},
+          .intensity = 1,
+          .ambient_intensity = 0.3f};
 }
 
 Light spot_light() {
@@ -181,7 +177,7 @@ TEST_CASE("applies a thousand lights to an item, and of more the strongest", "[o
     light.intensity = 0.005f;
   }
   list.lights[99].intensity = 0.6f;
-  // 0.6 and 99 times 0.005, each times diffuse 0.5
+  // The lights are 0.6 and 99 times 0.005. Diffuse 0.5 multiplies each.
   check_color(pixel(drawing.draw(list), 32, 32), glm::vec3(0.5475f), 1.5f);
   list.lights.insert(list.lights.begin(), kMaxLightsOfAnItem, list.lights[0]);
   for (Light& light : list.lights) light.intensity = 1e-4f;

@@ -1,4 +1,5 @@
-// Pairs of worlds with equal pictures: one uses a field of Text, Fog or Background, the other does without.
+// Pairs of worlds with equal pictures: one uses a field of Text, Fog or Background, the other has an equivalent without
+// this field.
 
 #include "render/collection/render_scene.h"
 #include "tests/render/drawing.h"
@@ -66,7 +67,7 @@ std::string text(const std::string& fields, const std::string& transform = "") {
 
 }  // namespace
 
-TEST_CASE("draws Text like its written-out form") {
+TEST_CASE("draws Text equal to Text with explicit defaults, scales and translations") {
   const std::string word = "string \"Shore\"";
   // 6.20: the defaults.
   check_alike(text(word),
@@ -90,7 +91,7 @@ TEST_CASE("draws Text like its written-out form") {
               text("string \"Sea\"" + vertical) + text("string \"tide\"" + again, "translation 1 0 0"));
 }
 
-TEST_CASE("draws Text by USE and by PROTO like its written-out form") {
+TEST_CASE("draws Text by USE and by PROTO equal to Text without them") {
   const std::string words = "Text { string [ \"ab\" \"cd\" ] fontStyle FontStyle { style \"BOLD\" } }";
   const std::string shape = "Shape { " + kPaint + "geometry ";
   const std::string plain = "Transform { children " + shape + words + " } }\n" +
@@ -146,8 +147,8 @@ TEST_CASE("draws small texts in one batch as one by one") {
     for (const int samples : {1, 4}) {
       INFO(about << samples);
       ParsedWorld world(about + labels);
-      const Geometries clouds;
-      RenderScene gathered(*world.scene, world.images, clouds, world.meshes);
+      const Geometries geometries;
+      RenderScene gathered(*world.scene, world.images, geometries, world.meshes);
       gathered.gather({}, {0, 0, 10});
       RenderList list = gathered.list();
       REQUIRE(list.items.size() == 6);

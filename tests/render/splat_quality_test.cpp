@@ -16,10 +16,10 @@ using namespace gs::render::testing;
 
 namespace {
 
-RenderList bumpy_list(std::shared_ptr<const qnv::Geometry> cloud) {
+RenderList bumpy_list(std::shared_ptr<const qnv::Geometry> geometry) {
   RenderList list;
   SplatItem item;
-  item.geometry = std::move(cloud);
+  item.geometry = std::move(geometry);
   list.splats.push_back(std::move(item));
   list.bounds.add({-1.06f, -1.06f, -1.06f});
   list.bounds.add({1.06f, 1.06f, 1.06f});
@@ -27,8 +27,8 @@ RenderList bumpy_list(std::shared_ptr<const qnv::Geometry> cloud) {
 }
 
 /// Returns a white item in any light.
-RenderList white(std::shared_ptr<const qnv::Geometry> cloud) {
-  RenderList list = bumpy_list(std::move(cloud));
+RenderList white(std::shared_ptr<const qnv::Geometry> geometry) {
+  RenderList list = bumpy_list(std::move(geometry));
   list.splats[0].material.diffuse = glm::vec3(0);
   list.splats[0].material.emissive = glm::vec3(1);
   return list;
@@ -46,7 +46,7 @@ struct Holes {
   std::size_t pixels = 0, open = 0;
 };
 
-/// Counts pixels with rays within `within` of the origin, and those that show the background.
+/// Counts the pixels with rays within `within` of the origin, and those of them that show the background.
 Holes holes_in(Drawing& drawing, const RenderList& list, float distance, float within) {
   Holes holes;
   const auto size = static_cast<float>(drawing.options.width);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Point sets for tests of splatting, and a bare context.
+// Splats for tests, and an OpenGL context without a window.
 
 #include "qnv/base/geometry.h"
 #include "qnv/codecs/octree/encode/encode_surface.h"
@@ -10,6 +10,7 @@
 #include "qnv/reader/stream_decoder.h"
 #include "render/gl/gl.h"
 #include "tests/geometries.h"
+#include "tests/render/drawing.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>
@@ -26,19 +27,28 @@ inline constexpr float kPi = 3.14159265f;
 
 /// Returns splats of equal area along a spiral on a unit sphere.
 inline std::shared_ptr<qnv::Splats> sphere(std::size_t count, bool colored = false) {
-  auto cloud = std::make_shared<qnv::Splats>();
+  auto geometry = std::make_shared<qnv::Splats>();
   for (std::size_t i = 0; i < count; ++i) {
     const float z = 1 - 2 * (static_cast<float>(i) + 0.5f) / static_cast<float>(count);
     const float angle = 2.3999632f * static_cast<float>(i), across = std::sqrt(1 - z * z);
     const glm::vec3 n(across * std::cos(angle), across * std::sin(angle), z);
-    cloud->positions.push_back(n);
-    cloud->normals.push_back(n);
-    cloud->weights.push_back(4 * kPi / static_cast<float>(count));
+    geometry->positions.push_back(n);
+    geometry->normals.push_back(n);
+    geometry->weights.push_back(4 * kPi / static_cast<float>(count));
     const auto level = [](float c) { return static_cast<std::uint8_t>(std::lround((c * 0.5f + 0.5f) * 255)); };
-    if (colored) cloud->colors.push_back({level(n.x), level(n.y), level(-n.z)});
+    if (colored) geometry->colors.push_back({level(n.x), level(n.y), level(-n.z)});
   }
-  cloud->description.box = {{-1, -1, -1}, {1, 1, 1}};
-  return cloud;
+  geometry->description.box = {{-1, -1, -1}, {1, 1, 1}};
+  return geometry;
+}
+
+inline std::vector<std::byte> octree_of(const std::vector<qnv::Triangle>& triangles, std::size_t vectors) {
+  qnv::EncodeOptions options;
+  options.vectors = vectors;
+  auto encoded =
+      qnv::encode_surface([&](const qnv::TriangleSink& sink) { return sink(std::span(triangles)); }, options);
+  if (auto* error = std::get_if<qnv::EncodeError>(&encoded)) FAIL(error->message);
+  return std::move(std::get<qnv::EncodedStream>(encoded).bytes);
 }
 
 /// Returns the sphere as an octree stream, with splats clipped to its cubes.
@@ -62,13 +72,8 @@ inline std::shared_ptr<const qnv::Splats> octree_sphere(std::size_t vectors) {
       if (row < 23) add(a, b, c);
       if (row > 0) add(a, c, d);
     }
-  qnv::EncodeOptions options;
-  options.vectors = vectors;
-  auto encoded =
-      qnv::encode_surface([&](const qnv::TriangleSink& sink) { return sink(std::span(triangles)); }, options);
-  if (auto* error = std::get_if<qnv::EncodeError>(&encoded)) FAIL(error->message);
   qnv::StreamDecoder decoder;
-  REQUIRE(decoder.push(std::get<qnv::EncodedStream>(encoded).bytes));
+  REQUIRE(decoder.push(octree_of(triangles, vectors)));
   decoder.finish();
   return std::make_shared<const qnv::Splats>(content_of<qnv::Splats>(decoder.geometry()));
 }
@@ -95,12 +100,7 @@ inline std::shared_ptr<const qnv::Geometry> bumpy_stream(std::size_t vectors) {
       if (row + 1 < kRows) add(a, b, c);
       if (row > 0) add(a, c, d);
     }
-  qnv::EncodeOptions options;
-  options.vectors = vectors;
-  auto encoded =
-      qnv::encode_surface([&](const qnv::TriangleSink& sink) { return sink(std::span(triangles)); }, options);
-  if (auto* error = std::get_if<qnv::EncodeError>(&encoded)) FAIL(error->message);
-  auto opened = qnv::LodStream::open(std::move(std::get<qnv::EncodedStream>(encoded).bytes));
+  auto opened = qnv::LodStream::open(octree_of(triangles, vectors));
   if (auto* problem = std::get_if<qnv::StreamProblem>(&opened)) FAIL(problem->message);
   return std::make_shared<const qnv::Geometry>(
       qnv::OctreeSplats(std::move(std::get<std::unique_ptr<qnv::LodStream>>(opened))));
@@ -109,9 +109,7 @@ inline std::shared_ptr<const qnv::Geometry> bumpy_stream(std::size_t vectors) {
 /// OpenGL context on OSMesa.
 struct OpenContext {
   OpenContext() {
-    auto opened = open_headless_context("osmesa");
-    if (auto* error = std::get_if<ContextError>(&opened)) FAIL(error->message);
-    context = std::move(std::get<std::unique_ptr<GlContext>>(opened));
+    context = open_osmesa();
     auto loaded = Gl::load(*context);
     if (auto* error = std::get_if<ContextError>(&loaded)) FAIL(error->message);
     gl = std::move(std::get<Gl>(loaded));

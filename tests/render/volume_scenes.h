@@ -2,11 +2,12 @@
 
 // Helpers of tests of volumes: an exact picture of several volumes, and a target to draw into.
 
+#include "base/noncopyable.h"
 #include "render/volume/volume_lens.h"
 #include "render/volume/volume_pass.h"
 #include "tests/geometries.h"
-#include "tests/render/clouds.h"
 #include "tests/render/drawing.h"
+#include "tests/render/geometry_shapes.h"
 #include "tests/render/rays/raycast.h"
 
 #include <catch2/catch.hpp>
@@ -97,8 +98,8 @@ inline double psnr_of(const Pixels& a, const Pixels& b) {
   return psnr.decibels();
 }
 
-/// Framebuffer of known colour and depth, with a pass that draws into it from z = 3.
-class VolumePicture {
+/// Framebuffer with known colour and depth, and a pass that draws volumes into it. The camera is at z = 3.
+class VolumePicture : NonCopyable {
  public:
   explicit VolumePicture(render::VolumeSort sort = render::VolumeSort::automatic, int width = 80, int height = 60,
                          int samples = 1, GLenum depth_format = GL_DEPTH_COMPONENT24)
@@ -120,10 +121,8 @@ class VolumePicture {
     options.height = height;
     options.splats = render::SplatPath::cpu;
   }
-  // Makes the context current, whichever was before.
+  // Makes the context current, so that the OpenGL objects are freed in it.
   ~VolumePicture() { context->make_current(); }
-  VolumePicture(const VolumePicture&) = delete;
-  VolumePicture& operator=(const VolumePicture&) = delete;
 
   [[nodiscard]] render::Projection projection() const {
     return render::projection(camera, static_cast<float>(options.width), static_cast<float>(options.height), reversed_);
@@ -246,11 +245,11 @@ class VolumePicture {
   render::Framebuffer drawn_, resolved_;
 };
 
-inline render::RenderList volume_list(const std::shared_ptr<const qnv::Volume>& cloud,
+inline render::RenderList volume_list(const std::shared_ptr<const qnv::Volume>& geometry,
                                       const glm::mat4& world_from_node = glm::mat4(1.0f)) {
   render::RenderList list;
   render::SplatItem item;
-  item.geometry = shared_geometry(cloud);
+  item.geometry = shared_geometry(geometry);
   item.world_from_node = world_from_node;
   list.splats.push_back(item);
   return list;

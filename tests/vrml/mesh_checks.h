@@ -75,7 +75,7 @@ struct GeometryScene {
   return 1;
 }
 
-/// Checks the promises of mesh.h.
+/// Checks the guarantees of mesh.h.
 inline void check_promises(const Mesh& mesh, bool exact_bounds = true) {
   REQUIRE(mesh.indices.size() % corners_of(mesh.primitive) == 0);
   const std::size_t count = mesh.positions.size();
@@ -97,7 +97,7 @@ inline void check_promises(const Mesh& mesh, bool exact_bounds = true) {
   REQUIRE(unit);
   REQUIRE(mesh.bounds.empty() == mesh.indices.empty());
   if (!bounds.empty()) {
-    // Corners without a triangle of a concave face may count or not.
+    // The bounds may include corners of a concave face that have no triangle.
     Box joined = mesh.bounds;
     joined.add(bounds);
     REQUIRE(joined.lower == mesh.bounds.lower);

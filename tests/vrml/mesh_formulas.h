@@ -22,7 +22,7 @@ class Random {
   bool flip() { return below(2) == 0; }
   double between(double lower, double upper) { return lower + (upper - lower) * (engine_() / 4294967296.0); }
   float number(double lower, double upper) { return static_cast<float>(between(lower, upper)); }
-  /// Returns a size from 1/100 to 100, below 1 as often as above.
+  /// Returns a size from 1/100 to 100. Half of the sizes are below 1.
   float measure() { return static_cast<float>(std::pow(10.0, between(-2, 2))); }
 
  private:
@@ -65,7 +65,7 @@ struct FormulaParts {
          (!parts.color || glm::length(a.color - b.color) < 1e-6);
 }
 
-/// Compares two triangles of equal orientation, from any corner on.
+/// Compares two triangles with the same orientation; they may begin at different corners.
 [[nodiscard]] inline bool same_triangle(const FormulaTriangle& a, const FormulaTriangle& b, double size,
                                         const FormulaParts& parts) {
   for (std::size_t turn = 0; turn < 3; ++turn)
@@ -75,7 +75,8 @@ struct FormulaParts {
   return false;
 }
 
-/// Counts expected triangles that the mesh lacks, and others that it has. `size` of the whole scales the tolerance.
+/// Counts expected triangles that the mesh lacks, and unexpected triangles of the mesh. `size` is the size of the
+/// shape, which scales the tolerance.
 struct Differences {
   std::size_t missing = 0, unexpected = 0;
 };

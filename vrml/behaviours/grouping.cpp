@@ -2,14 +2,16 @@
 #include "vrml/events/pointing.h"
 #include "vrml/scene/transformation.h"
 
+#include <cstdint>
 #include <unordered_set>
+#include <utility>
 
 namespace gs::vrml {
 namespace {
 
 struct GroupingEvents {
   enum : int { add_children, remove_children, children };
-  enum : int { description = children + 1 };  // interfaces of Anchor
+  enum : int { description = children + 1 };            // interfaces of Anchor
   enum : int { collide = children + 1, collide_time };  // interfaces of Collision
 };
 
@@ -68,6 +70,29 @@ constexpr PointingSensor kAnchorSensor = {
         },
 };
 
+// Writes the value of children_changed of an Inline. Nodes of the content belong to another scene, so the value is the
+// Inline itself, which stands for them.
+bool content_of(Execution& execution, EventNode node, FieldValue& value) {
+  const NodePlace at = execution.nodes().place_of(node);
+  MFNode content;
+  if (at.scene->inlines().of(at.node)) content.push_back(at.node);
+  value = std::move(content);
+  return true;
+}
+
+// Sends children_changed once for each content that was loaded, as soon as another node listens.
+void tell_content(Execution& execution, EventNode node) {
+  constexpr int kChildrenChanged = 0;
+  constexpr std::uint32_t kTold = 1;
+  if (execution.nodes().state_of(node) == kTold || !execution.is_listened_to(node, kChildrenChanged)) return;
+  FieldValue value;
+  (void)content_of(execution, node, value);
+  if (std::get<MFNode>(value).empty()) return;
+  if (execution.has_sent(node, kChildrenChanged)) return execution.timers().call_at(node, execution.now());
+  execution.nodes().state_of(node) = kTold;
+  execution.send(node, kChildrenChanged, std::get<MFNode>(std::move(value)));
+}
+
 bool collision_of(Execution& execution, EventNode node, bool met) {
   if (!execution.get<SFBool>(node, GroupingEvents::collide)) return false;
   if (met) execution.send(node, GroupingEvents::collide_time, SFTime{execution.now()});
@@ -92,6 +117,12 @@ const Behaviour kCollisionBehaviour = {
     .events = {"addChildren", "removeChildren", "children", "collide", "collideTime"},
     .on_event = change_children,
     .on_collision = collision_of,
+};
+const Behaviour kInlineBehaviour = {
+    .events = {"children_changed"},
+    .on_time = tell_content,
+    .unsent_value = content_of,
+    .watches_routes = true,
 };
 const Behaviour kGroupBehaviour = {{"addChildren", "removeChildren", "children"}, nullptr, change_children, nullptr};
 

@@ -12,7 +12,7 @@ namespace {
 
 // Interfaces of AudioClip and MovieTexture. `rate` is the pitch or the speed.
 struct Media {
-  enum : int { loop, rate, start_time, stop_time, duration_changed, is_active, url };
+  enum : int { loop, rate, start_time, stop_time, duration_changed, is_active, url, media_time };
 };
 
 constexpr double kUnending = std::numeric_limits<double>::infinity();
@@ -105,8 +105,16 @@ void media_stop(Execution& execution, EventNode node, MediaState& state, const M
   }
 }
 
-void media_time(Execution& execution, EventNode node) {
-  MediaState& state = state_of_media(execution, node);
+// Sends mediaTime in each step of the active period, if another node listens.
+void tell_media_time(Execution& execution, EventNode node, const MediaState& state) {
+  const bool tells = state.active && execution.is_listened_to(node, Media::media_time);
+  execution.timers().run(node, tells);
+  if (!tells || execution.has_sent(node, Media::media_time)) return;
+  execution.send(node, Media::media_time,
+                 SFTime{position_at(media_fields(execution, node), state, execution.now(), false)});
+}
+
+void media_change(Execution& execution, EventNode node, MediaState& state) {
   if (!state.active) {
     media_start_if_due(execution, node, state);
     return;
@@ -121,6 +129,12 @@ void media_time(Execution& execution, EventNode node) {
   } else {
     media_stop(execution, node, state, f, end);
   }
+}
+
+void media_time(Execution& execution, EventNode node) {
+  MediaState& state = state_of_media(execution, node);
+  media_change(execution, node, state);
+  tell_media_time(execution, node, state);
 }
 
 // Handles events while the node is active (4.6.9, 6.4, 6.28). Ignores set_startTime, set_pitch and set_speed. Ignores a
@@ -193,6 +207,9 @@ MediaPlay media_play(Execution& execution, EventNode node) {
 constexpr Behaviour media_behaviour(std::string_view rate, bool backwards) {
   Behaviour behaviour;
   behaviour.events = {"loop", rate, "startTime", "stopTime", "duration_changed", "isActive", "url"};
+  // mediaTime is an event of other browsers; only movies have it.
+  if (backwards) behaviour.events[Media::media_time] = "mediaTime";
+  behaviour.watches_routes = backwards;
   behaviour.initialize = media_begin;
   behaviour.on_event = media_event;
   behaviour.on_time = media_time;

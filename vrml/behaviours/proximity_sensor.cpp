@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace gs::vrml {
@@ -68,10 +69,10 @@ Look look_at(Execution& execution, EventNode node, ProximityState& state) {
   const glm::dvec3 center(execution.get<SFVec3f>(node, Proximity::center));
   const glm::dmat4 viewer = execution.viewer().pose();
   const double now = execution.now();
-  const bool way_known =
-      state.looked && state.jumps == execution.viewer().jumps() && state.time < now && std::isfinite(state.time);
+  const bool way_known = state.looked && state.viewer.jumps == execution.viewer().jumps() && state.viewer.time < now &&
+                         std::isfinite(state.viewer.time);
   const bool was_inside = execution.get<SFBool>(node, Proximity::is_active);
-  const auto time_at = [&](double part) { return state.time + (now - state.time) * part; };
+  const auto time_at = [&](double part) { return state.viewer.time + (now - state.viewer.time) * part; };
   Look look;
   look.left_at = now;
   const auto places = execution.viewer().places_of(node);
@@ -79,7 +80,7 @@ Look look_at(Execution& execution, EventNode node, ProximityState& state) {
   for (std::uint32_t i = 0; i < places.size() && !look.inside; ++i) {
     const glm::dmat4 sensor_from_world = glm::inverse(places[i]);
     const glm::dmat4 sensor_from_viewer = sensor_from_world * viewer;
-    const glm::dvec3 to(sensor_from_viewer[3]), from(sensor_from_world * glm::dvec4(state.viewer, 1));
+    const glm::dvec3 to(sensor_from_viewer[3]), from(sensor_from_world * glm::dvec4(state.viewer.position, 1));
     look.inside = true;  // false if a coordinate is NaN
     for (int k = 0; k < 3; ++k) look.inside = look.inside && std::abs(to[k] - center[k]) <= size[k] / 2;
     double first = 0, last = 0;
@@ -99,9 +100,7 @@ Look look_at(Execution& execution, EventNode node, ProximityState& state) {
       look.sensor_from_left = sensor_from_viewer;
     }
   }
-  state.viewer = viewer[3];
-  state.time = now;
-  state.jumps = execution.viewer().jumps();
+  state.viewer = {glm::dvec3(viewer[3]), now, execution.viewer().jumps()};
   state.looked = true;
   return look;
 }
@@ -176,6 +175,40 @@ void proximity_begins(Execution& execution, EventNode node) {
   execution.timers().look_again(node);
 }
 
+// Returns the union of the boxes of all instances, in world space. Only an enabled sensor that the viewer is outside of
+// may rest. A sensor below a Billboard turns with the viewer. If a matrix is almost singular, the box is too inexact.
+std::optional<WideBox> proximity_idle_box(Execution& execution, EventNode node) {
+  constexpr double kMaxCondition = 1e6;
+  const std::uint32_t place = execution.nodes().state_of(node);
+  if (place == 0 || execution.get<SFBool>(node, Proximity::is_active)) return {};
+  const ProximityState& state = execution.states().proximities[place];
+  if (!state.looked || state.passed) return {};
+  const glm::dvec3 half = glm::dvec3(execution.get<SFVec3f>(node, Proximity::size)) * 0.5;
+  const glm::dvec3 center(execution.get<SFVec3f>(node, Proximity::center));
+  WideBox box;
+  const auto places = execution.viewer().places_of(node);
+  if (execution.placement().below_billboard()) return {};
+  const auto size_of = [](const glm::dmat4& m) {
+    double sum = 0;  // NaN if an element is NaN
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) sum += std::abs(m[i][k]);
+    return sum;
+  };
+  for (const glm::dmat4& world_from_sensor : places) {
+    if (!(size_of(world_from_sensor) * size_of(glm::inverse(world_from_sensor)) < kMaxCondition)) return {};
+    const glm::dvec3 middle(world_from_sensor * glm::dvec4(center, 1));
+    glm::dvec3 reach(0);
+    for (int i = 0; i < 3; ++i) reach += glm::abs(glm::dvec3(world_from_sensor[i])) * half[i];
+    if (!std::isfinite(glm::dot(middle, reach))) return {};
+    box.add({middle - reach, middle + reach});
+  }
+  return box;
+}
+
+void proximity_after_idle(Execution& execution, EventNode node, const ViewerMoment& last) {
+  execution.states().proximities[execution.nodes().state_of(node)].viewer = last;
+}
+
 bool proximity_event(Execution& execution, EventNode node, int, const FieldValue&) {
   execution.timers().look_again(node);
   return true;
@@ -191,6 +224,8 @@ const Behaviour kProximitySensorBehaviour = {
     .on_time = proximity_time,
     .sensed_place = [](const Execution& execution,
                        EventNode node) { return glm::dvec3(execution.get<SFVec3f>(node, Proximity::center)); },
+    .idle_box = proximity_idle_box,
+    .after_idle = proximity_after_idle,
     .on_remove = [](Execution& execution,
                     EventNode node) { execution.states().proximities.give_back(execution.nodes().state_of(node)); },
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/box.h"
 #include "vrml/scene/field_value.h"
 
 #include <glm/mat4x4.hpp>
@@ -7,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 namespace gs::vrml {
@@ -15,6 +17,7 @@ class Execution;
 struct MediaPlay;
 struct Node;
 struct PointingSensor;
+struct ViewerMoment;
 /// Index of a node in Execution's event tables; 0 means none.
 using EventNode = std::uint32_t;
 
@@ -42,6 +45,12 @@ struct Behaviour {
   const PointingSensor* pointing = nullptr;
   /// For sensors of the viewer's position (6.38): returns the centre of the sensed region, in local coordinates.
   glm::dvec3 (*sensed_place)(const Execution& execution, EventNode node) = nullptr;
+  /// For sensors of the viewer's position: returns a box in world space. While the viewer's path stays outside, on_time
+  /// sends nothing. Returns nullopt if on_time must be called in each step.
+  std::optional<WideBox> (*idle_box)(Execution& execution, EventNode node) = nullptr;
+  /// Updates the state of a sensor for which on_time was not called since idle_box(), as if on_time had been called in
+  /// each step up to `last`.
+  void (*after_idle)(Execution& execution, EventNode node, const ViewerMoment& last) = nullptr;
   /// For Collision nodes (6.8). If `met`, reports that the avatar collided with a descendant. Returns false if
   /// collision detection is off for all descendants.
   bool (*on_collision)(Execution& execution, EventNode node, bool met) = nullptr;
@@ -62,6 +71,7 @@ struct Behaviour {
   /// For nodes that play a sound or movie: returns the playback state; see vrml::media_play(Execution&, ...).
   MediaPlay (*media_play)(Execution& execution, EventNode node) = nullptr;
   bool media_backwards = false;  // negative and zero speed are allowed (6.28)
+  bool watches_routes = false;   // a new ROUTE from the node causes a call of on_time
 };
 
 // Behaviours that rows of the node table use.
@@ -71,9 +81,11 @@ extern const Behaviour kProximitySensorBehaviour, kVisibilitySensorBehaviour;
 extern const Behaviour kTouchSensorBehaviour, kPlaneSensorBehaviour, kCylinderSensorBehaviour, kSphereSensorBehaviour;
 extern const Behaviour kGroupBehaviour;  // addChildren, removeChildren (4.6.5)
 extern const Behaviour kAnchorBehaviour, kBillboardBehaviour, kCollisionBehaviour;
+extern const Behaviour kInlineBehaviour;    // children_changed
+extern const Behaviour kBrowserBehaviour;   // the browser as a node (vrml/events/world_browser.h)
 extern const Behaviour kBindableBehaviour;  // bindable nodes (4.6.10)
-inline constexpr int kSetBind = 0;  // event index of set_bind in all bindable nodes
-inline constexpr int kFieldOfView = 3;  // event index of fieldOfView in Viewpoint
+inline constexpr int kSetBind = 0;          // event index of set_bind in all bindable nodes
+inline constexpr int kFieldOfView = 3;      // event index of fieldOfView in Viewpoint
 extern const Behaviour kTimeSensorBehaviour;
 extern const Behaviour kAudioClipBehaviour, kMovieTextureBehaviour;  // 6.4, 6.28
 extern const Behaviour kScriptBehaviour;                             // 6.40

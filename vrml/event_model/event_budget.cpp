@@ -11,7 +11,7 @@ constexpr std::size_t kMaxWork = std::size_t{1} << 26;
 }  // namespace
 
 bool EventBudget::afford(std::size_t bytes) {
-  constexpr std::size_t kStep = std::size_t{64} << 10;  // bytes that are drawn from the world's budget at a time
+  constexpr std::size_t kStep = std::size_t{64} << 10;  // bytes that are charged to the world's budget at a time
   if (afforded_ + bytes > share_.amount() && !share_.grow(std::max(bytes, kStep)) && !share_.grow(bytes)) {
     if (problem_.empty()) problem_ = "events take " + root_.budget()->refusal(Resource::nodes);
     return false;

@@ -5,83 +5,71 @@
 
 #include <glm/glm.hpp>
 
+#include <utility>
+
 namespace gs::vrml {
 namespace {
 
-constexpr std::size_t kDeepest = 100'000;
+constexpr std::size_t kMaxChanges = 4096;  // number of changed or moved nodes above which a list does not pay
 
 }  // namespace
 
-// Searches all children, even hidden ones: hidden children of a Switch or LOD continue to send events (6.26, 6.46).
-void Placement::search() {
-  known_ = true;
-  for (auto& [node, paths] : paths_) paths.clear();
-  struct Open {
-    const SceneGraph* scene;
-    std::vector<bool>* on_path;
-    NodeId node;        // open node; null for the roots of a scene
-    int slot;  // slot of its children field
-    std::size_t child;  // index of the next child
-    bool mover;
-  };
-  std::unordered_map<const SceneGraph*, std::vector<bool>> on_paths;
-  const auto on_path_of = [&](const SceneGraph& scene) {
-    std::vector<bool>& flags = on_paths[&scene];
-    flags.resize(scene.node_count() + 1);
-    return &flags;
-  };
-  Path movers;
-  std::vector<Open> path{{&root_, on_path_of(root_), {}, 0, 0, false}};
-  std::size_t visits = 0;
-  while (!path.empty() && visits <= root_.limits().visits) {
-    Open& top = path.back();
-    const MFNode* children = nullptr;
-    if (!top.node) {
-      children = top.slot == 0 ? &top.scene->roots() : nullptr;
-    } else {
-      const Node& node = top.scene->node(top.node);
-      const auto slots = static_cast<int>(node.type->defaults.size());
-      while (top.slot < slots && !std::holds_alternative<MFNode>(node.values[top.slot])) ++top.slot;
-      if (top.slot < slots) children = std::get_if<MFNode>(&node.values[top.slot]);
-    }
-    if (!children) {
-      if (top.node) (*top.on_path)[top.node.index] = false;
-      if (top.mover) movers.pop_back();
-      path.pop_back();
-      continue;
-    }
-    if (top.child >= children->size()) {
-      ++top.slot;
-      top.child = 0;
-      continue;
-    }
-    ++visits;
-    const SceneGraph& scene = *top.scene;
-    const NodeId id = scene.resolve((*children)[top.child++]);
-    if (!id || (*top.on_path)[id.index] || path.size() >= kDeepest) continue;
-    const Node& node = scene.node(id);
-    if (const auto wanted = paths_.find(&node); wanted != paths_.end() && wanted->second.size() < kMaxPlaces)
-      wanted->second.push_back(movers);
-    if (!has(node.type->role, Role::grouping)) continue;
-    const Behaviour* behaviour = node.type->behaviour;
-    const bool mover = behaviour && (behaviour->parent_from_local || behaviour->parent_from_facing);
-    if (mover) movers.push_back({&scene, id});
-    std::vector<bool>* const on_path = top.on_path;
-    (*on_path)[id.index] = true;
-    path.push_back({&scene, on_path, id, 0, 0, mover});
-    if (const SceneGraph* inlined = scene.inlined(id)) path.push_back({inlined, on_path_of(*inlined), {}, 0, 0, false});
+void Placement::forget() {
+  known_ = false;
+  changed_.clear();
+  moved_.tops.clear();
+  moved_.all = true;
+}
+
+void Placement::children_changed(const SceneGraph& scene, NodeId node) {
+  if (!known_) return;
+  if (!changed_.empty() && changed_.back().scene == &scene && changed_.back().node == node) return;
+  if (changed_.size() >= kMaxChanges) return forget();
+  changed_.push_back({&scene, node});
+}
+
+void Placement::remove(const SceneGraph& scene, NodeId node) {
+  paths_.erase(&scene.node(node));
+  if (!known_ || !index_.remove(scene, node)) return;
+  ++version_;
+  moved_.all = true;
+}
+
+Placement::Moved Placement::take_moved() {
+  refresh();
+  return std::exchange(moved_, {});
+}
+
+void Placement::refresh() {
+  if (!known_) {
+    known_ = true;
+    ++version_;
+    index_.build();
+    return;
   }
-  visits_ = visits;
-  whole_ = path.empty();
+  if (changed_.empty()) return;
+  for (const NodePlace& place : changed_)
+    if (place.scene->contains(place.node) && index_.update(*place.scene, place.node, moved_.tops)) ++version_;
+  changed_.clear();
+  if (moved_.tops.size() <= kMaxChanges) return;
+  moved_.tops.clear();
+  moved_.all = true;
+}
+
+std::span<const Placement::Path> Placement::paths_of(const SceneGraph& scene, NodeId node) {
+  refresh();
+  Paths& known = paths_[&scene.node(node)];
+  if (std::exchange(known.version, version_) != version_)
+    known.whole = index_.find_paths(scene, node, kMaxPlaces, known.paths);
+  whole_ = known.whole;
+  return known.paths;
 }
 
 std::span<const glm::dmat4> Placement::places_of(const SceneGraph& scene, NodeId node,
                                                  const std::optional<glm::dmat4>& viewer) {
-  const auto [paths, fresh] = paths_.try_emplace(&scene.node(node));
-  if (fresh || !known_) search();
   places_.clear();
   below_billboard_ = false;
-  for (const Path& path : paths->second) {
+  for (const Path& path : paths_of(scene, node)) {
     glm::dmat4 matrix(1);
     for (const NodePlace& mover : path) {
       const Node& moving = mover.scene->node(mover.node);

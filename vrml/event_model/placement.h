@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vrml/event_model/parent_index.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <glm/mat4x4.hpp>
@@ -13,21 +14,22 @@
 
 namespace gs::vrml {
 
-/// Node, and the scene of the world that contains it.
-struct NodePlace {
-  const SceneGraph* scene = nullptr;
-  NodeId node;
-};
-
 /// Positions of single nodes in the transformation hierarchy (VRML97 4.4.4) of a world and its Inlines. Sensors and the
-/// bound Viewpoint use it. The first query after a change searches the hierarchy; Limits::visits bounds the search. One
+/// bound Viewpoint use it. The first query indexes the hierarchy; later changes cost only the changed nodes. One
 /// thread.
 class Placement {
  public:
-  explicit Placement(const SceneGraph& root) : root_(root) {}
+  using Path = ParentIndex::Path;
 
-  /// Discards the search result. Call it after a change of the hierarchy.
-  void forget() { known_ = false; }
+  explicit Placement(const SceneGraph& root) : index_(root) {}
+
+  /// Discards the index. Call it after changes that children_changed() does not cover, and before a scene is freed.
+  void forget();
+  /// Notes that a field with children of the node changes. The next query takes in the new children.
+  void children_changed(const SceneGraph& scene, NodeId node);
+  /// Discards the data of a node that is about to be freed.
+  void remove(const SceneGraph& scene, NodeId node);
+
   /// Returns world_from_local of each instance of the node, one per USE path, at most kMaxPlaces. Returns an empty list
   /// if the node is not in the hierarchy. Billboards above the node face `viewer` (world_from_viewer, 6.6); without a
   /// viewer, they do not turn. Valid until the next call.
@@ -35,28 +37,43 @@ class Placement {
                                                       const std::optional<glm::dmat4>& viewer = {});
   /// Reports whether the node of the last places_of() has a Billboard above it on any path.
   [[nodiscard]] bool below_billboard() const { return below_billboard_; }
-
-  /// Adds a node to the next search, so that one search finds many nodes.
-  void look_for(const SceneGraph& scene, NodeId node) {
-    if (paths_.try_emplace(&scene.node(node)).second) known_ = false;
-  }
-  /// Discards the data of a removed node.
-  void remove(const Node& node) { paths_.erase(&node); }
-  /// Reports whether the last search visited the whole hierarchy.
+  /// Returns the transforming ancestors of each instance of the node. Valid until the next call of a function that is
+  /// not const.
+  [[nodiscard]] std::span<const Path> paths_of(const SceneGraph& scene, NodeId node);
+  /// Reports whether the last search found all instances.
   [[nodiscard]] bool whole() const { return whole_; }
-  /// Returns the number of nodes that the last search visited.
-  [[nodiscard]] std::size_t visits() const { return visits_; }
+  /// Returns the number of nodes that the last change of the index visited.
+  [[nodiscard]] std::size_t visits() const { return index_.visits(); }
+
+  /// Nodes with new positions in the hierarchy.
+  struct Moved {
+    bool all = false;             // any node may have a new position
+    std::vector<NodePlace> tops;  // else: these nodes, and the nodes below them
+  };
+  /// Returns the nodes that were added, removed or reordered since the last call.
+  [[nodiscard]] Moved take_moved();
+  /// Calls `visit` for each node at and below `top`; see ParentIndex::each_below.
+  bool each_below(const NodePlace& top, std::size_t max_nodes,
+                  const std::function<void(const NodePlace&)>& visit) const {
+    return index_.each_below(top, max_nodes, visit);
+  }
 
   static constexpr std::size_t kMaxPlaces = 64;
 
  private:
-  using Path = std::vector<NodePlace>;  // transforming ancestors of a node, outermost first
-  void search();
+  struct Paths {
+    std::uint64_t version = 0;  // version of the index with these paths; 0 means none
+    bool whole = false;
+    std::vector<Path> paths;
+  };
+  void refresh();
 
-  const SceneGraph& root_;
+  ParentIndex index_;
   bool known_ = false, whole_ = false, below_billboard_ = false;
-  std::size_t visits_ = 0;
-  std::unordered_map<const Node*, std::vector<Path>> paths_;  // paths to each node of a query
+  std::uint64_t version_ = 0;       // increases with each change of the index
+  std::vector<NodePlace> changed_;  // nodes with children that the index has not taken in
+  Moved moved_;
+  std::unordered_map<const Node*, Paths> paths_;  // paths to each node of a query
   std::vector<glm::dmat4> places_;
 };
 

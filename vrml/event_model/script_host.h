@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "vrml/event_model/behaviour.h"
 
 #include <cstdint>
@@ -11,12 +12,9 @@ namespace gs::vrml {
 ///
 /// Execution calls it on its own thread. Programs act on the world through the Execution. Events that programs cause
 /// are delivered after the program returns.
-class ScriptHost {
+class ScriptHost : NonCopyable {
  public:
-  ScriptHost() = default;
   virtual ~ScriptHost() = default;
-  ScriptHost(const ScriptHost&) = delete;
-  ScriptHost& operator=(const ScriptHost&) = delete;
 
   /// Called when the Script enters the world, when its url changes, and when a missing resource has loaded. Runs the
   /// program and its initialize() (4.12.3), or requests the missing resource. Returns false if the program is not ready

@@ -37,11 +37,16 @@ struct MediaState {
   double stop_set = -std::numeric_limits<double>::infinity();  // time of the last set_stopTime event while active
 };
 
+/// Position of the viewer at one time.
+struct ViewerMoment {
+  glm::dvec3 position{0};  // world space
+  double time = 0;
+  std::uint32_t jumps = 0;  // number of jumps of the viewer until then
+};
+
 /// State of a ProximitySensor (6.38) at its last evaluation.
 struct ProximityState {
-  glm::dvec3 viewer{0};              // position in world space
-  double time = 0;  // time of that position
-  std::uint32_t jumps = 0;  // number of jumps of the viewer until then
+  ViewerMoment viewer;
   std::uint32_t place = 0;  // index of the last instance of the sensor that contained the viewer
   bool looked = false;  // was evaluated at least once while enabled
   bool passed = false;  // the viewer crossed the box between two steps; exitTime is not sent yet

@@ -57,10 +57,6 @@ std::vector<EventNode> BindableStacks::nodes() {
          node = execution_.nodes()[node].bound_below)
       found.push_back(node);
   std::reverse(found.begin(), found.end());
-  for (const EventNode node : found) {
-    const EventMember& at = execution_.nodes()[node];
-    execution_.placement().look_for(*at.scene, at.id);
-  }
   return found;
 }
 
@@ -95,7 +91,7 @@ void BindableStacks::bind_new_types() {
 // Background.
 void BindableStacks::bind_first_nodes(SceneState& state, bool of_fresh_types) {
   SceneGraph& scene = *state.scene;
-  std::vector<bool> seen(scene.node_count() + 1);
+  std::vector<bool> seen(scene.nodes().count() + 1);
   std::vector<const NodeType*> known;
   for (const Stack& stack : stacks_)
     if (of_fresh_types) known.push_back(stack.type);

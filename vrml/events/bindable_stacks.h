@@ -8,8 +8,8 @@
 
 namespace gs::vrml {
 
-/// Stacks of bindable nodes (VRML97 4.6.10), one per type. A stack is a linked list of nodes, so that any node leaves
-/// in O(1). Part of Execution.
+/// Stacks of bindable nodes (VRML97 4.6.10), one per type. A stack is a linked list of nodes, so that any node can be
+/// removed in O(1). Part of Execution.
 class BindableStacks {
  public:
   struct Stack {

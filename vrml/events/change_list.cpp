@@ -19,8 +19,14 @@ NodeChange& ChangeList::change_of(EventNode node) {
 
 void ChangeList::mark(EventNode node, std::int32_t slot) {
   constexpr int kLastBit = 63;
-  const FieldValue& value = execution_.nodes()[node].node->values[slot];
-  if (std::holds_alternative<MFNode>(value)) execution_.placement().forget();
+  const EventMember& at = execution_.nodes()[node];
+  const FieldValue& value = at.node->values[slot];
+  if (std::holds_alternative<MFNode>(value)) {
+    execution_.placement().children_changed(*at.scene, at.id);
+    execution_.pointing().note_children_changed();
+  }
+  const Behaviour* const behaviour = at.node->type->behaviour;
+  if (behaviour && behaviour->parent_from_local) execution_.idle().node_moved(*at.node);
   if (holds_nodes(type_of(value))) execution_.lifetime().note_referring(node);
   change_of(node).slots |= std::uint64_t{1} << std::min(slot, kLastBit);
 }

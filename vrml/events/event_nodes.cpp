@@ -43,7 +43,7 @@ EventNode EventNodes::make(SceneGraph& scene, NodeId id, EventNode& entry) {
   Node& node = scene.node(id);
   EventSchema& schema = schema_for(*node.type);
   const std::size_t slots = slots_of(schema);
-  // Entries of removed nodes are used again without new memory, because their memory is already drawn from the budget.
+  // Entries of removed nodes are used again without new memory, because their memory is already charged to the budget.
   const auto place_of = [](auto& free, std::size_t count) -> std::optional<std::uint32_t> {
     const auto places = free.find(count);
     if (places == free.end() || places->second.empty()) return {};

@@ -32,7 +32,11 @@ struct EventMember {
   bool placed = false;  // on a stack, and found in the transformation hierarchy since then
   // Data of TimerQueue.
   bool running = false, listed = false, looking = false;
+  std::uint64_t rank = 0;   // order of the calls in a step
   std::uint32_t alarm = 0;  // serial number of the valid call_at request; 0 means none
+  // Data of IdleSensors.
+  std::uint32_t idle = 0;                    // 1 + index of the resting node; 0 means that the node does not rest
+  std::uint8_t nap_wait = 0, nap_delay = 0;  // steps until the node may rest; steps after its next movement
   // Data of ChangeList.
   std::uint32_t change = 0;  // 1 + index of its change; 0 means none
   // Data of NodeLifetime.

@@ -11,16 +11,19 @@ Execution::Execution(SceneGraph& root)
       changes_(*this),
       stacks_(*this),
       timers_(*this),
+      idle_(*this),
       lifetime_(*this),
       scripts_(*this),
       placement_(root),
       viewer_(*this),
-      pointing_(*this) {
+      pointing_(*this),
+      browser_(*this) {
   scenes_.attach();
 }
 
 void Execution::start(double now) {
   cascade_.begin(now, true);
+  browser_.begin(cascade_.now());
   stacks_.bind_first(scenes_.states().front());
   scripts_.begin_world();
   cascade_.drain();
@@ -28,14 +31,21 @@ void Execution::start(double now) {
 
 void Execution::step(double now) {
   cascade_.begin(now);
+  browser_.send_changes();
   timers_.begin_step(cascade_.now());
   pointing_.go_on();
   cascade_.drain();
 }
 
 std::optional<double> Execution::next_time() const {
-  if (timers_.has_running() || pointing_.waits() || lifetime_.waits() || scripts_.waits()) return now();
+  if (timers_.has_running() || pointing_.waits() || lifetime_.waits() || scripts_.waits() || browser_.waits())
+    return now();
   return timers_.next_alarm();
+}
+
+bool Execution::is_listened_to(EventNode node, int event) {
+  return nodes_.has_event(node, event) &&
+         nodes_.slot(node, nodes_.schema_of(node).events[static_cast<std::size_t>(event)]).first != 0;
 }
 
 bool Execution::has_sent(EventNode node, int event) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "vrml/event_model/event_budget.h"
 #include "vrml/event_model/placement.h"
 #include "vrml/event_model/states.h"
@@ -7,11 +8,13 @@
 #include "vrml/events/change_list.h"
 #include "vrml/events/event_cascade.h"
 #include "vrml/events/event_nodes.h"
+#include "vrml/events/idle_sensors.h"
 #include "vrml/events/node_lifetime.h"
 #include "vrml/events/pointing.h"
 #include "vrml/events/route_table.h"
 #include "vrml/events/script_queue.h"
 #include "vrml/events/timer_queue.h"
+#include "vrml/events/world_browser.h"
 #include "vrml/events/world_scenes.h"
 #include "vrml/events/world_viewer.h"
 
@@ -23,14 +26,12 @@ namespace gs::vrml {
 /// Execution model of VRML97 (4.10, 4.11) for a world and its attached Inlines. Owns the classes that share this work,
 /// and advances the time.
 ///
-/// The cost of a step is proportional to the number of events in it. Memory is drawn from the scene's budget. If the
+/// The cost of a step is proportional to the number of events in it. Memory is charged to the scene's budget. If the
 /// budget is exhausted, further nodes take no part in events, and EventBudget::problem reports it. Cascades with too
 /// much work end early. Runs on the scene's thread only; the scene must outlive this object.
-class Execution {
+class Execution : NonCopyable {
  public:
   explicit Execution(SceneGraph& root);
-  Execution(const Execution&) = delete;
-  Execution& operator=(const Execution&) = delete;
 
   /// Starts the world at the time `now` with the first cascade. Binds the first bindable node of each type outside
   /// Inlines (4.6.10). Starts the time-dependent nodes that are active at `now` (4.6.9). Call it once.
@@ -65,11 +66,14 @@ class Execution {
   [[nodiscard]] BindableStacks& stacks() { return stacks_; }
   [[nodiscard]] const BindableStacks& stacks() const { return stacks_; }
   [[nodiscard]] TimerQueue& timers() { return timers_; }
+  [[nodiscard]] IdleSensors& idle() { return idle_; }
+  [[nodiscard]] const IdleSensors& idle() const { return idle_; }
   [[nodiscard]] NodeLifetime& lifetime() { return lifetime_; }
   [[nodiscard]] ScriptQueue& scripts() { return scripts_; }
   [[nodiscard]] Placement& placement() { return placement_; }
   [[nodiscard]] WorldViewer& viewer() { return viewer_; }
   [[nodiscard]] Pointing& pointing() { return pointing_; }
+  [[nodiscard]] WorldBrowser& browser() { return browser_; }
   /// Returns the states of behaviours. EventNodes::state_of is the index of a node's state.
   [[nodiscard]] BehaviourStates& states() { return states_; }
 
@@ -81,6 +85,8 @@ class Execution {
   }
   /// Reports whether the event was sent with the present timestamp.
   [[nodiscard]] bool has_sent(EventNode node, int event) const;
+  /// Reports whether a ROUTE or IS leads from the event to another node.
+  [[nodiscard]] bool is_listened_to(EventNode node, int event);
   /// Sends an event from an eventOut, or sets an exposedField and sends its value.
   template <class T>
   void send(EventNode node, int event, T value) {
@@ -96,11 +102,13 @@ class Execution {
   ChangeList changes_;
   BindableStacks stacks_;
   TimerQueue timers_;
+  IdleSensors idle_;
   NodeLifetime lifetime_;
   ScriptQueue scripts_;
   Placement placement_;
   WorldViewer viewer_;
   Pointing pointing_;
+  WorldBrowser browser_;
   BehaviourStates states_;
 };
 

@@ -32,7 +32,7 @@ class NodeLifetime::Marking {
         routes_(lifetime.execution_.routes()),
         state_(state),
         scene_(*state.scene),
-        marked_(scene_.node_count() + 1) {}
+        marked_(scene_.nodes().count() + 1) {}
 
   /// Returns the nodes that are not held.
   std::vector<NodeId> find_unheld() {
@@ -49,8 +49,8 @@ class NodeLifetime::Marking {
     if (state_.files_hold) {
       for (const NodeId id : state_.at_run_time) look(id);
     } else {
-      for (std::uint32_t i = 1; i <= scene_.node_count(); ++i)
-        if (!scene_.node_at(i).in_prototype_body) look(scene_.id_at(i));
+      for (std::uint32_t i = 1; i <= scene_.nodes().count(); ++i)
+        if (!scene_.nodes().at(i).in_prototype_body) look(scene_.nodes().id_at(i));
     }
     return unheld;
   }
@@ -92,7 +92,7 @@ class NodeLifetime::Marking {
 
   void mark_held() {
     if (const auto held = lifetime_.held_.find(&scene_); held != lifetime_.held_.end())
-      for (const auto& [index, count] : held->second) mark(scene_.id_at(index));
+      for (const auto& [index, count] : held->second) mark(scene_.nodes().id_at(index));
     if (!state_.files_hold) return mark(FieldValue(scene_.roots()));
     for (const EventNode member : lifetime_.referring_)
       if (const EventMember& at = nodes_[member]; at.scene == &scene_ && of_file(*at.node))
@@ -117,11 +117,11 @@ class NodeLifetime::Marking {
     for (const NodeId inner : node.expansion) mark(inner);
     if (node.expansion_first != 0 && !node.in_prototype_body)
       for (std::uint32_t i = 0; i < node.type->prototype->nodes.size(); ++i)
-        mark(scene_.id_at(node.expansion_first + i));
-    if (node.instance != 0) mark(scene_.id_at(node.instance));
+        mark(scene_.nodes().id_at(node.expansion_first + i));
+    if (node.instance != 0) mark(scene_.nodes().id_at(node.instance));
     // Marks default values, which future instances may get.
     if (marked_texts_.insert(node.owner).second && node.owner != 0)
-      for (const auto& type : scene_.text_at(node.owner).types())
+      for (const auto& type : scene_.texts().at(node.owner).types())
         for (const FieldValue& value : type->defaults) mark(value);
     if (member == 0) return;
     const EventMember& at = nodes_[member];
@@ -193,14 +193,14 @@ void NodeLifetime::remove_nodes(SceneState& state, const std::vector<NodeId>& no
   execution_.cascade().drain();
   for (const NodeId id : nodes) {
     if (observer_) observer_(scene, id);
-    if (SceneGraph* const content = scene.inlined(id)) remove_scene(*content);
+    if (SceneGraph* const content = scene.inlines().of(id)) remove_scene(*content);
     if (const EventNode member = state.member_of(id)) remove_member(member);
+    execution_.placement().remove(scene, id);
   }
   scene.remove(nodes);
   const auto is_gone = [&](NodeId id) { return !scene.contains(id); };
   std::erase_if(state.at_run_time, is_gone);
   std::erase_if(state.waiting, is_gone);
-  execution_.placement().forget();
   execution_.pointing().forget();
   forget_removed();
 }
@@ -214,15 +214,16 @@ void NodeLifetime::remove_member(EventNode node) {
     if (behaviour->on_remove) behaviour->on_remove(execution_, node);
   }
   execution_.timers().remove(node);
-  execution_.placement().remove(*at.node);
+  execution_.placement().remove(*at.scene, at.id);
   execution_.scenes().find(at.scene)->members[at.id.index] = 0;
   execution_.nodes().remove(node);
 }
 
 void NodeLifetime::remove_scene(SceneGraph& scene) {
+  execution_.placement().forget();
   std::vector<SceneGraph*> scenes{&scene};
   for (std::size_t i = 0; i < scenes.size(); ++i)
-    for (const auto& [place, content] : scenes[i]->inlines())
+    for (const auto& [place, content] : scenes[i]->inlines().all())
       if (content) scenes.push_back(content.get());
   for (SceneGraph* const one : scenes) {
     const SceneState* const state = execution_.scenes().find(one);
@@ -238,7 +239,7 @@ void NodeLifetime::remove_scene(SceneGraph& scene) {
 }
 
 void NodeLifetime::remove_content(SceneGraph& scene, NodeId inline_node) {
-  SceneGraph* const content = scene.contains(inline_node) ? scene.inlined(inline_node) : nullptr;
+  SceneGraph* const content = scene.contains(inline_node) ? scene.inlines().of(inline_node) : nullptr;
   if (!content || !execution_.scenes().has(&scene)) return;
   const bool was_removing = std::exchange(removing_, true);
   for (const EventNode node : execution_.stacks().nodes()) {
@@ -250,19 +251,19 @@ void NodeLifetime::remove_content(SceneGraph& scene, NodeId inline_node) {
         execution_.stacks().unbind(node);
         break;
       }
-      for (const auto& [place, inner] : scenes[i]->inlines())
+      for (const auto& [place, inner] : scenes[i]->inlines().all())
         if (inner) scenes.push_back(inner.get());
     }
   }
   std::vector<const SceneGraph*> leaving{content};
   for (std::size_t i = 0; i < leaving.size(); ++i) {
     if (const SceneState* const state = execution_.scenes().find(leaving[i])) execution_.scripts().end(state->members);
-    for (const auto& [place, inner] : leaving[i]->inlines())
+    for (const auto& [place, inner] : leaving[i]->inlines().all())
       if (inner) leaving.push_back(inner.get());
   }
   execution_.cascade().drain();
   remove_scene(*content);
-  scene.attach_inline(inline_node, nullptr);
+  scene.inlines().attach(inline_node, nullptr);
   execution_.placement().forget();
   execution_.pointing().forget();
   forget_removed();
@@ -302,19 +303,19 @@ bool NodeLifetime::move_to_root(SceneGraph& scene) {
   std::shared_ptr<SceneGraph> content;
   for (const SceneState& state : execution_.scenes().states()) {
     if (!state.scene) continue;
-    for (const auto& [place, inlined] : state.scene->inlines())
+    for (const auto& [place, inlined] : state.scene->inlines().all())
       if (inlined.get() == &scene) content = inlined;
     if (!content) continue;
     std::vector<NodeId> holders;
-    for (const auto& [place, inlined] : state.scene->inlines())
-      if (inlined == content) holders.push_back(state.scene->id_at(place));
-    for (const NodeId holder : holders) state.scene->attach_inline(holder, nullptr);
+    for (const auto& [place, inlined] : state.scene->inlines().all())
+      if (inlined == content) holders.push_back(state.scene->nodes().id_at(place));
+    for (const NodeId holder : holders) state.scene->inlines().attach(holder, nullptr);
     break;
   }
   const NodeId shown = content ? root.create(built_in_node_type(NodeKind::inline_node)) : NodeId{};
   if (!shown) return false;
   root.set_roots({shown});
-  root.attach_inline(shown, std::move(content));
+  root.inlines().attach(shown, std::move(content));
   return true;
 }
 
@@ -327,6 +328,7 @@ void NodeLifetime::do_replace_world() {
   const bool is_root = next.scene == &root;
   const bool has_room = is_root || move_to_root(*next.scene);
   if (has_room) next.scene->set_roots(next.nodes);
+  execution_.placement().forget();
   for (const NodeId id : next.nodes) release(*next.scene, id);
   if (!has_room) return;
   SceneState& state = scenes.state_of(*next.scene);

@@ -168,6 +168,7 @@ bool Pointing::change(const Look& look) {
   if (!has_room(look, pressed, released)) return false;
   pointed_ = true;
   last_ = look.bearing;
+  if (!look.down && std::exchange(enabled_while_down_, false)) ++revision_;
   down_ = look.down;
   leave();
   enter(look, moved, active_ == 0);
@@ -246,6 +247,8 @@ void Pointing::release() {
 // ---- enabled
 
 void Pointing::enable(EventNode node, bool enabled) {
+  ++revision_;
+  enabled_while_down_ = enabled_while_down_ || (enabled && down_);
   if (enabled) {
     if (down_ && make_state(node)) execution_.states().pointing[execution_.nodes().state_of(node)].enabled_in = press_;
     return;
@@ -275,6 +278,7 @@ void Pointing::settle(EventNode node) {
 }
 
 void Pointing::remove(EventNode node) {
+  ++revision_;
   const auto is_it = [&](const Sensed& one) { return one.node == node; };
   std::erase_if(over_, is_it);
   std::erase_if(grabbed_, is_it);

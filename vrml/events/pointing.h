@@ -87,7 +87,14 @@ class Pointing {
   /// Reports whether the world has ever had a pointing-device sensor.
   [[nodiscard]] bool has_sensors() const { return has_sensors_; }
   /// Discards cached lists of siblings, because the content of PROTO instances may have changed.
-  void forget() { siblings_.clear(); }
+  void forget() {
+    siblings_.clear();
+    ++revision_;
+  }
+  /// Records that the children of a node have changed.
+  void note_children_changed() { ++revision_; }
+  /// Returns a counter that increases when sensors_of() may change for a path.
+  [[nodiscard]] std::uint64_t revision() const { return revision_; }
   /// Reports whether a change waits for a new timestamp.
   [[nodiscard]] bool waits() const { return !waiting_.empty(); }
   [[nodiscard]] PointedAt pointed_at() const;
@@ -143,6 +150,8 @@ class Pointing {
   std::size_t active_ = 0;              // number of active entries of grabbed_
   std::deque<Look> waiting_;
   Bearing last_;
+  std::uint64_t revision_ = 0;
+  bool enabled_while_down_ = false;  // a sensor was enabled since the press
   bool pointed_ = false, down_ = false;
   std::uint32_t look_ = 0, press_ = 0;
   bool has_sensors_ = false;

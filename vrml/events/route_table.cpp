@@ -52,7 +52,14 @@ bool RouteTable::add(SceneGraph& scene, const Route& route) {
   }
   routes_.emplace(key_of(ends.from, ends.to), made);
   ++revision_;
+  note_listener(ends.source);
   return true;
+}
+
+// Tells a node that another node listens to its events from now on.
+void RouteTable::note_listener(EventNode source) {
+  const Behaviour* const behaviour = execution_.nodes().schema_of(source).behaviour;
+  if (behaviour && behaviour->watches_routes) execution_.timers().look_again(source);
 }
 
 bool RouteTable::remove(SceneGraph& scene, const Route& route) {
@@ -91,7 +98,7 @@ bool RouteTable::connect_instance(SceneGraph& scene, NodeId id) {
     if (mapping.outer->access == AccessType::field) continue;
     const std::optional<std::uint32_t> place = place_in_body(prototype, mapping.node);
     if (!place) continue;
-    const NodeId inner_id = scene.id_at(node.expansion_first + *place);
+    const NodeId inner_id = scene.nodes().id_at(node.expansion_first + *place);
     // An EXTERNPROTO declares its own interfaces, possibly fewer than the PROTO.
     const InterfaceDeclaration* outer = node.type->find(mapping.outer->name);
     if (!scene.contains(inner_id) || !outer || outer->type != mapping.inner->type) continue;
@@ -108,6 +115,7 @@ bool RouteTable::connect_instance(SceneGraph& scene, NodeId id) {
     if (sends(*outer) && sends(*mapping.inner) &&
         connect(inner, nodes[inner].first_slot + inner_place, instance, outer_place, Way::up) == 0)
       return false;
+    if (sends(*outer) && sends(*mapping.inner)) note_listener(inner);
   }
   return true;
 }

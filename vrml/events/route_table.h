@@ -19,9 +19,9 @@ struct PlacedRoute {
 class RouteTable {
  public:
   enum class Way : std::uint8_t {
-    route,  // from an eventOut to an eventIn, by ROUTE
-    down,  // from an eventIn of a PROTO instance to an eventIn of a body node (4.8.2)
-    up,  // from an eventOut of a body node to an eventOut of the instance
+    route,    // from an eventOut to an eventIn, by ROUTE
+    down,     // from an eventIn of a PROTO instance to an eventIn of a body node (4.8.2)
+    up,       // from an eventOut of a body node to an eventOut of the instance
     removed,  // remains until the cascade ends, which may still follow it
   };
   struct Connection {
@@ -64,6 +64,7 @@ class RouteTable {
     std::uint32_t event_in = 0;
   };
   [[nodiscard]] bool find_ends(SceneGraph& scene, const Route& route, Ends& ends);
+  void note_listener(EventNode source);
   std::uint32_t connect(EventNode source, std::uint32_t from, EventNode to, std::uint32_t event_in, Way way);
   void disconnect(std::uint32_t connection);
 

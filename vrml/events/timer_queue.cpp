@@ -12,14 +12,32 @@ namespace gs::vrml {
 void TimerQueue::run(EventNode node, bool running) {
   EventMember& at = execution_.nodes()[node];
   at.running = running;
-  if (running && !std::exchange(at.listed, true)) running_.push_back(node);
+  if (!running || std::exchange(at.listed, true)) return;
+  at.rank = ++last_rank_;
+  running_.push_back(node);
+}
+
+// Returns woken nodes to their places among the running ones.
+void TimerQueue::take_woken() {
+  const auto earlier = [&](EventNode a, EventNode b) {
+    return execution_.nodes()[a].rank < execution_.nodes()[b].rank;
+  };
+  std::vector<EventNode> woken = execution_.idle().take_woken();
+  if (woken.empty()) return;
+  std::sort(woken.begin(), woken.end(), earlier);
+  const auto old = static_cast<std::ptrdiff_t>(running_.size());
+  running_.insert(running_.end(), woken.begin(), woken.end());
+  std::inplace_merge(running_.begin(), running_.begin() + old, running_.end(), earlier);
 }
 
 void TimerQueue::look_again(EventNode node) {
+  execution_.idle().wake(node);
   if (!std::exchange(execution_.nodes()[node].looking, true)) looking_.push_back(node);
 }
 
 void TimerQueue::look_again_at_running() {
+  execution_.idle().wake_all();
+  take_woken();
   for (const EventNode node : running_)
     if (execution_.nodes()[node].running) look_again(node);
 }
@@ -50,6 +68,8 @@ void TimerQueue::begin_step(double now) {
     --live_alarms_;
     look_again(alarm.node);
   }
+  execution_.idle().begin_step();
+  take_woken();
   // Nodes that start running during these calls are appended to the list. They have been called already.
   const std::size_t count = running_.size();
   std::size_t kept = 0;
@@ -57,7 +77,7 @@ void TimerQueue::begin_step(double now) {
     const EventNode node = running_[i];
     if (nodes[node].running) nodes.behaviour_of(node).on_time(execution_, node);
     nodes[node].listed = nodes[node].running;
-    if (nodes[node].running) running_[kept++] = node;
+    if (nodes[node].running && !execution_.idle().take(node)) running_[kept++] = node;
   }
   running_.erase(running_.begin() + static_cast<std::ptrdiff_t>(kept),
                  running_.begin() + static_cast<std::ptrdiff_t>(count));
@@ -74,7 +94,7 @@ void TimerQueue::call_waiting() {
 }
 
 bool TimerQueue::has_running() const {
-  return std::any_of(running_.begin(), running_.end(),
+  return !execution_.idle().empty() || std::any_of(running_.begin(), running_.end(),
                      [&](EventNode node) { return execution_.nodes()[node].running; });
 }
 
@@ -84,12 +104,14 @@ std::optional<double> TimerQueue::next_alarm() const {
 
 void TimerQueue::remove(EventNode node) {
   if (execution_.nodes()[node].alarm != 0) --live_alarms_;
+  execution_.idle().remove(node);
 }
 
 void TimerQueue::forget_removed() {
   const auto is_removed = [&](EventNode node) { return execution_.nodes().is_removed(node); };
   std::erase_if(running_, is_removed);
   std::erase_if(looking_, is_removed);
+  execution_.idle().forget_removed();
 }
 
 }  // namespace gs::vrml

@@ -47,8 +47,11 @@ class TimerQueue {
     }
   };
 
+  void take_woken();
+
   Execution& execution_;
-  std::vector<EventNode> running_, looking_;
+  std::vector<EventNode> running_, looking_;  // running_ is sorted by rank and omits nodes that rest in IdleSensors
+  std::uint64_t last_rank_ = 0;
   std::vector<Alarm> alarms_;  // heap; the earliest alarm is first
   std::size_t live_alarms_ = 0;
   std::uint32_t alarm_number_ = 0;

@@ -47,7 +47,7 @@ EventNode WorldScenes::event_node(const SceneGraph& scene, NodeId node) {
 
 EventNode WorldScenes::member(SceneState& state, NodeId id) {
   if (state.members.size() <= id.index) {
-    const std::size_t count = state.scene->node_count() + 1;
+    const std::size_t count = state.scene->nodes().count() + 1;
     if (!execution_.budget().afford((count - state.members.size()) * sizeof(EventNode))) return 0;
     state.members.resize(count);
   }
@@ -73,19 +73,35 @@ void WorldScenes::attach(SceneGraph& scene) {
   if (const auto place = places_.find(&scene); place != places_.end()) attach_all({place->second});
 }
 
-// Attaches scenes. An Inline precedes the Inlines nested in it.
+// Attaches scenes. An Inline precedes the Inlines nested in it. New nodes of a scene that lives are not yet in the
+// hierarchy.
 void WorldScenes::attach_all(std::vector<std::size_t> order) {
-  execution_.placement().forget();
   execution_.pointing().forget();
   for (std::size_t i = 0; i < order.size(); ++i) {
+    if (!states_[order[i]].lives) execution_.placement().forget();
     attach_scene(states_[order[i]]);
     const SceneGraph& scene = *states_[order[i]].scene;
     std::vector<std::uint32_t> inlines;
-    for (const auto& [node, content] : scene.inlines())
+    for (const auto& [node, content] : scene.inlines().all())
       if (content && !has(content.get())) inlines.push_back(node);
     std::sort(inlines.begin(), inlines.end());
-    for (const std::uint32_t node : inlines) order.push_back(place_of(*scene.inlined(scene.id_at(node))));
+    for (const std::uint32_t node : inlines) {
+      order.push_back(place_of(*scene.inlines().of(scene.nodes().id_at(node))));
+      note_content(scene, scene.nodes().id_at(node));
+    }
   }
+}
+
+// Lets an Inline send children_changed for its new content, if another node listens.
+void WorldScenes::note_content(const SceneGraph& scene, NodeId inline_node) {
+  SceneState* const state = find(&scene);
+  const EventNode node = state && inline_node.index < state->members.size() ? state->members[inline_node.index] : 0;
+  if (node == 0) return;
+  const Behaviour* const behaviour = execution_.nodes().schema_of(node).behaviour;
+  if (!behaviour || !behaviour->watches_routes) return;
+  execution_.nodes().state_of(node) = 0;
+  execution_.timers().look_again(node);
+  execution_.timers().call_at(node, execution_.now());
 }
 
 void WorldScenes::attach_node(SceneState& state, NodeId id) {
@@ -112,12 +128,12 @@ void WorldScenes::attach_scene(SceneState& state) {
   SceneGraph& scene = *state.scene;
   for (const NodeId id : std::exchange(state.waiting, {}))
     if (scene.contains(id) && attach_instance(state, id) && state.lives) execution_.changes().mark_content(scene, id);
-  for (; state.nodes_seen <= scene.node_count(); ++state.nodes_seen) {
-    const Node& node = scene.node_at(static_cast<std::uint32_t>(state.nodes_seen));
+  for (; state.nodes_seen <= scene.nodes().count(); ++state.nodes_seen) {
+    const Node& node = scene.nodes().at(static_cast<std::uint32_t>(state.nodes_seen));
     if (!node.in_prototype_body && node.owner == 0 && !node.recycled)
-      attach_node(state, scene.id_at(static_cast<std::uint32_t>(state.nodes_seen)));
+      attach_node(state, scene.nodes().id_at(static_cast<std::uint32_t>(state.nodes_seen)));
   }
-  for (const NodeId id : scene.take_made())
+  for (const NodeId id : scene.nodes().take_made())
     if (scene.contains(id)) attach_node(state, id);
   std::vector<Route>& routes = scene.routes();
   for (std::size_t i = state.routes_seen; i < routes.size(); ++i) (void)execution_.routes().add(scene, routes[i]);

@@ -16,10 +16,10 @@ struct SceneState {
   SceneGraph* scene = nullptr;     // null if the entry is free
   std::vector<EventNode> members;  // EventNode of each node index; 0 means none
   std::size_t nodes_seen = 1, routes_seen = 0;
-  std::vector<NodeId> waiting;  // instances of EXTERNPROTOs without a body so far
+  std::vector<NodeId> waiting;      // instances of EXTERNPROTOs without a body so far
   std::vector<NodeId> at_run_time;  // nodes made at run time
-  bool files_hold = true;  // the nodes of the scene's file are held
-  bool lives = false;  // is attached; nodes added from now on count as made at run time
+  bool files_hold = true;           // the nodes of the scene's file are held
+  bool lives = false;               // is attached; nodes added from now on count as made at run time
 
   [[nodiscard]] EventNode member_of(NodeId id) const { return id.index < members.size() ? members[id.index] : 0; }
 };
@@ -62,6 +62,7 @@ class WorldScenes {
   void attach_all(std::vector<std::size_t> order);
   void attach_scene(SceneState& state);
   void attach_node(SceneState& state, NodeId id);
+  void note_content(const SceneGraph& scene, NodeId inline_node);
   bool attach_instance(SceneState& state, NodeId id);
 
   Execution& execution_;

@@ -14,7 +14,7 @@ namespace gs::vrml {
 /// Copy of a geometry node, and of everything that its mesh depends on, in a separate scene. It serves threads that do
 /// not own the original scene. Arrays are shared copy-on-write (docs/decisions/0003).
 struct GeometryCopy {
-  std::unique_ptr<SceneGraph> scene;  // draws from the world's budget; null if the budget is exhausted
+  std::unique_ptr<SceneGraph> scene;  // charges the world's budget; null if the budget is exhausted
   NodeId geometry, refiner;  // nodes in `scene`; see MeshOptions::refiner
 };
 [[nodiscard]] GeometryCopy copy_geometry(const SceneGraph& scene, NodeId geometry, NodeId refiner = {});

@@ -47,7 +47,7 @@ constexpr NodeRow kAppearanceRows[] = {
   eventOut     SFTime     duration_changed
   eventOut     SFBool     isActive
 )",
-     nullptr, &kMovieTextureBehaviour, UrlContent::movie},
+     nullptr, &kMovieTextureBehaviour, UrlContent::movie, "eventOut SFTime mediaTime"},
     {"PixelTexture", "6.33", Role::texture, NodeKind::pixel_texture, R"(
   exposedField SFImage    image            0 0 0
   field        SFBool     repeatS          TRUE

@@ -16,5 +16,7 @@ namespace gs::vrml {
 [[nodiscard]] std::span<const NodeRow> interpolators_rows();
 [[nodiscard]] std::span<const NodeRow> bindables_rows();
 [[nodiscard]] std::span<const NodeRow> common_rows();
+// Rows of the browser as a node. They are not part of the table.
+[[nodiscard]] std::span<const NodeRow> browser_rows();
 
 }  // namespace gs::vrml

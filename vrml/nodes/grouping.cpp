@@ -50,7 +50,7 @@ constexpr NodeRow kGroupingRows[] = {
   field        SFVec3f    bboxCenter       0 0 0            # (-inf,inf)
   field        SFVec3f    bboxSize         -1 -1 -1         # (0,inf) or -1,-1,-1
 )",
-     nullptr, nullptr, UrlContent::scene},
+     nullptr, &kInlineBehaviour, UrlContent::scene, "eventOut MFNode children_changed"},
     {"LOD", "6.26", Role::child | Role::grouping | Role::viewer_dependent, NodeKind::lod, R"(
   exposedField MFNode     level            []
   field        SFVec3f    center           0 0 0            # (-inf,inf)

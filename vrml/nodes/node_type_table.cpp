@@ -45,6 +45,11 @@ std::unique_ptr<NodeType> type_of_row(const NodeRow& row) {
   (void)good;
   if (has(row.role, Role::script)) type->kind = NodeType::Kind::script;
   read_ranges(row.interface_text, *type);
+  const std::size_t standard = type->interfaces.size();
+  const bool good_events = parse_interface(row.other_events, *type);
+  assert(good_events && "other events of a row do not parse");
+  (void)good_events;
+  for (std::size_t i = standard; i < type->interfaces.size(); ++i) type->interfaces[i].of_other_browsers = true;
   return type;
 }
 
@@ -73,6 +78,16 @@ const Table& table() {
 }  // namespace
 
 std::span<const std::unique_ptr<NodeType>> built_in_node_types() { return table().types; }
+
+const NodeType& browser_node_type() {
+  static const std::unique_ptr<NodeType> the_type = type_of_row(browser_rows()[0]);
+  return *the_type;
+}
+
+const NodeType& browser_event_type() {
+  static const std::unique_ptr<NodeType> the_type = type_of_row(browser_rows()[1]);
+  return *the_type;
+}
 
 const NodeType* stood_for(const NodeType& prototype) {
   const NodeType* native = built_in_node_type(prototype.name);

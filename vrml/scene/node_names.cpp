@@ -10,19 +10,19 @@ NodeNames::NodeNames(const SceneGraph& root) {
   for (std::size_t i = 0; i < scenes_.size(); ++i) {
     count(scenes_[i]);
     std::vector<std::uint32_t> places;
-    for (const auto& [place, content] : scenes_[i].scene->inlines())
+    for (const auto& [place, content] : scenes_[i].scene->inlines().all())
       if (content) places.push_back(place);
     std::sort(places.begin(), places.end());
     const SceneGraph& scene = *scenes_[i].scene;
-    for (const std::uint32_t place : places) scenes_.push_back({scene.inlined(scene.id_at(place))});
+    for (const std::uint32_t place : places) scenes_.push_back({scene.inlines().of(scene.nodes().id_at(place))});
   }
 }
 
 void NodeNames::count(Numbers& numbers) {
-  if (std::exchange(numbers.revision, numbers.scene->revision()) == numbers.scene->revision()) return;
-  numbers.of_node.resize(numbers.scene->node_count() + 1);
-  for (std::uint32_t i = 1; i <= numbers.scene->node_count(); ++i) {
-    const Node& node = numbers.scene->node_at(i);
+  if (std::exchange(numbers.revision, numbers.scene->nodes().revision()) == numbers.scene->nodes().revision()) return;
+  numbers.of_node.resize(numbers.scene->nodes().count() + 1);
+  for (std::uint32_t i = 1; i <= numbers.scene->nodes().count(); ++i) {
+    const Node& node = numbers.scene->nodes().at(i);
     Number& known = numbers.of_node[i];
     if (known.generation == node.generation) continue;
     known = {node.generation, node.in_prototype_body ? 0 : ++counts_[node.type->name]};
@@ -45,12 +45,12 @@ std::string NodeNames::of(const SceneGraph& scene, NodeId id) {
 
 void NodeNames::find_names() {
   const SceneGraph& scene = *scenes_.front().scene;
-  if (std::exchange(named_at_, scene.revision()) == scene.revision()) return;
+  if (std::exchange(named_at_, scene.nodes().revision()) == scene.nodes().revision()) return;
   std::unordered_map<std::string_view, NodeId> inner;
   named_.clear();
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
-    const NodeId id = scene.id_at(i);
-    const Node& node = scene.node_at(i);
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
+    const NodeId id = scene.nodes().id_at(i);
+    const Node& node = scene.nodes().at(i);
     if (node.in_prototype_body) continue;
     if (!node.name.empty()) (node.instance != 0 ? inner : named_)[node.name] = id;
   }
@@ -64,9 +64,9 @@ NodeId NodeNames::find(std::string_view name) {
   Numbers& numbers = scenes_.front();
   count(numbers);
   const std::size_t mark = name.rfind('#');
-  for (std::uint32_t i = 1; mark != std::string_view::npos && i <= numbers.scene->node_count(); ++i) {
-    const NodeId id = numbers.scene->id_at(i);
-    const Node& node = numbers.scene->node_at(i);
+  for (std::uint32_t i = 1; mark != std::string_view::npos && i <= numbers.scene->nodes().count(); ++i) {
+    const NodeId id = numbers.scene->nodes().id_at(i);
+    const Node& node = numbers.scene->nodes().at(i);
     if (numbers.of_node[i].number != 0 && node.type->name == name.substr(0, mark) &&
         std::to_string(numbers.of_node[i].number) == name.substr(mark + 1))
       return id;

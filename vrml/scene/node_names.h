@@ -38,7 +38,7 @@ class NodeNames {
 
   std::vector<Numbers> scenes_;
   std::unordered_map<std::string, std::uint32_t> counts_;  // number of nodes of each type name
-  std::unordered_map<std::string_view, NodeId> named_;  // nodes of the root with DEF names
+  std::unordered_map<std::string_view, NodeId> named_;  // nodes of the root scene with DEF names
   std::uint64_t named_at_ = ~std::uint64_t{0};  // revision of the root when `named_` was built
 };
 

@@ -20,17 +20,8 @@ std::uint32_t digest(std::string_view name) {
 }  // namespace
 
 std::string_view name_of(AccessType access) {
-  switch (access) {
-    case AccessType::eventIn:
-      return "eventIn";
-    case AccessType::eventOut:
-      return "eventOut";
-    case AccessType::field:
-      return "field";
-    case AccessType::exposedField:
-      return "exposedField";
-  }
-  return {};
+  static constexpr std::string_view kNames[] = {"eventIn", "eventOut", "field", "exposedField"};
+  return kNames[static_cast<std::size_t>(access)];
 }
 
 NodeType::NodeType() = default;
@@ -76,9 +67,13 @@ const InterfaceDeclaration* NodeType::find_event_out(std::string_view wanted) co
 const InterfaceDeclaration* NodeType::find_event_in(std::string_view wanted) const {
   const InterfaceDeclaration* found = find(wanted);
   if (found && (found->access == AccessType::eventIn || found->access == AccessType::exposedField)) return found;
-  if (!wanted.starts_with(kSetPrefix)) return nullptr;
-  found = find(wanted.substr(kSetPrefix.size()));
-  return found && found->access == AccessType::exposedField ? found : nullptr;
+  if (wanted.starts_with(kSetPrefix)) {
+    found = find(wanted.substr(kSetPrefix.size()));
+    return found && found->access == AccessType::exposedField ? found : nullptr;
+  }
+  if (found || kind != Kind::built_in) return nullptr;
+  found = find(std::string(kSetPrefix) + std::string(wanted));
+  return found && found->access == AccessType::eventIn ? found : nullptr;
 }
 
 }  // namespace gs::vrml

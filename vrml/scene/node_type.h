@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/diagnostic.h"
+#include "base/noncopyable.h"
 #include "vrml/scene/field_value.h"
 
 #include <cstdint>
@@ -28,27 +29,28 @@ struct InterfaceDeclaration {
   AccessType access = AccessType::field;
   FieldType type = FieldType::SFBool;
   std::string name;
-  FieldValue initial;  // initial value; only for fields and exposedFields
-  std::string range;   // "[0,1]" as the standard writes it; only for built-in nodes
-  int slot = -1;  // index of the stored value in a node; -1 for eventIns and eventOuts
+  FieldValue initial;              // initial value; only for fields and exposedFields
+  std::string range;               // "[0,1]" as the standard writes it; only for built-in nodes
+  int slot = -1;                   // index of the stored value in a node; -1 for eventIns and eventOuts
+  bool of_other_browsers = false;  // event of a built-in node that the standard does not have (NodeRow::other_events)
 };
 
 /// Bit set of the roles of a node. It states where the node may stand and which code handles it.
 enum class Role : std::uint32_t {
   none = 0,
-  child = 1 << 0,  // may stand in `children` and at the top level (VRML97 4.6.5)
-  grouping = 1 << 1,  // has children and belongs to the transformation hierarchy (4.6.5)
-  geometry = 1 << 2,  // may stand in Shape.geometry (4.6.3)
+  child = 1 << 0,               // may stand in `children` and at the top level (VRML97 4.6.5)
+  grouping = 1 << 1,            // has children and belongs to the transformation hierarchy (4.6.5)
+  geometry = 1 << 2,            // may stand in Shape.geometry (4.6.3)
   geometric_property = 1 << 3,  // Color, Coordinate, Normal, TextureCoordinate (4.6.3.2)
   appearance = 1 << 4,
   material = 1 << 5,
   texture = 1 << 6,
   texture_transform = 1 << 7,
   font_style = 1 << 8,
-  light = 1 << 9,  // light source (4.6.6)
-  bindable = 1 << 10,  // bindable node (4.6.10)
-  sensor = 1 << 11,  // sensor (4.6.7)
-  interpolator = 1 << 12,  // interpolator (4.6.8)
+  light = 1 << 9,            // light source (4.6.6)
+  bindable = 1 << 10,        // bindable node (4.6.10)
+  sensor = 1 << 11,          // sensor (4.6.7)
+  interpolator = 1 << 12,    // interpolator (4.6.8)
   time_dependent = 1 << 13,  // time-dependent node (4.6.9)
   sound_source = 1 << 14,
   script = 1 << 15,
@@ -140,15 +142,17 @@ struct NodeRow {
   std::string_view clause;  // "6.7"; kOwnClause for GhostSpace's own nodes
   Role role;
   NodeKind read_as;
-  std::string_view interface_text;  // one declaration per line; its range follows as a comment
+  std::string_view interface_text;       // one declaration per line; its range follows as a comment
   Tessellator tessellator{};             // geometry nodes only
   const Behaviour* behaviour = nullptr;  // set if events or time do more than set fields (vrml/event_model/behaviour.h)
   UrlContent url_content = UrlContent::none;
+  /// eventIns and eventOuts of other browsers, for ROUTE and IS in their worlds. Lists of the node types omit them.
+  std::string_view other_events{};
 };
 
 /// Type of a node: built in, declared by a PROTO or EXTERNPROTO, or private to one Script. It does not change after its
 /// first node is created, so any thread may read it.
-struct NodeType {
+struct NodeType : NonCopyable {
   enum class Kind : std::uint8_t { built_in, script, prototype, external_prototype };
 
   std::string name;
@@ -162,17 +166,15 @@ struct NodeType {
   const Behaviour* behaviour = nullptr;
   UrlContent url_content = UrlContent::none;
   bool stands_in = false;                  // partial substitute for another browser's type (vrml/syntax/stand_ins.h)
-  std::vector<int> measures;  // slots of the lengths of a built-in geometry: fields with the range (0,inf)
-  std::unique_ptr<Prototype> prototype;  // body of a PROTO, otherwise null
-  MFString url;  // url of an EXTERNPROTO
-  bool asked_for = false;  // EXTERNPROTO of a run-time text: its body is being loaded
-  SourceLocation location;  // location of the name in the PROTO or EXTERNPROTO
+  std::vector<int> measures;               // slots of the lengths of a built-in geometry: fields with the range (0,inf)
+  std::unique_ptr<Prototype> prototype;    // body of a PROTO, otherwise null
+  MFString url;                            // url of an EXTERNPROTO
+  bool asked_for = false;                  // EXTERNPROTO of a run-time text: its body is being loaded
+  SourceLocation location;                 // location of the name in the PROTO or EXTERNPROTO
   std::vector<SourceLocation> url_places;  // for Scripts: start of each string of the url in the text
 
   NodeType();
   ~NodeType();
-  NodeType(const NodeType&) = delete;
-  NodeType& operator=(const NodeType&) = delete;
 
   /// Adds a declaration. Assigns a slot if the interface stores a value.
   void declare(InterfaceDeclaration declaration);
@@ -187,7 +189,8 @@ struct NodeType {
   /// exposedField x for `x_changed` (4.7). Returns null if there is none.
   [[nodiscard]] const InterfaceDeclaration* find_event_out(std::string_view name) const;
   /// Returns the declaration that `name` means as target of a ROUTE: the eventIn or exposedField `name`, or the
-  /// exposedField x for `set_x` (4.7). Returns null if there is none.
+  /// exposedField x for `set_x` (4.7). For a built-in node, `x` also means the eventIn `set_x` if no interface is
+  /// called x: `bind` means `set_bind`, as in other browsers. Returns null if there is none.
   [[nodiscard]] const InterfaceDeclaration* find_event_in(std::string_view name) const;
 
  private:
@@ -200,6 +203,12 @@ struct NodeType {
 [[nodiscard]] const NodeType* built_in_node_type(std::string_view name);
 /// Returns the built-in type of this kind. If there are several, returns the first one by name.
 [[nodiscard]] const NodeType& built_in_node_type(NodeKind kind);
+/// Name of the browser as a node in ROUTEs, as in worlds for Contact.
+inline constexpr std::string_view kBrowserName = "Browser";
+/// Returns the type of the browser as a node. Not in the table.
+[[nodiscard]] const NodeType& browser_node_type();
+/// Returns the type of the node that `event_changed` of the browser sends. Not in the table.
+[[nodiscard]] const NodeType& browser_event_type();
 /// Returns the extension node for which a PROTO or EXTERNPROTO is the fallback in other browsers. The
 /// extension node has the same name and all interfaces of the PROTO. Returns null if there is none. Ignores nodes with
 /// streamed vectors.

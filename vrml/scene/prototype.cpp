@@ -19,15 +19,15 @@ class Copier {
   // Copies all nodes of the body. Returns false if there is no memory for them.
   bool copy_body(std::uint32_t& first) {
     const std::vector<NodeId>& body = prototype_.nodes;
-    if (body.empty() || !to_.reserve_expansion(body.size(), prototype_.body_bytes)) return false;
+    if (body.empty() || !to_.memory().reserve_expansion(body.size(), prototype_.body_bytes)) return false;
     const auto count = static_cast<std::uint32_t>(body.size());
-    first = to_.reserve_places(count);
+    first = to_.nodes().reserve(count);
     if (first == 0) return false;
     for (std::uint32_t i = 0; i < count; ++i) {
       const Node& original = from_.node(body[i]);
       if (to_.create_at(first + i, *original.type, original.location)) continue;
       std::vector<NodeId> made;
-      for (std::uint32_t k = 0; k < i; ++k) made.push_back(to_.id_at(first + k));
+      for (std::uint32_t k = 0; k < i; ++k) made.push_back(to_.nodes().id_at(first + k));
       to_.remove(made);
       return false;
     }
@@ -51,7 +51,7 @@ class Copier {
   }
 
  private:
-  NodeId copy_at(std::size_t place) const { return to_.id_at(first_ + static_cast<std::uint32_t>(place)); }
+  NodeId copy_at(std::size_t place) const { return to_.nodes().id_at(first_ + static_cast<std::uint32_t>(place)); }
 
   void copy_values(const Node& original, NodeId made) {
     Node& copy = to_.node(made);
@@ -68,7 +68,7 @@ class Copier {
     if (auto* node = std::get_if<SFNode>(&value)) {
       if (*node) *node = of(*node);
     } else if (auto* nodes = std::get_if<MFNode>(&value)) {
-      (void)to_.charge(nodes->size() * sizeof(NodeId));
+      (void)to_.memory().charge(nodes->size() * sizeof(NodeId));
       for (std::size_t i = 0; i < nodes->size(); ++i) {
         const NodeId copy = (*nodes)[i] ? of((*nodes)[i]) : NodeId{};
         nodes->mutable_data()[i] = copy;
@@ -83,7 +83,7 @@ class Copier {
     if (known != imported_.end()) return known->second;
     if (!from_.contains(original)) return {};
     const Node& node = from_.node(original);
-    if (!to_.reserve_expansion(1, bytes_of(*node.type))) return {};
+    if (!to_.memory().reserve_expansion(1, bytes_of(*node.type))) return {};
     const NodeId made = to_.create(*node.type, node.location);
     imported_[original.index] = made;
     if (!made) return {};
@@ -125,14 +125,15 @@ bool instantiate_one(SceneGraph& scene, NodeId instance, std::vector<NodeId>& in
     Node& inner_node = scene.node(inner_id);
     // Only URLs depend on the text in which they were written.
     if (std::holds_alternative<MFString>(value))
-      scene.set_text(inner_id, mapping.inner->slot, has_own ? text_of_field(scene, instance, *own) : *prototype.text);
+      scene.nodes().set_text(inner_id, mapping.inner->slot,
+                             has_own ? text_of_field(scene, instance, *own) : *prototype.text);
     inner_node.values[mapping.inner->slot] = std::move(value);
     if (mapping.inner->slot < 64) inner_node.fields_set |= std::uint64_t{1} << mapping.inner->slot;
   }
   MFNode expansion;
   for (const Statement& statement : prototype.statements) {
     if (statement.kind == Statement::Kind::node) expansion.push_back(copier.of(statement.node));
-    if (statement.kind == Statement::Kind::route && scene.charge(sizeof(Route)))
+    if (statement.kind == Statement::Kind::route && scene.memory().charge(sizeof(Route)))
       scene.routes().push_back({copier.of(statement.route.from), copier.of(statement.route.to),
                                 statement.route.event_out, statement.route.event_in});
   }
@@ -142,7 +143,7 @@ bool instantiate_one(SceneGraph& scene, NodeId instance, std::vector<NodeId>& in
     if (scene.node(made).type->prototype) inner.push_back(made);
   };
   for (std::uint32_t i = 0; i < prototype.nodes.size(); ++i) {
-    const NodeId made = scene.id_at(first + i);
+    const NodeId made = scene.nodes().id_at(first + i);
     scene.node(made).instance = instance.index;
     add_inner(made);
   }
@@ -170,7 +171,7 @@ bool instantiate(SceneGraph& scene, NodeId instance) {
 const SourceText& text_of_field(const SceneGraph& scene, NodeId instance, const InterfaceDeclaration& field) {
   const Node& node = scene.node(instance);
   const bool given = field.slot < 64 && (node.fields_set >> field.slot & 1);
-  return given || !node.type->prototype ? scene.text_of(instance, field.slot) : *node.type->prototype->text;
+  return given || !node.type->prototype ? scene.nodes().text_of(instance, field.slot) : *node.type->prototype->text;
 }
 
 void count_instance_nodes(const SceneGraph& scene, Prototype& prototype) {
@@ -192,7 +193,7 @@ std::string why_not_expanded(const SceneGraph& scene, const NodeType& type) {
   if (type.prototype && type.prototype->instance_nodes > 0)
     text += ", which make " + std::to_string(type.prototype->instance_nodes) + " nodes each,";
   text += " make ";
-  if (scene.exhausted()) return text + budget.refusal(Resource::nodes);
+  if (scene.memory().exhausted()) return text + budget.refusal(Resource::nodes);
   const std::uint64_t bytes = type.prototype ? type.prototype->body_bytes : 0;
   if (bytes <= budget.left(Resource::instances) && type.prototype &&
       type.prototype->instance_bytes <= budget.left(Resource::instances))
@@ -204,10 +205,10 @@ bool resolve_external(SceneGraph& scene, NodeType& external, const NodeType& sou
   if (external.prototype || !source.prototype) return true;
   external.prototype = std::make_unique<Prototype>(*source.prototype);
   external.role = source.role;
-  const WritingFor writing(scene, scene.owner_of(external));
+  const WritingFor writing(scene, scene.texts().declaring(&external).value_or(0));
   Copier copier(scene, *external.prototype);
   // Visits only existing nodes. Nodes that are created below get their values from these.
-  const auto count = static_cast<std::uint32_t>(scene.node_count());
+  const auto count = static_cast<std::uint32_t>(scene.nodes().count());
   for (const InterfaceDeclaration& declaration : external.interfaces) {
     if (declaration.slot < 0) continue;
     const InterfaceDeclaration* given = source.find_field(declaration.name);
@@ -215,13 +216,13 @@ bool resolve_external(SceneGraph& scene, NodeType& external, const NodeType& sou
     const FieldValue value = copier.import(given->initial);
     external.defaults[declaration.slot] = value;
     for (std::uint32_t i = 1; i <= count; ++i) {
-      const Node& node = scene.node_at(i);
+      const Node& node = scene.nodes().at(i);
       const bool set = declaration.slot >= 64 || (node.fields_set >> declaration.slot & 1);
       if (node.type == &external && !set) node.values[declaration.slot] = value;
     }
   }
   for (std::uint32_t i = 1; i <= count; ++i)
-    if (scene.node_at(i).type == &external && !instantiate(scene, scene.id_at(i))) return false;
+    if (scene.nodes().at(i).type == &external && !instantiate(scene, scene.nodes().id_at(i))) return false;
   return true;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "vrml/scene/node_type.h"
 
 #include <cstdint>
@@ -39,13 +40,11 @@ struct TextSource {
 
 /// Text in which nodes were written: a file, or text that is read into a running world. Contains its statements, and
 /// everything that its nodes need besides their values. Refers to nodes only by id.
-class SourceText {
+class SourceText : NonCopyable {
  public:
   /// `file_name` identifies the text in diagnostics.
   explicit SourceText(std::string file_name);
   ~SourceText();
-  SourceText(const SourceText&) = delete;
-  SourceText& operator=(const SourceText&) = delete;
 
   [[nodiscard]] const std::string& file_name() const { return file_name_; }
   /// Returns the text of the file that requested this text. For a run-time text, this is the file of the requesting
@@ -71,7 +70,7 @@ class SourceText {
 
  protected:
   friend class SceneGraph;
-  friend class RunTimeText;
+  friend class SceneTexts;
   std::string file_name_;
   const SourceText* origin_ = nullptr;
   std::shared_ptr<const TextSource> source_;

@@ -76,7 +76,7 @@ bool ParsedText::open(Frame frame) {
 }
 
 bool ParsedText::out_of_budget() {
-  if (!scene.exhausted()) return false;
+  if (!scene.memory().exhausted()) return false;
   end_reported = true;
   return sink.limits().is_exhausted(lexer.location());
 }

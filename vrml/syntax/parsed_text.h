@@ -44,7 +44,7 @@ struct Frame {
   std::array<double, 4> partial{};  // for values: numbers of an incomplete element
   std::uint8_t partial_count = 0;
   std::uint64_t pixels_left = 0;  // for image: number of pixels still to read
-  std::size_t charged = 0;  // for values, image: bytes of `into` drawn from the budget
+  std::size_t charged = 0;  // for values, image: bytes of `into` charged to the budget
   std::size_t depth = 0;  // for skip: number of open brackets
   bool skipped_value = false;  // for skip: a part was skipped already
   bool value_unexpected = false;  // for skip: any content is an error

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/diagnostic.h"
+#include "base/noncopyable.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <memory>
@@ -25,13 +26,11 @@ enum class ParseOutcome : std::uint8_t {
 ///
 /// After an error it continues at the next field, node or statement, so that the rest of the world is drawn. Safe for
 /// untrusted text. One thread.
-class Parser {
+class Parser : NonCopyable {
  public:
   /// `scene` and `diagnostics` must outlive the parser. Diagnostics contain `scene.file_name()`.
   Parser(SceneGraph& scene, Diagnostics& diagnostics);
   ~Parser();
-  Parser(const Parser&) = delete;
-  Parser& operator=(const Parser&) = delete;
 
   /// Parses the next bytes of the text. Copies only bytes that form an incomplete token or statement.
   void push(std::string_view piece);

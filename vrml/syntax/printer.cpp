@@ -351,6 +351,7 @@ std::string print_interface(const NodeType& type) {
   static const SceneGraph nothing;
   std::string out;
   for (const InterfaceDeclaration& declaration : type.interfaces) {
+    if (declaration.of_other_browsers) continue;
     std::string line = "  " + std::string(name_of(declaration.access));
     line.resize(std::max<std::size_t>(line.size() + 1, 15), ' ');
     line += name_of(declaration.type);

@@ -1,5 +1,6 @@
 #include "vrml/syntax/scene_sink.h"
 
+#include "base/text.h"
 #include "vrml/scene/prototype.h"
 #include "vrml/syntax/stand_ins.h"
 
@@ -17,37 +18,61 @@ namespace {
 // Returns the role that a node in the field `field` of a built-in node must have (VRML97 4.6.3, 4.6.5). No role means
 // that any node is allowed.
 Role role_for(std::string_view field) {
-  struct Row {
-    std::string_view field;
-    Role role;
-  };
-  static constexpr Row kRows[] = {
-      {"children", Role::child},
-      {"choice", Role::child},
-      {"level", Role::child},
-      {"proxy", Role::child},
-      {"geometry", Role::geometry},
-      {"appearance", Role::appearance},
-      {"material", Role::material},
-      {"texture", Role::texture},
-      {"textureTransform", Role::texture_transform},
-      {"coord", Role::geometric_property},
-      {"color", Role::geometric_property},
-      {"normal", Role::geometric_property},
-      {"texCoord", Role::geometric_property},
-      {"fontStyle", Role::font_style},
-      {"source", Role::sound_source},
-  };
-  for (const Row& row : kRows)
-    if (row.field == field) return row.role;
-  return Role::none;
+  static constexpr std::pair<std::string_view, Role> kRoles[] = {{"children", Role::child},
+                                                                 {"choice", Role::child},
+                                                                 {"level", Role::child},
+                                                                 {"proxy", Role::child},
+                                                                 {"geometry", Role::geometry},
+                                                                 {"appearance", Role::appearance},
+                                                                 {"material", Role::material},
+                                                                 {"texture", Role::texture},
+                                                                 {"textureTransform", Role::texture_transform},
+                                                                 {"coord", Role::geometric_property},
+                                                                 {"color", Role::geometric_property},
+                                                                 {"normal", Role::geometric_property},
+                                                                 {"texCoord", Role::geometric_property},
+                                                                 {"fontStyle", Role::font_style},
+                                                                 {"source", Role::sound_source}};
+  return value_named(kRoles, field).value_or(Role::none);
 }
 
-void check_role(const Node& node, std::string_view field, TextProblems& problems) {
+bool fits(const NodeType& type, std::string_view field) {
   const Role wanted = role_for(field);
-  if (wanted == Role::none || node.type->role == Role::none || has(node.type->role, wanted)) return;
-  problems.error(node.location,
-                 "a " + node.type->name + " is not allowed in '" + std::string(field) + "' (VRML97 4.6)");
+  return wanted == Role::none || type.role == Role::none || has(type.role, wanted);
+}
+
+// Reports whether a node of a Shape stands between the children of a group. It needs a Shape around it.
+bool needs_shape(const NodeType& type, std::string_view field) {
+  if (fits(type, field) || role_for(field) != Role::child) return false;
+  return has(type.role, Role::geometry) || (field == "children" && has(type.role, Role::appearance));
+}
+
+// Reports whether meant_node() may find a node for the field in a node of this type. A Switch may stand in a field of a
+// Shape and choose between nodes that fit there.
+bool may_contain(const NodeType& type, std::string_view field) {
+  const Role wanted = role_for(field);
+  if (field == "choice")
+    return has(type.role, Role::appearance) || has(type.role, Role::material) || has(type.role, Role::texture);
+  const bool of_shape = has(wanted, Role::geometry) || has(wanted, Role::appearance);
+  const bool of_appearance = has(wanted, Role::material) || has(wanted, Role::texture);
+  if (!of_shape && !of_appearance) return false;
+  if (type.read_as == NodeKind::switch_node || type.read_as == NodeKind::group || type.read_as == NodeKind::shape)
+    return true;
+  if (has(type.role, Role::appearance)) return of_appearance;
+  return has(wanted, Role::appearance) && (has(type.role, Role::material) || has(type.role, Role::texture));
+}
+
+void check_role(const NodeType& type, SourceLocation location, std::string_view field, TextProblems& problems) {
+  if (fits(type, field)) return;
+  const bool vowel = std::string_view("AEIO").find(type.name.front()) != std::string_view::npos;
+  std::string problem =
+      (vowel ? "an " : "a ") + type.name + " is not allowed in '" + std::string(field) + "' (VRML97 4.6)";
+  if (needs_shape(type, field))
+    problems.warn(location, problem + "; put into a Shape");
+  else if (may_contain(type, field))
+    problems.warn(location, problem + "; the part that fits is used");
+  else
+    problems.error(location, std::move(problem));
 }
 
 // Checks that the measures of a geometry are above 0 (VRML97 6.7, 6.11, 6.14, 6.17, 6.43). Nodes in the body of a PROTO
@@ -79,7 +104,7 @@ NodeType& make_script_type(const NodeType& type, SceneGraph& scene, SourceText& 
   own->role = type.role;
   own->behaviour = type.behaviour;
   own->url_content = type.url_content;
-  (void)scene.charge(sizeof(NodeType) + type.interfaces.size() * sizeof(InterfaceDeclaration));
+  (void)scene.memory().charge(sizeof(NodeType) + type.interfaces.size() * sizeof(InterfaceDeclaration));
   for (const InterfaceDeclaration& declaration : type.interfaces) own->declare(declaration);
   return text.add_type(std::move(own));
 }
@@ -87,7 +112,7 @@ NodeType& make_script_type(const NodeType& type, SceneGraph& scene, SourceText& 
 }  // namespace
 
 SceneSink::SceneSink(SceneGraph& scene, Diagnostics& diagnostics)
-    : scene_(scene), text_(scene.writing()), problems_(text_, diagnostics), limits_(scene, problems_) {
+    : scene_(scene), text_(scene.texts().writing()), problems_(text_, diagnostics), limits_(scene, problems_) {
   scopes_.emplace_back();
 }
 
@@ -123,7 +148,7 @@ void SceneSink::skip_unknown(const NodeHeader& header) {
   if (!known && unknown_types_.size() < kMaxTypes) unknown_types_.insert(type);
   NameTable& names = scopes_.back().names;
   if (!header.name.empty() && !names.find(header.name))
-    if (const std::string* const kept = scene_.keep_name(header.name)) names.insert(*kept);
+    if (const std::string* const kept = scene_.texts().keep_name(header.name)) names.insert(*kept);
 }
 
 OpenNode SceneSink::begin_node(const NodeHeader& header) {
@@ -139,25 +164,48 @@ OpenNode SceneSink::begin_node(const NodeHeader& header) {
     node.type = node.own_type = &make_script_type(*node.type, scene_, text_);
   node.id = scene_.create(*node.type, location);
   if (!node.id) {
-    if (!scene_.exhausted() && limits_.is_first_excess())
+    if (!scene_.memory().exhausted() && limits_.is_first_excess())
       problems_.error(location, "more than " + std::to_string(scene_.limits().nodes) + " nodes; the rest is left out");
     return {};
   }
   Scope& scope = scopes_.back();
   if (in_prototype_body()) scene_.put_in_body(node.id, *scope.prototype->prototype);
   if (!header.name.empty()) {
-    scene_.set_name(node.id, header.name);
+    scene_.node(node.id).name = *scene_.texts().keep_name(header.name);
     scope.names.insert(scene_.node(node.id).name) = node.id;
   }
-  place(node.id, header.target);
+  place_checked(node.id, header.target, location);
   if (!limits_.admits_depth(header.depth, location)) return {};
-  if (!header.target.field.empty()) check_role(scene_.node(node.id), header.target.field, problems_);
   ++scope.open_nodes;
   return node;
 }
 
+// Adds a node to its destination. Reports misplaced nodes, and puts parts of a Shape between children into a Shape.
+void SceneSink::place_checked(NodeId node, NodeTarget target, SourceLocation location) {
+  if (target.field.empty()) return place(node, target);
+  const NodeType& type = *scene_.node(node).type;
+  check_role(type, location, target.field, problems_);
+  if (!needs_shape(type, target.field) || !place_in_shape(node, target)) place(node, target);
+}
+
+// Puts a geometry or an Appearance into a new Shape, or into the Shape that was made for the previous child, if that
+// lacks such a node. Returns false if there is no memory.
+bool SceneSink::place_in_shape(NodeId node, NodeTarget target) {
+  const char* const field = has(scene_.node(node).type->role, Role::geometry) ? "geometry" : "appearance";
+  const auto* list = std::get_if<MFNode>(target.value);
+  const bool follows = made_shape_ && list && !list->empty() && list->back() == made_shape_;
+  if (!follows || scene_.get<SFNode>(made_shape_, field)) {
+    made_shape_ = scene_.create(built_in_node_type(NodeKind::shape), scene_.node(node).location);
+    if (!made_shape_) return false;
+    if (in_prototype_body()) scene_.put_in_body(made_shape_, *scopes_.back().prototype->prototype);
+    place(made_shape_, target);
+  }
+  scene_.set(made_shape_, field, SFNode{node});
+  return true;
+}
+
 void SceneSink::place(NodeId node, NodeTarget target) {
-  (void)scene_.charge(target.value ? sizeof(NodeId) : sizeof(Statement));
+  (void)scene_.memory().charge(target.value ? sizeof(NodeId) : sizeof(Statement));
   if (target.value) {
     if (auto* list = std::get_if<MFNode>(target.value)) {
       list->push_back(node);
@@ -176,11 +224,11 @@ void SceneSink::end_node(NodeId id) {
   check_measures(scene_.node(id), said_measures_, problems_);
   const NodeType& type = *scene_.node(id).type;
   if (!type.prototype) return;
-  const auto before = static_cast<std::uint32_t>(scene_.node_count());
+  const auto before = static_cast<std::uint32_t>(scene_.nodes().count());
   if (!instantiate(scene_, id) && !scene_.budget()->stopped() && limits_.is_first_excess())
     problems_.error(scene_.node(id).location, why_not_expanded(scene_, type) + "; the missing parts stay empty");
-  for (std::uint32_t i = before + 1; i <= scene_.node_count(); ++i)
-    check_measures(scene_.node(scene_.id_at(i)), said_measures_, problems_);
+  for (std::uint32_t i = before + 1; i <= scene_.nodes().count(); ++i)
+    check_measures(scene_.node(scene_.nodes().id_at(i)), said_measures_, problems_);
 }
 
 void SceneSink::use_node(SourceName name, NodeTarget target) {
@@ -188,7 +236,7 @@ void SceneSink::use_node(SourceName name, NodeTarget target) {
   if (!found) {
     problems_.error(name.location, "USE of " + quoted(name.text) + ", but no earlier DEF has this name");
   } else if (*found) {
-    place(*found, target);
+    place_checked(*found, target, name.location);
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "vrml/scene/scene_graph.h"
 #include "vrml/syntax/name_table.h"
 #include "vrml/syntax/problems/text_limits.h"
@@ -22,7 +23,7 @@ struct SourceName {
 /// Destination of a node. Without a value, the node is a statement of the file or of a PROTO's body.
 struct NodeTarget {
   FieldValue* value = nullptr;  // SFNode or MFNode that receives the node
-  std::string_view field;  // name of a field that restricts the node's role (VRML97 4.6); otherwise empty
+  std::string_view field;       // name of a field that restricts the node's role (VRML97 4.6); otherwise empty
 };
 
 /// Start of a node, up to its opening brace.
@@ -37,7 +38,7 @@ struct NodeHeader {
 struct OpenNode {
   NodeId id;  // null if the grammar must skip the body
   const NodeType* type = nullptr;
-  NodeType* own_type = nullptr;  // type of a Script, which the body extends; null for other nodes
+  NodeType* own_type = nullptr;    // type of a Script, which the body extends; null for other nodes
   std::uint64_t fields_given = 0;  // one bit per slot below 64 with a value in the text
 };
 
@@ -53,12 +54,10 @@ struct RouteNames {
 /// roles, access types and limits, and reports problems at the positions that the grammar passes. Calls of begin_ and
 /// end_ functions are nested like the constructs. After each call, the scene contains all received data. Names may come
 /// from untrusted text. The grammar must stop if limits().is_exhausted() returns true. One thread.
-class SceneSink {
+class SceneSink : NonCopyable {
  public:
-  /// `scene` and `diagnostics` must outlive the sink. New nodes belong to the text `scene.writing()`.
+  /// `scene` and `diagnostics` must outlive the sink. New nodes belong to the text `scene.texts().writing()`.
   SceneSink(SceneGraph& scene, Diagnostics& diagnostics);
-  SceneSink(const SceneSink&) = delete;
-  SceneSink& operator=(const SceneSink&) = delete;
 
   [[nodiscard]] SceneGraph& scene() { return scene_; }
   [[nodiscard]] TextProblems& problems() { return problems_; }
@@ -119,19 +118,23 @@ class SceneSink {
   [[nodiscard]] std::vector<Statement>& statements();
   void skip_unknown(const NodeHeader& header);
   void place(NodeId node, NodeTarget target);
+  void place_checked(NodeId node, NodeTarget target, SourceLocation location);
+  bool place_in_shape(NodeId node, NodeTarget target);
   void add_type(NodeType& type);
   void connect_route(const RouteNames& wanted, NodeId from, NodeId to);
   void add_waiting_routes();
+  void make_browser(SourceLocation location);
 
   SceneGraph& scene_;
   SourceText& text_;  // text that is read: the scene's file or a run-time text
   TextProblems problems_;
   TextLimits limits_;
   std::vector<Scope> scopes_;
+  NodeId made_shape_;                                // last Shape that was made for misplaced nodes
   std::size_t open_interfaces_ = 0;                  // open PROTO interfaces; their default nodes are live
   std::unordered_set<std::string_view> said_types_;  // type names that were reported as declared twice
   std::unordered_map<std::string_view, const NodeType*> stand_ins_;  // stand-ins for the types that the text uses
-  std::unordered_set<std::string> unknown_types_;  // types that were reported as unknown
+  std::unordered_set<std::string> unknown_types_;                    // types that were reported as unknown
   std::unordered_set<std::uint64_t> said_measures_;                  // positions of nodes with invalid measures
 };
 

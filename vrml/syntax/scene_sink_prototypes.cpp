@@ -30,7 +30,7 @@ NodeType& SceneSink::begin_prototype(SourceName name, bool external) {
     type->prototype->scene = &scene_;
     type->prototype->text = &text_;
   }
-  (void)scene_.charge(sizeof(NodeType) + sizeof(Prototype));
+  (void)scene_.memory().charge(sizeof(NodeType) + sizeof(Prototype));
   ++open_interfaces_;
   return text_.add_type(std::move(type));
 }
@@ -45,12 +45,12 @@ bool SceneSink::may_declare(const NodeType& type, const InterfaceDeclaration& de
   if (!script || known->access != declaration.access || known->type != declaration.type)
     problems_.error(location,
                     quoted(declaration.name) + " of " + type.name + " is declared twice; the first one is used");
-  (void)scene_.charge(sizeof(InterfaceDeclaration));
+  (void)scene_.memory().charge(sizeof(InterfaceDeclaration));
   return false;
 }
 
 void SceneSink::declare(NodeType& type, NodeId script, InterfaceDeclaration declaration) {
-  (void)scene_.charge(sizeof(InterfaceDeclaration));
+  (void)scene_.memory().charge(sizeof(InterfaceDeclaration));
   if (script) {
     scene_.declare(script, type, std::move(declaration));
   } else {
@@ -147,7 +147,7 @@ void SceneSink::add_route(const RouteNames& route) {
     return;
   }
   constexpr std::size_t kNames = 64;
-  (void)scene_.charge(sizeof route + kNames);
+  (void)scene_.memory().charge(sizeof route + kNames);
   scope.waiting_routes.push_back(route);
 }
 
@@ -155,6 +155,8 @@ void SceneSink::add_waiting_routes() {
   Scope& scope = scopes_.back();
   const std::vector<RouteNames> routes = std::exchange(scope.waiting_routes, {});
   for (const RouteNames& route : routes) {
+    for (const std::string* const name : {&route.from, &route.to})
+      if (*name == kBrowserName && !scope.names.find(*name)) make_browser(route.location);
     const NodeId* const from = scope.names.find(route.from);
     const NodeId* const to = scope.names.find(route.to);
     if (from && to) {
@@ -164,6 +166,16 @@ void SceneSink::add_waiting_routes() {
                       "ROUTE names '" + (!from ? route.from : route.to) + "', but no DEF has this name");
     }
   }
+}
+
+// Makes the browser as a node of this scope, for its ROUTEs. The node is no part of the scene's hierarchy.
+void SceneSink::make_browser(SourceLocation location) {
+  const NodeId made = scene_.create(browser_node_type(), location);
+  if (!made) return;
+  Scope& scope = scopes_.back();
+  if (scope.prototype) scene_.put_in_body(made, *scope.prototype->prototype);
+  scene_.node(made).name = *scene_.texts().keep_name(kBrowserName);
+  scope.names.insert(scene_.node(made).name) = made;
 }
 
 void SceneSink::connect_route(const RouteNames& wanted, NodeId from, NodeId to) {
@@ -188,7 +200,7 @@ void SceneSink::connect_route(const RouteNames& wanted, NodeId from, NodeId to) 
                                          " '" + wanted.event_in + "'; expected equal types");
     return;
   }
-  (void)scene_.charge(sizeof(Statement) + sizeof(Route));
+  (void)scene_.memory().charge(sizeof(Statement) + sizeof(Route));
   statements().push_back({Statement::Kind::route, {}, nullptr, route});
   if (!scopes_.back().prototype) scene_.routes().push_back(route);
 }

@@ -85,14 +85,43 @@ constexpr std::string_view kMaterial = R"( [
 // Geometry nodes of other standards, which are not visible.
 constexpr std::string_view kNoGeometry = " [ ] { PointSet { } }";
 
+// Lists of textures, of which the first one is drawn; see meant_node().
+constexpr std::string_view kTextures = R"( [
+  exposedField MFNode texture []
+] {
+  Switch { choice IS texture whichChoice 0 }
+})";
+constexpr std::string_view kTextureCoordinates = R"( [
+  exposedField MFNode texCoord []
+] {
+  Switch { choice IS texCoord whichChoice 0 }
+})";
+constexpr std::string_view kTextureTransforms = R"( [
+  exposedField MFNode textureTransform []
+] {
+  Switch { choice IS textureTransform whichChoice 0 }
+})";
+// Surface with contours (Amendment 1), which are not cut out; see meant_node().
+constexpr std::string_view kTrimmedSurface = R"( [
+  eventIn MFNode addTrimmingContour
+  eventIn MFNode removeTrimmingContour
+  exposedField MFNode trimmingContour []
+  exposedField SFNode surface NULL
+] {
+  Shape { geometry IS surface }
+})";
+
 struct Row {
   std::string_view name, text;
   bool overlay = false;
+  Role role = Role::none;  // role, if not that of the first node of the body
 };
 constexpr Row kRows[] = {
     {"BlaxxunZone", kNothing},
     {"BspGroup", kGroup},
     {"Circle2D", kNoGeometry},
+    {"Contour2D", kNothing},
+    {"ContourPolyline2D", kNothing},
     {"CullGroup", kGroup},
     {"DeviceSensor", kNothing},
     {"Disk2D", kNoGeometry},
@@ -112,28 +141,36 @@ constexpr Row kRows[] = {
     {"MetadataInteger", kNothing},
     {"MetadataSet", kNothing},
     {"MetadataString", kNothing},
+    {"MultiTexture", kTextures, false, Role::texture},
+    {"MultiTextureCoordinate", kTextureCoordinates, false, Role::geometric_property},
+    {"MultiTextureTransform", kTextureTransforms, false, Role::texture_transform},
+    {"NurbsCurve2D", kNothing},
     {"Occlusion", kGroup},
     {"Particles", kNothing},
     {"ParticleSystem", kNothing},
+    {"Polygon", kNoGeometry},
     {"Polyline2D", kNoGeometry},
     {"Rectangle2D", kNoGeometry},
     {"RefractiveMaterial", kMaterial},
+    {"Selection", kGroup},
     {"SharedEvent", kNothing},
     {"SharedObject", kNothing},
     {"SpaceSensor", kNothing},
     {"StaticGroup", kGroup},
     {"StringSensor", kNothing},
     {"Text2D", kNoGeometry},
+    {"TrimmedSurface", kTrimmedSurface, false, Role::geometry},
     {"TwoSidedMaterial", kMaterial},
 };
 
-const NodeType* make(SceneGraph& scene, std::string_view name, std::string_view text) {
+const NodeType* make(SceneGraph& scene, std::string_view name, std::string_view text, Role role = Role::none) {
   auto library = std::make_unique<SceneGraph>("stand-in for " + std::string(name), scene.budget());
   Diagnostics diagnostics;
   (void)parse("#VRML V2.0 utf8\nPROTO " + std::string(name) + std::string(text), *library, diagnostics);
   if (!find_prototype(*library, name)) return nullptr;  // the budget is exhausted
   library->types().front()->stands_in = true;
-  return find_prototype(scene.writing().attach_library(std::move(library)), name);
+  if (role != Role::none) library->types().front()->role = role;
+  return find_prototype(scene.texts().writing().attach_library(std::move(library)), name);
 }
 
 // Makes a PROTO that is a built-in node with another name.
@@ -155,7 +192,7 @@ std::string_view node_of_urn(std::string_view url) {
 
 const NodeType* stand_in(SceneGraph& scene, std::string_view name) {
   for (const Row& row : kRows)
-    if (row.name == name) return make(scene, row.name, row.text);
+    if (row.name == name) return make(scene, row.name, row.text, row.role);
   return nullptr;
 }
 

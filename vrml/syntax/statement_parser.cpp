@@ -78,15 +78,16 @@ Step StatementParser::statement(const Token& keyword, bool& was_statement) {
   if (keyword.text == "ROUTE") return route_statement(keyword.location);
   if (keyword.text == "PROTO") return prototype_head(false);
   if (keyword.text == "EXTERNPROTO") return prototype_head(true);
-  for (const std::string_view other : {"META", "PROFILE", "COMPONENT", "UNIT", "IMPORT", "EXPORT"})
-    if (keyword.text == other && !text_.sink.find_type(other)) return other_statement(keyword);
+  for (std::size_t i = 0; i < kOtherStatements.size(); ++i)
+    if (keyword.text == kOtherStatements[i] && !text_.sink.find_type(keyword.text))
+      return other_statement(keyword, said_statements_[i]);
   was_statement = false;
   return Step::done;
 }
 
 // Skips a statement of X3D or of an old browser up to the end of the line. Some files with a VRML97 header contain such
-// statements.
-Step StatementParser::other_statement(const Token& keyword) {
+// statements. Reports each kind of statement once.
+Step StatementParser::other_statement(const Token& keyword, bool& said) {
   for (;;) {
     const Lexer::Position before = text_.lexer.position();
     const Token token = text_.lexer.next();
@@ -95,7 +96,7 @@ Step StatementParser::other_statement(const Token& keyword) {
                          (token.kind == TokenKind::word || token.kind == TokenKind::string);
     if (belongs) continue;
     text_.lexer.go_back(before);
-    text_.problems.error(keyword.location, describe(keyword) + " is not a VRML97 statement; skipped");
+    text_.problems.warn_once(said, keyword.location, describe(keyword) + " is not a VRML97 statement; skipped");
     return Step::done;
   }
 }

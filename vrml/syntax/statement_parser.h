@@ -2,6 +2,7 @@
 
 #include "vrml/syntax/value_parser.h"
 
+#include <array>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -21,7 +22,7 @@ class StatementParser {
   // Statements, node heads and ROUTE, in statement_parser.cpp.
   Step statement_step();
   Step statement(const Token& keyword, bool& was_statement);
-  Step other_statement(const Token& keyword);
+  Step other_statement(const Token& keyword, bool& said);
   Step node_head(Token token, NodeTarget target);
   Step node_list_step();
   Step route_statement(SourceLocation location);
@@ -41,10 +42,14 @@ class StatementParser {
   Step skip_step();
   void skip_interface_value();
 
+  static constexpr std::array<std::string_view, 6> kOtherStatements = {"META", "PROFILE", "COMPONENT",
+                                                                       "UNIT", "IMPORT",  "EXPORT"};
+
   ParsedText& text_;
   ValueParser values_;
   std::vector<std::unique_ptr<InterfaceDeclaration>> kept_values_;  // values of invalid declarations
   FieldValue discarded_ = MFNode{};  // storage for named nodes that no field can take
+  std::array<bool, kOtherStatements.size()> said_statements_{};
   bool said_external_value_ = false, said_route_in_list_ = false;
 };
 

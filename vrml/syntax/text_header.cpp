@@ -78,7 +78,7 @@ Step ParsedText::read_header() {
                : "an XML or HTML file; expected VRML97 ('#VRML V2.0 utf8')",
            top);
   } else if (looks_binary(text, true)) {
-    refuse("a binary file; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
+    refuse("binary data; a VRML97 file is text that begins with '#VRML V2.0 utf8'");
   } else if (starts_with_ignoring_case(header, "#vrml")) {
     problems.warn(top,
                   "expected '#VRML V2.0 utf8', found " + describe({TokenKind::word, line, top}) + "; read as VRML97");

@@ -111,6 +111,18 @@ void add_disc(Builder& builder, const std::vector<Direction>& around, float radi
   }
 }
 
+/// Measures of a cone or cylinder, and the directions around its axis.
+struct RoundSolid {
+  float radius, height, half;  // `half` of the height
+  int segments;
+  std::vector<Direction> around;
+};
+RoundSolid round_solid(const SceneGraph& scene, NodeId geometry, std::string_view radius, const MeshOptions& options) {
+  const auto height = measure<SFFloat>(scene, geometry, "height", options);
+  const int segments = segments_of(options);
+  return {measure<SFFloat>(scene, geometry, radius, options), height, height * 0.5f, segments, turn(segments)};
+}
+
 }  // namespace
 
 Mesh tessellate_box(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
@@ -141,12 +153,8 @@ Mesh tessellate_box(const SceneGraph& scene, NodeId geometry, const MeshOptions&
 }
 
 Mesh tessellate_cone(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
-  const auto radius = measure<SFFloat>(scene, geometry, "bottomRadius", options);
-  const auto height = measure<SFFloat>(scene, geometry, "height", options);
+  const auto [radius, height, half, segments, around] = round_solid(scene, geometry, "bottomRadius", options);
   if (!is_size(radius) || !is_size_or_flat(height)) return {};  // a cone without a radius would be a line
-  const int segments = segments_of(options);
-  const std::vector<Direction> around = turn(segments);
-  const float half = height * 0.5f;
 
   Builder builder(3 * around.size(), 2 * around.size());
   if (scene.get<SFBool>(geometry, "side")) {
@@ -171,12 +179,8 @@ Mesh tessellate_cone(const SceneGraph& scene, NodeId geometry, const MeshOptions
 }
 
 Mesh tessellate_cylinder(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
-  const auto radius = measure<SFFloat>(scene, geometry, "radius", options);
-  const auto height = measure<SFFloat>(scene, geometry, "height", options);
+  const auto [radius, height, half, segments, around] = round_solid(scene, geometry, "radius", options);
   if (!is_size(radius) || !is_size_or_flat(height)) return {};  // a cylinder without a radius would be a line
-  const int segments = segments_of(options);
-  const std::vector<Direction> around = turn(segments);
-  const float half = height * 0.5f;
 
   Builder builder(4 * around.size(), 4 * around.size());
   if (height > 0 && scene.get<SFBool>(geometry, "side")) {

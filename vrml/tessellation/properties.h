@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vrml/scene/meant_node.h"
 #include "vrml/scene/scene_graph.h"
 
 namespace gs::vrml {
@@ -8,21 +9,24 @@ namespace gs::vrml {
 // represents one. The node is in the named field of `geometry`. The result shares storage with the node. It is empty if
 // there is no such node.
 
+template <class T>
+[[nodiscard]] T property_of(const SceneGraph& scene, NodeId geometry, const char* name, NodeKind kind,
+                            const char* values) {
+  const NodeId given = meant_node(scene, scene.get<SFNode>(geometry, name), Role::geometric_property);
+  const NodeId node = scene.resolve_as(given, kind);
+  return node ? scene.get<T>(node, values) : T{};
+}
 [[nodiscard]] inline MFVec3f coordinates_of(const SceneGraph& scene, NodeId geometry) {
-  const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "coord"), NodeKind::coordinate);
-  return node ? scene.get<MFVec3f>(node, "point") : MFVec3f{};
+  return property_of<MFVec3f>(scene, geometry, "coord", NodeKind::coordinate, "point");
 }
 [[nodiscard]] inline MFVec3f normals_of(const SceneGraph& scene, NodeId geometry) {
-  const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "normal"), NodeKind::normal);
-  return node ? scene.get<MFVec3f>(node, "vector") : MFVec3f{};
+  return property_of<MFVec3f>(scene, geometry, "normal", NodeKind::normal, "vector");
 }
 [[nodiscard]] inline MFColor colors_of(const SceneGraph& scene, NodeId geometry) {
-  const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "color"), NodeKind::color);
-  return node ? scene.get<MFColor>(node, "color") : MFColor{};
+  return property_of<MFColor>(scene, geometry, "color", NodeKind::color, "color");
 }
 [[nodiscard]] inline MFVec2f texture_coordinates_of(const SceneGraph& scene, NodeId geometry) {
-  const NodeId node = scene.resolve_as(scene.get<SFNode>(geometry, "texCoord"), NodeKind::texture_coordinate);
-  return node ? scene.get<MFVec2f>(node, "point") : MFVec2f{};
+  return property_of<MFVec2f>(scene, geometry, "texCoord", NodeKind::texture_coordinate, "point");
 }
 
 }  // namespace gs::vrml

@@ -50,13 +50,17 @@ struct UpOption {
   std::optional<UpAxis> up;  // nullopt means the axis from the settings or the file
 };
 
+/// Encoding of a stream in the words of users (`--method`).
+enum class EncodeMethod : std::uint8_t { automatic, displaced, octree, records, outlines };
+
 /// Options of commands that convert an input to vectors.
 struct ConversionOptions : InputOptions, UpOption {
   std::size_t vectors = 0;  // number of vectors; 0 means that the option is not given
-  double fraction = 0;  // fraction of the vectors; 0 means that the option is not given
+  double fraction = 0;      // fraction of the vectors; 0 means that the option is not given
   std::optional<double> isovalue;
-  bool packed = false, records = false, displaced = false;
-  int exact_bits = -1;  // bits of the exact mesh in the tail; 0 means no tail, -1 decides by size
+  EncodeMethod method = EncodeMethod::automatic;
+  bool methods_differ = false;  // true if the options name several methods
+  int exact_bits = -1;          // bits of the exact mesh in the tail; 0 means no tail, -1 decides by size
   std::uint64_t seed = 1;
 };
 
@@ -64,7 +68,7 @@ struct ConversionOptions : InputOptions, UpOption {
 struct SizeOptions {
   int width = 1024, height = 768;   // pixels
   std::optional<glm::dvec2> paper;  // size in mm; replaces the size in pixels
-  bool size_given = false;  // true if the options give a size in pixels
+  bool size_given = false;          // true if the options give a size in pixels
 };
 
 /// Options for the content of pictures and the way they are drawn.
@@ -75,7 +79,7 @@ struct PictureOptions : SizeOptions, UpOption {
   bool orthographic = false;
   std::optional<Pose> camera;
   render::DisplayMode display = render::DisplayMode::surface;
-  bool backdrop = false;
+  std::optional<bool> backdrop;  // gradient or the world's Background; nullopt: as in a window
   std::string backend = "auto";
   render::SplatPath splats = render::SplatPath::automatic;
   std::size_t budget = 0;  // vector budget; 0 means unlimited
@@ -88,9 +92,9 @@ struct PictureOptions : SizeOptions, UpOption {
 
 /// Options of commands that run simulated time.
 struct SimulationOptions {
-  std::string input;  // file with simulated input; empty means no input
+  std::string input;           // file with simulated input; empty means no input
   bool press_sensors = false;  // true presses all sensors while time passes
-  std::string sound;  // WAV file to write the sound to; empty means no file
+  std::string sound;           // WAV file to write the sound to; empty means no file
 };
 
 }  // namespace gs::app

@@ -43,9 +43,9 @@ std::uintptr_t end_of_heap() { return reinterpret_cast<std::uintptr_t>(::sbrk(0)
 }  // namespace
 
 void keep_memory() {
-  constexpr int kMapped = 32 << 20;  // min size of a block that gets a separate mapping, in bytes
-  constexpr int kKept = 1 << 30;  // max amount of free memory that the heap keeps, in bytes
-  constexpr int kAhead = 16 << 20;  // bytes by which the heap grows at a time
+  constexpr int kMapped = 32 << 20;     // min size of a block that gets a separate mapping, in bytes
+  constexpr int kKept = 1 << 30;        // max amount of free memory that the heap keeps, in bytes
+  constexpr int kAhead = 16 << 20;      // bytes by which the heap grows at a time
   constexpr int kReserved = 512 << 20;  // bytes of address space to reserve; writing to a page takes memory
   constexpr std::uintptr_t kLargePage = 2 << 20;
   (void)mallopt(M_MMAP_THRESHOLD, kMapped);
@@ -65,9 +65,9 @@ void keep_memory() {
 
 void release_lists(vrml::SceneGraph& scene) {
   constexpr std::size_t kLarge = 100'000;  // number of elements
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
-    if (!scene.contains(scene.id_at(i))) continue;
-    vrml::Node& node = scene.node(scene.id_at(i));
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
+    if (!scene.contains(scene.nodes().id_at(i))) continue;
+    vrml::Node& node = scene.node(scene.nodes().id_at(i));
     for (std::size_t slot = 0; slot < node.type->defaults.size(); ++slot)
       std::visit(
           [](auto& value) {
@@ -76,7 +76,7 @@ void release_lists(vrml::SceneGraph& scene) {
           },
           node.values[slot]);
   }
-  for (const auto& [inline_node, content] : scene.inlines())
+  for (const auto& [inline_node, content] : scene.inlines().all())
     if (content) release_lists(*content);
 }
 

@@ -18,7 +18,8 @@ render::DrawOptions picture_draw(const PictureOptions& options, const View& seen
   draw.unit = static_cast<float>(seen.scale);
   draw.background = options.background;
   draw.display = options.display;
-  draw.backdrop = options.backdrop;
+  light_objects(*seen.document, draw);
+  draw.backdrop = options.backdrop.value_or(!seen.document->world.authored);
   draw.budget = options.budget;
   draw.splats = options.splats;
   return draw;

@@ -33,7 +33,10 @@ ProgressBar::ProgressBar() {
   });
 }
 
-ProgressBar::~ProgressBar() {
+ProgressBar::~ProgressBar() { hide(); }
+
+void ProgressBar::hide() {
+  if (!thread_.joinable()) return;
   thread_.request_stop();
   thread_.join();
   std::signal(SIGINT, SIG_DFL);

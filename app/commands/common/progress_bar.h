@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "base/parallel.h"
 
 #include <thread>
@@ -8,17 +9,17 @@ namespace gs::app {
 
 /// Progress of a long operation, as stage and percent on standard error. Shown only on a terminal. While the object
 /// exists, Ctrl-C cancels the operation. A second Ctrl-C ends the program. Only one object may exist at a time.
-class ProgressBar {
+class ProgressBar : NonCopyable {
  public:
   ProgressBar();
   ~ProgressBar();
-  ProgressBar(const ProgressBar&) = delete;
-  ProgressBar& operator=(const ProgressBar&) = delete;
 
   /// Returns the progress of the whole operation, for its code to update.
   [[nodiscard]] Progress& whole() { return whole_; }
   /// Returns the progress of one part of the operation. Cancellation applies to both.
   [[nodiscard]] Progress& part() { return part_; }
+  /// Removes the line from the terminal. Ctrl-C then no longer cancels.
+  void hide();
   [[nodiscard]] bool cancelled() const { return whole_.cancelled; }
 
  private:

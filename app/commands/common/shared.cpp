@@ -6,6 +6,7 @@
 #include "app/formats/export/export.h"
 #include "base/diagnostic.h"
 #include "base/json_value.h"
+#include "base/text.h"
 #include "net/files/file.h"
 
 #include <sys/resource.h>
@@ -16,7 +17,7 @@
 namespace gs::app {
 
 void print_diagnostics(const Diagnostics& diagnostics) {
-  for (const Diagnostic& diagnostic : diagnostics.entries()) complain("%s", diagnostic.text().c_str());
+  for (const CountedDiagnostic& one : joined(diagnostics.entries())) complain("%s", text_of(one).c_str());
   if (diagnostics.dropped() > 0) complain("ghostspace: %zu more diagnostics are not shown", diagnostics.dropped());
 }
 
@@ -61,6 +62,10 @@ std::optional<std::string> refuse_to_replace(const std::string& out, const std::
   const std::span<const std::byte> old = std::get<net::MappedFile>(opened).bytes();
   if (old.empty()) return std::nullopt;
   const ContentType* type = content_type_by_mark(first_bytes(bytes));
+  // Files without a type, such as images and materials, are of one kind if they begin alike.
+  constexpr std::size_t kMark = 8;
+  if (!type && bytes.size() >= kMark && old.size() >= kMark && text_of(bytes.first(kMark)) == text_of(old.first(kMark)))
+    return std::nullopt;
   if (type && content_type_by_mark(first_bytes(old)) == type) return std::nullopt;
   return out + " already exists and is not " + (type ? std::string(type->name) : "a file of this format") +
          "; not overwritten";

@@ -2,11 +2,14 @@
 
 #include "app/base/console.h"
 #include "app/base/local_file.h"
+#include "app/commands/common/input_surface.h"
 #include "app/commands/common/shared.h"
 #include "app/encode/surface_triangles.h"
 #include "app/encode/textured_surface.h"
 #include "app/formats/content_types.h"
-#include "app/formats/qnv/cloud_reader.h"
+#include "app/formats/foreign_types.h"
+#include "app/formats/gltf/gltf_losses.h"
+#include "app/formats/qnv/geometry_reader.h"
 #include "app/loading/updates/limit_report.h"
 #include "app/loading/world_loader.h"
 #include "base/text.h"
@@ -58,7 +61,8 @@ std::optional<Opened> open_volume_input(const InputOptions& options, const std::
   return std::move(std::get<qnv::VolumeSource>(opened));
 }
 
-std::optional<Opened> open_cloud_input(const LoadingOptions& options, const ContentType& type, const CloudFile& file) {
+std::optional<Opened> open_geometry_input(const LoadingOptions& options, const ContentType& type,
+                                          const GeometryFile& file) {
   Diagnostics diagnostics;
   const LoadLimit limit(deadline_of(options));
   const WorldBudget budget = budget_of(options, limit);
@@ -90,7 +94,7 @@ std::optional<Opened> open_world_input(const LoadingOptions& options, const std:
   // Vectors can be viewed from any distance, so tessellate text as finely as for the largest pictures.
   constexpr float kPixelsPerRadian = 20'000;
   surface->list = render::collect(*surface->world.scene, surface->world.images, surface->meshes, glm::vec3(0, 0, 10),
-                                  surface->world.clouds, nullptr, kPixelsPerRadian);
+                                  surface->world.geometries, nullptr, kPixelsPerRadian);
   Diagnostics limits;
   report_limits(surface->list, limits);
   print_diagnostics(limits);
@@ -106,7 +110,7 @@ bool open_mesh_input(const LoadingOptions& options, const ContentType& type, con
   if (type.content != ContentClass::mesh || type.has_nodes || bytes.empty()) return false;
   constexpr std::size_t kHead = 8192;
   if (refuse_first_bytes(path, bytes.first(std::min(bytes.size(), kHead)))) return false;
-  Diagnostics diagnostics, left_out;
+  Diagnostics diagnostics, limits;
   const ReadFile read_file = [](const std::string&) -> BytesResult { throw RefersToFiles(); };
   const WorldBudget budget = budget_of(options, LoadLimit(deadline_of(options)));
   Asset asset = read_asset(type, {bytes, path, read_file, budget, diagnostics});
@@ -114,8 +118,8 @@ bool open_mesh_input(const LoadingOptions& options, const ContentType& type, con
   if (mesh && mesh->has_textures()) return false;
   print_diagnostics(diagnostics);
   if (!mesh) return true;
-  opened = mesh_surface(std::move(*mesh), path, budget, left_out);
-  print_diagnostics(left_out);
+  opened = mesh_surface(std::move(*mesh), path, budget, limits);
+  print_diagnostics(limits);
   return true;
 } catch (const RefersToFiles&) {
   return false;
@@ -155,6 +159,26 @@ Metadata metadata_of(const ConversionOptions& options, const OpenedInput& input,
   return all;
 }
 
+// Returns the metadata of the surface of an input.
+Metadata surface_metadata(const ConversionOptions& options, const OpenedInput& input) {
+  const auto* volume = std::get_if<qnv::VolumeSource>(&input.content);
+  Metadata metadata = metadata_of(options, input, options.files.front(), volume ? volume->layout.metadata : Metadata{});
+  const auto* world = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content);
+  const auto* mesh = std::get_if<MeshSurface>(&input.content);
+  const std::optional<ColorKey> key = world ? (*world)->world.color_key : mesh ? mesh->color_key : std::nullopt;
+  if (key) metadata.push_back(color_key_metadata(*key));
+  if (volume) {
+    char value[32];
+    std::snprintf(value, sizeof value, "%.9g", options.isovalue.value_or(0));
+    metadata.emplace_back("isovalue", value);
+  }
+  return metadata;
+}
+
+EncodeError not_a_volume(const std::string& path) {
+  return {path + " is not a volume; --isovalue applies to volumes only"};
+}
+
 std::size_t part_of(double fraction, std::size_t count) {
   return std::max<std::size_t>(1, static_cast<std::size_t>(std::llround(fraction * static_cast<double>(count))));
 }
@@ -162,81 +186,11 @@ std::size_t part_of(double fraction, std::size_t count) {
 // JPEG quality of textures in streams with an exact mesh.
 constexpr int kExactTextureQuality = 95;
 
-// Surface to encode. `problem` gets the error if reading the triangles fails.
-struct Surface {
-  qnv::TriangleSource source;
-  std::size_t triangles = 0;
-  bool two_sided = false;
-  glm::dvec3 origin{0};  // origin of the triangle coordinates
-  const render::RenderList* textured = nullptr;  // render list, if some Shapes have textures; else null
-  std::optional<qnv::Shine> shine;
-  std::shared_ptr<std::string> problem = std::make_shared<std::string>();
-};
-
-// Returns a surface with this summary; `send(sink, origin)` sends its triangles.
-template <class Send>
-Surface surface_of(const SurfaceSummary& summary, Send send) {
-  Surface surface;
-  surface.origin = qnv::local_origin(summary.box);
-  surface.source = [send, origin = surface.origin](const qnv::TriangleSink& sink) { return send(sink, origin); };
-  surface.triangles = summary.triangles;
-  surface.two_sided = summary.two_sided;
-  surface.shine = summary.shine;
-  return surface;
-}
-
-Surface surface_of(const OpenedSurface& opened) {
-  const SurfaceSummary summary = summarize_surface(opened.list);
-  Surface surface = surface_of(summary, [&list = opened.list](const qnv::TriangleSink& sink, const glm::dvec3& origin) {
-    return for_each_triangle(list, sink, origin);
-  });
-  if (summary.textured) surface.textured = &opened.list;
-  return surface;
-}
-
-Surface surface_of(const MeshSurface& mesh) {
-  return surface_of(mesh.summary, [&mesh](const qnv::TriangleSink& sink, const glm::dvec3& origin) {
-    return for_each_triangle(mesh, sink, origin);
-  });
-}
-
-// Returns the surface of a mesh file. Such a file is usually a scan and may not be closed. So the faces are two-sided,
-// as in a world.
-Surface surface_of(const MeshStream& mesh) {
-  Surface surface;
-  surface.two_sided = true;
-  surface.origin = mesh.origin;
-  surface.triangles = static_cast<std::size_t>(mesh.faces);
-  surface.source = mesh.source;
-  return surface;
-}
-
-// Returns an isosurface. At the border of the volume it is open and shows its inside.
-Surface surface_of(const qnv::VolumeSource& volume, double isovalue, ProgressBar& progress) {
-  Surface surface;
-  surface.two_sided = true;
-  surface.origin = volume.layout.base;
-  surface.source = [&volume, isovalue, problem = surface.problem, &progress](const qnv::TriangleSink& sink) {
-    qnv::IsosurfaceOptions options;
-    options.isovalue = isovalue;
-    bool wanted = true;
-    const auto error = qnv::isosurface(
-        volume, options,
-        [&](std::span<const qnv::Triangle> triangles) {
-          wanted = sink(triangles);
-          return wanted;
-        },
-        &progress.part());
-    if (error) *problem = error->message;
-    return wanted && !error;
-  };
-  return surface;
-}
-
-std::optional<qnv::Payload> requested_payload(const ConversionOptions& options) {
-  if (options.records) return qnv::Payload::records;
-  if (options.packed) return qnv::Payload::packed;
-  if (options.displaced) return qnv::Payload::displaced;
+// Returns the payload that the options name. The octree of a volume is its own payload, which is chosen by itself.
+std::optional<qnv::Payload> requested_payload(const ConversionOptions& options, bool volume = false) {
+  if (options.method == EncodeMethod::records) return qnv::Payload::records;
+  if (options.method == EncodeMethod::octree && !volume) return qnv::Payload::packed;
+  if (options.method == EncodeMethod::displaced) return qnv::Payload::displaced;
   return std::nullopt;
 }
 
@@ -247,7 +201,7 @@ std::variant<qnv::EncodedStream, EncodeError> encode(const qnv::EncodeSource& so
   return std::move(std::get<qnv::Encoding>(encoded).stream);
 }
 
-std::variant<qnv::EncodedStream, EncodeError> encode(const Surface& surface, const ConversionOptions& options,
+std::variant<qnv::EncodedStream, EncodeError> encode(const InputSurface& surface, const ConversionOptions& options,
                                                      qnv::EncodeOptions encode_options, ProgressBar& progress) {
   encode_options.two_sided = surface.two_sided;
   if (surface.shine)
@@ -263,7 +217,8 @@ std::variant<qnv::EncodedStream, EncodeError> encode(const Surface& surface, con
     textured = textured_surface(*surface.textured, surface.origin,
                                 options.exact_bits > 0 ? kExactTextureQuality : kTextureQuality);
   if (textured) request.options.textured = &*textured;
-  auto encoded = encode(std::cref(surface.source), std::move(request), progress);
+  const qnv::TriangleSource source = with_progress(surface, progress.whole());
+  auto encoded = encode(std::cref(source), std::move(request), progress);
   if (std::holds_alternative<EncodeError>(encoded) && !surface.problem->empty() && !progress.cancelled())
     return EncodeError{*surface.problem};
   return encoded;
@@ -302,21 +257,23 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
   const std::string local = url.scheme == "file" ? net::path_of_url(url) : path;
   auto mapped = net::map_file(local);
   if (const auto* problem = std::get_if<net::FileError>(&mapped)) {
-    (void)fail(problem->message);
+    const auto folder = refusal_of_folder(local);
+    (void)fail(folder ? local + ": " + *folder : problem->message);
     return std::nullopt;
   }
   const auto file = std::make_shared<const net::MappedFile>(std::move(std::get<net::MappedFile>(mapped)));
   const auto all = file->bytes();
   const ContentType& type = content_type_of(local, first_bytes(all));
   std::optional<Opened> opened;
-  OpenedInput input{{}, std::string(type.name), file_name(local), all.size(), {}, nullptr};
+  OpenedInput input{{}, std::string(type.name), file_name(local), all.size(), {}, {}, nullptr};
+  if (input.type == "glTF") input.losses = gltf_losses(all);
   if (auto mesh = large_mesh(options, type, file)) {
     opened = std::move(*mesh);
     input.file = file;
   } else if (is_raw(options) || type.content == ContentClass::volume) {
     opened = open_volume_input(options, local);
-  } else if (type.is_cloud() && !is_outline_stream(all)) {
-    opened = open_cloud_input(options, type, {local, all});
+  } else if (type.is_geometry() && !is_outline_stream(all)) {
+    opened = open_geometry_input(options, type, {local, all});
   } else if (form == MeshForm::world || !open_mesh_input(options, type, local, all, opened)) {
     opened = open_world_input(options, local, input.title);
   }
@@ -353,41 +310,20 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
   encode_options.seed = options.seed;
   encode_options.vectors = options.vectors;
   if (options.max_bytes_given) encode_options.max_bytes = options.max_bytes;
-  if (const auto* opened = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content)) {
-    if (options.isovalue) return EncodeError{path + " is not a volume; --isovalue applies to volumes only"};
-    encode_options.metadata = metadata_of(options, input, path, {});
-    if (const auto& key = (*opened)->world.color_key) encode_options.metadata.push_back(color_key_metadata(*key));
-    return encode(surface_of(**opened), options, std::move(encode_options), progress);
-  }
-  if (const auto* mesh = std::get_if<MeshSurface>(&input.content)) {
-    if (options.isovalue) return EncodeError{path + " is not a volume; --isovalue applies to volumes only"};
-    encode_options.metadata = metadata_of(options, input, path, {});
-    if (mesh->color_key) encode_options.metadata.push_back(color_key_metadata(*mesh->color_key));
-    return encode(surface_of(*mesh), options, std::move(encode_options), progress);
-  }
-  if (const auto* mesh = std::get_if<MeshStream>(&input.content)) {
-    if (options.isovalue) return EncodeError{path + " is not a volume; --isovalue applies to volumes only"};
-    encode_options.metadata = metadata_of(options, input, path, {});
-    auto encoded = encode(surface_of(*mesh), options, std::move(encode_options), progress);
-    if (const auto changed = input.file->changed()) return EncodeError{*changed};
+  if (options.isovalue && !std::holds_alternative<qnv::VolumeSource>(input.content)) return not_a_volume(path);
+  if (const auto surface = input_surface(input, options.isovalue, progress)) {
+    const auto* volume = std::get_if<qnv::VolumeSource>(&input.content);
+    if (volume && options.fraction > 0)
+      return EncodeError{"--fraction counts the voxels of a volume; use --vectors with --isovalue"};
+    encode_options.metadata = surface_metadata(options, input);
+    auto encoded = encode(*surface, options, std::move(encode_options), progress);
+    if (const auto changed = input.file ? input.file->changed() : std::nullopt) return EncodeError{*changed};
     return encoded;
   }
-  if (const auto* volume = std::get_if<qnv::VolumeSource>(&input.content); volume && options.isovalue) {
-    encode_options.metadata = metadata_of(options, input, path, volume->layout.metadata);
-    char value[32];
-    std::snprintf(value, sizeof value, "%.9g", *options.isovalue);
-    encode_options.metadata.emplace_back("isovalue", value);
-    if (options.fraction > 0)
-      return EncodeError{"--fraction counts the voxels of a volume; use --vectors with --isovalue"};
-    return encode(surface_of(*volume, *options.isovalue, progress), options, std::move(encode_options), progress);
-  }
-  if (options.displaced || options.exact_bits > 0)
-    return EncodeError{std::string(options.displaced ? "--displaced" : "--exact") +
+  if (options.method == EncodeMethod::displaced || options.exact_bits > 0)
+    return EncodeError{std::string(options.exact_bits > 0 ? "--keep-mesh" : "--method displaced") +
                        " applies to surfaces of triangles only; leave it out"};
-  if (options.packed && std::holds_alternative<qnv::VolumeSource>(input.content))
-    return EncodeError{"--packed applies to surfaces only; leave it out"};
   if (const auto* geometry = std::get_if<qnv::Geometry>(&input.content)) {
-    if (options.isovalue) return EncodeError{path + " is not a volume; --isovalue applies to volumes only"};
     encode_options.metadata = metadata_of(options, input, path, geometry->description().metadata);
     const qnv::VectorView vectors(*geometry);
     if (options.fraction > 0) encode_options.vectors = part_of(options.fraction, vectors.size());
@@ -399,13 +335,28 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
   encode_options.metadata = metadata_of(options, input, path, volume.layout.metadata);
   encode_options.vectors = 0;
   const auto& vectors = std::get<qnv::Volume>(found);
-  return encode(qnv::VolumeVectors{vectors, volume.layout}, {requested_payload(options), std::move(encode_options)},
-                progress);
+  return encode(qnv::VolumeVectors{vectors, volume.layout},
+                {requested_payload(options, true), std::move(encode_options)}, progress);
+}
+
+std::optional<std::variant<qnv::Geometry, EncodeError>> mesh_of_input(const ConversionOptions& options,
+                                                                      const OpenedInput& input, ProgressBar& progress) {
+  if (options.isovalue && !std::holds_alternative<qnv::VolumeSource>(input.content))
+    return not_a_volume(options.files.front());
+  const auto surface = input_surface(input, options.isovalue, progress);
+  if (!surface) return std::nullopt;
+  auto mesh = indexed_mesh(*surface, most_joined_triangles(options.limits), progress);
+  if (auto* problem = std::get_if<EncodeError>(&mesh)) return std::move(*problem);
+  auto& made = std::get<qnv::IndexedMesh>(mesh);
+  made.description.metadata = surface_metadata(options, input);
+  if (surface->shine)
+    for (auto& pair : qnv::metadata_of(*surface->shine)) made.description.metadata.push_back(std::move(pair));
+  return qnv::Geometry(std::move(made));
 }
 
 std::variant<OutlineModel, std::string> isosurface_outlines(const ConversionOptions& options,
                                                             const qnv::VolumeSource& volume, ProgressBar& progress) {
-  const Surface surface = surface_of(volume, *options.isovalue, progress);
+  const InputSurface surface = isosurface_of(volume, *options.isovalue, progress);
   Budget budget(options.limits);
   const qnv::TriangleSource bounded = [&](const qnv::TriangleSink& sink) {
     return surface.source([&](std::span<const qnv::Triangle> triangles) {
@@ -434,9 +385,9 @@ std::variant<qnv::Geometry, EncodeError> geometry_of_input(const ConversionOptio
     if (stated_upright(metadata)) return;
     for (auto& pair : metadata_of(input.upright)) metadata.push_back(std::move(pair));
   };
+  if (options.isovalue && !std::holds_alternative<qnv::VolumeSource>(input.content))
+    return not_a_volume(options.files.front());
   if (auto* geometry = std::get_if<qnv::Geometry>(&input.content)) {
-    if (options.isovalue)
-      return EncodeError{options.files.front() + " is not a volume; --isovalue applies to volumes only"};
     stand(geometry->base().description);
     return std::move(*geometry);
   }

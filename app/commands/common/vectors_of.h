@@ -36,10 +36,11 @@ enum class MeshForm : std::uint8_t { plain, world };
 /// Input file after opening: its content, type and title.
 struct OpenedInput {
   Opened content;
-  std::string type;  // name of the content type of the file
+  std::string type;   // name of the content type of the file
   std::string title;  // title of a world, else the name of the file
   std::size_t bytes = 0;
-  Upright upright{};  // orientation that the format implies, if the file defines none
+  std::vector<std::string> losses = {};         // properties of the file that its importer does not keep, as messages
+  Upright upright{};                            // orientation that the format implies, if the file defines none
   std::shared_ptr<const net::MappedFile> file;  // mapped file, if `content` is a MeshStream
 };
 
@@ -59,6 +60,10 @@ struct OpenedInput {
 [[nodiscard]] std::variant<qnv::EncodedStream, qnv::EncodeError> encode_input(const ConversionOptions& options,
                                                                               const OpenedInput& input,
                                                                               ProgressBar& progress);
+
+/// Returns the triangles of an input as a mesh, without the losses of a stream. Returns nullopt if it has none.
+[[nodiscard]] std::optional<std::variant<qnv::Geometry, qnv::EncodeError>> mesh_of_input(
+    const ConversionOptions& options, const OpenedInput& input, ProgressBar& progress);
 
 /// Bytes per triangle while outline groups are made.
 inline constexpr std::uint64_t kOutlineTriangleBytes = 400;

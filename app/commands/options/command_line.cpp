@@ -62,13 +62,15 @@ void add_options(const ParsedCommand& command, const std::vector<ParsedCommand>&
     std::string help(row.help);
     if (!row.standard.empty()) help += " [" + std::string(row.standard) + "]";
     if (row.argument.empty()) {
-      parser.add_flag_callback(
+      CLI::Option* const option = parser.add_flag_callback(
           std::string(row.name), [take] { take(""); }, help);
+      if (row.former) option->group("");
     } else if (has_optional_value(row)) {
       // An optional value must follow "=", because the next word is a separate argument.
       static constexpr std::string_view kAlone = "true";
-      parser.add_flag(std::string(row.name), std::as_const(help))
-          ->type_name(std::string(row.argument))
+      CLI::Option* const option = parser.add_flag(std::string(row.name), std::as_const(help));
+      if (row.former) option->group("");
+      option->type_name(std::string(row.argument))
           ->each([&commands, &taker = command.row, &row](const std::string& value) {
             // The parser adds the name of the option to the message.
             if (const auto problem = set_option(commands, taker, row, value == kAlone ? "" : value))
@@ -224,7 +226,7 @@ std::string manual_page() {
   for (const CommandRow& command : command_rows()) {
     out += ".SH " + std::string(command.name) + "\n" + std::string(command.help) + ".\n";
     for (const OptionRow& row : option_rows()) {
-      if (!accepts(command, row)) continue;
+      if (!accepts(command, row) || row.former) continue;
       std::string name(row.name);
       for (std::size_t i = 0; (i = name.find('-', i)) != std::string::npos; i += 2) name.replace(i, 1, "\\-");
       out += ".TP\n.B " + name + (row.argument.empty() || has_optional_value(row) ? "" : " ") +
@@ -237,7 +239,7 @@ std::string manual_page() {
          ".\n.PP\nOutput of export: " + export_format_list() + ".\n";
   out += ".SH KEYS\nActions in a window. F1 also lists the keys that move the viewer.\n";
   for (const ActionRow& row : actions())
-    if (const std::string keys = keys_of(row); !keys.empty())
+    if (const std::string keys = all_keys_of(row); !keys.empty())
       out += ".TP\n.B " + escaped(keys) + "\n" + std::string(row.help) + ".\n";
   out +=
       ".SH SETTINGS\nLines NAME = VALUE in $XDG_CONFIG_HOME/ghostspace/settings.conf (default "

@@ -11,23 +11,31 @@
 namespace gs::app {
 namespace {
 
+bool is_lower(char c) { return c >= 'a' && c <= 'z'; }
+
 enum class ValueKind : std::uint8_t { none, words, file, folder, other };
 
 // Returns the kind of an option's value, which the name of its argument in the help shows.
 ValueKind value_kind_of(const OptionRow& row) {
   const std::string_view value = row.argument;
   if (value.empty() || has_optional_value(row)) return ValueKind::none;
-  const auto is_word = [](char c) { return (c >= 'a' && c <= 'z') || c == '|' || c == '-'; };
-  if (value.find('|') != std::string_view::npos && std::all_of(value.begin(), value.end(), is_word))
+  if (value.find('|') != std::string_view::npos && std::any_of(value.begin(), value.end(), is_lower))
     return ValueKind::words;
   for (const std::string_view file : {"FILE", "OUT.", "PATH"})
     if (value.starts_with(file)) return ValueKind::file;
   return value.starts_with("FOLDER") ? ValueKind::folder : ValueKind::other;
 }
 
+// Returns the words that an option accepts. Names of other values, such as BITS, are left out.
 std::string words_of(const OptionRow& row, char between) {
-  std::string words(row.argument);
-  std::replace(words.begin(), words.end(), '|', between);
+  std::string words;
+  std::string_view rest = row.argument;
+  while (!rest.empty()) {
+    const std::string_view word = rest.substr(0, rest.find('|'));
+    rest.remove_prefix(std::min(rest.size(), word.size() + 1));
+    if (std::any_of(word.begin(), word.end(), is_lower))
+      words += (words.empty() ? "" : std::string(1, between)) + std::string(word);
+  }
   return words;
 }
 
@@ -62,7 +70,7 @@ std::string option_names(const CommandRow& command) {
   std::vector<std::string> names{"--help"};
   if (&command == &command_rows().front()) names.emplace_back("--version");
   for (const OptionRow& row : option_rows())
-    if (accepts(command, row)) names.emplace_back(row.name);
+    if (accepts(command, row) && !row.former) names.emplace_back(row.name);
   return joined(names, " ");
 }
 
@@ -91,7 +99,7 @@ std::string bash_completion() {
       ")\n        command=$word\n        break\n        ;;\n    esac\n  done\n  COMPREPLY=()\n  case $previous in\n";
   for (const OptionRow& row : option_rows()) {
     const ValueKind kind = value_kind_of(row);
-    if (kind == ValueKind::none) continue;
+    if (kind == ValueKind::none || row.former) continue;
     text += "    " + std::string(row.name) + ")\n";
     if (kind == ValueKind::words)
       text += "      mapfile -t COMPREPLY < <(compgen -W '" + words_of(row, ' ') + "' -- \"$current\")\n";
@@ -143,14 +151,14 @@ std::string zsh_completion() {
   for (const CommandRow& command : command_rows().subspan(1)) {
     text += "    " + std::string(command.name) + ")\n      options=('--help[show what it takes]'\n";
     for (const OptionRow& row : option_rows())
-      if (accepts(command, row))
+      if (accepts(command, row) && !row.former)
         text += "        '" + std::string(row.repeats ? "*" : "") + std::string(row.name) + "[" +
                 quoted_help(row.help, "'\\''", kMarked) + "]" + value_of(row) + "'\n";
     text += "      )\n      ;;\n";
   }
   text += "    *)\n      options=('--help[show what it takes]' '--version[show the version]'\n";
   for (const OptionRow& row : option_rows())
-    if (accepts(command_rows().front(), row))
+    if (accepts(command_rows().front(), row) && !row.former)
       text += "        '" + std::string(row.repeats ? "*" : "") + std::string(row.name) + "[" +
               quoted_help(row.help, "'\\''", kMarked) + "]" + value_of(row) + "'\n";
   text +=
@@ -172,7 +180,7 @@ std::string fish_completion() {
       text += "complete -c ghostspace -n '" + none + "' -a " + std::string(command.name) + " -d '" +
               quoted_help(command.help, "\\'", "\\") + "'\n";
     for (const OptionRow& row : option_rows()) {
-      if (!accepts(command, row)) continue;
+      if (!accepts(command, row) || row.former) continue;
       const ValueKind kind = value_kind_of(row);
       text += "complete -c ghostspace -n '" + when + "' -l " + std::string(row.name.substr(2));
       if (kind == ValueKind::words) text += " -x -a '" + words_of(row, ' ') + "'";

@@ -18,6 +18,42 @@ Problem set_vectors(ConversionOptions& options, const std::string& value) {
   return read_count(value, options.vectors) && options.vectors > 0 ? Problem{} : "expected a number of vectors above 0";
 }
 
+Problem set_method(ConversionOptions& options, EncodeMethod method) {
+  options.methods_differ |= options.method != EncodeMethod::automatic && options.method != method;
+  options.method = method;
+  return {};
+}
+
+// Rows of `--method`. The last words are former spellings.
+struct MethodName {
+  std::string_view name;
+  EncodeMethod method;
+};
+constexpr MethodName kMethods[] = {
+    {"auto", EncodeMethod::automatic},  {"displaced", EncodeMethod::displaced}, {"octree", EncodeMethod::octree},
+    {"records", EncodeMethod::records}, {"outlines", EncodeMethod::outlines},   {"packed", EncodeMethod::octree},
+};
+
+Problem set_method_by_name(ConversionOptions& options, const std::string& value) {
+  for (const MethodName& row : kMethods)
+    if (row.name == value) return set_method(options, row.method);
+  return "expected auto, displaced, octree, records or outlines";
+}
+
+template <EncodeMethod method>
+Problem former_method(ConversionOptions& options, const std::string&) {
+  return set_method(options, method);
+}
+
+Problem set_keep_mesh(ConversionOptions& options, const std::string& value) {
+  options.exact_bits = value == "none" ? 0 : qnv::exact::kMaxBits;
+  const bool good = value == "none" || value == "exact" ||
+                    (read(value, options.exact_bits) && options.exact_bits >= qnv::exact::kMinBits &&
+                     options.exact_bits <= qnv::exact::kMaxBits);
+  return good ? Problem{} : "expected none, exact or a number of bits from 8 to 20";
+}
+
+// Sets the value of `--exact`, the former spelling of `--keep-mesh`.
 Problem set_exact(ConversionOptions& options, const std::string& value) {
   constexpr int kUsualBits = 11;
   options.exact_bits = value == "none" ? 0 : kUsualBits;
@@ -28,9 +64,9 @@ Problem set_exact(ConversionOptions& options, const std::string& value) {
 }
 
 Problem set_fraction(ConversionOptions& options, const std::string& value) {
-  return read(value, options.fraction) && options.fraction > 0 && options.fraction <= 1
+  return read_share(value, options.fraction) && options.fraction > 0
              ? Problem{}
-             : "expected a number from 0 to 1";
+             : "expected a share from 0 to 1, or a percentage such as 30%";
 }
 
 Problem set_isovalue(ConversionOptions& options, const std::string& value) {
@@ -70,10 +106,7 @@ Problem set_length(double& length, const std::string& value) {
 }
 
 Problem set_tolerance(EncodeCommand& options, const std::string& value) {
-  double length = 0;
-  const Problem problem = set_length(length, value);
-  options.tolerance = length;
-  return problem;
+  return set_length(options.tolerance.emplace(), value);
 }
 
 Problem set_groups(EncodeCommand& options, const std::string& value) {
@@ -88,26 +121,25 @@ Problem set_position_bits(EncodeCommand& options, const std::string& value) {
 
 constexpr OptionRow kEncodeOptions[] = {
     {"--vectors", "N", "", "write about this number of vectors", "encode export ", with<set_vectors>},
-    {"--fraction", "F", "", "keep this share of the voxels, vectors or triangles (0 to 1)", "encode ",
+    {"--fraction", "SHARE", "", "keep this share of the voxels, vectors or triangles (0 to 1, or 30%)", "encode ",
      with<set_fraction>},
     {"--isovalue", "V", "", "extract the surface of a volume at this value instead of its gradients", "encode export ",
      with<set_isovalue>},
-    {"--displaced", "", "",
-     "encode a base mesh with displacements along its normals (the default for suitable surfaces)", "encode ",
-     flag<&ConversionOptions::displaced>},
-    {"--exact", "[=BITS]", "11",
-     "add the exact mesh after the refinements of a surface; export writes this mesh. Vertices have 2^BITS positions "
-     "along the longest edge of the bounding box (8 to 20). The default adds it to surfaces of up to 300,000 "
-     "triangles, with 11 to 14 bits and parity against losses. --exact=none omits it",
-     "encode ", with<set_exact>},
-    {"--packed", "", "",
-     "encode an entropy-coded octree (the default for surfaces of many small parts). Points need a quarter of the "
-     "bytes, with positions accurate to their spacing",
-     "encode ", flag<&ConversionOptions::packed>},
-    {"--records", "", "", "encode records of 8 bytes (the default for splats and points)", "encode ",
-     flag<&ConversionOptions::records>},
-    {"--outlines", "", "", "encode outline groups, outlines first; OUT may be .wrl, .wrz or .qnv", "encode ",
-     flag<&EncodeCommand::outlines>},
+    {"--method", "auto|displaced|octree|records|outlines", "auto",
+     "encode a base mesh with displacements (displaced, usual for smooth surfaces), an octree of splats (octree, usual "
+     "for surfaces of many small parts, and for points in a quarter of the bytes), records of 8 bytes (records, usual "
+     "for splats and points), or outline groups with their outlines first (outlines; OUT may be .wrl, .wrz or .qnv)",
+     "encode ", with<set_method_by_name>},
+    {"--keep-mesh", "none|exact|BITS", "for up to 300,000 triangles",
+     "end the stream of a surface with its original mesh, which export writes. Vertices have 2^BITS positions along "
+     "the longest edge of the bounding box (8 to 20; exact is 20). The default adds 11 to 14 bits and parity against "
+     "losses",
+     "encode ", with<set_keep_mesh>},
+    {"--displaced", "", "", "--method displaced", "encode ", with<former_method<EncodeMethod::displaced>>, false, true},
+    {"--packed", "", "", "--method octree", "encode ", with<former_method<EncodeMethod::octree>>, false, true},
+    {"--records", "", "", "--method records", "encode ", with<former_method<EncodeMethod::records>>, false, true},
+    {"--outlines", "", "", "--method outlines", "encode ", with<former_method<EncodeMethod::outlines>>, false, true},
+    {"--exact", "[=BITS]", "11", "--keep-mesh, with 11 bits", "encode ", with<set_exact>, false, true},
     {"--tolerance", "LENGTH", "1/200 of the diagonal", "outlines: maximum distance of a group from its plane",
      "encode ", with<set_tolerance>},
     {"--groups", "N", "",

@@ -29,6 +29,14 @@ bool read_scaled(std::string_view text, std::uint64_t step, std::uint64_t most, 
   return number <= most;
 }
 
+bool read_share(std::string_view text, double& share) {
+  const bool percent = text.ends_with('%');
+  if (percent) text.remove_suffix(1);
+  if (!read(text, share)) return false;
+  if (percent) share /= 100;
+  return share >= 0 && share <= 1;
+}
+
 bool each_of(std::string_view list, const std::function<bool(const std::string&)>& take) {
   for (std::size_t begin = 0; begin <= list.size();) {
     const std::size_t end = std::min(list.find(',', begin), list.size());

@@ -91,10 +91,7 @@ Problem set_seconds(double& seconds, const std::string& value) {
 }
 
 Problem set_until(TraceCommand& options, const std::string& value) {
-  double seconds = 0;
-  const Problem problem = set_seconds(seconds, value);
-  options.until = seconds;
-  return problem;
+  return set_seconds(options.until.emplace(), value);
 }
 
 Problem set_splats(PictureOptions& options, const std::string& value) {
@@ -110,10 +107,9 @@ Problem set_budget(PictureOptions& options, const std::string& value) {
 
 Problem set_loss(LoadOptions& options, const std::string& value) {
   const std::size_t colon = value.find(':');
-  const bool good = read(std::string_view(value).substr(0, colon), options.loss) && options.loss >= 0 &&
-                    options.loss <= 1 &&
+  const bool good = read_share(std::string_view(value).substr(0, colon), options.loss) &&
                     (colon == std::string::npos || read(std::string_view(value).substr(colon + 1), options.loss_seed));
-  return good ? Problem{} : "expected a share from 0 to 1, optionally followed by :SEED";
+  return good ? Problem{} : "expected a share from 0 to 1 or a percentage such as 30%, optionally followed by :SEED";
 }
 
 Problem set_allowed(LoadOptions& options, const std::string& value) {
@@ -267,7 +263,8 @@ constexpr OptionRow kOptions[] = {
     {"--backend", "auto|glfw|egl|osmesa", "auto", "select the drawing backend", "open animate ", with<set_backend>},
     {"--splats", "auto|gl|cpu", "auto", "select the splat renderer", "open animate ", with<set_splats>},
     {"--budget", "VECTORS", "", "limit the vectors drawn in a viewport", "open animate ", with<set_budget>},
-    {"--loss", "P[:SEED]", "", "drop this share of the packets of a stream", "open fetch ", with<set_loss>},
+    {"--loss", "P[:SEED]", "", "drop this share of the packets of a stream (0 to 1, or 30%)", "open fetch ",
+     with<set_loss>},
     {"--max-bytes", "SIZE", "",
      "read only this number of bytes of the file; encode: limit the size of the output. Bytes, optionally with K, M or "
      "G: 400k",

@@ -22,6 +22,7 @@ struct OptionRow {
   /// expected form, else nullopt.
   std::optional<std::string> (*set)(CommandOptions& options, const std::string& value);
   bool repeats = false;  // true if the option may occur several times
+  bool former = false;   // true for a former spelling: accepted, but not listed
 };
 [[nodiscard]] std::span<const OptionRow> option_rows();
 /// Returns true if the option's argument may be omitted. Its value is then empty.

@@ -81,11 +81,13 @@ namespace {
 
 Problem set_background(PictureOptions& options, const std::string& value) {
   options.picture.transparent = value == "transparent";
-  options.backdrop = value == "gradient";
+  options.background.reset();
+  options.backdrop.reset();
+  if (value == "gradient" || value == "world") options.backdrop = value == "gradient";
   if (options.picture.transparent || options.backdrop) return {};
   options.background = read_color(value);
   return options.background ? Problem{}
-                            : "expected transparent, gradient, #rrggbb, or RED,GREEN,BLUE, each from 0 to 1";
+                            : "expected transparent, gradient, world, #rrggbb, or RED,GREEN,BLUE, each from 0 to 1";
 }
 
 Problem set_slice(PictureOptions& options, const std::string& value) {
@@ -171,7 +173,8 @@ constexpr OptionRow kPictureOptions[] = {
      "open animate encode ", with<set_up>},
     {"--orthographic", "", "", "use parallel projection", "open animate ", flag<&PictureOptions::orthographic>},
     {"--background", "COLOR", "",
-     "replace the Background of the world: R,G,B from 0 to 1, #rrggbb, gradient, or transparent for pictures",
+     "set the background: R,G,B from 0 to 1, #rrggbb, or for pictures gradient, world (the Background of the world) or "
+     "transparent. Without this option, pictures of VRML97 worlds show their Background, other files a gradient",
      "open animate ", with<set_background>},
     {"--stereo", "side-by-side|anaglyph", "",
      "draw a picture for each eye: side by side, or red for the left and cyan for the right eye", "open animate ",

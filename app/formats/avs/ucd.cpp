@@ -28,24 +28,9 @@ constexpr LocalFace kHexahedron[] = {{0, 1, 2, 3}, {7, 6, 5, 4}, {0, 4, 5, 1},
                                      {1, 5, 6, 2}, {2, 6, 7, 3}, {3, 7, 4, 0}};
 
 std::span<const LocalFace> faces_of(UcdType type) {
-  switch (type) {
-    case UcdType::triangle:
-      return kTriangle;
-    case UcdType::quadrilateral:
-      return kQuadrilateral;
-    case UcdType::tetrahedron:
-      return kTetrahedron;
-    case UcdType::pyramid:
-      return kPyramid;
-    case UcdType::prism:
-      return kPrism;
-    case UcdType::hexahedron:
-      return kHexahedron;
-    case UcdType::point:
-    case UcdType::line:
-      break;
-  }
-  return {};
+  static constexpr std::span<const LocalFace> kFaces[] = {{},           {},       kTriangle, kQuadrilateral,
+                                                          kTetrahedron, kPyramid, kPrism,    kHexahedron};
+  return kFaces[static_cast<std::size_t>(type)];
 }
 
 struct Face {
@@ -153,7 +138,7 @@ void import_ucd(std::span<const std::byte> bytes, MeshBuilder& builder) {
 }
 
 // Detects ASCII UCD: comments, then a line of five integers. The comments alone do not suffice, because AVS fields may
-// begin with the same ones.
+// begin with such comments too.
 bool is_ucd_text(std::span<const std::byte> bytes) {
   std::string_view text = text_of(bytes);
   while (text.starts_with('#')) {
@@ -190,11 +175,7 @@ std::string ucd_label(std::string_view name, std::string_view unit) {
   return in.empty() ? of : of.empty() ? in : of + " (" + in + ")";
 }
 
-extern constinit const ContentType kUcdFormat = {.name = "AVS UCD",
-                                                 .mime = "model/x-avs-ucd",
-                                                 .extensions = ".inp .ucd ",
-                                                 .sniff = is_ucd_text,
-                                                 .content = ContentClass::mesh,
-                                                 .read = read_mesh<import_ucd>};
+extern constinit const ContentType kUcdFormat =
+    mesh_type("AVS UCD", "model/x-avs-ucd", ".inp .ucd ", is_ucd_text, read_mesh<import_ucd>);
 
 }  // namespace gs::app

@@ -15,6 +15,10 @@ SceneAsset::~SceneAsset() = default;
 
 Asset read_asset(const ContentType& type, ImportSource source) {
   Diagnostics& diagnostics = source.diagnostics;
+  if (!type.remedy.empty() && !source.bytes.empty()) {
+    diagnostics.add({Severity::error, source.path, {}, type.refusal()});
+    return {};
+  }
   if (source.bytes.empty()) {
     diagnostics.add({Severity::error, source.path, {}, "the file is empty; expected " + std::string(type.name)});
     return {};
@@ -41,7 +45,7 @@ std::unique_ptr<vrml::SceneGraph> scene_of(MeshAsset mesh, const std::string& pa
   // From here on, the scene holds the memory of the arrays.
   const std::uint64_t bytes = mesh.memory.amount();
   mesh.memory.shrink_to(0);
-  (void)scene->charge(static_cast<std::size_t>(bytes));
+  (void)scene->memory().charge(static_cast<std::size_t>(bytes));
   SceneBuilder builder(*scene, diagnostics);
   std::vector<vrml::NodeId> appearances(mesh.looks.size());
   std::vector<bool> made(mesh.looks.size());
@@ -58,7 +62,7 @@ std::unique_ptr<vrml::SceneGraph> scene_of(MeshAsset mesh, const std::string& pa
     builder.add_root(shape);
   }
   if (mesh.color_key) add_color_key(builder, *mesh.color_key);
-  if (scene->exhausted() && !mesh.cut_short)
+  if (scene->memory().exhausted() && !mesh.cut_short)
     diagnostics.add({Severity::error, path, {}, budget->refusal(Resource::nodes) + "; the rest is left out"});
   return scene;
 }

@@ -145,10 +145,10 @@ std::optional<ColorKey> read_color_key(std::string_view text) {
 }
 
 std::optional<ColorKey> color_key_of(const vrml::SceneGraph& scene) {
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
-    const vrml::Node& node = scene.node_at(i);
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
+    const vrml::Node& node = scene.nodes().at(i);
     if (node.in_prototype_body || node.type->read_as != vrml::NodeKind::world_info) continue;
-    for (const vrml::String& line : scene.get<vrml::MFString>(scene.id_at(i), "info"))
+    for (const vrml::String& line : scene.get<vrml::MFString>(scene.nodes().id_at(i), "info"))
       if (auto key = read_color_key(line.str())) return key;
   }
   return std::nullopt;

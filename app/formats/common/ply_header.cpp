@@ -1,44 +1,23 @@
 #include "app/formats/common/ply_header.h"
 
+#include "base/text.h"
+
 #include <algorithm>
-#include <array>
 #include <charconv>
 
 namespace gs::app {
 namespace {
 
-struct TypeName {
-  std::string_view name;
-  PlyType type;
-};
-constexpr std::array<TypeName, 16> kTypeNames = {{
-    {"char", PlyType::int8},
-    {"int8", PlyType::int8},
-    {"uchar", PlyType::uint8},
-    {"uint8", PlyType::uint8},
-    {"short", PlyType::int16},
-    {"int16", PlyType::int16},
-    {"ushort", PlyType::uint16},
-    {"uint16", PlyType::uint16},
-    {"int", PlyType::int32},
-    {"int32", PlyType::int32},
-    {"uint", PlyType::uint32},
-    {"uint32", PlyType::uint32},
-    {"float", PlyType::float32},
-    {"float32", PlyType::float32},
-    {"double", PlyType::float64},
-    {"float64", PlyType::float64},
-}};
-
-struct FormatName {
-  std::string_view name;
-  PlyFormat format;
-};
-constexpr std::array<FormatName, 3> kFormatNames = {{
-    {"ascii", PlyFormat::ascii},
-    {"binary_little_endian", PlyFormat::little_endian},
-    {"binary_big_endian", PlyFormat::big_endian},
-}};
+constexpr std::pair<std::string_view, PlyType> kTypeNames[] = {
+    {"char", PlyType::int8},      {"int8", PlyType::int8},       {"uchar", PlyType::uint8},
+    {"uint8", PlyType::uint8},    {"short", PlyType::int16},     {"int16", PlyType::int16},
+    {"ushort", PlyType::uint16},  {"uint16", PlyType::uint16},   {"int", PlyType::int32},
+    {"int32", PlyType::int32},    {"uint", PlyType::uint32},     {"uint32", PlyType::uint32},
+    {"float", PlyType::float32},  {"float32", PlyType::float32}, {"double", PlyType::float64},
+    {"float64", PlyType::float64}};
+constexpr std::pair<std::string_view, PlyFormat> kFormatNames[] = {{"ascii", PlyFormat::ascii},
+                                                                   {"binary_little_endian", PlyFormat::little_endian},
+                                                                   {"binary_big_endian", PlyFormat::big_endian}};
 
 /// Lines of a header. The first line decides whether a lone CR ends a line. If it does, a data byte of 10 after the
 /// last line is not part of the line end.
@@ -76,22 +55,14 @@ class HeaderLines {
   bool lone_return_ = false, too_long_ = false;
 };
 
-std::optional<PlyType> type_named(std::string_view name) {
-  for (const TypeName& entry : kTypeNames)
-    if (entry.name == name) return entry.type;
-  return std::nullopt;
-}
-
 /// Error message, or nullopt.
 using Problem = std::optional<std::string>;
 
 Problem read_format(TextCursor words, PlyHeader& header) {
   const std::string_view name = words.word();
-  for (const FormatName& entry : kFormatNames)
-    if (entry.name == name) {
-      header.format = entry.format;
-      return std::nullopt;
-    }
+  const auto format = value_named(kFormatNames, name);
+  if (format) header.format = *format;
+  if (format) return std::nullopt;
   return "unknown format '" + std::string(name) + "'; expected ascii, binary_little_endian or binary_big_endian";
 }
 
@@ -112,13 +83,13 @@ Problem read_property(TextCursor words, PlyHeader& header) {
   std::string_view type = words.word();
   if (type == "list") {
     property.is_list = true;
-    const auto count_type = type_named(words.word());
+    const auto count_type = value_named(kTypeNames, words.word());
     if (!count_type || is_float(*count_type))
       return "expected: property list COUNT_TYPE TYPE NAME, with a whole number for COUNT_TYPE";
     property.count_type = *count_type;
     type = words.word();
   }
-  const auto found = type_named(type);
+  const auto found = value_named(kTypeNames, type);
   property.name = words.word();
   if (!found || property.name.empty())
     return "unknown property type '" + std::string(type) + "'; expected char, uchar, short, ushort, int, uint, " +

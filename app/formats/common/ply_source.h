@@ -2,6 +2,7 @@
 
 #include "app/formats/common/ply_header.h"
 #include "app/formats/common/text_cursor.h"
+#include "base/nth_type.h"
 
 #include <array>
 #include <bit>
@@ -38,25 +39,8 @@ template <class T, bool big>
 /// Calls `f` with a value of the C++ type that corresponds to `type`.
 template <class F>
 decltype(auto) with_type(PlyType type, F&& f) {
-  switch (type) {
-    case PlyType::int8:
-      return f(std::int8_t{});
-    case PlyType::uint8:
-      return f(std::uint8_t{});
-    case PlyType::int16:
-      return f(std::int16_t{});
-    case PlyType::uint16:
-      return f(std::uint16_t{});
-    case PlyType::int32:
-      return f(std::int32_t{});
-    case PlyType::uint32:
-      return f(std::uint32_t{});
-    case PlyType::float64:
-      return f(double{});
-    case PlyType::float32:
-      break;
-  }
-  return f(float{});
+  return with_nth_type<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t, std::int32_t, std::uint32_t, float,
+                       double>(static_cast<std::size_t>(type), f);
 }
 
 /// Data part of an ASCII PLY file: numbers separated by white space.

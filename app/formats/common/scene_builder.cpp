@@ -37,7 +37,7 @@ bool is_keyword(std::string_view id) {
 SceneBuilder::~SceneBuilder() {
   const std::uint64_t bytes = memory().amount();
   memory().shrink_to(0);
-  if (bytes > 0) (void)scene_.charge(static_cast<std::size_t>(bytes));
+  if (bytes > 0) (void)scene_.memory().charge(static_cast<std::size_t>(bytes));
 }
 
 NodeId SceneBuilder::make(vrml::NodeKind kind) {
@@ -59,7 +59,7 @@ void SceneBuilder::name(NodeId node, std::string_view text) {
   // Start with the number of used names as the suffix, because `id` with this suffix is rarely in use.
   const std::string first = id + '_';
   for (std::size_t number = names_.size(); !names_.insert(id).second; ++number) id = first + std::to_string(number);
-  scene_.set_name(node, id);
+  scene_.node(node).name = *scene_.texts().keep_name(id);
 }
 
 NodeId SceneBuilder::appearance(const Look& look) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/formats/common/mesh_asset.h"
+#include "base/noncopyable.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <string>
@@ -12,14 +13,12 @@ namespace gs::app {
 
 /// Factory of nodes for importers, with diagnostics. Returns null nodes after the scene's node limit is reached. All
 /// functions accept null NodeIds and ignore them.
-class SceneBuilder : public ImportContext {
+class SceneBuilder : public ImportContext, NonCopyable {
  public:
   SceneBuilder(vrml::SceneGraph& scene, Diagnostics& diagnostics)
       : ImportContext(scene.file_name(), scene.budget(), diagnostics), scene_(scene) {}
   /// Passes the charged memory to the scene.
   ~SceneBuilder();
-  SceneBuilder(const SceneBuilder&) = delete;
-  SceneBuilder& operator=(const SceneBuilder&) = delete;
 
   [[nodiscard]] vrml::SceneGraph& scene() { return scene_; }
 

@@ -90,7 +90,7 @@ Upright upright_along(const glm::vec3& up) {
 
 Upright upright_of(UpRule rule, const glm::vec3& size) {
   constexpr float kStanding = 1.5f;  // min ratio of height to width and depth
-  constexpr float kSurvey = 5;  // metres; larger point sets are land or buildings
+  constexpr float kSurvey = 5;  // metres; larger geometries are land or buildings
   switch (rule) {
     case UpRule::y:
       break;

@@ -15,9 +15,17 @@
 /// Without a transfer function it is grey by class, with opacity proportional to magnitude.
 namespace gs::app {
 
+/// File that belongs to an exported file and is written beside it, such as a texture.
+struct CompanionFile {
+  std::string name;  // without folder
+  std::vector<std::byte> bytes;
+};
+
 struct ExportOptions {
-  std::string title;  // title of the object in UTF-8, for formats that store a title
-  std::string stream_url;  // VRML97: url field of the QNV instance, for browsers with this node
+  std::string title;                             // title of the object in UTF-8, for formats that store a title
+  std::string stream_url;                        // VRML97: url field of the QNV instance, for browsers with this node
+  std::string name;                              // OBJ: name of the file without folder and extension
+  std::vector<CompanionFile>* beside = nullptr;  // OBJ: gets the material and the texture; null omits both
 };
 
 using Exported = std::variant<std::vector<std::byte>, std::string>;
@@ -49,16 +57,38 @@ using Exported = std::variant<std::vector<std::byte>, std::string>;
 [[nodiscard]] Exported export_vrml97_points(const qnv::Geometry& geometry, const ExportOptions& options = {});
 [[nodiscard]] Exported export_vrml97_patches(const qnv::Geometry& geometry, const ExportOptions& options = {});
 
+/// Error of formats that hold triangles only.
+inline constexpr std::string_view kNoTriangles =
+    "the input has no triangles, only splats or points; expected .ply, .glb or .spz instead";
+
+/// Exports binary STL: triangles without colours. Coordinates are float32.
+[[nodiscard]] Exported export_stl(const qnv::Geometry& geometry, const ExportOptions& options = {});
+/// Exports OBJ with normals. Colours of vertices follow the coordinates of `v`. The material and the texture become
+/// companion files.
+[[nodiscard]] Exported export_obj(const qnv::Geometry& geometry, const ExportOptions& options = {});
+
+/// Bits for the properties that a format keeps.
+enum ExportKeeps : unsigned {
+  kKeepsTriangles = 1,
+  kKeepsColors = 2,
+  kKeepsTexture = 4,
+  kKeepsShine = 8,
+  kNeedsTriangles = 16,  // the format holds nothing else
+};
+
 /// Export format.
 struct ExportFormat {
   std::string_view name;       // "spz"
   std::string_view extension;  // ".spz"; may have two parts, ".3dgs.ply"
   std::string_view description;
   Exported (*write)(const qnv::Geometry& geometry, const ExportOptions& options);
+  unsigned keeps;  // bits of ExportKeeps
 };
 
 /// Returns all formats. If several formats share an extension, the first one is its default.
 [[nodiscard]] std::span<const ExportFormat> export_formats();
+/// Returns the properties of `geometry` that a format does not keep, as messages for the user.
+[[nodiscard]] std::vector<std::string> export_losses(const ExportFormat& format, const qnv::Geometry& geometry);
 /// Returns the format with the longest extension that ends `path`, ignoring case. Returns null if no extension matches.
 [[nodiscard]] const ExportFormat* export_format_of(std::string_view path);
 

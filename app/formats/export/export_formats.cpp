@@ -1,19 +1,27 @@
 #include "app/formats/export/export.h"
+#include "qnv/base/shine.h"
 
 #include <algorithm>
+#include <string>
 
 namespace gs::app {
 namespace {
 
 constexpr ExportFormat kExportFormats[] = {
-    {"ply", ".ply", "PLY points with normals, colours and areas", export_points_ply},
-    {"3dgs-ply", ".3dgs.ply", "Gaussian splats as PLY (Inria), degree 0", export_splats_ply},
-    {"glb", ".glb", "glTF binary: a mesh with its picture, or splats (KHR_gaussian_splatting)", export_glb},
-    {"glb-splats", ".splats.glb", "glTF binary with KHR_gaussian_splatting", export_glb_splats},
-    {"spz", ".spz", "Gaussian splats as SPZ version 4 (zstd)", export_spz},
-    {"spz3", ".v3.spz", "Gaussian splats as SPZ version 3 (gzip)", export_spz3},
-    {"vrml97", ".wrl", "VRML97 for any browser: points", export_vrml97_points},
-    {"vrml97-patches", ".patches.wrl", "VRML97 for any browser: a square for each vector", export_vrml97_patches},
+    {"ply", ".ply", "PLY mesh or points with normals, colours and areas", export_points_ply,
+     kKeepsTriangles | kKeepsColors},
+    {"3dgs-ply", ".3dgs.ply", "Gaussian splats as PLY (Inria), degree 0", export_splats_ply, kKeepsColors},
+    {"glb", ".glb", "glTF binary: a mesh with its picture, or splats (KHR_gaussian_splatting)", export_glb,
+     kKeepsTriangles | kKeepsColors | kKeepsTexture},
+    {"glb-splats", ".splats.glb", "glTF binary with KHR_gaussian_splatting", export_glb_splats, kKeepsColors},
+    {"stl", ".stl", "STL mesh, binary, without colours", export_stl, kKeepsTriangles | kNeedsTriangles},
+    {"obj", ".obj", "OBJ mesh with colours, and its material and texture beside it", export_obj,
+     kKeepsTriangles | kKeepsColors | kKeepsTexture | kKeepsShine | kNeedsTriangles},
+    {"spz", ".spz", "Gaussian splats as SPZ version 4 (zstd)", export_spz, kKeepsColors},
+    {"spz3", ".v3.spz", "Gaussian splats as SPZ version 3 (gzip)", export_spz3, kKeepsColors},
+    {"vrml97", ".wrl", "VRML97 for any browser: points", export_vrml97_points, kKeepsColors},
+    {"vrml97-patches", ".patches.wrl", "VRML97 for any browser: a square for each vector", export_vrml97_patches,
+     kKeepsColors},
 };
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
@@ -25,6 +33,27 @@ bool ends_with(std::string_view path, std::string_view extension) {
 }
 
 }  // namespace
+
+std::vector<std::string> export_losses(const ExportFormat& format, const qnv::Geometry& geometry) {
+  std::vector<std::string> losses;
+  const auto* mesh = geometry.as<qnv::IndexedMesh>();
+  const auto* volume = geometry.as<qnv::Volume>();
+  const qnv::VectorView vectors(geometry);
+  const auto lacks = [&](ExportKeeps property) { return (format.keeps & property) == 0; };
+  if (mesh && !mesh->triangles.empty() && lacks(kKeepsTriangles))
+    losses.push_back(std::to_string(mesh->triangles.size() / 3) +
+                     " triangles become splats at their vertices; .ply, .glb, .obj and .stl keep triangles");
+  if (mesh && mesh->picture && lacks(kKeepsTexture))
+    losses.push_back(lacks(kKeepsColors) ? "the texture is left out; .glb and .obj keep it"
+                                         : "the texture becomes colours of vertices; .glb and .obj keep it");
+  const bool colored = !vectors.colors.empty() || vectors.color != qnv::Rgb8{};
+  if (lacks(kKeepsColors) && colored && !(mesh && mesh->picture))
+    losses.push_back("colours are left out; .ply, .glb and .obj keep them");
+  if (lacks(kKeepsShine) && qnv::shine_of(vectors.description) != qnv::Shine{})
+    losses.push_back("the specular colour of the material is left out");
+  if (volume && !volume->classes.empty()) losses.push_back("the values of the voxels become colours");
+  return losses;
+}
 
 std::span<const ExportFormat> export_formats() { return kExportFormats; }
 

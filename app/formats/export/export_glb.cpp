@@ -3,8 +3,8 @@
 #include "app/formats/common/ranges.h"
 #include "app/formats/common/scene_builder.h"
 #include "app/formats/export/export.h"
-#include "app/formats/export/export_discs.h"
 #include "app/formats/export/export_glb_mesh.h"
+#include "app/formats/export/export_vectors.h"
 #include "app/formats/splats/splats.h"
 
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
 #include "app/formats/common/byte_order.h"
 #include "app/formats/export/export.h"
-#include "app/formats/export/export_discs.h"
+#include "app/formats/export/export_vectors.h"
 #include "app/formats/splats/splats.h"
 
 #include <cmath>
@@ -48,23 +48,23 @@ void put_vector(std::vector<std::byte>& to, const glm::vec3& v) {
 }  // namespace
 
 Exported export_points_ply(const qnv::Geometry& geometry, const ExportOptions&) {
-  const ExportDiscs discs(geometry);
+  const ExportVectors exported(geometry);
   const glm::dvec3& origin = geometry.description().origin;
   constexpr std::size_t kRowBytes = 43, kFaceBytes = 13, kHeaderRoom = 512;
   const auto* mesh = geometry.as<qnv::IndexedMesh>();
   const std::size_t faces = mesh ? mesh->triangles.size() / 3 : 0;
   std::vector<std::byte> bytes;
-  bytes.reserve(kHeaderRoom + discs.size() * kRowBytes + faces * kFaceBytes);
-  put_header(bytes, discs.size(), origin,
+  bytes.reserve(kHeaderRoom + exported.size() * kRowBytes + faces * kFaceBytes);
+  put_header(bytes, exported.size(), origin,
              {"float nx", "float ny", "float nz", "uchar red", "uchar green", "uchar blue", "float area"}, faces);
-  for (std::size_t i = 0; i < discs.size(); ++i) {
-    const ExportDisc disc = discs[i];
-    put_place(bytes, origin, disc.position);
-    put_vector(bytes, disc.normal);
-    put_little(bytes, disc.color.r);
-    put_little(bytes, disc.color.g);
-    put_little(bytes, disc.color.b);
-    put_little(bytes, disc.area);
+  for (std::size_t i = 0; i < exported.size(); ++i) {
+    const ExportVector item = exported[i];
+    put_place(bytes, origin, item.position);
+    put_vector(bytes, item.normal);
+    put_little(bytes, item.color.r);
+    put_little(bytes, item.color.g);
+    put_little(bytes, item.color.b);
+    put_little(bytes, item.area);
   }
   for (std::size_t i = 0; i < 3 * faces; ++i) {
     if (i % 3 == 0) put_little(bytes, std::uint8_t{3});

@@ -1,6 +1,6 @@
 #include "app/formats/common/byte_order.h"
 #include "app/formats/export/export.h"
-#include "app/formats/export/export_discs.h"
+#include "app/formats/export/export_vectors.h"
 #include "app/formats/splats/splats.h"
 #include "app/formats/splats/spz.h"
 
@@ -131,13 +131,7 @@ Exported checked(const qnv::Geometry& geometry, std::vector<ExportSplat>& splats
   return std::vector<std::byte>();
 }
 
-}  // namespace
-
-Exported export_spz(const qnv::Geometry& geometry, const ExportOptions&) {
-  std::vector<ExportSplat> splats;
-  Exported bytes = checked(geometry, splats);
-  if (std::holds_alternative<std::string>(bytes)) return bytes;
-  auto& file = std::get<std::vector<std::byte>>(bytes);
+Exported write_spz4(std::vector<std::byte> file, const std::vector<ExportSplat>& splats) {
   const int fraction_bits = fraction_bits_for(splats);
   const auto planes = planes_of(splats, fraction_bits);
   put_header(file, 4, splats.size(), fraction_bits, plane_count);
@@ -152,14 +146,10 @@ Exported export_spz(const qnv::Geometry& geometry, const ExportOptions&) {
     streams.insert(streams.end(), packed->begin(), packed->end());
   }
   file.insert(file.end(), streams.begin(), streams.end());
-  return bytes;
+  return file;
 }
 
-Exported export_spz3(const qnv::Geometry& geometry, const ExportOptions&) {
-  std::vector<ExportSplat> splats;
-  Exported bytes = checked(geometry, splats);
-  if (std::holds_alternative<std::string>(bytes)) return bytes;
-  auto& data = std::get<std::vector<std::byte>>(bytes);
+Exported write_spz3(std::vector<std::byte> data, const std::vector<ExportSplat>& splats) {
   const int fraction_bits = fraction_bits_for(splats);
   put_header(data, 3, splats.size(), fraction_bits, 0);
   for (const PlaneBytes& plane : planes_of(splats, fraction_bits)) data.insert(data.end(), plane.begin(), plane.end());
@@ -167,5 +157,18 @@ Exported export_spz3(const qnv::Geometry& geometry, const ExportOptions&) {
   if (!packed) return "zlib cannot compress the data";
   return std::move(*packed);
 }
+
+template <auto write>
+Exported exported(const qnv::Geometry& geometry) {
+  std::vector<ExportSplat> splats;
+  Exported bytes = checked(geometry, splats);
+  auto* file = std::get_if<std::vector<std::byte>>(&bytes);
+  return file ? write(std::move(*file), splats) : bytes;
+}
+
+}  // namespace
+
+Exported export_spz(const qnv::Geometry& geometry, const ExportOptions&) { return exported<write_spz4>(geometry); }
+Exported export_spz3(const qnv::Geometry& geometry, const ExportOptions&) { return exported<write_spz3>(geometry); }
 
 }  // namespace gs::app

@@ -1,7 +1,7 @@
 #include "app/formats/common/color_key.h"
 #include "app/formats/common/upright.h"
 #include "app/formats/export/export.h"
-#include "app/formats/export/export_discs.h"
+#include "app/formats/export/export_vectors.h"
 #include "app/formats/export/vrml_text.h"
 
 #include <glm/gtc/quaternion.hpp>
@@ -90,48 +90,48 @@ glm::vec3 rgb_of(const qnv::Rgb8& color) {
   return {static_cast<float>(color.r) / 255, static_cast<float>(color.g) / 255, static_cast<float>(color.b) / 255};
 }
 
-void put_points(const std::vector<ExportDisc>& discs, bool shaded, Vrml97Text& text) {
+void put_points(const std::vector<ExportVector>& exported, bool shaded, Vrml97Text& text) {
   text.add("  PointSet {\n    coord Coordinate { point [\n");
-  for (const ExportDisc& disc : discs) text.vector(disc.position);
+  for (const ExportVector& item : exported) text.vector(item.position);
   text.add("    ] }\n    color Color { color [\n");
-  for (const ExportDisc& disc : discs) {
-    const glm::vec3& n = disc.normal;
+  for (const ExportVector& item : exported) {
+    const glm::vec3& n = item.normal;
     const float facing = std::min(std::abs(n.x * kLight.x + n.y * kLight.y + n.z * kLight.z), 1.0f);
-    text.color(rgb_of(disc.color) * (shaded ? kAmbient + (1 - kAmbient) * facing : 1.0f));
+    text.color(rgb_of(item.color) * (shaded ? kAmbient + (1 - kAmbient) * facing : 1.0f));
   }
   text.add("    ] }\n  }\n");
 }
 
 /// Returns the corners of a square with the area of the vector, counterclockwise when seen against the normal.
-std::array<glm::vec3, 4> corners_of(const ExportDisc& disc) {
-  const glm::vec3& n = disc.normal;
+std::array<glm::vec3, 4> corners_of(const ExportVector& item) {
+  const glm::vec3& n = item.normal;
   // Start with the axis that is least aligned to the normal.
   const bool along_x = std::abs(n.x) < 0.6f;
   glm::vec3 u = along_x ? glm::vec3(0, n.z, -n.y) : glm::vec3(-n.z, 0, n.x);
   const float length = std::sqrt(u.x * u.x + u.y * u.y + u.z * u.z);
   u = length > 0 ? u / length : glm::vec3(1, 0, 0);
   const glm::vec3 v(n.y * u.z - n.z * u.y, n.z * u.x - n.x * u.z, n.x * u.y - n.y * u.x);
-  const float half = std::sqrt(disc.area) / 2;
+  const float half = std::sqrt(item.area) / 2;
   const glm::vec3 a = (u + v) * half, b = (v - u) * half;
-  return {disc.position - a, disc.position - b, disc.position + a, disc.position + b};
+  return {item.position - a, item.position - b, item.position + a, item.position + b};
 }
 
-void put_patches(const std::vector<ExportDisc>& discs, Vrml97Text& text) {
+void put_patches(const std::vector<ExportVector>& exported, Vrml97Text& text) {
   text.add("  IndexedFaceSet {\n    solid FALSE\n    normalPerVertex FALSE\n    colorPerVertex FALSE\n");
   text.add("    coord Coordinate { point [\n");
-  for (const ExportDisc& disc : discs) {
-    const auto corners = corners_of(disc);
+  for (const ExportVector& item : exported) {
+    const auto corners = corners_of(item);
     for (std::size_t k = 0; k < 4; ++k) text.vector(corners[k], k < 3 ? ',' : '\n');
   }
   text.add("    ] }\n    coordIndex [\n");
-  for (std::size_t i = 0; i < discs.size(); ++i) {
+  for (std::size_t i = 0; i < exported.size(); ++i) {
     for (std::size_t k = 0; k < 4; ++k) text.add(std::to_string(4 * i + k) + " ");
     text.add("-1\n");
   }
   text.add("    ]\n    normal Normal { vector [\n");
-  for (const ExportDisc& disc : discs) text.vector(disc.normal);
+  for (const ExportVector& item : exported) text.vector(item.normal);
   text.add("    ] }\n    color Color { color [\n");
-  for (const ExportDisc& disc : discs) text.color(rgb_of(disc.color));
+  for (const ExportVector& item : exported) text.color(rgb_of(item.color));
   text.add("    ] }\n  }\n");
 }
 
@@ -196,8 +196,8 @@ std::vector<std::byte> world_of(const qnv::Geometry& given, const ExportOptions&
   std::optional<qnv::Geometry> near;
   if (far && !moved) near = about_zero(given);
   const qnv::VectorView vectors(near ? *near : given);
-  const ExportDiscs all(vectors);
-  const std::vector<ExportDisc> discs = visible_discs(all);
+  const ExportVectors all(vectors);
+  const std::vector<ExportVector> exported = visible_vectors(all);
   Vrml97Text text;
   text.add("#VRML V2.0 utf8 written by GhostSpace\n");
   if (!options.title.empty()) {
@@ -207,9 +207,9 @@ std::vector<std::byte> world_of(const qnv::Geometry& given, const ExportOptions&
   }
   text.add(kInterface);
   if (patches)
-    put_patches(discs, text);
+    put_patches(exported, text);
   else
-    put_points(discs, vectors.colors.empty() && !all.balls(), text);
+    put_points(exported, vectors.colors.empty() && !all.balls(), text);
   put_instance(vectors, options, moved, text);
   return text.bytes();
 }

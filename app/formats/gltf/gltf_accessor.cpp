@@ -1,5 +1,7 @@
 #include "app/formats/gltf/gltf_accessor.h"
 
+#include "base/nth_type.h"
+
 #include <algorithm>
 #include <cstring>
 #include <limits>
@@ -84,24 +86,9 @@ To component(const unsigned char* from, int component_type, bool normalized) {
     else
       return as_unsigned<From>(from);
   };
-  switch (component_type) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
-      return as(std::int8_t{});
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      return as(std::uint8_t{});
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
-      return as(std::int16_t{});
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      return as(std::uint16_t{});
-    case TINYGLTF_COMPONENT_TYPE_INT:
-      return as(std::int32_t{});
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-      return as(std::uint32_t{});
-    case TINYGLTF_COMPONENT_TYPE_DOUBLE:
-      return as(double{});
-    default:
-      return as(float{});
-  }
+  if (component_type == TINYGLTF_COMPONENT_TYPE_DOUBLE) return as(double{});
+  return with_nth_type<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t, std::int32_t, std::uint32_t, float>(
+      static_cast<std::size_t>(component_type - TINYGLTF_COMPONENT_TYPE_BYTE), as);
 }
 
 }  // namespace
@@ -124,7 +111,7 @@ bool GltfAccessors::charge(std::size_t bytes) {
     problem_ = "the asset refers to its data too many times";
     return false;
   }
-  if (!scene_.charge(bytes)) {
+  if (!scene_.memory().charge(bytes)) {
     problem_ = scene_.budget()->refusal(Resource::nodes);
     return false;
   }

@@ -312,11 +312,11 @@ class ObjImporter {
       return;
     }
     // The file has only points.
-    Geometry cloud;
-    cloud.kind = Geometry::Kind::points;
-    cloud.positions = std::move(all_positions_);
-    cloud.colors = std::move(all_colors_);
-    builder_.add(std::move(cloud), glowing({}));
+    Geometry points;
+    points.kind = Geometry::Kind::points;
+    points.positions = std::move(all_positions_);
+    points.colors = std::move(all_colors_);
+    builder_.add(std::move(points), glowing({}));
   }
 
   void build(const PartKey& key, Part& part) {
@@ -446,10 +446,6 @@ void import_obj(std::span<const std::byte> bytes, MeshBuilder& builder, const Re
 
 }  // namespace
 
-extern constinit const ContentType kObjFormat = {.name = "OBJ",
-                                                 .mime = "model/obj",
-                                                 .extensions = ".obj ",
-                                                 .content = ContentClass::mesh,
-                                                 .read = read_mesh<import_obj>};
+extern constinit const ContentType kObjFormat = mesh_type("OBJ", "model/obj", ".obj ", nullptr, read_mesh<import_obj>);
 
 }  // namespace gs::app

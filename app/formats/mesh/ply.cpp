@@ -479,14 +479,7 @@ bool is_ply(std::span<const std::byte> bytes) {
 
 }  // namespace
 
-extern constinit const ContentType kPlyFormat = {.name = "PLY",
-                                                 .mime = "application/x-ply",
-                                                 .extensions = ".ply ",
-                                                 .sniff = is_ply,
-                                                 .content = ContentClass::mesh,
-                                                 .read = read_mesh<import_ply>,
-                                                 .up = UpRule::by_shape,
-                                                 .in_order = true,
-                                                 .mark = "ply"};
+extern constinit const ContentType kPlyFormat =
+    mesh_type("PLY", "application/x-ply", ".ply ", is_ply, read_mesh<import_ply>, {UpRule::by_shape, true, "ply"});
 
 }  // namespace gs::app

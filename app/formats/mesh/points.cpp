@@ -59,7 +59,7 @@ class Gatherer {
     for (std::size_t i = 0; i < points.positions.size(); ++i) add(i);
   }
 
-  ImportedCloud take() {
+  ImportedVectors take() {
     if (places_.empty()) return std::string(points_.format) + ": no usable point; expected finite x y z and nx ny nz";
     set_places(splats_, places_);
     if (points_.areas.empty()) splats_.weights = point_areas(splats_.positions);
@@ -173,7 +173,7 @@ bool is_points_ply(std::span<const std::byte> bytes) {
   return normals;
 }
 
-ImportedCloud import_points_ply(std::span<const std::byte> bytes, const WorldBudget& budget) {
+ImportedVectors import_points_ply(std::span<const std::byte> bytes, const WorldBudget& budget) {
   auto opened = open_ply_table(bytes, "vertex", budget);
   if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
   const PlyTable& table = std::get<PlyTable>(opened);
@@ -191,7 +191,7 @@ ImportedCloud import_points_ply(std::span<const std::byte> bytes, const WorldBud
   return Gatherer(points).take();
 }
 
-ImportedCloud import_points_xyz(std::span<const std::byte> bytes, const WorldBudget& budget) {
+ImportedVectors import_points_xyz(std::span<const std::byte> bytes, const WorldBudget& budget) {
   Points points;
   points.format = "xyz points";
   TextCursor cursor(bytes);

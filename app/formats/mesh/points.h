@@ -18,14 +18,14 @@ namespace gs::app {
 
 /// Imports ASCII or binary PLY. The element vertex has x y z and nx ny nz, and optionally area and red green blue.
 /// Colours are integers 0..255 or decimals 0..1.
-[[nodiscard]] ImportedCloud import_points_ply(std::span<const std::byte> bytes,
-                                              const WorldBudget& budget = own_budget());
+[[nodiscard]] ImportedVectors import_points_ply(std::span<const std::byte> bytes,
+                                                const WorldBudget& budget = own_budget());
 /// Returns true if a PLY file has vertices with normals, but no faces, lines or strips.
 [[nodiscard]] bool is_points_ply(std::span<const std::byte> bytes);
 
 /// Imports text with one point per line: x y z nx ny nz, and optionally r g b from 0 to 255. Ignores lines that begin
 /// with #.
-[[nodiscard]] ImportedCloud import_points_xyz(std::span<const std::byte> bytes,
-                                              const WorldBudget& budget = own_budget());
+[[nodiscard]] ImportedVectors import_points_xyz(std::span<const std::byte> bytes,
+                                                const WorldBudget& budget = own_budget());
 
 }  // namespace gs::app

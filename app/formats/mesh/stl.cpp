@@ -262,12 +262,7 @@ bool is_text_stl(std::span<const std::byte> bytes) {
   return std::none_of(looked.begin(), looked.end(), [](std::byte b) { return b == std::byte{0}; });
 }
 
-extern constinit const ContentType kStlFormat = {.name = "STL",
-                                                 .mime = "model/stl",
-                                                 .extensions = ".stl ",
-                                                 .content = ContentClass::mesh,
-                                                 .read = read_mesh<import_stl>,
-                                                 .up = UpRule::z,
-                                                 .in_order = true};
+extern constinit const ContentType kStlFormat =
+    mesh_type("STL", "model/stl", ".stl ", nullptr, read_mesh<import_stl>, {UpRule::z, true});
 
 }  // namespace gs::app

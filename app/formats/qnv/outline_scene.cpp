@@ -115,7 +115,7 @@ void OutlineScene::add(Target& target, const qnv::OutlineBatch& batch) {
     constexpr std::size_t kCornerBytes = sizeof(glm::vec3) + 2 * sizeof(std::int32_t), kPolygonBytes = 32;
     const std::size_t bytes = polygon.positions.size() * kCornerBytes +
                               polygon.texture_coordinates.size() * sizeof(glm::vec2) + kPolygonBytes;
-    full_ = full_ || !scene_.charge(bytes);
+    full_ = full_ || !scene_.memory().charge(bytes);
     if (full_) return;
     if (batch.inner) {
       append(stays, polygon, group_of(target, batch.groups[i], 0));

@@ -26,7 +26,7 @@ class SurfacePictures {
 };
 
 /// Replaces the texture coordinates of vertices by colours from the texture, for consumers that do not draw textures.
-/// Does not change `cloud` if the texture cannot be decoded.
+/// Does not change `mesh` if the texture cannot be decoded.
 void color_by_picture(qnv::IndexedMesh& mesh, const WorldBudget& budget);
 
 }  // namespace gs::app

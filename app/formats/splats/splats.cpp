@@ -103,7 +103,7 @@ void SplatModel::resize(std::size_t count) {
   dc.resize(count);
 }
 
-qnv::Splats cloud_of_splats(const SplatModel& model) {
+qnv::Splats vectors_of_splats(const SplatModel& model) {
   qnv::Splats splats;
   qnv::Description& description = splats.description;
   description.two_sided = true;
@@ -150,8 +150,8 @@ qnv::Splats cloud_of_splats(const SplatModel& model) {
   return splats;
 }
 
-ImportedCloud import_result(const SplatModel& model) {
-  qnv::Splats splats = cloud_of_splats(model);
+ImportedVectors import_result(const SplatModel& model) {
+  qnv::Splats splats = vectors_of_splats(model);
   if (splats.empty())
     return model.format + ": no visible splat (" + std::to_string(model.size()) + " read, all too faint or not finite)";
   return splats;

@@ -71,42 +71,42 @@ struct SplatModel {
 ///
 /// Metadata has "source" and these counts unless they are 0: "splats not discs" (included, but thicker than
 /// kMaxDiscThickness), "splats too faint", "splats broken", and "splats missing" (announced, but not in the file).
-/// kSplatsDrawnAs says which of opacity and spherical harmonics were dropped.
-[[nodiscard]] qnv::Splats cloud_of_splats(const SplatModel& model);
+/// kSplatsDrawnAs states which of opacity and spherical harmonics were dropped.
+[[nodiscard]] qnv::Splats vectors_of_splats(const SplatModel& model);
 
-using ImportedCloud = std::variant<qnv::Splats, std::string>;
+using ImportedVectors = std::variant<qnv::Splats, std::string>;
 
-/// Returns cloud_of_splats(model), or a message if no splat remains.
-[[nodiscard]] ImportedCloud import_result(const SplatModel& model);
+/// Returns vectors_of_splats(model), or a message if no splat remains.
+[[nodiscard]] ImportedVectors import_result(const SplatModel& model);
 
 /// Imports Inria's 3D Gaussian splatting PLY, or 2DGS PLY (without scale_2), ascii or binary. The axes are right, down,
 /// forward. A truncated file gives its complete splats.
-[[nodiscard]] ImportedCloud import_splats_ply(std::span<const std::byte> bytes,
-                                              const WorldBudget& budget = own_budget());
+[[nodiscard]] ImportedVectors import_splats_ply(std::span<const std::byte> bytes,
+                                                const WorldBudget& budget = own_budget());
 /// Returns true if the header of a PLY file has the properties of 3DGS or 2DGS.
 [[nodiscard]] bool is_splats_ply(std::span<const std::byte> bytes);
 
 /// Imports antimatter15's .splat format: 32 bytes per splat, no header. Each prefix of a file is valid. The axes are
 /// right, down, forward.
-[[nodiscard]] ImportedCloud import_splats_antimatter(std::span<const std::byte> bytes,
-                                                     const WorldBudget& budget = own_budget());
+[[nodiscard]] ImportedVectors import_splats_antimatter(std::span<const std::byte> bytes,
+                                                       const WorldBudget& budget = own_budget());
 
 /// Imports PlayCanvas compressed PLY (SuperSplat): chunks of 256 splats, 16 bytes per splat. The axes are right, down,
 /// forward. A truncated file gives its complete splats.
-[[nodiscard]] ImportedCloud import_splats_compressed_ply(std::span<const std::byte> bytes,
-                                                         const WorldBudget& budget = own_budget());
+[[nodiscard]] ImportedVectors import_splats_compressed_ply(std::span<const std::byte> bytes,
+                                                           const WorldBudget& budget = own_budget());
 /// Returns true if a PLY file has the elements and properties of PlayCanvas compressed PLY.
 [[nodiscard]] bool is_splats_compressed_ply(std::span<const std::byte> bytes);
 
 /// Imports mkkellogg's .ksplat format, version 0.1, with compression modes 0, 1 and 2. The axes are right, down,
 /// forward.
-[[nodiscard]] ImportedCloud import_splats_ksplat(std::span<const std::byte> bytes,
-                                                 const WorldBudget& budget = own_budget());
+[[nodiscard]] ImportedVectors import_splats_ksplat(std::span<const std::byte> bytes,
+                                                   const WorldBudget& budget = own_budget());
 
 /// Imports Niantic's SPZ: versions 1 to 3 (one gzip stream) and version 4 (zstd streams). The axes are right, up, back,
 /// or those of the coordinate system extension.
-[[nodiscard]] ImportedCloud import_splats_spz(std::span<const std::byte> bytes,
-                                              const WorldBudget& budget = own_budget());
+[[nodiscard]] ImportedVectors import_splats_spz(std::span<const std::byte> bytes,
+                                                const WorldBudget& budget = own_budget());
 /// Returns true if the data begin with "NGSP". Decompresses the start of gzip data to check that.
 [[nodiscard]] bool is_splats_spz(std::span<const std::byte> bytes);
 

@@ -12,7 +12,7 @@ float color_coefficient(std::byte color) {
 
 }  // namespace
 
-ImportedCloud import_splats_antimatter(std::span<const std::byte> bytes, const WorldBudget& budget) {
+ImportedVectors import_splats_antimatter(std::span<const std::byte> bytes, const WorldBudget& budget) {
   const std::size_t count = bytes.size() / kRecordBytes;
   if (count == 0) return "the file is too short: expected records of " + std::to_string(kRecordBytes) + " bytes";
   SplatModel model;

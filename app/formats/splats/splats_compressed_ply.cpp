@@ -120,7 +120,7 @@ bool is_splats_compressed_ply(std::span<const std::byte> bytes) {
   return chunk && vertex;
 }
 
-ImportedCloud import_splats_compressed_ply(std::span<const std::byte> bytes, const WorldBudget& budget) {
+ImportedVectors import_splats_compressed_ply(std::span<const std::byte> bytes, const WorldBudget& budget) {
   auto opened_chunks = open_ply_table(bytes, "chunk", budget);
   if (auto* problem = std::get_if<std::string>(&opened_chunks)) return std::move(*problem);
   auto opened = open_ply_table(bytes, "vertex", budget);

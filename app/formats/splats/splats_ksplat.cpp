@@ -125,7 +125,7 @@ void read_splat(const std::byte* from, std::size_t mode, const Section& section,
 
 }  // namespace
 
-ImportedCloud import_splats_ksplat(std::span<const std::byte> bytes, const WorldBudget& budget) {
+ImportedVectors import_splats_ksplat(std::span<const std::byte> bytes, const WorldBudget& budget) {
   if (bytes.size() < kKsplatHeaderBytes) return "not a .ksplat file: expected a header of 4096 bytes";
   const auto word = [&](std::size_t at) { return load_little<std::uint32_t>(&bytes[at]); };
   if (bytes[0] != std::byte{0} || bytes[1] == std::byte{0})

@@ -36,7 +36,7 @@ bool is_splats_ply(std::span<const std::byte> bytes) {
   return false;
 }
 
-ImportedCloud import_splats_ply(std::span<const std::byte> bytes, const WorldBudget& budget) {
+ImportedVectors import_splats_ply(std::span<const std::byte> bytes, const WorldBudget& budget) {
   auto opened = open_ply_table(bytes, "vertex", budget);
   if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
   const PlyTable& table = std::get<PlyTable>(opened);

@@ -221,7 +221,7 @@ bool is_splats_spz(std::span<const std::byte> bytes) {
   return bytes.size() >= 4 && load_little<std::uint32_t>(bytes.data()) == kSpzMagic;
 }
 
-ImportedCloud import_splats_spz(std::span<const std::byte> bytes, const WorldBudget& budget) {
+ImportedVectors import_splats_spz(std::span<const std::byte> bytes, const WorldBudget& budget) {
   SplatModel model;
   model.format = "SPZ";
   model.axes = kFromRightUpBack;

@@ -97,24 +97,7 @@ bool narrow(std::span<std::byte> bytes) {
 }
 
 bool narrowed(std::span<std::byte> numbers, StoredType type) {
-  switch (type) {
-    case StoredType::u8:
-      return narrow<std::uint8_t>(numbers);
-    case StoredType::i8:
-      return narrow<std::int8_t>(numbers);
-    case StoredType::u16:
-      return narrow<std::uint16_t>(numbers);
-    case StoredType::i16:
-      return narrow<std::int16_t>(numbers);
-    case StoredType::u32:
-      return narrow<std::uint32_t>(numbers);
-    case StoredType::i32:
-      return narrow<std::int32_t>(numbers);
-    case StoredType::f32:
-      return narrow<float>(numbers);
-    default:
-      return false;
-  }
+  return type < StoredType::f64 && with_stored_type(type, [&](auto kind) { return narrow<decltype(kind)>(numbers); });
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "app/formats/volume/volume.h"
 #include "base/budget.h"
+#include "base/nth_type.h"
 #include "base/text.h"
 #include "qnv/sampling/volume/volume.h"
 
@@ -57,6 +58,12 @@ struct VolumeFile {
 /// Number type of voxels in a file. 64-bit integers become f64 when read.
 enum class StoredType : std::uint8_t { u8, i8, u16, i16, u32, i32, f32, f64, u64, i64 };
 [[nodiscard]] std::size_t size_of(StoredType type);
+/// Calls `f` with a value of the C++ type that corresponds to `type`.
+template <class F>
+decltype(auto) with_stored_type(StoredType type, F&& f) {
+  return with_nth_type<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, float,
+                       double, std::uint64_t, std::int64_t>(static_cast<std::size_t>(type), f);
+}
 
 /// Voxels as stored in a file, with x as the fastest axis. Each voxel has `components` numbers; only the first is used.
 struct StoredVoxels {

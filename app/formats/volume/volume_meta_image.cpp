@@ -1,5 +1,6 @@
 #include "app/formats/common/text_cursor.h"
 #include "app/formats/volume/volume_common.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,9 +28,7 @@ std::optional<StoredType> meta_image_type_of(std::string_view name) {
       {"met_long_long", StoredType::i64},  {"met_float", StoredType::f32},       {"met_double", StoredType::f64},
       {"met_uchar_array", StoredType::u8}, {"met_short_array", StoredType::i16}, {"met_ushort_array", StoredType::u16},
       {"met_float_array", StoredType::f32}};
-  for (const auto& [type_name, type] : kNames)
-    if (type_name == name) return type;
-  return std::nullopt;
+  return value_named(kNames, name);
 }
 
 void read_tag(std::string_view name, std::string_view value, MetaHeader& header, qnv::VolumeLayout& layout) {

@@ -128,36 +128,16 @@ struct NiftiType {
 };
 
 std::optional<NiftiType> nifti_type_of(int code) {
-  switch (code) {
-    case 2:  // DT_UINT8
-      return NiftiType{StoredType::u8};
-    case 256:  // DT_INT8
-      return NiftiType{StoredType::i8};
-    case 4:  // DT_INT16
-      return NiftiType{StoredType::i16};
-    case 512:  // DT_UINT16
-      return NiftiType{StoredType::u16};
-    case 8:  // DT_INT32
-      return NiftiType{StoredType::i32};
-    case 768:  // DT_UINT32
-      return NiftiType{StoredType::u32};
-    case 1024:  // DT_INT64
-      return NiftiType{StoredType::i64};
-    case 1280:  // DT_UINT64
-      return NiftiType{StoredType::u64};
-    case 16:  // DT_FLOAT32
-      return NiftiType{StoredType::f32};
-    case 64:  // DT_FLOAT64
-      return NiftiType{StoredType::f64};
-    case 32:  // DT_COMPLEX64
-      return NiftiType{StoredType::f32, 2};
-    case 128:  // DT_RGB24
-      return NiftiType{StoredType::u8, 3};
-    case 2304:  // DT_RGBA32
-      return NiftiType{StoredType::u8, 4};
-    default:
-      return std::nullopt;
-  }
+  // DT_UINT8, DT_INT16, DT_INT32, DT_FLOAT32, DT_COMPLEX64, DT_FLOAT64, DT_RGB24, DT_INT8, DT_UINT16, DT_UINT32,
+  // DT_INT64, DT_UINT64, DT_RGBA32
+  static constexpr std::pair<int, NiftiType> kTypes[] = {
+      {2, {StoredType::u8}},      {4, {StoredType::i16}},   {8, {StoredType::i32}},     {16, {StoredType::f32}},
+      {32, {StoredType::f32, 2}}, {64, {StoredType::f64}},  {128, {StoredType::u8, 3}}, {256, {StoredType::i8}},
+      {512, {StoredType::u16}},   {768, {StoredType::u32}}, {1024, {StoredType::i64}},  {1280, {StoredType::u64}},
+      {2304, {StoredType::u8, 4}}};
+  for (const auto& [type_code, type] : kTypes)
+    if (type_code == code) return type;
+  return std::nullopt;
 }
 
 /// Matrix of 3 rows: the steps along the three axes, then the origin.

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-// Reader of SLC (VolVis). A file has a text header, an icon, then slices of bytes. If the header says so, each slice is
-// run-length encoded.
+// Reader of SLC (VolVis). A file has a text header, an icon, then slices of bytes. If the header states this, each
+// slice is run-length encoded.
 
 namespace gs::app {
 namespace {

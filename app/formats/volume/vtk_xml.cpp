@@ -1,6 +1,7 @@
 #include "app/formats/volume/vtk_xml.h"
 
 #include "app/formats/common/text_cursor.h"
+#include "base/text.h"
 
 #include <expat.h>
 
@@ -329,9 +330,7 @@ std::optional<StoredType> vtk_type_of(std::string_view name) {
       {"int16", StoredType::i16},  {"uint32", StoredType::u32}, {"int32", StoredType::i32},
       {"uint64", StoredType::u64}, {"int64", StoredType::i64},  {"float32", StoredType::f32},
       {"float64", StoredType::f64}};
-  for (const auto& [type_name, type] : kNames)
-    if (type_name == name) return type;
-  return std::nullopt;
+  return value_named(kNames, name);
 }
 
 std::variant<StoredVoxels, std::string> vtk_values(const SharedBytes& file, const VtkXmlHeader& header,

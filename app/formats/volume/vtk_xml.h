@@ -78,28 +78,7 @@ void each_number(const StoredVoxels& values, std::uint64_t count, Take take) {
   const std::uint64_t all = values.content.bytes.size();
   if (values.offset > all) return;
   count = std::min<std::uint64_t>(count, (all - values.offset) / size_of(values.type));
-  switch (values.type) {
-    case StoredType::u8:
-      return each_stored<std::uint8_t>(values, count, take);
-    case StoredType::i8:
-      return each_stored<std::int8_t>(values, count, take);
-    case StoredType::u16:
-      return each_stored<std::uint16_t>(values, count, take);
-    case StoredType::i16:
-      return each_stored<std::int16_t>(values, count, take);
-    case StoredType::u32:
-      return each_stored<std::uint32_t>(values, count, take);
-    case StoredType::i32:
-      return each_stored<std::int32_t>(values, count, take);
-    case StoredType::f32:
-      return each_stored<float>(values, count, take);
-    case StoredType::f64:
-      return each_stored<double>(values, count, take);
-    case StoredType::u64:
-      return each_stored<std::uint64_t>(values, count, take);
-    case StoredType::i64:
-      return each_stored<std::int64_t>(values, count, take);
-  }
+  with_stored_type(values.type, [&](auto kind) { each_stored<decltype(kind)>(values, count, take); });
 }
 
 }  // namespace gs::app

@@ -358,12 +358,7 @@ void import_vtk_legacy(std::span<const std::byte> bytes, MeshBuilder& builder) {
 
 }  // namespace
 
-extern constinit const ContentType kVtkLegacyFormat = {.name = "legacy VTK",
-                                                       .mime = "application/x-vtk",
-                                                       .extensions = ".vtk ",
-                                                       .sniff = is_vtk_legacy,
-                                                       .content = ContentClass::mesh,
-                                                       .read = read_mesh<import_vtk_legacy>,
-                                                       .mark = kLegacyMark};
+extern constinit const ContentType kVtkLegacyFormat = mesh_type(
+    "legacy VTK", "application/x-vtk", ".vtk ", is_vtk_legacy, read_mesh<import_vtk_legacy>, {.mark = kLegacyMark});
 
 }  // namespace gs::app

@@ -289,18 +289,10 @@ void import_vtu(std::span<const std::byte> bytes, MeshBuilder& builder) {
 
 }  // namespace
 
-extern constinit const ContentType kVtpFormat = {.name = "VTK PolyData",
-                                                 .mime = "application/x-vtk-poly-data",
-                                                 .extensions = ".vtp ",
-                                                 .sniff = is_vtp,
-                                                 .content = ContentClass::mesh,
-                                                 .read = read_mesh<import_vtp>};
+extern constinit const ContentType kVtpFormat =
+    mesh_type("VTK PolyData", "application/x-vtk-poly-data", ".vtp ", is_vtp, read_mesh<import_vtp>);
 
-extern constinit const ContentType kVtuFormat = {.name = "VTK UnstructuredGrid",
-                                                 .mime = "application/x-vtk-unstructured-grid",
-                                                 .extensions = ".vtu ",
-                                                 .sniff = is_vtu,
-                                                 .content = ContentClass::mesh,
-                                                 .read = read_mesh<import_vtu>};
+extern constinit const ContentType kVtuFormat =
+    mesh_type("VTK UnstructuredGrid", "application/x-vtk-unstructured-grid", ".vtu ", is_vtu, read_mesh<import_vtu>);
 
 }  // namespace gs::app

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/noncopyable.h"
+
 #include <imgui.h>
 
 #include <cstddef>
@@ -11,14 +13,12 @@ namespace gs::app {
 
 /// Fonts of the interface: one font for common text, and glyphs from system fonts (by Fontconfig) for other characters.
 /// A glyph is rendered at its first use. The fonts belong to one Dear ImGui context and are stored in its font atlas.
-class InterfaceFonts {
+class InterfaceFonts : NonCopyable {
  public:
   static constexpr std::size_t kMaxGlyphs = 4000;  // max glyphs from system fonts; characters beyond are drawn as '?'
 
   InterfaceFonts();
   ~InterfaceFonts();
-  InterfaceFonts(const InterfaceFonts&) = delete;
-  InterfaceFonts& operator=(const InterfaceFonts&) = delete;
 
   /// Returns the fonts of the current context; null if it has none.
   [[nodiscard]] static InterfaceFonts* current();

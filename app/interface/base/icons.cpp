@@ -76,7 +76,7 @@ constexpr ActionIcon kActionIcons[] = {
     {Action::pan, Icon::pan},
     {Action::look_at, Icon::look_at},
     {Action::log, Icon::log},
-    {Action::clouds, Icon::curve},
+    {Action::transfer, Icon::curve},
     {Action::split_right, Icon::split_right},
     {Action::split_below, Icon::split_below},
     {Action::maximise, Icon::maximise},

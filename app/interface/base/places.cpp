@@ -16,19 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Reports whether a content type has this file extension. Ignores a trailing ".gz".
-bool is_known_name(const std::string& given) {
-  std::string name = lower_case(given);
-  if (name.ends_with(".gz")) name.resize(name.size() - 3);
-  const std::size_t point = name.find_last_of('.');
-  if (point == std::string::npos) return false;
-  const std::string extension = name.substr(point) + ' ';
-  const auto types = content_types();
-  return std::any_of(types.begin(), types.end(), [&](const ContentType& type) {
-    return type.extensions.find(extension) != std::string_view::npos;
-  });
-}
-
 bool begins(const std::string& name, const std::string& part) {
   return lower_case(std::string_view(name).substr(0, part.size())) == lower_case(part);
 }
@@ -60,7 +47,7 @@ const std::vector<FolderListing::Entry>& FolderListing::entries_of(const std::st
     if (entry->is_directory(ignored))
       entries_.push_back({name, true, false});
     else if (entry->is_regular_file(ignored))
-      entries_.push_back({name, false, is_known_name(name)});
+      entries_.push_back({name, false, content_type_by_name(name) != nullptr});
   }
   if (error) problem_ = "Cannot read this folder: " + error.message();
   std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {

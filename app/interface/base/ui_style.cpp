@@ -90,15 +90,9 @@ void set_style(Theme theme, float scale) {
 }
 
 ImVec4 color_of(Severity severity) {
-  switch (severity) {
-    case Severity::error:
-      return UiColors::kError;
-    case Severity::warning:
-      return UiColors::kWarning;
-    case Severity::note:
-      break;
-  }
-  return UiColors::kNote;
+  return severity == Severity::error     ? UiColors::kError
+         : severity == Severity::warning ? UiColors::kWarning
+                                         : UiColors::kNote;
 }
 
 void text(std::string_view text) {

@@ -11,6 +11,9 @@
 // Panels that inspect the world of the active viewport. They only draw; app/inspect holds the data.
 namespace gs::app {
 
+/// Returns the inspection of an open world, and marks a part of it as drawn. Otherwise returns null, and prints a note.
+[[nodiscard]] Inspection* drawn_inspection(const UiModel& model, bool InspectionWants::*part);
+
 /// Node tree of the world, with a search field.
 class ScenePanel final : public Panel {
  public:
@@ -30,6 +33,8 @@ class ScenePanel final : public Panel {
 class InspectorPanel final : public Panel {
  public:
   void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;
+  /// Clears the message about a rejected value.
+  bool close_one() override;
 
  private:
   struct Field;
@@ -50,7 +55,7 @@ class InspectorPanel final : public Panel {
   };
   std::vector<OpenList> open_;
   const vrml::InterfaceDeclaration* problem_of_ = nullptr;
-  std::string problem_;  // error message of the last rejected value
+  std::string problem_;    // error message of the last rejected value
   unsigned typed_in_ = 0;  // Dear ImGui ID of the focused field with text that was not sent; 0 if there is none
   std::string typed_;
 };

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -38,18 +39,23 @@ struct InspectorPanel::Field {
   const vrml::NodeType& type;
   const vrml::InterfaceDeclaration& interface;
   const vrml::InterfaceDeclaration* setter;  // eventIn that sets the field; null if it is read-only
-  const vrml::FieldValue* value;  // null if the value is unknown
+  const vrml::FieldValue* value;             // null if the value is unknown
   Unit unit;
 };
 
+Inspection* drawn_inspection(const UiModel& model, bool InspectionWants::*part) {
+  if (!model.inspection) return nullptr;
+  model.inspection->drawn().*part = true;
+  if (model.inspection->world()) return model.inspection;
+  if (!model.has_world) colored_text(UiColors::kQuiet, "No world is open.");
+  return nullptr;
+}
+
 void InspectorPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) {
-  if (!model.inspection) return;
-  Inspection& inspection = *model.inspection;
-  inspection.drawn().inspector = true;
-  if (!inspection.world()) {
-    if (!model.has_world) colored_text(UiColors::kQuiet, "No world is open.");
-    return;
-  }
+  Inspection* const shown = drawn_inspection(model, &InspectionWants::inspector);
+  if (!shown) return;
+  Inspection& inspection = *shown;
+  if (!ImGui::IsAnyItemActive()) inspection.editor().end_gesture();
   if (!(node_ == inspection.selected())) {
     node_ = inspection.selected();
     open_.clear();
@@ -71,6 +77,8 @@ void InspectorPanel::draw(const PanelFrame& frame, const UiModel& model, UiActio
     row(frame, inspection, one, actions);
   ImGui::EndTable();
 }
+
+bool InspectorPanel::close_one() { return std::exchange(problem_of_, nullptr) != nullptr; }
 
 void InspectorPanel::head(const PanelFrame& frame, Inspection& inspection) {
   const vrml::Node& node = node_.scene->node(node_.id);

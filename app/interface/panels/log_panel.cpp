@@ -30,20 +30,12 @@ const char* emptiness_of(const SessionLog& log) {
 }
 
 const char* word_of(Severity severity) {
-  switch (severity) {
-    case Severity::error:
-      return "error";
-    case Severity::warning:
-      return "warning";
-    case Severity::note:
-      break;
-  }
-  return "note";
+  return severity == Severity::error ? "error" : severity == Severity::warning ? "warning" : "note";
 }
 
 }  // namespace
 
-void LogPanel::rows_of(const PanelFrame& frame, const std::vector<const Diagnostic*>& rows) {
+void LogPanel::rows_of(const PanelFrame& frame, const std::vector<CountedDiagnostic>& rows) {
   if (!ImGui::BeginTable("##rows", 3, ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_Resizable))
     return;
   ImGui::TableSetupColumn("severity", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("warning  ").x);
@@ -55,15 +47,20 @@ void LogPanel::rows_of(const PanelFrame& frame, const std::vector<const Diagnost
   clipper.Begin(static_cast<int>(rows.size()));
   while (clipper.Step()) {
     for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
-      const Diagnostic& diagnostic = *rows[static_cast<std::size_t>(i)];
+      const CountedDiagnostic& row = rows[static_cast<std::size_t>(i)];
+      const Diagnostic& diagnostic = *row.first;
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
       colored_text(color_of(diagnostic.severity), word_of(diagnostic.severity));
       ImGui::TableNextColumn();
       colored_text(UiColors::kQuiet, place_of(diagnostic));
       ImGui::TableNextColumn();
+      if (row.count > 1) {
+        colored_text(UiColors::kQuiet, std::to_string(row.count) + " times:");
+        ImGui::SameLine();
+      }
       text(shortened(diagnostic.message, 500));
-      frame.tooltips.show(shortened(diagnostic.text(), 2000));
+      frame.tooltips.show(shortened(text_of(row), 2000));
     }
   }
   ImGui::EndTable();
@@ -84,17 +81,18 @@ void LogPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions&) {
       "##search", "Search", searched_,
       std::max(60 * scale, ImGui::GetContentRegionAvail().x - button - 2 * ImGui::GetStyle().ItemSpacing.x), false);
 
-  std::vector<const Diagnostic*> rows;
+  std::vector<CountedDiagnostic> rows;
   std::pair<std::string, std::size_t> newest;  // last file that has messages, and the index of its first row
   for (const SessionLog::File& file : session_log.files()) {
     const std::size_t first = rows.size();
-    for (const Diagnostic& diagnostic : file.diagnostics.entries()) {
+    for (const CountedDiagnostic& row : joined(file.diagnostics.entries())) {
+      const Diagnostic& diagnostic = *row.first;
       const bool shown = diagnostic.severity == Severity::error     ? show_errors_
                          : diagnostic.severity == Severity::warning ? show_warnings_
                                                                     : show_notes_;
       if (shown &&
           (searched_.empty() || lower_case(diagnostic.text()).find(lower_case(searched_)) != std::string::npos))
-        rows.push_back(&diagnostic);
+        rows.push_back(row);
     }
     if (rows.size() > first) newest = {file.path, first};
   }
@@ -105,7 +103,7 @@ void LogPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions&) {
   ImGui::BeginDisabled(rows.empty());
   if (ImGui::Button("Copy")) {
     std::string all;
-    for (const Diagnostic* diagnostic : rows) all += diagnostic->text() + "\n";
+    for (const CountedDiagnostic& row : rows) all += text_of(row) + "\n";
     ImGui::SetClipboardText(all.c_str());
   }
   ImGui::EndDisabled();

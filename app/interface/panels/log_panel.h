@@ -15,7 +15,7 @@ class LogPanel final : public Panel {
   void draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) override;
 
  private:
-  void rows_of(const PanelFrame& frame, const std::vector<const Diagnostic*>& rows);
+  void rows_of(const PanelFrame& frame, const std::vector<CountedDiagnostic>& rows);
   std::string searched_, newest_;  // search text; path of the last file that has messages
   std::optional<std::size_t> goes_to_;  // index of the row to scroll to
   bool show_errors_ = true, show_warnings_ = true, show_notes_ = true;

@@ -2,6 +2,7 @@
 
 #include "app/interface/base/ui_model.h"
 #include "app/interface/base/ui_style.h"
+#include "base/noncopyable.h"
 
 #include <memory>
 
@@ -15,11 +16,8 @@ struct PanelFrame {
 
 /// Panel of the dock, with its own tab. It may keep choices of the user between frames, but no data of the world: these
 /// are in the model. Use only on the window's thread.
-class Panel {
+class Panel : NonCopyable {
  public:
-  Panel() = default;
-  Panel(const Panel&) = delete;
-  Panel& operator=(const Panel&) = delete;
   virtual ~Panel() = default;
 
   /// Draws the contents into the scrolling window of the tab, which the caller has begun. Adds the user's requests to

@@ -1,9 +1,9 @@
 #include "app/interface/panels/panels.h"
 
-#include "app/interface/panels/cloud_panel.h"
 #include "app/interface/panels/inspect_panels.h"
 #include "app/interface/panels/log_panel.h"
 #include "app/interface/panels/measure_panel.h"
+#include "app/interface/panels/transfer_panel.h"
 
 #include <algorithm>
 
@@ -11,7 +11,7 @@ namespace gs::app {
 namespace {
 
 constexpr PanelRow kPanels[] = {
-    {"transfer-function", "Transfer function", DockSide::right, Action::clouds, make_panel<CloudPanel>},
+    {"transfer-function", "Transfer function", DockSide::right, Action::transfer, make_panel<TransferPanel>},
     {"scene-tree", "Scene tree", DockSide::left, Action::scene_tree, make_panel<ScenePanel>},
     {"inspector", "Inspector", DockSide::right, Action::inspector, make_panel<InspectorPanel>},
     {"routes", "Routes", DockSide::bottom, Action::routes, make_panel<RoutesPanel>},

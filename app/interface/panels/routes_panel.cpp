@@ -28,13 +28,9 @@ void end_of(const PanelFrame& frame, Inspection& inspection, const char* id, con
 }  // namespace
 
 void RoutesPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions&) {
-  if (!model.inspection) return;
-  Inspection& inspection = *model.inspection;
-  inspection.drawn().routes = true;
-  if (!inspection.world()) {
-    if (!model.has_world) colored_text(UiColors::kQuiet, "No world is open.");
-    return;
-  }
+  Inspection* const shown = drawn_inspection(model, &InspectionWants::routes);
+  if (!shown) return;
+  Inspection& inspection = *shown;
   bool only = inspection.routes().only_selected();
   if (ImGui::Checkbox("Of the selected node", &only)) inspection.routes().set_only_selected(only);
   frame.tooltips.show("Shows only ROUTEs from and to the selected node");

@@ -18,13 +18,9 @@ int as_count(std::size_t count) {
 }  // namespace
 
 void ScenePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& actions) {
-  if (!model.inspection) return;
-  Inspection& inspection = *model.inspection;
-  inspection.drawn().tree = true;
-  if (!inspection.world()) {
-    if (!model.has_world) colored_text(UiColors::kQuiet, "No world is open.");
-    return;
-  }
+  Inspection* const shown = drawn_inspection(model, &InspectionWants::tree);
+  if (!shown) return;
+  Inspection& inspection = *shown;
   search_row(frame, inspection, actions);
   rows(frame, inspection);
 }
@@ -123,6 +119,9 @@ bool ScenePanel::line(const PanelFrame& frame, Inspection& inspection, std::size
     if (!node.name.empty()) {
       ImGui::SameLine(0, 0);
       colored_text(UiColors::kAccent, "  " + shortened(node.name, kName));
+    } else if (const std::string content = row.use ? std::string() : content_name(row.node); !content.empty()) {
+      ImGui::SameLine(0, 0);
+      colored_text(UiColors::kQuiet, "  " + shortened(content, kName));
     }
     if (hovered && node.type->kind == vrml::NodeType::Kind::prototype) frame.tooltips.show("PROTO instance");
   }

@@ -11,16 +11,10 @@ namespace gs::app {
 namespace {
 
 const ImVec4& color_of(LoadStage stage) {
-  switch (stage) {
-    case LoadStage::failed:
-      return UiColors::kError;
-    case LoadStage::arriving:
-      return UiColors::kAccent;
-    case LoadStage::cancelled:
-      return UiColors::kWarning;
-    default:
-      return UiColors::kQuiet;
-  }
+  return stage == LoadStage::failed      ? UiColors::kError
+         : stage == LoadStage::arriving  ? UiColors::kAccent
+         : stage == LoadStage::cancelled ? UiColors::kWarning
+                                         : UiColors::kQuiet;
 }
 
 std::string bytes_text(const LoadRow& load) {
@@ -109,7 +103,7 @@ void StreamsPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
         ImGui::SameLine(0, 0);
         text(label_of_url(load.url));
         ImGui::TableNextColumn();
-        colored_text(color_of(load.stage), name_of(load.stage));
+        colored_text(color_of(load.stage), state_of(load));
         ImGui::TableNextColumn();
         text(bytes_text(load));
         ImGui::TableNextColumn();
@@ -124,6 +118,9 @@ void StreamsPanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
         if (load.first_picture) text(seconds_text(*load.first_picture));
         ImGui::TableNextColumn();
         const bool bad = load.stage == LoadStage::failed;
+        const std::string slowness = slowness_of(load);
+        if (!slowness.empty()) colored_text(UiColors::kWarning, slowness);
+        if (!slowness.empty() && !row.detail.empty()) ImGui::SameLine();
         colored_text(bad ? UiColors::kError : UiColors::kQuiet, shortened(bad ? load.why : row.detail, 200));
         ImGui::TableNextColumn();
         if (!row.ended() && ImGui::SmallButton("Cancel")) cancelled = static_cast<std::size_t>(i);

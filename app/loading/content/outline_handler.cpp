@@ -35,8 +35,8 @@ void OutlineHandler::receive(std::span<const std::byte> bytes) {
   has_come();
 }
 
-void OutlineHandler::receive_cells(const net::CellEvent& event) {
-  reader_.receive_cells(event);
+void OutlineHandler::receive_piece(const net::CellEvent& event) {
+  reader_.receive_piece(event);
   has_come();
 }
 

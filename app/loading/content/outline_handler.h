@@ -20,7 +20,7 @@ class OutlineHandler final : public ResourceHandler, public std::enable_shared_f
   ~OutlineHandler() override;
   bool begin(const Found& found) override;
   void receive(std::span<const std::byte> bytes) override;
-  void receive_cells(const net::CellEvent& event) override;
+  void receive_piece(const net::CellEvent& event) override;
   void end(const std::optional<std::string>& problem) override;
   void missing(const std::string& why) override;
 

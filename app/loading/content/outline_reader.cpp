@@ -13,7 +13,7 @@ void OutlineReader::receive(std::span<const std::byte> bytes) {
 }
 
 // Decodes one complete chunk, received as cells.
-void OutlineReader::receive_cells(const net::CellEvent& event) {
+void OutlineReader::receive_piece(const net::CellEvent& event) {
   const auto chunk = qnv::sound_chunk(event.bytes);
   if (const auto* sound = std::get_if<qnv::SoundChunk>(&chunk)) decoder_.add(sound->type, sound->payload);
   show();

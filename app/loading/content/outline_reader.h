@@ -22,7 +22,7 @@ class OutlineReader {
       : loading_(loading), outlines_(scene, loading.results.diagnostics(), node) {}
 
   void receive(std::span<const std::byte> bytes);
-  void receive_cells(const net::CellEvent& event);
+  void receive_piece(const net::CellEvent& event);
   /// Decodes the remaining bytes. `whole` is true if the stream is complete.
   void end(const std::string& file, bool whole);
   /// Returns the up axis that the stream defines, or nullopt.

@@ -31,7 +31,7 @@ class ReadScene {
 
   /// Makes the scene the content of an Inline of `outer`.
   void attach(vrml::SceneGraph& outer, vrml::NodeId inline_node) {
-    outer.attach_inline(inline_node, std::move(std::get<Own>(owner_)));
+    outer.inlines().attach(inline_node, std::move(std::get<Own>(owner_)));
     owner_ = Attached{};
   }
   /// Makes the scene a library of `outer`.
@@ -41,17 +41,17 @@ class ReadScene {
     return attached;
   }
   [[nodiscard]] bool is_attached(const vrml::SceneGraph& outer, vrml::NodeId inline_node) const {
-    return identity_ && outer.inlined(inline_node) == identity_;
+    return identity_ && outer.inlines().of(inline_node) == identity_;
   }
   /// Takes the content of an Inline back, to be read further while another thread owns `outer`.
   void take_back(vrml::SceneGraph& outer, vrml::NodeId inline_node) {
-    owner_ = outer.inlines().at(inline_node.index);
-    outer.attach_inline(inline_node, nullptr);
+    owner_ = outer.inlines().all().at(inline_node.index);
+    outer.inlines().attach(inline_node, nullptr);
   }
 
-  /// Gives the scene together with the one that it is attached to.
+  /// Marks the content of an Inline as given, because `outer`, which holds it, is handed over.
   void give_with(const vrml::SceneGraph& outer, vrml::NodeId inline_node) {
-    owner_ = Given{outer.inlines().at(inline_node.index)};
+    owner_ = Given{outer.inlines().all().at(inline_node.index)};
   }
   void give_with_library() { owner_ = Given{}; }
   /// Gives a root scene or library. Returns null if there is none.

@@ -1,7 +1,7 @@
 #include "app/loading/content/scene_content.h"
 
 #include "app/formats/common/asset.h"
-#include "app/loading/content/cloud_handler.h"
+#include "app/loading/content/geometry_handler.h"
 #include "app/loading/content/outline_reader.h"
 #include "app/loading/content/scene_target.h"
 #include "base/gzip.h"
@@ -53,7 +53,7 @@ class TextContent final : public SceneContent {
     if (gunzip_)
       gunzip_->push(bytes, [this](std::string_view piece) {
         parser_->push(piece);
-        return !target_.scene()->exhausted();
+        return !target_.scene()->memory().exhausted();
       });
     else
       parser_->push(text_of(bytes));
@@ -61,9 +61,9 @@ class TextContent final : public SceneContent {
   // Marks all outline groups as complete. Called at the end of the file.
   void complete_outlines() {
     vrml::SceneGraph& scene = *target_.scene();
-    for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
-      const vrml::NodeId id = scene.id_at(i);
-      if (scene.node_at(i).type->url_content != vrml::UrlContent::outlines) continue;
+    for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
+      const vrml::NodeId id = scene.nodes().id_at(i);
+      if (scene.nodes().at(i).type->url_content != vrml::UrlContent::outlines) continue;
       scene.set<vrml::SFBool>(id, "complete", true);
       target_.node_changed(id);
     }
@@ -114,51 +114,51 @@ class MeshContent final : public SceneContent {
 };
 
 /// Vectors, which a Shape of the scene shows.
-class CloudContent final : public SceneContent {
+class VectorContent final : public SceneContent {
  public:
-  explicit CloudContent(SceneTarget& target) : target_(target) {
+  explicit VectorContent(SceneTarget& target) : target_(target) {
     UrlRequest request;
     request.type = "QNV";
     request.file = target.found().path;
-    cloud_ = std::make_shared<CloudHandler>(target.loading(), std::move(request),
-                                            [this](const std::shared_ptr<const qnv::Geometry>& cloud) { show(cloud); });
-    cloud_->begin(target.found());
+    geometry_ = std::make_shared<GeometryHandler>(
+        target.loading(), std::move(request),
+        [this](const std::shared_ptr<const qnv::Geometry>& geometry) { show(geometry); });
+    geometry_->begin(target.found());
   }
 
   bool whole_file(const net::MappedFile& file, const std::string& path) override {
-    cloud_->cut = cut;
-    (void)cloud_->whole_file(file, path);
+    geometry_->cut = cut;
+    (void)geometry_->whole_file(file, path);
     if (!node_) target_.refuse();
     return true;
   }
   void receive(std::span<const std::byte> bytes) override {
-    cloud_->cut = cut;
-    cloud_->receive(bytes);
+    geometry_->cut = cut;
+    geometry_->receive(bytes);
   }
   void end(bool damaged) override {
-    cloud_->cut = cut || damaged;
-    cloud_->end(std::nullopt);
+    geometry_->cut = cut || damaged;
+    geometry_->end(std::nullopt);
     if (!node_) target_.refuse();
   }
-  void receive_cells(const net::CellEvent& event) override { cloud_->receive_cells(event); }
-  bool seek(RangedStream::Place place) override { return cloud_->seek(std::move(place)); }
-  std::shared_ptr<StreamFeed> follow() override { return cloud_->follow(); }
+  void receive_piece(const net::CellEvent& event) override { geometry_->receive_piece(event); }
+  std::shared_ptr<StreamFeed> feed() override { return geometry_->feed(); }
 
  private:
-  void show(const std::shared_ptr<const qnv::Geometry>& cloud) {
+  void show(const std::shared_ptr<const qnv::Geometry>& geometry) {
     if (!node_) {
       const Found& found = target_.found();
       const std::string path = found.local ? net::url_of_path(found.path).path : found.url.path;
-      node_ = add_geometry_shape(*target_.scene(), *cloud, path.substr(path.rfind('/') + 1));
+      node_ = add_geometry_shape(*target_.scene(), *geometry, path.substr(path.rfind('/') + 1));
       if (!node_) return;
-      target_.set_up(stated_upright(cloud->description().metadata));
+      target_.set_up(stated_upright(geometry->description().metadata));
       target_.add_nodes(false);  // its url is this file
     }
-    target_.loading().results.add(ResourceUpdates::Cloud{{target_.scene(), node_}, {}, cloud});
+    target_.loading().results.add(ResourceUpdates::Geometry{{target_.scene(), node_}, {}, geometry});
   }
 
   SceneTarget& target_;
-  std::shared_ptr<CloudHandler> cloud_;
+  std::shared_ptr<GeometryHandler> geometry_;
   vrml::NodeId node_;
 };
 
@@ -171,8 +171,8 @@ class OutlineContent final : public SceneContent {
     reader_.receive(bytes);
     show();
   }
-  void receive_cells(const net::CellEvent& event) override {
-    reader_.receive_cells(event);
+  void receive_piece(const net::CellEvent& event) override {
+    reader_.receive_piece(event);
     show();
   }
   void end(bool damaged) override {
@@ -197,9 +197,9 @@ class OutlineContent final : public SceneContent {
 std::unique_ptr<SceneContent> content_for(SceneTarget& target, const ContentType& type,
                                           std::span<const std::byte> first) {
   if (type.content == ContentClass::mesh) return std::make_unique<MeshContent>(target, type);
-  if (!type.is_cloud()) return std::make_unique<TextContent>(target);
+  if (!type.is_geometry()) return std::make_unique<TextContent>(target);
   if (is_outline_stream(first)) return std::make_unique<OutlineContent>(target);
-  return std::make_unique<CloudContent>(target);
+  return std::make_unique<VectorContent>(target);
 }
 
 }  // namespace gs::app

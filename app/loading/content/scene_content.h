@@ -27,10 +27,9 @@ class SceneContent {
   virtual void receive(std::span<const std::byte> bytes) = 0;
   /// Ends the file. `damaged` is true if bytes are missing for a problem; `cut` if they are on purpose.
   virtual void end(bool damaged) = 0;
-  virtual void receive_cells(const net::CellEvent&) {}
+  virtual void receive_piece(const net::CellEvent&) {}
   /// See ContentHandler.
-  virtual bool seek(RangedStream::Place) { return false; }
-  virtual std::shared_ptr<StreamFeed> follow() { return nullptr; }
+  virtual std::shared_ptr<StreamFeed> feed() { return nullptr; }
   /// Returns the nodes with incomplete fields.
   [[nodiscard]] virtual std::vector<vrml::NodeId> open_nodes() const { return {}; }
 

@@ -13,7 +13,7 @@ class ImageHandler;
 class MediaHandler;
 class OutlineHandler;
 class SceneHandler;
-struct SharedCloud;
+struct SharedGeometry;
 
 /// Parts that the scene handlers of one world share.
 struct SceneContext {
@@ -24,7 +24,7 @@ struct SceneContext {
   std::vector<std::shared_ptr<SceneHandler>> withheld;  // Inlines that wait until their file is complete
   // Resources that several nodes share. The keys are from fetch_key().
   std::unordered_map<std::string, std::shared_ptr<ImageHandler>> images;
-  std::unordered_map<std::string, std::shared_ptr<SharedCloud>> clouds;
+  std::unordered_map<std::string, std::shared_ptr<SharedGeometry>> geometries;
   std::unordered_map<std::string, std::shared_ptr<MediaHandler>> media;
 };
 

@@ -1,5 +1,6 @@
 #include "app/loading/content/scene_handler.h"
 
+#include "app/formats/foreign_types.h"
 #include "app/loading/updates/missing_url.h"
 
 #include <algorithm>
@@ -112,28 +113,17 @@ void SceneHandler::end(const std::optional<std::string>& problem) {
   finished_reading();
 }
 
-bool SceneHandler::seek(RangedStream::Place place) {
-  if (!content_ || !content_->seek(std::move(place))) return false;
-  finished_reading();
-  return true;
-}
-
-void SceneHandler::receive_cells(const net::CellEvent& event) {
+void SceneHandler::receive_piece(const net::CellEvent& event) {
   bytes_ += event.bytes.size();
-  if (content_) content_->receive_cells(event);
-}
-
-std::shared_ptr<StreamFeed> SceneHandler::follow() {
-  auto feed = content_ ? content_->follow() : nullptr;
-  if (feed) finished_reading();
-  return feed;
+  if (content_) content_->receive_piece(event);
 }
 
 void SceneHandler::missing(const std::string& why) {
   LoadResults& results = context_.loading.results;
   target_.refuse();
   if (!use_.outer)
-    results.report(Severity::error, results.path(), {}, why.empty() ? "cannot be found" : why);
+    results.report(Severity::error, results.path(), {},
+                   refusal_of_folder(results.path()).value_or(why.empty() ? "cannot be found" : why));
   else if (use_.role == Role::library)
     use_.outer->prototypes().miss(*this, told ? std::nullopt : std::optional<std::string>(why));
   else if (!told)

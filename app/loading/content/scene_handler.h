@@ -44,9 +44,9 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   void end(const std::optional<std::string>& problem) override;
   void missing(const std::string& why) override;
   void stopped() override;
-  bool seek(RangedStream::Place place) override;
-  void receive_cells(const net::CellEvent& event) override;
-  std::shared_ptr<StreamFeed> follow() override;
+  void receive_piece(const net::CellEvent& event) override;
+  std::shared_ptr<StreamFeed> feed() override { return content_ ? content_->feed() : nullptr; }
+  void leave_to_feed() override { finished_reading(); }
 
   [[nodiscard]] const SceneUse& use() const { return use_; }
   [[nodiscard]] SceneTarget& target() { return target_; }

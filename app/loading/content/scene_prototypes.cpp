@@ -38,7 +38,7 @@ void ScenePrototypes::look() {
     if (type->kind != vrml::NodeType::Kind::external_prototype || type->prototype ||
         !used_types_.contains(type.get()) || !asked_types_.insert(type.get()).second)
       continue;
-    AwaitedPrototype wanted{type.get(), {}, {}};
+    AwaitedPrototype wanted{type.get(), {}, 0, {}};
     UrlRequest request;
     request.type = type->name;
     request.file = scene().file_name();
@@ -65,7 +65,8 @@ bool ScenePrototypes::ask_for(AwaitedPrototype& wanted, SceneReferences::Referen
   if (own_first || (wanted.own_name && reference.places.empty())) return false;
   std::vector<net::Url> files = reference.places;
   for (net::Url& url : files) url.fragment.clear(), url.has_fragment = false;
-  if (!files.empty()) wanted.name = reference.places.front().fragment;
+  for (std::size_t i = 0; i < files.size(); ++i)
+    wanted.references.push_back({files[i].text(), reference.places[i].fragment});
   SceneHandler*& known = fresh[fetch_key(files, reference.from)];
   if (known) {
     known->prototypes().awaiting_.push_back(wanted);
@@ -85,7 +86,7 @@ bool ScenePrototypes::ask_for(AwaitedPrototype& wanted, SceneReferences::Referen
 // Requests the library of an EXTERNPROTO. Its text was read into the running world, which therefore owns the type.
 void ScenePrototypes::load(const UrlRequest& request) {
   Libraries fresh;
-  AwaitedPrototype wanted{request.prototype, {}, {}};
+  AwaitedPrototype wanted{request.prototype, {}, 0, {}};
   if (!ask_for(wanted, handler_.references().refer(request.urls, request.source, request.fetched), request, fresh))
     give({wanted}, nullptr, std::nullopt);
 }
@@ -134,7 +135,8 @@ void ScenePrototypes::miss(SceneHandler& library, const std::optional<std::strin
 void ScenePrototypes::take_library(SceneHandler& library) {
   --awaited_libraries_;
   const bool usable = library.target().scene() && !library.target().refused();
-  const std::vector<AwaitedPrototype>& awaiting = library.prototypes().awaiting_;
+  std::vector<AwaitedPrototype>& awaiting = library.prototypes().awaiting_;
+  for (AwaitedPrototype& one : awaiting) one.loaded = library.target().found().candidate;
   if (is_given()) {
     if (usable) give(awaiting, give_library(library, context_), std::nullopt);
     return;
@@ -142,7 +144,7 @@ void ScenePrototypes::take_library(SceneHandler& library) {
   if (usable) {
     const vrml::SceneGraph& attached = library.target().read_scene().attach_library(scene());
     for (const AwaitedPrototype& one : awaiting) {
-      if (const vrml::NodeType* source = prototype_in_library(attached, *one.type, one.name, reporter()))
+      if (const vrml::NodeType* source = prototype_in_library(attached, one, reporter()))
         to_resolve_.emplace_back(one.type, source);
       else
         (void)stand_in(*one.type);
@@ -185,8 +187,10 @@ void ScenePrototypes::resolve() {
 void ScenePrototypes::use_types_inside() {
   std::vector<const vrml::NodeType*> waiting;
   std::unordered_set<const vrml::NodeType*> seen;
-  for (const AwaitedPrototype& one : awaiting_)
-    if (const vrml::NodeType* source = vrml::find_prototype(scene(), one.name)) waiting.push_back(source);
+  for (AwaitedPrototype& one : awaiting_) {
+    one.loaded = handler_.target().found().candidate;
+    if (const vrml::NodeType* source = find_awaited(scene(), one)) waiting.push_back(source);
+  }
   while (!waiting.empty()) {
     const vrml::NodeType& type = *waiting.back();
     waiting.pop_back();

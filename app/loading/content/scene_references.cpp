@@ -1,8 +1,8 @@
 #include "app/loading/content/scene_references.h"
 
 #include "app/base/text_source.h"
-#include "app/formats/qnv/cloud_reader.h"
-#include "app/loading/content/cloud_handler.h"
+#include "app/formats/qnv/geometry_reader.h"
+#include "app/loading/content/geometry_handler.h"
 #include "app/loading/content/image_handler.h"
 #include "app/loading/content/media_handler.h"
 #include "app/loading/content/outline_handler.h"
@@ -30,8 +30,8 @@ std::string fetch_key(const std::vector<net::Url>& places, const net::Origin& fr
 }
 
 /// Vectors that several QNV nodes show. They are fetched only once.
-struct SharedCloud {
-  std::shared_ptr<const qnv::Geometry> cloud;
+struct SharedGeometry {
+  std::shared_ptr<const qnv::Geometry> geometry;
   std::vector<std::pair<std::shared_ptr<SceneHandler>, NodeId>> nodes;
 };
 
@@ -83,7 +83,7 @@ std::vector<net::Url> SceneReferences::below_folders(const net::Url& base, const
 
 SceneReferences::Reference SceneReferences::refer(NodeId id) const {
   const int slot = scene().node(id).type->find_field("url")->slot;
-  return refer(scene().get<vrml::MFString>(id, "url"), scene().text_of(id, slot));
+  return refer(scene().get<vrml::MFString>(id, "url"), scene().nodes().text_of(id, slot));
 }
 
 void SceneReferences::ask_for(Reference reference, const vrml::Node* node, std::shared_ptr<ContentHandler> handler,
@@ -104,7 +104,7 @@ void SceneReferences::look() {
   for (const NodeId id : handler_.open_nodes()) open_.insert(id.index);
   for (const NodeId id : std::exchange(later_, {})) visit(id);
   // Visiting a node may append nodes: those of PROTO instances.
-  while (looked_at_ < scene().node_count()) visit(scene().id_at(++looked_at_));
+  while (looked_at_ < scene().nodes().count()) visit(scene().nodes().id_at(++looked_at_));
   handler_.prototypes().look();
 }
 
@@ -131,7 +131,7 @@ void SceneReferences::visit(NodeId id) {
     case vrml::UrlContent::image:
       return visit_images(id);
     case vrml::UrlContent::vectors:
-      return visit_cloud(id);
+      return visit_geometry(id);
     case vrml::UrlContent::outlines:
       return visit_outlines(id);
     case vrml::UrlContent::sound:
@@ -158,7 +158,7 @@ UrlRequest SceneReferences::request_of(NodeId id, vrml::MFString urls) const {
 
 void SceneReferences::visit_inline(NodeId id) {
   const auto& list = scene().get<vrml::MFString>(id, "url");
-  if (scene().inlined(id) || list.empty()) return;
+  if (scene().inlines().of(id) || list.empty()) return;
   Reference reference = refer(id);
   if (!reference.places.empty()) ask_for_inline(request_of(id, list), std::move(reference), false);
 }
@@ -177,7 +177,7 @@ void SceneReferences::visit_images(NodeId id) {
     const int slot = fields[i]->slot;
     const auto* list = std::get_if<vrml::MFString>(&node.values[slot]);
     if (!list || list->empty()) continue;
-    Reference reference = refer(*list, scene().text_of(id, slot));
+    Reference reference = refer(*list, scene().nodes().text_of(id, slot));
     if (reference.places.empty()) continue;
     UrlRequest request = request_of(id, *list);
     request.place.url = i;
@@ -196,11 +196,11 @@ void SceneReferences::ask_for_image(const UrlRequest& request, Reference referen
 
 // Reads the vectors of a QNV node from its own records, else from the first url that works. The node's transfer
 // function overrides the stream's.
-void SceneReferences::visit_cloud(NodeId id) {
+void SceneReferences::visit_geometry(NodeId id) {
   const vrml::Node& node = scene().node(id);
   LoadResults& results = context_.loading.results;
   const WorldBudget& budget = context_.loading.budget;
-  if (const LoadedWorld* world = results.world(); world && world->clouds.contains(&node)) return;
+  if (const LoadedWorld* world = results.world(); world && world->geometries.contains(&node)) return;
   if (!scene().get<vrml::MFInt32>(id, "vectors").empty()) {
     const auto warn = [&](const std::string& why) {
       results.report(Severity::warning, node.text->file_name(), node.location, "QNV: " + why);
@@ -218,19 +218,19 @@ void SceneReferences::visit_cloud(NodeId id) {
   if (list.empty()) return;
   Reference reference = refer(id);
   if (reference.places.empty()) return;
-  auto& shared = context_.clouds[fetch_key(reference.places, reference.from)];
+  auto& shared = context_.geometries[fetch_key(reference.places, reference.from)];
   if (shared) {
     shared->nodes.emplace_back(handler_.shared_from_this(), id);
-    if (shared->cloud) set_cloud(id, shared->cloud);
+    if (shared->geometry) set_geometry(id, shared->geometry);
     return;
   }
-  shared = std::make_shared<SharedCloud>();
+  shared = std::make_shared<SharedGeometry>();
   shared->nodes.emplace_back(handler_.shared_from_this(), id);
-  auto handler = std::make_shared<CloudHandler>(
+  auto handler = std::make_shared<GeometryHandler>(
       context_.loading, request_of(id, list),
-      [shared = shared](const std::shared_ptr<const qnv::Geometry>& cloud) {
-        shared->cloud = cloud;
-        for (const auto& [user, of] : shared->nodes) user->references().set_cloud(of, cloud);
+      [shared = shared](const std::shared_ptr<const qnv::Geometry>& geometry) {
+        shared->geometry = geometry;
+        for (const auto& [user, of] : shared->nodes) user->references().set_geometry(of, geometry);
       },
       [&results, shared = shared](double fraction) {
         for (const auto& [user, of] : shared->nodes) results.add(UrlProgress{user->target().scene(), of, fraction});
@@ -245,10 +245,10 @@ void SceneReferences::visit_outlines(NodeId id) {
   ask_for(refer(id), &node, std::make_shared<OutlineHandler>(context_, request_of(id, list), &node), Urgency::vectors);
 }
 
-void SceneReferences::set_cloud(NodeId id, const std::shared_ptr<const qnv::Geometry>& cloud) {
+void SceneReferences::set_geometry(NodeId id, const std::shared_ptr<const qnv::Geometry>& geometry) {
   const auto fallback = fallbacks_.find(id.index);
   context_.loading.results.add(
-      ResourceUpdates::Cloud{{&scene(), id}, fallback == fallbacks_.end() ? NodeId{} : fallback->second, cloud});
+      ResourceUpdates::Geometry{{&scene(), id}, fallback == fallbacks_.end() ? NodeId{} : fallback->second, geometry});
 }
 
 // Replaces an instance of a PROTO with a built-in node of the same name, which shows vectors. The PROTO body is a
@@ -262,7 +262,7 @@ void SceneReferences::replace_fallback(NodeId id, const vrml::NodeType& native) 
     const vrml::InterfaceDeclaration* own = instance.type->find_field(declaration.name);
     if (declaration.slot < 0 || !own || own->type != declaration.type) continue;
     node.values[declaration.slot] = instance.values[own->slot];
-    scene().set_text(made, declaration.slot, vrml::text_of_field(scene(), id, *own));
+    scene().nodes().set_text(made, declaration.slot, vrml::text_of_field(scene(), id, *own));
   }
   fallbacks_[made.index] = id;  // the loop of the caller visits the new node too
 }
@@ -280,7 +280,7 @@ void SceneReferences::visit_script(NodeId id) {
     if (kind == ProgramPlace::Kind::held) break;
     if (kind == ProgramPlace::Kind::file) request.urls.push_back(one);
   }
-  Reference reference = refer(request.urls, scene().text_of(id, url->slot));
+  Reference reference = refer(request.urls, scene().nodes().text_of(id, url->slot));
   if (reference.places.empty()) return;
   ask_for(std::move(reference), &node, std::make_shared<TextHandler>(context_.loading, &handler_, request),
           Urgency::prototypes);
@@ -304,11 +304,11 @@ void SceneReferences::load(const UrlRequest& request) {
       std::erase_if(context_.images, [](const auto& one) { return one.second->is_spent(); });
       return ask_for_image(request, std::move(reference), true);
     case vrml::UrlContent::vectors: {
-      if (reference.places.empty()) return results.add(ResourceUpdates::Cloud{at, {}, nullptr});
-      auto handler = std::make_shared<CloudHandler>(
+      if (reference.places.empty()) return results.add(ResourceUpdates::Geometry{at, {}, nullptr});
+      auto handler = std::make_shared<GeometryHandler>(
           context_.loading, request,
-          [&results, at](const std::shared_ptr<const qnv::Geometry>& cloud) {
-            results.add(ResourceUpdates::Cloud{at, {}, cloud});
+          [&results, at](const std::shared_ptr<const qnv::Geometry>& geometry) {
+            results.add(ResourceUpdates::Geometry{at, {}, geometry});
           },
           [&results, at](double fraction) {
             results.add(UrlProgress{at.scene, at.node, fraction});

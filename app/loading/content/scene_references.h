@@ -46,7 +46,7 @@ class SceneReferences {
   /// content is available or missing.
   void load(const UrlRequest& request);
   /// Gives vectors to a QNV node.
-  void set_cloud(vrml::NodeId id, const std::shared_ptr<const qnv::Geometry>& cloud);
+  void set_geometry(vrml::NodeId id, const std::shared_ptr<const qnv::Geometry>& geometry);
   /// Returns the handlers of the Inlines.
   [[nodiscard]] const std::vector<std::shared_ptr<SceneHandler>>& inlines() const { return inlines_; }
 
@@ -59,7 +59,7 @@ class SceneReferences {
   void visit(vrml::NodeId id);
   void visit_inline(vrml::NodeId id);
   void visit_images(vrml::NodeId id);
-  void visit_cloud(vrml::NodeId id);
+  void visit_geometry(vrml::NodeId id);
   void visit_outlines(vrml::NodeId id);
   void visit_script(vrml::NodeId id);
   void replace_fallback(vrml::NodeId id, const vrml::NodeType& native);

@@ -26,7 +26,7 @@ void add(net::CellClientStatistics& sum, const net::CellClientStatistics& more) 
 
 // Limits of requests to silent servers, because a hostile text could name any host. Each silent server gets 16
 // greetings of 256 bytes.
-constexpr std::size_t kMaxUnanswered = 4;  // concurrent requests without an answer
+constexpr std::size_t kMaxUnanswered = 4;      // concurrent requests without an answer
 constexpr std::size_t kMaxSilentServers = 16;  // per world
 
 }  // namespace
@@ -34,9 +34,9 @@ constexpr std::size_t kMaxSilentServers = 16;  // per world
 struct CellTransfers::Cells {
   std::unique_ptr<CellStream> stream;
   std::string server;
-  Fetch* fetch = nullptr;  // fetch that waits for the resource; null if none
+  Fetch* fetch = nullptr;            // fetch that waits for the resource; null if none
   std::shared_ptr<StreamFeed> feed;  // feed for the views that request the rest, or null
-  std::uint64_t row = 0;  // row number in the ledger
+  std::uint64_t row = 0;             // row number in the ledger
 };
 
 // Begins to read a resource as cells. Returns false if the text may not request it.
@@ -81,6 +81,7 @@ void CellTransfers::open(Fetch& fetch, const net::Url& url) {
     found.path = net::url_for_messages(url.text());
     found.origin = {found.url.text(), net::AddressSpace::global};
     if (!at->fetch) return;
+    found.candidate = at->fetch->next - 1;
     fetcher.begin_taking(*at->fetch, found);
     if (at->fetch->stage == Fetch::Stage::refused) fetcher.finish(*std::exchange(at->fetch, nullptr), std::nullopt);
   };
@@ -88,10 +89,13 @@ void CellTransfers::open(Fetch& fetch, const net::Url& url) {
     if (!at->fetch) return;
     fetcher.deliver(*at->fetch, bytes);
     if (!loading_.options.by_view) return;
-    at->feed = at->fetch->handler->follow();
-    if (!at->feed) return;
-    at->stream->follow(at->feed);
+    const std::shared_ptr<StreamFeed> feed = at->fetch->handler->feed();
+    if (!feed) return;
+    at->stream->follow(feed);
+    if (!feed->takes_bytes()) return;
+    at->feed = feed;
     loading_.ledger->follow(at->row, at->feed.get(), true);
+    at->fetch->handler->leave_to_feed();
     fetcher.leave_to_views(*std::exchange(at->fetch, nullptr));
   };
   sink.piece = [this, &fetcher, at](const net::CellEvent& event) {
@@ -103,7 +107,7 @@ void CellTransfers::open(Fetch& fetch, const net::Url& url) {
     } else if (at->fetch && event.bytes.size() <= at->fetch->max_bytes - at->fetch->received) {
       fetcher.count_received(event.bytes.size());
       at->fetch->received += event.bytes.size();
-      at->fetch->handler->receive_cells(event);
+      at->fetch->handler->receive_piece(event);
     }
   };
   sink.ended = [this, &fetcher, at](const std::optional<std::string>& problem) {
@@ -143,7 +147,8 @@ bool CellTransfers::step() {
     if (!one->stream->step()) continue;
     any = true;
     const net::CellClientStatistics counted = one->stream->statistics();
-    loading_.ledger->count_datagrams(one->row, counted.datagrams, counted.lost);
+    loading_.ledger->count_cells(one->row, {counted.datagrams, counted.lost, counted.granted, counted.server_rate,
+                                            counted.loss_event_rate, one->stream->missing()});
   }
   std::erase_if(cells_, [this](const auto& one) {
     const bool over = one->stream->over() || (!one->fetch && !one->feed);

@@ -23,6 +23,7 @@ struct Found {
   net::Url url;  // URL after redirects, without the fragment
   std::string path;  // path of a local file, else the URL; the file name in diagnostics
   std::string fragment;
+  std::size_t candidate = 0;  // index of the URL among those of the reference
   bool local = false;
   net::Origin origin;  // origin of all references inside the resource
 };
@@ -51,7 +52,7 @@ class ContentHandler {
   /// Like whole_file(), but may move from the mapping. Returns false if the mapping still belongs to the caller.
   virtual bool take_file(net::MappedFile&) { return false; }
   virtual void receive(std::span<const std::byte> bytes) = 0;
-  /// Ends the resource. `problem` says why the remaining bytes are missing; nullopt means that the resource is
+  /// Ends the resource. `problem` states why the remaining bytes are missing; nullopt means that the resource is
   /// complete.
   virtual void end(const std::optional<std::string>& problem) = 0;
   /// Returns the reason why the content is unusable, or nullopt. With a reason, the caller tries the next candidate.
@@ -59,14 +60,14 @@ class ContentHandler {
   virtual std::optional<std::string> wants_next() { return std::nullopt; }
   /// Reports that no candidate has usable content.
   virtual void missing(const std::string& why) = 0;
-  /// Returns true if this handler reads all bytes after `place` itself, by ranges. The caller then passes no more bytes
-  /// and does not call `end`.
-  virtual bool seek(RangedStream::Place) { return false; }
-  /// Receives a chunk, or some records of a chunk, as cells. Called after the protected base was received.
-  virtual void receive_cells(const net::CellEvent&) {}
-  /// Returns a feed if views request all bytes after the first ones, else null. With a feed, the caller passes no more
-  /// bytes and does not call `end`.
-  virtual std::shared_ptr<StreamFeed> follow() { return nullptr; }
+  /// Receives a chunk, or some records of a chunk, in any order. Called after the first bytes were received: the
+  /// protected base of cells, or the front of a stream that is read by ranges.
+  virtual void receive_piece(const net::CellEvent&) {}
+  /// Returns the feed through which views request chunks of the stream, or null. If StreamFeed::takes_bytes, the caller
+  /// may call leave_to_feed(); else this handler receives the chunks.
+  virtual std::shared_ptr<StreamFeed> feed() { return nullptr; }
+  /// Reports that the feed takes all further bytes. The caller passes no more bytes and does not call `end`.
+  virtual void leave_to_feed() {}
 
   /// Reports that reading was stopped on purpose. `end` or `missing` came before.
   virtual void stopped() {}

@@ -17,6 +17,17 @@ constexpr std::size_t kLocalBytes = std::size_t{4} << 20;
 
 }  // namespace
 
+std::optional<double> received_part(std::span<const LoadingState> states) {
+  std::uint64_t received = 0, total = 0;
+  for (const LoadingState& state : states) {
+    if (!state.total) return std::nullopt;
+    received += state.received;
+    total += *state.total;
+  }
+  if (total == 0) return std::nullopt;
+  return std::min(1.0, static_cast<double>(received) / static_cast<double>(total));
+}
+
 Fetcher::Fetcher(Loading& loading) : loading_(loading), network_(loading), cells_(loading) {}
 
 bool Fetcher::step(std::chrono::milliseconds wait) {
@@ -203,6 +214,7 @@ bool Fetcher::begin_local(Fetch& fetch, const net::Url& url) {
   Found found;
   found.url = url;
   found.fragment = std::exchange(found.url.fragment, {});
+  found.candidate = fetch.next - 1;
   found.url.has_fragment = false;
   if (url.scheme == "data") {
     auto decoded = net::decode_data_url(url.text());

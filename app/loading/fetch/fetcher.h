@@ -30,6 +30,9 @@ struct LoadingState {
   friend bool operator==(const LoadingState&, const LoadingState&) = default;
 };
 
+/// Returns the received fraction of all files, 0 to 1; nullopt if the size of a file is unknown.
+[[nodiscard]] std::optional<double> received_part(std::span<const LoadingState> states);
+
 /// Reader of resources for content handlers. It tries the candidate URLs of each, checks the reference policy, and
 /// passes the received bytes on. Local files and data: URLs are read here, others by the transfers.
 class Fetcher {

@@ -55,7 +55,7 @@ class Surveyor {
         behaviour && behaviour->parent_from_local && vrml::has(node.type->role, vrml::Role::grouping))
       matrix *= behaviour->parent_from_local(node);
     if (wanted_.contains(&node)) keep(&node, size_of(*place.scene, id, matrix));
-    if (const vrml::SceneGraph* inlined = place.scene->inlined(id))
+    if (const vrml::SceneGraph* inlined = place.scene->inlines().of(id))
       push_all(*inlined, inlined->roots(), matrix, place.depth + 1);
     for (int slot = 0; slot < static_cast<int>(node.type->defaults.size()); ++slot) {
       if (const auto* many = std::get_if<vrml::MFNode>(&node.values[slot]))

@@ -52,11 +52,14 @@ void NetworkTransfers::begin(Fetch& fetch) {
 }
 
 void NetworkTransfers::cancel(Fetch& fetch) {
+  cancel_stream(fetch.row);
   if (by_request_.contains(fetch.request.value)) loader_->cancel(fetch.request);
   end_request(fetch);
 }
 
 void NetworkTransfers::cancel_all() {
+  for (const auto& stream : streams_)
+    if (stream->has_fetch()) stream->cancel();
   for (const auto& [id, fetch] : by_request_) loader_->cancel(fetch->request);
   by_request_.clear();
 }
@@ -106,7 +109,8 @@ void NetworkTransfers::take(Fetch& fetch, net::LoadEvent& event) {
     if (fetch.part == Fetch::Part::front && !take_front(fetch, *head)) return;
     Found found;
     found.url = net::parse_url(head->url);
-    found.fragment = fetch.candidates[fetch.next - 1].fragment;
+    found.candidate = fetch.next - 1;
+    found.fragment = fetch.candidates[found.candidate].fragment;
     found.path = net::url_for_messages(head->url);
     found.origin = head->origin();
     if (fetch.stage == Fetch::Stage::seeking) fetcher.begin_taking(fetch, found);
@@ -135,10 +139,6 @@ void NetworkTransfers::take(Fetch& fetch, net::LoadEvent& event) {
   if (fetch.stage != Fetch::Stage::refused) return;
   cancel(fetch);
   fetcher.finish(fetch, std::nullopt);
-}
-
-void NetworkTransfers::follow(std::shared_ptr<StreamFeed> feed, RangedStream::Place place) {
-  streams_.push_back(std::make_unique<RangedStream>(loader(), std::move(feed), std::move(place)));
 }
 
 void NetworkTransfers::cancel_stream(std::uint64_t row) {
@@ -198,11 +198,31 @@ void NetworkTransfers::take_rest(Fetch& fetch) {
   place.total = *fetch.total;
   place.ledger = loading_.ledger;
   place.row = fetch.row;
-  if (fetch.handler->seek(std::move(place))) {
-    loading_.fetcher.leave_to_views(fetch);
-  } else {
-    ask(fetch, {{fetch.received, *fetch.total}});
+  std::shared_ptr<StreamFeed> feed = fetch.handler->feed();
+  if (feed) place.directory = feed->directory();
+  const bool by_view = feed && !feed->requests()->in_stream_order();
+  if (!by_view || place.directory < place.front || place.directory >= place.total)
+    return ask(fetch, {{fetch.received, *fetch.total}});
+  RangedStream::Sink sink;
+  const bool leaves = feed->takes_bytes();
+  if (!leaves) {
+    Fetcher& fetcher = loading_.fetcher;
+    sink.chunk = [&fetcher, &fetch](std::vector<std::byte> chunk) {
+      fetch.received += chunk.size();
+      fetcher.count_received(chunk.size());
+      net::CellEvent event;
+      event.bytes = std::move(chunk);
+      fetch.handler->receive_piece(event);
+      fetch.handler->tell_progress(static_cast<double>(std::min(fetch.received, *fetch.total)) /
+                                   static_cast<double>(*fetch.total));
+    };
+    sink.end = [&fetcher, &fetch](const std::optional<std::string>& problem) { fetcher.finish(fetch, problem); };
+    sink.read_on = [this, &fetch] { ask(fetch, {{fetch.received, *fetch.total}}); };
   }
+  streams_.push_back(std::make_unique<RangedStream>(loader(), std::move(feed), std::move(place), std::move(sink)));
+  if (!leaves) return;
+  fetch.handler->leave_to_feed();
+  loading_.fetcher.leave_to_views(fetch);
 }
 
 // Reads a resource that an importer waits for. Events of other requests are queued meanwhile.

@@ -41,8 +41,7 @@ class NetworkTransfers {
   /// Returns the bytes of a resource. Blocks; events of other requests are queued meanwhile.
   [[nodiscard]] BytesResult read_now(const net::Url& url, const net::Origin& from);
 
-  /// Lets views request the rest of a stream.
-  void follow(std::shared_ptr<StreamFeed> feed, RangedStream::Place place);
+  /// Cancels the stream of this row in the ledger.
   void cancel_stream(std::uint64_t row);
   /// Requests what views want. Returns true if there was anything.
   bool step_streams();

@@ -22,10 +22,21 @@ void tell_unlike(const NodeType& type, const NodeType& source, const std::string
 
 }  // namespace
 
-const NodeType* prototype_in_library(const vrml::SceneGraph& library, const NodeType& type, const std::string& name,
+const NodeType* find_awaited(const vrml::SceneGraph& library, const AwaitedPrototype& awaited) {
+  const std::vector<AwaitedPrototype::Reference>& references = awaited.references;
+  for (std::size_t i = awaited.loaded; i < references.size(); ++i)
+    if (references[i].file == references[awaited.loaded].file)
+      if (const NodeType* found = vrml::find_prototype(library, references[i].name)) return found;
+  return nullptr;
+}
+
+const NodeType* prototype_in_library(const vrml::SceneGraph& library, const AwaitedPrototype& awaited,
                                      const ReportAt& report) {
-  const NodeType* source = vrml::find_prototype(library, name);
+  const NodeType& type = *awaited.type;
+  const NodeType* source = find_awaited(library, awaited);
   if (!source || !source->prototype) {
+    const std::string name =
+        awaited.loaded < awaited.references.size() ? awaited.references[awaited.loaded].name : std::string();
     report(Severity::error, {},
            library.file_name() + " declares no PROTO" + (name.empty() ? "" : " '" + name + "'") + " for EXTERNPROTO " +
                type.name);
@@ -61,17 +72,17 @@ bool take_prototypes(vrml::SceneGraph& scene, const std::vector<AwaitedPrototype
   vrml::SceneGraph* attached = nullptr;
   bool any = false;
   for (const AwaitedPrototype& one : awaited) {
-    const std::optional<std::uint32_t> owner = scene.text_declaring(one.type);
+    const std::optional<std::uint32_t> owner = scene.texts().declaring(one.type);
     if (!owner || one.type->prototype) continue;
     const vrml::WritingFor writing(scene, *owner);
-    vrml::SourceText& text = scene.writing();
+    vrml::SourceText& text = scene.texts().writing();
     const ReportAt report = [&](Severity severity, SourceLocation at, std::string message) {
       diagnostics.add({severity, text.file_name(), at, std::move(message)});
     };
     const NodeType* source = nullptr;
     if (library || attached) {
       if (!attached) attached = &text.attach_library(std::move(library));
-      source = prototype_in_library(*attached, *one.type, one.name, report);
+      source = prototype_in_library(*attached, one, report);
     } else if (one.own_name) {
       source = prototype_in_own_text(text.origin(), *one.type, *one.own_name, report);
       if (source && vrml::stands_inside(*one.type, *source)) {

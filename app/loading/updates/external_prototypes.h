@@ -17,16 +17,23 @@ using ReportAt = std::function<void(Severity, SourceLocation, std::string)>;
 /// EXTERNPROTO that waits for its body.
 struct AwaitedPrototype {
   vrml::NodeType* type = nullptr;  // used only by the thread of the type's scene
-  std::string name;  // name of the PROTO in the library; empty means the first PROTO
+  /// File and PROTO name of each URL, in order. An empty name means the first PROTO of the file.
+  struct Reference {
+    std::string file, name;
+  };
+  std::vector<Reference> references;
+  std::size_t loaded = 0;  // index of the reference to the loaded file
   /// Name of a PROTO in the same file as `type` (VRML97 4.9.2). Used if no other file has the PROTO. Empty means the
   /// first PROTO.
   std::optional<std::string> own_name;
 };
 
-/// Returns the PROTO of `library` that the EXTERNPROTO `type` refers to. If the PROTO is missing, reports that and
-/// returns null. Also reports differences between the two interfaces (VRML97 4.9.2).
-[[nodiscard]] const vrml::NodeType* prototype_in_library(const vrml::SceneGraph& library, const vrml::NodeType& type,
-                                                         const std::string& name, const ReportAt& report);
+/// Returns the PROTO of the loaded library that the EXTERNPROTO refers to, with the name of the URL that was loaded
+/// (VRML97 4.9.3), or of a later URL of the same file. Returns null if the library has none.
+[[nodiscard]] const vrml::NodeType* find_awaited(const vrml::SceneGraph& library, const AwaitedPrototype& awaited);
+/// Like find_awaited(), but also reports a missing PROTO, and differences between the two interfaces (VRML97 4.9.2).
+[[nodiscard]] const vrml::NodeType* prototype_in_library(const vrml::SceneGraph& library,
+                                                         const AwaitedPrototype& awaited, const ReportAt& report);
 /// Returns the PROTO of `text` that the EXTERNPROTO `type` in the same text refers to. `text` must be complete. If the
 /// PROTO is missing, reports that and returns null. Also reports differences between the two interfaces.
 [[nodiscard]] const vrml::NodeType* prototype_in_own_text(const vrml::SourceText& text, const vrml::NodeType& type,

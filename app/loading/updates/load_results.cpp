@@ -10,9 +10,9 @@ namespace gs::app {
 namespace {
 
 std::string title_of(const vrml::SceneGraph& scene) {
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
-    const vrml::NodeId id = scene.id_at(i);
-    const vrml::Node& node = scene.node_at(i);
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
+    const vrml::NodeId id = scene.nodes().id_at(i);
+    const vrml::Node& node = scene.nodes().at(i);
     if (node.in_prototype_body || node.type->read_as != vrml::NodeKind::world_info) continue;
     std::string title = scene.get<vrml::SFString>(id, "title").str();
     if (!title.empty()) return title;
@@ -27,26 +27,26 @@ LoadResults::LoadResults(std::string path, bool network_allowed, WorldBudget bud
   world()->network_allowed = network_allowed;
 }
 
-void LoadResults::add(ResourceUpdates::Cloud cloud) {
+void LoadResults::add(ResourceUpdates::Geometry geometry) {
   changed_ = true;
-  if (const auto* mesh = cloud.cloud ? cloud.cloud->as<qnv::IndexedMesh>() : nullptr; mesh && mesh->picture)
-    cloud.image = pictures_.image_of(mesh->picture, budget_);
-  if (LoadedWorld* const read = world()) return set_cloud(*read, cloud, diagnostics_);
-  for (ResourceUpdates::Cloud& earlier : updates().clouds)
-    if (earlier.place.scene == cloud.place.scene && earlier.place.node == cloud.place.node &&
-        earlier.place.request == cloud.place.request) {
-      earlier.cloud = std::move(cloud.cloud);
-      earlier.image = std::move(cloud.image);
+  if (const auto* mesh = geometry.geometry ? geometry.geometry->as<qnv::IndexedMesh>() : nullptr; mesh && mesh->picture)
+    geometry.image = pictures_.image_of(mesh->picture, budget_);
+  if (LoadedWorld* const read = world()) return set_geometry(*read, geometry, diagnostics_);
+  for (ResourceUpdates::Geometry& earlier : updates().geometries)
+    if (earlier.place.scene == geometry.place.scene && earlier.place.node == geometry.place.node &&
+        earlier.place.request == geometry.place.request) {
+      earlier.geometry = std::move(geometry.geometry);
+      earlier.image = std::move(geometry.image);
       return;
     }
-  updates().clouds.push_back(std::move(cloud));
+  updates().geometries.push_back(std::move(geometry));
 }
 
 void LoadResults::add_own(const ResourceUpdates::Place& place, std::shared_ptr<const qnv::Geometry> vectors) {
   if (LoadedWorld* const read = world())
-    read->clouds[&place.scene->node(place.node)] = std::move(vectors);
+    read->geometries[&place.scene->node(place.node)] = std::move(vectors);
   else
-    add(ResourceUpdates::Cloud{place, {}, std::move(vectors)});
+    add(ResourceUpdates::Geometry{place, {}, std::move(vectors)});
 }
 
 void LoadResults::add(ResourceUpdates::Image image) {
@@ -139,7 +139,7 @@ ResourceUpdates LoadResults::take_updates(const std::function<bool(const vrml::S
   const auto of_place = [](const auto& one) { return one.place.scene; };
   const auto of_scene = [](const auto& one) { return one.scene; };
   keep(taken.outlines, kept.outlines, of_place);
-  keep(taken.clouds, kept.clouds, of_place);
+  keep(taken.geometries, kept.geometries, of_place);
   keep(taken.texts, kept.texts, of_place);
   keep(taken.progress, kept.progress, of_scene);
   for (ResourceUpdates::Image& one : taken.images) {

@@ -21,7 +21,7 @@ class LoadResults {
  public:
   LoadResults(std::string path, bool network_allowed, WorldBudget budget);
 
-  void add(ResourceUpdates::Cloud cloud);
+  void add(ResourceUpdates::Geometry geometry);
   void add(ResourceUpdates::Image image);
   void add(ResourceUpdates::Media media);
   void add(ResourceUpdates::Text text);

@@ -60,10 +60,10 @@ struct LoadedWorld {
   std::string path;  // path or URL as requested
   std::unique_ptr<vrml::SceneGraph> scene;  // null if the world cannot be shown; see the diagnostics
   render::Images images;
-  render::Geometries clouds;
+  render::Geometries geometries;
   std::unordered_map<const vrml::Node*, std::shared_ptr<const MediaFile>> media;  // by AudioClip or MovieTexture
   std::vector<MediaDuration> durations;  // durations that the nodes have not got yet
-  std::vector<std::shared_ptr<StreamFeed>> feeds;  // feeds of streams in `clouds` that still grow; see stream_feed.h
+  std::vector<std::shared_ptr<StreamFeed>> feeds;  // streams of `geometries` that still grow
   /// Scenes that hold the memory shares of polygons from urls, by OutlineGroup.
   std::unordered_map<const vrml::Node*, std::shared_ptr<const vrml::SceneGraph>> outlines;
   std::vector<UrlProgress> progress;  // progress of QNV nodes
@@ -79,8 +79,9 @@ struct LoadedWorld {
   std::size_t bytes = 0;  // size of the opened file on disk, without references
   double parse_seconds = 0;  // parsing time of the opened file, without references
 
-  /// Returns the up axis of the world. `size` is the extent of all visible objects along x, y and z.
-  [[nodiscard]] Upright upright(const glm::vec3& size) const { return stated_up.value_or(upright_of(up, size)); }
+  /// Returns the orientation of the world. `size` is the extent of all visible objects along x, y and z. Objects that
+  /// are no authored world are first shown in a three-quarter view, except pictures: flat objects that face the viewer.
+  [[nodiscard]] Upright upright(const glm::vec3& size) const;
 };
 
 }  // namespace gs::app

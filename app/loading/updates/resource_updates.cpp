@@ -1,6 +1,6 @@
 #include "app/loading/updates/resource_updates.h"
 
-#include "app/formats/qnv/cloud_reader.h"
+#include "app/formats/qnv/geometry_reader.h"
 
 #include <iterator>
 #include <utility>
@@ -11,6 +11,15 @@ LoadedWorld::LoadedWorld() = default;
 LoadedWorld::LoadedWorld(LoadedWorld&& other) noexcept = default;
 LoadedWorld& LoadedWorld::operator=(LoadedWorld&& other) noexcept = default;
 LoadedWorld::~LoadedWorld() = default;
+
+Upright LoadedWorld::upright(const glm::vec3& size) const {
+  constexpr float kFlat = 1e-3f;  // max ratio of depth to width or height of a picture
+  Upright upright = stated_up.value_or(upright_of(up, size));
+  const auto extent = [&](const glm::vec3& direction) { return glm::dot(glm::abs(direction), size); };
+  const bool picture = extent(upright.front) <= kFlat * std::min(extent(upright.right()), extent(upright.up));
+  upright.three_quarter = upright.three_quarter || (!authored && !picture);
+  return upright;
+}
 
 ResourceUpdates::ResourceUpdates() = default;
 ResourceUpdates::ResourceUpdates(ResourceUpdates&& other) noexcept = default;
@@ -27,33 +36,33 @@ void ResourceUpdates::append(ResourceUpdates&& later) {
   move(outlines, later.outlines);
   move(images, later.images);
   move(media, later.media);
-  move(clouds, later.clouds);
+  move(geometries, later.geometries);
   move(feeds, later.feeds);
   move(progress, later.progress);
   move(outside, later.outside);
   diagnostics.append(later.diagnostics);
 }
 
-void set_cloud(LoadedWorld& world, const ResourceUpdates::Cloud& update, Diagnostics& diagnostics) {
+void set_geometry(LoadedWorld& world, const ResourceUpdates::Geometry& update, Diagnostics& diagnostics) {
   vrml::SceneGraph& scene = *update.place.scene;
   const vrml::Node* node = &scene.node(update.place.node);
-  std::shared_ptr<const qnv::Geometry>& held = world.clouds[node];
+  std::shared_ptr<const qnv::Geometry>& held = world.geometries[node];
   if (update.image)
     world.images[node] = update.image;
   else
     world.images.erase(node);
   auto transfer = transfer_of(scene.get<vrml::MFFloat>(update.place.node, "transfer"));
   if (transfer.empty()) {
-    held = update.cloud;
+    held = update.geometry;
   } else {
     held = nullptr;
-    if (has_room_for(*update.cloud, *scene.budget())) {
-      qnv::Geometry own = *update.cloud;
+    if (has_room_for(*update.geometry, *scene.budget())) {
+      qnv::Geometry own = *update.geometry;
       own.base().description.transfer = std::move(transfer);
       held = hold_geometry(std::move(own), scene.budget());
     }
     if (!held) {
-      held = update.cloud;
+      held = update.geometry;
       diagnostics.add(
           {Severity::warning, node->text->file_name(), node->location,
            "QNV: with its own transfer function, " + scene.budget()->refusal(Resource::vectors) + "; left out"});
@@ -95,10 +104,10 @@ std::vector<ResourceUpdates::Place> take_in(LoadedWorld& world, ResourceUpdates&
         continue;
       changed.push_back(player);
     }
-  for (const ResourceUpdates::Cloud& one : updates.clouds) {
-    if (one.cloud)
-      set_cloud(world, one, world.diagnostics);
-    else if (const vrml::Node* node = &one.place.scene->node(one.place.node); world.clouds.erase(node) > 0)
+  for (const ResourceUpdates::Geometry& one : updates.geometries) {
+    if (one.geometry)
+      set_geometry(world, one, world.diagnostics);
+    else if (const vrml::Node* node = &one.place.scene->node(one.place.node); world.geometries.erase(node) > 0)
       world.images.erase(node);
     changed.push_back(one.place);
   }

@@ -46,10 +46,10 @@ struct ResourceUpdates {
     std::vector<std::pair<const vrml::InterfaceDeclaration*, vrml::FieldValue>> fields;
     std::shared_ptr<const vrml::SceneGraph> held;  // scene with the memory shares of the polygons
   };
-  struct Cloud {
+  struct Geometry {
     Place place;  // the QNV node
     vrml::NodeId fallback;  // PROTO instance that the QNV node replaces, or null
-    std::shared_ptr<const qnv::Geometry> cloud;  // null if the vectors are unavailable
+    std::shared_ptr<const qnv::Geometry> geometry;    // null if the vectors are unavailable
     std::shared_ptr<const render::Image> image = {};  // texture for the vectors, or null
   };
   /// Sound or movie.
@@ -78,7 +78,7 @@ struct ResourceUpdates {
   std::vector<Outlines> outlines;
   std::vector<Image> images;
   std::vector<Media> media;
-  std::vector<Cloud> clouds;
+  std::vector<Geometry> geometries;
   std::vector<std::shared_ptr<StreamFeed>> feeds;
   std::vector<UrlProgress> progress;
   Diagnostics diagnostics;
@@ -86,7 +86,7 @@ struct ResourceUpdates {
 
   [[nodiscard]] bool empty() const {
     return contents.empty() && prototypes.empty() && outlines.empty() && images.empty() && media.empty() &&
-           clouds.empty() && feeds.empty() && progress.empty() && texts.empty() && diagnostics.entries().empty() &&
+           geometries.empty() && feeds.empty() && progress.empty() && texts.empty() && diagnostics.entries().empty() &&
            outside.empty();
   }
   /// Appends the newer updates `later`.
@@ -111,7 +111,7 @@ struct UrlRequest {
 };
 
 /// Shows vectors in a QNV node. The node's own transfer function overrides the stream's.
-void set_cloud(LoadedWorld& world, const ResourceUpdates::Cloud& update, Diagnostics& diagnostics);
+void set_geometry(LoadedWorld& world, const ResourceUpdates::Geometry& update, Diagnostics& diagnostics);
 /// Sets the polygons of an OutlineGroup.
 void set_outlines(LoadedWorld& world, const ResourceUpdates::Outlines& update);
 /// Applies updates to a world. The caller must apply `contents` and `prototypes`, and send `progress` and `outlines` as

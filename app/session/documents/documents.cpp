@@ -17,12 +17,12 @@ void inspect(Document& document, const vrml::SceneGraph& from, std::uint32_t fir
   while (!scenes.empty()) {
     const vrml::SceneGraph& scene = *scenes.back();
     scenes.pop_back();
-    for (std::uint32_t index = std::exchange(first, 1); index <= scene.node_count(); ++index) {
-      const vrml::Node& node = scene.node_at(index);
+    for (std::uint32_t index = std::exchange(first, 1); index <= scene.nodes().count(); ++index) {
+      const vrml::Node& node = scene.nodes().at(index);
       if (node.in_prototype_body || node.type->kind != vrml::NodeType::Kind::built_in) continue;
       document.viewer_dependent |= vrml::has(node.type->role, vrml::Role::viewer_dependent);
     }
-    for (const auto& [node, content] : scene.inlines())
+    for (const auto& [node, content] : scene.inlines().all())
       if (content) scenes.push_back(content.get());
   }
 }
@@ -31,11 +31,11 @@ glm::vec3 size_of_all(const render::RenderList& list) {
   return list.bounds.empty() ? glm::vec3(0) : list.bounds.size();
 }
 
-void inspect_clouds(Document& document) {
+void inspect_geometries(Document& document) {
   for (const render::SplatItem& item : document.list->splats) {
     if (!item.geometry) continue;
     const bool surface = item.geometry->kind() == qnv::Kind::surface;
-    (surface ? document.has_surface_clouds : document.has_volumes) = true;
+    (surface ? document.has_surface_vectors : document.has_volumes) = true;
   }
 }
 
@@ -53,7 +53,7 @@ std::shared_ptr<Document> preview_document(const std::string& path, const WorldL
   document->has_navigation_info = list.has_navigation;
   document->upright = loading.upright(size_of_all(list));
   document->list = std::make_shared<const render::RenderList>(std::move(list));
-  inspect_clouds(*document);
+  inspect_geometries(*document);
   return document;
 }
 
@@ -83,7 +83,7 @@ void begin_world(Document& document, double now) {
     (void)document.runtime->show(*document.first_scene, viewer);
   }
   report_limits(*document.list, document.world.diagnostics);
-  inspect_clouds(document);
+  inspect_geometries(document);
 }
 
 bool arrive(Document& document, ResourceUpdates&& updates) {
@@ -92,7 +92,7 @@ bool arrive(Document& document, ResourceUpdates&& updates) {
     if (one.content) grown.emplace_back(one.content.get(), 1);
   for (const ResourceUpdates::Prototypes& one : updates.prototypes)
     if (document.runtime->execution().scenes().has(one.scene))
-      grown.emplace_back(one.scene, static_cast<std::uint32_t>(one.scene->node_count()) + 1);
+      grown.emplace_back(one.scene, static_cast<std::uint32_t>(one.scene->nodes().count()) + 1);
   document.runtime->arrive(std::move(updates));
   for (const auto& [scene, first] : grown)
     if (document.runtime->execution().scenes().has(scene)) inspect(document, *scene, first);
@@ -112,9 +112,14 @@ std::shared_ptr<Document> make_document(LoadedWorld world, render::MeshCache mes
 void DocumentList::add(std::string_view path) {
   if (path.empty()) return;
   if (entry(path))
-    reload(path);
+    reload_unedited(path);
   else
     entries_.push_back({std::string(path), true, 0, nullptr, nullptr});
+}
+
+void DocumentList::reload_unedited(std::string_view path) {
+  const Entry* known = find(path);
+  if (!known || !known->document || !known->document->edits.unsaved()) reload(path);
 }
 
 void DocumentList::reload(std::string_view path) {

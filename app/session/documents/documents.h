@@ -2,6 +2,7 @@
 
 #include "app/loading/updates/loaded_world.h"
 #include "app/loading/world_loading.h"
+#include "app/session/documents/world_edits.h"
 #include "app/session/documents/world_runtime.h"
 #include "qnv/base/description.h"
 #include "render/scene/render_list.h"
@@ -25,22 +26,23 @@ class WorldReader;
 struct Document {
   LoadedWorld world;
   render::MeshCache meshes;
-  std::unique_ptr<WorldRuntime> runtime;  // null until there is a scene
-  std::shared_ptr<RuntimeScene> first_scene;  // render scene for the initial view; null until there is a scene
+  std::unique_ptr<WorldRuntime> runtime;           // null until there is a scene
+  std::shared_ptr<RuntimeScene> first_scene;       // render scene for the initial view; null until there is a scene
   std::shared_ptr<const render::RenderList> list;  // of `first_scene`, or of the parts received so far; never null
   Upright upright;                                 // up axis, from the format or from the file
-  bool is_preview = false;  // only a part was received, and there is no scene yet
+  bool is_preview = false;                         // only a part was received, and there is no scene yet
   bool viewer_dependent = false;  // has LOD or Billboard nodes, so each moving viewer needs an own render list
   bool has_navigation_info = false;
-  bool has_surface_clouds = false, has_volumes = false;  // kinds of QNV data in the world
+  bool has_surface_vectors = false, has_volumes = false;  // kinds of QNV data in the world
   std::shared_ptr<WorldReader> reader;  // reader of references and of stream parts that views need; may be null
-  LoadingState arriving;  // progress of loading; empty after everything was loaded
+  LoadingState arriving;                // progress of loading; empty after everything was loaded
   bool all_came = false;
-  const void* viewer = nullptr;  // view with the camera that the sensors follow; never dereferenced
+  const void* viewer = nullptr;           // view with the camera that the sensors follow; never dereferenced
   std::optional<glm::dvec3> destination;  // destination of that camera's animated move
-  bool controlled = false;  // changed by a --control client, which may also have created its Scripts
+  WorldEdits edits;                       // edits of the user
+  bool controlled = false;                // changed by a --control client, which may also have created its Scripts
 
-  [[nodiscard]] bool has_clouds() const { return has_surface_clouds || has_volumes; }
+  [[nodiscard]] bool has_vectors() const { return has_surface_vectors || has_volumes; }
 };
 
 /// Makes a document from an opened world. Time does not start yet. `meshes` holds meshes that were already made for its
@@ -62,8 +64,8 @@ class DocumentList {
  public:
   struct Entry {
     std::string path;
-    bool stale = true;  // must be read, or read again, when a viewport shows the file
-    std::uint64_t reading = 0;  // serial number of the current reading; 0 means that there is none
+    bool stale = true;                             // must be read, or read again, when a viewport shows the file
+    std::uint64_t reading = 0;                     // serial number of the current reading; 0 means that there is none
     std::shared_ptr<Document> document;            // null until the file is read
     std::shared_ptr<std::atomic<bool>> cancelled;  // cancellation flag of the current reading
   };
@@ -74,10 +76,13 @@ class DocumentList {
     std::shared_ptr<std::atomic<bool>> cancelled;
   };
 
-  /// Adds a file to the list. If the file is already listed, marks it to be read again. Ignores an empty path.
+  /// Adds a file to the list. If the file is already listed, marks it to be read again, unless its world has unsaved
+  /// edits. Ignores an empty path.
   void add(std::string_view path);
   /// Marks a file to be read again.
   void reload(std::string_view path);
+  /// Marks a file to be read again, unless its world has unsaved edits.
+  void reload_unedited(std::string_view path);
 
   /// Begins to read a file. Returns nullopt if the document is up to date or the file is already being read.
   [[nodiscard]] std::optional<Reading> begin(std::string_view path);

@@ -1,6 +1,6 @@
 #include "app/session/documents/run_time_requests.h"
 
-#include "app/formats/qnv/cloud_reader.h"
+#include "app/formats/qnv/geometry_reader.h"
 #include "app/script/run_time_nodes.h"
 
 #include <algorithm>
@@ -17,12 +17,12 @@ constexpr std::size_t kMaxRequests = 10'000;  // max requests until the caller t
 bool take_own_vectors(LoadedWorld& world, const vrml::SceneGraph& scene, vrml::NodeId id) {
   if (scene.get<vrml::MFInt32>(id, "vectors").empty()) return false;
   const vrml::Node& node = scene.node(id);
-  if (world.clouds.contains(&node)) return true;
+  if (world.geometries.contains(&node)) return true;
   auto made = inline_vectors(scene, id);
   std::string problem;
   if (auto* geometry = std::get_if<qnv::Geometry>(&made)) {
     if (auto held = hold_geometry(std::move(*geometry), scene.budget()))
-      world.clouds[&node] = std::move(held);
+      world.geometries[&node] = std::move(held);
     else
       problem = scene.budget()->refusal(Resource::vectors) + "; left out";
   } else {
@@ -45,9 +45,9 @@ bool was_fetched(const vrml::SourceText& text) { return &text.origin() != &text 
 // Returns true if a Script may have computed the value of a field. Either the text with the field was computed, or an
 // event has set a string of the node or of a PROTO instance around it.
 bool is_computed(const vrml::SceneGraph& scene, vrml::NodeId id, int slot) {
-  if (scene.text_of(id, slot).is_computed()) return true;
-  for (std::uint32_t index = id.index; index != 0; index = scene.node_at(index).instance)
-    if (scene.node_at(index).strings_set) return true;
+  if (scene.nodes().text_of(id, slot).is_computed()) return true;
+  for (std::uint32_t index = id.index; index != 0; index = scene.nodes().at(index).instance)
+    if (scene.nodes().at(index).strings_set) return true;
   return false;
 }
 
@@ -143,7 +143,7 @@ void RunTimeRequests::note_changes(std::span<const vrml::NodeChange> changes) {
       if ((change.slots >> std::min(slot, 63) & 1) == 0 || url_requests_.size() >= kMaxRequests) continue;
       if (node.type->url_content == vrml::UrlContent::vectors && take_own_vectors(world_, *change.scene, change.node))
         continue;
-      const vrml::SourceText& text = change.scene->text_of(change.node, slot);
+      const vrml::SourceText& text = change.scene->nodes().text_of(change.node, slot);
       url_requests_.push_back({{change.scene, change.node, i, ++url_numbers_[{&node, i}]},
                                &node,
                                node.type->url_content,
@@ -165,10 +165,10 @@ void RunTimeRequests::note_changes(std::span<const vrml::NodeChange> changes) {
 void RunTimeRequests::request_prototype(vrml::SceneGraph& scene, vrml::NodeId instance) {
   const vrml::Node& node = scene.node(instance);
   if (node.type->prototype || node.type->asked_for || url_requests_.size() >= kMaxRequests) return;
-  const std::optional<std::uint32_t> owner = scene.text_declaring(node.type);
+  const std::optional<std::uint32_t> owner = scene.texts().declaring(node.type);
   if (!owner || *owner == 0) return;
   const vrml::WritingFor writing(scene, *owner);
-  vrml::SourceText& text = scene.writing();
+  vrml::SourceText& text = scene.texts().writing();
   const auto& types = text.types();
   const auto type = std::find_if(types.begin(), types.end(), [&](const auto& one) { return one.get() == node.type; });
   (*type)->asked_for = true;
@@ -227,7 +227,7 @@ std::vector<ScriptRequest> RunTimeRequests::take_script_requests() {
 bool RunTimeRequests::open_computed_anchor(vrml::SceneGraph& scene, vrml::NodeId anchor) {
   const vrml::InterfaceDeclaration* const url = scene.node(anchor).type->find_field("url");
   if (!url || private_file().empty() || !is_computed(scene, anchor, url->slot)) return false;
-  const vrml::SourceText& text = scene.text_of(anchor, url->slot);
+  const vrml::SourceText& text = scene.nodes().text_of(anchor, url->slot);
   ScriptRequest request;
   for (const vrml::SFString& one : scene.get<vrml::MFString>(anchor, "url")) request.urls.push_back(one.str());
   for (const vrml::SFString& one : scene.get<vrml::MFString>(anchor, "parameter"))

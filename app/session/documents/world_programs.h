@@ -2,6 +2,7 @@
 
 #include "app/loading/updates/loaded_world.h"
 #include "app/script/script_runner.h"
+#include "base/noncopyable.h"
 #include "vrml/events/execution.h"
 #include "vrml/syntax/parser.h"
 
@@ -18,11 +19,9 @@ namespace gs::app {
 
 /// Programs of a running world: its Scripts, their messages, and the browser properties that Scripts can read (VRML97
 /// 4.12.10). Use on the world's thread.
-class WorldPrograms {
+class WorldPrograms : NonCopyable {
  public:
   WorldPrograms(LoadedWorld& world, vrml::Execution& execution);
-  WorldPrograms(const WorldPrograms&) = delete;
-  WorldPrograms& operator=(const WorldPrograms&) = delete;
 
   /// Sets the settings of the script runner. Call before start().
   void set_settings(ScriptRunner::Settings settings) { settings_ = settings; }

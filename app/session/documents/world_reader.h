@@ -4,6 +4,7 @@
 #include "app/loading/world_loading.h"
 #include "app/session/documents/documents.h"
 #include "app/streams/load_ledger.h"
+#include "base/noncopyable.h"
 
 #include <atomic>
 #include <functional>
@@ -22,7 +23,7 @@ namespace gs::app {
 /// the owner and time starts in it. Inlines, EXTERNPROTOs, images and vectors still load afterwards. Reported data is
 /// moved or immutable, except for streams: they belong to the owner and are fed through `LoadedWorld::feeds`. The
 /// owner's thread calls all functions below.
-class WorldReader {
+class WorldReader : NonCopyable {
  public:
   /// Changes since the last call of take().
   struct News {
@@ -39,8 +40,6 @@ class WorldReader {
   WorldReader(std::string path, LoadOptions options, std::function<void()> wake);
   /// Waits for the end of the thread, which is soon.
   ~WorldReader();
-  WorldReader(const WorldReader&) = delete;
-  WorldReader& operator=(const WorldReader&) = delete;
 
   /// Stops loading as if the time limit had passed: the parts that were received remain.
   void cancel();

@@ -1,6 +1,6 @@
 #include "app/session/documents/world_runtime.h"
 
-#include "app/formats/qnv/cloud_reader.h"
+#include "app/formats/qnv/geometry_reader.h"
 #include "app/media/media_file.h"
 #include "render/scene/late_meshes.h"
 #include "vrml/behaviours/browser_events.h"
@@ -84,7 +84,7 @@ void WorldRuntime::show_content(ResourceUpdates::Content&& update) {
   execution_.lifetime().remove_content(scene, update.place.node);
   if (!update.content) return;
   meshes_.take(std::move(update.meshes));
-  scene.attach_inline(update.place.node, std::move(update.content));
+  scene.inlines().attach(update.place.node, std::move(update.content));
   execution_.scenes().attach(scene);
   programs_.start();
   execution_.changes().mark_content(scene, update.place.node);
@@ -130,7 +130,8 @@ void WorldRuntime::arrive(ResourceUpdates&& updates) {
     for (const ResourceUpdates::Place& player : one.players)
       durations_.push_back({player.scene, player.node, one.media ? one.media->info.duration : -1});
   }
-  std::erase_if(updates.clouds, [&](const ResourceUpdates::Cloud& one) { return requests_.is_stale(one.place); });
+  std::erase_if(updates.geometries,
+                [&](const ResourceUpdates::Geometry& one) { return requests_.is_stale(one.place); });
   progress_.insert(progress_.end(), updates.progress.begin(), updates.progress.end());
   std::vector<vrml::NodeChange> changes;
   for (ResourceUpdates::Outlines& one : updates.outlines)
@@ -148,18 +149,19 @@ void WorldRuntime::arrive(ResourceUpdates&& updates) {
 // Removes all data about a removed node; for a null `node`, about all nodes of a scene. Required because their
 // addresses may be reused.
 void WorldRuntime::forget(vrml::SceneGraph& scene, vrml::NodeId node) {
+  rays_.forget();
   const auto forget_one = [&](const vrml::Node& one) {
     for (std::size_t i = 0, count = one.type ? one.type->url_fields().size() : 0; i < count; ++i)
       world_.images.erase({&one, i});
     requests_.forget_node(one);
-    world_.clouds.erase(&one);
+    world_.geometries.erase(&one);
     world_.media.erase(&one);
     movies_.forget(one);
     world_.outlines.erase(&one);
     meshes_.remove(scene, &one);
   };
   if (node) return forget_one(scene.node(node));
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) forget_one(scene.node_at(i));
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) forget_one(scene.nodes().at(i));
   if (ScriptRunner* const runner = programs_.runner()) runner->forget_scene(scene);
   requests_.forget_scene(scene);
   for (std::vector<vrml::NodeChange>& batch : batches_)
@@ -211,7 +213,7 @@ std::shared_ptr<RuntimeScene> WorldRuntime::look(const glm::dvec3& viewer, bool 
   if (!own)
     if (auto shared = shared_.lock()) return shared;
   auto scene = std::make_shared<RuntimeScene>(
-      RuntimeScene{render::RenderScene(*world_.scene, world_.images, world_.clouds, meshes_), version_});
+      RuntimeScene{render::RenderScene(*world_.scene, world_.images, world_.geometries, meshes_), version_});
   scene->scene.gather(bound(), viewer);
   if (!own) shared_ = scene;
   return scene;

@@ -5,6 +5,8 @@
 #include "app/session/documents/run_time_requests.h"
 #include "app/session/documents/world_movies.h"
 #include "app/session/documents/world_programs.h"
+#include "app/session/documents/world_rays.h"
+#include "base/noncopyable.h"
 #include "render/collection/render_scene.h"
 #include "vrml/events/execution.h"
 
@@ -35,12 +37,10 @@ struct RuntimeScene {
 
 /// World in which time passes: its events, and the render lists of its views. Use on one thread. The opened world and
 /// the mesh cache must outlive it.
-class WorldRuntime {
+class WorldRuntime : NonCopyable {
  public:
   WorldRuntime(LoadedWorld& world, render::MeshCache& meshes);
   ~WorldRuntime();
-  WorldRuntime(const WorldRuntime&) = delete;
-  WorldRuntime& operator=(const WorldRuntime&) = delete;
 
   /// Returns the Scripts of the world and their browser properties.
   [[nodiscard]] WorldPrograms& programs() { return programs_; }
@@ -97,11 +97,12 @@ class WorldRuntime {
   WorldPrograms programs_{world_, execution_};
   RunTimeRequests requests_{world_, execution_, programs_};
   WorldMovies movies_{world_, execution_};
+  WorldRays rays_{world_, meshes_, execution_, [this] { return bound(); }};
   bool started_ = false;
   std::deque<std::vector<vrml::NodeChange>> batches_;  // changes of the last versions, newest last
   std::uint64_t version_ = 0;
-  std::uint32_t replaced_ = 0;  // NodeLifetime::replaced() at the newest version
-  std::vector<UrlProgress> progress_;  // progress that was not reported to the nodes yet
+  std::uint32_t replaced_ = 0;            // NodeLifetime::replaced() at the newest version
+  std::vector<UrlProgress> progress_;     // progress that was not reported to the nodes yet
   std::vector<MediaDuration> durations_;  // durations that were not reported to the nodes yet
   std::weak_ptr<RuntimeScene> shared_;
 };

@@ -1,5 +1,7 @@
 #include "app/session/input/input_handler.h"
 
+#include "app/session/navigation/script_effects.h"
+
 #include <optional>
 #include <vector>
 
@@ -9,6 +11,9 @@ void InputHandler::handle(const SessionInput::Event& input) {
   using Kind = WindowEvent::Kind;
   const WindowEvent& event = input.event;
   if (event.kind == Kind::key_down || event.kind == Kind::button_down) to_.links.note_press();
+  const bool for_interface = input.over_interface && (event.kind == Kind::button_down || event.kind == Kind::pointer);
+  if (View* const seen = for_interface ? nullptr : to_.viewports.view())
+    if (send_to_scripts(*seen, to_.viewports.place_of(to_.viewports.panes().active()), event, step_.now)) return;
   switch (event.kind) {
     case Kind::key_down:
       return handle_key(event);

@@ -107,9 +107,9 @@ void Pointing::point_at_held_sensor(bool down) {
   vrml::Execution& execution = seen.document->runtime->execution();
   (void)follow_world(seen);
   std::vector<std::size_t> items;
-  for (SensorGeometry& one : sensor_geometry(execution, *seen.list))
+  for (const SensorGeometry& one : sensors_in(seen))
     if (one.sensor.scene == held_sensor_->sensor.scene && one.sensor.node == held_sensor_->sensor.node)
-      items = std::move(one.items);
+      items = one.items;
   const render::RenderList alone = only(*seen.list, items);
   (void)point(execution, picker_, alone, held_sensor_->line, down);
   links_.follow_anchors(viewports_.panes().active());
@@ -119,7 +119,7 @@ bool Pointing::press_sensor(const vrml::NodePlace& sensor) {
   View* const seen = viewports_.view();
   if (held_sensor_ || sensor_has_pointer_ || !seen || !seen->document->runtime) return false;
   (void)follow_world(*seen);
-  for (const SensorGeometry& one : sensor_geometry(seen->document->runtime->execution(), *seen->list)) {
+  for (const SensorGeometry& one : sensors_in(*seen)) {
     if (one.sensor.scene != sensor.scene || !(one.sensor.node == sensor.node)) continue;
     const auto line = line_that_meets(only(*seen->list, one.items), seen->navigation.pose.position);
     if (!line) return false;

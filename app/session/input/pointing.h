@@ -52,6 +52,10 @@ class Pointing {
   /// Returns the Shape at a framebuffer pixel; nullopt if the pixel is in no viewport or shows no Shape.
   [[nodiscard]] std::optional<Picked> pick_at(const glm::vec2& pixel);
 
+  /// Returns the sensors and Anchors of a running world that the view shows. Valid until the next call.
+  [[nodiscard]] const std::vector<SensorGeometry>& sensors_in(const View& view) {
+    return sensor_geometries_.of(view.document->runtime->execution(), *view.list);
+  }
   /// Presses a pointing-device sensor or an Anchor in the active viewport's world. Points along a line from the viewer
   /// to its geometry, and ignores obstacles. Returns false if the sensor has no collidable geometry or is disabled, or
   /// if another sensor has grabbed the pointer.
@@ -69,6 +73,7 @@ class Pointing {
   StepContext& step_;
   SessionViewports& viewports_;
   Picker& picker_;
+  SensorGeometries sensor_geometries_;
   LinkFollower& links_;
   std::optional<std::size_t> pane_;  // viewport that has the pointer over its world
   glm::vec2 pointer_{0};  // position in framebuffer pixels

@@ -19,7 +19,7 @@ constexpr float kMinSpeed = 1e-4f, kMaxSpeed = 1e6f;
 PickOptions pick_options(const View& seen, const glm::vec2& size) {
   PickOptions options;
   options.pixel = pixel_along_ray(seen.navigation.pose, size);
-  options.clouds = seen.look;
+  options.splat_style = seen.look;
   return options;
 }
 
@@ -32,7 +32,10 @@ void stand_at(View& seen, const Pose& pose, bool animated) {
 }
 
 void CameraControl::end_journey(View& seen) const {
-  if (!step_.simulated || !seen.navigation.transition) return;
+  if (!seen.navigation.transition) return;
+  const bool instant = seen.navigation.transition->jump && seen.document->runtime &&
+                       !seen.document->runtime->execution().browser().settings().viewpoint_animation;
+  if (!step_.simulated && !instant) return;
   seen.navigation.pose = seen.navigation.transition->to;
   seen.navigation.transition.reset();
 }
@@ -71,9 +74,9 @@ bool CameraControl::run(View& seen, Action action) {
       seeking_ = !seeking_ && seen.navigation.mode != NavigationMode::none;
       step_.notify(seeking_ ? "Seek: click a point to move halfway to it" : "", false, "seek");
       return true;
-    case Action::undo_move:
-    case Action::redo_move:
-      undo_move(seen, action == Action::undo_move ? -1 : 1);
+    case Action::undo:
+    case Action::redo:
+      undo_move(seen, action == Action::undo ? -1 : 1);
       return true;
     case Action::faster:
       change_speed(seen, std::sqrt(2.0f));

@@ -55,7 +55,8 @@ class CameraControl {
   /// Applies a gesture of the pointing device in a viewport: it may seek, approach a point, or set the centre of
   /// rotation.
   void point_at(std::size_t pane, const InputTracker::Gesture& gesture);
-  /// Completes an animated move to a Viewpoint at once. Has an effect only in simulated time.
+  /// Completes an animated move to a Viewpoint at once. Has an effect only in simulated time, or if a Script has turned
+  /// off the animation of such moves.
   void end_journey(View& view) const;
 
  private:

@@ -9,7 +9,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::size_t kMaxMet = 20'000;  // max triangles near a moving viewer
+constexpr std::size_t kMaxMet = 20'000;                       // max triangles near a moving viewer
 constexpr std::size_t kMaxRemembered = std::size_t{1} << 24;  // max triangles that the picker stores
 
 }  // namespace
@@ -30,6 +30,11 @@ void ViewerMotion::move(View& seen, Navigation after, bool loading, float second
   avatar.height *= seen.scale;
   avatar.step *= seen.scale;
   avatar.gravity = !loading;  // not while loading, because the ground may be missing
+  if (seen.document->runtime) {
+    const vrml::BrowserSettings& settings = seen.document->runtime->execution().browser().settings();
+    avatar.gravity = avatar.gravity && settings.gravity;
+    avatar.solid = settings.collision;
+  }
   const std::optional<std::size_t> before = seen.navigation.body.item;
   seen.navigation = with_body(seen.navigation, std::move(after), avatar, obstacles, seconds);
   const std::optional<std::size_t> met = seen.navigation.body.item;

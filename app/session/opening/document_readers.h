@@ -7,6 +7,7 @@
 #include "app/session/opening/session_questions.h"
 #include "app/session/viewports/session_viewports.h"
 #include "app/session/viewports/step.h"
+#include "base/noncopyable.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -30,7 +31,7 @@ struct ReaderPeers {
 };
 
 /// Reader threads for the files that viewports show or wait for. One thread.
-class DocumentReaders {
+class DocumentReaders : NonCopyable {
  public:
   /// Prepares the readers without creating a thread. Reader threads call `wake` when take_news() has something to
   /// apply. `meshes` makes the meshes of changed geometry in the background; if null, they are made at once.
@@ -38,8 +39,6 @@ class DocumentReaders {
                   std::function<void()> wake, std::shared_ptr<render::MeshWorker> meshes);
   /// Cancels all readings and waits for their threads.
   ~DocumentReaders();
-  DocumentReaders(const DocumentReaders&) = delete;
-  DocumentReaders& operator=(const DocumentReaders&) = delete;
 
   /// Starts readers for files that viewports wait for.
   void begin();

@@ -29,24 +29,11 @@ net::Url base_of(const std::string& file) {
   return net::url_of_path(error ? file : absolute.lexically_normal().string());
 }
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
 // Returns true for URLs that a web browser should open: pages, images and movies.
 bool is_for_browser(const net::Url& url) {
   if (url.scheme == "mailto") return true;
   if (url.scheme != "http" && url.scheme != "https") return false;
-  std::string name = lower(url.path.substr(url.path.rfind('/') + 1));
-  if (name.ends_with(".gz")) name.resize(name.size() - 3);
-  const std::size_t point = name.rfind('.');
-  if (point == std::string::npos) return true;
-  const std::string extension = name.substr(point) + " ";
-  const auto types = content_types();
-  return std::none_of(types.begin(), types.end(), [&](const ContentType& type) {
-    return type.extensions.find(extension) != std::string_view::npos;
-  });
+  return !content_type_by_name(url.path.substr(url.path.rfind('/') + 1));
 }
 
 }  // namespace
@@ -75,7 +62,7 @@ Link link_of(const vrml::SceneGraph& scene, vrml::NodeId anchor) {
   for (const vrml::SFString& url : scene.get<vrml::MFString>(anchor, "url")) urls.push_back(url.str());
   for (const vrml::SFString& parameter : scene.get<vrml::MFString>(anchor, "parameter"))
     parameters.push_back(parameter.str());
-  const vrml::SourceText& text = scene.text_of(anchor, url_field->slot);
+  const vrml::SourceText& text = scene.nodes().text_of(anchor, url_field->slot);
   return link_of(urls, parameters, text.origin(), text.source());
 }
 

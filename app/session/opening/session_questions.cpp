@@ -19,7 +19,7 @@ void SessionQuestions::answer(bool allow) {
     return;
   }
   if (allow) load_.allowed.push_back(folders_.current()->folder);
-  for (const std::string& world : folders_.answer(allow)) panes_.reload(world);
+  for (const std::string& world : folders_.answer(allow)) panes_.documents().reload_unedited(world);
 }
 
 }  // namespace gs::app

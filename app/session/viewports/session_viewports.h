@@ -60,7 +60,7 @@ class SessionViewports {
   /// Returns the viewport that the user moved last. While the cameras are linked, the others follow it.
   [[nodiscard]] std::size_t leader() const { return leader_; }
   void lead(std::size_t pane) { leader_ = pane; }
-  /// Makes the active viewport the one that the user moved last.
+  /// Records that the user moved the active viewport last; see leader().
   void lead_active() { leader_ = panes_.active(); }
 
   /// Sets two functions: one is called before the rectangles change, the other when a viewport has lost its file and

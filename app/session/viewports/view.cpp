@@ -144,7 +144,15 @@ Upright upright_of(const View& view) {
   return view.viewpoint && view.navigation.up != of_file.up ? upright_along(view.navigation.up) : of_file;
 }
 
+void light_objects(const Document& document, render::DrawOptions& draw) {
+  if (document.world.authored) return;
+  const glm::vec3 above_left(-0.35f, 0.4f, 1);
+  draw.headlight_towards = glm::normalize(above_left);
+  draw.occlusion = render::Occlusion::hardware;
+}
+
 void apply_style(const View& view, render::DrawOptions& draw) {
+  if (view.document) light_objects(*view.document, draw);
   draw.display = view.style.display;
   draw.backdrop = view.style.backdrop && view.document && !view.document->world.authored;
 }
@@ -224,7 +232,10 @@ View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std:
   return view;
 }
 
-View renewed(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport) {
+namespace {
+
+// Returns a view of a document with the user's choices for the previous view.
+View with_choices_of(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport) {
   View view = view_of(std::move(document), viewport, {}, nullptr, before.style);
   view.history = before.history;
   view.look = before.look;
@@ -232,6 +243,13 @@ View renewed(const View& before, std::shared_ptr<Document> document, const glm::
   if (!before.document->is_preview) view.color_bar = before.color_bar;
   view.headlight = before.headlight;
   view.budget = before.budget;
+  return view;
+}
+
+}  // namespace
+
+View renewed(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport) {
+  View view = with_choices_of(before, std::move(document), viewport);
   // Keep the pose of the viewer, because the user wants to compare the new file with the old one.
   if (view.rules.allows(before.navigation.mode)) {
     view.navigation.pose = before.navigation.pose;
@@ -242,13 +260,7 @@ View renewed(const View& before, std::shared_ptr<Document> document, const glm::
 
 View grown(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport) {
   if (!at_home(before)) return renewed(before, std::move(document), viewport);
-  View view = view_of(std::move(document), viewport, {}, nullptr, before.style);
-  view.history = before.history;
-  view.look = before.look;
-  view.slices = before.slices;
-  if (!before.document->is_preview) view.color_bar = before.color_bar;
-  view.headlight = before.headlight;
-  view.budget = before.budget;
+  View view = with_choices_of(before, std::move(document), viewport);
   if (view.document == before.document) view.left = before.left;
   if (before.viewpoint && *before.viewpoint < view.list->viewpoints.size() && *before.viewpoint != view.viewpoint) {
     view.viewpoint = before.viewpoint;

@@ -4,8 +4,8 @@
 #include "app/view/navigation.h"
 #include "app/view/pose_history.h"
 #include "app/view/values/slices.h"
-#include "render/scene/cloud_look.h"
 #include "render/scene/draw_options.h"
+#include "render/scene/splat_style.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -71,7 +71,10 @@ struct View {
 
 /// Returns the up axis of a view: the user's choice, else that of the Viewpoint, else that of the file.
 [[nodiscard]] Upright upright_of(const View& view);
-/// Applies the display mode and backdrop of a view's style.
+/// Lights objects that are no VRML97 worlds so that their shape shows: with the headlight from the left and above
+/// instead of along the view (VRML97 6.29), and with ambient occlusion. Changes nothing for worlds.
+void light_objects(const Document& document, render::DrawOptions& draw);
+/// Applies the display mode, backdrop and lighting of a view's style.
 void apply_style(const View& view, render::DrawOptions& draw);
 /// Returns true if the list has triangles; otherwise display modes have no effect.
 [[nodiscard]] bool has_faces(const render::RenderList& list);

@@ -147,15 +147,9 @@ ViewportLayout layout_for(std::size_t files) {
 }
 
 ViewportLayout next_layout(ViewportLayout layout) {
-  switch (layout) {
-    case ViewportLayout::one:
-      return ViewportLayout::two;
-    case ViewportLayout::two:
-      return ViewportLayout::four;
-    case ViewportLayout::four:
-      break;
-  }
-  return ViewportLayout::one;
+  return layout == ViewportLayout::one   ? ViewportLayout::two
+         : layout == ViewportLayout::two ? ViewportLayout::four
+                                         : ViewportLayout::one;
 }
 
 SplitTree split_of(ViewportLayout layout, std::size_t active) {

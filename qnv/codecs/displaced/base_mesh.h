@@ -32,7 +32,8 @@ struct CodedBase {
 [[nodiscard]] CodedBase encode_base(const BaseMesh& mesh,
                                     const std::function<bool(std::uint32_t, std::uint32_t)>& is_crease);
 
-/// Returns nullopt if the bytes are not a base mesh of at most `most_triangles` triangles. Safe for untrusted bytes.
+/// Decodes a base mesh. Returns nullopt if the bytes are not a base mesh of at most `most_triangles` triangles. Safe
+/// for untrusted bytes.
 [[nodiscard]] std::optional<BaseMesh> decode_base(std::span<const std::byte> bytes, std::size_t most_triangles);
 
 }  // namespace gs::qnv::displaced

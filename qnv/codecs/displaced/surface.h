@@ -32,7 +32,7 @@ struct StageHeader {
   BaseMesh base;
 };
 [[nodiscard]] std::vector<std::byte> encode_stage(const StageHeader& header, std::span<const std::byte> base);
-/// Returns nullopt if the bytes are not a stage. Safe for untrusted bytes.
+/// Decodes the header of a stage. Returns nullopt if the bytes are not a stage. Safe for untrusted bytes.
 [[nodiscard]] std::optional<StageHeader> decode_stage(std::span<const std::byte> bytes);
 
 /// Coordinates relative to the lower corner of the stream's box, in units of its longest edge. They make the precision
@@ -57,7 +57,7 @@ struct ClusterHeader {
   std::size_t bytes = 0;  // size of the encoded header
 };
 [[nodiscard]] std::vector<std::byte> encode_cluster_header(const ClusterHeader& header);
-/// Returns nullopt if a field is out of range. Safe for untrusted bytes.
+/// Decodes the header of a cluster. Returns nullopt if a field is out of range. Safe for untrusted bytes.
 [[nodiscard]] std::optional<ClusterHeader> decode_cluster_header(std::span<const std::byte> payload);
 
 /// Coded displacements of the vertices of one level. An array is empty if no numbers were received.

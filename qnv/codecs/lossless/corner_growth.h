@@ -180,7 +180,7 @@ bool CornerGrowth<Coder>::triangle(Decisions<Coder>& decisions, const Gates& gat
     const bool known = vertex.placed && vertex.last != first && vertex.last != second;
     if (known && decisions.bit(m.again, is[k] == vertex.last)) found[k] = vertex.last;
   }
-  // Codes the corners first for which both other corners have coordinates.
+  // Codes a corner first if both other corners of the triangle have coordinates.
   const auto count = [&] { return (found[0] ? 1 : 0) + (found[1] ? 1 : 0) + (found[2] ? 1 : 0); };
   while (count() < 3) {
     std::uint32_t k = 0;

@@ -17,7 +17,7 @@ constexpr std::uint32_t kMaxPatches = 1u << 17;
 
 /// Probability models for FORMAT.md, "Covered patches".
 struct CoverModels {
-  std::array<displaced::BitModel, 2> changes;  // by whether the number before the current one changed
+  std::array<displaced::BitModel, 2> changes;  // index: 1 if the previous number changed, else 0
   displaced::BitModel less;
   displaced::NumberModel<6> by;
 };

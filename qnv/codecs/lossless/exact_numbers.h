@@ -23,12 +23,7 @@ struct TwoRates {
   std::uint8_t seen = 0;                     // number of decisions, at most kMaxSeen
 
   static constexpr std::uint8_t kMaxSeen = 254, kFastSeen = 30;
-  /// Learning rates after n decisions: 65536 / (n + 3/2), rounded down.
-  static constexpr std::array<std::uint16_t, kMaxSeen + 1> kRates = [] {
-    std::array<std::uint16_t, kMaxSeen + 1> rates{};
-    for (std::size_t n = 0; n < rates.size(); ++n) rates[n] = static_cast<std::uint16_t>(131072 / (2 * n + 3));
-    return rates;
-  }();
+  static constexpr auto kRates = displaced::learning_rates<kMaxSeen + 1>();
   void learn(bool bit) {
     const std::int64_t target = bit ? 65535 : 0;
     fast = static_cast<std::uint16_t>(fast + ((target - fast) * kRates[std::min(seen, kFastSeen)] >> 16));

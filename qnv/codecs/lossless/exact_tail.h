@@ -38,12 +38,4 @@ struct TailOrder {
 /// bytes.
 [[nodiscard]] std::optional<ExactMesh> decode_tail(std::span<const std::byte> bytes, std::size_t most_vertices);
 
-/// Properties of a tail, from its header. tail_size() returns nullopt if the bytes are not a tail. Safe for untrusted
-/// bytes.
-struct TailSize {
-  int bits = 0;
-  std::uint32_t vertices = 0, triangles = 0;
-};
-[[nodiscard]] std::optional<TailSize> tail_size(std::span<const std::byte> tail);
-
 }  // namespace gs::qnv::exact

@@ -16,8 +16,8 @@ namespace gs::qnv::exact {
 /// "Normals".
 inline constexpr int kOwnNormalBits = 9, kMinNormalBits = 4, kMaxNormalBits = 14;
 
-/// Encodes the normals of corners. `mesh` must be as a decoder obtains it. `shaded` and `own` hold one unit normal per
-/// corner 3 t + k: by the shading rule, and from the source file.
+/// Encodes the normals of corners. `mesh` must be as a decoder obtains it. Index 3 t + k of `shaded` and `own` is for
+/// corner k of triangle t. `shaded` has the unit normals by the shading rule, `own` those of the source file.
 [[nodiscard]] std::vector<std::byte> encode_normals(const ExactMesh& mesh, std::span<const glm::vec3> shaded,
                                                     std::span<const glm::vec3> own, int bits = kOwnNormalBits);
 /// Decodes the unit normals of all corners. Returns nullopt if the bytes do not belong to this mesh. Safe for untrusted

@@ -12,7 +12,7 @@
 
 namespace gs::qnv::exact {
 
-/// Rule that selects the faces that contribute to a corner's normal. Each face counts by its area.
+/// Rule that selects the faces that contribute to a corner's normal. The weight of a face is its area.
 struct Shading {
   enum class Rule : std::uint8_t {
     edges = 0,  // faces that are connected over edges with at most `angle` between both faces
@@ -39,8 +39,9 @@ struct ShadedMesh {
   std::span<const glm::vec3> faces;      // normal of each triangle; its length is twice the area
   std::size_t vertices = 0;
 };
-/// Returns a unit normal for each corner 3 t + k; +z if undefined. Returns zero for corners at vertices that are not
-/// `wanted`; if `wanted` is empty, computes all corners. Time is proportional to the number of corners.
+/// Returns the unit normal of corner k of triangle t at index 3 t + k; +z if undefined. Returns zero for corners at
+/// vertices that are not `wanted`; if `wanted` is empty, computes all corners. Time is proportional to the number of
+/// corners.
 [[nodiscard]] std::vector<glm::vec3> corner_normals(const ShadedMesh& mesh, const Shading& shading,
                                                     const std::vector<bool>& wanted = {});
 

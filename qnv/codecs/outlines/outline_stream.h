@@ -70,8 +70,8 @@ class OutlineDecoder {
   /// header is damaged.
   bool push(std::span<const std::byte> bytes);
   /// Adds a chunk that was received separately, for example as a datagram. Call it after the header is received; chunks
-  /// may have any order. Skips records that were received before. The ranges `missing` of the payload are not received
-  /// yet; a later call may add them. If the chunk's head is complete, uses the other records.
+  /// may have any order. Skips records that were received before. `missing` are the ranges of the payload that are not
+  /// received yet; a later call may add them. Uses the other records if the chunk's head is complete.
   void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing = {});
   /// Ends the stream. Decodes the remaining bytes, and reports missing bytes as problems.
   void finish();

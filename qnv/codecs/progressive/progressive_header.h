@@ -11,7 +11,7 @@
 namespace gs::qnv::progressive {
 
 // Byte layout of fronts and segments: FORMAT.md, "Splits".
-inline constexpr std::uint8_t kFrontMark = 255;  // is where a stage has its depth
+inline constexpr std::uint8_t kFrontMark = 255;  // at the byte where a stage has its depth
 inline constexpr std::size_t kFrontBytes = 13;  // bytes of a front before the first mesh
 inline constexpr std::size_t kSegmentHeaderBytes = 6;
 /// Maximum number of vertex visits per byte of a segment.

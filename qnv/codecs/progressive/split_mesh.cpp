@@ -63,23 +63,23 @@ void SplitMesh::split(std::uint32_t v, const VertexRing& ring, const VertexSplit
   }
   places_.push_back(place);
   corners_.resize(places_.size(), kNone);
+  const auto add = [&](const std::array<std::uint32_t, 3>& triangle, std::uint32_t side_ahead, std::uint32_t behind) {
+    const auto side = static_cast<std::uint32_t>(3 * triangles_.size());
+    triangles_.push_back(triangle);
+    twins_.resize(side + 3, kNone);
+    join(side, side_ahead);
+    join(side + 1, behind);
+    return side;
+  };
   std::uint32_t middle = kNone;  // side from the new vertex to the old one, in the left triangle
   if (how.left) {
-    const auto side = static_cast<std::uint32_t>(3 * triangles_.size());
-    triangles_.push_back({v, ring.neighbours[how.first % size], made});
-    twins_.resize(side + 3, kNone);
-    join(side, left_before);
-    join(side + 1, left_behind);
+    const std::uint32_t side = add({v, ring.neighbours[how.first % size], made}, left_before, left_behind);
     middle = side + 2;
     corners_[v] = side;
     corners_[made] = side + 2;
   }
   if (how.right) {
-    const auto side = static_cast<std::uint32_t>(3 * triangles_.size());
-    triangles_.push_back({made, ring.neighbours[how.last % size], v});
-    twins_.resize(side + 3, kNone);
-    join(side, right_before);
-    join(side + 1, right_behind);
+    const std::uint32_t side = add({made, ring.neighbours[how.last % size], v}, right_before, right_behind);
     if (middle != kNone) join(side + 2, middle);
     corners_[v] = side + 2;
     corners_[made] = side;

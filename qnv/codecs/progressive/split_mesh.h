@@ -17,7 +17,7 @@ using displaced::kNone;
 /// the mesh's rim, the ring starts at the rim and has one more neighbour than triangles. Inside the mesh, the ring is
 /// closed: neighbour 0 follows the last neighbour.
 struct VertexRing {
-  std::vector<std::uint32_t> corners;  // corner 3 t + k of each triangle at the vertex
+  std::vector<std::uint32_t> corners;  // for each triangle t at the vertex: 3 t + k, where corner k is the vertex
   std::vector<std::uint32_t> neighbours;  // vertex indices
   bool open = false;
 };

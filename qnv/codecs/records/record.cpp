@@ -173,10 +173,6 @@ glm::vec3 normal_of(unsigned code) {
   return {n.x, n.y, n.z};
 }
 
-std::uint64_t pack_record(const RecordVector& vector, const RecordFrame& frame) {
-  return Packer(frame).pack(vector.position, vector.normal, vector.weight, vector.color);
-}
-
 RecordVector unpack_record(std::uint64_t bits, const RecordFrame& frame) {
   const auto coordinate = [](std::uint64_t code, float lower, float cell) {
     return lower + static_cast<float>(2 * (code & 1023) + 1) * (cell * 0.5f);

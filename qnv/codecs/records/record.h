@@ -25,29 +25,6 @@ inline constexpr unsigned kNormalCodes = kRecordThetas * kRecordPhis;
 /// pi / 64.
 inline constexpr double kLargestNormalError = 0.0694271;  // radians, rounded up
 
-/// Fields of a record, as integers. Writers never use the weight 0, which is reserved; readers treat it as 1.
-struct RecordFields {
-  std::uint16_t x = 0, y = 0, z = 0;  // 0..1023
-  std::uint8_t theta = 0, phi = 0;    // 0..31, 0..63
-  std::uint16_t weight = 1;           // 1..32767
-  std::uint8_t color = 0;             // surface: palette index; volume: class
-  friend bool operator==(const RecordFields&, const RecordFields&) = default;
-};
-
-/// Packs the fields into the 64-bit integer of a record, which is stored in little-endian order. X has bits 0-9, Y
-/// 10-19, Z 20-29, theta 30-34, phi 35-40, A 41-55, C 56-63.
-[[nodiscard]] constexpr std::uint64_t join_fields(const RecordFields& f) {
-  return std::uint64_t{f.x & 1023u} | std::uint64_t{f.y & 1023u} << 10 | std::uint64_t{f.z & 1023u} << 20 |
-         std::uint64_t{f.theta & 31u} << 30 | std::uint64_t{f.phi & 63u} << 35 |
-         std::uint64_t{f.weight & 32767u} << 41 | std::uint64_t{f.color} << 56;
-}
-[[nodiscard]] constexpr RecordFields split_fields(std::uint64_t bits) {
-  return {static_cast<std::uint16_t>(bits & 1023),       static_cast<std::uint16_t>(bits >> 10 & 1023),
-          static_cast<std::uint16_t>(bits >> 20 & 1023), static_cast<std::uint8_t>(bits >> 30 & 31),
-          static_cast<std::uint8_t>(bits >> 35 & 63),    static_cast<std::uint16_t>(bits >> 41 & 32767),
-          static_cast<std::uint8_t>(bits >> 56)};
-}
-
 /// Frame of a chunk's records: parameters for decoding their fields.
 /// A coordinate code x decodes to lower + (2x + 1) * (cell / 2), which is lower + (x + 0.5) / 1024 * extent. A weight
 /// code A decodes to max(A, 1) * weight_step. `cell` has 13 significant bits, so that (2x + 1) * (cell / 2) is exact.
@@ -89,13 +66,13 @@ struct RecordVector {
 /// + 0.5) / 64 * 2 pi. Correctly rounded, except for the last bit of double arithmetic.
 [[nodiscard]] glm::vec3 normal_of(unsigned code);
 
-/// Returns the record nearest to a vector. Clamps positions to the frame's box, and weights to the frame's maximum.
-/// Also clamps weights that are not finite.
-[[nodiscard]] std::uint64_t pack_record(const RecordVector& vector, const RecordFrame& frame);
+/// Unpacks one record. Treats the reserved weight 0 as 1.
 [[nodiscard]] RecordVector unpack_record(std::uint64_t bits, const RecordFrame& frame);
 
-/// Packs positions.size() vectors into the same number of records at `out`. All spans have equal lengths, except that
-/// `colors` may be empty; all colours are then 0.
+/// Packs positions.size() vectors into the same number of records at `out`: the nearest ones. A record is a 64-bit
+/// integer in little-endian order. X has bits 0-9, Y 10-19, Z 20-29, theta 30-34, phi 35-40, A 41-55, C 56-63. Clamps
+/// positions to the frame's box, and weights to the frame's maximum. Also clamps weights that are not finite. All spans
+/// have equal lengths, except that `colors` may be empty; all colours are then 0.
 void pack_records(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                   std::span<const float> weights, std::span<const std::uint8_t> colors, const RecordFrame& frame,
                   std::byte* out);

@@ -1,9 +1,11 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "qnv/base/geometry.h"
 #include "qnv/container/container.h"
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <utility>
 
@@ -40,11 +42,8 @@ struct MeshProgress {
 /// Decoder of the chunks of one stream, in any order and with losses. At any time, the received part gives a complete
 /// picture. Each codec has its own class; the codec's table row creates it (codecs/payloads.h). One thread at a time.
 /// Safe for untrusted bytes.
-class Decoder {
+class Decoder : NonCopyable {
  public:
-  Decoder() = default;
-  Decoder(const Decoder&) = delete;
-  Decoder& operator=(const Decoder&) = delete;
   virtual ~Decoder() = default;
 
   /// Adds the payload of a chunk. The codec must support the chunk's type. The ranges `missing` in the payload, and
@@ -60,5 +59,12 @@ class Decoder {
   [[nodiscard]] virtual Geometry geometry_to_draw(GeometryBase base) { return geometry(std::move(base)); }
   [[nodiscard]] virtual MeshProgress mesh() const { return {}; }
 };
+
+// Factories of the codecs' decoders. `most_vectors` limits the number of vectors.
+[[nodiscard]] std::unique_ptr<Decoder> make_records_decoder(const StreamHeader& header, std::size_t most_vectors);
+[[nodiscard]] std::unique_ptr<Decoder> make_displaced_decoder(const StreamHeader& header, std::size_t most_vectors);
+[[nodiscard]] std::unique_ptr<Decoder> make_octree_decoder(const StreamHeader& header, std::size_t most_vectors);
+[[nodiscard]] std::unique_ptr<Decoder> make_progressive_decoder(const StreamHeader& header, std::size_t most_vectors);
+[[nodiscard]] std::unique_ptr<Decoder> make_voxels_decoder(const StreamHeader& header, std::size_t most_vectors);
 
 }  // namespace gs::qnv

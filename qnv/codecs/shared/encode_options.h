@@ -39,10 +39,8 @@ inline constexpr int kExactWherePays = -1;
 inline constexpr std::size_t kMaxChosenTriangles = 300'000;
 
 struct EncodeOptions {
-  Payload payload = Payload::packed;
   std::size_t vectors = 0;  // approximate number at full detail; 0 means automatic
   std::size_t max_bytes = 0;  // maximum size of the stream; 0 means unlimited
-  bool compact = false;  // packed: fewer bits per vector, and a rougher final picture
   std::uint64_t seed = 1;  // of the pseudo-random order of records
   bool two_sided = false;
   bool only_if_suited = false;  // displaced: fails with EncodeError::unsuited if an octree is better
@@ -50,7 +48,7 @@ struct EncodeOptions {
   int exact_bits = 0;  // displaced: bits per axis of an exact tail, 8 to 20; 0 means no tail; or
                        // kExactWherePays
   const TexturedSurface* textured = nullptr;  // displaced: source of the exact tail, or null; must outlive the call
-  glm::dvec3 origin{0};  // origin of triangles (Description::origin); point sets have their own
+  glm::dvec3 origin{0};  // origin of triangles (Description::origin); vectors have their own
   std::vector<std::pair<std::string, std::string>> metadata;
   unsigned threads = 0;
 };
@@ -58,7 +56,7 @@ struct EncodeOptions {
 /// Request for a stream, independent of the source.
 struct EncodeRequest {
   std::optional<Payload> payload;  // if nullopt, encode() chooses by the source
-  EncodeOptions options;  // encode() ignores `payload` and `only_if_suited`
+  EncodeOptions options;  // encode() ignores `only_if_suited`
 };
 
 /// Memory per triangle during the encoding of a displaced surface, in bytes.

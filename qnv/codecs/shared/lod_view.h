@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/box.h"
+
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
@@ -22,5 +24,17 @@ struct LodView {
   bool each_chunk = false;  // each Piece has splats of only one chunk
   friend bool operator==(const LodView&, const LodView&) = default;
 };
+
+/// Reports whether a box is entirely outside a view.
+[[nodiscard]] inline bool outside(const Box& box, const LodView& view) {
+  for (const glm::vec4& plane : view.planes) {
+    if (plane == glm::vec4(0)) continue;
+    // Corner that is farthest inside the plane.
+    const glm::vec3 p(plane.x >= 0 ? box.upper.x : box.lower.x, plane.y >= 0 ? box.upper.y : box.lower.y,
+                      plane.z >= 0 ? box.upper.z : box.lower.z);
+    if (plane.x * p.x + plane.y * p.y + plane.z * p.z + plane.w < 0) return true;
+  }
+  return false;
+}
 
 }  // namespace gs::qnv

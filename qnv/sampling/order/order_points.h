@@ -36,7 +36,7 @@ struct KeyedIndex {
 /// Sorts entries by the lowest `bits` bits of their keys. Stable.
 void sort_by_key(std::vector<KeyedIndex>& entries, unsigned bits, unsigned threads);
 
-/// Cube around a point set.
+/// Cube around points.
 struct Cube {
   std::array<double, 3> lower{};
   double side = 0;
@@ -76,7 +76,7 @@ struct Level {
 /// Points in Morton order, and their octree.
 struct Tree {
   std::vector<std::uint64_t> keys;  // Morton code of each point at kDeepest
-  std::vector<std::uint32_t> source;  // index of each point in the point set
+  std::vector<std::uint32_t> source;  // index of each point in the input
   Points points;
   std::vector<Level> levels;  // from the root to kDeepest, or to the first level with nearly as many cells as points
 
@@ -85,7 +85,7 @@ struct Tree {
   }
 };
 
-/// Builds the tree of the points `indices` of a point set. `normals` may be empty.
+/// Builds the tree of the points `indices`. `normals` may be empty.
 [[nodiscard]] Tree make_tree(const Cube& cube, std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                              std::vector<std::uint32_t> indices, unsigned threads);
 

@@ -209,7 +209,7 @@ class Spreader {
     parallel_for(parts.size(), join, threads(level));
   }
 
-  // Takes candidates one by one: always the one that is farthest from the taken points.
+  // Takes candidates one by one: always the candidate that is farthest from the taken points.
   void take_furthest(unsigned level) {
     const std::uint32_t last_step = kSteps * (level + 1);
     const bool whole = takes_all(level) && candidates_.size() <= kExactWhole;

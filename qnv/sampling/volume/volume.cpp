@@ -1,3 +1,4 @@
+#include "base/nth_type.h"
 #include "qnv/sampling/volume/volume_slices.h"
 
 #include "base/finite.h"
@@ -124,24 +125,8 @@ void values_of(const VolumeLayout& layout, std::span<const std::byte> stored, st
   std::fill(values.begin() + static_cast<std::ptrdiff_t>(count), values.end(), kMissing);
   const std::byte* from = stored.data();
   float* to = values.data();
-  switch (layout.type) {
-    case VoxelType::u8:
-      return convert<std::uint8_t>(from, to, count, layout);
-    case VoxelType::i8:
-      return convert<std::int8_t>(from, to, count, layout);
-    case VoxelType::u16:
-      return convert<std::uint16_t>(from, to, count, layout);
-    case VoxelType::i16:
-      return convert<std::int16_t>(from, to, count, layout);
-    case VoxelType::u32:
-      return convert<std::uint32_t>(from, to, count, layout);
-    case VoxelType::i32:
-      return convert<std::int32_t>(from, to, count, layout);
-    case VoxelType::f32:
-      return convert<float>(from, to, count, layout);
-    case VoxelType::f64:
-      return convert<double>(from, to, count, layout);
-  }
+  with_nth_type<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, float, double>(
+      static_cast<std::size_t>(layout.type), [&](auto kind) { convert<decltype(kind)>(from, to, count, layout); });
 }
 
 bool read_slice(const VolumeSource& source, std::uint32_t z, std::vector<std::byte>& scratch, std::span<float> values) {

@@ -24,7 +24,8 @@ using namespace gs::app;
 namespace {
 
 const std::string kPrintedWorld = "#VRML V2.0 utf8\nShape { geometry Box { } }\n";
-// Clears the screen, sets the title, rings, and writes "red"; again by C1 controls; deletes; reverses the text.
+// Text that clears the screen, sets the title, rings the bell and writes "red". It does this again by C1 controls, then
+// deletes and reverses text.
 const std::string kEvil =
     "\x1b[2J\x1b]0;title\x07\x1b[31mred\xc2\x9b"
     "2J\x7f\xe2\x80\xae\r\xff\xc0\xaf";
@@ -70,16 +71,19 @@ TEST_CASE("escapes controls and invalid UTF-8, and keeps printable text") {
   CHECK(printable("\xc2\x80\xc2\x9b\xc2\x9f\xc2\xa0") == "\\u0080\\u009b\\u009f\xc2\xa0");
   CHECK(printable("\xe2\x80\xae\xe2\x80\xa8\xe2\x81\xa6\xd8\x9c\xe2\x80\x8f") == "\\u202e\\u2028\\u2066\\u061c\\u200f");
   // Invalid UTF-8: single bytes, truncated, overlong, surrogates, too large.
-  CHECK(printable("\x80") == "\\x80");
-  CHECK(printable("\x9b[2J") == "\\x9b[2J");
-  CHECK(printable("\xe2\x82") == "\\xe2\\x82");
-  CHECK(printable("\xc3(") == "\\xc3(");
-  CHECK(printable("\xc0\x9b") == "\\xc0\\x9b");
-  CHECK(printable("\xe0\x82\x9b") == "\\xe0\\x82\\x9b");
-  CHECK(printable("\xed\xa0\x80") == "\\xed\\xa0\\x80");
-  CHECK(printable("\xf4\x90\x80\x80") == "\\xf4\\x90\\x80\\x80");
-  CHECK(printable("\xf8\x88\x80\x80\x80") == "\\xf8\\x88\\x80\\x80\\x80");
-  CHECK(printable("").empty());
+  const std::pair<const char*, const char*> invalid[] = {
+      {"\x80", "\\x80"},
+      {"\x9b[2J", "\\x9b[2J"},
+      {"\xe2\x82", "\\xe2\\x82"},
+      {"\xc3(", "\\xc3("},
+      {"\xc0\x9b", "\\xc0\\x9b"},
+      {"\xe0\x82\x9b", "\\xe0\\x82\\x9b"},
+      {"\xed\xa0\x80", "\\xed\\xa0\\x80"},
+      {"\xf4\x90\x80\x80", "\\xf4\\x90\\x80\\x80"},
+      {"\xf8\x88\x80\x80\x80", "\\xf8\\x88\\x80\\x80\\x80"},
+      {"", ""},
+  };
+  for (const auto& [bytes, text] : invalid) CHECK(printable(bytes) == text);
 }
 
 TEST_CASE("keeps terminal controls out of file names, contents and URLs that it prints") {
@@ -145,7 +149,7 @@ TEST_CASE("reports in every command that its output could not be written, and fa
     CHECK(closed.status != kDone);
     CHECK(closed.output.find("cannot write standard output") != std::string::npos);
   }
-  // Prints nothing, so nothing can fail.
+  // `check` prints nothing here, so its output cannot fail.
   CHECK(run_shell(program() + " check " + world + " > /dev/full").status == kDone);
   CHECK(run_shell(program() + " check " + bad + " 2>&- >&- <&-").status == kFailed);
 }
@@ -153,7 +157,7 @@ TEST_CASE("reports in every command that its output could not be written, and fa
 TEST_CASE("reports a full disk for every kind of output, and leaves no file") {
   const ScratchFolder folder;
   const std::string world = quoted(folder.write("box.wrl", kPrintedWorld));
-  // A file size limit of 0 acts like a full disk, with another reason.
+  // A file size limit of 0 acts like a full disk, but with another message.
   const std::string picture = "--backend osmesa --samples 1 --size 32x24 --snapshot ";
   for (const std::string& arguments :
        {"encode --vectors 1000 " + world + " " + quoted(folder.path("o.qnv")),
@@ -194,7 +198,7 @@ TEST_CASE("ends with one line and a status if memory is too small, never with a 
       CHECK((result.status == kDone || result.status == kFailed));
       if (result.status == kFailed) CHECK(result.output.find("memory") != std::string::npos);
       ++(result.status == kFailed ? failed : done);
-      if (result.status == kDone) break;  // larger limits succeed, too
+      if (result.status == kDone) break;  // larger limits succeed too
     }
   CHECK(failed > 0);
   CHECK(done > 0);

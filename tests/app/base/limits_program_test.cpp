@@ -12,8 +12,8 @@
 #include <string>
 
 namespace gs::limits_program_test {
-// Runs the program on files that request far more memory than their size, with default limits, and measures the peak.
-// Sanitizers need more memory, so with them only the answer counts.
+// Runs the program on files that request far more memory than their size, with default limits, and measures the peak
+// memory. Sanitizers need more memory, so with them only the answer counts.
 namespace {
 
 using namespace app;
@@ -78,7 +78,7 @@ TEST_CASE("prints deep scenes without a text larger than they are") {
   const Run result = run("print " + quoted(folder.write("deep.wrl", text + end)));
   CHECK(result.status == 0);
   CHECK(result.output.size() < 1'000'000);
-  // It prints the same again.
+  // The printed world prints equal text again.
   const Run again = run("print " + quoted(folder.write("again.wrl", result.output)));
   CHECK(again.output == result.output);
 }

@@ -1,6 +1,6 @@
 #include "app/base/load_limit.h"
 
-#include "app/formats/qnv/cloud_reader.h"
+#include "app/formats/qnv/geometry_reader.h"
 #include "app/loading/world_loader.h"
 #include "tests/app/scratch_folder.h"
 
@@ -41,7 +41,7 @@ TEST_CASE("stops running work at its deadline or on cancellation") {
 
 TEST_CASE("stops reading a world when its loading is cancelled") {
   const ScratchFolder folder;
-  const std::string blanks(std::size_t{20} << 20, '\n');  // more than one step parses
+  const std::string blanks(std::size_t{20} << 20, '\n');  // longer than the part that one step parses
   const std::string path = folder.write("long.wrl", "#VRML V2.0 utf8\nGroup {}\n" + blanks + "Shape {}\n");
   CHECK(load_world(path).scene->roots().size() == 2);
   const std::atomic<bool> cancelled = true;

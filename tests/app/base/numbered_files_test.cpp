@@ -32,7 +32,7 @@ TEST_CASE("sorts the files of a series by their numbers") {
   CHECK(file_series(folder.path("none.%d.vti"))->empty());
   CHECK_FALSE(file_series(folder.path("run.9.vti")));
   folder.write("50%d.vti", "");
-  CHECK_FALSE(file_series(folder.path("50%d.vti")));  // a file of that very name
+  CHECK_FALSE(file_series(folder.path("50%d.vti")));  // a file with exactly this name
   CHECK_FALSE(file_series("http://host/run.%d.vti"));
 }
 

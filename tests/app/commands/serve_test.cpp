@@ -17,6 +17,7 @@
 #include <cstring>
 #include <filesystem>
 #include <thread>
+#include <utility>
 
 using namespace gs;
 using namespace gs::app;
@@ -114,17 +115,20 @@ TEST_CASE("searches and sorts an index on the server, without scripts") {
     for (const auto& [at, name] : places) names += name + " ";
     return names;
   };
-  CHECK(order("") == "sub Tower.wrl gate.wrl x.stl ");
-  CHECK(order("sort=size") == "sub Tower.wrl x.stl gate.wrl ");
-  CHECK(order("sort=-size") == "sub gate.wrl x.stl Tower.wrl ");
-  CHECK(order("sort=date&search=") == "sub gate.wrl x.stl Tower.wrl ");
-  CHECK(order("search=TOWER") == "Tower.wrl ");
-  CHECK(order("search=%2ewrl&sort=-name") == "gate.wrl Tower.wrl ");
-  CHECK(order("search=nothing").empty());
+  const std::pair<const char*, const char*> orders[] = {
+      {"", "sub Tower.wrl gate.wrl x.stl "},
+      {"sort=size", "sub Tower.wrl x.stl gate.wrl "},
+      {"sort=-size", "sub gate.wrl x.stl Tower.wrl "},
+      {"sort=date&search=", "sub gate.wrl x.stl Tower.wrl "},
+      {"search=TOWER", "Tower.wrl "},
+      {"search=%2ewrl&sort=-name", "gate.wrl Tower.wrl "},
+      {"search=nothing", ""},
+  };
+  for (const auto& [query, names] : orders) CHECK(order(query) == names);
   const std::string page = archive_index(listing, {false, "search=%22%3E%3Cb%3E&sort=%22%3E%3Cb%3E", {}}, true).body;
   CHECK(page.find("\"><b>") == std::string::npos);
   CHECK(page.find("<a href=\"../\">a b</a> / <a href=\"./\">c</a>") != std::string::npos);
-  // A click opens the stream of a mesh, and a world itself.
+  // A click on a mesh opens its stream. A click on a world opens the world itself.
   CHECK(page.find("Tower.wrl.gslink") == std::string::npos);
   const std::string whole = archive_index(listing, {}, true).body;
   CHECK(whole.find("href=\"./Tower.wrl.gslink\"") != std::string::npos);
@@ -192,7 +196,7 @@ TEST_CASE("serve: lists a folder with generated thumbnails and streams") {
   CHECK(link.body == "[GhostSpace link]\nURL=http://" + host + "/ball.wrl\n");
   CHECK(fetch(port, "/nothing.gslink").status == 404);
   CHECK(fetch(port, "/?search=bad&sort=size").body.find("ball.wrl") == std::string::npos);
-  // Not for pages of other sites, nor under other names.
+  // Pages of other sites have no access, and requests under other host names have none.
   CHECK(stream.headers.count("access-control-allow-origin") == 0);
   CHECK(fetch(port, "/ball.wrl", {"Host: evil.example"}).status == 421);
   archive->stop(std::chrono::seconds(1));
@@ -345,7 +349,7 @@ TEST_CASE("serve: sends streams as cells, as octrees and as records") {
   }
   for (const char* bad : {"", "..", "../x", "ball.wrl", "nothing.qnv", "/"})
     CHECK(std::holds_alternative<std::string>(library->open(bad)));
-  // Over UDP.
+  // A client receives the stream over UDP.
   auto client = net::CellClientDriver::start({}, "127.0.0.1", *archive->cells_port(), {});
   auto& driver = *std::get<std::unique_ptr<net::CellClientDriver>>(client);
   net::CellWish wish;

@@ -157,7 +157,8 @@ TEST_CASE("trace clicks on a TouchSensor by pixels (6.51)") {
       "946684800.3 T.touchTime 946684800.3\n946684800.4 T.isOver FALSE\n";
   CHECK(pointed(kSensors, "--size 100x100", rows) == lines);
   CHECK(pointed(kSensors, "--size 100x100", rows) == lines);
-  // The same pixels of another picture size. The wider picture shows more at the sides, without the Anchor's box.
+  // The same pixels in a wider picture. The wider picture shows more at the sides, so these pixels miss the Anchor's
+  // box.
   CHECK(pointed(kSensors, "--size 300x100", "{\"t\":0,\"move\":[150,50]}\n{\"t\":1,\"move\":[50,50]}") ==
         "946684800 T.isOver TRUE\n946684800 T.hitPoint_changed 0 0 0\n946684800 T.hitNormal_changed 0 0 1\n"
         "946684800 T.hitTexCoord_changed 0.5 0.5\n946684801 T.isOver FALSE\n");
@@ -168,7 +169,7 @@ TEST_CASE("trace clicks on a TouchSensor by pixels (6.51)") {
 }
 
 TEST_CASE("gives the pointer only to the geometry nearest to the viewer (4.6.7.3)") {
-  // The sensor's box is behind another one, and visible on its right.
+  // The sensor's box is partly behind another box; its right part is visible.
   const std::string world = R"(#VRML V2.0 utf8
 Viewpoint { }
 Group { children [ Transform { translation 2 0 -2 children Shape { geometry Box { size 6 2 2 } } } DEF T TouchSensor { } ] }
@@ -206,18 +207,19 @@ Transform { translation 0 0 30 children [ Shape { geometry Box { } } PlaneSensor
 Group { children [ Shape { geometry IndexedLineSet { coord Coordinate { point [ 0 0 0, 1 1 0 ] } coordIndex [ 0 1 ] } }
   DEF L TouchSensor { } ] }
 DEF G Group { })";
-  // No pixel shows its box, which is behind another one.
+  // No pixel shows the sensor's box, because another box hides it.
   CHECK(pointed(world, "", "{\"t\":0.1,\"press\":[512,384]}\n{\"t\":0.2,\"release\":[512,384]}\n").empty());
   CHECK(pointed(world, "", "{\"t\":0.1,\"press\":\"T\"}\n{\"t\":0.2,\"release\":true}\n") ==
         "946684800.1 T.isOver TRUE\n946684800.1 T.hitPoint_changed 0 0 1\n946684800.1 T.hitNormal_changed 0 0 1\n"
         "946684800.1 T.hitTexCoord_changed 0.5 0.5\n946684800.1 T.isActive TRUE\n946684800.2 T.isActive FALSE\n"
         "946684800.2 T.touchTime 946684800.2\n");
-  // A drag off the sensor sends no touchTime.
+  // A drag that ends outside of the sensor sends no touchTime.
   const std::string left =
       pointed(world, "", "{\"t\":0.1,\"press\":\"T\"}\n{\"t\":0.2,\"drag\":[300,0]}\n{\"t\":0.3,\"release\":true}\n");
   CHECK(left.find("946684800.2 T.isOver FALSE\n946684800.3 T.isActive FALSE\n") != std::string::npos);
   CHECK(left.find("touchTime") == std::string::npos);
-  // The sensor is behind the viewer. After the turn, left is right in the world.
+  // The sensor is behind the viewer, and the pointer's line leads backwards. So a drag to the left moves to the right
+  // of the world.
   const std::string dragged = pointed(world, "",
                                       "{\"t\":0.1,\"press\":\"PlaneSensor#1\"}\n{\"t\":0.2,\"drag\":[-9,-9]}\n"
                                       "{\"t\":0.3,\"release\":true}\n");
@@ -302,6 +304,23 @@ Viewpoint { } Transform { translation 2 0 0 children [ Shape { geometry Box { } 
   CHECK(dragged != picture("3.png", quoted(world)));
 }
 
+TEST_CASE("draws pictures before the background of the window: a gradient, except for worlds") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("a.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }"),
+                    mesh = folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const auto picture = [&](const std::string& name, const std::string& arguments) {
+    const Run drawn = run(arguments + " --size 64x64 --snapshot " + quoted(folder.path(name)));
+    INFO(drawn.output);
+    CHECK(drawn.status == kDone);
+    return run_shell("cksum < " + quoted(folder.path(name))).output;
+  };
+  CHECK(picture("1.png", quoted(mesh)) == picture("2.png", "--background gradient " + quoted(mesh)));
+  CHECK(picture("1.png", quoted(mesh)) != picture("3.png", "--background world " + quoted(mesh)));
+  CHECK(picture("3.png", "--background world " + quoted(mesh)) == picture("4.png", "--background 0,0,0 " + quoted(mesh)));
+  CHECK(picture("5.png", quoted(world)) == picture("6.png", "--background world " + quoted(world)));
+  CHECK(picture("5.png", quoted(world)) != picture("7.png", "--background gradient " + quoted(world)));
+}
+
 TEST_CASE("draws the picture at the simulated time of --time") {
   const ScratchFolder folder;
   const std::string world = folder.write("world.wrl", kWorld), still = folder.write("still.wrl", R"(#VRML V2.0 utf8
@@ -334,7 +353,8 @@ TEST_CASE("animates the demo world, with its gate and lantern after a click") {
 
   const Run still = run("trace " + world + " --until 1");
   CHECK(still.status == kDone);
-  // For example the lighthouse, the boat, its pennant in another file, and the gulls in PROTO instances.
+  // The demo world moves its lighthouse, the boat, the pennant in another file and the gulls in PROTO instances, for
+  // example.
   for (const char* moved : {" Rays.rotation_changed ", " Boat.translation_changed ", " Boat.rotation_changed ",
                             " Pennant.point_changed ", " Circle.rotation_changed ", " Wing.rotation_changed "}) {
     INFO(moved);

@@ -1,7 +1,7 @@
 // Tests of encode and info, as a user runs them.
 #include "tests/app/commands/vector_commands.h"
-#include "app/commands/encode.h"
 #include "app/commands/common/vectors_of.h"
+#include "app/commands/encode.h"
 
 #include <catch2/catch.hpp>
 
@@ -28,8 +28,8 @@ TEST_CASE("encode: makes a stream with the area, title and source of a world, an
   INFO(result.output);
   REQUIRE(result.status == kDone);
   CHECK(std::count(result.output.begin(), result.output.end(), '\n') == 1);
-  CHECK(result.output.starts_with(out + ": "));
-  CHECK(result.output.find(" bits/vector, ") != std::string::npos);
+  CHECK(result.output.starts_with(world + " "));
+  CHECK(result.output.find(" -> " + out + " ") != std::string::npos);
   const nlohmann::json facts = info(out);
   CHECK(facts["type"] == "QNV");
   CHECK(facts["payload"] == "packed");
@@ -72,7 +72,8 @@ TEST_CASE("encode and info report which properties of splats are discarded") {
   REQUIRE(told.status == kDone);
   CHECK("splats are drawn as " + nlohmann::json::parse(told.output)["metadata"]["splats drawn as"].get<std::string>() ==
         note);
-  CHECK(run("info " + quoted(b) + " 2>/dev/null").output.find("splats drawn as: opaque surface splats") != std::string::npos);
+  CHECK(run("info " + quoted(b) + " 2>/dev/null").output.find("splats drawn as: opaque surface splats") !=
+        std::string::npos);
   CHECK(info(out)["metadata"]["splats drawn as"] == "opaque surface splats, without their opacity");
 }
 
@@ -136,8 +137,7 @@ TEST_CASE("encode: adds the mesh itself with --exact, and export writes it") {
             .status == kFailed);
 }
 
-TEST_CASE(
-    "encode: ends a smooth surface with the mesh itself unless --exact=none, and info prints its progress") {
+TEST_CASE("encode: ends a smooth surface with the mesh itself unless --exact=none, and info prints its progress") {
   const ScratchFolder folder;
   std::string text;
   constexpr int kSide = 60;
@@ -216,7 +216,7 @@ TEST_CASE("encode: makes records or a smaller octree of points, in the orientati
   const std::string points = folder.write("wall.xyz", text), out = folder.path("wall.qnv");
   REQUIRE(run("encode " + quoted(points) + " " + quoted(out)).status == kDone);
   CHECK(info(out)["payload"] == "records");
-  CHECK(info(out)["metadata"]["up"] == "z");  // metres, as in a survey
+  CHECK(info(out)["metadata"]["up"] == "z");  // the file has the size of a survey, so +Z is up
   const std::size_t records = folder.read("wall.qnv").size();
   REQUIRE(run("encode --packed " + quoted(points) + " " + quoted(out)).status == kDone);
   CHECK(info(out)["payload"] == "packed");

@@ -146,7 +146,7 @@ TEST_CASE("loadURL of a client opens no file outside the world's folder without 
              why.find("no such file") != std::string::npos));
     }
     add_script(site);
-    // The first URL that may be opened is opened.
+    // The session opens the first permitted URL.
     site.say({{"method", "loadURL"}, {"params", Json::array({Json::array({"../secret.wrl", "sub/next.wrl"})})}});
     const Json next = site.until([](const Json& one) {
       return one.value("method", "") == "browser" && one["params"]["event"] == "initialized";

@@ -118,7 +118,7 @@ TEST_CASE("sends a slow client the last value of each eventOut, and the number t
 }
 
 TEST_CASE("sends the last value of each eventOut if a step has too many events to queue") {
-  // A thousand eventOuts with forty watching clients.
+  // Forty clients watch a thousand eventOuts.
   std::string body = "DEF T TimeSensor { startTime 1000 cycleInterval 10 } ";
   for (int i = 0; i < 1000; ++i) {
     const std::string n = std::to_string(i);

@@ -17,10 +17,14 @@ namespace fs = std::filesystem;
 
 const std::string kExamples = GHOSTSPACE_TESTS "/../docs/examples/control/";
 
-bool has(const std::string& name) { return run_shell("command -v " + name).status == 0; }
+bool has(const std::string& name) {
+  const bool found = run_shell("command -v " + name).status == 0;
+  if (!found) WARN(name << " is not installed; skipped");
+  return found;
+}
 
-/// Runs a shell line while the program listens at ./socket with the token in ./token, and returns its output. Then ends
-/// the program, with its own output in ./log.
+/// Runs a shell line while the program listens at ./socket, and returns the output of the line. ./token holds the
+/// token. Then ends the program; its output is in ./log.
 Run with_program(const ScratchFolder& folder, const std::string& line, const std::string& arguments) {
   return run_shell(
       "cd " + quoted(folder.path("")) + "; " + program() + " --backend osmesa --control socket " +
@@ -35,10 +39,7 @@ std::string world() { return "#VRML V2.0 utf8\nDEF Ground Shape { geometry Box {
 }  // namespace
 
 TEST_CASE("runs the Python example of docs/control.md, and ends on request") {
-  if (!has("python3")) {
-    WARN("python3 is not installed; skipped");
-    return;
-  }
+  if (!has("python3")) return;
   const ScratchFolder folder;
   (void)folder.write("world.wrl", world());
   const Run run = with_program(
@@ -57,10 +58,7 @@ TEST_CASE("runs the Python example of docs/control.md, and ends on request") {
 }
 
 TEST_CASE("runs the JavaScript example of docs/control.md") {
-  if (!has("node")) {
-    WARN("node is not installed; skipped");
-    return;
-  }
+  if (!has("node")) return;
   const ScratchFolder folder;
   (void)folder.write("world.wrl", world());
   const Run run =

@@ -90,7 +90,7 @@ TEST_CASE("sends time and value of a watched eventOut until the watch ends (1477
   CHECK(told[0]["value"] == Json{1, 0, 0});
   CHECK(told[0]["time"].get<double>() == Approx(1001));
   world.call("unadvise", {{"watch", watch}});
-  (void)world.told("event");  // drops events from before the call
+  (void)world.told("event");  // drops earlier events
   world.step(1);
   CHECK(world.told("event").empty());
   CHECK(world.problem("unadvise", {{"watch", watch}}) == "unknown watch number");
@@ -346,7 +346,7 @@ TEST_CASE("controls a session in each viewport, and drops the nodes of a closed 
   CHECK(world.call("awaitWorld") == Json::object());
   const Json box = world.call("getNode", {{"node", "Box"}})["node"];
   world.call("advise", {{"node", "Box"}, {"event", "translation"}});
-  world.open("DEF Other Transform {}");  // the file is another one
+  world.open("DEF Other Transform {}");  // the file has another world
   world.step(0);
   std::vector<std::string> events;
   for (const Json& one : world.told("browser")) events.push_back(one["event"]);

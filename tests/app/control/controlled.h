@@ -2,6 +2,7 @@
 
 #include "app/control/control.h"
 #include "app/session/session.h"
+#include "base/noncopyable.h"
 #include "tests/app/control/queued_channel.h"
 #include "tests/app/worlds.h"
 
@@ -37,7 +38,7 @@ class Channel final : public QueuedChannel {
 };
 
 /// Session of a world in simulated time, controlled by clients.
-class World {
+class World : NonCopyable {
  public:
   static constexpr double kStart = 1000;
 
@@ -54,8 +55,6 @@ class World {
     input.area = Viewport{0, 0, 200, 100};
   }
   ~World() { session.remove_extension(control); }
-  World(const World&) = delete;
-  World& operator=(const World&) = delete;
 
   void open(const std::string& body) {
     document = hold_world(world_of(body));

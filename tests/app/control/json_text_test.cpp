@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace gs::app::json_text_test {
@@ -18,7 +19,7 @@ std::size_t wrong_at(std::string_view text) {
   return problem->place;
 }
 
-/// Writes the value again that a cursor reads.
+/// Reads a value with a cursor, and returns its text as written again.
 std::string again(JsonCursor& json) {
   std::string out, made;
   switch (json.kind()) {
@@ -77,15 +78,11 @@ TEST_CASE("parses JSON as RFC 8259 defines") {
 }
 
 TEST_CASE("rejects invalid JSON at its first wrong byte, and every incomplete text") {
-  CHECK(wrong_at("") == 0);
-  CHECK(wrong_at("[1,]") == 3);
-  CHECK(wrong_at("[,1]") == 1);
-  CHECK(wrong_at("[1 2]") == 3);
-  CHECK(wrong_at("{\"a\" 1}") == 5);
-  CHECK(wrong_at("{a:1}") == 1);
-  CHECK(wrong_at("{\"a\":1,}") == 7);
-  CHECK(wrong_at("{} {}") == 3);
-  CHECK(wrong_at("[}") == 1);
+  const std::pair<const char*, std::size_t> wrong[] = {
+      {"", 0},      {"[1,]", 3},       {"[,1]", 1},  {"[1 2]", 3}, {"{\"a\" 1}", 5},
+      {"{a:1}", 1}, {"{\"a\":1,}", 7}, {"{} {}", 3}, {"[}", 1},
+  };
+  for (const auto& [text, at] : wrong) CHECK(wrong_at(text) == at);
   for (const char* bad : {"01",  "-",        "-01", "1.",  ".5",      "1e",          "1e+",    "+1", "nul", "True",
                           "NaN", "Infinity", "'a'", "\"a", "\"\\x\"", "\"\\u12g4\"", "\"\t\"", "[",  "]",   "\"\\"}) {
     INFO(bad);

@@ -96,22 +96,22 @@ TEST_CASE("accepts flat lists of vectors, colours and rotations") {
 }
 
 TEST_CASE("refuses values of other types and invalid numbers, and names the expected type") {
-  CHECK(problem_of("1", FieldType::SFBool) == "expected true or false");
-  CHECK(problem_of("\"1\"", FieldType::SFFloat) == "expected a number");
-  CHECK(problem_of("\"NaN\"", FieldType::SFTime) == "expected a number");
-  CHECK(problem_of("1e39", FieldType::SFFloat) == "expected a smaller number");
-  CHECK(problem_of("1e400", FieldType::SFTime) == "expected a smaller number");
-  CHECK(problem_of("[1,2,1e39]", FieldType::SFVec3f) == "expected a smaller number");
-  CHECK(problem_of("1.5", FieldType::SFInt32) == "expected a whole number from -2147483648 to 2147483647");
-  CHECK(problem_of("2147483648", FieldType::SFInt32) == "expected a whole number from -2147483648 to 2147483647");
-  CHECK(problem_of("[1,2]", FieldType::SFVec3f) == "expected a list of 3 numbers");
-  CHECK(problem_of("[1,2,3,4]", FieldType::SFVec3f) == "expected a list of 3 numbers");
-  CHECK(problem_of("{}", FieldType::SFVec3f) == "expected a list of 3 numbers");
-  CHECK(problem_of("[1]", FieldType::SFString) == "expected a string");
-  CHECK(problem_of("[1]", FieldType::MFString) == "expected a string");
-  CHECK(problem_of("\"a\"", FieldType::MFString) == "expected a list");
-  CHECK(problem_of("\"a\"", FieldType::SFNode) == "expected a node");
-  CHECK(problem_of("[1,\"a\"]", FieldType::MFNode) == "expected a node");
+  using Values = std::vector<std::pair<const char*, FieldType>>;
+  const std::pair<const char*, Values> problems[] = {
+      {"expected true or false", {{"1", FieldType::SFBool}}},
+      {"expected a number", {{"\"1\"", FieldType::SFFloat}, {"\"NaN\"", FieldType::SFTime}}},
+      {"expected a smaller number",
+       {{"1e39", FieldType::SFFloat}, {"1e400", FieldType::SFTime}, {"[1,2,1e39]", FieldType::SFVec3f}}},
+      {"expected a whole number from -2147483648 to 2147483647",
+       {{"1.5", FieldType::SFInt32}, {"2147483648", FieldType::SFInt32}}},
+      {"expected a list of 3 numbers",
+       {{"[1,2]", FieldType::SFVec3f}, {"[1,2,3,4]", FieldType::SFVec3f}, {"{}", FieldType::SFVec3f}}},
+      {"expected a string", {{"[1]", FieldType::SFString}, {"[1]", FieldType::MFString}}},
+      {"expected a list", {{"\"a\"", FieldType::MFString}}},
+      {"expected a node", {{"\"a\"", FieldType::SFNode}, {"[1,\"a\"]", FieldType::MFNode}}},
+  };
+  for (const auto& [problem, values] : problems)
+    for (const auto& [text, type] : values) CHECK(problem_of(text, type) == problem);
 }
 
 TEST_CASE("requires as many pixels as an image claims, in as many bytes (VRML97 5.5)") {

@@ -158,7 +158,7 @@ TEST_CASE("returns the triangles of a binary PLY as in its world") {
     const MeshTriangles triangles = triangles_of_stream(text);
     REQUIRE(triangles.size() == 4);
     check_same_triangles(triangles, triangles_of_world(text, "PLY"));
-    // Relative to a nearby origin if the file has more digits than float32.
+    // If the file has more digits than float32, positions are relative to a nearby origin.
     const std::string wide = binary_ply(big, true);
     const auto stream = open_mesh_stream(mesh_bytes(wide));
     REQUIRE(stream);

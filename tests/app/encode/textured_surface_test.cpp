@@ -22,7 +22,7 @@ namespace {
 
 using render::Image;
 
-/// Returns a slow wave in one colour.
+/// Returns an image with a smooth wave of brightness in one colour.
 std::shared_ptr<Image> wave(std::uint32_t size, const glm::vec3& color, std::uint32_t components = 3) {
   auto image = std::make_shared<Image>();
   image->width = image->height = size;

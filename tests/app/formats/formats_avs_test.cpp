@@ -63,7 +63,7 @@ TEST_CASE("shows the outer faces of UCD cells, facing outwards") {
 
 TEST_CASE("maps UCD data to colours from blue to red") {
   const std::string nodes = "10 0 0 0\n7 1 0 0\n-3 1 1 0\n";
-  // A vector first, then scalars: the first scalar component is shown. Rows name their nodes.
+  // The file has a vector, then scalars. The first scalar is shown. Rows begin with the number of their node.
   const Imported result = ucd("3 1 4 0 0\n" + nodes + "1 1 tri 10 7 -3\n2 3 1\nflow, m/s\nheat, K\n" +
                               "-3 9 9 9 30\n10 9 9 9 10\n7 9 9 9 20\n");
   CHECK(result.messages().empty());
@@ -84,7 +84,7 @@ TEST_CASE("maps UCD data to colours from blue to red") {
   CHECK(key->high == 30);
   CHECK(of_cells->title == "stress (Pa)");
   CHECK_FALSE(gs::app::color_key_of(*ucd("3 1 0 0 0\n" + nodes + "1 1 tri 10 7 -3\n").scene));
-  // Equal values everywhere, and no value.
+  // Equal values at all nodes, then a missing value.
   CHECK(ucd("3 1 1 0 0\n" + nodes + "1 1 tri 10 7 -3\n1 1\nt, K\n10 5\n7 5\n-3 nan\n").colors() ==
         std::vector<Color>{kMiddle, kMiddle, {0.5f, 0.5f, 0.5f}});
 }

@@ -5,6 +5,7 @@
 
 namespace {
 
+using namespace gs;
 using namespace gs::test;
 namespace fs = std::filesystem;
 
@@ -28,7 +29,8 @@ TEST_CASE("reads meshes of other programs completely") {
     return;
   }
   using namespace gs::app;
-  // Counts of PLY come from the headers. Other counts were recorded when the pictures were checked.
+  // The expected counts of PLY files are those in their headers. The other counts were recorded after a check of the
+  // pictures.
   const File files[] = {
       {"cgal/building.ply", "PLY", 100000, 0},
       {"scans/bun_zipper.ply", "PLY", 35947, 69451},
@@ -89,7 +91,7 @@ TEST_CASE("survives truncated and damaged files of other programs") {
     std::uint32_t random = 1;
     for (int round = 0; round < 24; ++round) {
       Bytes damaged = whole;
-      // Near the start, which holds the structure.
+      // Changes bytes near the start, because the structure of the file is there.
       for (int i = 0; i < 4; ++i) {
         random = random * 1664525u + 1013904223u;
         damaged[(random >> 8) % std::min<std::size_t>(damaged.size(), 20000)] = static_cast<std::byte>(random >> 24);

@@ -4,7 +4,7 @@
 #include "app/formats/splats/splats.h"
 #include "vrml/syntax/parser.h"
 
-#include "tests/app/clouds.h"
+#include "tests/app/geometry_shapes.h"
 
 #include <nlohmann/json.hpp>
 
@@ -19,9 +19,9 @@ using gs::qnv::Kind;
 using gs::qnv::Rgb8;
 using gs::vrml::Color;
 
-Bytes written(const qnv::Geometry& cloud, Exported (*write)(const qnv::Geometry&, const ExportOptions&),
+Bytes written(const qnv::Geometry& geometry, Exported (*write)(const qnv::Geometry&, const ExportOptions&),
               const ExportOptions& options = {}) {
-  auto result = write(cloud, options);
+  auto result = write(geometry, options);
   if (const auto* problem = std::get_if<std::string>(&result)) {
     FAIL("not exported: " << *problem);
     return {};
@@ -54,21 +54,21 @@ void check_same(const Splats& a, const Splats& b, const Tolerance& tolerance) {
 
 /// Returns a sphere off the origin, with normals to both poles.
 Splats model() {
-  Splats cloud = sphere(999, 2, {3, -1, 0.5f});
-  cloud.normals[0] = {0, 0, 1};
-  cloud.normals[1] = {0, 0, -1};
-  cloud.normals[2] = glm::vec3(1e-5f, 0, -1);
-  return cloud;
+  Splats geometry = sphere(999, 2, {3, -1, 0.5f});
+  geometry.normals[0] = {0, 0, 1};
+  geometry.normals[1] = {0, 0, -1};
+  geometry.normals[2] = glm::vec3(1e-5f, 0, -1);
+  return geometry;
 }
 
-qnv::Volume volume_cloud() {
-  qnv::Volume cloud;
-  static_cast<qnv::VectorArrays&>(cloud) = sphere(10);
-  cloud.colors.clear();
-  cloud.description.spacing = 0.25f;
-  cloud.description.transfer = {{0.0f, {0, 0, 0}, 0.0f}, {0.5f, {255, 0, 0}, 0.5f}, {1.0f, {255, 255, 255}, 1.0f}};
-  for (int i = 0; i < 10; ++i) cloud.classes.push_back(static_cast<std::uint8_t>(i * 28));  // 0..252
-  return cloud;
+qnv::Volume volume_vectors() {
+  qnv::Volume geometry;
+  static_cast<qnv::VectorArrays&>(geometry) = sphere(10);
+  geometry.colors.clear();
+  geometry.description.spacing = 0.25f;
+  geometry.description.transfer = {{0.0f, {0, 0, 0}, 0.0f}, {0.5f, {255, 0, 0}, 0.5f}, {1.0f, {255, 255, 255}, 1.0f}};
+  for (int i = 0; i < 10; ++i) geometry.classes.push_back(static_cast<std::uint8_t>(i * 28));  // 0..252
+  return geometry;
 }
 
 TEST_CASE("lists each export format with its extension") {
@@ -89,24 +89,24 @@ TEST_CASE("lists each export format with its extension") {
 }
 
 TEST_CASE("restores PLY points bit for bit") {
-  const Splats cloud = model();
-  const Bytes bytes = written(cloud, export_points_ply);
+  const Splats geometry = model();
+  const Bytes bytes = written(geometry, export_points_ply);
   CHECK(is_points_ply(bytes));
   CHECK(bytes.size() - string_of(bytes).find("end_header\n") - 11 == 999 * 31);
-  const Splats back = cloud_of(import_points_ply, bytes);
-  CHECK(back.positions == cloud.positions);
-  CHECK(back.weights == cloud.weights);
-  CHECK(back.colors == cloud.colors);
-  check_same(cloud, back, {0, 1e-6f, 0, 0});
+  const Splats back = vectors_of(import_points_ply, bytes);
+  CHECK(back.positions == geometry.positions);
+  CHECK(back.weights == geometry.weights);
+  CHECK(back.colors == geometry.colors);
+  check_same(geometry, back, {0, 1e-6f, 0, 0});
   Bytes short_one(bytes.begin(), bytes.begin() + 1200);
   check_hostile(import_points_ply, short_one, 31);
 }
 
 TEST_CASE("writes vectors with triangles as a PLY mesh") {
-  qnv::IndexedMesh cloud;
-  static_cast<qnv::VectorArrays&>(cloud) = sphere(4);
-  cloud.triangles = {0, 1, 2, 2, 1, 3};
-  const Bytes bytes = written(cloud, export_points_ply);
+  qnv::IndexedMesh geometry;
+  static_cast<qnv::VectorArrays&>(geometry) = sphere(4);
+  geometry.triangles = {0, 1, 2, 2, 1, 3};
+  const Bytes bytes = written(geometry, export_points_ply);
   const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   CHECK(text.find("element face 2\nproperty list uchar uint vertex_indices\nend_header\n") != std::string::npos);
   REQUIRE(bytes.size() > 26);
@@ -116,40 +116,40 @@ TEST_CASE("writes vectors with triangles as a PLY mesh") {
 }
 
 TEST_CASE("restores 3DGS PLY") {
-  const Splats cloud = model();
-  const Bytes bytes = written(cloud, export_splats_ply);
+  const Splats geometry = model();
+  const Bytes bytes = written(geometry, export_splats_ply);
   CHECK(is_splats_ply(bytes));
   CHECK_FALSE(is_splats_compressed_ply(bytes));
   CHECK(bytes.size() - string_of(bytes).find("end_header\n") - 11 == 999 * 68);
-  const Splats back = cloud_of(import_splats_ply, bytes);
-  check_same(cloud, back, {0, 1e-6f, 1e-5f, 0});
+  const Splats back = vectors_of(import_splats_ply, bytes);
+  check_same(geometry, back, {0, 1e-6f, 1e-5f, 0});
   CHECK(metadata(back, "splats not discs").empty());
 }
 
 TEST_CASE("restores SPZ within its quantisation steps") {
-  const Splats cloud = model();
+  const Splats geometry = model();
   for (auto* write : {export_spz, export_spz3}) {
-    const Bytes bytes = written(cloud, write);
+    const Bytes bytes = written(geometry, write);
     CHECK(is_splats_spz(bytes) == (write == export_spz));
-    const Splats back = cloud_of(import_splats_spz, bytes);
+    const Splats back = vectors_of(import_splats_spz, bytes);
     // The largest coordinate is 5: 20 bits after the point. Two scales to 1/32 in their logarithm, quaternions to 1/723
     // per component, colours to 0.282 / 38.25 of 255 plus rounding.
-    check_same(cloud, back, {0.51f / (1 << 20), 2e-5f, 0.0626f, 2});
+    check_same(geometry, back, {0.51f / (1 << 20), 2e-5f, 0.0626f, 2});
     CHECK(metadata(back, "splats not discs").empty());
     check_hostile(import_splats_spz, bytes, 211);
   }
-  CHECK(written(cloud, export_spz).size() < 999 * 20);
+  CHECK(written(geometry, export_spz).size() < 999 * 20);
   CHECK(std::holds_alternative<std::string>(export_spz(Splats(), {})));
   CHECK(std::holds_alternative<std::string>(export_spz3(Splats(), {})));
 }
 
 TEST_CASE("adapts the fixed point of SPZ to the coordinates") {
   for (const float size : {1e-3f, 1.0f, 1e5f, 1e9f}) {
-    const Splats cloud = sphere(50, size);
-    const Splats back = cloud_of(import_splats_spz, written(cloud, export_spz));
+    const Splats geometry = sphere(50, size);
+    const Splats back = vectors_of(import_splats_spz, written(geometry, export_spz));
     REQUIRE(back.size() == 50);
-    // Up to 2^23 the largest coordinate decides; then the format ends.
-    if (size < 1e6f) CHECK(length(back.positions[7] - cloud.positions[7]) <= size * 3e-7f + 1e-7f);
+    // Up to 2^23, the largest coordinate determines the precision. Larger coordinates exceed the format.
+    if (size < 1e6f) CHECK(length(back.positions[7] - geometry.positions[7]) <= size * 3e-7f + 1e-7f);
   }
 }
 
@@ -181,8 +181,8 @@ Glb read_glb(const Bytes& bytes) {
 }
 
 TEST_CASE("writes GLB with KHR_gaussian_splatting") {
-  const Splats cloud = model();
-  const Bytes bytes = written(cloud, export_glb, {"b\xffll \"1\"", {}});
+  const Splats geometry = model();
+  const Bytes bytes = written(geometry, export_glb, {"b\xffll \"1\"", {}});
   const Glb glb = read_glb(bytes);
   const auto& document = glb.document;
   CHECK(document["extensionsUsed"] == nlohmann::json{"KHR_gaussian_splatting"});
@@ -224,7 +224,7 @@ TEST_CASE("writes GLB with KHR_gaussian_splatting") {
     for (int k = 0; k < 4; ++k) splats.rotations[i][k] = rotations[4 * i + static_cast<std::size_t>(k)];
     splats.opacities[i] = opacities[i];
   }
-  check_same(cloud, cloud_of_splats(splats), {0, 1e-6f, 1e-5f, 0});
+  check_same(geometry, vectors_of_splats(splats), {0, 1e-6f, 1e-5f, 0});
   const auto& accessor = document["accessors"][primitive["attributes"]["POSITION"].get<std::size_t>()];
   for (int k = 0; k < 3; ++k) {
     CHECK(accessor["min"][static_cast<std::size_t>(k)].get<float>() == least[k]);
@@ -233,13 +233,13 @@ TEST_CASE("writes GLB with KHR_gaussian_splatting") {
 }
 
 TEST_CASE("shows the points of the GLB by its own glTF reader") {
-  const Splats cloud = model();
-  const Bytes bytes = written(cloud, export_glb);
+  const Splats geometry = model();
+  const Bytes bytes = written(geometry, export_glb);
   const Imported result = imported("glTF", bytes);
   CHECK(result.diagnostics.errors() == 0);
-  CHECK(result.points() == cloud.positions);
+  CHECK(result.points() == geometry.positions);
   const Color color = result.colors()[300];
-  CHECK(color.r == Approx(static_cast<float>(cloud.colors[300].r) / 255).margin(0.03));
+  CHECK(color.r == Approx(static_cast<float>(geometry.colors[300].r) / 255).margin(0.03));
   CHECK(color.b == Approx(200.0f / 255).margin(0.01));
   const Glb empty = read_glb(written(Splats(), export_glb));
   CHECK(empty.binary.empty());
@@ -253,8 +253,8 @@ Imported parsed(const std::string& text) {
 }
 
 TEST_CASE("writes VRML97 points for any browser") {
-  const Splats cloud = model();
-  const std::string text = string_of(written(cloud, export_vrml97_points, {"a \"title\"\n\\", "ball.qnv"}));
+  const Splats geometry = model();
+  const std::string text = string_of(written(geometry, export_vrml97_points, {"a \"title\"\n\\", "ball.qnv"}));
   CHECK(text.starts_with("#VRML V2.0 utf8"));
   const Imported world = parsed(text);
   CHECK(world.messages().empty());
@@ -267,19 +267,19 @@ TEST_CASE("writes VRML97 points for any browser") {
   CHECK(world.scene->get<gs::vrml::SFVec3f>(instance, "bboxSize").x == Approx(4).margin(0.02));
   const auto coordinates = world.scene->get<gs::vrml::SFNode>(points, "coord");
   const auto& array = world.scene->get<gs::vrml::MFVec3f>(coordinates, "point");
-  REQUIRE(array.size() == cloud.size());
-  CHECK(std::equal(array.begin(), array.end(), cloud.positions.begin()));
+  REQUIRE(array.size() == geometry.size());
+  CHECK(std::equal(array.begin(), array.end(), geometry.positions.begin()));
   const auto colors = world.scene->get<gs::vrml::SFNode>(points, "color");
   const auto& color = world.scene->get<gs::vrml::MFColor>(colors, "color");
-  REQUIRE(color.size() == cloud.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i) REQUIRE(std::lround(color[i].g * 255) == cloud.colors[i].g);
+  REQUIRE(color.size() == geometry.size());
+  for (std::size_t i = 0; i < geometry.size(); ++i) REQUIRE(std::lround(color[i].g * 255) == geometry.colors[i].g);
 }
 
 TEST_CASE("writes shaded colours for points of one colour, which browsers do not light") {
-  Splats cloud = sphere(100);
-  cloud.colors.clear();
-  cloud.color = {200, 200, 200};
-  const Imported world = parsed(string_of(written(cloud, export_vrml97_points)));
+  Splats geometry = sphere(100);
+  geometry.colors.clear();
+  geometry.color = {200, 200, 200};
+  const Imported world = parsed(string_of(written(geometry, export_vrml97_points)));
   float least = 1, most = 0;
   const auto colors = world.all("Color");
   REQUIRE_FALSE(colors.empty());
@@ -292,58 +292,58 @@ TEST_CASE("writes shaded colours for points of one colour, which browsers do not
 }
 
 TEST_CASE("writes VRML97 patches with the areas and sides of the splats") {
-  const Splats cloud = model();
-  const Imported world = parsed(string_of(written(cloud, export_vrml97_patches)));
+  const Splats geometry = model();
+  const Imported world = parsed(string_of(written(geometry, export_vrml97_patches)));
   CHECK(world.messages().empty());
   const auto faces = world.scene->resolve_as(world.scene->get<gs::vrml::SFNode>(world.only("Shape"), "geometry"),
                                              gs::vrml::NodeKind::indexed_face_set);
   REQUIRE(faces);
   const auto& points = world.scene->get<gs::vrml::MFVec3f>(world.scene->get<gs::vrml::SFNode>(faces, "coord"), "point");
   const auto& index = world.scene->get<gs::vrml::MFInt32>(faces, "coordIndex");
-  REQUIRE(points.size() == 4 * cloud.size());
-  REQUIRE(index.size() == 5 * cloud.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
+  REQUIRE(points.size() == 4 * geometry.size());
+  REQUIRE(index.size() == 5 * geometry.size());
+  for (std::size_t i = 0; i < geometry.size(); ++i) {
     const glm::vec3 a = points[4 * i + 1] - points[4 * i], b = points[4 * i + 3] - points[4 * i];
     const glm::vec3 normal(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-    REQUIRE(length(normal) == Approx(cloud.weights[i]).epsilon(1e-3));
-    REQUIRE(dot(normal, cloud.normals[i]) == Approx(cloud.weights[i]).epsilon(1e-3));
-    REQUIRE(length(points[4 * i] + points[4 * i + 2] - cloud.positions[i] * 2.0f) < 1e-5f);
+    REQUIRE(length(normal) == Approx(geometry.weights[i]).epsilon(1e-3));
+    REQUIRE(dot(normal, geometry.normals[i]) == Approx(geometry.weights[i]).epsilon(1e-3));
+    REQUIRE(length(points[4 * i] + points[4 * i + 2] - geometry.positions[i] * 2.0f) < 1e-5f);
     REQUIRE(index[5 * i + 3] == static_cast<std::int32_t>(4 * i + 3));
   }
 }
 
 TEST_CASE("exports volumes as balls in the colours of their transfer function") {
-  const qnv::Volume cloud = volume_cloud();
-  const Splats points = cloud_of(import_points_ply, written(cloud, export_points_ply));
+  const qnv::Volume geometry = volume_vectors();
+  const Splats points = vectors_of(import_points_ply, written(geometry, export_points_ply));
   REQUIRE(points.size() == 10);
   CHECK(points.colors[9].r == 255);
   CHECK(points.colors[9].g == 249);  // class 252: between 0.5 and 1 by 0.9765
   CHECK(points.weights[0] == 0.0625f);
-  CHECK(dot(points.normals[4], cloud.normals[4]) == Approx(-1));
+  CHECK(dot(points.normals[4], geometry.normals[4]) == Approx(-1));
   // The first splat is invisible.
-  const Splats splats = cloud_of(import_splats_spz, written(cloud, export_spz));
+  const Splats splats = vectors_of(import_splats_spz, written(geometry, export_spz));
   CHECK(splats.size() == 9);
   CHECK(metadata(splats, "splats not discs") == "9");
   for (auto* write : {export_vrml97_points, export_vrml97_patches})
-    CHECK(parsed(string_of(written(cloud, write))).messages().empty());
+    CHECK(parsed(string_of(written(geometry, write))).messages().empty());
 }
 
 TEST_CASE("leaves out vectors with invalid numbers in exports") {
-  Splats cloud = sphere(6);
-  cloud.positions[0].x = NAN;
-  cloud.weights[1] = INFINITY;
-  cloud.weights[2] = 0;
-  cloud.normals[3].y = -INFINITY;
-  CHECK(cloud_of(import_splats_ply, written(cloud, export_splats_ply)).size() == 2);
-  CHECK(cloud_of(import_splats_spz, written(cloud, export_spz)).size() == 2);
-  CHECK(cloud_of(import_points_ply, written(cloud, export_points_ply)).size() == 2);
-  CHECK(read_glb(written(cloud, export_glb)).binary.size() == 120);
+  Splats geometry = sphere(6);
+  geometry.positions[0].x = NAN;
+  geometry.weights[1] = INFINITY;
+  geometry.weights[2] = 0;
+  geometry.normals[3].y = -INFINITY;
+  CHECK(vectors_of(import_splats_ply, written(geometry, export_splats_ply)).size() == 2);
+  CHECK(vectors_of(import_splats_spz, written(geometry, export_spz)).size() == 2);
+  CHECK(vectors_of(import_points_ply, written(geometry, export_points_ply)).size() == 2);
+  CHECK(read_glb(written(geometry, export_glb)).binary.size() == 120);
   for (const ExportFormat& format : export_formats()) {
-    (void)format.write(cloud, {});
+    (void)format.write(geometry, {});
     (void)format.write(Splats(), {});
   }
   for (auto* write : {export_vrml97_points, export_vrml97_patches}) {
-    CHECK(parsed(string_of(written(cloud, write))).messages().empty());
+    CHECK(parsed(string_of(written(geometry, write))).messages().empty());
     CHECK(parsed(string_of(written(Splats(), write))).messages().empty());
   }
 }

@@ -1,4 +1,4 @@
-// Tests of point sets of a metre, thousands of kilometres from the origin.
+// Tests of geometries one metre large and thousands of kilometres from the origin.
 #include "app/encode/surface_triangles.h"
 #include "app/formats/export/export.h"
 #include "app/formats/mesh/points.h"
@@ -11,7 +11,7 @@
 #include "qnv/reader/stream_decoder.h"
 #include "qnv/sampling/volume/gradients.h"
 #include "render/scene/render_list.h"
-#include "tests/app/clouds.h"
+#include "tests/app/geometry_shapes.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/geometries.h"
 #include "vrml/syntax/parser.h"
@@ -33,12 +33,12 @@ std::vector<glm::dvec3> far_places(std::size_t count) {
   return places;
 }
 
-/// Returns the largest distance of the point set's positions from given ones in equal order.
-double farthest(const Splats& cloud, const std::vector<glm::dvec3>& places, const glm::dvec3& axes = glm::dvec3(1)) {
-  REQUIRE(cloud.size() == places.size());
+/// Returns the largest distance between the geometry's positions and given positions in the same order.
+double farthest(const Splats& geometry, const std::vector<glm::dvec3>& places, const glm::dvec3& axes = glm::dvec3(1)) {
+  REQUIRE(geometry.size() == places.size());
   double most = 0;
   for (std::size_t i = 0; i < places.size(); ++i) {
-    const glm::dvec3 off = cloud.description.origin + glm::dvec3(cloud.positions[i]) - places[i] * axes;
+    const glm::dvec3 off = geometry.description.origin + glm::dvec3(geometry.positions[i]) - places[i] * axes;
     for (int k = 0; k < 3; ++k) most = std::max(most, std::abs(off[k]));
   }
   return most;
@@ -58,9 +58,9 @@ Bytes far_points(const std::vector<glm::dvec3>& places) {
   return bytes_of(text);
 }
 
-Bytes exported(const qnv::Geometry& cloud, Exported (*write)(const qnv::Geometry&, const ExportOptions&),
+Bytes exported(const qnv::Geometry& geometry, Exported (*write)(const qnv::Geometry&, const ExportOptions&),
                const ExportOptions& options = {}) {
-  auto result = write(cloud, options);
+  auto result = write(geometry, options);
   REQUIRE(std::holds_alternative<Bytes>(result));
   return std::move(std::get<Bytes>(result));
 }
@@ -69,42 +69,42 @@ constexpr double kMicrometre = 1e-6;
 
 TEST_CASE("reads distant points without loss, from text and binary files") {
   const auto places = far_places(200);
-  const Splats cloud = cloud_of(import_points_ply, far_points(places));
-  CHECK(farthest(cloud, places) < 0.1 * kMicrometre);
-  CHECK(cloud.description.box.size().x < 1.1f);
+  const Splats geometry = vectors_of(import_points_ply, far_points(places));
+  CHECK(farthest(geometry, places) < 0.1 * kMicrometre);
+  CHECK(geometry.description.box.size().x < 1.1f);
   std::string xyz;
   for (const glm::dvec3& p : places) xyz += text_of(p) + " 0 0 1\n";
-  CHECK(farthest(cloud_of(import_points_xyz, bytes_of(xyz)), places) < 0.1 * kMicrometre);
+  CHECK(farthest(vectors_of(import_points_xyz, bytes_of(xyz)), places) < 0.1 * kMicrometre);
   // Points around 0 have no origin.
-  CHECK(cloud_of(import_points_xyz, bytes_of("1 2 3 0 0 1\n2 3 5 0 0 1\n-4 1 1 0 0 1\n")).description.origin ==
+  CHECK(vectors_of(import_points_xyz, bytes_of("1 2 3 0 0 1\n2 3 5 0 0 1\n-4 1 1 0 0 1\n")).description.origin ==
         glm::dvec3(0));
 }
 
 TEST_CASE("writes distant points as they were read") {
   const auto places = far_places(200);
-  const Splats cloud = cloud_of(import_points_ply, far_points(places));
-  CHECK(farthest(cloud_of(import_points_ply, exported(cloud, export_points_ply)), places) < 0.1 * kMicrometre);
-  CHECK(farthest(cloud_of(import_splats_ply, exported(cloud, export_splats_ply)), places) < 0.1 * kMicrometre);
+  const Splats geometry = vectors_of(import_points_ply, far_points(places));
+  CHECK(farthest(vectors_of(import_points_ply, exported(geometry, export_points_ply)), places) < 0.1 * kMicrometre);
+  CHECK(farthest(vectors_of(import_splats_ply, exported(geometry, export_splats_ply)), places) < 0.1 * kMicrometre);
   // glTF has doubles only in its text.
-  const Bytes glb = exported(cloud, export_glb);
+  const Bytes glb = exported(geometry, export_glb);
   const std::string text = string_of(glb);
   const std::size_t at = text.find("\"translation\":[");
   REQUIRE(at != std::string::npos);
   const auto translation = nlohmann::json::parse(text.substr(at + 14, text.find(']', at) - at - 13));
   for (int k = 0; k < 3; ++k)
-    CHECK(translation[static_cast<std::size_t>(k)].get<double>() == cloud.description.origin[k]);
+    CHECK(translation[static_cast<std::size_t>(k)].get<double>() == geometry.description.origin[k]);
   // VRML97 has float32 and a Transform.
-  const std::string world = string_of(exported(cloud, export_vrml97_points));
+  const std::string world = string_of(exported(geometry, export_vrml97_points));
   CHECK(world.find("translation 4500000") != std::string::npos);
   CHECK(world.find("point [\n450") == std::string::npos);
   // 24 bits per coordinate are too few.
-  CHECK(std::holds_alternative<std::string>(export_spz(cloud, {})));
+  CHECK(std::holds_alternative<std::string>(export_spz(geometry, {})));
 }
 
 TEST_CASE("keeps the positions of vectors in a stream of records") {
   const auto places = far_places(300);
-  const Splats cloud = cloud_of(import_points_ply, far_points(places));
-  const auto made = gs::qnv::encode_vectors(cloud, {});
+  const Splats geometry = vectors_of(import_points_ply, far_points(places));
+  const auto made = gs::qnv::encode_vectors(geometry, {});
   REQUIRE(std::holds_alternative<gs::qnv::EncodedStream>(made));
   gs::qnv::StreamDecoder decoder;
   REQUIRE(decoder.push(std::get<gs::qnv::EncodedStream>(made).bytes));
@@ -157,12 +157,12 @@ TEST_CASE("encodes distant triangles relative to an origin, and restores their p
     gs::qnv::StreamDecoder decoder;
     REQUIRE(decoder.push(std::get<gs::qnv::EncodedStream>(made).bytes));
     decoder.finish();
-    const qnv::Geometry cloud = decoder.geometry();
-    CHECK(cloud.description().origin == middle);
-    REQUIRE(cloud.size() > 7);
+    const qnv::Geometry geometry = decoder.geometry();
+    CHECK(geometry.description().origin == middle);
+    REQUIRE(geometry.size() > 7);
     // A plate of a centimetre stays one.
     Box places;
-    for (const glm::vec3& p : qnv::VectorView(cloud).positions) places.add(p);
+    for (const glm::vec3& p : qnv::VectorView(geometry).positions) places.add(p);
     CHECK(places.size().z < 0.02f);
     CHECK(places.size().x > 0.9f);
   }
@@ -184,11 +184,11 @@ TEST_CASE("reads the position of a distant volume in double precision") {
   CHECK(std::max({std::abs(first.x), std::abs(first.y), std::abs(first.z)}) < kMicrometre);
   const auto found = gs::qnv::gradient_vectors(source, {});
   REQUIRE(std::holds_alternative<qnv::Volume>(found));
-  const auto& cloud = std::get<qnv::Volume>(found);
-  CHECK(cloud.description.origin == source.layout.base);
+  const auto& geometry = std::get<qnv::Volume>(found);
+  CHECK(geometry.description.origin == source.layout.base);
   // On the lattice within a thousandth of a voxel.
-  for (const glm::vec3& p : cloud.positions) {
-    const glm::dvec3 at = (cloud.description.origin + glm::dvec3(p) - kFarPlace) / 0.01;
+  for (const glm::vec3& p : geometry.positions) {
+    const glm::dvec3 at = (geometry.description.origin + glm::dvec3(p) - kFarPlace) / 0.01;
     for (int k = 0; k < 3; ++k) REQUIRE_EACH(std::abs(at[k] - std::round(at[k])) < 1e-3);
   }
 }

@@ -94,7 +94,7 @@ TEST_CASE("survives FITS headers without END and with invalid cards") {
                                    "NAXIS0  = 9", "NAXIS-1 = 9", "NAXIS1X = 9", "BZERO   = 'unterminated",
                                    "HIERARCH ESO DET = 4", std::string(80, '\xff'), std::string(80, '\0')});
   check_values(files.open(fits(strange, voxels<std::uint8_t>(true))));
-  // The first of two cards counts.
+  // If a card occurs twice, the first one applies.
   Cards twice = byte_cube({"BSCALE  = 2"});
   twice.insert(twice.end(), {"BSCALE  = 3", "NAXIS1  = 300", "BITPIX  = 16"});
   check_values(files.open(fits(twice, voxels<std::uint8_t>(true))), 2);
@@ -161,7 +161,7 @@ TEST_CASE("skips data before the first FITS image") {
   const Bytes data = voxels<std::uint8_t>(true);
   const std::string image = fits(extension("IMAGE   "), data);
   check_values(files.open(fits(kNoData, {}) + image));
-  // A table with a heap, together over one block (3.3, equation 2).
+  // A table and its heap together take more than one block (3.3, equation 2).
   check_values(files.open(
       fits(kNoData, {}) +
       fits(extension("BINTABLE", {"NAXIS   = 2", "NAXIS1  = 30", "NAXIS2  = 100", "PCOUNT  = 2761", "TFIELDS = 999"}),
@@ -172,7 +172,7 @@ TEST_CASE("skips data before the first FITS image") {
   // Random groups: three of two parameters and 2 x 2 values of two bytes (6.1.1).
   const Cards groups = byte_cube({"BITPIX  = 16", "NAXIS1  = 0", "GROUPS  = T", "PCOUNT  = 2", "GCOUNT  = 3"});
   check_values(files.open(fits(groups, Bytes(36)) + image));
-  // An axis of length 0 means no data (4.4.1.1). Primary arrays have no groups otherwise.
+  // An axis of length 0 means no data (4.4.1.1). A primary array has groups only with GROUPS = T.
   check_values(files.open(fits(byte_cube({"NAXIS1  = 0", "PCOUNT  = 9"}), {}) + image));
   check_values(files.open(fits(byte_cube({"GCOUNT  = 7"}), data)));
 

@@ -285,7 +285,7 @@ TEST_CASE("reads textures by name, from a data URL and from a buffer") {
   CHECK(url(named) == "tex/my%20wood.png");
   CHECK_FALSE(named.scene->get<bool>(named.only("ImageTexture"), "repeatS"));
   CHECK(named.scene->get<bool>(named.only("ImageTexture"), "repeatT"));
-  // t counts from the bottom.
+  // In VRML97, t increases from the bottom.
   CHECK(named.values<gs::vrml::MFVec2f>(named.only("TextureCoordinate"), "point") ==
         std::vector<glm::vec2>{{0, 1}, {1, 1}, {1, 0.75f}, {0, 0}});
   CHECK(url(with(R"("uri":"data:image/png;base64,iVBORw==")")) == "data:image/png;base64,iVBORw==");

@@ -124,7 +124,7 @@ TEST_CASE("closes every solid VTK cell by faces that look outwards") {
   const struct {
     Cell cell;
     std::size_t faces;
-    double volume;  // six times that
+    double volume;  // six times the volume
   } rows[] = {{{10, {0, 1, 3, 4}}, 4, 1},
               {{24, {0, 1, 3, 4, 0, 0, 0, 0, 0, 0}}, 4, 1},
               {{11, {0, 1, 3, 2, 4, 5, 7, 6}}, 6, 6},
@@ -137,7 +137,7 @@ TEST_CASE("closes every solid VTK cell by faces that look outwards") {
     CHECK(result.messages().empty());
     CHECK(faces_of(result).size() == row.faces);
     CHECK(volume_within(result) == Approx(row.volume));
-    // Counts each directed edge, which must occur once.
+    // Each directed edge must occur once.
     std::map<std::pair<int, int>, int> edges;
     for (const auto& face : faces_of(result))
       for (std::size_t i = 0; i < face.size(); ++i) ++edges[{face[i], face[(i + 1) % face.size()]}];
@@ -171,7 +171,7 @@ TEST_CASE("reads a grid of flat cells, lines and vertices in any order, with cel
 }
 
 TEST_CASE("joins the pieces of a grid, packed and appended, with cell data") {
-  // Raw and compressed, as ParaView writes them.
+  // Raw and compressed data, as in files of ParaView.
   std::string appended;
   const auto array = [&](const std::string& type, const std::string& name, const Bytes& values, int components = 1) {
     const Bytes packed = zlib_packed(values);

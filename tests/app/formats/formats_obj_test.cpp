@@ -114,9 +114,9 @@ TEST_CASE("reads lines, points and bare vertices") {
   CHECK(result.values<MFInt32>(result.only("IndexedLineSet"), "coordIndex") == std::vector<std::int32_t>{0, 1, 2, -1});
   const auto points = result.scene->get<SFNode>(result.only("PointSet"), "coord");
   CHECK(result.values<gs::vrml::MFVec3f>(points, "point") == std::vector<glm::vec3>{{1, 1, 0}, {0, 0, 0}});
-  const Imported cloud = obj("v 0 0 0\nv 1 0 0\n");
-  CHECK(cloud.only("PointSet"));
-  CHECK(cloud.scene->get<Color>(cloud.only("Material"), "emissiveColor") == Color{0.8f, 0.8f, 0.8f});
+  const Imported geometry = obj("v 0 0 0\nv 1 0 0\n");
+  CHECK(geometry.only("PointSet"));
+  CHECK(geometry.scene->get<Color>(geometry.only("Material"), "emissiveColor") == Color{0.8f, 0.8f, 0.8f});
   CHECK(obj("# nothing\n").messages() == "test: warning: no vertices in the file\n");
 }
 

@@ -67,15 +67,15 @@ TEST_CASE("detects OFF by its first word, and refuses SOG by name") {
   CHECK(content_type_of("x", bytes_of(kOffSquare)).name == "OFF");
   CHECK(content_type_of("x", bytes_of("COFF\n1 1 1\n")).name == "OFF");
   CHECK(content_type_of("x", bytes_of("OFFICE")).name == "VRML97");
-  const Bytes zip = bytes_of(std::string("PK\x03\x04", 4) + std::string(26, '\0') + "meta.json{}");
+  const Bytes zip = bytes_of(std::string("PK\x03\x04", 4) + std::string(22, '\0') + std::string("\x09\0\0\0", 4) + "meta.json{}");
   const Bytes meta = bytes_of("{\"version\":2,\"means\":{\"files\":[\"means_l.webp\",\"means_u.webp\"]}}");
   for (const Bytes& bytes : {zip, meta}) {
     const ContentType& type = content_type_of("x", bytes);
     CHECK(type.name == "SOG");
     Diagnostics diagnostics;
-    CHECK(std::holds_alternative<std::monostate>(type.read({bytes, "x", {}, own_budget(), diagnostics})));
+    CHECK(std::holds_alternative<std::monostate>(read_asset(type, {bytes, "x", {}, own_budget(), diagnostics})));
     REQUIRE(diagnostics.errors() == 1);
-    CHECK(diagnostics.entries()[0].message.starts_with("SOG (splats as WebP pictures) is not supported; convert"));
+    CHECK(diagnostics.entries()[0].message.starts_with("SOG cannot be read; convert it with PlayCanvas"));
   }
   CHECK(content_type_list().find("SOG") == std::string::npos);
   CHECK(content_type_of("a.json", bytes_of("{\"version\":2}")).name == "VRML97");

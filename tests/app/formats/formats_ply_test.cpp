@@ -49,7 +49,7 @@ TEST_CASE("converts vertex values of a PLY to colours, and stores their meaning"
     CHECK(gs::app::color_key_of(*one.scene)->title == name);
     CHECK(one.colors()[1] == viridis[2]);
   }
-  // Colours and textures of the file win. Other scanner values do not become colours.
+  // Colours and textures of the file take precedence. Other scanner values do not become colours.
   const std::string colors = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   const Imported own =
       square("property float quality\n" + colors, "0 0 0 1 255 0 0\n1 0 0 2 255 0 0\n1 1 0 3 255 0 0\n");

@@ -1,7 +1,7 @@
 #include "app/formats/mesh/point_areas.h"
 #include "app/formats/mesh/points.h"
 
-#include "tests/app/clouds.h"
+#include "tests/app/geometry_shapes.h"
 
 #include <algorithm>
 
@@ -59,19 +59,19 @@ TEST_CASE("reads points with normals") {
       "blue\nend_header\n"
       "0 0 0 0 0 2 255 0 9\n1 0 0 0 0 2 1 2 3\n0 0 -0 0 0 1 4 5 6\n5 5 5 0 0 0 7 8 9\n";
   CHECK(is_points_ply(bytes_of(ply)));
-  const Splats cloud = cloud_of(import_points_ply, bytes_of(ply));
-  REQUIRE(cloud.size() == 2);
-  CHECK(cloud.normals[0] == glm::vec3(0, 0, 1));
-  CHECK(cloud.colors[0] == Rgb8{255, 0, 9});
-  CHECK(cloud.weights[0] == Approx(kPi / 1.5));  // a disc of radius 1 contains one and a half points
-  CHECK(metadata(cloud, "points doubled") == "1");
-  CHECK(metadata(cloud, "points broken") == "1");
+  const Splats geometry = vectors_of(import_points_ply, bytes_of(ply));
+  REQUIRE(geometry.size() == 2);
+  CHECK(geometry.normals[0] == glm::vec3(0, 0, 1));
+  CHECK(geometry.colors[0] == Rgb8{255, 0, 9});
+  CHECK(geometry.weights[0] == Approx(kPi / 1.5));  // a disc of radius 1 contains one and a half points
+  CHECK(metadata(geometry, "points doubled") == "1");
+  CHECK(metadata(geometry, "points broken") == "1");
   check_hostile(import_points_ply, bytes_of(ply));
 
   const char* const xyz = "# points\n0 0 0 0 1 0\n\n 1 0 0 0 1 0 \r\n0 1 0 0 -3 0\n";
-  CHECK(cloud_of(import_points_xyz, bytes_of(xyz)).normals[2] == glm::vec3(0, -1, 0));
+  CHECK(vectors_of(import_points_xyz, bytes_of(xyz)).normals[2] == glm::vec3(0, -1, 0));
   CHECK(problem_of(import_points_xyz, bytes_of("0 0 0 0 1 0\n1 2 3\n")).find("line 2") != std::string::npos);
-  CHECK(cloud_of(import_points_xyz, bytes_of("0 0 0 0 1 0 9 8 7\n")).colors[0] == Rgb8{9, 8, 7});
+  CHECK(vectors_of(import_points_xyz, bytes_of("0 0 0 0 1 0 9 8 7\n")).colors[0] == Rgb8{9, 8, 7});
   check_hostile(import_points_xyz, bytes_of(xyz));
 }
 
@@ -81,14 +81,14 @@ TEST_CASE("reads scanned points") {
     WARN("no " << folder);
     return;
   }
-  const Splats kitten = cloud_of(import_points_xyz, file_bytes(folder / "kitten.xyz"));
+  const Splats kitten = vectors_of(import_points_xyz, file_bytes(folder / "kitten.xyz"));
   CHECK(kitten.size() == 5210);
   CHECK(near(kitten.normals[0], {0.340472f, 0.937712f, -0.0690972f}));
   // The file has no area. An ellipsoid in its box of 0.65 x 1 x 0.59 has 1.7.
   CHECK(kitten.description.total == Approx(1.7).epsilon(0.15));
   const Bytes building = file_bytes(folder / "building.ply");
   CHECK(is_points_ply(building));
-  CHECK(cloud_of(import_points_ply, building).size() == 100000);
+  CHECK(vectors_of(import_points_ply, building).size() == 100000);
 }
 
 }  // namespace gs::app::formats_points_test

@@ -1,8 +1,8 @@
 #include "app/formats/splats/splats.h"
 
-#include "tests/app/clouds.h"
-
-#include <zlib.h>
+#include "app/formats/mesh/points.h"
+#include "tests/app/geometry_shapes.h"
+#include "tests/gzip.h"
 
 #include <algorithm>
 
@@ -32,44 +32,44 @@ SplatModel one_splat(glm::vec3 position, glm::vec3 scale, glm::vec4 rotation) {
 TEST_CASE("converts a splat to the disc across its smallest axis") {
   SplatModel model = one_splat({1, 2, 3}, {2, 3, 0.02f}, kNoTurn);
   model.dc[0] = {0, 0.5f / kSphericalHarmonic0, -9};
-  Splats cloud = cloud_of_splats(model);
-  check_sound(cloud);
-  REQUIRE(cloud.size() == 1);
-  CHECK(cloud.positions[0] == glm::vec3(1, 2, 3));
-  CHECK(near(cloud.normals[0], {0, 0, 1}));
+  Splats geometry = vectors_of_splats(model);
+  check_sound(geometry);
+  REQUIRE(geometry.size() == 1);
+  CHECK(geometry.positions[0] == glm::vec3(1, 2, 3));
+  CHECK(near(geometry.normals[0], {0, 0, 1}));
   // The integral of the Gaussian, 2 pi s1 s2, is the area.
-  CHECK(cloud.weights[0] == Approx(12 * kPi));
-  CHECK(cloud.colors[0] == Rgb8{128, 255, 0});
-  CHECK(metadata(cloud, "splats not discs").empty());
-  CHECK(metadata(cloud, "source") == "test");
+  CHECK(geometry.weights[0] == Approx(12 * kPi));
+  CHECK(geometry.colors[0] == Rgb8{128, 255, 0});
+  CHECK(metadata(geometry, "splats not discs").empty());
+  CHECK(metadata(geometry, "source") == "test");
 
   // A quarter turn about x moves y to z, so the disc across y faces z.
   const float half = std::sqrt(0.5f);
-  cloud = cloud_of_splats(one_splat({0, 0, 0}, {1, 0.01f, 1}, {half, 0, 0, half}));
-  CHECK(near(cloud.normals[0] * cloud.normals[0], {0, 0, 1}));
-  // A quaternion of another length, with the axes of most files, gives the same.
+  geometry = vectors_of_splats(one_splat({0, 0, 0}, {1, 0.01f, 1}, {half, 0, 0, half}));
+  CHECK(near(geometry.normals[0] * geometry.normals[0], {0, 0, 1}));
+  // A quaternion of another length, with the axes of most files, gives the same splat.
   model = one_splat({0, 5, 7}, {0.01f, 1, 1}, {0, 0, 3 * half, 3 * half});
   model.axes = kFromRightDownForward;
-  cloud = cloud_of_splats(model);
-  CHECK(near(cloud.normals[0] * cloud.normals[0], {0, 1, 0}));
-  CHECK(cloud.positions[0] == glm::vec3(0, -5, -7));
+  geometry = vectors_of_splats(model);
+  CHECK(near(geometry.normals[0] * geometry.normals[0], {0, 1, 0}));
+  CHECK(geometry.positions[0] == glm::vec3(0, -5, -7));
 }
 
 TEST_CASE("orients splats away from the middle of the box unless they have normals") {
-  // Round ones look away from the middle of the box, flat ones keep their z axis, known normals win.
+  // Round splats face away from the middle of the box. Flat splats keep their z axis. Given normals take precedence.
   SplatModel model = one_splat({0, 0, -1}, {1, 1, 0.1f}, kNoTurn);
   model.resize(2);
   model.positions[1] = {0, 0, 1};
   model.scales[1] = model.scales[0];
   model.rotations[1] = kNoTurn;
   model.opacities[1] = 1;
-  CHECK(near(cloud_of_splats(model).normals[0], {0, 0, -1}));
-  CHECK(near(cloud_of_splats(model).normals[1], {0, 0, 1}));
+  CHECK(near(vectors_of_splats(model).normals[0], {0, 0, -1}));
+  CHECK(near(vectors_of_splats(model).normals[1], {0, 0, 1}));
   model.scales[0].z = model.scales[1].z = 0;
-  CHECK(near(cloud_of_splats(model).normals[0], {0, 0, 1}));
+  CHECK(near(vectors_of_splats(model).normals[0], {0, 0, 1}));
   model.normals = {{0, 0.1f, -2}, {0, 0, 0}};
-  CHECK(near(cloud_of_splats(model).normals[0], {0, 0, -1}));
-  CHECK(near(cloud_of_splats(model).normals[1], {0, 0, 1}));
+  CHECK(near(vectors_of_splats(model).normals[0], {0, 0, -1}));
+  CHECK(near(vectors_of_splats(model).normals[1], {0, 0, 1}));
 }
 
 TEST_CASE("counts splats that cannot be discs") {
@@ -91,19 +91,19 @@ TEST_CASE("counts splats that cannot be discs") {
   model.rotations[6] = {0, 0, 0, 0};
   model.scales[7].z = -1;
   model.opacities[8] = NAN;
-  const Splats cloud = cloud_of_splats(model);
-  check_sound(cloud);
-  CHECK(cloud.size() == 3);
-  CHECK(metadata(cloud, "splats not discs") == "1");
-  CHECK(metadata(cloud, "splats too faint") == "1");
-  CHECK(metadata(cloud, "splats broken") == "6");
-  CHECK(metadata(cloud, "splats missing") == "2");
+  const Splats geometry = vectors_of_splats(model);
+  check_sound(geometry);
+  CHECK(geometry.size() == 3);
+  CHECK(metadata(geometry, "splats not discs") == "1");
+  CHECK(metadata(geometry, "splats too faint") == "1");
+  CHECK(metadata(geometry, "splats broken") == "6");
+  CHECK(metadata(geometry, "splats missing") == "2");
   CHECK(std::holds_alternative<std::string>(import_result(SplatModel())));
 }
 
 TEST_CASE("names the opacity and the harmonics that splats lose") {
   SplatModel model = one_splat({1, 2, 3}, {2, 3, 0.02f}, kNoTurn);
-  const auto drawn = [&] { return metadata(cloud_of_splats(model), kSplatsDrawnAs); };
+  const auto drawn = [&] { return metadata(vectors_of_splats(model), kSplatsDrawnAs); };
   CHECK(drawn().empty());
   model.opacities[0] = 252.0f / 255;  // as in exports of GhostSpace
   CHECK(drawn().empty());
@@ -113,7 +113,7 @@ TEST_CASE("names the opacity and the harmonics that splats lose") {
   CHECK(drawn() == "opaque surface splats, without their opacity and spherical harmonics up to degree 3");
   model.harmonics = 0;
   CHECK(drawn() == "opaque surface splats, without their opacity");
-  // A dropped splat loses nothing.
+  // A dropped splat does not count as lost opacity.
   model.resize(2);
   model.opacities = {1, 0.001f};
   model.scales[1] = model.scales[0];
@@ -132,16 +132,16 @@ constexpr const char* k2dgs =
 TEST_CASE("reads 2DGS PLY") {
   CHECK(is_splats_ply(bytes_of(k2dgs)));
   CHECK_FALSE(is_splats_compressed_ply(bytes_of(k2dgs)));
-  const Splats cloud = cloud_of(import_splats_ply, bytes_of(k2dgs));
-  REQUIRE(cloud.size() == 2);
-  CHECK(metadata(cloud, "source") == "2DGS PLY");
-  CHECK(cloud.positions[0] == glm::vec3(1, -2, -3));
-  CHECK(near(cloud.normals[0], {0, 0, -1}));  // +Z of the file faces away from the viewer
-  CHECK(near(cloud.normals[1], {0, 0, 1}));   // half a turn around x
-  CHECK(cloud.weights[0] == Approx(2 * kPi));
-  CHECK(cloud.weights[1] == Approx(4 * kPi));  // ln 2
-  CHECK(cloud.colors[1] == Rgb8{255, 128, 0});
-  CHECK(metadata(cloud, kSplatsDrawnAs) == "opaque surface splats, without their opacity");
+  const Splats geometry = vectors_of(import_splats_ply, bytes_of(k2dgs));
+  REQUIRE(geometry.size() == 2);
+  CHECK(metadata(geometry, "source") == "2DGS PLY");
+  CHECK(geometry.positions[0] == glm::vec3(1, -2, -3));
+  CHECK(near(geometry.normals[0], {0, 0, -1}));  // +Z of the file faces away from the viewer
+  CHECK(near(geometry.normals[1], {0, 0, 1}));   // half a turn around x
+  CHECK(geometry.weights[0] == Approx(2 * kPi));
+  CHECK(geometry.weights[1] == Approx(4 * kPi));  // ln 2
+  CHECK(geometry.colors[1] == Rgb8{255, 128, 0});
+  CHECK(metadata(geometry, kSplatsDrawnAs) == "opaque surface splats, without their opacity");
   check_hostile(import_splats_ply, bytes_of(k2dgs));
 }
 
@@ -155,7 +155,7 @@ TEST_CASE("finds the degree of the harmonics in a PLY file") {
     text.replace(text.find(" 0 0 0 0 0 0 1 0 0 0\n"), 20, " 0 0 0 20 0 0 1 0 0 0" + values);
     text.replace(text.rfind('\n'), 1, values + "\n");
     text.insert(text.find("end_header"), header);
-    const std::string drawn = metadata(cloud_of(import_splats_ply, bytes_of(text)), kSplatsDrawnAs);
+    const std::string drawn = metadata(vectors_of(import_splats_ply, bytes_of(text)), kSplatsDrawnAs);
     INFO(text);
     CHECK(drawn == (degree == 0 ? std::string()
                                 : "opaque surface splats, without their spherical harmonics up to degree " +
@@ -172,21 +172,21 @@ TEST_CASE("reads 3DGS PLY of a trained scene") {
   Bytes bytes = file_bytes(path);
   CHECK(is_splats_ply(bytes));
   CHECK_FALSE(is_points_ply(bytes_of("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n")));
-  const Splats cloud = cloud_of(import_splats_ply, bytes);
-  REQUIRE(cloud.size() == 1000);
-  CHECK(metadata(cloud, "splats not discs") == "865");
-  CHECK(metadata(cloud, kSplatsDrawnAs) ==
+  const Splats geometry = vectors_of(import_splats_ply, bytes);
+  REQUIRE(geometry.size() == 1000);
+  CHECK(metadata(geometry, "splats not discs") == "865");
+  CHECK(metadata(geometry, kSplatsDrawnAs) ==
         "opaque surface splats, without their opacity and spherical harmonics up to degree 3");
-  // Computed from the file independently, in double precision.
-  CHECK(cloud.description.total == Approx(12.003164223254227).epsilon(1e-5));
-  CHECK(near(cloud.positions[500], {-3.191091775894165f, -0.17911396920681f, 1.1883732080459595f}));
-  CHECK(near(cloud.normals[0], {0.9759472f, 0.2069927f, 0.0684179f}));
-  CHECK(std::abs(dot(cloud.normals[500], {-0.0859895f, -0.9825963f, -0.1646523f})) == Approx(1));
-  CHECK(cloud.weights[500] == Approx(0.005127410793246222));
-  CHECK(cloud.colors[0] == Rgb8{110, 144, 108});
-  CHECK(cloud.colors[999] == Rgb8{72, 105, 92});
+  // This value was computed from the file by another program, in double precision.
+  CHECK(geometry.description.total == Approx(12.003164223254227).epsilon(1e-5));
+  CHECK(near(geometry.positions[500], {-3.191091775894165f, -0.17911396920681f, 1.1883732080459595f}));
+  CHECK(near(geometry.normals[0], {0.9759472f, 0.2069927f, 0.0684179f}));
+  CHECK(std::abs(dot(geometry.normals[500], {-0.0859895f, -0.9825963f, -0.1646523f})) == Approx(1));
+  CHECK(geometry.weights[500] == Approx(0.005127410793246222));
+  CHECK(geometry.colors[0] == Rgb8{110, 144, 108});
+  CHECK(geometry.colors[999] == Rgb8{72, 105, 92});
   bytes.resize(bytes.size() - 248 * 100 - 7);
-  const Splats shorter = cloud_of(import_splats_ply, bytes);
+  const Splats shorter = vectors_of(import_splats_ply, bytes);
   CHECK(shorter.size() == 899);
   CHECK(metadata(shorter, "splats missing") == "101");
   bytes.resize(4000);
@@ -205,18 +205,19 @@ TEST_CASE("reads antimatter .splat, and every prefix as a scene") {
   // (0, 1, 1, 0) as w x y z: half a turn about the diagonal moves z to -z and swaps x and y.
   put_antimatter(bytes, {-1, 0, 0}, {0.001f, 1, 1}, {0, 255, 0, 128, 128, 218, 218, 128});
   put_antimatter(bytes, {0, 0, 0}, {1, 1, 1}, {0, 0, 0, 0, 255, 128, 128, 128});  // invisible
-  const Splats cloud = cloud_of(import_splats_antimatter, bytes);
-  REQUIRE(cloud.size() == 2);
-  CHECK(cloud.positions[0] == glm::vec3(1, -2, -3));
-  CHECK(cloud.weights[0] == Approx(kPi / 4));
-  CHECK(near(cloud.normals[0] * cloud.normals[0], {0, 0, 1}));
-  CHECK(near(cloud.normals[1] * cloud.normals[1], {0, 1, 0}));
-  CHECK(cloud.colors[0] == Rgb8{255, 0, 51});
-  CHECK(metadata(cloud, "splats too faint") == "1");
-  CHECK(metadata(cloud, kSplatsDrawnAs) == "opaque surface splats, without their opacity");
-  CHECK(metadata(cloud_of(import_splats_antimatter, Bytes(bytes.begin(), bytes.begin() + 32)), kSplatsDrawnAs).empty());
+  const Splats geometry = vectors_of(import_splats_antimatter, bytes);
+  REQUIRE(geometry.size() == 2);
+  CHECK(geometry.positions[0] == glm::vec3(1, -2, -3));
+  CHECK(geometry.weights[0] == Approx(kPi / 4));
+  CHECK(near(geometry.normals[0] * geometry.normals[0], {0, 0, 1}));
+  CHECK(near(geometry.normals[1] * geometry.normals[1], {0, 1, 0}));
+  CHECK(geometry.colors[0] == Rgb8{255, 0, 51});
+  CHECK(metadata(geometry, "splats too faint") == "1");
+  CHECK(metadata(geometry, kSplatsDrawnAs) == "opaque surface splats, without their opacity");
+  CHECK(
+      metadata(vectors_of(import_splats_antimatter, Bytes(bytes.begin(), bytes.begin() + 32)), kSplatsDrawnAs).empty());
   bytes.resize(70);
-  CHECK(metadata(cloud_of(import_splats_antimatter, bytes), "splats missing") == "1");
+  CHECK(metadata(vectors_of(import_splats_antimatter, bytes), "splats missing") == "1");
   CHECK(problem_of(import_splats_antimatter, Bytes(31)).find("32 bytes") != std::string::npos);
   check_hostile(import_splats_antimatter, bytes);
 }
@@ -265,13 +266,14 @@ TEST_CASE("reads .ksplat with floats") {
     for (int k = 0; k < 9; ++k) put(made.splats, 0.5f);
   }
   const Bytes bytes = made.file();
-  const Splats cloud = cloud_of(import_splats_ksplat, bytes);
-  REQUIRE(cloud.size() == 2);
-  CHECK(cloud.positions[1] == glm::vec3(1, -2, -4));
-  CHECK(cloud.weights[0] == Approx(kPi / 4));
-  CHECK(cloud.colors[0] == Rgb8{10, 20, 30});
-  CHECK(near(cloud.normals[0], {0, 0, -1}));
-  CHECK(metadata(cloud, kSplatsDrawnAs) == "opaque surface splats, without their spherical harmonics up to degree 1");
+  const Splats geometry = vectors_of(import_splats_ksplat, bytes);
+  REQUIRE(geometry.size() == 2);
+  CHECK(geometry.positions[1] == glm::vec3(1, -2, -4));
+  CHECK(geometry.weights[0] == Approx(kPi / 4));
+  CHECK(geometry.colors[0] == Rgb8{10, 20, 30});
+  CHECK(near(geometry.normals[0], {0, 0, -1}));
+  CHECK(metadata(geometry, kSplatsDrawnAs) ==
+        "opaque surface splats, without their spherical harmonics up to degree 1");
   Bytes wrong = bytes;
   wrong[0] = std::byte{1};
   CHECK(problem_of(import_splats_ksplat, wrong).find("version 1.1") != std::string::npos);
@@ -300,30 +302,16 @@ TEST_CASE("reads .ksplat with buckets") {
       for (int k = 0; k < 9 * (mode == 1 ? 2 : 1); ++k) made.splats.push_back(std::byte{7});
     }
     const Bytes bytes = made.file();
-    const Splats cloud = cloud_of(import_splats_ksplat, bytes);
-    REQUIRE(cloud.size() == 4);
-    CHECK(cloud.positions[0] == glm::vec3(10, 0, 1));
-    CHECK(cloud.positions[1] == glm::vec3(11, 0, 1));
-    CHECK(cloud.positions[2] == glm::vec3(22, 0, 1));
-    CHECK(cloud.positions[3] == glm::vec3(33, 0, 1));
-    CHECK(cloud.weights[3] == Approx(kPi / 4));
-    CHECK(near(cloud.normals[0], {0, 0, 1}));
+    const Splats geometry = vectors_of(import_splats_ksplat, bytes);
+    REQUIRE(geometry.size() == 4);
+    CHECK(geometry.positions[0] == glm::vec3(10, 0, 1));
+    CHECK(geometry.positions[1] == glm::vec3(11, 0, 1));
+    CHECK(geometry.positions[2] == glm::vec3(22, 0, 1));
+    CHECK(geometry.positions[3] == glm::vec3(33, 0, 1));
+    CHECK(geometry.weights[3] == Approx(kPi / 4));
+    CHECK(near(geometry.normals[0], {0, 0, 1}));
     check_hostile(import_splats_ksplat, bytes, 13);
   }
-}
-
-Bytes gzip(const Bytes& data) {
-  Bytes result(compressBound(static_cast<uLong>(data.size())) + 64);
-  z_stream stream{};
-  REQUIRE(deflateInit2(&stream, 6, Z_DEFLATED, 31, 8, Z_DEFAULT_STRATEGY) == Z_OK);
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(data.data()));
-  stream.avail_in = static_cast<uInt>(data.size());
-  stream.next_out = reinterpret_cast<Bytef*>(result.data());
-  stream.avail_out = static_cast<uInt>(result.size());
-  REQUIRE(deflate(&stream, Z_FINISH) == Z_STREAM_END);
-  result.resize(stream.total_out);
-  deflateEnd(&stream);
-  return result;
 }
 
 /// Returns two splats of an SPZ file before compression.
@@ -361,39 +349,39 @@ Bytes spz(std::uint32_t version, int flags = 0) {
 }
 
 /// Returns the first position in the coordinates of the file.
-glm::vec3 first_place(const Splats& cloud) {
-  return glm::vec3(cloud.description.origin + glm::dvec3(cloud.positions[0]));
+glm::vec3 first_place(const Splats& geometry) {
+  return glm::vec3(geometry.description.origin + glm::dvec3(geometry.positions[0]));
 }
 
 TEST_CASE("reads SPZ versions 1 to 3") {
   for (const std::uint32_t version : {1u, 2u, 3u}) {
-    const Bytes bytes = gzip(spz(version));
-    const Splats cloud = cloud_of(import_splats_spz, bytes);
-    REQUIRE(cloud.size() == 2);
-    CHECK(first_place(cloud) == glm::vec3(1, -1, 2.5f));
-    CHECK(cloud.weights[0] == Approx(2 * kPi));
-    CHECK(cloud.colors[0] == Rgb8{255, 255, 255});
-    CHECK(near(cloud.normals[0], {0, 0, -1}, 0.01f));
-    CHECK(metadata(cloud, kSplatsDrawnAs).empty());
+    const Bytes bytes = gs::test::deflated(spz(version));
+    const Splats geometry = vectors_of(import_splats_spz, bytes);
+    REQUIRE(geometry.size() == 2);
+    CHECK(first_place(geometry) == glm::vec3(1, -1, 2.5f));
+    CHECK(geometry.weights[0] == Approx(2 * kPi));
+    CHECK(geometry.colors[0] == Rgb8{255, 255, 255});
+    CHECK(near(geometry.normals[0], {0, 0, -1}, 0.01f));
+    CHECK(metadata(geometry, kSplatsDrawnAs).empty());
     Bytes lossy = spz(version);
     lossy[12] = std::byte{2};
     lossy[16 + (version == 1 ? 12 : 18)] = std::byte{128};
     lossy.resize(lossy.size() + 2 * 24);
-    CHECK(metadata(cloud_of(import_splats_spz, gzip(lossy)), kSplatsDrawnAs) ==
+    CHECK(metadata(vectors_of(import_splats_spz, gs::test::deflated(lossy)), kSplatsDrawnAs) ==
           "opaque surface splats, without their opacity and spherical harmonics up to degree 2");
     check_hostile(import_splats_spz, bytes);
-    // Rubbish that decompresses.
+    // Invalid data that decompresses.
     Bytes data = spz(version);
     for (std::size_t i = 0; i < data.size(); ++i) {
       Bytes changed = data;
       changed[i] ^= std::byte{0xff};
-      check_any(import_splats_spz, gzip(changed));
+      check_any(import_splats_spz, gs::test::deflated(changed));
       changed.resize(i);
-      check_any(import_splats_spz, gzip(changed));
+      check_any(import_splats_spz, gs::test::deflated(changed));
     }
   }
-  CHECK(first_place(cloud_of(import_splats_spz, gzip(spz(3, 2)))) == glm::vec3(1, 1, -2.5f));
-  CHECK(problem_of(import_splats_spz, gzip(spz(5))).find("version 5") != std::string::npos);
+  CHECK(first_place(vectors_of(import_splats_spz, gs::test::deflated(spz(3, 2)))) == glm::vec3(1, 1, -2.5f));
+  CHECK(problem_of(import_splats_spz, gs::test::deflated(spz(5))).find("version 5") != std::string::npos);
   CHECK(problem_of(import_splats_spz, spz(3)).find("header of 32") == std::string::npos);
   CHECK_FALSE(problem_of(import_splats_spz, bytes_of("hello, world")).empty());
 }
@@ -405,7 +393,7 @@ TEST_CASE("allocates nothing for SPZ counts that the file cannot hold") {
   std::memcpy(&bytes[8], &count, 4);
   CHECK(problem_of(import_splats_spz, bytes).find("which exceed the file") != std::string::npos);
   std::memcpy(&bytes[4], "\x03\0\0\0", 4);
-  CHECK(problem_of(import_splats_spz, gzip(bytes)).find("which exceed the file") != std::string::npos);
+  CHECK(problem_of(import_splats_spz, gs::test::deflated(bytes)).find("which exceed the file") != std::string::npos);
 }
 
 TEST_CASE("reads the same scene from SPZ version 4 and compressed PLY") {
@@ -418,7 +406,7 @@ TEST_CASE("reads the same scene from SPZ version 4 and compressed PLY") {
   CHECK(is_splats_spz(packed));
   CHECK(is_splats_compressed_ply(ply));
   CHECK_FALSE(is_splats_ply(ply));
-  const Splats a = cloud_of(import_splats_spz, packed), b = cloud_of(import_splats_compressed_ply, ply);
+  const Splats a = vectors_of(import_splats_spz, packed), b = vectors_of(import_splats_compressed_ply, ply);
   REQUIRE(a.size() == 152746);
   REQUIRE(b.size() == a.size());
   float position = 0, area = 0;
@@ -448,7 +436,7 @@ TEST_CASE("reads the same scene from SPZ version 4 and compressed PLY") {
     check_any(import_splats_spz, head);
   }
   head.assign(ply.begin(), ply.begin() + 60000);
-  const Splats less = cloud_of(import_splats_compressed_ply, head);
+  const Splats less = vectors_of(import_splats_compressed_ply, head);
   CHECK(metadata(less, "splats missing") == std::to_string(152746 - less.size()));
   head.resize(46000);
   check_hostile(import_splats_compressed_ply, head, 5003);
@@ -471,7 +459,7 @@ TEST_CASE("names what splats of a compressed PLY file lose") {
     for (int i = 0; i < 12; ++i) put(bytes, i < 9 ? 0.0f : 1.0f);
     for (const std::uint32_t word : {0u, 0u, 0xffffffffu, color}) put(bytes, word);
     if (harmonics) bytes.resize(bytes.size() + 24, std::byte{128});
-    return metadata(cloud_of(import_splats_compressed_ply, bytes), kSplatsDrawnAs);
+    return metadata(vectors_of(import_splats_compressed_ply, bytes), kSplatsDrawnAs);
   };
   CHECK(compressed(0x808080ffu, false).empty());
   CHECK(compressed(0x80808080u, false) == "opaque surface splats, without their opacity");

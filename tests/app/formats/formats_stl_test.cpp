@@ -79,7 +79,7 @@ TEST_CASE("reads colours of facets") {
   CHECK(visual.colors() == std::vector<Color>(2, Color{1, 0, 1}));
   CHECK_FALSE(visual.scene->get<bool>(visual.only("IndexedFaceSet"), "colorPerVertex"));
   CHECK(imported("STL", stl_binary("x", 0x001f)).all("Color").empty());
-  // Magics: the object's colour is in the header, bit 15 means to use it, red has the low bits.
+  // Magics: the header has the object's colour. Bit 15 of a facet selects that colour. Red has the low bits.
   const std::string header("COLOR=\xff\x00\x00\xff", 10);
   const Imported magics = imported("STL", stl_binary(header, 31));
   CHECK(magics.colors() == std::vector<Color>(2, Color{1, 0, 0}));

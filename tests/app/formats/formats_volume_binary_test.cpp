@@ -115,7 +115,7 @@ TEST_CASE("takes NIfTI positions from the sform, else from the qform") {
   CHECK(placed.layout.axes[0] == glm::vec3(0, 3, 0));
   CHECK(placed.layout.axes[1] == glm::vec3(-2, 0, 0));
   CHECK(placed.layout.origin == glm::dvec3(10, 20, 30));
-  // With a singular matrix, the steps count.
+  // If the matrix is singular, the step sizes apply.
   for (std::size_t i = 0; i < 12; ++i) header.set<float>(280 + 4 * i, 0.0f);
   CHECK(opened(folder.write("s.nii", string_of(header.bytes + data))).layout.axes[1] == glm::vec3(0, 2.5f, 0));
 

@@ -125,6 +125,17 @@ void check_square(const Imported& result) {
   CHECK(scene.get<vrml::MFVec3f>(scene.get<vrml::NodeId>(faces, "normal"), "vector").size() == 4);
 }
 
+// Returns a function that imports a text in a format, checks its messages, and returns the number of its Shapes.
+auto shapes_of(const char* format) {
+  return [format](const std::string& text, const std::string& said) {
+    INFO(text);
+    const Imported result = imported(format, bytes_of(text));
+    INFO(result.messages());
+    CHECK(result.messages().find(said) != std::string::npos);
+    return result.all("Shape").size();
+  };
+}
+
 TEST_CASE("VTP: reads every encoding of arrays") {
   using Way = VtpWriter::Way;
   check_square(imported("VTK PolyData", bytes_of(square_file({Way::ascii}))));
@@ -143,7 +154,7 @@ TEST_CASE("VTP: reads cell values, vector lengths, byte colours, and points alon
       imported("VTK PolyData",
                bytes_of(writer.file(square_piece(
                    writer, "<CellData>" + writer.array<std::int32_t>("Int32", "part", {0, 0, 1, 2}) + "</CellData>"))));
-  // VTK counts vertices, lines, polygons, strips.
+  // VTK numbers its cells in this order: vertices, lines, polygons, strips.
   const auto faces = cells.only("IndexedFaceSet");
   CHECK_FALSE(cells.scene->get<bool>(faces, "colorPerVertex"));
   const auto& colors = cells.scene->get<vrml::MFColor>(cells.scene->get<vrml::NodeId>(faces, "color"), "color");
@@ -195,13 +206,7 @@ TEST_CASE("VTP: joins pieces, and makes those without an array grey") {
 }
 
 TEST_CASE("VTP: reports errors, and shows the rest") {
-  const auto told = [](const std::string& text, const std::string& said) {
-    INFO(text);
-    const Imported result = imported("VTK PolyData", bytes_of(text));
-    INFO(result.messages());
-    CHECK(result.messages().find(said) != std::string::npos);
-    return result.all("Shape").size();
-  };
+  const auto told = shapes_of("VTK PolyData");
   VtpWriter writer;
   const std::string good = square_file({});
   const auto changed = [&](const std::string& from, const std::string& to) {
@@ -287,13 +292,7 @@ TEST_CASE("legacy VTK: reads big-endian binary files") {
 }
 
 TEST_CASE("legacy VTK: reports errors, and shows the rest") {
-  const auto told = [](const std::string& text, const std::string& said) {
-    INFO(text);
-    const Imported result = imported("legacy VTK", bytes_of(text));
-    INFO(result.messages());
-    CHECK(result.messages().find(said) != std::string::npos);
-    return result.all("Shape").size();
-  };
+  const auto told = shapes_of("legacy VTK");
   CHECK(told("#VRML V2.0 utf8\n", "vtk DataFile") == 0);
   CHECK(told("# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_GRID\n", "structured_grid") == 0);
   CHECK(told("# vtk DataFile Version 3.0\nx\nEBCDIC\n", "ASCII or BINARY") == 0);

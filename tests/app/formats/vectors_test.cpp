@@ -4,11 +4,12 @@
 #include "qnv/codecs/records/encode/encode_vectors.h"
 #include "qnv/codecs/records/record.h"
 #include "qnv/codecs/shared/encode_options.h"
-#include "tests/app/clouds.h"
+#include "tests/app/geometry_shapes.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/volume_files.h"
 #include "tests/app/worlds.h"
 #include "tests/geometries.h"
+#include "tests/qnv/codecs/records/record_fields.h"
 
 #include <catch2/catch.hpp>
 
@@ -22,25 +23,24 @@ namespace {
 
 std::string ball_stream(std::size_t count) {
   qnv::EncodeOptions options;
-  options.payload = qnv::Payload::records;
   options.metadata = {{"title", "a ball"}};
   auto encoded = qnv::encode_vectors(test::sphere(count), options);
   REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
   return string_of(std::get<qnv::EncodedStream>(encoded).bytes);
 }
 
-double area(const qnv::VectorView& cloud) {
+double area(const qnv::VectorView& geometry) {
   double sum = 0;
-  for (const float weight : cloud.weights) sum += weight;
+  for (const float weight : geometry.weights) sum += weight;
   return sum;
 }
 
-// Returns the only point set of a world.
+// Returns the only geometry of a world.
 const qnv::Geometry& only_geometry(const LoadedWorld& world) {
   INFO(said(world));
-  REQUIRE(world.clouds.size() == 1);
-  CHECK(world.clouds.begin()->first->type->name == "QNV");
-  return *world.clouds.begin()->second;
+  REQUIRE(world.geometries.size() == 1);
+  CHECK(world.geometries.begin()->first->type->name == "QNV");
+  return *world.geometries.begin()->second;
 }
 
 // Returns the two numbers of a QNV node's `vectors`.
@@ -56,9 +56,9 @@ TEST_CASE("opens a QNV stream as a shape: whole, truncated and compressed") {
   const ScratchFolder folder;
   const std::string bytes = ball_stream(3000), file = folder.write("ball.qnv", bytes);
   const LoadedWorld world = load_world(file);
-  const qnv::Geometry& cloud = only_geometry(world);
-  CHECK(cloud.size() == 3000);
-  CHECK(area(cloud) == Approx(12.566370614).epsilon(0.001));
+  const qnv::Geometry& geometry = only_geometry(world);
+  CHECK(geometry.size() == 3000);
+  CHECK(area(geometry) == Approx(12.566370614).epsilon(0.001));
   CHECK(world.title == "a ball");
   CHECK(world.diagnostics.errors() + world.diagnostics.warnings() == 0);
   REQUIRE(world.scene->roots().size() == 2);
@@ -70,7 +70,7 @@ TEST_CASE("opens a QNV stream as a shape: whole, truncated and compressed") {
   const std::string packed = string_of(test::gzipped(std::vector<std::byte>(first, first + bytes.size())));
   CHECK(only_geometry(load_world(folder.write("packed.qnv", packed))).size() == 3000);
 
-  // Every prefix is a coarser ball of equal area, without errors.
+  // Every prefix is a coarser ball with the same area, without errors.
   std::size_t before = 0;
   LoadOptions cut;
   for (cut.max_bytes = 3000; cut.max_bytes < bytes.size(); cut.max_bytes += 1500) {
@@ -98,9 +98,9 @@ TEST_CASE("loses one chunk to damage in a stream, and reports its position") {
   std::string bytes = ball_stream(3000);
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
   const LoadedWorld world = load_world(folder.write("ball.qnv", bytes));
-  const qnv::Geometry& cloud = only_geometry(world);
-  CHECK(cloud.size() > 1000);
-  CHECK(cloud.size() < 3000);
+  const qnv::Geometry& geometry = only_geometry(world);
+  CHECK(geometry.size() > 1000);
+  CHECK(geometry.size() < 3000);
   CHECK(said(world).find("a chunk is damaged") != std::string::npos);
   CHECK(world.diagnostics.errors() == 0);
 }
@@ -116,11 +116,11 @@ TEST_CASE("loads vectors of QNV nodes in the main scene, in Inlines and in PROTO
       "Inline { url \"ball.qnv\" }\nShape { geometry QNV { url \"nowhere.qnv\" } }\n"
       "Shape { geometry QNV { url \"ball.qnv\" transfer [ 0 1 0 0 0  1 0 0 1 1 ] } }\n"));
   INFO(said(world));
-  CHECK(world.clouds.size() == 5);
+  CHECK(world.geometries.size() == 5);
   std::size_t own = 0;
-  for (const auto& [node, cloud] : world.clouds) {
-    CHECK(cloud->size() == 500);
-    own += cloud->description().transfer.size();
+  for (const auto& [node, geometry] : world.geometries) {
+    CHECK(geometry->size() == 500);
+    own += geometry->description().transfer.size();
   }
   CHECK(own == 2);
   CHECK(world.diagnostics.errors() == 0);
@@ -137,11 +137,11 @@ TEST_CASE("replaces the fallback PROTO of a QNV node by its stream") {
   const LoadedWorld world = load_world(folder.write("world.wrl", text));
   CHECK(only_geometry(world).size() == 500);
   const vrml::NodeId geometry = world.scene->get<vrml::SFNode>(world.scene->roots()[0], "geometry");
-  CHECK(&world.scene->node(world.scene->resolve(geometry)) == world.clouds.begin()->first);
+  CHECK(&world.scene->node(world.scene->resolve(geometry)) == world.geometries.begin()->first);
   // Without the stream, the fallback remains.
   const ScratchFolder other;
   const LoadedWorld fallback = load_world(other.write("world.wrl", text));
-  CHECK(fallback.clouds.empty());
+  CHECK(fallback.geometries.empty());
   const vrml::NodeId kept = fallback.scene->get<vrml::SFNode>(fallback.scene->roots()[0], "geometry");
   CHECK(fallback.scene->node(fallback.scene->resolve(kept)).type->name == "PointSet");
 }
@@ -154,23 +154,23 @@ TEST_CASE("places records inside a QNV node in its bounding box") {
         "world.wrl", "#VRML V2.0 utf8\nShape { geometry QNV { vectors [ " + words + "] " + fields + " } }\n"));
   };
   const LoadedWorld world = node("bboxCenter 1 2 3 bboxSize 2 4 8 transfer [ 0 1 0 0 1  1 0 0 1 1 ]");
-  const auto cloud = content_of<qnv::Splats>(only_geometry(world));
-  REQUIRE(cloud.size() == 2);
-  CHECK(cloud.positions[0].x == Approx(0).margin(0.002));
-  CHECK(cloud.positions[0].y == Approx(2).margin(0.004));
-  CHECK(cloud.positions[0].z == Approx(7).margin(0.008));
-  CHECK(cloud.weights[0] == Approx(32));  // the largest side: 4 by 8
-  CHECK(cloud.weights[1] == Approx(32.0 / 32767));
-  REQUIRE(cloud.colors.size() == 2);
-  CHECK(cloud.colors[0] == qnv::Rgb8{0, 0, 255});
-  CHECK(cloud.colors[1] == qnv::Rgb8{255, 0, 0});
+  const auto geometry = content_of<qnv::Splats>(only_geometry(world));
+  REQUIRE(geometry.size() == 2);
+  CHECK(geometry.positions[0].x == Approx(0).margin(0.002));
+  CHECK(geometry.positions[0].y == Approx(2).margin(0.004));
+  CHECK(geometry.positions[0].z == Approx(7).margin(0.008));
+  CHECK(geometry.weights[0] == Approx(32));  // the largest side: 4 by 8
+  CHECK(geometry.weights[1] == Approx(32.0 / 32767));
+  REQUIRE(geometry.colors.size() == 2);
+  CHECK(geometry.colors[0] == qnv::Rgb8{0, 0, 255});
+  CHECK(geometry.colors[1] == qnv::Rgb8{255, 0, 0});
   const LoadedWorld volume = node("bboxSize 1 1 1 profile \"VOLUME\"");
   const auto vectors = content_of<qnv::Volume>(only_geometry(volume));
   CHECK(vectors.classes == std::vector<std::uint8_t>{255, 0});
   CHECK(vectors.weights[0] == Approx(1));
   for (const char* bad : {"", "bboxSize 0 0 0", "bboxSize 1e30 1e30 1e30", "bboxSize -1 2 2"}) {
     const LoadedWorld none = node(bad);
-    CHECK(none.clouds.empty());
+    CHECK(none.geometries.empty());
     CHECK(said(none).find("expected bboxCenter and bboxSize") != std::string::npos);
   }
 }

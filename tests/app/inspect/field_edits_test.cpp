@@ -46,6 +46,18 @@ TEST_CASE("edits exactly the fields that an event can set") {
   CHECK(why_not_set(*box.find("size")).find("without an eventIn") != std::string::npos);
 }
 
+TEST_CASE("finds the field that keeps the value of an event") {
+  const auto field = [](const char* type, const char* event_in) {
+    const vrml::NodeType& of = *vrml::built_in_node_type(type);
+    const vrml::InterfaceDeclaration* const found = field_set_by(of, *of.find(event_in));
+    return found ? found->name : "";
+  };
+  CHECK(field("Transform", "translation") == "translation");
+  CHECK(field("Transform", "addChildren") == "");
+  CHECK(field("ElevationGrid", "set_height") == "height");
+  CHECK(field("Viewpoint", "set_bind") == "");
+}
+
 TEST_CASE("parses a text to a value of the field's type, or reports why not") {
   Editor editor;
   CHECK(editor.edit("Transform", "translation", "1 2 3") ==
@@ -73,7 +85,7 @@ TEST_CASE("reports the expected range for a value outside it") {
   CHECK(editor.fine("IndexedFaceSet", "set_coordIndex", "[ 0, 1, 2, -1 ]"));
   CHECK(editor.why("IndexedFaceSet", "set_coordIndex", "[ 0, -2 ]") ==
         "element 2: -2 is out of range; expected at least -1");
-  // The second range of a rotation is the angle's; an axis has a direction (5.8).
+  // The second range of a rotation is that of the angle. The axis must not be 0 (5.8).
   CHECK(editor.fine("Transform", "rotation", "0 3 0 12"));
   CHECK(editor.why("Transform", "rotation", "0 0 0 1").find("not an axis") != std::string::npos);
   CHECK(editor.fine("Transform", "rotation", "0 0 0 0"));

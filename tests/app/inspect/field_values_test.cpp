@@ -5,6 +5,8 @@
 #include <catch2/catch.hpp>
 
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace gs::app::field_values_test {
 
@@ -18,19 +20,21 @@ Unit unit_of(const char* type, const char* field) {
 
 // VRML97 4.4.5: lengths are metres, angles radians, times seconds.
 TEST_CASE("shows fields in the units of the standard") {
-  CHECK(unit_of("Transform", "translation") == Unit::metres);
-  CHECK(unit_of("Transform", "rotation") == Unit::radians);
-  CHECK(unit_of("Transform", "scale") == Unit::none);
-  CHECK(unit_of("Viewpoint", "fieldOfView") == Unit::radians);
-  CHECK(unit_of("TimeSensor", "cycleInterval") == Unit::seconds);
-  CHECK(unit_of("TimeSensor", "fraction_changed") == Unit::none);
-  CHECK(unit_of("TimeSensor", "cycleTime") == Unit::seconds);
-  CHECK(unit_of("NavigationInfo", "speed") == Unit::metres_a_second);
-  CHECK(unit_of("MovieTexture", "speed") == Unit::none);
-  CHECK(unit_of("ElevationGrid", "height") == Unit::metres);
-  CHECK(unit_of("PlaneSensor", "translation_changed") == Unit::metres);
-  CHECK(unit_of("CylinderSensor", "offset") == Unit::radians);
-  CHECK(unit_of("PointLight", "attenuation") == Unit::none);
+  using Fields = std::vector<std::pair<const char*, const char*>>;
+  const std::pair<Unit, Fields> units[] = {
+      {Unit::metres,
+       {{"Transform", "translation"}, {"ElevationGrid", "height"}, {"PlaneSensor", "translation_changed"}}},
+      {Unit::radians, {{"Transform", "rotation"}, {"Viewpoint", "fieldOfView"}, {"CylinderSensor", "offset"}}},
+      {Unit::seconds, {{"TimeSensor", "cycleInterval"}, {"TimeSensor", "cycleTime"}}},
+      {Unit::metres_a_second, {{"NavigationInfo", "speed"}}},
+      {Unit::none,
+       {{"Transform", "scale"},
+        {"TimeSensor", "fraction_changed"},
+        {"MovieTexture", "speed"},
+        {"PointLight", "attenuation"}}},
+  };
+  for (const auto& [unit, fields] : units)
+    for (const auto& [type, field] : fields) CHECK(unit_of(type, field) == unit);
   CHECK(symbol_of(Unit::metres_a_second) == "m/s");
 }
 

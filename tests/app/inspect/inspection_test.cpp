@@ -1,4 +1,5 @@
 #include "app/inspect/inspection.h"
+#include "base/noncopyable.h"
 
 #include "tests/app/one_world.h"
 
@@ -12,15 +13,13 @@ namespace gs::app::inspection_test {
 using namespace sessions;
 
 /// An inspector of one world.
-struct Inspected : OneWorld {
+struct Inspected : OneWorld, NonCopyable {
   explicit Inspected(const std::string& body, const InspectionWants& shown = {true, true, true, true, false})
       : OneWorld(body), wants(shown) {
     session.add_extension(inspection);
-    for (int i = 0; i < 3; ++i) look();  // lets the inspector learn the picture, the world and its nodes
+    for (int i = 0; i < 3; ++i) look();  // until the inspector has the picture, the world and its nodes
   }
   ~Inspected() { session.remove_extension(inspection); }
-  Inspected(const Inspected&) = delete;
-  Inspected& operator=(const Inspected&) = delete;
   // Runs a step, and draws a picture.
   void look(double seconds = 0) {
     now += seconds;
@@ -30,8 +29,8 @@ struct Inspected : OneWorld {
   }
   [[nodiscard]] NodeAt node(std::string_view name) const {
     const vrml::SceneGraph& scene = *document->world.scene;
-    for (std::uint32_t i = 1; i <= scene.node_count(); ++i)
-      if (scene.node_at(i).name == name) return {&scene, scene.id_at(i)};
+    for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i)
+      if (scene.nodes().at(i).name == name) return {&scene, scene.nodes().id_at(i)};
     return {};
   }
   void choose(std::string_view name) {
@@ -99,7 +98,7 @@ TEST_CASE("rejects an invalid value, and reports why") {
   CHECK_FALSE(world.inspection.busy());
   world.look();
   CHECK(world.value<vrml::SFFloat>("transparency") == before);
-  // A node of a list.
+  // Elements of a list field.
   world.choose("Bright");
   const vrml::FieldValue list = *world.inspection.editor().value_of(world.interface("keyValue"));
   CHECK(world.inspection.editor().send_element_text(world.interface("keyValue"), list, 1, "x"));
@@ -126,7 +125,7 @@ TEST_CASE("shows current values, and the times at which eventOuts were sent") {
   CHECK(world.inspection.routes().rows().size() == 1);
 }
 
-TEST_CASE("selects the Shape of a click, and opens the tree at it") {
+TEST_CASE("selects the clicked Shape, and reveals it in the scene tree") {
   Inspected world(
       "DEF Far Transform { translation 0 0 -500 children Shape { geometry Box {} } } "
       "Group { children DEF Near Shape { geometry Box {} } } Viewpoint { position 0 0 10 }");
@@ -153,7 +152,7 @@ TEST_CASE("marks the selected node in the picture, and flies to it") {
   CHECK(world.inspection.fly_to_selected());
   world.look();
   world.look(1);
-  // After that, the centre of its edges is the centre of the picture.
+  // After the flight, the centre of the marked edges is the centre of the picture.
   glm::vec2 middle(0);
   for (const auto& [a, b] : world.inspection.mark().outlines()[0].lines) middle += (a + b) / 24.0f;
   CHECK(middle.x == Approx(100).margin(1));
@@ -189,7 +188,7 @@ TEST_CASE("runs lines in the selected Script, or alone") {
   CHECK(world.inspection.console().lines().front().text == "begun");
   world.inspection.console().enter("x + 1");
   world.look();
-  CHECK(last().kind == ProgramLine::Kind::failure);  // of no Script
+  CHECK(last().kind == ProgramLine::Kind::failure);  // not about a Script
   world.choose("S");
   world.inspection.console().enter("x + 1");
   CHECK(world.inspection.busy());
@@ -229,7 +228,7 @@ TEST_CASE("clears the selection when its node is removed") {
   world.look(0.1);
   CHECK_FALSE(world.inspection.selected());
   CHECK(world.inspection.outline().size() == 1);
-  // The same with a world.
+  // A new world clears the selection.
   const auto other = hold_world(world_of("Group {} Group {}"));
   begin_world(*other, world.now);
   world.session.readers().show(other);

@@ -17,8 +17,8 @@ struct Routed {
     execution.start(1000);
   }
   [[nodiscard]] NodeAt node(std::string_view name) const {
-    for (std::uint32_t i = 1; i <= world.scene->node_count(); ++i)
-      if (world.scene->node_at(i).name == name) return {world.scene.get(), world.scene->id_at(i)};
+    for (std::uint32_t i = 1; i <= world.scene->nodes().count(); ++i)
+      if (world.scene->nodes().at(i).name == name) return {world.scene.get(), world.scene->nodes().id_at(i)};
     return {};
   }
   Lines lines(const NodeAt& only = {}) {

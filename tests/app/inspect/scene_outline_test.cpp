@@ -44,8 +44,8 @@ struct Tree {
     return all;
   }
   [[nodiscard]] NodeAt node(std::string_view name) const {
-    for (std::uint32_t i = 1; i <= world.scene->node_count(); ++i)
-      if (world.scene->node_at(i).name == name) return {world.scene.get(), world.scene->id_at(i)};
+    for (std::uint32_t i = 1; i <= world.scene->nodes().count(); ++i)
+      if (world.scene->nodes().at(i).name == name) return {world.scene.get(), world.scene->nodes().id_at(i)};
     return {};
   }
 
@@ -122,7 +122,7 @@ TEST_CASE("lists the content of Inlines below them as it is loaded") {
   auto content = std::make_shared<vrml::SceneGraph>("part.wrl", tree.world.scene->budget());
   Diagnostics diagnostics;
   (void)vrml::parse("#VRML V2.0 utf8\nDEF In Group {}", *content, diagnostics);
-  tree.world.scene->attach_inline(tree.node("I").id, content);
+  tree.world.scene->inlines().attach(tree.node("I").id, content);
   tree.execution.scenes().attach();
   tree.learn();
   CHECK(tree.lines() == Lines{"+[0] Inline 'I'"});
@@ -130,11 +130,11 @@ TEST_CASE("lists the content of Inlines below them as it is loaded") {
   CHECK(tree.lines() == Lines{"-[0] Inline 'I'", "   content[0] Group 'In'"});
   tree.index.find("In");
   tree.learn();
-  REQUIRE(tree.index.matches() == 2);  // by its type and by its name
+  REQUIRE(tree.index.matches() == 2);  // one by its type, one by its name
   CHECK(tree.index.match(1).scene == content.get());
   const NodeAt inside = tree.index.match(1);
   tree.execution.lifetime().remove_content(*tree.world.scene, tree.node("I").id);
-  tree.world.scene->attach_inline(tree.node("I").id, nullptr);
+  tree.world.scene->inlines().attach(tree.node("I").id, nullptr);
   content.reset();
   // A removed node has no path.
   CHECK(tree.index.way_to(inside).empty());
@@ -175,7 +175,7 @@ TEST_CASE("costs only the visible lines in a world of a million nodes") {
   opened.scene->add_root(root);
   vrml::MFNode children;
   for (std::size_t i = 1; i < count; ++i) children.push_back(opened.scene->create(group));
-  opened.scene->set_name(children[count - 3], *opened.scene->keep_name("Needle"));
+  opened.scene->node(children[count - 3]).name = *opened.scene->texts().keep_name("Needle");
   opened.scene->set<vrml::MFNode>(root, "children", children);
   vrml::Execution execution(*opened.scene);
   SceneIndex index;
@@ -184,12 +184,12 @@ TEST_CASE("costs only the visible lines in a world of a million nodes") {
   outline.set_world(&execution, &index);
   outline.set_open(0, true);
   CHECK(outline.size() == count);
-  // Draws fifty lines anywhere before the index is built.
+  // Before the index is built, drawing fifty lines at any position must be cheap.
   const std::uint64_t before = outline.work_done();
   outline.refresh();
   for (std::size_t i = count / 2; i < count / 2 + 50; ++i) CHECK(outline.row(i).node.id == children[i - 1]);
   CHECK(outline.work_done() - before < 1000);
-  // Each frame learns within its limit, and finally everything is known.
+  // Each frame indexes nodes within its limit, until the index is complete.
   index.find("needle");
   std::size_t frames = 0;
   constexpr std::size_t kWork = 10'000;

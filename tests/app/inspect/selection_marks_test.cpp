@@ -34,7 +34,7 @@ TEST_CASE("drops edges behind the viewer, and cuts edges that pass the viewer") 
   const Viewport viewport{0, 0, 100, 100};
   CHECK(edges_of({{-1, -1, 5}, {1, 1, 6}}, pose, viewport).empty());
   const std::vector<PixelLine> inside = edges_of({{-1, -1, -5}, {1, 1, 5}}, pose, viewport);
-  CHECK(inside.size() == 8);  // four in front of the viewer, and four that pass
+  CHECK(inside.size() == 8);  // four edges in front of the viewer, and four that pass the viewer
   for (const auto& [a, b] : inside) CHECK((std::isfinite(a.x) && std::isfinite(b.x)));
   CHECK(edges_of({}, pose, viewport).empty());
 }
@@ -48,8 +48,8 @@ TEST_CASE("computes the bounds of a node over all its instances, and of the firs
   render::MeshCache meshes;
   const render::RenderList list = render::collect(*world.scene, {}, meshes);
   const auto node = [&](std::string_view name) -> NodeAt {
-    for (std::uint32_t i = 1; i <= world.scene->node_count(); ++i)
-      if (world.scene->node_at(i).name == name) return {world.scene.get(), world.scene->id_at(i)};
+    for (std::uint32_t i = 1; i <= world.scene->nodes().count(); ++i)
+      if (world.scene->nodes().at(i).name == name) return {world.scene.get(), world.scene->nodes().id_at(i)};
     return {};
   };
   const auto bounds = [&](std::vector<NodeAt> nodes) { return bounds_in(list, nodes); };

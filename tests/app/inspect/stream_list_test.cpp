@@ -35,7 +35,7 @@ TEST_CASE("reports the progress of each load, and forgets the oldest finished on
   ledger.receive(first, 100, 400);
   ledger.show(first);
   ledger.receive(first, 300, {});
-  ledger.count_datagrams(first, 9, 1);
+  ledger.count_cells(first, {9, 1, 5'000'000, 1'200'000, 0.01, false});
   ledger.end(second, LoadStage::failed, "there is no such file");
   ledger.end(second, LoadStage::whole);  // ended
   std::vector<LoadRow> rows = ledger.rows();
@@ -46,6 +46,8 @@ TEST_CASE("reports the progress of each load, and forgets the oldest finished on
   CHECK(rows[0].first_picture);
   CHECK_FALSE(rows[0].ended);
   CHECK(loss_of(rows[0]) == Approx(0.1));
+  CHECK(state_of(rows[0]) == "arriving");
+  CHECK(slowness_of(rows[0]) == "slowed by losses: 1.2 Mbit/s of 5.0 Mbit/s");
   CHECK(rows[1].stage == LoadStage::failed);
   CHECK(rows[1].why == "there is no such file");
   CHECK_FALSE(loss_of(rows[1]));
@@ -54,6 +56,25 @@ TEST_CASE("reports the progress of each load, and forgets the oldest finished on
   rows = ledger.rows();
   CHECK(rows.size() == LoadLedger::kMax);
   CHECK(rows.front().number == first);  // not ended
+}
+
+TEST_CASE("names the state of a download, with its losses and their effect on the rate") {
+  LoadRow row;
+  row.stage = LoadStage::whole;
+  CHECK(state_of(row) == "complete");
+  row.cells = {72, 28, 5'000'000, 1'000'000, 0.02, true};
+  CHECK(state_of(row) == "complete, 28 % lost");
+  row.cells.missing = false;  // repaired
+  CHECK(state_of(row) == "complete");
+  CHECK_FALSE(slowness_of(row).empty());
+  row.cells.rate = 4'900'000;
+  CHECK(slowness_of(row).empty());
+  row.cells.rate = 1'000'000;
+  row.cells.loss_events = 0;  // the user limits the rate
+  CHECK(slowness_of(row).empty());
+  row.cells.loss_events = 0.02;
+  row.ended = 3;
+  CHECK(slowness_of(row).empty());
 }
 
 TEST_CASE("limits the rate of a world, and wakes its reader") {
@@ -68,7 +89,7 @@ TEST_CASE("limits the rate of a world, and wakes its reader") {
   ledger.set_rate(0);
   CHECK(ledger.rate() == 0U);
   CHECK(woken == 2);
-  // Received bytes are counted, also of finished rows.
+  // The total also counts the received bytes of finished rows.
   ledger.receive(ledger.begin("a", "http", nullptr), 100, {});
   ledger.receive(ledger.begin("b", "http", nullptr), 20, {});
   CHECK(ledger.received() == 120);

@@ -121,7 +121,7 @@ TEST_CASE("undoes and redoes movements, and leaves the world alone while text is
   user.press(letter_key('Z'), true, true);
   user.wait(1);
   CHECK(glm::distance(pose(user).position, above.position) < 1e-6);
-  user.press(letter_key('P'), true, true);  // the palette has the focus
+  user.press(letter_key('P'), true, true);  // opens the palette, which takes the focus
   user.type("fit");
   user.press(letter_key('Z'), true);
   user.press(Key::escape);
@@ -170,7 +170,7 @@ TEST_CASE("copies and pastes a camera, and reports invalid text") {
   user.wait(1);
   user.press(letter_key('O'));
   const Pose kept = pose(user);
-  user.press(letter_key('C'), true);
+  user.press(letter_key('C'), true, true);
   CHECK(user.controller().ui().clipboard() == camera_text(kept));
   user.press(letter_key('O'));
   user.press(letter_key('1'), false, true);
@@ -201,6 +201,10 @@ TEST_CASE("shows axes in the corner of unstyled objects, and the size of the gri
   user.session().readers().show(std::move(document));
   user.settle();
   CHECK(user.session().view()->style.backdrop);
+  CHECK(near(pose(user).right(), glm::normalize(glm::vec3(pose(user).right().x, pose(user).right().y, 0))));
+  CHECK(pose(user).up().z > 0.8f);
+  user.session().input().run(Action::side_front);
+  user.wait(1);
   CHECK(near(pose(user).up(), {0, 0, 1}));
   const float em = ImGui::GetFontSize(), half = 3.2f * em, length = half - 0.8f * em;
   const Viewport place = user.picture();

@@ -22,8 +22,8 @@
 #include <utility>
 #include <vector>
 
-/// A user of the interface without a window, with its words, pointer and keys. The screen is read from the draw
-/// commands, so a word that is not drawn does not exist.
+/// Simulated user of the interface, without a window. Reads the screen from the draw commands, so only drawn words can
+/// be found and clicked.
 namespace gs::app::driver {
 
 /// Returns the code of a key in GLFW.
@@ -168,11 +168,11 @@ class Driver final : public WindowOperations {
     if (actions.mode) actions_.mode = actions.mode;
     if (actions.look) actions_.look = actions.look;
   }
-  /// Runs frames until the interface rests.
+  /// Runs frames until the interface no longer changes.
   void settle() {
     for (int i = 0; i < 4 || controller_.ui().has_input_left(); ++i) step();
   }
-  /// Runs frames until `so` returns true. Returns false if it never does.
+  /// Runs frames until `so` returns true. Returns false after a time limit.
   bool wait_for(const std::function<bool()>& so) {
     for (int i = 0; i < 5000; ++i) {
       step();
@@ -202,7 +202,7 @@ class Driver final : public WindowOperations {
     for (std::size_t at = all.find(wanted); at != std::string::npos; at = all.find(wanted, at + 1)) {
       const SeenCharacter &first = seen[at], &last = seen[at + wanted.size() - 1];
       if (std::abs(first.top - last.top) > last.bottom - last.top + 8) continue;  // on two lines
-      // The last drawn match is in front, since lists and menus cover earlier ones.
+      // The last drawn match is in front, because lists and menus cover earlier texts.
       result = glm::vec2((first.left + last.right) / 2, (first.top + last.bottom) / 2);
     }
     return result;
@@ -294,7 +294,7 @@ class Driver final : public WindowOperations {
     step(events);
     settle();
   }
-  /// Returns the position of the first such letter on the screen, counted from the left.
+  /// Returns the x coordinate of the letter on the screen. If it occurs several times, returns the first one.
   std::optional<float> place_of(char32_t letter) const {
     for (const SeenCharacter& one : seen_characters())
       if (one.character == static_cast<ImWchar>(letter)) return one.left;

@@ -1,5 +1,5 @@
 // Compares pictures of the interface with small pinned ones beside this file. These are means of blocks of eight
-// pixels, which tolerate other letter shapes, but no other position, colour or content. GHOSTSPACE_KEEP_PICTURES=1
+// pixels, They tolerate other letter shapes, but not other positions, colours or content. GHOSTSPACE_KEEP_PICTURES=1
 // writes them again; check them before a commit.
 #include "app/formats/common/color_key.h"
 #include "app/view/values/color_bar.h"

@@ -100,7 +100,7 @@ TEST_CASE("takes the space of a panel from the picture, and returns it") {
   CHECK(beside.top == whole.top);
   // The session draws in the area that the panels leave.
   CHECK(user.frame().pictures.front().place.height == beside.height);
-  // Its divider is dragged.
+  // Dragging the divider of the panel resizes the picture.
   const auto edge = static_cast<float>(beside.top + beside.height) + 2;
   user.drag({500, edge}, {500, edge - 100});
   CHECK(user.picture().height == Approx(beside.height - 100).margin(2));
@@ -284,7 +284,7 @@ TEST_CASE("keeps the Open dialog after a failure, and accepts another name") {
   bool failed = false;
   for (int i = 0; i < 5000 && !failed; ++i) {
     user.step();
-    failed = user.sees("cannot open /nowhere/at/all.wrl");  // the step may no longer report it
+    failed = user.sees("cannot open /nowhere/at/all.wrl");  // a later step may no longer show it
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   REQUIRE(failed);
@@ -328,8 +328,7 @@ TEST_CASE("shows right-to-left input in visual order, with the pointer at the vi
   CHECK(*a < *gimel);
   CHECK(*gimel < *bet);
   CHECK(*bet < *alef);
-  // A click between the right two letters is between the first two of the text. A click left of them is after the
-  // third.
+  // The text reads right to left. So a click between the two rightmost letters puts the caret between the first two.
   const float line = user.find("z")->y;
   user.click(glm::vec2(*alef - 1, line));
   user.type("1");

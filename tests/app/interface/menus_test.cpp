@@ -15,7 +15,7 @@ using driver::Driver;
 
 constexpr glm::ivec2 kSmall{640, 480};
 
-// Returns the label of a row, cut as in the menu of a small window.
+// Returns the label of a row, truncated as in the menu of a small window.
 std::string words_of(const ActionRow& row) {
   const auto panel = panel_of(row.action);
   return std::string(panel ? panel_rows()[*panel].title : row.help).substr(0, 28);

@@ -44,7 +44,7 @@ TEST_CASE("splits, switches, maximises, swaps and closes viewports by keys") {
   user.press(Key::right, true, true);
   CHECK(split(user) == "1|2");
   CHECK(user.session().panes().active() == 1);
-  // Without another file it shows the same one from the same position, but moves independently.
+  // Without another file, the new viewport shows the same file from the same position. Its camera moves independently.
   CHECK(shown(user, 1) == "box.wrl");
   REQUIRE(user.session().view());
   user.session().view()->navigation.pose.position.x += 1;
@@ -65,7 +65,7 @@ TEST_CASE("splits, switches, maximises, swaps and closes viewports by keys") {
   CHECK(split(user) == "1|(2/3)!2");
   CHECK(user.frame().pictures.size() == 1);
   CHECK(place(user, 1).width == user.picture().width);
-  user.press(letter_key('3'), true);  // another viewport of equal size
+  user.press(letter_key('3'), true);  // another viewport with the same size
   CHECK(split(user) == "1|(2/3)!3");
   user.press(letter_key('M'), true);
   CHECK(user.frame().pictures.size() == 3);
@@ -173,7 +173,7 @@ TEST_CASE("applies the weight of a viewport to its share of vectors and bandwidt
   Driver user;
   show_two(user);
   user.measures().budget = 1'000'000;
-  for (const std::size_t pane : {0u, 1u}) user.session().panes().at(pane).view()->document->has_surface_clouds = true;
+  for (const std::size_t pane : {0u, 1u}) user.session().panes().at(pane).view()->document->has_surface_vectors = true;
   user.settle();
   CHECK(user.sees("50 %"));
   std::vector<std::size_t> budgets = budgets_of(user.frame(), user.session().panes(), 1'000'000);
@@ -207,7 +207,7 @@ TEST_CASE("shows the bandwidth limit of a viewport, and sets it in its menu and 
   CHECK(rate("memory://a/a.wrl") == 200'000U);
   CHECK(rate("memory://a/b.wrl") == 200'000U);
   CHECK(user.sees("0 bit/s of 200 kbit/s"));
-  // In the menu of the second, active viewport.
+  // The limit is set in the menu of the second viewport, which is active.
   user.click("2 empty", MouseButton::right);
   CHECK(user.sees("Reading: 50 %, 0 bit/s"));
   CHECK(user.sees("Bandwidth limit"));
@@ -221,14 +221,14 @@ TEST_CASE("shows the bandwidth limit of a viewport, and sets it in its menu and 
   CHECK(rate("memory://a/b.wrl") == 2'000'000U);
   user.press(Key::escape);
   CHECK(user.sees("0 bit/s of 2.0 Mbit/s"));
-  // The same in the panel, for the active one.
+  // The panel sets the limit of the active viewport.
   user.press(letter_key('E'), true, true);
   CHECK(user.sees("Bandwidth limit of viewport"));
   user.session().input().serve(PaneRequest{PaneRequest::Kind::limit, 1, 0, 1, 0});
   user.settle();
   CHECK(user.sees("no limit"));
   CHECK(rate("memory://a/b.wrl") == 0U);
-  // A file in both viewports gets the higher of their limits.
+  // A file that both viewports show gets the higher of their limits.
   user.session().opening().open_in(1, "memory://a/a.wrl");
   user.settle();
   CHECK(rate("memory://a/a.wrl") == 0U);
@@ -258,10 +258,10 @@ TEST_CASE("reports the error of a failed viewport, and opens its file again") {
   CHECK(user.sees("late.wrl cannot be opened"));
   CHECK_FALSE(user.session().panes().at(1).failure->error.empty());
   CHECK(user.sees("Retry"));
-  // Its earlier file is still there.
+  // The viewport still shows its earlier file.
   CHECK(shown(user, 1) == "box.wrl");
   CHECK_FALSE(user.session().panes().at(0).failure);
-  // The same again, with the file present.
+  // Now the file exists.
   scratch.write("late.wrl", "#VRML V2.0 utf8\nShape { geometry Sphere { } }\n");
   user.click("Retry");
   REQUIRE(user.wait_for([&] { return shown(user, 1) == scratch.path("late.wrl"); }));
@@ -290,7 +290,7 @@ TEST_CASE("offers the memory setting for a file that exceeds it, and opens it af
   LoadOptions load;
   load.limits.memory = 256 << 10;
   {
-    Driver given({}, {1000, 700}, load);  // from --memory, whatever the setting is
+    Driver given({}, {1000, 700}, load);  // --memory overrides the setting
     given.session().opening().open_files({path});
     REQUIRE(given.wait_for([&] { return given.sees("Raise memory limit"); }));
     given.settle();

@@ -1,5 +1,5 @@
 #include "app/formats/content_types.h"
-#include "app/formats/qnv/cloud_reader.h"
+#include "app/formats/qnv/geometry_reader.h"
 #include "app/formats/volume/volume.h"
 #include "app/loading/world_loader.h"
 #include "app/session/documents/documents.h"
@@ -126,7 +126,7 @@ TEST_CASE("stops gzip data that unpack to far more than their size") {
   REQUIRE(limit);
   CHECK(limit->find("more than the limit for unpacked data, 4 MiB") != std::string::npos);
   CHECK(made <= 4 * kMega);
-  // For all files together.
+  // The limit applies to all files together.
   CHECK(gunzip(bytes_of(packed("", kMega)), small, count));
 
   const UnpackedBytes kept =
@@ -159,7 +159,7 @@ TEST_CASE("shows a compressed world up to the limit of unpacked bytes") {
   const Loaded inlines(folder.write("outer.wrl", outer + kBox), 8 * kMega);
   INFO(inlines.said());
   CHECK(inlines.said("c.wrz: error: unpacks to more than the limit for unpacked data"));
-  CHECK(inlines.list().items.size() == 4);  // its box was earlier
+  CHECK(inlines.list().items.size() == 4);  // its box was received earlier
   inlines.check_budget();
 }
 
@@ -175,7 +175,7 @@ TEST_CASE("refuses a compressed mesh, volume or splats of zeros by name") {
   INFO(volume.said());
   CHECK(volume.said("zeros.nii.gz: error: unpacks to more than the limit for voxels, 32 MiB"));
 
-  // A single slice that exceeds the limit.
+  // A volume is refused if a single slice exceeds the limit.
   const Loaded slice(folder.write("slice.nii.gz", packed(nifti(4096, 4096, 1), 16 * kMega)), 128 * kMega);
   INFO(slice.said());
   CHECK(slice.said("slices of 16777216 voxels take more than the limit for voxels, 64 MiB"));

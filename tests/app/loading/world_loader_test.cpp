@@ -4,31 +4,18 @@
 #include "base/gzip.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/worlds.h"
+#include "tests/gzip.h"
 
-#include <zlib.h>
 #include <catch2/catch.hpp>
 
 #include <string>
+#include <tuple>
 #include <vector>
 
 using namespace gs::app;
 using namespace gs;
 
 namespace {
-
-std::string gzipped_text(const std::string& text) {
-  z_stream stream{};
-  REQUIRE(deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) == Z_OK);
-  std::string out(deflateBound(&stream, text.size()) + 32, '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-  stream.avail_in = static_cast<uInt>(text.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  REQUIRE(deflate(&stream, Z_FINISH) == Z_STREAM_END);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  return out;
-}
 
 std::span<const std::byte> byte_span_of(std::string_view text) { return std::as_bytes(std::span(text)); }
 
@@ -43,7 +30,7 @@ const std::string kGif(
 
 TEST_CASE("gunzip: reads members, and reports truncation, damage and limits") {
   const std::string text(300000, 'x');
-  const std::string packed = gzipped_text(text);
+  const std::string packed = test::deflated(text);
   std::string out;
   const auto sink = [&](std::string_view piece) {
     out += piece;
@@ -54,7 +41,8 @@ TEST_CASE("gunzip: reads members, and reports truncation, damage and limits") {
   CHECK_FALSE(gunzip(byte_span_of(packed), own_budget(), sink));
   CHECK(out == text);
   out.clear();
-  CHECK_FALSE(gunzip(byte_span_of(gzipped_text("one") + gzipped_text("two")), own_budget(), sink));
+  CHECK_FALSE(gunzip(byte_span_of(test::deflated(std::string("one")) + test::deflated(std::string("two"))),
+                     own_budget(), sink));
   CHECK(out == "onetwo");
   out.clear();
   const auto small = std::make_shared<Budget>(Limits{.memory = 1024});
@@ -78,7 +66,7 @@ TEST_CASE("gunzip: reads members, and reports truncation, damage and limits") {
 
 TEST_CASE("gunzip: reads pieces of any size as one text, and reports errors at the end") {
   const std::string text = "one, " + std::string(300000, 'x'),
-                    packed = gzipped_text(text) + gzipped_text("two") + "rest";
+                    packed = test::deflated(text) + test::deflated(std::string("two")) + "rest";
   for (const std::size_t size : {1ul, 2ul, 3ul, 7ul, 1000ul}) {
     Gunzip unpacking(own_budget());
     std::string out;
@@ -103,7 +91,7 @@ TEST_CASE("gunzip: reads pieces of any size as one text, and reports errors at t
 
 TEST_CASE("opens gzip'd worlds under any name, and shows the beginning of a truncated one") {
   const ScratchFolder folder;
-  const std::string packed = gzipped_text(kBoxWorld);
+  const std::string packed = test::deflated(std::string(kBoxWorld));
   for (const char* name : {"a.wrl", "a.wrz", "a.wrl.gz", "a"}) {
     const LoadedWorld world = load_world(folder.write(name, packed));
     REQUIRE(world.scene);
@@ -114,7 +102,7 @@ TEST_CASE("opens gzip'd worlds under any name, and shows the beginning of a trun
   std::string large = "#VRML V2.0 utf8\n";
   for (int i = 0; i < 5000; ++i)
     large += "Shape { geometry Sphere { radius " + std::to_string(i * 7919 % 1000) + " } }\n";
-  const std::string packed_large = gzipped_text(large);
+  const std::string packed_large = test::deflated(large);
   const LoadedWorld world = load_world(folder.write("cut.wrl", packed_large.substr(0, packed_large.size() / 2)));
   REQUIRE(world.scene);
   CHECK(world.truncated);
@@ -135,7 +123,7 @@ TEST_CASE("reports in one line why a file cannot be opened") {
   refused(folder.path(""), "error: ");
   refused(folder.write("empty.wrl", ""), "the file is empty");
   refused(folder.write("empty.stl", ""), "the file is empty");
-  refused(folder.write("binary.wrl", std::string(100, '\0') + "abc"), "a binary file");
+  refused(folder.write("binary.wrl", std::string(100, '\0') + "abc"), "data of an unknown format");
   refused(folder.write("one.wrl", "#VRML V1.0 ascii\n"), "VRML 1.0");
   refused("gopher://example.org/a.wrl", "gopher");
 }
@@ -144,12 +132,13 @@ TEST_CASE("detects the type of a file by its first bytes, then by its name") {
   const auto name_of = [](std::string_view path, std::string_view bytes) {
     return content_type_of(path, byte_span_of(bytes)).name;
   };
-  CHECK(name_of("a.stl", "#VRML V2.0 utf8\n") == "VRML97");
-  CHECK(name_of("a.wrl", "ply\nformat") == "PLY");
-  CHECK(name_of("a", "glTF") == "glTF");
-  CHECK(name_of("A.OBJ", "v 0 0 0") == "OBJ");
-  CHECK(name_of("a.stl.gz", "solid") == "STL");
-  CHECK(name_of("folder.stl/readme", "hello") == "VRML97");
+  const std::tuple<const char*, const char*, const char*> types[] = {{"a.stl", "#VRML V2.0 utf8\n", "VRML97"},
+                                                                     {"a.wrl", "ply\nformat", "PLY"},
+                                                                     {"a", "glTF", "glTF"},
+                                                                     {"A.OBJ", "v 0 0 0", "OBJ"},
+                                                                     {"a.stl.gz", "solid", "STL"},
+                                                                     {"folder.stl/readme", "hello", "VRML97"}};
+  for (const auto& [path, bytes, type] : types) CHECK(name_of(path, bytes) == type);
 }
 
 TEST_CASE("finds Inlines, EXTERNPROTOs and textures beside the file, in any letter case") {
@@ -167,8 +156,8 @@ TEST_CASE("finds Inlines, EXTERNPROTOs and textures beside the file, in any lett
   INFO(said(world));
   REQUIRE(world.scene);
   CHECK(world.diagnostics.entries().empty());
-  REQUIRE(world.scene->inlined(world.scene->roots()[0]));
-  CHECK(world.scene->inlined(world.scene->roots()[0])->roots().size() == 1);
+  REQUIRE(world.scene->inlines().of(world.scene->roots()[0]));
+  CHECK(world.scene->inlines().of(world.scene->roots()[0])->roots().size() == 1);
   const auto shape = world.scene->roots()[1];
   const auto sphere = world.scene->resolve(world.scene->get<vrml::SFNode>(shape, "geometry"));
   REQUIRE(sphere);
@@ -229,7 +218,7 @@ TEST_CASE("ignores an empty url, and searches a url from a server's root in the 
   const LoadedWorld rooted = load_world(folder.write("rooted.wrl", texture("/pictures/red.gif")));
   CHECK(said(rooted).empty());
   CHECK(rooted.images.size() == 1);
-  // Not in folders that the world may not read.
+  // Files in folders that the world may not read are not found.
   (void)folder.write("inner/outer.gif", kGif);
   const LoadedWorld outside = load_world(folder.write("inner/deep/world.wrl", texture("/outer.gif")));
   CHECK(outside.images.empty());
@@ -256,8 +245,8 @@ TEST_CASE("data: URLs hold worlds, textures and libraries") {
                    "Inline { url \"data:;base64,a*bc\" }\n"));
   INFO(said(world));
   REQUIRE(world.scene);
-  REQUIRE(world.scene->inlined(world.scene->roots()[0]));
-  CHECK(world.scene->inlined(world.scene->roots()[0])->roots().size() == 1);
+  REQUIRE(world.scene->inlines().of(world.scene->roots()[0]));
+  CHECK(world.scene->inlines().of(world.scene->roots()[0])->roots().size() == 1);
   CHECK(world.diagnostics.warnings() == 1);
 }
 

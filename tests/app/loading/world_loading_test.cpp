@@ -3,7 +3,8 @@
 
 #include "app/streams/stream_feed.h"
 #include "qnv/codecs/octree/lod/lod.h"
-#include "tests/app/clouds.h"
+#include "qnv/reader/stream_decoder.h"
+#include "tests/app/geometry_shapes.h"
 #include "tests/app/large_stream.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/worlds.h"
@@ -16,6 +17,7 @@
 #include <chrono>
 #include <cstddef>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -120,7 +122,7 @@ TEST_CASE("shows a long IndexedFaceSet during loading") {
   REQUIRE(triangles.size() > 2);
   CHECK(std::is_sorted(triangles.begin(), triangles.end()));
   CHECK(triangles.front() < 1900);
-  // As many as in a load at once; slivers without area are omitted.
+  // As many triangles as without pieces; slivers without area are omitted.
   web.put("memory://a/whole.wrl", text);
   WorldLoading at_once("memory://a/whole.wrl", web.options);
   while (!at_once.done()) (void)at_once.step(kLoadingWait);
@@ -192,7 +194,7 @@ TEST_CASE("reports failures during loading, and shows the rest") {
          return answer;
        },
        "404", false},
-      {"garbage", [](const net::TransferRequest&, unsigned) { return whole(std::string(3000, '\1')); }, "binary",
+      {"garbage", [](const net::TransferRequest&, unsigned) { return whole(std::string(3000, '\1')); }, "unknown format",
        false},
       {"truncated",
        [&](const net::TransferRequest&, unsigned) {
@@ -242,14 +244,14 @@ TEST_CASE("ends stalled loads at the time limit") {
   CHECK(said(world).find("the time limit for loading was reached") != std::string::npos);
 }
 
-TEST_CASE("keeps files from a document of the network, and the network from offline sessions") {
+TEST_CASE("denies files to a document from the network, and denies the network to offline sessions") {
   const ScratchFolder folder;
   const std::string secret = folder.write("secret.wrl", boxes(1));
   Web web;
   web.put("memory://a/world.wrl", "#VRML V2.0 utf8\nInline { url \"file://" + secret + "\" }\nShape { }\n");
   const LoadedWorld world = load_world("memory://a/world.wrl", web.options);
   REQUIRE(world.scene);
-  CHECK_FALSE(world.scene->inlined(world.scene->roots()[0]));
+  CHECK_FALSE(world.scene->inlines().of(world.scene->roots()[0]));
   CHECK(said(world).find("may not refer to file:") != std::string::npos);
   web.options.offline = true;
   const LoadedWorld none = load_world("memory://a/world.wrl", web.options);
@@ -275,15 +277,15 @@ TEST_CASE("shows a stream from its front, and refines it") {
     const auto octree = content_of<qnv::OctreeSplats>(*list.splats[0].geometry);
     if (feeds.empty()) feeds = loading.feeds();
     for (const auto& feed : feeds) (void)feed->apply();
-    clusters.push_back(octree.stream->clusters());
+    clusters.push_back(octree.stream->statistics().clusters);
   }
   REQUIRE(clusters.size() > 3);
   CHECK(std::is_sorted(clusters.begin(), clusters.end()));
   CHECK(clusters.front() * 2 < clusters.back());
   const LoadedWorld world = load_world("memory://a/ball.qnv", web.options);
-  REQUIRE(world.clouds.size() == 1);
-  const auto octree = content_of<qnv::OctreeSplats>(*world.clouds.begin()->second);
-  CHECK(octree.stream->clusters() == clusters.back());
+  REQUIRE(world.geometries.size() == 1);
+  const auto octree = content_of<qnv::OctreeSplats>(*world.geometries.begin()->second);
+  CHECK(octree.stream->statistics().clusters == clusters.back());
 }
 
 TEST_CASE("slows a stream beside one of more weight") {
@@ -297,7 +299,7 @@ TEST_CASE("slows a stream beside one of more weight") {
     REQUIRE(world.feeds.size() == 1);
     StreamFeed& feed = *world.feeds[0];
     feed.set_weight(weight);
-    qnv::LodStream& stream = *content_of<qnv::OctreeSplats>(*world.clouds.begin()->second).stream;
+    qnv::LodStream& stream = *content_of<qnv::OctreeSplats>(*world.geometries.begin()->second).stream;
     qnv::LodView view;
     view.eye = {0, 0, 4};
     view.pixels = 5000;
@@ -319,7 +321,7 @@ TEST_CASE("slows a stream beside one of more weight") {
     for (std::size_t i = before; i < transfers.size(); ++i) {
       REQUIRE(transfers[i].range);
       const std::uint64_t end = std::min<std::uint64_t>(transfers[i].range->end, large_stream().size());
-      if (end < large_stream().size()) most = std::max(most, end - transfers[i].range->begin);  // without the directory
+      if (end < large_stream().size()) most = std::max(most, end - transfers[i].range->begin);  // not the directory
     }
     return most;
   };
@@ -338,7 +340,7 @@ TEST_CASE("reads from a long stream only the parts that a view needs") {
   REQUIRE(world.scene);
   REQUIRE(world.feeds.size() == 1);
   StreamFeed& feed = *world.feeds[0];
-  qnv::LodStream& stream = *content_of<qnv::OctreeSplats>(*world.clouds.begin()->second).stream;
+  qnv::LodStream& stream = *content_of<qnv::OctreeSplats>(*world.geometries.begin()->second).stream;
   CHECK(loading.streaming());
   qnv::LodView view;
   view.eye = {0, 0, 4};
@@ -350,7 +352,7 @@ TEST_CASE("reads from a long stream only the parts that a view needs") {
     (void)feed.apply();
     (void)stream.cut(view);
     feed.ask();
-  } while (!(stream.complete() && stream.clusters() > 1 && ++rounds > 5));
+  } while (!(stream.complete() && stream.statistics().clusters > 1 && ++rounds > 5));
   CHECK(feed.take_problem().empty());
   std::uint64_t asked = 0;
   for (const net::TransferRequest& transfer : web.network->transfers()) {
@@ -365,4 +367,58 @@ TEST_CASE("reads from a long stream only the parts that a view needs") {
   for (const qnv::Piece& piece : stream.cut(view)) discs += piece.count;
   for (const qnv::Piece& piece : reference.cut(view)) wanted += piece.count;
   CHECK(discs == wanted);
+}
+
+TEST_CASE("reads the chunks in view first from a stream that is decoded completely") {
+  // An octree with an exact mesh, which never comes here, is decoded like a displaced surface.
+  std::vector<std::byte> bytes = bytes_of(large_stream());
+  std::size_t header_bytes = 0;
+  bool need_more = false;
+  auto header = std::get<qnv::StreamHeader>(qnv::decode_header(bytes, header_bytes, need_more));
+  header.meshed = true;
+  const std::vector<std::byte> meshed = qnv::encode_header(header);
+  REQUIRE(meshed.size() == header_bytes);
+  std::copy(meshed.begin(), meshed.end(), bytes.begin());
+  qnv::StreamDecoder decoder;
+  REQUIRE(decoder.push(bytes));
+  for (const bool with_view : {true, false}) {
+    Web web;
+    web.options.by_view = true;
+    web.put("memory://a/world.wrl", "#VRML V2.0 utf8\nShape { geometry QNV { url \"ball.qnv\" } }\n");
+    web.put("memory://a/ball.qnv", test::string_of(bytes));
+    WorldLoading loading("memory://a/world.wrl", web.options);
+    qnv::LodView view;
+    view.planes[0] = {1, 0, 0, -header.description.box.upper.x * 0.97f};
+    bool noted = false;
+    while (!loading.done()) {
+      (void)loading.step(kLoadingWait);
+      if (!with_view || noted || loading.feeds().empty()) continue;
+      StreamFeed& feed = *loading.feeds().front();
+      CHECK_FALSE(feed.takes_bytes());
+      feed.requests()->note(view);
+      feed.ask();
+      noted = true;
+    }
+    CHECK(noted == with_view);
+    const LoadedWorld world = loading.take();
+    INFO(said(world));
+    CHECK(said(world).empty());
+    REQUIRE(world.geometries.size() == 1);
+    CHECK(world.geometries.begin()->second->size() == decoder.vectors());
+    REQUIRE(world.feeds.size() == 1);
+    CHECK_FALSE(world.feeds[0]->reading());
+    // Bytes of all transfers, and of the transfers until all chunks in view were read.
+    std::uint64_t read = 0, read_in_view = 0;
+    std::set<std::uint64_t> known;
+    for (const net::TransferRequest& transfer : web.network->transfers()) {
+      if (!transfer.range || transfer.range->begin == 0 || transfer.range->begin >= header.directory) continue;
+      read += std::min<std::uint64_t>(transfer.range->end, bytes.size()) - transfer.range->begin;
+      for (const qnv::DirectoryEntry& entry : decoder.directory())
+        if (entry.offset >= transfer.range->begin && entry.offset < transfer.range->end &&
+            known.insert(entry.offset).second && !outside(entry.box, view))
+          read_in_view = read;
+    }
+    CHECK(read < bytes.size() * 5 / 4);
+    CHECK((read_in_view < read / 2) == with_view);
+  }
 }

@@ -54,7 +54,7 @@ TEST_CASE("has one row per file of a world, with its bytes, its end and its firs
   CHECK(loads.row("part.wrl").total == part.size());
   CHECK(loads.row("part.wrl").first_picture);
   CHECK(loads.row("part.wrl").node);
-  // The second url has it; its row is the first one's.
+  // The second url has the image. Its row has the name of the first url.
   CHECK(loads.row("grey.pgm").stage == LoadStage::whole);
   CHECK(loads.row("none.png").number == 0);
   const LoadRow missing = loads.row("missing.wrl");
@@ -77,8 +77,8 @@ TEST_CASE("leaves out a cancelled file, and loads the rest of the world") {
   loads.finish();
   CHECK(loads.row("never.wrl").stage == LoadStage::cancelled);
   const LoadedWorld world = loads.loading->take();
-  CHECK_FALSE(world.scene->inlined(world.scene->roots()[0]));
-  CHECK(world.scene->inlined(world.scene->roots()[1]));
+  CHECK_FALSE(world.scene->inlines().of(world.scene->roots()[0]));
+  CHECK(world.scene->inlines().of(world.scene->roots()[1]));
 }
 
 TEST_CASE("keeps the loaded part of a cancelled world") {

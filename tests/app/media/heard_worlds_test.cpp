@@ -69,7 +69,7 @@ const double kHalf = std::lround(0.5 * 32767) / 32768.0;
 TEST_CASE("plays a Sound by intensity and distance in dB, panned by its angle (6.42, 7.3.4)") {
   const ScratchFolder folder;
   (void)folder.write("half.wav", media::constant(1));
-  // From the front, at distance 6 between 1 and 11: -10 dB; intensity 0.75: -5 dB.
+  // In front, at distance 6 between 1 and 11, the level is -10 dB. Intensity 0.75 adds -5 dB.
   Ears ears =
       hear(folder, "Viewpoint { position 0 0 6 } Sound { maxFront 11 maxBack 11 intensity 0.75 " + clip() + "}", 0.5);
   const double level = kHalf * std::pow(10, -15 / 20.0);
@@ -77,13 +77,13 @@ TEST_CASE("plays a Sound by intensity and distance in dB, panned by its angle (6
     CHECK(ears.left(time) == Approx(level * 0.75).margin(1e-3));
     CHECK(ears.right(time) == Approx(level * 0.75).margin(1e-3));
   }
-  // On the right: pan 1.
+  // The sound is on the right, so the pan is 1.
   ears = hear(folder,
               "Viewpoint { } Transform { translation 6 0 10 children Sound { maxFront 11 maxBack 11 " + clip() + "} }",
               0.2);
   CHECK(ears.left(0.1) == Approx(0).margin(1e-3));
   CHECK(ears.right(0.1) == Approx(kHalf * std::pow(10, -0.5)).margin(1e-3));
-  // Not spatialized, and too far.
+  // A sound that is not spatialized, and a sound out of range.
   ears = hear(folder,
               "Viewpoint { } Sound { location 6 0 10 spatialize FALSE maxFront 11 maxBack 11 " + clip() + "} " +
                   "Sound { location 0 0 -2 source USE C }",
@@ -113,7 +113,7 @@ TEST_CASE("moves a Sound with its Transform and the viewer, without steps (6.42)
   float steepest = 0;
   for (std::size_t i = 1; i < ears.pairs.size() / 2; ++i)
     steepest = std::max(steepest, std::abs(ears.pairs[2 * i] - ears.pairs[2 * i - 2]));
-  CHECK(steepest < 0.11f);  // at its beginning only
+  CHECK(steepest < 0.11f);  // only at the beginning of the sound
 }
 
 TEST_CASE("mutes a Sound that a Switch hides, and resumes it in world time (6.42)") {

@@ -91,7 +91,7 @@ TEST_CASE("loops in world time: t = (now - startTime) modulo (duration / pitch) 
   ear.hear(2);
   for (const double time : {0.05, 0.29, 0.31, 1.0, 1.77})
     CHECK(ear.left(time) == Approx(std::fmod(time + 1000.2, 0.5)).margin(1e-3));
-  // At twice the speed, from a file of another rate.
+  // A file with another sample rate plays at twice the speed.
   Ear other;
   other.mixer.set({voice_of(file_of(ramp(0.5, 11'025)), -7.1, kNever, 2)}, kStart);
   other.hear(1);
@@ -154,7 +154,7 @@ TEST_CASE("changes levels without steps, and fades out stopped sounds") {
   for (std::size_t i = 100; i + 1 < ear.pairs.size() / 2; ++i)
     steepest = std::max(steepest, std::abs(ear.pairs[2 * i + 2] - ear.pairs[2 * i]));
   CHECK(steepest < 0.01f);
-  // A sound that ended by itself plays to its end, although it is no longer requested.
+  // A sound that ends by itself plays to its end, although the world no longer requests it.
   Ear other;
   other.mixer.set({voice_of(file_of(media::constant(0.05, 0.5)), 0, 0.05)}, kStart);
   other.hear(0.01);
@@ -209,7 +209,8 @@ TEST_CASE("writes a mix as a WAV that reads back") {
   CHECK(std::get<0>(info).duration == Approx(4.0 / kMixRate));
 }
 
-// Variables of OpenAL Soft: its null device consumes samples like a device; "none" is no device.
+// These variables select devices of OpenAL Soft. The null device consumes samples like a real device. "none" means no
+// device.
 TEST_CASE("runs silently without a sound device") {
   const auto state_with = [](const char* drivers) {
     setenv("ALSOFT_DRIVERS", drivers, 1);

@@ -81,7 +81,7 @@ TEST_CASE("shows the first, last or stopped frame of an inactive MovieTexture (6
 }
 
 TEST_CASE("plays an animated GIF in a MovieTexture (6.28)") {
-  // Each tenth of a second is lighter than the one before.
+  // Each tenth of a second is lighter than the previous one.
   int before = -2;
   for (const double time : {0.05, 0.35, 0.65}) {
     const int number = shown_at("startTime 946684800 loop TRUE", time, "movie/counting.gif").number;

@@ -27,7 +27,8 @@ render::SoundState sound_of(double min_front, double min_back, double max_front,
 TEST_CASE("places a Sound at a focus of its ellipsoids, which meet the axis at front and back (6.42)") {
   CHECK(ellipsoid_radius(6, 2, 1) == Approx(6));
   CHECK(ellipsoid_radius(6, 2, -1) == Approx(2));
-  // The distances from both foci to any point sum to the long axis; the other focus is 6 - 2 ahead.
+  // For each point of the ellipsoid, the distances from both foci add up to the long axis. The other focus is 6 - 2
+  // units ahead.
   for (const double cosine : {-0.9, -0.3, 0.0, 0.2, 0.7}) {
     const double radius = ellipsoid_radius(6, 2, cosine);
     const double x = radius * cosine, y = radius * std::sqrt(1 - cosine * cosine);
@@ -42,16 +43,16 @@ TEST_CASE("attenuates by 20 dB between the ellipsoids, evenly in dB, and mutes b
   render::SoundState sound = sound_of(2, 1, 12, 6);
   sound.spatialize = false;
   const auto level = [&](double x, double y, double z) { return sound_attenuation(sound, viewer_at(x, y, z)).level; };
-  // In front: from 2 to 12.
+  // In front, the level falls from 2 to 12.
   CHECK(level(0, 0, 0) == 1);
   CHECK(level(0, 0, 2) == 1);
   for (const double d : {3.0, 7.0, 11.0, 12.0}) CHECK(decibels(level(0, 0, d)) == Approx(-20 * (d - 2) / 10));
   CHECK(level(0, 0, 12.001) == 0);
-  // Behind: from 1 to 6.
+  // Behind, the level falls from 1 to 6.
   CHECK(level(0, 0, -1) == 1);
   CHECK(decibels(level(0, 0, -3.5)) == Approx(-10));
   CHECK(level(0, 0, -6.001) == 0);
-  // At the side: 2fb / (f + b).
+  // At the side, the distances are 2 f b / (f + b), with f in front and b behind.
   const double inner = 4.0 / 3, outer = 8;
   CHECK(decibels(level((inner + outer) / 2, 0, 0)) == Approx(-10));
   CHECK(level(0, outer + 0.001, 0) == 0);

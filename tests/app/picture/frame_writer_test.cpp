@@ -28,7 +28,7 @@ TEST_CASE("writes pictures of an animation with numbers from 0, over pictures on
   CHECK(writer->what() == "3 pictures");
   for (const char* name : {"a.00.png", "a.01.png", "a.02.png"}) CHECK(folder.read(name).starts_with("\x89PNG"));
   CHECK(folder.read("a.03.png").empty());
-  CHECK_FALSE(open(folder.path("a.%02d.png"))->add(plain(1)));  // over a file that is a picture
+  CHECK_FALSE(open(folder.path("a.%02d.png"))->add(plain(1)));  // may replace a file that is a picture
   folder.write("a.01.png", "a world");
   auto again = open(folder.path("a.%02d.png"));
   CHECK_FALSE(again->add(plain(1)));

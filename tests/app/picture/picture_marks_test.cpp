@@ -24,7 +24,7 @@ TEST_CASE("blends a rectangle into a picture, and fills a transparent one") {
   draw_rectangle({clear, 0}, {0, 0}, {1, 1}, {1, 0.5f, 0}, 0.5f);
   CHECK(std::vector<std::uint8_t>(clear.pixels.begin(), clear.pixels.begin() + 5) ==
         std::vector<std::uint8_t>{255, 128, 0, 128, 0});
-  draw_rectangle({clear, 0}, {-10, -10}, {0, 50}, {1, 1, 1});  // beside it
+  draw_rectangle({clear, 0}, {-10, -10}, {0, 50}, {1, 1, 1});  // beside the picture
   CHECK(clear.pixels[3] == 128);
 }
 

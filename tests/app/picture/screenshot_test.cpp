@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include <string>
+#include <utility>
 
 namespace gs::app::screenshot_test {
 namespace {
@@ -20,13 +21,16 @@ std::string folder_of(const std::string& own, const std::string& directories) {
 }  // namespace
 
 TEST_CASE("saves pictures in the folder of the desktop's user (xdg-user-dirs)") {
-  CHECK(folder_of("", "") == "/home/u/Pictures");
   CHECK(folder_of("/p", "XDG_PICTURES_DIR=\"$HOME/Bilder\"\n") == "/p");
-  CHECK(folder_of("", "# x\nXDG_MUSIC_DIR=\"$HOME/m\"\nXDG_PICTURES_DIR=\"$HOME/Bilder\"\n") == "/home/u/Bilder");
-  CHECK(folder_of("", "XDG_PICTURES_DIR=\"/data/p\"") == "/data/p");
-  CHECK(folder_of("", "XDG_PICTURES_DIR=\"relative\"") == "/home/u/Pictures");
-  CHECK(folder_of("", "XDG_PICTURES_DIR=\"") == "/home/u/Pictures");
   CHECK(folder_of("relative", "") == "/home/u/Pictures");
+  const std::pair<const char*, const char*> folders[] = {
+      {"", "/home/u/Pictures"},
+      {"# x\nXDG_MUSIC_DIR=\"$HOME/m\"\nXDG_PICTURES_DIR=\"$HOME/Bilder\"\n", "/home/u/Bilder"},
+      {"XDG_PICTURES_DIR=\"/data/p\"", "/data/p"},
+      {"XDG_PICTURES_DIR=\"relative\"", "/home/u/Pictures"},
+      {"XDG_PICTURES_DIR=\"", "/home/u/Pictures"},
+  };
+  for (const auto& [directories, folder] : folders) CHECK(folder_of("", directories) == folder);
   CHECK(pictures_folder([](const char*) { return std::string(); }, "").empty());
 }
 
@@ -40,7 +44,7 @@ TEST_CASE("removes slashes and controls from a title, and shortens it to a file 
   CHECK(picture_name("...", 0).starts_with("GhostSpace 19"));
   std::string wide;
   for (int i = 0; i < 100; ++i) wide += "\xc3\xa4";
-  CHECK(picture_name(wide, 0).starts_with(wide.substr(0, 80) + " 19"));  // cuts no character
+  CHECK(picture_name(wide, 0).starts_with(wide.substr(0, 80) + " 19"));  // no character is split
 }
 
 TEST_CASE("chooses a new name for each picture") {

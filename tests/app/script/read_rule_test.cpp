@@ -20,7 +20,7 @@ const Origin kIntranet{"http://printer/x.wrl", AddressSpace::local};
 
 }  // namespace
 
-TEST_CASE("limits a Script of the network to nodes of its own host") {
+TEST_CASE("limits a Script from the network to nodes of its own host") {
   CHECK(reading(kHost, kHost, kHost) == Reading::allowed);
   CHECK(reading(kHost, kHost, kSameHost) == Reading::allowed);
   CHECK(reading(kHost, kHost, kOtherHost) == Reading::refused);
@@ -29,7 +29,7 @@ TEST_CASE("limits a Script of the network to nodes of its own host") {
   CHECK(reading(kHost, kHost, {"http://a/x.wrl", AddressSpace::local}) == Reading::refused);
 }
 
-TEST_CASE("hides local files from a Script of the network, except the file that uses its PROTO") {
+TEST_CASE("hides local files from a Script from the network, except the file that uses its PROTO") {
   CHECK(reading(kHost, kHost, kWorld) == Reading::refused);
   CHECK(reading(kHost, kWorld, kOtherFile) == Reading::refused);
   CHECK(reading(kHost, kWorld, kWorld) == Reading::confidential);

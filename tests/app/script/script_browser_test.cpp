@@ -14,8 +14,7 @@ TEST_CASE("Browser: reports name, version, viewer speed, frame rate and the worl
       "Browser.getWorldURL()); }\" }");
   world.start();
   world.runner().set_browser({"file:///a/b.wrl", 2.5, 60});
-  world.step(1);
-  world.send("S.go", true);
+  world.send_at(1, "S.go", true);
   CHECK(world.printed() == Lines{"GhostSpacetrue", "2.5 60 file:///a/b.wrl"});
 }
 
@@ -49,7 +48,7 @@ TEST_CASE("createVrmlFromURL sends the nodes of a file to an eventIn (4.12.10)")
   world.step(2);
   CHECK(world.created(requests[0], "#VRML V2.0 utf8\nShape {} Transform {}", "x.wrl"));
   CHECK(world.printed() == Lines{"2 1002"});
-  CHECK(world.events() == Lines{"2 G.children [ Shape, Transform ]"});
+  CHECK(world.take() == Lines{"2 G.children [ Shape, Transform ]"});
 }
 
 TEST_CASE("holds events until a program's file is loaded, and tries the next url if it is missing (4.12.1)") {
@@ -61,8 +60,7 @@ TEST_CASE("holds events until a program's file is loaded, and tries the next url
   REQUIRE(requests.size() == 2);
   CHECK(requests[0].kind == ScriptRequest::Kind::program);
   CHECK(requests[0].urls == std::vector<std::string>{"a.js", "b.js"});
-  world.step(1);
-  world.send("A.in_", std::int32_t{1});
+  world.send_at(1, "A.in_", std::int32_t{1});
   world.send("B.in_", std::int32_t{2});
   CHECK(world.printed() == Lines{});
   world.step(3);
@@ -82,9 +80,8 @@ TEST_CASE("delivers events at once with mustEvaluate TRUE and FALSE (4.12.2)") {
                 " eventIn SFInt32 in_ eventOut SFInt32 out url \"javascript: function "
                 "in_(v) { out = v; }\" }");
     world.start();
-    world.step(1);
-    world.send("S.in_", std::int32_t{3});
-    CHECK(world.events() == Lines{"1 S.out 3"});
+    world.send_at(1, "S.in_", std::int32_t{3});
+    CHECK(world.take() == Lines{"1 S.out 3"});
   }
 }
 
@@ -99,7 +96,7 @@ TEST_CASE("accepts 25 eventIns and eventOuts in a Script (7.3.3)") {
   world.start();
   world.step(1);
   for (int i = 0; i < 25; ++i) world.send("S.in" + std::to_string(i), std::int32_t{100});
-  const Lines events = world.events();
+  const Lines events = world.take();
   REQUIRE(events.size() == 25);
   CHECK(events.back() == "1 S.out24 124");
 }
@@ -136,7 +133,7 @@ TEST_CASE("binds no nodes of createVrmlFromString and createVrmlFromURL by itsel
   for (const vrml::NodeKind kind :
        {vrml::NodeKind::viewpoint, vrml::NodeKind::navigation_info, vrml::NodeKind::fog, vrml::NodeKind::background})
     CHECK(bound(kind).scene == nullptr);
-  CHECK(world.events("isBound") == Lines{});
+  CHECK(world.take("isBound") == Lines{});
   world.send("S.go", true);
   CHECK(bound(vrml::NodeKind::viewpoint).node == world.scene().get<vrml::MFNode>(group, "children")[4]);
 }

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include <string>
+#include <utility>
 
 namespace gs::app::script_evaluation_test {
 
@@ -24,19 +25,37 @@ TEST_CASE("runs a line as part of a Script's program") {
       "url \"javascript: var own = 5; function twice(x) { return 2 * x; } function initialize() {}\" } "
       "DEF M Material {} ROUTE S.out TO M.transparency");
   world.start();
-  CHECK(evaluate(world, "S", "1 + 1") == "2");
-  CHECK(evaluate(world, "S", "twice(own) + count") == "13");
-  CHECK(evaluate(world, "S", "'a' + 'b'") == "\"ab\"");
-  CHECK(evaluate(world, "S", "names.length") == "2");
-  CHECK(evaluate(world, "S", "var more = 7") == "undefined");
-  CHECK(evaluate(world, "S", "more") == "7");
-  CHECK(evaluate(world, "S", "new SFVec3f(1, 2, 3)") == "1 2 3");
+  const std::pair<const char*, const char*> results[] = {
+      {"1 + 1", "2"},
+      {"twice(own) + count", "13"},
+      {"'a' + 'b'", "\"ab\""},
+      {"names.length", "2"},
+      {"var more = 7", "undefined"},
+      {"more", "7"},
+      {"new SFVec3f(1, 2, 3)", "1 2 3"},
+  };
+  for (const auto& [line, result] : results) CHECK(evaluate(world, "S", line) == result);
   // VRML97 C.5.2: events continue afterwards.
-  world.events();
+  world.take();
   CHECK(evaluate(world, "S", "out = 0.5") == "0.5");
-  CHECK(world.events(".transparency").size() == 1);
+  CHECK(world.take(".transparency").size() == 1);
   CHECK(evaluate(world, "S", "print('hello')") == "undefined");
   CHECK(world.printed() == Lines{"hello"});
+}
+
+TEST_CASE("runs the promise jobs of a line before its value is shown") {
+  World world("DEF S Script { url \"javascript: var seen = 0;\" }");
+  world.start();
+  CHECK(evaluate(world, "S",
+                 "Promise.resolve(7).then(function(v) { seen = v; return 8; }).then(function(v) { seen += v; }); 1") ==
+        "1");
+  CHECK(evaluate(world, "S", "seen") == "15");
+  CHECK(evaluate(world, "S", "Promise.resolve(0).then(function() { print('later'); })").find("!") != 0);
+  CHECK(world.printed() == Lines{"later"});
+  // VRML97 C.5.2: assignments of jobs are sent as well. The jobs of a line that fails run too, as in programs.
+  CHECK(evaluate(world, "S", "Promise.resolve(3).then(function(v) { seen = v; }); throw 'mine'").starts_with("! "));
+  CHECK(evaluate(world, "S", "seen") == "3");
+  CHECK(world.problems().empty());
 }
 
 TEST_CASE("reports each error of a line, and counts it as no fault of the program") {
@@ -69,11 +88,12 @@ TEST_CASE("reports that no program runs") {
       "DEF Java Script { url \"some.class\" } DEF Empty Script {} DEF Far Script { url \"far.js\" } DEF G Group {} "
       "DEF Bad Script { url \"javascript: function initialize( {\" }");
   world.start();
-  CHECK(evaluate(world, "Java", "1") == "! this Script has no running program");
-  CHECK(evaluate(world, "Empty", "1") == "! this Script has no running program");
-  CHECK(evaluate(world, "Far", "1") == "! the program of this Script is still loading");
-  CHECK(evaluate(world, "Bad", "1") == "! this Script has no running program");
-  CHECK(evaluate(world, "G", "1") == "! not a Script, or its program has not started");
+  const std::pair<const char*, const char*> results[] = {
+      {"Java", "! this Script has no running program"},         {"Empty", "! this Script has no running program"},
+      {"Far", "! the program of this Script is still loading"}, {"Bad", "! this Script has no running program"},
+      {"G", "! not a Script, or its program has not started"},
+  };
+  for (const auto& [script, result] : results) CHECK(evaluate(world, script, "1") == result);
 }
 
 // vrmlscript: contains programs of the same language (C.3.1).

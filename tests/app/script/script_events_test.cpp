@@ -10,8 +10,7 @@ using scripts::World;
 TEST_CASE("calls the function of an eventIn's name with value and timestamp (4.12.8, C.4.2)") {
   World world("DEF S Script { eventIn SFVec3f move url \"javascript: function move(v, t) { print(v + ' ' + t); }\" }");
   world.start();
-  world.step(2);
-  world.send("S.move", vrml::SFVec3f(1, 2, 3));
+  world.send_at(2, "S.move", vrml::SFVec3f(1, 2, 3));
   CHECK(world.printed() == Lines{"1 2 3 1002"});
 }
 
@@ -33,10 +32,9 @@ TEST_CASE("sends a program's events after its function, with the timestamp of it
       "function in_(v) {} function go(v) { out = new SFVec3f(1, 0, 0); done = TRUE; out = new SFVec3f(2, 0, 0);"
       "print(out); }\" eventIn SFFloat go } ROUTE S.out TO T.set_translation");
   world.start();
-  world.step(3);
-  world.send("S.go", 1.0f);
+  world.send_at(3, "S.go", 1.0f);
   CHECK(world.printed() == Lines{"2 0 0"});
-  CHECK(world.events() == Lines{"3 S.out 2 0 0", "3 S.done TRUE", "3 T.translation 2 0 0"});
+  CHECK(world.take() == Lines{"3 S.out 2 0 0", "3 S.done TRUE", "3 T.translation 2 0 0"});
 }
 
 TEST_CASE("returns the initial value of an eventOut's type before it sends (4.10.1)") {
@@ -56,10 +54,9 @@ TEST_CASE("calls eventsProcessed() once per cascade, after its events (4.12.4)")
       "function eventsProcessed() { print('processed'); out = n; }\" }"
       "ROUTE A.one TO B.one ROUTE A.two TO B.two");
   world.start();
-  world.step(1);
-  world.send("A.go", true);
+  world.send_at(1, "A.go", true);
   CHECK(world.printed() == Lines{"one", "two", "processed"});
-  CHECK(world.events("B.") == Lines{"1 B.out 2"});
+  CHECK(world.take("B.") == Lines{"1 B.out 2"});
 }
 
 TEST_CASE("calls eventsProcessed() in the next cascade if the cascade returns to the Script (4.12.4)") {
@@ -70,8 +67,7 @@ TEST_CASE("calls eventsProcessed() in the next cascade if the cascade returns to
       "DEF B Script { eventIn SFInt32 in_ eventOut SFInt32 out url \"javascript: function in_(v) { out = v; }\" }"
       "ROUTE A.out TO B.in_ ROUTE B.out TO A.back");
   world.start();
-  world.step(1);
-  world.send("A.go", true);
+  world.send_at(1, "A.go", true);
   CHECK(world.printed() == Lines{"go", "processed", "back"});
   world.step(2);
   CHECK(world.printed() == Lines{"processed", "back"});
@@ -84,9 +80,8 @@ TEST_CASE("writes to nodes with directOutput, and sends the last assigned value 
       "function go(v) { node.set_translation = new SFVec3f(v, 0, 0); node.translation = new SFVec3f(v, 1, 0);"
       "print(node.translation_changed); node.scale = node.scale.multiply(2); }\" }");
   world.start();
-  world.step(1);
-  world.send("S.go", 4.0f);
-  CHECK(world.events() == Lines{"1 T.translation 4 1 0", "1 T.scale 2 2 2"});
+  world.send_at(1, "S.go", 4.0f);
+  CHECK(world.take() == Lines{"1 T.translation 4 1 0", "1 T.scale 2 2 2"});
   CHECK(world.printed() == Lines{"4 1 0"});
   CHECK(world.problems() == Lines{});
 }
@@ -96,7 +91,7 @@ TEST_CASE("warns of a write with directOutput FALSE, and performs it (4.12.5)") 
       "DEF T Transform {} DEF S Script { field SFNode node USE T url \"javascript: function initialize() {"
       "node.translation = new SFVec3f(1, 0, 0); }\" }");
   world.start();
-  CHECK(world.events() == Lines{"0 T.translation 1 0 0"});
+  CHECK(world.take() == Lines{"0 T.translation 1 0 0"});
   CHECK(world.problems() ==
         Lines{"text.wrl:2:26: warning: Script S: writes to other nodes with directOutput FALSE (VRML97 4.12.5)"});
 }
@@ -109,8 +104,7 @@ TEST_CASE("lets a Script read itself, and the eventIns and eventOuts of others (
       "tell url \"javascript: function ask(v) { a.set = v; me.tell = v; } function tell(v) {"
       "print(a.value_changed + ' ' + v); }\" }");
   world.start();
-  world.step(1);
-  world.send("B.ask", std::int32_t{4});
+  world.send_at(1, "B.ask", std::int32_t{4});
   CHECK(world.printed() == Lines{"5 4"});
 }
 
@@ -122,11 +116,9 @@ TEST_CASE("adds and deletes ROUTEs by Browser.addRoute and deleteRoute (4.12.10)
       "function add() { Browser.addRoute(me, 'out', t, 'set_translation'); out = new SFVec3f(1, 0, 0); }"
       "function remove() { Browser.deleteRoute(me, 'out', t, 'translation'); out = new SFVec3f(2, 0, 0); }\" }");
   world.start();
-  world.step(1);
-  world.send("S.add", true);
-  world.step(2);
-  world.send("S.remove", true);
-  CHECK(world.events() == Lines{"1 S.out 1 0 0", "1 T.translation 1 0 0", "2 S.out 2 0 0"});
+  world.send_at(1, "S.add", true);
+  world.send_at(2, "S.remove", true);
+  CHECK(world.take() == Lines{"1 S.out 1 0 0", "1 T.translation 1 0 0", "2 S.out 2 0 0"});
 }
 
 TEST_CASE("delivers requested files later, as an event with its own timestamp (4.12.6)") {
@@ -138,15 +130,14 @@ TEST_CASE("delivers requested files later, as an event with its own timestamp (4
       "DEF B Script { field SFNode a USE A eventIn SFInt32 in_ directOutput TRUE url \"javascript: function in_(v, t) {"
       "print('b ' + t); a.came = new MFNode(); }\" } ROUTE A.out TO B.in_");
   world.start();
-  world.step(1);
-  world.send("A.go", true);
+  world.send_at(1, "A.go", true);
   CHECK(world.printed() == Lines{});
   const std::vector<ScriptRequest> requests = world.runner().take_requests();
   REQUIRE(requests.size() == 1);
-  // Received between two steps: it is sorted after the earlier one, and its loop ends (4.10.4).
+  // An event is received between two steps. It is sorted after the earlier event, and its loop ends (4.10.4).
   world.step(2.5);
   CHECK(world.created(requests[0], "#VRML V2.0 utf8\nGroup {}", "x.wrl"));
-  CHECK(world.events("A.out") == Lines{"2.5 A.out 1"});
+  CHECK(world.take("A.out") == Lines{"2.5 A.out 1"});
   CHECK(world.printed() == Lines{"1002.5", "b 1002.5", "1002.5"});
 }
 
@@ -159,10 +150,8 @@ TEST_CASE("repeats Date and Math.random in simulated time") {
         "> "
         "0); }\" }");
     world.start();
-    world.step(1.25);
-    world.send("S.go", true);
-    world.step(2);
-    world.send("S.go", true);
+    world.send_at(1.25, "S.go", true);
+    world.send_at(2, "S.go", true);
     CHECK(world.problems() == Lines{});
     return world.printed();
   };
@@ -173,7 +162,7 @@ TEST_CASE("repeats Date and Math.random in simulated time") {
   CHECK(lines[2].starts_with("1002000 1002000 0 0."));
   CHECK(lines[0].substr(18) != lines[2].substr(18));
   CHECK(seen() == lines);
-  // In a window, the machine's clock counts.
+  // In a window, Date uses the machine's clock.
   World window("DEF S Script { url \"javascript: function initialize() { print(Date.now() > 1500000000000); }\" }", {},
                {0, false});
   window.start();
@@ -187,8 +176,7 @@ TEST_CASE("createVrmlFromString returns nodes that can be added to the world (4.
       "{}'); print(made.length); g.addChildren = made; for (var i = 0; i < n; i++) g.addChildren = new MFNode("
       "new SFNode('Group {}')); }\" }");
   world.start();
-  world.step(1);
-  world.send("S.go", std::int32_t{2});
+  world.send_at(1, "S.go", std::int32_t{2});
   CHECK(world.printed() == Lines{"3"});
   CHECK(world.scene().get<vrml::MFNode>(world.node("G"), "children").size() == 5);
   CHECK(world.problems() == Lines{});
@@ -202,11 +190,9 @@ TEST_CASE("runs a Script made at run time before its first event, and ends it wi
       "url \\\"javascript: function initialize() { print(1); } function in_(v) { print(v); } function shutdown() {"
       "print(9); }\\\" }'); g.children = new MFNode(s); s.in_ = 5; }\" }");
   world.start();
-  world.step(1);
-  world.send("S.go", std::int32_t{1});
+  world.send_at(1, "S.go", std::int32_t{1});
   CHECK(world.printed() == Lines{"1", "5"});
-  world.step(2);
-  world.send("S.go", std::int32_t{0});
+  world.send_at(2, "S.go", std::int32_t{0});
   world.end();
   CHECK(world.printed() == Lines{"9"});
 }
@@ -218,10 +204,9 @@ TEST_CASE("passes values, events and url to a Script in a PROTO by IS (4.8.2)") 
       "DEF A P { add 5 url \"javascript: function in_(v) { out = v + add; }\" }"
       "DEF B P { url \"vrmlscript: function in_(v) { out = v * 10; }\" }");
   world.start();
-  world.step(1);
-  world.send("A.in_", std::int32_t{2});
+  world.send_at(1, "A.in_", std::int32_t{2});
   world.send("B.in_", std::int32_t{3});
-  CHECK(world.events(" A.out") == Lines{"1 A.out 7"});
+  CHECK(world.take(" A.out") == Lines{"1 A.out 7"});
 }
 
 TEST_CASE("runs the first of several urls that can be run (4.12.1)") {
@@ -237,8 +222,7 @@ TEST_CASE("runs the program of a url that is set (6.40)") {
   World world(
       "DEF S Script { url \"javascript: function initialize() { print(1); } function shutdown() { print(2); }\" }");
   world.start();
-  world.step(1);
-  world.send("S.set_url", vrml::MFString{vrml::SFString("javascript: function initialize() { print(3); }")});
+  world.send_at(1, "S.set_url", vrml::MFString{vrml::SFString("javascript: function initialize() { print(3); }")});
   CHECK(world.printed() == Lines{"1", "2", "3"});
 }
 
@@ -247,8 +231,7 @@ TEST_CASE("replaceWorld ends the world's Scripts and shows other nodes (4.12.10)
       "DEF S Script { eventIn SFBool go url \"javascript: function go() { Browser.replaceWorld("
       "Browser.createVrmlFromString('Shape {}')); print('still here'); } function shutdown() { print('over'); }\" }");
   world.start();
-  world.step(1);
-  world.send("S.go", true);
+  world.send_at(1, "S.go", true);
   CHECK(world.printed() == Lines{"still here", "over"});
   REQUIRE(world.scene().roots().size() == 1);
   CHECK(world.scene().node(world.scene().roots()[0]).type->name == "Shape");
@@ -260,12 +243,11 @@ TEST_CASE("reports an exception with file, line and column, and continues the pr
       "    print(v);\n  }\" }");
   world.start();
   for (std::int32_t i = 0; i < 3; ++i) {
-    world.step(1 + i);
-    world.send("S.go", i);
+    world.send_at(1 + i, "S.go", i);
   }
   CHECK(world.printed() == Lines{"0", "2"});
   CHECK(world.problems() == Lines{"text.wrl:4:17: error: Script S: ReferenceError: nothing is not defined"});
-  // In the first line, the position is that in the file, too.
+  // In the first line too, the reported position is that in the file.
   World first("Script { url \"javascript:nothing();\" }");
   first.start();
   CHECK(first.problems() == Lines{"text.wrl:2:26: error: Script: ReferenceError: nothing is not defined"});
@@ -286,12 +268,10 @@ TEST_CASE("returns keyValue[0] as value_changed of an interpolator before any fr
   CHECK(world.problems() == scripts::Lines{});
   CHECK(world.printed() == scripts::Lines{"1 2 3", "1 0 0", "0 1 0 2", "7", "[ 1 1 1, 2 2 2 ]", "0"});
   world.send("N.keyValue", vrml::MFFloat{5, 6});
-  world.step(1);
-  world.send("N.set_fraction", vrml::SFFloat{1});
-  world.step(2);
-  world.send("N.keyValue", vrml::MFFloat{3, 4});
+  world.send_at(1, "N.set_fraction", vrml::SFFloat{1});
+  world.send_at(2, "N.keyValue", vrml::MFFloat{3, 4});
   world.send("S.go", true);
-  // After the first event, it is the last sent value.
+  // After the first event, the eventOut has the last sent value.
   const scripts::Lines lines = world.printed();
   REQUIRE(lines.size() == 6);
   CHECK(lines[0] == "1 2 3");

@@ -36,7 +36,7 @@ struct Outcome {
 
 Outcome outcome_of(const std::string& program, const std::string& interface = {}) {
   Limits limits;
-  limits.script_seconds = 100;  // here a call that asks for the time is no fault
+  limits.script_seconds = 100;  // so a call that checks the time is no fault here
   World world("DEF S Script { directOutput TRUE " + interface +
                   " url \"javascript: function big(n, c) { var s = c; for (var i = 0; i < n; ++i) s += s; return s } "
                   "function initialize() { " +

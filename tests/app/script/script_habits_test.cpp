@@ -61,7 +61,7 @@ TEST_CASE("accepts for each, functions without braces, open comments, toSource a
         Lines{"4 3", "2,3"});
   CHECK(printed("function initialize() { print('runs'); } /* and so on") == Lines{"runs"});
   CHECK(printed("function initialize() { print([1].toSource() + uneval('a').length); }") == Lines{"[1]3"});
-  // A word with a meaning today stays unchanged.
+  // A word that has a meaning in ECMAScript today stays unchanged.
   CHECK(printed("var each = 2; function initialize() { for (var each in { k: 1 }) print(each); }") == Lines{"k"});
 }
 
@@ -77,9 +77,8 @@ TEST_CASE("binds Viewpoints by bind, and reads fields of nodes") {
       "USE B "
       "field SFNode b USE X eventIn SFBool go url \"javascript: function go() { v.bind = TRUE; print(b.size); }\" }");
   world.start();
-  world.step(1);
-  world.send("S.go", true);
-  CHECK(world.events("B.isBound") == Lines{"1 B.isBound TRUE"});
+  world.send_at(1, "S.go", true);
+  CHECK(world.take("B.isBound") == Lines{"1 B.isBound TRUE"});
   CHECK(world.printed() == Lines{"1 2 3"});
 }
 
@@ -98,7 +97,7 @@ TEST_CASE("assigns a part of a node's value") {
       "USE T field SFNode c USE C url \"javascript: function initialize() { t.translation.y = 2; "
       "c.point[1] = new SFVec3f(5, 5, 5); c.point[0].x = 3; }\" }");
   world.start();
-  CHECK(world.events() == Lines{"0 T.translation 0 2 0", "0 C.point [ 3 0 0, 5 5 5 ]"});
+  CHECK(world.take() == Lines{"0 T.translation 0 2 0", "0 C.point [ 3 0 0, 5 5 5 ]"});
 }
 
 TEST_CASE("answers methods of other browsers without effect") {

@@ -25,7 +25,7 @@ vrml::SceneGraph& fill_inline(World& world, const std::string& body) {
   CHECK(diagnostics.errors() == 0);
   content->set_source(world.scene().source());
   world.execution().lifetime().remove_content(world.scene(), inline_node);
-  world.scene().attach_inline(inline_node, content);
+  world.scene().inlines().attach(inline_node, content);
   world.execution().scenes().attach(world.scene());
   world.execution().changes().mark_content(world.scene(), inline_node);
   return *content;
@@ -85,8 +85,7 @@ TEST_CASE("runs promise jobs after an exception, in the turn and the world that 
   World second("Script { url \"javascript: function initialize() { print('second'); }\" }");
   second.start();
   CHECK(second.printed() == Lines{"second"});
-  first.step(1);
-  first.send("S.go", true);
+  first.send_at(1, "S.go", true);
   CHECK(first.printed() == Lines{"go", "job 0", "job 1", "job 2", "caught 1", "caught 1", "caught 1"});
 }
 
@@ -146,10 +145,8 @@ TEST_CASE("empties the list of a removed Script, and keeps its type") {
       "print(Browser.lists[0]); var i = new SFImage(1, 1, 1, new MFInt32(5)); i.array = Browser.lists[1]; print(i.x); "
       "}\" }");
   world.start();
-  world.step(1);
-  world.send("B.end", true);
-  world.step(2);
-  world.send("B.look", true);
+  world.send_at(1, "B.end", true);
+  world.send_at(2, "B.look", true);
   CHECK(world.printed() == Lines{"0 0 0 0 undefined", "[ 0 0 0, 1 1 1 ]", "1"});
   CHECK(world.problems() == Lines{});
 }
@@ -164,8 +161,7 @@ TEST_CASE("distinguishes nodes of different scenes with equal numbers") {
       world,
       "Group { } DEF T Transform { translation 7 8 9 } Script { field SFNode t USE T url \"javascript: function "
       "initialize() { Browser.inner = t; print(Browser.t == t); }\" }");
-  world.step(1);
-  world.send("S.look", true);
+  world.send_at(1, "S.look", true);
   CHECK(world.printed() == Lines{"false", "false", "7 8 9"});
   CHECK(inner.get<vrml::SFVec3f>(inner.roots()[1], "translation") == vrml::SFVec3f(0, 0, 5));
   CHECK(world.scene().get<vrml::SFVec3f>(world.scene().roots()[1], "translation") == vrml::SFVec3f(1, 2, 3));
@@ -184,8 +180,7 @@ TEST_CASE("rejects a node of a removed scene in the scene that replaces it") {
   world.step(1);
   for (int i = 0; i < 20; ++i) {
     const vrml::SceneGraph& inner = fill_inline(world, "DEF T Transform { translation 1 1 1 }");
-    world.step(2 + i);
-    world.send("S.look", true);
+    world.send_at(2 + i, "S.look", true);
     CHECK(inner.get<vrml::SFVec3f>(inner.roots()[0], "translation") == vrml::SFVec3f(1, 1, 1));
   }
   for (const std::string& line : world.printed()) CHECK(line == "undefined null");
@@ -200,13 +195,12 @@ TEST_CASE("keeps the faults of a Script that replaces its own program") {
       limits);
   world.start();
   for (int i = 1; i < 8; ++i) {
-    world.step(i);
-    world.send("S.tick", 1000.0 + i);
+    world.send_at(i, "S.tick", 1000.0 + i);
   }
   CHECK(world.printed().size() == 3);
 }
 
-TEST_CASE("keeps the type of the list of a removed Inline's Script") {
+TEST_CASE("keeps the element type of a Script's list after the Script's Inline is removed") {
   World world(
       "Inline { } DEF S Script { eventIn SFBool look url \"javascript: function look() { var l = Browser.kept[0]; "
       "print(l.length + ' ' + l[0]); l[0] = new SFVec3f(1, 2, 3); print(l); }\" }");
@@ -216,8 +210,7 @@ TEST_CASE("keeps the type of the list of a removed Inline's Script") {
               "[mine]; }\" }");
   world.step(1);
   fill_inline(world, "Group { }");
-  world.step(2);
-  world.send("S.look", true);
+  world.send_at(2, "S.look", true);
   CHECK(world.printed() == Lines{"0 0 0 0", "[ 1 2 3 ]"});
 }
 

@@ -16,7 +16,7 @@ Limits small_limits() {
   return limits;
 }
 
-/// Runs initialize() and then an event in another Script.
+/// Runs initialize() of a Script, then an event in another Script. Returns the reported problem.
 std::string problem_of(const std::string& program, const std::string& interface = {},
                        const Limits& limits = small_limits()) {
   World world("DEF Bad Script { directOutput TRUE " + interface + " url \"javascript: function initialize() { " +
@@ -24,8 +24,7 @@ std::string problem_of(const std::string& program, const std::string& interface 
                   " }\" } DEF Good Script { eventIn SFBool go url \"javascript: function go() { print('good'); }\" }",
               limits);
   world.start();
-  world.step(1);
-  world.send("Good.go", true);
+  world.send_at(1, "Good.go", true);
   CHECK(world.printed() == Lines{"good"});
   const Lines problems = world.problems();
   REQUIRE(problems.size() == 1);
@@ -73,8 +72,7 @@ TEST_CASE("switches a Script off after three faults") {
               small_limits());
   world.start();
   for (int i = 1; i <= 5; ++i) {
-    world.step(i);
-    world.send("S.go", true);
+    world.send_at(i, "S.go", true);
   }
   CHECK(world.printed() == Lines{"runs", "runs", "runs"});
   const Lines problems = world.problems();
@@ -97,9 +95,8 @@ TEST_CASE("ends a storm of events between Scripts with each timestamp (4.10.4)")
       "DEF B Script { eventIn SFInt32 in_ eventOut SFInt32 out url \"javascript: function in_(v) { out = v + 1; }\" }"
       "ROUTE A.out TO B.in_ ROUTE B.out TO A.in_");
   world.start();
-  world.step(1);
-  world.send("A.in_", std::int32_t{0});
-  CHECK(world.events() == Lines{"1 A.out 1", "1 B.out 2"});
+  world.send_at(1, "A.in_", std::int32_t{0});
+  CHECK(world.take() == Lines{"1 A.out 1", "1 B.out 2"});
 }
 
 TEST_CASE("removes a Script that removes its own node, with its memory") {
@@ -108,8 +105,7 @@ TEST_CASE("removes a Script that removes its own node, with its memory") {
       "\"javascript: "
       "function go() { g.children = new MFNode(); print('gone'); } \" } }");
   world.start();
-  world.step(1);
-  world.send("S.go", true);
+  world.send_at(1, "S.go", true);
   world.step(2);
   CHECK(world.printed() == Lines{"gone"});
   CHECK(world.problems() == Lines{});
@@ -127,9 +123,9 @@ TEST_CASE("frees nodes that a program makes and discards each frame") {
   std::size_t most = 0;
   for (int i = 1; i <= 400; ++i) {
     world.step(i * 0.1);
-    most = std::max(most, world.scene().node_count());
+    most = std::max(most, world.scene().nodes().count());
   }
-  // 32,000 nodes were made.
+  // of 32,000 nodes in all
   CHECK(most < 12'000);
 }
 
@@ -155,16 +151,16 @@ TEST_CASE("stops programs that send, request, print or create endlessly, and run
     for (int i = 1; i <= 30; ++i) {
       world.step(i * 0.1);
       requests = std::max(requests, world.runner().take_requests().size());
-      most_nodes = std::max(most_nodes, world.scene().node_count());
+      most_nodes = std::max(most_nodes, world.scene().nodes().count());
     }
     CHECK(requests <= 256);
-    CHECK(most_nodes < 40'000);  // 60,000 were made
+    CHECK(most_nodes < 40'000);  // of 60,000 nodes in all
     CHECK(std::get<std::int32_t>(*world.execution().cascade().last_value(
               world.scene(), world.node("S"), *world.scene().node(world.node("S")).type->find_field("n"))) >= 30);
   }
 }
 
-TEST_CASE("stops a program that sends itself an event for each event, per timestamp (4.10.4)") {
+TEST_CASE("limits the events that a Script may send to itself at one timestamp (4.10.4)") {
   World world(
       "DEF S Script { directOutput TRUE field SFNode me USE S eventIn SFInt32 again field SFInt32 n 0 url "
       "\"javascript: "
@@ -174,14 +170,12 @@ TEST_CASE("stops a program that sends itself an event for each event, per timest
     return std::get<std::int32_t>(*world.execution().cascade().last_value(
         world.scene(), world.node("S"), *world.scene().node(world.node("S")).type->find_field("n")));
   };
-  world.step(1);
-  world.send("S.again", std::int32_t{0});
+  world.send_at(1, "S.again", std::int32_t{0});
   const std::int32_t first = calls();
   CHECK(first > 10'000);  // more than the 1,000 Scripts of a large world
   CHECK(first < 100'000);
   CHECK(world.execution().budget().problem().find("exceed the limit of work") != std::string::npos);
-  world.step(2);
-  world.send("S.again", std::int32_t{0});
+  world.send_at(2, "S.again", std::int32_t{0});
   CHECK(calls() > first);
 }
 
@@ -196,9 +190,10 @@ TEST_CASE("keeps the memory of a world constant that recreates itself with its p
   std::size_t most = 0;
   for (int i = 1; i <= 50; ++i) {
     world.step(i * 0.1);
-    most = std::max(most, world.scene().node_count());
+    most = std::max(most, world.scene().nodes().count());
   }
-  // A clock that a program makes starts at once, and runs the program that was made with it: 64 times per timestamp.
+  // A TimeSensor that a program makes starts immediately. It runs the Script that was made with it, which makes the
+  // next TimeSensor: 64 times per timestamp.
   const std::size_t times = world.printed().size();
   CHECK(times >= 50);
   CHECK(times <= 51 * 64);
@@ -229,8 +224,7 @@ TEST_CASE("postpones programs beyond the time of a step to the next one") {
       "+ t); }\" }",
       {}, {0.01, false});
   world.start();
-  world.step(1);
-  world.send("A.in_", std::int32_t{1});
+  world.send_at(1, "A.in_", std::int32_t{1});
   world.send("B.in_", std::int32_t{2});
   CHECK(world.printed() == Lines{"a1"});
   CHECK(world.runner().is_late());

@@ -1,5 +1,5 @@
 // Tests of meshes of a running world that take longer than a frame: the thread that makes them, the frame that shows
-// them, and the dropped ones.
+// them, and meshes that are dropped.
 #include "render/scene/late_meshes.h"
 
 #include "app/session/documents/world_runtime.h"
@@ -17,7 +17,7 @@
 namespace gs::app::late_meshes_test {
 namespace {
 
-/// Stops the worker before each mesh until the test opens the gate.
+/// Gate that stops the worker before each mesh until the test opens it.
 class Gate {
  public:
   void close() { set(true); }
@@ -109,7 +109,7 @@ TEST_CASE("makes a large mesh that changes each frame on a worker thread, and sh
   for (int i = 2; i < 20; ++i) {
     world.set_heights(kLarge, static_cast<float>(i));
     CHECK(world.frame() == 0);
-    CHECK(world.height() >= shown);  // in order, and never missing
+    CHECK(world.height() >= shown);  // meshes appear in order, and none is missing
     CHECK(world.height() <= static_cast<float>(i));
     shown = world.height();
     if (i % 3 == 0) world.worker->wait();
@@ -243,7 +243,7 @@ TEST_CASE("survives removed nodes and closed worlds while their meshes are being
     list.push_back(node);
     return list;
   };
-  // Nodes that a program makes of a text are visible at once.
+  // Nodes that a program makes from a text are visible in the next frame.
   children(only(make(1)));
   CHECK(world.frame() == 0);
   CHECK(world.height() == -1);

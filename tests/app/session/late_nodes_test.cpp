@@ -65,7 +65,7 @@ TEST_CASE("attaches Inlines to the running world as they load, including nested 
   CHECK(world.items() == 5);  // box, cone, cylinder, and the sphere twice
   CHECK(pictures() == 1);
   CHECK(world.loading.state().waiting >= 1);
-  const vrml::SceneGraph* outer = world.scene().inlined(world.root(2));
+  const vrml::SceneGraph* outer = world.scene().inlines().of(world.root(2));
   REQUIRE(outer);
   CHECK(world.runtime->execution().scenes().has(outer));
   CHECK(world.runtime->next_time().has_value());  // its TimeSensor runs
@@ -87,7 +87,7 @@ TEST_CASE("withdraws a partly visible Inline until it is loaded completely") {
   runtime.start(1000);
   const auto seen = runtime.look({0, 0, 10}, true);
   CHECK(seen->scene.list().items.size() == 1);
-  CHECK(opened.scene->inlined(opened.scene->roots()[1]) == nullptr);
+  CHECK(opened.scene->inlines().of(opened.scene->roots()[1]) == nullptr);
   while (!loading.done()) (void)loading.step(std::chrono::milliseconds(100));
   runtime.arrive(loading.take_updates());
   (void)runtime.show(*seen, {0, 0, 10});
@@ -127,10 +127,10 @@ TEST_CASE("gives instances the body of their EXTERNPROTO when it loads, and even
   World world(site);
   CHECK(world.items() == 0);
   const vrml::NodeId a = world.root(0), b = world.root(1);
-  // Ignored until it is loaded.
+  // The event is ignored until the PROTO is loaded.
   CHECK(world.runtime->send(world.scene(), a, "set_at", vrml::FieldValue(vrml::SFVec3f(9, 9, 9))));
   world.load();
-  REQUIRE(world.items() == 3);  // two balls, and the Group instead of the missing one
+  REQUIRE(world.items() == 3);  // two balls, and a Group instead of the missing PROTO
   const auto moved = [&](vrml::NodeId ball) {
     return world.scene().get<vrml::SFVec3f>(world.scene().resolve(ball), "translation");
   };
@@ -187,20 +187,20 @@ TEST_CASE("loads the body of an EXTERNPROTO in a text that is read at run time (
     return made.roots;
   };
   for (int round = 0; round < 5; ++round) {
-    const std::size_t nodes = world.scene().node_count();
+    const std::size_t nodes = world.scene().nodes().count();
     read("EXTERNPROTO Q [ ] \"lib.wrl#P\" Q { } Q { } Shape { geometry Box { } }");
     CHECK(world.items() == 1);
     world.load();
     CHECK(world.items() == 3);
-    // A PROTO of the world's file, and a missing one.
+    // EXTERNPROTOs for a PROTO of the world's file, and for a missing file.
     read("EXTERNPROTO Own [ ] \"#Own\" Own { } EXTERNPROTO N [ ] \"none.wrl\" N { }");
     world.load();
     CHECK(world.items() == 1);
     (void)world.runtime->execution().lifetime().remove_unheld();
-    CHECK(world.scene().run_time_texts() == 1);
-    if (round > 1) CHECK(world.scene().node_count() == nodes);
+    CHECK(world.scene().texts().run_time_count() == 1);
+    if (round > 1) CHECK(world.scene().nodes().count() == nodes);
   }
-  // No node waits for it any more.
+  // No node waits for the library any more.
   read("EXTERNPROTO Q [ ] \"lib.wrl#P\" Q { }");
   auto requests = world.runtime->take_url_requests();
   CHECK(requests.size() == 1);

@@ -22,7 +22,7 @@ using sessions::input_of;
 using sessions::key;
 using sessions::Kind;
 
-/// Returns a site with small objects at x = -20 and 30, for two Inlines with later urls.
+/// Returns a site with small objects at x = -20 and 30. Two Inlines get their urls later.
 Site site_with(const std::string& beginning) {
   Site site;
   site.put("world.wrl", kHeader + "Inline { } Inline { } " + beginning + "Shape { geometry Box { } }");

@@ -48,7 +48,7 @@ struct Web {
     const auto transfers = network->transfers();
     return std::any_of(transfers.begin(), transfers.end(), [&](const auto& one) { return one.url == url; });
   }
-  /// Runs a world for some simulated seconds. Calls `between` after the first one.
+  /// Runs a world for some simulated seconds. Calls `between` after the first second.
   template <class Between>
   void run(const std::string& world, const Between& between) {
     WorldLoading loading(world, options);
@@ -94,7 +94,7 @@ struct WebWithSecret : Web {
 }  // namespace
 
 TEST_CASE(
-    "hides values of nodes from another host from a Script of the network, and still draws the nodes and sends them "
+    "hides values of another host's nodes from a Script from the network, and still draws the nodes and sends them "
     "events") {
   Web web;
   web.put("memory://a/world.wrl",
@@ -111,7 +111,7 @@ TEST_CASE(
   CHECK(web.warned("cannot read nodes of memory://b"));
 }
 
-TEST_CASE("a Script of the network reads nodes of its own host") {
+TEST_CASE("lets a Script from the network read nodes of its own host") {
   Web web;
   web.put("memory://a/world.wrl", kHeader + reader("part.wrl", "print(n[0].translation);"));
   web.put("memory://a/part.wrl", kHeader + "Transform { translation 7 8 9 }");
@@ -120,7 +120,46 @@ TEST_CASE("a Script of the network reads nodes of its own host") {
   CHECK(web.warnings == Lines{});
 }
 
-TEST_CASE("blocks ROUTEs and program replacement across hosts for a Script of the network") {
+TEST_CASE("computeRayHit finds only Shapes that the Script may read") {
+  const auto look = [](const std::string& file) {
+    return kHeader +
+           reader(file,
+                  "} function go() { var h = Browser.computeRayHit(new SFVec3f(0, 0, 9), new SFVec3f(0, 0, -9)); "
+                  "print(h ? h.hitPath.length : 'nothing');",
+                  "eventIn SFTime go") +
+           "DEF C TimeSensor { startTime 946684801 cycleInterval 5 } ROUTE C.cycleTime TO S.go";
+  };
+  for (const bool own : {true, false}) {
+    Web web;
+    web.put("memory://a/world.wrl", look(own ? "part.wrl" : "memory://b/part.wrl"));
+    for (const char* const host : {"a", "b"})
+      web.put("memory://" + std::string(host) + "/part.wrl",
+              kHeader + "Transform { children Shape { geometry Box { } } }");
+    web.run("memory://a/world.wrl");
+    CHECK(web.printed == Lines{own ? "3" : "nothing"});
+    CHECK(web.warned("cannot read nodes of memory://b") == !own);
+  }
+}
+
+TEST_CASE("keeps values of other hosts out of the Browser object") {
+  Web web;
+  web.put("memory://a/world.wrl",
+          kHeader +
+              reader("memory://b/part.wrl",
+                     "Browser.addRoute(n[0], 'value_changed', Browser, 'set_viewpointPosition'); n[0].set_fraction = "
+                     "0.5; n[1].set_bind = true; } function go() { print(Browser.viewpointPosition + ' ' + "
+                     "Browser.getWalkSpeed() + ' ' + Browser.getAvatarHeight().toFixed(1));",
+                     "eventIn SFTime go") +
+              "DEF C TimeSensor { startTime 946684801 cycleInterval 5 } ROUTE C.cycleTime TO S.go Viewpoint { }");
+  web.put("memory://b/part.wrl", kHeader +
+                                     "PositionInterpolator { key [ 0 1 ] keyValue [ 7 8 9, 7 8 9 ] } NavigationInfo { "
+                                     "speed 77 avatarSize [ 3 3 3 ] }");
+  web.run("memory://a/world.wrl");
+  CHECK(web.printed == Lines{"0 0 10 1 1.6"});
+  CHECK(web.warned("cannot read nodes of memory://b"));
+}
+
+TEST_CASE("blocks ROUTEs and program replacement across hosts for a Script from the network") {
   Web web;
   web.put("memory://a/world.wrl",
           kHeader + reader("memory://b/part.wrl",
@@ -254,7 +293,7 @@ TEST_CASE("a local world that reads its own nodes uses the network as before") {
   CHECK(web.asked("memory://b/1.gif"));
 }
 
-TEST_CASE("lets a PROTO of the network read nodes that a local world passes, and then requires permission") {
+TEST_CASE("lets a PROTO from the network read nodes that a local world passes, and then requires permission") {
   Web web;
   web.put("memory://b/lib.wrl",
           kHeader +
@@ -281,7 +320,7 @@ TEST_CASE("gives nodes from a host the rights of that host, not of the requestin
               "print('read'); }\" } Inline { url \"file://" +
               web.folder.path("secret.wrl") + "\" }");
   web.run(web.file("world.wrl", reader("memory://b/part.wrl", "")), [](Simulation& simulation) {
-    for (const auto& [node, content] : simulation.world().scene->inlines()) CHECK_FALSE(content);
+    for (const auto& [node, content] : simulation.world().scene->inlines().all()) CHECK_FALSE(content);
   });
   CHECK(web.printed == Lines{"runs"});
 }

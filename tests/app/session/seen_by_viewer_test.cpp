@@ -17,7 +17,7 @@ using namespace pairs;
 
 namespace {
 
-/// Pictures from the first Viewpoint, from a named one, or from elsewhere.
+/// Pictures of a world from the first Viewpoint, from a named Viewpoint, or from another position.
 class Eye {
  public:
   render::Image seen(const std::string& text, double seconds = 0.1, const std::string& viewpoint = {},
@@ -46,7 +46,7 @@ std::array<int, 3> pixel_at(const render::Image& image, std::size_t x, std::size
   return {pixel[0], pixel[1], pixel[2]};
 }
 
-// Its halves are not mirror images.
+// Sign with different halves, so that a mirrored picture differs.
 const std::string kFlag =
     "Shape { geometry IndexedFaceSet { solid FALSE coord Coordinate { point [ -1 -1 0, 1 -1 0, 1 1 0, -0.2 0.3 0 ] } "
     "coordIndex [ 0 1 2 3 ] } }";
@@ -92,7 +92,7 @@ TEST_CASE("draws a HUD over nearer objects, and moves it with the viewer") {
     CHECK(pixel_at(image, 32, 32) == std::array<int, 3>{255, 0, 0});
     CHECK(pixel_at(image, 8, 8) == std::array<int, 3>{0, 0, 255});
   }
-  // From any start, and at once.
+  // The orientation is correct from any start, in the first picture.
   const std::string other =
       "Transform { translation 50 0 7 children Viewpoint { orientation 0 1 0 2 description \"other\" } } ";
   CHECK(pixel_at(eye.seen(viewpoint + wall + sign + other, 0, "other"), 32, 32) == std::array<int, 3>{255, 0, 0});
@@ -100,7 +100,7 @@ TEST_CASE("draws a HUD over nearer objects, and moves it with the viewer") {
   render::Camera camera;
   camera.world_from_camera = glm::rotate(glm::translate(glm::dmat4(1), {-8, 30, 4}), 2.5, glm::dvec3(0.3, 1, 0.2));
   CHECK(pixel_at(eye.seen(viewpoint + wall + sign, 0, {}, camera), 32, 32) == std::array<int, 3>{255, 0, 0});
-  // Without a Viewpoint, too, when the camera frames the scene.
+  // The orientation is also correct without a Viewpoint, when the camera frames the scene.
   CHECK(pixel_at(eye.seen("NavigationInfo { headlight FALSE } " + wall + sign, 0), 32, 32) ==
         std::array<int, 3>{255, 0, 0});
   // Of two HUDs the nearer one hides the farther one.

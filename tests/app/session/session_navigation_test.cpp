@@ -60,7 +60,7 @@ TEST_CASE("reaches a Viewpoint that the world binds, also while the user moves (
     for (int i = 2; i <= 20; ++i) world.frame = world.session.step(kStart + i * 0.1, input_of({}));
     const double z = navigation(world).pose.position.z;
     CHECK_FALSE(navigation(world).transition);
-    // A metre and a half at speed 1, after the jump.
+    // After the jump, the viewer moves one and a half metres at speed 1.
     if (moves) {
       CHECK(z > 70);
       CHECK(z < 77);
@@ -104,7 +104,7 @@ TEST_CASE("starts at the Viewpoint that the fragment of the world's own URL name
     REQUIRE(living);
     CHECK(told.empty() == (given.find("None") == std::string::npos));
     CHECK_FALSE(session.view()->navigation.transition);
-    // It is bound, not only the start of the camera.
+    // The Viewpoint is bound; it does not only set the camera's start.
     const auto& viewpoints = session.view()->list->viewpoints;
     const std::size_t at = session.view()->viewpoint.value_or(99);
     REQUIRE(at < viewpoints.size());
@@ -114,7 +114,7 @@ TEST_CASE("starts at the Viewpoint that the fragment of the world's own URL name
   CHECK(begins(path) == 10);
   CHECK(begins(path + "#Hill") == 33);
   CHECK(begins(path + "#None") == 10);
-  CHECK(begins(odd) == 5);  // a file may have this name
+  CHECK(begins(odd) == 5);  // a file name may end like this
 }
 
 TEST_CASE("moves to and frames the clicked Shape in LOOKAT mode") {
@@ -141,7 +141,7 @@ TEST_CASE("moves to and frames the clicked Shape in LOOKAT mode") {
   for (int i = 1; i <= 60; ++i) world.frame = world.session.step(kStart + 0.1 + i / 60.0, input_of({}));
   CHECK(glm::distance(navigation(world).pose.position, to.position) < 1e-9);
   CHECK(glm::distance(navigation(world).center, glm::dvec3(3, 0, 0)) < 1e-5);  // the new centre of rotation
-  // A drag is no click.
+  // A drag does not count as a click.
   const glm::dvec3 before = navigation(world).pose.position;
   (void)world.session.step(kStart + 2, input_of({pointer(Kind::button_down, 100, 50)}));
   (void)world.session.step(kStart + 2, input_of({pointer(Kind::pointer, 140, 50)}));

@@ -66,10 +66,10 @@ TEST_CASE("EXAMINE turns about the point under the pointer at the start of the d
           Approx(glm::distance(glm::dvec3(0, 0, 10), center)).epsilon(1e-4));
     return center;
   };
-  // At 10 units, 50 pixels are 10 tan(pi / 8) units; the box is half a unit nearer.
+  // At a distance of 10 units, 50 pixels are 10 tan(pi / 8) units. The front of the box is half a unit nearer.
   const glm::dvec3 on_box = dragged({100 + 2.0f / 9.5f * 50 / std::tan(0.392699f), 50});
   CHECK(glm::distance(on_box, glm::dvec3(2, 0, 0.5)) < 0.02);
-  CHECK(dragged({100, 20}).x < -5);  // the sky: the centre of the world
+  CHECK(dragged({100, 20}).x < -5);  // a press on the sky turns about the centre of the world
 }
 
 TEST_CASE("advances time without a viewer") {
@@ -142,7 +142,7 @@ TEST_CASE("triggers no sensors along a jump, but those at its end (VRML97 6.53)"
   world.document->runtime->execution().cascade().observe([&](const vrml::SentEvent& event) {
     if (event.event->name == "enterTime") entered.push_back(event.time);
   });
-  // A walk sends enterTime. A jump follows.
+  // Walking sends enterTime. Then the viewer jumps.
   (void)world.session.step(kStart + 0.1, input_of({key(Kind::key_down, 'W')}));
   (void)world.session.step(kStart + 0.2, input_of({key(Kind::key_up, 'W')}));
   for (int i = 1; i <= 60; ++i) (void)world.session.step(kStart + 0.2 + i / 60.0, input_of({}));
@@ -195,7 +195,7 @@ TEST_CASE("reads files beside the steps, each in its viewport, and reports failu
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   do {
     frame = session.step(world_time(), input_of({}));
-    CHECK(frame.notices.empty());  // the viewport shows it
+    CHECK(frame.notices.empty());  // only the viewport shows the failure
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   } while ((frame.loading || !failure) && std::chrono::steady_clock::now() < deadline);
   CHECK(layout_of(session.panes().split()) == ViewportLayout::four);

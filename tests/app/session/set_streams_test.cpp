@@ -5,7 +5,7 @@
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/reader/decode_stream.h"
 
-#include "tests/app/clouds.h"
+#include "tests/app/geometry_shapes.h"
 #include "tests/app/late_worlds.h"
 
 #include <catch2/catch.hpp>
@@ -23,7 +23,6 @@ using late_worlds::Site;
 /// Returns a ball of this number of vectors.
 Bytes ball(std::size_t vectors) {
   qnv::EncodeOptions options;
-  options.payload = qnv::Payload::records;
   auto encoded = qnv::encode_vectors(gs::test::sphere(vectors), options);
   REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
   return std::get<qnv::EncodedStream>(std::move(encoded)).bytes;
@@ -79,12 +78,12 @@ TEST_CASE("replaces the vectors of a QNV node on set_url") {
   world.arrive();
   CHECK(world.vectors() == small);
   world.set_url("large.qnv");
-  CHECK(world.vectors() == small);  // until another one is loaded
+  CHECK(world.vectors() == small);  // until another stream is loaded
   world.arrive();
   CHECK(world.vectors() == large);
   world.set_url("small.qnv");
   ResourceUpdates former = world.come();
-  REQUIRE(former.clouds.size() == 1);
+  REQUIRE(former.geometries.size() == 1);
   world.set_url("large.qnv");
   ResourceUpdates present = world.come();
   world.runtime->arrive(std::move(former));
@@ -128,7 +127,7 @@ TEST_CASE("replaces the polygons of an OutlineGroup on set_url") {
   CHECK(world.triangles() == 12);
   world.runtime->arrive(std::move(present));
   CHECK(world.triangles() == 12);
-  // A missing one, then none.
+  // The url names a missing file, then none.
   world.set_url("none.qnv");
   world.arrive();
   CHECK(world.triangles() == 0);

@@ -81,7 +81,7 @@ TEST_CASE("shows the new image of an ImageTexture on set_url (6.22)") {
   CHECK(world.shades() == Shades{-1, 10});
   world.runtime->arrive(world.fetch());
   CHECK(world.shades() == Shades{-1, 200});
-  // A loaded one, a missing one, and none.
+  // The url names a loaded file, a missing file, and none.
   world.set_url(world.texture(), "dark.pgm");
   world.runtime->arrive(world.fetch());
   CHECK(world.shades() == Shades{-1, 10});
@@ -145,7 +145,7 @@ TEST_CASE("drops the result of a former url") {
 TEST_CASE("replaces the content of an Inline on set_url (6.25)") {
   World world(site());
   const vrml::NodeId inlined = world.scene().roots()[0];
-  const vrml::SceneGraph* const first = world.scene().inlined(inlined);
+  const vrml::SceneGraph* const first = world.scene().inlines().of(inlined);
   REQUIRE(first);
   for (int round = 0; round < 5; ++round) {
     world.set_url(inlined, "two.wrl");
@@ -159,8 +159,8 @@ TEST_CASE("replaces the content of an Inline on set_url (6.25)") {
   world.set_url(inlined, "");
   world.runtime->arrive(world.fetch());
   CHECK(world.shades() == Shades{10});
-  CHECK(!world.scene().inlined(inlined));
-  // Only the outer one's images remain.
+  CHECK(!world.scene().inlines().of(inlined));
+  // Only the images of the outer scene remain.
   CHECK(world.opened.images.size() == 1);
 }
 
@@ -233,7 +233,7 @@ TEST_CASE("continues to read requests while the world runs") {
     reader.request(document->runtime->take_url_requests());
     // A late result of an earlier url changes nothing.
     const auto shown = [&] {
-      const vrml::SceneGraph* const inlined = scene.inlined(scene.roots()[0]);
+      const vrml::SceneGraph* const inlined = scene.inlines().of(scene.roots()[0]);
       return inlined ? inlined->file_name() : std::string();
     };
     const std::string wanted = std::string("memory://a/") + url;

@@ -95,7 +95,7 @@ TEST_CASE("passes through lines, points and Text (6.8, 6.47)") {
 }
 
 TEST_CASE("uses avatarSize, speed and down in the bound Viewpoint's coordinates (6.29)") {
-  // Twice as large: 0.5 from the wall, the eye 3.2 above the floor, 4 units per second.
+  // The avatar is twice as large: 0.5 from the wall, the eye 3.2 above the floor, 4 units per second.
   const Walked large = walked(
       "NavigationInfo { type \"WALK\" speed 2 } Transform { scale 2 2 2 children Viewpoint { position 0 3 0 } "
       "}\n" +

@@ -37,7 +37,7 @@ TEST_CASE("writes a window's files and reads them back") {
   CHECK(read_session(session_text(session)) == session);
   const SessionMemory split{{"/a.wrl", "/b.qnv"}, "1:2|(2/4)", {{1, "/a.wrl", 1}, {2, "", 1}, {4, "/b.qnv", 2.5}}};
   CHECK(read_session(session_text(split)) == split);
-  // Any content.
+  // The file may have any content.
   const auto spoilt = read_session(
       "{\"files\": [\"/a.wrl\"], \"split\": 7, \"viewports\": [3, {\"number\": -1}, {\"number\": 1e99}, {\"number\": "
       "2, "

@@ -103,7 +103,7 @@ TEST_CASE("offers the files of a window that ended unexpectedly once") {
   const ScratchFolder scratch;
   const std::string lost = "state/session-" + std::to_string(gone_process()) + ".json";
   scratch.write(lost, session_text({{"/a.wrl", "/b.wrl"}}));
-  scratch.write("state/session-1.json", session_text({{"/of-init.wrl"}}));  // that runs
+  scratch.write("state/session-1.json", session_text({{"/of-init.wrl"}}));  // process 1 runs
   scratch.write("state/session-x.json", "{");
   {
     SettingsStore keeper(folders_in(scratch));
@@ -152,7 +152,7 @@ TEST_CASE("stores settings in the desktop's folders (XDG Base Directory Specific
   const std::string home = before("HOME"), config = before("XDG_CONFIG_HOME"), state = before("XDG_STATE_HOME");
   ::setenv("HOME", "/home/somebody", 1);
   ::unsetenv("XDG_CONFIG_HOME");
-  ::setenv("XDG_STATE_HOME", "relative", 1);  // to be ignored
+  ::setenv("XDG_STATE_HOME", "relative", 1);  // a relative path must be ignored
   UserFolders folders = user_folders();
   CHECK(folders.settings_file == "/home/somebody/.config/ghostspace/settings.conf");
   CHECK(folders.state == "/home/somebody/.local/state/ghostspace");

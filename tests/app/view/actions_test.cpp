@@ -9,13 +9,7 @@ namespace gs::app::actions_test {
 namespace {
 
 WindowEvent pressed(Key key, bool control = false, bool shift = false, bool alt = false) {
-  WindowEvent event;
-  event.kind = WindowEvent::Kind::key_down;
-  event.key = key;
-  event.control = control;
-  event.shift = shift;
-  event.alt = alt;
-  return event;
+  return {.kind = WindowEvent::Kind::key_down, .key = key, .shift = shift, .control = control, .alt = alt, .paths = {}};
 }
 
 }  // namespace
@@ -47,6 +41,13 @@ TEST_CASE("distinguishes actions by modifier keys") {
   CHECK_FALSE(action_of(pressed(letter_key('W'))));
   CHECK_FALSE(action_of(pressed(letter_key('F'), false, false, true)));
   CHECK(keys_of(row_of(Action::previous_file)) == "Ctrl+Shift+Tab");
+  CHECK(action_of(pressed(letter_key('C'), true))->action == Action::copy_picture);
+  CHECK(action_of(pressed(letter_key('C'), true, true))->action == Action::copy_camera);
+  CHECK(action_of(pressed(letter_key('Z'), true, true))->action == Action::redo);
+  CHECK(action_of(pressed(letter_key('Y'), true))->action == Action::redo);  // a second shortcut
+  CHECK_FALSE(action_of(pressed(letter_key('Y'))));
+  CHECK(all_keys_of(row_of(Action::redo)) == "Ctrl+Shift+Z, Ctrl+Y");
+  CHECK(all_keys_of(row_of(Action::undo)) == "Ctrl+Z");
   CHECK(tooltip_of(Action::reset) == "Return to the viewpoint (Home)");
 }
 

@@ -10,12 +10,7 @@ namespace gs::app::ground_grid_test {
 
 namespace {
 
-WideBox box(const glm::vec3& lower, const glm::vec3& upper) {
-  WideBox bounds;
-  bounds.add(lower);
-  bounds.add(upper);
-  return bounds;
-}
+WideBox box(const glm::vec3& lower, const glm::vec3& upper) { return {lower, upper}; }
 
 }  // namespace
 

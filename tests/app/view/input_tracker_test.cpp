@@ -29,7 +29,7 @@ TEST_CASE("reports a drag while the button is down") {
   CHECK(input.moved == glm::vec2(30, -10));
   CHECK(tracker.input(NavigationMode::examine, kPlace).drag == Drag::none);
 
-  // A press and release within a frame count, too.
+  // A press and release within one frame count too.
   tracker.take(event(EventKind::pointer, {131, 90}), NavigationMode::examine);
   tracker.take(event(EventKind::button_up, {131, 90}), NavigationMode::examine);
   tracker.take(event(EventKind::pointer, {300, 300}), NavigationMode::examine);
@@ -63,7 +63,7 @@ TEST_CASE("continues a travelling drag while the pointer rests") {
   CHECK(tracker.input(NavigationMode::walk, kPlace).drag == Drag::none);
 }
 
-TEST_CASE("zooms towards the point under the pointer by wheel and middle button") {
+TEST_CASE("zooms towards the point under the pointer by wheel, and by Ctrl and the middle button") {
   InputTracker tracker;
   WindowEvent wheel = event(EventKind::wheel, {10, 10});
   wheel.wheel = 2;
@@ -72,8 +72,9 @@ TEST_CASE("zooms towards the point under the pointer by wheel and middle button"
   const NavigationInput input = tracker.input(NavigationMode::examine, kPlace);
   CHECK(input.zoom == 2);
   CHECK(input.target == glm::dvec3(1, 2, 3));
-  CHECK(
-      tracker.take(event(EventKind::button_down, {0, 100}, MouseButton::middle), NavigationMode::examine).needs_target);
+  WindowEvent down = event(EventKind::button_down, {0, 100}, MouseButton::middle);
+  down.control = true;
+  CHECK(tracker.take(down, NavigationMode::examine).needs_target);
   tracker.take(event(EventKind::pointer, {0, 60}), NavigationMode::examine);
   CHECK(tracker.input(NavigationMode::examine, kPlace).zoom == Approx(2));
 }

@@ -378,7 +378,9 @@ TEST_CASE("maps drags to movements by mode and button") {
   CHECK(drag_of(NavigationMode::examine, DragButton::left, false) == Drag::rotate);
   CHECK(drag_of(NavigationMode::examine, DragButton::left, true) == Drag::pan);
   CHECK(drag_of(NavigationMode::examine, DragButton::right, false) == Drag::pan);
-  CHECK(drag_of(NavigationMode::examine, DragButton::middle, false) == Drag::zoom);
+  CHECK(drag_of(NavigationMode::examine, DragButton::middle, false) == Drag::pan);
+  CHECK(drag_of(NavigationMode::examine, DragButton::right, true) == Drag::zoom);
+  CHECK(drag_of(NavigationMode::examine, DragButton::middle, true) == Drag::zoom);
   CHECK(drag_of(NavigationMode::walk, DragButton::left, false) == Drag::travel);
   CHECK(drag_of(NavigationMode::fly, DragButton::right, false) == Drag::look);
   CHECK(drag_of(NavigationMode::pan, DragButton::left, false) == Drag::pan);

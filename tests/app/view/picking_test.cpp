@@ -44,27 +44,27 @@ glm::mat4 at(float z) { return glm::translate(glm::mat4(1), {0, 0, z}); }
 
 /// Returns a disc of area 3.14 in the plane z = 0 that faces +z and covers 1.7 around the origin.
 std::shared_ptr<qnv::Splats> disc() {
-  auto cloud = std::make_shared<qnv::Splats>();
-  cloud->positions = {{0, 0, 0}};
-  cloud->normals = {{0, 0, 1}};
-  cloud->weights = {3.14159f};
-  return cloud;
+  auto geometry = std::make_shared<qnv::Splats>();
+  geometry->positions = {{0, 0, 0}};
+  geometry->normals = {{0, 0, 1}};
+  geometry->weights = {3.14159f};
+  return geometry;
 }
 
 /// Returns ten layers of vectors from z = 0 to -0.9.
 std::shared_ptr<qnv::Volume> fog_volume(float opacity) {
-  auto cloud = std::make_shared<qnv::Volume>();
-  cloud->description.spacing = 0.1f;
-  cloud->description.transfer = {{0, {}, opacity}, {1, {}, opacity}};
+  auto geometry = std::make_shared<qnv::Volume>();
+  geometry->description.spacing = 0.1f;
+  geometry->description.transfer = {{0, {}, opacity}, {1, {}, opacity}};
   for (int i = 0; i < 10 * 441; ++i) {
-    cloud->positions.emplace_back(0.1f * static_cast<float>(i % 21 - 10), 0.1f * static_cast<float>(i / 21 % 21 - 10),
-                                  -0.1f * static_cast<float>(i / 441));
-    cloud->normals.emplace_back(0, 0, 1);
-    cloud->weights.push_back(i < 5 * 441 ? 1.0f : 2.0f);  // the farther half has the longer gradients
-    cloud->classes.push_back(i < 5 * 441 ? 100 : 200);
+    geometry->positions.emplace_back(0.1f * static_cast<float>(i % 21 - 10),
+                                     0.1f * static_cast<float>(i / 21 % 21 - 10), -0.1f * static_cast<float>(i / 441));
+    geometry->normals.emplace_back(0, 0, 1);
+    geometry->weights.push_back(i < 5 * 441 ? 1.0f : 2.0f);  // the farther half has the longer gradients
+    geometry->classes.push_back(i < 5 * 441 ? 100 : 200);
   }
-  cloud->description.box = {{-1, -1, -0.9f}, {1, 1, 0}};
-  return cloud;
+  geometry->description.box = {{-1, -1, -0.9f}, {1, 1, 0}};
+  return geometry;
 }
 
 template <class Content>
@@ -97,7 +97,7 @@ TEST_CASE("picks overlays first, which never collide") {
   list.items[0].collidable = false;
   CHECK_FALSE(items.nearest(list, line, 1000, render::Sought::met));
   CHECK(items.near(list, {-9, -9, -9}, {9, 9, 9}, 100).empty());
-  // Beside it, the rest is hit as before.
+  // Without the other items in the way, the ray hits the first item again.
   list.items[1].world_from_node = list.items[2].world_from_node = glm::translate(glm::mat4(1), {9, 0, 0});
   list.items[0].collidable = true;
   CHECK(picker.pick(list, ray)->item == 0);
@@ -201,20 +201,20 @@ TEST_CASE("ignores the parts of a volume that the style hides") {
   add(list, fog_volume(0.9f), at(-2));
   Picker picker;
   PickOptions options;
-  options.clouds.clip = glm::vec4(0, 0, -1, -2.75f);  // keeps z <= -2.75 of the world
+  options.splat_style.clip = glm::vec4(0, 0, -1, -2.75f);  // keeps z <= -2.75 of the world
   CHECK(picker.pick(list, kAhead, options)->distance == Approx(2.8).margin(0.11));
   options = {};
-  options.clouds.least_magnitude = 1.5f;
+  options.splat_style.least_magnitude = 1.5f;
   CHECK(picker.pick(list, kAhead, options)->distance == Approx(2.5).margin(0.11));
   options = {};
-  options.clouds.transfer = {{0.5f, {}, 0}, {0.6f, {}, 0.9f}};  // class 100 is transparent
+  options.splat_style.transfer = {{0.5f, {}, 0}, {0.6f, {}, 0.9f}};  // class 100 is transparent
   CHECK(picker.pick(list, kAhead, options)->distance == Approx(2.5).margin(0.11));
-  options.clouds.transfer = {{0, {}, 0}};
+  options.splat_style.transfer = {{0, {}, 0}};
   CHECK_FALSE(picker.pick(list, kAhead, options));
   options = {};
   list.splats[0].material.transparency = 1;
   CHECK_FALSE(picker.pick(list, kAhead, options));
-  // Another point set may have the same address. The picker must distinguish them.
+  // Another geometry may have the same address. The picker must distinguish them.
   for (int i = 0; i < 20; ++i) {
     list.splats.clear();
     add(list, fog_volume(0.9f), at(-2 - static_cast<float>(i)));
@@ -222,10 +222,10 @@ TEST_CASE("ignores the parts of a volume that the style hides") {
   }
 }
 
-TEST_CASE("ignores invalid point sets") {
+TEST_CASE("ignores invalid splats and volumes") {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   render::RenderList list;
-  list.splats.emplace_back();  // without a point set
+  list.splats.emplace_back();  // without a geometry
   add(list, std::make_shared<qnv::Splats>(), at(-1));
   auto broken = disc();
   broken->normals.clear();
@@ -258,9 +258,9 @@ TEST_CASE("returns the path of a hit through PROTO instances and Inlines, with c
   (void)vrml::parse("#VRML V2.0 utf8\nTransform { scale 2 2 2 children DEF Box Shape { geometry Box { } } }", *inlined,
                     diagnostics);
   REQUIRE(diagnostics.errors() == 0);
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i)
-    if (scene.node_at(i).name == "I") {
-      scene.attach_inline(scene.id_at(i), std::move(inlined));
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i)
+    if (scene.nodes().at(i).name == "I") {
+      scene.inlines().attach(scene.nodes().id_at(i), std::move(inlined));
       break;
     }
   render::MeshCache meshes;

@@ -24,7 +24,7 @@ TEST_CASE("joins continuous movements to one, and undoes and redoes it") {
   const auto before = history.go(-1, at(20));
   REQUIRE(before);
   CHECK(before->position.x == 10);
-  // The transition there is no movement of the user.
+  // The transition to the restored pose is not a movement of the user.
   history.moved(at(20), at(15), 5.1);
   history.moved(at(15), at(10), 5.2);
   const auto first = history.go(-1, at(10));
@@ -43,7 +43,7 @@ TEST_CASE("drops undone movements after a new one, and undoes a running one from
   history.moved(at(0), at(1), 0);
   history.moved(at(1), at(2), 10);
   CHECK(history.go(-1, at(2))->position.x == 1);
-  // Still on the way.
+  // The transition is not finished.
   history.moved(at(2), at(1.5), 10.1);
   CHECK(history.go(-1, at(1.5))->position.x == 0);
   CHECK(history.go(1, at(1.2))->position.x == 1);
@@ -51,6 +51,18 @@ TEST_CASE("drops undone movements after a new one, and undoes a running one from
   history.moved(at(1.2), at(7), 20);
   CHECK_FALSE(history.can_go(1));
   CHECK(history.go(-1, at(7))->position.x == 1.2);
+}
+
+TEST_CASE("reports the begin of the movement to undo or redo") {
+  PoseHistory history;
+  CHECK_FALSE(history.time_of(-1));
+  history.moved(at(0), at(1), 3);
+  history.moved(at(1), at(2), 3.1);
+  history.moved(at(2), at(3), 8);
+  CHECK(history.time_of(-1) == 8);
+  (void)history.go(-1, at(3));
+  CHECK(history.time_of(-1) == 3);
+  CHECK(history.time_of(1) == 8);
 }
 
 TEST_CASE("forgets the oldest positions") {

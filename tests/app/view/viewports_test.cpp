@@ -23,9 +23,9 @@ TEST_CASE("keeps a drag in the viewport where it began") {
   CHECK(router.route(event(EventKind::button_down, left), places) == 0u);
   CHECK(router.route(event(EventKind::pointer, right), places) == 0u);
   CHECK(router.route(event(EventKind::pointer, outside), places) == 0u);
-  // The wheel goes to the viewport under the pointer even then.
+  // During a drag too, the wheel goes to the viewport under the pointer.
   CHECK(router.route(event(EventKind::wheel, right), places) == 1u);
-  // A second button joins the drag, which lasts until both are up.
+  // A second button joins the drag. The drag lasts until both buttons are released.
   CHECK(router.route(event(EventKind::button_down, right, MouseButton::right), places) == 0u);
   CHECK(router.route(event(EventKind::button_up, right), places) == 0u);
   CHECK(router.route(event(EventKind::pointer, right), places) == 0u);
@@ -44,10 +44,10 @@ TEST_CASE("assigns events outside all viewports to none") {
   CHECK_FALSE(router.route(event(EventKind::key_down, {50, 50}), places));
   CHECK_FALSE(router.route(event(EventKind::focus_lost, {50, 50}), places));
   CHECK(router.route(event(EventKind::drop, {150, 50}), places) == 1u);
-  // The button of a panel, released over a viewport.
+  // The button was pressed in a panel, and is released over a viewport.
   CHECK(router.route(event(EventKind::button_up, {150, 50}), places) == 1u);
   CHECK(router.route(event(EventKind::pointer, {50, 50}), places) == 0u);
-  // A closed viewport owns nothing.
+  // A closed viewport has no pointer.
   CHECK(router.route(event(EventKind::button_down, {150, 50}), places) == 1u);
   CHECK(router.route(event(EventKind::pointer, {150, 50}), std::span(places).first(1)) == std::nullopt);
 }
@@ -59,7 +59,7 @@ TEST_CASE("divides a budget by size") {
   CHECK(share(1000, {0, 100, 0, 100}) == std::vector<std::size_t>{0, 500, 0, 500});
   CHECK(share(1000, {0, 0}) == std::vector<std::size_t>{0, 0});
   CHECK(share(1000, {}).empty());
-  // 0 would mean unlimited.
+  // No share is 0, because 0 would mean unlimited.
   CHECK(share(3, {1, 1'000'000}) == std::vector<std::size_t>{1, 2});
   CHECK(share(0, {5}) == std::vector<std::size_t>{1});
   const std::size_t most = std::numeric_limits<std::size_t>::max();
@@ -80,7 +80,7 @@ TEST_CASE("draws frames as long as they improve") {
   CHECK(refinement.wanted());
   refinement.note(false, 100'000, false);
   CHECK_FALSE(refinement.wanted());
-  // A picture that always promises a better one lets the window rest.
+  // The window rests if every picture still reports that a better one will follow.
   for (int i = 0; i <= Refinement::kMaxFramesAlike; ++i) refinement.note(true, 5, false);
   CHECK_FALSE(refinement.wanted());
   refinement.note(true, 5, false);

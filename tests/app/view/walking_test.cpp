@@ -94,7 +94,7 @@ TEST_CASE("keeps a walking viewer avatarSize[1] above the ground (4.13.4, 6.29)"
   CHECK(body.on_ground);
   CHECK(body.eye.x == Approx(1));
   CHECK(body.eye.y == Approx(3.6));
-  // Up and down a slope of 30 degrees.
+  // The viewer walks up and down a slope of 30 degrees.
   Site hill;
   hill.floor(0, -50, 5);
   const double rise = std::tan(0.5235988);
@@ -137,7 +137,7 @@ TEST_CASE("keeps avatarSize[0] from walls, and slides along them") {
   body = go(site, body, {1, 0, -1}, 3);
   CHECK(body.eye.x == Approx(3).margin(0.02));
   CHECK(body.eye.z == Approx(-2.75).margin(0.005));
-  // Into the corner of two walls, and out again.
+  // The viewer walks into the corner of two walls, and out again.
   site.face({5, 0, -50}, {5, 0, 50}, {5, 4, 50}, {5, 4, -50});
   body = go(site, body, {1, 0, -1}, 6);
   CHECK(body.eye.x == Approx(4.75).margin(0.01));
@@ -154,7 +154,7 @@ TEST_CASE("walks equally at 10 and at 200 frames per second") {
   site.floor(-4, 20, 60);
   Walk slow = go(site, at({0, 1.6, 0}), {2.5, 0, 0.4}, 8, 10), fast = go(site, at({0, 1.6, 0}), {2.5, 0, 0.4}, 8, 200);
   CHECK(glm::distance(slow.eye, fast.eye) < 0.05);
-  // Falling from 30 m.
+  // The viewer falls from 30 m.
   slow = go(site, at({-20, 31.6, 0}), dvec3(0), 1.5, 10);
   fast = go(site, at({-20, 31.6, 0}), dvec3(0), 1.5, 200);
   CHECK(slow.eye.y == Approx(31.6 - 9.81 / 2 * 1.5 * 1.5));

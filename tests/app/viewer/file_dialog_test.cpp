@@ -1,4 +1,5 @@
 #include "app/viewer/file_dialog.h"
+#include "base/noncopyable.h"
 
 #include <catch2/catch.hpp>
 
@@ -13,7 +14,7 @@ namespace {
 using Files = std::vector<std::string>;
 
 /// Desktop substitute for the lifetime of this object.
-struct Desktop {
+struct Desktop : NonCopyable {
   Desktop() {
     if (const char* value = std::getenv("DISPLAY")) before = value;
     ::setenv("DISPLAY", ":of-a-test", 1);
@@ -24,8 +25,6 @@ struct Desktop {
     else
       ::setenv("DISPLAY", before.c_str(), 1);
   }
-  Desktop(const Desktop&) = delete;
-  Desktop& operator=(const Desktop&) = delete;
   std::string before;
 };
 
@@ -65,6 +64,21 @@ TEST_CASE("opens the desktop's dialog in the given folder, and prints nothing") 
   REQUIRE(dialog.show("/a b/c"));
   woken.acquire();
   CHECK(dialog.take()->files == Files{"--in=/a b/c/", "/a b/c", "/dev/null"});
+}
+
+TEST_CASE("asks for a file to save with a program that can, and reports it") {
+  const Desktop desktop;
+  const std::vector<DialogProgram> programs = {{"/bin/sh", {"-c", "echo open"}},
+                                               {"/bin/sh", {"-c", "echo open"}, {"-c", "echo \"$0\"", "{file}"}}};
+  std::binary_semaphore woken{0};
+  FileDialog dialog([&] { woken.release(); }, programs);
+  REQUIRE(dialog.show_saving("/a b/c.wrl"));
+  woken.acquire();
+  const auto answer = dialog.take();
+  REQUIRE(answer);
+  CHECK(answer->files == Files{"/a b/c.wrl"});
+  CHECK(answer->saves);
+  for (const DialogProgram& known : dialog_programs()) CHECK_FALSE(known.save_arguments.empty());
 }
 
 TEST_CASE("closes the dialog with its window, and runs without one") {

@@ -14,7 +14,7 @@ TEST_CASE("counts the frames of the last second") {
   // Two simultaneous frames do not raise the rate.
   rate.drawn(102.0001, true);
   CHECK(rate.a_second() == Approx(51).margin(0.5));
-  // A long frame lowers the rate at once, as do frames of over a second.
+  // A long frame lowers the rate immediately. So do frames of over a second.
   rate.drawn(102.25, true);
   CHECK(rate.a_second() < 42);
   rate.drawn(105, true);

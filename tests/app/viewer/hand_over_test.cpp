@@ -48,7 +48,7 @@ TEST_CASE("hands files to the open window of the same user only") {
   std::atomic<bool> woken = false;
   auto window = HandOver::listen(folder, [&] { woken = true; });
   REQUIRE(window);
-  CHECK_FALSE(HandOver::listen(folder, [] {}));  // the first one listens there
+  CHECK_FALSE(HandOver::listen(folder, [] {}));  // the first window listens there
   HandOver::Taken taken;
   std::atomic<bool> done = false;
   std::thread main_thread([&] {

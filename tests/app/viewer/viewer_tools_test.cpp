@@ -1,4 +1,5 @@
 #include "app/viewer/viewer_tools.h"
+#include "base/noncopyable.h"
 #include "render/gl/context.h"
 #include "tests/app/interface/driver.h"
 #include "tests/app/scratch_folder.h"
@@ -22,8 +23,8 @@ namespace {
 
 constexpr Viewport kPlace{0, 0, 96, 64};
 
-/// User's window without a window, with pictures in a folder of the test.
-struct Workshop {
+/// Tools of a simulated window. Pictures are stored in a folder of the test.
+struct Workshop : NonCopyable {
   Workshop() {
     ::setenv("XDG_PICTURES_DIR", scratch.path("pictures").c_str(), 1);
     auto opened = render::open_headless_context("auto");
@@ -40,8 +41,6 @@ struct Workshop {
     tools.reset();
     renderer.reset();
   }
-  Workshop(const Workshop&) = delete;
-  Workshop& operator=(const Workshop&) = delete;
 
   View& view() { return *user.session().view(); }
   void open(const std::string& path) {
@@ -134,7 +133,7 @@ TEST_CASE("saves turntables and tours of the window as pictures and movies") {
   CHECK(shop.told.back().starts_with("Tour saved: "));
   CHECK(shop.pictures(".png").size() == 5);
 
-  // A cancelled one reports it.
+  // A cancelled animation is reported.
   actions = {};
   actions.take_turntable = true;
   shop.apply(actions);
@@ -177,7 +176,7 @@ TEST_CASE("drags a slice through its volume by its edge in the picture") {
   CHECK(shop.describe().slice_edge.empty());
   CHECK_FALSE(shop.take(Kind::pointer, seen_at(5)));
   CHECK(shop.describe().slice_edge.size() == 4);
-  CHECK(shop.take(Kind::button_down, seen_at(5)));  // the session turns nothing
+  CHECK(shop.take(Kind::button_down, seen_at(5)));  // the press does not reach the session
   CHECK_FALSE(shop.take(Kind::pointer, seen_at(8)));
   shop.apply({});
   CHECK(shop.view().slices.places[0] == Approx(0.8).margin(0.02));
@@ -185,7 +184,7 @@ TEST_CASE("drags a slice through its volume by its edge in the picture") {
   CHECK_FALSE(shop.take(Kind::pointer, seen_at(2)));
   shop.apply({});
   CHECK(shop.view().slices.places[0] == Approx(0.8).margin(0.02));
-  // Beside it, a press goes to the session.
+  // A press beside the slice goes to the session.
   CHECK_FALSE(shop.take(Kind::button_down, {2, 2}));
   CHECK_FALSE(shop.take(Kind::button_up, {2, 2}));
 }
@@ -207,7 +206,7 @@ TEST_CASE("asks before a saved transfer function replaces another file") {
   CHECK(shop.told.back() == "Saved: " + path);
   const std::string saved = bytes_in(path);
   CHECK(saved.find('{') != std::string::npos);
-  // Replaces its own file and a loaded one at once.
+  // Replacing the saved file or a loaded file needs no confirmation.
   shop.apply(save);
   CHECK(shop.told.back() == "Saved: " + path);
   const std::string other = shop.scratch.write("other.json", saved);
@@ -261,7 +260,7 @@ TEST_CASE("shows the value of a stream's nearest vector under the pointer") {
       for (int x = 0; x < 24; ++x)
         volume += std::to_string(std::max(0, 250 - static_cast<int>(20 * std::hypot(x - 12, y - 12, z - 12)))) + " ";
   shop.open(shop.scratch.write("a.nrrd", volume));
-  // The same vectors without their source voxels.
+  // Now the source voxels of the vectors are missing.
   shop.view().document->world.path = shop.scratch.path("gone.qnv");
   const auto world = world_from_volume(*shop.view().list);
   REQUIRE(world);

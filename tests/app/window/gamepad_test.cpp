@@ -10,11 +10,7 @@ namespace {
 
 using Kind = WindowEvent::Kind;
 
-GamepadState connected() {
-  GamepadState state;
-  state.connected = true;
-  return state;
-}
+GamepadState connected() { return {.connected = true}; }
 
 }  // namespace
 
@@ -50,7 +46,7 @@ TEST_CASE("moves and turns by sticks, and down and up by triggers, gently at fir
   REQUIRE(events.size() == 1);
   CHECK(events[0].move.z > 0.05f);
   CHECK(events[0].move.z < 0.5f);
-  // Unplugged while a stick was held.
+  // The gamepad is unplugged while a stick is held.
   events = gamepad.take({}, 8);
   REQUIRE(events.size() == 1);
   CHECK(events[0].move == glm::vec3(0));
@@ -66,7 +62,7 @@ TEST_CASE("maps buttons to keys that go down once and up once") {
     REQUIRE(events.size() == 1);
     CHECK(events[0].kind == Kind::key_down);
     CHECK(events[0].key == row.key);
-    CHECK((action_of(events[0]) != nullptr || row.key == Key::shift));  // each has an action, or is held
+    CHECK((action_of(events[0]) != nullptr || row.key == Key::shift));  // each button has an action, or acts while held
     CHECK(gamepad.take(state, 2).empty());
     events = gamepad.take(connected(), 3);
     REQUIRE(events.size() == 1);
@@ -87,7 +83,7 @@ TEST_CASE("moves by a held gamepad input as by held keys") {
   CHECK(input.move == glm::vec3(0, 0, 1));
   CHECK(input.turn == glm::vec2(1, 0));
   CHECK(tracker.holding());
-  // Together with keys, no faster than the maximum.
+  // Gamepad and keys together are no faster than the maximum.
   WindowEvent key;
   key.kind = Kind::key_down;
   key.key = letter_key('W');

@@ -63,7 +63,7 @@ TEST_CASE("moves and turns by the cap of a 3D mouse, with buttons as keys") {
     CHECK(events[0].time == 2);
     CHECK(events[0].move == glm::vec3(1, 0, -1));
     CHECK(events[0].turn == glm::vec2(0));
-    // Of simultaneous movements the last one counts; a button between them keeps its order.
+    // Of simultaneous movements the last one counts. A button between them keeps its order.
     moved(10, 350, 0, 0, 0, 0);
     moved(10, 9999, 0, -700, 350, 0);
     button(1, 1);
@@ -72,7 +72,7 @@ TEST_CASE("moves and turns by the cap of a 3D mouse, with buttons as keys") {
     moved(0, 0, 0, 0, 0, 0);
     events = mouse.take(3);
     REQUIRE(events.size() == 4);
-    CHECK(events[0].move == glm::vec3(0, 1, 0));  // 10 of 350 is a resting hand
+    CHECK(events[0].move == glm::vec3(0, 1, 0));  // 10 of 350 is noise of a resting hand
     CHECK(events[0].turn == glm::vec2(-1, -1));
     CHECK(events[1].kind == Kind::key_down);
     CHECK(events[1].key == letter_key('F'));
@@ -80,7 +80,7 @@ TEST_CASE("moves and turns by the cap of a 3D mouse, with buttons as keys") {
     CHECK(events[3].move == glm::vec3(0));
     endless = true;
     moved(1, 2, 3, 4, 5, 6);
-    CHECK(mouse.take(4).size() == 1);  // and ends
+    CHECK(mouse.take(4).size() == 1);  // the movement ends
     endless = false;
   }
   CHECK(closed == 1);

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <span>
 #include <string_view>
 
 namespace {
@@ -54,7 +55,7 @@ TEST_CASE("packs 47 records into eight cells as in figure 6", "[aal5]") {
   REQUIRE(cells.size() == kRecordPduCells);
   for (std::size_t i = 0; i < 8; ++i) {
     REQUIRE(cells[i].type == (i == 7 ? 1 : 0));
-    // Six whole records in a cell, five in the last.
+    // A cell has six whole records, the last cell has five.
     REQUIRE(std::equal(records.begin() + static_cast<std::ptrdiff_t>(48 * i),
                        records.begin() + static_cast<std::ptrdiff_t>(48 * i + (i == 7 ? 40 : 48)),
                        cells[i].payload.begin()));
@@ -106,7 +107,7 @@ TEST_CASE("reassembles PDUs of two channels with alternating cells", "[aal5]") {
   std::vector<Pdu> out;
   for (std::size_t i = 0; i < a.size(); ++i) {
     reassembler.push(a[i], out);
-    Cell oam = a[i];  // no user data: not part of the PDU
+    Cell oam = a[i];  // no user data, so the cell is not part of the PDU
     oam.type = 5;
     reassembler.push(oam, out);
     reassembler.push(b[i], out);
@@ -116,14 +117,19 @@ TEST_CASE("reassembles PDUs of two channels with alternating cells", "[aal5]") {
   REQUIRE(out[1].bytes == pdu_bytes(400, 2));
 }
 
-TEST_CASE("separates two PDUs when cells around the end of the first are lost", "[aal5]") {
-  const auto a = cells_of(pdu_bytes(kRecordPdu, 1)), b = cells_of(pdu_bytes(kRecordPdu, 2));
+std::vector<Pdu> received_with_gap(std::span<const Cell> before, std::span<const Cell> after) {
   Reassembler reassembler;
   std::vector<Pdu> out;
-  for (std::size_t i = 0; i < 5; ++i) reassembler.push(a[i], out);
-  // Three of the first and two of the second are missing.
+  for (const Cell& cell : before) reassembler.push(cell, out);
   reassembler.lost_anywhere(out);
-  for (std::size_t i = 2; i < 8; ++i) reassembler.push(b[i], out);
+  for (const Cell& cell : after) reassembler.push(cell, out);
+  return out;
+}
+
+TEST_CASE("separates two PDUs when cells around the end of the first are lost", "[aal5]") {
+  const auto a = cells_of(pdu_bytes(kRecordPdu, 1)), b = cells_of(pdu_bytes(kRecordPdu, 2));
+  // Three of the first and two of the second are missing.
+  const std::vector<Pdu> out = received_with_gap(std::span(a).first(5), std::span(b).subspan(2, 6));
   REQUIRE(out.size() == 2);
   REQUIRE(out[0].parts.size() == 5);
   REQUIRE(out[1].parts.size() == 6);
@@ -133,11 +139,7 @@ TEST_CASE("separates two PDUs when cells around the end of the first are lost", 
 
 TEST_CASE("restores the next PDU after a lost end", "[aal5]") {
   const auto a = cells_of(pdu_bytes(kRecordPdu, 1)), b = cells_of(pdu_bytes(kRecordPdu, 2));
-  Reassembler reassembler;
-  std::vector<Pdu> out;
-  for (std::size_t i = 0; i < 7; ++i) reassembler.push(a[i], out);
-  reassembler.lost_anywhere(out);
-  for (const Cell& cell : b) reassembler.push(cell, out);
+  const std::vector<Pdu> out = received_with_gap(std::span(a).first(7), b);
   REQUIRE(out.size() == 2);
   REQUIRE(out[0].parts.size() == 7);
   REQUIRE(out[1].whole);
@@ -183,7 +185,7 @@ TEST_CASE("limits the memory of the reassembler", "[aal5]") {
     REQUIRE(out.size() <= 1);
     out.clear();
   }
-  // A PDU without end, followed by an end.
+  // A PDU without an end cell, then a single end cell.
   cell.vc = {9, 9};
   for (int i = 0; i < 100'000; ++i) reassembler.push(cell, out);
   cell.type = 1;

@@ -20,12 +20,11 @@ std::string asked_for(const ServedSite& site, const std::string& lines, const st
 }  // namespace
 
 TEST_CASE("normalises host names, and rejects invalid ones") {
-  CHECK(host_of("localhost") == "localhost");
-  CHECK(host_of("LocalHost.:8080") == "localhost");
-  CHECK(host_of("127.0.0.1:80") == "127.0.0.1");
-  CHECK(host_of("[::1]") == "::1");
-  CHECK(host_of("[0:0:0:0:0:0:0:1]:8080") == "::1");
-  CHECK(host_of("a.example:") == "a.example");
+  const std::pair<const char*, const char*> hosts[] = {
+      {"localhost", "localhost"}, {"LocalHost.:8080", "localhost"},  {"127.0.0.1:80", "127.0.0.1"},
+      {"[::1]", "::1"},           {"[0:0:0:0:0:0:0:1]:8080", "::1"}, {"a.example:", "a.example"},
+  };
+  for (const auto& [text, host] : hosts) CHECK(host_of(text) == host);
   for (const char* bad : {"", ".", ":80", "a:b", "a:1:2", "a:123456", "::1", "[::1", "[::1]x", "[::1]:x", "[a]", "a b",
                           "user@localhost", "localhost/", "localhost,evil", "lo\tcal", "\xff", "[127.0.0.1]"})
     CHECK_FALSE(host_of(bad));
@@ -58,17 +57,20 @@ TEST_CASE("takes the client of a request from X-Forwarded-For of trusted proxies
     return address_text(client_of(address_of_text(peer), forwarded, proxies));
   };
   CHECK(client("192.0.2.1", "198.51.100.7") == "192.0.2.1");
-  CHECK(client("10.0.0.1", "") == "10.0.0.1");
-  CHECK(client("10.0.0.1", "198.51.100.7") == "198.51.100.7");
   CHECK(client("::1", "2001:db8::5") == "2001:db8::5");
-  CHECK(client("10.0.0.1", "1.2.3.4, 198.51.100.7") == "198.51.100.7");
-  CHECK(client("10.0.0.1", "198.51.100.7 ,10.0.0.2,\t10.0.0.3") == "198.51.100.7");
-  CHECK(client("10.0.0.1", "10.0.0.2, 10.0.0.3") == "10.0.0.2");
-  CHECK(client("10.0.0.1", "198.51.100.7:4711") == "198.51.100.7");
-  CHECK(client("10.0.0.1", "[2001:db8::5]:4711") == "2001:db8::5");
-  CHECK(client("10.0.0.1", "198.51.100.7, unknown") == "10.0.0.1");
-  CHECK(client("10.0.0.1", "127.0.0.1, ") == "10.0.0.1");
-  CHECK(client("10.0.0.1", ",,,") == "10.0.0.1");
+  const std::pair<const char*, const char*> clients[] = {
+      {"", "10.0.0.1"},
+      {"198.51.100.7", "198.51.100.7"},
+      {"1.2.3.4, 198.51.100.7", "198.51.100.7"},
+      {"198.51.100.7 ,10.0.0.2,\t10.0.0.3", "198.51.100.7"},
+      {"10.0.0.2, 10.0.0.3", "10.0.0.2"},
+      {"198.51.100.7:4711", "198.51.100.7"},
+      {"[2001:db8::5]:4711", "2001:db8::5"},
+      {"198.51.100.7, unknown", "10.0.0.1"},
+      {"127.0.0.1, ", "10.0.0.1"},
+      {",,,", "10.0.0.1"},
+  };
+  for (const auto& [forwarded, address] : clients) CHECK(client("10.0.0.1", forwarded) == address);
 }
 
 TEST_CASE("HTTP server on loopback: refuses a page with a name that resolves to this machine") {
@@ -179,11 +181,11 @@ TEST_CASE("HTTP server: keeps other clients of a proxy served when one reaches i
   }
   CHECK(refused);
   for (std::size_t i = 1; i < connections.size(); ++i) {
-    // Addresses that a client writes before its own are ignored.
+    // The server ignores addresses that the client writes into X-Forwarded-For before the proxy's entry.
     connections[i]->send(ask("198.51.100.1, 198.51.100." + std::to_string(10 + i)));
     CHECK(connections[i]->receive().starts_with("HTTP/1.1 200"));
   }
-  // The field of an address that is no trusted proxy is ignored.
+  // The server ignores X-Forwarded-For from an address that is not a trusted proxy.
   RawClient stranger(site.port, "127.0.0.7");
   bool limited = false;
   for (int i = 0; i < 100 && !limited; ++i) {

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include <set>
+#include <utility>
 
 #include "net/load/transport.h"
 
@@ -19,13 +20,16 @@ TEST_CASE("has one row per scheme") {
 }
 
 TEST_CASE("shows no passwords in messages") {
-  CHECK(url_for_messages("http://user:secret@host/a?b#c") == "http://host/a?b#c");
-  CHECK(url_for_messages("http://user@x:secret@host/a@b") == "http://host/a@b");
-  CHECK(url_for_messages("http://host/a@b") == "http://host/a@b");
-  CHECK(url_for_messages("http:///user:secret@host/a") == "http:///host/a");
-  CHECK(url_for_messages("http:/user:secret@host/a") == "http:/host/a");
-  CHECK(url_for_messages("file:///a@b/c") == "file:///a@b/c");
-  CHECK(url_for_messages("a\nb") == "a?b");
+  const std::pair<const char*, const char*> messages[] = {
+      {"http://user:secret@host/a?b#c", "http://host/a?b#c"},
+      {"http://user@x:secret@host/a@b", "http://host/a@b"},
+      {"http://host/a@b", "http://host/a@b"},
+      {"http:///user:secret@host/a", "http:///host/a"},
+      {"http:/user:secret@host/a", "http:/host/a"},
+      {"file:///a@b/c", "file:///a@b/c"},
+      {"a\nb", "a?b"},
+  };
+  for (const auto& [url, shown] : messages) CHECK(url_for_messages(url) == shown);
   CHECK(url_for_messages("data:," + std::string(1000, 'x')).size() == 203);
 }
 
@@ -34,22 +38,21 @@ TEST_CASE("gives a URL one canonical spelling, or none without a host (RFC 3986 
     const auto found = canonical_url(parse_url(url));
     return found ? found->text() : "none";
   };
-  CHECK(canonical("HTTP://Example.ORG:80/A?B#C") == "http://example.org/A?B#C");
-  CHECK(canonical("https://user:Secret@Example.org:443") == "https://user:Secret@example.org");
-  CHECK(canonical("http://example.org:8080/") == "http://example.org:8080/");
-  CHECK(canonical("http://example.org:/") == "http://example.org/");
-  CHECK(canonical("ftp://example.org:21/a") == "ftp://example.org/a");
-  CHECK(canonical("cells://example.org:21/a") == "cells://example.org:21/a");
-  CHECK(canonical("http://[2001:DB8::1]:80/") == "http://[2001:db8::1]/");
+  const std::pair<const char*, const char*> spellings[] = {
+      {"HTTP://Example.ORG:80/A?B#C", "http://example.org/A?B#C"},
+      {"https://user:Secret@Example.org:443", "https://user:Secret@example.org"},
+      {"http://example.org:8080/", "http://example.org:8080/"},
+      {"http://example.org:/", "http://example.org/"},
+      {"ftp://example.org:21/a", "ftp://example.org/a"},
+      {"cells://example.org:21/a", "cells://example.org:21/a"},
+      {"http://[2001:DB8::1]:80/", "http://[2001:db8::1]/"},
+  };
+  for (const auto& [url, text] : spellings) CHECK(canonical(url) == text);
   for (const char* url :
        {"http:///user:pw@127.0.0.1:1/x", "http:/127.0.0.1/x", "http:127.0.0.1/x", "http:", "http://", "https://:443/",
         "ftp:///127.0.0.1:1021/x", "cells:/a", "http://user@/x", "http://a:99999/", "http://a:b/", "http://[::1/"})
     CHECK(canonical(url) == "none");
-  CHECK(canonical("file:///A") == "file:///A");
-  CHECK(canonical("file:/A") == "file:/A");
-  CHECK(canonical("data:,A") == "data:,A");
-  CHECK(canonical("memory:A") == "memory:A");
-  CHECK(canonical("a/B") == "a/B");
+  for (const char* url : {"file:///A", "file:/A", "data:,A", "memory:A", "a/B"}) CHECK(canonical(url) == url);
 }
 
 std::string text_of(std::string_view url) {
@@ -60,22 +63,25 @@ std::string text_of(std::string_view url) {
 }
 
 TEST_CASE("decodes data URLs (RFC 2397)") {
-  CHECK(text_of("data:,A%20brief%20note") == "text/plain;charset=US-ASCII|A brief note");
-  CHECK(text_of("data:;charset=utf-8,x") == "text/plain;charset=utf-8|x");
-  CHECK(text_of("data:text/plain;base64,SGVsbG8h") == "text/plain|Hello!");
-  CHECK(text_of("DATA:text/plain;BASE64,SGVs\nbG8") == "text/plain|Hello");
-  CHECK(text_of("data:a/b;base64,SGVsbG8%3D") == "a/b|Hello");
-  CHECK(text_of("data:a/b;base64,") == "a/b|");
-  CHECK(text_of("data:a/b;base64,A") == "none");
-  CHECK(text_of("data:a/b;base64,AA=A") == "none");
-  CHECK(text_of("data:a/b;base64,A!AA") == "none");
-  CHECK(text_of("data:a/b") == "none");
-  CHECK(text_of("data") == "none");
-  CHECK(text_of("a,data:") == "none");
-  CHECK(text_of("data:,x#fragment") == "text/plain;charset=US-ASCII|x");
-  CHECK(text_of("data:model/vrml,#VRML V2.0 utf8") == "model/vrml|#VRML V2.0 utf8");
-  CHECK(text_of("data:,%4") == "text/plain;charset=US-ASCII|%4");
-  CHECK(text_of("data:,100%") == "text/plain;charset=US-ASCII|100%");
+  const std::pair<const char*, const char*> decoded[] = {
+      {"data:,A%20brief%20note", "text/plain;charset=US-ASCII|A brief note"},
+      {"data:;charset=utf-8,x", "text/plain;charset=utf-8|x"},
+      {"data:text/plain;base64,SGVsbG8h", "text/plain|Hello!"},
+      {"DATA:text/plain;BASE64,SGVs\nbG8", "text/plain|Hello"},
+      {"data:a/b;base64,SGVsbG8%3D", "a/b|Hello"},
+      {"data:a/b;base64,", "a/b|"},
+      {"data:a/b;base64,A", "none"},
+      {"data:a/b;base64,AA=A", "none"},
+      {"data:a/b;base64,A!AA", "none"},
+      {"data:a/b", "none"},
+      {"data", "none"},
+      {"a,data:", "none"},
+      {"data:,x#fragment", "text/plain;charset=US-ASCII|x"},
+      {"data:model/vrml,#VRML V2.0 utf8", "model/vrml|#VRML V2.0 utf8"},
+      {"data:,%4", "text/plain;charset=US-ASCII|%4"},
+      {"data:,100%", "text/plain;charset=US-ASCII|100%"},
+  };
+  for (const auto& [url, text] : decoded) CHECK(text_of(url) == text);
 }
 
 }  // namespace

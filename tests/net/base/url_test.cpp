@@ -7,13 +7,7 @@
 
 namespace {
 
-using gs::net::has_scheme;
-using gs::net::parse_url;
-using gs::net::path_of_url;
-using gs::net::resolve;
-using gs::net::tidy_url;
-using gs::net::Url;
-using gs::net::url_of_path;
+using namespace gs::net;
 
 std::string resolved(std::string_view base, std::string_view reference) {
   return resolve(parse_url(base), parse_url(reference)).text();
@@ -170,23 +164,29 @@ TEST_CASE("splits an authority into host and port") {
     const auto found = gs::net::host_and_port(authority);
     return found ? found->host + "|" + (found->port ? std::to_string(*found->port) : "-") : "none";
   };
-  CHECK(text("example.org") == "example.org|-");
-  CHECK(text("example.org:") == "example.org|-");
-  CHECK(text("example.org:8080") == "example.org|8080");
-  CHECK(text("user:secret@example.org:1") == "example.org|1");
-  CHECK(text("192.0.2.1:65535") == "192.0.2.1|65535");
-  CHECK(text("[2001:db8::1]:6635") == "2001:db8::1|6635");
-  CHECK(text("[::1]") == "::1|-");
+  const std::pair<const char*, const char*> authorities[] = {
+      {"example.org", "example.org|-"},
+      {"example.org:", "example.org|-"},
+      {"example.org:8080", "example.org|8080"},
+      {"user:secret@example.org:1", "example.org|1"},
+      {"192.0.2.1:65535", "192.0.2.1|65535"},
+      {"[2001:db8::1]:6635", "2001:db8::1|6635"},
+      {"[::1]", "::1|-"},
+  };
+  for (const auto& [authority, parts] : authorities) CHECK(text(authority) == parts);
   for (const char* bad : {"", ":80", "a:0", "a:65536", "a:-1", "a:8x", "a:8:8", "[::1", "[::1]8", "[]:80", "a: 80"})
     CHECK(text(bad) == "none");
 }
 
 TEST_CASE("repairs backslashes and blanks in URLs") {
-  CHECK(tidy_url("  textures\\my wood.png\n") == "textures/my%20wood.png");
-  CHECK(tidy_url("http://a/b%20c") == "http://a/b%20c");
-  CHECK(tidy_url("") == "");
-  CHECK(tidy_url(" \t ") == "");
-  CHECK(tidy_url("#Entry View") == "#Entry%20View");
+  const std::pair<const char*, const char*> repairs[] = {
+      {"  textures\\my wood.png\n", "textures/my%20wood.png"},
+      {"http://a/b%20c", "http://a/b%20c"},
+      {"", ""},
+      {" \t ", ""},
+      {"#Entry View", "#Entry%20View"},
+  };
+  for (const auto& [url, repaired] : repairs) CHECK(tidy_url(url) == repaired);
   const char* script = "javascript: function f() { print('a\\n'); }";
   CHECK(tidy_url(script) == script);
 }

@@ -60,8 +60,8 @@ std::vector<std::unique_ptr<Client>> make_clients(std::size_t count) {
 }
 
 // Limits per client. The server holds the symbols of the client's groups (ParitySender::kMaxHeld and one group), the
-// current chunk and a bit per chunk, and nothing that is not due. The client holds its data for rebuilding
-// (CellRebuilder::kMaxKept and kMaxParity) and its events, which are taken at once.
+// current chunk, and a bit per chunk. It holds no data before they are due. The client holds its data for rebuilding
+// (CellRebuilder::kMaxKept and kMaxParity) and its events, which the test takes immediately.
 TEST_CASE("serves two hundred clients on loopback evenly, in bounded memory", "[cell_driver][optimised]") {
   constexpr std::size_t kClients = 200, kEach = 60'000;
   const auto source = std::make_shared<PatternSource>(3000, std::vector<PatternSource::Stream>{{true, 100, 8000}});

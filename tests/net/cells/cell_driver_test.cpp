@@ -12,7 +12,6 @@ namespace {
 
 using namespace gs::net;
 using namespace std::chrono_literals;
-using Streams = std::vector<PatternSource::Stream>;
 
 std::unique_ptr<CellServerDriver> start_server(const std::shared_ptr<CellLibrary>& library) {
   CellServerOptions options;

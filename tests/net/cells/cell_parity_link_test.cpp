@@ -7,7 +7,6 @@ namespace {
 
 using namespace gs::net;
 using namespace std::chrono_literals;
-using Streams = std::vector<PatternSource::Stream>;
 
 struct ParityTrial {
   CongestionResponse response = CongestionResponse::reserved;
@@ -17,13 +16,9 @@ struct ParityTrial {
   std::uint64_t seed = 1;
 
   std::unique_ptr<Scene> run(const std::shared_ptr<PatternSource>& source) const {
-    auto library = std::make_shared<PatternLibrary>();
-    library->sources["a"] = source;
-    CellServerOptions options;
-    options.secret = {3, 4};
-    options.session.response = response;
+    CellServerOptions options = server_options(response, 3);
     options.session.parity = parity;
-    auto scene = std::make_unique<Scene>(options, library);
+    auto scene = std::make_unique<Scene>(options, library(source));
     Link::Options way = link;
     way.latency = 50ms;
     way.bandwidth = 12'000'000;
@@ -69,7 +64,7 @@ TEST_CASE("adds no bytes for parity without loss", "[cell_parity]") {
     REQUIRE(with->clients[0]->client.statistics().parity == 0);
     trial.parity = false;
     const auto without = trial.run(source);
-    // Except for the slightly shorter first datagrams.
+    // The sent bytes are equal, except for the slightly shorter first datagrams.
     REQUIRE(static_cast<double>(with->clients[0]->down.sent_bytes()) <
             1.02 * static_cast<double>(without->clients[0]->down.sent_bytes()));
   }
@@ -79,7 +74,7 @@ TEST_CASE("restores lost datagrams without another request", "[cell_parity][opti
   struct Case {
     double loss, chunks, most_sent;  // relative to the bytes without loss
   };
-  // For comparison, 1 / (1 - loss): 1.01, 1.11, 1.43, 2.
+  // For comparison, the minimum 1 / (1 - loss) is 1.01, 1.11, 1.43, 2.
   const Case cases[] = {{0.01, 0.99, 1.18}, {0.1, 0.995, 1.45}, {0.3, 0.98, 2.2}, {0.5, 0.95, 3.5}};
   for (const bool packed : {false, true}) {
     const auto source = packed ? parity_clusters() : parity_records();
@@ -145,7 +140,7 @@ TEST_CASE("restores datagrams despite reordering and duplicates", "[cell_parity]
     trial.link.duplicated = 0.1;
     const auto scene = trial.run(source);
     CHECK(measure(*scene, *source).bytes > 0.99);
-    CHECK(scene->clients[0]->got.bytes <= source->total());  // nothing twice
+    CHECK(scene->clients[0]->got.bytes <= source->total());  // no byte is received twice
   }
 }
 
@@ -167,20 +162,13 @@ TEST_CASE("protects a scene of a few datagrams", "[cell_parity]") {
 
 TEST_CASE("adapts to losses that begin later, and forgets losses that end", "[cell_parity][optimised]") {
   const auto source = std::make_shared<PatternSource>(2000, Streams{{true, 2000, 8000}});
-  auto library = std::make_shared<PatternLibrary>();
-  library->sources["a"] = source;
-  CellServerOptions options;
-  options.secret = {3, 4};
-  options.session.response = CongestionResponse::reserved;
-  Scene scene(options, library);
+  Scene scene(server_options(CongestionResponse::reserved, 3), library(source));
   Link::Options clean, lossy;
   clean.latency = lossy.latency = 30ms;
   lossy.loss = 0.15;
   scene.add(clean, source, 8'000'000);
-  CellWish wish;
-  wish.path = "a";
   Scene::Client& client = *scene.clients[0];
-  client.client.want(0, wish, scene.now);
+  client.client.want(0, wish(), scene.now);
   scene.run(scene.now + 3s);
   REQUIRE(scene.server.statistics().parity_datagrams == 0);
   client.down.set(lossy);
@@ -202,12 +190,7 @@ TEST_CASE("adapts to losses that begin later, and forgets losses that end", "[ce
 
 TEST_CASE("shares parity groups between slots", "[cell_parity]") {
   const auto source = parity_records(60);
-  auto library = std::make_shared<PatternLibrary>();
-  library->sources["a"] = source;
-  CellServerOptions options;
-  options.secret = {3, 4};
-  options.session.response = CongestionResponse::reserved;
-  Scene scene(options, library);
+  Scene scene(server_options(CongestionResponse::reserved, 3), library(source));
   Link::Options link;
   link.latency = 30ms;
   link.loss = 0.1;

@@ -18,7 +18,7 @@ using namespace gs::net;
 using namespace std::chrono_literals;
 using Bytes = std::vector<std::byte>;
 
-/// Returns the cells of a data datagram: one PDU of this many cells.
+/// Returns the cells of a data datagram: one PDU of `count` cells.
 std::vector<Cell> data_cells(std::size_t count, std::uint64_t seed) {
   Bytes user(count * kCellPayload - kAal5Trailer);
   for (std::byte& byte : user) byte = static_cast<std::byte>(Link::next_random(seed));
@@ -32,7 +32,7 @@ Bytes wire(const std::vector<Cell>& cells) {
   return {bytes.begin() + kDatagramHeader, bytes.end()};
 }
 
-/// Returns a sender that knows that every fifth datagram is lost.
+/// Returns a sender that has a report with a loss of 20 %.
 ParitySender lossy_sender() {
   ParitySender sender(true);
   sender.report(800, 200, false, 1s);
@@ -60,7 +60,7 @@ Sent send_group(ParitySender& sender, std::size_t members, std::uint64_t first, 
 }
 
 TEST_CASE("computes how many cells are protected", "[cell_parity]") {
-  // 48 c - 50 bytes, 52 a cell: by hand.
+  // A symbol of c cells has 48 c - 50 bytes, and a cell 52. So these results were computed by hand.
   STATIC_REQUIRE(protected_cells(26) == 23);
   STATIC_REQUIRE(protected_cells(10) == 8);
   STATIC_REQUIRE(protected_cells(7) == 5);
@@ -110,8 +110,8 @@ TEST_CASE("rejects parity PDUs that no sender sends", "[cell_parity]") {
     change(parity);
     return !decode_parity(encode_parity(parity, symbol), rest);
   };
-  REQUIRE(refused([](Parity& parity) { parity.symbol = 1; }));    // the own symbol of a member
-  REQUIRE(refused([](Parity& parity) { parity.symbol = 255; }));  // no such symbol
+  REQUIRE(refused([](Parity& parity) { parity.symbol = 1; }));    // a symbol that is a member itself
+  REQUIRE(refused([](Parity& parity) { parity.symbol = 255; }));  // the symbol index is too large
   REQUIRE(refused([](Parity& parity) { parity.members.reset(); }));
   REQUIRE(refused([](Parity& parity) { parity.members.reset(0); }));
   REQUIRE(refused([](Parity& parity) { parity.back = 4; }));  // a member that is not sent yet
@@ -158,21 +158,21 @@ TEST_CASE("estimates the loss rate and its pattern", "[cell_parity]") {
   REQUIRE(meter.share() == Approx(0.1));
   // 1.1 * 0.1 + 0.002 + sqrt(0.1 * 0.9 / 100)
   REQUIRE(meter.likely() == Approx(0.142));
-  // Much later, at most 128 earlier datagrams count: here all 100.
+  // Much later, at most 128 earlier datagrams still count. Here these are all 100.
   meter.add(190, 10, 100s);
   REQUIRE(meter.share() == Approx(0.05));
-  // 128 of 200 remain, with 6.4 lost.
+  // 128 of the 200 datagrams still count; 6.4 of them are lost.
   meter.add(290, 110, 200s);
   REQUIRE(meter.share() == Approx(106.4 / 328));
-  // No client can send this.
+  // A client's totals cannot decrease, so this report is invalid.
   meter.add(0, 0, 200s);
   REQUIRE(meter.share() == Approx(106.4 / 328));
   meter.add(~std::uint64_t{0}, ~std::uint64_t{0}, 100s);
   REQUIRE(meter.share() <= 1);
   REQUIRE(meter.likely() <= 0.9);
 
-  // Independent losses, and runs of four, with an index of dispersion for long spans of (1 + 0.722) / (1 - 0.722) =
-  // 6.2.
+  // Losses are independent, then in runs of four. For long spans, runs of four have an index of dispersion of (1 +
+  // 0.722) / (1 - 0.722) = 6.2.
   std::uint64_t random = 3;
   const auto runs = [&](double burst) {
     LossMeter measured;
@@ -212,7 +212,7 @@ TEST_CASE("restores a group from any k of its datagrams", "[cell_parity]") {
       const std::size_t data_count = numbers.size();
       for (const auto& [number, cells] : sent.parity) numbers.push_back(number);
       for (int round = 0; round < 4; ++round) {
-        // In any order, each twice, with the maximum number lost.
+        // The symbols are received in any order, each twice. The maximum number of symbols is lost.
         for (std::size_t i = numbers.size(); i-- > 1;)
           std::swap(numbers[i], numbers[Link::next_random(random) % (i + 1)]);
         CellRebuilder rebuilder;
@@ -243,11 +243,11 @@ TEST_CASE("restores a group from any k of its datagrams", "[cell_parity]") {
 
 TEST_CASE("sends no parity without loss", "[cell_parity]") {
   ParitySender sender(true);
-  REQUIRE(sender.on());  // not known yet
+  REQUIRE(sender.on());  // the loss is not known yet
   for (std::uint64_t i = 0; i < 100; ++i) sender.add(i, wire(data_cells(20, i)), Instant(i));
   REQUIRE_FALSE(sender.pending());
   const std::uint64_t group = sender.flush(1ms);
-  REQUIRE(group == 2);  // of 64 and 36
+  REQUIRE(group == 2);  // two groups, of 64 and of 36 members
   REQUIRE_FALSE(sender.settled(group));
   sender.report(30, 0, false, 1s);
   REQUIRE(sender.on());
@@ -255,7 +255,7 @@ TEST_CASE("sends no parity without loss", "[cell_parity]") {
   REQUIRE_FALSE(sender.on());
   REQUIRE_FALSE(sender.pending());
   REQUIRE(sender.settled(group));
-  // One lost of 1,100 is below 0.2 %; eleven are not.
+  // A loss of 1 of 1,100 is below 0.2 %, a loss of 11 is not.
   sender.report(1100, 1, false, 3s);
   REQUIRE_FALSE(sender.on());
   sender.report(1200, 11, false, 3s);
@@ -273,7 +273,7 @@ TEST_CASE("sends parity for earlier data after the first reported loss", "[cell_
   for (std::uint64_t i = 0; i < 128; ++i) sender.add(i, wire(data_cells(20, i)), Instant(i));
   REQUIRE_FALSE(sender.pending());
   sender.report(90, 10, false, 1s);
-  std::map<std::uint32_t, std::size_t> parity;  // by the group's first number
+  std::map<std::uint32_t, std::size_t> parity;  // by the group's first running number
   for (std::uint64_t number = 128; sender.pending(); ++number) {
     const auto cells = sender.next(number, 0);
     CellRebuilder rebuilder;
@@ -296,10 +296,10 @@ TEST_CASE("ends a group in time, and after 192 numbers at the latest", "[cell_pa
     REQUIRE_FALSE(sender.pending());
     sender.add(i, wire(data_cells(20, i)), 1s + Instant(100'000 * i));
   }
-  REQUIRE(sender.pending());  // 0.7 s
+  REQUIRE(sender.pending());  // eight members after 0.7 s
   ParitySender spread = lossy_sender();
   for (std::uint64_t i = 0; i < 3; ++i) spread.add(i * 96, wire(data_cells(20, i)), 1s);
-  REQUIRE(spread.pending());  // 0 and 96; 192 starts a new group
+  REQUIRE(spread.pending());  // the group has 0 and 96; 192 starts a new group
   const auto cells = spread.next(193, 0);
   CellRebuilder rebuilder;
   std::vector<CellRebuilder::Rebuilt> rebuilt;
@@ -361,13 +361,13 @@ TEST_CASE("rejects damaged and hostile parity", "[cell_parity]") {
     REQUIRE_FALSE(rebuilder.add_parity(number, damaged, rebuilt));
     REQUIRE(rebuilt.empty());
   }
-  // A part of it.
+  // A part of the PDU restores nothing.
   for (std::size_t count = 0; count < cells.size(); ++count) {
     CellRebuilder rebuilder = with_data();
     REQUIRE_FALSE(rebuilder.add_parity(number, std::span(cells).first(count), rebuilt));
   }
-  // A valid PDU with a foreign symbol, other members, or another size. Afterwards true parity may come too late, but
-  // restores nothing wrong.
+  // A valid PDU with a foreign symbol, other members, or another size. After that, correct parity may restore nothing,
+  // but never wrong data.
   std::vector<Pdu> pdus;
   Reassembler reassembler;
   for (const Cell& cell : cells) reassembler.push(cell, pdus);
@@ -398,11 +398,11 @@ TEST_CASE("rejects damaged and hostile parity", "[cell_parity]") {
   }
   {
     CellRebuilder rebuilder = with_data();
-    REQUIRE(put(rebuilder, *head, Bytes(kSymbolHead + kPackedCell)));  // shorter than members are
+    REQUIRE(put(rebuilder, *head, Bytes(kSymbolHead + kPackedCell)));  // the symbol is shorter than the members
     REQUIRE(rebuilt.empty());
   }
   {
-    CellRebuilder rebuilder;  // with no other data of the group
+    CellRebuilder rebuilder;  // the rebuilder has no other data of the group
     for (std::uint8_t i = 20; i < 39; ++i) {
       Parity parity = *head;
       parity.symbol = i;
@@ -415,9 +415,9 @@ TEST_CASE("rejects damaged and hostile parity", "[cell_parity]") {
     Parity parity = *head;
     std::vector<Cell> made;
     REQUIRE(segment(encode_parity(parity, right), kParityVc, 0, true, made));
-    REQUIRE_FALSE(rebuilder.add_parity(3, made, rebuilt));  // would start before the first datagram
+    REQUIRE_FALSE(rebuilder.add_parity(3, made, rebuilt));  // the group would start before the first datagram
   }
-  // The whole group again.
+  // Now the rebuilder has all data of the group again.
   CellRebuilder rebuilder = with_data();
   REQUIRE(put(rebuilder, *head, right));
   REQUIRE(rebuilt.size() == 1);

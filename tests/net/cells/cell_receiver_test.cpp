@@ -9,7 +9,6 @@ namespace {
 
 using namespace gs::net;
 using namespace std::chrono_literals;
-using Streams = std::vector<PatternSource::Stream>;
 
 struct Trial {
   CongestionResponse response = CongestionResponse::reserved;
@@ -24,13 +23,9 @@ struct Trial {
     wish.path = "a";
   }
   std::unique_ptr<Scene> run(const std::shared_ptr<PatternSource>& source) const {
-    auto library = std::make_shared<PatternLibrary>();
-    library->sources["a"] = source;
-    CellServerOptions options;
-    options.secret = {3, 4};
-    options.session.response = response;
+    CellServerOptions options = server_options(response, 3);
     options.session.parity = parity;
-    auto scene = std::make_unique<Scene>(options, library);
+    auto scene = std::make_unique<Scene>(options, library(source));
     scene->add(link, source, rate, seed);
     scene->clients[0]->client.want(0, wish, scene->now);
     const ReceivedCells& got = scene->clients[0]->got;
@@ -89,7 +84,7 @@ TEST_CASE("uses the cells of damaged PDUs with small datagrams", "[cell_receiver
   trial.parity = false;
   const auto scene = trial.run(source);
   REQUIRE(scene->clients[0]->got.ok);
-  // Whole PDUs alone would be 0.7^4 = 24 %.
+  // With whole PDUs alone, the share would be 0.7^4 = 24 %.
   REQUIRE(share(*scene, *source) == Approx(0.7).margin(0.03));
 }
 
@@ -166,12 +161,7 @@ TEST_CASE("avoids flooding a narrow link", "[cell_receiver]") {
 
 TEST_CASE("shares a narrow link between the clients behind it", "[cell_receiver][optimised]") {
   const auto source = std::make_shared<PatternSource>(1000, Streams{{true, 20000, 8000}});
-  auto library = std::make_shared<PatternLibrary>();
-  library->sources["a"] = source;
-  CellServerOptions options;
-  options.secret = {3, 4};
-  options.session.response = CongestionResponse::equation;
-  Scene scene(options, library);
+  Scene scene(server_options(CongestionResponse::equation, 3), library(source));
   Link::Options narrow, link;
   narrow.bandwidth = 6'000'000;
   narrow.queue = 60'000;
@@ -208,7 +198,7 @@ TEST_CASE("keeps the rate of a sender that reacts to delay when the link itself 
   const auto careful = trial.run(source);
   REQUIRE(aware->clients[0]->got.ended_at < Instant(10s));
   REQUIRE(careful->clients[0]->got.bytes < aware->clients[0]->got.bytes);
-  // A queue slows it.
+  // A queue slows the sender.
   trial.response = CongestionResponse::delay_aware;
   trial.link.loss = 0;
   trial.link.bandwidth = 2'000'000;
@@ -220,11 +210,7 @@ TEST_CASE("keeps the rate of a sender that reacts to delay when the link itself 
 
 TEST_CASE("resumes after the link was cut", "[cell_receiver]") {
   const auto source = std::make_shared<PatternSource>(1000, Streams{{false, 3000, 1000}});
-  auto library = std::make_shared<PatternLibrary>();
-  library->sources["a"] = source;
-  CellServerOptions options;
-  options.secret = {3, 4};
-  Scene scene(options, library);
+  Scene scene(server_options(CongestionResponse::equation, 3), library(source));
   Link::Options link, cut;
   link.latency = 10ms;
   cut.cut = true;
@@ -244,7 +230,7 @@ TEST_CASE("resumes after the link was cut", "[cell_receiver]") {
   client.down.set(link);
   scene.run(scene.now + 20s);
   REQUIRE(client.got.ok);
-  REQUIRE(client.got.bytes == source->total());  // nothing handed out twice
+  REQUIRE(client.got.bytes == source->total());  // no byte is delivered twice
 }
 
 TEST_CASE("reports a missing server", "[cell_receiver]") {
@@ -269,11 +255,7 @@ TEST_CASE("reports a missing server", "[cell_receiver]") {
 
 TEST_CASE("limits queued data for a slow owner", "[cell_receiver]") {
   const auto source = std::make_shared<PatternSource>(1000, Streams{{true, 1000, 8000}});
-  auto library = std::make_shared<PatternLibrary>();
-  library->sources["a"] = source;
-  CellServerOptions server_options;
-  server_options.secret = {3, 4};
-  CellServer server(server_options, library);
+  CellServer server(server_options(CongestionResponse::equation, 3), library(source));
   CellClientOptions options;
   options.nonce = 5;
   options.most_waiting = 50'000;
@@ -296,12 +278,8 @@ TEST_CASE("limits queued data for a slow owner", "[cell_receiver]") {
 TEST_CASE("survives any message of a server", "[cell_receiver]") {
   std::uint64_t random = 9;
   const auto source = std::make_shared<PatternSource>(3000, Streams{{true, 20, 2000}, {false, 20, 2000}});
-  auto library = std::make_shared<PatternLibrary>();
-  library->sources["a"] = source;
   for (int round = 0; round < 20; ++round) {
-    CellServerOptions server_options;
-    server_options.secret = {3, 4};
-    CellServer server(server_options, library);
+    CellServer server(server_options(CongestionResponse::equation, 3), library(source));
     CellClientOptions options;
     options.nonce = static_cast<std::uint64_t>(round) + 1;
     CellClient client(options);

@@ -10,26 +10,15 @@ namespace {
 
 using namespace gs::net;
 using namespace std::chrono_literals;
-using Streams = std::vector<PatternSource::Stream>;
 
-CellServerOptions server_options(CongestionResponse response = CongestionResponse::reserved) {
-  CellServerOptions options;
-  options.secret = {1, 2};
-  options.session.response = response;
-  return options;
-}
-
-std::shared_ptr<PatternLibrary> library(const std::shared_ptr<CellSource>& source) {
-  auto made = std::make_shared<PatternLibrary>();
-  made->sources["a"] = source;
-  return made;
-}
-
-CellWish wish(std::string path = "a") {
-  CellWish result;
-  result.path = std::move(path);
-  return result;
-}
+/// Scene with one client, which wants the source.
+struct StartedScene : Scene {
+  explicit StartedScene(const std::shared_ptr<PatternSource>& source, const CellWish& wanted = wish())
+      : Scene(server_options(), library(source)) {
+    add({}, source);
+    clients[0]->client.want(0, wanted, now);
+  }
+};
 
 TEST_CASE("sends no more than it received before the cookie returns", "[cell_sender]") {
   const auto source = std::make_shared<PatternSource>(1000, Streams{{true, 10, 8000}});
@@ -47,7 +36,7 @@ TEST_CASE("sends no more than it received before the cookie returns", "[cell_sen
   for (std::uint64_t i = 0; i < 200; ++i) {
     put(encode_contract(HelloMessage{i}));
     RequestMessage request;
-    request.cookie = {i, 5, Link::next_random(random)};  // a guess
+    request.cookie = {i, 5, Link::next_random(random)};  // a guessed tag
     request.number = 1;
     request.path = "a";
     request.rate = 1'000'000'000;
@@ -134,9 +123,7 @@ TEST_CASE("reports that the server is full", "[cell_sender]") {
 
 TEST_CASE("stops sending two seconds after the last report", "[cell_sender]") {
   const auto source = std::make_shared<PatternSource>(1000, Streams{{true, 100'000, 8000}});
-  Scene scene(server_options(), library(source));
-  scene.add({}, source);
-  scene.clients[0]->client.want(0, wish(), scene.now);
+  StartedScene scene(source);
   scene.run(scene.now + 2s);
   Link::Options cut;
   cut.cut = true;
@@ -170,7 +157,7 @@ TEST_CASE("sends regions and wishes first", "[cell_sender]") {
   const auto& order = scene.clients[0]->got.order;
   REQUIRE(order.size() > 80);
   const auto place = [&](ChunkName name) { return std::find(order.begin(), order.end(), name) - order.begin(); };
-  // A few were under way before the first report.
+  // A few chunks were in flight before the first report.
   REQUIRE(place({1, 999}) < 15);
   for (std::uint32_t i = 0; i < 20; ++i) {
     REQUIRE(place({0, 500 + i}) < 40);
@@ -194,7 +181,7 @@ TEST_CASE("shares the rate between slots by weight", "[cell_sender]") {
   const double ratio = static_cast<double>(bytes[0]) / static_cast<double>(bytes[5]);
   REQUIRE(ratio > 2.8);
   REQUIRE(ratio < 3.2);
-  // After one is dropped, the other gets the whole rate.
+  // After one slot is cleared, the other gets the whole rate.
   scene.clients[0]->client.want(0, {}, scene.now);
   scene.run(scene.now + 500ms);
   const auto first = bytes[0], second = bytes[5];
@@ -220,15 +207,13 @@ TEST_CASE("ends a stream at its budget, and continues with a larger one", "[cell
   scene.clients[0]->client.want(0, asked, scene.now);
   scene.run(scene.now + 3s);
   REQUIRE(got.slot_bytes[0] >= 150'000);
-  REQUIRE(got.slot_bytes[0] <= 158'000);  // nothing twice
+  REQUIRE(got.slot_bytes[0] <= 158'000);  // no chunk is sent twice
   REQUIRE(got.ok);
 }
 
 TEST_CASE("refuses an unknown path with a message", "[cell_sender]") {
   const auto source = std::make_shared<PatternSource>(100, Streams{{true, 1, 80}});
-  Scene scene(server_options(), library(source));
-  scene.add({}, source);
-  scene.clients[0]->client.want(0, wish("b"), scene.now);
+  StartedScene scene(source, wish("b"));
   scene.run(scene.now + 1s);
   REQUIRE(scene.clients[0]->got.refused);
   REQUIRE(scene.clients[0]->got.text == "there is no b");
@@ -236,9 +221,7 @@ TEST_CASE("refuses an unknown path with a message", "[cell_sender]") {
 
 TEST_CASE("says goodbye when the server stops", "[cell_sender]") {
   const auto source = std::make_shared<PatternSource>(100, Streams{{true, 100'000, 8000}});
-  Scene scene(server_options(), library(source));
-  scene.add({}, source);
-  scene.clients[0]->client.want(0, wish(), scene.now);
+  StartedScene scene(source);
   scene.run(scene.now + 1s);
   scene.server.stop();
   scene.run(scene.now + 1s);

@@ -10,8 +10,8 @@ using namespace gs::net;
 using namespace std::chrono_literals;
 
 TEST_CASE("computes the rate of TCP", "[congestion]") {
-  // RFC 5348 3.1 by hand: p = 0.01, R = 0.1 s: R sqrt(2p/3) = 0.0081650; 4R 3
-  // sqrt(3p/8) p (1 + 32 p^2) = 0.00073716.
+  // RFC 5348 3.1, computed by hand for p = 0.01 and R = 0.1 s: R sqrt(2p/3) = 0.0081650; 4R 3 sqrt(3p/8) p (1 + 32 p^2)
+  // = 0.00073716.
   REQUIRE(tcp_rate(1000, 0.1, 0.01) == Approx(1000 / (0.0081650 + 0.00073716)).epsilon(1e-4));
   REQUIRE(std::isinf(tcp_rate(1000, 0.1, 0)));
   for (const double rate : {1e3, 1e5, 1e6})
@@ -94,7 +94,7 @@ TEST_CASE("starts slowly, doubles, and then obeys the equation", "[congestion]")
   now += 100ms;
   controller.feedback({100ms, 0.01, 1e6, false}, now);
   REQUIRE(controller.rate() == Approx(tcp_rate(1388, 0.1, 0.01)));
-  // Without loss, but with under a third received: twice the received rate.
+  // Without loss, but with less than a third received, the rate is twice the received rate.
   RateController other(CongestionResponse::equation, 1e6, 100ms, now);
   for (int i = 1; i < 8; ++i) other.feedback({100ms, 0, 70'000, false}, now + i * 100ms);
   REQUIRE(other.rate() <= 140'001);

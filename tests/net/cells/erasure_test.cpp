@@ -55,7 +55,8 @@ TEST_CASE("copies the data to the first k symbols", "[erasure]") {
 }
 
 TEST_CASE("computes parity as by hand", "[erasure]") {
-  // GF(256) with 11D: 1/2 = 8E, 1/3 = F4. Symbol 2 of two is s0 / (2 xor 0) + s1 / (2 xor 1); symbol 1 of one is s0.
+  // GF(256) with 11D: 1/2 = 8E, 1/3 = F4. With two source symbols, symbol 2 is s0 / (2 xor 0) + s1 / (2 xor 1). With
+  // one, symbol 1 is s0.
   std::vector<std::byte> data(16);
   data[0] = std::byte{1};
   data[9] = std::byte{1};
@@ -69,11 +70,12 @@ TEST_CASE("computes parity as by hand", "[erasure]") {
 }
 
 TEST_CASE("computes the number of symbols that makes a failure rare", "[erasure]") {
-  // One symbol, repeated: 0.3^n.
+  // With one source symbol, the probability is 0.3^n.
   REQUIRE(failure_of(1, 1, 0.3) == Approx(0.3));
   REQUIRE(failure_of(1, 4, 0.3) == Approx(0.0081));
   REQUIRE(symbols_for(1, 0.3, 1e-6) == 12);
-  // 2 of 3, each there with 1/2: none or one arrives: 4/8.
+  // Two of three symbols are needed, and each is received with probability 1/2. The code fails if none or one is
+  // received: 4/8.
   REQUIRE(failure_of(2, 3, 0.5) == Approx(0.5));
   REQUIRE(failure_of(5, 4, 0) == 1);
   REQUIRE(symbols_for(13, 0, 1e-6) == 13);

@@ -6,7 +6,7 @@
 
 namespace gs::net {
 
-/// Returns the probability that fewer than `source` of `symbols` symbols are received, the slow way.
+/// Returns the probability that fewer than `source` of `symbols` symbols are received. Slow, but simple.
 inline double failure_of(std::size_t source, std::size_t symbols, double loss) {
   if (loss <= 0) return symbols < source ? 1 : 0;
   if (loss >= 1) return 1;

@@ -81,7 +81,7 @@ TEST_CASE("refuses an invalid handshake with an HTTP status") {
   CHECK(refused("GET / HTTP/1.0\r\n\r\n") == 505);
   CHECK(refused(opening("/other")) == 404);
   CHECK(refused("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n") == 426);
-  CHECK(refused(opening("/", "Sec-WebSocket-Version: 8\r\n")) == 426);  // twice
+  CHECK(refused(opening("/", "Sec-WebSocket-Version: 8\r\n")) == 426);  // the field occurs twice
   CHECK(refused(opening("/", "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n")) == 400);
   CHECK(refused(opening("/", "Na me: x\r\n")) == 400);
   CHECK(refused(opening("/", "Name: \x01\r\n")) == 400);

@@ -1,4 +1,5 @@
 #include "net/control/control_server.h"
+#include "base/noncopyable.h"
 #include "masked_frames.h"
 #include "net/control/control_token.h"
 #include "tests/app/scratch_folder.h"
@@ -28,42 +29,16 @@ using test::RawClient;
 
 const std::string kToken = "0123456789abcdef0123456789abcdef";
 
-/// A client of a Unix socket.
-class LineClient {
+/// Client of a Unix socket.
+class LineClient : public RawClient {
  public:
-  explicit LineClient(const std::string& path, int receive_buffer = 0) {
-    socket_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    RawClient::must(socket_ >= 0, "socket");
-    if (receive_buffer > 0) ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
+  explicit LineClient(const std::string& path, int receive_buffer = 0) : RawClient(AF_UNIX, receive_buffer) {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     path.copy(address.sun_path, sizeof address.sun_path - 1);
-    RawClient::must(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0, "connect");
-  }
-  ~LineClient() { ::close(socket_); }
-  LineClient(const LineClient&) = delete;
-  LineClient& operator=(const LineClient&) = delete;
-  bool send(const std::string& text) const {
-    for (std::size_t at = 0; at < text.size();) {
-      const ssize_t sent = ::send(socket_, text.data() + at, text.size() - at, MSG_NOSIGNAL);
-      if (sent <= 0) return false;
-      at += static_cast<std::size_t>(sent);
-    }
-    return true;
+    must(::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0, "connect");
   }
   void say_no_more() const { ::shutdown(socket_, SHUT_WR); }
-  /// Returns the next bytes, or an empty text at the end.
-  [[nodiscard]] std::string receive() const {
-    std::string text(65536, '\0');
-    const ssize_t got = ::recv(socket_, text.data(), text.size(), 0);
-    text.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
-    return text;
-  }
-  [[nodiscard]] std::string receive_all() const {
-    std::string all;
-    for (std::string piece = receive(); !piece.empty(); piece = receive()) all += piece;
-    return all;
-  }
   [[nodiscard]] std::string line() {
     std::size_t end = 0;
     while ((end = kept_.find('\n')) == std::string::npos) {
@@ -75,10 +50,8 @@ class LineClient {
     kept_.erase(0, end + 1);
     return one;
   }
-  [[nodiscard]] int socket() const { return socket_; }
 
  private:
-  int socket_ = -1;
   std::string kept_;
 };
 
@@ -349,7 +322,7 @@ TEST_CASE("disconnects a client that does not read, within bounded memory") {
     ++sent;
   }
   CHECK(served.server->is_behind(number));
-  // A client that reads again catches up, and a wake reports it.
+  // A client that reads again receives the waiting messages. A wake reports that its queue has space.
   const int wakes = served.wakes;
   std::size_t got = 0;
   while (got < static_cast<std::size_t>(sent) * (text.size() + 1)) got += client.receive().size();

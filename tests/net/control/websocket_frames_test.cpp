@@ -91,12 +91,12 @@ TEST_CASE("rejects invalid frames with their close codes (RFC 6455 5, 7.4.1)") {
   CHECK(why(masked_frame(0x01, "a") + masked_frame(0x81, "b")) == WebSocketClose::protocol_error);
   CHECK(why(masked_frame(0x09, "a")) == WebSocketClose::protocol_error);  // a control frame in fragments
   CHECK(why(masked_frame(0x89, std::string(126, 'a'))) == WebSocketClose::protocol_error);
-  CHECK(why(masked_frame(0x88, "a")) == WebSocketClose::protocol_error);         // half a code
+  CHECK(why(masked_frame(0x88, "a")) == WebSocketClose::protocol_error);         // a close code of one byte
   CHECK(why(masked_frame(0x88, "\x03\xed")) == WebSocketClose::protocol_error);  // 1005 is never sent
   CHECK(why(masked_frame(0x88, "\x03\xe8\xff")) == WebSocketClose::protocol_error);
   CHECK(why(masked_frame(0x81, "\xff")) == WebSocketClose::invalid_data);
   CHECK(why(masked_frame(0x01, "\xc3") + masked_frame(0x80, "(")) == WebSocketClose::invalid_data);
-  // Lengths that are not the shortest form, and one with its first bit set.
+  // Two lengths are not in the shortest form. The third has its first bit set.
   CHECK(why(std::string("\x81\xfe\x00\x05", 4) + "mask") == WebSocketClose::protocol_error);
   CHECK(why(std::string("\x81\xff\x00\x00\x00\x00\x00\x00\xff\xff", 10) + "mask") == WebSocketClose::protocol_error);
   CHECK(why(std::string("\x81\xff\x80\x00\x00\x00\x00\x00\x00\x00", 10) + "mask") == WebSocketClose::protocol_error);

@@ -1,4 +1,5 @@
 #include "net/files/file.h"
+#include "tests/net/load_helpers.h"
 
 #include <catch2/catch.hpp>
 
@@ -15,35 +16,18 @@
 namespace {
 
 namespace fs = std::filesystem;
-using gs::net::FileError;
-using gs::net::map_file;
-using gs::net::MappedFile;
-using gs::net::RandomAccessFile;
-using gs::net::write_file_atomically;
+using namespace gs::net;
 
-/// Temporary folder of one test.
-class Folder {
+/// Temporary folder of one test. Removes files without permissions, too.
+class Folder : public gs::net::test::TemporaryFolder {
  public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "ghostspace-file-test-XXXXXX").string();
-    REQUIRE(::mkdtemp(name.data()) != nullptr);
-    path_ = name;
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
   ~Folder() {
     std::error_code error;
-    fs::permissions(path_, fs::perms::owner_all, error);
-    fs::remove_all(path_, error);
+    fs::permissions(path(), fs::perms::owner_all, error);
   }
-  [[nodiscard]] std::string operator/(std::string_view name) const { return (path_ / name).string(); }
   [[nodiscard]] std::size_t count() const {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(path_), fs::directory_iterator()));
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(path()), fs::directory_iterator()));
   }
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
 };
 
 std::span<const std::byte> byte_span_of(std::string_view text) {
@@ -109,8 +93,8 @@ TEST_CASE("reads the bytes of a file again after their memory was released") {
   std::string text(MappedFile::kMappedSize + 12345, 'a');
   for (std::size_t i = 0; i < text.size(); ++i) text[i] = static_cast<char>('a' + i % 23);
   for (const std::size_t size : {std::size_t{100}, text.size()}) {
-    std::ofstream(folder.path() / "long.txt", std::ios::binary) << text.substr(0, size);
-    auto opened = map_file((folder.path() / "long.txt").string());
+    std::ofstream(folder / "long.txt", std::ios::binary) << text.substr(0, size);
+    auto opened = map_file(folder / "long.txt");
     REQUIRE(std::holds_alternative<MappedFile>(opened));
     const MappedFile& file = std::get<MappedFile>(opened);
     for (const std::size_t part : {std::size_t{0}, std::size_t{5000}, size, size + 1'000'000}) {
@@ -125,8 +109,7 @@ TEST_CASE("reads the bytes of a file again after their memory was released") {
 TEST_CASE("reports why a file cannot be opened") {
   const Folder folder;
   CHECK(message_of(folder / "none") == "cannot open " + (folder / "none") + ": No such file or directory");
-  CHECK(message_of(folder.path().string()) ==
-        "cannot open " + folder.path().string() + ": it is a folder; expected a file");
+  CHECK(message_of(folder.path()) == "cannot open " + folder.path() + ": it is a folder; expected a file");
   REQUIRE(::mkfifo((folder / "pipe").c_str(), 0600) == 0);
   CHECK(message_of(folder / "pipe") == "cannot open " + (folder / "pipe") + ": it is a pipe; expected a regular file");
   CHECK(message_of("/dev/null") == "cannot open /dev/null: it is a device; expected a regular file");
@@ -185,10 +168,9 @@ TEST_CASE("reads ranges of an open file, and returns fewer bytes at its end") {
   file = std::get<RandomAccessFile>(gs::net::open_file(folder / "empty"));
   CHECK(file.size() == 0);
   CHECK(at(0, 3).empty());
-  const auto refused = gs::net::open_file(folder.path().string());
+  const auto refused = gs::net::open_file(folder.path());
   REQUIRE(std::holds_alternative<FileError>(refused));
-  CHECK(std::get<FileError>(refused).message ==
-        "cannot open " + folder.path().string() + ": it is a folder; expected a file");
+  CHECK(std::get<FileError>(refused).message == "cannot open " + folder.path() + ": it is a folder; expected a file");
 }
 
 TEST_CASE("writes a file as a whole") {

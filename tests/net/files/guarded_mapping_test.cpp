@@ -1,4 +1,5 @@
 #include "net/files/guarded_mapping.h"
+#include "base/noncopyable.h"
 
 #include "net/files/file.h"
 
@@ -22,15 +23,12 @@
 namespace {
 
 namespace fs = std::filesystem;
-using gs::net::Descriptor;
-using gs::net::GuardedMapping;
-using gs::net::map_file;
-using gs::net::MappedFile;
+using namespace gs::net;
 
 constexpr std::size_t kMappedLarge = 3 * MappedFile::kMappedSize;
 
 // Temporary file of x's.
-class LargeFile {
+class LargeFile : gs::NonCopyable {
  public:
   explicit LargeFile(std::size_t size = kMappedLarge) {
     std::string name = (fs::temp_directory_path() / "ghostspace-mapping-test-XXXXXX").string();
@@ -43,8 +41,6 @@ class LargeFile {
     std::error_code error;
     fs::remove(path, error);
   }
-  LargeFile(const LargeFile&) = delete;
-  LargeFile& operator=(const LargeFile&) = delete;
   std::string path;
 };
 

@@ -23,11 +23,7 @@
 namespace {
 
 namespace fs = std::filesystem;
-using gs::net::create_unfinished_file;
-using gs::net::LockedFolder;
-using gs::net::remove_unfinished_files;
-using gs::net::UnfinishedFile;
-using gs::net::write_file_atomically;
+using namespace gs::net;
 
 LockedFolder outer_folder() {
   auto folder = LockedFolder::make(fs::temp_directory_path().string(), "unfinished-test");

@@ -143,7 +143,7 @@ TEST_CASE("reads files only as the policy allows") {
 
 // Over sockets -----------------------------------------------------------------------------------
 
-/// 127.0.0.1 stands for a public host; other addresses keep their class.
+/// Treats 127.0.0.1 as a public host. Other addresses keep their address space.
 AddressSpace one_is_public(const IpAddress& address) {
   return address == *ip_address_of("127.0.0.1") ? AddressSpace::global : address_space_of(address);
 }
@@ -172,7 +172,7 @@ TEST_CASE("opens no connection to an address that a public text may not reach") 
         "cannot load " + inside.url() +
             ": the address 127.0.0.2 is of this machine; a document of the Internet may not reach it");
   CHECK(inside.connections() == 0);
-  // By any name.
+  // The request is refused under any name of the host.
   const std::string port = inside.url("").substr(inside.url("").rfind(':'));
   for (const char* host : {"127.2", "2130706434", "0x7f.0.0.2", "0177.0.0.2", "127.0.0.2.", "[::ffff:127.0.0.2]"}) {
     INFO(host);

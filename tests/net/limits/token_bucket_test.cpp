@@ -29,7 +29,7 @@ TEST_CASE("saves at most its burst", "[token_bucket]") {
   REQUIRE(bucket.has(2000, Instant(1'000'000'000)));
   bucket.take(2000, Instant(1'000'000'000));
   REQUIRE_FALSE(bucket.has(1, Instant(1'000'000'000)));
-  // More than the burst waits only for a full bucket.
+  // An amount above the burst waits only for a full bucket.
   REQUIRE(bucket.when(5000, Instant(1'000'000'000)) == Instant(1'002'000'000));
 }
 
@@ -56,9 +56,9 @@ TEST_CASE("lets an allowed debt pass early, and waits until it is paid back", "[
   REQUIRE(bucket.when(1000, Instant(0)) == Instant(1000));
   bucket.allow_debt(0);
   REQUIRE(bucket.when(1000, Instant(0)) == Instant(11'000));
-  // Over a second no more passes than the rate and the burst allow.
+  // In one second, at most the rate and the burst pass.
   REQUIRE(bucket.has(2000, Instant(12'000)));
-  // Without a rate no debt can be paid back.
+  // Without a rate, a debt can never be paid back.
   TokenBucket none(0, 1000, Instant(0));
   none.allow_debt(5000);
   none.take(1000, Instant(0));

@@ -9,7 +9,7 @@ namespace {
 using namespace gs::net;
 using namespace gs::net::test;
 
-/// Answers in sequence; the last one repeats.
+/// Scripts the answers of a URL in sequence. The last answer repeats.
 void script(Bench& bench, const std::string& url,
             std::vector<std::function<MemoryAnswer(const TransferRequest&)>> answers) {
   bench.network->put(url, [answers](const TransferRequest& request, unsigned transfer) {
@@ -441,7 +441,7 @@ TEST_CASE("reports an error for a server that only sends empty parts") {
   CHECK(got.error->kind == LoadErrorKind::broken);
   CHECK(got.error->message ==
         "cannot load memory:a: the connection ended after byte 0; expected 1000 (after 4 attempts)");
-  // One byte at a time is progress, but not for ever.
+  // One byte per transfer counts as progress, but not endlessly.
   script(bench, "memory:b", {[](const TransferRequest& r) {
            MemoryAnswer answer = answer_well(resource(pattern(1000)), r);
            answer.break_after = 1;

@@ -10,6 +10,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "base/noncopyable.h"
+#include "tests/net/http_client.h"
 #include "tests/net/load_helpers.h"
 
 /// Files by FTP (RFC 959; VRML97 Table 7-1), from a minimal server.
@@ -18,21 +20,14 @@ namespace {
 using namespace gs::net;
 using namespace gs::net::test;
 
-int listen_on_loopback(int& port) {
-  const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  REQUIRE(::bind(listener, reinterpret_cast<const sockaddr*>(&address), size) == 0);
+int listen_on_loopback(std::uint16_t& port) {
+  const int listener = bound_socket(port);
   REQUIRE(::listen(listener, 4) == 0);
-  REQUIRE(::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size) == 0);
-  port = ntohs(address.sin_port);
   return listener;
 }
 
 /// Server of one file that answers one connection after another until it is destroyed.
-class FtpServer {
+class FtpServer : gs::NonCopyable {
  public:
   struct Ways {
     std::string file = "worlds/a.wrl";
@@ -60,8 +55,6 @@ class FtpServer {
     thread_.join();
     ::close(listener_);
   }
-  FtpServer(const FtpServer&) = delete;
-  FtpServer& operator=(const FtpServer&) = delete;
 
   [[nodiscard]] std::string url(const std::string& path) const {
     return "ftp://127.0.0.1:" + std::to_string(port_) + "/" + path;
@@ -83,7 +76,8 @@ class FtpServer {
   void answer(int control) {
     control_ = control;
     send(control, "220 here\r\n");
-    int data_listener = -1, data_port = 0;
+    int data_listener = -1;
+    std::uint16_t data_port = 0;
     std::string line;
     for (char c = 0; ::recv(control, &c, 1, 0) == 1;) {
       if (c != '\n') {
@@ -129,7 +123,7 @@ class FtpServer {
   }
 
   Ways ways_;
-  int port_ = 0;
+  std::uint16_t port_ = 0;
   int listener_;
   std::atomic<int> control_{-1};
   std::mutex mutex_;

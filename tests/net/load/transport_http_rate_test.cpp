@@ -67,7 +67,7 @@ TEST_CASE("limits the rate of a client over HTTP across all its transfers, from 
   CHECK(counter.ended.size() == 2);
   CHECK(counter.all == 2 * kSize);
   CHECK(seconds() >= (2.0 * kSize - 2 * block) / kRate);
-  CHECK(shared > 0.8 * kSize);  // neither waited for the other
+  CHECK(shared > 0.8 * kSize);  // both clients received data concurrently
 }
 
 TEST_CASE("changes or lifts the rate during HTTP transfers") {

@@ -15,6 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/noncopyable.h"
 #include "tests/net/http_client.h"
 #include "tests/net/load_helpers.h"
 
@@ -37,7 +38,7 @@ bool answers(unsigned port) {
   return connected;
 }
 
-class Nginx {
+class Nginx : gs::NonCopyable {
  public:
   Nginx() {
     for (const char* path : {"/usr/sbin/nginx", "/usr/local/sbin/nginx", "/usr/bin/nginx", "/usr/local/bin/nginx"})
@@ -51,8 +52,6 @@ class Nginx {
     // Another process may take the port before nginx listens.
     for (int attempt = 0; attempt < 5 && !running_; ++attempt) start();
   }
-  Nginx(const Nginx&) = delete;
-  Nginx& operator=(const Nginx&) = delete;
   ~Nginx() { stop(); }
 
   /// Returns false with a message if nginx is missing.
@@ -86,7 +85,7 @@ class Nginx {
     if (!running_) return;
     running_ = false;
     ::kill(process_, SIGQUIT);
-    // A running loader closes idle connections, so this ends.
+    // The loader closes idle connections, so nginx ends.
     int status = 0;
     ::waitpid(process_, &status, 0);
   }
@@ -285,7 +284,7 @@ TEST_CASE("nginx: loads several ranges on one HTTP/2 connection over TLS, and re
   loader.reset();
   const auto log = nginx.log();
   CHECK(count(log, "206 5000 ") == 10);
-  // The number of requests on the connection reaches ten, so there was only one.
+  // The last request is the tenth on its connection, so there was only one connection.
   CHECK(count(log, "206 5000 10 HTTP/2.0") == 1);
 }
 

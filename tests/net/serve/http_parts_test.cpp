@@ -96,7 +96,7 @@ TEST_CASE("schedules clients in turn, then their transfers") {
     order.push_back(*turn);
   }
   CHECK(order == std::vector<ClientLimits::TransferId>{1, 9, 2, 3});
-  // The first two pieces come at once, the others at the rate of 64 per second.
+  // The first two pieces pass immediately, the others at the rate of 64 per second.
   CHECK(now == Instant(31'250));
   CHECK_FALSE(turns.next(now + Instant(1'000'000)));
 }
@@ -159,7 +159,7 @@ TEST_CASE("retries failed files and sooner if the source is not the cause") {
   namespace fs = std::filesystem;
   const fs::path folder = fs::temp_directory_path() / ("ghostspace-again-" + std::to_string(::getpid()));
   fs::create_directories(folder);
-  // Folders of a killed server and of a running one.
+  // One folder belongs to a killed server, one to a running server.
   fs::create_directories(folder / "making-abcdef");
   fs::permissions(folder / "making-abcdef", fs::perms::owner_all);
   std::ofstream(folder / "making-abcdef" / "made.bin") << "half";
@@ -229,7 +229,7 @@ TEST_CASE("limits the folder of made files, and leaves other files alone") {
       while (made.is_waiting(0, key)) ::usleep(1000);
       CHECK(made.request(0, key, ".bin", make).state == MadeState::ready);
     }
-    // The lane cleans up after each file. Another request shows that the earlier work is done.
+    // The maker thread cleans up after each file. A second request ensures that the first one is complete.
     CHECK(made.request(0, "bad", ".bin", [](const std::string&, const std::stop_token&) { return MakeFailure{"no"}; })
               .state == MadeState::waiting);
     while (made.is_waiting(0, "bad")) ::usleep(1000);

@@ -37,7 +37,7 @@ TEST_CASE("HTTP server: 200 clients share a rate fairly and in bounded memory", 
     polls.push_back({clients.back()->socket(), POLLIN, 0});
     clients.back()->send(kAsk);
   }
-  // Counting starts when all clients have started, since early clients get much on a busy machine.
+  // Counting starts when all clients have started, because early clients get more on a busy machine.
   std::vector<std::size_t> got(clients.size());
   std::size_t begun = 0, total = 0, most_memory = 0;
   while (begun < clients.size() || total < std::size_t{400'000} * clients.size()) {
@@ -166,13 +166,13 @@ TEST_CASE("HTTP server: lets transfers end at a stop, and cuts them at the deadl
     std::thread stop([&] { site.server->stop(std::chrono::milliseconds(patient ? 60'000 : 1)); });
     const std::size_t size = first.size() + busy.receive_all().size();
     CHECK((size > std::size_t{8} << 20) == patient);
-    CHECK(idle.receive_all().size() < 8);  // the rest of its answer
+    CHECK(idle.receive_all().size() < 8);  // the rest of its response
     stop.join();
     CHECK(site.get("/health").code == CURLE_COULDNT_CONNECT);
   }
 }
 
-TEST_CASE("HTTP server: cuts the answer if the file changes while it is sent") {
+TEST_CASE("HTTP server: truncates the response if the file changes while it is sent") {
   ServedSite site;
   site.write("big", std::string(std::size_t{8} << 20, 'x'));
   site.options.limits.total_rate = 1'000'000;
@@ -262,7 +262,7 @@ TEST_CASE("HTTP server: makes a file once for all clients that wait for it") {
   const Got leak = site.get("/leak.stl.qnv");
   CHECK(leak.status == 422);
   CHECK(leak.body == "cannot be generated: it cannot be read; the server's log has the reason\n");
-  // A full disk is no error of the file: it is retried, and no client learns the path.
+  // A full disk is not an error of the file. The server retries, and no client sees the path.
   full = true;
   site.write("a.stl", "a third mesh");
   const Got none = site.get("/a.stl.qnv");

@@ -94,7 +94,7 @@ TEST_CASE("HTTP server: accepts blanks around values, and several requests on a 
   const std::string answers = client.receive_all();
   CHECK(count_answers(answers) == 3);
   CHECK(answers.find("HTTP/1.1 400") == std::string::npos);
-  // Many fields, over several packets and buffers.
+  // Many fields, which take several packets and buffers.
   std::string many;
   for (int i = 0; i < 100; ++i) many += "X-" + std::to_string(i) + ": " + std::string(150, 'v') + "\r\n";
   RawClient slow(site.port);

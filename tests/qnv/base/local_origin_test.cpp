@@ -17,7 +17,7 @@ TEST_CASE("moves the origin to the middle of a small distant box axis by axis") 
   CHECK(local_origin(box_about({1, 2, 3}, 0)) == glm::dvec3(0));
   CHECK(local_origin(box_about({1, 2, 3000.5}, 0)) == glm::dvec3(0, 0, 3000.5));
   CHECK(local_origin(box_about({1e300, 0, 0}, 1)).y == 0);
-  // A float32 value, so that float32 positions can represent it.
+  // The origin is a float32 value, so that float32 positions can represent it.
   const glm::dvec3 origin = local_origin(box_about({123'456.789, 9.87654321e8, -77.7}, 0.5));
   CHECK(glm::dvec3(glm::vec3(origin)) == origin);
 }

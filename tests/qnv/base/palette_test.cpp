@@ -23,6 +23,13 @@ std::vector<Rgb8> gradient(std::size_t count) {
   return colors;
 }
 
+// Returns the squared distance of luma, counted twice, and chroma.
+std::int32_t color_distance(const Rgb8& a, const Rgb8& b) {
+  const std::int32_t r = a.r - b.r, g = a.g - b.g, blue = a.b - b.b;
+  const std::int32_t luma = r + 2 * g + blue, orange = 2 * (r - blue), green = 2 * g - r - blue;
+  return luma * luma + orange * orange + green * green;
+}
+
 std::uint8_t nearest_by_hand(const Rgb8& color, const std::vector<Rgb8>& palette) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < palette.size(); ++i)
@@ -38,14 +45,6 @@ double mean_error(const std::vector<Rgb8>& colors, const std::vector<Rgb8>& pale
 }
 
 }  // namespace
-
-TEST_CASE("measures the distance of colours by luma and chroma") {
-  CHECK(color_distance({1, 2, 3}, {1, 2, 3}) == 0);
-  CHECK(color_distance({10, 10, 10}, {11, 11, 11}) == 16);  // luma 4
-  CHECK(color_distance({11, 10, 10}, {10, 10, 10}) == 1 + 4 + 1);
-  CHECK(color_distance({10, 11, 10}, {10, 10, 10}) == 4 + 0 + 4);
-  CHECK(color_distance({10, 10, 11}, {10, 10, 10}) == color_distance({10, 10, 10}, {10, 10, 11}));
-}
 
 TEST_CASE("keeps few colours unchanged, the most frequent first") {
   CHECK(make_palette({}).empty());
@@ -64,14 +63,14 @@ TEST_CASE("clusters many colours with a small error") {
   const std::vector<Rgb8> palette = make_palette(colors);
   REQUIRE(palette.size() <= 256);
   CHECK(palette.size() > 240);
-  std::vector<Rgb8> cube;  // a palette without knowledge of the colours
+  std::vector<Rgb8> cube;  // a fixed palette, independent of the colours
   for (int r = 0; r < 6; ++r)
     for (int g = 0; g < 6; ++g)
       for (int b = 0; b < 6; ++b)
         cube.push_back(
             {static_cast<std::uint8_t>(51 * r), static_cast<std::uint8_t>(51 * g), static_cast<std::uint8_t>(51 * b)});
   CHECK(mean_error(colors, palette) < mean_error(colors, cube) / 20);
-  // 200 * 40 colours in 256 clusters: about 31 each, within 2 or 3 levels of their means.
+  // The 200 * 40 colours have 256 clusters. A cluster has about 31 colours within 2 or 3 levels of the mean.
   CHECK(std::sqrt(mean_error(colors, palette)) < 4 * 3);
 }
 

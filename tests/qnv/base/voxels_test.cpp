@@ -134,7 +134,7 @@ TEST_CASE("skips triangles that are degenerate, not finite or outside the cube")
   double area = 0;
   for (const Voxel& voxel : voxelizer.finish()) area += voxel.moments.area;
   CHECK(area < 1e-3);
-  // Normals that are not finite become the face's.
+  // The face normal replaces normals that are not finite.
   SurfaceVoxelizer other(cube, 4);
   Triangle t = triangle_of({0.1f, 0.1f, 0.5f}, {0.9f, 0.1f, 0.5f}, {0.1f, 0.9f, 0.5f});
   t.normals = {glm::vec3(nan, 0, 0), glm::vec3(0, infinity, 0), glm::vec3(0)};
@@ -188,7 +188,7 @@ TEST_CASE("sums more triangles than the queue holds") {
   for (int i = 0; i < 600; ++i) voxelizer.add(copies);
   const std::vector<Voxel> voxels = voxelizer.finish();
   REQUIRE(voxels.size() == 1);
-  // Tolerance for six hundred thousand float roundings.
+  // The tolerance allows for 600,000 roundings of floats.
   CHECK(area_of(voxels, Cube{{0, 0, 0}, 1}, 2) == Approx(600000 * area_of(t)).epsilon(0.02));
 }
 

@@ -70,7 +70,7 @@ TEST_CASE("encodes an octree without an exact mesh for a number of vectors") {
 TEST_CASE("chooses records for vectors and voxels for volumes") {
   const SoftBall ball(12);
   CHECK(made_of(EncodeSource(ball.vectors()), {}).payload->name == "voxels");
-  CHECK(made_of(EncodeSource(VectorView(ball.cloud)), {}).payload->name == "records");
+  CHECK(made_of(EncodeSource(VectorView(ball.geometry)), {}).payload->name == "records");
   EncodeRequest request;
   request.payload = Payload::records;
   CHECK(made_of(EncodeSource(ball.vectors()), request).payload->name == "records");

@@ -72,13 +72,13 @@ TEST_CASE("encodes and decodes each payload by its row of the table") {
     return made;
   }();
   const TriangleSource triangles = [&](const TriangleSink& sink) { return sink(square); };
-  Splats cloud;
+  Splats geometry;
   for (int i = 0; i < 40; ++i) {
-    cloud.positions.emplace_back(i % 8, i / 8, 0);
-    cloud.normals.emplace_back(0, 0, 1);
-    cloud.weights.push_back(1);
-    cloud.description.box.add(cloud.positions.back());
-    cloud.description.total += 1;
+    geometry.positions.emplace_back(i % 8, i / 8, 0);
+    geometry.normals.emplace_back(0, 0, 1);
+    geometry.weights.push_back(1);
+    geometry.description.box.add(geometry.positions.back());
+    geometry.description.total += 1;
   }
   PolygonModel model;
   model.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
@@ -89,8 +89,8 @@ TEST_CASE("encodes and decodes each payload by its row of the table") {
   const OutlineEncodeOptions outline_options;
   const SoftBall ball(12);
   double magnitudes = 0;
-  for (const float weight : ball.cloud.weights) magnitudes += weight;
-  const EncodeSource sources[] = {std::cref(triangles), VectorView(cloud),
+  for (const float weight : ball.geometry.weights) magnitudes += weight;
+  const EncodeSource sources[] = {std::cref(triangles), VectorView(geometry),
                                   OutlineSource{std::get<OutlineGroups>(grouped), {}, outline_options}, ball.vectors()};
   EncodeOptions few;
   few.vectors = 5000;
@@ -115,7 +115,7 @@ TEST_CASE("encodes and decodes each payload by its row of the table") {
       } else {
         const auto& vectors = std::get<Geometry>(decoded.content);
         CHECK(vectors.size() > 0);
-        if (i == 1 && row.payload == Payload::records) CHECK(vectors.size() == cloud.size());
+        if (i == 1 && row.payload == Payload::records) CHECK(vectors.size() == geometry.size());
         CHECK(vectors.description().total == Approx(i == 3 ? magnitudes : i == 1 ? 40 : 1).epsilon(0.01));
       }
       // The decoders of vectors and of polygons reject each other's streams.
@@ -142,7 +142,7 @@ TEST_CASE("cuts chunks so that their parts are useful after losses") {
       CHECK(parts->head.size() == (row.record_bytes > 0 ? kChunkHeaderBytes + kRecordsHeaderBytes : 0));
       CHECK(parts->head.size() + parts->body.size() == chunk.size());
       CHECK(parts->body.data() + parts->body.size() == chunk.data() + chunk.size());
-      // Too short, too long, of another payload, and no chunk.
+      // The chunk is too short, too long, of another payload, or not a chunk.
       CHECK(!cut_chunk(row, std::span(chunk).first(chunk.size() - 1)));
       std::vector<std::byte> longer = chunk;
       longer.push_back({});

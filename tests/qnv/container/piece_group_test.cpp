@@ -57,7 +57,7 @@ TEST_CASE("restores a group from any pieces, if they are as many as its own") {
       std::shuffle(pieces.begin(), pieces.end(), random);
       const auto first = pieces.begin();
       CHECK(came({first, first + static_cast<std::ptrdiff_t>(cut.data.size())}) == wanted);
-      // With one piece fewer, only payloads at the front are restored.
+      // If one piece is missing, only payloads at the front are restored.
       const std::vector<Bytes> less = came({first, first + static_cast<std::ptrdiff_t>(cut.data.size()) - 1});
       REQUIRE(less.size() < wanted.size());
       CHECK(std::equal(less.begin(), less.end(), wanted.begin()));

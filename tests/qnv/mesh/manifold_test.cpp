@@ -80,7 +80,7 @@ TEST_CASE("drops triangles without area or with positions that are not finite") 
 TEST_CASE("makes a manifold with colours of any set of triangles") {
   std::mt19937 random(9);
   for (std::size_t round = 0; round < 30; ++round) {
-    // Corners at few positions, so that everything meets.
+    // There are only few positions, so many triangles share corners.
     Triangles heap;
     for (int i = 0; i < 120; ++i) {
       const auto place = [&] { return glm::vec3(random() % 3, random() % 3, random() % 3); };

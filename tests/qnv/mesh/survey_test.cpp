@@ -13,7 +13,7 @@ TEST_CASE("averages the colours of a surface by area") {
   survey.add(Triangles{triangle_of(o, x, y, {200, 40, 0})});
   CHECK(!survey.colored);
   CHECK(survey.mean_color() == Rgb8{200, 40, 0});
-  survey.add(Triangles{triangle_of(o, 3.0f * x, y, {100, 80, 40})});  // three times as large
+  survey.add(Triangles{triangle_of(o, 3.0f * x, y, {100, 80, 40})});  // a triangle three times as large
   CHECK(survey.colored);
   CHECK(survey.mean_color() == Rgb8{125, 70, 30});
   // Triangles that are not finite do not count.

@@ -34,7 +34,7 @@ float least(const SurfaceMesh& mesh, const glm::vec3& facing, float cosine, Of o
   return found;
 }
 
-/// Returns the nearest position of a fine grid on a triangle.
+/// Returns the smallest distance from `p` to a fine grid of points on a triangle.
 float near_on(const glm::vec3& p, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   constexpr int kSteps = 24;
   float found = std::numeric_limits<float>::infinity();

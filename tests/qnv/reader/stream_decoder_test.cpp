@@ -91,9 +91,9 @@ struct Place {
   std::array<std::uint32_t, 3> cell;
 };
 
-Place place_of(const Splats& cloud, std::size_t i, const Cube& cube) {
-  const Cell& cell = cloud.cells[i];
-  const glm::vec3 at = (cloud.positions[i] - cell.offset * cloud.normals[i] - cube.lower) / cell.edge - 0.5f;
+Place place_of(const Splats& geometry, std::size_t i, const Cube& cube) {
+  const Cell& cell = geometry.cells[i];
+  const glm::vec3 at = (geometry.positions[i] - cell.offset * geometry.normals[i] - cube.lower) / cell.edge - 0.5f;
   Place place{static_cast<int>(std::lround(std::log2(cube.edge / cell.edge))), {}};
   for (int axis = 0; axis < 3; ++axis)
     place.cell[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(std::lround(at[axis]));
@@ -102,10 +102,10 @@ Place place_of(const Splats& cloud, std::size_t i, const Cube& cube) {
 
 // Checks that each part of the sphere is covered once: its points are in cubes with a splat (within one finest voxel,
 // where the surface only touches a cube), and no cube is inside another.
-void check_cover(const Splats& cloud, const Cube& cube, int finest) {
+void check_cover(const Splats& geometry, const Cube& cube, int finest) {
   std::set<std::pair<int, std::uint64_t>> cubes;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const Place p = place_of(cloud, i, cube);
+  for (std::size_t i = 0; i < geometry.size(); ++i) {
+    const Place p = place_of(geometry, i, cube);
     REQUIRE(cubes.emplace(p.level, morton_encode(p.cell[0], p.cell[1], p.cell[2])).second);
   }
   for (auto [level, key] : cubes)
@@ -148,13 +148,13 @@ TEST_CASE("decodes every prefix of a stream to a complete picture") {
     REQUIRE(decoder.push(std::span(parts.stream.bytes).subspan(at, 1)));
     if (at + 1 < first) REQUIRE(decoder.vectors() == 0);
     if (decoder.revision() == before) continue;
-    const Splats cloud = content_of<Splats>(decoder.geometry());
+    const Splats geometry = content_of<Splats>(decoder.geometry());
     REQUIRE(at + 1 >= first);
-    REQUIRE(cloud.size() == decoder.vectors());
-    REQUIRE(cloud.size() >= last);
-    REQUIRE(total_weight(cloud) == Approx(4 * std::numbers::pi).epsilon(0.1));
-    check_cover(cloud, parts.stream.header.cube, finest);
-    last = cloud.size();
+    REQUIRE(geometry.size() == decoder.vectors());
+    REQUIRE(geometry.size() >= last);
+    REQUIRE(total_weight(geometry) == Approx(4 * std::numbers::pi).epsilon(0.1));
+    check_cover(geometry, parts.stream.header.cube, finest);
+    last = geometry.size();
   }
   CHECK(last == parts.stream.header.vectors);
 }
@@ -187,11 +187,11 @@ TEST_CASE("leaves no hole and no overlap with chunks in any order and with any l
     for (const std::size_t i : order)
       if (i == 0 || random() % 100 >= lost) decoder.add(ChunkType::packed, parts.payloads[i]);
     CHECK(decoder.refused_chunks() == 0);
-    const Splats cloud = content_of<Splats>(decoder.geometry());
-    REQUIRE(cloud.size() == decoder.vectors());
-    if (lost == 0) REQUIRE(same(cloud, expected));
-    check_cover(cloud, parts.stream.header.cube, finest);
-    CHECK(total_weight(cloud) == Approx(4 * std::numbers::pi).epsilon(0.1));
+    const Splats geometry = content_of<Splats>(decoder.geometry());
+    REQUIRE(geometry.size() == decoder.vectors());
+    if (lost == 0) REQUIRE(same(geometry, expected));
+    check_cover(geometry, parts.stream.header.cube, finest);
+    CHECK(total_weight(geometry) == Approx(4 * std::numbers::pi).epsilon(0.1));
     // The lost chunks are received at last.
     for (const Bytes& payload : parts.payloads) decoder.add(ChunkType::packed, payload);
     REQUIRE(same(content_of<Splats>(decoder.geometry()), expected));
@@ -218,7 +218,7 @@ TEST_CASE("reports every flipped bit of a stream and shows no wrong data") {
   const Splats expected = parts.whole();
   Bytes bytes = parts.stream.bytes;
   std::set<std::array<float, 3>> right;
-  // Splats of all levels, of which some show when a chunk is missing.
+  // The stream shows splats of several levels while a chunk is missing.
   StreamDecoder growing = parts.begun();
   for (const Bytes& payload : parts.payloads) {
     growing.add(ChunkType::packed, payload);
@@ -234,9 +234,9 @@ TEST_CASE("reports every flipped bit of a stream and shows no wrong data") {
       REQUIRE((!good || decoder.header() == nullptr));
       REQUIRE(decoder.geometry().size() == 0);
     } else if (bit % 8 == 0) {
-      const Splats cloud = content_of<Splats>(decoder.geometry());
-      REQUIRE(cloud.empty() == (bit / 8 < parts.header.size() + kChunkHeaderBytes + parts.payloads[0].size()));
-      for (const glm::vec3& p : cloud.positions) REQUIRE_EACH(right.contains({p.x, p.y, p.z}));
+      const Splats geometry = content_of<Splats>(decoder.geometry());
+      REQUIRE(geometry.empty() == (bit / 8 < parts.header.size() + kChunkHeaderBytes + parts.payloads[0].size()));
+      for (const glm::vec3& p : geometry.positions) REQUIRE_EACH(right.contains({p.x, p.y, p.z}));
     }
     bytes[bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
   }
@@ -250,10 +250,10 @@ TEST_CASE("survives every flipped bit in chunks without a checksum") {
       payloads[which][bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
       StreamDecoder decoder = parts.begun();
       for (const Bytes& payload : payloads) decoder.add(ChunkType::packed, payload);
-      const Splats cloud = content_of<Splats>(decoder.geometry());
-      REQUIRE(cloud.size() == decoder.vectors());
-      for (std::size_t i = 0; i < cloud.size(); ++i)
-        REQUIRE_EACH((cloud.weights[i] > 0 && std::isfinite(cloud.weights[i])));
+      const Splats geometry = content_of<Splats>(decoder.geometry());
+      REQUIRE(geometry.size() == decoder.vectors());
+      for (std::size_t i = 0; i < geometry.size(); ++i)
+        REQUIRE_EACH((geometry.weights[i] > 0 && std::isfinite(geometry.weights[i])));
       payloads[which][bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
     }
 }
@@ -270,7 +270,7 @@ TEST_CASE("rejects cycles, duplicate numbers and second roots") {
   const PackedParts parts = small_parts();
   const Splats expected = parts.whole();
   StreamDecoder decoder = parts.begun();
-  // A chunk that is its own parent, and two that are each other's: they wait for ever.
+  // One chunk is its own parent, and two chunks are each other's parents. They wait endlessly.
   decoder.add(ChunkType::packed, with_ids(parts.payloads[1], 900, 900));
   decoder.add(ChunkType::packed, with_ids(parts.payloads[1], 901, 902));
   decoder.add(ChunkType::packed, with_ids(parts.payloads[1], 902, 901));
@@ -284,11 +284,11 @@ TEST_CASE("rejects cycles, duplicate numbers and second roots") {
     return decoder.refused_chunks() == ++refused && same(content_of<Splats>(decoder.geometry()), expected);
   };
   CHECK(refuses(parts.payloads[0]));                            // repeated
-  CHECK(refuses(parts.payloads[1]));                            // another repeated one
+  CHECK(refuses(parts.payloads[1]));                            // another repeated chunk
   CHECK(refuses(with_ids(parts.payloads[0], 700, kNoParent)));  // a second root
   CHECK(refuses(with_ids(parts.payloads[1], 701, 0)));          // already divided
   CHECK(refuses(with_ids(parts.payloads[0], 702, 0)));          // levels that do not fit
-  CHECK(refuses(with_ids(parts.payloads[1], kNoParent, 0)));    // no number
+  CHECK(refuses(with_ids(parts.payloads[1], kNoParent, 0)));    // an invalid chunk number
   CHECK(refuses({}));
   CHECK(refuses(Bytes(21)));
   decoder.add(ChunkType::records, parts.payloads[0]);
@@ -317,19 +317,18 @@ TEST_CASE("decodes at most the maximum number of vectors") {
 }
 
 TEST_CASE("accepts the records of a chunk in any pieces") {
-  Splats cloud;
+  Splats geometry;
   std::mt19937 random(5);
   for (int i = 0; i < 3000; ++i) {
     const auto part = [&] { return static_cast<float>(random() % 1000) / 1000; };
-    cloud.positions.emplace_back(part(), part(), part());
-    cloud.normals.emplace_back(0, 0, 1);
-    cloud.weights.push_back(0.5f + part());
-    cloud.description.box.add(cloud.positions.back());
-    cloud.description.total += cloud.weights.back();
+    geometry.positions.emplace_back(part(), part(), part());
+    geometry.normals.emplace_back(0, 0, 1);
+    geometry.weights.push_back(0.5f + part());
+    geometry.description.box.add(geometry.positions.back());
+    geometry.description.total += geometry.weights.back();
   }
   EncodeOptions options;
-  options.payload = Payload::records;
-  const auto encoded = encode_vectors(cloud, options);
+  const auto encoded = encode_vectors(geometry, options);
   const auto& stream = std::get<EncodedStream>(encoded);
   std::vector<Bytes> payloads;
   StreamReader reader;
@@ -362,7 +361,7 @@ TEST_CASE("accepts the records of a chunk in any pieces") {
     return all;
   };
   CHECK(sorted(content_of<Splats>(pieces.geometry())) == sorted(content_of<Splats>(whole.geometry())));
-  // Only records can be received so.
+  // Only records can have missing ranges.
   const ByteRange missing{0, 8};
   pieces.add(ChunkType::packed, payloads[0], std::span(&missing, 1));
   CHECK(pieces.refused_chunks() == 1);
@@ -394,7 +393,7 @@ TEST_CASE("decodes a stream of version 1 to its pinned numbers") {
   decoder.finish();
   REQUIRE(decoder.problems().empty());
   REQUIRE(decoder.refused_chunks() == 0);
-  const Splats cloud = content_of<Splats>(decoder.geometry());
+  const Splats geometry = content_of<Splats>(decoder.geometry());
   std::ifstream text(folder + "packed_sphere.txt");
   std::string line;
   std::size_t i = 0;
@@ -407,20 +406,20 @@ TEST_CASE("decodes a stream of version 1 to its pinned numbers") {
     for (int& c : color) numbers >> c;
     numbers >> d[7] >> d[8];
     REQUIRE(numbers);
-    REQUIRE(i < cloud.size());
+    REQUIRE(i < geometry.size());
     for (int axis = 0; axis < 3; ++axis) {
-      REQUIRE(cloud.positions[i][axis] == Approx(d[static_cast<std::size_t>(axis)]).margin(1e-6));
-      REQUIRE(cloud.normals[i][axis] == Approx(d[static_cast<std::size_t>(axis) + 3]).margin(1e-6));
+      REQUIRE(geometry.positions[i][axis] == Approx(d[static_cast<std::size_t>(axis)]).margin(1e-6));
+      REQUIRE(geometry.normals[i][axis] == Approx(d[static_cast<std::size_t>(axis) + 3]).margin(1e-6));
     }
-    REQUIRE(cloud.weights[i] == Approx(d[6]).epsilon(1e-5));
-    REQUIRE(cloud.colors[i] == Rgb8{static_cast<std::uint8_t>(color[0]), static_cast<std::uint8_t>(color[1]),
-                                    static_cast<std::uint8_t>(color[2])});
-    REQUIRE(cloud.cells[i].edge == Approx(d[7]).epsilon(1e-6));
-    REQUIRE(cloud.cells[i].offset == Approx(d[8]).margin(1e-6));
+    REQUIRE(geometry.weights[i] == Approx(d[6]).epsilon(1e-5));
+    REQUIRE(geometry.colors[i] == Rgb8{static_cast<std::uint8_t>(color[0]), static_cast<std::uint8_t>(color[1]),
+                                       static_cast<std::uint8_t>(color[2])});
+    REQUIRE(geometry.cells[i].edge == Approx(d[7]).epsilon(1e-6));
+    REQUIRE(geometry.cells[i].offset == Approx(d[8]).margin(1e-6));
     ++i;
   }
-  CHECK(i == cloud.size());
-  CHECK(cloud.description.metadata.at(0).first == "title");
+  CHECK(i == geometry.size());
+  CHECK(geometry.description.metadata.at(0).first == "title");
 }
 
 // Streams in tests/qnv/vectors/v2 have an origin. records_decode.py made records_far.txt.
@@ -430,8 +429,8 @@ TEST_CASE("decodes a stream of version 2 to its pinned positions") {
   REQUIRE(decoder.push(bytes));
   decoder.finish();
   REQUIRE(decoder.problems().empty());
-  const Splats cloud = content_of<Splats>(decoder.geometry());
-  CHECK(cloud.description.origin == glm::dvec3(4'500'000.5, -4'500'000.5, 3'200'000));
+  const Splats geometry = content_of<Splats>(decoder.geometry());
+  CHECK(geometry.description.origin == glm::dvec3(4'500'000.5, -4'500'000.5, 3'200'000));
   std::ifstream text(GHOSTSPACE_TESTS "/qnv/vectors/v2/records_far.txt");
   std::size_t i = 0;
   for (std::string line; std::getline(text, line); ++i) {
@@ -441,14 +440,14 @@ TEST_CASE("decodes a stream of version 2 to its pinned positions") {
     numbers >> place.x >> place.y >> place.z >> normal.x >> normal.y >> normal.z;
     for (int& c : color) numbers >> c;
     REQUIRE(numbers);
-    REQUIRE(i < cloud.size());
+    REQUIRE(i < geometry.size());
     // A tenth of a micrometre at four thousand kilometres.
-    CHECK(glm::length(cloud.description.origin + glm::dvec3(cloud.positions[i]) - place) < 1e-7);
-    CHECK(glm::length(glm::dvec3(cloud.normals[i]) - normal) < 1e-5);
-    CHECK(cloud.colors[i] == Rgb8{static_cast<std::uint8_t>(color[0]), static_cast<std::uint8_t>(color[1]),
-                                  static_cast<std::uint8_t>(color[2])});
+    CHECK(glm::length(geometry.description.origin + glm::dvec3(geometry.positions[i]) - place) < 1e-7);
+    CHECK(glm::length(glm::dvec3(geometry.normals[i]) - normal) < 1e-5);
+    CHECK(geometry.colors[i] == Rgb8{static_cast<std::uint8_t>(color[0]), static_cast<std::uint8_t>(color[1]),
+                                     static_cast<std::uint8_t>(color[2])});
   }
-  CHECK(i == cloud.size());
+  CHECK(i == geometry.size());
 }
 
 }  // namespace

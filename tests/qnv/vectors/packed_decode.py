@@ -6,9 +6,9 @@ is shown (Y, Co, Cg are 0 where there are no colours).
 """
 import struct
 import sys
-import zlib
 
 from residuals import Rans, clamp
+from streams import chunks, normal, sign, wrap
 
 OCCUPANCY = [[int(n) for n in row.split()] for row in """
     4 4 4 4 4 4 4 4 4 4 4 4 4 4 4 85 3256 4090 4092 4092 4092 4092 4092 4092
@@ -22,25 +22,8 @@ OCCUPANCY = [[int(n) for n in row.split()] for row in """
 """.strip().splitlines()]
 
 
-def s(v):
-    return -1 if v < 0 else 1
-
-
-def normal(u, v):
-    w = 1024 - abs(u) - abs(v)
-    return (u, v, w) if w >= 0 else (s(u) * (1024 - abs(v)), s(v) * (1024 - abs(u)), w)
-
-
 def along(n, c):
     return sum(n[a] if c >> a & 1 else -n[a] for a in range(3))
-
-
-def wrap(u, v):
-    if abs(u) > 1024:
-        u, v = 2048 * s(u) - u, -v
-    if abs(v) > 1024:
-        v, u = 2048 * s(v) - v, -u
-    return clamp(u, -1024, 1024), clamp(v, -1024, 1024)
 
 
 class Voxel:
@@ -63,8 +46,8 @@ def neighbour_differences(voxel, places):
             out.append((0, 0, 0))
             continue
         images = [(other.u - voxel.u, other.v - voxel.v),
-                  (2048 * s(other.u) - other.u - voxel.u, -other.v - voxel.v),
-                  (-other.u - voxel.u, 2048 * s(other.v) - other.v - voxel.v)]
+                  (2048 * sign(other.u) - other.u - voxel.u, -other.v - voxel.v),
+                  (-other.u - voxel.u, 2048 * sign(other.v) - other.v - voxel.v)]
         a, b = min(images, key=lambda image: abs(image[0]) + abs(image[1]))  # the first of equal ones
         if abs(a) + abs(b) > 700:
             out.append((0, 0, 0))
@@ -112,7 +95,7 @@ def divide(rans, voxels, first, count, p):
             child.double = rans.bit(i % 8, 512)
         for i, (child, (parent, c)) in enumerate(zip(out, children)):
             if parent.double and not child.double and rans.bit(i % 8, 2048):
-                u, v = -s(parent.u) * (1024 - abs(parent.v)), -s(parent.v) * (1024 - abs(parent.u))
+                u, v = -sign(parent.u) * (1024 - abs(parent.v)), -sign(parent.v) * (1024 - abs(parent.u))
                 child.u, child.v = u, v
                 child.o = clamp(-2 * parent.o - ((32 * along(normal(u, v), c) + 512) >> 10), -32, 32)
     contexts = [min(2, parent.activity) for parent, _ in children]
@@ -144,14 +127,7 @@ def main():
         sys.exit("no packed stream")
     (at,) = struct.unpack_from("<I", data, 12)
     clusters = {}
-    while at + 10 <= len(data):
-        mark, size, kind, _, checksum = struct.unpack_from("<HHBBI", data, at)
-        payload = data[at + 10:at + 10 + size]
-        if mark != 0x4351 or zlib.crc32(data[at:at + 6] + payload) != checksum:
-            sys.exit("a damaged chunk at byte %d" % at)
-        at += 10 + size
-        if kind != 1:
-            continue
+    for payload in chunks(data, at, 1):
         number, parent, first, count, level, times, flags, shifts = struct.unpack_from("<IIHHBBBB", payload)
         models = int.from_bytes(payload[16:19], "little")
         four = [models >> 4 * i & 15 for i in range(6)]

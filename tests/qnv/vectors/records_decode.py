@@ -9,6 +9,8 @@ import struct
 import sys
 import zlib
 
+from streams import chunks
+
 
 def sections_of(data, length):
     at = 108
@@ -31,15 +33,7 @@ def main():
             palette = [tuple(section[i:i + 3]) for i in range(0, len(section) - 2, 3)]
         if tag == 7 and version == 2:
             origin = struct.unpack_from("<3d", section)
-    at = length
-    while at + 10 <= len(data):
-        mark, size, chunk, _, checksum = struct.unpack_from("<HHBBI", data, at)
-        body = data[at + 10:at + 10 + size]
-        if mark != 0x4351 or zlib.crc32(data[at:at + 6] + body) != checksum:
-            sys.exit("a damaged chunk at byte %d" % at)
-        at += 10 + size
-        if chunk != 0:
-            continue
+    for body in chunks(data, length, 0):
         lower, cell = struct.unpack_from("<3f", body, 16), struct.unpack_from("<3f", body, 28)
         for i in range(48, len(body) - 7, 8):
             (word,) = struct.unpack_from("<Q", body, i)

@@ -5,9 +5,9 @@
 """
 import struct
 import sys
-import zlib
 
 from residuals import Rans, clamp
+from streams import chunks, normal, sign, wrap
 
 S = [6, 9, 12, 14, 16, 20, 25, 32]
 P = [int(n) for n in """
@@ -25,23 +25,6 @@ ODDS = [
 
 def towards_zero(a, b):
     return a // b if a >= 0 else -(-a // b)
-
-
-def sign(v):
-    return -1 if v < 0 else 1
-
-
-def normal(u, v):
-    w = 1024 - abs(u) - abs(v)
-    return (u, v, w) if w >= 0 else (sign(u) * (1024 - abs(v)), sign(v) * (1024 - abs(u)), w)
-
-
-def wrap(u, v):
-    if abs(u) > 1024:
-        u, v = 2048 * sign(u) - u, -v
-    if abs(v) > 1024:
-        v, u = 2048 * sign(v) - v, -u
-    return clamp(u, -1024, 1024), clamp(v, -1024, 1024)
 
 
 class Voxel:
@@ -141,15 +124,8 @@ def main():
         if tag == 6:
             lengths = struct.unpack_from("<3H", data, at + 6 + 66)
         at += 6 + size
-    at, clusters = length, {}
-    while at + 10 <= len(data):
-        mark, size, kind, _, checksum = struct.unpack_from("<HHBBI", data, at)
-        payload = data[at + 10:at + 10 + size]
-        if mark != 0x4351 or zlib.crc32(data[at:at + 6] + payload) != checksum:
-            sys.exit("a damaged chunk at byte %d" % at)
-        at += 10 + size
-        if kind != 5:
-            continue
+    clusters = {}
+    for payload in chunks(data, length, 5):
         number, parent, first, count, level, times = struct.unpack_from("<IIHHBB", payload)
         flags, value_step, direction_step, magnitude_step, slope, turn, models = struct.unpack_from("<6BI", payload, 14)
         four = [models >> 4 * i & 15 for i in range(8)]

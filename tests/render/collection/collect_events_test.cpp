@@ -41,8 +41,8 @@ class LiveWorld {
     return collect(scene_, {}, meshes_, {0, 0, 10}, {}, &nodes);
   }
   vrml::NodeId find(std::string_view name) const {
-    for (std::uint32_t i = 1; i <= scene_.node_count(); ++i)
-      if (scene_.node_at(i).name == name) return scene_.id_at(i);
+    for (std::uint32_t i = 1; i <= scene_.nodes().count(); ++i)
+      if (scene_.nodes().at(i).name == name) return scene_.nodes().id_at(i);
     FAIL("no node named " << name);
     return {};
   }

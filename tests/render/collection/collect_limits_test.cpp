@@ -92,7 +92,7 @@ TEST_CASE("leaves out Shapes beyond the triangle limit, and shows the others") {
   const RenderList list = world.collect();
   CHECK(triangles_of(list) <= kMega);
   CHECK(list.items.size() == 53);
-  CHECK(list.items.back().mesh->indices.size() == 36);  // the box after them
+  CHECK(list.items.back().mesh->indices.size() == 36);  // the box after these shapes
   REQUIRE(list.limit_reports.size() == 1);
   CHECK(list.limit_reports[0].why.find("triangles in a picture") != std::string::npos);
 }

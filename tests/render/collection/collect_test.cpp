@@ -8,6 +8,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <vector>
 
 using namespace gs;
 using namespace gs::render;
@@ -25,8 +26,8 @@ struct World {
   }
   RenderList collect(const glm::vec3& viewer = {0, 0, 10}) { return render::collect(*scene, images, meshes, viewer); }
   vrml::NodeId find(std::string_view name) const {
-    for (std::uint32_t i = 1; i <= scene->node_count(); ++i)
-      if (scene->node_at(i).name == name) return scene->id_at(i);
+    for (std::uint32_t i = 1; i <= scene->nodes().count(); ++i)
+      if (scene->nodes().at(i).name == name) return scene->nodes().id_at(i);
     FAIL("no node named " << name);
     return {};
   }
@@ -70,6 +71,55 @@ TEST_CASE("draws a Shape unlit white without appearance, and lit with a Material
   CHECK(material.transparency == 0.75f);
   check_vector(list.bounds.lower, {-1, -1, -1});
   check_vector(list.bounds.upper, {1, 1, 1});
+}
+
+TEST_CASE("draws misplaced parts of Shapes as far as they can be meant") {
+  const std::string red = "Appearance { material Material { emissiveColor 1 0 0 } }";
+  const std::string green = "Appearance { material Material { emissiveColor 0 1 0 } }";
+  const auto colors = [&](const std::string& text) {
+    World world(text);
+    std::vector<glm::vec3> found;
+    for (const DrawItem& item : world.collect().items) found.push_back(item.material.emissive);
+    return found;
+  };
+  using Colors = std::vector<glm::vec3>;
+  const glm::vec3 r(1, 0, 0), g(0, 1, 0), none(0);
+  // Between children: geometry, alone and after or before its Appearance; a USE; in a PROTO.
+  CHECK(colors("Group { children [ Box { } " + red + " " + green + " Box { } Cone { } ] }") == Colors{r, g, none});
+  CHECK(colors("Shape { geometry DEF B Box { } } Transform { children USE B }").size() == 2);
+  CHECK(colors("PROTO P [ ] { Group { children [ " + green + " Sphere { } ] } } P { } P { }") == Colors{g, g});
+  CHECK(colors("Switch { whichChoice 1 choice [ Group { } Box { } ] }").size() == 1);
+  // In the fields of a Shape and an Appearance.
+  CHECK(colors("DEF W Switch { whichChoice 1 choice [ " + red + " " + green +
+               " ] } Shape { appearance USE W geometry Box { } }") == Colors{g});
+  CHECK(colors("Shape { appearance " + red + " geometry Shape { appearance " + green + " geometry Box { } } }") ==
+        Colors{r});
+  CHECK(colors("Shape { appearance Material { emissiveColor 1 0 0 } geometry Box { } }") == Colors{r});
+  CHECK(colors("Shape { appearance Appearance { material " + green + " } geometry Box { } }") == Colors{g});
+  CHECK(colors("Shape { geometry Switch { whichChoice -1 choice Box { } } }").empty());
+  CHECK(colors("Shape { geometry Group { children Box { } } }").size() == 1);
+}
+
+TEST_CASE("draws the first texture of a MultiTexture, and a TrimmedSurface without its contours") {
+  World world(
+      "Shape { appearance Appearance { texture MultiTexture { mode [ \"MODULATE\" ] texture [ PixelTexture { image 1 1 "
+      "3 "
+      "0xFF0000 } PixelTexture { } ] } textureTransform MultiTextureTransform { textureTransform TextureTransform { "
+      "scale "
+      "2 2 } } } geometry IndexedFaceSet { coord Coordinate { point [ 0 0 0 1 0 0 0 1 0 ] } coordIndex [ 0 1 2 ] "
+      "texCoord "
+      "MultiTextureCoordinate { texCoord [ TextureCoordinate { point [ 0.5 0.5 1 0 0 1 ] } ] } } } "
+      "Shape { geometry TrimmedSurface { trimmingContour [ Contour2D { children [ ] } ] surface NurbsSurface { "
+      "uDimension "
+      "2 vDimension 2 uOrder 2 vOrder 2 uKnot [ 0 0 1 1 ] vKnot [ 0 0 1 1 ] controlPoint [ 0 0 0 1 0 0 0 1 0 1 1 0 ] } "
+      "} }");
+  const RenderList list = world.collect();
+  REQUIRE(list.items.size() == 2);
+  REQUIRE(list.items[0].texture.image);
+  CHECK(list.items[0].texture.image->pixels[0] == 255);
+  CHECK(list.items[0].texture.transform[0][0] == 2);
+  CHECK(list.items[0].mesh->texture_coordinates[0] == glm::vec2(0.5f, 0.5f));
+  CHECK(list.items[1].mesh->indices.size() > 6);
 }
 
 TEST_CASE("transforms by T * C * R * SR * S * -SR * -C (VRML97 6.52)") {
@@ -166,7 +216,7 @@ TEST_CASE("shares meshes by USE, shows children of Anchor, Collision and Group, 
   CHECK_FALSE(list.items[1].collidable);
   CHECK(list.items[0].mesh == list.items[3].mesh);
   CHECK(list.items[3].visible);
-  CHECK(world.collect().items[0].mesh == list.items[0].mesh);  // and between frames
+  CHECK(world.collect().items[0].mesh == list.items[0].mesh);  // later frames share the mesh too
   world.meshes.clear();
   CHECK(world.collect().items[0].mesh != list.items[0].mesh);
 }
@@ -184,7 +234,7 @@ TEST_CASE("shares one mesh between primitives of any size, node and PROTO instan
   CHECK(list.items[0].mesh == list.items[2].mesh);
   CHECK(list.items[0].mesh != list.items[4].mesh);
   CHECK(list.items[5].mesh == list.items[6].mesh);
-  CHECK(list.items[5].mesh != list.items[7].mesh);  // without the side
+  CHECK(list.items[5].mesh != list.items[7].mesh);  // this cone has no side
   check_vector(moved(list.items[2].world_from_node, {1, 1, -1}), {3, 3, -3});
   check_vector(moved(list.items[5].world_from_node, {1, 1, -1}), {2, 1.5f, -2});
   CHECK_FALSE(list.items[0].mesh->texture_coordinates.empty());
@@ -270,7 +320,7 @@ TEST_CASE("lists rigid Viewpoints in file order, those of Inlines last") {
       "NavigationInfo { headlight FALSE } " +
           kBox,
       *inner, diagnostics);
-  world.scene->attach_inline(world.scene->roots()[0], std::move(inner));
+  world.scene->inlines().attach(world.scene->roots()[0], std::move(inner));
   const RenderList list = world.collect();
   REQUIRE(list.viewpoints.size() == 3);
   CHECK(list.viewpoints[0].description == "one");
@@ -315,7 +365,7 @@ TEST_CASE("collects the first node of PROTO instances (VRML97 4.8.3)") {
       "paint } }\n"
       "    geometry Box { } } } }\nPlace { at 7 0 0 } Place { paint 0 1 0 }");
   const RenderList list = world.collect();
-  REQUIRE(list.items.size() == 2);  // and nothing of the declaration
+  REQUIRE(list.items.size() == 2);  // the declaration of the PROTO shows nothing
   CHECK(list.items[0].world_from_node[3].x == 7);
   CHECK(list.items[0].material.diffuse == glm::vec3(1, 0, 0));
   CHECK(list.items[1].world_from_node[3].x == 1);

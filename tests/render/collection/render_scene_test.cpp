@@ -12,7 +12,7 @@
 namespace gs::render::render_scene_test {
 namespace {
 
-/// World that receives events, with the scene that follows them and a full collection to compare.
+/// World that receives events. Its RenderScene follows them; a full collection is compared with it.
 class World {
  public:
   explicit World(const std::string& body) : scene_(std::make_unique<vrml::SceneGraph>("text.wrl")) {
@@ -207,7 +207,7 @@ TEST_CASE("makes a geometry again when one of its nodes changes") {
   CHECK(world.update());
   world.check();
   CHECK(world.gathered() == 1);
-  // A Shape that is empty at first.
+  // The Shape is empty at first.
   World empty("Shape { geometry IndexedFaceSet { coordIndex [ 0 1 2 ] coord DEF Points Coordinate { } } }");
   CHECK(empty.list().items.empty());
   empty.send("Points.point", vrml::MFVec3f{{0, 0, 0}, {5, 0, 0}, {0, 5, 0}});
@@ -351,13 +351,13 @@ TEST_CASE("updates Text after events, and re-tessellates it as the viewer comes 
   CHECK(triangles(0) == coarse);
   CHECK(triangles(1) == middle);
   CHECK_FALSE(world.update());
-  // The current position decides how near a moved text is.
+  // The distance of a moved text is computed from its current position.
   world.send<vrml::SFVec3f>("Place.set_translation", {0, 0, -489});
   CHECK(world.update());
   world.check();
   CHECK(triangles(0) > middle);
   CHECK(world.gathered() == 1);
-  // A text that was empty.
+  // The text was empty before.
   world.send<vrml::MFString>("Later.set_string", {vrml::SFString("now")});
   CHECK(world.update());
   world.check();

@@ -1,4 +1,4 @@
-// Tests of coplanar faces and of minified textures: neither shows a pattern.
+// Tests of coplanar faces and of minified textures. Both must be free of patterns.
 #include "render/gl/texture_store.h"
 #include "tests/render/drawing.h"
 
@@ -72,7 +72,7 @@ TEST_CASE("draws lines and points completely on faces and along their edges") {
   line->primitive = vrml::Mesh::Primitive::lines;
   line->lit = point->lit = false;
   point->primitive = vrml::Mesh::Primitive::points;
-  // A diagonal, an edge and a line across; the corners of the last face.
+  // The lines are a diagonal, an edge and a line across; the points are the corners of the last face.
   line->positions = {{-1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {1, 1, 0}, {-0.9f, 0.3f, 0}, {0.8f, -0.7f, 0}};
   point->positions = {line->positions[4], line->positions[5]};
   line->indices = {0, 1, 2, 3, 4, 5};
@@ -138,7 +138,7 @@ TEST_CASE("draws a fine checker on a slanted plane in its mean grey, without moi
     }
     INFO("samples " << samples << ", pixels " << looked_at << ", mean " << sum / static_cast<double>(looked_at));
     REQUIRE(looked_at > 500);
-    // A box filter over that many cells is off by at most half a cell.
+    // The error of a box filter over `wide` cells is at most half a cell.
     CHECK(worst <= 255.0 / 8);
     CHECK(sum / static_cast<double>(looked_at) < 8);
   }

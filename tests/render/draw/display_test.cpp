@@ -67,7 +67,7 @@ TEST_CASE("draws a square filled, with edges, as wireframe or as points") {
   const Image points = picture(DisplayMode::points);
   CHECK(lit_pixels(points) >= 4);
   CHECK(lit_pixels(points) <= 4 * 16);
-  // The next picture shows nothing of it.
+  // The mode has no effect on the next picture.
   CHECK(picture(DisplayMode::surface).pixels == filled.pixels);
 }
 

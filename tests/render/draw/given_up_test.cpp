@@ -10,7 +10,7 @@ namespace {
 
 using namespace testing;
 
-/// Framebuffer instead of the window's.
+/// Framebuffer that replaces the window's framebuffer.
 class Screen {
  public:
   Screen(GlContext& context, int side) : gl_(std::get<Gl>(Gl::load(context))), side_(side) {
@@ -71,7 +71,7 @@ TEST_CASE("keeps the last complete picture of a viewport after an abandoned one"
   REQUIRE(draw(squares({0, 1, 0})).given_up);
   for (const int at : {17, 32, 46}) CHECK(screen.at(at, at) == glm::vec3(255, 0, 0));
   CHECK(screen.at(4, 4) == glm::vec3(0));
-  // Stretches it if the viewport has another size now.
+  // Shows the last picture stretched if the viewport has another size now.
   drawing.options.width = 40;
   REQUIRE(draw(squares({0, 1, 0})).given_up);
   CHECK(screen.at(54, 32) == glm::vec3(255, 0, 0));
@@ -114,7 +114,7 @@ TEST_CASE("shows the last complete picture of a viewport again without drawing, 
 TEST_CASE("draws large meshes in a later frame if the caller does not wait for their upload") {
   Drawing drawing;
   drawing.options.width = drawing.options.height = 32;
-  // Each mesh exceeds the bytes that are uploaded without a question.
+  // Each mesh exceeds the bytes that are uploaded without asking the pacer.
   RenderList list;
   constexpr int kMeshes = 3;
   for (int i = 0; i < kMeshes; ++i) {
@@ -132,7 +132,7 @@ TEST_CASE("draws large meshes in a later frame if the caller does not wait for t
   const auto given_up = [&] { return drawing.renderer().draw(list, camera_at({0, 0, 10}), drawing.options).given_up; };
   for (int i = 1; i <= kMeshes; ++i) {
     CHECK(given_up());
-    CHECK(asked == i);  // one mesh a picture
+    CHECK(asked == i);  // each picture uploads one mesh
   }
   asked = 0;
   drawing.options.go_on = [&] {
@@ -146,7 +146,7 @@ TEST_CASE("fills the whole rectangle with a coarse picture, and reports that a b
   Drawing drawing;
   Screen screen(drawing.context(), 64);
   for (const int samples : {1, 4})
-    for (const int coarseness : {2, 3, 8}) {
+    for (const float coarseness : {1.25f, 2.0f, 3.0f, 8.0f}) {
       drawing.options.samples = samples;
       drawing.options.coarseness = coarseness;
       drawing.options.x = 16;

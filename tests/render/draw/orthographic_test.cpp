@@ -1,8 +1,8 @@
 #include "render/draw/picture.h"
 #include "render/draw/renderer.h"
-#include "tests/render/clouds.h"
 #include "tests/render/draw/whole_picture.h"
 #include "tests/render/drawing.h"
+#include "tests/render/geometry_shapes.h"
 
 #include <catch2/catch.hpp>
 
@@ -28,7 +28,7 @@ Camera parallel_at(const glm::vec3& eye, double height) {
   return camera;
 }
 
-/// Returns a lens that sees about as much as a parallel one at z = 0.
+/// Returns a perspective camera with a narrow lens. At z = 0 it shows about as much as a parallel camera.
 Camera narrow(double height) {
   Camera camera = camera_at({0, 0, static_cast<float>(kFar)});
   camera.field_of_view = static_cast<float>(2 * std::atan(height / 2 / kFar));
@@ -64,16 +64,16 @@ DrawItem shiny_square(const glm::mat4& place) {
   return item;
 }
 
-std::shared_ptr<const qnv::Geometry> shared(qnv::Geometry cloud) {
-  return std::make_shared<const qnv::Geometry>(std::move(cloud));
+std::shared_ptr<const qnv::Geometry> shared(qnv::Geometry geometry) {
+  return std::make_shared<const qnv::Geometry>(std::move(geometry));
 }
 
-void add_vectors(RenderList& list, qnv::Geometry cloud) {
+void add_vectors(RenderList& list, qnv::Geometry geometry) {
   Box bounds;
-  for (const glm::vec3& position : qnv::VectorView(cloud).positions) bounds.add(position);
+  for (const glm::vec3& position : qnv::VectorView(geometry).positions) bounds.add(position);
   list.bounds.add(bounds);
   SplatItem item;
-  item.geometry = shared(std::move(cloud));
+  item.geometry = shared(std::move(geometry));
   list.splats.push_back(std::move(item));
 }
 
@@ -94,7 +94,8 @@ TEST_CASE("keeps sizes at any distance in parallel projection, also behind the v
 
 TEST_CASE("resolves depth in parallel projection however close meshes are") {
   Drawing drawing;
-  // A view of two metres in a scene of thousands of metres. A distant perspective camera could not resolve these.
+  // A view of two metres in a scene of thousands of metres. A distant perspective camera could not resolve their
+  // depths.
   RenderList list;
   add(list, glowing(square(), {0, 1, 0}, translation({0, 0, 0.02f})));
   add(list, glowing(square(), {1, 0, 0}));
@@ -137,9 +138,9 @@ TEST_CASE("matches a distant narrow lens in parallel projection for splats and v
     CHECK(differing(parallel, far, 12) < 80);
     RenderList fog;
     add_vectors(fog, gs::test::random_volume(2000, 5, 0.1f));
-    const Image cloud = drawing.draw(fog, parallel_at({0, 0, 10}, 3)), far_cloud = drawing.draw(fog, narrow(3));
-    CHECK(lit_pixels(cloud) > 100);
-    CHECK(differing(cloud, far_cloud, 12) < 80);
+    const Image geometry = drawing.draw(fog, parallel_at({0, 0, 10}, 3)), far_image = drawing.draw(fog, narrow(3));
+    CHECK(lit_pixels(geometry) > 100);
+    CHECK(differing(geometry, far_image, 12) < 80);
   }
 }
 

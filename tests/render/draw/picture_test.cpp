@@ -1,8 +1,8 @@
 #include "render/draw/picture.h"
 
-#include "tests/render/clouds.h"
 #include "tests/render/draw/whole_picture.h"
 #include "tests/render/drawing.h"
+#include "tests/render/geometry_shapes.h"
 #include "tests/render/image_difference.h"
 
 #include <cmath>
@@ -45,7 +45,7 @@ PictureOptions sized(int width, int height) {
   return options;
 }
 
-/// Compares a picture in tiles of 48 pixels with the whole one.
+/// Compares a picture in tiles of 48 pixels with the whole picture.
 ImageDifference tiled_against_whole(const RenderList& list, PictureOptions options) {
   Drawing drawing;
   const Image at_once = whole(drawing, list, options);
@@ -57,11 +57,11 @@ ImageDifference tiled_against_whole(const RenderList& list, PictureOptions optio
   return std::get<ImageDifference>(difference);
 }
 
-RenderList cloud_world(qnv::Geometry cloud) {
+RenderList geometry_world(qnv::Geometry geometry) {
   RenderList list;
   list.background.sky_colors = {{0.2f, 0.2f, 0.3f}};
   SplatItem item;
-  item.geometry = std::make_shared<const qnv::Geometry>(std::move(cloud));
+  item.geometry = std::make_shared<const qnv::Geometry>(std::move(geometry));
   list.splats.push_back(std::move(item));
   list.bounds.add(glm::vec3(-3));
   list.bounds.add(glm::vec3(3));
@@ -98,8 +98,8 @@ TEST_CASE("draws the same picture in tiles as at once: splats and volumes", "[op
   for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
     PictureOptions options = sized(130, 101);
     options.draw.splats = path;
-    CHECK(tiled_against_whole(cloud_world(test::disc_sphere(3000, 3)), options).psnr > 50);
-    CHECK(tiled_against_whole(cloud_world(test::random_volume(2000, 3, 0.2f)), options).psnr > 45);
+    CHECK(tiled_against_whole(geometry_world(test::disc_sphere(3000, 3)), options).psnr > 50);
+    CHECK(tiled_against_whole(geometry_world(test::random_volume(2000, 3, 0.2f)), options).psnr > 45);
   }
 }
 
@@ -112,7 +112,7 @@ TEST_CASE("keeps colours on a transparent background, and blends glass by half")
   REQUIRE(image.components == 4);
   const auto at = [&](std::uint32_t x, std::uint32_t y) { return image.pixels.data() + 4 * (y * 64 + x); };
   CHECK(at(1, 1)[3] == 0);
-  // The square at -1.3, 0.9 and distance 9, where 32 pixels are 9 tan(pi / 8).
+  // The square is at -1.3, 0.9 and distance 9. There, 32 pixels are 9 tan(pi / 8) units.
   const auto pixel_of = [](float x, float y, float away) {
     const float scale = 32 / (away * std::tan(0.785398f / 2));
     return std::pair{static_cast<std::uint32_t>(32 + x * scale), static_cast<std::uint32_t>(32 - y * scale)};
@@ -136,7 +136,7 @@ TEST_CASE("draws points at screen distance at one pixel for both eyes, and other
     return static_cast<double>(clip.x / clip.w) * std::tan(0.785398 / 2);
   };
   CHECK(tangent(eyes.left, {0.3, 0, 2}) == Approx(tangent(eyes.right, {0.3, 0, 2})).margin(1e-6));
-  // Parallax: e / screen - e / distance.
+  // The parallax is e / screen - e / distance.
   CHECK(tangent(eyes.right, {0.3, 0, -10}) - tangent(eyes.left, {0.3, 0, -10}) ==
         Approx(0.5 / 8 - 0.5 / 20).margin(1e-6));
   CHECK(tangent(eyes.right, {0.3, 0, 5}) - tangent(eyes.left, {0.3, 0, 5}) == Approx(0.5 / 8 - 0.5 / 5).margin(1e-6));
@@ -152,7 +152,7 @@ TEST_CASE("turns both eyes around the point at screen distance in parallel proje
   CHECK(right_of(eyes.left, {0, 0, 2}) == Approx(0).margin(1e-9));
   CHECK(right_of(eyes.right, {0, 0, 2}) == Approx(0).margin(1e-9));
   CHECK(eyes.left.world_from_camera[3].x < 0);
-  // For the right eye, a point behind moves right by twice the sine of half the angle per unit.
+  // For the right eye, a point behind the centre moves to the right: per unit, twice the sine of half the angle.
   const double shift = 2 * 10 * std::sin(std::atan(0.25 / 8));
   CHECK(right_of(eyes.right, {0, 0, -8}) - right_of(eyes.left, {0, 0, -8}) == Approx(shift));
   CHECK(right_of(eyes.right, {0, 0, 12}) - right_of(eyes.left, {0, 0, 12}) == Approx(-shift));

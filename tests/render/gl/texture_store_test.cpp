@@ -27,7 +27,7 @@ Image random_image(std::uint32_t width, std::uint32_t height, std::uint32_t comp
   return image;
 }
 
-/// Returns the overlap of a pixel range with one of `to` equal parts.
+/// Returns the overlap of a pixel with part `part` of `to` equal parts of the image.
 double overlap(std::uint32_t pixel, std::uint32_t part, std::uint32_t from, std::uint32_t to) {
   const double begin = static_cast<double>(part) * from / to, end = static_cast<double>(part + 1) * from / to;
   return std::max(0.0, std::min<double>(pixel + 1, end) - std::max<double>(pixel, begin));
@@ -58,7 +58,7 @@ TEST_CASE("filters each mipmap level from the one before by a box filter, for an
   auto loaded = Gl::load(context);
   REQUIRE(std::holds_alternative<Gl>(loaded));
   const Gl& gl = std::get<Gl>(loaded);
-  REQUIRE(gl.software);  // drivers with a GPU filter on their own
+  REQUIRE(gl.software);  // with a GPU, the driver filters in its own way
   const auto get_image = reinterpret_cast<GetTexImage>(context.proc_address("glGetTexImage"));
   REQUIRE(get_image);
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);

@@ -25,7 +25,7 @@ std::string message_of(const Bytes& bytes, std::size_t max_pixels = std::size_t{
   return std::get<ImageError>(result).message;
 }
 
-/// Accepts any result that keeps the promises of Image.
+/// Checks that the result is an error or a valid Image.
 void check_consistent(std::span<const std::byte> bytes) {
   const auto result = decode_image(bytes, {.file_pixels = 1 << 16});
   if (const auto* error = std::get_if<ImageError>(&result)) {

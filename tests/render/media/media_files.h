@@ -20,6 +20,22 @@ inline Bytes bytes_of(const std::string& text) {
   return bytes;
 }
 
+/// Calls `check` with beginnings of a file, and with the whole file after random changes, `count` of each.
+template <class Check>
+void each_damaged(const Bytes& bytes, std::size_t count, Check check) {
+  for (std::size_t part = 0; part < bytes.size(); part += 1 + bytes.size() / count)
+    check(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(part)));
+  std::uint32_t random = 7;
+  for (std::size_t turn = 0; turn < count; ++turn) {
+    Bytes damaged = bytes;
+    for (int i = 0; i < 8; ++i) {
+      random = random * 1664525 + 1013904223;
+      damaged[(random >> 8) % damaged.size()] = static_cast<std::byte>(random);
+    }
+    check(damaged);
+  }
+}
+
 inline void put(std::string& text, std::uint64_t value, int count) {
   for (int i = 0; i < count; ++i) text += static_cast<char>(value >> (8 * i) & 0xff);
 }

@@ -48,7 +48,7 @@ TEST_CASE("computes the times of MIDI notes by the tempo changes") {
   CHECK(faster.events[1].time == Approx(0.75));
   CHECK(faster.events[1].status == 0x90);
   CHECK(faster.events[2].time == Approx(1.25));
-  // 25 frames per second, 40 ticks each.
+  // The division has 25 frames per second and 40 ticks per frame.
   CHECK(song_of(song_with(std::string("\x64\x90\x40\x40\0\xff\x2f\0", 8), "\xe7\x28")).duration == Approx(0.1));
 }
 
@@ -62,7 +62,7 @@ TEST_CASE("decodes the intact part of truncated or damaged MIDI files, or report
        {std::string("MThd\0\0\0\6\0\2\0\1\0\x60", 14), std::string("MThd\0\0\0\6\0\0\0\1\0\0", 14),
         song_with(std::string("\0\xff\x2f\0", 4)), song_with(std::string("\xff\xff\xff\xff\x90", 5))})
     CHECK(read_midi(bytes_of(bad)).index() == 1);
-  // Longer than any song.
+  // The track is longer than any song.
   std::string endless;
   for (int i = 0; i < 40; ++i) endless += std::string("\xff\xff\xff\x7f\x90\x40\x40", 7);
   CHECK(read_midi(bytes_of(song_with(std::string("\0\xff\x51\3\xff\xff\xff", 7) + endless))).index() == 1);
@@ -72,7 +72,7 @@ TEST_CASE("plays MIDI by FluidSynth if it and a sound font are installed (6.4)")
   const Bytes bytes = bytes_of(media::midi_song());
   auto opened = open_samples(bytes, 44'100);
   if (const auto* wrong = std::get_if<MediaError>(&opened)) {
-    // A line that names the missing library.
+    // The message names the missing library.
     CHECK(wrong->message.find("MIDI needs FluidSynth and a sound font") != std::string::npos);
     WARN(wrong->message);
     return;

@@ -2,6 +2,7 @@
 #include "render/media/movie.h"
 
 #include "render/media/sample_reader.h"
+#include "tests/render/media/media_files.h"
 
 #include <catch2/catch.hpp>
 
@@ -164,17 +165,7 @@ TEST_CASE("decodes the intact part of truncated or damaged movies, or reports an
       else
         CHECK(std::get<ImageError>(decoded).message.size() > 10);
     };
-    for (std::size_t part = 0; part < bytes.size(); part += 1 + bytes.size() / 60)
-      check(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(part)));
-    std::uint32_t random = 7;
-    for (int turn = 0; turn < 60; ++turn) {
-      Bytes damaged = bytes;
-      for (int i = 0; i < 8; ++i) {
-        random = random * 1664525 + 1013904223;
-        damaged[(random >> 8) % damaged.size()] = static_cast<std::byte>(random);
-      }
-      check(damaged);
-    }
+    media::each_damaged(bytes, 60, check);
   }
 }
 

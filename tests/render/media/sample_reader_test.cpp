@@ -33,7 +33,7 @@ std::vector<float> all_of(SampleReader& reader, std::size_t piece = 1000) {
   return samples;
 }
 
-// The left channel rises, the right one falls.
+// Ramp: the left channel rises, the right channel falls.
 double ramp(std::size_t i, int channel) { return (channel == 0 ? 1 : -1) * static_cast<double>(i % 30'000) / 32'768; }
 
 TEST_CASE("reads a WAV sample by sample, and seeks to any time") {
@@ -65,7 +65,7 @@ TEST_CASE("reads a WAV sample by sample, and seeks to any time") {
 }
 
 TEST_CASE("reads MP3, Ogg and FLAC with their durations") {
-  // A second of 440 Hz at 22050 samples a second.
+  // Each file is one second of 440 Hz with 22,050 samples per second.
   for (const std::string name : {"tone.mp3", "tone.ogg", "tone.flac", "tone.au"}) {
     INFO(name);
     const Bytes bytes = bytes_of(media::file_text(std::string(GHOSTSPACE_TESTS) + "/fuzz/corpus/render/sound/" + name));
@@ -126,17 +126,7 @@ TEST_CASE("decodes the intact part of truncated or damaged sounds, or reports an
       reader.seek(0.7);
       (void)all_of(reader);
     };
-    for (std::size_t part = 0; part < bytes.size(); part += 1 + bytes.size() / 40)
-      check(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(part)));
-    std::uint32_t random = 7;
-    for (int turn = 0; turn < 40; ++turn) {
-      Bytes damaged = bytes;
-      for (int i = 0; i < 8; ++i) {
-        random = random * 1664525 + 1013904223;
-        damaged[(random >> 8) % damaged.size()] = static_cast<std::byte>(random);
-      }
-      check(damaged);
-    }
+    media::each_damaged(bytes, 40, check);
   }
 }
 

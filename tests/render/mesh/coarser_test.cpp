@@ -27,7 +27,7 @@ struct World {
   RenderList list;
 };
 
-// Returns the distance of a mesh point from axis or centre; 1 is the curved surface.
+// Returns the distance of a mesh point from the axis or centre, relative to the curved surface.
 float reach(const std::string& geometry, const glm::vec3& p) {
   const float around = std::hypot(p.x, p.z);
   return geometry == "Sphere" ? glm::length(p) : geometry == "Cone" ? around / ((1 - p.y) / 2) : around;
@@ -56,7 +56,8 @@ TEST_CASE("makes a coarser mesh of a primitive within its stated error, with few
       for (std::size_t i = 0; i + 2 < coarser.indices.size(); i += 3) {
         const glm::vec3 a = coarser.positions[coarser.indices[i]], b = coarser.positions[coarser.indices[i + 1]];
         const glm::vec3 middle = (a + b) * 0.5f;
-        // Caps are inside; the sides of a quad touch the surface or cut it. Near its tip a cone has no radius.
+        // Caps are inside the surface. The sides of a quad touch the surface or cut it. Near its tip, a cone has no
+        // radius.
         if (geometry != "Sphere" &&
             (std::abs(a.y - b.y) > 1e-4f || a.y > 0.9f || std::hypot(a.x, a.z) < 0.5f || std::hypot(b.x, b.z) < 0.5f))
           continue;

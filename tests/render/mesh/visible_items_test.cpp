@@ -1,4 +1,4 @@
-// Tests of the tree that finds the visible items of a large list, against the test of each item.
+// Tests of the tree that finds the visible items of a large list. Its results are compared with a test of each item.
 #include "render/mesh/visible_items.h"
 
 #include "render/collection/render_scene.h"
@@ -65,7 +65,7 @@ TEST_CASE("collects every item in view, and omits most others") {
       const double near = 0.1 * scale, far = 70 * scale;
       const auto* found = visible.find(list, Frustum(camera_from_world, glm::vec2(0.4f), near, far));
       if (turn == 0) {
-        CHECK(found == nullptr);  // one picture does not pay for a tree
+        CHECK(found == nullptr);  // for a single picture, no tree is built
         continue;
       }
       REQUIRE(found);
@@ -98,10 +98,10 @@ TEST_CASE("finds moved items, and rebuilds for a list of another generation") {
   // If half of the items move, no tree is used.
   for (std::uint32_t i = 0; i < kItems; ++i) list.moved.push_back(i);
   CHECK_FALSE(find());
-  // The items rest again.
+  // The items no longer move, so a new tree is built.
   for (int i = 0; i < 40; ++i) (void)find();
   REQUIRE(find());
-  // With the items of the same leaf.
+  // The result contains the items of the same leaf.
   CHECK(find()->size() <= 8);
   CHECK(std::binary_search(find()->begin(), find()->end(), 77u));
   list.generation = 6;
@@ -170,7 +170,7 @@ TEST_CASE("draws many Shapes equally with and without the tree, at rest and whil
   Camera camera = camera_at({0, 5, 10});
   Image before;
   for (int i = 0; i < 3; ++i) before = draw(camera);
-  // An item comes near.
+  // An item moves near the viewer.
   const vrml::NodeId moved = names.find("T1975");
   REQUIRE(moved);
   execution.step(1001);

@@ -48,14 +48,14 @@ TEST_CASE("makes trees of large meshes only for callers that request them", "[op
   MeshTrees trees;
   const auto first = floor_at(1), second = floor_at(2);
   trees.prepare(first);
-  CHECK_FALSE(trees.find(first) == nullptr);  // it is only being made now, since no caller asked before
+  CHECK_FALSE(trees.find(first) == nullptr);  // the tree is not ready yet, because this is the first request
   trees.prepare(second);
   const auto tree = trees.find(second);
   CHECK(tree->ready);
   const auto hit = tree->tree->nearest(*second, {{0.4, 9, 0.6}, {0, -1, 0}});
   REQUIRE(hit);
   CHECK(hit->distance == Approx(7));
-  CHECK(trees.find(second) != tree);  // it belonged to the caller that found it
+  CHECK(trees.find(second) != tree);  // only the caller that found the tree held it
   // Trees without recent requests are no longer made.
   MeshTrees idle;
   idle.ask();
@@ -82,7 +82,7 @@ TEST_CASE("finds the same nearest point before and after the tree of a large mes
   prepared.trees()->ask();
   prepared.trees()->prepare(list.items[0].mesh);
   const auto after = prepared.near(list, lower, upper, 10'000);
-  CHECK(prepared.bytes() > 0);  // it is ready
+  CHECK(prepared.bytes() > 0);  // the tree is ready
   REQUIRE(after.size() == before.size());
   const auto sum = [](const auto& triangles) {
     glm::dvec3 all(0);
@@ -104,7 +104,7 @@ TEST_CASE("meets the former mesh of an item until the tree of the new one is rea
   CHECK(bvh.nearest(list, line)->point.y == Approx(0));
   const auto next = floor_at(1);
   list.items[0].mesh = next;
-  // While the new tree is made, rays hit either floor at its own point, and finally the new one.
+  // While the new tree is made, rays hit one of the two floors at a correct point. Finally they hit the new floor.
   double y = 0;
   for (int i = 0; i < 100'000 && y != 1; ++i) {
     const auto hit = bvh.nearest(list, line);

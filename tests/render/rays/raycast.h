@@ -87,17 +87,17 @@ struct Vector {
 };
 
 /// Returns the vectors in front of the camera, nearest first.
-inline std::vector<Vector> vectors_of(const qnv::Volume& cloud, const SplatView& view, const Lens& lens,
+inline std::vector<Vector> vectors_of(const qnv::Volume& geometry, const SplatView& view, const Lens& lens,
                                       const VolumeOptions& options) {
   std::vector<Vector> vectors;
-  const VolumeModel model = volume_model(cloud, view.threads);
+  const VolumeModel model = volume_model(geometry, view.threads);
   const double scale = std::cbrt(std::abs(lens.determinant));
   const double pixels2 = lens.width / (2 * lens.tangents.x) * lens.height / (2 * lens.tangents.y);  // at depth 1
   const glm::dmat3 normal_matrix = glm::transpose(lens.inverse);
   for (std::size_t k = 0; k < model.spacing.size(); ++k) {
     Vector v{};
-    v.alpha = static_cast<double>(volume_alpha(cloud, model, options, k));
-    v.place = dvec3(lens.camera_from_node * glm::dvec4(cloud.positions[k], 1));
+    v.alpha = static_cast<double>(volume_alpha(geometry, model, options, k));
+    v.place = dvec3(lens.camera_from_node * glm::dvec4(geometry.positions[k], 1));
     const double depth = -v.place.z, spacing = static_cast<double>(model.spacing[k]) * scale;
     if (!(v.alpha > 0 && depth > static_cast<double>(view.near_plane) && depth > spacing)) continue;
     if (!std::isfinite(v.place.x) || !std::isfinite(v.place.y) || !std::isfinite(depth)) continue;
@@ -108,8 +108,8 @@ inline std::vector<Vector> vectors_of(const qnv::Volume& cloud, const SplatView&
       v.area = least;
     }
     if (!(v.area > 0)) continue;
-    v.color = volume_shade(options, volume_color(cloud, model, options, k), glm::vec3(v.place),
-                           glm::vec3(normal_matrix * dvec3(cloud.normals[k])));
+    v.color = volume_shade(options, volume_color(geometry, model, options, k), glm::vec3(v.place),
+                           glm::vec3(normal_matrix * dvec3(geometry.normals[k])));
     vectors.push_back(v);
   }
   std::stable_sort(vectors.begin(), vectors.end(),
@@ -137,24 +137,24 @@ struct Disc {
   }
 };
 
-inline std::vector<Disc> discs_of(const qnv::Splats& cloud, const Lens& lens, const dvec3& eye) {
+inline std::vector<Disc> discs_of(const qnv::Splats& geometry, const Lens& lens, const dvec3& eye) {
   std::vector<Disc> discs;
   const double step = 2 * std::max(lens.tangents.x / lens.width, lens.tangents.y / lens.height);
   double scale = 0;
   for (int i = 0; i < 3; ++i) scale = std::max(scale, glm::length(lens.linear[i]));
-  for (std::size_t k = 0; k < cloud.size(); ++k) {
+  for (std::size_t k = 0; k < geometry.size(); ++k) {
     Disc d{};
-    d.place = dvec3(cloud.positions[k]) - eye;
-    d.normal = cloud.normals[k];
+    d.place = dvec3(geometry.positions[k]) - eye;
+    d.normal = geometry.normals[k];
     d.plane = glm::dot(d.normal, d.place);
-    if (d.plane > 0 && !cloud.description.two_sided) continue;
+    if (d.plane > 0 && !geometry.description.two_sided) continue;
     if (!(d.plane * d.plane > kGrazing * kGrazing * glm::dot(d.place, d.place))) continue;
     const double depth = -(lens.linear * d.place).z, sample = depth * step / scale;
-    const double radius = std::sqrt(static_cast<double>(cloud.weights[k]) / std::numbers::pi);
-    d.cube = !cloud.cells.empty() && cloud.cells[k].edge > 0;
+    const double radius = std::sqrt(static_cast<double>(geometry.weights[k]) / std::numbers::pi);
+    d.cube = !geometry.cells.empty() && geometry.cells[k].edge > 0;
     if (d.cube) {
-      const auto edge = static_cast<double>(cloud.cells[k].edge);
-      d.clip = d.place - d.normal * static_cast<double>(cloud.cells[k].offset);
+      const auto edge = static_cast<double>(geometry.cells[k].edge);
+      d.clip = d.place - d.normal * static_cast<double>(geometry.cells[k].offset);
       const double margin = d.plane > 0 ? edge * kBackMargin : std::max(edge * kCubeMargin, sample * kSampleMargin);
       d.reach = std::max(edge * 0.5 + margin, sample * kMinReach);
       d.bell = std::max({radius * kCubeBell, 0.5 * edge, sample * kMinReach});
@@ -162,9 +162,9 @@ inline std::vector<Disc> discs_of(const qnv::Splats& cloud, const Lens& lens, co
       d.clip = d.place;
       d.reach = std::max(radius * kDiscCover, sample * kMinReach);
       d.bell = std::max(radius * kDiscBell, sample * kMinReach);
-      d.cube = !cloud.cells.empty();
+      d.cube = !geometry.cells.empty();
     }
-    const qnv::Rgb8& c = cloud.colors.empty() ? cloud.color : cloud.colors[k];
+    const qnv::Rgb8& c = geometry.colors.empty() ? geometry.color : geometry.colors[k];
     d.color = dvec3(c.r, c.g, c.b) / 255.0;
     if (std::isfinite(d.bell) && d.bell > 0) discs.push_back(d);
   }
@@ -213,15 +213,15 @@ inline Sample sample_of(const std::vector<Disc>& discs, const dvec3& ray, double
 
 /// Evaluates equation (1) of the paper for a volume, exactly and slowly. For each pixel's ray it sums over all vectors
 /// in double precision, for the model of volume_model.h. Footprints are unbounded, and only vectors that the model
-/// excludes are skipped. This is the reference for rasterize_volume. The depth is that of the vector at which the
+/// excludes are skipped. This is the reference for rasterize_volumes(). The depth is that of the vector at which the
 /// opacity from the front reaches 0.5; 0 if it never does.
 ///
 /// Takes time proportional to pixels times vectors. Thread-safe; accepts any numbers. Empty if nothing is in view.
-inline RayImage raycast_volume(const qnv::Volume& cloud, const SplatView& view, const VolumeOptions& options) {
+inline RayImage raycast_volume(const qnv::Volume& geometry, const SplatView& view, const VolumeOptions& options) {
   RayImage image;
   const auto lens = exact::lens_of(view, 1);
   if (!lens) return image;
-  const std::vector<exact::Vector> vectors = exact::vectors_of(cloud, view, *lens, options);
+  const std::vector<exact::Vector> vectors = exact::vectors_of(geometry, view, *lens, options);
   if (vectors.empty()) return image;
   image.width = view.width;
   image.height = view.height;
@@ -252,10 +252,9 @@ inline RayImage raycast_volume(const qnv::Volume& cloud, const SplatView& view, 
 ///
 /// For each sample's ray, it finds the nearest splat that covers the ray's intersection with its plane. A splat from an
 /// octree covers its cube plus a margin on each side: kCubeMargin of the edge (kBackMargin if its back is visible), or
-/// kSampleMargin samples. Any other splat covers kDiscCover times its radius; if the point set has cubes, it covers a
-/// cube of that half edge. All splats cover at least kMinReach samples. Back-facing splats count only if the point
-/// set is two-sided. Splats seen edge-on, up to a cosine of kGrazing, never count. splat_constants.h defines the
-/// constants.
+/// kSampleMargin samples. Any other splat covers kDiscCover times its radius; if the splats have cubes, it covers a
+/// cube of that half edge. All splats cover at least kMinReach samples. Back-facing splats count only if the splats are
+/// two-sided. Splats seen edge-on, up to a cosine of kGrazing, never count. splat_constants.h defines the constants.
 ///
 /// At that point p, normals and colours are weighted means over all splats that show the same side. The weights are
 /// bells (1 - |p - x_k|^2 / (4 R_k^2))^4. These approximate the paper's exp(-|p - x_k|^2 / A_k) with A_k = 0.83 R_k^2
@@ -265,15 +264,15 @@ inline RayImage raycast_volume(const qnv::Volume& cloud, const SplatView& view, 
 /// With `smooth`, kSmoothing times the slope of the blended surface is added to the normal. That surface is the zero
 /// set of the weighted mean height over the splats' planes. rasterize_surface does so if measure_surface says so.
 ///
-/// Takes time proportional to samples times splats. Thread-safe; accepts any numbers. Empty if the point set or the
-/// view is.
-inline RaySurface raycast_surface(const qnv::Splats& cloud, const SplatView& view, bool smooth) {
+/// Takes time proportional to samples times splats. Thread-safe; accepts any numbers. The result is empty if the splats
+/// or the view are.
+inline RaySurface raycast_surface(const qnv::Splats& geometry, const SplatView& view, bool smooth) {
   RaySurface image;
   const int s = std::max(view.supersample, 1);
   const auto lens = exact::lens_of(view, s);
-  if (!lens || cloud.empty()) return image;
+  if (!lens || geometry.empty()) return image;
   const glm::dvec3 eye = -(lens->inverse * glm::dvec3(lens->camera_from_node[3]));
-  const std::vector<exact::Disc> discs = exact::discs_of(cloud, *lens, eye);
+  const std::vector<exact::Disc> discs = exact::discs_of(geometry, *lens, eye);
   image.width = view.width;
   image.height = view.height;
   const auto columns = static_cast<std::size_t>(view.width), rows = static_cast<std::size_t>(view.height);

@@ -136,7 +136,7 @@ TEST_CASE("builds a tree of NaN, huge and coincident triangles") {
   REQUIRE(hit);
   CHECK(hit->triangle == 0);
   CHECK(hit->weights == glm::dvec3(0.5, 0.25, 0.25));
-  // Sizes that grow by powers of ten split badly, but the depth stays bounded.
+  // Sizes that grow by powers of ten split badly. The depth must stay bounded.
   vrml::Mesh growing;
   for (std::uint32_t i = 0; i < 3 * 5000; ++i) {
     growing.positions.push_back(glm::vec3(std::pow(1.017, i / 3), i % 3 == 1 ? 1 : 0, i % 3 == 2 ? 1 : 0));
@@ -168,7 +168,7 @@ TEST_CASE("returns the nearest item with its point, normal and texture coordinat
   CHECK(hit->point == glm::dvec3(2.5, 5, -4));
   CHECK(hit->normal == glm::dvec3(0, 0, -1));  // mirrored: front and back swap
   CHECK(hit->texture_coordinate == glm::vec2(0.25f, 0.25f));
-  // It moves away, and another item arrives.
+  // The hit item moves away, and another item is added.
   list.items[1].world_from_node = glm::translate(glm::mat4(1), {50, 0, -4});
   CHECK(rays.nearest(list, {{2.5, 5, 0}, {0, 0, -1}})->item == 0);
   auto smooth = std::make_shared<vrml::Mesh>(*grid(10, 0));

@@ -3,7 +3,7 @@
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/shared/encode_options.h"
-#include "tests/render/clouds.h"
+#include "tests/render/geometry_shapes.h"
 #include "tests/render/rays/raycast.h"
 #include "tests/render/splat_scenes.h"
 
@@ -29,9 +29,9 @@ constexpr glm::vec3 kUp(0, 0, 1);
 
 /// Returns one splat of radius 1 at `center`, facing +z.
 qnv::Splats disc_at(const glm::vec3& center) {
-  qnv::Splats cloud;
-  add(cloud, center, kUp, kPi);
-  return cloud;
+  qnv::Splats geometry;
+  add(geometry, center, kUp, kPi);
+  return geometry;
 }
 PickRay down(float x, float y, float z = 5) {
   PickRay ray;
@@ -40,8 +40,8 @@ PickRay down(float x, float y, float z = 5) {
 }
 const glm::mat4 kHere(1);
 
-/// Returns the ray through the centre of a pixel, in the camera's node, and its length relative to the depth along the
-/// axis.
+/// Returns the ray through the centre of a pixel, in node space. Sets `slant` to the length of the ray relative to its
+/// depth along the axis.
 PickRay through(const SplatView& view, int x, int y, float& slant) {
   const glm::mat4 world_from_camera = glm::inverse(view.camera_from_node);
   const glm::vec3 seen(((static_cast<float>(x) + 0.5f) / static_cast<float>(view.width) * 2 - 1) * view.tangents.x,
@@ -55,16 +55,23 @@ PickRay through(const SplatView& view, int x, int y, float& slant) {
   return ray;
 }
 
+/// Returns the distance of the nearest splat on the ray.
+std::optional<float> pick_surface(const qnv::Geometry& geometry, const glm::dmat4& world_from_node, const PickRay& ray,
+                                  const PickLimits& limits = {}) {
+  const auto hit = pick_disc(geometry, world_from_node, ray, limits);
+  return hit ? std::optional(hit->distance) : std::nullopt;
+}
+
 /// Returns the share of pixels that agree with the exact ray caster. The picker measures pixels along the ray, the ray
 /// caster along the view axis, so outlines differ slightly.
-double agreement(const qnv::Geometry& cloud, const SplatView& view) {
-  const RaySurface picture = raycast_surface(*cloud.as<qnv::Splats>(), view, false);
+double agreement(const qnv::Geometry& geometry, const SplatView& view) {
+  const RaySurface picture = raycast_surface(*geometry.as<qnv::Splats>(), view, false);
   std::size_t equal = 0, all = 0;
   for (int y = 0; y < view.height; ++y)
     for (int x = 0; x < view.width; ++x) {
       float slant = 1;
       const PickRay ray = through(view, x, y, slant);
-      const auto hit = pick_surface(cloud, kHere, ray);
+      const auto hit = pick_surface(geometry, kHere, ray);
       const float depth = picture.depth[static_cast<std::size_t>(y * view.width + x)];
       equal += hit.has_value() == (depth > 0) && (!hit || std::abs(*hit / slant - depth) < 1e-4f * depth) ? 1 : 0;
       ++all;
@@ -104,89 +111,89 @@ std::shared_ptr<const qnv::Geometry> leveled_sphere(std::size_t vectors) {
 }  // namespace
 
 TEST_CASE("meets a splat as far out as it is drawn") {
-  const qnv::Splats cloud = disc_at({0, 0, 1});
-  REQUIRE(pick_surface(cloud, kHere, down(0, 0)));
-  CHECK(*pick_surface(cloud, kHere, down(0, 0)) == Approx(4));
-  CHECK(pick_surface(cloud, kHere, down(1.69f, 0)));  // kDiscCover times the radius
-  CHECK_FALSE(pick_surface(cloud, kHere, down(1.71f, 0)));
+  const qnv::Splats geometry = disc_at({0, 0, 1});
+  REQUIRE(pick_surface(geometry, kHere, down(0, 0)));
+  CHECK(*pick_surface(geometry, kHere, down(0, 0)) == Approx(4));
+  CHECK(pick_surface(geometry, kHere, down(1.69f, 0)));  // kDiscCover times the radius
+  CHECK_FALSE(pick_surface(geometry, kHere, down(1.71f, 0)));
   PickRay ray = down(0, 0);
   ray.farthest = 3.9f;
-  CHECK_FALSE(pick_surface(cloud, kHere, ray));
+  CHECK_FALSE(pick_surface(geometry, kHere, ray));
   ray = down(0, 0);
   ray.direction = {0, 0, 1};
-  CHECK_FALSE(pick_surface(cloud, kHere, ray));
+  CHECK_FALSE(pick_surface(geometry, kHere, ray));
 }
 
 TEST_CASE("meets the backs of splats where they are drawn") {
-  qnv::Splats cloud = disc_at({0, 0, 0});
+  qnv::Splats geometry = disc_at({0, 0, 0});
   PickRay from_behind = down(0, 0, -3);
   from_behind.direction = {0, 0, 1};
-  CHECK_FALSE(pick_surface(cloud, kHere, from_behind));
-  cloud.description.two_sided = true;
-  REQUIRE(pick_surface(cloud, kHere, from_behind));
-  CHECK(*pick_surface(cloud, kHere, from_behind) == Approx(3));
-  // Edge on it is invisible.
+  CHECK_FALSE(pick_surface(geometry, kHere, from_behind));
+  geometry.description.two_sided = true;
+  REQUIRE(pick_surface(geometry, kHere, from_behind));
+  CHECK(*pick_surface(geometry, kHere, from_behind) == Approx(3));
+  // Seen edge-on, the splat is invisible.
   PickRay along = down(-5, 0, 0.001f);
   along.direction = {1, 0, 0};
-  CHECK_FALSE(pick_surface(cloud, kHere, along));
+  CHECK_FALSE(pick_surface(geometry, kHere, along));
 }
 
 TEST_CASE("returns the colour of a splat that has one") {
-  qnv::Splats cloud = disc_at({0, 0, 1});
-  const auto plain = pick_disc(cloud, kHere, down(0, 0));
+  qnv::Splats geometry = disc_at({0, 0, 1});
+  const auto plain = pick_disc(geometry, kHere, down(0, 0));
   REQUIRE(plain);
   CHECK(plain->distance == Approx(4));
   CHECK_FALSE(plain->color);
-  cloud.colors = {{1, 2, 3}};
-  CHECK(pick_disc(cloud, kHere, down(0, 0))->color == qnv::Rgb8{1, 2, 3});
-  // Of two splats, the nearer one.
-  add(cloud, {0, 0, 2}, {0, 0, 1}, 3.14f);
-  cloud.colors.push_back({7, 8, 9});
-  CHECK(pick_disc(cloud, kHere, down(0, 0))->color == qnv::Rgb8{7, 8, 9});
-  cloud.colors.pop_back();
-  CHECK_FALSE(pick_disc(cloud, kHere, down(0, 0))->color);  // arrays of different lengths
+  geometry.colors = {{1, 2, 3}};
+  CHECK(pick_disc(geometry, kHere, down(0, 0))->color == qnv::Rgb8{1, 2, 3});
+  // The ray hits the nearer of two splats.
+  add(geometry, {0, 0, 2}, {0, 0, 1}, 3.14f);
+  geometry.colors.push_back({7, 8, 9});
+  CHECK(pick_disc(geometry, kHere, down(0, 0))->color == qnv::Rgb8{7, 8, 9});
+  geometry.colors.pop_back();
+  CHECK_FALSE(pick_disc(geometry, kHere, down(0, 0))->color);  // arrays of different lengths
 }
 
 TEST_CASE("measures distances in world space under any affine matrix, and splats in node space") {
-  const qnv::Splats cloud = disc_at({0, 0, 1});
+  const qnv::Splats geometry = disc_at({0, 0, 1});
   const glm::mat4 place = glm::translate(glm::mat4(1), {10, 0, 0}) * glm::scale(glm::mat4(1), {3, 0.5f, 2});
-  const auto hit = pick_surface(cloud, place, down(10, 0));
+  const auto hit = pick_surface(geometry, place, down(10, 0));
   REQUIRE(hit);
   CHECK(*hit == Approx(3));  // the disc lies at z = 2
-  CHECK(pick_surface(cloud, place, down(10 + 3 * 1.69f, 0)));
-  CHECK_FALSE(pick_surface(cloud, place, down(10 + 3 * 1.71f, 0)));
-  CHECK(pick_surface(cloud, place, down(10, 0.5f * 1.69f)));
-  CHECK_FALSE(pick_surface(cloud, place, down(10, 0.5f * 1.71f)));
+  CHECK(pick_surface(geometry, place, down(10 + 3 * 1.69f, 0)));
+  CHECK_FALSE(pick_surface(geometry, place, down(10 + 3 * 1.71f, 0)));
+  CHECK(pick_surface(geometry, place, down(10, 0.5f * 1.69f)));
+  CHECK_FALSE(pick_surface(geometry, place, down(10, 0.5f * 1.71f)));
   const glm::mat4 mirrored = glm::scale(place, {-1, 1, 1});
-  CHECK(pick_surface(cloud, mirrored, down(10 - 3 * 1.69f, 0)));
-  CHECK_FALSE(pick_surface(cloud, glm::mat4(0.0f), down(0, 0)));
-  CHECK_FALSE(pick_surface(cloud, glm::scale(glm::mat4(1), {1, 1, 0}), down(0, 0)));
+  CHECK(pick_surface(geometry, mirrored, down(10 - 3 * 1.69f, 0)));
+  CHECK_FALSE(pick_surface(geometry, glm::mat4(0.0f), down(0, 0)));
+  CHECK_FALSE(pick_surface(geometry, glm::scale(glm::mat4(1), {1, 1, 0}), down(0, 0)));
 }
 
 TEST_CASE("meets splats of an octree only in their voxel and its margin") {
-  qnv::Splats cloud = disc_at({0, 0, 0.1f});
-  cloud.cells.push_back({1, 0.1f});  // from -0.5 to 0.5
-  CHECK(pick_surface(cloud, kHere, down(0.59f, -0.59f)));
-  CHECK_FALSE(pick_surface(cloud, kHere, down(0.61f, 0)));
-  CHECK(*pick_surface(cloud, kHere, down(0, 0)) == Approx(4.9f));
-  cloud.description.two_sided = true;
+  qnv::Splats geometry = disc_at({0, 0, 0.1f});
+  geometry.cells.push_back({1, 0.1f});  // from -0.5 to 0.5
+  CHECK(pick_surface(geometry, kHere, down(0.59f, -0.59f)));
+  CHECK_FALSE(pick_surface(geometry, kHere, down(0.61f, 0)));
+  CHECK(*pick_surface(geometry, kHere, down(0, 0)) == Approx(4.9f));
+  geometry.description.two_sided = true;
   PickRay from_behind = down(0.39f, 0, -3);
   from_behind.direction = {0, 0, 1};
-  CHECK(pick_surface(cloud, kHere, from_behind));
+  CHECK(pick_surface(geometry, kHere, from_behind));
   from_behind.origin.x = 0.41f;  // backs have a smaller margin
-  CHECK_FALSE(pick_surface(cloud, kHere, from_behind));
+  CHECK_FALSE(pick_surface(geometry, kHere, from_behind));
 }
 
 TEST_CASE("meets splats smaller than a pixel where they are drawn") {
-  qnv::Splats cloud;
-  add(cloud, {0, 0, 0}, kUp, 1e-12f);
+  qnv::Splats geometry;
+  add(geometry, {0, 0, 0}, kUp, 1e-12f);
   PickRay ray = down(0.005f, 0, 10);
   ray.pixel = 0;
-  CHECK_FALSE(pick_surface(cloud, kHere, ray));
+  CHECK_FALSE(pick_surface(geometry, kHere, ray));
   ray.pixel = 0.001f;  // 0.6 pixels are 0.006 units there
-  CHECK(pick_surface(cloud, kHere, ray));
+  CHECK(pick_surface(geometry, kHere, ray));
   ray.origin.x = 0.007f;
-  CHECK_FALSE(pick_surface(cloud, kHere, ray));
+  CHECK_FALSE(pick_surface(geometry, kHere, ray));
 }
 
 TEST_CASE("picks surfaces where the exact ray caster sees them", "[optimised]") {
@@ -195,7 +202,7 @@ TEST_CASE("picks surfaces where the exact ray caster sees them", "[optimised]") 
   SECTION("tiny discs far away") {
     CHECK(agreement(test::disc_sphere(200000, 0.9f), test::view_from({1, 2, 30}, 24, 20)) > 0.98);
   }
-  SECTION("cubes") { CHECK(agreement(*testing::octree_sphere(3000), view) > 0.97); }  // cut splats: ragged rims
+  SECTION("cubes") { CHECK(agreement(*testing::octree_sphere(3000), view) > 0.97); }  // clipped splats: ragged rims
   SECTION("two-sided") {
     qnv::Splats half = test::disc_sphere(3000, 0.9f);
     half.positions.resize(1500), half.normals.resize(1500), half.weights.resize(1500), half.colors.resize(1500);
@@ -205,21 +212,21 @@ TEST_CASE("picks surfaces where the exact ray caster sees them", "[optimised]") 
 }
 
 TEST_CASE("picks the same point with any number of threads and tasks") {
-  const qnv::Splats cloud = test::disc_sphere(200000, 1);
+  const qnv::Splats geometry = test::disc_sphere(200000, 1);
   PickLimits one, many;
   one.threads = 1;
   many.threads = 5;
   for (const float x : {0.0f, 0.3f, 0.7f, 0.999f, 1.2f})
-    CHECK(pick_surface(cloud, kHere, down(x, 0.1f), one) == pick_surface(cloud, kHere, down(x, 0.1f), many));
+    CHECK(pick_surface(geometry, kHere, down(x, 0.1f), one) == pick_surface(geometry, kHere, down(x, 0.1f), many));
 }
 
 TEST_CASE("picks among the first splats if there are too many") {
-  const qnv::Splats cloud = test::disc_sphere(20000, 1);
+  const qnv::Splats geometry = test::disc_sphere(20000, 1);
   qnv::Splats order;  // orders vectors so that any prefix covers the sphere
-  std::vector<std::size_t> indices(cloud.size());
+  std::vector<std::size_t> indices(geometry.size());
   for (std::size_t i = 0; i < indices.size(); ++i) indices[i] = i;
   std::shuffle(indices.begin(), indices.end(), std::mt19937(3));
-  for (const std::size_t i : indices) add(order, cloud.positions[i], cloud.normals[i], cloud.weights[i]);
+  for (const std::size_t i : indices) add(order, geometry.positions[i], geometry.normals[i], geometry.weights[i]);
   PickLimits limits;
   limits.vectors = 2000;
   std::size_t hits = 0;
@@ -231,41 +238,41 @@ TEST_CASE("picks among the first splats if there are too many") {
 }
 
 TEST_CASE("picks streams with levels at the detail of the picture") {
-  const auto cloud = leveled_sphere(60000);
+  const auto geometry = leveled_sphere(60000);
   for (const float x : {0.0f, 0.2f, -0.55f}) {
-    const auto hit = pick_surface(*cloud, kHere, down(x, 0.1f));
+    const auto hit = pick_surface(*geometry, kHere, down(x, 0.1f));
     REQUIRE(hit);
     CHECK(*hit == Approx(5 - std::sqrt(1 - x * x - 0.01f)).margin(0.01));
   }
-  CHECK_FALSE(pick_surface(*cloud, kHere, down(1.2f, 0)));
+  CHECK_FALSE(pick_surface(*geometry, kHere, down(1.2f, 0)));
   // Clusters beside the ray are not decoded.
-  qnv::LodStream& stream = *cloud->as<qnv::OctreeSplats>()->stream;
-  CHECK(stream.cached_discs() < stream.whole().size());
+  qnv::LodStream& stream = *geometry->as<qnv::OctreeSplats>()->stream;
+  CHECK(stream.statistics().cached_discs < stream.whole().size());
   const glm::mat4 place = glm::scale(glm::translate(glm::mat4(1), {0, 0, -10}), {20, 1, 4});
-  const auto stretched = pick_surface(*cloud, place, down(10, 0));
+  const auto stretched = pick_surface(*geometry, place, down(10, 0));
   REQUIRE(stretched);
   CHECK(*stretched == Approx(15 - 4 * std::sqrt(0.75f)).margin(0.05));
 }
 
 TEST_CASE("ignores splats with invalid numbers") {
-  qnv::Splats cloud = disc_at({0, 0, 0});
+  qnv::Splats geometry = disc_at({0, 0, 0});
   for (const float bad : {kNaN, kInfinity, -kInfinity, 3e38f, -3e38f}) {
-    add(cloud, {0, 0, bad}, kUp, 1);
-    add(cloud, {bad, 0, 1}, kUp, 1);
-    add(cloud, {0, 0, 2}, {0, 0, bad}, std::isnan(bad) || std::isinf(bad) ? 1.0f : -1.0f);
-    add(cloud, {0, 0, 2}, {bad, bad, bad}, 1);
-    add(cloud, {0, 0, 2}, kUp, std::isfinite(bad) ? -1.0f : bad);
+    add(geometry, {0, 0, bad}, kUp, 1);
+    add(geometry, {bad, 0, 1}, kUp, 1);
+    add(geometry, {0, 0, 2}, {0, 0, bad}, std::isnan(bad) || std::isinf(bad) ? 1.0f : -1.0f);
+    add(geometry, {0, 0, 2}, {bad, bad, bad}, 1);
+    add(geometry, {0, 0, 2}, kUp, std::isfinite(bad) ? -1.0f : bad);
   }
-  REQUIRE(pick_surface(cloud, kHere, down(0, 0)));
-  CHECK(*pick_surface(cloud, kHere, down(0, 0)) == Approx(5));
-  cloud.cells.resize(cloud.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i) cloud.cells[i] = {i % 2 == 0 ? kNaN : kInfinity, kInfinity};
-  (void)pick_surface(cloud, kHere, down(0, 0));
-  cloud.cells.resize(1);
-  CHECK_FALSE(pick_surface(cloud, kHere, down(0, 0)));  // arrays of different lengths
-  cloud.cells.clear();
-  cloud.normals.pop_back();
-  CHECK_FALSE(pick_surface(cloud, kHere, down(0, 0)));
+  REQUIRE(pick_surface(geometry, kHere, down(0, 0)));
+  CHECK(*pick_surface(geometry, kHere, down(0, 0)) == Approx(5));
+  geometry.cells.resize(geometry.size());
+  for (std::size_t i = 0; i < geometry.size(); ++i) geometry.cells[i] = {i % 2 == 0 ? kNaN : kInfinity, kInfinity};
+  (void)pick_surface(geometry, kHere, down(0, 0));
+  geometry.cells.resize(1);
+  CHECK_FALSE(pick_surface(geometry, kHere, down(0, 0)));  // arrays of different lengths
+  geometry.cells.clear();
+  geometry.normals.pop_back();
+  CHECK_FALSE(pick_surface(geometry, kHere, down(0, 0)));
   CHECK_FALSE(pick_surface({}, kHere, down(0, 0)));
   const qnv::Splats one = disc_at({0, 0, 0});
   for (const float bad : {kNaN, kInfinity, 1e30f}) {
@@ -285,19 +292,19 @@ namespace {
 
 /// Returns layers of 21 x 21 vectors of spacing 0.1 around the z axis, from z = 0 downwards.
 qnv::Volume layers_of(int layers, float opacity) {
-  qnv::Volume cloud = test::empty_volume(opacity, 0.1f);
+  qnv::Volume geometry = test::empty_volume(opacity, 0.1f);
   for (int layer = 0; layer < layers; ++layer)
     for (int y = -10; y <= 10; ++y)
       for (int x = -10; x <= 10; ++x)
-        add(cloud, {0.1f * static_cast<float>(x), 0.1f * static_cast<float>(y), -0.1f * static_cast<float>(layer)}, kUp,
-            1, 128);
-  cloud.description.box = {{-1, -1, -0.1f * static_cast<float>(layers - 1)}, {1, 1, 0}};
-  return cloud;
+        add(geometry, {0.1f * static_cast<float>(x), 0.1f * static_cast<float>(y), -0.1f * static_cast<float>(layer)},
+            kUp, 1, 128);
+  geometry.description.box = {{-1, -1, -0.1f * static_cast<float>(layers - 1)}, {1, 1, 0}};
+  return geometry;
 }
 
-std::optional<VolumePick> pick_here(const qnv::Volume& cloud, const VolumeOptions& options, const PickRay& ray,
+std::optional<VolumePick> pick_here(const qnv::Volume& geometry, const VolumeOptions& options, const PickRay& ray,
                                     const glm::mat4& place = kHere) {
-  return pick_volume(cloud, volume_model(cloud), options, place, ray);
+  return pick_volume(geometry, volume_model(geometry), options, place, ray);
 }
 
 }  // namespace
@@ -310,7 +317,7 @@ TEST_CASE("picks a volume where it absorbs half of the light") {
   CHECK(first->opacity > 0.99f);
   CHECK(deeper->distance > first->distance + 0.15f);
   CHECK_FALSE(pick_here(dense, {}, down(2, 0)));
-  // Without half opacity, the middle of the volume counts.
+  // If no opacity reaches one half, the middle of the volume is hit.
   VolumeOptions faint;
   faint.opacity = 0.1f;
   const auto veil = pick_here(thin, faint, down(0, 0));
@@ -322,38 +329,38 @@ TEST_CASE("picks a volume where it absorbs half of the light") {
 }
 
 TEST_CASE("picks nothing of a volume that is not drawn") {
-  qnv::Volume cloud = layers_of(10, 0.9f);
+  qnv::Volume geometry = layers_of(10, 0.9f);
   VolumeOptions options;
   options.clip = glm::vec4(0, 0, -1, -0.45f);  // keeps z <= -0.45
-  CHECK(pick_here(cloud, options, down(0, 0))->distance == Approx(5.5).margin(0.11));
+  CHECK(pick_here(geometry, options, down(0, 0))->distance == Approx(5.5).margin(0.11));
   options = {};
-  for (std::size_t i = 0; i < 441 * 3; ++i) cloud.weights[i] = 0.5f;
+  for (std::size_t i = 0; i < 441 * 3; ++i) geometry.weights[i] = 0.5f;
   options.least_magnitude = 0.75f;
-  CHECK(pick_here(cloud, options, down(0, 0))->distance == Approx(5.3).margin(0.11));
+  CHECK(pick_here(geometry, options, down(0, 0))->distance == Approx(5.3).margin(0.11));
   options = {};
-  for (std::size_t i = 0; i < 441 * 7; ++i) cloud.classes[i] = 10;
+  for (std::size_t i = 0; i < 441 * 7; ++i) geometry.classes[i] = 10;
   const std::vector<qnv::TransferPoint> points{{0.2f, {}, 0}, {0.3f, {}, 0.9f}};
-  const VolumeTransfer transfer = volume_transfer(cloud.description, points);
+  const VolumeTransfer transfer = volume_transfer(geometry.description, points);
   options.transfer = &transfer;
-  CHECK(pick_here(cloud, options, down(0, 0))->distance == Approx(5.7).margin(0.11));
+  CHECK(pick_here(geometry, options, down(0, 0))->distance == Approx(5.7).margin(0.11));
   PickRay ray = down(0, 0);
   ray.farthest = 5.65f;
-  CHECK_FALSE(pick_here(cloud, options, ray));
+  CHECK_FALSE(pick_here(geometry, options, ray));
 }
 
 TEST_CASE("picks a volume at the depth of the exact ray caster") {
-  const qnv::Volume cloud = test::random_volume(4000, 7, 0.05f);
+  const qnv::Volume geometry = test::random_volume(4000, 7, 0.05f);
   const SplatView view = test::view_from({0.3f, 0.5f, 3}, 32, 24);
   VolumeOptions options;
-  const RayImage picture = raycast_volume(cloud, view, options);
-  const VolumeModel model = volume_model(cloud);
+  const RayImage picture = raycast_volume(geometry, view, options);
+  const VolumeModel model = volume_model(geometry);
   std::size_t near = 0, all = 0;
   for (int y = 6; y < 18; ++y)
     for (int x = 8; x < 24; ++x) {
       const float depth = picture.depth[static_cast<std::size_t>(y * view.width + x)];
       if (!(depth > 0)) continue;
       float slant = 1;
-      const auto hit = pick_volume(cloud, model, options, kHere, through(view, x, y, slant));
+      const auto hit = pick_volume(geometry, model, options, kHere, through(view, x, y, slant));
       ++all;
       near += hit && std::abs(hit->distance / slant - depth) < 0.1f ? 1 : 0;
     }
@@ -366,8 +373,8 @@ TEST_CASE("survives volumes of hostile numbers") {
   const float bad[] = {0, -1, 1, 1e38f, -1e38f, kNaN, kInfinity, -kInfinity, 1e-38f};
   const auto any = [&] { return bad[random() % std::size(bad)]; };
   for (int round = 0; round < 300; ++round) {
-    qnv::Volume cloud = test::empty_volume(0.5f, any());
-    for (int i = 0; i < 20; ++i) add(cloud, {any(), any(), any()}, {any(), any(), any()}, any(), 100);
+    qnv::Volume geometry = test::empty_volume(0.5f, any());
+    for (int i = 0; i < 20; ++i) add(geometry, {any(), any(), any()}, {any(), any(), any()}, any(), 100);
     PickRay ray;
     ray.origin = {any(), any(), any()};
     ray.direction = {any(), any(), any()};
@@ -377,10 +384,10 @@ TEST_CASE("survives volumes of hostile numbers") {
     VolumeOptions options;
     options.opacity = any();
     if (round % 2 == 0) options.clip = glm::vec4(any(), any(), any(), any());
-    (void)pick_here(cloud, options, ray, place);
-    (void)pick_surface(cloud, place, ray);
+    (void)pick_here(geometry, options, ray, place);
+    (void)pick_surface(geometry, place, ray);
   }
-  const qnv::Volume cloud = layers_of(2, 0.9f);
-  CHECK_FALSE(pick_volume(cloud, {}, {}, kHere, down(0, 0)));
-  CHECK_FALSE(pick_here(cloud, {}, down(0, 0), glm::mat4(0.0f)));
+  const qnv::Volume geometry = layers_of(2, 0.9f);
+  CHECK_FALSE(pick_volume(geometry, {}, {}, kHere, down(0, 0)));
+  CHECK_FALSE(pick_here(geometry, {}, down(0, 0), glm::mat4(0.0f)));
 }

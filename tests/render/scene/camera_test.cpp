@@ -67,7 +67,7 @@ TEST_CASE("keeps all corners in view of an orbit camera from every direction") {
             REQUIRE(std::abs(c.z) <= c.w);
             largest = std::max({largest, std::abs(c.x / c.w), std::abs(c.y / c.w)});
           }
-          if (bounds.size() != glm::vec3(0)) CHECK(largest > 0.85);  // and fills the picture
+          if (bounds.size() != glm::vec3(0)) CHECK(largest > 0.85);  // the object fills the picture
           REQUIRE(has_in_view(camera, bounds, width, height));
         }
 }
@@ -151,7 +151,7 @@ TEST_CASE("maps reversed depth from 1 to 0 by inverse distance, with any near pl
     const Projection lens = projection(camera, 300, 200, reversed);
     CHECK(lens.window_depth(camera.near_plane) == Approx(lens.nearest_depth()).margin(1e-6));
     CHECK(lens.window_depth(camera.far_plane) == Approx(lens.farthest_depth()).margin(1e-6));
-    // The rasteriser's depth of clip space. OpenGL's default depths are -1 to 1.
+    // Computes the depth as the rasteriser does from clip space. OpenGL's default depths are -1 to 1.
     for (const double distance : {0.5, 0.7, 3.0, 900.0, 5e6}) {
       const glm::dvec4 c = glm::dmat4(lens.clip_from_camera) * glm::dvec4(0, 0, -distance, 1);
       const double depth = reversed ? c.z / c.w : c.z / c.w * 0.5 + 0.5;

@@ -12,21 +12,21 @@ namespace {
 
 /// Returns two triangles, the second one textured.
 qnv::IndexedMesh half_pictured() {
-  qnv::IndexedMesh cloud;
-  cloud.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 5}, {1, 1, 5}, {0, 1, 5}};
-  cloud.normals.assign(6, glm::vec3(0, 0, 1));
-  cloud.weights.assign(6, 1.0f);
-  cloud.colors.assign(6, {51, 102, 255});
-  cloud.triangles = {0, 1, 2, 3, 4, 5};
-  cloud.texture_coordinates = {{0, 0}, {1, 1}, {0, 1}};
-  return cloud;
+  qnv::IndexedMesh geometry;
+  geometry.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 5}, {1, 1, 5}, {0, 1, 5}};
+  geometry.normals.assign(6, glm::vec3(0, 0, 1));
+  geometry.weights.assign(6, 1.0f);
+  geometry.colors.assign(6, {51, 102, 255});
+  geometry.triangles = {0, 1, 2, 3, 4, 5};
+  geometry.texture_coordinates = {{0, 0}, {1, 1}, {0, 1}};
+  return geometry;
 }
 
 }  // namespace
 
 TEST_CASE("makes separate meshes of textured and coloured triangles") {
-  const qnv::IndexedMesh cloud = half_pictured();
-  const auto plain = mesh_of_surface(cloud), pictured = mesh_of_surface(cloud, true);
+  const qnv::IndexedMesh geometry = half_pictured();
+  const auto plain = mesh_of_surface(geometry), pictured = mesh_of_surface(geometry, true);
   REQUIRE(plain->positions.size() == 3);
   CHECK(plain->colors[0].g == Approx(0.4));
   CHECK(plain->texture_coordinates.empty());
@@ -43,10 +43,10 @@ TEST_CASE("makes separate meshes of textured and coloured triangles") {
 }
 
 TEST_CASE("makes one mesh of a surface without a texture") {
-  qnv::IndexedMesh cloud = half_pictured();
-  cloud.texture_coordinates.clear();
-  CHECK(mesh_of_surface(cloud)->indices.size() == 6);
-  CHECK(mesh_of_surface(cloud, true)->indices.empty());
+  qnv::IndexedMesh geometry = half_pictured();
+  geometry.texture_coordinates.clear();
+  CHECK(mesh_of_surface(geometry)->indices.size() == 6);
+  CHECK(mesh_of_surface(geometry, true)->indices.empty());
 }
 
 TEST_CASE("reads the shininess of a surface from the stream's metadata") {
@@ -68,10 +68,10 @@ TEST_CASE("reads the shininess of a surface from the stream's metadata") {
 TEST_CASE("draws a surface without a Material in the stream's colour and shininess") {
   DrawItem item;
   item.material.lit = false;
-  auto cloud = std::make_shared<qnv::Geometry>(half_pictured());
-  cloud->base().color = {255, 0, 51};
-  cloud->base().description.metadata = qnv::metadata_of(qnv::Shine{{0.5f, 0.5f, 0.5f}, 0.75f});
-  item.surface = cloud;
+  auto geometry = std::make_shared<qnv::Geometry>(half_pictured());
+  geometry->base().color = {255, 0, 51};
+  geometry->base().description.metadata = qnv::metadata_of(qnv::Shine{{0.5f, 0.5f, 0.5f}, 0.75f});
+  item.surface = geometry;
   dress_surface(item);
   CHECK(item.material.lit);
   CHECK(item.material.diffuse == glm::vec3(1, 0, 0.2f));
@@ -80,7 +80,7 @@ TEST_CASE("draws a surface without a Material in the stream's colour and shinine
   DrawItem given;
   given.material.lit = true;
   given.material.diffuse = glm::vec3(0.1f);
-  given.surface = cloud;
+  given.surface = geometry;
   dress_surface(given);
   CHECK(given.material.diffuse == glm::vec3(0.1f));
   CHECK(given.material.specular == glm::vec3(0));

@@ -12,11 +12,11 @@ using namespace gs::render::testing;
 
 namespace {
 
-RenderList sphere_list(const std::shared_ptr<const qnv::Splats>& cloud,
+RenderList sphere_list(const std::shared_ptr<const qnv::Splats>& geometry,
                        const glm::mat4& world_from_node = glm::mat4(1.0f)) {
   RenderList list;
   SplatItem item;
-  item.geometry = shared_geometry(cloud);
+  item.geometry = shared_geometry(geometry);
   item.world_from_node = world_from_node;
   item.material.specular = glm::vec3(0.3f);
   for (int i = 0; i < 8; ++i)
@@ -76,10 +76,10 @@ SplatView view_of_sphere() {
   return view;
 }
 
-// Shares of the pixels.
+// Differences of two layers, as shares of the pixels.
 struct LayerDifference {
-  double uncovered = 0;  // covered in only one of the two
-  double wrong = 0;      // of those covered in both: normal off by over 2 degrees, depth by 1/1000, or colour by 3
+  double uncovered = 0;  // covered in only one of the two layers
+  double wrong = 0;      // of both covered: normal off by over 2 degrees, depth by 1/1000, or colour by 3
   std::size_t both = 0;
 };
 
@@ -111,9 +111,9 @@ LayerDifference compare(const SplatLayer& a, const SplatLayer& b) {
 
 TEST_CASE("draws surfaces of splats with OpenGL as on the processor", "[optimised]") {
   check_same_picture(sphere_list(sphere(3000)), camera_at({0, 0, 3.5f}));
-  // Wide splats with interpolated normals between them.
+  // The splats are wide, with interpolated normals between them.
   check_same_picture(sphere_list(sphere(300)), camera_at({0, 0, 3.5f}));
-  // Splats smaller than a sample.
+  // The splats are smaller than a sample.
   check_same_picture(sphere_list(sphere(100000)), camera_at({0, 0, 8}));
   check_same_picture(sphere_list(sphere(3000, true)), camera_at({0.5f, 0.3f, 3.5f}));
   check_same_picture(sphere_list(sphere(300, true)), camera_at({0, 0, 3.5f}));
@@ -127,10 +127,10 @@ TEST_CASE("draws octree splats with OpenGL as on the processor", "[optimised]") 
 }
 
 TEST_CASE("keeps the sides of two-sided surfaces apart with OpenGL", "[optimised]") {
-  auto cloud = sphere(3000, true);
-  cloud->description.two_sided = true;
-  check_same_picture(sphere_list(cloud), camera_at({0, 0, 3.5f}));
-  check_same_picture(sphere_list(cloud), camera_at({0, 0, 0}));  // from inside
+  auto geometry = sphere(3000, true);
+  geometry->description.two_sided = true;
+  check_same_picture(sphere_list(geometry), camera_at({0, 0, 3.5f}));
+  check_same_picture(sphere_list(geometry), camera_at({0, 0, 0}));  // from inside
   auto cells = std::make_shared<qnv::Splats>(*octree_sphere(4000));
   cells->description.two_sided = true;
   check_same_picture(sphere_list(cells), camera_at({0, 0, 0}));
@@ -141,16 +141,16 @@ TEST_CASE("draws surfaces with OpenGL under any scale, and partly behind the vie
                        glm::vec4(0, 0, 0, 1));
   check_same_picture(sphere_list(sphere(3000), turn * scale({1.5f, 0.5f, 0.8f})), camera_at({0, 0, 4}));
   check_same_picture(sphere_list(octree_sphere(4000), turn * scale({1.5f, 0.5f, 0.8f})), camera_at({0, 0, 4}));
-  // Sheared: rotated, then scaled.
+  // The item is sheared: rotated, then scaled.
   const glm::mat4 shear = scale({2, 0.5f, 1}) * turn;
   check_same_picture(sphere_list(sphere(300), shear), camera_at({0, 0, 4}));
   check_same_picture(sphere_list(octree_sphere(4000), shear), camera_at({0, 0, 4}));
   check_same_picture(sphere_list(sphere(2000), scale({-1, 1, 1})), camera_at({0, 0, 4}));
   check_same_picture(sphere_list(sphere(2000), scale(glm::vec3(1e-4f))), camera_at({0, 0, 4e-4f}));
-  auto cloud = sphere(3000);
-  cloud->description.two_sided = true;
-  check_same_picture(sphere_list(cloud), camera_at({0, 0, 1.01f}));
-  check_same_picture(sphere_list(cloud), camera_at({0.9f, 0, 0.3f}));
+  auto geometry = sphere(3000);
+  geometry->description.two_sided = true;
+  check_same_picture(sphere_list(geometry), camera_at({0, 0, 1.01f}));
+  check_same_picture(sphere_list(geometry), camera_at({0.9f, 0, 0.3f}));
 }
 
 TEST_CASE("hides splats and meshes behind each other with OpenGL") {
@@ -191,13 +191,13 @@ TEST_CASE("draws tints and normals as colours with OpenGL") {
   check_color(middle({{plain, 0, 4000, 1, red}}), glm::vec3(250, 10, 20) / 255.0f);
   check_color(middle({{colored, 0, 4000, 1, red}}), glm::vec3(250, 10, 20) / 255.0f);
   check_color(middle({{plain, 0, 2000, 1, green}, {colored, 2000, 2000, 1, red}}), glm::vec3(0, 200, 1) / 255.0f);
-  // Pieces without a tint keep the colour of their point set.
+  // Pieces without a tint keep the colour of their splats.
   check_color(middle({{plain, 0, 2000}, {colored, 2000, 2000, 1, red}}), glm::vec3(0.8f));
   view.color_by_normal = true;
   check_color(middle({{colored, 0, 4000, 1, red}}), {0.5f, 0.5f, 1}, 4);
 }
 
-TEST_CASE("draws thousands of point sets with a few calls") {
+TEST_CASE("draws thousands of splat items with a few calls") {
   OpenContext open;
   SplatGl splats(open.gl);
   const auto whole = sphere(40000);
@@ -249,7 +249,7 @@ TEST_CASE("closes pinholes, but no real openings") {
   close_pinholes(closed, view, 2);
   CHECK(*std::min_element(closed.normals.begin(), closed.normals.end()) > 30000);
   CHECK(std::all_of(closed.depth.begin(), closed.depth.end(), [](float depth) { return depth == 5; }));
-  // Too wide, open at one side, or in a layer that ends before the picture.
+  // The hole is too wide, open at one side, or in a layer that ends before the picture.
   closed = layer;
   close_pinholes(closed, view, 1);
   CHECK(closed.normals[4 * (3 * 9 + 4) + 3] == 0);
@@ -266,8 +266,8 @@ TEST_CASE("closes pinholes, but no real openings") {
 TEST_CASE("draws pictures too large for OpenGL on the processor") {
   OpenContext open;
   SplatGl splats(open.gl);
-  const auto cloud = sphere(100);
-  const SharedSplatPiece whole{cloud, 0, 100};
+  const auto geometry = sphere(100);
+  const SharedSplatPiece whole{geometry, 0, 100};
   SplatView view = view_of_sphere();
   view.width = open.gl.max_texture_size + 1;
   CHECK(!splats.draw(std::span(&whole, 1), view));
@@ -283,7 +283,7 @@ TEST_CASE("draws pictures too large for OpenGL on the processor") {
   CHECK(!take_errors(open.gl));
 }
 
-TEST_CASE("joins pieces of point sets to one surface") {
+TEST_CASE("joins pieces of splats to one surface") {
   OpenContext open;
   SplatGl splats(open.gl);
   const auto whole = sphere(4000), other = sphere(4000, true);
@@ -297,7 +297,7 @@ TEST_CASE("joins pieces of point sets to one surface") {
   CHECK(difference.both > 3000);
   CHECK(difference.uncovered < 0.005);
   CHECK(difference.wrong < 0.01);
-  // A piece beyond the point set is skipped.
+  // A piece beyond the end of the splats is skipped.
   const std::array<SharedSplatPiece, 2> hostile{
       {{whole, 3999, 2}, {whole, std::numeric_limits<std::size_t>::max(), 2}}};
   const auto nothing = splats.draw(hostile, view);
@@ -305,7 +305,7 @@ TEST_CASE("joins pieces of point sets to one surface") {
   CHECK(nothing->normals == 0);
 }
 
-TEST_CASE("survives point sets with NaN, infinite and extreme values") {
+TEST_CASE("survives splats with NaN, infinite and extreme values") {
   Drawing drawing;
   drawing.options.width = drawing.options.height = 24;
   drawing.options.splats = SplatPath::gl;
@@ -315,19 +315,19 @@ TEST_CASE("survives point sets with NaN, infinite and extreme values") {
   std::mt19937 random(9);
   const auto any = [&] { return numbers[random() % numbers.size()]; };
   for (int round = 0; round < 60; ++round) {
-    auto cloud = std::make_shared<qnv::Splats>();
-    cloud->description.two_sided = round % 2 == 0;
-    cloud->description.box = {{-1, -1, -1}, {1, 1, 1}};
+    auto geometry = std::make_shared<qnv::Splats>();
+    geometry->description.two_sided = round % 2 == 0;
+    geometry->description.box = {{-1, -1, -1}, {1, 1, 1}};
     for (int i = 0; i < 1 + round; ++i) {
       // Some rounds have only finite positions, so that something is drawn.
-      cloud->positions.push_back(round % 3 == 0 ? glm::vec3(0.1f * static_cast<float>(i % 9), 0, 0)
-                                                : glm::vec3(any(), any(), any()));
-      cloud->normals.push_back({any(), any(), any()});
-      cloud->weights.push_back(any());
-      if (round % 4 == 1) cloud->cells.push_back({any(), any()});
-      if (round % 5 == 1) cloud->colors.push_back({1, 2, 3});
+      geometry->positions.push_back(round % 3 == 0 ? glm::vec3(0.1f * static_cast<float>(i % 9), 0, 0)
+                                                   : glm::vec3(any(), any(), any()));
+      geometry->normals.push_back({any(), any(), any()});
+      geometry->weights.push_back(any());
+      if (round % 4 == 1) geometry->cells.push_back({any(), any()});
+      if (round % 5 == 1) geometry->colors.push_back({1, 2, 3});
     }
-    (void)drawing.draw(sphere_list(cloud));
+    (void)drawing.draw(sphere_list(geometry));
     CHECK(drawing.statistics.splats != std::string("none"));
     CHECK(faultless(drawing.context()));
   }

@@ -75,12 +75,12 @@ TEST_CASE("makes colour ramps from blue to red, and different colours for neighb
   CHECK(octave_of(kNoLimit) <= 63);
 }
 
-TEST_CASE("draws a prefix of a point set without levels, and cuts it where its colours change") {
-  const auto cloud = shared_geometry(sphere(10000));
+TEST_CASE("draws a prefix of splats without levels, and splits it where the colours change") {
+  const auto geometry = shared_geometry(sphere(10000));
   CutOptions options;
-  CHECK(total(cut_splats(cloud, from({0, 0, 3}), options)) == 10000);
+  CHECK(total(cut_splats(geometry, from({0, 0, 3}), options)) == 10000);
   options.budget = 2500;
-  SplatCut cut = cut_splats(cloud, from({0, 0, 3}), options);
+  SplatCut cut = cut_splats(geometry, from({0, 0, 3}), options);
   REQUIRE(cut.pieces.size() == 1);
   CHECK(cut.pieces[0].count == 2500);
   CHECK(cut.pieces[0].growth == 4);
@@ -91,7 +91,7 @@ TEST_CASE("draws a prefix of a point set without levels, and cuts it where its c
     for (const std::size_t budget : {1u, 64u, 65u, 9999u, 0u}) {
       options.color_by = color_by;
       options.budget = budget;
-      cut = cut_splats(cloud, from({0, 0, 3}), options);
+      cut = cut_splats(geometry, from({0, 0, 3}), options);
       std::size_t next = 0;
       for (const SharedSplatPiece& piece : cut.pieces) {
         CHECK(piece.first == next);
@@ -104,17 +104,17 @@ TEST_CASE("draws a prefix of a point set without levels, and cuts it where its c
   }
   CHECK(cut.pieces.size() == 64);     // by age
   options.color_by = ColorBy::level;  // 64, 64, 128, ... 4096, 1808
-  cut = cut_splats(cloud, from({0, 0, 3}), options);
+  cut = cut_splats(geometry, from({0, 0, 3}), options);
   REQUIRE(cut.pieces.size() == 9);
   CHECK(cut.pieces[2].first == 128);
   CHECK(*cut.pieces.front().tint == qnv::Rgb8{0, 0, 255});
   CHECK(*cut.pieces.back().tint == qnv::Rgb8{255, 0, 0});
   options.color_by = ColorBy::age;
-  cut = cut_splats(cloud, from({0, 0, 3}), options);
+  cut = cut_splats(geometry, from({0, 0, 3}), options);
   CHECK(*cut.pieces.front().tint == qnv::Rgb8{0, 0, 255});
   CHECK(*cut.pieces.back().tint == qnv::Rgb8{255, 0, 0});
   options.color_by = ColorBy::chunk;
-  CHECK(cut_splats(cloud, from({0, 0, 3}), options).pieces.size() == 3);
+  CHECK(cut_splats(geometry, from({0, 0, 3}), options).pieces.size() == 3);
   CHECK(cut_splats(std::make_shared<qnv::Geometry>(), from({0, 0, 3}), options).pieces.empty());
 }
 
@@ -145,7 +145,7 @@ TEST_CASE("cuts a stream for the view at the requested detail") {
     CHECK(colors.size() > 1);
   }
   options.color_by = ColorBy::own;
-  // Loads gradually, and reports pending data until the cut is complete.
+  // A stream loads gradually, and reports pending data until the cut is complete.
   const auto again = bumpy_stream(60000);
   options.most_decoded = 2000;
   std::size_t frames = 0, last = 0;
@@ -184,7 +184,7 @@ TEST_CASE("spends the budget in proportion to pixels") {
     const auto shares = share_budget(items, view, 16000);
     CHECK(sum_of(shares) <= 16000);
     CHECK(sum_of(shares) >= 15990);
-    // A sixteenth of the pixels, and each a sixteenth of the former budget.
+    // The item covers a sixteenth of the pixels, so it gets a sixteenth of the budget.
     CHECK(static_cast<double>(shares[1]) == Approx(1000 + 14000.0 / 17).epsilon(0.02));
   }
   SECTION("What one cannot use goes to the others") {

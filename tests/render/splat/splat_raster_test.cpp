@@ -5,7 +5,7 @@
 #include "qnv/reader/stream_decoder.h"
 #include "render/splat/splat_kernel.h"
 #include "tests/geometries.h"
-#include "tests/render/clouds.h"
+#include "tests/render/geometry_shapes.h"
 #include "tests/render/rays/raycast.h"
 
 #include <catch2/catch.hpp>
@@ -28,11 +28,11 @@ struct Agreement {
   double normals, coverage, colors, depth;
 };
 
-Agreement against_oracle(const qnv::Splats& cloud, const SplatView& view) {
-  const render::SplatPiece whole{&cloud, 0, cloud.size()};
-  const bool smooth = render::measure_surface(std::span(&whole, 1), view, cloud.size()).smooth;
-  const SplatLayer layer = render::rasterize_surface(cloud, view);
-  const render::RaySurface exact = raycast_surface(cloud, view, smooth);
+Agreement against_oracle(const qnv::Splats& geometry, const SplatView& view) {
+  const render::SplatPiece whole{&geometry, 0, geometry.size()};
+  const bool smooth = render::measure_surface(std::span(&whole, 1), view, geometry.size()).smooth;
+  const SplatLayer layer = render::rasterize_surface(geometry, view);
+  const render::RaySurface exact = raycast_surface(geometry, view, smooth);
   REQUIRE(layer.width == view.width);
   REQUIRE(exact.width == view.width);
   Psnr normals, coverage, colors, depth;
@@ -50,8 +50,8 @@ Agreement against_oracle(const qnv::Splats& cloud, const SplatView& view) {
   return {normals.decibels(), coverage.decibels(), colors.decibels(), depth.decibels()};
 }
 
-void check_agreement(const qnv::Splats& cloud, const SplatView& view) {
-  const Agreement a = against_oracle(cloud, view);
+void check_agreement(const qnv::Splats& geometry, const SplatView& view) {
+  const Agreement a = against_oracle(geometry, view);
   CHECK(a.normals >= 40);
   CHECK(a.coverage >= 40);
   CHECK(a.colors >= 40);
@@ -93,14 +93,14 @@ qnv::Splats finely_cut_sphere(std::size_t vectors) {
 qnv::Splats random_discs(std::size_t count) {
   std::mt19937 random(12);
   std::uniform_real_distribution<float> part(0, 1);
-  qnv::Splats cloud;
+  qnv::Splats geometry;
   for (std::size_t i = 0; i < count; ++i) {
     const glm::vec3 place(part(random) - 0.5f, part(random) - 0.5f, part(random) - 0.5f);
-    add(cloud, place * 3.0f, random_direction(random), 1e-6f * std::pow(1e5f, part(random)));
-    cloud.colors.push_back({static_cast<std::uint8_t>(random()), static_cast<std::uint8_t>(random()), 7});
-    cloud.cells.push_back({i % 3 == 0 ? 0 : 0.2f * part(random), 0.1f * (part(random) - 0.5f)});
+    add(geometry, place * 3.0f, random_direction(random), 1e-6f * std::pow(1e5f, part(random)));
+    geometry.colors.push_back({static_cast<std::uint8_t>(random()), static_cast<std::uint8_t>(random()), 7});
+    geometry.cells.push_back({i % 3 == 0 ? 0 : 0.2f * part(random), 0.1f * (part(random) - 0.5f)});
   }
-  return cloud;
+  return geometry;
 }
 
 std::size_t covered_pixels(const SplatLayer& layer) {
@@ -118,84 +118,83 @@ bool same(const SplatLayer& a, const SplatLayer& b) {
 
 TEST_CASE("splats spheres like the reference ray caster") {
   for (const std::size_t count : {60u, 400u, 2500u}) {
-    const qnv::Splats cloud = disc_sphere(count, 1);
+    const qnv::Splats geometry = disc_sphere(count, 1);
     for (const glm::vec3& eye : {glm::vec3(0, 0, 3), glm::vec3(2, -2, 1), glm::vec3(-8, 1, 0)}) {
       INFO(count << " discs from " << eye.x << " " << eye.y << " " << eye.z);
-      check_agreement(cloud, view_from(eye, 90, 70));
+      check_agreement(geometry, view_from(eye, 90, 70));
     }
   }
 }
 
 TEST_CASE("splats octrees, two-sided surfaces and several samples like the reference ray caster") {
-  qnv::Splats cloud = finely_cut_sphere(800);
-  REQUIRE(cloud.size() > 300);
-  REQUIRE(!cloud.cells.empty());
+  qnv::Splats geometry = finely_cut_sphere(800);
+  REQUIRE(geometry.size() > 300);
+  REQUIRE(!geometry.cells.empty());
   SplatView view = view_from({1, 1, 2.5f}, 80, 64);
-  SECTION("as it is") { check_agreement(cloud, view); }
+  SECTION("as it is") { check_agreement(geometry, view); }
   SECTION("with four samples a pixel") {
     view.supersample = 2;
-    check_agreement(cloud, view);
+    check_agreement(geometry, view);
   }
   SECTION("with sixteen samples a pixel") {
     view = view_from({1, 1, 2.5f}, 41, 33);
     view.supersample = 4;
-    check_agreement(cloud, view);
+    check_agreement(geometry, view);
   }
   SECTION("seen from within") {
-    cloud.description.two_sided = true;
+    geometry.description.two_sided = true;
     view.camera_from_node = glm::lookAt(glm::vec3(0.1f, 0, 0.2f), glm::vec3(1, 0.2f, 0), glm::vec3(0, 1, 0));
-    check_agreement(cloud, view);
+    check_agreement(geometry, view);
   }
   SECTION("drawn out") {
     view.camera_from_node = view.camera_from_node * glm::mat4(glm::vec4(1.3f, 0.2f, 0, 0), glm::vec4(0, 0.8f, 0, 0),
                                                               glm::vec4(0, 0, 1, 0), glm::vec4(0, 0.1f, 0, 1));
-    check_agreement(cloud, view);
+    check_agreement(geometry, view);
   }
 }
 
 TEST_CASE("splats over many tiles like the reference ray caster") {
-  qnv::Splats cloud;
+  qnv::Splats geometry;
   for (int i = 0; i < 3; ++i) {
-    add(cloud, {0.2f * static_cast<float>(i) - 0.3f, 0.1f, -2.0f - 0.1f * static_cast<float>(i)},
+    add(geometry, {0.2f * static_cast<float>(i) - 0.3f, 0.1f, -2.0f - 0.1f * static_cast<float>(i)},
         glm::normalize(glm::vec3(0.3f, 0.2f * static_cast<float>(i), 1)), 0.3f + 0.2f * static_cast<float>(i));
-    cloud.colors.push_back({static_cast<std::uint8_t>(80 * i), 200, 30});
+    geometry.colors.push_back({static_cast<std::uint8_t>(80 * i), 200, 30});
   }
   SplatView view = straight_view(1001, 777);
   view.tangents *= 0.4f;
-  check_agreement(cloud, view);
+  check_agreement(geometry, view);
 }
 
 TEST_CASE("splats a surface to the same bits on any number of threads") {
-  const qnv::Splats cloud = disc_sphere(60'000, 1);
+  const qnv::Splats geometry = disc_sphere(60'000, 1);
   SplatView view = view_from({1, 0, 3}, 220, 180);
   view.supersample = 2;
   view.threads = 1;
-  const SplatLayer one = render::rasterize_surface(cloud, view);
+  const SplatLayer one = render::rasterize_surface(geometry, view);
   REQUIRE(!one.empty());
   for (const unsigned threads : {2u, 3u, 8u}) {
     view.threads = threads;
-    CHECK(same(one, render::rasterize_surface(cloud, view)));
+    CHECK(same(one, render::rasterize_surface(geometry, view)));
   }
 }
 
 TEST_CASE("splats a surface to the same bits in all kernels", "[optimised]") {
   const std::span<const render::SplatKernel> kernels = render::splat_kernels();
   REQUIRE(!kernels.empty());
-  CHECK(kernels.front().name == render::splat_instructions());
-  std::vector<qnv::Splats> clouds{disc_sphere(300, 1), disc_sphere(20'001, 1), finely_cut_sphere(3000)};
-  clouds.push_back(random_discs(5000));
-  for (std::size_t c = 0; c < clouds.size(); ++c) {
-    const render::SplatPiece whole{&clouds[c], 0, clouds[c].size()};
+  std::vector<qnv::Splats> geometries{disc_sphere(300, 1), disc_sphere(20'001, 1), finely_cut_sphere(3000)};
+  geometries.push_back(random_discs(5000));
+  for (std::size_t c = 0; c < geometries.size(); ++c) {
+    const render::SplatPiece whole{&geometries[c], 0, geometries[c].size()};
     for (int kind = 0; kind < 8; ++kind) {
-      clouds[c].description.two_sided = (kind & 1) != 0;
-      INFO("cloud " << c << ", kind " << kind);
+      geometries[c].description.two_sided = (kind & 1) != 0;
+      INFO("geometry " << c << ", kind " << kind);
       SplatView view = view_from({0.3f, 0.2f, kind & 2 ? 1.1f : 2.7f}, 203, 151);
       view.supersample = kind & 4 ? 2 : 1;
       const SplatLayer first = render::rasterize_surface(std::span(&whole, 1), view, kernels.front());
       REQUIRE(!first.empty());
       CHECK(covered_pixels(first) > 1000);
       for (const render::SplatKernel& kernel : kernels.subspan(1)) {
-        INFO("cloud " << c << ", kind " << kind << ", " << kernels.front().name << " and " << kernel.name);
+        INFO("geometry " << c << ", kind " << kind << ", " << kernels.front().name << " and " << kernel.name);
         CHECK(same(first, render::rasterize_surface(std::span(&whole, 1), view, kernel)));
       }
     }
@@ -210,15 +209,15 @@ TEST_CASE("draws tints of pieces and normal colours instead of stored colours") 
   SplatView view = view_from({3, 0.2f, 0.1f}, 120, 90);
   const qnv::Rgb8 tint{250, 3, 77};
   // Returns the colours of the pixels that a sphere of splats covers.
-  const auto colors_of = [&](const qnv::Splats& cloud, std::optional<qnv::Rgb8> of) {
-    const render::SplatPiece piece{&cloud, 0, cloud.size(), 1, of};
+  const auto colors_of = [&](const qnv::Splats& geometry, std::optional<qnv::Rgb8> of) {
+    const render::SplatPiece piece{&geometry, 0, geometry.size(), 1, of};
     SplatLayer layer = render::rasterize_surface(std::span(&piece, 1), view);
     REQUIRE(covered_pixels(layer) > 2000);
     return layer;
   };
   CHECK(colors_of(plain, std::nullopt).colors.empty());
-  for (const qnv::Splats* cloud : std::initializer_list<const qnv::Splats*>{&plain, &colored}) {
-    const SplatLayer layer = colors_of(*cloud, tint);
+  for (const qnv::Splats* geometry : std::initializer_list<const qnv::Splats*>{&plain, &colored}) {
+    const SplatLayer layer = colors_of(*geometry, tint);
     REQUIRE(layer.colors.size() == 4u * 120 * 90);
     std::size_t wrong = 0;
     for (std::size_t i = 0; i < layer.depth.size(); ++i) {
@@ -229,7 +228,7 @@ TEST_CASE("draws tints of pieces and normal colours instead of stored colours") 
     }
     CHECK(wrong == 0);
   }
-  // One tinted half, and one with its own colours.
+  // One half has a tint, the other half has its own colours.
   const std::size_t half = plain.size() / 2;
   const render::SplatPiece halves[] = {{&plain, 0, half, 1, tint}, {&plain, half, plain.size() - half}};
   const SplatLayer two = render::rasterize_surface(halves, view);
@@ -260,12 +259,12 @@ TEST_CASE("draws tints of pieces and normal colours instead of stored colours") 
   }
 }
 
-TEST_CASE("thins point sets that cover too much, equally on any number of threads") {
-  qnv::Splats cloud;
+TEST_CASE("thins splats that cover too many samples, equally on any number of threads") {
+  qnv::Splats geometry;
   constexpr std::size_t kDiscs = 40'000;
-  for (std::size_t i = 0; i < kDiscs; ++i) add(cloud, {0, 0, -2 - 1e-5f * static_cast<float>(i)}, {0, 0, 1}, 200);
+  for (std::size_t i = 0; i < kDiscs; ++i) add(geometry, {0, 0, -2 - 1e-5f * static_cast<float>(i)}, {0, 0, 1}, 200);
   SplatView view = straight_view(150, 100);
-  const render::SplatPiece whole{&cloud, 0, cloud.size()};
+  const render::SplatPiece whole{&geometry, 0, geometry.size()};
   const std::span<const render::SplatPiece> pieces(&whole, 1);
   const render::SurfaceMeasure survey = render::measure_surface(pieces, view, kDiscs);
   CHECK(survey.samples == 150.0 * 100 * kDiscs);
@@ -275,7 +274,7 @@ TEST_CASE("thins point sets that cover too much, equally on any number of thread
   view.threads = 1;
   const SplatLayer thin = render::rasterize_surface(pieces, view, kernel, kMax);
   CHECK(thin.discs == kDiscs);
-  // Each preparing task may exceed the limit by one.
+  // Each preparing task may exceed the limit by one splat.
   CHECK(thin.drawn * 150 * 100 <= kMax + 3 * 150 * 100);
   CHECK(thin.drawn >= kMax / (150 * 100) / 2);
   CHECK(covered_pixels(thin) == 150u * 100);
@@ -286,20 +285,20 @@ TEST_CASE("thins point sets that cover too much, equally on any number of thread
 }
 
 TEST_CASE("draws a plane of splats without holes at any distance", "[optimised]") {
-  qnv::Splats cloud;
+  qnv::Splats geometry;
   std::mt19937 random(1);
   std::uniform_real_distribution<float> shift(-0.05f, 0.05f);
   for (int y = -60; y <= 60; ++y)
     for (int x = -60; x <= 60; ++x) {
-      add(cloud, {static_cast<float>(x) + shift(random), static_cast<float>(y) + shift(random), 0}, {0, 0, 1}, 1);
-      cloud.description.box.add(cloud.positions.back());
+      add(geometry, {static_cast<float>(x) + shift(random), static_cast<float>(y) + shift(random), 0}, {0, 0, 1}, 1);
+      geometry.description.box.add(geometry.positions.back());
     }
   for (const float distance : {0.7f, 3.0f, 10.0f, 33.0f, 100.0f, 333.0f, 2000.0f}) {
     for (const float slant : {0.0f, 0.9f}) {
       SplatView view = straight_view(180, 120);
       const glm::vec3 eye(distance * std::sin(slant), 0, distance * std::cos(slant));
       view.camera_from_node = glm::lookAt(eye, glm::vec3(0), glm::vec3(0, 1, 0));
-      const SplatLayer layer = render::rasterize_surface(cloud, view);
+      const SplatLayer layer = render::rasterize_surface(geometry, view);
       REQUIRE(!layer.empty());
       const glm::mat4 node_from_camera = glm::inverse(view.camera_from_node);
       std::size_t inside = 0, holes = 0;
@@ -325,13 +324,13 @@ TEST_CASE("draws a plane of splats without holes at any distance", "[optimised]"
 
 TEST_CASE("keeps the silhouette of an octree sphere within half a voxel") {
   for (const std::size_t vectors : {600u, 6000u}) {
-    const qnv::Splats cloud = finely_cut_sphere(vectors);
+    const qnv::Splats geometry = finely_cut_sphere(vectors);
     float edge = 0;
-    for (const qnv::Cell& cell : cloud.cells) edge = std::max(edge, cell.edge);
+    for (const qnv::Cell& cell : geometry.cells) edge = std::max(edge, cell.edge);
     REQUIRE(edge > 0);
     for (const glm::vec3& eye : {glm::vec3(0, 0, 4), glm::vec3(2, 2.5f, 2), glm::vec3(-3, 0.5f, 3)}) {
       const SplatView view = view_from(eye, 240, 240);
-      const SplatLayer layer = render::rasterize_surface(cloud, view);
+      const SplatLayer layer = render::rasterize_surface(geometry, view);
       REQUIRE(!layer.empty());
       const float distance = std::sqrt(glm::dot(eye, eye));
       std::size_t beyond = 0, missing = 0, inside = 0;
@@ -350,10 +349,10 @@ TEST_CASE("keeps the silhouette of an octree sphere within half a voxel") {
             if (!covered) ++missing;
           }
         }
-      INFO(cloud.size() << " discs, voxels of " << edge << ", " << inside << " pixels");
+      INFO(geometry.size() << " discs, voxels of " << edge << ", " << inside << " pixels");
       CHECK(inside > 5000);
       CHECK(beyond == 0);
-      // Planes of neighbouring cubes seen nearly edge on leave a few pixels open.
+      // Planes in neighbouring cubes leave a few pixels open if they are seen nearly edge-on.
       CHECK(missing <= inside / 500);
     }
   }
@@ -363,19 +362,19 @@ TEST_CASE("draws or skips hostile surfaces") {
   const qnv::Splats sound = disc_sphere(300, 1);
   for (const float v : {kNaN, kInfinity, -kInfinity, 0.0f, -1.0f, 1e38f, 1e-38f}) {
     for (int what = 0; what < 5; ++what) {
-      qnv::Splats cloud = sound;
+      qnv::Splats geometry = sound;
       SplatView view = view_from({0, 0, 3}, 70, 40);
-      if (what == 3) cloud.cells.resize(cloud.size());
-      for (std::size_t i = 0; i < cloud.size(); i += 3) {
-        if (what == 0) cloud.positions[i].x = v;
-        if (what == 1) cloud.normals[i].y = v;
-        if (what == 2) cloud.weights[i] = v;
-        if (what == 3) cloud.cells[i] = {v, v};
+      if (what == 3) geometry.cells.resize(geometry.size());
+      for (std::size_t i = 0; i < geometry.size(); i += 3) {
+        if (what == 0) geometry.positions[i].x = v;
+        if (what == 1) geometry.normals[i].y = v;
+        if (what == 2) geometry.weights[i] = v;
+        if (what == 3) geometry.cells[i] = {v, v};
       }
       if (what == 4) view.camera_from_node[2][0] = v;
-      const SplatLayer layer = render::rasterize_surface(cloud, view);
+      const SplatLayer layer = render::rasterize_surface(geometry, view);
       CHECK((layer.empty() || layer.depth.size() == 70u * 40));
-      (void)raycast_surface(cloud, view_from({0, 0, 3}, 7, 4), false);
+      (void)raycast_surface(geometry, view_from({0, 0, 3}, 7, 4), false);
     }
   }
 }

@@ -7,14 +7,16 @@ using namespace gs::render::testing;
 
 namespace {
 
-bool add_splats(SplatStore& store, std::shared_ptr<const qnv::Splats> cloud) { return store.add(std::span(&cloud, 1)); }
+bool add_splats(SplatStore& store, std::shared_ptr<const qnv::Splats> geometry) {
+  return store.add(std::span(&geometry, 1));
+}
 
-/// Returns the codes of a point set on the GPU.
-std::vector<SplatCode> codes_of(const OpenContext& open, const SplatStore& store, const qnv::Splats& cloud) {
+/// Returns the codes of splats on the GPU.
+std::vector<SplatCode> codes_of(const OpenContext& open, const SplatStore& store, const qnv::Splats& geometry) {
   const auto get = reinterpret_cast<PFNGLGETBUFFERSUBDATAPROC>(open.context->proc_address("glGetBufferSubData"));
   REQUIRE(get);
   std::vector<SplatCode> codes;
-  const SplatStore::Entry* entry = store.find(&cloud);
+  const SplatStore::Entry* entry = store.find(&geometry);
   REQUIRE(entry);
   for (const SplatStore::Range& range : entry->ranges) {
     const std::size_t at = codes.size();
@@ -28,7 +30,7 @@ std::vector<SplatCode> codes_of(const OpenContext& open, const SplatStore& store
 
 }  // namespace
 
-TEST_CASE("drops a point set with its last owner") {
+TEST_CASE("drops splats with their last owner") {
   OpenContext open;
   SplatStore store(open.gl, 100000, 1000);
   auto first = sphere(1000), second = sphere(3000), third = sphere(5000);
@@ -38,7 +40,7 @@ TEST_CASE("drops a point set with its last owner") {
   REQUIRE(add_splats(store, second));
   CHECK(store.bytes() == 64000);
   CHECK(store.find(second.get())->ranges.size() == 3);
-  // Refuses a third one in this frame. Later it replaces the one that was drawn longest ago.
+  // The store refuses third splats in this frame. Later they replace the splats that were drawn longest ago.
   CHECK(!add_splats(store, third));
   CHECK(!store.find(third.get()));
   CHECK(store.bytes() == 64000);
@@ -62,55 +64,55 @@ TEST_CASE("drops a point set with its last owner") {
   CHECK(store.bytes() == 20 * cells->size());
 }
 
-TEST_CASE("stores small point sets in one buffer and large ones in several") {
+TEST_CASE("stores few splats in one buffer and many in several") {
   OpenContext open;
   const Gl& gl = open.gl;
   SplatStore store(gl, std::size_t{1} << 20, 2000);
-  std::vector<std::shared_ptr<const qnv::Splats>> clouds;
+  std::vector<std::shared_ptr<const qnv::Splats>> geometries;
   std::mt19937 random(4);
-  for (int i = 0; i < 20; ++i) clouds.push_back(sphere(50 + random() % 200));
-  clouds.push_back(sphere(7001, true));
-  REQUIRE(store.add(clouds));
+  for (int i = 0; i < 20; ++i) geometries.push_back(sphere(50 + random() % 200));
+  geometries.push_back(sphere(7001, true));
+  REQUIRE(store.add(geometries));
   CHECK(!take_errors(gl));
-  CHECK(store.find(clouds.back().get())->ranges.size() >= 4);
+  CHECK(store.find(geometries.back().get())->ranges.size() >= 4);
   CHECK(store.slabs() <= 7);
   const auto check_all = [&] {
-    for (const auto& cloud : clouds) {
-      const auto coding = splat_coding(*cloud);
-      std::vector<SplatCode> wanted(cloud->size());
-      encode_splats(*cloud, *coding, 0, wanted);
-      CHECK(codes_of(open, store, *cloud) == wanted);
+    for (const auto& geometry : geometries) {
+      const auto coding = splat_coding(*geometry);
+      std::vector<SplatCode> wanted(geometry->size());
+      encode_splats(*geometry, *coding, 0, wanted);
+      CHECK(codes_of(open, store, *geometry) == wanted);
     }
   };
   check_all();
-  // Adds and drops point sets at random: no byte leaks.
+  // Adds and drops splats at random: no byte leaks.
   for (int round = 0; round < 60; ++round) {
-    clouds.erase(clouds.begin() + static_cast<std::ptrdiff_t>(random() % clouds.size()));
+    geometries.erase(geometries.begin() + static_cast<std::ptrdiff_t>(random() % geometries.size()));
     store.forget_unused();
-    clouds.push_back(sphere(1 + random() % 3000));
-    REQUIRE(store.add(clouds));
+    geometries.push_back(sphere(1 + random() % 3000));
+    REQUIRE(store.add(geometries));
     std::size_t bytes = 0;
-    for (const auto& cloud : clouds) bytes += 16 * cloud->size();
+    for (const auto& geometry : geometries) bytes += 16 * geometry->size();
     CHECK(store.bytes() == bytes);
   }
   check_all();
-  clouds.clear();
+  geometries.clear();
   store.forget_unused();
   CHECK(store.bytes() == 0);
   CHECK(store.reserved_bytes() == 0);
   CHECK(!take_errors(gl));
 }
 
-TEST_CASE("splits a point set if no slab has enough contiguous space") {
+TEST_CASE("splits splats if no slab has enough contiguous space") {
   OpenContext open;
   SplatStore store(open.gl, 16 * 8192, 8192);
-  // 8 of 1024, of which every other one is dropped.
-  std::vector<std::shared_ptr<const qnv::Splats>> clouds;
-  for (int i = 0; i < 8; ++i) clouds.push_back(sphere(1024));
-  REQUIRE(store.add(clouds));
-  for (std::ptrdiff_t i = 3; i >= 0; --i) clouds.erase(clouds.begin() + 2 * i);
+  // Stores 8 times 1024 splats, and drops every second of them.
+  std::vector<std::shared_ptr<const qnv::Splats>> geometries;
+  for (int i = 0; i < 8; ++i) geometries.push_back(sphere(1024));
+  REQUIRE(store.add(geometries));
+  for (std::ptrdiff_t i = 3; i >= 0; --i) geometries.erase(geometries.begin() + 2 * i);
   store.forget_unused();
-  REQUIRE(store.add(clouds));  // marks them as used in this frame
+  REQUIRE(store.add(geometries));  // marks them as used in this frame
   const auto large = sphere(4096);
   REQUIRE(add_splats(store, large));
   CHECK(store.find(large.get())->ranges.size() == 4);
@@ -120,25 +122,25 @@ TEST_CASE("splits a point set if no slab has enough contiguous space") {
 TEST_CASE("stores position, normal and size of a splat in 16 bytes") {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> any(-1, 1);
-  qnv::Splats cloud;
+  qnv::Splats geometry;
   for (int i = 0; i < 1000; ++i) {
-    cloud.positions.push_back(glm::vec3(any(random), any(random), any(random)) * 10.0f);
-    cloud.normals.push_back(glm::normalize(glm::vec3(any(random), any(random), any(random))));
-    cloud.weights.push_back(std::exp(8 * any(random)));
-    cloud.cells.push_back({std::exp(3 * any(random)), any(random) * 0.01f});
+    geometry.positions.push_back(glm::vec3(any(random), any(random), any(random)) * 10.0f);
+    geometry.normals.push_back(glm::normalize(glm::vec3(any(random), any(random), any(random))));
+    geometry.weights.push_back(std::exp(8 * any(random)));
+    geometry.cells.push_back({std::exp(3 * any(random)), any(random) * 0.01f});
   }
-  cloud.cells[5].edge = 0;
-  const auto coding = splat_coding(cloud);
+  geometry.cells[5].edge = 0;
+  const auto coding = splat_coding(geometry);
   REQUIRE(coding);
-  std::vector<SplatCode> codes(cloud.size());
-  std::vector<CellCode> cells(cloud.size());
-  encode_splats(cloud, *coding, 0, codes);
-  encode_cells(cloud, *coding, 0, cells);
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
+  std::vector<SplatCode> codes(geometry.size());
+  std::vector<CellCode> cells(geometry.size());
+  encode_splats(geometry, *coding, 0, codes);
+  encode_cells(geometry, *coding, 0, cells);
+  for (std::size_t i = 0; i < geometry.size(); ++i) {
     const SplatCode& c = codes[i];
     for (int axis = 0; axis < 3; ++axis) {
       const auto at = static_cast<float>(c[static_cast<std::size_t>(axis)] & 0xfffff);
-      CHECK(std::abs(coding->lower[axis] + at * coding->step[axis] - cloud.positions[i][axis]) < 1.2e-5f);
+      CHECK(std::abs(coding->lower[axis] + at * coding->step[axis] - geometry.positions[i][axis]) < 1.2e-5f);
     }
     const std::uint32_t more = c[3] >> 24, u = c[0] >> 20 | (more & 3) << 12, v = c[1] >> 20 | (more >> 2 & 3) << 12,
                         radius = c[2] >> 20 | (more >> 4) << 12;
@@ -148,16 +150,16 @@ TEST_CASE("stores position, normal and size of a splat in 16 bytes") {
       n.x = (1 - std::abs(y)) * (x < 0 ? -1.0f : 1.0f);
       n.y = (1 - std::abs(x)) * (y < 0 ? -1.0f : 1.0f);
     }
-    CHECK(glm::length(glm::normalize(n) - cloud.normals[i]) < 3e-4f);
+    CHECK(glm::length(glm::normalize(n) - geometry.normals[i]) < 3e-4f);
     const float size = std::exp2(coding->radius.x + static_cast<float>(radius) * coding->radius.y);
-    CHECK(size == Approx(std::sqrt(cloud.weights[i] / kPi)).epsilon(2e-4));
+    CHECK(size == Approx(std::sqrt(geometry.weights[i] / kPi)).epsilon(2e-4));
     if (i == 5) {
       CHECK((cells[i] & 0xffff) == 0);
       continue;
     }
     const float edge = std::exp2(coding->edge.x + static_cast<float>(cells[i] & 0xffff) * coding->edge.y);
-    CHECK(edge == Approx(cloud.cells[i].edge).epsilon(2e-4));
+    CHECK(edge == Approx(geometry.cells[i].edge).epsilon(2e-4));
     const float offset = (static_cast<float>(cells[i] >> 16) - 32767) / 32767 * SplatCoding::kOffsetRange * edge;
-    CHECK(std::abs(offset - cloud.cells[i].offset) < 1e-4f * edge);
+    CHECK(std::abs(offset - geometry.cells[i].offset) < 1e-4f * edge);
   }
 }

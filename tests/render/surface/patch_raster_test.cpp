@@ -4,7 +4,7 @@
 #include "render/splat/splat_pieces.h"
 #include "render/surface/patch_kernel.h"
 #include "tests/qnv/codecs/displaced/tessellation/patch_shapes.h"
-#include "tests/render/clouds.h"
+#include "tests/render/geometry_shapes.h"
 
 #include <catch2/catch.hpp>
 #include <glm/glm.hpp>
@@ -64,7 +64,7 @@ TEST_CASE("shows at each sample the nearest triangle with its normal and depth")
   for (const int which : {0, 1}) {
     const qnv::displaced::SurfaceMesh shape = which == 0 ? mesh_of(torus(6, 4)) : mesh_of(sheet(8));
     const qnv::SurfacePatches surface = qnv::patches_of(qnv::rough_surface(shape, 3, 3), 3);
-    // Non-uniform, mirrored, and cut by the near plane.
+    // The item is scaled non-uniformly, mirrored, and cut by the near plane.
     glm::mat4 uneven = glm::scale(glm::mat4(1), glm::vec3(1, 0.6f, 1.3f));
     for (const SplatView& view : {view_from({2.5f, 0.7f, 1.2f}, 48, 1), view_from({2.5f, 0.7f, 1.2f}, 48, 1, uneven),
                                   view_from({2, 1.5f, 1}, 48, 1, glm::scale(glm::mat4(1), glm::vec3(-1, 1, 1))),
@@ -77,7 +77,7 @@ TEST_CASE("shows at each sample the nearest triangle with its normal and depth")
       for (int y = 0; y < view.height; ++y)
         for (int x = 0; x < view.width; ++x) {
           const glm::dvec3 ray((2.0 * x + 1) / 48 - 1, (2.0 * y + 1) / 48 - 1, -2);
-          // Starts at the eye, in depths; geometry before the near plane is not drawn.
+          // The ray starts at the eye, and its lengths are depths. Geometry before the near plane is not drawn.
           const SightLine line{glm::dvec3(node_from_camera[3]),
                                glm::dvec3(node_from_camera * glm::dvec4(ray * 0.5, 0))};
           const auto hit = pick_patches(surface, line, 4 / 48.0f);
@@ -99,7 +99,7 @@ TEST_CASE("shows at each sample the nearest triangle with its normal and depth")
         }
       INFO(which);
       CHECK(both > 200);
-      CHECK(wrong <= both / 50);  // on edges, which the rasteriser rounds
+      CHECK(wrong <= both / 50);  // differences are at edges, which the rasteriser rounds
     }
   }
 }

@@ -66,7 +66,7 @@ TEST_CASE("fills contours of either orientation") {
 TEST_CASE("makes holes of contours of the other orientation, and fills contours inside them") {
   for (const bool turn : {false, true}) {
     CHECK(filled({square(0, 0, 10, turn), square(1, 1, 3, !turn)}) == Approx(91));
-    // Holes beside, above and behind each other: cuts must not cross them.
+    // The holes are side by side, above each other and one after the other. Cuts must not cross them.
     CHECK(filled({square(0, 0, 10, turn), square(1, 1, 2, !turn), square(4, 1, 2, !turn), square(7, 1, 2, !turn),
                   square(1, 6, 2, !turn), square(4, 5, 2, !turn), square(7, 7, 2, !turn)}) == Approx(100 - 24));
     CHECK(filled({square(0, 0, 10, turn), square(2, 2, 6, !turn), square(4, 4, 2, turn)}) == Approx(100 - 36 + 4));

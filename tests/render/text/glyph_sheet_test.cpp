@@ -1,4 +1,4 @@
-// Tests of small text, which is drawn from a glyph sheet like its outlines.
+// Tests of small text. Drawn from the glyph atlas, it must look like its outlines.
 #include "render/text/glyph_sheet.h"
 
 #include "render/collection/render_scene.h"
@@ -19,7 +19,7 @@ namespace {
 using namespace render;
 using namespace render::testing;
 
-/// Returns the share of a rectangle that the sheet marks as inside (half or more).
+/// Returns the share of a rectangle that the atlas marks as inside (half or more).
 double inside(const Image& image, const vrml::GlyphShape& shape) {
   const auto pixel_at = [&](const glm::vec2& place) {
     return glm::vec2(place.x, 1 - place.y) * static_cast<float>(GlyphSheet::kSide);
@@ -38,7 +38,7 @@ struct World {
     vrml::parse("#VRML V2.0 utf8\n" + text, scene, diagnostics);
     REQUIRE(diagnostics.errors() == 0);
   }
-  /// Draws text seen from +Z, from the glyph sheet or as outlines.
+  /// Draws text seen from +Z, from the glyph atlas or as outlines.
   RenderList seen_from(double distance, bool pictures) {
     if (!pictures) return collect(scene, images, meshes, {0, 0, distance});
     RenderScene list(scene, images, geometries, meshes);
@@ -59,7 +59,7 @@ double mean_green(const Image& image) {
 
 }  // namespace
 
-TEST_CASE("draws the inside of contours into the glyph sheet, at the returned rectangle") {
+TEST_CASE("draws the inside of contours into the glyph atlas, at the returned rectangle") {
   GlyphSheet sheet;
   // A square of half an em with a hole of a quarter em of the other orientation (non-zero winding).
   const Contours ring = {{{0, 0}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}},
@@ -68,18 +68,18 @@ TEST_CASE("draws the inside of contours into the glyph sheet, at the returned re
   REQUIRE(shape);
   REQUIRE(shape->points.size() == 4);
   CHECK(shape->triangles.size() == 6);
-  // One more pixel on each side.
+  // The rectangle has one more pixel on each side.
   constexpr float kPixel = 1.0f / GlyphSheet::kPixelsPerEm;
   CHECK(shape->points[0] == glm::vec2(-kPixel));
   CHECK(shape->points[2] == glm::vec2(0.5f + kPixel));
   CHECK(inside(*sheet.image(), *shape) == Approx(0.25 - 0.0625));
-  // Two contours of one orientation: the inner one is no hole.
+  // Two contours have one orientation, so the inner contour is not a hole.
   const Contours twice = {ring[0], {{0.125, 0.125}, {0.375, 0.125}, {0.375, 0.375}, {0.125, 0.375}}};
   const auto full = sheet.add(twice);
   REQUIRE(full);
   CHECK(inside(*sheet.image(), *full) == Approx(0.25));
   CHECK(inside(*sheet.image(), *shape) == Approx(0.25 - 0.0625));  // unchanged
-  // Half covered pixels.
+  // The glyph covers half of its pixels.
   const auto thin = sheet.add({{{0, 0}, {0.5 * double{kPixel}, 0}, {0.5 * double{kPixel}, 1}, {0, 1}}});
   REQUIRE(thin);
   const glm::vec2 place = (thin->coordinates[0] + thin->coordinates[2]) * 0.5f;
@@ -194,7 +194,7 @@ TEST_CASE("draws unreadably small text as one bar per word, as bright as its let
   drawing.options.width = drawing.options.height = 64;
   const RenderList list = world.seen_from(300, true);
   CHECK(list.items[0].mesh->indices.size() / 3 == 2 * 3);
-  // From nearer, and from the distance at which letters are drawn.
+  // The viewer is nearer, and at the distance from which letters are drawn.
   World letters(
       "Shape { appearance Appearance { material Material { diffuseColor 1 1 1 } } geometry Text { string "
       "\"ten thousand labels\" } }");

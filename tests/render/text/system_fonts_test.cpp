@@ -1,5 +1,7 @@
 #include "render/text/system_fonts.h"
 
+#include "render/text/font_catalogue.h"
+
 #include <ft2build.h>
 #include FT_FREETYPE_H
 #include <catch2/catch.hpp>
@@ -12,6 +14,7 @@
 #include <random>
 #include <set>
 #include <string>
+#include <vector>
 
 namespace gs::render::system_fonts_test {
 namespace {
@@ -25,6 +28,13 @@ FontRequest family(const char* name) {
   FontRequest request;
   request.families = {name};
   return request;
+}
+
+/// Returns the font file that supplies most of a text. Returns an empty result if the system has no fonts.
+FontFile main_font(const FontRequest& request) {
+  static const FontCatalogue catalogue;
+  const std::vector<FontFile> found = catalogue.find(request);
+  return found.empty() ? FontFile{} : found.front();
 }
 
 const FontRequest kFamilies[] = {family("SERIF"), family("SANS"), family("TYPEWRITER")};
@@ -109,7 +119,7 @@ const std::string kHebrew = std::string(kAlef) + kBet + kGimel;
 TEST_CASE("advances characters by their natural widths (VRML97 6.20.3)") {
   SystemFonts fonts;
   for (const FontRequest& request : kFamilies) {
-    const FreeTypeFont reference(fonts.main_font(request));
+    const FreeTypeFont reference(main_font(request));
     for (char32_t c = 0x20; c < 0x7F; ++c) {
       INFO(request.families[0] << " character " << static_cast<unsigned>(c));
       CHECK(fonts.shape(request, utf8(c), TextDirection::right, 1).extent == Approx(reference.advance(c)));
@@ -123,7 +133,7 @@ TEST_CASE("advances characters by their natural widths (VRML97 6.20.3)") {
 TEST_CASE("covers the area that FreeType's rasteriser covers") {
   SystemFonts fonts;
   for (const FontRequest& request : kFamilies) {
-    const FreeTypeFont reference(fonts.main_font(request));
+    const FreeTypeFont reference(main_font(request));
     for (char32_t c = 0x21; c < 0x100; ++c) {
       if ((c >= 0x7F && c <= 0xA0) || c == 0xAD) continue;  // a soft hyphen is visible at line ends only
       INFO(request.families[0] << " character " << static_cast<unsigned>(c));
@@ -139,7 +149,7 @@ TEST_CASE("covers the area that FreeType's rasteriser covers") {
 TEST_CASE("has glyphs for all of ISO 8859-1 (VRML97 7.3.3)") {
   SystemFonts fonts;
   for (const FontRequest& request : kFamilies) {
-    const FontFile file = fonts.main_font(request);
+    const FontFile file = main_font(request);
     const auto face = FontFace::open(file.path, file.index, {});
     REQUIRE(face);
     for (char32_t c = 0x20; c < 0x100; ++c)
@@ -161,7 +171,7 @@ TEST_CASE("makes coarser levels of fewer triangles and equal extent") {
   CHECK(triangles_of(least) < triangles_of(coarse));
   CHECK(bars.glyphs.size() == 3);  // words
   CHECK(triangles_of(bars) == 2 * bars.glyphs.size());
-  CHECK(area_of(bars) > area_of(least));  // the glyph sheet fills a part of it
+  CHECK(area_of(bars) > area_of(least));  // the glyph atlas fills a part of the bars
   CHECK(area_of(bars) < 2 * area_of(least));
   const ShapedText rectangles = fonts.shape(kFamilies[0], text, TextDirection::right, vrml::kTextPictures);
   CHECK(triangles_of(rectangles) == 2 * (text.size() - 2));
@@ -181,17 +191,17 @@ TEST_CASE("makes each glyph once and shares it") {
 
 TEST_CASE("chooses the first available family of VRML97 6.20.2") {
   SystemFonts fonts;
-  const std::string serif = fonts.main_font(family("SERIF")).path, sans = fonts.main_font(family("SANS")).path,
-                    typewriter = fonts.main_font(family("TYPEWRITER")).path;
+  const std::string serif = main_font(family("SERIF")).path, sans = main_font(family("SANS")).path,
+                    typewriter = main_font(family("TYPEWRITER")).path;
   CHECK(std::set<std::string>{serif, sans, typewriter}.size() == 3);
-  CHECK(fonts.main_font({}).path == serif);
-  CHECK(fonts.main_font(family("")).path == serif);
-  CHECK(fonts.main_font(family("No Such Family 77")).path == serif);
-  CHECK(fonts.main_font(family("sans")).path != typewriter);  // case-sensitive, and no family of that name
+  CHECK(main_font({}).path == serif);
+  CHECK(main_font(family("")).path == serif);
+  CHECK(main_font(family("No Such Family 77")).path == serif);
+  CHECK(main_font(family("sans")).path != typewriter);  // names are case-sensitive, and no family has this name
   FontRequest several;
   several.families = {"No Such Family 77", "TYPEWRITER", "SANS"};
-  CHECK(fonts.main_font(several).path == typewriter);
-  CHECK(fonts.main_font(family("DejaVu Sans")).path.find("DejaVuSans") != std::string::npos);
+  CHECK(main_font(several).path == typewriter);
+  CHECK(main_font(family("DejaVu Sans")).path.find("DejaVuSans") != std::string::npos);
   // All characters of a monospaced font have equal widths.
   const double width = fonts.shape(family("TYPEWRITER"), "i", TextDirection::right, 1).extent;
   for (const char* c : {"W", ".", "m", "1"})
@@ -202,7 +212,7 @@ TEST_CASE("chooses the first available family of VRML97 6.20.2") {
 
 TEST_CASE("draws bold and italic styles, also of fonts without them") {  // 6.20.2
   SystemFonts fonts;
-  // Returns the slant of the letter I by its upper half, and its area.
+  // Returns the slant of the upper half of the letter I, and the area of the letter.
   const auto measure = [&](const char* name, bool bold, bool italic) {
     FontRequest request = family(name);
     request.bold = bold;
@@ -233,7 +243,7 @@ TEST_CASE("draws bold and italic styles, also of fonts without them") {  // 6.20
 
 TEST_CASE("emboldens and slants a font that has plain letters only") {
   SystemFonts fonts;
-  const FontFile file = fonts.main_font(family("SANS"));
+  const FontFile file = main_font(family("SANS"));
   std::vector<PlacedGlyph> plain, made;
   const char32_t text[] = {U'I'};
   (void)FontFace::open(file.path, file.index, {})->shape(text, 0, 1, {}, 0, 0, plain);
@@ -258,7 +268,7 @@ TEST_CASE("runs Hebrew from right to left and its numbers from left to right, in
     const ShapedText number = fonts.shape(kFamilies[1], kHebrew + " 12", direction, 1);
     CHECK(place_of(fonts, number, "1") < place_of(fonts, number, "2"));
   }
-  // Embedded in a left-to-right line and in a right-to-left line.
+  // The text is embedded in a left-to-right line and in a right-to-left line.
   const ShapedText right = fonts.shape(kFamilies[1], "a" + kHebrew + "z", TextDirection::right, 1);
   CHECK(place_of(fonts, right, "a") < place_of(fonts, right, kGimel));
   CHECK(place_of(fonts, right, kAlef) < place_of(fonts, right, "z"));
@@ -286,7 +296,7 @@ TEST_CASE("stacks characters of vertical text, centred (VRML97 6.20.3)") {
     REQUIRE(line.glyphs.size() == 3);
     CHECK(line.extent > 2.5);
     for (std::size_t i = 0; i < 3; ++i) {
-      // From top to bottom, with centred boxes within their part of the line.
+      // Characters follow from top to bottom. Their boxes are centred, within their part of the line.
       float left = 1e9f, right = -1e9f, top = -1e9f, bottom = 1e9f;
       for (const glm::vec2& p : line.glyphs[i].shape->points) {
         left = std::min(left, p.x + line.glyphs[i].at.x);
@@ -304,7 +314,7 @@ TEST_CASE("stacks characters of vertical text, centred (VRML97 6.20.3)") {
 
 TEST_CASE("takes missing characters from another font") {
   SystemFonts fonts;
-  // Some monospaced font of the system has Hebrew, not every one.
+  // Some monospaced fonts have Hebrew, others do not.
   const ShapedText text = fonts.shape(family("TYPEWRITER"), kAlef, TextDirection::right, 1);
   REQUIRE(text.glyphs.size() == 1);
   // private-use character
@@ -336,7 +346,7 @@ TEST_CASE("shapes any bytes in any direction") {
     CHECK(std::isfinite(text.extent));
     for (const PlacedGlyph& glyph : text.glyphs) CHECK((glyph.shape && std::isfinite(glyph.at.x + glyph.at.y)));
   }
-  // Endless marks on one letter, and a run longer than the shaper's maximum.
+  // One letter has thousands of marks, and a run is longer than the shaper's maximum.
   std::string marks = "a";
   for (int i = 0; i < 20'000; ++i) marks += "\xCC\x81";
   CHECK(std::isfinite(fonts.shape(kFamilies[0], marks, TextDirection::right, 2).extent));

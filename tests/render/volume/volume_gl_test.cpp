@@ -28,7 +28,7 @@ Pixels check_same(const RenderList& list, const DrawOptions& look, const glm::ve
   for (const VolumeSort sort : {VolumeSort::thread, VolumeSort::compute}) {
     VolumePicture picture(sort, 80, 60, samples);
     picture.camera.world_from_camera = glm::inverse(glm::lookAt(eye, glm::vec3(0), glm::vec3(0.1f, 1, 0.05f)));
-    picture.options.clouds = look.clouds;
+    picture.options.splat_style = look.splat_style;
     picture.options.budget = look.budget;
     if (wanted.empty()) {
       wanted = picture.draw(list, kBlue, 25);
@@ -55,15 +55,15 @@ Pixels check_same(const RenderList& list, const DrawOptions& look, const glm::ve
 }  // namespace
 
 TEST_CASE("draws a volume with OpenGL as on the processor and by the ray caster", "[optimised]") {
-  const auto cloud = shell();
+  const auto geometry = shell();
   for (const glm::vec3& eye : {glm::vec3(0, 0, 3), glm::vec3(3, 1, -1), glm::vec3(0.9f, 0.2f, 0.3f)}) {
     for (const VolumeSort sort : {VolumeSort::thread, VolumeSort::compute}) {
       VolumePicture picture(sort);
       picture.camera.world_from_camera = glm::inverse(glm::lookAt(eye, glm::vec3(0), glm::vec3(0, 1, 0)));
-      const RayImage exact = raycast_volume(*cloud, picture.view(), {});
+      const RayImage exact = raycast_volume(*geometry, picture.view(), {});
       for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
         picture.options.splats = path;
-        const double psnr = psnr_over(picture.draw(volume_list(cloud), kBlue, 25), exact, kUnderBlue);
+        const double psnr = psnr_over(picture.draw(volume_list(geometry), kBlue, 25), exact, kUnderBlue);
         INFO("PSNR " << psnr << " path " << static_cast<int>(path) << " sort " << static_cast<int>(sort));
         CHECK(psnr >= 40);
       }
@@ -75,7 +75,7 @@ TEST_CASE("draws many small and few large vectors with OpenGL as on the processo
   (void)check_same(volume_list(shell(30'000, 7, 0.02f)), {});
   (void)check_same(volume_list(shell(20, 8, 0.4f)), {});
   (void)check_same(volume_list(shell(1, 9, 0.4f)), {});
-  // Vectors smaller than a pixel.
+  // The vectors are smaller than a pixel.
   (void)check_same(volume_list(shell(3000, 9, 0.01f)), {}, {0, 0, 20});
 }
 
@@ -84,8 +84,8 @@ TEST_CASE("draws lights, threshold, clipping plane, transparency and slant with 
       volume_list(shell(700, 6, 0.15f), glm::mat4(glm::vec4(1.2f, 0.3f, 0, 0), glm::vec4(0, 0.7f, 0.2f, 0),
                                                   glm::vec4(0, 0, -1, 0), glm::vec4(0.1f, 0, 0, 1)));
   DrawOptions look;
-  look.clouds.least_magnitude = 0.4f;
-  look.clouds.clip = glm::vec4(0.5f, 0.5f, 0, 0.1f);
+  look.splat_style.least_magnitude = 0.4f;
+  look.splat_style.clip = glm::vec4(0.5f, 0.5f, 0, 0.1f);
   (void)check_same(list, look);
   Light sun, lamp, spot;
   sun.direction = glm::vec3(-0.6f, -0.8f, 0);
@@ -102,23 +102,24 @@ TEST_CASE("draws lights, threshold, clipping plane, transparency and slant with 
   list.splats[0].directional_lights = {0};
   list.splats[0].material.transparency = 0.5f;
   (void)check_same(list, look);
-  look.clouds.opacity = 20;
-  look.clouds.transfer = {{0, {255, 0, 0}, 0.1f}, {1, {0, 255, 0}, 0.9f}};
+  look.splat_style.opacity = 20;
+  look.splat_style.transfer = {{0, {255, 0, 0}, 0.1f}, {1, {0, 255, 0}, 0.9f}};
   (void)check_same(list, look);
 }
 
 TEST_CASE("draws distinguishing and stored colours with OpenGL as on the processor") {
-  auto cloud = std::make_shared<qnv::Volume>(random_volume(9000, 4, 0.06f));
+  auto geometry = std::make_shared<qnv::Volume>(random_volume(9000, 4, 0.06f));
   DrawOptions look;
-  const Pixels own = check_same(volume_list(cloud), look);
+  const Pixels own = check_same(volume_list(geometry), look);
   for (const ColorBy by : {ColorBy::normal, ColorBy::level, ColorBy::chunk, ColorBy::age}) {
-    look.clouds.color_by = by;
+    look.splat_style.color_by = by;
     INFO(static_cast<int>(by));
-    CHECK(psnr_of(check_same(volume_list(cloud), look), own) < 30);
+    CHECK(psnr_of(check_same(volume_list(geometry), look), own) < 30);
   }
-  cloud->classes.clear();
-  for (std::size_t i = 0; i < cloud->size(); ++i) cloud->colors.push_back({static_cast<std::uint8_t>(i % 251), 90, 7});
-  (void)check_same(volume_list(cloud), {});
+  geometry->classes.clear();
+  for (std::size_t i = 0; i < geometry->size(); ++i)
+    geometry->colors.push_back({static_cast<std::uint8_t>(i % 251), 90, 7});
+  (void)check_same(volume_list(geometry), {});
 }
 
 TEST_CASE("draws nested, transformed volumes with OpenGL as on the processor") {
@@ -127,7 +128,7 @@ TEST_CASE("draws nested, transformed volumes with OpenGL as on the processor") {
   SplatItem again = list.splats[0];
   again.world_from_node = translation({-0.5f, 0, 0});
   list.splats.push_back(again);
-  list.splats.push_back(volume_list(shell(50, 13), scale({0, 1, 1})).splats[0]);  // flat: not drawn
+  list.splats.push_back(volume_list(shell(50, 13), scale({0, 1, 1})).splats[0]);  // a flat volume is not drawn
   (void)check_same(list, {});
   for (int i = 0; i < 40; ++i)
     list.splats.push_back(
@@ -143,7 +144,7 @@ TEST_CASE("draws within a budget with OpenGL as on the processor") {
 }
 
 TEST_CASE("hides the volume behind a polygon and veils the polygon by the volume before it, with OpenGL") {
-  const auto cloud = shell(2000, 5, 0.1f);
+  const auto geometry = shell(2000, 5, 0.1f);
   const std::array<glm::vec3, 4> slanted{
       {{-0.6f, -0.7f, -2.6f}, {0.7f, -0.6f, -3}, {-0.7f, 0.6f, -3}, {0.6f, 0.7f, -3.4f}}};
   for (const int samples : {1, 4}) {
@@ -153,7 +154,7 @@ TEST_CASE("hides the volume behind a polygon and veils the polygon by the volume
       picture.options.splats = path;
       picture.clear(kBlue, 25);
       picture.polygon(slanted, {0.9f, 0.9f, 0});
-      picture.volumes(volume_list(cloud));
+      picture.volumes(volume_list(geometry));
       const Pixels drawn = picture.read();
       if (path == SplatPath::cpu) wanted = drawn;
       const double psnr = psnr_of(drawn, wanted);
@@ -206,13 +207,13 @@ TEST_CASE("sorts in compute shaders like the sorting thread", "[optimised]") {
   REQUIRE(sort);
   const Buffer order = make_buffer(picture.gl), item_buffer = make_buffer(picture.gl);
   const Texture items = make_texture(picture.gl);
-  // One depth, all depths, and many vectors at one depth.
+  // The vectors have one depth, all depths, or many of them one depth.
   for (const std::size_t count : {1u, 2u, 255u, 4096u, 4097u, 70'000u}) {
     for (const float deep : {0.0f, 1.0f}) {
-      auto cloud = std::make_shared<qnv::Volume>(random_volume(count, 3, 0.1f));
-      for (std::size_t k = 0; k<count; k += deep> 0 ? 3 : 1) cloud->positions[k].z = 0.25f;
-      const auto model = std::make_shared<const VolumeModel>(volume_model(*cloud));
-      const SharedVolume held{cloud, model};
+      auto geometry = std::make_shared<qnv::Volume>(random_volume(count, 3, 0.1f));
+      for (std::size_t k = 0; k<count; k += deep> 0 ? 3 : 1) geometry->positions[k].z = 0.25f;
+      const auto model = std::make_shared<const VolumeModel>(volume_model(*geometry));
+      const SharedVolume held{geometry, model};
       const auto places = store.place(std::span(&held, 1));
       REQUIRE(places.size() == 1);
       std::vector<glm::vec4> texels(16, glm::vec4(0));
@@ -229,7 +230,7 @@ TEST_CASE("sorts in compute shaders like the sorting thread", "[optimised]") {
       picture.gl.BindBuffer(GL_ARRAY_BUFFER, order.name());
       get(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(count * 4), sorted.data());
       std::vector<VolumeCode> codes(count);
-      encode_volume_codes(*cloud, places[0].coding, 0, codes);
+      encode_volume_codes(*geometry, places[0].coding, 0, codes);
       std::size_t wrong = 0;
       std::vector<bool> seen(count);
       for (std::size_t i = 0; i < count; ++i) {
@@ -256,21 +257,21 @@ TEST_CASE("survives volumes of any numbers with OpenGL") {
   std::mt19937 random(9);
   const auto any = [&] { return numbers[random() % numbers.size()]; };
   for (int round = 0; round < 60; ++round) {
-    qnv::Volume cloud = random_volume(1 + static_cast<std::size_t>(round), 4, 0.2f);
-    for (std::size_t i = 0; i < cloud.size(); i += 2) {
-      if (round % 3 != 0) cloud.positions[i] = {any(), any(), any()};
-      cloud.normals[i] = {any(), any(), any()};
-      cloud.weights[i] = any();
+    qnv::Volume geometry = random_volume(1 + static_cast<std::size_t>(round), 4, 0.2f);
+    for (std::size_t i = 0; i < geometry.size(); i += 2) {
+      if (round % 3 != 0) geometry.positions[i] = {any(), any(), any()};
+      geometry.normals[i] = {any(), any(), any()};
+      geometry.weights[i] = any();
     }
-    if (round % 4 == 1) cloud.description.transfer[1].value = cloud.description.transfer[2].opacity = any();
-    if (round % 5 == 1) cloud.classes.clear();
-    RenderList list = volume_list(std::make_shared<const qnv::Volume>(cloud));
+    if (round % 4 == 1) geometry.description.transfer[1].value = geometry.description.transfer[2].opacity = any();
+    if (round % 5 == 1) geometry.classes.clear();
+    RenderList list = volume_list(std::make_shared<const qnv::Volume>(geometry));
     if (round % 6 == 1) list.splats[0].world_from_node[1][1] = any();
     if (round % 6 == 2) list.splats[0].world_from_node[3][2] = any();
-    picture.options.clouds = {};
-    if (round % 7 == 1) picture.options.clouds.opacity = any();
-    if (round % 7 == 2) picture.options.clouds.clip = glm::vec4(any(), any(), any(), any());
-    if (round % 7 == 3) picture.options.clouds.least_magnitude = any();
+    picture.options.splat_style = {};
+    if (round % 7 == 1) picture.options.splat_style.opacity = any();
+    if (round % 7 == 2) picture.options.splat_style.clip = glm::vec4(any(), any(), any(), any());
+    if (round % 7 == 3) picture.options.splat_style.least_magnitude = any();
     picture.options.budget = round % 3 == 1 ? 10 : 0;
     (void)picture.draw(list, kBlue, 25);
     (void)picture.draw(list, kBlue, 25);
@@ -280,10 +281,10 @@ TEST_CASE("survives volumes of any numbers with OpenGL") {
 TEST_CASE("draws volumes on the processor that OpenGL cannot draw") {
   VolumePicture picture(VolumeSort::thread);
   VolumeGl volumes(picture.gl);
-  const auto cloud = shell();
-  const auto model = std::make_shared<const VolumeModel>(volume_model(*cloud));
-  const SharedVolume held{cloud, model};
-  VolumeItem item{cloud.get(), model.get(), glm::inverse(picture.camera.world_from_camera), cloud->size(), {}};
+  const auto geometry = shell();
+  const auto model = std::make_shared<const VolumeModel>(volume_model(*geometry));
+  const SharedVolume held{geometry, model};
+  VolumeItem item{geometry.get(), model.get(), glm::inverse(picture.camera.world_from_camera), geometry->size(), {}};
   const VolumeGl::View view{picture.view(), picture.projection(), {0, 0, 80, 60}, 0};
   picture.clear(kBlue, 25);
   CHECK(volumes.draw(std::span(&held, 1), std::span(&item, 1), view).has_value());

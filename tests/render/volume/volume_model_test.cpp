@@ -1,7 +1,7 @@
 #include "render/volume/volume_model.h"
 
 #include "render/scene/color_ramps.h"
-#include "tests/render/clouds.h"
+#include "tests/render/geometry_shapes.h"
 
 #include <catch2/catch.hpp>
 
@@ -25,18 +25,18 @@ TEST_CASE("counts the spacing of a prefix at powers of the square root of two") 
   CHECK(volume_prefix(0, 0) == VolumePrefix{0, 0});
   CHECK(volume_prefix(0, 7) == VolumePrefix{0, 0});
   // Every model has spacings for all its prefixes.
-  const qnv::Volume cloud = random_volume(300, 1, 0.1f);
+  const qnv::Volume geometry = random_volume(300, 1, 0.1f);
   for (std::size_t budget = 1; budget <= 300; ++budget) {
     const VolumePrefix prefix = volume_prefix(300, budget);
     REQUIRE(prefix.counted <= prefix.shown);
     REQUIRE(prefix.counted * 3 >= prefix.shown * 2 - 1);
-    REQUIRE(volume_model(cloud, 1, prefix.counted).spacing.size() >= prefix.shown);
+    REQUIRE(volume_model(geometry, 1, prefix.counted).spacing.size() >= prefix.shown);
   }
 }
 
-TEST_CASE("gives a prefix the spacing of a point set that ends there") {
-  const qnv::Volume cloud = random_volume(4000, 2, 0.02f);
-  const VolumeModel all = volume_model(cloud), some = volume_model(cloud, 0, 512);
+TEST_CASE("gives a prefix the spacing of a volume that ends there") {
+  const qnv::Volume geometry = random_volume(4000, 2, 0.02f);
+  const VolumeModel all = volume_model(geometry), some = volume_model(geometry, 0, 512);
   CHECK(all.spacing.size() == 4000);
   CHECK(some.spacing.size() == 724);
   double sum_all = 0, sum_some = 0;
@@ -44,29 +44,29 @@ TEST_CASE("gives a prefix the spacing of a point set that ends there") {
     sum_all += static_cast<double>(all.spacing[k]);
     sum_some += static_cast<double>(some.spacing[k]);
   }
-  // An eighth of the vectors: spacing doubles in a solid, and nearly triples at a boundary.
+  // With an eighth of the vectors, the spacing doubles in a solid, and nearly triples at a boundary.
   CHECK(sum_some / sum_all > 1.8);
   CHECK(sum_some / sum_all < 3);
   CHECK(some.full_magnitude == all.full_magnitude);
   CHECK(some.transfer == all.transfer);
-  for (const unsigned threads : {1u, 3u}) CHECK(volume_model(cloud, threads, 512).spacing == some.spacing);
+  for (const unsigned threads : {1u, 3u}) CHECK(volume_model(geometry, threads, 512).spacing == some.spacing);
 }
 
 TEST_CASE("limits a vector to its octree cell, except in a prefix") {
-  qnv::Volume cloud = random_volume(4000, 2, 0.02f);
-  const VolumeModel free = volume_model(cloud), some = volume_model(cloud, 0, 512);
-  cloud.cells.assign(cloud.size(), {});  // each is a voxel of the lattice
-  CHECK(volume_model(cloud).spacing == free.spacing);
+  qnv::Volume geometry = random_volume(4000, 2, 0.02f);
+  const VolumeModel free = volume_model(geometry), some = volume_model(geometry, 0, 512);
+  geometry.cells.assign(geometry.size(), {});  // each is a voxel of the lattice
+  CHECK(volume_model(geometry).spacing == free.spacing);
   const float most = *std::max_element(free.spacing.begin(), free.spacing.end());
-  for (std::size_t k = 0; k < cloud.size(); k += 2) cloud.cells[k].edge = most * 0.4f;
-  for (std::size_t k = 1; k < cloud.size(); k += 4) cloud.cells[k].edge = 1e-6f;
-  const VolumeModel bounded = volume_model(cloud);
-  for (std::size_t k = 0; k < cloud.size(); ++k) {
-    // Never less than the voxel spacing.
-    const float edge = std::max(cloud.cells[k].edge, cloud.description.spacing);
-    REQUIRE(bounded.spacing[k] == (cloud.cells[k].edge > 0 ? std::min(free.spacing[k], edge) : free.spacing[k]));
+  for (std::size_t k = 0; k < geometry.size(); k += 2) geometry.cells[k].edge = most * 0.4f;
+  for (std::size_t k = 1; k < geometry.size(); k += 4) geometry.cells[k].edge = 1e-6f;
+  const VolumeModel bounded = volume_model(geometry);
+  for (std::size_t k = 0; k < geometry.size(); ++k) {
+    // The spacing is never less than the voxel spacing.
+    const float edge = std::max(geometry.cells[k].edge, geometry.description.spacing);
+    REQUIRE(bounded.spacing[k] == (geometry.cells[k].edge > 0 ? std::min(free.spacing[k], edge) : free.spacing[k]));
   }
-  CHECK(volume_model(cloud, 0, 512).spacing == some.spacing);
+  CHECK(volume_model(geometry, 0, 512).spacing == some.spacing);
 }
 
 TEST_CASE("interpolates a transfer function linearly, and converts its opacity to depth") {
@@ -93,37 +93,37 @@ TEST_CASE("interpolates a transfer function linearly, and converts its opacity t
 }
 
 TEST_CASE("replaces the model's transfer function by that of the options, for colour and opacity") {
-  const qnv::Volume cloud = random_volume(100, 3, 0.1f);
-  const VolumeModel model = volume_model(cloud);
+  const qnv::Volume geometry = random_volume(100, 3, 0.1f);
+  const VolumeModel model = volume_model(geometry);
   const std::array<qnv::TransferPoint, 1> green{{{0, {0, 255, 0}, 0.5f}}};
-  const VolumeTransfer transfer = volume_transfer(cloud.description, green);
+  const VolumeTransfer transfer = volume_transfer(geometry.description, green);
   VolumeOptions options;
   options.opacity = 1;
   options.transfer = &transfer;
-  for (std::size_t k = 0; k < cloud.size(); ++k) {
-    CHECK(volume_color(cloud, model, options, k) == glm::vec3(0, 1, 0));
-    const double magnitude = std::min(static_cast<double>(cloud.weights[k] / model.full_magnitude), 1.0);
-    CHECK(static_cast<double>(volume_alpha(cloud, model, options, k)) ==
+  for (std::size_t k = 0; k < geometry.size(); ++k) {
+    CHECK(volume_color(geometry, model, options, k) == glm::vec3(0, 1, 0));
+    const double magnitude = std::min(static_cast<double>(geometry.weights[k] / model.full_magnitude), 1.0);
+    CHECK(static_cast<double>(volume_alpha(geometry, model, options, k)) ==
           Approx(magnitude * -std::log(0.5) / (3.14159265 * static_cast<double>(kVolumeFootprint))).epsilon(1e-4));
   }
 }
 
 TEST_CASE("makes colours that distinguish the vectors of a volume") {
-  qnv::Volume cloud = random_volume(9000, 3, 0.1f);
-  cloud.normals[1] = {0, -2, 0};
-  cloud.normals[2] = glm::vec3(kNaN);
-  CHECK(volume_color_by(cloud, ColorBy::normal, 1) == glm::vec3(0.5f, 0, 0.5f));
-  CHECK(volume_color_by(cloud, ColorBy::normal, 2) == glm::vec3(0.5f));
+  qnv::Volume geometry = random_volume(9000, 3, 0.1f);
+  geometry.normals[1] = {0, -2, 0};
+  geometry.normals[2] = glm::vec3(kNaN);
+  CHECK(volume_color_by(geometry, ColorBy::normal, 1) == glm::vec3(0.5f, 0, 0.5f));
+  CHECK(volume_color_by(geometry, ColorBy::normal, 2) == glm::vec3(0.5f));
   const glm::vec3 blue(0, 0, 1), red(1, 0, 0);
-  CHECK(volume_color_by(cloud, ColorBy::age, 0) == blue);
-  CHECK(volume_color_by(cloud, ColorBy::age, 8999) == red);
-  CHECK(volume_color_by(cloud, ColorBy::level, 0) == blue);
-  CHECK(volume_color_by(cloud, ColorBy::level, kFirstOctave - 1) == blue);
-  CHECK(volume_color_by(cloud, ColorBy::level, 8999) == red);
-  CHECK(volume_color_by(cloud, ColorBy::chunk, 0) == volume_color_by(cloud, ColorBy::chunk, kBlockVectors - 1));
-  CHECK(volume_color_by(cloud, ColorBy::chunk, 0) != volume_color_by(cloud, ColorBy::chunk, kBlockVectors));
+  CHECK(volume_color_by(geometry, ColorBy::age, 0) == blue);
+  CHECK(volume_color_by(geometry, ColorBy::age, 8999) == red);
+  CHECK(volume_color_by(geometry, ColorBy::level, 0) == blue);
+  CHECK(volume_color_by(geometry, ColorBy::level, kFirstOctave - 1) == blue);
+  CHECK(volume_color_by(geometry, ColorBy::level, 8999) == red);
+  CHECK(volume_color_by(geometry, ColorBy::chunk, 0) == volume_color_by(geometry, ColorBy::chunk, kBlockVectors - 1));
+  CHECK(volume_color_by(geometry, ColorBy::chunk, 0) != volume_color_by(geometry, ColorBy::chunk, kBlockVectors));
   VolumeOptions options;
   options.color = glm::vec3(0.3f);
   options.color_by = ColorBy::age;
-  CHECK(volume_color(cloud, volume_model(cloud), options, 8999) == red);
+  CHECK(volume_color(geometry, volume_model(geometry), options, 8999) == red);
 }

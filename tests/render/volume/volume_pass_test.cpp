@@ -1,5 +1,6 @@
 #include "render/volume/volume_pass.h"
 
+#include "tests/render/volume/one_volume.h"
 #include "tests/render/volume_scenes.h"
 
 #include <algorithm>
@@ -35,16 +36,16 @@ std::array<glm::vec3, 4> rectangle(const Target& target, float depth, float x0, 
   return {corner(x0, y0), corner(x1, y0), corner(x0, y1), corner(x1, y1)};
 }
 
-VolumeItem item_of(const qnv::Volume& cloud, const VolumeModel& model, const glm::mat4& camera_from_node) {
-  return {&cloud, &model, camera_from_node, model.spacing.size(), {}};
+VolumeItem item_of(const qnv::Volume& geometry, const VolumeModel& model, const glm::mat4& camera_from_node) {
+  return {&geometry, &model, camera_from_node, model.spacing.size(), {}};
 }
 
 }  // namespace
 
 TEST_CASE("blends a volume over the picture, pixel by pixel") {
   Target target;
-  const auto cloud = std::make_shared<const qnv::Volume>(random_volume(900, 5, 0.12f));
-  const Pixels drawn = target.draw(volume_list(cloud), {0.2f, 0.4f, 0.8f}, 9);
+  const auto geometry = std::make_shared<const qnv::Volume>(random_volume(900, 5, 0.12f));
+  const Pixels drawn = target.draw(volume_list(geometry), {0.2f, 0.4f, 0.8f}, 9);
   CHECK(target.statistics.vectors == 900);
   CHECK(target.statistics.draw_calls == 1);
   SplatView view;
@@ -53,7 +54,7 @@ TEST_CASE("blends a volume over the picture, pixel by pixel") {
   view.width = kWidth;
   view.height = kHeight;
   view.near_plane = 0.1f;
-  const VolumeLayer layer = rasterize_volume(*cloud, volume_model(*cloud), view, {});
+  const VolumeLayer layer = test::rasterize_volume(*geometry, view);
   REQUIRE(layer.pixels.size() == drawn.size());
   const std::array<float, 3> under = {0.2f * 255, 0.4f * 255, 0.8f * 255};
   float furthest = 0;
@@ -67,10 +68,10 @@ TEST_CASE("blends a volume over the picture, pixel by pixel") {
 
 TEST_CASE("hides a volume behind a polygon, and draws it over one behind it") {
   Target target;
-  const auto cloud = std::make_shared<const qnv::Volume>(random_volume(900, 5, 0.12f));
+  const auto geometry = std::make_shared<const qnv::Volume>(random_volume(900, 5, 0.12f));
   const glm::vec3 color(0, 0, 1);
-  CHECK(plain(target.draw(volume_list(cloud), color, 1), color));
-  CHECK(!plain(target.draw(volume_list(cloud), color, 5), color));
+  CHECK(plain(target.draw(volume_list(geometry), color, 1), color));
+  CHECK(!plain(target.draw(volume_list(geometry), color, 5), color));
 }
 
 TEST_CASE("ignores surfaces, empty volumes and volumes behind the camera") {
@@ -95,13 +96,13 @@ TEST_CASE("applies transparency, clipping plane and threshold of a volume") {
   list.splats[0].material.transparency = 1;
   CHECK(plain(target.draw(list, color, 9), color));
   list.splats[0].material.transparency = 0;
-  target.options.clouds.least_magnitude = 2;
+  target.options.splat_style.least_magnitude = 2;
   CHECK(plain(target.draw(list, color, 9), color));
-  target.options.clouds.least_magnitude = 0;
+  target.options.splat_style.least_magnitude = 0;
   list.splats[0].world_from_node = testing::translation({0, 0, -1});
-  target.options.clouds.clip = glm::vec4(0, 0, 1, -0.1f);  // the world's z >= 0.1, in front of the whole volume
+  target.options.splat_style.clip = glm::vec4(0, 0, 1, -0.1f);  // the world's z >= 0.1, in front of the whole volume
   CHECK(plain(target.draw(list, color, 9), color));
-  target.options.clouds.clip = glm::vec4(0, 0, 1, 1);
+  target.options.splat_style.clip = glm::vec4(0, 0, 1, 1);
   (void)target.draw(list, color, 9);
   CHECK(target.statistics.vectors > 300);
   CHECK(target.statistics.vectors < 600);
@@ -110,9 +111,9 @@ TEST_CASE("applies transparency, clipping plane and threshold of a volume") {
 TEST_CASE("draws the nearer of two volumes over the other") {
   Target target;
   const auto of_color = [](qnv::Rgb8 color) {
-    auto cloud = std::make_shared<qnv::Volume>(random_volume(4000, 3, 0.05f));
-    cloud->description.transfer = {{0, color, 0.99f}, {1, color, 0.99f}};
-    return cloud;
+    auto geometry = std::make_shared<qnv::Volume>(random_volume(4000, 3, 0.05f));
+    geometry->description.transfer = {{0, color, 0.99f}, {1, color, 0.99f}};
+    return geometry;
   };
   RenderList list = volume_list(of_color({255, 0, 0}));
   list.splats.push_back(list.splats[0]);
@@ -175,7 +176,7 @@ TEST_CASE("mixes vectors of intersecting volumes by depth, vector by vector", "[
       std::swap(list.splats[0], list.splats[1]);
     }
   }
-  // Drawing one over the other differs.
+  // Blending one finished volume over the other gives a different picture.
   Psnr layered;
   const RayImage one = exact_volumes(std::span(items).first(1), target.view()),
                  other = exact_volumes(std::span(items).last(1), target.view());
@@ -187,16 +188,16 @@ TEST_CASE("mixes vectors of intersecting volumes by depth, vector by vector", "[
 }
 
 TEST_CASE("hides the volume behind a polygon, and veils the polygon by the volume before it", "[optimised]") {
-  const auto cloud = std::make_shared<const qnv::Volume>(random_volume(1500, 5, 0.1f));
-  const VolumeModel model = volume_model(*cloud);
+  const auto geometry = std::make_shared<const qnv::Volume>(random_volume(1500, 5, 0.1f));
+  const VolumeModel model = volume_model(*geometry);
   for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
     Target target;
     target.options.splats = path;
-    target.options.clouds.opacity = 0.5f;
+    target.options.splat_style.opacity = 0.5f;
     const glm::vec3 yellow(1, 1, 0), blue(0, 0, 1);
     target.clear(blue, 25);
     target.polygon(rectangle(target, 3, 20, 15, 60, 45), yellow);
-    target.volumes(volume_list(cloud));
+    target.volumes(volume_list(geometry));
     const Pixels drawn = target.read();
     std::vector<float> stops(kWidth * kHeight, kInfinity);
     Pixels under(drawn.size());
@@ -208,11 +209,11 @@ TEST_CASE("hides the volume behind a polygon, and veils the polygon by the volum
           under[4 * index_of(x, y) + static_cast<std::size_t>(c)] =
               static_cast<std::uint8_t>((covered ? yellow : blue)[c] * 255);
       }
-    VolumeItem item = item_of(*cloud, model, target.view().camera_from_node);
+    VolumeItem item = item_of(*geometry, model, target.view().camera_from_node);
     item.options.opacity = 0.5f;
     const RayImage exact = exact_volumes(std::span(&item, 1), target.view(), stops);
     CHECK(psnr_over(drawn, exact, under) >= 40);
-    // Differs from the bare polygon and from the whole volume over it.
+    // The picture shows neither the polygon alone nor the whole volume in front of it.
     const RayImage all = exact_volumes(std::span(&item, 1), target.view());
     CHECK(psnr_over(drawn, all, under) < 35);
     CHECK(glm::distance(pixel_color(drawn, 40, 30), yellow) > 0.1f);
@@ -220,8 +221,8 @@ TEST_CASE("hides the volume behind a polygon, and veils the polygon by the volum
 }
 
 TEST_CASE("smooths polygon edges before, in and behind a volume with several samples", "[optimised]") {
-  auto cloud = std::make_shared<qnv::Volume>(random_volume(6000, 5, 0.08f));
-  cloud->description.transfer = {{0, {255, 255, 255}, 0.9f}, {1, {255, 255, 255}, 0.9f}};
+  auto geometry = std::make_shared<qnv::Volume>(random_volume(6000, 5, 0.08f));
+  geometry->description.transfer = {{0, {255, 255, 255}, 0.9f}, {1, {255, 255, 255}, 0.9f}};
   for (const float depth : {1.0f, 3.0f, 6.0f}) {
     std::array<Pixels, 2> drawn;
     std::size_t path = 0;
@@ -230,16 +231,16 @@ TEST_CASE("smooths polygon edges before, in and behind a volume with several sam
       target.options.splats = chosen;
       const auto draw = [&](bool polygon, bool volume) {
         target.clear({0, 0, 1}, 25);
-        // Its left edge halves column 30.
+        // The left edge of the polygon halves column 30.
         if (polygon) target.polygon(rectangle(target, depth, 30.5f, -5, 90, 70), {1, 0, 0});
-        if (volume) target.volumes(volume_list(cloud));
+        if (volume) target.volumes(volume_list(geometry));
         return target.read();
       };
       drawn[path] = draw(true, true);
       const Pixels bare = draw(false, true);
       double worst = 0;
       for (int y = 5; y < kHeight - 5; ++y) {
-        // Half of the samples of that column match the left column, half the right one.
+        // Half of the samples of column 30 match the left column, half match the right column.
         const glm::vec3 left = pixel_color(bare, 30, y),
                         right = 0.5f * (pixel_color(drawn[path], 31, y) + pixel_color(drawn[path], 32, y)),
                         middle = pixel_color(drawn[path], 30, y), wanted = 0.5f * (left + right);
@@ -255,10 +256,10 @@ TEST_CASE("smooths polygon edges before, in and behind a volume with several sam
 
 TEST_CASE("shares the budget between volumes, and compensates for omitted vectors") {
   Target target;
-  auto cloud = std::make_shared<qnv::Volume>(random_volume(20'000, 3, 0.05f));
-  cloud->description.transfer = {{0, {255, 255, 255}, 0.9f}, {1, {255, 255, 255}, 0.9f}};
-  cloud->description.box = {glm::vec3(-1), glm::vec3(1)};
-  RenderList list = volume_list(cloud);
+  auto geometry = std::make_shared<qnv::Volume>(random_volume(20'000, 3, 0.05f));
+  geometry->description.transfer = {{0, {255, 255, 255}, 0.9f}, {1, {255, 255, 255}, 0.9f}};
+  geometry->description.box = {glm::vec3(-1), glm::vec3(1)};
+  RenderList list = volume_list(geometry);
   const auto brightness = [&](const Pixels& pixels) {
     double sum = 0;
     for (std::size_t i = 0; i < pixels.size(); ++i) sum += i % 4 == 3 ? 0 : pixels[i];
@@ -274,7 +275,7 @@ TEST_CASE("shares the budget between volumes, and compensates for omitted vector
     if (budget >= 2000) CHECK(some == Approx(all).epsilon(0.4));
   }
   auto small = std::make_shared<qnv::Volume>(random_volume(50, 4, 0.05f));
-  small->description = cloud->description;
+  small->description = geometry->description;
   list.splats.push_back(volume_list(small).splats[0]);
   list.splats.push_back(list.splats[0]);
   target.options.budget = 4050;
@@ -285,19 +286,19 @@ TEST_CASE("shares the budget between volumes, and compensates for omitted vector
 
 TEST_CASE("applies a chosen transfer function to all volumes, and colours by the source of vectors") {
   Target target;
-  const auto cloud = std::make_shared<const qnv::Volume>(random_volume(2000, 5, 0.1f));
-  const Pixels own = target.draw(volume_list(cloud), {0, 0, 0}, 25);
-  target.options.clouds.transfer = {{0, {0, 255, 0}, 0.5f}, {1, {0, 255, 0}, 0.5f}};
-  const Pixels green = target.draw(volume_list(cloud), {0, 0, 0}, 25);
-  // Its gloss is white but weak.
+  const auto geometry = std::make_shared<const qnv::Volume>(random_volume(2000, 5, 0.1f));
+  const Pixels own = target.draw(volume_list(geometry), {0, 0, 0}, 25);
+  target.options.splat_style.transfer = {{0, {0, 255, 0}, 0.5f}, {1, {0, 255, 0}, 0.5f}};
+  const Pixels green = target.draw(volume_list(geometry), {0, 0, 0}, 25);
+  // The gloss of the polygon is white but weak.
   CHECK(pixel_color(green, 40, 30).y > 3 * pixel_color(green, 40, 30).x);
-  target.options.clouds.transfer = {{0, {0, 255, 0}, 0}, {1, {0, 255, 0}, 0}};
-  CHECK(plain(target.draw(volume_list(cloud), {0, 0, 0}, 25), {0, 0, 0}));
-  target.options.clouds.transfer.clear();
-  target.options.clouds.color_by = ColorBy::age;
-  CHECK(psnr_of(target.draw(volume_list(cloud), {0, 0, 0}, 25), own) < 30);
-  target.options.clouds.color_by = ColorBy::own;
-  CHECK(target.draw(volume_list(cloud), {0, 0, 0}, 25) == own);
+  target.options.splat_style.transfer = {{0, {0, 255, 0}, 0}, {1, {0, 255, 0}, 0}};
+  CHECK(plain(target.draw(volume_list(geometry), {0, 0, 0}, 25), {0, 0, 0}));
+  target.options.splat_style.transfer.clear();
+  target.options.splat_style.color_by = ColorBy::age;
+  CHECK(psnr_of(target.draw(volume_list(geometry), {0, 0, 0}, 25), own) < 30);
+  target.options.splat_style.color_by = ColorBy::own;
+  CHECK(target.draw(volume_list(geometry), {0, 0, 0}, 25) == own);
 }
 
 TEST_CASE("draws a volume inside its viewport only") {
@@ -335,7 +336,7 @@ TEST_CASE("draws a volume inside its viewport only") {
 }
 
 TEST_CASE("combines volumes with polygons for all depth formats, and without a depth buffer", "[optimised]") {
-  const auto cloud = std::make_shared<const qnv::Volume>(random_volume(1500, 5, 0.1f));
+  const auto geometry = std::make_shared<const qnv::Volume>(random_volume(1500, 5, 0.1f));
   for (const int samples : {1, 4}) {
     Pixels wanted;
     for (const GLenum format : {GL_DEPTH_COMPONENT24, GL_DEPTH24_STENCIL8, GL_DEPTH_COMPONENT16, GL_DEPTH_COMPONENT32F,
@@ -347,7 +348,7 @@ TEST_CASE("combines volumes with polygons for all depth formats, and without a d
         target.options.splats = path;
         target.clear({0, 0, 1}, 25);
         if (format != GL_NONE) target.polygon(rectangle(target, 3, 20.5f, 15.2f, 60, 45), {1, 1, 0});
-        target.volumes(volume_list(cloud));
+        target.volumes(volume_list(geometry));
         const Pixels drawn = target.read();
         if (wanted.empty()) wanted = drawn;
         INFO("format " << format << " samples " << samples << " path " << static_cast<int>(path) << " reversed "
@@ -356,9 +357,9 @@ TEST_CASE("combines volumes with polygons for all depth formats, and without a d
           CHECK(psnr_of(drawn, wanted) >= 40);
           continue;
         }
-        // Blends into eight bits.
-        const VolumeModel model = volume_model(*cloud);
-        const VolumeItem item = item_of(*cloud, model, target.view().camera_from_node);
+        // The target has eight bits per component.
+        const VolumeModel model = volume_model(*geometry);
+        const VolumeItem item = item_of(*geometry, model, target.view().camera_from_node);
         const double psnr = psnr_over(drawn, exact_volumes(std::span(&item, 1), target.view()), {0, 0, 255, 255});
         INFO(psnr);
         CHECK(psnr >= 40);

@@ -2,6 +2,7 @@
 
 #include "render/volume/volume_tile.h"
 #include "tests/render/rays/raycast.h"
+#include "tests/render/volume/one_volume.h"
 #include "tests/render/volume_scenes.h"
 
 #include <catch2/catch.hpp>
@@ -22,15 +23,15 @@ using render::VolumeOptions;
 
 namespace {
 
-VolumeLayer drawn(const qnv::Volume& cloud, const SplatView& view, const VolumeOptions& options = {}) {
-  return render::rasterize_volume(cloud, render::volume_model(cloud, view.threads), view, options);
+VolumeLayer drawn(const qnv::Volume& geometry, const SplatView& view, const VolumeOptions& options = {}) {
+  return rasterize_volume(geometry, view, options);
 }
 
 /// Returns the agreement of all four components, and the share of clearly opaque pixels with another depth.
-std::pair<double, double> against_oracle(const qnv::Volume& cloud, const SplatView& view,
+std::pair<double, double> against_oracle(const qnv::Volume& geometry, const SplatView& view,
                                          const VolumeOptions& options) {
-  const VolumeLayer layer = drawn(cloud, view, options);
-  const render::RayImage exact = raycast_volume(cloud, view, options);
+  const VolumeLayer layer = drawn(geometry, view, options);
+  const render::RayImage exact = raycast_volume(geometry, view, options);
   REQUIRE(layer.width == view.width);
   REQUIRE(exact.width == view.width);
   Psnr psnr;
@@ -53,11 +54,11 @@ bool same(const VolumeLayer& a, const VolumeLayer& b) {
 }  // namespace
 
 TEST_CASE("draws a volume as equation (1) defines") {
-  const qnv::Volume cloud = random_volume(900, 5, 0.12f);
+  const qnv::Volume geometry = random_volume(900, 5, 0.12f);
   for (const glm::vec3& eye : {glm::vec3(0, 0, 3), glm::vec3(3, 1, -1), glm::vec3(-2, -2.5f, 0.5f),
                                glm::vec3(0.9f, 0.2f, 0.3f), glm::vec3(0, 12, 0)}) {
     const SplatView view = view_from(eye, 75, 61);
-    const auto [psnr, elsewhere] = against_oracle(cloud, view, {});
+    const auto [psnr, elsewhere] = against_oracle(geometry, view, {});
     INFO("from " << eye.x << " " << eye.y << " " << eye.z);
     CHECK(psnr >= 40);
     CHECK(elsewhere < 0.02);
@@ -65,51 +66,51 @@ TEST_CASE("draws a volume as equation (1) defines") {
 }
 
 TEST_CASE("draws lights, threshold, clipping plane, colour and slant as equation (1) defines") {
-  const qnv::Volume cloud = random_volume(700, 6, 0.15f);
+  const qnv::Volume geometry = random_volume(700, 6, 0.15f);
   SplatView view = view_from({1, 2, 2}, 70, 50);
   const std::array<render::VolumeLight, 2> lights = {
       render::VolumeLight{.place = {0.6f, 0.8f, 0}, .color = {1, 0.5f, 0.2f}},
       render::VolumeLight{.directional = false, .place = {0, 1, -1}, .attenuation = {1, 0.2f, 0}, .radius = 9}};
   VolumeOptions options;
   options.lights = lights;
-  CHECK(against_oracle(cloud, view, options).first >= 40);
+  CHECK(against_oracle(geometry, view, options).first >= 40);
   options.least_magnitude = 0.5f;
   options.clip = glm::vec4(0.5f, 0.5f, 0, 0.1f);
-  CHECK(against_oracle(cloud, view, options).first >= 40);
+  CHECK(against_oracle(geometry, view, options).first >= 40);
   options.color = glm::vec3(0.2f, 0.9f, 0.4f);
   options.opacity = 20;
   view.camera_from_node = view.camera_from_node * glm::mat4(glm::vec4(1.2f, 0.3f, 0, 0), glm::vec4(0, 0.7f, 0.2f, 0),
                                                             glm::vec4(0, 0, -1, 0), glm::vec4(0.1f, 0, 0, 1));
-  CHECK(against_oracle(cloud, view, options).first >= 40);
+  CHECK(against_oracle(geometry, view, options).first >= 40);
 }
 
 TEST_CASE("draws many small vectors like the reference ray caster", "[optimised]") {
-  const qnv::Volume cloud = random_volume(20'000, 7, 0.02f);
-  CHECK(against_oracle(cloud, view_from({0, 1, 3}, 64, 64), {}).first >= 40);
+  const qnv::Volume geometry = random_volume(20'000, 7, 0.02f);
+  CHECK(against_oracle(geometry, view_from({0, 1, 3}, 64, 64), {}).first >= 40);
 }
 
 TEST_CASE("draws vectors at different depths equally in any order") {
-  const qnv::Volume cloud = random_volume(600, 8, 0.2f);
-  std::vector<std::size_t> order(cloud.size());
+  const qnv::Volume geometry = random_volume(600, 8, 0.2f);
+  std::vector<std::size_t> order(geometry.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::shuffle(order.begin(), order.end(), std::mt19937(3));
   qnv::Volume other;
-  other.description = cloud.description;
+  other.description = geometry.description;
   for (const std::size_t i : order)
-    add(other, cloud.positions[i], cloud.normals[i], cloud.weights[i], cloud.classes[i]);
+    add(other, geometry.positions[i], geometry.normals[i], geometry.weights[i], geometry.classes[i]);
   const SplatView view = view_from({0, 0, 3}, 64, 64);
-  CHECK(same(drawn(cloud, view), drawn(other, view)));
+  CHECK(same(drawn(geometry, view), drawn(other, view)));
 }
 
 TEST_CASE("draws the same volume on any number of threads") {
-  const qnv::Volume cloud = random_volume(60'000, 9, 0.02f);
+  const qnv::Volume geometry = random_volume(60'000, 9, 0.02f);
   SplatView view = view_from({1, 1, 2}, 200, 150);
   view.threads = 1;
-  const VolumeLayer one = drawn(cloud, view);
+  const VolumeLayer one = drawn(geometry, view);
   REQUIRE(!one.empty());
   for (const unsigned threads : {2u, 3u, 8u}) {
     view.threads = threads;
-    CHECK(same(one, drawn(cloud, view)));
+    CHECK(same(one, drawn(geometry, view)));
   }
 }
 
@@ -146,7 +147,7 @@ TEST_CASE("draws several volumes with stops to their exact picture on any number
   };
   CHECK(decibels(one.pixels, far) >= 40);
   CHECK(decibels(one.edge_pixels, near) >= 40);
-  // Stops beyond the volume, and stops of another size, change nothing.
+  // Stops beyond the volume, and lists of stops with another size, have no effect.
   const std::vector<float> none(48 * 36, kInfinity);
   const VolumeLayer free = render::rasterize_volumes(items, view);
   CHECK(same(free, render::rasterize_volumes(items, view, {none, none})));
@@ -158,22 +159,22 @@ TEST_CASE("draws several volumes with stops to their exact picture on any number
 }
 
 TEST_CASE("draws one of several volumes exactly like the ray caster") {
-  const qnv::Volume cloud = random_volume(300, 3, 0.2f);
-  const render::VolumeModel model = render::volume_model(cloud);
+  const qnv::Volume geometry = random_volume(300, 3, 0.2f);
+  const render::VolumeModel model = render::volume_model(geometry);
   const SplatView view = view_from({1, 0.5f, 2.5f}, 30, 20);
-  const render::VolumeItem item{&cloud, &model, view.camera_from_node, cloud.size(), {}};
-  const render::RayImage a = exact_volumes(std::span(&item, 1), view), b = raycast_volume(cloud, view, {});
+  const render::VolumeItem item{&geometry, &model, view.camera_from_node, geometry.size(), {}};
+  const render::RayImage a = exact_volumes(std::span(&item, 1), view), b = raycast_volume(geometry, view, {});
   REQUIRE(a.color.size() == b.color.size());
   for (std::size_t i = 0; i < a.color.size(); ++i)
     for (int c = 0; c < 4; ++c) REQUIRE(a.color[i][c] == Approx(b.color[i][c]).margin(1e-5));
 }
 
 TEST_CASE("counts the vectors in view") {
-  const qnv::Volume cloud = random_volume(5000, 3, 0.05f);
-  const render::VolumeModel model = render::volume_model(cloud);
+  const qnv::Volume geometry = random_volume(5000, 3, 0.05f);
+  const render::VolumeModel model = render::volume_model(geometry);
   SplatView view = view_from({0, 0, 3}, 80, 60);
-  render::VolumeItem item{&cloud, &model, view.camera_from_node, cloud.size(), {}};
-  const std::size_t all = drawn(cloud, view).vectors;
+  render::VolumeItem item{&geometry, &model, view.camera_from_node, geometry.size(), {}};
+  const std::size_t all = drawn(geometry, view).vectors;
   CHECK(render::survey_volumes(std::span(&item, 1), view, 10'000).vectors == all);
   const render::VolumeSurvey some = render::survey_volumes(std::span(&item, 1), view, 500);
   CHECK(static_cast<double>(some.vectors) == Approx(static_cast<double>(all)).epsilon(0.1));
@@ -216,33 +217,33 @@ TEST_CASE("splats a volume to the same bits in both kernels") {
 TEST_CASE("draws the boundary of a volume without holes from few received vectors") {
   std::mt19937 random(2);
   for (const double share : {1.0, 0.25, 0.05, 0.01}) {
-    qnv::Volume cloud = empty_volume(0.95f, 1);
-    cloud.description.box = {glm::vec3(-64, -64, -1), glm::vec3(63, 63, 1)};
+    qnv::Volume geometry = empty_volume(0.95f, 1);
+    geometry.description.box = {glm::vec3(-64, -64, -1), glm::vec3(63, 63, 1)};
     std::uniform_real_distribution<double> part(0, 1);
     for (int z = -1; z < 2; ++z)
       for (int y = -64; y < 64; ++y)
         for (int x = -64; x < 64; ++x)
-          if (part(random) < share) add(cloud, {x, y, z}, {0, 0, 1}, 1, 0);
+          if (part(random) < share) add(geometry, {x, y, z}, {0, 0, 1}, 1, 0);
     SplatView view = straight_view(150, 150);
     view.camera_from_node = glm::lookAt(glm::vec3(0, 0, 40), glm::vec3(0), glm::vec3(0, 1, 0));
-    const VolumeLayer layer = drawn(cloud, view);
+    const VolumeLayer layer = drawn(geometry, view);
     REQUIRE(!layer.empty());
     std::size_t holes = 0;
     for (std::size_t i = 0; i < layer.depth.size(); ++i)
       if (layer.pixels[4 * i + 3] < 150) ++holes;
-    INFO(cloud.size() << " vectors");
+    INFO(geometry.size() << " vectors");
     CHECK(holes <= layer.depth.size() / 200);
   }
 }
 
 TEST_CASE("shows less through more opaque volumes, and keeps colours premultiplied") {
-  const qnv::Volume cloud = random_volume(3000, 10, 0.06f);
+  const qnv::Volume geometry = random_volume(3000, 10, 0.06f);
   const SplatView view = view_from({0, 0, 3}, 64, 64);
   double last = 0;
   for (const float opacity : {0.1f, 1.0f, 10.0f}) {
     VolumeOptions options;
     options.opacity = opacity;
-    const VolumeLayer layer = drawn(cloud, view, options);
+    const VolumeLayer layer = drawn(geometry, view, options);
     REQUIRE(!layer.empty());
     double sum = 0;
     for (std::size_t i = 0; i < layer.depth.size(); ++i) {
@@ -263,50 +264,49 @@ TEST_CASE("draws or skips hostile volumes") {
   for (const float v : values) {
     INFO(v);
     for (int what = 0; what < 9; ++what) {
-      qnv::Volume cloud = sound;
+      qnv::Volume geometry = sound;
       VolumeOptions options;
       SplatView other = view;
-      for (std::size_t i = 0; i < cloud.size(); i += 3) {
-        if (what == 0) cloud.positions[i].y = v;
-        if (what == 1) cloud.normals[i].z = v;
-        if (what == 2) cloud.weights[i] = v;
+      for (std::size_t i = 0; i < geometry.size(); i += 3) {
+        if (what == 0) geometry.positions[i].y = v;
+        if (what == 1) geometry.normals[i].z = v;
+        if (what == 2) geometry.weights[i] = v;
       }
-      if (what == 3) cloud.description.spacing = v;
-      if (what == 4) cloud.description.box = {glm::vec3(v), glm::vec3(-v)};
-      if (what == 5) cloud.description.transfer[1].value = cloud.description.transfer[2].opacity = v;
+      if (what == 3) geometry.description.spacing = v;
+      if (what == 4) geometry.description.box = {glm::vec3(v), glm::vec3(-v)};
+      if (what == 5) geometry.description.transfer[1].value = geometry.description.transfer[2].opacity = v;
       if (what == 6) options.opacity = options.ambient = v;
       if (what == 7) options.clip = glm::vec4(v, v, 0, v);
       if (what == 8) other.camera_from_node[1][1] = other.near_plane = v;
-      const VolumeLayer layer = drawn(cloud, other, options);
+      const VolumeLayer layer = drawn(geometry, other, options);
       CHECK((layer.empty() || layer.pixels.size() == 4u * 70 * 40));
-      (void)raycast_volume(cloud, view_from({0, 0, 3}, 7, 4), options);
+      (void)raycast_volume(geometry, view_from({0, 0, 3}, 7, 4), options);
     }
   }
-  qnv::Volume cloud = sound;
-  cloud.description.transfer.clear();
-  CHECK(!drawn(cloud, view).empty());
-  cloud.classes.clear();
-  CHECK(!drawn(cloud, view).empty());
-  cloud.classes.resize(7);
-  CHECK(drawn(cloud, view).empty());
-  cloud = sound;
-  cloud.weights.pop_back();
-  CHECK(drawn(cloud, view).empty());
+  qnv::Volume geometry = sound;
+  geometry.description.transfer.clear();
+  CHECK(!drawn(geometry, view).empty());
+  geometry.classes.clear();
+  CHECK(!drawn(geometry, view).empty());
+  geometry.classes.resize(7);
+  CHECK(drawn(geometry, view).empty());
+  geometry = sound;
+  geometry.weights.pop_back();
+  CHECK(drawn(geometry, view).empty());
   CHECK(drawn({}, view).empty());
   CHECK(drawn(sound, view_from({0, 0, 3}, 0, 40)).empty());
-  CHECK(render::rasterize_volume(sound, {}, view, {}).empty());
   SplatView away = view;
   away.camera_from_node = glm::lookAt(glm::vec3(0, 0, 30), glm::vec3(0, 0, 60), glm::vec3(0, 1, 0));
   CHECK(drawn(sound, away).empty());  // behind the camera
 }
 
 TEST_CASE("ends quickly for coincident vectors, and for one vector in a huge box") {
-  qnv::Volume cloud = empty_volume(0.01f, 100);
-  for (int i = 0; i < 100'000; ++i) add(cloud, {0, 0, 0}, {0, 0, 1}, 1, 0);
+  qnv::Volume geometry = empty_volume(0.01f, 100);
+  for (int i = 0; i < 100'000; ++i) add(geometry, {0, 0, 0}, {0, 0, 1}, 1, 0);
   const SplatView view = view_from({0, 0, 3}, 200, 200);
-  (void)drawn(cloud, view);
-  cloud.description.box = {glm::vec3(-1e30f), glm::vec3(1e30f)};
-  (void)drawn(cloud, view);
+  (void)drawn(geometry, view);
+  geometry.description.box = {glm::vec3(-1e30f), glm::vec3(1e30f)};
+  (void)drawn(geometry, view);
   qnv::Volume one = empty_volume(0.9f, 1e-30f);
   one.description.box = {glm::vec3(-1e30f), glm::vec3(1e30f)};
   add(one, {0, 0, 0}, {0, 0, 1}, 1, 0);

@@ -1,6 +1,6 @@
 #include "render/volume/volume_sort.h"
 
-#include "tests/render/clouds.h"
+#include "tests/render/geometry_shapes.h"
 
 #include <catch2/catch.hpp>
 
@@ -24,11 +24,11 @@ constexpr std::uint64_t entry(std::uint32_t key, std::uint32_t value) { return s
 glm::vec4 row(float angle, float distance = 5) { return {-std::sin(angle), 0, -std::cos(angle), distance}; }
 
 std::shared_ptr<const qnv::Volume> points(std::size_t count, unsigned seed) {
-  auto cloud = std::make_shared<qnv::Volume>();
+  auto geometry = std::make_shared<qnv::Volume>();
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> part(-1, 1);
-  for (std::size_t i = 0; i < count; ++i) add(*cloud, {part(random), part(random), part(random)}, {0, 0, 1}, 1);
-  return cloud;
+  for (std::size_t i = 0; i < count; ++i) add(*geometry, {part(random), part(random), part(random)}, {0, 0, 1}, 1);
+  return geometry;
 }
 
 float depth_of(const VolumeSortPart& part, std::size_t k) {
@@ -69,7 +69,7 @@ TEST_CASE("sorts entries by key, and keeps the order of equal keys") {
       for (std::uint32_t i = 0; i < count; ++i)
         entries.push_back(entry(static_cast<std::uint32_t>(random()) & mask, i));
       std::vector<std::uint64_t> wanted = entries;
-      // Values ascend, so an order by both equals the stable one by key.
+      // Values ascend, so an order by key and value equals the stable order by key.
       std::sort(wanted.begin(), wanted.end());
       sort_by_key(entries, room);
       CHECK(entries == wanted);
@@ -81,35 +81,35 @@ TEST_CASE("sorts entries by key, and keeps the order of equal keys") {
 }
 
 TEST_CASE("orders the vectors of several volumes together, at one depth the later volume first") {
-  auto cloud = std::make_shared<qnv::Volume>();
-  for (const float z : {0.0f, 1.0f, 0.0f, -2.0f}) add(*cloud, {0, 0, z}, {0, 0, 1}, 1);
+  auto geometry = std::make_shared<qnv::Volume>();
+  for (const float z : {0.0f, 1.0f, 0.0f, -2.0f}) add(*geometry, {0, 0, z}, {0, 0, 1}, 1);
   auto other = std::make_shared<qnv::Volume>();
   for (const float z : {1.0f, kNaN, kInfinity}) add(*other, {0, 0, z}, {0, 0, 1}, 1);
   VolumeSorter sorter;
-  const std::array<VolumeSortPart, 2> parts{{{cloud, 4, row(0)}, {other, 3, {0, 0, -1, 6}}}};
-  // Depths 5 4 5 7 and 5 NaN -infinity.
+  const std::array<VolumeSortPart, 2> parts{{{geometry, 4, row(0)}, {other, 3, {0, 0, -1, 6}}}};
+  // The depths are 5 4 5 7 and 5 NaN -infinity.
   const auto order = sorter.order(parts);
   CHECK(order.exact);
   CHECK(std::vector(order.far_first.begin(), order.far_first.end()) == std::vector<std::uint32_t>{3, 4, 2, 0, 1, 6, 5});
-  const VolumeSortPart first{cloud, 1, row(0)};
+  const VolumeSortPart first{geometry, 1, row(0)};
   const auto one = sorter.order(std::span(&first, 1));
   CHECK(one.exact);
   REQUIRE(one.far_first.size() == 1);
   CHECK(one.far_first[0] == 0);
-  const VolumeSortPart none{cloud, 0, row(0)};
+  const VolumeSortPart none{geometry, 0, row(0)};
   CHECK(sorter.order(std::span(&none, 1)).far_first.empty());
   CHECK(sorter.order({}).exact);
 }
 
 TEST_CASE("sorts at most one view late, and exactly for an unchanged view") {
-  const auto cloud = points(50'000, 1);
+  const auto geometry = points(50'000, 1);
   VolumeSorter sorter;
-  VolumeSortPart last{cloud, cloud->size(), row(0)};
+  VolumeSortPart last{geometry, geometry->size(), row(0)};
   auto order = sorter.order(std::span(&last, 1));
   CHECK(order.exact);  // the first order is exact
   CHECK(sorted(order, last));
   for (int frame = 1; frame < 40; ++frame) {
-    const VolumeSortPart part{cloud, cloud->size(), row(0.02f * static_cast<float>(frame))};
+    const VolumeSortPart part{geometry, geometry->size(), row(0.02f * static_cast<float>(frame))};
     order = sorter.order(std::span(&part, 1));
     CHECK(sorted(order, order.exact ? part : last));
     last = part;
@@ -123,34 +123,34 @@ TEST_CASE("sorts at most one view late, and exactly for an unchanged view") {
   CHECK(order.number == number);
 }
 
-TEST_CASE("waits for the order after large turns, other counts and other point sets") {
-  const auto cloud = points(30'000, 2), other = points(30'000, 3);
+TEST_CASE("waits for the order after large turns, other counts and other volumes") {
+  const auto geometry = points(30'000, 2), other = points(30'000, 3);
   VolumeSorter sorter;
-  const std::array<VolumeSortPart, 6> views{{{cloud, 30'000, row(0)},
-                                             {cloud, 30'000, row(3)},
-                                             {cloud, 30'000, row(2.8f)},
-                                             {cloud, 20'000, row(2.8f)},
+  const std::array<VolumeSortPart, 6> views{{{geometry, 30'000, row(0)},
+                                             {geometry, 30'000, row(3)},
+                                             {geometry, 30'000, row(2.8f)},
+                                             {geometry, 20'000, row(2.8f)},
                                              {other, 20'000, row(2.8f)},
-                                             {cloud, 20'000, {0, 0, 0, 1}}}};
+                                             {geometry, 20'000, {0, 0, 0, 1}}}};
   for (const VolumeSortPart& view : views) {
     const auto order = sorter.order(std::span(&view, 1));
     CHECK(order.exact);
     CHECK(sorted(order, view));
   }
-  const VolumeSortPart broken{cloud, 20'000, glm::vec4(kNaN)};
+  const VolumeSortPart broken{geometry, 20'000, glm::vec4(kNaN)};
   CHECK(sorter.order(std::span(&broken, 1)).far_first.size() == 20'000);
 }
 
-TEST_CASE("releases point sets, and stops during a sort") {
-  auto cloud = points(200'000, 4);
-  const std::weak_ptr<const qnv::Volume> watched = cloud;
+TEST_CASE("releases volumes, and stops during a sort") {
+  auto geometry = points(200'000, 4);
+  const std::weak_ptr<const qnv::Volume> watched = geometry;
   for (int i = 0; i < 5; ++i) {
     VolumeSorter sorter;
-    std::array<VolumeSortPart, 1> part{{{cloud, cloud->size(), row(0)}}};
+    std::array<VolumeSortPart, 1> part{{{geometry, geometry->size(), row(0)}}};
     (void)sorter.order(part);
     part[0].row = row(0.01f);
     (void)sorter.order(part);
   }
-  cloud.reset();
+  geometry.reset();
   CHECK(watched.expired());
 }

@@ -13,8 +13,8 @@ using namespace gs::render;
 namespace {
 
 SharedVolume shared(std::size_t count, unsigned seed, std::size_t counted = 1u << 30) {
-  const auto cloud = std::make_shared<const qnv::Volume>(random_volume(count, seed, 0.1f));
-  return {cloud, std::make_shared<const VolumeModel>(volume_model(*cloud, 0, counted))};
+  const auto geometry = std::make_shared<const qnv::Volume>(random_volume(count, seed, 0.1f));
+  return {geometry, std::make_shared<const VolumeModel>(volume_model(*geometry, 0, counted))};
 }
 
 /// Code as the vertex shader decodes it, before shading.
@@ -46,38 +46,38 @@ VolumeDecoded decode_volume_code(const VolumeCode& code, const VolumeCoding& cod
 }  // namespace
 
 TEST_CASE("stores positions, directions, weights, colours and classes of volumes") {
-  qnv::Volume cloud = random_volume(3000, 2, 0.1f);
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    cloud.colors.push_back({static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i / 7), 3});
-  cloud.weights[5] = 0;
-  cloud.normals[6] = glm::vec3(0);
-  cloud.normals[7] = {kNaN, 0, 1};
-  const VolumeCoding coding = volume_coding(cloud, cloud.size());
-  std::vector<VolumeCode> codes(cloud.size());
-  encode_volume_codes(cloud, coding, 0, codes);
+  qnv::Volume geometry = random_volume(3000, 2, 0.1f);
+  for (std::size_t i = 0; i < geometry.size(); ++i)
+    geometry.colors.push_back({static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i / 7), 3});
+  geometry.weights[5] = 0;
+  geometry.normals[6] = glm::vec3(0);
+  geometry.normals[7] = {kNaN, 0, 1};
+  const VolumeCoding coding = volume_coding(geometry, geometry.size());
+  std::vector<VolumeCode> codes(geometry.size());
+  encode_volume_codes(geometry, coding, 0, codes);
   for (std::size_t k = 0; k < codes.size(); ++k) {
     const VolumeDecoded decoded = decode_volume_code(codes[k], coding);
     for (int axis = 0; axis < 3; ++axis)
-      REQUIRE(std::abs(decoded.position[axis] - cloud.positions[k][axis]) <= 0.51f * coding.step[axis] + 1e-6f);
-    REQUIRE(decoded.weight == Approx(cloud.weights[k]).epsilon(1e-4));
-    REQUIRE(codes[k][3] >> 24 == cloud.classes[k]);
-    REQUIRE((codes[k][3] & 255) == cloud.colors[k].r);
-    REQUIRE((codes[k][3] >> 8 & 255) == cloud.colors[k].g);
+      REQUIRE(std::abs(decoded.position[axis] - geometry.positions[k][axis]) <= 0.51f * coding.step[axis] + 1e-6f);
+    REQUIRE(decoded.weight == Approx(geometry.weights[k]).epsilon(1e-4));
+    REQUIRE(codes[k][3] >> 24 == geometry.classes[k]);
+    REQUIRE((codes[k][3] & 255) == geometry.colors[k].r);
+    REQUIRE((codes[k][3] >> 8 & 255) == geometry.colors[k].g);
     if (k == 6 || k == 7) {
       REQUIRE(decoded.normal == glm::vec3(0));
     } else {
-      // Ten bits per octahedral axis: a quarter of a degree.
-      REQUIRE(glm::dot(decoded.normal, glm::normalize(cloud.normals[k])) > 0.99999f);
+      // Ten bits per octahedral axis give an error of a quarter of a degree.
+      REQUIRE(glm::dot(decoded.normal, glm::normalize(geometry.normals[k])) > 0.99999f);
     }
   }
 }
 
-TEST_CASE("stores point sets without extent and with equal weights") {
-  qnv::Volume cloud = empty_volume(0.5f, 1);
-  for (int i = 0; i < 4; ++i) add(cloud, {1, 2, 3}, {0, 0, -1}, 2, 9);
-  const VolumeCoding coding = volume_coding(cloud, 4);
+TEST_CASE("stores volumes without extent and with equal weights") {
+  qnv::Volume geometry = empty_volume(0.5f, 1);
+  for (int i = 0; i < 4; ++i) add(geometry, {1, 2, 3}, {0, 0, -1}, 2, 9);
+  const VolumeCoding coding = volume_coding(geometry, 4);
   std::vector<VolumeCode> codes(4);
-  encode_volume_codes(cloud, coding, 0, codes);
+  encode_volume_codes(geometry, coding, 0, codes);
   const VolumeDecoded decoded = decode_volume_code(codes[3], coding);
   CHECK(decoded.position == glm::vec3(1, 2, 3));
   CHECK(decoded.weight == Approx(2));
@@ -96,7 +96,7 @@ TEST_CASE("keeps volumes that are drawn, and removes others to make room") {
   REQUIRE(again.size() == 2);
   CHECK(again[0].first == places[0].first);
   CHECK(again[1].first == places[1].first);
-  // A third one in the next viewport.
+  // The next viewport has a third volume.
   const SharedVolume third = shared(250, 3);
   CHECK(store.place(std::span(&third, 1)).size() == 1);
   CHECK(store.bytes() <= 1000 * VolumeStore::kBytes);
@@ -109,7 +109,7 @@ TEST_CASE("keeps volumes that are drawn, and removes others to make room") {
   const auto one = store.place(twice);
   REQUIRE(one.size() == 2);
   CHECK(one[0].first == one[1].first);
-  // Adds and drops many.
+  // Many volumes are added and dropped.
   for (unsigned i = 0; i < 50; ++i) {
     store.forget_unused();
     const SharedVolume passing = shared(200, i);

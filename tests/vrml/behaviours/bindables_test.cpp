@@ -27,46 +27,35 @@ TEST_CASE("moves a node to the top on set_bind TRUE, and pops it on FALSE (4.6.1
   World world("DEF A Viewpoint { } DEF B Viewpoint { } DEF C Viewpoint { }");
   world.start();
   (void)world.take();
-  world.step(1);
-  world.send("B.set_bind", true);
+  world.send_at(1, "B.set_bind", true);
   CHECK(world.take() == Lines{"1 A.isBound FALSE", "1 A.bindTime 1001", "1 B.isBound TRUE", "1 B.bindTime 1001"});
-  world.step(2);
-  world.send("B.set_bind", true);   // already at the top
-  world.send("C.set_bind", false);  // not on the stack
+  world.send_at(2, "B.set_bind", true);  // already at the top
+  world.send("C.set_bind", false);       // not on the stack
   CHECK(world.take().empty());
   world.send("C.set_bind", true);
   CHECK(world.take("isBound") == Lines{"2 B.isBound FALSE", "2 C.isBound TRUE"});
-  world.step(3);
-  world.send("A.set_bind", false);  // below the top: sends no event
+  world.send_at(3, "A.set_bind", false);  // below the top: sends no event
   CHECK(world.take().empty());
   world.send("C.set_bind", false);
   CHECK(world.take("isBound") == Lines{"3 C.isBound FALSE", "3 B.isBound TRUE"});
-  world.step(4);
-  world.send("B.set_bind", false);
+  world.send_at(4, "B.set_bind", false);
   CHECK(world.take("isBound") == Lines{"4 B.isBound FALSE"});
   CHECK(!world.execution().stacks().bound(*built_in_node_type("Viewpoint")).scene);
-  world.step(5);
-  world.send("A.set_bind", true);
+  world.send_at(5, "A.set_bind", true);
   CHECK(world.take("isBound") == Lines{"5 A.isBound TRUE"});
 }
 
 TEST_CASE("moves a node that is already on the stack to the top, without a second entry (4.6.10)") {
   World world("DEF A Background { } DEF B Background { } DEF C Background { }");
   world.start();
-  world.step(1);
-  world.send("B.set_bind", true);
-  world.step(2);
-  world.send("C.set_bind", true);
-  world.step(3);
-  world.send("A.set_bind", true);
+  world.send_at(1, "B.set_bind", true);
+  world.send_at(2, "C.set_bind", true);
+  world.send_at(3, "A.set_bind", true);
   (void)world.take();
-  world.step(4);
-  world.send("A.set_bind", false);
+  world.send_at(4, "A.set_bind", false);
   CHECK(world.take() == Lines{"4 A.isBound FALSE", "4 C.isBound TRUE"});
-  world.step(5);
-  world.send("C.set_bind", false);
-  world.step(6);
-  world.send("B.set_bind", false);
+  world.send_at(5, "C.set_bind", false);
+  world.send_at(6, "B.set_bind", false);
   CHECK(world.take() == Lines{"5 C.isBound FALSE", "5 B.isBound TRUE", "6 B.isBound FALSE"});
 }
 
@@ -76,7 +65,7 @@ TEST_CASE("keeps a stack per bindable type, and binds nodes of an Inline only on
   Diagnostics diagnostics;
   (void)parse("#VRML V2.0 utf8\nDEF V Viewpoint { } DEF G Fog { }", *content, diagnostics);
   SceneGraph& part = *content;
-  world.scene().attach_inline(world.node("Part"), std::move(content));
+  world.scene().inlines().attach(world.node("Part"), std::move(content));
   world.execution().scenes().attach();
   world.start();
   CHECK(world.take() == Lines{"0 F.isBound TRUE"});
@@ -92,8 +81,7 @@ TEST_CASE("sends isBound along ROUTEs, also from a PROTO instance") {
       "Viewpoint { } DEF I P { } DEF L DirectionalLight { on FALSE } ROUTE I.there TO L.on");
   world.start();
   (void)world.take();
-  world.step(1);
-  world.send("I.go", true);
+  world.send_at(1, "I.go", true);
   CHECK(world.take("L.") == Lines{"1 L.on TRUE"});
 }
 

@@ -140,7 +140,7 @@ TEST_CASE("turns a CylinderSensor with its cylinder when it is viewed from the s
 }
 
 TEST_CASE("chooses between cylinder and disk behaviour of a CylinderSensor by diskAngle (6.15)") {
-  // Looks along the axis from above, at a point at distance 1.
+  // The viewer looks along the axis from above, at a point at distance 1 from it.
   World world("DEF S Shape { } DEF C CylinderSensor { }");
   world.start();
   PointingDevice device(world);
@@ -154,7 +154,7 @@ TEST_CASE("chooses between cylinder and disk behaviour of a CylinderSensor by di
     return last_number(world.take(), "rotation_changed");
   };
   CHECK(turn_to(kHalfTurn / 2) == Approx(kHalfTurn / 2));
-  // Adds up over full turns.
+  // Angles add up over full turns.
   CHECK(turn_to(kHalfTurn) == Approx(kHalfTurn));
   CHECK(turn_to(1.5 * kHalfTurn) == Approx(1.5 * kHalfTurn));
   CHECK(turn_to(2.25 * kHalfTurn) == Approx(2.25 * kHalfTurn));
@@ -164,7 +164,7 @@ TEST_CASE("chooses between cylinder and disk behaviour of a CylinderSensor by di
   (void)world.take();
   CHECK(turn_to(1.75 * kHalfTurn) == Approx(4));
   CHECK(turn_to(kHalfTurn) == Approx(kHalfTurn));
-  // On the axis there is a track point, but no angle.
+  // On the axis, the sensor sends a track point, but no angle.
   world.step(100);
   device.at("", {0, 2, 0}, down);
   device.tell();
@@ -172,7 +172,7 @@ TEST_CASE("chooses between cylinder and disk behaviour of a CylinderSensor by di
   world.step(101);
   device.release();
   CHECK(last_number(world.take(), "C.offset") == Approx(kHalfTurn));
-  // A bearing outside diskAngle: it uses the cylinder, which it never meets.
+  // The bearing is outside of diskAngle, so the sensor uses the cylinder, which the bearing never meets.
   world.send("C.diskAngle", SFFloat{0});
   world.step(102);
   device.at("S", {0, 2, 1}, down);
@@ -218,7 +218,8 @@ TEST_CASE("turns a SphereSensor from the first point to the current one, after i
   CHECK(world.take().empty());
   device.release();
   CHECK(last_number(world.take(), "B.offset") == Approx(kHalfTurn / 2));
-  // A quarter turn about Y, then one about -X: the point of the z axis moves to the x axis and stays there.
+  // The sphere turns by a quarter about Y, then by a quarter about -X. The point on the z axis moves to the x axis and
+  // stays there.
   world.step(4);
   device.press("S", 0, 0);
   world.step(5);

@@ -14,14 +14,11 @@ TEST_CASE(
     const NodeId a = world.node("A"), l = world.node("L"), z = world.node("Z");
     world.start();
     (void)world.take();
-    world.step(1);
-    world.send("G.addChildren", MFNode{a, l, z});
+    world.send_at(1, "G.addChildren", MFNode{a, l, z});
     CHECK(world.take() == Lines{"1 G.children [ Q, L, S, A, Z ]"});
-    world.step(2);
-    world.send("G.removeChildren", MFNode{a, l, z});
+    world.send_at(2, "G.removeChildren", MFNode{a, l, z});
     CHECK(world.take() == Lines{"2 G.children [ Q, S ]"});
-    world.step(3);
-    world.send("G.children", MFNode{z});
+    world.send_at(3, "G.children", MFNode{z});
     CHECK(world.take() == Lines{"3 G.children [ Z ]"});
     CHECK(world.scene().get<MFNode>(world.node("G"), "children") == MFNode{z});
   }
@@ -33,8 +30,7 @@ TEST_CASE("keeps the capacity below twice the number of children that are added 
   World world(nodes);
   world.start();
   for (int i = 0; i < 60; ++i) {
-    world.step(1 + i);
-    world.send("G.addChildren", MFNode{world.node("N" + std::to_string(i))});
+    world.send_at(1 + i, "G.addChildren", MFNode{world.node("N" + std::to_string(i))});
   }
   const MFNode& children = world.scene().get<MFNode>(world.node("G"), "children");
   CHECK(children.size() == 60);
@@ -60,8 +56,7 @@ ROUTE From.children TO I.add ROUTE Gone.children TO I.remove ROUTE I.children_ch
   world.start();
   world.send("From.children", MFNode{world.node("A")});
   CHECK(world.take("Watch.") == Lines{"0 Watch.children [ A ]"});
-  world.step(1);
-  world.send("Gone.children", MFNode{world.node("A")});
+  world.send_at(1, "Gone.children", MFNode{world.node("A")});
   CHECK(world.take("Watch.") == Lines{"1 Watch.children [ ]"});
 }
 
@@ -73,8 +68,7 @@ DEF I PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 4 0 0 ] } USE I
 ROUTE T.fraction_changed TO I.set_fraction ROUTE I.value_changed TO M.translation)");
   world.start();
   (void)world.take();
-  world.step(1);
-  CHECK(world.take() ==
+  CHECK(world.take_at(1) ==
         Lines{"1 T.fraction_changed 0.25", "1 T.time 1001", "1 I.value_changed 1 0 0", "1 M.translation 1 0 0"});
 }
 
@@ -87,13 +81,10 @@ DEF L LOD { range [ 1, 2 ] level [ Group { } Group { } Group { children [ DEF Ne
 ROUTE T.fraction_changed TO I.set_fraction ROUTE I.value_changed TO Near.translation)");
   world.start();
   (void)world.take();
-  world.step(1);
-  CHECK(world.take("T.fraction") == Lines{"1 T.fraction_changed 0.25"});
-  world.step(2);
-  CHECK(world.take("Near.") == Lines{"2 Near.translation 2 0 0"});
+  CHECK(world.take_at(1, "T.fraction") == Lines{"1 T.fraction_changed 0.25"});
+  CHECK(world.take_at(2, "Near.") == Lines{"2 Near.translation 2 0 0"});
   world.send("S.whichChoice", SFInt32{0});
-  world.step(3);
-  world.send("S.whichChoice", SFInt32{7});  // no such child: chooses none
+  world.send_at(3, "S.whichChoice", SFInt32{7});  // no such child: chooses none
   world.step(3.5);
   const Lines lines = world.take();
   CHECK(std::count(lines.begin(), lines.end(), "3 U.fraction_changed 0.375") == 1);
@@ -126,8 +117,7 @@ DEF I ScalarInterpolator { key [ 0 1 ] keyValue [ 0 8 ] } ROUTE T.fraction_chang
   (void)world.take();
   world.send("Out.removeChildren", MFNode{world.node("T")});
   (void)world.take();
-  world.step(2);
-  CHECK(world.take() == Lines{"2 T.fraction_changed 0.5", "2 T.time 1002", "2 I.value_changed 4"});
+  CHECK(world.take_at(2) == Lines{"2 T.fraction_changed 0.5", "2 T.time 1002", "2 I.value_changed 4"});
 }
 
 }  // namespace gs::vrml::traces

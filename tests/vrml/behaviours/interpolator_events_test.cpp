@@ -25,8 +25,7 @@ const InterpolatorRow kInterpolatorRows[] = {
 };
 
 std::string value_sent(World& world, double at, float fraction) {
-  world.step(at);
-  world.send("I.set_fraction", SFFloat{fraction});
+  world.send_at(at, "I.set_fraction", SFFloat{fraction});
   const Lines lines = world.take();
   if (lines.size() != 1) return "events: " + std::to_string(lines.size());
   const std::string start = std::to_string(static_cast<int>(at)) + " I.value_changed ";
@@ -77,10 +76,8 @@ DEF B ScalarInterpolator { } ROUTE B.keyValue TO I.keyValue ROUTE A.value_change
 TEST_CASE("sends nothing from an interpolator before its first set_fraction (4.6.8)") {
   World world("DEF I ScalarInterpolator { key [ 0 1 ] keyValue [ 0 10 ] }");
   world.start();
-  world.step(1);
-  world.send("I.keyValue", MFFloat{20, 40});
-  world.step(2);
-  CHECK(world.take("value_changed").empty());
+  world.send_at(1, "I.keyValue", MFFloat{20, 40});
+  CHECK(world.take_at(2, "value_changed").empty());
 }
 
 TEST_CASE("sends unit vectors from a NormalInterpolator, with equal arcs for equal fractions (6.31)") {
@@ -89,8 +86,7 @@ TEST_CASE("sends unit vectors from a NormalInterpolator, with equal arcs for equ
       "ROUTE I.value_changed TO N.vector");
   world.start();
   for (int i = 1; i < 9; ++i) {
-    world.step(i);
-    world.send("I.set_fraction", SFFloat{static_cast<float>(i) / 9});
+    world.send_at(i, "I.set_fraction", SFFloat{static_cast<float>(i) / 9});
     const auto& normals = world.scene().get<MFVec3f>(world.node("N"), "vector");
     REQUIRE(normals.size() == 2);
     const double angle = i * 10 * 3.14159265358979 / 180;
@@ -131,13 +127,11 @@ TEST_CASE("sends positions on the curve of a NurbsPositionInterpolator (Amendmen
   World world(curve + "DEF T Transform { } ROUTE I.value_changed TO T.translation");
   world.start();
   world.send("I.keyWeight", MFFloat{1, 0.5F, 1});  // counts the middle point half
-  world.step(1);
-  world.send("I.set_fraction", SFFloat{0.5F});
+  world.send_at(1, "I.set_fraction", SFFloat{0.5F});
   CHECK(world.scene().get<SFVec3f>(world.node("T"), "translation").x == Approx(4.0 / 3));
   world.send("I.set_dimension", SFInt32{2});  // fewer points than the order: no curve
   (void)world.take();
-  world.step(2);
-  world.send("I.set_fraction", SFFloat{0.25F});
+  world.send_at(2, "I.set_fraction", SFFloat{0.25F});
   CHECK(world.take().empty());
 }
 

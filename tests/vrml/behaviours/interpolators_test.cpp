@@ -13,8 +13,7 @@ namespace {
 
 // Returns the value that an interpolator sends for a fraction, or "" if it sends none.
 std::string sent(World& world, double at, float fraction) {
-  world.step(at);
-  world.send("I.set_fraction", SFFloat{fraction});
+  world.send_at(at, "I.set_fraction", SFFloat{fraction});
   const Lines lines = world.take();
   if (lines.empty()) return {};
   return lines.front().substr(lines.front().find("value_changed") + 14);
@@ -78,7 +77,7 @@ TEST_CASE("interpolates colours in HSV, with the hue on the shorter way (6.10)")
   CHECK(sent(world, 2, 1.5F) == "0 1 1");
   CHECK(between_colors({1, 0, 0}, {0, 0, 1}, 0.5F) == Color{1, 0, 1});
   CHECK(between_colors({0, 0, 1}, {1, 0, 0}, 0.5F) == Color{1, 0, 1});
-  // Grey has no hue: on the way to white, red only grows paler.
+  // Grey has no hue, so red only grows paler on the way to white.
   CHECK(between_colors({1, 0, 0}, {1, 1, 1}, 0.5F) == Color{1, 0.5F, 0.5F});
   CHECK(between_colors({0, 0, 0}, {0, 0, 1}, 0.5F) == Color{0.25F, 0.25F, 0.5F});
   CHECK(between_colors({0, 0, 0}, {1, 1, 1}, 0.5F) == Color{0.5F, 0.5F, 0.5F});
@@ -88,10 +87,11 @@ TEST_CASE("interpolates orientations along the shortest rotation (6.32)") {
   const auto angle_about_y = [](const SFRotation& r) { return r.y * r.angle; };
   const SFRotation half = between_rotations({0, 1, 0, 0}, {0, 1, 0, kPi / 2}, 0.5F);
   CHECK(angle_about_y(half) == Approx(kPi / 4));
-  // From -20 to +20 degrees, the second given as 380: turns by 40 degrees, not 400 or 320.
+  // The rotations are -20 and +20 degrees; the second is written as 380. The interpolator turns by 40 degrees, not by
+  // 400 or 320.
   const SFRotation through = between_rotations({0, -1, 0, 0.349066F}, {0, 1, 0, 6.632251F}, 0.75F);
   CHECK(angle_about_y(through) == Approx(0.174533).margin(1e-5));
-  // 1.5 pi is a quarter turn the other way.
+  // 1.5 pi is a quarter turn in the other direction.
   CHECK(angle_about_y(between_rotations({0, 1, 0, 0}, {0, 1, 0, 1.5F * kPi}, 0.5F)) == Approx(-kPi / 4));
   // The axis may have any length. An axis of length 0 turns nothing.
   CHECK(angle_about_y(between_rotations({0, 0, 0, 2}, {0, 5, 0, kPi / 2}, 0.5F)) == Approx(kPi / 4));
@@ -102,7 +102,7 @@ TEST_CASE("interpolates orientations along the shortest rotation (6.32)") {
   CHECK(sent(world, 1, 1) == "0 1 0 7");  // the value of the file at a key
 }
 
-TEST_CASE("sends as many values from a CoordinateInterpolator as each key has (6.13)") {
+TEST_CASE("interpolates every point of a key in a CoordinateInterpolator, and ignores an incomplete last key (6.13)") {
   World world(
       "DEF I CoordinateInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 1 1 1, 2 0 0, 3 1 1, 9 9 9 ] } "
       "DEF C Coordinate { } ROUTE I.value_changed TO C.point");

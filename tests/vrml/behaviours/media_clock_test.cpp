@@ -46,15 +46,12 @@ TEST_CASE("keeps an AudioClip active for one cycle, its duration divided by pitc
   (void)world.take();
   world.step(0.5);
   CHECK_FALSE(play_of(world, "C").active);
-  world.step(1);
-  CHECK(world.take() == Lines{"1 C.isActive TRUE"});
+  CHECK(world.take_at(1) == Lines{"1 C.isActive TRUE"});
   world.step(2);
   CHECK(play_of(world, "C").position == Approx(2));  // t = (now - startTime) modulo duration/pitch, at twice the speed
   CHECK(play_of(world, "C").end == 1002.5);
-  world.step(2.49);
-  CHECK(world.take().empty());
-  world.step(2.5);
-  CHECK(world.take() == Lines{"2.5 C.isActive FALSE"});
+  CHECK(world.take_at(2.49).empty());
+  CHECK(world.take_at(2.5) == Lines{"2.5 C.isActive FALSE"});
   CHECK(play_of(world, "C").position == 3);
 }
 
@@ -66,10 +63,8 @@ TEST_CASE("plays a looping AudioClip in world time, and ends it at stopTime (4.6
   (void)world.take();
   world.step(1);
   CHECK(play_of(world, "C").position == Approx(std::fmod(601, 7)));
-  world.step(3.9);
-  CHECK(world.take().empty());
-  world.step(4.5);
-  CHECK(world.take() == Lines{"4.5 C.isActive FALSE"});
+  CHECK(world.take_at(3.9).empty());
+  CHECK(world.take_at(4.5) == Lines{"4.5 C.isActive FALSE"});
   CHECK(play_of(world, "C").position == Approx(std::fmod(604, 7)));  // at stopTime, not at the step
 }
 
@@ -77,14 +72,12 @@ TEST_CASE("plays no AudioClip with default fields, and none that ended before th
   World world("Sound { source DEF C AudioClip { } } " + kMovie + "startTime 990 } } }");
   world.start();
   CHECK(came(world, "M", 5));
-  world.step(1);
-  CHECK(world.take() == Lines{"0 M.duration_changed 5"});
+  CHECK(world.take_at(1) == Lines{"0 M.duration_changed 5"});
   World within(kMovie + "startTime 990 } } }");
   within.start();
   CHECK(came(within, "M", 15));
   CHECK(within.take() == Lines{"0 M.duration_changed 15", "0 M.isActive TRUE"});
-  within.step(5);
-  CHECK(within.take() == Lines{"5 M.isActive FALSE"});
+  CHECK(within.take_at(5) == Lines{"5 M.isActive FALSE"});
 }
 
 TEST_CASE("starts a clip that loads late at the position that it would have reached (6.4)") {
@@ -98,16 +91,14 @@ TEST_CASE("starts a clip that loads late at the position that it would have reac
   CHECK(came(world, "D", -1));
   CHECK(world.take() == Lines{"3 C.duration_changed 4", "3 D.duration_changed -1", "3 D.isActive FALSE"});
   CHECK(play_of(world, "C").position == Approx(2));
-  world.step(6);
-  CHECK(world.take() == Lines{"6 C.isActive FALSE"});
+  CHECK(world.take_at(6) == Lines{"6 C.isActive FALSE"});
 }
 
 TEST_CASE("ignores set_pitch, set_speed, set_startTime and an early set_stopTime while active (4.6.9, 6.4, 6.28)") {
   World world(kClip + "loop TRUE } } " + kMovie + "loop TRUE } } }");
   world.start();
   (void)world.take();
-  world.step(1);
-  world.send("C.pitch", SFFloat{2});
+  world.send_at(1, "C.pitch", SFFloat{2});
   world.send("M.speed", SFFloat{2});
   for (const std::string name : {"C", "M"}) {
     world.send(name + ".startTime", SFTime{1005});
@@ -117,8 +108,7 @@ TEST_CASE("ignores set_pitch, set_speed, set_startTime and an early set_stopTime
   CHECK(play_of(world, "C").rate == 1);
   CHECK(play_of(world, "M").rate == 1);
   CHECK(play_of(world, "C").start == 0);
-  world.step(2);
-  world.send("C.stopTime", SFTime{1002});  // the present: it ends
+  world.send_at(2, "C.stopTime", SFTime{1002});  // the present time, so the clip ends
   world.send("M.loop", SFBool{true});
   CHECK(world.take() == Lines{"2 C.stopTime 1002", "2 C.isActive FALSE", "2 M.loop TRUE"});
   world.send("C.pitch", SFFloat{2});
@@ -130,12 +120,9 @@ TEST_CASE("ends a clip after its current cycle on set_loop FALSE (4.6.9)") {
   world.start();
   (void)came(world, "C", 2);
   (void)world.take();
-  world.step(5);
-  world.send("C.loop", SFBool{false});
-  world.step(5.9);
-  CHECK(world.take() == Lines{"5 C.loop FALSE"});
-  world.step(6);
-  CHECK(world.take() == Lines{"6 C.isActive FALSE"});
+  world.send_at(5, "C.loop", SFBool{false});
+  CHECK(world.take_at(5.9) == Lines{"5 C.loop FALSE"});
+  CHECK(world.take_at(6) == Lines{"6 C.isActive FALSE"});
 }
 
 TEST_CASE("restarts a clip if stopTime and startTime are set at one time (4.6.9)") {
@@ -147,8 +134,7 @@ TEST_CASE("restarts a clip if stopTime and startTime are set at one time (4.6.9)
   world.send("C.startTime", SFTime{1003});
   world.send("C.stopTime", SFTime{1003});
   CHECK(world.take() == Lines{"3 C.stopTime 1003", "3 C.isActive FALSE", "3 C.startTime 1003"});
-  world.step(3.5);
-  CHECK(world.take() == Lines{"3.5 C.isActive TRUE"});
+  CHECK(world.take_at(3.5) == Lines{"3.5 C.isActive TRUE"});
   CHECK(play_of(world, "C").position == Approx(0.5));
 }
 
@@ -166,8 +152,7 @@ TEST_CASE("plays a MovieTexture backwards at negative speed, and freezes it at s
   world.step(2);
   CHECK(play_of(world, "M").position == Approx(3));  // t = duration - ((now - startTime) modulo abs(duration/speed))
   CHECK(play_of(world, "Z").position == 0);
-  world.step(3.5);
-  CHECK(world.take() == Lines{"3.5 M.isActive FALSE"});
+  CHECK(world.take_at(3.5) == Lines{"3.5 M.isActive FALSE"});
   CHECK(play_of(world, "M").position == 0);
   world.step(100);
   CHECK(play_of(world, "Z").active);  // its cycle never ends
@@ -187,8 +172,7 @@ TEST_CASE("keeps the movie frame of the time at which the movie became inactive 
   World other(kMovie + "startTime 1000 loop TRUE } } }");
   other.start();
   (void)came(other, "M", 4);
-  other.step(3);
-  other.send("M.stopTime", SFTime{1001});
+  other.send_at(3, "M.stopTime", SFTime{1001});
   CHECK_FALSE(play_of(other, "M").active);
   CHECK(play_of(other, "M").position == Approx(3));
 }

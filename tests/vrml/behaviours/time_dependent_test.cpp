@@ -21,14 +21,12 @@ TEST_CASE("sends the exact end time and fraction if an activity ends between two
   world.start();
   world.step(1);
   (void)world.take();
-  world.step(4);
-  CHECK(world.take("T.") == Lines{"4 T.fraction_changed 1", "4 T.time 1003", "4 T.isActive FALSE"});
+  CHECK(world.take_at(4, "T.") == Lines{"4 T.fraction_changed 1", "4 T.time 1003", "4 T.isActive FALSE"});
   World other("DEF U TimeSensor { startTime 1001 cycleInterval 2 loop TRUE stopTime 1003.5 }");
   other.start();
   other.step(1);
   (void)other.take();
-  other.step(4);
-  CHECK(other.take() == Lines{"4 U.fraction_changed 0.25", "4 U.time 1003.5", "4 U.isActive FALSE"});
+  CHECK(other.take_at(4) == Lines{"4 U.fraction_changed 0.25", "4 U.time 1003.5", "4 U.isActive FALSE"});
 }
 
 TEST_CASE("stops at the present on a set_stopTime in the past, and keeps the value that was set (4.6.9, 6.50)") {
@@ -37,12 +35,10 @@ TEST_CASE("stops at the present on a set_stopTime in the past, and keeps the val
   world.step(1);
   world.step(2);
   (void)world.take();
-  world.step(3);
-  world.send("T.stopTime", SFTime{1001.5});
+  world.send_at(3, "T.stopTime", SFTime{1001.5});
   CHECK(world.take() ==
         Lines{"3 T.fraction_changed 0.5", "3 T.time 1003", "3 T.stopTime 1001.5", "3 T.isActive FALSE"});
-  world.step(4);
-  CHECK(world.take().empty());
+  CHECK(world.take_at(4).empty());
   CHECK(world.scene().get<SFTime>(world.node("T"), "stopTime") == 1001.5);
 }
 
@@ -56,8 +52,7 @@ ROUTE S.cycleTime TO T.stopTime)");
   world.step(1);
   world.step(2);
   (void)world.take();
-  world.step(3.5);
-  CHECK(world.take("T.") ==
+  CHECK(world.take_at(3.5, "T.") ==
         Lines{"3.5 T.fraction_changed 0.625", "3.5 T.time 1003.5", "3.5 T.stopTime 1003", "3.5 T.isActive FALSE"});
 }
 
@@ -74,32 +69,26 @@ TEST_CASE("ignores set_stopTime at or before startTime while active, and accepts
   CHECK(world.scene().get<SFTime>(world.node("T"), "stopTime") == 1001);
   world.send("T.stopTime", SFTime{1003});  // in the future: it ends at that time
   CHECK(world.take() == Lines{"2 T.stopTime 1003"});
-  world.step(3);
-  CHECK(world.take() == Lines{"3 T.fraction_changed 0.25", "3 T.time 1003", "3 T.isActive FALSE"});
+  CHECK(world.take_at(3) == Lines{"3 T.fraction_changed 0.25", "3 T.time 1003", "3 T.isActive FALSE"});
 }
 
 TEST_CASE("cancels set_loop FALSE by set_loop TRUE before the cycle ends (4.6.9)") {
   World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 loop TRUE }");
   world.start();
   world.step(1);
-  world.step(1.5);
-  world.send("T.loop", false);
-  world.step(2);
-  world.send("T.loop", true);
+  world.send_at(1.5, "T.loop", false);
+  world.send_at(2, "T.loop", true);
   (void)world.take();
-  world.step(3.5);
-  CHECK(world.take() == Lines{"3.5 T.cycleTime 1003", "3.5 T.fraction_changed 0.25", "3.5 T.time 1003.5"});
+  CHECK(world.take_at(3.5) == Lines{"3.5 T.cycleTime 1003", "3.5 T.fraction_changed 0.25", "3.5 T.time 1003.5"});
 }
 
 TEST_CASE("ends at stopTime after set_loop FALSE if stopTime precedes the end of the cycle (4.6.9)") {
   World world("DEF T TimeSensor { startTime 1001 cycleInterval 4 loop TRUE stopTime 1007 }");
   world.start();
   world.step(1);
-  world.step(6);
-  world.send("T.loop", false);
+  world.send_at(6, "T.loop", false);
   (void)world.take();
-  world.step(7);
-  CHECK(world.take() == Lines{"7 T.fraction_changed 0.5", "7 T.time 1007", "7 T.isActive FALSE"});
+  CHECK(world.take_at(7) == Lines{"7 T.fraction_changed 0.5", "7 T.time 1007", "7 T.isActive FALSE"});
 }
 
 TEST_CASE("never ends a looping sensor with startTime at or after stopTime (4.6.9)") {
@@ -115,8 +104,7 @@ TEST_CASE("does not activate a node with an interval before the start of the wor
       "TRUE } DEF Runs TimeSensor { startTime 998 cycleInterval 5 }");
   world.start();
   CHECK(world.take("isActive") == Lines{"0 Runs.isActive TRUE"});
-  world.step(1);
-  CHECK(world.take("Over").empty());
+  CHECK(world.take_at(1, "Over").empty());
 }
 
 TEST_CASE("restarts at a future startTime after a set_stopTime of now (4.6.9)") {
@@ -130,10 +118,8 @@ TEST_CASE("restarts at a future startTime after a set_stopTime of now (4.6.9)") 
   world.send("Now.startTime", SFTime{1004});
   world.send("Then.startTime", SFTime{1006});
   CHECK(world.take("T.") == Lines{"4 T.stopTime 1004", "4 T.isActive FALSE", "4 T.startTime 1006"});
-  world.step(5);
-  CHECK(world.take().empty());
-  world.step(6);
-  CHECK(world.take("T.") ==
+  CHECK(world.take_at(5).empty());
+  CHECK(world.take_at(6, "T.") ==
         Lines{"6 T.isActive TRUE", "6 T.cycleTime 1006", "6 T.fraction_changed 0", "6 T.time 1006"});
 }
 
@@ -143,15 +129,12 @@ TEST_CASE("runs the cycle of a restart also if it is shorter than a step (4.6.9)
       "ROUTE S.startTime TO T.startTime ROUTE S.startTime TO T.stopTime ROUTE S.enabled TO T.loop");
   world.start();
   world.step(1);
-  world.step(3);
-  world.send("T.loop", false);
+  world.send_at(3, "T.loop", false);
   (void)world.take();
-  world.step(3.25);
-  world.send("S.startTime", SFTime{1003.25});
+  world.send_at(3.25, "S.startTime", SFTime{1003.25});
   CHECK(world.take("T.isActive") == Lines{"3.25 T.isActive FALSE"});
   world.step(5);
-  world.step(6);
-  CHECK(world.take("T.isActive") == Lines{"5 T.isActive TRUE", "6 T.isActive FALSE"});
+  CHECK(world.take_at(6, "T.isActive") == Lines{"5 T.isActive TRUE", "6 T.isActive FALSE"});
 }
 
 TEST_CASE("restarts a sensor that has ended on set_startTime (4.6.9)") {
@@ -172,8 +155,7 @@ TEST_CASE("sends all outputs and then isActive FALSE on set_enabled FALSE (6.50)
   world.start();
   world.step(1);
   (void)world.take();
-  world.step(3);
-  world.send("Off.on", false);
+  world.send_at(3, "Off.on", false);
   CHECK(world.take("T.") ==
         Lines{"3 T.fraction_changed 0.5", "3 T.time 1003", "3 T.enabled FALSE", "3 T.isActive FALSE"});
 }
@@ -186,8 +168,7 @@ TEST_CASE("accepts and sends exposedField events while disabled (6.50)") {
   world.send("T.cycleInterval", SFTime{7});
   world.send("T.loop", false);
   CHECK(world.take() == Lines{"0 T.startTime 1003", "0 T.stopTime 1002", "0 T.cycleInterval 7", "0 T.loop FALSE"});
-  world.step(3);
-  CHECK(world.take().empty());
+  CHECK(world.take_at(3).empty());
 }
 
 TEST_CASE("sends cycleTime at the beginning of each cycle, also of the first (6.50)") {
@@ -212,11 +193,9 @@ TEST_CASE("applies set_cycleInterval while the sensor is inactive (6.50)") {
   World world("DEF T TimeSensor { startTime 1002 cycleInterval 2 }");
   world.start();
   world.send("T.cycleInterval", SFTime{4});
-  world.step(2);
-  world.send("T.cycleInterval", SFTime{1});
+  world.send_at(2, "T.cycleInterval", SFTime{1});
   (void)world.take();
-  world.step(3);
-  CHECK(world.take() == Lines{"3 T.fraction_changed 0.25", "3 T.time 1003"});
+  CHECK(world.take_at(3) == Lines{"3 T.fraction_changed 0.25", "3 T.time 1003"});
 }
 
 }  // namespace gs::vrml::traces

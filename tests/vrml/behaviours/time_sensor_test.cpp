@@ -13,8 +13,7 @@ TEST_CASE("sends nothing from a TimeSensor with default fields (4.6.9)") {
       "TimeSensor { } DEF Past TimeSensor { startTime 100 cycleInterval 800 } "
       "DEF Stopped TimeSensor { loop TRUE startTime 100 stopTime 900 }");
   world.start();
-  for (int i = 1; i < 10; ++i) world.step(i);
-  CHECK(world.take().empty());
+  for (int i = 1; i < 10; ++i) CHECK(world.take_at(i).empty());
 }
 
 TEST_CASE("activates a TimeSensor with loop TRUE when the world begins (4.6.9, 6.50)") {
@@ -22,25 +21,19 @@ TEST_CASE("activates a TimeSensor with loop TRUE when the world begins (4.6.9, 6
   world.start();
   // 1000 is the end of a cycle, so the fraction is 1 and not 0.
   CHECK(world.take() == Lines{"0 T.isActive TRUE", "0 T.cycleTime 1000", "0 T.fraction_changed 1", "0 T.time 1000"});
-  world.step(1);
-  CHECK(world.take() == Lines{"1 T.fraction_changed 0.25", "1 T.time 1001"});
-  world.step(4);
-  CHECK(world.take() == Lines{"4 T.cycleTime 1004", "4 T.fraction_changed 1", "4 T.time 1004"});
+  CHECK(world.take_at(1) == Lines{"1 T.fraction_changed 0.25", "1 T.time 1001"});
+  CHECK(world.take_at(4) == Lines{"4 T.cycleTime 1004", "4 T.fraction_changed 1", "4 T.time 1004"});
 }
 
 TEST_CASE("sends isActive, cycleTime and fractions up to 1 in one cycle (6.50)") {
   World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 }");
   world.start();
-  world.step(0.5);
-  CHECK(world.take().empty());
-  world.step(1);
-  CHECK(world.take() == Lines{"1 T.isActive TRUE", "1 T.cycleTime 1001", "1 T.fraction_changed 0", "1 T.time 1001"});
-  world.step(2);
-  CHECK(world.take() == Lines{"2 T.fraction_changed 0.5", "2 T.time 1002"});
-  world.step(3.5);
-  CHECK(world.take() == Lines{"3.5 T.fraction_changed 1", "3.5 T.time 1003", "3.5 T.isActive FALSE"});
-  world.step(4);
-  CHECK(world.take().empty());
+  CHECK(world.take_at(0.5).empty());
+  CHECK(world.take_at(1) ==
+        Lines{"1 T.isActive TRUE", "1 T.cycleTime 1001", "1 T.fraction_changed 0", "1 T.time 1001"});
+  CHECK(world.take_at(2) == Lines{"2 T.fraction_changed 0.5", "2 T.time 1002"});
+  CHECK(world.take_at(3.5) == Lines{"3.5 T.fraction_changed 1", "3.5 T.time 1003", "3.5 T.isActive FALSE"});
+  CHECK(world.take_at(4).empty());
 }
 
 TEST_CASE("ends the last cycle with fraction 1 despite the rounding of present-day timestamps (6.50)") {
@@ -59,8 +52,7 @@ TEST_CASE("sends only the cycleTime of the current cycle if several cycles fit i
   world.start();
   world.step(1);
   (void)world.take();
-  world.step(8.5);
-  CHECK(world.take() == Lines{"8.5 T.cycleTime 1007", "8.5 T.fraction_changed 0.75", "8.5 T.time 1008.5"});
+  CHECK(world.take_at(8.5) == Lines{"8.5 T.cycleTime 1007", "8.5 T.fraction_changed 0.75", "8.5 T.time 1008.5"});
 }
 
 TEST_CASE("reports an activity that is shorter than a step (6.50)") {
@@ -69,14 +61,11 @@ TEST_CASE("reports an activity that is shorter than a step (6.50)") {
       "DEF U TimeSensor { startTime 1001.25 stopTime 1001.5 cycleInterval 1 loop TRUE }");
   world.start();
   world.step(1);
-  world.step(2);
-  CHECK(world.take() == Lines{"2 T.isActive TRUE", "2 T.cycleTime 1001.25", "2 T.fraction_changed 1",
-                              "2 T.time 1001.75", "2 U.isActive TRUE", "2 U.cycleTime 1001.25",
-                              "2 U.fraction_changed 0.25", "2 U.time 1001.5"});
-  world.step(3);
-  CHECK(world.take("isActive") == Lines{"3 T.isActive FALSE", "3 U.isActive FALSE"});
-  world.step(4);
-  CHECK(world.take().empty());
+  CHECK(world.take_at(2) == Lines{"2 T.isActive TRUE", "2 T.cycleTime 1001.25", "2 T.fraction_changed 1",
+                                  "2 T.time 1001.75", "2 U.isActive TRUE", "2 U.cycleTime 1001.25",
+                                  "2 U.fraction_changed 0.25", "2 U.time 1001.5"});
+  CHECK(world.take_at(3, "isActive") == Lines{"3 T.isActive FALSE", "3 U.isActive FALSE"});
+  CHECK(world.take_at(4).empty());
 }
 
 TEST_CASE("ends an activity at stopTime only if it is after startTime (4.6.9)") {
@@ -102,8 +91,7 @@ TEST_CASE("ignores set_cycleInterval, set_startTime and a stopTime before it whi
   CHECK(world.take().empty());
   world.send("T.stopTime", SFTime{1002});
   CHECK(world.take() == Lines{"1 T.stopTime 1002"});
-  world.step(2);
-  CHECK(world.take() == Lines{"2 T.fraction_changed 0.5", "2 T.time 1002", "2 T.isActive FALSE"});
+  CHECK(world.take_at(2) == Lines{"2 T.fraction_changed 0.5", "2 T.time 1002", "2 T.isActive FALSE"});
   world.send("T.cycleInterval", SFTime{20});
   world.send("T.startTime", SFTime{1005});
   CHECK(world.take() == Lines{"2 T.cycleInterval 20", "2 T.startTime 1005"});
@@ -113,13 +101,10 @@ TEST_CASE("ends with the current cycle on loop FALSE (4.6.9)") {
   World world("DEF T TimeSensor { startTime 1001 cycleInterval 2 loop TRUE }");
   world.start();
   world.step(1);
-  world.step(4);
-  world.send("T.loop", SFBool{false});
+  world.send_at(4, "T.loop", SFBool{false});
   (void)world.take();
-  world.step(4.5);
-  CHECK(world.take() == Lines{"4.5 T.fraction_changed 0.75", "4.5 T.time 1004.5"});
-  world.step(6);
-  CHECK(world.take() == Lines{"6 T.fraction_changed 1", "6 T.time 1005", "6 T.isActive FALSE"});
+  CHECK(world.take_at(4.5) == Lines{"4.5 T.fraction_changed 0.75", "4.5 T.time 1004.5"});
+  CHECK(world.take_at(6) == Lines{"6 T.fraction_changed 1", "6 T.time 1005", "6 T.isActive FALSE"});
 }
 
 TEST_CASE("stops at once on enabled FALSE, and starts on TRUE as startTime and loop demand (6.50)") {
@@ -128,14 +113,11 @@ TEST_CASE("stops at once on enabled FALSE, and starts on TRUE as startTime and l
   world.step(1);
   world.step(2);
   (void)world.take();
-  world.step(2.5);
-  world.send("T.enabled", SFBool{false});
+  world.send_at(2.5, "T.enabled", SFBool{false});
   CHECK(world.take() ==
         Lines{"2.5 T.fraction_changed 0.75", "2.5 T.time 1002.5", "2.5 T.enabled FALSE", "2.5 T.isActive FALSE"});
-  world.step(3);
-  CHECK(world.take().empty());
-  world.step(3.5);
-  world.send("T.enabled", SFBool{true});
+  CHECK(world.take_at(3).empty());
+  world.send_at(3.5, "T.enabled", SFBool{true});
   CHECK(world.take() == Lines{"3.5 T.enabled TRUE", "3.5 T.isActive TRUE", "3.5 T.cycleTime 1003",
                               "3.5 T.fraction_changed 0.25", "3.5 T.time 1003.5"});
 }
@@ -150,8 +132,7 @@ TEST_CASE("restarts if stopTime and startTime are set at one time (4.6.9)") {
   (void)world.take();
   world.send("S.startTime", SFTime{1003});
   CHECK(world.take("T.") == Lines{"3 T.stopTime 1003", "3 T.isActive FALSE", "3 T.startTime 1003"});
-  world.step(4);
-  CHECK(world.take("T.") ==
+  CHECK(world.take_at(4, "T.") ==
         Lines{"4 T.isActive TRUE", "4 T.cycleTime 1003", "4 T.fraction_changed 0.1", "4 T.time 1004"});
 }
 
@@ -161,12 +142,10 @@ TEST_CASE("starts a TimeSensor in the cascade that sets its startTime (4.10.3)")
       "DEF P ScalarInterpolator { key [ 0 1 ] keyValue [ 5 9 ] } "
       "ROUTE A.cycleTime TO B.startTime ROUTE B.fraction_changed TO P.set_fraction");
   world.start();
-  world.step(1);
-  CHECK(world.take() == Lines{"1 A.isActive TRUE", "1 A.cycleTime 1001", "1 A.fraction_changed 0", "1 A.time 1001",
-                              "1 B.startTime 1001", "1 B.isActive TRUE", "1 B.cycleTime 1001", "1 B.fraction_changed 0",
-                              "1 B.time 1001", "1 P.value_changed 5"});
-  world.step(2);
-  CHECK(world.take("P.") == Lines{"2 P.value_changed 6"});
+  CHECK(world.take_at(1) == Lines{"1 A.isActive TRUE", "1 A.cycleTime 1001", "1 A.fraction_changed 0", "1 A.time 1001",
+                                  "1 B.startTime 1001", "1 B.isActive TRUE", "1 B.cycleTime 1001",
+                                  "1 B.fraction_changed 0", "1 B.time 1001", "1 P.value_changed 5"});
+  CHECK(world.take_at(2, "P.") == Lines{"2 P.value_changed 6"});
 }
 
 TEST_CASE("survives NaN, infinite and huge times") {
@@ -178,8 +157,7 @@ TEST_CASE("survives NaN, infinite and huge times") {
   world.send("W.stopTime", SFTime{std::numeric_limits<double>::infinity()});
   world.send("W.startTime", SFTime{-std::numeric_limits<double>::infinity()});
   for (int i = 1; i < 100; ++i) {
-    world.step(i);
-    world.send("V.startTime", SFTime{1e300 + i * 1e285});
+    world.send_at(i, "V.startTime", SFTime{1e300 + i * 1e285});
     world.send("W.startTime", SFTime{1e9 + i});
   }
   CHECK(world.scene().get<SFTime>(world.node("W"), "startTime") == 1e9 + 99);
@@ -191,8 +169,7 @@ TEST_CASE("never lets time run backwards (4.11)") {
   world.step(2.5);
   (void)world.take();
   world.step(1);
-  world.step(2.5);
-  CHECK(world.take().empty());
+  CHECK(world.take_at(2.5).empty());
   CHECK(world.execution().now() == 1002.5);
 }
 

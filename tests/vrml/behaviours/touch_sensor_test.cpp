@@ -59,7 +59,7 @@ TEST_CASE("sends touchTime only if the button is released over the TouchSensor (
   world.step(5);
   device.release();
   CHECK(world.take() == Lines{"5 T.isActive FALSE"});
-  // Pressed elsewhere and released over it: no click.
+  // A press elsewhere and a release over the sensor is not a click.
   world.step(6);
   device.press();
   world.step(7);
@@ -68,7 +68,7 @@ TEST_CASE("sends touchTime only if the button is released over the TouchSensor (
   device.release();
   CHECK(world.take("T.isOver") == Lines{"7 T.isOver TRUE"});
   CHECK(world.take().empty());
-  // Away and back again.
+  // The pointer moves away and back again.
   world.step(9);
   device.press();
   world.step(10);
@@ -101,14 +101,12 @@ TEST_CASE("sends only isOver FALSE and isActive FALSE when a TouchSensor is disa
   PointingDevice device(world);
   device.press("S", 0, 0);
   (void)world.take();
-  world.step(1);
-  world.send("T.enabled", false);
+  world.send_at(1, "T.enabled", false);
   CHECK(world.take() == Lines{"1 T.enabled FALSE", "1 T.isActive FALSE", "1 T.isOver FALSE"});
   device.move("S", 1, 0);
   CHECK(world.take().empty());
   // A sensor that is enabled while the button is down waits for its release.
-  world.step(2);
-  world.send("T.enabled", true);
+  world.send_at(2, "T.enabled", true);
   device.move("S", 2, 0);
   world.step(3);
   device.release("S", 3, 0);
@@ -133,19 +131,15 @@ TEST_CASE("gives isActive TRUE and FALSE different timestamps, also if both happ
   device.release();
   CHECK(world.take() == Lines{"1 T.isActive TRUE"});
   CHECK(world.execution().next_time() == World::kStart + 1);  // at the earliest time
-  world.step(2);
-  CHECK(world.take() == Lines{"2 T.isActive FALSE", "2 T.touchTime 1002"});
+  CHECK(world.take_at(2) == Lines{"2 T.isActive FALSE", "2 T.touchTime 1002"});
   world.step(3);
-  world.step(4);
-  CHECK(world.take() == Lines{"3 T.isActive TRUE", "4 T.isActive FALSE", "4 T.touchTime 1004"});
+  CHECK(world.take_at(4) == Lines{"3 T.isActive TRUE", "4 T.isActive FALSE", "4 T.touchTime 1004"});
   world.step(5);
   device.press();
   world.send("Off.enabled", false);
   CHECK(world.take("T.") == Lines{"5 T.isActive TRUE", "5 T.enabled FALSE", "5 T.isOver FALSE"});
-  world.step(6);
-  CHECK(world.take() == Lines{"6 T.isActive FALSE"});
-  world.step(7);
-  CHECK(world.take().empty());
+  CHECK(world.take_at(6) == Lines{"6 T.isActive FALSE"});
+  CHECK(world.take_at(7).empty());
   CHECK_FALSE(world.execution().next_time());
   for (int i = 0; i < 1000; ++i) device.set(i % 2 == 0);
   for (int i = 8; i < 200; ++i) world.step(i);

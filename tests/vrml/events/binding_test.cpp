@@ -34,11 +34,9 @@ TEST_CASE("sends isBound FALSE before TRUE with one timestamp, on all four stack
     World world("DEF A " + std::string(type) + " { } DEF B " + type + " { }");
     world.start();
     CHECK(world.take("isBound") == Lines{"0 A.isBound TRUE"});
-    world.step(1);
-    world.send("B.set_bind", true);
+    world.send_at(1, "B.set_bind", true);
     CHECK(world.take("isBound") == Lines{"1 A.isBound FALSE", "1 B.isBound TRUE"});
-    world.step(2);
-    world.send("B.set_bind", false);
+    world.send_at(2, "B.set_bind", false);
     CHECK(world.take("isBound") == Lines{"2 B.isBound FALSE", "2 A.isBound TRUE"});
   }
 }
@@ -47,11 +45,9 @@ TEST_CASE("sends bindTime when a Viewpoint is bound and unbound (6.53)") {
   World world("DEF A Viewpoint { } DEF B Viewpoint { }");
   world.start();
   CHECK(world.take("bindTime") == Lines{"0 A.bindTime 1000"});
-  world.step(1);
-  world.send("B.set_bind", true);
+  world.send_at(1, "B.set_bind", true);
   CHECK(world.take("bindTime") == Lines{"1 A.bindTime 1001", "1 B.bindTime 1001"});
-  world.step(2);
-  world.send("A.set_bind", false);  // below the top
+  world.send_at(2, "A.set_bind", false);  // below the top
   CHECK(world.take().empty());
 }
 
@@ -62,17 +58,14 @@ DEF LA DirectionalLight { } ROUTE L.on TO A.set_bind ROUTE L.on TO B.set_bind RO
 ROUTE A.isBound TO LA.on)");
   world.start();
   (void)world.take();
-  world.step(1);
-  world.send("L.on", true);
+  world.send_at(1, "L.on", true);
   CHECK(bound_node(world, "Viewpoint") == world.node("C"));
   CHECK(world.take("C.isBound") == Lines{"1 C.isBound TRUE"});
   // A was bound and unbound with one timestamp. Its eventOut sends once per timestamp, so the rest follows with the
   // next.
-  world.step(2);
-  CHECK(world.take("isBound") == Lines{"2 A.isBound FALSE", "2 B.isBound FALSE"});
+  CHECK(world.take_at(2, "isBound") == Lines{"2 A.isBound FALSE", "2 B.isBound FALSE"});
   CHECK(!world.scene().get<SFBool>(world.node("LA"), "on"));
-  world.step(3);
-  CHECK(world.take().empty());
+  CHECK(world.take_at(3).empty());
 }
 
 TEST_CASE("unbinds a bound node that is removed from the world (4.6.10)") {
@@ -81,11 +74,9 @@ TEST_CASE("unbinds a bound node that is removed from the world (4.6.10)") {
     World world("DEF A " + std::string(type) + " { } DEF G Transform { children DEF B " + type +
                 " { } } DEF H Group { children [ USE G ] }");
     world.start();
-    world.step(1);
-    world.send("B.set_bind", true);
+    world.send_at(1, "B.set_bind", true);
     (void)world.take();
-    world.step(2);
-    world.send("G.removeChildren", MFNode{world.node("B")});
+    world.send_at(2, "G.removeChildren", MFNode{world.node("B")});
     CHECK(world.take("isBound") == Lines{"2 B.isBound FALSE", "2 A.isBound TRUE"});
     CHECK(bound_node(world, type) == world.node("A"));
     world.step(3);  // removed from the stack
@@ -100,18 +91,14 @@ DEF V Viewpoint { } DEF S Switch { whichChoice 0 choice Group { children DEF A V
 DEF L LOD { level Transform { children DEF B Viewpoint { } } } DEF G Group { children DEF C Viewpoint { } })");
   world.start();
   for (const char* name : {"A", "B", "C"}) {
-    world.step(world.execution().now() - World::kStart + 1);
-    world.send(std::string(name) + ".set_bind", true);
+    world.send_at(world.execution().now() - World::kStart + 1, std::string(name) + ".set_bind", true);
   }
   (void)world.take();
-  world.step(4);
-  world.send("G.children", MFNode{});
+  world.send_at(4, "G.children", MFNode{});
   CHECK(world.take("isBound") == Lines{"4 C.isBound FALSE", "4 B.isBound TRUE"});
-  world.step(5);
-  world.send("S.choice", MFNode{});  // below the top: sends no event
+  world.send_at(5, "S.choice", MFNode{});  // below the top: sends no event
   CHECK(world.take("isBound").empty());
-  world.step(6);
-  world.send("L.level", MFNode{});
+  world.send_at(6, "L.level", MFNode{});
   CHECK(world.take("isBound") == Lines{"6 B.isBound FALSE", "6 V.isBound TRUE"});
 }
 
@@ -121,10 +108,8 @@ DEF V Viewpoint { } DEF G Group { children DEF B Viewpoint { } } DEF H Group { c
 DEF Old Group { } DEF New Group { } DEF Both Group { }
 ROUTE Both.children TO H.removeChildren ROUTE Both.children TO K.addChildren)");
   world.start();
-  world.step(1);
-  world.send("B.set_bind", true);
-  world.step(2);
-  world.send("G.removeChildren", MFNode{world.node("B")});
+  world.send_at(1, "B.set_bind", true);
+  world.send_at(2, "G.removeChildren", MFNode{world.node("B")});
   world.step(3);
   (void)world.take();
   world.send("Both.children", MFNode{world.node("B")});
@@ -137,11 +122,9 @@ TEST_CASE("keeps a bound node that was never in the world (4.6.10)") {
 PROTO P [ eventIn SFBool bind ] { Group { } DEF Out Viewpoint { set_bind IS bind } }
 DEF V Viewpoint { } DEF I P { } DEF G Group { children DEF X Group { } })");
   world.start();
-  world.step(1);
-  world.send("I.bind", true);
+  world.send_at(1, "I.bind", true);
   (void)world.take();
-  world.step(2);
-  world.send("G.removeChildren", MFNode{world.node("X")});
+  world.send_at(2, "G.removeChildren", MFNode{world.node("X")});
   CHECK(world.take("isBound").empty());
   CHECK(bound_node(world, "Viewpoint") != world.node("V"));
 }
@@ -152,8 +135,7 @@ TEST_CASE("sends no bindable events for groups without bindable nodes (4.6.10)")
   world.step(1);
   (void)world.take();
   world.send("G.removeChildren", MFNode{world.node("A")});
-  world.step(2);
-  world.send("G.addChildren", MFNode{world.node("A")});
+  world.send_at(2, "G.addChildren", MFNode{world.node("A")});
   CHECK(world.take("isBound").empty());
 }
 
@@ -170,8 +152,7 @@ DEF There ProximitySensor { center 50 0 0 size 4 4 4 } DEF T TimeSensor { loop T
                               "1 Here.isActive FALSE", "1 Here.exitTime 1001", "1 Here.position_changed 50 0 0",
                               "1 Here.orientation_changed 0 0 1 0", "1 There.isActive TRUE", "1 There.enterTime 1001",
                               "1 There.position_changed 50 0 0", "1 There.orientation_changed 0 0 1 0"});
-  world.step(2);
-  CHECK(world.take() == Lines{"2 T.fraction_changed 0.25", "2 T.time 1002"});
+  CHECK(world.take_at(2) == Lines{"2 T.fraction_changed 0.25", "2 T.time 1002"});
 }
 
 }  // namespace gs::vrml::traces

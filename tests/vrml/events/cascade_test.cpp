@@ -18,10 +18,9 @@ ROUTE T.fraction_changed TO I.set_fraction ROUTE I.value_changed TO J.set_fracti
 ROUTE J.value_changed TO A.translation ROUTE A.translation TO B.scale)");
   world.start();
   (void)world.take();
-  world.step(1);
-  CHECK(world.take() == Lines{"1 T.fraction_changed 0.25", "1 T.time 1001", "1 I.value_changed 0.25",
-                              "1 J.value_changed 0.25 0.25 0.25", "1 A.translation 0.25 0.25 0.25",
-                              "1 B.scale 0.25 0.25 0.25"});
+  CHECK(world.take_at(1) == Lines{"1 T.fraction_changed 0.25", "1 T.time 1001", "1 I.value_changed 0.25",
+                                  "1 J.value_changed 0.25 0.25 0.25", "1 A.translation 0.25 0.25 0.25",
+                                  "1 B.scale 0.25 0.25 0.25"});
 }
 
 TEST_CASE("runs a cascade for each of several sensor events of one timestamp (4.10.3)") {
@@ -94,10 +93,8 @@ ROUTE L.on TO M.on ROUTE L.on TO N.on ROUTE L.intensity TO D.transparency ROUTE 
   world.start();
   world.send("L.on", false);
   CHECK(world.take() == Lines{"0 L.on FALSE", "0 M.on FALSE", "0 N.on FALSE"});
-  world.step(1);
-  world.send("L.intensity", SFFloat{0.25F});
-  world.step(2);
-  world.send("M.intensity", SFFloat{0.75F});
+  world.send_at(1, "L.intensity", SFFloat{0.25F});
+  world.send_at(2, "M.intensity", SFFloat{0.75F});
   CHECK(world.take("D.") == Lines{"1 D.transparency 0.25", "2 D.transparency 0.75"});
   CHECK(world.scene().get<SFFloat>(world.node("D"), "transparency") == 0.75F);
 }
@@ -114,13 +111,11 @@ TEST_CASE("applies an added or removed ROUTE from the next event on (4.10.2)") {
   CHECK(world.execution().routes().add(world.scene(), route("B")));
   CHECK(world.take() == Lines{"0 A.whichChoice 1"});
   CHECK(world.scene().get<SFInt32>(world.node("B"), "whichChoice") == -1);
-  world.step(1);
-  world.send("A.whichChoice", SFInt32{2});
+  world.send_at(1, "A.whichChoice", SFInt32{2});
   CHECK(world.take("B.") == Lines{"1 B.whichChoice 2"});
   CHECK(world.execution().routes().remove(world.scene(), route("B")));
   CHECK(world.execution().routes().add(world.scene(), route("C")));
-  world.step(2);
-  world.send("A.whichChoice", SFInt32{3});
+  world.send_at(2, "A.whichChoice", SFInt32{3});
   CHECK(world.take() == Lines{"2 A.whichChoice 3", "2 C.whichChoice 3"});
 }
 
@@ -131,8 +126,7 @@ DEF M Material { } ROUTE T.fraction_changed TO I.set_fraction ROUTE I.value_chan
   world.start();
   world.step(1);
   (void)world.take();
-  world.step(3);
-  world.send("M.transparency", SFFloat{1});
+  world.send_at(3, "M.transparency", SFFloat{1});
   CHECK(world.take() == Lines{"3 T.fraction_changed 0.375", "3 T.time 1003", "3 I.value_changed 3", "3 M.shininess 3",
                               "3 M.transparency 1"});
 }
@@ -175,7 +169,7 @@ ROUTE Clock.fraction_changed TO I.set_fraction ROUTE I.value_changed TO T.transp
   CHECK(diagnostics.errors() == 0);
   SceneGraph& part = *content;
   world.start();
-  world.scene().attach_inline(world.node("Part"), std::move(content));
+  world.scene().inlines().attach(world.node("Part"), std::move(content));
   world.execution().scenes().attach();
   world.step(1);
   (void)world.take();

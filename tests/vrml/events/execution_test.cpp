@@ -41,8 +41,7 @@ TEST_CASE("sends one event per eventOut and timestamp, so that loops end (4.10.4
   CHECK(world.take() == Lines{"0 A.translation 1 2 3", "0 B.translation 1 2 3"});
   world.send("A.translation", SFVec3f(4, 5, 6));  // the same timestamp
   CHECK(world.take().empty());
-  world.step(1);
-  world.send("B.translation", SFVec3f(7, 8, 9));
+  world.send_at(1, "B.translation", SFVec3f(7, 8, 9));
   CHECK(world.take() == Lines{"1 B.translation 7 8 9", "1 A.translation 7 8 9"});
 }
 
@@ -82,8 +81,7 @@ TEST_CASE("adds and removes ROUTEs while the world runs") {
     world.send("A.translation", kFar);
     CHECK(world.take().size() == 3);
     CHECK(world.execution().routes().remove(world.scene(), first));
-    world.step(round + 0.5);
-    world.send("A.translation", kFar);
+    world.send_at(round + 0.5, "A.translation", kFar);
     CHECK(world.take().size() == 2);
     CHECK(world.execution().routes().remove(world.scene(), second));
   }
@@ -166,11 +164,9 @@ TEST_CASE("adds a child once, and removes it if it is present (4.6.5)") {
   world.start();
   world.send("H.children", MFNode{world.node("A"), world.node("B"), world.node("B"), NodeId{}});
   CHECK(world.take("G.") == Lines{"0 G.children [ A, B ]"});
-  world.step(1);
-  world.send("G.removeChildren", MFNode{world.node("A"), world.node("H")});
+  world.send_at(1, "G.removeChildren", MFNode{world.node("A"), world.node("H")});
   CHECK(world.take() == Lines{"1 G.children [ B ]"});
-  world.step(2);
-  world.send("G.removeChildren", MFNode{world.node("A")});
+  world.send_at(2, "G.removeChildren", MFNode{world.node("A")});
   CHECK(world.take().empty());
 }
 
@@ -198,8 +194,7 @@ TEST_CASE("reports each changed node once, with its slots") {
   world.start();
   CHECK(world.execution().changes().take().empty());
   world.send("A.translation", kFar);
-  world.step(1);
-  world.send("A.scale", kFar);
+  world.send_at(1, "A.scale", kFar);
   const auto changes = world.execution().changes().take();
   REQUIRE(changes.size() == 2);
   CHECK(changes[0].node == world.node("A"));

@@ -124,8 +124,7 @@ ROUTE S.translation TO I.x ROUTE S.scale TO I.set_x ROUTE I.y TO T.translation R
   CHECK(world.take("Plain") == Lines{"0 Plain.translation 1 2 3"});
   CHECK(world.scene().get<SFVec3f>(world.node("T"), "translation") == SFVec3f(1, 2, 3));
   CHECK(world.scene().get<SFVec3f>(world.node("T"), "scale") == SFVec3f(1));
-  world.step(1);
-  world.send("S.scale", SFVec3f(4, 5, 6));
+  world.send_at(1, "S.scale", SFVec3f(4, 5, 6));
   CHECK(world.take("Prefixed") == Lines{"1 Prefixed.translation 4 5 6"});
   CHECK(world.scene().get<SFVec3f>(world.node("T"), "scale") == SFVec3f(4, 5, 6));
 }

@@ -25,7 +25,7 @@ inline bool find_path(const SceneGraph& scene, const MFNode& children, NodeId wa
     glm::dmat4 inside = place;
     if (node.type->behaviour && node.type->behaviour->parent_from_local && has(node.type->role, Role::grouping))
       inside *= node.type->behaviour->parent_from_local(node);
-    if (const SceneGraph* inlined = scene.inlined(id))
+    if (const SceneGraph* inlined = scene.inlines().of(id))
       if (find_path(*inlined, inlined->roots(), wanted, of, inside, path)) return true;
     for (std::size_t slot = 0; has(node.type->role, Role::grouping) && slot < node.type->defaults.size(); ++slot)
       if (const auto* below = std::get_if<MFNode>(&node.values[slot]))

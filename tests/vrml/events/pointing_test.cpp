@@ -31,7 +31,7 @@ std::string anchors(World& world) {
 }  // namespace
 
 TEST_CASE("sends the click to the lowest level with a pointing-device sensor, including Anchors (4.6.7.3)") {
-  // The example in the standard.
+  // This is the example in the standard.
   World world(R"(Group { children [
     DEF Shape1 Shape { } DEF SensorA TouchSensor { } DEF SensorB PlaneSensor { }
     DEF AnchorA Anchor { url "..." description "Away" children [
@@ -66,7 +66,7 @@ TEST_CASE("activates an Anchor only if the button is released over it (6.2)") {
   CHECK(anchors(world).empty());
   world.step(2);
   device.move("R", 1, 0);
-  CHECK_FALSE(world.execution().pointing().pointed_at().sensor);  // A has grabbed the pointer, which is not over it
+  CHECK_FALSE(world.execution().pointing().pointed_at().sensor);  // A has grabbed the pointer
   device.release();
   CHECK(anchors(world).empty());
   CHECK(world.execution().pointing().pointed_at().anchor.node == world.node("B"));
@@ -101,7 +101,7 @@ TEST_CASE("applies sensors at top level, in PROTO instances and in Inlines to th
   Diagnostics diagnostics;
   (void)parse("#VRML V2.0 utf8\nDEF InS Shape { } DEF InT TouchSensor { }", *content, diagnostics);
   SceneGraph& inlined = *content;
-  world.scene().attach_inline(world.node("I"), std::move(content));
+  world.scene().inlines().attach(world.node("I"), std::move(content));
   world.execution().scenes().attach();
   world.start();
   PointingDevice device(world);
@@ -152,9 +152,8 @@ TEST_CASE("sends pointer events only to the sensors that grabbed the pointer (4.
   world.step(1);
   device.move("B", 1, 0);
   CHECK(world.take() == Lines{"1 T.isOver FALSE", "1 P.trackPoint_changed 1 0 0", "1 P.translation_changed 1 0 0"});
-  // The other one continues alone after one is disabled.
-  world.step(2);
-  world.send("P.enabled", false);
+  // After one sensor is disabled, the other one continues alone.
+  world.send_at(2, "P.enabled", false);
   CHECK(world.take() == Lines{"2 P.enabled FALSE", "2 P.isActive FALSE"});
   device.move("B", 2, 0);
   CHECK(world.take().empty());
@@ -206,8 +205,7 @@ TEST_CASE("sends collideTime when the avatar meets children of a Collision node,
   device.at("R", 0, 0);
   CHECK_FALSE(collide(world.execution(), device.path()));
   CHECK(world.take().empty());
-  world.step(2);
-  world.send("C.collide", true);
+  world.send_at(2, "C.collide", true);
   CHECK(collide(world.execution(), device.path()));
   CHECK(world.take("collideTime") == Lines{"2 C.collideTime 1002", "2 D.collideTime 1002"});
 }

@@ -29,7 +29,7 @@ TEST_CASE("reports the progress of a QNV node, and its completion") {
   CHECK(world.take("N.") == Lines{"3 N.progress_changed 1", "3 N.loadTime 1003"});
   CHECK(world.scene().get<SFTime>(world.node("T"), "startTime") == World::kStart + 3);
   CHECK(progress(1));
-  // After less and all again: it was complete before.
+  // The progress falls and becomes complete again. The stream was complete before.
   world.step(4);
   CHECK(progress(0.9));
   world.step(5);

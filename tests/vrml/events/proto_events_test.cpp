@@ -63,11 +63,9 @@ PROTO P [ eventIn SFVec3f a eventIn SFVec3f b eventOut SFVec3f out ] {
 DEF I P { } DEF T Transform { } ROUTE I.out TO T.translation)");
   world.start();
   world.send("I.a", SFVec3f(1));
-  world.step(1);
-  world.send("I.b", SFVec3f(2));
+  world.send_at(1, "I.b", SFVec3f(2));
   CHECK(world.take("T.") == Lines{"0 T.translation 1 1 1", "1 T.translation 2 2 2"});
-  world.step(2);
-  world.send("I.a", SFVec3f(3));
+  world.send_at(2, "I.a", SFVec3f(3));
   world.send("I.b", SFVec3f(4));  // with the same timestamp: one event of the eventIn
   CHECK(world.take("T.") == Lines{"2 T.translation 3 3 3"});
 }
@@ -95,8 +93,7 @@ PROTO Spin [ ] { DEF Place Transform { } DEF T TimeSensor { loop TRUE cycleInter
 Spin { } Spin { })");
   world.start();
   (void)world.take();
-  world.step(1);
-  CHECK(world.take("translation") == Lines{"1 Place.translation 1 0 0", "1 Place.translation 1 0 0"});
+  CHECK(world.take_at(1, "translation") == Lines{"1 Place.translation 1 0 0", "1 Place.translation 1 0 0"});
 }
 
 TEST_CASE("ignores events for an EXTERNPROTO without a body, and connects its ROUTEs later (4.9.1)") {

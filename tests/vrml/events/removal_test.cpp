@@ -55,9 +55,9 @@ TEST_CASE("frees the memory of nodes that were created and discarded at run time
     world.send("Kept.removeChildren", made);
     CHECK(world.execution().lifetime().remove_unheld() > 30);
     CHECK(!scene.contains(made[0]));
-    CHECK(scene.run_time_texts() == 0);
+    CHECK(scene.texts().run_time_count() == 0);
     (void)world.take();
-    const Memory now{scene.node_count(), scene.charged(), scene.budget()->used(Resource::nodes),
+    const Memory now{scene.nodes().count(), scene.memory().charged(), scene.budget()->used(Resource::nodes),
                      scene.budget()->used(Resource::instances)};
     if (round == 2) before = now;
     if (round > 2) REQUIRE(now == before);
@@ -73,7 +73,7 @@ TEST_CASE("reuses slots for a million nodes that are created and removed", "[opt
     const MFNode made = read(world, "Transform { translation 1 2 3 }");
     world.send("Kept.set_children", made);
     if (round % 1000 == 0) world.step(round);
-    most = std::max(most, world.scene().node_count());
+    most = std::max(most, world.scene().nodes().count());
   }
   (void)world.take();
   CHECK(most < 2000);  // the search runs after some hundreds of nodes
@@ -85,13 +85,13 @@ TEST_CASE("gives unique ids to nodes of the root, its Inlines and run time, also
   auto content = std::make_shared<SceneGraph>("part.wrl", world.scene().budget());
   Diagnostics diagnostics;
   (void)parse("#VRML V2.0 utf8\nGroup { } Group { }", *content, diagnostics);
-  world.scene().attach_inline(world.node("Part"), content);
+  world.scene().inlines().attach(world.node("Part"), content);
   world.execution().scenes().attach();
   world.start();
   std::set<std::uint32_t> seen;
   const auto see = [&](NodeId id) { CHECK(seen.insert(id.generation).second); };
-  for (std::uint32_t i = 1; i <= 2; ++i) see(world.scene().id_at(i)), see(content->id_at(i));
-  CHECK(!content->contains(world.scene().id_at(1)));
+  for (std::uint32_t i = 1; i <= 2; ++i) see(world.scene().nodes().id_at(i)), see(content->nodes().id_at(i));
+  CHECK(!content->contains(world.scene().nodes().id_at(1)));
   for (int round = 0; round < 1000; ++round) {
     const NodeId made = read(world, "Group { }")[0];
     see(made);
@@ -138,7 +138,7 @@ TEST_CASE("keeps nodes that fields, ROUTEs, PROTO instances or holds refer to") 
     CHECK(execution.lifetime().remove_unheld() == 0);
     execution.lifetime().release(scene, made);
     CHECK(execution.lifetime().remove_unheld() == 1);
-    execution.lifetime().release(scene, made);  // no longer in use
+    execution.lifetime().release(scene, made);  // the caller no longer uses the node
   }
   SECTION("its ROUTE to a node that is held, not one from such a node") {
     const MFNode made = read(world, "PositionInterpolator { } PositionInterpolator { }");
@@ -165,10 +165,10 @@ TEST_CASE("keeps nodes that fields, ROUTEs, PROTO instances or holds refer to") 
     world.send("Kept.addChildren", only(inner));
     CHECK(execution.lifetime().remove_unheld() == 0);
     CHECK(scene.contains(made));
-    CHECK(scene.run_time_texts() == 1);
+    CHECK(scene.texts().run_time_count() == 1);
     world.send("Kept.set_children", MFNode());
     CHECK(execution.lifetime().remove_unheld() == 4);
-    CHECK(scene.run_time_texts() == 0);
+    CHECK(scene.texts().run_time_count() == 0);
   }
   SECTION("no circle of nodes holds itself") {
     const NodeId made = read(world, "DEF Top Group { children Script { field SFNode top USE Top } }")[0];
@@ -194,15 +194,12 @@ TEST_CASE("stops events of removed nodes and reuses their slots") {
     const MFNode made = read(world, "DEF Ticks TimeSensor { loop TRUE stopTime 0 startTime 0 }");
     world.send("Kept.set_children", made);
     (void)world.take();
-    world.step(now + 1);
-    CHECK(world.take("Ticks.time").size() == 1);
-    world.step(now + 2);
-    CHECK(world.take("Ticks.time").size() == 1);
+    CHECK(world.take_at(now + 1, "Ticks.time").size() == 1);
+    CHECK(world.take_at(now + 2, "Ticks.time").size() == 1);
     world.send("Kept.set_children", MFNode());
     CHECK(world.execution().lifetime().remove_unheld() == 1);
     (void)world.take();
-    world.step(now + 3);
-    CHECK(world.take("time").empty());
+    CHECK(world.take_at(now + 3, "time").empty());
     CHECK(!world.execution().next_time());
   }
 }
@@ -213,8 +210,7 @@ TEST_CASE("unbinds a bound node that is deleted, as set_bind FALSE would (4.6.10
   const MFNode made = read(world, "DEF Second Viewpoint { }");
   world.execution().lifetime().hold(world.scene(), made[0]);
   (void)world.take();
-  world.step(1);
-  world.send("Second.set_bind", true);
+  world.send_at(1, "Second.set_bind", true);
   CHECK(world.take("isBound") == Lines{"1 First.isBound FALSE", "1 Second.isBound TRUE"});
   world.step(2);
   world.execution().lifetime().release(world.scene(), made[0]);
@@ -238,10 +234,10 @@ TEST_CASE("removes an Inline with its whole content") {
       return content;
     };
     auto outer = part("DEF W Viewpoint { } TimeSensor { loop TRUE } Inline { }");
-    outer->attach_inline(outer->roots()[2], part("Viewpoint { } TouchSensor { }"));
+    outer->inlines().attach(outer->roots()[2], part("Viewpoint { } TouchSensor { }"));
     const NodeId view = outer->roots()[0];
     const std::weak_ptr<SceneGraph> watched = outer;
-    world.scene().attach_inline(world.node("Part"), std::move(outer));
+    world.scene().inlines().attach(world.node("Part"), std::move(outer));
     world.execution().scenes().attach();
     world.step(round);
     SceneGraph& scene = *watched.lock();
@@ -259,8 +255,7 @@ TEST_CASE("removes an Inline with its whole content") {
     const auto changes = world.execution().changes().take();
     CHECK(std::any_of(changes.begin(), changes.end(),
                       [&](const NodeChange& one) { return one.node == world.node("Part"); }));
-    world.step(round + 0.75);
-    CHECK(world.take("time").empty());
+    CHECK(world.take_at(round + 0.75, "time").empty());
   }
   CHECK(world.scene().budget()->used(Resource::nodes) < before + (1 << 19));
 }
@@ -285,14 +280,14 @@ TEST_CASE("removes exactly the unreferenced nodes under random operations") {
     };
     const auto held_nodes = [&] {
       std::set<std::uint32_t> held;
-      for (std::uint32_t i = 1; i <= scene.node_count(); ++i)
-        if (scene.node_at(i).owner == 0 && !scene.node_at(i).in_prototype_body) held.insert(i);
+      for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i)
+        if (scene.nodes().at(i).owner == 0 && !scene.nodes().at(i).in_prototype_body) held.insert(i);
       for (const auto& [index, hold] : holds)
         if (hold.second > 0) held.insert(index);
       for (std::size_t before = 0; before != held.size();) {
         before = held.size();
         for (const std::uint32_t index : std::vector<std::uint32_t>(held.begin(), held.end())) {
-          const Node& node = scene.node_at(index);
+          const Node& node = scene.nodes().at(index);
           for (std::size_t slot = 0; slot < node.type->defaults.size(); ++slot) {
             if (const auto* one = std::get_if<SFNode>(&node.values[slot]); one && *one) held.insert(one->index);
             if (const auto* all = std::get_if<MFNode>(&node.values[slot]))
@@ -332,13 +327,13 @@ TEST_CASE("removes exactly the unreferenced nodes under random operations") {
       switch (below(10)) {
         case 0:
         case 1: {
-          const std::uint64_t before = scene.revision();
+          const std::uint64_t before = scene.nodes().revision();
           const std::size_t kind = below(std::size(kTexts));
           const MFNode roots = read(world, kTexts[kind]);
-          CHECK(scene.revision() != before);
+          CHECK(scene.nodes().revision() != before);
           for (const NodeId id : roots) made.push_back(id);
           if (kind == 5) routes.push_back(route_of(scene, roots[0], "value_changed", roots[1], "set_fraction"));
-          // Often holds it for a while.
+          // In half of the rounds, a caller holds the node for a while.
           if (below(2) == 0) {
             execution.lifetime().hold(scene, roots[0]);
             holds[roots[0].index].first = roots[0];
@@ -387,9 +382,9 @@ TEST_CASE("removes exactly the unreferenced nodes under random operations") {
           (void)world.take();
           const std::set<std::uint32_t> held = held_nodes();
           (void)execution.lifetime().remove_unheld();
-          for (std::uint32_t i = 1; i <= scene.node_count(); ++i)
-            if (!scene.node_at(i).in_prototype_body && !held.contains(i)) FAIL("held without need: " << i);
-          for (const std::uint32_t index : held) CHECK(scene.contains(scene.id_at(index)));
+          for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i)
+            if (!scene.nodes().at(i).in_prototype_body && !held.contains(i)) FAIL("held without need: " << i);
+          for (const std::uint32_t index : held) CHECK(scene.contains(scene.nodes().id_at(index)));
           alive(made);
           std::erase_if(routes, [&](const Route& one) { return !scene.contains(one.from) || !scene.contains(one.to); });
         }
@@ -402,7 +397,7 @@ TEST_CASE("removes exactly the unreferenced nodes under random operations") {
     for (const char* parent : {"G0.set_children", "G1.set_children", "G2.set_children"}) world.send(parent, MFNode());
     for (const Route& route : routes) (void)execution.routes().remove(scene, route);
     (void)execution.lifetime().remove_unheld();
-    CHECK(scene.run_time_texts() == 0);
+    CHECK(scene.texts().run_time_count() == 0);
   }
 }
 

@@ -8,7 +8,7 @@ TEST_CASE("replaces the world by the nodes of replaceWorld and removes all other
   World world(
       "DEF V Viewpoint { } DEF Kept Group { children DEF Inner Group { } } DEF Ticks TimeSensor { loop TRUE } "
       "DEF I Inline { }");
-  world.scene().attach_inline(world.node("I"), std::make_shared<SceneGraph>("part.wrl", world.scene().budget()));
+  world.scene().inlines().attach(world.node("I"), std::make_shared<SceneGraph>("part.wrl", world.scene().budget()));
   world.execution().scenes().attach();
   world.start();
   SceneGraph& scene = world.scene();
@@ -26,9 +26,9 @@ TEST_CASE("replaces the world by the nodes of replaceWorld and removes all other
     CHECK(world.take("W.isBound").back() == std::to_string(round + 1) + " W.isBound TRUE");
     CHECK(scene.contains(inner) == (round == 0));
     CHECK(!scene.contains(ticks));
-    CHECK(scene.inlines().empty());
-    if (round == 3) places = scene.node_count();
-    if (round > 3) CHECK(scene.node_count() == places);
+    CHECK(scene.inlines().all().empty());
+    if (round == 3) places = scene.nodes().count();
+    if (round > 3) CHECK(scene.nodes().count() == places);
   }
   CHECK(!world.execution().lifetime().replace_world(only(inner)));
   CHECK(world.execution().stacks().bound(*built_in_node_type("Viewpoint")).node == scene.roots()[0]);
@@ -51,9 +51,9 @@ TEST_CASE("replaces the world by nodes of an Inline's scene and removes the Inli
                           "PointLight { } ] } Shape { } "
                           "ROUTE T.isActive TO L.on");
     watched = part;
-    outer->attach_inline(outer->roots()[0], std::move(part));
+    outer->inlines().attach(outer->roots()[0], std::move(part));
   }
-  world.scene().attach_inline(world.node("I"), outer);
+  world.scene().inlines().attach(world.node("I"), outer);
   world.execution().scenes().attach();
   world.start();
   SceneGraph& part = *watched.lock();
@@ -68,8 +68,8 @@ TEST_CASE("replaces the world by nodes of an Inline's scene and removes the Inli
     world.step(round + 1);
     CHECK(world.execution().lifetime().replaced() == static_cast<std::uint32_t>(round + 1));
     REQUIRE(world.scene().roots().size() == 1);
-    CHECK(world.scene().inlined(world.scene().roots()[0]) == &part);
-    CHECK(world.scene().inlines().size() == 1);
+    CHECK(world.scene().inlines().of(world.scene().roots()[0]) == &part);
+    CHECK(world.scene().inlines().all().size() == 1);
     CHECK(part.roots() == next);
     CHECK(part.contains(kept) == (round == 0));
     CHECK(!part.contains(shape));
@@ -78,10 +78,10 @@ TEST_CASE("replaces the world by nodes of an Inline's scene and removes the Inli
     CHECK(bound.scene == &part);
     CHECK(bound.node == next[0]);
     CHECK(world.execution().next_time().has_value() == (round == 0));
-    if (round == 3) places = world.scene().node_count() + part.node_count();
-    if (round > 3) CHECK(world.scene().node_count() + part.node_count() == places);
+    if (round == 3) places = world.scene().nodes().count() + part.nodes().count();
+    if (round > 3) CHECK(world.scene().nodes().count() + part.nodes().count() == places);
   }
-  // Nodes of the file, in reused slots.
+  // Nodes of the file get reused slots.
   MFNode made = read(world, "Group { }");
   CHECK(world.execution().lifetime().replace_world(world.scene(), made));
   world.step(200);

@@ -35,6 +35,7 @@ class World {
       lines_.push_back(line);
     });
   }
+  virtual ~World() = default;
 
   /// Returns the trace since the last call.
   std::vector<std::string> take() { return std::exchange(lines_, {}); }
@@ -46,7 +47,23 @@ class World {
     return some;
   }
   void start(double at = 0) { execution_->start(kStart + at); }
-  void step(double at) { execution_->step(kStart + at); }
+  virtual void step(double at) { execution_->step(kStart + at); }
+  /// Steps to a time since kStart, and returns the trace since the last call.
+  std::vector<std::string> take_at(double at) {
+    step(at);
+    return take();
+  }
+  /// Steps to a time since kStart, and returns the lines of the trace that contain `part`.
+  std::vector<std::string> take_at(double at, std::string_view part) {
+    step(at);
+    return take(part);
+  }
+  /// Steps to a time since kStart, and sends an event to "name.eventIn".
+  template <class T>
+  void send_at(double at, std::string_view target, T value) {
+    step(at);
+    send(target, std::move(value));
+  }
   /// Sends an event to "name.eventIn" at a time since kStart.
   template <class T>
   void send(std::string_view target, T value) {

@@ -68,7 +68,7 @@ TEST_CASE("copies an OutlineGroup with the node that refines it") {
   REQUIRE(copy.scene);
   options.refiner = copy.refiner;
   CHECK(same(tessellate(*copy.scene, copy.geometry, options), own));
-  // A refining node is drawn with the refined one, so it has no own mesh, in the copy, too.
+  // A refining node is drawn with the refined one, so it has no own mesh, in the copy too.
   const GeometryCopy alone = copy_geometry(*scene, refiner);
   CHECK(tessellate(*alone.scene, alone.geometry).empty());
 }
@@ -82,7 +82,7 @@ TEST_CASE("returns no copy beyond the world's budget, or for an id of no node") 
   scene->budget()->give_back(Resource::nodes, left);
   const std::uint64_t used = scene->budget()->used(Resource::nodes);
   CHECK(copy_geometry(*scene, geometry_of(*scene)).scene);
-  CHECK(scene->budget()->used(Resource::nodes) == used);  // and gives its share back
+  CHECK(scene->budget()->used(Resource::nodes) == used);  // the copy gives its share back
 }
 
 TEST_CASE("estimates the cost of a mesh from list lengths alone") {

@@ -117,7 +117,7 @@ TEST_CASE("covers a spiral corridor with triangles") {
 }
 
 TEST_CASE("keeps holes open that are reached by cuts") {
-  // Rows of square holes. A cut from the left side leads along each row and back.
+  // The plate has rows of square holes. A cut from the left side leads along each row and back.
   Polygon plate = {{0, 0, 0}, {44, 0, 0}, {44, 40, 0}, {0, 40, 0}};
   for (int row = 9; row >= 0; --row) {
     const float y = 4.0f * static_cast<float>(row) + 2;

@@ -15,7 +15,7 @@ using namespace vrml;
 
 constexpr std::size_t kMemory = std::size_t{8} << 20;
 
-/// A text in a world with a small memory limit.
+/// Text parsed in a world with a small memory limit.
 struct Small {
   explicit Small(const std::string& body, std::size_t memory = kMemory)
       : scene("bomb.wrl", Limits{.memory = memory}), outcome(parse("#VRML V2.0 utf8\n" + body, scene, diagnostics)) {}
@@ -61,12 +61,12 @@ TEST_CASE("limits each resource of a budget, and their sum") {
   CHECK(budget.refusal(Resource::meshes) ==
         "more than the limit for meshes, 1600 bytes of one world (--memory raises it)");
   CHECK(budget.take(Resource::nodes, 1300));
-  CHECK(budget.left(Resource::meshes) == 100);  // of 2400 for everything
+  CHECK(budget.left(Resource::meshes) == 100);  // of 2400 in total
   CHECK_FALSE(budget.take(Resource::vectors, 101));
   CHECK(budget.used(Resource::vectors) == 0);
   CHECK(budget.refusal(Resource::vectors) ==
         "more than the limit for memory in use, 2400 bytes of one world (--memory raises it)");
-  CHECK(budget.take(Resource::unpacked, 3200));  // is not held
+  CHECK(budget.take(Resource::unpacked, 3200));  // this resource is not held
   budget.give_back(Resource::nodes, 1300);
   CHECK(budget.take(Resource::vectors, 1400));
   CHECK_FALSE(budget.take(Resource::meshes, ~std::uint64_t{0}));
@@ -124,7 +124,7 @@ TEST_CASE("stops a parse in pieces at the memory limit and discards the rest") {
   parser.push("#VRML V2.0 utf8\nShape { }\n");
   const std::string groups = repeated("Group { } ", 1000);
   for (int i = 0; i < 200; ++i) parser.push(groups);
-  CHECK(scene.exhausted());
+  CHECK(scene.memory().exhausted());
   CHECK(parser.finish() == ParseOutcome::truncated);
   CHECK(diagnostics.errors() == 1);
   CHECK(scene.roots().size() > 1000);
@@ -148,7 +148,7 @@ TEST_CASE("leaves nested PROTOs empty that exceed the limit, and keeps the other
   CHECK_FALSE(small.scene.resolve(small.scene.roots()[1]));
   CHECK(small.scene.resolve_as(small.scene.roots()[2], NodeKind::group));
   CHECK(small.scene.resolve_as(small.scene.roots()[3], NodeKind::shape));
-  CHECK(small.scene.node_count() < 300);
+  CHECK(small.scene.nodes().count() < 300);
 
   // Many small instances reach the limit, too.
   const Small many(laughs(4) + repeated("P4 { }\n", 10'000) + "Shape { }");
@@ -171,13 +171,13 @@ TEST_CASE("shares one budget between the scenes of a world, and gives it back") 
     SceneGraph second("b.wrl", budget), third("c.wrl", budget);
     (void)parse(text, second, diagnostics);
     (void)parse(text, third, diagnostics);
-    CHECK(third.exhausted());
+    CHECK(third.memory().exhausted());
     CHECK(diagnostics.errors() > 0);
   }
   CHECK(budget->used(Resource::nodes) == 0);
   SceneGraph again("a.wrl", budget);
   (void)parse(text, again, diagnostics);
-  CHECK_FALSE(again.exhausted());
+  CHECK_FALSE(again.memory().exhausted());
 }
 
 TEST_CASE("stops instantiation when the budget's stop function returns true") {
@@ -187,7 +187,7 @@ TEST_CASE("stops instantiation when the budget's stop function returns true") {
   Diagnostics diagnostics;
   (void)parse("#VRML V2.0 utf8\n" + laughs(16) + "P16 { }", scene, diagnostics);
   CHECK(diagnostics.errors() == 0);  // the owner of the stop function reports it
-  CHECK(scene.node_count() < 10'000);
+  CHECK(scene.nodes().count() < 10'000);
 }
 
 TEST_CASE("leaves out geometries that exceed the memory limit, and gives back their share") {
@@ -212,7 +212,7 @@ TEST_CASE("leaves out geometries that exceed the memory limit, and gives back th
   check(extrusion, false);  // fewer than two rings
   section.resize(10);
   scene.set(extrusion, "crossSection", section);
-  check(extrusion, true);  // the start of the spine
+  check(extrusion, true);  // the mesh has the start of the spine
   spine.resize(50);
   scene.set(extrusion, "spine", spine);
   CHECK_FALSE(tessellate(scene, extrusion).limited);

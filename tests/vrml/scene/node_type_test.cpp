@@ -29,7 +29,7 @@ std::string squeezed(std::string text) {
   return text;
 }
 
-// Restores infinity and pi signs that the JSON file lost.
+// Restores the signs for infinity and pi, which are missing in the JSON file.
 std::string repaired(const std::string& node, std::string range) {
   range = squeezed(range);
   if (range == "seeSoSFImage") return "";
@@ -71,7 +71,9 @@ TEST_CASE("matches the interfaces of the standard, row by row") {
   for (const auto& [name, interfaces] : facts.items()) {
     const NodeType* type = built_in_node_type(name);
     REQUIRE(type);
-    CHECK(type->interfaces.size() == interfaces.size());
+    const auto others = std::count_if(type->interfaces.begin(), type->interfaces.end(),
+                                      [](const InterfaceDeclaration& one) { return one.of_other_browsers; });
+    CHECK(type->interfaces.size() - static_cast<std::size_t>(others) == interfaces.size());
     for (const auto& row : interfaces) {
       ++rows;
       const std::string field = row["name"];
@@ -82,7 +84,7 @@ TEST_CASE("matches the interfaces of the standard, row by row") {
       CHECK(std::string(name_of(declaration->type)) == row["type"]);
       CHECK(squeezed(declaration->range) == repaired(name, row["range"]));
       if (declaration->slot < 0) continue;
-      // The same reader must read the default to an equal value.
+      // The reader must read the standard's default to an equal value.
       NodeType standard;
       REQUIRE(parse_interface("field " + std::string(row["type"]) + " x " + std::string(row["default"]), standard));
       CHECK((declaration->initial == standard.interfaces.front().initial));
@@ -113,7 +115,7 @@ TEST_CASE("prints and parses a default node of every type without a change") {
   Diagnostics diagnostics;
   CHECK(parse(printed, again, diagnostics) == ParseOutcome::complete);
   CHECK(diagnostics.errors() == 0);
-  CHECK(again.node_count() == scene.node_count());
+  CHECK(again.nodes().count() == scene.nodes().count());
   CHECK(print(again) == printed);
 }
 
@@ -122,7 +124,10 @@ TEST_CASE("parses printed interfaces to equal declarations") {
     if (type->kind == NodeType::Kind::script) continue;
     NodeType again;
     REQUIRE(parse_interface(print_interface(*type), again));
-    REQUIRE(again.interfaces.size() == type->interfaces.size());
+    // Events of other browsers are at the end, and are not printed.
+    std::size_t printed = type->interfaces.size();
+    while (printed > 0 && type->interfaces[printed - 1].of_other_browsers) --printed;
+    REQUIRE(again.interfaces.size() == printed);
     for (std::size_t i = 0; i < again.interfaces.size(); ++i) {
       CHECK(again.interfaces[i].name == type->interfaces[i].name);
       CHECK((again.interfaces[i].initial == type->interfaces[i].initial));

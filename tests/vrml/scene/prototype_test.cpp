@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+using namespace gs;
 using namespace gs::vrml;
 
 namespace {
@@ -147,12 +148,12 @@ TEST_CASE("keeps the file of origin of nodes and URLs, through EXTERNPROTO and I
   scene->attach_library(std::move(library));
   REQUIRE(resolve_external(*scene, *external, *source));
   std::vector<std::pair<std::string, const SourceText*>> seen;
-  for (std::uint32_t i = 1; i <= scene->node_count(); ++i) {
-    const NodeId id = scene->id_at(i);
+  for (std::uint32_t i = 1; i <= scene->nodes().count(); ++i) {
+    const NodeId id = scene->nodes().id_at(i);
     if (scene->node(id).type->name != "ImageTexture") continue;
     const std::string url(scene->get<MFString>(id, "url")[0].view());
     CHECK(scene->node(id).text == (url == "here.png" ? scene.get() : written));
-    seen.emplace_back(url, &scene->text_of(id, scene->node(id).type->find_field("url")->slot));
+    seen.emplace_back(url, &scene->nodes().text_of(id, scene->node(id).type->find_field("url")->slot));
   }
   std::sort(seen.begin(), seen.end());
   const std::vector<std::pair<std::string, const SourceText*>> expected = {{"default.png", written},

@@ -35,7 +35,7 @@ std::vector<fs::path> corpus(const std::string& folder) {
 std::string result_of(const std::string& name, ParseOutcome outcome, const SceneGraph& scene,
                       const Diagnostics& diagnostics) {
   std::string result =
-      name + " " + std::to_string(static_cast<int>(outcome)) + " nodes " + std::to_string(scene.node_count()) + "\n";
+      name + " " + std::to_string(static_cast<int>(outcome)) + " nodes " + std::to_string(scene.nodes().count()) + "\n";
   for (const Diagnostic& diagnostic : diagnostics.entries()) result += diagnostic.text() + "\n";
   return result + print(scene);
 }
@@ -156,8 +156,8 @@ TEST_CASE("parses every prefix of a text, and shows only nodes that the whole te
       const std::vector<char> exact(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(size));
       (void)parse(std::string_view(exact.data(), exact.size()), scene, diagnostics);
       if (path.stem() != "headerless" && diagnostics.errors() == 0) {
-        CHECK(scene.node_count() >= nodes);
-        nodes = scene.node_count();
+        CHECK(scene.nodes().count() >= nodes);
+        nodes = scene.nodes().count();
       }
       (void)print(scene);
     }
@@ -252,7 +252,7 @@ TEST_CASE("limits the number of nodes, including those of PROTO instances") {
       "Shape { } Shape { } Shape { } Shape { } Shape { } Shape { } Shape { } Shape { } Shape { } Shape { } Shape { } "
       "Shape { }",
       limits);
-  CHECK(few.scene.node_count() == 10);
+  CHECK(few.scene.nodes().count() == 10);
   CHECK(few.diagnostics.errors() == 1);
 
   std::string laughs = "PROTO P0 [ ] { Group { children [ Shape { } ] } }\n";
@@ -263,7 +263,7 @@ TEST_CASE("limits the number of nodes, including those of PROTO instances") {
   Limits small;
   small.expanded_nodes = 10000;
   const Parsed bomb(laughs + "P39 { }", small);
-  CHECK(bomb.scene.node_count() < 12000);
+  CHECK(bomb.scene.nodes().count() < 12000);
   CHECK(bomb.diagnostics.errors() == 1);
 }
 

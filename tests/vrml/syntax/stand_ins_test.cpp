@@ -13,7 +13,7 @@ TEST_CASE("returns a stand-in PROTO of the requested name") {
        {"BlaxxunZone", "BspGroup",          "DeviceSensor",        "HUD",         "Layer",       "Layer2D",
         "Layer3D",     "LayerSet",          "Occlusion",           "Particles",   "SharedEvent", "SharedObject",
         "CullGroup",   "InlineLoadControl", "KambiNavigationInfo", "KeySensor",   "LoadSensor",  "MenuSensor",
-        "MouseSensor", "ParticleSystem",    "SpaceSensor",         "StringSensor"}) {
+        "MouseSensor", "ParticleSystem",    "SpaceSensor",         "StringSensor", "Selection",   "Contour2D"}) {
     INFO(name);
     SceneGraph scene("text.wrl");
     const NodeType* type = stand_in(scene, name);
@@ -30,7 +30,11 @@ TEST_CASE("returns a stand-in PROTO of the requested name") {
     REQUIRE(stand_in(scene, name));
     CHECK(has(stand_in(scene, name)->role, Role::material));
   }
-  for (const std::string name : {"Rectangle2D", "Circle2D"}) {
+  REQUIRE(stand_in(scene, "MultiTexture"));
+  CHECK(stand_in(scene, "MultiTexture")->role == Role::texture);
+  CHECK(stand_in(scene, "MultiTextureTransform")->role == Role::texture_transform);
+  CHECK(stand_in(scene, "MultiTextureCoordinate")->role == Role::geometric_property);
+  for (const std::string name : {"Rectangle2D", "Circle2D", "Polygon", "TrimmedSurface"}) {
     INFO(name);
     REQUIRE(stand_in(scene, name));
     CHECK(has(stand_in(scene, name)->role, Role::geometry));
@@ -61,7 +65,7 @@ TEST_CASE("chooses a stand-in for an EXTERNPROTO by its name or its children") {
   external.kind = NodeType::Kind::external_prototype;
   CHECK(stand_in_for(scene, external) == nullptr);
   external.declare({AccessType::field, FieldType::SFNode, "children", SFNode{}, {}});
-  CHECK(stand_in_for(scene, external) == nullptr);  // not a list
+  CHECK(stand_in_for(scene, external) == nullptr);  // `children` is not a list
   external.name = "HUD";
   REQUIRE(stand_in_for(scene, external));
   CHECK(stand_in_for(scene, external)->name == "HUD");
@@ -96,7 +100,7 @@ TEST_CASE("fixes only the HUD stand-in to the viewer") {
   REQUIRE(stand_in(scene, "HUD"));
   CHECK(is_overlay(*stand_in(scene, "HUD")));
   CHECK_FALSE(is_overlay(*stand_in(scene, "Layer")));
-  NodeType own;  // of the world, with the same name
+  NodeType own;  // a type of the world with the same name
   own.name = "HUD";
   CHECK_FALSE(is_overlay(own));
 }

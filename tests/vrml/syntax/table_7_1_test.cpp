@@ -7,8 +7,8 @@
 
 #include <string>
 
-// Minimum support of a browser (VRML97 7.3.3, Table 7-1), each slightly exceeded. Only Limits bounds these sizes, far
-// higher.
+// Tests of the minimum support of a browser (VRML97 7.3.3, Table 7-1). Each size is slightly exceeded. The limits in
+// Limits are far higher.
 
 namespace gs::vrml::traces {
 

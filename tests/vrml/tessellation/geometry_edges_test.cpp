@@ -1,4 +1,5 @@
-// Limits of the clauses: holes by bridges, touching corners, straight and constant spines, limit angles, NaN.
+// Tests of edge cases: holes with bridges, touching corners, straight and constant spines, angles at the crease angle,
+// NaN.
 #include "tests/vrml/mesh_formulas.h"
 #include "tests/watched.h"
 
@@ -30,7 +31,7 @@ bool is_inside(const Ring& ring, const glm::dvec2& p) {
   return inside;
 }
 
-/// A star around the origin, with its first corner at angle 0.
+/// Returns a star around `middle`. Its first corner is at angle 0.
 Ring star(Random& random, int corners, double least, double most, const glm::dvec2& middle) {
   Ring ring;
   for (int i = 0; i < corners; ++i) {
@@ -54,7 +55,8 @@ GeometryScene face(const std::vector<glm::dvec2>& corners, const MFInt32& index)
 TEST_CASE("keeps holes open that a bridge joins to the outline of a face (VRML97 6.23)") {
   Random random(6232);
   for (int round = 0; round < 300; round += static_cast<int>(gs::watched_step(9))) {
-    // Holes side by side along X. A bridge joins each to its right neighbour, the first to the outline.
+    // The holes are side by side along X. A bridge joins each hole to its right neighbour, and the first hole to the
+    // outline.
     const int holes = 1 + random.below(3);
     const Ring outline = star(random, 10 + random.below(20), 0.8, 1, {0, 0});
     std::vector<Ring> inner;
@@ -238,7 +240,7 @@ TEST_CASE("turns the cross-section of a straight spine as +Y turns to the spine 
     REQUIRE(found.missing == 0);
     REQUIRE(found.unexpected == 0);
   }
-  // Upwards turns nothing, downwards turns by half a turn, and a constant spine counts as upwards.
+  // A spine upwards causes no rotation, a spine downwards half a turn. A constant spine counts as upwards.
   const MFVec2f section{{1, 1}, {1, -1}, {-1, -1}};
   const auto bounds = [&](const MFVec3f& spine) {
     return GeometryScene("Extrusion").set("spine", spine).set("crossSection", section).mesh().bounds;

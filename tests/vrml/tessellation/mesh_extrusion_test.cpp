@@ -111,16 +111,16 @@ TEST_CASE("maps textures of an Extrusion by the lengths of cross-section and spi
   GeometryScene scene = extrusion();
   scene.set("spine", MFVec3f{{0, 0, 0}, {0, 1, 0}, {0, 4, 0}});
   const Mesh mesh = scene.mesh();
-  // Sides: around by the length of the cross-section, up by the length of the spine.
+  // Texture of the sides: S follows the length of the cross-section, T the length of the spine.
   CHECK(near(texture_at(mesh, {1, 0, 1}, {1, 0, 0}), {0, 0}));
   CHECK(near(texture_at(mesh, {1, 1, -1}, {1, 0, 0}), {0.25f, 0.25f}));
   CHECK(near(texture_at(mesh, {-1, 4, -1}, {-1, 0, 0}), {0.5f, 1}));
   CHECK(near(texture_at(mesh, {1, 4, 1}, {0, 0, 1}), {1, 1}));
-  // Caps: S along X, T along Z.
+  // Texture of the caps: S is along X, T along Z.
   CHECK(near(texture_at(mesh, {-1, 0, -1}, {0, -1, 0}), {0, 0}));
   CHECK(near(texture_at(mesh, {1, 4, 1}, {0, 1, 0}), {1, 1}));
 
-  // The longer side of the cross-section maps to 0..1, the other one in proportion.
+  // The longer side of the cross-section maps to 0..1, the other side in proportion.
   const Mesh flat = scene.set("crossSection", MFVec2f{{3, 1}, {3, 0}, {-1, 0}, {-1, 1}, {3, 1}}).mesh();
   CHECK(near(texture_at(flat, {3, 0, 1}, {0, -1, 0}), {1, 0.25f}));
   CHECK(near(texture_at(flat, {-1, 4, 0}, {0, 1, 0}), {0, 0}));
@@ -253,7 +253,7 @@ TEST_CASE("aligns the cross-section planes of an Extrusion with its spine") {
 }
 
 TEST_CASE("makes a surface of revolution from coincident spine points") {
-  // The same point repeats, turned a little further about Y each time, with an upright cross-section.
+  // The spine repeats one point. Each orientation turns the upright cross-section a little further about Y.
   GeometryScene scene = extrusion();
   MFVec3f spine;
   MFRotation turns;

@@ -159,7 +159,8 @@ TEST_CASE("smooths a vertex with thousands of faces") {
       points.push_back({std::cos(angle), 0, -std::sin(angle)});
       for (const int vertex : {0, 1 + i, 1 + (i + 1) % sides, -1}) index.push_back(vertex);
     }
-    // All faces are within 0.5 of the axis; at 0.1 only near ones share normals.
+    // All face normals are within 0.5 of the axis, so creaseAngle 0.5 smooths all. With 0.1, only near faces share
+    // normals.
     const Mesh smooth = face_set(points, index).set<SFFloat>("creaseAngle", 0.5f).mesh();
     check_promises(smooth);
     CHECK(near(smooth.normals[0], {0, 1, 0}, 1e-3f));
@@ -338,7 +339,7 @@ TEST_CASE("derives default texture coordinates from the bounding box") {
   CHECK(near(mapped({4, 1, 2}, {0, 1, 1}), {0, 0.5f}));
   CHECK(near(mapped({1, 4, 2}, {0, 1, 0}), {1, 0}));
   CHECK(near(mapped({1, 2, 4}, {0, 1, 0}), {0, 0.5f}));
-  // Ties: X before Y before Z.
+  // The order X, Y, Z decides between equal sides.
   CHECK(near(mapped({2, 2, 2}, {1, 0, 1}), {1, 0}));
   CHECK(near(mapped({1, 2, 2}, {1, 1, 0}), {1, 0}));
   CHECK(near(mapped({1, 2, 1}, {1, 0, 1}), {0, 0.5f}));
@@ -395,7 +396,7 @@ TEST_CASE("accepts PROTO instances as coord of an IndexedFaceSet") {
 }
 
 TEST_CASE("mixes triangles, quadrilaterals and larger faces in one IndexedFaceSet") {
-  // A strip of all three kinds in the plane z = 0, with shared arrays.
+  // The strip in the plane z = 0 has faces of all three kinds, with shared arrays.
   MFVec3f points, normals;
   for (int i = 0; i < 2000; ++i) {
     points.push_back({static_cast<float>(i / 2), static_cast<float>(i % 2), 0});

@@ -11,7 +11,8 @@ using namespace gs::vrml::test;
 namespace gs::vrml::mesh_nurbs_test {
 namespace {
 
-// Definition by Cox and de Boor: N(i, 0) is 1 from knot i to the next, N(i, p) blends N(i, p - 1) and N(i + 1, p - 1).
+// Evaluates the definition by Cox and de Boor. N(i, 0) is 1 from knot i to the next knot. N(i, p) blends N(i, p - 1)
+// and N(i + 1, p - 1).
 double basis(const std::vector<float>& knots, std::size_t i, int degree, double t) {
   if (degree == 0) {
     const bool last = knots[i] < knots[i + 1] && knots[i + 1] >= knots.back() && t >= knots[i + 1];
@@ -124,7 +125,7 @@ TEST_CASE("makes a circle of a parabola by the weights of a NurbsCurve") {
   CHECK(near(mesh.positions[0], {1, 0, 0}));
   CHECK(near(mesh.positions[5], {kHalfRoot, kHalfRoot, 0}));
   CHECK(near(mesh.positions[10], {0, 1, 0}));
-  // Without weights, with too few, or with weights of 0 or less: the parabola.
+  // Without weights, with too few weights, or with weights of 0 or less, the curve is the parabola.
   for (const MFFloat& weights : {MFFloat{}, MFFloat{1, kHalfRoot}, MFFloat{-1, 0, kNaN}})
     CHECK(near(scene.set("weight", weights).mesh().positions[5], {0.75F, 0.75F, 0}));
 }
@@ -143,7 +144,7 @@ TEST_CASE("makes a quarter of a cylinder with its normals of a NurbsSurface") {
   }
   CHECK(normals_on_front(mesh));
   CHECK(mesh.bounds.upper.y == Approx(2));
-  // Default texture coordinates go once over it.
+  // Default texture coordinates cover the surface once.
   CHECK(near(mesh.texture_coordinates[0], glm::vec2(0, 0)));
   CHECK(near(mesh.texture_coordinates[8], glm::vec2(1, 0)));
   CHECK(near(mesh.texture_coordinates[35], glm::vec2(1, 1)));

@@ -22,8 +22,8 @@ struct Outlines {
 
   explicit Outlines(const std::string& text) {
     REQUIRE(parse("#VRML V2.0 utf8\n" + text, scene, diagnostics) == ParseOutcome::complete);
-    for (std::uint32_t i = 1; i <= scene.node_count(); ++i)
-      if (scene.node_at(i).type == built_in_node_type("OutlineGroup")) nodes.push_back(scene.id_at(i));
+    for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i)
+      if (scene.nodes().at(i).type == built_in_node_type("OutlineGroup")) nodes.push_back(scene.nodes().id_at(i));
   }
   [[nodiscard]] Mesh mesh(std::size_t i = 0, NodeId refiner = {}) const {
     MeshOptions options;
@@ -61,7 +61,7 @@ TEST_CASE("fills an outline until all its polygons are received") {
   CHECK(area(Outlines("Shape { geometry OutlineGroup { " + own + kInner + "} }").mesh()) == Approx(kFolded));
   const std::string first = "group [ 0 ] point [ 0 0 0, 2 0 0, 0 2 2 ] coordIndex [ 0 1 2 -1 ] ";
   CHECK(area(Outlines("Shape { geometry OutlineGroup { " + own + first + "} }").mesh()) == Approx(4));
-  // A complete group with a lost polygon lacks only that one.
+  // A complete group with a lost polygon lacks only that polygon.
   const std::string ended = "complete TRUE ";
   CHECK(area(Outlines("Shape { geometry OutlineGroup { " + own + first + ended + "} }").mesh()) == Approx(kFolded / 2));
   CHECK(area(Outlines("Shape { geometry OutlineGroup { " + own + ended + "} }").mesh()) == Approx(4));
@@ -71,14 +71,15 @@ TEST_CASE("accepts the polygons of an OutlineGroup in a second node") {
   const std::string base = "Shape { geometry DEF R OutlineGroup { " + kOutline + "} } ";
   const Outlines whole(base + "Shape { geometry OutlineGroup { refines USE R " + kInner + "} }");
   REQUIRE(whole.nodes.size() == 2);
-  // The refined node draws them.
+  // The refined node draws the polygons of its refinement.
   CHECK(area(whole.mesh(0, whole.nodes[1])) == Approx(3 + kFolded));
   CHECK(whole.mesh(1).empty());
   const Outlines part(base +
                       "Shape { geometry OutlineGroup { refines USE R group [ 0 ] point [ 0 0 0, 2 0 0, 0 2 2 ] "
                       "coordIndex [ 0 1 2 -1 ] } }");
   CHECK(area(part.mesh(0, part.nodes[1])) == Approx(4 + 3));
-  // Several outlines of one group, by number. A group without outline shows each polygon when received.
+  // Several outlines belong to one group, by its number. A group without an outline shows each polygon when it is
+  // received.
   const Outlines numbered(
       "Shape { geometry DEF R OutlineGroup { outline [ 0 0 0, 1 0 0, 0 1 0, 5 0 0, 6 0 0, 5 1 0 ] "
       "outlineIndex [ 0 1 2 -1 3 4 5 -1 ] outlineGroup [ 1 1 ] groupSize [ 9 1 ] } } "
@@ -120,7 +121,7 @@ TEST_CASE("tolerates wrong numbers in an OutlineGroup") {
       "Shape { geometry OutlineGroup { outline [ 0 0 0, 1 0 0, 0 1 0 ] outlineIndex [ 0 1 2 -1 ] outlineGroup [ 99 ] "
       "point [ 0 0 0, 2 0 0, 0 2 0 ] coordIndex [ 0 1 2 ] group [ -7 ] complete TRUE } }");
   CHECK(area(strange.mesh()) == Approx(0.5 + 2));
-  // A node that refines itself, and two nodes that refine each other.
+  // One node refines itself, and two nodes refine each other.
   Outlines circle("Shape { geometry DEF A OutlineGroup { " + kOutline + "} } Shape { geometry DEF B OutlineGroup { " +
                   kOutline + "refines USE A } }");
   circle.scene.set<SFNode>(circle.nodes[0], "refines", circle.nodes[1]);

@@ -94,7 +94,7 @@ TEST_CASE("makes a Cylinder of its radius and height") {
 
   CHECK(near(texture_at(mesh, {0, 1.5f, 2}, {0, 0, 1}), {0.5f, 1}));
   CHECK(near(texture_at(mesh, {-2, -1.5f, 0}, {-1, 0, 0}), {0.25f, 0}));
-  // Top: upright when tilted towards +Z, with -Z up. Bottom: the reverse.
+  // The texture of the top is upright when the top is tilted towards +Z, so -Z is up. For the bottom, +Z is up.
   CHECK(near(texture_at(mesh, {0, 1.5f, -2}, {0, 1, 0}), {0.5f, 1}));
   CHECK(near(texture_at(mesh, {2, 1.5f, 0}, {0, 1, 0}), {1, 0.5f}));
   CHECK(near(texture_at(mesh, {0, -1.5f, 2}, {0, -1, 0}), {0.5f, 1}));
@@ -149,7 +149,7 @@ TEST_CASE("makes a flat mesh of a Box, Cone or Cylinder with a size of 0") {
   struct Case {
     const char* type;
     const char* field;
-    double area;  // of both sides
+    double area;  // area of both sides
     glm::vec3 normal;
   };
   for (const Case& flat : {Case{"Cylinder", "height", 2 * std::numbers::pi, {0, 1, 0}},

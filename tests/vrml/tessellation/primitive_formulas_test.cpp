@@ -73,7 +73,8 @@ TEST_CASE("matches the formulas for Boxes of random sizes (VRML97 6.7)") {
     for (std::size_t t = 0; t < 12; ++t)
       for (const FormulaCorner& corner : triangle_of(mesh, t)) {
         const glm::dvec3 p = corner.position / size, n = corner.normal;  // p: -1/2 to 1/2
-        // Upright on front, right, back and left. The top tilts up at the front, the bottom at the back.
+        // The texture is upright on front, right, back and left. On the top it is upright if the box is tilted towards
+        // +Z, on the bottom if it is tilted towards -Z (6.7).
         glm::dvec2 texture(0);
         if (n == glm::dvec3(0, 0, 1))
           texture = {p.x + 0.5, p.y + 0.5};
@@ -90,7 +91,7 @@ TEST_CASE("matches the formulas for Boxes of random sizes (VRML97 6.7)") {
         else
           ++wrong;
         wrong += glm::length(corner.texture_coordinate - texture) > 1e-6;
-        wrong += std::abs(glm::dot(p, n) - 0.5) > 1e-6;  // on that face
+        wrong += std::abs(glm::dot(p, n) - 0.5) > 1e-6;  // the corner is on that face
         wrong += !near_all(glm::abs(p), glm::dvec3(0.5), 1e-6);
         wrong += !(glm::dot(area_vector(mesh, t), n) > 0);
       }
@@ -118,7 +119,7 @@ TEST_CASE("matches the formulas for Cylinders of random sizes (VRML97 6.14)") {
     REQUIRE(triangles_of(mesh) == static_cast<std::size_t>(4 * segments));
     REQUIRE(open_edges(mesh) == 0);
     REQUIRE(faults(mesh, height / 2, radius, segments, side) == 0);
-    // A prism over a regular polygon.
+    // The volume is that of a prism over a regular polygon.
     const double base = 0.5 * segments * radius * radius * std::sin(kTurn / segments);
     REQUIRE(volume_of(mesh) == Approx(base * height));
     REQUIRE(area_of(mesh) == Approx(2 * base + 2 * segments * radius * std::sin(kTurn / 2 / segments) * height));

@@ -50,7 +50,7 @@ std::vector<std::vector<glm::dvec3>> rings_of(const ExtrusionFields& fields) {
     y[0] = glm::normalize(p[1] - p[0]);
     y[count - 1] = glm::normalize(p[count - 1] - p[count - 2]);
   }
-  // An undefined Z repeats the one before, or at the start the first defined one. None turns round.
+  // An undefined Z repeats the previous Z. At the start, it repeats the first defined Z. No Z may reverse.
   const auto first = std::find_if(z.begin(), z.end(), [](const auto& one) { return one.has_value(); });
   if (!z[0]) z[0] = *first;
   for (std::size_t i = 1; i < count; ++i) {
@@ -164,7 +164,7 @@ TEST_CASE("covers the cross-section once by the caps of random Extrusions (VRML9
     const bool ccw = random.flip();
     const std::vector<std::vector<glm::dvec3>> rings = rings_of(fields);
     const Mesh sides = scene_of(fields, ccw, false).mesh(), whole = scene_of(fields, ccw, true).mesh();
-    // Twice the area of the cross-section by its corners; it is scaled, rotated and moved.
+    // Computes twice the area of the cross-section from its scaled, rotated and moved corners.
     double area = 0;
     glm::dvec2 lower(1e9), upper(-1e9);
     const MFVec2f& section = fields.cross_section;

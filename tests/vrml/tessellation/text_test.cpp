@@ -203,7 +203,7 @@ TEST_CASE("compresses all strings of Text by the longest one if it exceeds maxEx
   Mesh mesh = text.drawn();
   check_box(mesh, {0, -1.25f}, {2, 0.75f});
   CHECK(mesh.positions[8 * 4 + 4 + 1].x == Approx(0.5));  // the second string's end
-  text.set("maxExtent", 5.0f);                            // over the longest: no compression
+  text.set("maxExtent", 5.0f);                            // longer than all strings, so no compression
   check_box(text.drawn(), {0, -1.25f}, {4, 0.75f});
   // length precedes maxExtent.
   text.set("maxExtent", 2.0f).set("length", MFFloat{8, 0});

@@ -9,7 +9,7 @@ namespace gs::vrml {
 bool TextLimits::is_first_excess() { return !std::exchange(exceeded_, true); }
 
 bool TextLimits::is_exhausted(SourceLocation location) {
-  if (!scene_.exhausted()) return false;
+  if (!scene_.memory().exhausted()) return false;
   if (!std::exchange(exhausted_, true))
     problems_.error(location, scene_.budget()->refusal(Resource::nodes) + "; the rest of the file is left out");
   return true;
@@ -25,7 +25,7 @@ bool TextLimits::admits_depth(std::size_t depth, SourceLocation location) {
 
 bool TextLimits::admits_string(std::size_t bytes, SourceLocation location) {
   constexpr std::size_t kEntry = 64;
-  if (bytes <= scene_.limits().string_bytes) return scene_.charge(bytes + kEntry);
+  if (bytes <= scene_.limits().string_bytes) return scene_.memory().charge(bytes + kEntry);
   if (is_first_excess()) problems_.error(location, "a string exceeds the limit; left empty");
   return false;
 }
@@ -51,7 +51,7 @@ void TextLimits::charge_growth(const FieldValue& list, std::size_t& charged, boo
       },
       list);
   if (bytes <= charged || (!all && bytes - charged < kStep)) return;
-  (void)scene_.charge(bytes - charged);
+  (void)scene_.memory().charge(bytes - charged);
   charged = bytes;
 }
 

@@ -56,7 +56,8 @@ constexpr float kFinestStep = 1.0f / 14;
 // Maximum bytes before the exact tail, relative to the tail. The second value applies if the user requested the tail:
 // the total should then stay small. Otherwise intermediate pictures matter more.
 constexpr double kBeforeTail = 1.0 / 9, kBeforeChosenTail = 1.0 / 6;
-// The same maximum for a textured surface, where the texture adds to the tail; and its minimum in bytes.
+// Maximum bytes before the tail of a textured surface, relative to the tail, because the texture adds to the tail; and
+// the minimum in bytes.
 constexpr double kBeforeTexturedTail = 1.0 / 3, kMinBeforeTextured = 2000;
 // Weight of the stage that is drawn until the tail is complete, as a fraction of the tail's bytes.
 constexpr double kWorthOfTail = 0.5, kWorthOfChosenTail = 1;
@@ -261,7 +262,6 @@ std::variant<EncodedStream, EncodeError> encode_thinned(const TriangleSource& so
 
 std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& source, const EncodeOptions& options,
                                                           Progress* progress) {
-  const auto cancelled = [&] { return progress && progress->cancelled.load(); };
   if (progress) progress->stage = "reading";
   SurfaceSurvey s;
   displaced::MeshBuilder builder(true);
@@ -270,14 +270,14 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
   const bool read = source([&](std::span<const Triangle> triangles) {
     s.add(triangles);
     too_many = options.most_triangles != 0 && s.triangles > options.most_triangles;
-    return !too_many && joined.put(triangles) && !cancelled();
+    return !too_many && joined.put(triangles) && !is_cancelled(progress);
   });
   joined.finish();
   if (too_many) {
     builder = displaced::MeshBuilder(true);  // releases the builder's memory
     return encode_thinned(source, options, progress);
   }
-  if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read"};
+  if (!read) return EncodeError{is_cancelled(progress) ? "cancelled" : "the surface cannot be read"};
   if (!s.sound()) return EncodeError{"no surface to encode; expected triangles with an area"};
   if (progress) progress->stage = "joining";
   const displaced::Frame frame(s.box);
@@ -307,7 +307,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
       displaced::simplify(body, std::min(kCoarseTriangles, body.triangles.size()), options.threads,
                           [&] { made.emplace(mesh, std::exchange(neighbours, {}), options.threads); });
   const displaced::Target& target = *made;
-  if (cancelled()) return EncodeError{"cancelled"};
+  if (is_cancelled(progress)) return EncodeError{"cancelled"};
   StreamHeader header = surface_header(Payload::displaced, s, options);
   displaced::BaseMeshPrefetcher prefetcher(coarse, options.threads);
   displaced::StageOptions stage_options;
@@ -336,7 +336,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     stage_options.most_error = stages.size() + 1 < kMaxStages ? kMaxError * target.edge() : 0;
     stage_options.trusted_error = stages.empty() && options.only_if_suited ? kMaxFirstError : 1;
     EncodedStage stage = displaced::encode_stage_of(target, coarse, stage_options, progress);
-    if (cancelled()) return EncodeError{"cancelled"};
+    if (is_cancelled(progress)) return EncodeError{"cancelled"};
     const bool follows = stage.bytes.size() <= kMaxFirstBytes && stage.error <= kMaxFirstError;
     if (stages.empty() && options.only_if_suited && !follows) {
       bool fits = false;
@@ -346,9 +346,9 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
           displaced::MeshBuilder parted(true, true);
           const bool again = source([&](std::span<const Triangle> some) {
             parted.add(some);
-            return !cancelled();
+            return !is_cancelled(progress);
           });
-          if (!again) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read again"};
+          if (!again) return EncodeError{is_cancelled(progress) ? "cancelled" : "the surface cannot be read again"};
           small = exact_mesh_of(parted, frame, true, kProgressiveBits);
         }
         if (!textured)
@@ -389,7 +389,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     stage_options.beside = true;
     stage_options.most_error = 0;
     stages.push_back(displaced::encode_stage_of(target, parts.small, stage_options, progress));
-    if (cancelled()) return EncodeError{"cancelled"};
+    if (is_cancelled(progress)) return EncodeError{"cancelled"};
     if (stages.back().bytes.size() + 8 > kMaxGroupBytes)
       return EncodeError{"the surface has small parts of " + std::to_string(stages.back().bytes.size()) +
                              " bytes; expected at most " + std::to_string(kMaxGroupBytes),

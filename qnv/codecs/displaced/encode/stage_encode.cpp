@@ -386,7 +386,6 @@ void StageEncoder::run(const SurfaceMesh& coarse, Progress* progress) {
   const std::size_t next = kMoreTriangles * out_.header.base.triangles.size();
   if (options_.bases && options_.most_error > 0 && next < coarse.triangles.size()) options_.bases->expect(next);
   Surface surface(out_.header);
-  const auto cancelled = [&] { return progress && progress->cancelled.load(); };
   int depth = out_.header.depth;
   displace_base(surface);
   const auto keep = [&](int level) {
@@ -398,14 +397,14 @@ void StageEncoder::run(const SurfaceMesh& coarse, Progress* progress) {
     if (level > 0 && options_.colored) level_normals_[l] = normals_;
   };
   keep(0);
-  for (int level = 1; level <= depth && !cancelled(); ++level) {
+  for (int level = 1; level <= depth && !is_cancelled(progress); ++level) {
     displace(surface, level);
     keep(level);
     if (level < depth && level == std::max(depth - kLevelsToTell, kLevelsSent) &&
         surely_followed(surface, level, coarse, out_.error))
       depth = level;
   }
-  if (options_.colored && !cancelled()) color(surface, depth);
+  if (options_.colored && !is_cancelled(progress)) color(surface, depth);
   // Clusters of different levels, layers or kinds share no numbers, so that threads can encode them in parallel.
   const std::uint32_t all = surface.patches().size();
   std::vector<ClusterHeader> headers;
@@ -420,7 +419,7 @@ void StageEncoder::run(const SurfaceMesh& coarse, Progress* progress) {
         headers.size(),
         [&](std::size_t i) {
           const std::size_t at = headers.size() - 1 - i;  // starts with the largest task
-          if (!cancelled()) cut(surface, headers[at], clusters[at]);
+          if (!is_cancelled(progress)) cut(surface, headers[at], clusters[at]);
         },
         options_.threads);
   };

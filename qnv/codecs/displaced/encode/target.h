@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/noncopyable.h"
 #include "qnv/mesh/manifold.h"
 #include "qnv/mesh/triangle_tree.h"
 
@@ -10,13 +11,11 @@
 namespace gs::qnv::displaced {
 
 /// Surface that an encoder approximates, with its search structures. All coordinates are in a Frame.
-class Target {
+class Target : NonCopyable {
  public:
   /// `mesh` must outlive this object. `beside` holds the neighbours of the mesh's triangles. Uses `threads` threads (0
   /// means one per core).
   Target(const SurfaceMesh& mesh, const Neighbours& beside, unsigned threads);
-  Target(const Target&) = delete;
-  Target& operator=(const Target&) = delete;
 
   [[nodiscard]] const SurfaceMesh& mesh() const { return mesh_; }
   /// Returns the mean edge length.

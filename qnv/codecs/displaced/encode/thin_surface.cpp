@@ -184,7 +184,6 @@ TriangleSource ThinnedSurface::source() const {
 
 std::variant<ThinnedSurface, EncodeError> thin_surface(const TriangleSource& source, std::size_t most,
                                                        Progress* progress) {
-  const auto cancelled = [&] { return progress && progress->cancelled.load(); };
   const auto begin = [&](const char* stage, std::uint64_t total) {
     if (!progress) return;
     progress->stage = stage;
@@ -196,9 +195,9 @@ std::variant<ThinnedSurface, EncodeError> thin_surface(const TriangleSource& sou
   const bool read = source([&](std::span<const Triangle> triangles) {
     s.add(triangles);
     if (progress) progress->done += triangles.size();
-    return !cancelled();
+    return !is_cancelled(progress);
   });
-  if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read"};
+  if (!read) return EncodeError{is_cancelled(progress) ? "cancelled" : "the surface cannot be read"};
   if (!s.sound()) return EncodeError{"no surface to encode; expected triangles with an area"};
   const glm::vec3 size = s.box.size();
   const double longest = std::max({size.x, size.y, size.z}), finest = longest / ((1 << kCellBits) - 2);
@@ -217,9 +216,9 @@ std::variant<ThinnedSurface, EncodeError> thin_surface(const TriangleSource& sou
         ++done;
       }
       if (progress) progress->done += triangles.size();
-      return !cancelled();
+      return !is_cancelled(progress);
     });
-    if (cancelled()) return EncodeError{"cancelled"};
+    if (is_cancelled(progress)) return EncodeError{"cancelled"};
     if (!whole && !full) return EncodeError{"the surface cannot be read again"};
     if (full) {
       // Assumes that the rest of the source has triangles at the same density.

@@ -2,7 +2,6 @@
 
 #include "base/finite.h"
 #include "base/parallel.h"
-#include "qnv/codecs/displaced/subdivision.h"
 #include "qnv/codecs/displaced/tessellation/patch_kernel.h"
 
 #include <glm/geometric.hpp>
@@ -24,16 +23,6 @@ std::uint32_t pack_direction(const glm::vec3& unit) {
     return static_cast<std::uint32_t>(scaled < 0 ? -rounded : rounded);
   };
   return (part(unit.x, 1023) & 0x7ffu) | (part(unit.y, 1023) & 0x7ffu) << 11 | (part(unit.z, 511) & 0x3ffu) << 22;
-}
-
-std::shared_ptr<const PatchSurface> PatchSurface::make(const displaced::Surface& surface, int level, const Box& box) {
-  const std::vector<glm::vec3> places = surface.positions(level);
-  const std::vector<glm::vec3> normals = displaced::slot_normals(surface.patches(), surface.slots(), level, places);
-  std::vector<std::uint32_t> packed;
-  packed.reserve(normals.size());
-  for (const glm::vec3& normal : normals) packed.push_back(pack_direction(normal));
-  const std::vector<Rgb8> colors = surface.vertex_colors(level);
-  return make(surface, level, box, {places, {}, packed, colors, nullptr, nullptr});
 }
 
 std::shared_ptr<const PatchSurface> PatchSurface::make(const displaced::Surface& surface, int level, const Box& box,

@@ -60,9 +60,6 @@ class PatchSurface {
   /// Makes a surface from evaluated vertices. The result shares unchanged parts with `worked.former`.
   [[nodiscard]] static std::shared_ptr<const PatchSurface> make(const displaced::Surface& surface, int level,
                                                                 const Box& box, const Worked& worked);
-  /// Evaluates all received numbers of `surface` at a level, and makes a surface of them.
-  [[nodiscard]] static std::shared_ptr<const PatchSurface> make(const displaced::Surface& surface, int level,
-                                                                const Box& box);
 
   /// Returns the finest level of the patches.
   [[nodiscard]] int level() const { return level_; }

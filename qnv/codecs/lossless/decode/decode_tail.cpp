@@ -71,12 +71,6 @@ std::optional<TailHeader> decode_tail_header(std::span<const std::byte> tail, st
   return header;
 }
 
-std::optional<TailSize> tail_size(std::span<const std::byte> tail) {
-  const auto header = decode_tail_header(tail, tail.size());
-  if (!header) return {};
-  return TailSize{header->bits, header->vertices, header->triangles};
-}
-
 std::optional<ExactMesh> decode_tail(std::span<const std::byte> bytes, std::size_t most_vertices) {
   TailReader reader(bytes.size(), most_vertices);
   reader.push(bytes);

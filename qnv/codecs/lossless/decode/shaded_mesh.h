@@ -9,8 +9,8 @@
 
 namespace gs::qnv {
 
-/// Returns a mesh for display, without weights: its vertices are duplicated at creases and texture seams. `normals` are
-/// those of corners 3 t + k; `box` is the stream's.
+/// Returns a mesh for display, without weights: its vertices are duplicated at creases and texture seams.
+/// `normals[3 t + k]` is the normal of corner k of triangle t. `box` is the box of the stream.
 [[nodiscard]] IndexedMesh shaded_mesh(const exact::ExactMesh& mesh, std::span<const glm::vec3> normals, const Box& box);
 
 /// Appends `part` to `mesh`, with weights. `with_colors` appends colours; a part without colours uses the colour of

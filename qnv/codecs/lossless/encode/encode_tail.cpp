@@ -20,8 +20,8 @@ using displaced::BinaryEncoder;
 using displaced::Corners;
 using displaced::kNone;
 
-// Number of traversals that fit the weights. Each uses the result of the previous one. A last traversal writes the
-// tail.
+// Number of traversals that fit the weights. Each traversal uses the weights of the previous one. A last traversal
+// writes the tail.
 constexpr int kFits = 2;
 // Weight of the default prediction weights in the fit, relative to the mean square of the measured data.
 constexpr double kUsualWorth = 1e-3;

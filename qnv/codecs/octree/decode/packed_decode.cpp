@@ -1,3 +1,4 @@
+#include "qnv/codecs/octree/decode/divide_cluster.h"
 #include "qnv/codecs/octree/decode/packed_kernels.h"
 
 #include <glm/geometric.hpp>
@@ -143,41 +144,13 @@ std::variant<Cluster, PackedError> decode_cluster(std::span<const std::byte> pay
   cluster.header = std::get<ClusterHeader>(read);
   const ClusterHeader& header = cluster.header;
   const ClusterParameters parameters = read_parameters(payload);
-  PackedVoxels from = header.parent == kNoParent ? root_voxel(parameters.colored) : PackedVoxels{};
-  const PackedVoxels* source = &from;
-  if (header.parent != kNoParent) {
-    if (!parent) return PackedError{"a cluster without its parent"};
-    source = &parent->voxels;
-    if (parent->level() != header.level) return PackedError{"a cluster of another level than its parent"};
-    if (static_cast<std::size_t>(header.first) + header.count > source->size())
-      return PackedError{"a cluster divides voxels " + std::to_string(header.first) + " to " +
-                         std::to_string(header.first + header.count - 1) + " of " + std::to_string(source->size())};
-    if (parameters.colored && source->luma.empty()) return PackedError{"a coloured cluster under one without colours"};
-  }
-  // Copies the bytes, so that the entropy decoder may read past the end.
-  std::vector<std::byte> bits(payload.begin() + kClusterHeaderSize, payload.end());
-  const std::size_t size = bits.size();
-  bits.resize(size + RansDecoder::kPadding);
-  RansDecoder rans(std::span<const std::byte>{bits.data(), size});
-  std::size_t first = header.first, count = header.count;
-  const std::size_t most = std::min(payload.size() * kVoxelsPerByte, kMaxVoxels);
-  if (count > most)
-    return PackedError{"a cluster of " + std::to_string(payload.size()) + " bytes divides " + std::to_string(count) +
-                       " voxels; expected " + std::to_string(most) + " at most"};
-  for (int level = 0; level < header.levels; ++level) {
-    PackedVoxels next;
-    if (!LevelDecoder(rans, parameters, kernels, *source, first, count).run(next, most))
-      return PackedError{"a cluster with too many voxels, or one without children"};
-    cluster.voxels = std::move(next);
-    from = PackedVoxels{};
-    if (level + 1 < header.levels) {
-      from = std::move(cluster.voxels);
-      source = &from;
-      first = 0;
-      count = source->size();
-    }
-  }
-  if (!rans.finished()) return PackedError{"the bits of a cluster do not end at a byte"};
+  if (header.parent != kNoParent && parent && parameters.colored && parent->voxels.luma.empty())
+    return PackedError{"a coloured cluster under one without colours"};
+  auto problem = divide_cluster(
+      payload, kClusterHeaderSize, parent, root_voxel(parameters.colored), cluster,
+      [&](RansDecoder& rans, const PackedVoxels& from, std::size_t first, std::size_t count, int, PackedVoxels& next,
+          std::size_t most) { return LevelDecoder(rans, parameters, kernels, from, first, count).run(next, most); });
+  if (problem) return std::move(*problem);
   return cluster;
 }
 

@@ -62,7 +62,6 @@ std::variant<EncodedStream, EncodeError> encode_points(const VectorView& vectors
   if (!std::isfinite(description.total) || !finite(description.box.size()))
     return EncodeError{"the vectors are too large or too far apart"};
   EncodeOptions rest = options;
-  rest.payload = Payload::packed;
   rest.metadata = description.metadata;
   rest.origin = description.origin;
   rest.two_sided = description.two_sided;

@@ -30,7 +30,7 @@ constexpr std::size_t kBeforeMesh = 2, kMinBeforeMesh = 4000;
 bool survey(const TriangleSource& source, SurfaceSurvey& out, Progress* progress) {
   return source([&](std::span<const Triangle> triangles) {
     out.add(triangles);
-    return !(progress && progress->cancelled.load());
+    return !is_cancelled(progress);
   });
 }
 
@@ -80,7 +80,6 @@ std::vector<OutgoingChunk> packed_chunks(std::vector<Voxel> voxels, int level, S
   packed.vectors = options.vectors;
   packed.colored = header.colored;
   packed.threads = options.threads;
-  packed.compact = options.compact;
   if (options.max_bytes != 0) packed.max_bytes = payload_budget(header, options.max_bytes);
   std::vector<OutgoingChunk> chunks;
   for (EncodedCluster& cluster : encode_packed(std::move(voxels), level, header.cube, packed, progress)) {
@@ -135,21 +134,20 @@ bool append_mesh(const TriangleSource& source, const SurfaceSurvey& s, const Enc
   return true;
 }
 
-}  // namespace
-
-std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& source, const EncodeOptions& options,
-                                                        Progress* progress) {
-  const auto cancelled = [&] { return progress && progress->cancelled.load(); };
+/// Encodes a surface with the payload `packed` or `records`.
+std::variant<EncodedStream, EncodeError> encode_as(Payload payload, const TriangleSource& source,
+                                                   const EncodeOptions& options, Progress* progress) {
   if (progress) progress->stage = "reading";
   SurfaceSurvey s;
-  if (!survey(source, s, progress)) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read"};
+  if (!survey(source, s, progress))
+    return EncodeError{is_cancelled(progress) ? "cancelled" : "the surface cannot be read"};
   if (!s.sound()) return EncodeError{"no surface to encode; expected triangles with an area"};
   std::size_t vectors = options.vectors;
   if (vectors == 0)
     vectors = options.max_bytes != 0
                   ? static_cast<std::size_t>(static_cast<double>(options.max_bytes) * 8 / kMinBitsPerVector)
                   : std::clamp(s.triangles * 2, kMinVectors, kMaxVectorsByDefault);
-  StreamHeader header = surface_header(options.payload, s, options);
+  StreamHeader header = surface_header(payload, s, options);
   // Without a requested number or size, uses all voxels of a slightly coarser level.
   const bool asked = options.vectors != 0 || options.max_bytes != 0;
   const int level = level_for(static_cast<double>(vectors) * (asked ? 1.0 : 0.5), s, header.cube);
@@ -162,15 +160,15 @@ std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& so
   const bool read = source([&](std::span<const Triangle> triangles) {
     voxelizer.add(triangles);
     if (progress) progress->done += triangles.size();
-    return !cancelled();
+    return !is_cancelled(progress);
   });
-  if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read again"};
+  if (!read) return EncodeError{is_cancelled(progress) ? "cancelled" : "the surface cannot be read again"};
   std::vector<Voxel> voxels = voxelizer.finish();
   if (progress) {
     progress->stage = "encoding";
     progress->done = progress->total = 0;
   }
-  if (options.payload == Payload::records) {
+  if (payload == Payload::records) {
     Splats splats = splats_of(voxels, header.cube, level, s);
     splats.description = header.description;
     EncodeOptions rest = options;
@@ -178,15 +176,27 @@ std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& so
     return encode_vectors(splats, rest, progress);
   }
   std::vector<OutgoingChunk> chunks = packed_chunks(std::move(voxels), level, header, options, progress);
-  if (cancelled()) return EncodeError{"cancelled"};
+  if (is_cancelled(progress)) return EncodeError{"cancelled"};
   if (chunks.empty()) return EncodeError{"no surface to encode; expected triangles with an area"};
   if (options.exact_bits != 0 && !append_mesh(source, s, options, header, chunks))
-    return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read again"};
+    return EncodeError{is_cancelled(progress) ? "cancelled" : "the surface cannot be read again"};
   EncodedStream stream = write_stream(std::move(header), std::move(chunks), options.max_bytes);
   if (options.max_bytes != 0 && stream.bytes.size() > options.max_bytes)
     return EncodeError{"the coarsest picture has " + std::to_string(stream.bytes.size()) + " bytes; expected at most " +
                        std::to_string(options.max_bytes)};
   return stream;
+}
+
+}  // namespace
+
+std::variant<EncodedStream, EncodeError> encode_surface(const TriangleSource& source, const EncodeOptions& options,
+                                                        Progress* progress) {
+  return encode_as(Payload::packed, source, options, progress);
+}
+
+std::variant<EncodedStream, EncodeError> encode_surface_records(const TriangleSource& source,
+                                                                const EncodeOptions& options, Progress* progress) {
+  return encode_as(Payload::records, source, options, progress);
 }
 
 }  // namespace gs::qnv

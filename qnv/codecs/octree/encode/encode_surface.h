@@ -14,6 +14,11 @@ namespace gs::qnv {
                                                                       const EncodeOptions& options,
                                                                       Progress* progress = nullptr);
 
+/// Encodes the vectors of encode_surface() as records.
+[[nodiscard]] std::variant<EncodedStream, EncodeError> encode_surface_records(const TriangleSource& source,
+                                                                              const EncodeOptions& options,
+                                                                              Progress* progress = nullptr);
+
 /// Encodes vectors on a surface, such as the points of a scan, as an octree. Each vector counts as a square with the
 /// vector's area. There are about as many voxels as vectors. Intermediate pictures need fewer bytes than with the
 /// records payload. But the final picture is less exact, because a voxel does not store the positions inside it.

@@ -23,7 +23,8 @@ struct BaseSteps {
   int normal, offset;
 };
 constexpr std::array<BaseSteps, 4> kBaseSteps{{{0, 0}, {1, 0}, {1, 1}, {2, 1}}};
-// Minimum area of a voxel, relative to a voxel face. Voxels that the surface barely touches are dropped.
+// Minimum area of the surface inside a voxel, relative to a voxel face. Voxels that the surface barely touches are
+// dropped.
 constexpr float kMinArea = 0.03f;
 // First levels with smaller quantisation steps. There, voxels are small relative to pixels and residuals are small, so
 // that small steps pay.
@@ -43,8 +44,8 @@ void leave_out_touched(std::vector<Voxel>& finest) {
 
 using Node = ClusterNode<PackedVoxels>;
 
-// Choice of neighbour prediction. Both suit smooth surfaces, only normals suit coarse levels, neither suits leaves and
-// dust.
+// Selects the values that neighbours help to predict. Smooth surfaces use normals and offsets, coarse levels only
+// normals, leaves and dust neither.
 struct Prediction {
   bool normals, offsets;
 };

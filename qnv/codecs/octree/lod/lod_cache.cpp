@@ -1,14 +1,10 @@
 #include "qnv/codecs/octree/lod/lod_cache.h"
 
 #include "base/parallel.h"
-#include "qnv/codecs/octree/packed_layout.h"
-
-#include <glm/geometric.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <tuple>
-#include <variant>
+#include <utility>
 
 namespace gs::qnv {
 namespace {
@@ -29,39 +25,9 @@ std::size_t bytes_of(const Splats& splats) {
          splats.colors.capacity() * sizeof(Rgb8) + sizeof(Splats);
 }
 
-NormalCone cone_of(const PackedVoxels& voxels) {
-  std::vector<glm::vec3> normals(voxels.size());
-  glm::vec3 sum(0);
-  for (std::size_t i = 0; i < normals.size(); ++i) {
-    if ((voxels.state[i] & kDouble) != 0) return {};
-    const auto m = octahedral_normal(voxels.u[i], voxels.v[i]);
-    normals[i] =
-        glm::normalize(glm::vec3(static_cast<float>(m[0]), static_cast<float>(m[1]), static_cast<float>(m[2])));
-    sum += normals[i];
-  }
-  NormalCone cone;
-  const float length = std::sqrt(glm::dot(sum, sum));
-  if (!(length > 0.1f * static_cast<float>(normals.size()))) return cone;
-  cone.axis = sum / length;
-  cone.cosine = 1;
-  for (const glm::vec3& normal : normals) cone.cosine = std::min(cone.cosine, glm::dot(cone.axis, normal));
-  return cone;
-}
-
-// Reports whether the box that a directory claims contains the cells. Tolerates one voxel edge, because splats extend
-// beyond their voxels.
-bool holds(const Box& claimed, const Box& cells, float edge, const Box& stream) {
-  for (int i = 0; i < 3; ++i) {
-    // Clips to the stream's box, because the directory cannot describe positions outside.
-    const float low = std::max(cells.lower[i], stream.lower[i]), high = std::min(cells.upper[i], stream.upper[i]);
-    if (low < claimed.lower[i] - edge || high > claimed.upper[i] + edge) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
-// Clusters with the same parent. Their splats will share a point set.
+// Clusters with the same parent. Their splats will share arrays.
 struct LodCache::Family {
   std::span<const std::uint32_t> nodes;
   std::size_t discs = 0;
@@ -73,70 +39,10 @@ LodCache::Entry& LodCache::made_entry(std::uint32_t node) {
   return *entries_[node];
 }
 
-DecodedCluster LodCache::decode_one(const ChunkSource& source, std::uint32_t index, const Cluster* parent) const {
-  const LodNode& node = tree_[index];
-  DecodedCluster out;
-  std::vector<std::byte> buffer;
-  const auto chunk = read_chunk(source, node.offset, node.bytes, buffer);
-  if (const auto* problem = std::get_if<std::string>(&chunk)) {
-    out.problem = *problem;
-    return out;
-  }
-  const SoundChunk& sound = std::get<SoundChunk>(chunk);
-  if (sound.type != ChunkType::packed) {
-    out.problem = "a chunk is not a cluster, but one is expected";
-    return out;
-  }
-  const auto header = read_cluster_header(sound.payload);
-  if (const auto* error = std::get_if<PackedError>(&header)) {
-    out.problem = error->message;
-    return out;
-  }
-  out.problem = tree_.misfit(index, std::get<ClusterHeader>(header));
-  if (!out.problem.empty()) return out;
-  auto decoded = decode_cluster(sound.payload, parent);
-  if (const auto* error = std::get_if<PackedError>(&decoded)) {
-    out.problem = error->message;
-    return out;
-  }
-  auto cluster = std::make_unique<Cluster>(std::move(std::get<Cluster>(decoded)));
-  const PackedVoxels& voxels = cluster->voxels;
-  if (node.claimed && voxels.size() != node.voxels) {
-    out.problem = "a cluster of " + std::to_string(voxels.size()) + " vectors; the directory gives " +
-                  std::to_string(node.voxels);
-    return out;
-  }
-  const float edge = header_.cube.edge / static_cast<float>(1 << cluster->level());
-  if (node.boxed &&
-      !holds(node.box, box_of_run(voxels, cluster->level(), 0, voxels.size()), edge, header_.description.box)) {
-    out.problem = "a cluster exceeds its box in the directory";
-    return out;
-  }
-  out.discs = discs_of(voxels, 0, voxels.size());
-  if (parent) out.replaced = discs_of(parent->voxels, cluster->header.first, cluster->header.count);
-  if (!node.known && !header_.description.two_sided) out.cone = cone_of(voxels);
-  out.cluster = std::move(cluster);
-  return out;
-}
-
-Box LodCache::box_of_run(const PackedVoxels& voxels, int level, std::size_t first, std::size_t count) const {
-  glm::vec3 low(65536.0f), high(0);
-  for (std::size_t i = first; i < first + count; ++i) {
-    const glm::vec3 cell(voxels.x[i], voxels.y[i], voxels.z[i]);
-    low = {std::min(low.x, cell.x), std::min(low.y, cell.y), std::min(low.z, cell.z)};
-    high = {std::max(high.x, cell.x), std::max(high.y, cell.y), std::max(high.z, cell.z)};
-  }
-  const float edge = header_.cube.edge / static_cast<float>(1 << level);
-  Box box;
-  box.lower = header_.cube.lower + low * edge;
-  box.upper = header_.cube.lower + (high + 1.0f) * edge;
-  return box;
-}
-
 // Adds a decoded cluster to the tree. Returns the reason if it is rejected; otherwise an empty string.
 std::string LodCache::take(std::uint32_t index, DecodedCluster decoded, std::uint64_t now) {
   if (!decoded.cluster) return std::move(decoded.problem);
-  LodNode& node = tree_[index];
+  const LodNode& node = tree_[index];
   const ClusterHeader header = decoded.cluster->header;
   const PackedVoxels& voxels = decoded.cluster->voxels;
   if (!node.known) {
@@ -147,15 +53,9 @@ std::string LodCache::take(std::uint32_t index, DecodedCluster decoded, std::uin
         if (divided[i]) return "a cluster divides voxels of another cluster";
       std::fill_n(divided.begin() + header.first, header.count, true);
     }
-    node.known = true;
-    node.first = header.first;
-    node.count = header.count;
-    node.voxels = static_cast<std::uint32_t>(voxels.size());
-    node.discs = decoded.discs;
-    node.replaced = decoded.replaced;
-    node.cone = decoded.cone;
-    if (!node.boxed) node.box = box_of_run(voxels, node.level, 0, voxels.size());
-    node.boxed = true;
+    tree_.settle(index, {header.first, header.count, static_cast<std::uint32_t>(voxels.size()), decoded.discs,
+                         decoded.replaced, decoded.cone});
+    if (!node.boxed) tree_.set_box(index, box_of_run(voxels, node.level, 0, voxels.size(), header_.cube), true);
   } else if (voxels.size() != node.voxels || header.first != node.first || header.count != node.count) {
     return "a cluster differs from its earlier version";
   }
@@ -176,21 +76,18 @@ std::string LodCache::take(std::uint32_t index, DecodedCluster decoded, std::uin
 }
 
 void LodCache::find_box(std::uint32_t index) {
-  LodNode& node = tree_[index];
+  const LodNode& node = tree_[index];
   if (node.boxed || node.parent == kNoNode || node.count == 0) return;
   const LodNode& parent = tree_[node.parent];
   if (!parent.known) return;
   const Entry* of = entry(node.parent);
-  if (of && of->voxels && std::size_t{node.first} + node.count <= of->voxels->voxels.size()) {
-    node.box = box_of_run(of->voxels->voxels, parent.level, node.first, node.count);
-    node.boxed = true;
-  } else if (node.box.empty()) {
-    node.box = parent.box;
-  }
+  if (of && of->voxels && std::size_t{node.first} + node.count <= of->voxels->voxels.size())
+    tree_.set_box(index, box_of_run(of->voxels->voxels, parent.level, node.first, node.count, header_.cube), true);
+  else if (node.box.empty())
+    tree_.set_box(index, parent.box, false);
 }
 
-void LodCache::decode(const ChunkSource& source, std::vector<std::uint32_t> nodes, std::uint64_t now,
-                      Problems& problems) {
+void LodCache::decode(std::vector<std::uint32_t> nodes, std::uint64_t now) {
   std::stable_sort(nodes.begin(), nodes.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return tree_[a].level < tree_[b].level; });
   std::vector<DecodedCluster> decoded;
@@ -206,13 +103,11 @@ void LodCache::decode(const ChunkSource& source, std::vector<std::uint32_t> node
     decoded.clear();
     decoded.resize(wave.size());
     (void)parallel_for(
-        wave.size(), [&](std::size_t i) { decoded[i] = decode_one(source, wave[i], parent_of(wave[i])); },
+        wave.size(), [&](std::size_t i) { decoded[i] = chunks_.decode(wave[i], parent_of(wave[i])); },
         wave.size() < kMinForThreads ? 1 : 0);
     for (std::size_t i = 0; i < wave.size(); ++i) {
       std::string problem = take(wave[i], std::move(decoded[i]), now);
-      if (problem.empty()) continue;
-      tree_[wave[i]].broken = true;
-      problems.push_back({tree_[wave[i]].offset, std::move(problem)});
+      if (!problem.empty()) chunks_.reject(wave[i], std::move(problem));
     }
   }
 }
@@ -272,7 +167,7 @@ void LodCache::make_discs(std::vector<std::uint32_t> nodes, std::uint64_t now) {
     disc_count_ += group->splats->size();
     for (const std::uint32_t node : group->members) {
       entries_[node]->discs = group.get();
-      if (tree_[node].first_child == kNoNode && !keep_voxels_) forget_voxels(node);
+      if (tree_[node].first_child == kNoNode && !chunks_.grows()) forget_voxels(node);
     }
     groups_.push_back(std::move(group));
   }

@@ -131,6 +131,22 @@ std::string LodTree::misfit(std::uint32_t index, const ClusterHeader& header) co
   return {};
 }
 
+void LodTree::settle(std::uint32_t index, const ClusterFacts& facts) {
+  LodNode& node = nodes_[index];
+  node.known = true;
+  node.first = facts.first;
+  node.count = facts.count;
+  node.voxels = facts.voxels;
+  node.discs = facts.discs;
+  node.replaced = facts.replaced;
+  node.cone = facts.cone;
+}
+
+void LodTree::set_box(std::uint32_t index, const Box& box, bool exact) {
+  nodes_[index].box = box;
+  nodes_[index].boxed = nodes_[index].boxed || exact;
+}
+
 float LodTree::age(std::uint32_t node) const {
   const std::size_t last = dense_ ? nodes_.size() : present_;
   return last < 2 ? 0 : static_cast<float>(nodes_[node].arrival) / static_cast<float>(last - 1);

@@ -24,6 +24,13 @@ struct NormalCone {
   float cosine = -1;  // cosine of the largest angle to the axis; -1 means any direction
 };
 
+/// State of a cluster in the cuts of the viewports. Stored in the node, so that a cut reads one place per cluster.
+struct CutMarks {
+  std::uint16_t chosen_by = 0;  // one bit per viewport: the viewport's last cut contains the cluster
+  bool ready = false;  // in the current cut: is decoded, or will be
+  bool visible = false;  // in the current cut: its splats may be visible
+};
+
 /// Description of one cluster, which exists before the cluster is decoded.
 struct LodNode {
   std::uint64_t offset = 0;  // byte offset of its chunk
@@ -34,16 +41,21 @@ struct LodNode {
   std::uint32_t arrival = 0;  // serial number of reception
   std::uint16_t first = 0, count = 0;  // voxels of the parent that it divides; count 0 until the header is read
   std::uint8_t level = 0;  // level of its voxels
-  std::uint16_t chosen_by = 0;  // one bit per viewport: the viewport's last cut contains it
   bool present = false;  // its chunk is received
   bool known = false;  // it is decoded and valid
   bool broken = false;                    // neither it nor its descendants can be drawn
   bool claimed = false;  // a directory lists it, with its number of voxels
   bool boxed = false;                     // `box` is exact
-  bool ready = false;  // in the current cut: is decoded, or will be
-  bool visible = false;  // in the current cut: its splats may be visible
+  CutMarks marks;
   Box box;  // bounds of its voxels, units of the stream
   NormalCone cone;  // normals of its splats, after decoding
+};
+
+/// Properties of a cluster that its decoding gives.
+struct ClusterFacts {
+  std::uint16_t first = 0, count = 0;  // voxels of the parent that it divides
+  std::uint32_t voxels = 0, discs = 0, replaced = 0;  // its voxels and splats; splats of the parent that they replace
+  NormalCone cone;
 };
 
 /// Tree of the clusters of a stream, from its directory or its chunks. Node indices never change. All input is
@@ -65,8 +77,15 @@ class LodTree {
   [[nodiscard]] std::uint32_t root() const { return root_; }
   [[nodiscard]] std::size_t size() const { return nodes_.size(); }
   [[nodiscard]] std::size_t present() const { return present_; }
-  [[nodiscard]] LodNode& operator[](std::uint32_t node) { return nodes_[node]; }
   [[nodiscard]] const LodNode& operator[](std::uint32_t node) const { return nodes_[node]; }
+  [[nodiscard]] CutMarks& marks(std::uint32_t node) { return nodes_[node].marks; }
+  /// Marks a cluster as broken: neither the cluster nor its descendants can be drawn.
+  void reject(std::uint32_t node) { nodes_[node].broken = true; }
+  /// Marks a cluster as decoded.
+  void settle(std::uint32_t node, const ClusterFacts& facts);
+  /// Sets the bounds of a cluster's voxels. `exact` means that they need no later correction.
+  void set_box(std::uint32_t node, const Box& box, bool exact);
+
   /// Returns when a cluster was received: 0 for the first one, 1 for the last one, between them for others.
   [[nodiscard]] float age(std::uint32_t node) const;
 

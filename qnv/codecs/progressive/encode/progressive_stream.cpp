@@ -62,20 +62,19 @@ std::optional<EncodedStream> encode_splits(const exact::ExactMesh& mesh, StreamH
 
 std::variant<EncodedStream, EncodeError> encode_progressive(const TriangleSource& source, const EncodeOptions& options,
                                                             Progress* progress) {
-  const auto cancelled = [&] { return progress && progress->cancelled.load(); };
   if (progress) progress->stage = "reading";
   SurfaceSurvey s;
   displaced::MeshBuilder builder(true);
   const bool read = source([&](std::span<const Triangle> triangles) {
     s.add(triangles);
     builder.add(triangles);
-    return s.triangles <= kMaxGrowingTriangles && !cancelled();
+    return s.triangles <= kMaxGrowingTriangles && !is_cancelled(progress);
   });
   if (s.triangles > kMaxGrowingTriangles)
     return EncodeError{"the surface has too many triangles to grow by splits; expected at most " +
                            std::to_string(kMaxGrowingTriangles),
                        true};
-  if (!read) return EncodeError{cancelled() ? "cancelled" : "the surface cannot be read"};
+  if (!read) return EncodeError{is_cancelled(progress) ? "cancelled" : "the surface cannot be read"};
   if (!s.sound()) return EncodeError{"no surface to encode; expected triangles with an area"};
   const exact::ExactMesh mesh = exact_mesh_of(builder, displaced::Frame(s.box), s.colored, kProgressiveBits);
   auto stream = encode_splits(mesh, surface_header(Payload::displaced, s, options), options.max_bytes);

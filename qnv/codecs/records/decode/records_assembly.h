@@ -49,7 +49,7 @@ class RecordsAssembly {
     std::uint32_t parent = 0;
     std::uint8_t depth = 0;
     std::array<std::uint32_t, 8> children{};  // indices of nodes; 0 means none, since the root is not a child
-    double weight = 0;  // weight of all vectors in the cell, from its header
+    double weight = 0;  // total weight, from the first header that has one; for the root, from the description
     bool known = false;  // `weight` was received
   };
   using HeaderBits = std::array<std::uint32_t, 12>;

@@ -75,7 +75,6 @@ std::vector<OutgoingChunk> fitting(std::vector<RecordsChunk> encoded, const Stre
 
 std::variant<EncodedStream, EncodeError> encode_vectors(const VectorView& vectors, const EncodeOptions& options,
                                                         Progress* progress) {
-  const auto cancelled = [&] { return progress && progress->cancelled.load(); };
   if (vectors.normals.size() != vectors.size() || vectors.weights.size() != vectors.size() ||
       vectors.size() > std::numeric_limits<std::uint32_t>::max())
     return EncodeError{"the vectors cannot be encoded; expected fewer than 2^32, each with a normal and a weight"};
@@ -105,7 +104,7 @@ std::variant<EncodedStream, EncodeError> encode_vectors(const VectorView& vector
     progress->done = progress->total = 0;
   }
   std::vector<RecordsChunk> encoded = encode_records(vectors, records);
-  if (cancelled()) return EncodeError{"cancelled"};
+  if (is_cancelled(progress)) return EncodeError{"cancelled"};
   std::vector<OutgoingChunk> chunks = fitting(std::move(encoded), header, options.max_bytes);
   for (const OutgoingChunk& chunk : chunks) header.vectors += chunk.entry.vectors;
   if (chunks.empty()) return EncodeError{"no vectors to encode"};

@@ -1,3 +1,4 @@
+#include "qnv/codecs/octree/decode/divide_cluster.h"
 #include "qnv/codecs/octree/decode/packed_kernels.h"
 #include "qnv/codecs/voxels/voxels_layout.h"
 
@@ -156,44 +157,17 @@ std::variant<VolumeCluster, PackedError> decode_volume_cluster(std::span<const s
   if (auto* error = std::get_if<PackedError>(&read)) return std::move(*error);
   VolumeCluster cluster;
   cluster.header = std::get<ClusterHeader>(read);
-  const ClusterHeader& header = cluster.header;
   if (cluster.level() > lattice.depth)
     return PackedError{"a cluster of level " + std::to_string(cluster.level()) + "; the lattice ends at " +
                        std::to_string(lattice.depth)};
-  VolumeVoxels from = header.parent == kNoParent ? root_volume_voxel() : VolumeVoxels{};
-  const VolumeVoxels* source = &from;
-  if (header.parent != kNoParent) {
-    if (!parent) return PackedError{"a cluster without its parent"};
-    source = &parent->voxels;
-    if (parent->level() != header.level) return PackedError{"a cluster of another level than its parent"};
-    if (static_cast<std::size_t>(header.first) + header.count > source->size())
-      return PackedError{"a cluster divides voxels " + std::to_string(header.first) + " to " +
-                         std::to_string(header.first + header.count - 1) + " of " + std::to_string(source->size())};
-  }
   const VolumeParameters parameters = read_volume_parameters(payload);
-  // Copies the bytes, so that the entropy decoder may read past the end.
-  std::vector<std::byte> bits(payload.begin() + kVolumeClusterHeaderSize, payload.end());
-  const std::size_t size = bits.size();
-  bits.resize(size + RansDecoder::kPadding);
-  RansDecoder rans(std::span<const std::byte>{bits.data(), size});
-  std::size_t first = header.first, count = header.count;
-  const std::size_t most = std::min(payload.size() * kVoxelsPerByte, kMaxVoxels);
-  if (count > most)
-    return PackedError{"a cluster of " + std::to_string(payload.size()) + " bytes divides " + std::to_string(count) +
-                       " voxels; expected " + std::to_string(most) + " at most"};
-  for (int level = header.level + 1; level <= cluster.level(); ++level) {
-    VolumeVoxels next;
-    if (!VolumeLevelDecoder(rans, parameters, lattice, *source, first, count).run(next, most, level < lattice.depth))
-      return PackedError{"a cluster with too many voxels, or one without children"};
-    cluster.voxels = std::move(next);
-    if (level < cluster.level()) {
-      from = std::move(cluster.voxels);
-      source = &from;
-      first = 0;
-      count = source->size();
-    }
-  }
-  if (!rans.finished()) return PackedError{"the bits of a cluster do not end at a byte"};
+  auto problem = divide_cluster(
+      payload, kVolumeClusterHeaderSize, parent, root_volume_voxel(), cluster,
+      [&](RansDecoder& rans, const VolumeVoxels& from, std::size_t first, std::size_t count, int level,
+          VolumeVoxels& next, std::size_t most) {
+        return VolumeLevelDecoder(rans, parameters, lattice, from, first, count).run(next, most, level < lattice.depth);
+      });
+  if (problem) return std::move(*problem);
   return cluster;
 }
 

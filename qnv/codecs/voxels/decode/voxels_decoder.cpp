@@ -1,7 +1,12 @@
-#include "qnv/codecs/voxels/decode/voxels_decoder.h"
+#include "qnv/codecs/octree/decode/cluster_forest.h"
+#include "qnv/codecs/shared/decoder.h"
+#include "qnv/codecs/voxels/voxels.h"
 
 #include <bit>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -41,24 +46,38 @@ void spread(Volume& volume) {
   permute(order, volume.cells);
 }
 
+/// Decoder of the volume payload. The first vectors of its geometry cover the volume evenly.
+class VoxelsDecoder final : public Decoder {
+ public:
+  VoxelsDecoder(const StreamHeader& header, std::size_t most_vectors)
+      : lattice_(header.lattice), most_vectors_(most_vectors), clusters_({read_volume_cluster_header, vectors_of}) {}
+
+  void add(ChunkType, std::span<const std::byte> payload, std::span<const ByteRange>) override {
+    clusters_.add(payload, most_vectors_, [this](std::span<const std::byte> bytes, const VolumeCluster* parent) {
+      return decode_volume_cluster(bytes, parent, lattice_);
+    });
+  }
+  [[nodiscard]] DecodeCount count() const override { return clusters_.count(); }
+  [[nodiscard]] std::size_t vectors() const override { return clusters_.vectors(); }
+  [[nodiscard]] Geometry geometry(GeometryBase base) const override {
+    Volume volume(std::move(base));
+    clusters_.visit_shown([&](const VolumeCluster& cluster, std::size_t first, std::size_t count) {
+      append_vectors(cluster, first, count, lattice_, volume);
+    });
+    spread(volume);
+    return volume;
+  }
+
+ private:
+  VoxelLattice lattice_;
+  std::size_t most_vectors_;
+  ClusterForest<VolumeCluster> clusters_;
+};
+
 }  // namespace
 
-VoxelsDecoder::VoxelsDecoder(const StreamHeader& header, std::size_t most_vectors)
-    : lattice_(header.lattice), most_vectors_(most_vectors), clusters_({read_volume_cluster_header, vectors_of}) {}
-
-void VoxelsDecoder::add(ChunkType, std::span<const std::byte> payload, std::span<const ByteRange>) {
-  clusters_.add(payload, most_vectors_, [this](std::span<const std::byte> bytes, const VolumeCluster* parent) {
-    return decode_volume_cluster(bytes, parent, lattice_);
-  });
-}
-
-Geometry VoxelsDecoder::geometry(GeometryBase base) const {
-  Volume volume(std::move(base));
-  clusters_.visit_shown([&](const VolumeCluster& cluster, std::size_t first, std::size_t count) {
-    append_vectors(cluster, first, count, lattice_, volume);
-  });
-  spread(volume);
-  return volume;
+std::unique_ptr<Decoder> make_voxels_decoder(const StreamHeader& header, std::size_t most_vectors) {
+  return std::make_unique<VoxelsDecoder>(header, most_vectors);
 }
 
 }  // namespace gs::qnv

@@ -26,8 +26,8 @@ constexpr double kOffCentre = 0.05;
 // Opacity that the encoder assumes: the default of renderers.
 constexpr float kShownOpacity = 2;
 
-// Quantisation steps of the default, which cause no visible differences at first sight, and of `compact`.
-constexpr VoxelSteps kFine{20, 16, 6, {10, 10, 12}}, kCompact{28, 24, 8, {28, 28, 28}};
+// Quantisation steps, which cause no visible differences at first sight.
+constexpr VoxelSteps kFine{20, 16, 6, {10, 10, 12}};
 
 float middle_weight(const Volume& volume) {
   std::vector<float> weights;
@@ -146,7 +146,7 @@ std::variant<EncodedStream, EncodeError> encode_voxels(const VolumeVectors& volu
   header.color = given.color;
   header.cube = Cube::around(header.description.box);
   VoxelsOptions voxels;
-  voxels.steps = options.compact ? kCompact : kFine;
+  voxels.steps = kFine;
   voxels.threads = options.threads;
   voxels.depth_of_class = depths_of(header.description);
   if (options.max_bytes != 0) voxels.max_bytes = payload_budget(header, options.max_bytes);

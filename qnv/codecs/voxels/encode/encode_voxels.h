@@ -13,7 +13,7 @@ struct VolumeVectors {
   const VolumeLayout& layout;
 };
 
-/// Encodes the vectors of a volume as voxels. Uses `max_bytes`, `compact`, `metadata` and `threads` of EncodeOptions.
+/// Encodes the vectors of a volume as voxels. Uses `max_bytes`, `metadata` and `threads` of EncodeOptions.
 /// Memory is proportional to the number of vectors. The bytes do not depend on the number of threads. Returns an error
 /// if the vectors are not on the lattice, or if the lattice has more than 65536 voxels per axis.
 [[nodiscard]] std::variant<EncodedStream, EncodeError> encode_voxels(const VolumeVectors& volume,

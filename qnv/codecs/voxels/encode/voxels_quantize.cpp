@@ -177,7 +177,8 @@ constexpr int kMaxOdds = 256;  // in 1/16; larger than every sum of table entrie
 
 void fit_slopes(const VolumeVoxels& from, std::span<const std::span<const TrueVoxel>> below,
                 const VoxelLattice& lattice, VolumeParameters& p) {
-  // Two least-squares fits: values of children along the parent's direction, and directions along value differences.
+  // Fits two slopes by least squares. `slope`: how fast the values of children change along the parent's direction.
+  // `turn`: how far a difference of values turns a direction.
   double along_value = 0, along_along = 0, rise_share = 0, rise_rise = 0;
   for (std::size_t i = 0; i < below.size(); ++i) {
     const std::array<int, 3> d = octahedral_normal(from.u[i], from.v[i]);

@@ -27,6 +27,15 @@ TEST_CASE("accepts numbers of bytes and things that end in k, M or G") {
   CHECK((read_bytes("63k", small) && small == 63 * 1024));
 }
 
+TEST_CASE("accepts shares as numbers and as percentages") {
+  double share = 0;
+  CHECK((read_share("0.25", share) && share == 0.25));
+  CHECK((read_share("30%", share) && share == Approx(0.3)));
+  CHECK((read_share("100%", share) && share == 1));
+  CHECK((read_share("0", share) && share == 0));
+  for (const char* bad : {"", "%", "101%", "1.5", "-1%", "30 %", "nan", "x%"}) CHECK_FALSE(read_share(bad, share));
+}
+
 TEST_CASE("reads the given number of bytes for --max-bytes 1k") {
   const ScratchFolder folder;
   const std::string text = kBall + "Shape { geometry Cone { } }" + std::string(4000, ' ') + "Nonsense { }\n";

@@ -132,11 +132,11 @@ TEST_CASE("applies slices, colour maps and bars to volumes, and the file of its 
   const std::string draw = kDraw + "--size 8x8 --snapshot " + quoted(folder.path("p.png")) + " ";
   CHECK(run(draw + "--transfer " + quoted(bad) + " " + quoted(volume)).output.find("bad.json:1:") != std::string::npos);
   CHECK(run(draw + "--transfer jet " + quoted(volume)).output.find("viridis") != std::string::npos);
-  // Colours of values have a bar, too.
+  // A surface with colours of values has a colour bar too.
   const std::string keyed = folder.write(
       "keyed.wrl", std::string(kBox) + "WorldInfo { info \"color key: 0 10 #0000ff #ff0000 pressure (Pa)\" } ");
   CHECK(picture("--color-bar", keyed) != picture("", keyed));
-  // A stream of such a file contains the key, and so does an export of that stream.
+  // A stream of such a file contains the colour key, and so does an export of that stream.
   const std::string stream = folder.path("keyed.qnv"), back = folder.path("back.wrl");
   const std::string surface = folder.write(
       "keyed.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
@@ -176,7 +176,7 @@ TEST_CASE("takes a picture from a camera text, in parallel projection, with the 
   const std::string standing = picture("", wedge);
   CHECK(picture("--up z", wedge) == standing);
   CHECK(picture("--up -z", wedge) != standing);
-  // A stream keeps the up axis of the file, or the one of the option.
+  // A stream keeps the up axis of the file, or of the option.
   REQUIRE(run("encode " + quoted(wedge) + " " + quoted(folder.path("w.qnv"))).status == 0);
   CHECK(run("info " + quoted(folder.path("w.qnv"))).output.find("up: z") != std::string::npos);
   REQUIRE(run("encode --up -x " + quoted(wedge) + " " + quoted(folder.path("x.qnv"))).status == 0);

@@ -15,15 +15,15 @@ namespace {
 
 /// A square seen from above; its second half may have a texture of four colours.
 qnv::IndexedMesh square(bool pictured) {
-  qnv::IndexedMesh cloud;
-  cloud.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 1}, {1, 1, 1}, {0, 1, 1}};
-  cloud.normals.assign(6, glm::vec3(0, 0, 1));
-  cloud.weights.assign(6, 1.0f);
-  cloud.triangles = {0, 1, 2, 3, 4, 5};
-  for (const glm::vec3& p : cloud.positions) cloud.description.box.add(p);
-  cloud.colors.assign(6, {255, 0, 0});
-  if (!pictured) return cloud;
-  cloud.texture_coordinates = {{0.25f, 0.25f}, {0.75f, 0.75f}, {0.25f, 0.75f}};
+  qnv::IndexedMesh geometry;
+  geometry.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+  geometry.normals.assign(6, glm::vec3(0, 0, 1));
+  geometry.weights.assign(6, 1.0f);
+  geometry.triangles = {0, 1, 2, 3, 4, 5};
+  for (const glm::vec3& p : geometry.positions) geometry.description.box.add(p);
+  geometry.colors.assign(6, {255, 0, 0});
+  if (!pictured) return geometry;
+  geometry.texture_coordinates = {{0.25f, 0.25f}, {0.75f, 0.75f}, {0.25f, 0.75f}};
   render::Image image;
   image.width = image.height = 2;
   image.components = 3;
@@ -32,26 +32,27 @@ qnv::IndexedMesh square(bool pictured) {
   picture->bytes = render::encode_png(image);
   picture->whole = true;
   picture->repeat_t = false;
-  cloud.picture = picture;
-  return cloud;
+  geometry.picture = picture;
+  return geometry;
 }
 
-LoadedWorld loaded(const ScratchFolder& folder, const qnv::Geometry& cloud) {
-  const Exported glb = export_glb(cloud, {"square", {}});
+render::RenderList collected(const qnv::Geometry& geometry) {
+  const ScratchFolder folder;
+  const Exported glb = export_glb(geometry, {"square", {}});
   REQUIRE(std::holds_alternative<std::vector<std::byte>>(glb));
   const auto& bytes = std::get<std::vector<std::byte>>(glb);
-  return load_world(folder.write("square.glb", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size())));
+  const LoadedWorld world =
+      load_world(folder.write("square.glb", std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size())));
+  INFO(said(world));
+  REQUIRE(world.scene);
+  render::MeshCache meshes;
+  return render::collect(*world.scene, world.images, meshes);
 }
 
 }  // namespace
 
-TEST_CASE("exports triangles of a point set as a mesh in GLB, with their colours") {
-  const ScratchFolder folder;
-  LoadedWorld world = loaded(folder, square(false));
-  INFO(said(world));
-  REQUIRE(world.scene);
-  render::MeshCache meshes;
-  const render::RenderList list = render::collect(*world.scene, world.images, meshes);
+TEST_CASE("exports triangles of a stream as a mesh in GLB, with their colours") {
+  const render::RenderList list = collected(square(false));
   REQUIRE(list.items.size() == 1);
   const vrml::Mesh& mesh = *list.items[0].mesh;
   CHECK(mesh.indices.size() == 6);
@@ -63,12 +64,7 @@ TEST_CASE("exports triangles of a point set as a mesh in GLB, with their colours
 }
 
 TEST_CASE("exports a texture to GLB pixel by pixel, beside coloured triangles") {
-  const ScratchFolder folder;
-  LoadedWorld world = loaded(folder, square(true));
-  INFO(said(world));
-  REQUIRE(world.scene);
-  render::MeshCache meshes;
-  const render::RenderList list = render::collect(*world.scene, world.images, meshes);
+  const render::RenderList list = collected(square(true));
   REQUIRE(list.items.size() == 2);
   CHECK(!list.items[0].texture.image);
   const render::DrawItem& item = list.items[1];
@@ -88,26 +84,26 @@ TEST_CASE("exports a texture to GLB pixel by pixel, beside coloured triangles") 
 }
 
 TEST_CASE("exports vertex colours if textures are not shown") {
-  qnv::IndexedMesh cloud = square(true);
-  color_by_picture(cloud, own_budget());
-  CHECK(cloud.colors[0] == qnv::Rgb8{255, 0, 0});
-  CHECK(cloud.colors[3] == qnv::Rgb8{70, 80, 90});
-  CHECK(cloud.colors[4] == qnv::Rgb8{40, 50, 60});
-  CHECK(cloud.colors[5] == qnv::Rgb8{10, 20, 30});
+  qnv::IndexedMesh geometry = square(true);
+  color_by_picture(geometry, own_budget());
+  CHECK(geometry.colors[0] == qnv::Rgb8{255, 0, 0});
+  CHECK(geometry.colors[3] == qnv::Rgb8{70, 80, 90});
+  CHECK(geometry.colors[4] == qnv::Rgb8{40, 50, 60});
+  CHECK(geometry.colors[5] == qnv::Rgb8{10, 20, 30});
   qnv::IndexedMesh plain = square(false);
   color_by_picture(plain, own_budget());
   CHECK(plain.colors[5] == qnv::Rgb8{255, 0, 0});
 }
 
 TEST_CASE("refuses to export an empty mesh, and exports splats of a mesh on request") {
-  qnv::IndexedMesh cloud = square(false);
-  const Exported splats = export_glb_splats(cloud);
+  qnv::IndexedMesh geometry = square(false);
+  const Exported splats = export_glb_splats(geometry);
   REQUIRE(std::holds_alternative<std::vector<std::byte>>(splats));
   const auto& bytes = std::get<std::vector<std::byte>>(splats);
   CHECK(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()).find("KHR_gaussian_splatting") !=
         std::string::npos);
-  cloud.triangles.clear();
-  CHECK(std::holds_alternative<std::string>(export_glb_mesh(cloud)));
+  geometry.triangles.clear();
+  CHECK(std::holds_alternative<std::string>(export_glb_mesh(geometry)));
 }
 
 }  // namespace gs::app::export_glb_mesh_test

@@ -113,7 +113,8 @@ class OutlineStudio {
   std::unique_ptr<render::Renderer> renderer_;
 };
 
-/// Shows fronts only. Where back and front of a closed part meet, rounding decides which one is visible.
+/// Hides back faces. Otherwise rounding decides at each pixel whether the front or the back of a closed part is visible
+/// where they meet.
 void show_fronts(render::RenderList& list) {
   for (render::DrawItem& item : list.items) {
     vrml::Mesh mesh = *item.mesh;
@@ -177,7 +178,7 @@ TEST_CASE("shows the groups of every prefix of an outline stream, with ever bett
   const ScratchFolder folder;
   const Encoded made = encoded(folder.write("model.wrl", kModel));
   const std::string stream = outline_stream_of(made), path = folder.write("outlines.qnv", stream);
-  double outlines = 0;  // the area with all outlines
+  double outlines = 0;  // visible area with all outlines
   for (const qnv::OutlineGroup& group : made.groups.groups)
     for (std::size_t i = 0; i < group.outline.size(); ++i) outlines += group.outline[i].area;
   const std::size_t kPiece = 97 * watched_step(3);
@@ -218,7 +219,7 @@ TEST_CASE("shows the remaining polygons by the fallback of an outline world") {
   const ScratchFolder folder;
   const Encoded made = encoded(folder.write("model.wrl", kModel));
   std::string text = string_of(outline_world(made.groups, made.model.appearances, "x"));
-  // Another browser does not know the name, and uses the PROTO.
+  // Another browser has no such node type, and uses the PROTO.
   for (std::size_t at = 0; (at = text.find("OutlineGroup", at)) != std::string::npos; at += 5)
     text.replace(at, std::string("OutlineGroup").size(), "Other");
   const LoadedWorld world = load_world(folder.write("other.wrl", text));
@@ -257,7 +258,7 @@ TEST_CASE("changes no more than a pixel of flat-shaded CAD parts by merging copl
     CHECK(area_of(merged) == Approx(made.area).epsilon(1e-5));
     for (int orbit = 0; orbit < 20; ++orbit) {
       const float azimuth = 18.0f * static_cast<float>(orbit), elevation = 12.0f * static_cast<float>(orbit % 7) - 36;
-      // Rounding decides for samples on an edge, since the edges have other corners.
+      // Rounding decides for samples on an edge, because the edges have other corners.
       CHECK(different_pixels(studio.picture(list, list.bounds, azimuth, elevation),
                              studio.picture(merged, list.bounds, azimuth, elevation)) <= 1);
     }

@@ -1,4 +1,5 @@
 #include "app/interface/base/interface_input.h"
+#include "base/noncopyable.h"
 
 #include <catch2/catch.hpp>
 
@@ -41,7 +42,7 @@ void add_with_control(std::vector<WindowEvent>& events, char letter) {
 }
 
 /// Text field and button in a Dear ImGui window without a display.
-struct Form {
+struct Form : NonCopyable {
   Form() {
     ImGui::CreateContext();
     ImGuiIO& io = ImGui::GetIO();
@@ -62,8 +63,6 @@ struct Form {
     REQUIRE(io.WantTextInput);
   }
   ~Form() { ImGui::DestroyContext(); }
-  Form(const Form&) = delete;
-  Form& operator=(const Form&) = delete;
 
   void frame(const std::vector<WindowEvent>& events, bool text_waits = false) {
     input.add(events);

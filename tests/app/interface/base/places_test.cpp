@@ -28,7 +28,7 @@ TEST_CASE("completes a typed path as far as all matches agree") {
   CHECK(completed_path("", listing).empty());
   CHECK(suggested_paths(folder + "c", listing, 9) == Paths{folder + "castle_north.wrl", folder + "castle_south.wrl"});
   CHECK(suggested_paths(folder, listing, 9).front() == folder + "Tower/");  // folders first
-  CHECK(suggested_paths(folder, listing, 9).size() == 3);                   // none that is hidden
+  CHECK(suggested_paths(folder, listing, 9).size() == 3);                   // hidden files are missing
   CHECK(suggested_paths(folder + ".", listing, 9) == Paths{folder + ".hidden.wrl"});
   CHECK(suggested_paths(folder, listing, 2).size() == 2);
 }

@@ -1,5 +1,6 @@
 // Tests of panels that inspect a world, without a display.
 #include "app/interface/panels/inspect_panels.h"
+#include "base/noncopyable.h"
 
 #include "app/interface/ui_overlay.h"
 #include "tests/app/one_world.h"
@@ -41,7 +42,7 @@ class NoWindow final : public InterfaceBackend {
 };
 
 /// World with its panels, without a window.
-struct Screen : OneWorld {
+struct Screen : OneWorld, NonCopyable {
   explicit Screen(const std::string& body) : OneWorld(body) {
     session.add_extension(inspection);
     model.inspection = &inspection;
@@ -49,8 +50,6 @@ struct Screen : OneWorld {
     draw();
   }
   ~Screen() { session.remove_extension(inspection); }
-  Screen(const Screen&) = delete;
-  Screen& operator=(const Screen&) = delete;
 
   UiActions draw(const std::vector<WindowEvent>& done = {}) {
     now += 0.02;
@@ -168,8 +167,8 @@ TEST_CASE("draws all panels for every field type, and without a world") {
        {Action::scene_tree, Action::routes, Action::inspector, Action::streams, Action::script_console})
     screen.open(panel);
   const vrml::SceneGraph& scene = *screen.document->world.scene;
-  for (std::uint32_t i = 1; i <= scene.node_count(); ++i) {
-    screen.inspection.select({&scene, scene.id_at(i)}, true);
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
+    screen.inspection.select({&scene, scene.nodes().id_at(i)}, true);
     // The arrow before a list opens it.
     for (float y = 110; y < 400; y += 30) screen.click(720, y);
   }

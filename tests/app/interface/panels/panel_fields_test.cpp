@@ -13,7 +13,7 @@ using driver::Driver;
 
 constexpr char32_t kAlef = 0x05D0, kBet = 0x05D1, kGimel = 0x05D2;
 
-// Reports whether alef is right of bet and bet right of gimel, or nullopt if no font has them.
+// Reports whether alef is right of bet and bet right of gimel. Returns nullopt if no font has these letters.
 std::optional<bool> seen_from_right(const Driver& user) {
   const auto alef = user.place_of(kAlef), bet = user.place_of(kBet), gimel = user.place_of(kGimel);
   if (!alef || !bet || !gimel) return std::nullopt;
@@ -59,7 +59,8 @@ TEST_CASE("shows right-to-left text in the inspector in visual order, and sends 
   float line = 0;
   for (const driver::SeenCharacter& one : driver::seen_characters())
     if (one.character == kAlef) line = (one.top + one.bottom) / 2;
-  // The caret right of alef is before it. Typed text stays over frames.
+  // The text reads right to left, so the caret to the right of alef is before alef. Typed text stays during later
+  // frames.
   user.click(glm::vec2(*alef + 20, line));
   // After the last letter, before the quotation mark.
   user.press(Key::end);

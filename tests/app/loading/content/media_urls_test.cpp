@@ -47,7 +47,7 @@ TEST_CASE("plays the first readable url of an AudioClip (4.5.2, 6.4)") {
   CHECK(texts_of(none)[0].find("main.wrl:2:") != std::string::npos);
   CHECK(texts_of(none)[0].find("AudioClip") != std::string::npos);
   CHECK(texts_of(none)[0].find("text.wav") != std::string::npos);
-  // Reports the reason, too.
+  // The message also has the reason.
   CHECK(texts_of(world_of("\"bad.wav\""))[0].find("broken WAV") != std::string::npos);
   CHECK(texts_of(world_of("\"none.wav\"")).size() == 1);
 }

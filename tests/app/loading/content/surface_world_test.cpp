@@ -5,7 +5,7 @@
 #include "qnv/codecs/displaced/tessellation/patch_surface.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "render/collection/collector.h"
-#include "tests/app/clouds.h"
+#include "tests/app/geometry_shapes.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/worlds.h"
 #include "tests/qnv/codecs/displaced/displaced_shapes.h"
@@ -37,24 +37,24 @@ TEST_CASE("loads a displaced surface as patches for drawing, and as triangles fo
   const std::string path = folder.write("ball.qnv", ball_stream());
   LoadedWorld world = load_world(path);
   INFO(said(world));
-  REQUIRE(world.clouds.size() == 1);
-  const auto* patches = world.clouds.begin()->second->as<qnv::SurfacePatches>();
+  REQUIRE(world.geometries.size() == 1);
+  const auto* patches = world.geometries.begin()->second->as<qnv::SurfacePatches>();
   REQUIRE(patches);
   LoadOptions whole;
   whole.whole_surfaces = true;
   const LoadedWorld other = load_world(path, whole);
-  const auto* mesh = other.clouds.begin()->second->as<qnv::IndexedMesh>();
+  const auto* mesh = other.geometries.begin()->second->as<qnv::IndexedMesh>();
   REQUIRE(mesh);
   CHECK(mesh->size() == patches->parts[0]->vertex_count());
   LoadOptions cut;
   cut.max_bytes = ball_stream().size() * 9 / 10;
   const LoadedWorld part = load_world(path, cut);
   INFO(said(part));
-  REQUIRE(part.clouds.size() == 1);
-  CHECK(part.clouds.begin()->second->as<qnv::SurfacePatches>());
+  REQUIRE(part.geometries.size() == 1);
+  CHECK(part.geometries.begin()->second->as<qnv::SurfacePatches>());
 
   render::MeshCache meshes;
-  const render::RenderList list = render::collect(*world.scene, world.images, meshes, {0, 0, 10}, world.clouds);
+  const render::RenderList list = render::collect(*world.scene, world.images, meshes, {0, 0, 10}, world.geometries);
   REQUIRE(list.items.size() == 1);
   CHECK(list.splats.empty());
   CHECK(list.items[0].patches() == patches);
@@ -66,7 +66,7 @@ TEST_CASE("hits the drawn triangles of a displaced surface by the pointer") {
   const ScratchFolder folder;
   LoadedWorld world = load_world(folder.write("ball.qnv", ball_stream()));
   render::MeshCache meshes;
-  render::RenderList list = render::collect(*world.scene, world.images, meshes, {0, 0, 10}, world.clouds);
+  render::RenderList list = render::collect(*world.scene, world.images, meshes, {0, 0, 10}, world.geometries);
   REQUIRE(list.items.size() == 1);
   const glm::dvec3 middle(4, 0, -2);
   list.items[0].world_from_node = glm::scale(glm::translate(glm::dmat4(1), middle), glm::dvec3(2));
@@ -81,7 +81,7 @@ TEST_CASE("hits the drawn triangles of a displaced surface by the pointer") {
     CHECK(glm::length(hit->point - middle) == Approx(2).margin(0.02));
     CHECK(glm::dot(hit->normal, glm::normalize(hit->point - middle)) > 0.99);
     CHECK(glm::length(hit->point - line.origin) == Approx(hit->distance));
-    // From a distance both the picture and the hit are coarse.
+    // From a distance, the picture and the hit use equally coarse triangles.
     PickOptions far;
     far.pixel = 1;
     const auto coarse = Picker().pick(list, line, far);

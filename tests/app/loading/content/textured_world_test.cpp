@@ -7,7 +7,7 @@
 #include "render/collection/collector.h"
 #include "render/collection/render_scene.h"
 #include "render/image/image.h"
-#include "tests/app/clouds.h"
+#include "tests/app/geometry_shapes.h"
 #include "tests/app/scratch_folder.h"
 #include "tests/app/worlds.h"
 #include "tests/qnv/codecs/displaced/displaced_shapes.h"
@@ -31,7 +31,7 @@ render::Image colored_picture(std::uint32_t size) {
   return image;
 }
 
-/// Returns a torus with a texture of 128 pixels per axis, seen from above, and a coarse one of 32 before it.
+/// Returns a torus with a texture of 128 pixels per axis, after a coarse texture of 32 pixels.
 const std::string& torus_stream() {
   static const std::string bytes = [] {
     const qnv::Triangles torus = qnv::displaced::torus(70, 40);
@@ -48,7 +48,6 @@ const std::string& torus_stream() {
       file.enough = file.bytes.size();
     }
     qnv::EncodeOptions options;
-    options.payload = qnv::Payload::displaced;
     options.exact_bits = qnv::kExactWherePays;
     options.textured = &surface;
     auto made = qnv::encode_displaced([&](const qnv::TriangleSink& sink) { return sink(torus); }, options);
@@ -70,10 +69,10 @@ TEST_CASE("shows a textured surface with the received part of mesh and texture")
     cut.max_bytes = bytes;
     LoadedWorld world = load_world(path, cut);
     INFO(bytes << " bytes: " << said(world));
-    REQUIRE(world.clouds.size() == 1);
-    const auto& [node, cloud] = *world.clouds.begin();
+    REQUIRE(world.geometries.size() == 1);
+    const auto& [node, geometry] = *world.geometries.begin();
     render::MeshCache meshes;
-    const render::RenderList list = render::collect(*world.scene, world.images, meshes, {0, 0, 10}, world.clouds);
+    const render::RenderList list = render::collect(*world.scene, world.images, meshes, {0, 0, 10}, world.geometries);
     const auto pictured =
         std::ranges::count_if(list.items, [](const auto& item) { return item.texture.image != nullptr; });
     if (pictured == 0) {
@@ -97,7 +96,7 @@ TEST_CASE("shows a textured surface with the received part of mesh and texture")
       REQUIRE(!list.items[0].texture.image);
       for (const std::uint32_t i : list.items[0].mesh->indices) REQUIRE_EACH(i < list.items[0].mesh->positions.size());
       REQUIRE(list.items[0].mesh->indices.size() + item.mesh->indices.size() ==
-              cloud->as<qnv::IndexedMesh>()->triangles.size());
+              geometry->as<qnv::IndexedMesh>()->triangles.size());
     } else {
       ++whole;
       REQUIRE(item.mesh->indices.size() == 3u * 2 * 70 * 40);
@@ -118,16 +117,16 @@ TEST_CASE("keeps the texture of a surface when its material changes, and under t
                    "geometry QNV { url \"torus.qnv\" } }");
   LoadedWorld world = load_world(path);
   INFO(said(world));
-  REQUIRE(world.clouds.size() == 1);
+  REQUIRE(world.geometries.size() == 1);
   render::MeshCache meshes;
-  render::RenderScene scene(*world.scene, world.images, world.clouds, meshes);
+  render::RenderScene scene(*world.scene, world.images, world.geometries, meshes);
   scene.gather({}, {0, 0, 10});
   REQUIRE(scene.list().items.size() == 1);
   const auto image = scene.list().items[0].texture.image;
   REQUIRE(image);
   vrml::NodeId material;
-  for (std::uint32_t i = 1; i <= world.scene->node_count(); ++i)
-    if (world.scene->node_at(i).type->name == "Material") material = world.scene->id_at(i);
+  for (std::uint32_t i = 1; i <= world.scene->nodes().count(); ++i)
+    if (world.scene->nodes().at(i).type->name == "Material") material = world.scene->nodes().id_at(i);
   REQUIRE(material);
   const vrml::NodeChange change{world.scene.get(), material, ~std::uint64_t{0}};
   (void)scene.update(std::span(&change, 1), {}, {0, 0, 10});

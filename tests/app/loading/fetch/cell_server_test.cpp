@@ -21,7 +21,7 @@ LoadedWorld interrupted(CellSite& site, const LoadOptions& options, const Then& 
   return world;
 }
 
-/// Server in its own process, which a test can kill: the first one sends slowly, the second one replaces it.
+/// Server in its own process, which a test can kill. The first server sends slowly, the second one replaces it.
 class ServerProgram {
  public:
   explicit ServerProgram(const CellSite& site, const char* rate = "2000000") {

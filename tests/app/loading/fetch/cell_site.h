@@ -9,7 +9,7 @@
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/records/encode/encode_vectors.h"
 #include "qnv/codecs/shared/encode_options.h"
-#include "tests/app/clouds.h"
+#include "tests/app/geometry_shapes.h"
 #include "tests/app/large_stream.h"
 #include "tests/app/program.h"
 #include "tests/app/scratch_folder.h"
@@ -40,7 +40,6 @@ inline constexpr std::chrono::milliseconds kCellWait{20};
 inline const std::string& records_stream() {
   static const std::string bytes = [] {
     qnv::EncodeOptions options;
-    options.payload = qnv::Payload::records;
     const auto encoded = qnv::encode_vectors(test::sphere(30'000), options);
     REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
     return string_of(std::get<qnv::EncodedStream>(encoded).bytes);
@@ -48,7 +47,7 @@ inline const std::string& records_stream() {
   return bytes;
 }
 
-/// Returns a distant ball that ends with the mesh itself: version 2.
+/// Returns a stream of a ball far from the origin, so version 2. It ends with the exact mesh.
 inline const std::string& exact_stream() {
   static const std::string bytes = [] {
     qnv::EncodeOptions options;
@@ -88,24 +87,24 @@ struct CellSite {
 };
 
 inline qnv::Geometry geometry_of_world(const LoadedWorld& world) {
-  REQUIRE(world.clouds.size() == 1);
-  const auto& geometry = *world.clouds.begin()->second;
+  REQUIRE(world.geometries.size() == 1);
+  const auto& geometry = *world.geometries.begin()->second;
   const auto* octree = geometry.as<qnv::OctreeSplats>();
   return octree ? octree->stream->whole() : geometry;
 }
 
 /// Returns position and weight of each splat, sorted.
-inline std::vector<std::array<float, 4>> discs_of(const qnv::VectorView& cloud) {
+inline std::vector<std::array<float, 4>> discs_of(const qnv::VectorView& geometry) {
   std::vector<std::array<float, 4>> all;
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    all.push_back({cloud.positions[i].x, cloud.positions[i].y, cloud.positions[i].z, cloud.weights[i]});
+  for (std::size_t i = 0; i < geometry.size(); ++i)
+    all.push_back({geometry.positions[i].x, geometry.positions[i].y, geometry.positions[i].z, geometry.weights[i]});
   std::sort(all.begin(), all.end());
   return all;
 }
 
-inline double total_of(const qnv::VectorView& cloud) {
+inline double total_of(const qnv::VectorView& geometry) {
   double total = 0;
-  for (const float weight : cloud.weights) total += weight;
+  for (const float weight : geometry.weights) total += weight;
   return total;
 }
 

@@ -1,4 +1,4 @@
-// Tests of streams that come as cells over UDP on this machine.
+// Tests of streams that are received as cells over UDP on this machine.
 #include "tests/app/loading/fetch/cell_site.h"
 #include "tests/geometries.h"
 
@@ -38,11 +38,11 @@ TEST_CASE("restores a distant mesh over HTTP and from cells") {
     const LoadedWorld world = load_world(url, options);
     REQUIRE(world.scene);
     CHECK(world.diagnostics.entries().empty());
-    const auto cloud = content_of<qnv::IndexedMesh>(geometry_of_world(world));
-    CHECK(cloud.description.origin == wanted.description.origin);
-    CHECK(cloud.positions == wanted.positions);
-    CHECK(cloud.normals == wanted.normals);
-    CHECK(cloud.triangles == wanted.triangles);
+    const auto geometry = content_of<qnv::IndexedMesh>(geometry_of_world(world));
+    CHECK(geometry.description.origin == wanted.description.origin);
+    CHECK(geometry.positions == wanted.positions);
+    CHECK(geometry.normals == wanted.normals);
+    CHECK(geometry.triangles == wanted.triangles);
   }
 }
 
@@ -58,10 +58,10 @@ TEST_CASE("loses only detail with lost cells", "[optimised]") {
     const LoadedWorld world = load_world(site.url(name), options);
     REQUIRE(world.scene);
     CHECK(world.diagnostics.errors() == 0);
-    const qnv::Geometry cloud = geometry_of_world(world);
-    CHECK(cloud.size() > whole.size() / 20);
-    // The area is that of the whole, whatever is missing.
-    CHECK(total_of(cloud) == Approx(total_of(whole)).epsilon(0.05));
+    const qnv::Geometry geometry = geometry_of_world(world);
+    CHECK(geometry.size() > whole.size() / 20);
+    // The total area equals that of the whole stream, whichever vectors are missing.
+    CHECK(total_of(geometry) == Approx(total_of(whole)).epsilon(0.05));
   }
 }
 
@@ -79,7 +79,7 @@ TEST_CASE("loads the first url of a QNV node that has a stream") {
   CHECK(geometry_of_world(world).size() == 30'000);
   options.offline = true;
   const LoadedWorld offline = load_world(site.folder.path("two.wrl"), options);
-  CHECK(offline.clouds.empty());
+  CHECK(offline.geometries.empty());
   CHECK(tells(offline.diagnostics, "--offline"));
 }
 

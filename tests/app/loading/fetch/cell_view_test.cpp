@@ -1,4 +1,4 @@
-// Tests of the requests of views for streams that come as cells over UDP.
+// Tests of the requests of views for streams that are received as cells over UDP.
 #include "tests/app/loading/fetch/cell_site.h"
 #include "tests/geometries.h"
 
@@ -55,8 +55,8 @@ TEST_CASE("shows the base in a window at once, and requests the next parts by vi
   REQUIRE(world.feeds.size() == 1);
   StreamFeed& feed = *world.feeds.front();
   (void)feed.apply();
-  auto& levels = *content_of<qnv::OctreeSplats>(*world.clouds.begin()->second).stream;
-  REQUIRE(levels.clusters() > 0);
+  auto& levels = *content_of<qnv::OctreeSplats>(*world.geometries.begin()->second).stream;
+  REQUIRE(levels.statistics().clusters > 0);
   // A close view of the right side.
   qnv::LodView view;
   view.eye = {3, 0, 0};
@@ -81,7 +81,7 @@ TEST_CASE("shows the base in a window at once, and requests the next parts by vi
     if (feed.apply()) preferred = discs(view) > 4 * before && discs(view) > 2 * discs(opposite);
   }
   CHECK(preferred);
-  // Beside a stream of more weight it requests less of the rate.
+  // With a smaller weight, the stream requests a smaller share of the rate.
   feed.set_weight(0.25);
   while (loading.cells().granted > 2'200'000 && std::chrono::steady_clock::now() < deadline)
     (void)loading.step(kCellWait);

@@ -75,7 +75,7 @@ std::size_t lines_with(const std::string& all, const std::string& part) {
 /// Counts Inlines with content, at any depth.
 std::size_t inlined(const vrml::SceneGraph& scene) {
   std::size_t count = 0;
-  for (const auto& [node, content] : scene.inlines())
+  for (const auto& [node, content] : scene.inlines().all())
     if (content) count += 1 + inlined(*content);
   return count;
 }
@@ -108,7 +108,7 @@ TEST_CASE("lets a world read its own folder and below, and above it only allowed
   CHECK(allowed.images.size() == 4);
   CHECK(allowed.outside.empty());
   CHECK(said(allowed).empty());
-  options.allowed = {folder.path("w/textures/above.gif")};  // the file alone
+  options.allowed = {folder.path("w/textures/above.gif")};  // only this file
   CHECK(load_world(world, options).images.size() == 4);
   options.allowed = {folder.path("w/a")};
   CHECK(load_world(world, options).images.size() == 2);
@@ -246,7 +246,7 @@ TEST_CASE("restricts a volume header to files of its own folder and below") {
     CHECK(opens(with("own.raw")));
     CHECK(opens(with("deep/below.raw")));
     CHECK(opens(with(folder.path("w/own.raw"))));
-    CHECK(opens(with("C:\\long\\ago\\own.raw")));  // the name alone, beside the header
+    CHECK(opens(with("C:\\long\\ago\\own.raw")));  // only the file name is used, in the folder of the header
     CHECK(std::holds_alternative<qnv::VolumeSource>(open_volume(with("own.raw"))));
     for (const std::string& outside : {std::string("../secret.raw"), folder.path("secret.raw"), std::string("link.raw"),
                                        std::string("deep/../../secret.raw")}) {
@@ -276,14 +276,14 @@ TEST_CASE("restricts a header from the network to the network") {
     };
     const LoadedWorld good = with("../data/v.raw");
     INFO(said(good));
-    CHECK(good.clouds.size() == 1);
+    CHECK(good.geometries.size() == 1);
     for (const std::string& data : {secret, "../../../../../../../.." + secret, "file://" + secret}) {
       INFO(data);
       const LoadedWorld bad = with(data);
-      CHECK(bad.clouds.empty());
+      CHECK(bad.geometries.empty());
       CHECK(said(bad).find("404") != std::string::npos);  // it was requested over the network
     }
-    // Also as its own document.
+    // The header also fails if it is the document itself.
     const LoadedWorld alone = load_world(std::string("memory://a/w/") + format.name, web.options);
     CHECK_FALSE(alone.scene);
   }
@@ -291,7 +291,7 @@ TEST_CASE("restricts a header from the network to the network") {
 
 // Origins -----------------------------------------------------------------------------------------
 
-TEST_CASE("a PROTO from the network stays of the network in a world of this machine") {
+TEST_CASE("gives a PROTO from the network only the network's rights in a local world") {
   const ScratchFolder folder;
   const std::string picture = folder.write("p.gif", kPicture);
   folder.write("in.wrl", text("Shape { geometry Box { } }"));
@@ -304,7 +304,7 @@ TEST_CASE("a PROTO from the network stays of the network in a world of this mach
   INFO(said(alone));
   CHECK(inlined(*alone.scene) == 0);
   CHECK(alone.images.empty());
-  CHECK(said(alone).find("memory://lib/lib.wrl:2:") != std::string::npos);  // its position
+  CHECK(said(alone).find("memory://lib/lib.wrl:2:") != std::string::npos);  // position of the PROTO in the library
   CHECK(said(alone).find("may not refer to file:") != std::string::npos);
   CHECK(web.asked("memory://lib/in.wrl") == 1);
   CHECK(web.asked("memory://lib/p.gif") == 1);
@@ -359,7 +359,7 @@ TEST_CASE("shares no images between texts of different origins, in any order of 
     INFO(said(world));
     CHECK(world.images.size() == 1);
   }
-  // Shared by texts of one origin, it is read once.
+  // Texts of one origin share the image, so it is read once.
   web.put("memory://a/p.gif", kPicture);
   web.put("memory://a/1.wrl", text(texture("\"p.gif\"")));
   web.put("memory://a/2.wrl", text(texture("\"p.gif\"")));
@@ -383,7 +383,7 @@ TEST_CASE("gives a data: text the origin of the text that contains it") {
           text("Inline { url " + in_quotes(file) + " } Inline { url " + in_quotes(data) + " }"));
   web.put("memory://a/in.wrl", text("Shape { geometry Box { } }"));
   const LoadedWorld remote = load_world("memory://a/world.wrl", web.options);
-  CHECK(inlined(*remote.scene) == 3);  // both texts, and the one beside the document
+  CHECK(inlined(*remote.scene) == 3);  // both texts, and the file beside the document
   CHECK(said(remote).find("may not refer to file:") != std::string::npos);
   // A URL that the user enters has no origin.
   const LoadedWorld given = load_world(file);
@@ -409,7 +409,7 @@ TEST_CASE("keeps this machine and its networks from a world of the Internet, at 
   CHECK(said(far).find("its address is of a local network; a document of the Internet may not reach it") !=
         std::string::npos);
   CHECK(inlined(*load_world("memory://router/in.wrl", web.options).scene) == 1);
-  CHECK(inlined(*load_world("memory://router/far.wrl", web.options).scene) == 1);  // and nothing more of it
+  CHECK(inlined(*load_world("memory://router/far.wrl", web.options).scene) == 1);  // but no other file of that host
   const ScratchFolder folder;
   CHECK(inlined(*load_world(folder.write("here.wrl", text(all)), web.options).scene) == 2);
   CHECK(inlined(*load_world(folder.write("lib.wrl", text("EXTERNPROTO P [ ] \"memory://lib/lib.wrl#P\"\nP { }")),
@@ -444,7 +444,7 @@ TEST_CASE("greets few unresponsive servers at a time") {
   LoadOptions options;
   options.timeout_seconds = 1;
   const LoadedWorld world = load_world(folder.write("world.wrl", text(body)), options);
-  CHECK(world.clouds.empty());
+  CHECK(world.geometries.empty());
   std::set<net::Endpoint> clients;
   std::size_t count = 0;
   net::Endpoint from;

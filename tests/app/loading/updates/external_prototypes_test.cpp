@@ -12,6 +12,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 using namespace gs;
@@ -46,7 +47,8 @@ const glm::vec3 kRed(1, 0, 0), kGreen(0, 1, 0), kBlue(0, 0, 1);
 TEST_CASE("accepts an EXTERNPROTO that names a PROTO of its own file (VRML97 4.9.2)") {
   const ScratchFolder folder;
   const std::string nodes = "Y { } Y { c 0 1 0 }\n";
-  // Before and after the PROTO, by a fragment alone, by the file's name, and without the PROTO's name.
+  // The EXTERNPROTO is before and after the PROTO. Its URL is a fragment alone, the file's name with a fragment, or
+  // without the PROTO's name.
   for (const std::string url : {"\"#X\"", "\"my world.wrl#X\"", "\"my%20world.wrl\"", "[ \"gone.wrl#X\" \"#X\" ]"})
     for (const bool before : {true, false}) {
       const std::string declared = "EXTERNPROTO Y [ field SFColor c ] " + url + "\n";
@@ -75,7 +77,8 @@ TEST_CASE("loads an EXTERNPROTO of its own file in pieces, and in libraries") {
   INFO(shown.messages);
   CHECK(shown.messages.empty());
   CHECK(shown.colors == std::vector<glm::vec3>{kBlue, kGreen});
-  // A library's PROTO uses one of a second library, which passes on that of a third. Its other references are not read.
+  // A library's PROTO uses a PROTO of a second library, which passes on the PROTO of a third. Other references of the
+  // libraries are not read.
   put("memory://a/lib.wrl", kHeader + "EXTERNPROTO Two [ field SFColor c ] \"two.wrl#Two\"\n" +
                                 "EXTERNPROTO Gone [ ] \"gone.wrl\"\nPROTO Unused [ ] { Gone { } }\n" +
                                 "PROTO L [ field SFColor c 0 1 0 ] { Group { children Two { c IS c } } }\n");
@@ -87,13 +90,37 @@ TEST_CASE("loads an EXTERNPROTO of its own file in pieces, and in libraries") {
   CHECK(shown.colors == std::vector<glm::vec3>{kBlue, kGreen});
 }
 
+TEST_CASE("uses the PROTO name of the URL that loads (VRML97 4.9.3)") {
+  const ScratchFolder folder;
+  (void)folder.write("lib.wrl", kHeader + "PROTO First [ ] { Group { } }\n" + kX +
+                                    "PROTO Second [ field SFColor c 0 1 0 ] { Shape { appearance Appearance { material "
+                                    "Material { emissiveColor IS c } } geometry Box { } } }\n");
+  const auto colors = [&](const std::string& text) {
+    const Shown shown = show(folder.write("a.wrl", kHeader + text));
+    UNSCOPED_INFO(shown.messages);
+    CHECK(shown.messages.empty());
+    return shown.colors;
+  };
+  const std::string fields = " [ field SFColor c ] ", both = "P { c 1 0 0 } Q { }\n";
+  CHECK(colors("EXTERNPROTO P [ ] [ \"urn:x:node:P\" \"lib.wrl#Second\" ] P { }\n") == std::vector<glm::vec3>{kGreen});
+  // Two types share the file, although their first URLs have other names.
+  CHECK(colors("EXTERNPROTO P" + fields + "[ \"gone.wrl#A\" \"lib.wrl#X\" ] EXTERNPROTO Q" + fields +
+               "[ \"gone.wrl#B\" \"lib.wrl#Second\" ]\n" + both) == std::vector<glm::vec3>{kRed, kGreen});
+  // A later URL of the same file has the name.
+  CHECK(colors("EXTERNPROTO P" + fields + "[ \"lib.wrl#Gone\" \"lib.wrl#X\" ] P { c 0 0 1 }\n") ==
+        std::vector<glm::vec3>{kBlue});
+  // In an Inline.
+  (void)folder.write("inner.wrl", kHeader + "EXTERNPROTO P" + fields + "[ \"urn:x:node:P\" \"lib.wrl#X\" ] P { }\n");
+  CHECK(colors("Inline { url \"inner.wrl\" }\n") == std::vector<glm::vec3>{kRed});
+}
+
 TEST_CASE("reports a missing or recursive EXTERNPROTO of its own file, and shows the rest") {
   const ScratchFolder folder;
   const Shown missing =
       show(folder.write("a.wrl", kHeader + "EXTERNPROTO Y [ field SFColor c ] \"#Q\"\nY { }\n" + kX + "X { }\n"));
   CHECK(missing.colors == std::vector<glm::vec3>{kRed});
   CHECK(missing.messages.find("a.wrl:2:13: error: no PROTO 'Q' in this file for EXTERNPROTO Y") != std::string::npos);
-  // Inside its own body directly, and indirectly.
+  // The PROTO is inside its own body, directly and indirectly.
   for (const std::string text :
        {"EXTERNPROTO Y [ ] \"#P\"\nPROTO P [ ] { Group { children Y { } } }\nP { } X { }\n",
         "EXTERNPROTO Y [ ] \"#P\"\nEXTERNPROTO Z [ ] \"#Q\"\nPROTO P [ ] { Group { children Z { } } }\n"
@@ -126,13 +153,16 @@ TEST_CASE("shows the children of an EXTERNPROTO that cannot be loaded, with one 
     return found;
   };
   INFO(shown.messages);
-  CHECK(count("a.wrl:2:13: warning: EXTERNPROTO Region: cannot find 'urn:nobody:Region' or the 1 others") == 1);
-  CHECK(count("EXTERNPROTO Region") == 1);
-  CHECK(count("EXTERNPROTO Other: cannot find 'gone.wrl#Other'") == 1);
-  CHECK(count("a stand-in replaces it") == 2);
-  CHECK(count("EXTERNPROTO Nothing: cannot find 'gone2.wrl'") == 1);
-  CHECK(count("warning: ") == 3);
-  CHECK(count("error: ") == 0);
+  const std::pair<const char*, std::size_t> counts[] = {
+      {"a.wrl:2:13: warning: EXTERNPROTO Region: cannot find 'urn:nobody:Region' or the 1 others", 1},
+      {"EXTERNPROTO Region", 1},
+      {"EXTERNPROTO Other: cannot find 'gone.wrl#Other'", 1},
+      {"a stand-in replaces it", 2},
+      {"EXTERNPROTO Nothing: cannot find 'gone2.wrl'", 1},
+      {"warning: ", 3},
+      {"error: ", 0},
+  };
+  for (const auto& [text, times] : counts) CHECK(count(text) == times);
 }
 
 TEST_CASE("resolves an EXTERNPROTO by a urn of a standard node or a stand-in") {

@@ -19,14 +19,14 @@ std::shared_ptr<Document> empty_document(const std::string& path) {
   return document;
 }
 
-/// Returns a world of one QNV node with this point set.
+/// Returns a world of one QNV node with this geometry.
 LoadedWorld world_of(qnv::Geometry geometry) {
   LoadedWorld world = world_with({});
   const auto make = [&](const char* type) { return world.scene->create(*vrml::built_in_node_type(type)); };
   const vrml::NodeId shape = make("Shape"), qnv = make("QNV");
   world.scene->set<vrml::SFNode>(shape, "geometry", qnv);
   world.scene->add_root(shape);
-  world.clouds[&world.scene->node(qnv)] = std::make_shared<const qnv::Geometry>(std::move(geometry));
+  world.geometries[&world.scene->node(qnv)] = std::make_shared<const qnv::Geometry>(std::move(geometry));
   return world;
 }
 
@@ -56,7 +56,7 @@ TEST_CASE("reads a file once, and again on request") {
   CHECK(list.entries().size() == 1);
   const auto again = list.begin("a.wrl");
   REQUIRE(again);
-  CHECK(list.document("a.wrl") == before);  // until it is read
+  CHECK(list.document("a.wrl") == before);  // until the file is read
   list.reload("a.wrl");                     // again during reading
   CHECK_FALSE(list.begin("a.wrl"));
   list.deliver(again->number, empty_document("a.wrl"));
@@ -100,7 +100,7 @@ TEST_CASE("drops the result of a cancelled load") {
   const auto reading = list.begin("a");
   list.cancel("a");
   CHECK(*reading->cancelled);
-  CHECK(list.awaited("a"));  // from the start
+  CHECK(list.awaited("a"));  // from the start of reading
   CHECK_FALSE(list.deliver(reading->number, empty_document("a")));
   CHECK_FALSE(list.document("a"));
   const auto again = list.begin("a");
@@ -144,37 +144,40 @@ TEST_CASE("chooses navigation and Viewpoint at the entry of a world") {
   }
 }
 
-TEST_CASE("reports the point sets of a document") {
-  qnv::Splats cloud;
-  cloud.positions = {{0, 0, 0}, {1, 1, 1}};
-  cloud.normals = {{0, 0, 1}, {0, 1, 0}};
-  cloud.weights = {3, 8};
-  cloud.description.box.add({0, 0, 0});
-  cloud.description.box.add({1, 1, 1});
+TEST_CASE("reports the geometries of a document") {
+  qnv::Splats geometry;
+  geometry.positions = {{0, 0, 0}, {1, 1, 1}};
+  geometry.normals = {{0, 0, 1}, {0, 1, 0}};
+  geometry.weights = {3, 8};
+  geometry.description.box.add({0, 0, 0});
+  geometry.description.box.add({1, 1, 1});
   SECTION("a surface") {
-    const auto document = make_document(world_of(cloud));
-    CHECK(document->has_surface_clouds);
+    const auto document = make_document(world_of(geometry));
+    CHECK(document->has_surface_vectors);
     CHECK_FALSE(document->has_volumes);
-    CHECK(document->has_clouds());
+    CHECK(document->has_vectors());
   }
   SECTION("a volume") {
     qnv::Volume volume;
-    static_cast<qnv::VectorArrays&>(volume) = cloud;
+    static_cast<qnv::VectorArrays&>(volume) = geometry;
     volume.description.value_range = {-1000, 3000};
     volume.description.metadata = {{"title", "head"}};
     volume.classes = {1, 2};
     const auto document = make_document(world_of(volume));
-    CHECK_FALSE(document->has_surface_clouds);
+    CHECK_FALSE(document->has_surface_vectors);
     CHECK(document->has_volumes);
   }
-  CHECK_FALSE(make_document(world_with({"Group"}))->has_clouds());
+  CHECK_FALSE(make_document(world_with({"Group"}))->has_vectors());
 }
 
 TEST_CASE("labels a file with the last part of its path") {
-  CHECK(file_label("/home/somebody/world.wrl") == "world.wrl");
-  CHECK(file_label("world.wrl") == "world.wrl");
-  CHECK(file_label("http://example.org/a/b.wrz") == "b.wrz");
-  CHECK(file_label("folder/") == "folder");
-  CHECK(file_label("/") == "/");
-  CHECK(file_label("").empty());
+  const std::pair<const char*, const char*> labels[] = {
+      {"/home/somebody/world.wrl", "world.wrl"},
+      {"world.wrl", "world.wrl"},
+      {"http://example.org/a/b.wrz", "b.wrz"},
+      {"folder/", "folder"},
+      {"/", "/"},
+      {"", ""},
+  };
+  for (const auto& [path, label] : labels) CHECK(file_label(path) == label);
 }

@@ -28,7 +28,7 @@ TEST_CASE("keeps the messages of each file in the session log, and reports them 
   CHECK(log.take_untold() == Lines{"a.wrl:1:1: error: two"});
   CHECK(log.errors() == 2);
   CHECK(log.files().size() == 2);
-  log.note("a.wrl", said({"three"}));  // it was read again
+  log.note("a.wrl", said({"three"}));  // the file was read again
   CHECK(log.take_untold() == Lines{"a.wrl:1:1: error: three"});
   CHECK(log.errors() == 1);
   for (std::size_t i = 0; i < 2 * SessionLog::kMaxFiles; ++i) log.note(std::to_string(i), said({"x"}));
@@ -57,7 +57,7 @@ TEST_CASE("keeps failed files in the log while another one shows, and reports ea
   session.opening().open_files({missing});
   const Frame first = steps_until(session, [](const Frame& frame) { return !frame.failed.empty(); });
   CHECK(first.failed[0].path == missing);
-  REQUIRE(session.panes().at(0).failure);  // as in the viewport
+  REQUIRE(session.panes().at(0).failure);  // the viewport shows the same failure
   CHECK(session.panes().at(0).failure->path == missing);
   session.opening().open_files({other, good});
   bool failed = false, arrived = false;

@@ -102,7 +102,7 @@ TEST_CASE("hands over a world before a late image, and adds the image later") {
   std::shared_ptr<Document> document;
   bool over = false;
   ResourceUpdates updates;
-  std::optional<std::size_t> waited;  // when the world was received
+  std::optional<std::size_t> waited;  // missing resources when the world was received
   while (!over) {
     WorldReader::News news = reader.take();
     over = news.over;
@@ -117,7 +117,7 @@ TEST_CASE("hands over a world before a late image, and adds the image later") {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   REQUIRE(document);
-  CHECK(waited == 1u);  // the missing image was known by then
+  CHECK(waited == 1u);  // the image was already counted as missing
   CHECK(updates.images.size() == 1);
   CHECK(document->world.diagnostics.warnings() + updates.diagnostics.warnings() == 1);
   document->runtime->arrive(std::move(updates));

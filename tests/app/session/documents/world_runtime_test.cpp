@@ -76,9 +76,9 @@ TEST_CASE("drops images and meshes of removed nodes, also when their slots are r
     CHECK(world.runtime->execution().lifetime().remove_unheld() == 5);
     CHECK(world.opened.images.empty());
     CHECK(world.meshes.meshes.empty());
-    arrive(&scene);  // too late
+    arrive(&scene);  // the result is too late
     const vrml::SceneGraph other("other.wrl");
-    arrive(const_cast<vrml::SceneGraph*>(&other));  // of a removed Inline
+    arrive(const_cast<vrml::SceneGraph*>(&other));  // result for a removed Inline
     CHECK(world.opened.images.empty());
     CHECK(world.list().items.empty());
     world.runtime->step(1001 + round);
@@ -92,7 +92,7 @@ TEST_CASE("keeps an outdated list valid after its Inline is removed") {
   Diagnostics diagnostics;
   (void)vrml::parse("#VRML V2.0 utf8\nShape { geometry Box { } }", *content, diagnostics);
   const std::weak_ptr<vrml::SceneGraph> watched = content;
-  scene.attach_inline(scene.roots()[1], std::move(content));
+  scene.inlines().attach(scene.roots()[1], std::move(content));
   vrml::Execution& execution = world.runtime->execution();
   execution.scenes().attach();
   execution.changes().mark_content(scene, scene.roots()[1]);

@@ -33,7 +33,7 @@ TEST_CASE("follows an Anchor to a file beside the world, or to a Viewpoint of it
   CHECK(link("/worlds/a/town.wrl", "url \"\"").places.empty());
 }
 
-TEST_CASE("restricts an Anchor of the network to the network") {
+TEST_CASE("restricts an Anchor from the network to the network") {
   const Link one = link("http://host/a/town.wrl", "url [ \"house.wrl\" \"file:///etc/passwd\" \"#Gate\" ]");
   REQUIRE(one.places.size() == 3);
   CHECK(one.places[0].target == "http://host/a/house.wrl");

@@ -55,7 +55,7 @@ TEST_CASE("opens each file of the command line in its own viewport, up to the ma
     CHECK(panes.documents().entries().size() == count);
     std::size_t readings = 0;
     while (const auto reading = loading.begin()) {
-      CHECK(reading->path == all[readings]);  // the active one first
+      CHECK(reading->path == all[readings]);  // the active viewport first
       ++readings;
     }
     CHECK(readings == std::min(count, kMaxViewportsAtStart));  // hidden files are not read
@@ -83,7 +83,7 @@ TEST_CASE("shows one file in several viewports, and reads it once") {
   REQUIRE(panes.at(0).view());
   REQUIRE(panes.at(1).view());
   CHECK(panes.at(0).view()->document == panes.at(1).view()->document);
-  // Different cameras and styles.
+  // The viewports get different cameras and styles.
   panes.at(0).view()->navigation.pose.position.x += 5;
   panes.at(1).view()->look.opacity = 7;
   panes.at(1).view()->headlight = false;
@@ -102,7 +102,7 @@ TEST_CASE("opens a file in the active viewport, and more files in free visible o
   const std::string dropped[] = {"", "x", "y", "z"};
   panes.open(dropped);
   CHECK(panes.at(1).wanted == "x");
-  CHECK(panes.at(1).shown == "b");  // until it is read
+  CHECK(panes.at(1).shown == "b");  // until the file is read
   CHECK(panes.at(3).wanted == "y");
   CHECK(panes.documents().entries().size() == 6);
   CHECK(panes.selected() == 3u);

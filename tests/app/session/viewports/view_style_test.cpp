@@ -102,6 +102,10 @@ TEST_CASE("takes the up axis from format or header, and a look of its own from w
   const std::string triangle =
       "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
       "0\nendloop\nendfacet\nendsolid\n";
+  const auto three_quarter = [](Upright upright) {
+    upright.three_quarter = true;
+    return upright;
+  };
   CHECK(read("a.stl", triangle) == std::pair{upright_of(UpRule::z, {}), false});
   CHECK(read("a.wrl", std::string("#VRML V2.0 utf8\n") + kTower) == std::pair{Upright{}, true});
   const auto nrrd = [](const std::string& space) {
@@ -109,9 +113,22 @@ TEST_CASE("takes the up axis from format or header, and a look of its own from w
     for (int i = 0; i < 512; ++i) text += static_cast<char>(i % 8 > 2 && i / 64 > 2 ? 200 : 10);
     return text;
   };
-  CHECK(read("plain.nrrd", nrrd("")) == std::pair{Upright{{0, 0, -1}, {0, -1, 0}}, false});
+  CHECK(read("plain.nrrd", nrrd("")) == std::pair{three_quarter({{0, 0, -1}, {0, -1, 0}}), false});
   CHECK(read("patient.nrrd", nrrd("space: left-posterior-superior\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n")) ==
-        std::pair{Upright{{0, 0, 1}, {0, -1, 0}}, false});
+        std::pair{three_quarter({{0, 0, 1}, {0, -1, 0}}), false});
+}
+
+TEST_CASE("shows objects from the front, right and above at first, but flat pictures and worlds from the front") {
+  LoadedWorld world;
+  world.authored = false;
+  CHECK(world.upright({1, 1, 1}).three_quarter);
+  CHECK(world.upright({2, 0, 2}).three_quarter);  // terrain
+  CHECK_FALSE(world.upright({2, 1, 0}).three_quarter);
+  world.stated_up = Upright{{0, 0, 1}, {0, -1, 0}};
+  CHECK_FALSE(world.upright({2, 0, 2}).three_quarter);
+  CHECK(world.upright({2, 1, 0}).three_quarter);
+  world.authored = true;
+  CHECK_FALSE(world.upright({1, 1, 1}).three_quarter);
 }
 
 }  // namespace gs::app::view_style_test

@@ -77,7 +77,7 @@ TEST_CASE("frames the scene again for an unmoved viewer without Viewpoint when g
   for (const float x : {0.0f, 41.0f, 20.0f}) move(view, x);
   CHECK(view.home.position == last.position);
 
-  // A moved viewer stays, and no viewer follows geometry that leaves for good.
+  // A viewer that the user moved stays. An unmoved viewer does not follow geometry that leaves for good.
   (void)shared->runtime->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{0, 0, 0});
   for (const float x : {6.0f, 41.0f}) move(walker, x);
   CHECK(walker.navigation.pose.position == first.position + glm::dvec3(0.25, 0, 0));
@@ -132,7 +132,7 @@ TEST_CASE("moves the viewer with the bound Viewpoint, and to the one that events
   CHECK(bind(2));
   CHECK_FALSE(view.navigation.transition);
   CHECK(view.navigation.pose.position == stays);
-  // From then on the viewer moves with it.
+  // From then on the viewer moves with the Viewpoint.
   CHECK(shared->runtime->send(scene, scene.roots()[0], "translation", vrml::SFVec3f{7, 0, 0}));
   CHECK(follow_world(view));
   CHECK(glm::distance(view.navigation.pose.position, stays + glm::dvec3(5, 0, 0)) < 1e-4f);
@@ -183,7 +183,7 @@ TEST_CASE("keeps the position relative to a Viewpoint, and restores it when the 
   CHECK(world.at({50, 0, 7}));
   world.bind(1, false);
   CHECK(world.at({6, 2, 10}));  // with the moved Viewpoint
-  // A stored position serves one return. A bind moves to the Viewpoint itself.
+  // A stored position is used for one return only. After that, a bind moves the viewer to the Viewpoint itself.
   world.bind(1);
   CHECK(world.at({50, 0, 0}));
   world.bind(0);

@@ -31,7 +31,7 @@ TEST_CASE("keeps a picture while none of its parts changes") {
   ledger.note(0, source, drawn(), 0.01);
   CHECK(ledger.is_same(0, source));
   CHECK(ledger.stands(0, false));
-  CHECK_FALSE(ledger.is_same(1, source));  // that is of another viewport
+  CHECK_FALSE(ledger.is_same(1, source));  // the picture is of another viewport
   CHECK_FALSE(ledger.wants_more(0));
 
   const auto changed = [&](auto change) {
@@ -40,18 +40,18 @@ TEST_CASE("keeps a picture while none of its parts changes") {
     return !ledger.is_same(0, now);
   };
   CHECK(changed([&](PictureSource& now) { now.list = other; }));
-  CHECK(changed([&](PictureSource& now) { now.shown = other.get(); }));  // with slices
+  CHECK(changed([&](PictureSource& now) { now.shown = other.get(); }));  // the view shows slices
   CHECK(changed([](PictureSource& now) { now.changes = 5; }));           // the world has advanced
-  CHECK(changed([](PictureSource& now) { now.grown = 1; }));             // a stream or a movie
+  CHECK(changed([](PictureSource& now) { now.grown = 1; }));             // a stream has grown, or a movie has advanced
   CHECK(changed([](PictureSource& now) { now.camera.world_from_camera[3].x = 1; }));
   CHECK(changed([](PictureSource& now) { now.camera.field_of_view = 1; }));
   CHECK(changed([](PictureSource& now) { now.draw.width = 101; }));
   CHECK(changed([](PictureSource& now) { now.draw.budget = 7; }));
   CHECK(changed([](PictureSource& now) { now.draw.headlight = false; }));
   CHECK(changed([](PictureSource& now) { now.draw.background = glm::vec3(1); }));
-  CHECK(changed([](PictureSource& now) { now.draw.clouds.opacity = 3; }));
-  CHECK(changed([](PictureSource& now) { now.draw.clouds.color_by = render::ColorBy::normal; }));
-  CHECK(changed([](PictureSource& now) { now.draw.clouds.transfer.resize(2); }));
+  CHECK(changed([](PictureSource& now) { now.draw.splat_style.opacity = 3; }));
+  CHECK(changed([](PictureSource& now) { now.draw.splat_style.color_by = render::ColorBy::normal; }));
+  CHECK(changed([](PictureSource& now) { now.draw.splat_style.transfer.resize(2); }));
   CHECK(changed([](PictureSource& now) { now.draw.splats = render::SplatPath::gl; }));
   CHECK_FALSE(changed([](PictureSource& now) { now.draw.go_on = [] { return false; }; }));
 }
@@ -62,7 +62,7 @@ TEST_CASE("detects a new list at the address of a removed one") {
   ledger.note(0, source_of(list), drawn(), 0);
   PictureSource same_place = source_of(list);
   const auto successor = std::make_shared<const render::RenderList>();
-  same_place.list = successor;  // everything else is equal, the address too
+  same_place.list = successor;  // everything else is equal, also the address of the list
   list.reset();
   CHECK_FALSE(ledger.is_same(0, same_place));
 }
@@ -77,7 +77,7 @@ TEST_CASE("redraws a picture that can improve, unless that delays the user") {
   CHECK(ledger.stands(0, true));
   ledger.note(0, source, drawn(true, 200), PictureLedger::kQuick / 2);
   CHECK_FALSE(ledger.stands(0, true));
-  // A picture that always promises a better one ends its refinement.
+  // Refinement ends if every picture still reports that a better one will follow.
   for (int i = 0; i <= Refinement::kMaxFramesAlike; ++i) ledger.note(0, source, drawn(true, 200), 0);
   CHECK_FALSE(ledger.wants_more(0));
   CHECK(ledger.stands(0, false));

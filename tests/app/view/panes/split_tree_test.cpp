@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -187,9 +188,10 @@ TEST_CASE("places dividers between viewports, and drags them within the minimum 
   CHECK(column_of(with_divider_at(tree, dividers[0], area, 5000, 50), 1) == 226);
   CHECK(arrange(with_divider_at(tree, dividers[2], area, 90, 50), area)[2].top == 90);
   CHECK(arrange(with_divider_at(tree, dividers[2], area, 30, 50), area)[2].top == 70);
-  // Without enough space: at the middle.
+  // Without enough space, the divider is in the middle.
   CHECK(arrange(with_divider_at(tree, dividers[2], area, 30, 150), area)[2].top == 120);
-  // Two viewports above each other need the width of one, two beside each other need twice that.
+  // Two viewports on top of each other need the width of one viewport. Two viewports side by side need twice that
+  // width.
   const SplitTree nested = split("(1/2)|((3|4)/5)");
   CHECK(arrange(with_divider_at(nested, dividers_of(nested, area)[0], area, 5000, 50), area)[2].left == 310);
   CHECK(dividers_of(split("1|2!1"), area).empty());
@@ -244,20 +246,23 @@ TEST_CASE("restores splits from their text") {
 }
 
 TEST_CASE("rejects invalid splits with a reason") {
-  CHECK(why_not("") == "expected viewport numbers from 1 to 12");
-  CHECK(why_not("0") == "expected viewport numbers from 1 to 12");
-  CHECK(why_not("13") == "expected viewport numbers from 1 to 12");
-  CHECK(why_not("-1") == "expected viewport numbers from 1 to 12");
-  CHECK(why_not("1|") == "expected viewport numbers from 1 to 12");
-  CHECK(why_not("99999999999999999999999") == "expected viewport numbers from 1 to 12");
-  CHECK(why_not("1|1") == "viewport 1 is given twice");
-  CHECK(why_not("1|2/3") == "expected brackets around a mix of '|', '/' and '+'");
-  CHECK(why_not("(1|2") == "a bracket is not closed; expected ')'");
-  CHECK(why_not("1|2)") == "expected the end before ')'");
-  CHECK(why_not("1 2") == "expected the end before ' 2'");
-  CHECK(why_not("1:0|2") == "expected a number from 0.001 to 1000 after ':'");
-  CHECK(why_not("1:nan|2") == "expected a number from 0.001 to 1000 after ':'");
-  CHECK(why_not("1:|2") == "expected a number from 0.001 to 1000 after ':'");
-  CHECK(why_not("1|2!3") == "expected the number of one of the viewports after '!'");
+  const std::pair<const char*, const char*> reasons[] = {
+      {"", "expected viewport numbers from 1 to 12"},
+      {"0", "expected viewport numbers from 1 to 12"},
+      {"13", "expected viewport numbers from 1 to 12"},
+      {"-1", "expected viewport numbers from 1 to 12"},
+      {"1|", "expected viewport numbers from 1 to 12"},
+      {"99999999999999999999999", "expected viewport numbers from 1 to 12"},
+      {"1|1", "viewport 1 is given twice"},
+      {"1|2/3", "expected brackets around a mix of '|', '/' and '+'"},
+      {"(1|2", "a bracket is not closed; expected ')'"},
+      {"1|2)", "expected the end before ')'"},
+      {"1 2", "expected the end before ' 2'"},
+      {"1:0|2", "expected a number from 0.001 to 1000 after ':'"},
+      {"1:nan|2", "expected a number from 0.001 to 1000 after ':'"},
+      {"1:|2", "expected a number from 0.001 to 1000 after ':'"},
+      {"1|2!3", "expected the number of one of the viewports after '!'"},
+  };
+  for (const auto& [text, reason] : reasons) CHECK(why_not(text) == reason);
   CHECK(why_not(std::string(100'000, '(')) == "too many nested brackets");
 }

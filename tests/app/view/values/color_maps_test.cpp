@@ -27,7 +27,7 @@ void check_bytes(const char* name, float place, const glm::vec3& expected, float
 }  // namespace
 
 TEST_CASE("uses the published colours of colour maps") {
-  // From matplotlib's tables, which the polynomials match within some hundredths.
+  // These colours are from matplotlib's tables. The polynomials match them within some hundredths.
   check_bytes("viridis", 0, {68, 1, 84}, 8);
   check_bytes("viridis", 0.5f, {33, 145, 140}, 8);
   check_bytes("viridis", 1, {253, 231, 37}, 8);

@@ -7,24 +7,24 @@
 namespace gs::app::picked_values_test {
 
 TEST_CASE("returns the value of the nearest vector in a volume stream") {
-  qnv::Volume cloud;
-  CHECK_FALSE(value_near(cloud, {0, 0, 0}));
-  cloud.description.value_range = {-100, 155};
-  cloud.positions = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}};
-  cloud.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
-  cloud.weights = {0.5f, 2, 8};
-  CHECK_FALSE(value_near(cloud, {0, 0, 0}));  // its values have no meaning
-  cloud.classes = {0, 128, 255};
-  REQUIRE(value_near(cloud, {0, 0, 0}));
-  CHECK(value_near(cloud, {0.4, 0, 0})->value == -100);
-  CHECK(value_near(cloud, {0.6, 0, 0})->value == 28);
-  CHECK(value_near(cloud, {0.6, 0, 0})->gradient == 2);
-  CHECK(value_near(cloud, {0, 50, 0})->value == 155);
-  CHECK(value_near(cloud, {0, 50, 0})->step == 1);
+  qnv::Volume geometry;
+  CHECK_FALSE(value_near(geometry, {0, 0, 0}));
+  geometry.description.value_range = {-100, 155};
+  geometry.positions = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}};
+  geometry.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
+  geometry.weights = {0.5f, 2, 8};
+  CHECK_FALSE(value_near(geometry, {0, 0, 0}));  // colours without a key have no values
+  geometry.classes = {0, 128, 255};
+  REQUIRE(value_near(geometry, {0, 0, 0}));
+  CHECK(value_near(geometry, {0.4, 0, 0})->value == -100);
+  CHECK(value_near(geometry, {0.6, 0, 0})->value == 28);
+  CHECK(value_near(geometry, {0.6, 0, 0})->gradient == 2);
+  CHECK(value_near(geometry, {0, 50, 0})->value == 155);
+  CHECK(value_near(geometry, {0, 50, 0})->step == 1);
   // Vectors with NaN positions are skipped.
-  cloud.positions[0].x = std::nanf("");
-  CHECK(value_near(cloud, {0, 0, 0})->value == 28);
-  CHECK_FALSE(value_near(cloud, {std::nan(""), 0, 0}));
+  geometry.positions[0].x = std::nanf("");
+  CHECK(value_near(geometry, {0, 0, 0})->value == 28);
+  CHECK_FALSE(value_near(geometry, {std::nan(""), 0, 0}));
 }
 
 TEST_CASE("interpolates the value on a coloured surface between the corners") {

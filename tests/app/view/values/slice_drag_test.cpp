@@ -75,7 +75,7 @@ TEST_CASE("keeps the grabbed point of a slice under the pointer during the drag"
     Pose pose;
     pose.position = {3, 4, 30};
     pose = with_parallel_rays(pose, parallel, 30);
-    // Twice as large and rotated: the volume's x is the world's -y.
+    // The volume is twice as large and rotated: its x is the world's -y.
     glm::dmat4 world(0);
     world[0][1] = -2;
     world[1][0] = 2;

@@ -73,14 +73,14 @@ TEST_CASE("draws a slice with a pixel per voxel, black to white over the window,
   CHECK(low.width == 4);
   CHECK(low.height == 3);
   REQUIRE(low.components == 3);
-  // The bottom row of the picture is y = 0: 0 to 3 of 102.
+  // The bottom row of the picture is y = 0, with the values 0 to 3 of 102.
   for (std::uint32_t x = 0; x < 4; ++x)
     CHECK(low.pixels[(2 * 4 + x) * 3] == static_cast<int>(std::lround(static_cast<double>(x) / 102 * 255)));
   CHECK(low.pixels[0] == std::lround(20.0 / 102 * 255));
   slices.places[2] = 1;
   const render::Image high = slice_image(*grid, slices, 2);
   REQUIRE(high.components == 4);
-  CHECK(high.pixels[2 * 4 * 4 + 3] == 0);      // the missing one
+  CHECK(high.pixels[2 * 4 * 4 + 3] == 0);      // the missing voxel
   CHECK(high.pixels[2 * 4 * 4 + 7] == 255);    // beside it
   CHECK(high.pixels[(2 * 4 + 3) * 4] == 255);  // 103 is beyond the window
   slices.places[0] = 0.5f;                     // of 0 to 3: voxel 2
@@ -108,7 +108,7 @@ TEST_CASE("places slices at their voxels, beside the volume or alone") {
   REQUIRE(shown.items.size() == 2);  // the plane and its frame
   const render::DrawItem& plane = shown.items.front();
   CHECK(plane.world_from_node == item.world_from_node);
-  // y = 2; voxels extend half a voxel beyond their centres.
+  // The plane is at y = 2. Voxels extend half a voxel beyond their centres.
   CHECK(plane.mesh->bounds.lower == glm::vec3(6, 2, -2.5f));
   CHECK(plane.mesh->bounds.upper == glm::vec3(14, 2, 7.5f));
   CHECK(shown.bounds.lower.x == 106);
@@ -118,7 +118,7 @@ TEST_CASE("places slices at their voxels, beside the volume or alone") {
   const render::RenderList& alone = scene.with_slices(list, grid, slices);
   CHECK(alone.splats.empty());
   CHECK(alone.items.front().texture.image == image);  // kept
-  // The number of changes tells a renderer whether the list is unchanged.
+  // The change number states whether the list is unchanged.
   const std::uint64_t before = alone.changes;
   CHECK(before != 0);
   CHECK(scene.with_slices(list, grid, slices).changes == before);

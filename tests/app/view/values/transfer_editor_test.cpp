@@ -1,6 +1,6 @@
 #include "app/view/values/transfer_editor.h"
 
-#include "render/scene/cloud_look.h"
+#include "render/scene/splat_style.h"
 #include "render/volume/volume_model.h"
 #include "tests/watched.h"
 
@@ -202,9 +202,9 @@ TEST_CASE("summarises volumes by class and magnitude") {
 }
 
 TEST_CASE("estimates the magnitudes of many vectors from a sample of all") {
-  auto cloud = std::make_shared<qnv::Volume>();
-  for (int i = 0; i < 300000; ++i) cloud->weights.push_back(static_cast<float>(i + 1));
-  const std::vector<std::shared_ptr<const qnv::Volume>> volumes{cloud};
+  auto geometry = std::make_shared<qnv::Volume>();
+  for (int i = 0; i < 300000; ++i) geometry->weights.push_back(static_cast<float>(i + 1));
+  const std::vector<std::shared_ptr<const qnv::Volume>> volumes{geometry};
   const VolumeSummary summary = summarize(volumes);
   CHECK(summary.magnitudes.size() <= 65536);
   CHECK(share_left(summary, 100000) == Approx(2 / 3.0).margin(0.001));

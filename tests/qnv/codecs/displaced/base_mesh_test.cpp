@@ -78,7 +78,7 @@ std::vector<std::pair<const char*, BaseMesh>> bases() {
           {"one triangle", base_of(mesh_of({triangle_of({0, 0, 0}, {1, 0, 0}, {0, 1, 0})}), 1)}};
 }
 
-/// Checks the promises of a decoder's result.
+/// Checks the guarantees of a decoder for its result.
 void check_sound(const BaseMesh& base, std::size_t bytes) {
   REQUIRE_EACH(base.triangles.size() <= 64 * bytes);
   REQUIRE_EACH(base.vertices.size() <= 3 * base.triangles.size());
@@ -110,7 +110,7 @@ TEST_CASE("restores a base mesh from its bytes") {
 
 TEST_CASE("keeps the creases of a base mesh, without those at its boundary") {
   const BaseMesh base = base_of(simplify(mesh_of(sheet(60)), 300), 9);
-  // Edges with both ends on one side of a plane.
+  // Creases: edges with both ends on one side of a plane.
   const auto crease = [&](std::uint32_t a, std::uint32_t b) {
     return (base.vertices[a].x > 256) == (base.vertices[b].x > 256) && (a + b) % 3 == 0;
   };

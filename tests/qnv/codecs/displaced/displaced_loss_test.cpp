@@ -62,9 +62,9 @@ TEST_CASE("replaces parts with many sharp edges by an exact mesh that survives l
   for (const auto& [type, payload] : parts.chunks) CHECK(payload.size() <= 1300);
   const StreamDecoder all = decoded(parts, 0, 1);
   CHECK(all.mesh().final);
-  const IndexedMesh cloud = content_of<IndexedMesh>(all.geometry());
-  CHECK(cloud.triangles.size() == 3 * source.size());
-  CHECK(all.vectors() == cloud.size());
+  const IndexedMesh geometry = content_of<IndexedMesh>(all.geometry());
+  CHECK(geometry.triangles.size() == 3 * source.size());
+  CHECK(all.vectors() == geometry.size());
   std::size_t whole = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) whole += decoded(parts, 0.3, seed).mesh().final ? 1 : 0;
   CHECK(whole >= 37);

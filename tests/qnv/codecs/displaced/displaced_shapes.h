@@ -43,7 +43,7 @@ inline Triangles ball(int n, const std::function<Rgb8(const glm::vec3&)>& color 
   return out;
 }
 
-/// Connects a grid of positions to triangles; in a closed direction the last row is the first.
+/// Connects a grid of positions to triangles; in a closed direction, the last row is connected to the first row.
 inline Triangles woven(int u, int v, bool closed_u, bool closed_v, const std::function<glm::vec3(int, int)>& place) {
   Triangles out;
   const auto at = [&](int i, int j) { return place(closed_u ? i % u : i, closed_v ? j % v : j); };
@@ -115,7 +115,8 @@ inline std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides_of(const std
   return sides;
 }
 
-/// Reports whether each directed edge occurs once, so that an edge has at most two triangles of equal orientation.
+/// Reports whether each directed edge occurs once, so that an edge has at most two triangles, with the same
+/// orientation.
 inline bool sides_once(const std::vector<Corners>& triangles) {
   for (const auto& [side, times] : sides_of(triangles))
     if (times != 1) return false;
@@ -132,7 +133,7 @@ inline std::size_t rims_of(const std::vector<Corners>& triangles) {
 
 /// Reports whether the triangles around each vertex form one fan.
 inline bool one_fan_a_vertex(const std::vector<Corners>& triangles) {
-  std::map<std::uint32_t, std::map<std::uint32_t, std::uint32_t>> round;  // of a vertex: from one neighbour to the next
+  std::map<std::uint32_t, std::map<std::uint32_t, std::uint32_t>> round;  // per vertex: next neighbour
   std::map<std::uint32_t, std::size_t> count;
   for (const Corners& t : triangles)
     for (std::size_t k = 0; k < 3; ++k) {

@@ -62,11 +62,12 @@ bool same(const IndexedMesh& a, const IndexedMesh& b) {
 int kind_of(const Bytes& chunk) { return std::to_integer<int>(chunk[0]) & 15; }
 int stage_of(const Bytes& chunk) { return std::to_integer<int>(chunk[0]) >> 4; }
 
-std::vector<Corners> welded(const IndexedMesh& cloud) {
+std::vector<Corners> welded(const IndexedMesh& geometry) {
   Triangles triangles;
-  for (std::size_t i = 0; i < cloud.triangles.size(); i += 3)
-    triangles.push_back(triangle_of(cloud.positions[cloud.triangles[i]], cloud.positions[cloud.triangles[i + 1]],
-                                    cloud.positions[cloud.triangles[i + 2]]));
+  for (std::size_t i = 0; i < geometry.triangles.size(); i += 3)
+    triangles.push_back(triangle_of(geometry.positions[geometry.triangles[i]],
+                                    geometry.positions[geometry.triangles[i + 1]],
+                                    geometry.positions[geometry.triangles[i + 2]]));
   return mesh_of(triangles).triangles;
 }
 
@@ -96,10 +97,10 @@ TEST_CASE("keeps the previous stage if the base mesh of a stage is lost") {
     if (stage_of(chunk) == 0) first.push_back(chunk);
   }
   REQUIRE(without.size() + 1 == parts.chunks.size());
-  const IndexedMesh cloud = content_of<IndexedMesh>(decoded(parts, without).geometry());
-  CHECK(same(cloud, content_of<IndexedMesh>(decoded(parts, first).geometry())));
-  CHECK(!same(cloud, content_of<IndexedMesh>(decoded(parts, parts.chunks).geometry())));
-  // A stream with a damaged first stage is shown from its second one on.
+  const IndexedMesh geometry = content_of<IndexedMesh>(decoded(parts, without).geometry());
+  CHECK(same(geometry, content_of<IndexedMesh>(decoded(parts, first).geometry())));
+  CHECK(!same(geometry, content_of<IndexedMesh>(decoded(parts, parts.chunks).geometry())));
+  // A stream with a damaged first stage is shown from its second stage on.
   StreamReader reader;
   (void)reader.push(parts.head, [](ChunkType, std::span<const std::byte>, std::uint64_t) {});
   StreamHeader header = *reader.header();
@@ -126,14 +127,14 @@ TEST_CASE("shows small parts beside the others as soon as their chunk is receive
   const Parts parts = parts_of(std::get<EncodedStream>(made).bytes);
   CHECK(components_of(welded(content_of<IndexedMesh>(decoded(parts, {}).geometry()))) == 1);
   const StreamDecoder whole = decoded(parts, parts.chunks);
-  const IndexedMesh cloud = content_of<IndexedMesh>(whole.geometry());
-  CHECK(whole.vectors() == cloud.size());
-  const std::vector<Corners> triangles = welded(cloud);
+  const IndexedMesh geometry = content_of<IndexedMesh>(whole.geometry());
+  CHECK(whole.vectors() == geometry.size());
+  const std::vector<Corners> triangles = welded(geometry);
   CHECK(components_of(triangles) == 4);
   CHECK(rims_of(triangles) == 0);
   CHECK(euler_characteristic(triangles) == 8);
   std::vector<Bytes> turned(parts.chunks.rbegin(), parts.chunks.rend());
-  CHECK(same(content_of<IndexedMesh>(decoded(parts, turned).geometry()), cloud));
+  CHECK(same(content_of<IndexedMesh>(decoded(parts, turned).geometry()), geometry));
 }
 
 TEST_CASE("limits memory however many stages a stream claims") {
@@ -152,7 +153,7 @@ TEST_CASE("limits memory however many stages a stream claims") {
       chunk[3] = static_cast<std::byte>(flags);
       chunk[4] = std::byte{200};
       decoder.add(ChunkType::displaced, chunk);
-      // Clusters of the deepest levels.
+      // Decodes clusters of all levels, down to the deepest.
       for (int level = 1; level <= 8; ++level) {
         ClusterHeader cluster{ClusterHeader::Kind::displacement, stage, level, 0, 0, 40, 0};
         Bytes payload = encode_cluster_header(cluster);

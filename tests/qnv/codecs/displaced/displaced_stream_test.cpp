@@ -74,11 +74,11 @@ StreamDecoder decoded(std::span<const std::byte> bytes) {
 }
 
 /// Returns the distance of both surfaces, relative to the longest edge of the box.
-double error_of(const IndexedMesh& cloud, const Triangles& source) {
+double error_of(const IndexedMesh& geometry, const Triangles& source) {
   SurfaceMesh made;
-  made.positions = cloud.positions;
-  for (std::size_t i = 0; i < cloud.triangles.size(); i += 3)
-    made.triangles.push_back({cloud.triangles[i], cloud.triangles[i + 1], cloud.triangles[i + 2]});
+  made.positions = geometry.positions;
+  for (std::size_t i = 0; i < geometry.triangles.size(); i += 3)
+    made.triangles.push_back({geometry.triangles[i], geometry.triangles[i + 1], geometry.triangles[i + 2]});
   const SurfaceMesh wanted = mesh_of(source);
   const TriangleTree there(wanted), here(made);
   double sum = 0;
@@ -94,16 +94,6 @@ double error_of(const IndexedMesh& cloud, const Triangles& source) {
   add(here, wanted.positions);
   const glm::vec3 size = box_of(source).size();
   return std::sqrt(sum / static_cast<double>(count)) / static_cast<double>(std::max({size.x, size.y, size.z}));
-}
-
-void check_sound(const IndexedMesh& cloud) {
-  REQUIRE_EACH(cloud.normals.size() == cloud.size());
-  REQUIRE_EACH(cloud.weights.size() == cloud.size());
-  REQUIRE_EACH((cloud.colors.empty() || cloud.colors.size() == cloud.size()));
-  for (const std::uint32_t v : cloud.triangles) REQUIRE_EACH(v < cloud.size());
-  for (const float w : cloud.weights) REQUIRE_EACH((w > 0 && std::isfinite(w)));
-  for (const glm::vec3& p : cloud.positions) REQUIRE_EACH(std::isfinite(p.x + p.y + p.z));
-  for (const glm::vec3& n : cloud.normals) REQUIRE_EACH(std::abs(glm::length(n) - 1) < 1e-3f);
 }
 
 bool same(const IndexedMesh& a, const IndexedMesh& b) {
@@ -138,9 +128,9 @@ TEST_CASE("approaches the surface as more of a displaced stream is received") {
       const auto bytes = head + static_cast<std::size_t>(part * static_cast<double>(s.stream.size() - head));
       const StreamDecoder decoder = decoded(std::span(s.stream).first(bytes));
       CHECK(decoder.refused_chunks() == 0);
-      const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
-      check_sound(cloud);
-      const double error = error_of(cloud, s.triangles);
+      const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
+      check_sound(geometry);
+      const double error = error_of(geometry, s.triangles);
       INFO(part << " " << bytes << " bytes: " << error);
       CHECK(error < (part == 1.0 ? s.most : 0.02));
       CHECK(error < before * 1.05);
@@ -148,10 +138,10 @@ TEST_CASE("approaches the surface as more of a displaced stream is received") {
     }
     const StreamDecoder decoder = decoded(s.stream);
     CHECK(decoder.problems().empty());
-    const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
-    CHECK(decoder.vectors() == cloud.size());
+    const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
+    CHECK(decoder.vectors() == geometry.size());
     // The sum of weights is the shown area.
-    CHECK(total_weight(cloud) == Approx(area_of(s.triangles)).epsilon(0.01));
+    CHECK(total_weight(geometry) == Approx(area_of(s.triangles)).epsilon(0.01));
   }
 }
 
@@ -161,12 +151,13 @@ TEST_CASE("keeps closed surfaces closed and boundaries in place") {
     for (const double part : {0.3, 1.0}) {
       const auto bytes =
           std::max(header_bytes(s.stream), static_cast<std::size_t>(part * static_cast<double>(s.stream.size())));
-      const IndexedMesh cloud = content_of<IndexedMesh>(decoded(std::span(s.stream).first(bytes)).geometry());
-      // Slots at one position are one vertex.
+      const IndexedMesh geometry = content_of<IndexedMesh>(decoded(std::span(s.stream).first(bytes)).geometry());
+      // Corners at one position become one vertex.
       Triangles triangles;
-      for (std::size_t i = 0; i < cloud.triangles.size(); i += 3)
-        triangles.push_back(triangle_of(cloud.positions[cloud.triangles[i]], cloud.positions[cloud.triangles[i + 1]],
-                                        cloud.positions[cloud.triangles[i + 2]]));
+      for (std::size_t i = 0; i < geometry.triangles.size(); i += 3)
+        triangles.push_back(triangle_of(geometry.positions[geometry.triangles[i]],
+                                        geometry.positions[geometry.triangles[i + 1]],
+                                        geometry.positions[geometry.triangles[i + 2]]));
       const SurfaceMesh mesh = mesh_of(triangles);
       CHECK(sides_once(mesh.triangles));
       CHECK((rims_of(mesh.triangles) == 0) == (s.name != "sheet"));
@@ -176,24 +167,25 @@ TEST_CASE("keeps closed surfaces closed and boundaries in place") {
 }
 
 TEST_CASE("keeps sharp edges as creases with the normals of their sides") {
-  const IndexedMesh cloud = content_of<IndexedMesh>(decoded(samples()[3].stream).geometry());
+  const IndexedMesh geometry = content_of<IndexedMesh>(decoded(samples()[3].stream).geometry());
   std::size_t straight = 0;
-  for (const glm::vec3& n : cloud.normals) straight += std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}) > 0.98f;
-  CHECK(straight > cloud.size() * 97 / 100);
+  for (const glm::vec3& n : geometry.normals)
+    straight += std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}) > 0.98f;
+  CHECK(straight > geometry.size() * 97 / 100);
 }
 
 TEST_CASE("restores colours within their quantisation steps") {
   const Sample& s = samples()[4];
-  const IndexedMesh cloud = content_of<IndexedMesh>(decoded(s.stream).geometry());
-  REQUIRE(cloud.colors.size() == cloud.size());
+  const IndexedMesh geometry = content_of<IndexedMesh>(decoded(s.stream).geometry());
+  REQUIRE(geometry.colors.size() == geometry.size());
   double sum = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const Rgb8 wanted = painted(glm::normalize(cloud.positions[i])), got = cloud.colors[i];
+  for (std::size_t i = 0; i < geometry.size(); ++i) {
+    const Rgb8 wanted = painted(glm::normalize(geometry.positions[i])), got = geometry.colors[i];
     for (const auto& [a, b] : {std::pair{wanted.r, got.r}, {wanted.g, got.g}, {wanted.b, got.b}})
       sum += (static_cast<double>(a) - b) * (static_cast<double>(a) - b);
   }
-  // Steps of 6 and 12 in luma and chroma.
-  CHECK(std::sqrt(sum / (3.0 * static_cast<double>(cloud.size()))) < 8);
+  // Colours have steps of 6 in luma and 12 in chroma.
+  CHECK(std::sqrt(sum / (3.0 * static_cast<double>(geometry.size()))) < 8);
   CHECK(content_of<IndexedMesh>(decoded(samples()[0].stream).geometry()).colors.empty());
 }
 
@@ -209,9 +201,9 @@ TEST_CASE("shows a picture for every prefix that holds the header of a displaced
       if (decoder.revision() == revision) continue;
       revision = decoder.revision();
       if (++drawn % watched_step(5) != 0) continue;
-      const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
-      check_sound(cloud);
-      REQUIRE_EACH(cloud.size() == decoder.vectors());
+      const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
+      check_sound(geometry);
+      REQUIRE_EACH(geometry.size() == decoder.vectors());
     }
     CHECK(same(content_of<IndexedMesh>(decoder.geometry()), content_of<IndexedMesh>(decoded(s.stream).geometry())));
   }
@@ -268,15 +260,15 @@ TEST_CASE("makes a displaced surface only rougher when chunks are lost", "[optim
       for (const auto& [type, payload] : chunks)
         if (random() % 1000 >= share * 1000) decoder.add(type, payload);
       CHECK(decoder.refused_chunks() == 0);
-      const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
-      check_sound(cloud);
-      sum += error_of(cloud, rough);
+      const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
+      check_sound(geometry);
+      sum += error_of(geometry, rough);
     }
-    // Relative to the error of the base alone.
+    // The error is compared with the error of the base alone.
     INFO("lost " << share << ": " << sum / kRounds << "; whole " << whole << ", base " << base);
     CHECK(sum / kRounds < whole + factor * (base - whole));
   }
-  // In streams of few chunks a loss is large: finer parts remain beside the lost ones.
+  // In a stream of few chunks, a loss affects a large part; finer parts remain beside the lost parts.
   for (const Sample& s : samples()) {
     INFO(s.name);
     StreamReader of;
@@ -346,7 +338,8 @@ TEST_CASE("decodes at most the maximum number of vectors of a displaced stream")
 }
 
 TEST_CASE("allocates little memory for a few hostile bytes") {
-  // A base of many triangles with 2^26 vertices on its deepest level, of which a small cluster contains a few.
+  // The base has many triangles, with 2^26 vertices on the deepest level. A small cluster contains a few of these
+  // vertices.
   const Sample& s = samples()[0];
   StreamReader reader;
   (void)chunks_of(s.stream, reader);
@@ -374,10 +367,10 @@ TEST_CASE("encodes small and distant surfaces as precisely as others") {
     Triangles other = wanted;
     for (Triangle& t : other)
       for (glm::vec3& p : t.positions) p = p * scale + away;
-    IndexedMesh cloud = content_of<IndexedMesh>(decoded(encode(other)).geometry());
-    check_sound(cloud);
-    for (glm::vec3& p : cloud.positions) p = (p - away) / scale;
-    CHECK(error_of(cloud, wanted) < error * 1.5 + 3e-5);
+    IndexedMesh geometry = content_of<IndexedMesh>(decoded(encode(other)).geometry());
+    check_sound(geometry);
+    for (glm::vec3& p : geometry.positions) p = (p - away) / scale;
+    CHECK(error_of(geometry, wanted) < error * 1.5 + 3e-5);
   }
 }
 
@@ -387,13 +380,13 @@ TEST_CASE("keeps the colours of a few triangles") {
     for (Triangle& t : small)
       for (std::size_t k = 0; k < 3; ++k)
         t.colors[k] = striped && t.positions[k].z > 0 ? Rgb8{20, 220, 40} : Rgb8{230, 20, static_cast<std::uint8_t>(k)};
-    const IndexedMesh cloud = content_of<IndexedMesh>(decoded(encode(small)).geometry());
-    REQUIRE(cloud.colors.size() == cloud.size());
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      if (std::abs(cloud.positions[i].z) < 0.5f) continue;
-      const bool green = striped && cloud.positions[i].z > 0;
-      CHECK(std::abs(cloud.colors[i].r - (green ? 20 : 230)) < 24);
-      CHECK(std::abs(cloud.colors[i].g - (green ? 220 : 20)) < 24);
+    const IndexedMesh geometry = content_of<IndexedMesh>(decoded(encode(small)).geometry());
+    REQUIRE(geometry.colors.size() == geometry.size());
+    for (std::size_t i = 0; i < geometry.size(); ++i) {
+      if (std::abs(geometry.positions[i].z) < 0.5f) continue;
+      const bool green = striped && geometry.positions[i].z > 0;
+      CHECK(std::abs(geometry.colors[i].r - (green ? 20 : 230)) < 24);
+      CHECK(std::abs(geometry.colors[i].g - (green ? 220 : 20)) < 24);
     }
   }
 }

@@ -17,7 +17,7 @@
 namespace gs::qnv::displaced::vectors_test {
 namespace {
 
-/// Data that tests/qnv/vectors/displaced.py states of a stage.
+/// Data of a stage, as tests/qnv/vectors/displaced.py prints them.
 struct Told {
   int depth = 0, step_exponent = 0, colored = 0, clusters = 0, bits = 0;
   std::vector<glm::ivec3> vertices;
@@ -173,14 +173,14 @@ TEST_CASE("decodes displaced streams of version 1 to their pinned numbers") {
     decoder.finish();
     CHECK(decoder.problems().empty());
     CHECK(decoder.refused_chunks() == 0);
-    const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
+    const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
     const std::vector<std::uint32_t> vertex_of = shown.vertices_of_slots(depth);
-    REQUIRE(cloud.size() == vertex_of.size());
-    CHECK(cloud.size() >= places.size());
-    CHECK((cloud.size() > places.size() || !colored));  // creases
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      REQUIRE_EACH(cloud.positions[i] == frame.outside(places[vertex_of[i]]));
-      if (colored) REQUIRE_EACH(cloud.colors[i] == colors[vertex_of[i]]);
+    REQUIRE(geometry.size() == vertex_of.size());
+    CHECK(geometry.size() >= places.size());
+    CHECK((geometry.size() > places.size() || !colored));  // creases
+    for (std::size_t i = 0; i < geometry.size(); ++i) {
+      REQUIRE_EACH(geometry.positions[i] == frame.outside(places[vertex_of[i]]));
+      if (colored) REQUIRE_EACH(geometry.colors[i] == colors[vertex_of[i]]);
     }
     for (auto& [number, surface] : stages) check_stage(surface, wanted.stages.at(number));
   }

@@ -42,7 +42,7 @@ TEST_CASE("numbers each vertex of a level once, shared by the neighbouring patch
           ++seen[v];
         }
       }
-      // All vertices occur; those inside an edge once per side.
+      // All vertices occur. Vertices inside an edge occur once per adjacent patch.
       CHECK(std::find(seen.begin(), seen.end(), 0) == seen.end());
       for (std::uint32_t e = 0; e < patches.edges().size(); ++e)
         for (std::size_t t = 0; t + 1 < n; ++t)
@@ -64,7 +64,7 @@ TEST_CASE("numbers edges by the first patch at them, starting at its corners") {
   CHECK(patches.vertices_at(0) == 4);
   CHECK(patches.vertices_at(1) == 9);
   CHECK(patches.vertices_at(2) == 25);
-  // Rows: j = 0 first.
+  // The rows of the grid begin with j = 0.
   std::vector<std::uint32_t> grid;
   patches.grid(1, 1, grid);
   CHECK(grid == std::vector<std::uint32_t>{0, 6, 2, 8, 7, 3});
@@ -128,7 +128,7 @@ TEST_CASE("computes normals at creases and boundaries to the same bits on any nu
     CHECK(cut.base_vertices() > patches.base_vertices());
     for (int level = 0; level <= 3; ++level) {
       std::vector<glm::vec3> places(patches.vertices_at(level));
-      // The sum of such numbers depends on their order.
+      // The sum of these numbers depends on their order.
       for (std::size_t i = 0; i < places.size(); ++i) {
         const auto x = static_cast<float>(i);
         places[i] = {std::sin(1.7f * x), std::sin(2.3f * x + 1), std::sin(0.9f * x + 2)};

@@ -63,7 +63,7 @@ std::vector<Dressed> dressed(const ExactMesh& mesh) {
       corners[k] = {p.x, p.y, p.z, q.x, q.y};
     }
     std::rotate(corners.begin(), std::ranges::min_element(corners), corners.end());
-    Dressed least = corners;  // for two equal corners
+    Dressed least = corners;  // two corners may be equal, so all rotations are compared
     for (int k = 0; k < 2; ++k) {
       std::rotate(corners.begin(), corners.begin() + 1, corners.end());
       least = std::min(least, corners);
@@ -75,7 +75,7 @@ std::vector<Dressed> dressed(const ExactMesh& mesh) {
 }
 
 ExactMesh mesh_with(const TexturedSurface& surface, int bits) {
-  return exact_mesh_of(surface, displaced::Frame(box_of_all(surface.triangles)), bits);
+  return exact_mesh_of(surface, displaced::Frame(box_of(surface.triangles)), bits);
 }
 
 }  // namespace
@@ -111,7 +111,7 @@ TEST_CASE("predicts a corner from the triangle across the edge and exactly in a 
   const auto at = [](const glm::ivec3& p) { return glm::ivec2(1000 + 7 * p.x - 3 * p.y, 2000 + 2 * p.x + 9 * p.y); };
   const glm::ivec3 from(40, 10, 0), to(90, 60, 0), beyond(120, 5, 0), corner(15, 80, 0);
   const ExpectedCorner expected{to - from, corner - from, at(from), at(to) - at(from)};
-  const glm::ivec2 off = expected.folded(beyond - from, at(beyond)) - at(corner);  // two roundings
+  const glm::ivec2 off = expected.folded(beyond - from, at(beyond)) - at(corner);  // both sides are rounded
   CHECK(std::max(std::abs(off.x), std::abs(off.y)) <= 1);
   // Unfolds an upright triangle into the plane.
   const glm::ivec3 along(100, 0, 0), up(30, 0, 50), down(30, -50, 0);
@@ -188,7 +188,7 @@ TEST_CASE("keeps the lattice of texture coordinates finite") {
   CHECK(!decode_tail(with(11, {17}), kMax));
   CHECK(!decode_tail(with(12, {0, 0, 0x80, 0x7f}), kMax));  // infinite
   CHECK(!decode_tail(with(12, {0, 0, 0xc0, 0x7f}), kMax));  // no number
-  CHECK(!decode_tail(with(20, {0, 0, 0x80, 0xbf}), kMax));  // a size of -1
+  CHECK(!decode_tail(with(20, {0, 0, 0x80, 0xbf}), kMax));  // a step of -1
   CHECK(!decode_tail(with(24, {0xff, 0xff, 0x7f, 0xff}), kMax));
 }
 
@@ -242,7 +242,7 @@ TEST_CASE("shows nothing for textures that promise missing data") {
   };
   CHECK(!read({std::byte{3}}));
   CHECK(!read({std::byte{3}, std::byte{0}, std::byte{1}}));                              // no file
-  CHECK(!read(Bytes(40, std::byte{0xff})));                                              // 255 of them
+  CHECK(!read(Bytes(40, std::byte{0xff})));                                              // 255 files
   CHECK(!read({std::byte{3}, std::byte{1}, std::byte{9}, std::byte{0}, std::byte{0}}));  // cut off
   std::mt19937 random(9);
   for (std::size_t round = 0; round < 300; ++round) {
@@ -252,18 +252,21 @@ TEST_CASE("shows nothing for textures that promise missing data") {
   }
 }
 
+EncodedStream encoded_with(const TexturedSurface& surface, int bits) {
+  EncodeOptions options;
+  options.textured = &surface;
+  options.exact_bits = bits;
+  auto encoded = encode_displaced([&](const TriangleSink& sink) { return sink(surface.triangles); }, options);
+  REQUIRE(std::holds_alternative<EncodedStream>(encoded));
+  return std::move(std::get<EncodedStream>(encoded));
+}
+
 TEST_CASE("ends a textured surface with its mesh and texture, in any order of its chunks") {
   const Triangles torus = displaced::torus(60, 30);
   const TexturedSurface surface = textured(torus, boxed);
-  const TriangleSource source = [&](const TriangleSink& sink) { return sink(torus); };
-  EncodeOptions options;
-  options.payload = Payload::displaced;
-  options.textured = &surface;
   for (const int bits : {kExactWherePays, 12}) {
-    options.exact_bits = bits;
-    const auto encoded = encode_displaced(source, options);
-    const auto* stream = std::get_if<EncodedStream>(&encoded);
-    REQUIRE(stream);
+    const EncodedStream encoded = encoded_with(surface, bits);
+    const EncodedStream* const stream = &encoded;
     bool partly = false;
     std::uint64_t revision = 0;
     StreamDecoder decoder;
@@ -271,17 +274,18 @@ TEST_CASE("ends a textured surface with its mesh and texture, in any order of it
       (void)decoder.push(std::span(stream->bytes).subspan(at, std::min<std::size_t>(97, stream->bytes.size() - at)));
       if (decoder.revision() == revision) continue;
       revision = decoder.revision();
-      const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
-      REQUIRE_EACH((cloud.colors.empty() || cloud.colors.size() == cloud.positions.size()));
-      REQUIRE_EACH(cloud.texture_coordinates.size() <= cloud.positions.size());
-      if (cloud.texture_coordinates.empty()) continue;
-      // The textured part comes last, and only together with the texture.
-      REQUIRE_EACH(cloud.picture);
-      partly = partly || cloud.first_textured() > 0;
+      const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
+      REQUIRE_EACH((geometry.colors.empty() || geometry.colors.size() == geometry.positions.size()));
+      REQUIRE_EACH(geometry.texture_coordinates.size() <= geometry.positions.size());
+      if (geometry.texture_coordinates.empty()) continue;
+      // The textured part is shown last, and only together with the texture.
+      REQUIRE_EACH(geometry.picture);
+      partly = partly || geometry.first_textured() > 0;
       bool pictured = false;
-      for (std::size_t i = 0; i < cloud.triangles.size(); i += 3) {
-        const bool now = cloud.triangles[i] >= cloud.first_textured();
-        for (std::size_t k = 1; k < 3; ++k) REQUIRE_EACH((cloud.triangles[i + k] >= cloud.first_textured()) == now);
+      for (std::size_t i = 0; i < geometry.triangles.size(); i += 3) {
+        const bool now = geometry.triangles[i] >= geometry.first_textured();
+        for (std::size_t k = 1; k < 3; ++k)
+          REQUIRE_EACH((geometry.triangles[i + k] >= geometry.first_textured()) == now);
         REQUIRE_EACH((now || !pictured));
         pictured = now;
       }
@@ -289,20 +293,20 @@ TEST_CASE("ends a textured surface with its mesh and texture, in any order of it
     decoder.finish();
     CHECK(decoder.mesh().final);
     CHECK(decoder.refused_chunks() == 0);
-    const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
-    CHECK(cloud.first_textured() == 0);
-    CHECK(cloud.triangles.size() == 3 * torus.size());
-    REQUIRE(cloud.picture);
-    CHECK(cloud.picture->bytes == surface.picture[0].bytes);
+    const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
+    CHECK(geometry.first_textured() == 0);
+    CHECK(geometry.triangles.size() == 3 * torus.size());
+    REQUIRE(geometry.picture);
+    CHECK(geometry.picture->bytes == surface.picture[0].bytes);
     CHECK(partly);
     // The mesh contains each corner of the source, at its texture coordinate.
     float furthest = 0;
     for (std::size_t t = 0; t < torus.size(); t += 71)
       for (std::size_t k = 0; k < 3; ++k) {
         float nearest = 1e9f;
-        for (std::size_t v = 0; v < cloud.size(); ++v)
-          nearest = std::min(nearest, glm::length(cloud.positions[v] - torus[t].positions[k]) +
-                                          glm::length(cloud.texture_coordinates[v] - surface.coordinates[t][k]));
+        for (std::size_t v = 0; v < geometry.size(); ++v)
+          nearest = std::min(nearest, glm::length(geometry.positions[v] - torus[t].positions[k]) +
+                                          glm::length(geometry.texture_coordinates[v] - surface.coordinates[t][k]));
         furthest = std::max(furthest, nearest);
       }
     CHECK(furthest < 0.1f);
@@ -311,19 +315,11 @@ TEST_CASE("ends a textured surface with its mesh and texture, in any order of it
 }
 
 TEST_CASE("hides a textured mesh until its texture is received") {
-  const Triangles torus = displaced::torus(24, 12);
-  const TexturedSurface surface = textured(torus, boxed);
-  const TriangleSource source = [&](const TriangleSink& sink) { return sink(torus); };
-  EncodeOptions options;
-  options.payload = Payload::displaced;
-  options.textured = &surface;
-  options.exact_bits = 12;
-  const auto encoded = encode_displaced(source, options);
-  REQUIRE(std::holds_alternative<EncodedStream>(encoded));
+  const EncodedStream encoded = encoded_with(textured(displaced::torus(24, 12), boxed), 12);
   StreamDecoder decoder;
   std::vector<Bytes> pictures;
   StreamReader reader;
-  const auto& bytes = std::get<EncodedStream>(encoded).bytes;
+  const auto& bytes = encoded.bytes;
   bool begun = false;
   (void)reader.push(bytes, [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t at) {
     if (!std::exchange(begun, true)) (void)decoder.push(std::span(bytes).first(at));

@@ -44,16 +44,9 @@ inline std::vector<Turned> triangles_in(const ExactMesh& mesh) {
   return all;
 }
 
-inline Box box_of_all(const Triangles& triangles) {
-  Box box;
-  for (const Triangle& t : triangles)
-    for (const glm::vec3& p : t.positions) box.add(p);
-  return box;
-}
-
 /// Returns all triangles of a source, with each corner on the lattice. `rgb` adds the corners' colours.
 inline std::vector<Turned> triangles_in(const Triangles& source, int bits, bool rgb) {
-  const displaced::Frame frame(box_of_all(source));
+  const displaced::Frame frame(box_of(source));
   const auto top = static_cast<float>((1 << bits) - 1);
   std::vector<Turned> all;
   for (const Triangle& t : source) {
@@ -76,7 +69,7 @@ inline ExactMesh mesh_of(const Triangles& source, int bits, bool colored) {
   displaced::MeshBuilder builder(colored);
   builder.add(source);
   displaced::SurfaceMesh mesh = builder.welded();
-  const displaced::Frame frame(box_of_all(source));
+  const displaced::Frame frame(box_of(source));
   for (glm::vec3& p : mesh.positions) p = frame.inside(p);
   return quantized(std::move(mesh), bits);
 }
@@ -87,7 +80,7 @@ struct Source {
   bool colored = false;
 };
 
-/// Returns defective surfaces; each one is restored nevertheless.
+/// Returns defective surfaces. The codec must restore each of them.
 inline std::vector<Source> nasty_sources() {
   std::vector<Source> all;
   const glm::vec3 o(0), x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);

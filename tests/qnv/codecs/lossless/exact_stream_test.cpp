@@ -93,24 +93,15 @@ std::size_t header_bytes(const Bytes& stream) {
   return bytes;
 }
 
-void check_sound(const IndexedMesh& cloud) {
-  REQUIRE_EACH(cloud.normals.size() == cloud.size());
-  REQUIRE_EACH(cloud.weights.size() == cloud.size());
-  REQUIRE_EACH((cloud.colors.empty() || cloud.colors.size() == cloud.size()));
-  for (const std::uint32_t v : cloud.triangles) REQUIRE_EACH(v < cloud.size());
-  for (const float w : cloud.weights) REQUIRE_EACH((w > 0 && std::isfinite(w)));
-  for (const glm::vec3& n : cloud.normals) REQUIRE_EACH(std::abs(glm::length(n) - 1) < 1e-3f);
-}
-
-/// Returns the shown triangles of a point set on the lattice.
-std::vector<Turned> triangles_shown(const IndexedMesh& cloud, int bits, bool rgb) {
-  const displaced::Frame frame(cloud.description.box);
+/// Returns the shown triangles of a geometry on the lattice.
+std::vector<Turned> triangles_shown(const IndexedMesh& geometry, int bits, bool rgb) {
+  const displaced::Frame frame(geometry.description.box);
   const float step = frame.size / static_cast<float>((1 << bits) - 1);
   ExactMesh mesh;
-  for (const glm::vec3& p : cloud.positions) mesh.vertices.emplace_back(glm::floor((p - frame.lower) / step + 0.5f));
-  if (rgb) mesh.colors = cloud.colors;
-  for (std::size_t i = 0; i < cloud.triangles.size(); i += 3)
-    mesh.triangles.push_back({cloud.triangles[i], cloud.triangles[i + 1], cloud.triangles[i + 2]});
+  for (const glm::vec3& p : geometry.positions) mesh.vertices.emplace_back(glm::floor((p - frame.lower) / step + 0.5f));
+  if (rgb) mesh.colors = geometry.colors;
+  for (std::size_t i = 0; i < geometry.triangles.size(); i += 3)
+    mesh.triangles.push_back({geometry.triangles[i], geometry.triangles[i + 1], geometry.triangles[i + 2]});
   return triangles_in(mesh);
 }
 
@@ -132,9 +123,9 @@ TEST_CASE("encodes a surface with vertex colours as base mesh and exact mesh by 
   const StreamDecoder decoder = decoded(std::get<EncodedStream>(made).bytes);
   CHECK(decoder.refused_chunks() == 0);
   REQUIRE(decoder.mesh().whole);
-  const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
-  check_sound(cloud);
-  CHECK(triangles_shown(cloud, decoder.mesh().bits, true) == triangles_in(ball, decoder.mesh().bits, true));
+  const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
+  check_sound(geometry);
+  CHECK(triangles_shown(geometry, decoder.mesh().bits, true) == triangles_in(ball, decoder.mesh().bits, true));
 }
 
 TEST_CASE("ends an exact stream with the mesh itself") {
@@ -147,19 +138,19 @@ TEST_CASE("ends an exact stream with the mesh itself") {
     REQUIRE(decoder.mesh().whole);
     CHECK(decoder.mesh().bits == s.bits);
     CHECK(decoder.mesh().received == decoder.mesh().bytes);
-    const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
-    check_sound(cloud);
-    CHECK(cloud.size() == decoder.vectors());
-    CHECK(triangles_shown(cloud, s.bits, s.source.colored) ==
+    const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
+    check_sound(geometry);
+    CHECK(geometry.size() == decoder.vectors());
+    CHECK(triangles_shown(geometry, s.bits, s.source.colored) ==
           triangles_in(s.source.triangles, s.bits, s.source.colored));
     // Half a step of the lattice, plus f32 rounding.
-    const Box box = cloud.description.box;
-    for (const glm::vec3& p : cloud.positions)
+    const Box box = geometry.description.box;
+    for (const glm::vec3& p : geometry.positions)
       for (int axis = 0; axis < 3; ++axis)
         REQUIRE_EACH((p[axis] >= box.lower[axis] - 1e-5f && p[axis] <= box.upper[axis] + 2e-3f));
     // The shown part has the area of the source.
     double area = 0;
-    for (const float w : cloud.weights) area += static_cast<double>(w);
+    for (const float w : geometry.weights) area += static_cast<double>(w);
     CHECK(area == Approx(area_of(s.source.triangles)).epsilon(0.01));
   }
 }
@@ -171,9 +162,9 @@ TEST_CASE("restores defective surfaces from exact streams, or reports the defect
     REQUIRE(std::holds_alternative<EncodedStream>(made));
     const StreamDecoder decoder = decoded(std::get<EncodedStream>(made).bytes);
     REQUIRE(decoder.mesh().whole);
-    const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
-    check_sound(cloud);
-    CHECK(triangles_shown(cloud, 11, false) == triangles_in(s.triangles, 11, false));
+    const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
+    check_sound(geometry);
+    CHECK(triangles_shown(geometry, 11, false) == triangles_in(s.triangles, 11, false));
   }
   CHECK(std::holds_alternative<EncodeError>(encoded({}, 11)));
   CHECK(std::holds_alternative<EncodeError>(encoded({triangle_of({0, 0, 0}, {1, 1, 1}, {1, 1, 1})}, 11)));
@@ -221,12 +212,12 @@ TEST_CASE("refines positions bit by bit after the tail, with any losses and in a
     CHECK(decoder.mesh().final == (some.size() == low.size()));
     return content_of<IndexedMesh>(decoder.geometry());
   };
-  const auto off = [&](const IndexedMesh& cloud) {
+  const auto off = [&](const IndexedMesh& geometry) {
     const IndexedMesh all = with(low, false);
     float most = 0;
     for (std::size_t corner = 0; corner < all.triangles.size(); ++corner)
-      most =
-          std::max(most, glm::length(cloud.positions[cloud.triangles[corner]] - all.positions[all.triangles[corner]]));
+      most = std::max(
+          most, glm::length(geometry.positions[geometry.triangles[corner]] - all.positions[all.triangles[corner]]));
     return most;
   };
   std::mt19937 random(4);
@@ -234,12 +225,12 @@ TEST_CASE("refines positions bit by bit after the tail, with any losses and in a
   std::shuffle(shuffled.begin(), shuffled.end(), random);
   CHECK(triangles_shown(with(shuffled, false), s.bits, false) == whole);
   CHECK(triangles_shown(with(shuffled, true), s.bits, false) == whole);
-  const std::size_t layer = low.size() / 8;  // for 12 to 20 bits
+  const std::size_t layer = low.size() / 8;  // layers for the bits 13 to 20
   const float none = off(with({}, false)), one = off(with(std::span(low).first(layer), false)),
               three = off(with(std::span(low).first(3 * layer), false));
   CHECK(one < 0.6f * none);
   CHECK(three < 0.6f * one);
-  // If one chunk of the first layer is missing, its vertices keep their positions.
+  // If one chunk of the first layer is missing, the vertices of this chunk keep their positions.
   CHECK(off(with(std::span(low).subspan(1), false)) <= none);
   CHECK(off(with(std::span(low).subspan(1), false)) > 0.5f * none);
 }
@@ -260,9 +251,9 @@ TEST_CASE("shows a surface for every prefix of an exact stream, and never a brok
       if (!decoder.header()) continue;
       if (decoder.mesh().whole == was_whole && at % (7 * step) != 0) continue;
       was_whole = decoder.mesh().whole;
-      const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
-      check_sound(cloud);
-      REQUIRE_EACH(cloud.size() == decoder.vectors());
+      const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
+      check_sound(geometry);
+      REQUIRE_EACH(geometry.size() == decoder.vectors());
     }
     CHECK(was_whole);
   }
@@ -342,7 +333,7 @@ TEST_CASE("rejects pieces that do not belong together") {
   CHECK(!held.add(other));
   other = pieces[1];
   other.back() = std::byte{4};
-  CHECK(!held.add(other));  // received already with other bytes
+  CHECK(!held.add(other));  // received before with other bytes
   CHECK(held.add(pieces[1]));
   CHECK(held.come() == 16384);
   REQUIRE(held.add(pieces[2]));
@@ -365,9 +356,9 @@ TEST_CASE("decodes mutated pieces to the refined surface or to a mesh") {
       if (chunk.type == ChunkType::exact) mutated[random() % within] = static_cast<std::byte>(random());
       decoder.add(chunk.type, mutated);
     }
-    const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
-    check_sound(cloud);
-    REQUIRE(cloud.size() == decoder.vectors());
+    const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
+    check_sound(geometry);
+    REQUIRE(geometry.size() == decoder.vectors());
   }
 }
 

@@ -23,6 +23,18 @@
 
 namespace gs::qnv::exact::vectors_test {
 
+/// Calls `take` with the first word and the other words of each line of a pinned result.
+template <class Take>
+void each_line(const std::string& name, Take take) {
+  std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/v1/" + name + ".txt");
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    std::string kind;
+    words >> kind;
+    take(kind, words);
+  }
+}
+
 // encode_displaced once wrote tests/qnv/vectors/v1/displaced_exact.qnv, _shaded and _small.
 // tests/qnv/vectors/displaced.py, written from FORMAT.md alone, made the .txt files. Never regenerate any.
 TEST_CASE("decodes exact tails of version 1 to their pinned meshes") {
@@ -30,11 +42,7 @@ TEST_CASE("decodes exact tails of version 1 to their pinned meshes") {
     INFO(name);
     ExactMesh wanted;
     std::vector<std::pair<std::size_t, glm::vec3>> normals;
-    std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/v1/" + name + ".txt");
-    for (std::string line; std::getline(in, line);) {
-      std::istringstream words(line);
-      std::string kind;
-      words >> kind;
+    each_line(name, [&](const std::string& kind, std::istringstream& words) {
       if (kind == "exact") {
         words >> wanted.bits >> wanted.crease_angle;
       } else if (kind == "at") {
@@ -55,7 +63,7 @@ TEST_CASE("decodes exact tails of version 1 to their pinned meshes") {
         auto& [corner, n] = normals.emplace_back();
         words >> corner >> n.x >> n.y >> n.z;
       }
-    }
+    });
     REQUIRE(wanted.triangles.size() > 500);
     const std::vector<std::byte> stream = read_bytes(name + ".qnv");
     TailPieces pieces;
@@ -88,9 +96,9 @@ TEST_CASE("decodes exact tails of version 1 to their pinned meshes") {
     CHECK(normals.size() > 100);
     StreamDecoder decoder;
     REQUIRE(decoder.push(stream));
-    const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
+    const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
     for (const auto& [corner, n] : normals)
-      REQUIRE_EACH(glm::length(cloud.normals[cloud.triangles[corner]] - n) < 1e-4f);
+      REQUIRE_EACH(glm::length(geometry.normals[geometry.triangles[corner]] - n) < 1e-4f);
   }
 }
 
@@ -131,11 +139,7 @@ TEST_CASE("decodes a tail with ranks and its table of covered patches as pinned"
   std::vector<int> covered;
   int stage = -1, parts = 0, bits = 0;
   std::uint32_t triangles = 0;
-  std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/v1/displaced_covered.txt");
-  for (std::string line; std::getline(in, line);) {
-    std::istringstream words(line);
-    std::string kind;
-    words >> kind;
+  each_line("displaced_covered", [&](const std::string& kind, std::istringstream& words) {
     glm::ivec3 p(0);
     displaced::Corners t{};
     if (kind == "exact") words >> bits;
@@ -143,7 +147,7 @@ TEST_CASE("decodes a tail with ranks and its table of covered patches as pinned"
     if (kind == "face" && words >> t[0] >> t[1] >> t[2]) faces.push_back(t);
     if (kind == "cover") words >> stage >> parts >> triangles;
     for (int is = 0; kind == "covered" && words >> is;) covered.push_back(is);
-  }
+  });
   REQUIRE(wanted.size() > 400);
   TailPieces pieces;
   LowBits low_bits;
@@ -186,11 +190,7 @@ TEST_CASE("decodes a textured tail to its pinned corners, normals and texture fi
   std::vector<CornerCoordinates> coordinates;
   std::vector<std::pair<std::size_t, glm::vec3>> normals;
   std::vector<std::array<std::uint32_t, 3>> files;  // length, bytes that suffice, checksum
-  std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/v1/displaced_textured.txt");
-  for (std::string line; std::getline(in, line);) {
-    std::istringstream words(line);
-    std::string kind;
-    words >> kind;
+  each_line("displaced_textured", [&](const std::string& kind, std::istringstream& words) {
     if (kind == "texture") {
       words >> lattice.bits >> lattice.lower.x >> lattice.lower.y >> lattice.size.x >> lattice.size.y;
     } else if (kind == "face") {
@@ -205,7 +205,7 @@ TEST_CASE("decodes a textured tail to its pinned corners, normals and texture fi
       auto& [length, enough, checksum] = files.emplace_back();
       words >> length >> enough >> checksum;
     }
-  }
+  });
   REQUIRE(faces.size() > 700);
   REQUIRE(normals.size() > 200);
   REQUIRE(files.size() == 1);
@@ -232,27 +232,25 @@ TEST_CASE("decodes a textured tail to its pinned corners, normals and texture fi
   StreamDecoder decoder;
   REQUIRE(decoder.push(stream));
   CHECK(decoder.mesh().final);
-  const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
-  REQUIRE(cloud.triangles.size() == 3 * faces.size());
-  REQUIRE(cloud.texture_coordinates.size() == cloud.size());
-  for (std::size_t corner = 0; corner < cloud.triangles.size(); ++corner)
-    REQUIRE_EACH(cloud.texture_coordinates[cloud.triangles[corner]] == lattice.at(coordinates[corner / 3][corner % 3]));
+  const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
+  REQUIRE(geometry.triangles.size() == 3 * faces.size());
+  REQUIRE(geometry.texture_coordinates.size() == geometry.size());
+  for (std::size_t corner = 0; corner < geometry.triangles.size(); ++corner)
+    REQUIRE_EACH(geometry.texture_coordinates[geometry.triangles[corner]] ==
+                 lattice.at(coordinates[corner / 3][corner % 3]));
   // The expected normals are computed in f32 from the corners of the square, within one step.
-  for (const auto& [corner, n] : normals) REQUIRE_EACH(glm::length(cloud.normals[cloud.triangles[corner]] - n) < 0.01f);
-  REQUIRE(cloud.picture);
-  CHECK(cloud.picture->bytes.size() == files[0][0]);
-  CHECK(crc32(0, reinterpret_cast<const Bytef*>(cloud.picture->bytes.data()),
-              static_cast<uInt>(cloud.picture->bytes.size())) == files[0][2]);
+  for (const auto& [corner, n] : normals)
+    REQUIRE_EACH(glm::length(geometry.normals[geometry.triangles[corner]] - n) < 0.01f);
+  REQUIRE(geometry.picture);
+  CHECK(geometry.picture->bytes.size() == files[0][0]);
+  CHECK(crc32(0, reinterpret_cast<const Bytef*>(geometry.picture->bytes.data()),
+              static_cast<uInt>(geometry.picture->bytes.size())) == files[0][2]);
 }
 
 // Pinned result of displaced_splits, by tests/qnv/vectors/splits.py.
 TEST_CASE("decodes a progressive mesh to its pinned result") {
   ExactMesh wanted;
-  std::ifstream in(GHOSTSPACE_TESTS "/qnv/vectors/v1/displaced_splits.txt");
-  for (std::string line; std::getline(in, line);) {
-    std::istringstream words(line);
-    std::string kind;
-    words >> kind;
+  each_line("displaced_splits", [&](const std::string& kind, std::istringstream& words) {
     if (kind == "exact") {
       words >> wanted.bits >> wanted.crease_angle;
     } else if (kind == "at") {
@@ -262,7 +260,7 @@ TEST_CASE("decodes a progressive mesh to its pinned result") {
       displaced::Corners& t = wanted.triangles.emplace_back();
       words >> t[0] >> t[1] >> t[2];
     }
-  }
+  });
   REQUIRE(wanted.triangles.size() > 1000);
   const auto stream = read_bytes("displaced_splits.qnv");
   StreamDecoder decoder;

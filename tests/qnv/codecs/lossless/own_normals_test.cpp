@@ -102,7 +102,6 @@ TEST_CASE("encodes the normals of a source only if no shading rule gives them") 
       const Triangles& triangles = bent_ones ? own : plain;
       const TriangleSource source = [&](const TriangleSink& sink) { return sink(triangles); };
       EncodeOptions options;
-      options.payload = Payload::displaced;
       options.exact_bits = bits;
       const auto encoded = encode_displaced(source, options);
       REQUIRE(std::holds_alternative<EncodedStream>(encoded));
@@ -118,17 +117,17 @@ TEST_CASE("encodes the normals of a source only if no shading rule gives them") 
       REQUIRE(decoder.push(bytes));
       CHECK(decoder.refused_chunks() == 0);
       REQUIRE(decoder.mesh().final);
-      const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
+      const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
       if (!bent_ones) continue;
-      // The vertex nearest to the first corner of every eleventh triangle.
+      // Compares the normals at the first corner of every eleventh triangle.
       double sum = 0, count = 0;
       for (std::size_t t = 0; t < triangles.size(); t += 11) {
         std::size_t nearest = 0;
-        for (std::size_t v = 1; v < cloud.size(); ++v)
-          if (glm::length(cloud.positions[v] - triangles[t].positions[0]) <
-              glm::length(cloud.positions[nearest] - triangles[t].positions[0]))
+        for (std::size_t v = 1; v < geometry.size(); ++v)
+          if (glm::length(geometry.positions[v] - triangles[t].positions[0]) <
+              glm::length(geometry.positions[nearest] - triangles[t].positions[0]))
             nearest = v;
-        sum += static_cast<double>(glm::length(cloud.normals[nearest] - triangles[t].normals[0]));
+        sum += static_cast<double>(glm::length(geometry.normals[nearest] - triangles[t].normals[0]));
         ++count;
       }
       CHECK(sum / count < 0.02);

@@ -105,21 +105,21 @@ IndexedMesh shown(const ShadedStream& stream, bool with_shading) {
     if (with_shading || type != ChunkType::shading) decoder.add(type, payload);
   CHECK(decoder.refused_chunks() == 0);
   CHECK(decoder.mesh().whole);
-  IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
-  CHECK(cloud.size() == decoder.vectors());
-  return cloud;
+  IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
+  CHECK(geometry.size() == decoder.vectors());
+  return geometry;
 }
 
-/// Returns the mean angle in degrees between a point set's normals and those of the source's corners at that position
+/// Returns the mean angle in degrees between a geometry's normals and those of the source's corners at that position
 /// and face.
-double off(const IndexedMesh& cloud, const Triangles& source) {
+double off(const IndexedMesh& geometry, const Triangles& source) {
   double sum = 0;
   std::size_t count = 0;
-  for (std::size_t i = 0; i < cloud.triangles.size(); ++i) {
-    const glm::vec3 place = cloud.positions[cloud.triangles[i]];
+  for (std::size_t i = 0; i < geometry.triangles.size(); ++i) {
+    const glm::vec3 place = geometry.positions[geometry.triangles[i]];
     const std::size_t first = i - i % 3;
     glm::vec3 middle(0);
-    for (std::size_t k = 0; k < 3; ++k) middle += cloud.positions[cloud.triangles[first + k]] / 3.0f;
+    for (std::size_t k = 0; k < 3; ++k) middle += geometry.positions[geometry.triangles[first + k]] / 3.0f;
     float best = 1e9f, angle = 0;
     for (const Triangle& t : source) {
       const glm::vec3 away = (t.positions[0] + t.positions[1] + t.positions[2]) / 3.0f - middle;
@@ -127,7 +127,7 @@ double off(const IndexedMesh& cloud, const Triangles& source) {
       for (std::size_t k = 0; k < 3; ++k)
         if (const float d = glm::length(t.positions[k] - place); d < best) {
           best = d;
-          angle = angle_between(t.normals[k], cloud.normals[cloud.triangles[i]]);
+          angle = angle_between(t.normals[k], geometry.normals[geometry.triangles[i]]);
         }
     }
     sum += static_cast<double>(angle);
@@ -157,7 +157,7 @@ TEST_CASE("shades corners by faces of similar direction and by faces that edges 
     CHECK(near(shaded(mesh, {rule, 180})[0], all));
     CHECK(near(shaded(mesh, {rule, 0})[0], glm::normalize(faces[0])));
   }
-  // All neighbours shade a face without area.
+  // The faces around a face without area determine its shading.
   SurfaceMesh flat = mesh;
   flat.positions[2] = flat.positions[1];
   const auto faces_of_flat = faces_of(flat);

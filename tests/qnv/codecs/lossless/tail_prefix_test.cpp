@@ -85,11 +85,12 @@ std::size_t header_bytes() {
 }
 
 /// Reports whether the segment between two points meets a triangle.
-bool meets(const IndexedMesh& cloud, const glm::vec3& from, const glm::vec3& to) {
+bool meets(const IndexedMesh& geometry, const glm::vec3& from, const glm::vec3& to) {
   const glm::vec3 d = to - from;
-  for (std::size_t i = 0; i < cloud.triangles.size(); i += 3) {
-    const glm::vec3 a = cloud.positions[cloud.triangles[i]], ab = cloud.positions[cloud.triangles[i + 1]] - a,
-                    ac = cloud.positions[cloud.triangles[i + 2]] - a, n = glm::cross(d, ac);
+  for (std::size_t i = 0; i < geometry.triangles.size(); i += 3) {
+    const glm::vec3 a = geometry.positions[geometry.triangles[i]],
+                    ab = geometry.positions[geometry.triangles[i + 1]] - a,
+                    ac = geometry.positions[geometry.triangles[i + 2]] - a, n = glm::cross(d, ac);
     const float det = glm::dot(ab, n);
     if (det == 0) continue;
     const glm::vec3 s = from - a, q = glm::cross(s, ab);
@@ -112,7 +113,7 @@ TEST_CASE("decodes a prefix of a tail to its first triangles, wherever it is cut
       const auto whole = decode_tail(tail, kMax);
       REQUIRE(whole);
       CHECK(triangles_in(*whole) == triangles_in(mesh));
-      // Triangles come in reading order.
+      // The triangles are in decoding order.
       REQUIRE(order.triangles.size() == whole->triangles.size());
       for (std::size_t t = 0; t < order.triangles.size(); ++t) {
         const displaced::Corners& now = whole->triangles[t];
@@ -146,7 +147,7 @@ TEST_CASE("grows a mesh first in the cells of the highest ranks") {
   for (std::size_t cell = 0; cell < 32; ++cell) ranks.of[cell] = 1;  // the lower half
   const auto whole = decode_tail(encode_tail(mesh, false, &ranks), kMax);
   REQUIRE(whole);
-  // One half comes before the other, except for cells between them.
+  // All triangles of one half come before those of the other half, except in cells on the border.
   std::size_t low = 0;
   const std::size_t half = whole->triangles.size() / 2;
   for (std::size_t t = 0; t < half; ++t) low += whole->vertices[whole->triangles[t][0]].z < 2048 ? 1 : 0;
@@ -211,20 +212,20 @@ TEST_CASE("replaces patches by the received part of the mesh without holes while
     REQUIRE(decoder.push(bytes.subspan(at, std::min(step, bytes.size() - at))));
     if (!decoder.mesh().partly) continue;
     ++mixed;
-    const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
+    const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
     CHECK(decoder.geometry_to_draw().as<IndexedMesh>());
-    REQUIRE(cloud.size() == decoder.vectors());
-    REQUIRE(cloud.normals.size() == cloud.size());
-    for (const float w : cloud.weights) REQUIRE_EACH(w > 0);
-    for (const std::uint32_t v : cloud.triangles) REQUIRE_EACH(v < cloud.size());
-    // The number of patches falls.
-    const std::size_t patches = cloud.triangles.size() / 3 - decoder.mesh().triangles;
+    REQUIRE(geometry.size() == decoder.vectors());
+    REQUIRE(geometry.normals.size() == geometry.size());
+    for (const float w : geometry.weights) REQUIRE_EACH(w > 0);
+    for (const std::uint32_t v : geometry.triangles) REQUIRE_EACH(v < geometry.size());
+    // The number of remaining patches decreases.
+    const std::size_t patches = geometry.triangles.size() / 3 - decoder.mesh().triangles;
     CHECK((mixed == 1 || patches <= last));
     last = patches;
     for (std::size_t i = 0; i < 60; i += watched_step(20)) {
       const glm::vec3 way = glm::normalize(glm::vec3(normal(random), normal(random), normal(random)));
       const glm::vec3 aside = 0.3f * glm::vec3(normal(random), normal(random), normal(random));
-      REQUIRE_EACH(meets(cloud, 3.0f * way, 0.3f * aside));
+      REQUIRE_EACH(meets(geometry, 3.0f * way, 0.3f * aside));
     }
   }
   CHECK(mixed > 5);
@@ -253,9 +254,9 @@ TEST_CASE("hides a partial tail without its table, or beside another stage than 
     }
     REQUIRE(pieces > 5);
     CHECK(decoder.mesh().triangles > 100);
-    const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
-    CHECK(cloud.size() == decoder.vectors());
-    CHECK(cloud.triangles.size() % 3 == 0);
+    const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
+    CHECK(geometry.size() == decoder.vectors());
+    CHECK(geometry.triangles.size() % 3 == 0);
     CHECK(decoder.geometry_to_draw().as<SurfacePatches>());
   }
 }
@@ -273,7 +274,7 @@ TEST_CASE("ends a surface with the mesh if that pays and restores the mesh after
     lossy.finish();
     CHECK(lossy.mesh().whole);
   }
-  // A stream of smaller limit has no table.
+  // With a limit of 1,700 bytes, the stream has no exact mesh.
   EncodeOptions options;
   options.exact_bits = kExactWherePays;
   options.max_bytes = 1700;

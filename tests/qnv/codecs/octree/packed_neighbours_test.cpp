@@ -76,7 +76,7 @@ TEST_CASE("finds the neighbours in a block across each face") {
 }
 
 TEST_CASE("predicts a plane exactly that continues into its neighbours") {
-  // Through the centres of the voxel and of its neighbours, with normal +z.
+  // A plane with normal +z passes through the centres of the voxel and of its neighbours.
   const std::array<std::uint32_t, 7> flat{bits_of(0, 0, 4), bits_of(0, 0, 4), bits_of(0, 0, 4), bits_of(0, 0, 4), 0, 0,
                                           bits_of(0, 0, 4)};
   const FaceChanges changes = face_changes(0, 0, 4, flat);
@@ -84,7 +84,8 @@ TEST_CASE("predicts a plane exactly that continues into its neighbours") {
     const PredictedPlane plane = predicted_plane(0, 0, 4, changes, c, true, true);
     CHECK(plane.u == 0);
     CHECK(plane.v == 0);
-    // 4/64 of the voxel above its centre: 8/64 of the child's edge. The child's centre is half an edge away.
+    // The plane is 4/64 of the voxel's edge above the centre, so 8/64 of the child's edge. The centre of the child is
+    // half of its edge away.
     CHECK(plane.offset == (c < 4 ? 32 : 8 - 32));
   }
 }
@@ -96,7 +97,7 @@ TEST_CASE("predicts turning normals as by hand") {
   const FaceChanges changes = face_changes(100, 0, 0, bent);
   CHECK(predicted_plane(100, 0, 0, changes, 0, true, false).u == 60);
   CHECK(predicted_plane(100, 0, 0, changes, 1, true, false).u == 140);
-  // Without normals or offsets the parent's plane decides alone.
+  // If neither normals nor offsets of neighbours are used, the prediction is the parent's plane.
   CHECK(predicted_plane(100, 0, 0, changes, 1, false, false).u == 100);
   CHECK(predicted_plane(100, 0, 0, changes, 1, true, false).offset ==
         predicted_offset(along(octahedral_normal(100, 0), 1), 0));

@@ -17,13 +17,9 @@
 namespace gs::qnv {
 namespace packed_pinned_test {
 
-std::string text_of(const std::vector<std::byte>& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 TEST_CASE("decodes FORMAT.md's octree stream with neighbours to the numbers in the document") {
   const std::vector<std::byte> stream = read_bytes("packed_around.qnv");
-  const std::string expected = text_of(read_bytes("packed_around.txt"));
+  const std::string expected = read_text("packed_around.txt");
   REQUIRE(expected.size() > 10'000);
   ClusterForest<Cluster> forest({read_cluster_header, [](const Cluster& cluster, std::size_t first, std::size_t count) {
                                    return discs_of(cluster.voxels, first, count);
@@ -69,7 +65,7 @@ TEST_CASE("matches an octree decoder that was written from FORMAT.md alone") {
   char buffer[4096];
   for (std::size_t size = 0; (size = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) output.append(buffer, size);
   CHECK(pclose(pipe) == 0);
-  CHECK(output == text_of(read_bytes("packed_around.txt")));
+  CHECK(output == read_text("packed_around.txt"));
 }
 
 }  // namespace packed_pinned_test

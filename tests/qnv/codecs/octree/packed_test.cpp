@@ -51,16 +51,16 @@ struct Packed {
 
   /// Returns the splats of all voxels of one level.
   [[nodiscard]] Splats discs(int at) const {
-    Splats cloud;
+    Splats geometry;
     for (const Cluster& cluster : clusters)
-      if (cluster.level() == at) append_discs(cluster, 0, cluster.voxels.size(), cube, cloud);
-    return cloud;
+      if (cluster.level() == at) append_discs(cluster, 0, cluster.voxels.size(), cube, geometry);
+    return geometry;
   }
 };
 
 std::uint64_t key_of(const PackedVoxels& v, std::size_t i) { return morton_encode(v.x[i], v.y[i], v.z[i]); }
 
-// Checks the encoder's promises of every voxel: it contains surface, and its plane is exact within half a step.
+// Checks the encoder's guarantees for every voxel: it contains surface, and its plane is exact within half a step.
 void check_promises(const Packed& packed) {
   std::vector<std::size_t> seen(packed.truth.size());
   for (std::size_t c = 0; c < packed.clusters.size(); ++c) {
@@ -108,21 +108,21 @@ TEST_CASE("decodes an octree sphere within the promised errors on every level") 
     const Packed packed(ball, 7, options);
     check_promises(packed);
     for (int level = packed.clusters.front().level(); level <= 7; ++level) {
-      const Splats cloud = packed.discs(level);
+      const Splats geometry = packed.discs(level);
       const float edge = packed.cube.edge / static_cast<float>(1 << level);
-      INFO("level " << level << ", " << cloud.size() << " discs, compact " << compact);
-      CHECK(total_weight(cloud) == Approx(area_of(ball)).epsilon(0.05));
+      INFO("level " << level << ", " << geometry.size() << " discs, compact " << compact);
+      CHECK(total_weight(geometry) == Approx(area_of(ball)).epsilon(0.05));
       float furthest = 0, most_turned = 0;
-      for (std::size_t i = 0; i < cloud.size(); ++i) {
-        const glm::vec3 out = cloud.positions[i] - glm::vec3(10, -4, 2);
+      for (std::size_t i = 0; i < geometry.size(); ++i) {
+        const glm::vec3 out = geometry.positions[i] - glm::vec3(10, -4, 2);
         furthest = std::max(furthest, std::abs(glm::length(out) - 3) / edge);
-        most_turned = std::max(most_turned, 1 - glm::dot(cloud.normals[i], glm::normalize(out)));
-        REQUIRE_EACH(glm::length(cloud.normals[i]) == Approx(1).epsilon(1e-5));
-        REQUIRE_EACH(cloud.weights[i] > 0);
-        REQUIRE_EACH(cloud.cells[i].edge == edge);
-        // The centre of its cube.
+        most_turned = std::max(most_turned, 1 - glm::dot(geometry.normals[i], glm::normalize(out)));
+        REQUIRE_EACH(glm::length(geometry.normals[i]) == Approx(1).epsilon(1e-5));
+        REQUIRE_EACH(geometry.weights[i] > 0);
+        REQUIRE_EACH(geometry.cells[i].edge == edge);
+        // The centre of the voxel's cube.
         const glm::vec3 cell =
-            (cloud.positions[i] - cloud.normals[i] * cloud.cells[i].offset - packed.cube.lower) / edge - 0.5f;
+            (geometry.positions[i] - geometry.normals[i] * geometry.cells[i].offset - packed.cube.lower) / edge - 0.5f;
         for (int axis = 0; axis < 3; ++axis) REQUIRE_EACH(std::abs(cell[axis] - std::round(cell[axis])) < 1e-2f);
       }
       CHECK(furthest < 0.5f);
@@ -135,26 +135,26 @@ TEST_CASE("keeps the faces of an octree cube, and both faces at its edges") {
   const Triangles cube = box_shape({-1, -1, -1}, {1, 1, 1}, 3);
   const Packed packed(cube, 7);
   check_promises(packed);
-  const Splats cloud = packed.discs(7);
-  CHECK(total_weight(cloud) == Approx(24).epsilon(0.05));
+  const Splats geometry = packed.discs(7);
+  CHECK(total_weight(geometry) == Approx(24).epsilon(0.05));
   std::size_t flat = 0;
-  for (const glm::vec3& n : cloud.normals) flat += std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}) > 0.999f;
-  CHECK(flat > cloud.size() * 9 / 10);
+  for (const glm::vec3& n : geometry.normals) flat += std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}) > 0.999f;
+  CHECK(flat > geometry.size() * 9 / 10);
 }
 
 TEST_CASE("keeps both sides of a thin sheet") {
   const Triangles sheet = two_sided_sheet();
   const Packed packed(sheet, 6);
   check_promises(packed);
-  const Splats cloud = packed.discs(6);
-  CHECK(total_weight(cloud) == Approx(area_of(sheet)).epsilon(0.1));
+  const Splats geometry = packed.discs(6);
+  CHECK(total_weight(geometry) == Approx(area_of(sheet)).epsilon(0.1));
   glm::dvec3 sum(0);
   std::size_t up = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    sum += glm::dvec3(cloud.normals[i]) * static_cast<double>(cloud.weights[i]);
-    up += cloud.normals[i].z > 0;
+  for (std::size_t i = 0; i < geometry.size(); ++i) {
+    sum += glm::dvec3(geometry.normals[i]) * static_cast<double>(geometry.weights[i]);
+    up += geometry.normals[i].z > 0;
   }
-  CHECK(up * 2 == cloud.size());
+  CHECK(up * 2 == geometry.size());
   CHECK(glm::length(sum) < 1e-3);
 }
 
@@ -179,9 +179,9 @@ TEST_CASE("shows a thin plate as a sheet on coarse levels and as two faces on fi
     INFO("level " << level << ": " << doubles << " of " << voxels);
     CHECK((level == 4 ? doubles * 10 > voxels * 6 : doubles * 10 < voxels));
     double up = 0, down = 0;
-    const Splats cloud = packed.discs(level);
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      (cloud.normals[i].z > 0 ? up : down) += cloud.weights[i];
+    const Splats geometry = packed.discs(level);
+    for (std::size_t i = 0; i < geometry.size(); ++i) {
+      (geometry.normals[i].z > 0 ? up : down) += geometry.weights[i];
     }
     CHECK(up == Approx(area_of(plate) / 2).epsilon(0.15));
     CHECK(down == Approx(area_of(plate) / 2).epsilon(0.15));
@@ -205,8 +205,8 @@ TEST_CASE("restores colours within half a step") {
       REQUIRE_EACH(std::abs(want[2] - v.cg[i]) <= 8);
     }
   }
-  const Splats cloud = packed.discs(6);
-  REQUIRE(cloud.colors.size() == cloud.size());
+  const Splats geometry = packed.discs(6);
+  REQUIRE(geometry.colors.size() == geometry.size());
   for (int r = 0; r < 256; r += 5)
     for (int g = 0; g < 256; g += 5)
       for (int b = 0; b < 256; b += 5) {
@@ -216,7 +216,7 @@ TEST_CASE("restores colours within half a step") {
 }
 
 TEST_CASE("encodes wires, dust and surfaces without area") {
-  // No voxel is filled by even a thirtieth.
+  // In every voxel, the surface has less than a thirtieth of a face's area.
   Triangles dust;
   std::mt19937 random(3);
   const auto number = [&random] { return static_cast<float>(random() % 1000) / 1000; };
@@ -254,7 +254,7 @@ TEST_CASE("fits clusters into a datagram, and names only earlier parents") {
       REQUIRE_FALSE(divided[e.header.parent][at]);
       divided[e.header.parent][at] = true;
     }
-    // In Morton order of the run.
+    // Divided voxels are in Morton order.
     const PackedVoxels& v = packed.clusters[i].voxels;
     for (std::size_t k = 1; k < v.size(); ++k) REQUIRE_EACH(key_of(v, k - 1) < key_of(v, k));
   }
@@ -344,11 +344,11 @@ TEST_CASE("survives every flipped bit of a cluster, and detects nearly all") {
       if (const auto* cluster = std::get_if<Cluster>(&result)) {
         ++unnoticed;
         REQUIRE(cluster->voxels.size() <= 64 * payload.size());
-        Splats cloud;
-        append_discs(*cluster, 0, cluster->voxels.size(), packed.cube, cloud);
-        for (std::size_t i = 0; i < cloud.size(); ++i) {
-          REQUIRE_EACH(cloud.weights[i] > 0);
-          REQUIRE_EACH(glm::length(cloud.normals[i]) == Approx(1).epsilon(1e-5));
+        Splats geometry;
+        append_discs(*cluster, 0, cluster->voxels.size(), packed.cube, geometry);
+        for (std::size_t i = 0; i < geometry.size(); ++i) {
+          REQUIRE_EACH(geometry.weights[i] > 0);
+          REQUIRE_EACH(glm::length(geometry.normals[i]) == Approx(1).epsilon(1e-5));
         }
       }
       payload[bit / 8] ^= static_cast<std::byte>(1u << bit % 8);

@@ -225,7 +225,7 @@ TEST_CASE("returns at most the requested number of polygons") {
   CHECK(take(decoder).size() == 60);
   CHECK(decoder.outline_polygons() + decoder.inner_polygons() == 60);
   CHECK(decoder.refused_records() + 60 == decode_all(stream.bytes).size());
-  // Nor over eight times as many corners: the outlines have about 20.
+  // The decoder also rejects inner polygons with more than eight times as many corners. The outlines have about 20.
   OutlineDecoder few(7);
   REQUIRE(few.push(stream.bytes));
   std::size_t corners = 0;
@@ -242,7 +242,7 @@ TEST_CASE("rejects chunks of other payloads, in both directions") {
   decoder.add(ChunkType::outlines, {});
   CHECK(decoder.refused_chunks() == 2);
   const std::vector<ChunkAt> chunks = chunks_of(stream.bytes);
-  decoder.add(ChunkType::inner, chunks[0].payload);  // its header says outlines
+  decoder.add(ChunkType::inner, chunks[0].payload);  // the chunk header states outlines
   CHECK(decoder.refused_chunks() == 3);
   CHECK(take(decoder).empty());
 

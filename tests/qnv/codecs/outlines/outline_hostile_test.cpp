@@ -188,7 +188,7 @@ TEST_CASE("ends on hubs, stars and long chains", "[outline]") {
     for (int i = 0; i < kCount; ++i) add_polygon(model, {{0, 0, 0.3f}, at(i, 1, 0), at(i + 1, 1, 0)});
   }
   SECTION("triangles at one edge") {
-    most = kCount;  // no two are neighbours
+    most = kCount;  // no two polygons are neighbours
     for (int i = 0; i < kCount; ++i) add_polygon(model, {{0, 0, -1}, {0, 0, 1}, at(i, 1, 0)});
   }
   SECTION("a strip that bends more and more") {

@@ -91,13 +91,13 @@ TEST_CASE("reports its appearances and its contents in the header of a stream") 
   decoder.finish();
   const StreamHeader* header = decoder.header();
   REQUIRE(header);
-  CHECK(*header == stream.header);
+  CHECK(encode_header(*header) == encode_header(stream.header));
   CHECK(header->payload == Payload::outlines);
   CHECK(header->outlines.appearances == looks(3));
   CHECK(header->outlines.groups == 4);
   CHECK(header->outlines.outline_polygons == 5);
   CHECK(header->outlines.inner_polygons == 3);
-  CHECK(header->vectors == 6);  // polygons shown in the end
+  CHECK(header->vectors == 6);  // polygons of the complete model
   CHECK(header->description.total == Approx(100 - 2 - 1.59375 + 32 + 0.25 + 0.0625).margin(0.1));
   CHECK(header->description.box == Box{{-4, 0, -2}, {16, 12, 7}});
   CHECK(header->description.two_sided);
@@ -137,7 +137,7 @@ TEST_CASE("rounds every position to the nearest lattice point, for any number of
     CHECK(lattice.step() <= std::ldexp(2.0, 1 - bits) * 2);
     for (const std::uint32_t size : lattice.size) CHECK(size < std::uint32_t{1} << bits);
     CHECK((sorted(decode_all(stream.bytes)) == expected(sphere, stream.header.outlines)));
-    // At most a step per axis: half a step, plus f32 rounding.
+    // The error per axis is at most half a step plus f32 rounding, so below one step.
     for (const One& one : decode_all(stream.bytes))
       for (const auto& ring : one.rings)
         for (const Point& p : ring)
@@ -189,7 +189,7 @@ TEST_CASE("sorts outlines by the area of their groups, before the inner polygons
   for (std::size_t i = 0; i < all.size(); ++i) REQUIRE(all[i].inner == (i >= 20));
   for (std::size_t i = 1; i < all.size(); ++i) {
     if (i != 20) REQUIRE(all[i].group >= all[i - 1].group);
-    // Largest first within a group.
+    // Within a group, the largest polygon is first.
     if (all[i].inner && all[i].group == all[i - 1].group && all[i - 1].inner) {
       const auto area = [](const One& one) {
         std::vector<shapes::Ring> rings(1);
@@ -250,7 +250,7 @@ TEST_CASE("leaves out polygons without area on the lattice and counts them") {
   REQUIRE(all.size() == 4);
   CHECK(all[0].count == 0);
   CHECK(all[1].count == 1);
-  CHECK(all[2].count == 0);  // nothing replaces it: it remains
+  CHECK(all[2].count == 0);  // no inner polygon replaces the outline, so it remains
   CHECK(all[3].inner);
 }
 

@@ -1,6 +1,7 @@
 #include "qnv/codecs/records/record.h"
 
 #include "qnv/codecs/records/record_paths.h"
+#include "tests/qnv/codecs/records/record_fields.h"
 #include "tests/qnv/pinned_vectors.h"
 
 #include <catch2/catch.hpp>
@@ -46,6 +47,16 @@ double angle(const glm::vec3& a, const glm::vec3& b) {
   const double ax = a.x, ay = a.y, az = a.z, bx = b.x, by = b.y, bz = b.z;
   const double cx = ay * bz - az * by, cy = az * bx - ax * bz, cz = ax * by - ay * bx;
   return std::atan2(std::sqrt(cx * cx + cy * cy + cz * cz), ax * bx + ay * by + az * bz);
+}
+
+// Packs one vector.
+std::uint64_t pack_record(const RecordVector& v, const RecordFrame& frame) {
+  std::array<std::byte, 8> bytes{};
+  pack_records(std::span(&v.position, 1), std::span(&v.normal, 1), std::span(&v.weight, 1), std::span(&v.color, 1),
+               frame, bytes.data());
+  std::uint64_t bits = 0;
+  for (std::size_t i = 8; i-- > 0;) bits = bits << 8 | std::to_integer<std::uint64_t>(bytes[i]);
+  return bits;
 }
 
 RecordFrame some_frame() { return frame_for({{-1.5f, 0.1f, 1000.25f}, {0.5f, 3.4f, 1001.75f}}, 327.67f); }
@@ -103,7 +114,7 @@ TEST_CASE("decodes pinned records to their pinned numbers") {
     CHECK(v.position == expected.position);
     CHECK(v.weight == expected.weight);
     CHECK(v.color == expected.color);
-    // Another library's sine gave these numbers: the last bit may differ.
+    // These numbers were computed with the sine of another library, so the last bit may differ.
     for (int axis = 0; axis < 3; ++axis) CHECK(std::abs(v.normal[axis] - expected.normal[axis]) < 6e-8f);
   }
 }

@@ -51,13 +51,13 @@ struct Decoded {
 
 std::uint64_t key_of(const VolumeVoxels& v, std::size_t i) { return morton_encode(v.x[i], v.y[i], v.z[i]); }
 
-/// vectors of the point set by voxel
+/// vectors of the volume by voxel
 std::map<std::uint64_t, std::size_t> places_of(const SoftBall& ball) {
   const VolumeLayout& layout = ball.source.layout;
   const glm::dmat3 inverse = glm::inverse(glm::dmat3(layout.axes[0], layout.axes[1], layout.axes[2]));
   std::map<std::uint64_t, std::size_t> places;
-  for (std::size_t i = 0; i < ball.cloud.size(); ++i) {
-    const glm::dvec3 at = inverse * (glm::dvec3(ball.cloud.positions[i]) - glm::dvec3(layout.origin));
+  for (std::size_t i = 0; i < ball.geometry.size(); ++i) {
+    const glm::dvec3 at = inverse * (glm::dvec3(ball.geometry.positions[i]) - glm::dvec3(layout.origin));
     const auto whole = [&](int axis) { return static_cast<std::uint32_t>(std::lround(at[axis])); };
     places[morton_encode(whole(0), whole(1), whole(2))] = i;
   }
@@ -68,26 +68,26 @@ TEST_CASE("restores a volume's vectors at their voxels, with small errors") {
   const SoftBall ball(24);
   const Decoded all(ball.stream());
   const std::map<std::uint64_t, std::size_t> truth = places_of(ball);
-  REQUIRE(truth.size() == ball.cloud.size());
+  REQUIRE(truth.size() == ball.geometry.size());
   std::set<std::uint64_t> seen;
   double turned = 0;
   for (const VolumeCluster& cluster : all.clusters) {
     if (cluster.level() != all.lattice.depth) continue;
-    Volume cloud;
-    append_vectors(cluster, 0, cluster.voxels.size(), all.lattice, cloud);
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
+    Volume geometry;
+    append_vectors(cluster, 0, cluster.voxels.size(), all.lattice, geometry);
+    for (std::size_t i = 0; i < geometry.size(); ++i) {
       const auto found = truth.find(key_of(cluster.voxels, i));
       REQUIRE(found != truth.end());
       REQUIRE(seen.insert(found->first).second);
       const std::size_t k = found->second;
-      REQUIRE_EACH(glm::distance(cloud.positions[i], ball.cloud.positions[k]) < 1e-4f);
-      REQUIRE_EACH(glm::length(cloud.normals[i]) == Approx(1).epsilon(1e-5));
-      // Encoding omits under 0.62 of a step of 16, plus half a unit of rounding.
-      REQUIRE_EACH(std::abs(cloud.classes[i] - ball.cloud.classes[k]) <= 10);
-      // Under 0.75 of a step of an octave and a half.
-      const float octaves = std::log2(cloud.weights[i] / ball.cloud.weights[k]);
+      REQUIRE_EACH(glm::distance(geometry.positions[i], ball.geometry.positions[k]) < 1e-4f);
+      REQUIRE_EACH(glm::length(geometry.normals[i]) == Approx(1).epsilon(1e-5));
+      // The encoder omits corrections below 0.62 of a step of 16. Rounding adds half a unit.
+      REQUIRE_EACH(std::abs(geometry.classes[i] - ball.geometry.classes[k]) <= 10);
+      // The error of magnitudes is below 0.75 of a step. A step is one and a half octaves.
+      const float octaves = std::log2(geometry.weights[i] / ball.geometry.weights[k]);
       REQUIRE_EACH(std::abs(octaves) <= 1.13f);
-      const float cosine = glm::dot(cloud.normals[i], ball.cloud.normals[k]);
+      const float cosine = glm::dot(geometry.normals[i], ball.geometry.normals[k]);
       REQUIRE_EACH(cosine > 0.5f);
       turned += std::acos(std::min(cosine, 1.0f));
     }
@@ -109,7 +109,7 @@ TEST_CASE("gives a coarse voxel a value between its children's, and their mean i
     std::map<std::uint64_t, Values> inside;
     for (const auto& [key, k] : truth) {
       Values& v = inside[key >> (3 * (all.lattice.depth - cluster.level()))];
-      const double value = ball.cloud.classes[k];
+      const double value = ball.geometry.classes[k];
       v = {v.sum + value, std::min(v.least, value), std::max(v.most, value), v.count + 1};
     }
     for (std::size_t i = 0; i < cluster.voxels.size(); ++i) {
@@ -169,11 +169,11 @@ TEST_CASE("fits volume clusters into a datagram, equally on any number of thread
 
 void check_sound(const VolumeCluster& cluster, std::size_t bytes, const VoxelLattice& lattice) {
   REQUIRE(cluster.voxels.size() <= 64 * bytes);
-  Volume cloud;
-  append_vectors(cluster, 0, cluster.voxels.size(), lattice, cloud);
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    REQUIRE_EACH((cloud.weights[i] > 0 && std::isfinite(cloud.weights[i])));
-    REQUIRE_EACH(glm::length(cloud.normals[i]) == Approx(1).epsilon(1e-5));
+  Volume geometry;
+  append_vectors(cluster, 0, cluster.voxels.size(), lattice, geometry);
+  for (std::size_t i = 0; i < geometry.size(); ++i) {
+    REQUIRE_EACH((geometry.weights[i] > 0 && std::isfinite(geometry.weights[i])));
+    REQUIRE_EACH(glm::length(geometry.normals[i]) == Approx(1).epsilon(1e-5));
     REQUIRE_EACH(cluster.voxels.magnitude[i] <= kMaxMagnitude);
   }
 }

@@ -16,13 +16,9 @@
 namespace gs::qnv {
 namespace voxels_pinned_test {
 
-std::string text_of(const std::vector<std::byte>& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 TEST_CASE("decodes FORMAT.md's volume stream to the numbers in the document") {
   const std::vector<std::byte> stream = read_bytes("voxels_ball.qnv");
-  const std::string expected = text_of(read_bytes("voxels_ball.txt"));
+  const std::string expected = read_text("voxels_ball.txt");
   REQUIRE(expected.size() > 10'000);
   using Forest = ClusterForest<VolumeCluster>;
   Forest forest({read_volume_cluster_header, [](const VolumeCluster&, std::size_t, std::size_t count) {
@@ -58,7 +54,7 @@ TEST_CASE("matches a volume decoder that was written from FORMAT.md alone") {
   char buffer[4096];
   for (std::size_t size = 0; (size = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) output.append(buffer, size);
   CHECK(pclose(pipe) == 0);
-  CHECK(output == text_of(read_bytes("voxels_ball.txt")));
+  CHECK(output == read_text("voxels_ball.txt"));
 }
 
 }  // namespace voxels_pinned_test

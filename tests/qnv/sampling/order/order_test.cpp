@@ -175,7 +175,7 @@ TEST_CASE("makes an order that depends on the seed only", "[optimised]") {
 }
 
 TEST_CASE("orders a few vectors by farthest-point sampling") {
-  // Points on a line, from the one that the seed selects.
+  // Points on a line, from the point that the seed selects.
   Vectors v;
   for (const float x : {0.0f, 1.0f, 2.0f, 4.0f, 8.0f, 16.0f}) v.add({x, 0, 0}, {0, 0, 1}, 1);
   const std::vector<std::uint32_t> order = order_of(v);
@@ -195,7 +195,7 @@ TEST_CASE("orders a few vectors by farthest-point sampling") {
 }
 
 TEST_CASE("makes the pinned order with any compiler") {
-  // Exact numbers, independent of library rounding: 40,000 points of a bent sheet.
+  // 40,000 points of a bent sheet. Their numbers are exact, so that library rounding has no effect.
   Vectors v;
   for (int x = 0; x < 200; ++x)
     for (int y = 0; y < 200; ++y) {
@@ -263,7 +263,7 @@ TEST_CASE("covers both sides of a thin sheet") {
 }
 
 TEST_CASE("takes more vectors at curved parts of a surface") {
-  // A flat square beside one with steep waves, of equal size seen from above.
+  // A flat square beside a square with steep waves. Both have the same size from above.
   Vectors v;
   for (int x = 0; x < 200; ++x)
     for (int y = 0; y < 100; ++y) {
@@ -293,7 +293,7 @@ TEST_CASE("takes vectors of a volume in proportion to their magnitude") {
     for (std::size_t i = 0; i < count; ++i) strong += v.positions[order[i]].x < 20;
     INFO(strong << " of " << count);
     CHECK(strong > count * 3 / 4);     // a factor of eight in density would be 8/9
-    CHECK(strong < count * 97 / 100);  // and omits nothing
+    CHECK(strong < count * 97 / 100);  // and the flat square is not omitted
   }
 }
 

@@ -18,10 +18,7 @@
 using namespace gs;
 
 using namespace gs::qnv;
-using gs::test::kNaN;
-using gs::test::oblique;
-using gs::test::place_of;
-using gs::test::volume_of;
+using namespace gs::test;
 
 namespace {
 
@@ -58,14 +55,14 @@ TEST_CASE("computes the same gradient of a linear ramp everywhere, for any axes"
   const VolumeSource source = volume_of(layout, [&](auto x, auto y, auto z) {
     return glm::dot(slope, place_of(layout, static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)));
   });
-  const Volume cloud = encoded(source);
-  REQUIRE(cloud.size() == 7 * 6 * 5);
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    CHECK(cloud.weights[i] == Approx(glm::length(slope)).epsilon(1e-4));
-    CHECK(glm::distance(cloud.normals[i], glm::normalize(slope)) < 1e-4f);
+  const Volume geometry = encoded(source);
+  REQUIRE(geometry.size() == 7 * 6 * 5);
+  for (std::size_t i = 0; i < geometry.size(); ++i) {
+    CHECK(geometry.weights[i] == Approx(glm::length(slope)).epsilon(1e-4));
+    CHECK(glm::distance(geometry.normals[i], glm::normalize(slope)) < 1e-4f);
   }
-  CHECK(cloud.description.total == Approx(210 * glm::length(slope)).epsilon(1e-4));
-  CHECK(cloud.description.spacing == Approx(glm::length(layout.axes[0])));
+  CHECK(geometry.description.total == Approx(210 * glm::length(slope)).epsilon(1e-4));
+  CHECK(geometry.description.spacing == Approx(glm::length(layout.axes[0])));
 }
 
 TEST_CASE("computes the vectors around a single voxel as differences by hand do") {
@@ -73,17 +70,17 @@ TEST_CASE("computes the vectors around a single voxel as differences by hand do"
   layout.dimensions = {5, 1, 1};
   layout.axes[0].x = 2;
   layout.metadata = {{"title", "row"}};
-  const Volume cloud = encoded(volume_of<std::uint8_t>(layout, {0, 0, 8, 4, 4}));
+  const Volume geometry = encoded(volume_of<std::uint8_t>(layout, {0, 0, 8, 4, 4}));
   // Differences: (0-0)/2, (8-0)/4, (4-0)/4, (4-8)/4, (4-4)/2.
-  REQUIRE(cloud.size() == 3);
-  CHECK(cloud.weights == std::vector<float>{2, 1, 1});
-  CHECK(cloud.positions == std::vector<glm::vec3>{{2, 0, 0}, {4, 0, 0}, {6, 0, 0}});
-  CHECK(cloud.normals == std::vector<glm::vec3>{{1, 0, 0}, {1, 0, 0}, {-1, 0, 0}});
-  CHECK(cloud.classes == std::vector<std::uint8_t>{0, 255, 128});
-  CHECK(cloud.description.value_range == std::pair<float, float>{0, 8});
-  CHECK(cloud.description.total == 4);
-  CHECK(cloud.description.box == Box{{0, 0, 0}, {8, 0, 0}});
-  CHECK(cloud.description.metadata == layout.metadata);
+  REQUIRE(geometry.size() == 3);
+  CHECK(geometry.weights == std::vector<float>{2, 1, 1});
+  CHECK(geometry.positions == std::vector<glm::vec3>{{2, 0, 0}, {4, 0, 0}, {6, 0, 0}});
+  CHECK(geometry.normals == std::vector<glm::vec3>{{1, 0, 0}, {1, 0, 0}, {-1, 0, 0}});
+  CHECK(geometry.classes == std::vector<std::uint8_t>{0, 255, 128});
+  CHECK(geometry.description.value_range == std::pair<float, float>{0, 8});
+  CHECK(geometry.description.total == 4);
+  CHECK(geometry.description.box == Box{{0, 0, 0}, {8, 0, 0}});
+  CHECK(geometry.description.metadata == layout.metadata);
 }
 
 TEST_CASE("omits vectors at missing voxels, and takes one-sided differences beside them") {
@@ -94,14 +91,14 @@ TEST_CASE("omits vectors at missing voxels, and takes one-sided differences besi
     f32.type = VoxelType::f32;
     return encoded(volume_of(f32, std::move(values)));
   };
-  const Volume cloud = along_x({1, 3, kNaN, 5, kNaN, 8, 9});
-  // 1: 3-1 at the border; 3: 3-1; 5: no neighbour at all; 8: 9-8; 9: 9-8.
-  REQUIRE(cloud.size() == 4);
-  CHECK(cloud.weights == std::vector<float>{2, 2, 1, 1});
-  CHECK(cloud.positions[0].x == 0);
-  CHECK(cloud.positions[1].x == 1);
-  CHECK(cloud.positions[2].x == 5);
-  CHECK(cloud.description.value_range == std::pair<float, float>{1, 9});
+  const Volume geometry = along_x({1, 3, kNaN, 5, kNaN, 8, 9});
+  // Voxel 1 has 3 - 1 at the border, voxel 3 has 3 - 1, voxel 5 has no neighbours. Voxels 8 and 9 have 9 - 8.
+  REQUIRE(geometry.size() == 4);
+  CHECK(geometry.weights == std::vector<float>{2, 2, 1, 1});
+  CHECK(geometry.positions[0].x == 0);
+  CHECK(geometry.positions[1].x == 1);
+  CHECK(geometry.positions[2].x == 5);
+  CHECK(geometry.description.value_range == std::pair<float, float>{1, 9});
 
   layout.missing = 255;
   const Volume masked = encoded(volume_of<std::uint8_t>(layout, {1, 1, 255, 1, 1, 2, 255}));
@@ -117,21 +114,21 @@ TEST_CASE("points the gradients of a ball to its centre, for any axes") {
     return 100 -
            glm::distance(centre, place_of(layout, static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)));
   });
-  const Volume cloud = encoded(source);
-  REQUIRE(cloud.size() == 40 * 30 * 20);
+  const Volume geometry = encoded(source);
+  REQUIRE(geometry.size() == 40 * 30 * 20);
   std::size_t far_away = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const float distance = glm::distance(centre, cloud.positions[i]);
+  for (std::size_t i = 0; i < geometry.size(); ++i) {
+    const float distance = glm::distance(centre, geometry.positions[i]);
     if (distance < 5) continue;  // skips points where the distance changes too fast for a voxel
     ++far_away;
-    REQUIRE(cloud.weights[i] == Approx(1).margin(0.05));
-    REQUIRE(glm::dot(cloud.normals[i], (centre - cloud.positions[i]) / distance) > 0.99f);
+    REQUIRE(geometry.weights[i] == Approx(1).margin(0.05));
+    REQUIRE(glm::dot(geometry.normals[i], (centre - geometry.positions[i]) / distance) > 0.99f);
   }
   CHECK(far_away > 10000);
 }
 
 TEST_CASE("sorts vectors by length, equal ones by voxel") {
-  const Volume cloud = encoded(noise(20, 0, 3));
+  const Volume geometry = encoded(noise(20, 0, 3));
   const VolumeLayout layout = oblique(20, 23, 18);
   std::map<std::tuple<float, float, float>, std::size_t> voxels;
   std::size_t index = 0;
@@ -142,23 +139,23 @@ TEST_CASE("sorts vectors by length, equal ones by voxel") {
         voxels[{p.x, p.y, p.z}] = index++;
       }
   const auto voxel = [&](std::size_t i) {
-    return voxels.at({cloud.positions[i].x, cloud.positions[i].y, cloud.positions[i].z});
+    return voxels.at({geometry.positions[i].x, geometry.positions[i].y, geometry.positions[i].z});
   };
   std::size_t ties = 0;
-  for (std::size_t i = 1; i < cloud.size(); ++i) {
-    REQUIRE(cloud.weights[i - 1] >= cloud.weights[i]);
-    if (cloud.weights[i - 1] != cloud.weights[i]) continue;
+  for (std::size_t i = 1; i < geometry.size(); ++i) {
+    REQUIRE(geometry.weights[i - 1] >= geometry.weights[i]);
+    if (geometry.weights[i - 1] != geometry.weights[i]) continue;
     ++ties;
     REQUIRE(voxel(i - 1) < voxel(i));
   }
   CHECK(ties > 1000);
-  CHECK(cloud.weights.back() > 0);
+  CHECK(geometry.weights.back() > 0);
   double sum = 0;
-  for (const float weight : cloud.weights) sum += static_cast<double>(weight);
-  CHECK(cloud.description.total == Approx(sum).epsilon(1e-12));
-  for (const glm::vec3& p : cloud.positions) {
-    REQUIRE(glm::all(glm::greaterThanEqual(p, cloud.description.box.lower)));
-    REQUIRE(glm::all(glm::lessThanEqual(p, cloud.description.box.upper)));
+  for (const float weight : geometry.weights) sum += static_cast<double>(weight);
+  CHECK(geometry.description.total == Approx(sum).epsilon(1e-12));
+  for (const glm::vec3& p : geometry.positions) {
+    REQUIRE(glm::all(glm::greaterThanEqual(p, geometry.description.box.lower)));
+    REQUIRE(glm::all(glm::lessThanEqual(p, geometry.description.box.upper)));
   }
 }
 
@@ -184,7 +181,7 @@ TEST_CASE("encodes fewer vectors as the beginning of more") {
 }
 
 TEST_CASE("cuts more equal lengths than one sort holds at the right voxel") {
-  // A ramp of 1.3 million voxels of equal gradient except in one plane.
+  // A ramp of 1.3 million voxels. All gradients are equal except in one plane.
   VolumeLayout layout;
   layout.dimensions = {128, 128, 80};
   std::vector<std::uint16_t> values;
@@ -193,17 +190,17 @@ TEST_CASE("cuts more equal lengths than one sort holds at the right voxel") {
       values.push_back(static_cast<std::uint16_t>(z * 4 + (z >= 40 ? 4 : 0)));
   layout.type = VoxelType::u16;
   const VolumeSource source = volume_of(layout, std::move(values));
-  const Volume cloud = encoded(source, {.fraction = 1, .vectors = 40000, .threads = 3});
-  REQUIRE(cloud.size() == 40000);
+  const Volume geometry = encoded(source, {.fraction = 1, .vectors = 40000, .threads = 3});
+  REQUIRE(geometry.size() == 40000);
   const std::size_t steep = 2 * 128 * 128;  // slices 39 and 40: (z + 1) * 4 + 4 - (z - 1) * 4, halved
-  CHECK(cloud.weights[steep - 1] == 6);
-  CHECK(cloud.positions[0] == glm::vec3(0, 0, 39));
-  CHECK(cloud.weights[steep] == 4);
-  for (std::size_t i = steep; i < cloud.size(); ++i) {
+  CHECK(geometry.weights[steep - 1] == 6);
+  CHECK(geometry.positions[0] == glm::vec3(0, 0, 39));
+  CHECK(geometry.weights[steep] == 4);
+  for (std::size_t i = steep; i < geometry.size(); ++i) {
     const std::size_t voxel = i - steep;
-    REQUIRE(cloud.positions[i] == glm::vec3(voxel % 128, voxel / 128 % 128, voxel / (128 * 128)));
+    REQUIRE(geometry.positions[i] == glm::vec3(voxel % 128, voxel / 128 % 128, voxel / (128 * 128)));
   }
-  CHECK(same_vectors(cloud, encoded(source, {.fraction = 1, .vectors = 40000, .threads = 1})));
+  CHECK(same_vectors(geometry, encoded(source, {.fraction = 1, .vectors = 40000, .threads = 1})));
 }
 
 TEST_CASE("encodes a volume to the same bits on any number of threads") {
@@ -252,11 +249,11 @@ TEST_CASE("encodes values at the limits of floats as finite vectors") {
     const VolumeSource source = volume_of(layout, [&](auto x, auto y, auto z) {
       return (x + y + z) % 2 == 0 ? scale : -scale / 2 * static_cast<float>(x);
     });
-    const Volume cloud = encoded(source);
-    REQUIRE_FALSE(cloud.empty());
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      REQUIRE((cloud.weights[i] > 0 && std::isfinite(cloud.weights[i])));
-      REQUIRE(glm::length(cloud.normals[i]) == Approx(1));
+    const Volume geometry = encoded(source);
+    REQUIRE_FALSE(geometry.empty());
+    for (std::size_t i = 0; i < geometry.size(); ++i) {
+      REQUIRE((geometry.weights[i] > 0 && std::isfinite(geometry.weights[i])));
+      REQUIRE(glm::length(geometry.normals[i]) == Approx(1));
     }
   }
 }
@@ -287,10 +284,10 @@ TEST_CASE("reports why a volume cannot be encoded") {
 TEST_CASE("encodes a volume of one value as a description without vectors") {
   VolumeLayout layout;
   layout.dimensions = {3, 2, 2};
-  const Volume cloud = encoded(volume_of<std::uint8_t>(layout, std::vector<std::uint8_t>(12, 9)));
-  CHECK(cloud.empty());
-  CHECK(cloud.description.total == 0);
-  CHECK(cloud.description.value_range == std::pair<float, float>{9, 9});
+  const Volume geometry = encoded(volume_of<std::uint8_t>(layout, std::vector<std::uint8_t>(12, 9)));
+  CHECK(geometry.empty());
+  CHECK(geometry.description.total == 0);
+  CHECK(geometry.description.value_range == std::pair<float, float>{9, 9});
 }
 
 TEST_CASE("makes transfer functions that begin transparent and rise") {

@@ -20,10 +20,7 @@
 using namespace gs;
 
 using namespace gs::qnv;
-using gs::test::kNaN;
-using gs::test::oblique;
-using gs::test::place_of;
-using gs::test::volume_of;
+using namespace gs::test;
 
 namespace {
 
@@ -134,7 +131,7 @@ TEST_CASE("makes closed loops around the cut edges in every case of marching cub
           ++sides[{triangle[i], triangle[(i + 1) % 3]}];
         }
       CHECK(used == crossed);
-      std::map<int, int> outline;  // edges without a partner leave every cut edge once
+      std::map<int, int> outline;  // open edges leave each cut edge of the lattice once
       for (const auto& [side, count] : sides) {
         CHECK(count == 1);
         if (!sides.contains({side.second, side.first})) ++outline[side.first];

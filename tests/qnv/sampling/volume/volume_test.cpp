@@ -39,7 +39,7 @@ void check_type(VoxelType type, std::initializer_list<T> values) {
     std::size_t i = 0;
     for (const T value : values) CHECK(out[i++] == static_cast<float>(value));
 
-    // Odd addresses, and the slower path for slope, intercept and missing values.
+    // Now the addresses are odd, and slope, intercept and missing values need the slower path.
     std::vector<std::byte> shifted(bytes.size() + 1);
     std::copy(bytes.begin(), bytes.end(), shifted.begin() + 1);
     layout.slope = 2;

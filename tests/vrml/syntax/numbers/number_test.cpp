@@ -1,4 +1,5 @@
 #include "vrml/syntax/numbers/number.h"
+#include "base/noncopyable.h"
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -45,7 +46,7 @@ std::uint32_t bits_of(float value) { return std::bit_cast<std::uint32_t>(value);
 std::uint32_t bits_of(std::int32_t value) { return std::bit_cast<std::uint32_t>(value); }
 
 /// Text between two unreadable pages.
-class GuardedText {
+class GuardedText : gs::NonCopyable {
  public:
   explicit GuardedText(std::size_t capacity) {
     page_ = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
@@ -56,8 +57,6 @@ class GuardedText {
     REQUIRE(mprotect(base_ + page_, size_, PROT_READ | PROT_WRITE) == 0);
   }
   ~GuardedText() { munmap(base_, size_ + 2 * page_); }
-  GuardedText(const GuardedText&) = delete;
-  GuardedText& operator=(const GuardedText&) = delete;
 
   /// Returns the text directly before the unreadable page.
   std::string_view at_end(std::string_view text) {
@@ -82,7 +81,7 @@ bool is_delimiter(char c) {
   return is_blank(c) || c == '[' || c == ']' || c == '{' || c == '}' || c == '#' || c == '"';
 }
 
-/// Checks every promise of NumberRun about the text that it passed.
+/// Checks all guarantees of NumberRun about the text that it has read.
 template <class T>
 bool keeps_promises(const NumberRun& run, std::string_view text, const T* out, std::size_t capacity) {
   const char* const begin = text.data();
@@ -111,8 +110,8 @@ bool keeps_promises(const NumberRun& run, std::string_view text, const T* out, s
   return count == run.count && lines == run.lines && line_start == run.line_start;
 }
 
-/// Reads like the parser: in runs, and single numbers where a run stops. Stops at rubbish. Starts with `window` bytes,
-/// and continues when these are used up.
+/// Reads like the parser: in runs, and a single number if a run stops. Stops at invalid text. Starts with `window`
+/// bytes, and continues when these are used up.
 template <class T>
 std::vector<T> read_all(const Path<T>& path, std::string_view text, std::size_t window, std::size_t capacity = 1000) {
   std::vector<T> values;
@@ -154,8 +153,8 @@ std::int32_t reference(const std::string& token, std::int32_t) {
 template <class T, class Token>
 void check_random_texts(unsigned seed, unsigned texts, unsigned numbers, Token token) {
   RandomBits random(seed);
-  for (unsigned i = 0; i < texts; i += gs::watched_step(4)) {  // 4, not 3, because of the shapes below
-    // Includes texts of one or few shapes, since paths treat groups of special numbers separately.
+  for (unsigned i = 0; i < texts; i += gs::watched_step(4)) {  // 4, not 3, because `shapes` depends on i % 3
+    // Some texts have only one or few forms of numbers, because the paths handle groups of special numbers separately.
     const unsigned shapes = i % 3 == 0 ? 1 + below(random, 20) : numbers;
     std::vector<std::string> tokens;
     std::vector<T> expected;
@@ -209,7 +208,7 @@ void check_prefixes(const std::string& text) {
   }
 }
 
-/// Cuts the text in two windows at every position.
+/// Splits the text into two windows at every position.
 template <class T>
 void check_splits(const std::string& text) {
   for (const Path<T>& path : paths(T{})) {
@@ -251,7 +250,7 @@ void check_garbage(unsigned seed, const std::string& alphabet) {
         text += alphabet[below(random, static_cast<unsigned>(alphabet.size()))];
       }
     }
-    if (below(random, 2)) {  // rubbish after the numbers
+    if (below(random, 2)) {  // invalid text after the numbers
       std::string numbers;
       for (unsigned n = below(random, 20); n > 0; --n) numbers += integer_token(random) + separator(random);
       text = (numbers + text).substr(0, 400);

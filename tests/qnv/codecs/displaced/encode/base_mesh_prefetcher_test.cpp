@@ -16,11 +16,11 @@ TEST_CASE("returns the same base mesh whether it was prepared in advance or not"
   };
   CHECK(same(100));
   bases.expect(200);
-  bases.expect(400);  // the first one counts while it is running
+  bases.expect(400);  // a second call is ignored while the first mesh is made
   CHECK(same(200));
   CHECK(same(400));
   bases.expect(300);
-  CHECK(same(60));  // an unexpected count
+  CHECK(same(60));  // a number of triangles that was not expected
   CHECK(same(300));
   bases.expect(80);  // never requested
 }

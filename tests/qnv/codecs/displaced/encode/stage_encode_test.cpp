@@ -44,7 +44,7 @@ TEST_CASE("omits the finest levels only of a stage that another one certainly fo
   options.triangles = 20;
   options.layers = 1;
   options.threads = 2;
-  // Part of the target is where the stage has no surface.
+  // The small ball of the target is far from the surface of the stage.
   const Target target(both, neighbours_of(both.triangles), 2), alone(large, neighbours_of(large.triangles), 2);
   const float error = 0.045f * target.edge();
   const EncodedStage whole = encode_stage_of(target, coarse, options, nullptr);
@@ -57,14 +57,15 @@ TEST_CASE("omits the finest levels only of a stage that another one certainly fo
   CHECK(shorter.header.depth == whole.header.depth);
   CHECK(finest_of(shorter) == 4);
   CHECK(shorter.error > error);
-  // The clusters of both are equal.
+  // The shorter stage has the same clusters as the whole stage.
   std::size_t same = 0;
   for (const StageCluster& cluster : shorter.clusters)
     same += std::any_of(whole.clusters.begin(), whole.clusters.end(), [&](const StageCluster& other) {
       return other.header.level == cluster.header.level && other.payload == cluster.payload;
     });
   CHECK(same == shorter.clusters.size());
-  // Its error is too large; it follows the target; the next stage would have nothing left.
+  // The stage keeps all levels in three cases: its error is too large, it follows the whole target, or no further stage
+  // is possible.
   options.trusted_error = error;
   CHECK(finest_of(encode_stage_of(target, coarse, options, nullptr)) == whole.header.depth);
   options.trusted_error = 1;

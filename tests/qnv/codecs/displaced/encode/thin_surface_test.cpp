@@ -109,7 +109,7 @@ TEST_CASE("encodes a surface that exceeds the memory as one of fewer triangles")
   CHECK(header.payload == Payload::displaced);
   CHECK(std::get<EncodedStream>(result).thinned);
   CHECK(header.description.total == Approx(area_of(ball)).epsilon(0.01));
-  // The encoder holds no more, and omits the mesh itself.
+  // The encoder has no other copy of the mesh, so it omits the exact mesh.
   options.exact_bits = 12;
   const auto refused = encode_displaced(source_of(ball), options);
   REQUIRE(std::holds_alternative<EncodeError>(refused));

@@ -80,7 +80,7 @@ TEST_CASE("evaluates a surface gradually to the result of evaluating it at once"
       Surface surface(source.header());
       const Box box{glm::vec3(-1), glm::vec3(1)};
       PatchEvaluator evaluator;
-      CHECK(differences(*evaluator.state(surface, 1, box), *PatchSurface::make(surface, 1, box)) == 0);
+      CHECK(differences(*evaluator.state(surface, 1, box), *patch_surface(surface, 1, box)) == 0);
       std::size_t fewest = 1000, states = 0;
       int level = 1;
       for (const Made& made : clusters_of(source, colored)) {
@@ -93,7 +93,7 @@ TEST_CASE("evaluates a surface gradually to the result of evaluating it at once"
         level = std::max(level, std::min(surface.finest() + 1, 3));
         const auto now = evaluator.state(surface, level, box);
         fewest = std::min(fewest, evaluator.worked_out());
-        CHECK(differences(*now, *PatchSurface::make(surface, level, box)) == 0);
+        CHECK(differences(*now, *patch_surface(surface, level, box)) == 0);
         const auto again = evaluator.state(surface, level, box);
         CHECK(evaluator.worked_out() == 0);
         CHECK(again->shared_bytes(*now) >= again->size() * patch_vertices(level) * sizeof(PatchVertex));

@@ -130,7 +130,7 @@ TEST_CASE("packs directions like pack_direction, and replaces invalid positions 
   normals[4] = {huge, -huge, std::numeric_limits<float>::infinity()};
   normals[5] = {0.5f / 1023, -0.5f / 1023, 0.5f / 511};
   places[7].y = nan;
-  places[8].z = huge;  // beyond all numbers, outside
+  places[8].z = huge;  // far outside of the picture
   const glm::vec3 lower(1, -2, 3);
   for (const PatchLoops& loops : patch_loops()) {
     CAPTURE(loops.name);
@@ -144,7 +144,7 @@ TEST_CASE("packs directions like pack_direction, and replaces invalid positions 
               same(at.at(i), i == 7 || i == 8 ? lower : lower + places[i] * 7.5f);
     CHECK(right);
   }
-  // Rounding may go either way.
+  // These values are between two codes; both are valid.
   const auto low = [](float v) { return static_cast<std::int32_t>(pack_direction({v, 0, 0}) << 21) >> 21; };
   for (int i = -5000; i <= 5000; ++i) {
     const float v = static_cast<float>(i) / 4711;

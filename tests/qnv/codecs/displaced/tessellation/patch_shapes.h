@@ -1,5 +1,6 @@
 #pragma once
 
+#include "qnv/codecs/displaced/subdivision.h"
 #include "qnv/codecs/displaced/surface.h"
 #include "qnv/codecs/displaced/tessellation/patch_surface.h"
 #include "tests/qnv/codecs/displaced/displaced_shapes.h"
@@ -10,6 +11,7 @@
 #include <cstdint>
 #include <memory>
 #include <random>
+#include <vector>
 
 // Displaced surfaces with random numbers, for tests of cuts and drawing.
 namespace gs::qnv {
@@ -46,8 +48,18 @@ inline displaced::Surface rough_surface(const displaced::SurfaceMesh& mesh, int 
   return surface;
 }
 
+/// Evaluates all received numbers of `surface` at a level, and makes a surface of them.
+inline std::shared_ptr<const PatchSurface> patch_surface(const displaced::Surface& surface, int level, const Box& box) {
+  const std::vector<glm::vec3> places = surface.positions(level);
+  std::vector<std::uint32_t> normals;
+  for (const glm::vec3& normal : displaced::slot_normals(surface.patches(), surface.slots(), level, places))
+    normals.push_back(pack_direction(normal));
+  const std::vector<Rgb8> colors = surface.vertex_colors(level);
+  return PatchSurface::make(surface, level, box, {places, {}, normals, colors, nullptr, nullptr});
+}
+
 inline SurfacePatches patches_of(const displaced::Surface& surface, int level) {
-  return {{}, {PatchSurface::make(surface, level, Box{glm::vec3(-1), glm::vec3(1)})}};
+  return {{}, {patch_surface(surface, level, Box{glm::vec3(-1), glm::vec3(1)})}};
 }
 
 }  // namespace gs::qnv

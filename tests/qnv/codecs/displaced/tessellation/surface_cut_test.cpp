@@ -148,7 +148,7 @@ TEST_CASE("changes a surface without jumps through every level as patches come n
     before = std::move(now);
   }
   CHECK(before.triangles.size() > 20 * first);
-  CHECK(triangles > 1.05);  // levels changed at once
+  CHECK(triangles > 1.05);  // levels would change in one step without the transition
   const double whole = std::abs(before.area() - drawn_at(600).area()) / before.area();
   CHECK(whole > 0.02);
   CHECK(greatest < whole / 50);
@@ -172,7 +172,7 @@ TEST_CASE("keeps the budget of a cut, and omits patches outside the view or faci
   view.leave_backs = true;
   const SurfaceCut fronts = cut_surface(surface, view);
   CHECK(fronts.patches.size() < all.patches.size());
-  // No omitted triangle faces the viewer.
+  // The cut omits no triangle that faces the viewer.
   std::set<std::uint32_t> taken;
   for (const PatchCut& one : fronts.patches) taken.insert(one.patch);
   PatchMesh mesh;
@@ -216,7 +216,7 @@ TEST_CASE("draws every prefix of a stream as it is decoded") {
     CHECK(drawn.triangles.size() == whole.triangles.size() / 3);
     std::size_t found = 0;
     for (const glm::vec3& p : whole.positions) found += drawn.numbers.contains(Place(p.x, p.y, p.z)) ? 1 : 0;
-    // The order of summing normals differs, and with it the rounding.
+    // Normals are added in another order, so their rounding differs.
     CHECK(found > 0);
     for (std::size_t i = 0; i < whole.size(); ++i) {
       const auto near = drawn.numbers.lower_bound(Place(whole.positions[i].x - 1e-5f, -9.0f, -9.0f));

@@ -21,20 +21,20 @@ namespace {
 
 /// Returns points of a ball with equal areas.
 Splats ball_of_points(std::size_t count) {
-  Splats cloud;
-  cloud.description.two_sided = true;
-  cloud.description.origin = {6e6, 0, 0};
-  cloud.description.metadata = {{"up", "z"}};
+  Splats geometry;
+  geometry.description.two_sided = true;
+  geometry.description.origin = {6e6, 0, 0};
+  geometry.description.metadata = {{"up", "z"}};
   for (std::size_t i = 0; i < count; ++i) {
     const double z = 1 - (2 * static_cast<double>(i) + 1) / static_cast<double>(count);
     const double turn = 2.399963 * static_cast<double>(i), r = std::sqrt(1 - z * z);
     const glm::vec3 n(r * std::cos(turn), r * std::sin(turn), z);
-    cloud.positions.push_back(3.0f * n);
-    cloud.normals.push_back(n);
-    cloud.weights.push_back(static_cast<float>(4 * std::numbers::pi * 9 / static_cast<double>(count)));
-    cloud.colors.push_back(n.z > 0 ? Rgb8{200, 0, 0} : Rgb8{0, 0, 200});
+    geometry.positions.push_back(3.0f * n);
+    geometry.normals.push_back(n);
+    geometry.weights.push_back(static_cast<float>(4 * std::numbers::pi * 9 / static_cast<double>(count)));
+    geometry.colors.push_back(n.z > 0 ? Rgb8{200, 0, 0} : Rgb8{0, 0, 200});
   }
-  return cloud;
+  return geometry;
 }
 
 Splats decoded_points(const EncodedStream& stream) {
@@ -60,15 +60,15 @@ TEST_CASE("packs points of a surface at their positions, with their normals and 
         std::vector<std::pair<std::string, std::string>>{{"title", "ball"}, {"up", "z"}});
   CHECK(stream.header.description.total == Approx(4 * std::numbers::pi * 9).epsilon(0.001));
   CHECK(stream.bytes.size() < 8000 * 3);  // records would need 8000 * 8
-  const Splats cloud = decoded_points(stream);
-  CHECK(cloud.size() > 4000);
-  CHECK(cloud.size() < 20'000);
-  CHECK(total_weight(cloud) == Approx(4 * std::numbers::pi * 9).epsilon(0.05));
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const glm::vec3& p = cloud.positions[i];
+  const Splats geometry = decoded_points(stream);
+  CHECK(geometry.size() > 4000);
+  CHECK(geometry.size() < 20'000);
+  CHECK(total_weight(geometry) == Approx(4 * std::numbers::pi * 9).epsilon(0.05));
+  for (std::size_t i = 0; i < geometry.size(); ++i) {
+    const glm::vec3& p = geometry.positions[i];
     REQUIRE_EACH(std::abs(glm::length(p) - 3) < 0.06f);
-    REQUIRE_EACH(glm::dot(cloud.normals[i], glm::normalize(p)) > 0.97f);
-    REQUIRE_EACH(std::abs(p.z) < 0.3f || (cloud.colors[i].r > cloud.colors[i].b) == (p.z > 0));
+    REQUIRE_EACH(glm::dot(geometry.normals[i], glm::normalize(p)) > 0.97f);
+    REQUIRE_EACH(std::abs(p.z) < 0.3f || (geometry.colors[i].r > geometry.colors[i].b) == (p.z > 0));
   }
 }
 

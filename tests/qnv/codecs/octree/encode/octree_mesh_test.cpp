@@ -1,4 +1,4 @@
-// Tests of octrees of surfaces that end with the mesh itself.
+// Tests of octree streams that end with the exact mesh.
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/shared/encode_options.h"
@@ -60,12 +60,12 @@ TEST_CASE("ends an octree with the mesh if its colours have borders") {
       if (!decoder.header()) continue;
       const bool is_mesh = decoder.mesh().whole;
       REQUIRE_EACH((is_mesh || !mesh));
-      const Geometry cloud = decoder.geometry();
-      REQUIRE_EACH((cloud.as<IndexedMesh>() != nullptr) == is_mesh);
-      REQUIRE_EACH(cloud.size() == decoder.vectors());
+      const Geometry geometry = decoder.geometry();
+      REQUIRE_EACH((geometry.as<IndexedMesh>() != nullptr) == is_mesh);
+      REQUIRE_EACH(geometry.size() == decoder.vectors());
       if (!is_mesh) {
-        REQUIRE_EACH(cloud.size() >= discs);
-        discs = cloud.size();
+        REQUIRE_EACH(geometry.size() >= discs);
+        discs = geometry.size();
       }
       mesh = is_mesh;
     }
@@ -73,10 +73,10 @@ TEST_CASE("ends an octree with the mesh if its colours have borders") {
     CHECK(discs > 100);
     CHECK(decoder.mesh().final);
     CHECK(decoder.refused_chunks() == 0);
-    const IndexedMesh cloud = content_of<IndexedMesh>(decoder.geometry());
-    CHECK(cloud.triangles.size() == 3 * triangles_with_area(all));
+    const IndexedMesh geometry = content_of<IndexedMesh>(decoder.geometry());
+    CHECK(geometry.triangles.size() == 3 * triangles_with_area(all));
     std::set<std::array<int, 3>> colors;
-    for (const Rgb8& c : cloud.colors) colors.insert({c.r, c.g, c.b});
+    for (const Rgb8& c : geometry.colors) colors.insert({c.r, c.g, c.b});
     CHECK(colors == std::set<std::array<int, 3>>{{250, 10, 10}, {10, 200, 30}, {20, 30, 240}});
   }
 }

@@ -10,7 +10,7 @@
 namespace gs::qnv {
 namespace {
 
-/// Counts reads, and can end early.
+/// Source that counts reads and can end early.
 class WatchedSource : public ChunkSource {
  public:
   explicit WatchedSource(std::vector<std::byte> bytes) : bytes_(memory_source(std::move(bytes))) {}
@@ -61,7 +61,7 @@ TEST_CASE("reads from a remote stream only the chunks that a view needs", "[opti
   const std::size_t directory = stream.bytes.size() - static_cast<std::size_t>(stream.header.directory);
   // Reads some chunks to check that the directory matches.
   CHECK(source->done < 4096 + directory + 12 * 1400);
-  CHECK(lod->clusters() == stream.header.chunks);
+  CHECK(lod->statistics().clusters == stream.header.chunks);
   CHECK(lod->problems().empty());
   const std::size_t opening = source->done;
   LodView far = from({0, 0, 100});
@@ -86,10 +86,10 @@ TEST_CASE("reads the whole stream if it has no valid directory") {
   behind.resize(behind.size() + 1000, std::byte{0x51});
   for (const auto& bytes : {cut_off, damaged, behind}) {
     const auto lod = opened_there(bytes);
-    CHECK(lod->clusters() == stream.header.chunks);
+    CHECK(lod->statistics().clusters == stream.header.chunks);
     CHECK(places(lod->cut(everything())) == expected);
   }
-  // With the directory of another stream, or numbers in another order.
+  // The directory belongs to another stream, or has its entries in another order.
   std::vector<DirectoryEntry> entries = entries_of(stream);
   std::swap(entries[3], entries[entries.size() / 2]);
   std::swap(entries[1], entries[entries.size() - 1]);
@@ -148,7 +148,7 @@ TEST_CASE("loses at most one cluster to a wrong entry of the directory") {
   REQUIRE(sound.size() == stream.header.chunks);
   REQUIRE(sound.size() > 25);
   const std::size_t full = count(opened(stream.bytes)->cut(everything()));
-  // Not one of the chunks that are checked at opening.
+  // This chunk is not checked when the stream is opened.
   const std::size_t which = sound.size() / 8 + 1;
   const auto changes = std::vector<std::function<void(DirectoryEntry&)>>{
       [&](DirectoryEntry& e) { e.parent = static_cast<std::uint32_t>(which); },
@@ -176,7 +176,7 @@ TEST_CASE("loses at most one cluster to a wrong entry of the directory") {
     const auto lod = opened_there(with_directory(stream, entries));
     CHECK(lod->problems().size() <= 1);
     check_sound(*lod, full);
-    // Its descendants can fail, too, if they no longer fit.
+    // Descendants of the chunk may fail too, because they no longer fit.
     CHECK(lod->problems().size() >= 1);
     CHECK(lod->problems().size() <= 2);
     CHECK(count(lod->cut(everything())) > full / 4);

@@ -25,7 +25,7 @@ TEST_CASE("returns all vectors of the decoder for a cut without limits") {
   for (const glm::vec3& p : all.positions) expected.push_back({p.x, p.y, p.z});
   std::sort(expected.begin(), expected.end());
   const auto lod = opened(stream.bytes);
-  CHECK(lod->clusters() == stream.header.chunks);
+  CHECK(lod->statistics().clusters == stream.header.chunks);
   LodView view;
   view.error_pixels = 0;
   CHECK(places(lod->cut(view)) == expected);
@@ -85,19 +85,19 @@ TEST_CASE("makes the same cuts with a small cache, and keeps it small", "[optimi
     view.viewport = static_cast<std::uint32_t>(i % 2);
     CHECK(places(small->cut(view)) == places(large->cut(view)));
     CHECK(small->complete());
-    most_bytes = std::max(most_bytes, small->cached_bytes());
-    // Plus splats of both cuts (36 bytes each) with their neighbours in the same point sets, and their source voxels
-    // (12 bytes and a third more).
-    CHECK(small->cached_bytes() < kSmall + 2 * 20'000 * (2 * 36 + 16));
+    most_bytes = std::max(most_bytes, small->statistics().cached_bytes);
+    // Above the limit, the cache keeps the splats of both cuts (36 bytes each) with their neighbours in the same
+    // arrays. It also keeps their source voxels (12 bytes and a third more).
+    CHECK(small->statistics().cached_bytes < kSmall + 2 * 20'000 * (2 * 36 + 16));
   }
-  CHECK(large->cached_bytes() > 1.5 * most_bytes);
+  CHECK(large->statistics().cached_bytes > 1.5 * most_bytes);
   // Clusters that a closed viewport needed are dropped.
   small->forget(0);
   small->forget(1);
   LodView far = from({0, 0, 1000});
   far.viewport = 2;
   (void)small->cut(far);
-  CHECK(small->cached_bytes() <= kSmall);
+  CHECK(small->statistics().cached_bytes <= kSmall);
 }
 
 TEST_CASE("shows less, or rejects the stream, for every prefix and damaged byte") {
@@ -143,18 +143,17 @@ TEST_CASE("loses detail to lost packets, but leaves no hole") {
 TEST_CASE("keeps the other records and the area after lost packets") {
   const Triangles triangles = sphere(200);
   EncodeOptions options;
-  options.payload = Payload::records;
   options.vectors = 20'000;
-  auto encoded = encode_surface([&](const TriangleSink& sink) { return sink(triangles); }, options);
+  auto encoded = encode_surface_records([&](const TriangleSink& sink) { return sink(triangles); }, options);
   const auto& stream = std::get<EncodedStream>(encoded);
   StreamDecoder decoder;
   REQUIRE(decoder.push(drop_packets(stream.bytes, 0.3, 3)));
   decoder.finish();
-  const Splats cloud = content_of<Splats>(decoder.geometry());
-  CHECK(cloud.size() > 12'000);
-  CHECK(cloud.size() < 16'500);
+  const Splats geometry = content_of<Splats>(decoder.geometry());
+  CHECK(geometry.size() > 12'000);
+  CHECK(geometry.size() < 16'500);
   double sum = 0;
-  for (const float weight : cloud.weights) sum += weight;
+  for (const float weight : geometry.weights) sum += weight;
   CHECK(sum == Approx(kSphereArea).epsilon(0.03));
 }
 

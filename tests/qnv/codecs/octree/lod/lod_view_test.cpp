@@ -40,7 +40,7 @@ TEST_CASE("returns all vectors of the decoder") {
   CHECK(total_weight(all) == Approx(total_weight(expected)));
   CHECK(all.cells.size() == all.size());
   CHECK(lod->count() == expected.size());
-  CHECK(lod->cached_bytes() == 0);
+  CHECK(lod->statistics().cached_bytes == 0);
 }
 
 TEST_CASE("reports level, chunk and age of each piece of a cut") {
@@ -65,7 +65,7 @@ TEST_CASE("reports level, chunk and age of each piece of a cut") {
   }
   CHECK(chunks.size() > 20);
   CHECK(levels.size() > 1);
-  // In joined pieces the content is equal.
+  // Joined pieces have the same content.
   view.each_chunk = false;
   const auto joined = lod->cut(view);
   CHECK(places(joined) == places(apart));
@@ -79,13 +79,13 @@ TEST_CASE("decodes at most the allowed vectors per cut until the view is complet
   LodView view = from({0, 0, 1.5f}, 500);
   const auto whole = places(at_once->cut(view));
   CHECK(at_once->complete());
-  CHECK(at_once->decoded() > 20'000);
+  CHECK(at_once->statistics().decoded > 20'000);
   view.most_decoded = 4200;
   std::size_t before = 0, steps = 0;
   float finest = 1e9f;
   for (; steps < 100; ++steps) {
     const auto pieces = step_by_step->cut(view);
-    CHECK(step_by_step->decoded() <= 4200);
+    CHECK(step_by_step->statistics().decoded <= 4200);
     CHECK(area(pieces) == Approx(kSphereArea).epsilon(0.06));
     CHECK(count(pieces) > before);
     CHECK(finest_edge(pieces) <= finest);
@@ -97,7 +97,7 @@ TEST_CASE("decodes at most the allowed vectors per cut until the view is complet
   CHECK(steps > 3);
   CHECK(steps < 60);
   CHECK(places(step_by_step->cut(view)) == whole);
-  CHECK(step_by_step->decoded() == 0);
+  CHECK(step_by_step->statistics().decoded == 0);
   // Each cut decodes at least one cluster.
   const auto slow = opened_there(stream.bytes);
   view.most_decoded = 1;
@@ -129,7 +129,7 @@ TEST_CASE("fills a tight budget, and keeps the cut of an unchanged view") {
     CHECK(discs > 9000);
     const auto last = places(lod->cut(view));
     CHECK(places(lod->cut(view)) == last);
-    // Other views take nothing away.
+    // Other views do not change the cut of this view.
     LodView other = from({0, -1.3f, 0}, 5000);
     other.budget = 10'000;
     other.viewport = 7;
@@ -150,16 +150,16 @@ TEST_CASE("keeps existing detail until it is clearly too fine", "[optimised]") {
   CHECK(fresh(view) < further.size());
   view.eye.z = 3;
   CHECK(places(lod->cut(view)) == at_three);
-  // At half the size no view needs it.
+  // At less than half the size, the extra detail is dropped.
   view.eye.z = 8;
   CHECK(count(lod->cut(view)) == fresh(view));
-  // A viewport does not see the kept detail of another one.
+  // A viewport does not show detail that another viewport keeps.
   LodView kept = from({0, 0, 3.3f}, 300), other = kept;
   other.viewport = 1;
   (void)lod->cut(from({0, 0, 3}, 300));
   CHECK(count(lod->cut(kept)) == at_three.size());
   CHECK(count(lod->cut(other)) == fresh(other));
-  // Nor is it kept after the viewport closes.
+  // The detail is dropped when its viewport closes.
   lod->forget(0);
   CHECK(count(lod->cut(kept)) == fresh(kept));
   (void)lod->cut(from({0, 0, 3}, 300));
@@ -189,7 +189,7 @@ TEST_CASE("leaves out only clusters that face away", "[optimised]") {
     discs += count(everywhere);
   }
   CHECK(left < discs * 9 / 10);  // clusters are large relative to a small object
-  // A two-sided sheet keeps everything.
+  // For a two-sided sheet, all splats are drawn.
   const EncodedStream sheet = stream_of({triangle_of({0, 0, 0}, {1, 0, 0}, {0, 1, 0})}, 5000, true);
   const auto both = opened_there(sheet.bytes);
   LodView behind = everything();

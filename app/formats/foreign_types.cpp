@@ -1,0 +1,301 @@
+#include "app/formats/foreign_types.h"
+
+#include "base/text.h"
+#include "net/files/file.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <variant>
+
+// Table of the formats that are recognised but not read, with the advice for their users.
+namespace gs::app {
+namespace {
+
+using Bytes = std::span<const std::byte>;
+
+/// String as a template argument. May contain zero bytes.
+template <std::size_t size>
+struct Word {
+  constexpr Word(const char (&text)[size]) { std::copy_n(text, size, letters); }
+  [[nodiscard]] constexpr std::string_view view() const { return {letters, size - 1}; }
+  char letters[size]{};
+};
+
+/// Reports whether the bytes contain `mark` at the offset `at`.
+template <Word mark, std::size_t at = 0>
+bool has_mark(Bytes bytes) {
+  const std::string_view text = text_of(bytes);
+  return text.size() >= at && text.substr(at).starts_with(mark.view());
+}
+
+template <bool (*... tests)(Bytes)>
+bool any_of(Bytes bytes) {
+  return (tests(bytes) || ...);
+}
+
+/// Returns the start of a text without byte order mark and blanks. Converts UTF-16 if all characters are Latin.
+std::string start_of_text(Bytes bytes) {
+  constexpr std::size_t kEnough = 8192;
+  const std::string_view raw = text_of(bytes).substr(0, kEnough);
+  const bool little = raw.starts_with("\xff\xfe") || raw.starts_with(std::string_view("<\0", 2));
+  const bool big = raw.starts_with("\xfe\xff") || raw.starts_with(std::string_view("\0<", 2));
+  std::string text;
+  if (little || big)
+    for (std::size_t i = big ? 1 : 0; i < raw.size(); i += 2) text += raw[i];
+  else
+    text = raw;
+  const std::size_t mark = little || big ? text.find('<') : text.starts_with("\xef\xbb\xbf") ? 3 : 0;
+  const std::size_t first = text.find_first_not_of(" \t\r\n", std::min(mark, text.size()));
+  return first == std::string::npos ? std::string() : text.substr(first);
+}
+
+bool is_header_line(std::string_view text, std::string_view mark) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  return lower_case(text.substr(0, mark.size())) == mark;
+}
+template <Word mark>
+bool begins_ignoring_case(Bytes bytes) {
+  return is_header_line(text_of(bytes).substr(0, 64), mark.view());
+}
+
+/// Returns the name of the root element of an XML file, without its prefix. Empty for other files.
+std::string root_element(Bytes bytes) {
+  const std::string text = start_of_text(bytes);
+  std::size_t at = 0;
+  while (at < text.size() && text[at] == '<') {
+    std::size_t end = std::string::npos;
+    if (text.compare(at, 4, "<!--") == 0)
+      end = text.find("-->", at);
+    else if (text.compare(at, 2, "<?") == 0 || text.compare(at, 2, "<!") == 0)
+      end = text.find('>', at);
+    else
+      break;
+    at = end == std::string::npos ? end : text.find('<', end);
+  }
+  if (at >= text.size() || text[at] != '<') return {};
+  const std::string name = text.substr(at + 1, text.find_first_of(" \t\r\n/>", at + 1) - at - 1);
+  return name.substr(name.find(':') == std::string::npos ? 0 : name.find(':') + 1);
+}
+template <Word name>
+bool has_root(Bytes bytes) {
+  return root_element(bytes) == name.view();
+}
+bool is_xml(Bytes bytes) { return !root_element(bytes).empty(); }
+bool is_html(Bytes bytes) {
+  const std::string text = lower_case(std::string_view(start_of_text(bytes)).substr(0, 64));
+  return text.starts_with("<!doctype html") || lower_case(root_element(bytes)) == "html";
+}
+
+bool is_x3d_json(Bytes bytes) {
+  std::string text = start_of_text(bytes).substr(0, 256);
+  std::erase_if(text, [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; });
+  return text.starts_with("{\"X3D\":");
+}
+bool is_tileset(Bytes bytes) {
+  const std::string text = start_of_text(bytes);
+  return text.starts_with('{') && text.find("\"geometricError\"") != std::string::npos;
+}
+bool is_ifc(Bytes bytes) {
+  return has_mark<"ISO-10303-21;">(bytes) && start_of_text(bytes).find("'IFC") != std::string::npos;
+}
+bool is_iges(Bytes bytes) { return has_mark<"S      1", 72>(bytes) || has_mark<"S0000001", 72>(bytes); }
+bool is_dxf(Bytes bytes) {
+  const std::string text = start_of_text(bytes).substr(0, 32);
+  return text.starts_with("0\n") || text.starts_with("0\r\n") ? text.find("SECTION") != std::string::npos : false;
+}
+bool is_3ds(Bytes bytes) { return has_mark<"MM">(bytes) && (has_mark<"\x02\0", 6>(bytes) || has_mark<"==", 6>(bytes)); }
+bool is_pcd(Bytes bytes) {
+  const std::string text = start_of_text(bytes).substr(0, 4096);
+  return text.starts_with("# .PCD") || (text.starts_with("VERSION") && text.find("\nFIELDS ") != std::string::npos);
+}
+
+bool is_zip(Bytes bytes) { return has_mark<"PK\x03\x04">(bytes); }
+/// Returns the name of the first file in a ZIP archive, or its first letters. Empty for other files.
+std::string_view first_zipped(Bytes bytes) {
+  const std::string_view text = text_of(bytes);
+  if (!is_zip(bytes) || text.size() < 30) return {};
+  const auto length = static_cast<std::size_t>(static_cast<unsigned char>(text[26])) +
+                      256 * static_cast<std::size_t>(static_cast<unsigned char>(text[27]));
+  constexpr std::size_t kShown = 32;  // letters to look at if the archive does not state a length
+  return text.substr(30, length > 0 ? length : kShown);
+}
+bool is_usdz(Bytes bytes) {
+  const std::string_view name = first_zipped(bytes);
+  return name.ends_with(".usd") || name.ends_with(".usda") || name.ends_with(".usdc");
+}
+bool is_3mf(Bytes bytes) {
+  return is_zip(bytes) && (first_zipped(bytes).starts_with("3D/") ||
+                           text_of(bytes).substr(0, 8192).find("3D/3dmodel.model") != std::string_view::npos);
+}
+// Detects SOG: splats as WebP images, in a ZIP archive or beside their meta.json.
+bool is_sog(Bytes bytes) {
+  const std::string_view text = text_of(bytes).substr(0, 4096), name = first_zipped(bytes);
+  if (name.starts_with("meta.json") || name.starts_with("means_") || name.starts_with("lod-meta.json")) return true;
+  return text.starts_with('{') && text.find("\"means\"") != std::string_view::npos &&
+         text.find("means_l.webp") != std::string_view::npos;
+}
+
+/// Reports whether the first bytes are no text: they contain a zero byte, or control characters in large numbers.
+bool is_binary(Bytes bytes) {
+  const std::string_view text = text_of(bytes).substr(0, 1024);
+  const auto odd = static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return static_cast<unsigned char>(c) < 0x20 && std::string_view("\t\n\r\f\v").find(c) == std::string_view::npos;
+  }));
+  return text.find('\0') != std::string_view::npos || odd * 20 > text.size();
+}
+
+constexpr ContentType foreign(std::string_view name, std::string_view extensions, bool (*sniff)(Bytes bytes),
+                              std::string_view remedy) {
+  ContentType type{name, "", extensions, sniff, ContentClass::mesh};
+  type.remedy = remedy;
+  return type;
+}
+
+constexpr std::string_view kCastle =
+    "castle-model-viewer shows it, and castle-model-converter converts its shapes to STL";
+constexpr std::string_view kX3d = "export it as VRML97 (.wrl) from its editor, or as STL with castle-model-converter";
+constexpr std::string_view kBlender = "open it in Blender and export glTF (.glb)";
+constexpr std::string_view kFreeCad = "open it in FreeCAD and export glTF (.glb), STL or OBJ";
+constexpr std::string_view kCad = "export STL, OBJ or glTF (.glb) from the program that wrote it";
+constexpr std::string_view kParaView = "open it in ParaView and save the data as .vti, .vtp or .vtu";
+constexpr std::string_view kArray =
+    "write the array as NRRD, or as raw voxels and state their number with --dims XxYxZ --type f32";
+constexpr std::string_view kPoints = "convert it to PLY with CloudCompare or with 'pdal translate IN OUT.ply'";
+constexpr std::string_view kImage =
+    "GhostSpace shows images as textures of a world; open the world or model that uses it";
+constexpr std::string_view kUnpack = "unpack it, then open a file in it";
+
+// Rows of one kind stay together. The first rows are those that are most likely to become readable.
+constexpr ContentType kForeignTypes[] = {
+    foreign("VRML 1.0", "", begins_ignoring_case<"#vrml v1.0">, kCastle),
+    foreign("Open Inventor", ".iv ", begins_ignoring_case<"#inventor">, kCastle),
+    foreign("X3D in classic encoding", ".x3dv ", begins_ignoring_case<"#x3d">, kX3d),
+    foreign("X3D in XML encoding", ".x3d ", has_root<"X3D">, kX3d),
+    foreign("X3D in JSON encoding", ".x3dj ", is_x3d_json, kX3d),
+    foreign("X3D in binary encoding", ".x3db ", has_mark<"\xe0\0\0\x01">, kX3d),
+    foreign("DICOM", ".dcm .dicom .ima ", has_mark<"DICM", 128>,
+            "convert the series to NIfTI with 'dcm2niix -z y FOLDER', then open the .nii.gz file"),
+    foreign("HDF5 (NetCDF-4, VTKHDF, CGNS)", ".h5 .hdf5 .hdf .he5 .vtkhdf ", has_mark<"\x89HDF\r\n\x1a\n">,
+            "write a dataset as raw voxels with 'h5dump -d /NAME -b LE -o OUT.raw FILE' and state its size with "
+            "--dims XxYxZ --type f32, or open it in ParaView"),
+    foreign("NetCDF classic (Exodus II)", ".nc .cdf .exo .ex2 ",
+            any_of<has_mark<"CDF\x01">, has_mark<"CDF\x02">, has_mark<"CDF\x05">>,
+            "open it in ParaView and save the data as .vti or .vtu, or write a variable as NRRD"),
+    foreign("CGNS", ".cgns ", has_mark<"@(#)ADF Database", 4>, kParaView),
+    foreign("HDF4", "", has_mark<"\x0e\x03\x13\x01">, kArray),
+    foreign("IFC", ".ifc ", is_ifc, kFreeCad),
+    foreign("STEP", ".step .stp .p21 ", has_mark<"ISO-10303-21;">, kFreeCad),
+    foreign("USD (usdz archive)", ".usdz ", is_usdz, kBlender),
+    foreign("USD", ".usd .usda .usdc ", any_of<has_mark<"#usda ">, has_mark<"PXR-USDC">>, kBlender),
+    foreign("FBX", ".fbx ", any_of<has_mark<"Kaydara FBX Binary">, has_mark<"; FBX ">>, kBlender),
+    foreign("COLLADA", ".dae ", has_root<"COLLADA">, kBlender),
+    foreign("TIFF", ".tif .tiff ", any_of<has_mark<"II*\0">, has_mark<"MM\0*">, has_mark<"II+\0">, has_mark<"MM\0+">>,
+            "save an image stack as NRRD with Fiji (File, Save As, Nrrd)"),
+    foreign("PCD", ".pcd ", is_pcd, "convert it to PLY with 'pcl_pcd2ply IN.pcd OUT.ply' or with CloudCompare"),
+    foreign("LAS", ".las .laz ", has_mark<"LASF">, kPoints),
+    foreign("E57", ".e57 ", has_mark<"ASTM-E57">, kPoints),
+    foreign("VTK XML of another type", ".vtr .vts .vtm .pvd .pvti .pvtp .pvtu .pvtr .pvts ", has_root<"VTKFile">,
+            kParaView),
+    foreign("XDMF", ".xdmf .xmf ", has_root<"Xdmf">, kParaView),
+    foreign("URDF", ".urdf ", has_root<"robot">, "open the meshes that it names, or export the robot as glTF"),
+    foreign("SOG", ".sog ", is_sog,
+            "convert it with PlayCanvas splat-transform to PLY, compressed PLY, SPZ, KSplat or .splat"),
+    foreign("3MF", ".3mf ", is_3mf, "open it in the slicer or in Blender and export STL"),
+    foreign("AMF", ".amf ", has_root<"amf">, "open it in the slicer and export STL"),
+    foreign("IGES", ".iges .igs ", is_iges, kFreeCad),
+    foreign("Open CASCADE BREP", ".brep ", any_of<has_mark<"DBRep_DrawableShape">, has_mark<"CASCADE Topology">>,
+            kFreeCad),
+    foreign("Parasolid", ".x_t .x_b ", has_mark<"**ABCDEFGHIJKLMNOPQRSTUVWXYZ">, kCad),
+    foreign("ACIS", ".sat .sab ", nullptr, kCad),
+    foreign("DXF", ".dxf ", is_dxf, kCad),
+    foreign("DWG", ".dwg ", has_mark<"AC10">, kCad),
+    foreign("Rhino 3DM", ".3dm ", has_mark<"3D Geometry File Format">, kCad),
+    foreign("Blender", ".blend ", has_mark<"BLENDER">, kBlender),
+    foreign("3DS", ".3ds ", is_3ds, kBlender),
+    foreign("Alembic", ".abc ", has_mark<"Ogawa">, kBlender),
+    foreign("OpenVDB", ".vdb ", has_mark<" BDV\0\0\0\0">, kArray),
+    foreign("NumPy array", ".npy ", has_mark<"\x93NUMPY">, kArray),
+    foreign("MATLAB array", ".mat ", has_mark<"MATLAB 5.0 MAT-file">, kArray),
+    foreign("MRC", ".mrc .ccp4 ", has_mark<"MAP ", 208>, kArray),
+    foreign("Gmsh mesh", ".msh ", has_mark<"$MeshFormat">, "save it as .vtk with Gmsh (File, Export)"),
+    foreign("Draco mesh", ".drc ", has_mark<"DRACO">, "decode it with 'draco_decoder -i IN.drc -o OUT.ply'"),
+    foreign("3D Tiles", ".b3dm .i3dm .pnts .cmpt ",
+            any_of<has_mark<"b3dm">, has_mark<"i3dm">, has_mark<"pnts">, has_mark<"cmpt">, is_tileset>,
+            "convert its tiles to glTF (.glb) with 3d-tiles-tools"),
+    foreign("PNG", ".png ", has_mark<"\x89PNG\r\n">, kImage),
+    foreign("JPEG", ".jpg .jpeg ", has_mark<"\xff\xd8\xff">, kImage),
+    foreign("GIF", ".gif ", has_mark<"GIF8">, kImage),
+    foreign("WebP", ".webp ", has_mark<"WEBP", 8>, kImage),
+    foreign("PDF", ".pdf ", has_mark<"%PDF-">, kCad),
+    foreign("ZIP archive", ".zip .kmz ", is_zip, kUnpack),
+    foreign("7z archive", ".7z ", has_mark<"7z\xbc\xaf\x27\x1c">, kUnpack),
+    foreign("RAR archive", ".rar ", has_mark<"Rar!">, kUnpack),
+    foreign("tar archive", ".tar .tgz ", has_mark<"ustar", 257>, kUnpack),
+    foreign("xz file", ".xz ",
+            has_mark<"\xfd"
+                     "7zXZ">,
+            kUnpack),
+    foreign("bzip2 file", ".bz2 ", has_mark<"BZh">, kUnpack),
+    foreign("Git LFS pointer", "", has_mark<"version https://git-lfs">,
+            "the file itself is missing; fetch it with 'git lfs pull'"),
+    foreign("HTML page", ".html .htm ", is_html, "open the link to the file itself instead of the page about it"),
+    foreign("XML of an unknown kind", "", is_xml, "'ghostspace --help' lists the formats that can be opened"),
+    foreign("UTF-16 text", "", any_of<has_mark<"\xff\xfe">, has_mark<"\xfe\xff">>, "save it as UTF-8 text"),
+};
+
+constexpr ContentType kUnknownBinary =
+    foreign("data of an unknown format", "", is_binary,
+            "'ghostspace --help' lists the formats that can be opened; for raw voxels, state their number with --dims "
+            "XxYxZ");
+
+bool has_names(const std::filesystem::path& folder, std::initializer_list<const char*> names) {
+  std::error_code error;
+  return std::any_of(names.begin(), names.end(),
+                     [&](const char* name) { return std::filesystem::exists(folder / name, error); });
+}
+
+bool is_zarr(const std::filesystem::path& folder) {
+  return has_names(folder, {".zarray", ".zgroup", ".zattrs", ".zmetadata", "zarr.json"});
+}
+
+bool is_dicom_file(const std::string& path) {
+  const auto opened = net::open_file(path);
+  const auto* file = std::get_if<net::RandomAccessFile>(&opened);
+  std::array<std::byte, 132> first{};
+  return file && file->read(0, first) == first.size() && has_mark<"DICM", 128>(first);
+}
+
+}  // namespace
+
+std::span<const ContentType> foreign_types() { return kForeignTypes; }
+
+const ContentType& unknown_binary() { return kUnknownBinary; }
+
+std::optional<std::string> refusal_of_folder(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(path, error)) return std::nullopt;
+  if (is_zarr(path)) return "a Zarr folder cannot be read; " + std::string(kArray);
+  if (has_names(path, {"attributes.json"})) return "an N5 folder cannot be read; " + std::string(kArray);
+  constexpr int kLookedAt = 64, kOpened = 4;
+  int looked_at = 0, opened = 0;
+  for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end && looked_at < kLookedAt;
+       entry.increment(error), ++looked_at) {
+    const std::string name = lower_case(entry->path().filename().string());
+    if (entry->is_directory(error)) {
+      if (is_zarr(entry->path())) return "a Zarr folder cannot be read; " + std::string(kArray);
+      continue;
+    }
+    if (name == "dicomdir" || name.ends_with(".dcm") || name.ends_with(".ima") ||
+        (opened++ < kOpened && is_dicom_file(entry->path().string())))
+      return "a DICOM folder cannot be read; convert it to NIfTI with 'dcm2niix -z y FOLDER', then open the .nii.gz "
+             "file";
+  }
+  return "a folder cannot be opened; open one of its files, or list them with 'ghostspace serve FOLDER'";
+}
+
+}  // namespace gs::app

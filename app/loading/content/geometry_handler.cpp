@@ -1,0 +1,238 @@
+#include "app/loading/content/geometry_handler.h"
+
+#include "app/base/temporary_file.h"
+#include "qnv/codecs/octree/lod/lod_source.h"
+#include "qnv/codecs/payloads.h"
+#include "qnv/reader/directory_requests.h"
+#include "qnv/reader/stream_decoder.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+#include <variant>
+
+// Decoding of streams, volumes and splat files into vectors.
+namespace gs::app {
+namespace {
+
+std::string file_name_of(const Found& found) {
+  net::Url as_file = found.url;
+  as_file.scheme = "file";
+  return std::filesystem::path(found.local ? found.path : net::path_of_url(as_file)).filename().string();
+}
+
+}  // namespace
+
+GeometryHandler::GeometryHandler(Loading& loading, UrlRequest request, Show show, Progress progress)
+    : ResourceHandler(loading, std::move(request)),
+      show_(std::move(show)),
+      progress_(std::move(progress)),
+      decoded_(loading.budget, Resource::vectors) {}
+
+GeometryHandler::~GeometryHandler() { end_requests(); }
+
+// Ends the requests of views for a stream that this handler decodes.
+void GeometryHandler::end_requests() {
+  if (feed_ && !feed_->takes_bytes()) feed_->finish();
+}
+
+bool GeometryHandler::whole_file(const net::MappedFile& file, const std::string& path) {
+  way_ = Way::done;
+  read_whole(file.bytes(), path);
+  return true;
+}
+
+void GeometryHandler::read_whole(std::span<const std::byte> bytes, const std::string& path) {
+  const ContentType& type = content_type_of(path, first_bytes(bytes));
+  if (is_outline_stream(bytes))
+    return warn(": " + path + " is a stream of outlines; expected vectors, or an OutlineGroup for outlines");
+  if (!type.remedy.empty()) return warn(": " + path + ": " + type.refusal());
+  if (!type.is_geometry()) return warn(": " + path + " is " + std::string(type.name) + "; expected a QNV stream");
+  GeometryFile file{path, bytes, cut};
+  file.to_draw = !loading_.options.whole_surfaces;
+  file.origin = {loading_.fetcher.reader_of(found_.origin), file_name_of(found_)};
+  if (!is_node()) {
+    file.loss = loading_.options.loss;
+    file.loss_seed = loading_.options.loss_seed;
+  }
+  auto geometry = read_geometry(type, file, loading_.results.diagnostics(), loading_.limit, loading_.budget);
+  if (!geometry) return;
+  if (auto held = hold_geometry(std::move(*geometry), loading_.budget))
+    show_(std::move(held));
+  else
+    give_up(Resource::vectors);
+}
+
+void GeometryHandler::give_up(Resource resource) {
+  way_ = Way::done;
+  end_requests();
+  drop_bytes();
+  loading_.results.report(Severity::error, found_.path, {},
+                          loading_.budget->refusal(resource) + "; all or the finer vectors are left out");
+}
+
+bool GeometryHandler::count_decoded() {
+  const std::uint64_t bytes = decoder_->vectors() * kDecodedBytes;
+  return bytes <= decoded_.amount() || decoded_.grow(bytes - decoded_.amount());
+}
+
+void GeometryHandler::receive(std::span<const std::byte> bytes) {
+  if (way_ == Way::done) return;
+  if (way_ == Way::pushed) return feed_->push(bytes);
+  if (way_ == Way::decoded) {
+    (void)decoder_->push(bytes);
+    return show_more();
+  }
+  if (!keep(bytes)) return give_up(Resource::files);
+  if (way_ == Way::unknown) choose_way();
+}
+
+// Selects the decoder of the resource. QNV streams are shown while they are received. Other files are read when they
+// are complete.
+void GeometryHandler::choose_way() {
+  if (!qnv::is_stream(bytes_)) {
+    if (bytes_.size() >= kTypeBytes) way_ = Way::whole;
+    return;
+  }
+  // The reader of whole files simulates the loss. For cells, the transport does.
+  if (loading_.options.loss > 0 && !is_node() && found_.url.scheme != "cells") {
+    way_ = Way::whole;
+    return;
+  }
+  std::size_t header_bytes = 0;
+  bool need_more = false;
+  const auto header = qnv::decode_header(bytes_, header_bytes, need_more);
+  if (need_more) return;
+  if (!std::holds_alternative<qnv::StreamHeader>(header)) {
+    way_ = Way::whole;  // the reader of whole files gives the better error message
+    return;
+  }
+  const auto& known = std::get<qnv::StreamHeader>(header);
+  const qnv::PayloadReader reader = qnv::row_of(known).reader;
+  if (reader == qnv::PayloadReader::polygons) {
+    way_ = Way::whole;  // the reader of whole files reports that these are polygons
+    return;
+  }
+  if (reader == qnv::PayloadReader::levels) {
+    auto begun = qnv::LodStream::begin(bytes_);
+    if (auto* stream = std::get_if<std::unique_ptr<qnv::LodStream>>(&begun)) {
+      way_ = Way::pushed;
+      start_levels(hold_levels(std::move(*stream), loading_.budget, true));
+      bytes_ = {};
+      return;
+    }
+  }
+  start_decoder(known);
+}
+
+void GeometryHandler::start_decoder(const qnv::StreamHeader& header) {
+  way_ = Way::decoded;
+  if (loading_.options.by_view)
+    add_feed(std::make_shared<StreamFeed>(std::make_shared<qnv::DirectoryRequests>(header),
+                                          [waker = loading_.waker] { waker->wake(); }));
+  decoder_ = std::make_unique<qnv::StreamDecoder>(most_decoded_vectors(*loading_.budget));
+  (void)decoder_->push(std::exchange(bytes_, {}));
+  show_records(false);
+}
+
+void GeometryHandler::add_feed(std::shared_ptr<StreamFeed> feed) {
+  feed_ = std::move(feed);
+  loading_.results.add(feed_);
+}
+
+void GeometryHandler::start_levels(std::shared_ptr<qnv::LodStream> stream) {
+  add_feed(std::make_shared<StreamFeed>(stream, [waker = loading_.waker] { waker->wake(); }));
+  show_(std::make_shared<const qnv::Geometry>(qnv::OctreeSplats(std::move(stream))));
+}
+
+// Shows newly decoded vectors, unless they exceed the memory budget.
+void GeometryHandler::show_more() {
+  if (count_decoded() && !decoder_->full()) return show_records(false);
+  show_records(true);
+  give_up(Resource::vectors);
+}
+
+// Shows the vectors again after their number or their revision has grown by a quarter. Each time costs linear work. The
+// revision also grows when the vectors of a surface only move.
+void GeometryHandler::show_records(bool last) {
+  // Counting the vectors of a mesh needs the mesh, so only its revision is compared.
+  const bool mesh = decoder_->mesh().shown();
+  const std::size_t vectors = mesh ? shown_ + 1 : decoder_->vectors();
+  const std::uint64_t revision = decoder_->revision();
+  const bool more = vectors >= shown_ + shown_ / 4 + 1000, finer = revision > shown_revision_ + shown_revision_ / 4;
+  const bool exact = decoder_->mesh().final && !shown_exact_;
+  if (vectors == 0 || revision == shown_revision_ || (!last && !more && !finer && !exact)) return;
+  shown_exact_ = decoder_->mesh().final;
+  shown_ = vectors;
+  shown_revision_ = revision;
+  qnv::Geometry geometry = loading_.options.whole_surfaces ? decoder_->geometry() : decoder_->geometry_to_draw();
+  if (feed_ && !last) geometry.base().requests = feed_->requests();
+  show_(std::make_shared<const qnv::Geometry>(std::move(geometry)));
+}
+
+void GeometryHandler::end(const std::optional<std::string>& problem) {
+  if (problem) warn(": " + *problem + "; the received part is shown");
+  if (way_ == Way::done) return;
+  const bool part = cut || problem;
+  if (way_ == Way::pushed) {
+    feed_->finish();
+  } else if (way_ == Way::decoded) {
+    // If views choose the chunks, the front of the stream ends inside a chunk, which is no problem.
+    if (!part && !by_chunks_) decoder_->finish();
+    report_problems(decoder_->problems(), Severity::warning);
+    if (const std::size_t invalid = decoder_->refused_chunks() + damaged_chunks_; invalid > 0)
+      loading_.results.report(Severity::warning, found_.path, {},
+                              std::to_string(invalid) + " invalid chunks are left out");
+    show_records(true);
+    end_requests();
+    decoder_.reset();
+  } else {
+    cut = part;
+    read_bytes();
+  }
+}
+
+void GeometryHandler::read_bytes() {
+  const std::string name = found_.local ? found_.path : file_name_of(found_);
+  const ContentType& type = content_type_of(name, first_bytes(bytes_));
+  if (type.content != ContentClass::volume || found_.local) {
+    read_whole(bytes_, name);
+  } else {
+    // Volumes are read from a file, slice by slice. Write the bytes to a temporary file.
+    const TemporaryFile file(name, bytes_);
+    if (file.problem().empty())
+      read_whole(bytes_, file.path());
+    else
+      loading_.results.report(Severity::error, found_.path, {}, file.problem());
+  }
+  bytes_ = {};
+}
+
+void GeometryHandler::receive_piece(const net::CellEvent& event) {
+  if (way_ == Way::pushed) return feed_->add_loose(event.name.chunk, event.bytes);
+  if (way_ != Way::decoded) return;
+  by_chunks_ = true;
+  if (event.records) {
+    // The records keep their offset in the chunk. The records before that offset may be received later or never.
+    const auto head = std::span(event.head).subspan(std::min(event.head.size(), qnv::kChunkHeaderBytes));
+    std::vector<std::byte> payload(head.begin(), head.end());
+    payload.resize(head.size() + event.offset);
+    payload.insert(payload.end(), event.bytes.begin(), event.bytes.end());
+    const qnv::ByteRange missing{head.size(), head.size() + event.offset};
+    decoder_->add(qnv::ChunkType::records, payload, std::span(&missing, event.offset > 0 ? 1 : 0));
+  } else if (const auto chunk = qnv::sound_chunk(event.bytes); std::holds_alternative<qnv::SoundChunk>(chunk)) {
+    const auto& sound = std::get<qnv::SoundChunk>(chunk);
+    decoder_->add(sound.type, sound.payload);
+  } else {
+    ++damaged_chunks_;
+  }
+  show_more();
+}
+
+void GeometryHandler::report_problems(const std::vector<qnv::StreamProblem>& problems, Severity severity) {
+  for (const qnv::StreamProblem& problem : problems)
+    loading_.results.report(severity, found_.path, {},
+                            "byte " + std::to_string(problem.offset) + ": " + problem.message);
+}
+
+}  // namespace gs::app

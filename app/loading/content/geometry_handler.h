@@ -1,0 +1,72 @@
+#pragma once
+
+#include "app/formats/qnv/geometry_reader.h"
+#include "app/loading/content/resource_handler.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace gs::qnv {
+class StreamDecoder;
+struct StreamHeader;
+struct StreamProblem;
+}  // namespace gs::qnv
+
+namespace gs::app {
+
+/// Content handler that decodes QNV streams and volumes, and splat files of other programs, while their bytes are
+/// received.
+class GeometryHandler final : public ResourceHandler {
+ public:
+  /// Callback that receives each better version of the vectors.
+  using Show = std::function<void(const std::shared_ptr<const qnv::Geometry>&)>;
+  using Progress = std::function<void(double)>;
+  /// Creates a handler. A `request` without content means that the file is the world itself.
+  GeometryHandler(Loading& loading, UrlRequest request, Show show, Progress progress = {});
+  ~GeometryHandler() override;
+  void tell_progress(double fraction) override {
+    if (progress_) progress_(fraction);
+  }
+  bool whole_file(const net::MappedFile& file, const std::string& path) override;
+  void receive(std::span<const std::byte> bytes) override;
+  void end(const std::optional<std::string>& problem) override;
+  void receive_piece(const net::CellEvent& event) override;
+  std::shared_ptr<StreamFeed> feed() override { return way_ == Way::done ? nullptr : feed_; }
+
+ private:
+  enum class Way : std::uint8_t { unknown, pushed, decoded, whole, done };
+  void choose_way();
+  void start_levels(std::shared_ptr<qnv::LodStream> stream);
+  void start_decoder(const qnv::StreamHeader& header);
+  void end_requests();
+  void add_feed(std::shared_ptr<StreamFeed> feed);
+  void show_records(bool last);
+  void show_more();
+  void read_bytes();
+  void read_whole(std::span<const std::byte> bytes, const std::string& path);
+  void report_problems(const std::vector<qnv::StreamProblem>& problems, Severity severity);
+  /// Stops reading after a part exceeded the memory budget. That part is omitted.
+  void give_up(Resource resource);
+  bool count_decoded();
+  [[nodiscard]] bool is_node() const { return request_.content != vrml::UrlContent::none; }
+
+  Show show_;
+  Progress progress_;
+  Way way_ = Way::unknown;
+  Share decoded_;
+  std::shared_ptr<StreamFeed> feed_;
+  std::unique_ptr<qnv::StreamDecoder> decoder_;
+  std::size_t shown_ = 0;
+  std::uint64_t shown_revision_ = 0;
+  bool shown_exact_ = false;  // the exact mesh in the tail of the stream is shown
+  bool by_chunks_ = false;    // chunks were received in any order
+  std::size_t damaged_chunks_ = 0;
+};
+
+}  // namespace gs::app

@@ -1,0 +1,208 @@
+#include "app/saving/world_text.h"
+
+#include "app/encode/outline_model.h"
+#include "app/formats/content_types.h"
+#include "app/saving/moved_urls.h"
+#include "base/gzip.h"
+#include "net/base/url.h"
+#include "net/files/file.h"
+#include "vrml/scene/prototype.h"
+#include "vrml/syntax/parser.h"
+#include "vrml/syntax/printer.h"
+#include "vrml/syntax/text_edits.h"
+
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace gs::app {
+namespace {
+
+using vrml::SceneGraph;
+
+// Returns the path of a local file, or an empty text for other URLs.
+std::string local_path(const std::string& place) {
+  const std::string path = net::has_scheme(place, "file") ? net::path_of_url(net::parse_url(place)) : place;
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error) ? path : std::string();
+}
+
+/// Scene that was read from a text again.
+struct ReadAgain {
+  explicit ReadAgain(std::string_view text, const Limits& limits) : scene("text", limits) {
+    outcome = vrml::parse(text, scene, diagnostics);
+  }
+  SceneGraph scene;
+  Diagnostics diagnostics;
+  vrml::ParseOutcome outcome;
+};
+
+// Finds the node and field in the file that an edit of a PROTO instance's part changes through IS (VRML97 4.8.2).
+// Returns false if the part has a value of its own.
+bool find_in_file(const SceneGraph& scene, vrml::NodeId& node, const vrml::InterfaceDeclaration*& field) {
+  while (const std::uint32_t outer = scene.node(node).instance) {
+    const vrml::NodeId instance = scene.nodes().id_at(outer);
+    if (!scene.contains(instance) || !scene.node(instance).type->prototype) return false;
+    const vrml::Node& holder = scene.node(instance);
+    const vrml::Prototype& prototype = *holder.type->prototype;
+    const std::size_t place = node.index - holder.expansion_first;
+    if (place >= prototype.nodes.size()) return false;
+    const vrml::InterfaceDeclaration* found = nullptr;
+    for (const vrml::IsMapping& mapping : prototype.mappings)
+      if (mapping.node == prototype.nodes[place] && mapping.inner == field)
+        found = holder.type->find_field(mapping.outer->name);
+    if (!found) return false;
+    node = instance;
+    field = found;
+  }
+  return true;
+}
+
+// Returns a value as text, or nullopt if it contains nodes without a DEF name.
+std::optional<std::string> text_of_value(const vrml::FieldValue& value, const SceneGraph& scene) {
+  const auto reference = [&](vrml::NodeId node) -> std::optional<std::string> {
+    if (!scene.contains(node)) return "NULL";
+    const std::string_view name = scene.node(node).name;
+    return name.empty() ? std::nullopt : std::optional("USE " + std::string(name));
+  };
+  std::string text;
+  if (const auto* node = std::get_if<vrml::SFNode>(&value)) return reference(*node);
+  const auto* nodes = std::get_if<vrml::MFNode>(&value);
+  if (!nodes) {
+    vrml::print_value(text, value, scene);
+    return text;
+  }
+  for (const vrml::NodeId node : *nodes) {
+    const auto one = reference(node);
+    if (!one) return std::nullopt;
+    text += " " + *one;
+  }
+  return "[" + text + " ]";
+}
+
+/// Edits of a world as changes of its text.
+struct PlannedEdits {
+  std::vector<vrml::TextEdit> edits;
+  std::size_t left_out = 0;
+  bool possible = true;
+};
+
+PlannedEdits planned_edits(const SceneGraph& scene, const WorldEdits& edits) {
+  PlannedEdits planned;
+  for (const WorldEdit& edit : edits.latest()) {
+    vrml::NodeId node = edit.node;
+    const vrml::InterfaceDeclaration* field = edit.field;
+    if (edit.scene != &scene || !scene.contains(node) || !find_in_file(scene, node, field) ||
+        scene.node(node).text != &scene || scene.node(node).owner != 0) {
+      ++planned.left_out;
+      continue;
+    }
+    const vrml::Node& in_file = scene.node(node);
+    const auto value = text_of_value(edit.after, scene);
+    planned.possible = planned.possible && value.has_value();
+    if (value) planned.edits.push_back({in_file.location, in_file.type->name, field->name, *value});
+  }
+  return planned;
+}
+
+// Returns the source text with the edits, or nullopt if the edits do not fit the text.
+std::optional<std::string> edited_source(const std::string& source, const SceneGraph& scene,
+                                         const PlannedEdits& planned) {
+  if (!planned.possible) return std::nullopt;
+  auto text = vrml::edited_text(source, planned.edits);
+  if (!text || planned.edits.empty()) return text;
+  // Reading both texts again finds a node that is used elsewhere but was replaced, and any other damage.
+  const ReadAgain before(source, scene.limits()), after(*text, scene.limits());
+  const bool whole = after.outcome == before.outcome && after.diagnostics.errors() <= before.diagnostics.errors() &&
+                     after.scene.statements().size() == before.scene.statements().size();
+  return whole ? text : std::nullopt;
+}
+
+// Prints the nodes of a world. Textures that its file embeds become data: URLs, and the field `complete`, which only
+// the browser sets, gets its default.
+std::string printed_world(Document& document) {
+  SceneGraph& scene = *document.world.scene;
+  std::vector<std::pair<vrml::FieldValue*, vrml::FieldValue>> changed;  // fields with their values in the world
+  const auto change = [&](vrml::NodeId id, std::string_view field, vrml::FieldValue value) {
+    const vrml::Node& node = scene.node(id);
+    vrml::FieldValue& present = node.values[node.type->find_field(field)->slot];
+    changed.emplace_back(&present, std::exchange(present, std::move(value)));
+  };
+  std::optional<TextureUrls> urls;  // made for the first texture, because it is slow
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
+    const vrml::NodeId id = scene.nodes().id_at(i);
+    if (!scene.contains(id) || scene.node(id).in_prototype_body) continue;
+    const vrml::NodeKind kind = scene.node(id).type->read_as;
+    if (kind == vrml::NodeKind::outline_group) change(id, "complete", false);
+    if (kind != vrml::NodeKind::image_texture || !scene.get<vrml::MFString>(id, "url").empty()) continue;
+    const auto image = document.world.images.find(&scene.node(id));
+    if (image == document.world.images.end()) continue;
+    if (!urls) urls = texture_urls(document.world);
+    const auto url = urls->find(image->second.get());
+    if (url == urls->end()) continue;
+    vrml::MFString list;
+    list.push_back(url->second);
+    change(id, "url", std::move(list));
+  }
+  std::string text = vrml::print(scene);
+  for (auto& [field, value] : changed) *field = std::move(value);
+  return text;
+}
+
+}  // namespace
+
+std::shared_ptr<const std::string> source_text(const std::string& place, std::size_t size) {
+  const std::string path = local_path(place);
+  if (path.empty()) return nullptr;
+  const auto opened = net::map_file(path);
+  const auto* file = std::get_if<net::MappedFile>(&opened);
+  if (!file || (size != 0 && file->bytes().size() != size)) return nullptr;
+  const std::span<const std::byte> bytes = file->bytes();
+  if (&content_type_of(path, first_bytes(bytes)) != &content_type_of("a.wrl", {})) return nullptr;
+  auto text = std::make_shared<std::string>();
+  if (!is_gzip(bytes)) {
+    text->assign(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    return text;
+  }
+  const auto problem = gunzip(bytes, WorldBudget(std::make_shared<Budget>()), [&](std::string_view piece) {
+    text->append(piece);
+    return true;
+  });
+  return problem ? nullptr : text;
+}
+
+void keep_source_text(Document& document) {
+  if (std::exchange(document.edits.has_source, true)) return;
+  document.edits.source = source_text(document.world.path, document.world.bytes);
+}
+
+std::variant<WorldText, std::string> world_text(Document& document, const std::string& target) {
+  if (!document.world.scene || document.is_preview) return "the file is still loading; try again when it is complete";
+  keep_source_text(document);
+  const SceneGraph& scene = *document.world.scene;
+  const PlannedEdits planned = planned_edits(scene, document.edits);
+  WorldText made;
+  made.left_out = planned.left_out;
+  if (document.edits.source)
+    if (auto text = edited_source(*document.edits.source, scene, planned)) {
+      made.text = std::move(*text);
+      made.is_source = true;
+    }
+  if (!made.is_source) made.text = printed_world(document);
+  const ReadAgain again(made.text, scene.limits());
+  std::vector<vrml::TextEdit> moves = moved_urls(again.scene, document.world.path, target);
+  if (moves.empty()) return made;
+  auto moved = vrml::edited_text(made.text, moves);
+  if (!moved) {
+    std::erase_if(moves, [&](const vrml::TextEdit& move) { return !vrml::edited_text(made.text, {&move, 1}); });
+    moved = vrml::edited_text(made.text, moves);
+  }
+  if (moved) made.text = std::move(*moved);
+  return made;
+}
+
+}  // namespace gs::app

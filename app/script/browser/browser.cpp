@@ -1,0 +1,376 @@
+#include "app/script/browser/browser_natives.h"
+#include "app/script/run_time_nodes.h"
+#include "app/script/script_world.h"
+
+#include <js/Array.h>
+#include <js/Conversions.h>
+#include <js/Object.h>
+#include <js/PropertySpec.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+// The Browser object (VRML97 4.12.10, C.6.3), print() and trace(), constants, and further functions that browsers of
+// the VRML97 era offered.
+namespace gs::app::script {
+namespace {
+
+constexpr std::size_t kMaxTold = 4096;  // max characters of a printed line and of a description
+
+bool texts_argument(JSContext* context, const JS::CallArgs& args, unsigned index, std::vector<std::string>& texts) {
+  if (index >= args.length() || args[index].isNullOrUndefined()) return true;
+  vrml::FieldValue field;
+  if (!to_field(context, args[index], vrml::FieldType::MFString, nullptr, field)) return false;
+  for (const vrml::SFString& text : std::get<vrml::MFString>(field)) texts.push_back(text.str());
+  return true;
+}
+
+ScriptRequest request_of(World& world, ScriptRequest::Kind kind) {
+  ScriptRequest request;
+  request.kind = kind;
+  const Program& program = world.running();
+  request.origin = &text_of_program(program).origin();
+  request.source = program.source;
+  request.scene = program.scene;
+  request.from_scene = program.scene;
+  request.node = program.id;
+  request.location = program.scene->node(program.id).location;
+  return request;
+}
+
+bool get_name(JSContext* context, unsigned argc, JS::Value* vp) {
+  return make_string(context, "GhostSpace", JS::CallArgsFromVp(argc, vp).rval());
+}
+bool get_version(JSContext* context, unsigned argc, JS::Value* vp) {
+  return make_string(context, GHOSTSPACE_VERSION, JS::CallArgsFromVp(argc, vp).rval());
+}
+bool get_speed(JSContext* context, unsigned argc, JS::Value* vp) {
+  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(world_of(context).browser().speed));
+  return true;
+}
+bool get_frame_rate(JSContext* context, unsigned argc, JS::Value* vp) {
+  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(world_of(context).browser().frame_rate));
+  return true;
+}
+bool get_world_url(JSContext* context, unsigned argc, JS::Value* vp) {
+  return make_string(context, world_of(context).browser().world_url, JS::CallArgsFromVp(argc, vp).rval());
+}
+bool get_time(JSContext* context, unsigned argc, JS::Value* vp) {
+  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(world_of(context).execution().now()));
+  return true;
+}
+
+bool replace_world(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  World& world = world_of(context);
+  vrml::FieldValue nodes;
+  args.rval().setUndefined();
+  if (world.ends() || world.running().ended) return true;
+  if (!to_field(context, args.get(0), vrml::FieldType::MFNode, world.running().scene, nodes)) return false;
+  if (!world.execution().lifetime().replace_world(std::get<vrml::MFNode>(nodes)))
+    return fail(context, "replaceWorld expects nodes of the world's own file");
+  return true;
+}
+
+bool create_from_string(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  std::string text;
+  ListBox box;
+  vrml::MFNode nodes;
+  vrml::SceneGraph* scene = nullptr;
+  if (!text_of_value(context, args.get(0), text)) return false;
+  if (!world_of(context).create_from_string(context, text, nodes, scene)) return false;
+  box.scene = scene;
+  box.value = std::move(nodes);
+  JSObject* const list = make_list(context, std::move(box), {});
+  args.rval().setObjectOrNull(list);
+  return list != nullptr;
+}
+
+bool create_from_url(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  World& world = world_of(context);
+  ScriptRequest request = request_of(world, ScriptRequest::Kind::create_from_url);
+  std::string event;
+  args.rval().setUndefined();
+  if (!texts_argument(context, args, 0, request.urls) || !text_of_value(context, args.get(2), event)) return false;
+  const NodeBox* const box = args.get(1).isObject() ? node_of(&args[1].toObject()) : nullptr;
+  vrml::SceneGraph* const scene = box ? box->live_scene() : nullptr;
+  if (!scene) return fail(context, "createVrmlFromURL expects a node that receives the nodes");
+  request.event_in = event_for_nodes(*scene, box->id, event);
+  if (!request.event_in) return fail(context, "the node has no MFNode eventIn '" + event.substr(0, 80) + "'");
+  request.scene = scene;
+  request.node = box->id;
+  world.request(std::move(request));
+  return true;
+}
+
+bool load_url(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  World& world = world_of(context);
+  ScriptRequest request = request_of(world, ScriptRequest::Kind::load_url);
+  args.rval().setUndefined();
+  if (!texts_argument(context, args, 0, request.urls) || !texts_argument(context, args, 1, request.parameters))
+    return false;
+  world.request(std::move(request));
+  return true;
+}
+
+template <ScriptRequest::Kind kKind>
+bool tell_text(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  World& world = world_of(context);
+  ScriptRequest request = request_of(world, kKind);
+  args.rval().setUndefined();
+  if (!cut_text_of_value(context, args.get(0), kMaxTold, request.text)) return false;
+  world.request(std::move(request));
+  return true;
+}
+
+bool print(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  std::string line, text;
+  for (unsigned i = 0; i < args.length() && line.size() < kMaxTold; ++i) {
+    if (!cut_text_of_value(context, args[i], kMaxTold, text)) return false;
+    line += (i ? " " : "") + text;
+  }
+  world_of(context).print(std::move(line));
+  args.rval().setUndefined();
+  return true;
+}
+
+// ---- Functions without an object
+
+// Implements parseInt(). Truncates a number directly: SpiderMonkey's own parseInt would parse the text of the number,
+// which has an exponent if the number is very small or large.
+bool parse_int(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  if (args.get(0).isNumber() && args.length() < 2) {
+    args.rval().set(JS::NumberValue(std::trunc(args[0].toNumber()) + 0.0));
+    return true;
+  }
+  JS::RootedObject global(context, library_of(context).global);
+  JS::RootedValue result(context);
+  if (!JS_CallFunctionName(context, global, "parseInt", JS::HandleValueArray(args), &result)) return false;
+  args.rval().set(result);
+  return true;
+}
+
+// Implements conversions such as SFFloat(x): returns the primitive value, or an object for it if called with `new`.
+enum class Plain : std::uint8_t { number, integer, truth, text };
+template <Plain kPlain>
+bool plain(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  JS::RootedValue value(context);
+  if constexpr (kPlain == Plain::truth) {
+    value.setBoolean(JS::ToBoolean(args.get(0)));
+  } else if constexpr (kPlain == Plain::text) {
+    std::string text;
+    if (args.length() > 0 && !text_of_value(context, args[0], text)) return false;
+    if (!make_string(context, text, &value)) return false;
+  } else {
+    double number = 0;
+    if (args.length() > 0 && !JS::ToNumber(context, args[0], &number)) return false;
+    value.set(JS::NumberValue(kPlain == Plain::integer ? std::trunc(number) : number));
+  }
+  if (args.isConstructing()) {
+    JSObject* const object = JS::ToObject(context, value);
+    args.rval().setObjectOrNull(object);
+    return object != nullptr;
+  }
+  args.rval().set(value);
+  return true;
+}
+
+// Implements $copy(); see modern_text().
+bool copy(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  args.rval().set(args.get(0));
+  if (!args.get(0).isObject()) return true;
+  JSObject* const object = &args[0].toObject();
+  vrml::FieldType type{};
+  double c[4] = {};
+  JSObject* made = object;
+  if (is_tuple(object, type, c)) {
+    made = make_tuple(context, type, c);
+  } else if (ListBox* const list = list_of(object)) {
+    ListBox box;
+    box.scene = list->scene;
+    if (const vrml::FieldValue* const value = list_value(*list)) box.value = *value;
+    made = make_list(context, std::move(box), {});
+  } else if (is_image(object)) {
+    vrml::PixelImage image;
+    JS::RootedObject rooted(context, object);
+    if (!image_of(context, rooted, image)) return false;
+    made = make_image(context, image, {});
+  }
+  args.rval().setObjectOrNull(made);
+  return made != nullptr;
+}
+
+// Implements $values(), which returns the values that `for each` loops over; see mended_text().
+bool values(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  JS::RootedValueVector result(context);
+  JS::RootedObject object(context, args.get(0).isObject() ? &args[0].toObject() : nullptr);
+  JS::Rooted<JS::IdVector> names(context, JS::IdVector(context));
+  if (object && !JS_Enumerate(context, object, &names)) return false;
+  for (std::size_t i = 0; i < names.length(); ++i) {
+    JS::RootedId name(context, names[i]);
+    JS::RootedValue value(context);
+    if (!JS_GetPropertyById(context, object, name, &value) || !result.append(value)) return false;
+  }
+  JSObject* const list = JS::NewArrayObject(context, JS::HandleValueArray(result));
+  args.rval().setObjectOrNull(list);
+  return list != nullptr;
+}
+
+bool random_number(JSContext* context, unsigned argc, JS::Value* vp) {
+  JS::CallArgsFromVp(argc, vp).rval().set(JS::DoubleValue(world_of(context).random()));
+  return true;
+}
+
+// Table of the methods of the Browser object. docs/manual.md lists them.
+const JSFunctionSpec kBrowser[] = {
+    // Functions of Table C.1
+    JS_FN("getName", get_name, 0, 0), JS_FN("getVersion", get_version, 0, 0), JS_FN("getCurrentSpeed", get_speed, 0, 0),
+    JS_FN("getCurrentFrameRate", get_frame_rate, 0, 0), JS_FN("getWorldURL", get_world_url, 0, 0),
+    JS_FN("replaceWorld", replace_world, 1, 0), JS_FN("createVrmlFromString", create_from_string, 1, 0),
+    JS_FN("createVrmlFromURL", create_from_url, 3, 0), JS_FN("addRoute", add_route, 4, 0),
+    JS_FN("deleteRoute", delete_route, 4, 0), JS_FN("loadURL", load_url, 2, 0),
+    JS_FN("setDescription", tell_text<ScriptRequest::Kind::description>, 1, 0),
+    // Other spellings of these functions, which worlds and even the examples of Annex C use
+    JS_FN("createVRMLFromString", create_from_string, 1, 0), JS_FN("createVRMLFromURL", create_from_url, 3, 0),
+    JS_FN("createVrmlFromUrl", create_from_url, 3, 0), JS_FN("createX3DFromString", create_from_string, 1, 0),
+    JS_FN("createX3DFromURL", create_from_url, 3, 0), JS_FN("loadUrl", load_url, 2, 0),
+    JS_FN("loadURLrel", load_url, 2, 0), JS_FN("getWorldUrl", get_world_url, 0, 0), JS_FN("print", print, 1, 0),
+    JS_FN("println", print, 1, 0),
+    // Functions of Cosmo Player, Blaxxun Contact and Cortona. Time, files and settings
+    JS_FN("getTime", get_time, 0, 0), JS_FN("getCurrentTime", get_time, 0, 0),
+    JS_FN("getWorldStartTime", get_start_time, 0, 0), JS_FN("getWorldBaseURL", get_world_base_url, 0, 0),
+    JS_FN("getBaseURL", get_base_url, 0, 0), JS_FN("getOption", get_option, 1, 0), JS_FN("setOption", set_option, 2, 0),
+    JS_FN("getScript", get_script, 0, 0), JS_FN("isKeyPressed", is_key_pressed, 1, 0),
+    // Viewer and window
+    JS_FN("setViewpoint", tell_text<ScriptRequest::Kind::viewpoint>, 1, 0),
+    JS_FN("setViewpointByValue", set_viewpoint_by_value, 3, 0),
+    JS_FN("getViewpointByValue", get_viewpoint_by_value, 3, 0), JS_FN("computeRayHit", compute_ray_hit, 3, 0),
+    JS_FN("getWindowSizeX", get_window_width, 0, 0), JS_FN("getWindowSizeY", get_window_height, 0, 0),
+    JS_FN("getWindowAspect", get_window_aspect, 0, 0),
+    // Navigation
+    JS_FN("getNavigationMode", get_navigation_mode, 0, 0), JS_FN("setNavigationMode", set_navigation_mode, 1, 0),
+    JS_FN("getAvatarHeight", get_measure<Measure::height>, 0, 0),
+    JS_FN("setAvatarHeight", set_measure<Measure::height>, 1, 0),
+    JS_FN("getStepOverSize", get_measure<Measure::step>, 0, 0),
+    JS_FN("setStepOverSize", set_measure<Measure::step>, 1, 0),
+    JS_FN("getCollisionDistance", get_measure<Measure::distance>, 0, 0),
+    JS_FN("setCollisionDistance", set_measure<Measure::distance>, 1, 0),
+    JS_FN("getVisibilityLimit", get_measure<Measure::visibility>, 0, 0),
+    JS_FN("setVisibilityLimit", set_measure<Measure::visibility>, 1, 0),
+    JS_FN("getWalkSpeed", get_measure<Measure::speed>, 0, 0), JS_FN("setWalkSpeed", set_measure<Measure::speed>, 1, 0),
+    JS_FN("getZNear", get_z_near, 0, 0), JS_FN("getZFar", get_z_far, 0, 0), JS_FN("getHeadlight", get_headlight, 0, 0),
+    JS_FN("getHeadLight", get_headlight, 0, 0), JS_FN("setHeadlight", set_headlight, 1, 0),
+    JS_FN("setHeadLight", set_headlight, 1, 0), JS_FN("getGravity", get_setting<&vrml::BrowserSettings::gravity>, 0, 0),
+    JS_FN("setGravity", set_setting<&vrml::BrowserSettings::gravity>, 1, 0),
+    JS_FN("getCollisionDetection", get_setting<&vrml::BrowserSettings::collision>, 0, 0),
+    JS_FN("setCollisionDetection", set_setting<&vrml::BrowserSettings::collision>, 1, 0),
+    JS_FN("getSoundEnabled", get_setting<&vrml::BrowserSettings::sound>, 0, 0),
+    JS_FN("setSoundEnabled", set_setting<&vrml::BrowserSettings::sound>, 1, 0),
+    JS_FN("getViewpointAnimation", get_setting<&vrml::BrowserSettings::viewpoint_animation>, 0, 0),
+    JS_FN("setViewpointAnimation", set_setting<&vrml::BrowserSettings::viewpoint_animation>, 1, 0),
+    // Functions without effect: consoles, avatars, loading and rendering of other browsers
+    JS_FN("showConsole", do_nothing, 0, 0), JS_FN("hideConsole", do_nothing, 0, 0),
+    JS_FN("beginUpdate", do_nothing, 0, 0), JS_FN("endUpdate", do_nothing, 0, 0), JS_FN("setFocus", do_nothing, 0, 0),
+    JS_FN("setCpuLoad", do_nothing, 1, 0), JS_FN("setLocalLightRadius", do_nothing, 1, 0),
+    JS_FN("setBspMode", do_nothing, 1, 0), JS_FN("setBspLoadingMode", do_nothing, 1, 0),
+    JS_FN("setUnloadDist", do_nothing, 1, 0), JS_FN("setLoadDist", do_nothing, 1, 0),
+    JS_FN("setUnloadMode", do_nothing, 2, 0), JS_FN("setPrefetch", do_nothing, 1, 0),
+    JS_FN("prefetch", give_zero, 3, 0), JS_FN("setRenderMode", do_nothing, 1, 0),
+    JS_FN("setBrowserOption", do_nothing, 2, 0), JS_FN("getBrowserOption", give_zero, 1, 0),
+    JS_FN("getBrowserProperty", give_false, 1, 0), JS_FN("getRenderingProperty", give_zero, 1, 0),
+    JS_FN("isConnected", give_false, 0, 0), JS_FN("isMember", give_false, 0, 0),
+    JS_FN("getMenuDisplay", give_zero, 0, 0), JS_FN("getCap", give_zero, 1, 0), JS_FN("getMyName", give_empty, 0, 0),
+    JS_FN("getInstallDirectory", give_empty, 0, 0), JS_FN("setMyAvatar", do_nothing, 1, 0),
+    JS_FN("setMyAvatarURL", do_nothing, 1, 0), JS_FN("setMyAvatarName", do_nothing, 1, 0),
+    JS_FN("showMyAvatar", give_false, 1, 0), JS_FN("getThirdPersonView", give_false, 0, 0),
+    JS_FN("setThirdPersonView", give_false, 1, 0), JS_FN("mouseSelect", do_nothing, 1, 0),
+    JS_FN("computeCollision", do_nothing, 5, 0), JS_FN("eventNotify", do_nothing, 0, 0),
+    JS_FN("getFloatProperty", give_zero, 1, 0), JS_FS_END};
+
+const JSPropertySpec kBrowserState[] = {
+    JS_PSG("name", get_name, kProperty),
+    JS_PSG("version", get_version, kProperty),
+    JS_PSG("currentSpeed", get_speed, kProperty),
+    JS_PSG("currentFrameRate", get_frame_rate, kProperty),
+    JS_PSG("worldURL", get_world_url, kProperty),
+    JS_PSGS("viewpointPosition", get_viewpoint_position, set_viewpoint_position, kProperty),
+    JS_PSGS("viewpointOrientation", get_viewpoint_orientation, set_viewpoint_orientation, kProperty),
+    JS_PSGS("boundViewpoint", get_bound_viewpoint, do_nothing, kProperty),
+    JS_PSGS("windowSize", get_window_size, do_nothing, kProperty),
+    JS_PSGS("windowAspect", get_window_aspect, do_nothing, kProperty),
+    JS_PSGS("eventMask", get_event_mask, set_event_mask, kProperty),
+    JS_PSGS("myAvatarURL", give_empty, do_nothing, kProperty),
+    JS_PSGS("myAvatarName", give_empty, do_nothing, kProperty),
+    JS_PS_END};
+
+// Implements $browser(name), which returns an object with a method of this name; see contact_text(). That is the
+// Browser object, if a program has given it such a method. Otherwise warns once, and the method does nothing.
+bool browser_with(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  JS::RootedObject library(context, library_of(context).global);
+  JS::RootedValue browser(context), method(context);
+  std::string name;
+  if (!cut_text_of_value(context, args.get(0), kMaxTold, name)) return false;
+  if (!JS_GetProperty(context, library, "Browser", &browser) || !browser.isObject()) return false;
+  JS::RootedObject object(context, &browser.toObject());
+  if (!JS_GetProperty(context, object, name.c_str(), &method)) return false;
+  args.rval().set(browser);
+  if (method.isObject() && JS::IsCallable(&method.toObject())) return true;
+  world_of(context).warn_once("Browser has no method '" + name.substr(0, 80) + "'; it does nothing");
+  JS::RootedObject stand_in(context, JS_NewPlainObject(context));
+  args.rval().setObjectOrNull(stand_in);
+  return stand_in && JS_DefineFunction(context, stand_in, name.c_str(), do_nothing, 0, 0) != nullptr;
+}
+
+const JSFunctionSpec kFunctions[] = {JS_FN("print", print, 1, 0),
+                                     JS_FN("trace", print, 1, 0),
+                                     JS_FN("TRACE", print, 1, 0),
+                                     JS_FN("alert", print, 1, 0),
+                                     JS_FN("vrmlParseInt", parse_int, 2, 0),
+                                     JS_FN("repeatableRandom", random_number, 0, 0),
+                                     JS_FN("$copy", copy, 1, 0),
+                                     JS_FN("$values", values, 1, 0),
+                                     JS_FN("$browser", browser_with, 1, 0),
+                                     JS_FS_END};
+
+template <Plain kPlain>
+bool define_plain(JSContext* context, JS::HandleObject library, const char* name) {
+  return JS_DefineFunction(context, library, name, plain<kPlain>, 1, JSFUN_CONSTRUCTOR) != nullptr;
+}
+
+}  // namespace
+
+bool is_browser_method(std::string_view name) {
+  return std::any_of(std::begin(kBrowser), std::end(kBrowser),
+                     [&](const JSFunctionSpec& one) { return one.name.string() && one.name.string() == name; });
+}
+
+bool define_browser(JSContext* context, JS::HandleObject library) {
+  JS::RootedObject browser(context, JS_NewPlainObject(context));
+  if (!browser || !JS_DefineFunctions(context, browser, kBrowser) ||
+      !JS_DefineProperties(context, browser, kBrowserState) ||
+      !JS_DefineProperty(context, library, "Browser", browser, 0) || !JS_DefineFunctions(context, library, kFunctions))
+    return false;
+  JS::RootedValue yes(context, JS::TrueValue()), no(context, JS::FalseValue()), null(context, JS::NullValue());
+  return JS_DefineProperty(context, library, "TRUE", yes, 0) && JS_DefineProperty(context, library, "FALSE", no, 0) &&
+         JS_DefineProperty(context, library, "NULL", null, 0) &&
+         define_plain<Plain::number>(context, library, "SFFloat") &&
+         define_plain<Plain::number>(context, library, "SFTime") &&
+         define_plain<Plain::number>(context, library, "SFDouble") &&
+         define_plain<Plain::integer>(context, library, "SFInt32") &&
+         define_plain<Plain::truth>(context, library, "SFBool") &&
+         define_plain<Plain::text>(context, library, "SFString");
+}
+
+}  // namespace gs::app::script

@@ -1,0 +1,82 @@
+#include "app/base/text_source.h"
+#include "app/script/browser/browser_natives.h"
+
+#include <utility>
+
+// Methods of the Browser object for time, files and options, and those without effect.
+namespace gs::app::script {
+namespace {
+
+constexpr std::size_t kMaxOptions = 64, kMaxOptionText = 256;  // options of a library; characters of a name or value
+
+// Returns the folder of a URL, with the slash at its end.
+std::string folder_of(const std::string& url) {
+  const std::string path = url.substr(0, url.find_first_of("?#"));
+  const std::size_t slash = path.rfind('/');
+  return slash == std::string::npos ? std::string() : path.substr(0, slash + 1);
+}
+
+}  // namespace
+
+bool get_start_time(JSContext* context, unsigned argc, JS::Value* vp) {
+  JS::CallArgsFromVp(argc, vp).rval().set(JS::DoubleValue(world_of(context).execution().browser().start_time()));
+  return true;
+}
+
+bool get_world_base_url(JSContext* context, unsigned argc, JS::Value* vp) {
+  return make_string(context, folder_of(world_of(context).browser().world_url), JS::CallArgsFromVp(argc, vp).rval());
+}
+
+bool get_base_url(JSContext* context, unsigned argc, JS::Value* vp) {
+  World& world = world_of(context);
+  const Program& program = world.running();
+  const std::string url = program.source ? origin_of(program.source).url : world.browser().world_url;
+  return make_string(context, folder_of(url), JS::CallArgsFromVp(argc, vp).rval());
+}
+
+bool get_option(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  std::string name;
+  if (!cut_text_of_value(context, args.get(0), kMaxOptionText, name)) return false;
+  const auto& options = library_of(context).options;
+  const auto found = options.find(name);
+  return make_string(context, found == options.end() ? std::string() : found->second, args.rval());
+}
+
+bool set_option(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  std::string name, value;
+  if (!cut_text_of_value(context, args.get(0), kMaxOptionText, name) ||
+      !cut_text_of_value(context, args.get(1), kMaxOptionText, value))
+    return false;
+  auto& options = library_of(context).options;
+  const bool fits = options.size() < kMaxOptions || options.contains(name);
+  if (fits) options[name] = std::move(value);
+  args.rval().setBoolean(fits);
+  return true;
+}
+
+bool get_script(JSContext* context, unsigned argc, JS::Value* vp) {
+  const Program& program = world_of(context).running();
+  JSObject* const node = object_of_node(context, *program.scene, program.id);
+  JS::CallArgsFromVp(argc, vp).rval().setObjectOrNull(node);
+  return node != nullptr;
+}
+
+bool do_nothing(JSContext*, unsigned argc, JS::Value* vp) {
+  JS::CallArgsFromVp(argc, vp).rval().setUndefined();
+  return true;
+}
+bool give_false(JSContext*, unsigned argc, JS::Value* vp) {
+  JS::CallArgsFromVp(argc, vp).rval().setBoolean(false);
+  return true;
+}
+bool give_zero(JSContext*, unsigned argc, JS::Value* vp) {
+  JS::CallArgsFromVp(argc, vp).rval().setInt32(0);
+  return true;
+}
+bool give_empty(JSContext* context, unsigned argc, JS::Value* vp) {
+  return make_string(context, "", JS::CallArgsFromVp(argc, vp).rval());
+}
+
+}  // namespace gs::app::script

@@ -1,0 +1,74 @@
+#include "app/view/picture_detail.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gs::app {
+namespace {
+
+constexpr double kSamplesCost = 2.7;   // usual ratio of the times with four samples and with one
+constexpr double kMargin = 0.8;        // pictures of the next finer level must take less than this fraction of the goal
+constexpr double kFarTooLong = 3;      // multiple of the goal; one picture above it suffices to choose a coarser level
+constexpr double kWorth = 1.1;         // min ratio of times that makes a coarser level useful
+constexpr double kWeight = 0.3;        // weight of a new time in the mean
+constexpr int kSlow = 3, kSteady = 8;  // pictures before a coarser and before a finer level is chosen
+constexpr int kRest = 150;             // pictures before a coarser level is tried again after one that saved no time
+constexpr std::size_t kHalving = 3;    // levels that a cancelled picture loses: more than half of its pixels
+constexpr std::size_t kLast = PictureDetail::kQualities.size() - 1;
+/// coarsest level for pictures that are late but complete; only cancelled pictures need a coarser one
+constexpr std::size_t kCoarsestComplete = 4;
+static_assert(PictureDetail::kQualities[kCoarsestComplete].coarseness == 2);
+
+/// Returns the usual time of a picture at a level, relative to one sample at full resolution.
+double usual_cost(std::size_t level) {
+  const PictureQuality& quality = PictureDetail::kQualities[level];
+  return (quality.one_sample ? 1 : kSamplesCost) / (double{quality.coarseness} * double{quality.coarseness});
+}
+
+}  // namespace
+
+void PictureDetail::choose(std::size_t level) {
+  former_ = level_;
+  former_mean_ = mean_;
+  level_ = level;
+  pictures_ = 0;
+}
+
+/// Compares the times before and after the last change of the level. Returns to the former level if a coarser one
+/// saves no time, because the time does not depend on the pixels.
+void PictureDetail::learn() {
+  const std::size_t low = std::min(former_, level_), high = std::max(former_, level_);
+  const double finer = former_ < level_ ? former_mean_ : mean_, coarser = former_ < level_ ? mean_ : former_mean_;
+  const double step = std::pow(finer / std::max(coarser, 1e-9), 1.0 / static_cast<double>(high - low));
+  for (std::size_t level = low + 1; level <= high; ++level) growth_[level] = std::max(step, 1.0);
+  const bool useless = former_ < level_ && finer < kWorth * coarser;
+  if (useless) choose(former_);
+  if (useless) resting_ = kRest;
+  former_ = level_;
+}
+
+void PictureDetail::note(std::size_t level, bool given_up, double seconds) {
+  if (given_up) {
+    if (level + kHalving <= level_ || level_ == kLast) return;
+    choose(std::min(level + kHalving, kLast));
+    former_ = level_;  // the time of the finer picture is unknown
+    return;
+  }
+  if (level != level_) return;
+  mean_ = pictures_ == 0 ? seconds : mean_ + kWeight * (seconds - mean_);
+  ++pictures_;
+  resting_ = std::max(resting_ - 1, 0);
+  if (former_ != level_ && pictures_ == kSlow) return learn();
+  if (mean_ > kGoal) {
+    const bool sure = pictures_ >= kSlow || seconds > kFarTooLong * kGoal;
+    if (!sure || level >= kCoarsestComplete || resting_ > 0) return;
+    std::size_t coarser = level + 1;
+    while (coarser < kCoarsestComplete && mean_ * usual_cost(coarser) > kGoal * usual_cost(level)) ++coarser;
+    return choose(coarser);
+  }
+  if (level == 0 || pictures_ < kSteady) return;
+  const double growth = growth_[level] > 0 ? growth_[level] : usual_cost(level - 1) / usual_cost(level);
+  if (mean_ * growth < kMargin * kGoal) choose(level - 1);
+}
+
+}  // namespace gs::app

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "base/box.h"
+#include "qnv/codecs/shared/chunk_requests.h"
+#include "qnv/container/container.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+namespace gs::qnv {
+
+/// Requests for the chunks of a stream that is decoded completely, ordered by its directory: first the chunks in any
+/// view, then the others, both in the order of the stream. Codecs with RequestOrder::stream cannot profit from views and
+/// keep the order of the stream: each layer of records and of voxels spreads over the whole object, and the segments of
+/// a progressive mesh need their predecessors. Without views, all codecs keep it. Any thread.
+class DirectoryRequests final : public ChunkRequests {
+ public:
+  explicit DirectoryRequests(const StreamHeader& header);
+
+  bool set_directory(std::span<const std::byte> chunks) override;
+  void note(const LodView& view) override;
+  void forget(std::uint32_t viewport) override;
+  [[nodiscard]] std::vector<LodView> views() const override;
+  [[nodiscard]] const Box& box() const override { return header_.description.box; }
+  [[nodiscard]] std::uint64_t directory() const override { return header_.directory; }
+  [[nodiscard]] bool in_stream_order() const override { return !by_view_; }
+  [[nodiscard]] std::vector<ChunkRange> wanted() const override;
+
+ private:
+  static constexpr std::size_t kViews = 16;
+
+  const StreamHeader header_;  // without the base mesh
+  const bool by_view_;         // the codec profits from views
+  mutable std::mutex mutex_;   // guards all members below
+  std::vector<DirectoryEntry> entries_;
+  std::vector<LodView> views_;  // one per viewport, the latest last
+};
+
+}  // namespace gs::qnv

@@ -1,0 +1,150 @@
+#include "render/mesh/occlusion_pass.h"
+
+#include "render/gl/shaders.h"
+
+#include <utility>
+#include <variant>
+
+namespace gs::render {
+namespace {
+
+// Computes the visible fraction of the ambient light of each pixel, with 16 samples on a spiral.
+constexpr char kOcclusionShader[] = R"glsl(
+uniform sampler2D depths;
+uniform vec2 tangents, center;  // tangents of half the angles of view, and of the image centre
+uniform vec2 depth_of;  // window depth at distance d is x + y / d
+uniform float radius, far;  // world units; window depth of the background
+out vec4 result;
+
+// Returns the place of a pixel in camera space.
+vec3 place_at(ivec2 pixel) {
+  pixel = clamp(pixel, ivec2(0), textureSize(depths, 0) - 1);
+  float d = depth_of.y / (texelFetch(depths, pixel, 0).r - depth_of.x);
+  vec2 corner = (vec2(pixel) + 0.5) / vec2(textureSize(depths, 0)) * 2.0 - 1.0;
+  return vec3(corner * tangents + center, -1.0) * d;
+}
+
+void main() {
+  const int kSamples = 16;
+  ivec2 pixel = ivec2(gl_FragCoord.xy), size = textureSize(depths, 0);
+  vec3 place = place_at(pixel);
+  // Of two neighbours, the nearer one is more likely on the same surface.
+  vec3 left = place - place_at(pixel - ivec2(1, 0)), right = place_at(pixel + ivec2(1, 0)) - place;
+  vec3 below = place - place_at(pixel - ivec2(0, 1)), above = place_at(pixel + ivec2(0, 1)) - place;
+  vec3 n = cross(abs(left.z) < abs(right.z) ? left : right, abs(below.z) < abs(above.z) ? below : above);
+  float length_of_n = length(n);
+  float reach = radius / (-place.z * tangents.y) * float(size.y) * 0.5;  // pixels
+  if (texelFetch(depths, pixel, 0).r == far || length_of_n == 0.0 || reach < 2.0) {
+    result = vec4(1.0);
+    return;
+  }
+  n /= length_of_n;
+  float limited = min(reach, 0.1 * float(size.y)), scale = limited / reach * radius;
+  float turn = float((pixel.x & 3) * 4 + (pixel.y & 3)) / 16.0 * 6.2831853;
+  float sum = 0.0;
+  for (int i = 0; i < kSamples; ++i) {
+    float part = (float(i) + 0.5) / float(kSamples), angle = part * 6.2831853 * 7.0 + turn;
+    vec3 away = (place_at(pixel + ivec2(part * limited * vec2(cos(angle), sin(angle)))) - place) / scale;
+    float square = dot(away, away), height = dot(away, n) - 0.05;
+    float near = max(1.0 - square, 0.0);
+    sum += near * near * near * max(height / (square + 0.01), 0.0);
+  }
+  result = vec4(vec3(max(1.0 - 1.25 * sum / float(kSamples), 0.0)), 1.0);
+}
+)glsl";
+
+// Averages squares of 4 x 4 pixels, which have all 16 rotations of the spiral.
+constexpr char kSmoothingShader[] = R"glsl(
+uniform sampler2D depths;
+out vec4 result;
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy), last = textureSize(depths, 0) - 1;
+  float sum = 0.0;
+  for (int y = -2; y < 2; ++y)
+    for (int x = -2; x < 2; ++x) sum += texelFetch(depths, clamp(pixel + ivec2(x, y), ivec2(0), last), 0).r;
+  result = vec4(vec3(sum / 16.0), 1.0);
+}
+)glsl";
+
+}  // namespace
+
+OcclusionPass::Target OcclusionPass::make_target(GLenum format, GLenum components, GLenum type,
+                                                 GLenum attachment) const {
+  Target target{make_texture(gl_), make_framebuffer(gl_)};
+  gl_.BindTexture(GL_TEXTURE_2D, target.texture.name());
+  gl_.TexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(format), size_.x, size_.y, 0, components, type, nullptr);
+  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.name());
+  gl_.FramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, target.texture.name(), 0);
+  const GLenum none = GL_NONE;
+  if (attachment == GL_DEPTH_ATTACHMENT) gl_.DrawBuffers(1, &none);
+  if (gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) return {};
+  return target;
+}
+
+/// Makes the programs at first use, and the targets for a new size.
+bool OcclusionPass::prepare(const glm::ivec2& size, GLenum depth_format) {
+  if (unusable_) return false;
+  if (!occlusion_) {
+    for (const auto& [program, shader] :
+         {std::pair{&occlusion_, kOcclusionShader}, std::pair{&smoothing_, kSmoothingShader}}) {
+      auto made = make_program(gl_, "", kScreenVertexShader, shader);
+      if (Program* ready = std::get_if<Program>(&made)) *program = std::move(*ready);
+    }
+  }
+  if (occlusion_ && smoothing_ && (size != size_ || depth_format != depth_format_)) {
+    take_errors(gl_);
+    size_ = size;
+    depth_format_ = depth_format;
+    depth_ = {};
+    depth_ = make_target(depth_format, GL_DEPTH_COMPONENT, GL_FLOAT, GL_DEPTH_ATTACHMENT);
+    factors_ = {};
+    factors_ = make_target(GL_R8, GL_RED, GL_UNSIGNED_BYTE, GL_COLOR_ATTACHMENT0);
+  }
+  unusable_ = !occlusion_ || !smoothing_ || !depth_.framebuffer || !factors_.framebuffer || take_errors(gl_);
+  return !unusable_;
+}
+
+void OcclusionPass::fill(const Program& program, const Texture& texture) const {
+  gl_.UseProgram(program.name());
+  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.BindSampler(0, 0);
+  gl_.BindTexture(GL_TEXTURE_2D, texture.name());
+  gl_.Uniform1i(gl_.GetUniformLocation(program.name(), "depths"), 0);
+  gl_.BindVertexArray(no_attributes_.name());
+  gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void OcclusionPass::draw(const Projection& projection, const glm::ivec2& size, float radius) {
+  GLint target = 0;
+  gl_.GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target);
+  const auto bound = static_cast<GLuint>(target);
+  // The blit needs the format of the target's depth buffer.
+  const bool ready = prepare(size, gl_.ClipControl ? GL_DEPTH_COMPONENT32F : GL_DEPTH_COMPONENT24);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, bound);
+  if (!ready) return;
+  gl_.Disable(GL_DEPTH_TEST);
+  gl_.Disable(GL_BLEND);
+  gl_.Disable(GL_CULL_FACE);
+  gl_.DepthMask(GL_TRUE);
+  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, depth_.framebuffer.name());
+  gl_.BlitFramebuffer(0, 0, size.x, size.y, 0, 0, size.x, size.y, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, factors_.framebuffer.name());
+  gl_.UseProgram(occlusion_.name());
+  const auto place = [&](const char* name) { return gl_.GetUniformLocation(occlusion_.name(), name); };
+  const glm::vec2 tangents = projection.tangents(), center = projection.center();
+  gl_.Uniform2f(place("tangents"), tangents.x, tangents.y);
+  gl_.Uniform2f(place("center"), center.x, center.y);
+  gl_.Uniform2f(place("depth_of"), projection.depth_offset, projection.depth_scale);
+  gl_.Uniform1f(place("radius"), radius);
+  gl_.Uniform1f(place("far"), projection.farthest_depth());
+  fill(occlusion_, depth_.texture);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, bound);
+  gl_.Enable(GL_BLEND);
+  gl_.BlendFuncSeparate(GL_ZERO, GL_SRC_COLOR, GL_ZERO, GL_ONE);
+  fill(smoothing_, factors_.texture);
+  gl_.Disable(GL_BLEND);
+}
+
+}  // namespace gs::render

@@ -1,0 +1,135 @@
+#include "app/formats/foreign_types.h"
+
+#include "app/formats/common/asset.h"
+#include "tests/app/formats_helpers.h"
+#include "tests/app/scratch_folder.h"
+
+#include <filesystem>
+#include <set>
+#include <string>
+#include <utility>
+
+using namespace gs;
+using namespace gs::app;
+using namespace gs::test;
+
+namespace {
+
+std::string zeros(std::size_t count) { return std::string(count, '\0'); }
+
+std::string zip_with(const std::string& name) {
+  std::string zip = std::string("PK\x03\x04", 4) + zeros(26) + name;
+  zip[26] = static_cast<char>(name.size());
+  return zip;
+}
+
+}  // namespace
+
+TEST_CASE("recognises formats that are not read by their first bytes") {
+  const std::string iges = std::string(72, ' ') + "S      1\n";
+  const std::pair<std::string, const char*> samples[] = {
+      {"#VRML V1.0 ascii\nSeparator {}", "VRML 1.0"},
+      {"\xef\xbb\xbf#VRML V1.0 ascii", "VRML 1.0"},
+      {"#Inventor V2.1 ascii\n", "Open Inventor"},
+      {"#X3D V3.3 utf8\n", "X3D in classic encoding"},
+      {"<?xml version='1.0'?>\n<!DOCTYPE X3D PUBLIC \"x\">\n<!-- <a> --><X3D version='3.3'>", "X3D in XML encoding"},
+      {"{ \"X3D\": { \"@version\": \"3.3\"", "X3D in JSON encoding"},
+      {zeros(128) + "DICM", "DICOM"},
+      {std::string("II*\0", 4) + zeros(124) + "DICM", "DICOM"},
+      {"\x89HDF\r\n\x1a\n", "HDF5 (NetCDF-4, VTKHDF, CGNS)"},
+      {"CDF\x02" + zeros(8), "NetCDF classic (Exodus II)"},
+      {"ISO-10303-21;\nHEADER;", "STEP"},
+      {"ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('IFC4'));", "IFC"},
+      {"#usda 1.0\n", "USD"},
+      {"PXR-USDC" + zeros(8), "USD"},
+      {zip_with("model.usdc"), "USD (usdz archive)"},
+      {zip_with("3D/3dmodel.model"), "3MF"},
+      {zip_with("readme.txt"), "ZIP archive"},
+      {"Kaydara FBX Binary  ", "FBX"},
+      {"; FBX 7.4.0 project file", "FBX"},
+      {std::string("MM\0*", 4), "TIFF"},
+      {"# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z\n", "PCD"},
+      {"VERSION .7\nFIELDS x y z\n", "PCD"},
+      {"<?xml version=\"1.0\"?><COLLADA xmlns='x'>", "COLLADA"},
+      {"<VTKFile type=\"RectilinearGrid\">", "VTK XML of another type"},
+      {"<!-- a --><robot name='r2d2'>", "URDF"},
+      {"<Xdmf>", "XDMF"},
+      {iges, "IGES"},
+      {"LASF", "LAS"},
+      {"BLENDER-v300", "Blender"},
+      {"\x93NUMPY", "NumPy array"},
+      {"\x89PNG\r\n\x1a\n", "PNG"},
+      {"version https://git-lfs.github.com/spec/v1\n", "Git LFS pointer"},
+      {"<!DOCTYPE html>\n<html>", "HTML page"},
+      {"<HTML><HEAD>", "HTML page"},
+      {"<note>", "XML of an unknown kind"},
+      {"\x01\x02\x03" + zeros(60), "data of an unknown format"},
+  };
+  for (const auto& [text, name] : samples) {
+    INFO(name);
+    const ContentType& type = content_type_of("x", bytes_of(text));
+    CHECK(std::string(type.name) == name);
+    CHECK(content_type_by_mark(bytes_of(text)) == nullptr);
+    Diagnostics diagnostics;
+    CHECK(
+        std::holds_alternative<std::monostate>(read_asset(type, {bytes_of(text), "x", {}, own_budget(), diagnostics})));
+    REQUIRE(diagnostics.errors() == 1);
+    CHECK(diagnostics.entries()[0].message == std::string(name) + " cannot be read; " + std::string(type.remedy));
+  }
+  // UTF-16, as some exporters write it.
+  std::string wide = "\xff\xfe";
+  for (const char c : std::string("<?xml version='1.0'?><COLLADA>")) wide += {c, '\0'};
+  CHECK(content_type_of("x", bytes_of(wide)).name == "COLLADA");
+}
+
+TEST_CASE("each row of a foreign format has a remedy, and no readable format shares its name or extension") {
+  std::set<std::string_view> names, extensions;
+  for (const ContentType& type : foreign_types()) {
+    INFO(type.name);
+    CHECK(names.insert(type.name).second);
+    CHECK_FALSE(type.remedy.empty());
+    CHECK((type.sniff || !type.extensions.empty()));
+    for (const ContentType& known : content_types()) {
+      CHECK(known.name != type.name);
+      CHECK(known.remedy.empty());
+      if (known.sniff) CHECK_FALSE((type.sniff && type.sniff(bytes_of("#VRML V2.0 utf8\n"))));
+    }
+    std::string_view rest = type.extensions;
+    while (!rest.empty()) {
+      const std::string_view extension = rest.substr(0, rest.find(' ') + 1);
+      CHECK(extensions.insert(extension).second);
+      for (const ContentType& known : content_types())
+        CHECK(known.extensions.find(extension) == std::string_view::npos);
+      rest.remove_prefix(extension.size());
+    }
+  }
+}
+
+TEST_CASE("recognises a foreign format by its extension, but trusts the first bytes more") {
+  CHECK(content_type_of("part.STP", {}).name == "STEP");
+  CHECK(content_type_of("a.usdz", {}).name == "USD (usdz archive)");
+  CHECK(content_type_of("a.dcm", bytes_of(zeros(40))).name == "DICOM");
+  CHECK(content_type_of("a.step", bytes_of("#VRML V2.0 utf8\n")).name == "VRML97");
+  CHECK(content_type_of("a.wrl", bytes_of("\x89HDF\r\n\x1a\n")).name == "HDF5 (NetCDF-4, VTKHDF, CGNS)");
+  CHECK(content_type_of("a.wrl", bytes_of("Shape { }")).name == "VRML97");
+  CHECK(content_type_of("a.raw", bytes_of(zeros(40))).name == "raw voxels");
+}
+
+TEST_CASE("a folder that is opened like a file gets a message with a remedy") {
+  const ScratchFolder folder;
+  const auto make = [&](const char* name, const char* file) {
+    std::filesystem::create_directories(folder.path(name));
+    folder.write(std::string(name) + "/" + file, "{}");
+    return refusal_of_folder(folder.path(name)).value_or("");
+  };
+  CHECK(make("a.zarr", ".zgroup").find("a Zarr folder cannot be read; ") == 0);
+  CHECK(make("b.zarr", "zarr.json").find("Zarr") != std::string::npos);
+  CHECK(make("store", "image/zarr.json").find("Zarr") != std::string::npos);
+  CHECK(make("images", "I10").find("ghostspace serve") != std::string::npos);
+  folder.write("images/I20", zeros(128) + "DICM");
+  CHECK(refusal_of_folder(folder.path("images"))->find("dcm2niix") != std::string::npos);
+  CHECK(make("series", "IM1.DCM").find("dcm2niix") != std::string::npos);
+  CHECK(make("other", "x.wrl").find("ghostspace serve") != std::string::npos);
+  CHECK_FALSE(refusal_of_folder(folder.path("other/x.wrl")));
+  CHECK_FALSE(refusal_of_folder(folder.path("missing")));
+}

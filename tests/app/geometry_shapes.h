@@ -1,0 +1,110 @@
+#pragma once
+
+#include "app/formats/splats/splats.h"
+
+#include "tests/app/formats_helpers.h"
+#include "tests/watched.h"
+
+#include <numbers>
+#include <random>
+
+/// Helpers of tests of imported vectors.
+namespace gs::test {
+
+using gs::qnv::Splats;
+using ImportVectors = gs::app::ImportedVectors (*)(std::span<const std::byte>, const WorldBudget&);
+
+inline float dot(const glm::vec3& a, const glm::vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline float length(const glm::vec3& v) { return std::sqrt(dot(v, v)); }
+
+/// Returns points spread evenly over a sphere, with outward normals, areas that sum to its area, and colours.
+inline Splats sphere(std::size_t count, float radius = 1, glm::vec3 center = glm::vec3(0)) {
+  Splats geometry;
+  const auto all = static_cast<float>(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const float z = 1 - (2 * static_cast<float>(i) + 1) / all, r = std::sqrt(1 - z * z);
+    const float turn = static_cast<float>(i) * 2.39996323f;
+    const glm::vec3 n(r * std::cos(turn), r * std::sin(turn), z);
+    geometry.normals.push_back(n / length(n));
+    geometry.positions.push_back(center + n * radius);
+    geometry.weights.push_back(4 * std::numbers::pi_v<float> * radius * radius / all);
+    geometry.colors.push_back({static_cast<std::uint8_t>(i % 256), static_cast<std::uint8_t>(i / 7 % 256), 200});
+    geometry.description.box.add(geometry.positions.back());
+    geometry.description.total += geometry.weights.back();
+  }
+  return geometry;
+}
+
+/// Checks the invariants of every imported geometry.
+inline void check_sound(const Splats& geometry) {
+  REQUIRE(geometry.normals.size() == geometry.size());
+  REQUIRE(geometry.weights.size() == geometry.size());
+  REQUIRE((geometry.colors.empty() || geometry.colors.size() == geometry.size()));
+  double total = 0;
+  for (std::size_t i = 0; i < geometry.size(); ++i) {
+    const glm::vec3 p = geometry.positions[i], n = geometry.normals[i];
+    REQUIRE_EACH((std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)));
+    REQUIRE_EACH(std::abs(length(n) - 1) < 1e-3f);
+    REQUIRE_EACH((std::isfinite(geometry.weights[i]) && geometry.weights[i] > 0));
+    const auto& box = geometry.description.box;
+    for (int k = 0; k < 3; ++k) REQUIRE_EACH((p[k] >= box.lower[k] && p[k] <= box.upper[k]));
+    total += geometry.weights[i];
+  }
+  REQUIRE(geometry.description.total == Approx(total));
+  REQUIRE(geometry.description.two_sided);
+}
+
+/// Returns the imported geometry, which must exist.
+inline Splats vectors_of(ImportVectors import, const Bytes& bytes) {
+  auto result = import(bytes, own_budget());
+  if (const auto* problem = std::get_if<std::string>(&result)) {
+    FAIL("not imported: " << *problem);
+    return {};
+  }
+  check_sound(std::get<Splats>(result));
+  return std::move(std::get<Splats>(result));
+}
+inline std::string problem_of(ImportVectors import, const Bytes& bytes) {
+  const auto result = import(bytes, own_budget());
+  return std::holds_alternative<std::string>(result) ? std::get<std::string>(result) : std::string();
+}
+inline std::string metadata(const Splats& geometry, std::string_view name) {
+  for (const auto& [key, value] : geometry.description.metadata)
+    if (key == name) return value;
+  return {};
+}
+
+/// Checks that an import of any bytes gives a valid geometry or a message.
+inline void check_any(ImportVectors import, const Bytes& bytes) {
+  const auto result = import(bytes, own_budget());
+  if (const auto* geometry = std::get_if<Splats>(&result)) {
+    REQUIRE_FALSE(geometry->empty());
+    check_sound(*geometry);
+  } else {
+    REQUIRE_FALSE(std::get<std::string>(result).empty());
+  }
+}
+
+/// Imports every prefix (in memory of exactly its size), every changed byte, and invalid bytes after the first bytes.
+inline void check_hostile(ImportVectors import, const Bytes& bytes, std::size_t step = 1) {
+  for (std::size_t n = 0; n <= bytes.size(); n += n < 600 ? watched_step(3) : step)
+    check_any(import, Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n)));
+  for (std::size_t i = 0; i < bytes.size(); i += i < 600 ? watched_step(3) : step)
+    for (const int mask : {0x01, 0x80, 0xff}) {
+      Bytes changed = bytes;
+      changed[i] ^= static_cast<std::byte>(mask);
+      check_any(import, changed);
+    }
+  std::mt19937 random(1);
+  for (int round = 0; round < 100; ++round) {
+    Bytes rubbish(random() % 300);
+    for (auto& b : rubbish) b = static_cast<std::byte>(random());
+    check_any(import, rubbish);
+    Bytes mixed(bytes.begin(),
+                bytes.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(bytes.size(), random() % 64)));
+    mixed.insert(mixed.end(), rubbish.begin(), rubbish.end());
+    check_any(import, mixed);
+  }
+}
+
+}  // namespace gs::test
