@@ -5,7 +5,7 @@
 #include "app/commands/common/shared.h"
 #include "app/loading/world_loader.h"
 #include "app/settings/user_folders.h"
-#include "app/viewer/hand_over.h"
+#include "app/desktop/hand_over.h"
 #include "app/viewer/headless.h"
 #include "app/viewer/viewer.h"
 

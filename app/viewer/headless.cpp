@@ -2,7 +2,7 @@
 
 #include "app/base/console.h"
 #include "app/session/documents/world_runtime.h"
-#include "app/viewer/end_signals.h"
+#include "app/desktop/end_signals.h"
 #include "app/viewer/offscreen.h"
 
 #include <algorithm>

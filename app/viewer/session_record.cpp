@@ -1,6 +1,6 @@
 #include "app/viewer/session_record.h"
 
-#include "app/viewer/hand_over.h"
+#include "app/desktop/hand_over.h"
 
 #include <map>
 #include <utility>

@@ -1,11 +1,10 @@
 #include "app/viewer/start_page.h"
 
 #include "app/interface/base/start_layout.h"
-#include "app/viewer/hand_over.h"
+#include "app/desktop/hand_over.h"
 
 #include <algorithm>
 #include <utility>
-#include <variant>
 
 namespace gs::app {
 namespace {
@@ -35,18 +34,21 @@ void StartPage::set_recent(const std::vector<std::string>& places, float scale) 
   thumbnails_.keep_only(places);
 }
 
-void StartPage::note(render::Renderer& renderer, const View& view, render::DrawOptions draw) {
-  if (!view.document || noted_.lock() == view.document) return;
-  const std::string place = absolute_place(view.document->world.path);
-  if (std::find(recent_.begin(), recent_.end(), place) == recent_.end()) return;
-  noted_ = view.document;
-  draw.x = draw.y = 0;
-  draw.width = Thumbnails::kWidth;
-  draw.height = Thumbnails::kHeight;
-  draw.guides = nullptr;
-  draw.go_on = {};
-  const auto made = renderer.draw_to_image(*view.list, camera_of(view.navigation.pose), draw);
-  if (const auto* image = std::get_if<render::Image>(&made)) thumbnails_.keep(place, render::encode_png(*image));
+bool StartPage::wants(const View& view, bool rests, double now) {
+  constexpr double kSettled = 3;  // seconds
+  if (!view.document) return false;
+  if (shown_.lock() != view.document) {
+    shown_ = view.document;
+    shown_since_ = now;
+    kept_ = false;
+  }
+  if (kept_ || !(rests || now - shown_since_ > kSettled)) return false;
+  return std::find(recent_.begin(), recent_.end(), absolute_place(view.document->world.path)) != recent_.end();
+}
+
+void StartPage::keep(const View& view, const std::vector<std::byte>& png) {
+  kept_ = true;
+  thumbnails_.keep(absolute_place(view.document->world.path), png);
 }
 
 render::FrameStatistics StartPage::draw(render::Renderer& renderer, const Viewport& place,

@@ -21,8 +21,11 @@ class StartPage {
   /// Sets the recent files, newest first, and the number of pixels per unit of the design. Removes the thumbnails of
   /// other files if the list has changed.
   void set_recent(const std::vector<std::string>& places, float scale);
-  /// Stores the thumbnail of a file that is displayed completely, once for each document that is a recent file.
-  void note(render::Renderer& renderer, const View& view, render::DrawOptions draw);
+  /// Reports whether to store a thumbnail of a displayed view: once for each document that is a recent file, when its
+  /// picture rests or some seconds after it appeared. `now` is in seconds of any clock.
+  [[nodiscard]] bool wants(const View& view, bool rests, double now);
+  /// Stores the thumbnail of the view's document as PNG bytes.
+  void keep(const View& view, const std::vector<std::byte>& png);
   /// Draws the thumbnails in the viewport `place`, with `draw` for the rest of the picture.
   [[nodiscard]] render::FrameStatistics draw(render::Renderer& renderer, const Viewport& place,
                                              const render::DrawOptions& draw);
@@ -31,7 +34,9 @@ class StartPage {
   Thumbnails thumbnails_;
   float scale_ = 1;
   std::vector<std::string> recent_;
-  std::weak_ptr<const Document> noted_;  // document of the newest thumbnail
+  std::weak_ptr<const Document> shown_;  // document that was displayed last
+  double shown_since_ = 0;
+  bool kept_ = false;  // the thumbnail of `shown_` is stored
   std::shared_ptr<const vrml::Mesh> square_;
 };
 

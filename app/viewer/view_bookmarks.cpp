@@ -1,6 +1,6 @@
 #include "app/viewer/view_bookmarks.h"
 
-#include "app/viewer/hand_over.h"
+#include "app/desktop/hand_over.h"
 #include "base/text.h"
 
 #include <algorithm>

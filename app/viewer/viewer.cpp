@@ -1,7 +1,7 @@
 #include "app/viewer/viewer.h"
 
 #include "app/interface/window_backend.h"
-#include "app/viewer/end_signals.h"
+#include "app/desktop/end_signals.h"
 #include "app/viewer/headless.h"
 #include "app/viewer/viewer_window.h"
 #include "app/window/close_watch.h"
@@ -116,12 +116,14 @@ void Viewer::run() {
     // Draw nothing if nothing has changed.
     if (frames_wanted_ == 0 && !frame_.moving && !wants_finer() && !frame_.loading) {
       was_in_motion_ = false;
+      keep_thumbnail(true);
       continue;
     }
     if (events.empty()) ui_.begin_frame(now, events);
     const bool moves = frame_.moving || frame_.changed;
     const bool in_motion = std::exchange(was_in_motion_, moves) && moves;
     draw_viewports();
+    keep_thumbnail(false);
     if (interface_first_) frames_wanted_ = kSettlingFrames;
     session_.streams().request();
     controller_.inspection().prepare(session_, frame_.pictures, now);
@@ -151,6 +153,14 @@ bool Viewer::ends() {
   window_->keep_open();
   frames_wanted_ = kSettlingFrames;
   return false;
+}
+
+// Stores the thumbnail of the active viewport, if it is new. `rests` means that nothing is drawn in this step.
+void Viewer::keep_thumbnail(bool rests) {
+  const View* const seen = session_.view();
+  if (!seen || frame_.loading || !start_page_.wants(*seen, rests, Window::now())) return;
+  const auto made = paint(*renderer_, options_, *seen, {Thumbnails::kWidth, Thumbnails::kHeight});
+  if (const auto* png = std::get_if<std::vector<std::byte>>(&made)) start_page_.keep(*seen, *png);
 }
 
 void Viewer::wait_for_something() {

@@ -2,7 +2,7 @@
 
 #include "app/base/console.h"
 #include "app/view/camera_text.h"
-#include "app/viewer/hand_over.h"
+#include "app/desktop/hand_over.h"
 #include "base/text.h"
 
 #include <algorithm>

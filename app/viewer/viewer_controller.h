@@ -5,7 +5,7 @@
 #include "app/session/session.h"
 #include "app/settings/settings_store.h"
 #include "app/view/actions.h"
-#include "app/viewer/file_dialog.h"
+#include "app/desktop/file_dialog.h"
 #include "app/viewer/session_record.h"
 #include "app/viewer/view_bookmarks.h"
 #include "app/viewer/world_saver.h"

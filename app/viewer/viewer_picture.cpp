@@ -72,10 +72,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   for (const auto& feed : seen.document->world.feeds) source.grown += feed->applied();
   if (seen.document->runtime) source.grown += seen.document->runtime->movies().pictures();
   const bool busy = frames_wanted_ > 0 || frame_.moving, same = pictures_.is_same(picture.pane, source);
-  if (same && pictures_.stands(picture.pane, busy) && renderer_->show_again(draw)) {
-    if (!busy && !frame_.loading) start_page_.note(*renderer_, seen, draw);
-    return;
-  }
+  if (same && pictures_.stands(picture.pane, busy) && renderer_->show_again(draw)) return;
   // User input can cancel a picture that takes longer than kMaxUninterrupted. Without input, the picture is completed.
   PictureDetail& detail = details_[picture.pane];
   const double begin = Window::now();

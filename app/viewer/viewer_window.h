@@ -3,7 +3,7 @@
 #include "app/view/panes/picture_ledger.h"
 #include "app/view/picture_detail.h"
 #include "app/viewer/frame_rate.h"
-#include "app/viewer/hand_over.h"
+#include "app/desktop/hand_over.h"
 #include "app/viewer/start_page.h"
 #include "app/viewer/viewer.h"
 #include "app/viewer/viewer_controller.h"
@@ -57,6 +57,7 @@ class Viewer final : public WindowOperations, NonCopyable {
   [[nodiscard]] Viewport active_place() const;
   [[nodiscard]] ViewerTools::Tell teller();
 
+  void keep_thumbnail(bool rests);
   void draw_viewports();
   void draw_viewport(const Frame::Picture& picture, render::DrawOptions draw);
   void draw_nothing(const Frame::Picture& picture, render::DrawOptions draw);

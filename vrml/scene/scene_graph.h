@@ -2,7 +2,6 @@
 
 #include "base/budget.h"
 #include "base/diagnostic.h"
-#include "vrml/scene/inline_contents.h"
 #include "vrml/scene/node_arena.h"
 #include "vrml/scene/scene_memory.h"
 #include "vrml/scene/scene_texts.h"
@@ -14,10 +13,35 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
 namespace gs::vrml {
+
+class SceneGraph;
+
+/// Contents of the Inline nodes of a scene. Each content has a separate name scope (VRML97 4.4.3). One thread.
+class InlineContents {
+ public:
+  /// Sets the content of an Inline node. Null removes the content.
+  void attach(NodeId inline_node, std::shared_ptr<SceneGraph> content) {
+    if (content)
+      contents_[inline_node.index] = std::move(content);
+    else
+      contents_.erase(inline_node.index);
+  }
+  /// Returns the content of an Inline node; null if it has none.
+  [[nodiscard]] SceneGraph* of(NodeId inline_node) const {
+    const auto found = contents_.find(inline_node.index);
+    return found == contents_.end() ? nullptr : found->second.get();
+  }
+  /// Returns the contents by the index of their Inline node.
+  [[nodiscard]] const std::unordered_map<std::uint32_t, std::shared_ptr<SceneGraph>>& all() const { return contents_; }
+
+ private:
+  std::unordered_map<std::uint32_t, std::shared_ptr<SceneGraph>> contents_;
+};
 
 /// World or a part of it: its nodes, PROTOs, ROUTEs and Inlines, and the text of its file.
 ///

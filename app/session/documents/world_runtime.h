@@ -5,7 +5,7 @@
 #include "app/session/documents/run_time_requests.h"
 #include "app/session/documents/world_movies.h"
 #include "app/session/documents/world_programs.h"
-#include "app/session/documents/world_rays.h"
+#include "app/session/rays/world_rays.h"
 #include "base/noncopyable.h"
 #include "render/collection/render_scene.h"
 #include "vrml/events/execution.h"

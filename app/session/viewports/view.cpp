@@ -146,7 +146,7 @@ Upright upright_of(const View& view) {
 
 void light_objects(const Document& document, render::DrawOptions& draw) {
   if (document.world.authored) return;
-  const glm::vec3 above_left(-0.35f, 0.4f, 1);
+  const glm::vec3 above_left(-0.25f, 0.3f, 1);
   draw.headlight_towards = glm::normalize(above_left);
   draw.occlusion = render::Occlusion::hardware;
 }

@@ -1,5 +1,5 @@
 #include "app/interface/panels/panels.h"
-#include "app/viewer/hand_over.h"
+#include "app/desktop/hand_over.h"
 #include "tests/app/interface/driver.h"
 #include "tests/app/late_worlds.h"
 #include "tests/app/scratch_folder.h"

@@ -1,4 +1,4 @@
-#include "app/viewer/file_dialog.h"
+#include "app/desktop/file_dialog.h"
 
 #include "net/base/descriptor.h"
 

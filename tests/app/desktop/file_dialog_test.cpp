@@ -1,4 +1,4 @@
-#include "app/viewer/file_dialog.h"
+#include "app/desktop/file_dialog.h"
 #include "base/noncopyable.h"
 
 #include <catch2/catch.hpp>

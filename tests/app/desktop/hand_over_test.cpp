@@ -1,4 +1,4 @@
-#include "app/viewer/hand_over.h"
+#include "app/desktop/hand_over.h"
 
 #include "net/control/control_caller.h"
 #include "tests/app/scratch_folder.h"

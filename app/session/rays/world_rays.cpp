@@ -1,4 +1,4 @@
-#include "app/session/documents/world_rays.h"
+#include "app/session/rays/world_rays.h"
 
 #include <glm/geometric.hpp>
 

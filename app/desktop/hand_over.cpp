@@ -1,4 +1,4 @@
-#include "app/viewer/hand_over.h"
+#include "app/desktop/hand_over.h"
 
 #include "app/session/documents/link_file.h"
 #include "net/base/schemes.h"

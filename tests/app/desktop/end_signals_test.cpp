@@ -1,4 +1,4 @@
-#include "app/viewer/end_signals.h"
+#include "app/desktop/end_signals.h"
 
 #include <catch2/catch.hpp>
 
