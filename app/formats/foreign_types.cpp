@@ -165,7 +165,7 @@ constexpr std::string_view kCad = "export STL, OBJ or glTF (.glb) from the progr
 constexpr std::string_view kParaView = "open it in ParaView and save the data as .vti, .vtp or .vtu";
 constexpr std::string_view kArray =
     "write the array as NRRD, or as raw voxels and state their number with --dims XxYxZ --type f32";
-constexpr std::string_view kPoints = "convert it to PLY with CloudCompare or with 'pdal translate IN OUT.ply'";
+constexpr std::string_view kCloudCompare = "convert it to PLY with CloudCompare or with 'pdal translate IN OUT.ply'";
 constexpr std::string_view kImage =
     "GhostSpace shows images as textures of a world; open the world or model that uses it";
 constexpr std::string_view kUnpack = "unpack it, then open a file in it";
@@ -197,8 +197,8 @@ constexpr ContentType kForeignTypes[] = {
     foreign("TIFF", ".tif .tiff ", any_of<has_mark<"II*\0">, has_mark<"MM\0*">, has_mark<"II+\0">, has_mark<"MM\0+">>,
             "save an image stack as NRRD with Fiji (File, Save As, Nrrd)"),
     foreign("PCD", ".pcd ", is_pcd, "convert it to PLY with 'pcl_pcd2ply IN.pcd OUT.ply' or with CloudCompare"),
-    foreign("LAS", ".las .laz ", has_mark<"LASF">, kPoints),
-    foreign("E57", ".e57 ", has_mark<"ASTM-E57">, kPoints),
+    foreign("LAS", ".las .laz ", has_mark<"LASF">, kCloudCompare),
+    foreign("E57", ".e57 ", has_mark<"ASTM-E57">, kCloudCompare),
     foreign("VTK XML of another type", ".vtr .vts .vtm .pvd .pvti .pvtp .pvtu .pvtr .pvts ", has_root<"VTKFile">,
             kParaView),
     foreign("XDMF", ".xdmf .xmf ", has_root<"Xdmf">, kParaView),

@@ -33,7 +33,7 @@ class ObjText {
 
 float unit(std::uint8_t component) { return static_cast<float>(component) / 255; }
 
-std::vector<std::byte> bytes_of(const std::string& text) {
+std::vector<std::byte> text_bytes_of(const std::string& text) {
   const auto* first = reinterpret_cast<const std::byte*>(text.data());
   return {first, first + text.size()};
 }
@@ -114,9 +114,9 @@ Exported export_obj(const qnv::Geometry& geometry, const ExportOptions& options)
       image = options.name + (!file.empty() && file[0] == std::byte{0x89} ? ".png" : ".jpg");
       options.beside->push_back({image, file});
     }
-    options.beside->push_back({options.name + ".mtl", bytes_of(materials_of(*mesh, image))});
+    options.beside->push_back({options.name + ".mtl", text_bytes_of(materials_of(*mesh, image))});
   }
-  return bytes_of(text.take());
+  return text_bytes_of(text.take());
 }
 
 }  // namespace gs::app

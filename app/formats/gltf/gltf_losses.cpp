@@ -13,7 +13,7 @@
 namespace gs::app {
 namespace {
 
-using Json = nlohmann::json;
+using LossJson = nlohmann::json;
 
 /// Returns the JSON text of a .gltf or .glb file.
 std::string_view json_of(std::span<const std::byte> bytes) {
@@ -23,7 +23,7 @@ std::string_view json_of(std::span<const std::byte> bytes) {
 }
 
 /// Adds the names of the properties of a material that are lost.
-void add_lost(const Json& material, std::set<std::string>& lost) {
+void add_lost(const LossJson& material, std::set<std::string>& lost) {
   if (!material.is_object()) return;
   if (material.contains("normalTexture")) lost.insert("normal maps");
   if (material.contains("occlusionTexture")) lost.insert("occlusion maps");
@@ -40,12 +40,12 @@ void add_lost(const Json& material, std::set<std::string>& lost) {
 }  // namespace
 
 std::vector<std::string> gltf_losses(std::span<const std::byte> bytes) {
-  const Json document = Json::parse(json_of(bytes), nullptr, false);
+  const LossJson document = LossJson::parse(json_of(bytes), nullptr, false);
   if (!document.is_object()) return {};
   std::vector<std::string> losses;
   std::set<std::string> lost;
   if (const auto materials = document.find("materials"); materials != document.end() && materials->is_array())
-    for (const Json& material : *materials) add_lost(material, lost);
+    for (const LossJson& material : *materials) add_lost(material, lost);
   std::string names;
   for (const std::string& name : lost) names += (names.empty() ? "" : ", ") + name;
   if (!names.empty()) losses.push_back("parts of materials are left out: " + names);
