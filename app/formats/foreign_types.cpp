@@ -20,14 +20,14 @@ using Bytes = std::span<const std::byte>;
 
 /// String as a template argument. May contain zero bytes.
 template <std::size_t size>
-struct Word {
-  constexpr Word(const char (&text)[size]) { std::copy_n(text, size, letters); }
+struct Mark {
+  constexpr Mark(const char (&text)[size]) { std::copy_n(text, size, letters); }
   [[nodiscard]] constexpr std::string_view view() const { return {letters, size - 1}; }
   char letters[size]{};
 };
 
 /// Reports whether the bytes contain `mark` at the offset `at`.
-template <Word mark, std::size_t at = 0>
+template <Mark mark, std::size_t at = 0>
 bool has_mark(Bytes bytes) {
   const std::string_view text = text_of(bytes);
   return text.size() >= at && text.substr(at).starts_with(mark.view());
@@ -58,7 +58,7 @@ bool is_header_line(std::string_view text, std::string_view mark) {
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
   return lower_case(text.substr(0, mark.size())) == mark;
 }
-template <Word mark>
+template <Mark mark>
 bool begins_ignoring_case(Bytes bytes) {
   return is_header_line(text_of(bytes).substr(0, 64), mark.view());
 }
@@ -81,7 +81,7 @@ std::string root_element(Bytes bytes) {
   const std::string name = text.substr(at + 1, text.find_first_of(" \t\r\n/>", at + 1) - at - 1);
   return name.substr(name.find(':') == std::string::npos ? 0 : name.find(':') + 1);
 }
-template <Word name>
+template <Mark name>
 bool has_root(Bytes bytes) {
   return root_element(bytes) == name.view();
 }

@@ -27,7 +27,7 @@ std::span<const std::byte> directory_of(const EncodedStream& stream) {
   return std::span(stream.bytes).subspan(static_cast<std::size_t>(stream.header.directory));
 }
 
-std::vector<DirectoryEntry> entries_of(const EncodedStream& stream) {
+std::vector<DirectoryEntry> directory_of(const EncodedStream& stream) {
   StreamDecoder decoder;
   REQUIRE(decoder.push(stream.bytes));
   return decoder.directory();
@@ -57,7 +57,7 @@ TEST_CASE("requests chunks in the order of the stream without views") {
   CHECK(requests.directory() == stream.header.directory);
   CHECK_FALSE(requests.set_directory(directory_of(stream).first(20)));
   REQUIRE(requests.set_directory(directory_of(stream)));
-  CHECK(requests.wanted() == ranges_of(entries_of(stream)));
+  CHECK(requests.wanted() == ranges_of(directory_of(stream)));
   CHECK(requests.wanted().size() > 10);
 }
 
@@ -65,7 +65,7 @@ TEST_CASE("requests the chunks in view first") {
   const EncodedStream stream = octree_of_sphere();
   DirectoryRequests requests(stream.header);
   REQUIRE(requests.set_directory(directory_of(stream)));
-  const std::vector<DirectoryEntry> entries = entries_of(stream);
+  const std::vector<DirectoryEntry> entries = directory_of(stream);
   const float least = requests.box().upper.x * 0.5f;
   requests.note(view_from(least));
   std::vector<ChunkRange> expected;
@@ -96,7 +96,7 @@ TEST_CASE("keeps the order of a progressive stream for every view") {
   CHECK(requests.in_stream_order());
   REQUIRE(requests.set_directory(directory_of(stream)));
   requests.note(view_from(0.5f));
-  CHECK(requests.wanted() == ranges_of(entries_of(stream)));
+  CHECK(requests.wanted() == ranges_of(directory_of(stream)));
 }
 
 }  // namespace gs::qnv

@@ -12,7 +12,7 @@
 namespace gs::vrml::traces {
 namespace {
 
-glm::dmat4 viewer_at(double x, double y, double z) { return glm::translate(glm::dmat4(1), {x, y, z}); }
+glm::dmat4 viewer_place(double x, double y, double z) { return glm::translate(glm::dmat4(1), {x, y, z}); }
 
 // Returns a sensor below so many Transforms that it never rests.
 std::string wakeful(const std::string& name, const std::string& fields) {
@@ -41,18 +41,18 @@ TEST_CASE("lets sensors rest that the viewer is outside of") {
       "4 "
       "4 4 } } DEF Off ProximitySensor { size 4 4 4 enabled FALSE } DEF Flat ProximitySensor { size 4 0 4 }");
   world.start();
-  world.execution().viewer().set(viewer_at(0, 0, 0));
+  world.execution().viewer().set(viewer_place(0, 0, 0));
   world.step(1);
   world.step(2);
   CHECK(world.take("isActive") == Lines{"1 Near.isActive TRUE"});
   CHECK(world.execution().idle().count() == 1);
   CHECK(world.execution().next_time());  // the viewer may move in any step
-  world.execution().viewer().set(viewer_at(100, 0, 0));
+  world.execution().viewer().set(viewer_place(100, 0, 0));
   world.step(3);
   CHECK(world.take("isActive") == Lines{"3 Near.isActive FALSE", "3 Far.isActive TRUE"});
   world.step(4);
   CHECK(world.execution().idle().count() == 1);
-  world.execution().viewer().set(viewer_at(50, 0, 0));
+  world.execution().viewer().set(viewer_place(50, 0, 0));
   world.step(5);
   world.step(6);
   CHECK(world.execution().idle().count() == 2);
@@ -61,10 +61,10 @@ TEST_CASE("lets sensors rest that the viewer is outside of") {
 TEST_CASE("gives a resting sensor the exact times of the viewer's path (6.38)") {
   World world("DEF P ProximitySensor { size 2 2 2 }" + wakeful("Q", "size 2 2 2"));
   world.start();
-  world.execution().viewer().set(viewer_at(10, 0, 0));
+  world.execution().viewer().set(viewer_place(10, 0, 0));
   for (int i = 1; i < 5; ++i) world.step(i);
   CHECK(world.execution().idle().count() == 1);
-  world.execution().viewer().set(viewer_at(-10, 0, 0));
+  world.execution().viewer().set(viewer_place(-10, 0, 0));
   world.step(5);  // passes the box
   world.step(6);
   const Lines lines = world.take();
@@ -121,7 +121,7 @@ TEST_CASE("gives the events of calls in each step, for any movement of viewer, s
       default:
         break;
     }
-    if (random() % 8 == 0) world.execution().viewer().set(viewer_at(place(random) * 2, place(random) / 4, 0));
+    if (random() % 8 == 0) world.execution().viewer().set(viewer_place(place(random) * 2, place(random) / 4, 0));
     world.step(i / 8.0);
     rests += static_cast<int>(world.execution().idle().count() > 1);
   }
@@ -136,13 +136,13 @@ TEST_CASE("keeps the order of events among sensors that have rested") {
   for (int i = 0; i < 8; ++i) text += "DEF P" + std::to_string(i) + " ProximitySensor { size 2 2 2 } ";
   World world(text);
   world.start();
-  world.execution().viewer().set(viewer_at(9, 0, 0));
+  world.execution().viewer().set(viewer_place(9, 0, 0));
   for (int i = 1; i < 4; ++i) world.step(i);
   CHECK(world.execution().idle().count() == 8);
   world.send("P5.size", SFVec3f(2, 2, 1));
   world.send("P1.size", SFVec3f(2, 2, 1));
   (void)world.take();
-  world.execution().viewer().set(viewer_at(0, 0, 0));
+  world.execution().viewer().set(viewer_place(0, 0, 0));
   world.step(5);
   const Lines lines = world.take("isActive");
   REQUIRE(lines.size() == 8);
@@ -157,7 +157,7 @@ TEST_CASE("never lets sensors rest below a Billboard or a singular Transform") {
   for (int i = 1; i < 5; ++i) world.step(i);
   CHECK(world.execution().idle().count() == 0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  world.execution().viewer().set(viewer_at(nan, nan, nan));
+  world.execution().viewer().set(viewer_place(nan, nan, nan));
   world.step(6);
 }
 
@@ -186,7 +186,7 @@ TEST_CASE("evaluates a hundred thousand resting sensors within two milliseconds 
   CHECK(world.execution().idle().count() == kSensors);
   const auto begin = std::chrono::steady_clock::now();
   for (int i = 0; i < kSteps; ++i) {
-    world.execution().viewer().set(viewer_at(i, 0, 0));
+    world.execution().viewer().set(viewer_place(i, 0, 0));
     world.step(3 + i / 60.0);
   }
   const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;
