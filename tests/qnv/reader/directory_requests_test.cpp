@@ -23,11 +23,11 @@ EncodedStream octree_of_sphere() {
   return encoded(sphere(100), options);
 }
 
-std::span<const std::byte> chunks_listed_in(const EncodedStream& stream) {
+std::span<const std::byte> directory_of(const EncodedStream& stream) {
   return std::span(stream.bytes).subspan(static_cast<std::size_t>(stream.header.directory));
 }
 
-std::vector<DirectoryEntry> chunks_listed_in(const EncodedStream& stream) {
+std::vector<DirectoryEntry> listed_chunks_of(const EncodedStream& stream) {
   StreamDecoder decoder;
   REQUIRE(decoder.push(stream.bytes));
   return decoder.directory();
@@ -55,17 +55,17 @@ TEST_CASE("requests chunks in the order of the stream without views") {
   CHECK(requests.wanted().empty());
   CHECK_FALSE(requests.in_stream_order());
   CHECK(requests.directory() == stream.header.directory);
-  CHECK_FALSE(requests.set_directory(chunks_listed_in(stream).first(20)));
-  REQUIRE(requests.set_directory(chunks_listed_in(stream)));
-  CHECK(requests.wanted() == ranges_of(chunks_listed_in(stream)));
+  CHECK_FALSE(requests.set_directory(directory_of(stream).first(20)));
+  REQUIRE(requests.set_directory(directory_of(stream)));
+  CHECK(requests.wanted() == ranges_of(listed_chunks_of(stream)));
   CHECK(requests.wanted().size() > 10);
 }
 
 TEST_CASE("requests the chunks in view first") {
   const EncodedStream stream = octree_of_sphere();
   DirectoryRequests requests(stream.header);
-  REQUIRE(requests.set_directory(chunks_listed_in(stream)));
-  const std::vector<DirectoryEntry> entries = chunks_listed_in(stream);
+  REQUIRE(requests.set_directory(directory_of(stream)));
+  const std::vector<DirectoryEntry> entries = listed_chunks_of(stream);
   const float least = requests.box().upper.x * 0.5f;
   requests.note(view_from(least));
   std::vector<ChunkRange> expected;
@@ -94,9 +94,9 @@ TEST_CASE("keeps the order of a progressive stream for every view") {
   const auto& stream = std::get<EncodedStream>(encoded);
   DirectoryRequests requests(stream.header);
   CHECK(requests.in_stream_order());
-  REQUIRE(requests.set_directory(chunks_listed_in(stream)));
+  REQUIRE(requests.set_directory(directory_of(stream)));
   requests.note(view_from(0.5f));
-  CHECK(requests.wanted() == ranges_of(chunks_listed_in(stream)));
+  CHECK(requests.wanted() == ranges_of(listed_chunks_of(stream)));
 }
 
 }  // namespace gs::qnv
