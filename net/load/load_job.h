@@ -75,7 +75,6 @@ class LoadJob {
   DataVerdict deliver(Fetch& fetch, std::span<const std::byte> bytes);
   void end_body(Fetch& fetch, TimePoint now);
   void follow(const std::string& location, AddressSpace space);
-  void use_confirmed(Fetch& fetch);
   void retry(Fetch& fetch, const LoadError& error, bool transient, std::optional<std::int64_t> retry_after,
              TimePoint now);
   void check_done();

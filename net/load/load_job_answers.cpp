@@ -225,7 +225,17 @@ void LoadJob::on_end(Fetch& fetch, const TransferEnd& end, TimePoint now) {
   }
   const Fetch::Answer& answer = fetch.answer;
   if (!answer.redirect.empty()) return follow(std::string(answer.redirect), answer.space);
-  if (answer.not_modified) return use_confirmed(fetch);
+  if (answer.not_modified) {
+    // Status 304: the cached version is still valid.
+    const ResponseHead head = *answer.not_modified;
+    fetch.answer = {};
+    fetch.finished = true;
+    const bool says = head.cache_control.max_age || head.expires || head.cache_control.no_cache;
+    cache_.confirm(version_.validator, says ? freshness(head) : cache_.head().fresh_for);
+    version_.space = std::max(version_.space, head.space);
+    emit_head(cache_.head().content_type);
+    return check_done();
+  }
   if (answer.error) return retry(fetch, LoadError(*answer.error), answer.transient, answer.retry_after, now);
   if (!end.error) return end_body(fetch, now);
   if (end.error->kind != LoadErrorKind::changed) return retry(fetch, *end.error, end.transient, std::nullopt, now);
@@ -272,18 +282,6 @@ void LoadJob::follow(const std::string& location, AddressSpace space) {
   if (const auto why = location_.invalid()) return fail(LoadErrorKind::bad_response, *why);
   cache_.set_searching(!sent);
   open_version();
-}
-
-/// Handles status 304: the cached version is still valid.
-void LoadJob::use_confirmed(Fetch& fetch) {
-  const ResponseHead head = *fetch.answer.not_modified;
-  fetch.answer = {};
-  fetch.finished = true;
-  const bool says = head.cache_control.max_age || head.expires || head.cache_control.no_cache;
-  cache_.confirm(version_.validator, says ? freshness(head) : cache_.head().fresh_for);
-  version_.space = std::max(version_.space, head.space);
-  emit_head(cache_.head().content_type);
-  check_done();
 }
 
 void LoadJob::retry(Fetch& fetch, const LoadError& error, bool transient, std::optional<std::int64_t> retry_after,
