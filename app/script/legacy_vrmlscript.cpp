@@ -1,4 +1,5 @@
-#include "app/script/script_world.h"
+#include "app/script/program_text.h"
+#include "app/script/script_runner.h"
 #include "net/base/url.h"
 
 #include <algorithm>

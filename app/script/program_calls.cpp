@@ -1,54 +1,127 @@
-#include "app/script/script_world.h"
+#include "app/script/program_calls.h"
 
-#include <cstdint>
-#include <limits>
+#include "app/script/natives.h"
+#include "app/script/program_text.h"
+
+#include <js/CallAndConstruct.h>
+#include <js/CompilationAndEvaluation.h>
+#include <js/Exception.h>
+
 #include <utility>
 
-// Functions of World for calls from programs.
 namespace gs::app::script {
 namespace {
 
-constexpr std::size_t kMaxRequests = 256, kMaxRequestText = std::size_t{32} << 20;
+constexpr std::size_t kMaxText = 2000;  // max bytes of the text of a value
+
+// Returns the text of a result. A string is put in quotes, as in a program.
+bool text_of_result(JSContext* context, JS::HandleValue value, std::string& text) {
+  if (value.isSymbol()) return text = "a symbol", true;
+  if (!text_of_value(context, value, text)) return false;
+  if (text.size() > kMaxText) text = text.substr(0, kMaxText) + "...";
+  if (value.isString()) text = '"' + text + '"';
+  return true;
+}
 
 }  // namespace
 
-// Returns the simulated time, which is constant during a function. After kLooks reads in one function, each read adds
-// kLook, so that a loop that waits for time to pass ends.
-double World::date() {
-  constexpr std::uint32_t kLooks = 1000;
-  constexpr double kLook = 1e-3;  // seconds
-  if (clock_looks_ < std::numeric_limits<std::uint32_t>::max()) ++clock_looks_;
-  return execution_.now() + (clock_looks_ > kLooks ? kLook * (clock_looks_ - kLooks) : 0);
+ProgramCalls::ProgramCalls(vrml::Execution& execution, Engine& engine, const ScriptRunner::Settings& settings,
+                           ScriptMessages& messages)
+    : execution_(execution),
+      engine_(engine),
+      faults_(engine, execution, messages),
+      posted_(execution, engine),
+      changed_(engine.context()),
+      clock_(execution, settings.repeatable),
+      time_(settings.step_seconds) {}
+
+ProgramCalls::Call::Call(ProgramCalls& calls, Program& program)
+    : calls_(calls), program_(program), outer_(std::exchange(calls.running_, &program)) {
+  if (!outer_) calls_.clock_.begin_function();
 }
 
-double World::random() {
-  random_ ^= random_ << 13;
-  random_ ^= random_ >> 7;
-  random_ ^= random_ << 17;
-  return static_cast<double>(random_ >> 11) * 0x1.0p-53;
+ProgramCalls::Call::~Call() {
+  calls_.posted_.send_all(program_, calls_.ends_);
+  calls_.running_ = outer_;
+  calls_.engine_.rest();
 }
 
-void World::print(std::string text) {
-  constexpr std::size_t kMaxText = 4096;
-  if (text.size() > kMaxText) text.resize(kMaxText);
-  tell({{Severity::note, "", {}, std::move(text)}, true});
+Engine::Turn ProgramCalls::make_turn(const Program& program) {
+  const Limits& limits = execution_.scenes().root().limits();
+  return Engine::Turn(engine_, limits.script_seconds, limits.script_heap, program.late_message);
 }
 
-void World::warn_once(std::string text) { report(Severity::warning, *running_, std::move(text)); }
-
-// Adds a request for the session. Drops it if too many requests, or too much text, are already waiting.
-void World::request(ScriptRequest request) {
-  std::size_t bytes = request.text.size();
-  for (const auto* const texts : {&request.urls, &request.parameters})
-    for (const std::string& text : *texts) bytes += text.size();
-  if (ends_ || running_->ended || requests_.size() >= kMaxRequests || bytes > kMaxRequestText - request_bytes_) return;
-  request_bytes_ += bytes;
-  requests_.push_back(std::move(request));
+// Runs the promise jobs of a turn. They also run after an exception, as in web browsers, but not after a stop.
+void ProgramCalls::run_jobs(Program& program, Engine::Turn& turn) {
+  bool good = true;
+  while (turn.stop() == Stop::none && turn.run_job(&good))
+    if (!good || turn.stop() != Stop::none) faults_.report(program, turn);
 }
 
-std::string World::late_message(const Program& program) const {
-  const vrml::Node& node = program.scene->node(program.id);
-  return Diagnostic{Severity::error, node.text->file_name(), node.location, label(program) + ": " + kLate}.text();
+void ProgramCalls::call(Program& program, const char* name) {
+  run(program, [&] {
+    JSContext* const context = engine_.context();
+    JS::RootedValue function(context), ignored(context);
+    if (!JS_GetProperty(context, program.global, name, &function)) return false;
+    if (!function.isObject() || !JS::IsCallable(&function.toObject())) return true;
+    return JS_CallFunctionValue(context, program.global, function, JS::HandleValueArray::empty(), &ignored);
+  });
+}
+
+void ProgramCalls::call_event(Program& program, std::uint32_t interface, const vrml::FieldValue& value, double time) {
+  // A copy is needed, because the program may change the original.
+  const vrml::FieldValue copy = value;
+  run(program, [&] {
+    JSContext* const context = engine_.context();
+    JS::RootedValue function(context), ignored(context);
+    JS::RootedId name(context, program.names[interface]);
+    if (!JS_GetPropertyById(context, program.global, name, &function)) return false;
+    if (!function.isObject() || !JS::IsCallable(&function.toObject())) return true;
+    JS::RootedValueArray<2> arguments(context);
+    if (!to_value(context, program.scene, copy, {}, arguments[0])) return false;
+    arguments[1].set(JS::DoubleValue(time));
+    return JS_CallFunctionValue(context, program.global, function, JS::HandleValueArray(arguments), &ignored);
+  });
+}
+
+ScriptRunner::Evaluation ProgramCalls::evaluate(Program& program, const std::string& line) {
+  JSContext* const context = engine_.context();
+  ScriptRunner::Evaluation result;
+  const Call call(*this, program);
+  Engine::Turn turn = make_turn(program);
+  const JSAutoRealm realm(context, program.global);
+  // Runs the promise jobs of the line. Returns false if one was stopped.
+  const auto run_jobs_of_line = [&] {
+    bool good = true;
+    while (good && turn.stop() == Stop::none && turn.run_job(&good)) {
+    }
+    return good && turn.stop() == Stop::none;
+  };
+  const std::string modern = modern_text_of(execution_, program, line);
+  JS::RootedScript compiled(context, compile_mended(context, modern, "console", {1, 1}));
+  JS::RootedValue value(context);
+  const bool good = compiled && JS_ExecuteScript(context, compiled, &value) && run_jobs_of_line() &&
+                    changed_.flush(context) && text_of_result(context, value, result.text);
+  if (good && turn.stop() == Stop::none) return result;
+  result.failed = true;
+  bool recursion = false;
+  const bool thrown = turn.stop() == Stop::none && JS_IsExceptionPending(context);
+  const std::optional<Diagnostic> said = thrown ? take_exception(context, recursion) : std::nullopt;
+  result.text = turn.stop() == Stop::memory ? "it exceeds the memory limit of programs"
+                : turn.stop() == Stop::time ? "it exceeded the time limit"
+                : said                      ? said->text()
+                                            : "it failed";
+  JS_ClearPendingException(context);
+  if (!run_jobs_of_line() || !changed_.flush(context)) JS_ClearPendingException(context);
+  return result;
+}
+
+void ProgramCalls::own_changed(Program& program, std::uint32_t place) {
+  const auto& interface = execution_.nodes().schema_of(program.node).interfaces[place];
+  execution_.cascade().own_value_changed(program.node, place);
+  if (interface.declaration->access == vrml::AccessType::field || program.unsent[place]) return;
+  program.unsent[place] = true;
+  program.to_send.push_back(place);
 }
 
 }  // namespace gs::app::script

@@ -39,6 +39,21 @@ TEST_CASE("runs a line as part of a Script's program") {
   CHECK(world.printed() == Lines{"hello"});
 }
 
+TEST_CASE("runs the promise jobs of a line before its value is shown") {
+  World world("DEF S Script { url \"javascript: var seen = 0;\" }");
+  world.start();
+  CHECK(evaluate(world, "S",
+                 "Promise.resolve(7).then(function(v) { seen = v; return 8; }).then(function(v) { seen += v; }); 1") ==
+        "1");
+  CHECK(evaluate(world, "S", "seen") == "15");
+  CHECK(evaluate(world, "S", "Promise.resolve(0).then(function() { print('later'); })").find("!") != 0);
+  CHECK(world.printed() == Lines{"later"});
+  // VRML97 C.5.2: assignments of jobs are sent as well. The jobs of a line that fails run too, as in programs.
+  CHECK(evaluate(world, "S", "Promise.resolve(3).then(function(v) { seen = v; }); throw 'mine'").starts_with("! "));
+  CHECK(evaluate(world, "S", "seen") == "3");
+  CHECK(world.problems().empty());
+}
+
 TEST_CASE("reports each error of a line, and counts it as no fault of the program") {
   World world("DEF S Script { url \"javascript: function initialize() { print('here'); }\" }");
   world.start();
