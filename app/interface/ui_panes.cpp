@@ -16,7 +16,7 @@ namespace gs::app {
 namespace {
 
 constexpr float kHandle = 8;                            // width of a divider's handle, at scale 1
-constexpr float kMinViewport = 96;  // min width and height of a viewport, at scale 1
+constexpr float kMinViewport = 96;                      // min width and height of a viewport, at scale 1
 constexpr std::size_t kBarLabel = 40, kMenuLabel = 60;  // max bytes of a name
 
 std::string name_of_pane(std::size_t pane, const std::string& label) {
@@ -109,7 +109,7 @@ void ViewportWidgets::pane_bar(const UiViewport& viewport, const UiModel& model,
   if (viewport.vectors > 0 && several) {
     ImGui::SameLine();
     colored_text(UiColors::kQuiet, percent(viewport.vectors));
-    tooltips_.show("Share of the drawn vectors: " + thousands(viewport.budget));
+    tooltips_.show("Share of the vector budget: " + thousands(viewport.budget) + " vectors");
   }
   if ((viewport.reading > 0 && viewport.rate > 0) || viewport.arriving > 0) {
     ImGui::SameLine();
@@ -185,7 +185,7 @@ void ViewportWidgets::pane_shares(const UiViewport& viewport, UiActions& actions
     actions.pane->weight = static_cast<double>(std::abs(weight - 1) < 0.04f ? 1.0f : weight);
   }
   tooltips_.show("Multiplies this viewport's share of vectors and bandwidth.  Ctrl+click to type a number");
-  text("Vectors: " +
+  text("Vector budget: " +
        (viewport.vectors > 0 ? percent(viewport.vectors) + ", " + thousands(viewport.budget) : std::string("none")));
   const std::string share = viewport.reading > 0 ? percent(viewport.reading) + ", " : "";
   text("Reading: " + (viewport.reading > 0 || viewport.arriving > 0 ? share + readable_rate(viewport.arriving)

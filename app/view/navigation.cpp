@@ -13,14 +13,14 @@ namespace gs::app {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-constexpr glm::vec3 kUp(0, 1, 0);  // up direction of a world (VRML97 4.4.5)
-constexpr float kLongestStep = 0.25f;  // seconds; longer steps are shortened to this
-constexpr float kEaseTime = 0.08f;  // seconds; time constant of the speed after a key changes (63 %)
-constexpr float kZoomTime = 0.06f;  // seconds; time constant of the wheel
-constexpr float kZoomNotch = 0.85f;  // factor on the distance for one notch
-constexpr float kTurnRate = kPi / 3;  // radians/s for a held key
+constexpr glm::vec3 kUp(0, 1, 0);            // up direction of a world (VRML97 4.4.5)
+constexpr float kLongestStep = 0.25f;        // seconds; longer steps are shortened to this
+constexpr float kEaseTime = 0.08f;           // seconds; time constant of the speed after a key changes (63 %)
+constexpr float kZoomTime = 0.06f;           // seconds; time constant of the wheel
+constexpr float kZoomNotch = 0.85f;          // factor on the distance for one notch
+constexpr float kTurnRate = kPi / 3;         // radians/s for a held key
 constexpr float kSteepest = 85 * kPi / 180;  // radians; max pitch in WALK
-constexpr float kLevelTime = 0.15f;  // seconds; time constant with which WALK removes roll
+constexpr float kLevelTime = 0.15f;          // seconds; time constant with which WALK removes roll
 constexpr float kFast = 4;
 
 glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise) {
@@ -363,10 +363,10 @@ Navigation approach(Navigation state, const glm::dvec3& point, const WideBox& bo
   if (!finite(point)) return state;
   constexpr double kNearer = 1.0 / 3;  // fraction of the distance that remains if the viewer is inside the bounds
   const glm::dvec3 position = state.pose.position;
-  const bool around = !bounds.empty() && finite(bounds.center()) && glm::length(bounds.size()) > 0 &&
-                      (glm::any(glm::lessThan(position, glm::dvec3(bounds.lower))) ||
-                       glm::any(glm::greaterThan(position, glm::dvec3(bounds.upper))));
-  const glm::dvec3 target = clean_place(around ? glm::dvec3(bounds.center()) : point);
+  const bool outside = !bounds.empty() && finite(bounds.center()) && glm::length(bounds.size()) > 0 &&
+                       (glm::any(glm::lessThan(position, glm::dvec3(bounds.lower))) ||
+                        glm::any(glm::greaterThan(position, glm::dvec3(bounds.upper))));
+  const glm::dvec3 target = clean_place(outside ? glm::dvec3(bounds.center()) : point);
   const glm::vec3 ahead = unit_or(glm::vec3(target - position), state.pose.forward());
   // Make the view level. If the direction is nearly vertical, keep the right direction, so that the picture does not
   // roll.
@@ -374,7 +374,7 @@ Navigation approach(Navigation state, const glm::dvec3& point, const WideBox& bo
   const glm::vec3 right = unit_or(glm::length(side) > 1e-3f ? side : state.pose.right(), state.pose.right());
   Pose to = state.pose;
   to.orientation = glm::quat_cast(glm::mat3(right, glm::cross(right, ahead), -ahead));
-  if (around) {
+  if (outside) {
     const Pose framing = pose_that_fits(to, bounds, viewport, state.up);
     const double distance = glm::length(framing.position - target);
     to.height = framing.height;

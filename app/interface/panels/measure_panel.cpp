@@ -148,7 +148,7 @@ void PicturePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   tool_label("", frame.scale);
   ImGui::SetNextItemWidth(tool_width());
   if (wish.of_window) {
-    ImGui::SliderInt("##scale", &wish.scale, 1, 8, "%d times larger");
+    ImGui::SliderInt("##scale", &wish.scale, 1, 8, wish.scale == 1 ? "True size" : "%d times larger");
   } else {
     ImGui::InputInt2("##size", &wish.size.x);
     wish.size.x = std::clamp(wish.size.x, 1, kMaxPictureSide);
