@@ -142,9 +142,9 @@ int encode_outlines(const EncodeCommand& options) {
     if (out.ends_with(".wrz")) bytes = gzip(bytes);
   }
   if (const auto problem = net::write_file_atomically(out, bytes)) return fail_to_write(problem->message);
-  if (model.left_out > 0)
+  if (model.omitted > 0)
     complain("%s: warning: %zu Shapes of lines or points are left out, because they have no outlines", in.c_str(),
-             model.left_out);
+             model.omitted);
   if (model.averaged) complain("%s: warning: colours that vary within a face are averaged", in.c_str());
   tell(options, groups, bytes.size(), std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   return kDone;

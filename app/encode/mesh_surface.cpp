@@ -26,7 +26,7 @@ vrml::FaceSet face_set_of(const Geometry& geometry, const WorldBudget& budget) {
 glm::vec3 vector_of(const vrml::Color& color) { return {color.r, color.g, color.b}; }
 
 /// Parts that limits removed, by the reason.
-class LeftOutParts {
+class LimitReports {
  public:
   void add(const std::string& why) {
     for (auto& [known, count] : parts_)
@@ -49,20 +49,20 @@ class LeftOutParts {
 MeshSurface mesh_surface(MeshAsset asset, const std::string& path, const WorldBudget& budget,
                          Diagnostics& diagnostics) {
   MeshSurface surface;
-  LeftOutParts left_out;
+  LimitReports reports;
   for (MeshPart& part : asset.parts) {
     if (part.geometry.kind != Geometry::Kind::faces) continue;
     vrml::Mesh mesh = vrml::make_mesh(face_set_of(part.geometry, budget));
     Share share(budget, Resource::meshes);
     const bool allowed = share.grow(mesh.cost());
-    if ((!allowed || mesh.limited) && !budget->stopped()) left_out.add(budget->refusal(Resource::meshes));
+    if ((!allowed || mesh.limited) && !budget->stopped()) reports.add(budget->refusal(Resource::meshes));
     part.geometry = {};
     const std::size_t triangles = mesh.indices.size() / 3;
     if (!allowed || triangles == 0) continue;
     if (surface.parts.size() >= budget->limit(Resource::items)) {
-      left_out.add(budget->refusal(Resource::items));
+      reports.add(budget->refusal(Resource::items));
     } else if (triangles > budget->limit(Resource::triangles) - surface.summary.triangles) {
-      left_out.add(budget->refusal(Resource::triangles));
+      reports.add(budget->refusal(Resource::triangles));
     } else {
       const Look& look = asset.looks[part.look].look;
       const qnv::Shine shine = look.lit ? qnv::Shine{vector_of(look.specular), look.shininess} : qnv::Shine{};
@@ -73,7 +73,7 @@ MeshSurface mesh_surface(MeshAsset asset, const std::string& path, const WorldBu
     }
     if (budget->stopped()) break;
   }
-  left_out.report(path, diagnostics);
+  reports.report(path, diagnostics);
   surface.shares.push_back(std::move(asset.memory));
   if (asset.color_key) surface.color_key = read_color_key(color_key_text(*asset.color_key));
   return surface;

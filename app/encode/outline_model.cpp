@@ -79,7 +79,7 @@ class Builder {
       model.bent.push_back(look.crease_angle > 0 && is_bent(mesh, corners) ? 1 : 0);
     }
   }
-  void leave_out() { ++out_.left_out; }
+  void count_omitted() { ++out_.omitted; }
   [[nodiscard]] OutlineModel take() {
     if (!out_.model.texture_coordinates.empty()) out_.model.texture_coordinates.resize(out_.model.corners.size());
     return std::move(out_);
@@ -170,7 +170,7 @@ OutlineModel outline_model(const render::RenderList& list, const TextureUrls& te
     if (has_surface(item))
       builder.add(item);
     else
-      builder.leave_out();
+      builder.count_omitted();
   return builder.take();
 }
 

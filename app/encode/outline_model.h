@@ -18,7 +18,7 @@ namespace gs::app {
 struct OutlineModel {
   qnv::PolygonModel model;
   std::vector<qnv::OutlineAppearance> appearances;  // model.appearances has indices into this list
-  std::size_t left_out = 0;  // number of lines and points; they are omitted
+  std::size_t omitted = 0;  // number of lines and points; they are omitted
   bool averaged = false;  // true if some triangles got the average of their corner colours
 };
 

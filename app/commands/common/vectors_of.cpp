@@ -106,7 +106,7 @@ bool open_mesh_input(const LoadingOptions& options, const ContentType& type, con
   if (type.content != ContentClass::mesh || type.has_nodes || bytes.empty()) return false;
   constexpr std::size_t kHead = 8192;
   if (refuse_first_bytes(path, bytes.first(std::min(bytes.size(), kHead)))) return false;
-  Diagnostics diagnostics, left_out;
+  Diagnostics diagnostics, limits;
   const ReadFile read_file = [](const std::string&) -> BytesResult { throw RefersToFiles(); };
   const WorldBudget budget = budget_of(options, LoadLimit(deadline_of(options)));
   Asset asset = read_asset(type, {bytes, path, read_file, budget, diagnostics});
@@ -114,8 +114,8 @@ bool open_mesh_input(const LoadingOptions& options, const ContentType& type, con
   if (mesh && mesh->has_textures()) return false;
   print_diagnostics(diagnostics);
   if (!mesh) return true;
-  opened = mesh_surface(std::move(*mesh), path, budget, left_out);
-  print_diagnostics(left_out);
+  opened = mesh_surface(std::move(*mesh), path, budget, limits);
+  print_diagnostics(limits);
   return true;
 } catch (const RefersToFiles&) {
   return false;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view kFirstLine = "# Micro AVS Geom:";
 
-enum class Primitive : std::uint8_t { polygons, polyhedron, strip, mesh, lines, polyline, left_out, none };
+enum class Primitive : std::uint8_t { polygons, polyhedron, strip, mesh, lines, polyline, unsupported, none };
 
 struct PrimitiveName {
   std::string_view name;
@@ -29,11 +29,11 @@ constexpr PrimitiveName kPrimitives[] = {
     {"mesh", Primitive::mesh},
     {"disjoint line", Primitive::lines},
     {"polyline", Primitive::polyline},
-    {"sphere", Primitive::left_out},
-    {"circle", Primitive::left_out},
-    {"column", Primitive::left_out},
-    {"label", Primitive::left_out},
-    {"revolution", Primitive::left_out},
+    {"sphere", Primitive::unsupported},
+    {"circle", Primitive::unsupported},
+    {"column", Primitive::unsupported},
+    {"label", Primitive::unsupported},
+    {"revolution", Primitive::unsupported},
 };
 
 Primitive primitive_named(std::string_view line) {
@@ -77,7 +77,7 @@ class AvsGeometryImporter {
       // primitives.
       if (primitive == Primitive::none) continue;
       std::string_view name;
-      if (primitive == Primitive::left_out) {
+      if (primitive == Primitive::unsupported) {
         builder_.warn("primitives of type " + std::string(text) + " are left out", location());
         continue;
       }

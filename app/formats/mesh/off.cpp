@@ -149,7 +149,7 @@ class OffImporter {
       // With less than three corners, this is a point or a line.
       if (corners < 3) {
         indices_.drop(static_cast<std::size_t>(corners));
-        ++left_out_;
+        ++omitted_faces_;
         continue;
       }
       indices_.push(kFaceEnd);
@@ -167,7 +167,7 @@ class OffImporter {
   }
 
   void build() {
-    if (left_out_ > 0) builder_.note(std::to_string(left_out_) + " faces of fewer than three corners are left out");
+    if (omitted_faces_ > 0) builder_.note(std::to_string(omitted_faces_) + " faces of fewer than three corners are left out");
     if (indices_.empty()) return builder_.warn("no faces in the file");
     Geometry geometry;
     geometry.positions = points_.take();
@@ -192,7 +192,7 @@ class OffImporter {
   Appender<glm::vec2> texture_{builder_};
   Appender<vrml::Color> colors_{builder_}, face_colors_{builder_};
   Appender<std::int32_t> indices_{builder_};
-  std::size_t left_out_ = 0;
+  std::size_t omitted_faces_ = 0;
   bool convex_ = true;
 };
 

@@ -68,7 +68,7 @@ class PolyBuilder {
     Appender<vrml::Color> colors(builder_);
     bool convex = true;
     each_cell(PolyData::polygons, [&](std::span<const std::int32_t> corners, std::size_t cell) {
-      if (corners.size() < 3) return void(++left_out_);
+      if (corners.size() < 3) return void(++omitted_polygons_);
       convex = convex && corners.size() == 3;
       for (const std::int32_t corner : corners) index.push(corner);
       index.push(kFaceEnd);
@@ -86,7 +86,7 @@ class PolyBuilder {
         if (by_cell_) colors.push(color_of(cell));
       }
     });
-    if (left_out_ > 0) builder_.note(std::to_string(left_out_) + " polygons of fewer than three corners are left out");
+    if (omitted_polygons_ > 0) builder_.note(std::to_string(omitted_polygons_) + " polygons of fewer than three corners are left out");
     if (index.empty()) return;
     Geometry geometry;
     geometry.positions = vrml::MFVec3f(std::span<const glm::vec3>(data_.points));
@@ -156,7 +156,7 @@ class PolyBuilder {
   std::vector<vrml::Color> colors_;  // colours of points or cells; empty if there are none
   bool by_cell_ = false;
   std::optional<ColorKey> key_;
-  std::size_t left_out_ = 0;
+  std::size_t omitted_polygons_ = 0;
 };
 
 }  // namespace

@@ -8,7 +8,7 @@ namespace gs::app {
 
 void ImageHandler::receive(std::span<const std::byte> bytes) {
   if (stage_ != Stage::waiting || keep(bytes)) return;
-  leave_out(loading_.budget->refusal(Resource::files));
+  refuse(loading_.budget->refusal(Resource::files));
   bytes_ = {};
 }
 
@@ -31,7 +31,7 @@ void ImageHandler::add(const ResourceUpdates::Place& texture) {
     loading_.results.add(ResourceUpdates::Image{{texture}, image_.lock()});
 }
 
-void ImageHandler::leave_out(const std::string& why) {
+void ImageHandler::refuse(const std::string& why) {
   stage_ = Stage::none;
   loading_.results.add(ResourceUpdates::Image{std::exchange(textures_, {}), nullptr});
   warn(" " + found_.path + ": " + why + "; left out");
@@ -40,7 +40,7 @@ void ImageHandler::leave_out(const std::string& why) {
 void ImageHandler::decode(std::span<const std::byte> from) {
   stage_ = Stage::shown;
   auto decoded = decode_texture(from, loading_.budget);
-  if (auto* error = std::get_if<render::ImageError>(&decoded)) return leave_out(error->message);
+  if (auto* error = std::get_if<render::ImageError>(&decoded)) return refuse(error->message);
   Texture& texture = std::get<Texture>(decoded);
   if (!texture.note.empty()) warn(" " + found_.path + ": " + texture.note);
   image_ = texture.image;

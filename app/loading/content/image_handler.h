@@ -30,7 +30,7 @@ class ImageHandler final : public ResourceHandler {
   [[nodiscard]] bool is_spent() const { return stage_ == Stage::shown && image_.expired(); }
 
  private:
-  void leave_out(const std::string& why);
+  void refuse(const std::string& why);
   void decode(std::span<const std::byte> bytes);
 
   std::vector<ResourceUpdates::Place> textures_;
