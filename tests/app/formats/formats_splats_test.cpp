@@ -1,3 +1,4 @@
+#include "app/formats/mesh/points.h"
 #include "app/formats/splats/splats.h"
 
 #include "tests/app/clouds.h"
