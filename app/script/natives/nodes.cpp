@@ -1,5 +1,7 @@
+#include "app/script/bounds/bounded_natives.h"
 #include "app/script/natives.h"
 #include "app/script/natives/live_proxy.h"
+#include "app/script/run_time_nodes.h"
 #include "app/script/script_world.h"
 #include "vrml/scene/scene_graph.h"
 
