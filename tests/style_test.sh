@@ -51,7 +51,7 @@ report "Node types are told apart by the columns of the node table, not by their
 belongs() { report "$1 belongs in $2:" "$(grep -E "#include $3" <<<"$includes" | grep -vE "^$4" | cut -d : -f 1 | sort -u)"; }
 belongs GLFW app/window/window.cpp '.*GLFW/glfw3\.h' 'app/window/window\.cpp:'
 belongs 'Dear ImGui' app/interface/ '[<"]imgui' app/interface/
-spidermonkey='[<"](js/|jsapi|jsfriendapi|app/script/(engine|script_world))'
+spidermonkey='[<"](js/|jsapi|jsfriendapi|app/script/(browser/|engine/|natives|script_world|program|assignments|script_(library|messages)))'
 belongs SpiderMonkey app/script/ "$spidermonkey" app/script/
 report "app/script/script_runner.h includes SpiderMonkey:" "$(grep -E "^app/script/script_runner\.h:.*#include $spidermonkey" <<<"$includes")"
 belongs OpenGL render/ '<GL/' render/

@@ -1,5 +1,6 @@
 #include "app/script/habits/program_tokens.h"
-#include "app/script/script_world.h"
+#include "app/script/program_text.h"
+#include "app/script/script_runner.h"
 #include "net/base/url.h"
 
 #include <algorithm>

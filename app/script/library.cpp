@@ -1,6 +1,7 @@
 #include "app/base/text_source.h"
 #include "app/script/bounds/bounded_natives.h"
-#include "app/script/script_world.h"
+#include "app/script/natives.h"
+#include "app/script/script_library.h"
 #include "vrml/syntax/printer.h"
 
 #include <js/Object.h>
@@ -11,8 +12,8 @@
 // Libraries of Scripts, and the rule for which nodes a Script may read (docs/security.md).
 namespace gs::app::script {
 
-ScriptLibrary::ScriptLibrary(World& of, JSContext* context) : world(&of), global(context) {
-  link->execution = &of.execution();
+ScriptLibrary::ScriptLibrary(World& of, vrml::Execution& execution, JSContext* context) : world(&of), global(context) {
+  link->execution = &execution;
   for (int i = 0; i <= kRowPrototype; ++i) prototypes.emplace_back(context);
 }
 
@@ -22,14 +23,22 @@ const vrml::SourceText& text_of_program(const Program& program) {
   return url ? program.scene->nodes().text_of(program.id, url->slot) : *node.text;
 }
 
-// Returns the library for Scripts of this source. Creates it if necessary. Returns null if memory is insufficient.
-ScriptLibrary* World::library_of_source(const std::shared_ptr<const vrml::TextSource>& source) {
-  std::unique_ptr<ScriptLibrary>& library = libraries_[library_key(origin_of(source))];
-  if (!library) library = std::make_unique<ScriptLibrary>(*this, engine_.context());
-  return library->global || make_library(*library) ? library.get() : nullptr;
+ScriptLibraries::~ScriptLibraries() {
+  for (const auto& [key, library] : libraries_) {
+    library->link->execution = nullptr;
+    if (!library->global) continue;
+    const JSAutoRealm realm(engine_.context(), library->global);
+    JS_SetCompartmentPrivate(js::GetContextCompartment(engine_.context()), nullptr);
+  }
 }
 
-bool World::make_library(ScriptLibrary& library) {
+ScriptLibrary* ScriptLibraries::of(const std::shared_ptr<const vrml::TextSource>& source) {
+  std::unique_ptr<ScriptLibrary>& library = libraries_[library_key(origin_of(source))];
+  if (!library) library = std::make_unique<ScriptLibrary>(world_, execution_, engine_.context());
+  return library->global || make(*library) ? library.get() : nullptr;
+}
+
+bool ScriptLibraries::make(ScriptLibrary& library) {
   JSContext* const context = engine_.context();
   JS::RootedObject global(context, new_global(context, nullptr, nullptr));
   if (!global) return false;
@@ -54,23 +63,20 @@ bool World::make_library(ScriptLibrary& library) {
   return true;
 }
 
-bool World::may_read(const vrml::Node& node) {
+bool ReadGuard::may_read(Program& program, const vrml::Node& node) {
   const std::shared_ptr<const vrml::TextSource>& source = node.text->source();
-  Program& program = *running_;
   if (source == program.source) return true;
   auto& known = program.readings[source.get()];
   if (!known.first)
     known = {source, reading(origin_of(program.source), origin_of(program.scene->source()), origin_of(source))};
   if (known.second == Reading::refused) {
-    warn_once("cannot read nodes of " + origin_of(source).site() + ": a Script reads nodes of its own host only");
+    messages_.report(
+        Severity::warning, program,
+        "cannot read nodes of " + origin_of(source).site() + ": a Script reads nodes of its own host only");
     return false;
   }
   if (known.second == Reading::confidential && private_file_.empty()) private_file_ = origin_of(source).url;
   return true;
-}
-
-void World::forget_scene(const vrml::SceneGraph& scene) {
-  std::erase_if(requests_, [&](const ScriptRequest& one) { return one.scene == &scene || one.from_scene == &scene; });
 }
 
 }  // namespace gs::app::script

@@ -1,115 +1,135 @@
-#include "app/script/script_world.h"
+#include "app/script/program_calls.h"
 
-#include <algorithm>
-#include <cstdint>
-#include <limits>
+#include "app/script/natives.h"
+#include "app/script/program_text.h"
+
+#include <js/CallAndConstruct.h>
+#include <js/CompilationAndEvaluation.h>
+#include <js/Exception.h>
+
 #include <utility>
 
-// Functions of World for calls from programs.
 namespace gs::app::script {
 namespace {
 
-constexpr std::size_t kMaxRequests = 256, kMaxRequestText = std::size_t{32} << 20;
+constexpr std::size_t kMaxText = 2000;  // max bytes of the text of a value
 
-bool is_object(vrml::FieldType type) {
-  using vrml::FieldType;
-  return vrml::is_multiple(type) || type == FieldType::SFColor || type == FieldType::SFVec2f ||
-         type == FieldType::SFVec3f || type == FieldType::SFRotation || type == FieldType::SFImage;
+// Returns the text of a result. A string is put in quotes, as in a program.
+bool text_of_result(JSContext* context, JS::HandleValue value, std::string& text) {
+  if (value.isSymbol()) return text = "a symbol", true;
+  if (!text_of_value(context, value, text)) return false;
+  if (text.size() > kMaxText) text = text.substr(0, kMaxText) + "...";
+  if (value.isString()) text = '"' + text + '"';
+  return true;
 }
 
 }  // namespace
 
-// Returns the simulated time, which is constant during a function. After kLooks reads in one function, each read adds
-// kLook, so that a loop that waits for time to pass ends.
-double World::date() {
-  constexpr std::uint32_t kLooks = 1000;
-  constexpr double kLook = 1e-3;  // seconds
-  if (clock_looks_ < std::numeric_limits<std::uint32_t>::max()) ++clock_looks_;
-  return execution_.now() + (clock_looks_ > kLooks ? kLook * (clock_looks_ - kLooks) : 0);
+ProgramCalls::ProgramCalls(vrml::Execution& execution, Engine& engine, const ScriptRunner::Settings& settings,
+                           ScriptMessages& messages)
+    : execution_(execution),
+      engine_(engine),
+      faults_(engine, execution, messages),
+      posted_(execution, engine),
+      changed_(engine.context()),
+      clock_(execution, settings.repeatable),
+      time_(settings.step_seconds) {}
+
+ProgramCalls::Call::Call(ProgramCalls& calls, Program& program)
+    : calls_(calls), program_(program), outer_(std::exchange(calls.running_, &program)) {
+  if (!outer_) calls_.clock_.begin_function();
 }
 
-double World::random() {
-  random_ ^= random_ << 13;
-  random_ ^= random_ >> 7;
-  random_ ^= random_ << 17;
-  return static_cast<double>(random_ >> 11) * 0x1.0p-53;
+ProgramCalls::Call::~Call() {
+  calls_.posted_.send_all(program_, calls_.ends_);
+  calls_.running_ = outer_;
+  calls_.engine_.rest();
 }
 
-void World::print(std::string text) {
-  constexpr std::size_t kMaxText = 4096;
-  if (text.size() > kMaxText) text.resize(kMaxText);
-  tell({{Severity::note, "", {}, std::move(text)}, true});
+Engine::Turn ProgramCalls::make_turn(const Program& program) {
+  const Limits& limits = execution_.scenes().root().limits();
+  return Engine::Turn(engine_, limits.script_seconds, limits.script_heap, program.late_message);
 }
 
-void World::warn_once(std::string text, std::optional<Diagnostic> at) {
-  report(Severity::warning, *running_, std::move(text), std::move(at));
+// Runs the promise jobs of a turn. They also run after an exception, as in web browsers, but not after a stop.
+void ProgramCalls::run_jobs(Program& program, Engine::Turn& turn) {
+  bool good = true;
+  while (turn.stop() == Stop::none && turn.run_job(&good))
+    if (!good || turn.stop() != Stop::none) faults_.report(program, turn);
 }
 
-// Adds a request for the session. Drops it if too many requests, or too much text, are already waiting.
-void World::request(ScriptRequest request) {
-  std::size_t bytes = request.text.size();
-  for (const auto* const texts : {&request.urls, &request.parameters})
-    for (const std::string& text : *texts) bytes += text.size();
-  if (ends_ || running_->ended || requests_.size() >= kMaxRequests || bytes > kMaxRequestText - request_bytes_) return;
-  request_bytes_ += bytes;
-  requests_.push_back(std::move(request));
+void ProgramCalls::call(Program& program, const char* name) {
+  run(program, [&] {
+    JSContext* const context = engine_.context();
+    JS::RootedValue function(context), ignored(context);
+    if (!JS_GetProperty(context, program.global, name, &function)) return false;
+    if (!function.isObject() || !JS::IsCallable(&function.toObject())) return true;
+    return JS_CallFunctionValue(context, program.global, function, JS::HandleValueArray::empty(), &ignored);
+  });
 }
 
-std::string World::modern_text_of(const Program& program, std::string_view text) {
-  std::vector<std::string> values, exposed;
-  for (const auto& interface : execution_.nodes().schema_of(program.node).interfaces) {
-    const vrml::InterfaceDeclaration& declaration = *interface.declaration;
-    if (declaration.access != vrml::AccessType::eventIn && is_object(declaration.type))
-      values.push_back(declaration.name);
-    if (declaration.access == vrml::AccessType::exposedField) exposed.push_back(declaration.name);
-  }
-  return contact_text(modern_text(text, values), exposed, is_browser_method);
-}
-
-// Takes time proportional to the stored events and their nodes.
-void World::add_posted_children(const vrml::SceneGraph& scene, vrml::NodeId node,
-                                const vrml::InterfaceDeclaration& children, vrml::FieldValue& value) const {
-  const vrml::NodeType& type = *scene.node(node).type;
-  const vrml::InterfaceDeclaration *const add = type.find("addChildren"), *const remove = type.find("removeChildren");
-  const auto is_list = [](const vrml::InterfaceDeclaration* event) {
-    return event && event->access == vrml::AccessType::eventIn && event->type == vrml::FieldType::MFNode;
-  };
-  if (children.name != "children" || !is_list(add) || !is_list(remove)) return;
-  const auto changes = [&](const Post& post) {
-    return post.scene == &scene && post.node == node && (post.event_in == add || post.event_in == remove);
-  };
-  if (std::none_of(posts_.begin(), posts_.end(), changes)) return;
-  std::vector<vrml::NodeId> list;
-  std::unordered_map<std::uint32_t, std::size_t> places;  // positions in `list`, by node index
-  const auto append = [&](vrml::NodeId child) {
-    if (child && places.emplace(child.index, list.size()).second) list.push_back(child);
-  };
-  for (const vrml::NodeId child : std::get<vrml::MFNode>(scene.node(node).values[children.slot])) append(child);
-  for (const Post& post : posts_) {
-    if (post.scene != &scene || post.node != node) continue;
-    if (post.event_in == &children) {
-      list.clear();
-      places.clear();
+void ProgramCalls::call_event(Program& program, std::uint32_t interface, const vrml::FieldValue& value, double time) {
+  // A copy is needed, because the program may change the original.
+  const vrml::FieldValue copy = value;
+  run(program, [&] {
+    JSContext* const context = engine_.context();
+    JS::RootedValue function(context), ignored(context);
+    JS::RootedId name(context, program.names[interface]);
+    // The name of an exposedField is its value; its handler has another name (contact_text()).
+    const vrml::InterfaceDeclaration& declaration =
+        *execution_.nodes().schema_of(program.node).interfaces[interface].declaration;
+    if (declaration.access != vrml::AccessType::exposedField) {
+      if (!JS_GetPropertyById(context, program.global, name, &function)) return false;
+    } else if (const std::string handler = std::string(kHandlerPrefix) + declaration.name;
+               !JS_GetProperty(context, program.global, handler.c_str(), &function)) {
+      return false;
     }
-    for (const vrml::NodeId child :
-         changes(post) || post.event_in == &children ? std::get<vrml::MFNode>(post.value) : vrml::MFNode{}) {
-      if (post.event_in != remove) {
-        append(child);
-      } else if (const auto known = places.find(child.index); known != places.end()) {
-        list[known->second] = {};
-        places.erase(known);
-      }
-    }
-  }
-  vrml::MFNode made;
-  for (const vrml::NodeId child : list)
-    if (child) made.push_back(child);
-  value = std::move(made);
+    if (!function.isObject() || !JS::IsCallable(&function.toObject())) return true;
+    JS::RootedValueArray<2> arguments(context);
+    if (!to_value(context, program.scene, copy, {}, arguments[0])) return false;
+    arguments[1].set(JS::DoubleValue(time));
+    return JS_CallFunctionValue(context, program.global, function, JS::HandleValueArray(arguments), &ignored);
+  });
 }
 
-std::string World::late_message(const Program& program) const {
-  const vrml::Node& node = program.scene->node(program.id);
-  return Diagnostic{Severity::error, node.text->file_name(), node.location, label(program) + ": " + kLate}.text();
+ScriptRunner::Evaluation ProgramCalls::evaluate(Program& program, const std::string& line) {
+  JSContext* const context = engine_.context();
+  ScriptRunner::Evaluation result;
+  const Call call(*this, program);
+  Engine::Turn turn = make_turn(program);
+  const JSAutoRealm realm(context, program.global);
+  // Runs the promise jobs of the line. Returns false if one was stopped.
+  const auto run_jobs_of_line = [&] {
+    bool good = true;
+    while (good && turn.stop() == Stop::none && turn.run_job(&good)) {
+    }
+    return good && turn.stop() == Stop::none;
+  };
+  const std::string modern = modern_text_of(execution_, program, line);
+  JS::RootedScript compiled(context, compile_mended(context, modern, "console", {1, 1}));
+  JS::RootedValue value(context);
+  const bool good = compiled && JS_ExecuteScript(context, compiled, &value) && run_jobs_of_line() &&
+                    changed_.flush(context) && text_of_result(context, value, result.text);
+  if (good && turn.stop() == Stop::none) return result;
+  result.failed = true;
+  bool recursion = false;
+  const bool thrown = turn.stop() == Stop::none && JS_IsExceptionPending(context);
+  const std::optional<Diagnostic> said = thrown ? take_exception(context, recursion) : std::nullopt;
+  result.text = turn.stop() == Stop::memory ? "it exceeds the memory limit of programs"
+                : turn.stop() == Stop::time ? "it exceeded the time limit"
+                : said                      ? said->text()
+                                            : "it failed";
+  JS_ClearPendingException(context);
+  if (!run_jobs_of_line() || !changed_.flush(context)) JS_ClearPendingException(context);
+  return result;
+}
+
+void ProgramCalls::own_changed(Program& program, std::uint32_t place) {
+  const auto& interface = execution_.nodes().schema_of(program.node).interfaces[place];
+  execution_.cascade().own_value_changed(program.node, place);
+  if (interface.declaration->access == vrml::AccessType::field || program.unsent[place]) return;
+  program.unsent[place] = true;
+  program.to_send.push_back(place);
 }
 
 }  // namespace gs::app::script

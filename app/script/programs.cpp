@@ -1,5 +1,7 @@
 #include "app/script/bounds/bounded_natives.h"
-#include "app/script/script_world.h"
+#include "app/script/natives.h"
+#include "app/script/program_text.h"
+#include "app/script/script_runner.h"
 
 #include <js/CompilationAndEvaluation.h>
 #include <js/CompileOptions.h>

@@ -23,22 +23,22 @@ struct ScriptMessage {
 /// Request of a Script that only a session can fulfil (VRML97 4.12.10).
 struct ScriptRequest {
   enum class Kind : std::uint8_t {
-    program,  // fetch the program in the Script's url field, see ScriptRunner::found()
-    load_url,  // open a URL, as an Anchor would
+    program,          // fetch the program in the Script's url field, see ScriptRunner::found()
+    load_url,         // open a URL, as an Anchor would
     create_from_url,  // read the nodes of a file and send them to an eventIn
-    description,  // show `text` to the user
-    viewpoint,  // bind the Viewpoint with the description or name `text`
+    description,      // show `text` to the user
+    viewpoint,        // bind the Viewpoint with the description or name `text`
   };
   Kind kind = Kind::load_url;
   std::vector<std::string> urls, parameters;
   std::string text;
-  const vrml::SourceText* origin = nullptr;  // SourceText::origin() of the text that contains the Script
+  const vrml::SourceText* origin = nullptr;        // SourceText::origin() of the text that contains the Script
   std::shared_ptr<const vrml::TextSource> source;  // source of that text
-  const vrml::SceneGraph* from_scene = nullptr;  // scene of the Script
-  vrml::SceneGraph* scene = nullptr;  // scene of `node`
+  const vrml::SceneGraph* from_scene = nullptr;    // scene of the Script
+  vrml::SceneGraph* scene = nullptr;               // scene of `node`
   vrml::NodeId node;
   const vrml::InterfaceDeclaration* event_in = nullptr;
-  SourceLocation location;  // of the Script in its file
+  SourceLocation location;   // of the Script in its file
   bool from_client = false;  // requested by a client of --control, which may read files only in the world's folder
 };
 

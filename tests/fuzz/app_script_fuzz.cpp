@@ -2,7 +2,7 @@
 // a session that follows loadURL. Garbage is collected when a program prints "gc".
 #include "app/loading/world_loader.h"
 #include "app/loading/world_loading.h"
-#include "app/script/engine.h"
+#include "app/script/engine/engine.h"
 #include "app/session/session.h"
 #include "app/simulation/simulation.h"
 #include "tests/fuzz/app_targets.h"

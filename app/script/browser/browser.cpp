@@ -30,7 +30,7 @@ bool texts_argument(JSContext* context, const JS::CallArgs& args, unsigned index
 ScriptRequest request_of(World& world, ScriptRequest::Kind kind) {
   ScriptRequest request;
   request.kind = kind;
-  const Program& program = world.running();
+  const Program& program = world.calls().running();
   request.origin = &text_of_program(program).origin();
   request.source = program.source;
   request.scene = program.scene;
@@ -38,6 +38,11 @@ ScriptRequest request_of(World& world, ScriptRequest::Kind kind) {
   request.node = program.id;
   request.location = program.scene->node(program.id).location;
   return request;
+}
+
+// Adds a request, unless the program or the world ends.
+void add_request(World& world, ScriptRequest request) {
+  if (world.calls().may_act()) world.requests().add(std::move(request));
 }
 
 bool get_name(JSContext* context, unsigned argc, JS::Value* vp) {
@@ -67,8 +72,8 @@ bool replace_world(JSContext* context, unsigned argc, JS::Value* vp) {
   World& world = world_of(context);
   vrml::FieldValue nodes;
   args.rval().setUndefined();
-  if (world.ends() || world.running().ended) return true;
-  if (!to_field(context, args.get(0), vrml::FieldType::MFNode, world.running().scene, nodes)) return false;
+  if (!world.calls().may_act()) return true;
+  if (!to_field(context, args.get(0), vrml::FieldType::MFNode, world.calls().running().scene, nodes)) return false;
   if (!world.execution().lifetime().replace_world(std::get<vrml::MFNode>(nodes)))
     return fail(context, "replaceWorld expects nodes of the world's own file");
   return true;
@@ -81,7 +86,7 @@ bool create_from_string(JSContext* context, unsigned argc, JS::Value* vp) {
   vrml::MFNode nodes;
   vrml::SceneGraph* scene = nullptr;
   if (!text_of_value(context, args.get(0), text)) return false;
-  if (!world_of(context).create_from_string(context, text, nodes, scene)) return false;
+  if (!nodes_from_text(context, text, nodes, scene)) return false;
   box.scene = scene;
   box.value = std::move(nodes);
   JSObject* const list = make_list(context, std::move(box), {});
@@ -103,7 +108,7 @@ bool create_from_url(JSContext* context, unsigned argc, JS::Value* vp) {
   if (!request.event_in) return fail(context, "the node has no MFNode eventIn '" + event.substr(0, 80) + "'");
   request.scene = scene;
   request.node = box->id;
-  world.request(std::move(request));
+  add_request(world, std::move(request));
   return true;
 }
 
@@ -114,7 +119,7 @@ bool load_url(JSContext* context, unsigned argc, JS::Value* vp) {
   args.rval().setUndefined();
   if (!texts_argument(context, args, 0, request.urls) || !texts_argument(context, args, 1, request.parameters))
     return false;
-  world.request(std::move(request));
+  add_request(world, std::move(request));
   return true;
 }
 
@@ -125,7 +130,7 @@ bool tell_text(JSContext* context, unsigned argc, JS::Value* vp) {
   ScriptRequest request = request_of(world, kKind);
   args.rval().setUndefined();
   if (!cut_text_of_value(context, args.get(0), kMaxTold, request.text)) return false;
-  world.request(std::move(request));
+  add_request(world, std::move(request));
   return true;
 }
 
@@ -136,7 +141,7 @@ bool print(JSContext* context, unsigned argc, JS::Value* vp) {
     if (!cut_text_of_value(context, args[i], kMaxTold, text)) return false;
     line += (i ? " " : "") + text;
   }
-  world_of(context).print(std::move(line));
+  world_of(context).messages().print(std::move(line));
   args.rval().setUndefined();
   return true;
 }
@@ -228,7 +233,7 @@ bool values(JSContext* context, unsigned argc, JS::Value* vp) {
 }
 
 bool random_number(JSContext* context, unsigned argc, JS::Value* vp) {
-  JS::CallArgsFromVp(argc, vp).rval().set(JS::DoubleValue(world_of(context).random()));
+  JS::CallArgsFromVp(argc, vp).rval().set(JS::DoubleValue(world_of(context).calls().clock().random()));
   return true;
 }
 
@@ -327,7 +332,7 @@ bool browser_with(JSContext* context, unsigned argc, JS::Value* vp) {
   if (!JS_GetProperty(context, object, name.c_str(), &method)) return false;
   args.rval().set(browser);
   if (method.isObject() && JS::IsCallable(&method.toObject())) return true;
-  world_of(context).warn_once("Browser has no method '" + name.substr(0, 80) + "'; it does nothing");
+  warn(context, "Browser has no method '" + name.substr(0, 80) + "'; it does nothing");
   JS::RootedObject stand_in(context, JS_NewPlainObject(context));
   args.rval().setObjectOrNull(stand_in);
   return stand_in && JS_DefineFunction(context, stand_in, name.c_str(), do_nothing, 0, 0) != nullptr;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/script/natives.h"
 #include "app/script/script_world.h"
 
 #include <js/Conversions.h>

@@ -32,11 +32,13 @@ vrml::NodePlace navigation_node(World& world) {
 
 // Returns the value of a field after the events of the running function. Returns the default if no NavigationInfo is
 // bound, or if the program may not read it.
-vrml::FieldValue navigation_value(World& world, const char* field) {
+vrml::FieldValue navigation_value(JSContext* context, const char* field) {
+  World& world = world_of(context);
   const vrml::InterfaceDeclaration& declaration = *navigation_type().find_field(field);
   const vrml::NodePlace at = navigation_node(world);
-  if (!at.scene || !world.may_read(at.scene->node(at.node))) return declaration.initial;
-  if (const vrml::FieldValue* const posted = world.posted(*at.scene, at.node, declaration)) return *posted;
+  if (!at.scene || !may_read(context, at.scene->node(at.node))) return declaration.initial;
+  if (const vrml::FieldValue* const posted = world.calls().posted().find(*at.scene, at.node, declaration))
+    return *posted;
   return at.scene->node(at.node).values[declaration.slot];
 }
 
@@ -44,19 +46,15 @@ vrml::FieldValue navigation_value(World& world, const char* field) {
 // browser sends the event for it.
 bool send_navigation(JSContext* context, const vrml::NodePlace& at, const char* event, vrml::FieldValue value) {
   World& world = world_of(context);
-  Program& program = world.running();
-  const bool told = std::exchange(program.told_direct, true);
-  const bool sent = world.post(context, *world.execution().scenes().own(*at.scene), at.node,
-                               *navigation_type().find_event_in(event), std::move(value));
-  program.told_direct = told;
-  return sent;
+  return world.calls().posted().add(context, *world.execution().scenes().own(*at.scene), at.node,
+                                    *navigation_type().find_event_in(event), std::move(value));
 }
 
 // Makes a NavigationInfo like the present navigation.
 bool make_navigation(JSContext* context, vrml::NodePlace& at) {
   World& world = world_of(context);
   vrml::Execution& execution = world.execution();
-  vrml::SceneGraph& scene = *world.running().scene;
+  vrml::SceneGraph& scene = *world.calls().running().scene;
   const vrml::BrowserView& view = execution.browser().view();
   const auto plain = [](char c) { return c >= 'A' && c <= 'Z'; };
   const bool known = !view.mode.empty() && std::all_of(view.mode.begin(), view.mode.end(), plain);
@@ -64,7 +62,7 @@ bool make_navigation(JSContext* context, vrml::NodePlace& at) {
                            "\" \"ANY\" ] speed " + std::to_string(view.speed) + " }";
   Diagnostics diagnostics;
   const vrml::RunTimeNodes made =
-      make_nodes(execution, scene, "Browser", text, diagnostics, &text_of_program(world.running()));
+      make_nodes(execution, scene, "Browser", text, diagnostics, &text_of_program(world.calls().running()));
   if (made.roots.empty()) return fail(context, "not enough memory for a NavigationInfo");
   at = {&scene, made.roots.front()};
   execution.lifetime().hold(scene, at.node);
@@ -74,7 +72,7 @@ bool make_navigation(JSContext* context, vrml::NodePlace& at) {
 
 bool set_navigation(JSContext* context, const char* field, vrml::FieldValue value) {
   World& world = world_of(context);
-  if (world.ends() || world.running().ended) return true;
+  if (!world.calls().may_act()) return true;
   vrml::NodePlace at = navigation_node(world);
   if (!at.scene && !make_navigation(context, at)) return false;
   // A NavigationInfo that was made earlier may have lost its place, for example by replaceWorld().
@@ -84,9 +82,9 @@ bool set_navigation(JSContext* context, const char* field, vrml::FieldValue valu
   return send_navigation(context, at, field, std::move(value));
 }
 
-double measure(World& world, Measure wanted) {
+double measure(JSContext* context, Measure wanted) {
   const MeasureRow& row = kMeasures[static_cast<std::size_t>(wanted)];
-  const vrml::FieldValue value = navigation_value(world, row.field);
+  const vrml::FieldValue value = navigation_value(context, row.field);
   if (row.element < 0) return std::get<vrml::SFFloat>(value);
   const auto& sizes = std::get<vrml::MFFloat>(value);
   const auto& usual = std::get<vrml::MFFloat>(navigation_type().find_field(row.field)->initial);
@@ -97,42 +95,41 @@ double measure(World& world, Measure wanted) {
 }  // namespace
 
 bool get_measure_of(JSContext* context, unsigned argc, JS::Value* vp, Measure wanted) {
-  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(measure(world_of(context), wanted)));
+  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(measure(context, wanted)));
   return true;
 }
 
 bool set_measure_of(JSContext* context, unsigned argc, JS::Value* vp, Measure wanted) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
-  World& world = world_of(context);
   double number = 0;
   args.rval().setUndefined();
   if (!JS::ToNumber(context, args.get(0), &number)) return false;
   if (!std::isfinite(static_cast<float>(number)) || number < 0) {
-    world.warn_once("sizes and speeds of the viewer are numbers from 0; not set");
+    warn(context, "sizes and speeds of the viewer are numbers from 0; not set");
     return true;
   }
   const MeasureRow& row = kMeasures[static_cast<std::size_t>(wanted)];
   if (row.element < 0) return set_navigation(context, row.field, vrml::SFFloat(number));
   vrml::MFFloat sizes;
   for (const Measure one : {Measure::distance, Measure::height, Measure::step})
-    sizes.push_back(static_cast<float>(one == wanted ? number : measure(world, one)));
+    sizes.push_back(static_cast<float>(one == wanted ? number : measure(context, one)));
   return set_navigation(context, row.field, std::move(sizes));
 }
 
 bool get_z_near(JSContext* context, unsigned argc, JS::Value* vp) {
-  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(measure(world_of(context), Measure::distance) / 2));
+  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(measure(context, Measure::distance) / 2));
   return true;
 }
 
 bool get_z_far(JSContext* context, unsigned argc, JS::Value* vp) {
   constexpr double kFar = 1e5;  // metres, if the visibility is unlimited
-  const double limit = measure(world_of(context), Measure::visibility);
+  const double limit = measure(context, Measure::visibility);
   JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(limit > 0 ? limit : kFar));
   return true;
 }
 
 bool get_headlight(JSContext* context, unsigned argc, JS::Value* vp) {
-  const vrml::FieldValue value = navigation_value(world_of(context), "headlight");
+  const vrml::FieldValue value = navigation_value(context, "headlight");
   JS::CallArgsFromVp(argc, vp).rval().setBoolean(std::get<vrml::SFBool>(value));
   return true;
 }

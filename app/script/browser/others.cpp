@@ -29,7 +29,7 @@ bool get_world_base_url(JSContext* context, unsigned argc, JS::Value* vp) {
 
 bool get_base_url(JSContext* context, unsigned argc, JS::Value* vp) {
   World& world = world_of(context);
-  const Program& program = world.running();
+  const Program& program = world.calls().running();
   const std::string url = program.source ? origin_of(program.source).url : world.browser().world_url;
   return make_string(context, folder_of(url), JS::CallArgsFromVp(argc, vp).rval());
 }
@@ -57,7 +57,7 @@ bool set_option(JSContext* context, unsigned argc, JS::Value* vp) {
 }
 
 bool get_script(JSContext* context, unsigned argc, JS::Value* vp) {
-  const Program& program = world_of(context).running();
+  const Program& program = world_of(context).calls().running();
   JSObject* const node = object_of_node(context, *program.scene, program.id);
   JS::CallArgsFromVp(argc, vp).rval().setObjectOrNull(node);
   return node != nullptr;

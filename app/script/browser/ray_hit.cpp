@@ -42,7 +42,7 @@ bool compute_ray_hit(JSContext* context, unsigned argc, JS::Value* vp) {
   for (const auto& [scene, node] : found->path) {
     vrml::SceneGraph* const own = execution.scenes().own(*scene);
     if (!own || !own->contains(node)) return true;
-    if (!world.may_read(own->node(node))) return true;
+    if (!may_read(context, own->node(node))) return true;
     JSObject* const object = object_of_node(context, *own, node);
     if (!object || !path.append(JS::ObjectValue(*object))) return false;
   }

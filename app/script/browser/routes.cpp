@@ -43,7 +43,7 @@ bool change_route(JSContext* context, const JS::CallArgs& args, bool add) {
   args.rval().setUndefined();
   if (!route_end(context, args.get(0), from) || !route_end(context, args.get(2), to)) return false;
   if (!text_of_value(context, args.get(1), out) || !text_of_value(context, args.get(3), in)) return false;
-  if (world.ends() || world.running().ended) return true;
+  if (!world.calls().may_act()) return true;
   if (!take_browser(context, from, to) || !take_browser(context, to, from)) return false;
   vrml::SceneGraph* const scene = from.scene;
   if (!scene || to.scene != scene || !scene->contains(from.node) || !scene->contains(to.node))
@@ -56,8 +56,8 @@ bool change_route(JSContext* context, const JS::CallArgs& args, bool add) {
   // no file.
   const vrml::Node &source = scene->node(from.node), &target = scene->node(to.node);
   const bool same_source = !to.is_browser && source.text->source() == target.text->source();
-  if (add && !from.is_browser && !same_source && !world.may_read(source)) return true;
-  if (add && sets_program(*target.type, *route.event_in) && !world.may_read(target)) return true;
+  if (add && !from.is_browser && !same_source && !may_read(context, source)) return true;
+  if (add && sets_program(*target.type, *route.event_in) && !may_read(context, target)) return true;
   // Adding a ROUTE that exists already has no effect (4.10.2).
   if (add)
     (void)world.execution().routes().add(*scene, route);

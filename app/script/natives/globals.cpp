@@ -1,4 +1,5 @@
 #include "app/script/bounds/bounded_natives.h"
+#include "app/script/natives.h"
 #include "app/script/script_world.h"
 
 #include <js/GlobalObject.h>
@@ -21,7 +22,7 @@ constexpr std::uint32_t kProgramSlot = 0;
 
 // Returns names of standard objects that are omitted. Their memory would not be counted, or they need other threads or
 // delayed clean-up. Programs of VRML97 do not use them.
-const std::unordered_set<std::string_view>& left_out() {
+const std::unordered_set<std::string_view>& omitted_names() {
   static const std::unordered_set<std::string_view> names = {
       "ArrayBuffer",   "SharedArrayBuffer",    "DataView",       "Int8Array",
       "Uint8Array",    "Uint8ClampedArray",    "Int16Array",     "Uint16Array",
@@ -55,7 +56,7 @@ bool get_undeclared(JSContext* context, unsigned argc, JS::Value* vp) {
   if (!program || !text_of_value(context, name, text)) return program == nullptr;
   // A test by `typeof` comes before the use.
   if (program->undeclared.is_tested(text)) return true;
-  program->world->warn_once("reads '" + text + "', which is not declared; it is undefined", running_place(context));
+  warn(context, "reads '" + text + "', which is not declared; it is undefined", running_place(context));
   return JS_StringToId(context, string, &id) &&
          JS_DefinePropertyById(context, global, id, JS::UndefinedHandleValue, JSPROP_ENUMERATE);
 }
@@ -96,7 +97,7 @@ bool resolve(JSContext* context, JS::HandleObject global, JS::HandleId id, bool*
         name[i] = c < 128 ? static_cast<char>(c) : '?';
       }
       const std::string_view wanted(name, length);
-      if (left_out().contains(wanted)) return true;
+      if (omitted_names().contains(wanted)) return true;
       undeclared = program && program->world && program->undeclared.contains(wanted);
       if (program && program->world) {
         JS::RootedObject library(context, program->library->global);
@@ -109,7 +110,7 @@ bool resolve(JSContext* context, JS::HandleObject global, JS::HandleId id, bool*
           JS::RootedString other(context, JS_AtomizeString(context, from));
           if (!other || !JS_StringToId(context, other, &source)) return false;
         }
-        if (program->world->is_own_name(from ? std::string_view(from) : wanted)) {
+        if (is_library_name(from ? std::string_view(from) : wanted)) {
           if (!JS_HasOwnPropertyById(context, library, source, &has)) return false;
           if (has) {
             if (!JS_GetPropertyById(context, library, source, &value)) return false;
@@ -171,7 +172,7 @@ bool get_own(JSContext* context, unsigned argc, JS::Value* vp) {
     args.rval().setObject(**known);
     return true;
   }
-  if (declaration.type == vrml::FieldType::SFImage && !world.flush_changed(context)) return false;
+  if (declaration.type == vrml::FieldType::SFImage && !world.calls().changed().flush(context)) return false;
   const vrml::FieldValue value = world.execution().nodes().own_value(program->node, place);
   return to_value(context, program->scene, value, {program->global, place}, args.rval());
 }
@@ -192,6 +193,16 @@ ScriptLibrary& library_of(JSContext* context) {
 
 World& world_of(JSContext* context) { return *library_of(context).world; }
 
+bool may_read(JSContext* context, const vrml::Node& node) {
+  World& world = world_of(context);
+  return world.reads().may_read(world.calls().running(), node);
+}
+
+void warn(JSContext* context, std::string text, std::optional<Diagnostic> at) {
+  World& world = world_of(context);
+  world.messages().report(Severity::warning, world.calls().running(), std::move(text), std::move(at));
+}
+
 Program* program_of_global(JSObject* global) {
   if (JS::GetClass(global) != &kGlobalClass) return nullptr;
   return JS::GetMaybePtrFromReservedSlot<Program>(global, kProgramSlot);
@@ -210,7 +221,7 @@ JSObject* new_global(JSContext* context, Program* program, JS::HandleObject besi
 
 void forget_program(JSObject* global) { JS::SetReservedSlot(global, kProgramSlot, JS::PrivateValue(nullptr)); }
 
-bool World::is_own_name(std::string_view name) {
+bool is_library_name(std::string_view name) {
   static const std::unordered_set<std::string_view> names = {
       "SFColor", "SFRotation", "SFVec2f",  "SFVec3f",      "SFImage", "SFNode",  "MFColor", "MFFloat", "MFInt32",
       "MFNode",  "MFRotation", "MFString", "MFTime",       "MFVec2f", "MFVec3f", "SFFloat", "SFTime",  "SFDouble",
@@ -219,14 +230,13 @@ bool World::is_own_name(std::string_view name) {
   return names.contains(name);
 }
 
-bool World::make_global(Program& program) {
-  JSContext* const context = engine_.context();
+bool make_global(JSContext* context, vrml::Execution& execution, Program& program, bool repeatable) {
   JS::RootedObject global(context, new_global(context, &program, program.library->global));
   if (!global) return false;
   program.global.init(context, global);
   const JSAutoRealm realm(context, global);
   if (!bound_natives(context, global)) return false;
-  const auto& interfaces = execution_.nodes().schema_of(program.node).interfaces;
+  const auto& interfaces = execution.nodes().schema_of(program.node).interfaces;
   program.names.resize(interfaces.size());
   program.lists.resize(interfaces.size());
   program.unsent.resize(interfaces.size());
@@ -250,7 +260,7 @@ bool World::make_global(Program& program) {
     const unsigned attributes = JSPROP_ENUMERATE | JSPROP_PERMANENT;
     if (!JS_DefinePropertyById(context, global, id, getter, setter, attributes)) return false;
   }
-  if (settings_.repeatable) {
+  if (repeatable) {
     JS::RootedValue math(context), random(context);
     if (!JS_GetProperty(context, program.library->global, "repeatableRandom", &random) ||
         !JS_GetProperty(context, global, "Math", &math) || !math.isObject())

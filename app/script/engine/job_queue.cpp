@@ -1,4 +1,4 @@
-#include "app/script/job_queue.h"
+#include "app/script/engine/job_queue.h"
 
 #include <js/CallAndConstruct.h>
 #include <js/Realm.h>

@@ -1,6 +1,7 @@
 #include "app/script/bounds/bounded_natives.h"
 #include "app/script/bounds/field_memory.h"
-#include "app/script/live_proxy.h"
+#include "app/script/natives.h"
+#include "app/script/natives/live_proxy.h"
 #include "app/script/script_world.h"
 #include "vrml/syntax/printer.h"
 
@@ -200,13 +201,13 @@ class ListHandler final : public LiveProxyHandler {
 
   static bool changed(JSContext* context, JS::HandleObject proxy, ListBox& box) {
     if (box.program) {
-      box.program->world->own_changed(*box.program, box.place);
+      box.program->world->calls().own_changed(*box.program, box.place);
       return true;
     }
     keep(box);
     const JS::Value& parent = js::GetProxyReservedSlot(proxy, kParentSlot);
     if (!parent.isObject() || std::exchange(box.changed, true)) return true;
-    return world_of(context).note_changed(context, proxy);
+    return world_of(context).calls().changed().add(context, proxy);
   }
 
  private:
@@ -246,7 +247,7 @@ class ListHandler final : public LiveProxyHandler {
 constexpr char ListHandler::kFamily;
 const ListHandler kListHandler;
 
-vrml::SceneGraph* scene_of_caller(JSContext* context) { return world_of(context).running().scene; }
+vrml::SceneGraph* scene_of_caller(JSContext* context) { return world_of(context).calls().running().scene; }
 
 template <int kIndex>
 bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
@@ -301,7 +302,7 @@ bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   if (const auto* const nodes = scene && value ? std::get_if<vrml::MFNode>(value) : nullptr) {
     vrml::MFNode some;
     for (const vrml::NodeId id : *nodes)
-      if (!scene->contains(id) || world_of(context).may_read(scene->node(id))) some.push_back(id);
+      if (!scene->contains(id) || may_read(context, scene->node(id))) some.push_back(id);
     readable = std::move(some);
     value = &readable;
   }

@@ -1,7 +1,7 @@
-#include "app/script/engine.h"
+#include "app/script/engine/engine.h"
 
 #include "app/script/bounds/bounded_natives.h"
-#include "app/script/job_queue.h"
+#include "app/script/engine/job_queue.h"
 
 #include <js/ContextOptions.h>
 #include <js/GCAPI.h>

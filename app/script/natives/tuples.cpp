@@ -1,3 +1,4 @@
+#include "app/script/natives.h"
 #include "app/script/script_world.h"
 #include "vrml/syntax/printer.h"
 

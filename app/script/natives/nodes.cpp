@@ -1,4 +1,7 @@
-#include "app/script/live_proxy.h"
+#include "app/script/bounds/bounded_natives.h"
+#include "app/script/natives.h"
+#include "app/script/natives/live_proxy.h"
+#include "app/script/run_time_nodes.h"
 #include "app/script/script_world.h"
 #include "vrml/scene/scene_graph.h"
 
@@ -40,7 +43,7 @@ const vrml::Node* node_in_world(const NodeBox& box) {
 // may not read it.
 const vrml::Node* readable_node(JSContext* context, const NodeBox& box) {
   const vrml::Node* const node = node_in_world(box);
-  return node && world_of(context).may_read(*node) ? node : nullptr;
+  return node && may_read(context, *node) ? node : nullptr;
 }
 
 std::uint32_t place_of(const vrml::NodeType& type, const InterfaceDeclaration& declaration) {
@@ -115,7 +118,7 @@ class NodeHandler final : public LiveProxyHandler {
     if (!name_of_id(context, id, name)) return false;
     const vrml::Node* const node = node_in_world(*node_of(proxy));
     *found = node && !name.empty() &&
-             (event_in(*node->type, name) || (readable(*node->type, name) && world_of(context).may_read(*node)));
+             (event_in(*node->type, name) || (readable(*node->type, name) && may_read(context, *node)));
     if (*found) return true;
     return has_inherited(context, proxy, id, found);
   }
@@ -126,16 +129,16 @@ class NodeHandler final : public LiveProxyHandler {
     const NodeBox& box = *node_of(proxy);
     const vrml::Node* const node = node_in_world(box);
     const InterfaceDeclaration* const declaration = node && !name.empty() ? readable(*node->type, name) : nullptr;
-    if (declaration && !world_of(context).may_read(*node)) {
+    if (declaration && !may_read(context, *node)) {
       result.setUndefined();
       return true;
     }
     if (!declaration) return get_inherited(context, proxy, id, receiver, result);
     World& world = world_of(context);
-    if (!world.flush_changed(context)) return false;
+    if (!world.calls().changed().flush(context)) return false;
     vrml::SceneGraph* const scene = box.live_scene();  // again, because flushing may have run code of the program
     if (!scene) return true;
-    const vrml::FieldValue* value = world.posted(*scene, box.id, *declaration);
+    const vrml::FieldValue* value = world.calls().posted().find(*scene, box.id, *declaration);
     if (!value) value = world.execution().cascade().last_value(*scene, box.id, *declaration);
     if (!value) {
       result.setUndefined();
@@ -145,7 +148,7 @@ class NodeHandler final : public LiveProxyHandler {
     const Source source = writable ? Source{proxy, place_of(*node->type, *declaration)} : Source{};
     vrml::FieldValue copy = *value;
     if (declaration->type == vrml::FieldType::MFNode && declaration->slot >= 0)
-      world.add_posted_children(*scene, box.id, *declaration, copy);
+      world.calls().posted().apply_to_children(*scene, box.id, *declaration, copy);
     return to_value(context, scene, copy, source, result);
   }
   bool set(JSContext* context, JS::HandleObject proxy, JS::HandleId id, JS::HandleValue value, JS::HandleValue,
@@ -157,7 +160,7 @@ class NodeHandler final : public LiveProxyHandler {
     if (!node) return result.succeed();
     const InterfaceDeclaration* const declaration = event_in(*node->type, name);
     if (!declaration) {
-      world_of(context).warn_once(node->type->name + " has no eventIn '" + name.substr(0, 80) + "'; not set");
+      warn(context, node->type->name + " has no eventIn '" + name.substr(0, 80) + "'; not set");
       return result.succeed();
     }
     return set_node_field(context, proxy, place_of(*node->type, *declaration), value) && result.succeed();
@@ -181,7 +184,7 @@ bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
   vrml::MFNode nodes;
   vrml::SceneGraph* scene = nullptr;
   if (!text_of_value(context, args[0], text)) return false;
-  if (!world_of(context).create_from_string(context, text, nodes, scene)) return false;
+  if (!nodes_from_text(context, text, nodes, scene)) return false;
   if (nodes.empty()) return fail(context, "expected the text of a node");
   JSObject* const made = object_of_node(context, *scene, nodes[0]);
   args.rval().setObjectOrNull(made);
@@ -261,12 +264,38 @@ bool set_node_field(JSContext* context, JS::HandleObject object, std::uint32_t p
   const vrml::Node* const node = node_in_world(box);
   if (!node || place >= node->type->interfaces.size()) return true;
   const InterfaceDeclaration& declaration = node->type->interfaces[place];
-  if (sets_program(*node->type, declaration) && !world_of(context).may_read(*node)) return true;
+  if (sets_program(*node->type, declaration) && !may_read(context, *node)) return true;
   vrml::SceneGraph* scene = box.live_scene();
   vrml::FieldValue field;
   if (!to_field(context, value, declaration.type, scene, field)) return false;
   scene = box.live_scene();  // get it again, because the conversion may have run code of the program
-  return !scene || world_of(context).post(context, *scene, box.id, declaration, std::move(field));
+  if (!scene) return true;
+  World& world = world_of(context);
+  world.messages().report_direct_output(world.calls().running());
+  return world.calls().posted().add(context, *scene, box.id, declaration, std::move(field));
+}
+
+bool nodes_from_text(JSContext* context, std::string_view text, vrml::MFNode& nodes, vrml::SceneGraph*& scene) {
+  constexpr std::size_t kMaxCreated = std::size_t{4} << 20;  // max bytes of a text of nodes
+  constexpr std::size_t kWorthCollecting = 64;               // min nodes to count for one text of nodes
+  constexpr std::size_t kTextOfNode = 16;                    // min bytes of text for a node
+  World& world = world_of(context);
+  Program& program = world.calls().running();
+  scene = program.scene;
+  if (text.size() > kMaxCreated)
+    return fail_range(context, "a text of " + std::to_string(text.size()) + " bytes is too long to create nodes from");
+  if (!world.calls().may_act()) return fail(context, "shutdown() cannot create nodes");
+  Diagnostics diagnostics;
+  vrml::RunTimeNodes made =
+      make_nodes(world.execution(), *scene, label_of(program), text, diagnostics, &text_of_program(program));
+  for (const Diagnostic& one : diagnostics.entries()) world.messages().report(one);
+  if (made.outcome == vrml::ParseOutcome::refused) return fail(context, "not VRML97 text");
+  world.engine().note_nodes(std::max({kWorthCollecting, made.roots.size(), text.size() / kTextOfNode}));
+  nodes = std::move(made.roots);
+  // Make an object for each node now. The object holds the node, so that garbage collection cannot remove it.
+  for (const vrml::NodeId id : nodes)
+    if (!object_of_node(context, *scene, id)) return false;
+  return true;
 }
 
 }  // namespace gs::app::script

@@ -1,5 +1,6 @@
 #include "app/script/bounds/bounded_natives.h"
 #include "app/script/bounds/field_memory.h"
+#include "app/script/natives.h"
 #include "app/script/script_world.h"
 #include "vrml/syntax/printer.h"
 
@@ -379,7 +380,7 @@ bool set_own(JSContext* context, Program& program, std::uint32_t place, JS::Hand
   }
   engine.add_bytes(static_cast<std::ptrdiff_t>(bytes));
   execution.nodes().own_value(program.node, place) = std::move(field);
-  program.world->own_changed(program, place);
+  program.world->calls().own_changed(program, place);
   return true;
 }
 

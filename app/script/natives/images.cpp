@@ -1,3 +1,4 @@
+#include "app/script/natives.h"
 #include "app/script/script_world.h"
 
 #include <js/Conversions.h>
@@ -143,7 +144,7 @@ bool image_of(JSContext* context, JS::HandleObject object, vrml::PixelImage& ima
   const std::int64_t width = number(kWidth), height = number(kHeight), components = number(kComponents);
   image.words.clear();
   if (width <= 0 || height <= 0 || components <= 0) return true;
-  const Limits& limits = world_of(context).running().scene->limits();
+  const Limits& limits = world_of(context).calls().running().scene->limits();
   if (components > 4 || static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) > limits.image_pixels ||
       !world_of(context).engine().may_have(static_cast<std::size_t>(width * height) * 4))
     return fail(context, "an SFImage of this size cannot be created");
