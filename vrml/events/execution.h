@@ -67,7 +67,6 @@ class Execution : NonCopyable {
   [[nodiscard]] const BindableStacks& stacks() const { return stacks_; }
   [[nodiscard]] TimerQueue& timers() { return timers_; }
   [[nodiscard]] IdleSensors& idle() { return idle_; }
-  [[nodiscard]] const IdleSensors& idle() const { return idle_; }
   [[nodiscard]] NodeLifetime& lifetime() { return lifetime_; }
   [[nodiscard]] ScriptQueue& scripts() { return scripts_; }
   [[nodiscard]] Placement& placement() { return placement_; }

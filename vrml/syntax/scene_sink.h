@@ -99,8 +99,8 @@ class SceneSink : NonCopyable {
 
   /// Adds a ROUTE. If one of its nodes is not defined yet, the ROUTE waits until the end of the scope.
   void add_route(const RouteNames& route);
-  /// Ends the text: adds the waiting ROUTEs. Call it once, after the end of all constructs.
-  void finish() { add_waiting_routes(); }
+  /// Adds the ROUTEs that wait for the end of the scope. The grammar calls it once, at the end of the text.
+  void finish();
 
  private:
   /// Name scope (VRML97 4.4.3): the file, or the body of a PROTO.
@@ -122,7 +122,6 @@ class SceneSink : NonCopyable {
   bool place_in_shape(NodeId node, NodeTarget target);
   void add_type(NodeType& type);
   void connect_route(const RouteNames& wanted, NodeId from, NodeId to);
-  void add_waiting_routes();
   void make_browser(SourceLocation location);
 
   SceneGraph& scene_;

@@ -65,7 +65,7 @@ void SceneSink::begin_body(NodeType& type) {
 }
 
 void SceneSink::end_body() {
-  add_waiting_routes();
+  finish();
   NodeType& type = *scopes_.back().prototype;
   scopes_.pop_back();
   type.prototype->complete = true;
@@ -151,7 +151,7 @@ void SceneSink::add_route(const RouteNames& route) {
   scope.waiting_routes.push_back(route);
 }
 
-void SceneSink::add_waiting_routes() {
+void SceneSink::finish() {
   Scope& scope = scopes_.back();
   const std::vector<RouteNames> routes = std::exchange(scope.waiting_routes, {});
   for (const RouteNames& route : routes) {
