@@ -7,16 +7,16 @@ namespace gs::app {
 namespace {
 
 constexpr double kSamplesCost = 2.7;   // usual ratio of the times with four samples and with one
-constexpr double kMargin = 0.8;        // pictures of the next finer level must take less than this fraction of the goal
+constexpr double kMargin = 0.9;        // pictures of the next finer level must take less than this fraction of the goal
 constexpr double kFarTooLong = 3;      // multiple of the goal; one picture above it suffices to choose a coarser level
 constexpr double kWorth = 1.1;         // min ratio of times that makes a coarser level useful
 constexpr double kWeight = 0.3;        // weight of a new time in the mean
 constexpr int kSlow = 3, kSteady = 8;  // pictures before a coarser and before a finer level is chosen
 constexpr int kRest = 150;             // pictures before a coarser level is tried again after one that saved no time
-constexpr std::size_t kHalving = 3;    // levels that a cancelled picture loses: more than half of its pixels
+constexpr std::size_t kHalving = 4;    // levels that a cancelled picture loses: more than half of its pixels
 constexpr std::size_t kLast = PictureDetail::kQualities.size() - 1;
 /// coarsest level for pictures that are late but complete; only cancelled pictures need a coarser one
-constexpr std::size_t kCoarsestComplete = 4;
+constexpr std::size_t kCoarsestComplete = 6;
 static_assert(PictureDetail::kQualities[kCoarsestComplete].coarseness == 2);
 
 /// Returns the usual time of a picture at a level, relative to one sample at full resolution.

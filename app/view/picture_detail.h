@@ -18,8 +18,16 @@ struct PictureQuality {
 class PictureDetail {
  public:
   static constexpr double kGoal = 1.0 / 15;  // max time of a picture that changes
-  static constexpr std::array<PictureQuality, 8> kQualities{
-      {{false, 1}, {true, 1}, {true, 1.25f}, {true, 1.6f}, {true, 2}, {true, 2.8f}, {true, 4}, {true, 8}}};
+  static constexpr std::array<PictureQuality, 10> kQualities{{{false, 1},
+                                                              {true, 1},
+                                                              {true, 1.15f},
+                                                              {true, 1.33f},
+                                                              {true, 1.5f},
+                                                              {true, 1.75f},
+                                                              {true, 2},
+                                                              {true, 2.8f},
+                                                              {true, 4},
+                                                              {true, 8}}};
 
   /// Returns the level of quality of the next picture: an index into kQualities. `changing` means that the next picture
   /// differs from the last one.

@@ -45,7 +45,7 @@ TEST_CASE("omits anti-aliasing before resolution, and loses no more resolution t
   CHECK(detail.level(true) == 1);
   PictureDetail slower;
   draw(slower, 50, pixels(0.09));
-  CHECK(PictureDetail::kQualities[slower.level(true)] == PictureQuality{true, 1.25f});
+  CHECK(PictureDetail::kQualities[slower.level(true)] == PictureQuality{true, 1.33f});
 }
 
 TEST_CASE("lowers the quality at once after one very late picture, but not after one slightly late picture") {
