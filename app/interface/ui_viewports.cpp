@@ -149,7 +149,7 @@ void ViewportWidgets::recent_card(const ViewportArea& area, const std::string& i
   if (ImGui::InvisibleButton("##open", {area.width(), area.height() + line + 8 * scale_})) actions.open = place;
   const bool hovered = ImGui::IsItemHovered();
   tooltips_.show(shortened(shown(without_home(place)), 400));
-  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  ImDrawList& draw = *ImGui::GetBackgroundDrawList();  // the window would clip the frame
   draw.AddRect(area.lower, area.upper, ImGui::GetColorU32(hovered ? UiColors::kAccent : UiColors::kQuietOnPicture), 0,
                0, std::max(1.0f, std::round(scale_)));
   const std::string name = shown(file_label(place));

@@ -56,7 +56,7 @@ int run_headless(const ViewerOptions& options, const LoadOptions& load, const st
           if (opened->context) opened->context->make_current();
         }
         if (!opened->renderer) return opened->problem;
-        return paint(*opened->renderer, options, view, {width, height});
+        return paint(*opened->renderer, options, view, *view.list, {width, height});
       });
   session.add_extension(control);
   SessionInput input;

@@ -12,9 +12,11 @@
 
 namespace gs::app {
 
-/// Draws a view and returns the bytes of a PNG file, or an error message. The context of the renderer must be current.
+/// Draws `list` from the camera of a view, and returns the bytes of a PNG file, or an error message. The context of the
+/// renderer must be current.
 [[nodiscard]] std::variant<std::vector<std::byte>, std::string> paint(render::Renderer& renderer,
                                                                       const ViewerOptions& options, const View& view,
+                                                                      const render::RenderList& list,
                                                                       const glm::ivec2& size);
 
 /// Runs a session in real time without a window, until a client, SIGINT or SIGTERM ends it. `backend` is the name of

@@ -1,7 +1,7 @@
 #include "app/viewer/viewer.h"
 
-#include "app/interface/window_backend.h"
 #include "app/desktop/end_signals.h"
+#include "app/interface/window_backend.h"
 #include "app/viewer/headless.h"
 #include "app/viewer/viewer_window.h"
 #include "app/window/close_watch.h"
@@ -41,7 +41,8 @@ glm::ivec2 first_size(const ViewerOptions& options) {
 }  // namespace
 
 std::variant<std::vector<std::byte>, std::string> paint(render::Renderer& renderer, const ViewerOptions& options,
-                                                        const View& view, const glm::ivec2& size) {
+                                                        const View& view, const render::RenderList& list,
+                                                        const glm::ivec2& size) {
   render::DrawOptions draw;
   draw.width = size.x;
   draw.height = size.y;
@@ -53,7 +54,7 @@ std::variant<std::vector<std::byte>, std::string> paint(render::Renderer& render
   draw.unit = static_cast<float>(view.scale);
   draw.splat_style = view.look;
   apply_style(view, draw);
-  auto made = renderer.draw_to_image(*view.list, camera_of(view.navigation.pose), draw);
+  auto made = renderer.draw_to_image(list, camera_of(view.navigation.pose), draw);
   if (auto* problem = std::get_if<render::ContextError>(&made)) return std::move(problem->message);
   return render::encode_png(std::get<render::Image>(made));
 }
@@ -79,7 +80,7 @@ std::optional<std::string> Viewer::start_control() {
   if (auto* problem = std::get_if<std::string>(&started)) return std::move(*problem);
   control_ = std::move(std::get<std::unique_ptr<ControlService>>(started));
   control_->control().set_painter([this](const View& view, int width, int height) {
-    return paint(*renderer_, options_, view, {width, height});
+    return paint(*renderer_, options_, view, *view.list, {width, height});
   });
   session_.add_extension(control_->control());
   return std::nullopt;
@@ -159,7 +160,8 @@ bool Viewer::ends() {
 void Viewer::keep_thumbnail(bool rests) {
   const View* const seen = session_.view();
   if (!seen || frame_.loading || !start_page_.wants(*seen, rests, Window::now())) return;
-  const auto made = paint(*renderer_, options_, *seen, {Thumbnails::kWidth, Thumbnails::kHeight});
+  const auto made =
+      paint(*renderer_, options_, *seen, tools_.shown(kMaxViewports, *seen), {Thumbnails::kWidth, Thumbnails::kHeight});
   if (const auto* png = std::get_if<std::vector<std::byte>>(&made)) start_page_.keep(*seen, *png);
 }
 

@@ -165,7 +165,7 @@ bool WorldSaver::permits(const PaneRequest& request) {
   const Panes& panes = session_.panes();
   if (request.kind != PaneRequest::Kind::close || !has_pane(panes.split(), request.pane)) return true;
   const std::string& path = panes.at(request.pane).shown;
-  if (panes_of(panes.split()).size() < 2 || is_shown_elsewhere(request.pane, path)) return true;
+  if (is_shown_elsewhere(request.pane, path)) return true;
   return permits(Action::close_viewport, request.pane, path);
 }
 

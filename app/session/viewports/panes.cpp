@@ -87,7 +87,13 @@ std::optional<std::size_t> Panes::free_pane() const {
 }
 
 bool Panes::close(std::size_t pane) {
-  if (!has_pane(split_, pane) || split_.root.parts.empty()) return false;
+  if (!has_pane(split_, pane)) return false;
+  if (split_.root.parts.empty()) {
+    if (panes_[pane].wanted.empty() && panes_[pane].shown.empty()) return false;
+    panes_[pane] = {};
+    cancel_unwanted();
+    return true;
+  }
   const std::size_t next = next_pane(split_, pane, -1);
   SplitTree split = without_pane(split_, pane);
   if (active_ == pane) active_ = has_pane(split, next) ? next : panes_of(split).front();

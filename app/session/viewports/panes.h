@@ -70,7 +70,8 @@ class Panes {
   /// Splits a viewport and activates the new half. The new half shows a listed file that no viewport shows; if there is
   /// none, it gets a copy of the view. Returns false if the maximum number of viewports is reached.
   bool split_pane(std::size_t pane, SplitAxis axis);
-  /// Closes a viewport and removes its views. Returns false if it is the only one.
+  /// Closes a viewport and removes its views. The only viewport stays, without a file, and shows the start page.
+  /// Returns false if it has no file already.
   bool close(std::size_t pane);
   /// Shows a file in a viewport.
   void show_in(std::size_t pane, const std::string& path);

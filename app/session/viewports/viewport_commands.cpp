@@ -48,8 +48,10 @@ void ViewportCommands::split_viewport(std::size_t pane, SplitAxis axis) {
 
 void ViewportCommands::close_viewport(std::size_t pane) {
   viewports_.announce_change();
+  const bool only = viewports_.panes().visible().size() < 2;
   if (!viewports_.panes().close(pane)) return;
   viewports_.forget(pane);
+  if (only) return;  // a new arrangement would fill the viewport again
   viewports_.change_split(viewports_.panes().split());
 }
 

@@ -78,9 +78,10 @@ TEST_CASE("splits, switches, maximises, swaps and closes viewports by keys") {
   CHECK(user.session().panes().at(2).wanted.empty());
   user.press(letter_key('W'), true);
   CHECK(split(user) == "2");
-  user.press(letter_key('W'), true);  // the last one stays
-  CHECK(split(user) == "2");
   CHECK(shown(user, 1) == "box.wrl");
+  user.press(letter_key('W'), true);  // the last one stays, without a file
+  CHECK(split(user) == "2");
+  CHECK(shown(user, 1).empty());
   for (int i = 0; i < 20; ++i) user.press(Key::right, true, true);
   CHECK(panes_of(user.session().panes().split()).size() == kMaxViewports);
   CHECK(user.sees("The window can have at most 12 viewports"));
@@ -330,6 +331,26 @@ TEST_CASE("closes a viewport together with the message of its failed file") {
   CHECK_FALSE(user.sees("Drop a file here"));
   user.click("Close");
   CHECK(panes_of(user.session().panes().split()).size() == 1);
+}
+
+TEST_CASE("shows recent files on the start page after the only viewport is closed") {
+  ScratchFolder scratch;
+  const std::string path = scratch.write("kept.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n");
+  Driver user;
+  user.session().opening().open_in(0, path);
+  REQUIRE(user.wait_for([&] { return user.session().view() != nullptr; }));
+  user.settle();
+  CHECK_FALSE(user.sees("Drop a file here"));
+  user.press(letter_key('W'), true);
+  user.settle();
+  CHECK(user.session().view() == nullptr);
+  CHECK(user.sees("Drop a file here"));
+  REQUIRE(user.sees("kept.wrl"));
+  user.press(letter_key('W'), true);  // nothing is left to close
+  user.settle();
+  CHECK(user.sees("Drop a file here"));
+  user.click("kept.wrl");
+  REQUIRE(user.wait_for([&] { return user.session().view() != nullptr; }));
 }
 
 TEST_CASE("shows a three-line introduction without arguments until it is closed") {
