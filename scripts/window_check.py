@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """window_check.py [-k FOLDER]: uses the window with mouse and keyboard under Xvfb, and checks the results over --control.
 Steps: open, split, move, drag a PlaneSensor, follow an Anchor, go back, edit a node and save the world, edit a transfer
-function, draw a slice through a volume, save a picture and a turntable, and move the viewer by keys of a Script. Prints one line per step. Exits with 1 if
-a step failed.
+function, draw a slice through a volume, save a picture and a turntable, move the viewer by keys of a Script, use the
+start page, close an error message and slide with the middle button. Prints one line per step. Exits with 1 if a step
+failed.
 -k: keeps pictures of the window in FOLDER.
 
 GHOSTSPACE: program instead of build/release/ghostspace. Needs Xvfb, xdotool and ImageMagick (Debian: xvfb,
@@ -343,6 +344,48 @@ def run(check):
         if not near(check.world.getViewer()["position"], (0, 0, 8)):
             raise Failed("the user moves, although the Script has set the mode NONE")
 
+    def starts():
+        check.open(first)
+        time.sleep(4)  # the thumbnail is made when the picture rests
+        check.key("ctrl+w")
+        wait("no file is shown", lambda: not check.world.getViewports()[0]["file"])
+        before = window_picture(check)
+        # One card, in the middle of the start page
+        check.click((WIDTH // 2, 58 + (HEIGHT - 58) // 2 + 40))
+        wait("the thumbnail opens its file", lambda: check.world.getViewports()[0]["file"].endswith(".wrl"))
+        if check.differing(before, window_picture(check)) < 500:
+            raise Failed("the picture is as before")
+
+    def refuses():
+        step = check.file("part.step", "ISO-10303-21;\nHEADER;\n")
+        before = window_picture(check)
+        check.key("ctrl+l", "ctrl+a")
+        check.xdotool("type", "--delay", 40, step)
+        check.key("Return")
+        time.sleep(1.5)
+        if check.differing(before, window_picture(check)) < 500:
+            raise Failed("there is no message")
+        check.key("Escape")
+        time.sleep(1)
+        if check.differing(before, window_picture(check)) > 500:
+            raise Failed("Esc does not close the message")
+
+    def slides_by_middle_button():
+        check.key("1")
+        before = check.world.getViewer()
+        check.xdotool("mousemove", 300, 400)
+        check.xdotool("mousedown", 2)
+        for x in (330, 360, 400):
+            check.xdotool("mousemove", x, 380)
+            time.sleep(0.2)
+        check.xdotool("mouseup", 2)
+        time.sleep(0.5)
+        after = check.world.getViewer()
+        if near(before["position"], after["position"], 0.05):
+            raise Failed("the viewer does not move")
+        if not near(before["orientation"], after["orientation"], 1e-3):
+            raise Failed("the viewer turns")
+
     check.step("a PlaneSensor is dragged", slides)
     check.step("the viewer moves, and undoes it", moves)
     check.step("a viewport is split, and closed", splits)
@@ -355,6 +398,9 @@ def run(check):
     check.step("a picture is saved", keeps)
     check.step("a turntable is saved, as pictures and as a movie", turns)
     check.step("a Script gets keys, and moves the viewer", steers)
+    check.step("the start page opens a recent file", starts)
+    check.step("a file of an unknown format is refused, and Esc closes the message", refuses)
+    check.step("the middle button slides the viewer", slides_by_middle_button)
 
 
 def window_picture(check):

@@ -139,7 +139,12 @@ bool ViewerController::run(Action action) {
         inspection_.set_picking(false);
         return true;
       }
-      if (ui_.close_over() || window_.run_tool(action)) return true;
+      if (ui_.close_over()) {
+        // The address field keeps the focus after a file that could not be opened.
+        if (ui_.wants_keys()) (void)dismiss_failure(session_);
+        return true;
+      }
+      if (window_.run_tool(action)) return true;
       if (session_.panes().loading(session_.panes().active())) return false;  // the session must cancel loading
       return dismiss_failure(session_) || ui_.close_beside();
     case Action::larger_text:

@@ -333,6 +333,18 @@ TEST_CASE("closes a viewport together with the message of its failed file") {
   CHECK(panes_of(user.session().panes().split()).size() == 1);
 }
 
+TEST_CASE("closes the message of a failed file by one Esc while the address field has the focus") {
+  Driver user;
+  user.show_world("Shape { geometry Box { } }", "box.wrl");
+  user.press(letter_key('L'), true);
+  user.type("/nowhere/typed.wrl");
+  user.press(Key::enter);
+  REQUIRE(user.wait_for([&] { return user.sees("typed.wrl cannot be opened"); }));
+  user.press(Key::escape);
+  user.settle();
+  CHECK_FALSE(user.sees("typed.wrl cannot be opened"));
+}
+
 TEST_CASE("shows recent files on the start page after the only viewport is closed") {
   ScratchFolder scratch;
   const std::string path = scratch.write("kept.wrl", "#VRML V2.0 utf8\nShape { geometry Box { } }\n");
