@@ -7,8 +7,22 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace gs {
+
+/// Returns the bytes of a text.
+[[nodiscard]] inline std::vector<std::byte> copied_bytes(std::string_view text) {
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+/// Computes the FNV-1a hash of a text, which does not depend on the machine. Not for untrusted keys of a table.
+[[nodiscard]] constexpr std::uint64_t stable_hash(std::string_view text, std::uint64_t seed = 0) {
+  std::uint64_t value = 0xcbf29ce484222325 ^ seed;
+  for (const char c : text) value = (value ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  return value;
+}
 
 /// Returns bytes as text, without checks or copies.
 [[nodiscard]] inline std::string_view text_of(std::span<const std::byte> bytes) {

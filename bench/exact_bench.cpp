@@ -8,9 +8,9 @@
 // draco_encoder and draco_decoder in the PATH.
 #include "app/encode/surface_triangles.h"
 #include "app/loading/world_loader.h"
-#include "bench/mesh_files.h"
-#include "bench/picture_error.h"
-#include "bench/studio.h"
+#include "bench/shared/mesh_files.h"
+#include "bench/shared/picture_error.h"
+#include "bench/shared/studio.h"
 #include "qnv/codecs/displaced/encode/encode_displaced.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/reader/stream_decoder.h"

@@ -2,7 +2,7 @@
 // connect them, and the time of a full collection. Of 600 frames of 1/60 s it prints median and longest time of the
 // events, and median times of updating the render list and, with software rendering at 1024 x 768, of the whole.
 // Milliseconds of one core; drawing uses all cores.
-#include "bench/world_file.h"
+#include "bench/shared/world_file.h"
 #include "render/collection/render_scene.h"
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"

@@ -7,8 +7,8 @@
 // all packets beyond the first 16 kB, without retransmission.
 #include "app/encode/surface_triangles.h"
 #include "app/loading/world_loader.h"
-#include "bench/picture_error.h"
-#include "bench/studio.h"
+#include "bench/shared/picture_error.h"
+#include "bench/shared/studio.h"
 #include "qnv/codecs/displaced/encode/encode_displaced.h"
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/reader/loss.h"

@@ -5,7 +5,7 @@
 // the file into memory and parses it whole, `streamed` reads and parses 64 KiB at a time.
 
 #include "base/diagnostic.h"
-#include "bench/bare_loop.h"
+#include "bench/shared/bare_loop.h"
 #include "vrml/scene/scene_graph.h"
 #include "vrml/syntax/parser.h"
 

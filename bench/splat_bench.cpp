@@ -7,7 +7,7 @@
 // uploads and compiles, is not counted.
 
 #include "base/parallel.h"
-#include "bench/open_gl.h"
+#include "bench/shared/open_gl.h"
 #include "render/gl/context.h"
 #include "render/gl/gl.h"
 #include "render/splat/splat_gl.h"

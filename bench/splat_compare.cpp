@@ -6,7 +6,7 @@
 // of all pixels, in 0..1 before rounding for surfaces, and in 8 bits for the volume. Splats per second count the whole
 // geometry over the median of R runs; the ray caster runs once. Prints a Markdown table.
 
-#include "bench/open_gl.h"
+#include "bench/shared/open_gl.h"
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/shared/encode_options.h"

@@ -9,8 +9,8 @@
 // parts of the gradients. Needs zfp, cjxl and djxl (Debian: zfp, libjxl-tools) in the PATH; without them their columns
 // are empty. `--pictures` writes pictures of prefixes of 4, 15, 60 and 600 kB.
 #include "app/formats/volume/volume.h"
-#include "bench/curve_table.h"
-#include "bench/picture_error.h"
+#include "bench/shared/curve_table.h"
+#include "bench/shared/picture_error.h"
 #include "qnv/codecs/payloads.h"
 #include "qnv/reader/stream_decoder.h"
 #include "qnv/sampling/volume/gradients.h"

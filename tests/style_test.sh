@@ -64,9 +64,10 @@ report "Header without #pragma once:" \
   "$(sources app vrml qnv net render base | grep '\.h$' | xargs -r grep -L '#pragma once')"
 report "CTest cuts the name of a test at a semicolon:" "$(grep -rnE 'TEST_CASE\("[^"]*;' tests --include='*.cpp')"
 
-# Paths in backticks whose first part is a folder of the root or of the document's folder. The extension may be missing, and the path
-# may have `*`. Names of fuzz targets are folders below tests/fuzz/corpus. Exceptions: placeholders in capitals (NAME, ROOM), the
-# generated page, docs/scripts.md with files of users, and build/.
+# Prints paths in backticks that do not exist, as DOCUMENT:LINE: PATH. Checks a path if its first part is a folder of the root or of
+# the document's folder. A path may omit its extension, contain `*`, or name a fuzz target, which is a folder of tests/fuzz/corpus.
+# Skips placeholders in capitals such as NAME, and build/. The caller omits docs/scripts.md, which names files of users, and the
+# generated page docs/conformance.md.
 missing_paths() {
   local document line path folder top at
   grep -noE '`[A-Za-z0-9_*][A-Za-z0-9_.*-]*(/[A-Za-z0-9_.*-]+)+/?`' "$@" | tr -d '`' | while IFS=: read -r document line path; do

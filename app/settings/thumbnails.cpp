@@ -1,6 +1,7 @@
 #include "app/settings/thumbnails.h"
 
 #include "app/settings/user_folders.h"
+#include "base/text.h"
 #include "net/files/file.h"
 
 #include <cstdint>
@@ -18,12 +19,10 @@ namespace fs = std::filesystem;
 constexpr std::string_view kThumbnailSuffix = ".png";
 constexpr std::size_t kMaxThumbnail = std::size_t{1} << 20;  // of a file
 
-/// Returns a file name for a path or URL: its FNV-1a hash. If two have equal hashes, one shows the other's picture.
+/// Returns a file name for a path or URL: its hash. If two have equal hashes, one shows the other's picture.
 std::string name_of(std::string_view place) {
-  std::uint64_t value = 0xcbf29ce484222325;
-  for (const char c : place) value = (value ^ static_cast<unsigned char>(c)) * 0x100000001b3;
   char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(stable_hash(place)));
   return text + std::string(kThumbnailSuffix);
 }
 

@@ -3,7 +3,7 @@
 #include "app/encode/outline_model.h"
 #include "app/encode/surface_triangles.h"
 #include "app/loading/world_loader.h"
-#include "bench/mesh_files.h"
+#include "bench/shared/mesh_files.h"
 #include "net/files/file.h"
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/outlines/outline_stream.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bench/studio.h"
+#include "bench/shared/studio.h"
 #include "qnv/base/description.h"
 #include "render/image/image.h"
 

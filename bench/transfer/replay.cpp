@@ -1,6 +1,6 @@
 #include "app/formats/content_types.h"
 #include "app/formats/qnv/outline_scene.h"
-#include "bench/studio.h"
+#include "bench/shared/studio.h"
 #include "bench/transfer/run.h"
 #include "net/base/range_set.h"
 #include "qnv/codecs/records/records_payload.h"

@@ -1,5 +1,7 @@
 #include "net/http/http_cache.h"
 
+#include "base/text.h"
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -25,11 +27,10 @@ std::string hexadecimal(std::uint64_t value) {
   return result;
 }
 
-/// Computes the FNV-1a hash of a text. If two keys have equal hashes, their entries replace each other. Each entry
+/// Computes a hash of a text. If two keys have equal hashes, their entries replace each other. Each entry
 /// holds its whole key, so no wrong entry is used.
 std::uint64_t hash(std::string_view text, std::uint64_t seed) {
-  std::uint64_t value = 0xcbf29ce484222325 ^ seed;
-  for (const char c : text) value = (value ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  std::uint64_t value = stable_hash(text, seed);
   value ^= value >> 32;
   return value * 0x9e3779b97f4a7c15;
 }

@@ -24,4 +24,10 @@ TEST_CASE("cuts names between characters, and removes their controls") {
   CHECK(shortened("\xc3\xa4\xc3\xa4", 3) == "\xc3\xa4...");
 }
 
+TEST_CASE("computes the same hash of a text on every machine") {
+  CHECK(stable_hash("") == 0xcbf29ce484222325);
+  CHECK(stable_hash("a") == 0xaf63dc4c8601ec8c);
+  CHECK(stable_hash("a", 1) != stable_hash("a"));
+}
+
 }  // namespace gs::text_test

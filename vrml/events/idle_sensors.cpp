@@ -1,5 +1,6 @@
 #include "vrml/events/idle_sensors.h"
 
+#include "base/finite.h"
 #include "vrml/events/execution.h"
 
 #include <glm/glm.hpp>
@@ -25,8 +26,6 @@ float rounded_down(double number) {
 float rounded_up(double number) {
   return std::nextafter(static_cast<float>(number), std::numeric_limits<float>::infinity());
 }
-
-bool is_finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 double largest(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
@@ -62,7 +61,7 @@ void IdleSensors::follow_hierarchy() {
 }
 
 void IdleSensors::wake_met(const glm::dvec3& from, const glm::dvec3& to) {
-  if (!is_finite(from) || !is_finite(to)) return wake_all();
+  if (!finite(from) || !finite(to)) return wake_all();
   const double margin = kPathMargin * (largest(from) + largest(to));
   std::array<float, 3> low{}, high{};
   for (int i = 0; i < 3; ++i) {
@@ -133,7 +132,7 @@ bool IdleSensors::take(EventNode node) {
   if (!std::exchange(recorded_, true)) last_ = moment();
   const double margin = box->empty() ? 0 : kBoxMargin * std::max(largest(box->lower), largest(box->upper));
   std::array<float, 3> low{}, high{};
-  bool inside = is_finite(last_.position);
+  bool inside = finite(last_.position);
   for (int i = 0; i < 3; ++i) {
     const auto k = static_cast<std::size_t>(i);
     low[k] = rounded_down(box->lower[i] - margin);

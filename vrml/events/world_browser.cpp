@@ -1,5 +1,6 @@
 #include "vrml/events/world_browser.h"
 
+#include "base/finite.h"
 #include "vrml/events/execution.h"
 
 #include <algorithm>
@@ -10,8 +11,6 @@ namespace {
 
 constexpr std::string_view kKindNames[] = {"mousedown", "mousemove", "mouseout", "mouseover", "mouseup",
                                            "keydown",   "keyup",     "keypress", "click",     "dblclick"};
-
-bool is_finite_place(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 SFRotation rotation_of(const glm::dmat4& world_from_viewer) {
   const glm::dquat q = glm::normalize(glm::quat_cast(glm::dmat3(world_from_viewer)));
@@ -41,7 +40,7 @@ class EventFields {
 
 void WorldBrowser::move_viewer(const std::optional<glm::dvec3>& position,
                                const std::optional<glm::dquat>& orientation) {
-  if (position && is_finite_place(*position)) wanted_position_ = *position;
+  if (position && finite(*position)) wanted_position_ = *position;
   if (!orientation) return;
   const double length = glm::length(*orientation);
   if (length > 0 && std::isfinite(length)) wanted_orientation_ = *orientation / length;
@@ -73,7 +72,7 @@ void WorldBrowser::choose_mode(std::string_view mode) {
 
 std::optional<RayHit> WorldBrowser::cast_ray(const glm::dvec3& from, const glm::dvec3& to,
                                              const NodePlace& below) const {
-  if (!caster_ || !is_finite_place(from) || !is_finite_place(to) || from == to) return std::nullopt;
+  if (!caster_ || !finite(from) || !finite(to) || from == to) return std::nullopt;
   return caster_(from, to, below);
 }
 

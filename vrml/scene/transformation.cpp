@@ -1,5 +1,6 @@
 #include "vrml/scene/transformation.h"
 
+#include "base/finite.h"
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -14,13 +15,12 @@ using glm::dvec3;
 
 constexpr double kTiny = 1e-12;
 
-bool finite(const SFVec3f& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 SFVec3f usable(const SFVec3f& v, const SFVec3f& otherwise) { return finite(v) ? v : otherwise; }
 
 /// Reports whether the rotation is valid and different from the identity.
 bool turns(const SFRotation& r) {
-  return r.angle != 0 && std::isfinite(r.angle) && finite({r.x, r.y, r.z}) && (r.x != 0 || r.y != 0 || r.z != 0);
+  return r.angle != 0 && std::isfinite(r.angle) && finite(SFVec3f{r.x, r.y, r.z}) && (r.x != 0 || r.y != 0 || r.z != 0);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include "app/formats/export/export.h"
+#include "base/text.h"
 #include "qnv/base/shine.h"
 
 #include <array>
@@ -32,11 +33,6 @@ class ObjText {
 };
 
 float unit(std::uint8_t component) { return static_cast<float>(component) / 255; }
-
-std::vector<std::byte> text_bytes_of(const std::string& text) {
-  const auto* first = reinterpret_cast<const std::byte*>(text.data());
-  return {first, first + text.size()};
-}
 
 std::string one_line(std::string text) {
   for (char& c : text)
@@ -114,9 +110,9 @@ Exported export_obj(const qnv::Geometry& geometry, const ExportOptions& options)
       image = options.name + (!file.empty() && file[0] == std::byte{0x89} ? ".png" : ".jpg");
       options.beside->push_back({image, file});
     }
-    options.beside->push_back({options.name + ".mtl", text_bytes_of(materials_of(*mesh, image))});
+    options.beside->push_back({options.name + ".mtl", copied_bytes(materials_of(*mesh, image))});
   }
-  return text_bytes_of(text.take());
+  return copied_bytes(text.take());
 }
 
 }  // namespace gs::app

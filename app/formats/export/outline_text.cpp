@@ -1,6 +1,7 @@
 #include "app/formats/export/outline_text.h"
 
 #include "app/formats/export/vrml_text.h"
+#include "base/text.h"
 #include "vrml/syntax/printer.h"
 
 #include <algorithm>
@@ -221,11 +222,6 @@ std::string begun(const std::string& title, bool textured) {
   return out;
 }
 
-std::vector<std::byte> bytes_of(const std::string& text) {
-  const auto bytes = std::as_bytes(std::span(text));
-  return {bytes.begin(), bytes.end()};
-}
-
 }  // namespace
 
 std::vector<std::byte> outline_world(const qnv::OutlineGroups& groups,
@@ -237,12 +233,12 @@ std::vector<std::byte> outline_world(const qnv::OutlineGroups& groups,
   Writer writer(groups, appearances);
   writer.outlines(out);
   writer.inner(out);
-  return bytes_of(out);
+  return copied_bytes(out);
 }
 
 std::vector<std::byte> outline_world(const vrml::SceneGraph& scene, const std::string& title) {
   const std::string nodes = vrml::print(scene);
-  return bytes_of(begun(title, nodes.find("exCoord") != std::string::npos) + nodes.substr(nodes.find('\n') + 1));
+  return copied_bytes(begun(title, nodes.find("exCoord") != std::string::npos) + nodes.substr(nodes.find('\n') + 1));
 }
 
 }  // namespace gs::app

@@ -1,6 +1,7 @@
 #include "app/script/habits/contact_habits.h"
 
 #include "app/script/habits/program_tokens.h"
+#include "base/text.h"
 
 #include <algorithm>
 #include <unordered_set>
@@ -32,16 +33,10 @@ std::unordered_set<std::string_view> handlers_of(const Tokens& tokens, const std
   return found;
 }
 
-std::uint64_t hash_of(std::string_view name) {
-  std::uint64_t hash = 0xcbf29ce484222325U;
-  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
-  return hash;
-}
-
 std::vector<std::uint64_t> hashes_of(const std::unordered_set<std::string_view>& names) {
   std::vector<std::uint64_t> hashes;
   for (const std::string_view name : names)
-    if (hashes.size() < UndeclaredNames::kMaxNames) hashes.push_back(hash_of(name));
+    if (hashes.size() < UndeclaredNames::kMaxNames) hashes.push_back(stable_hash(name));
   std::sort(hashes.begin(), hashes.end());
   return hashes;
 }
@@ -116,11 +111,11 @@ UndeclaredNames::UndeclaredNames(std::string_view program) {
 }
 
 bool UndeclaredNames::contains(std::string_view name) const {
-  return std::binary_search(names_.begin(), names_.end(), hash_of(name));
+  return std::binary_search(names_.begin(), names_.end(), stable_hash(name));
 }
 
 bool UndeclaredNames::is_tested(std::string_view name) const {
-  return std::binary_search(tested_.begin(), tested_.end(), hash_of(name));
+  return std::binary_search(tested_.begin(), tested_.end(), stable_hash(name));
 }
 
 }  // namespace gs::app::script

@@ -1,4 +1,4 @@
-#include "bench/studio.h"
+#include "bench/shared/studio.h"
 
 #include "render/scene/camera.h"
 #include "render/scene/surface_mesh.h"

@@ -1,4 +1,4 @@
-#include "bench/bare_loop.h"
+#include "bench/shared/bare_loop.h"
 
 #include <fast_float/fast_float.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bench/mesh_files.h"
+#include "bench/shared/mesh_files.h"
 #include "qnv/base/geometry.h"
 
 namespace gs::bench {

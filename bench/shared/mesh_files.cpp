@@ -1,4 +1,4 @@
-#include "bench/mesh_files.h"
+#include "bench/shared/mesh_files.h"
 
 #include "app/encode/surface_triangles.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bench/picture_error.h"
+#include "bench/shared/picture_error.h"
 #include "qnv/base/geometry.h"
 #include "render/draw/renderer.h"
 #include "render/gl/context.h"

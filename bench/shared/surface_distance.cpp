@@ -1,4 +1,4 @@
-#include "bench/surface_distance.h"
+#include "bench/shared/surface_distance.h"
 
 #include "qnv/mesh/triangle_tree.h"
 
