@@ -221,7 +221,7 @@ struct NodeType : NonCopyable {
 /// Returns the built-in VRML97 type of this kind. If there are several, returns the first one by name.
 [[nodiscard]] const NodeType& built_in_node_type(NodeKind kind);
 /// Reports whether a node of this type may stand in a field of an X3D node, by the types that its row lists. Returns
-/// true for fields without a list, and for PROTOs, whose first node is unknown here.
+/// true for fields without a list, and for PROTOs, because their first node is unknown here.
 [[nodiscard]] bool accepts(const InterfaceDeclaration& field, const NodeType& type);
 /// Name of the browser as a node in ROUTEs, as in worlds for Contact.
 inline constexpr std::string_view kBrowserName = "Browser";
