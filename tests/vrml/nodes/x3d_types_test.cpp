@@ -129,7 +129,7 @@ TEST_CASE("accepts the types that a field lists, and types that derive from them
 TEST_CASE("reads an X3D node in a VRML97 text with one warning", "[x3d]") {
   SceneGraph scene("a.wrl");
   Diagnostics diagnostics;
-  parse("#VRML V2.0 utf8\nShape { geometry Disk2D { outerRadius 2 } } Shape { geometry Disk2D { } }", scene,
+  parse("#VRML V2.0 utf8\nShape { geometry Arc2D { radius 2 } } Shape { geometry Arc2D { } }", scene,
         diagnostics);
   CHECK(scene.nodes().count() == 4);
   CHECK(diagnostics.errors() == 0);
