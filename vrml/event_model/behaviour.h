@@ -92,5 +92,7 @@ extern const Behaviour kScriptBehaviour;                             // 6.40
 extern const Behaviour kColorInterpolatorBehaviour, kCoordinateInterpolatorBehaviour, kNormalInterpolatorBehaviour,
     kOrientationInterpolatorBehaviour, kPositionInterpolatorBehaviour, kScalarInterpolatorBehaviour,
     kNurbsPositionInterpolatorBehaviour;
+extern const Behaviour kNurbsCurvePositionBehaviour, kNurbsOrientationInterpolatorBehaviour,
+    kNurbsSurfaceInterpolatorBehaviour;  // of X3D
 
 }  // namespace gs::vrml

@@ -79,12 +79,11 @@ std::vector<glm::dvec3> points_of(const SceneGraph& scene, NodeId node, std::str
 }
 
 std::optional<NurbsCurve> NurbsCurve::make(const SceneGraph& scene, NodeId node) {
-  std::vector<glm::dvec4> points =
-      weighted(points_of(scene, node, "controlPoint"), numbers_of(scene, node, "weight"));
-  const bool closed = given_or<SFBool>(scene, node, "closed", false) && points.size() > 1 &&
-                      points.front() == points.back();
-  ClosableAxis made = make_axis(points.size(), given_or<SFInt32>(scene, node, "order", 3),
-                                numbers_of(scene, node, "knot"), closed);
+  std::vector<glm::dvec4> points = weighted(points_of(scene, node, "controlPoint"), numbers_of(scene, node, "weight"));
+  const bool closed =
+      given_or<SFBool>(scene, node, "closed", false) && points.size() > 1 && points.front() == points.back();
+  ClosableAxis made =
+      make_axis(points.size(), given_or<SFInt32>(scene, node, "order", 3), numbers_of(scene, node, "knot"), closed);
   if (!made.axis) return std::nullopt;
   const std::size_t own = made.own;
   points.resize(made.axis->points());
@@ -127,22 +126,19 @@ std::optional<NurbsSurface> NurbsSurface::make(const SceneGraph& scene, NodeId n
       if (!test(i)) return false;
     return true;
   };
-  const bool u_closed = given_or<SFBool>(scene, node, "uClosed", false) && all(rows, [&](std::size_t j) {
-                          return points[j * columns] == points[(j + 1) * columns - 1];
-                        });
-  const bool v_closed = given_or<SFBool>(scene, node, "vClosed", false) && all(columns, [&](std::size_t i) {
-                          return points[i] == points[(rows - 1) * columns + i];
-                        });
-  ClosableAxis u = make_axis(columns, given_or<SFInt32>(scene, node, "uOrder", 3), numbers_of(scene, node, "uKnot"),
-                             u_closed);
-  ClosableAxis v = make_axis(rows, given_or<SFInt32>(scene, node, "vOrder", 3), numbers_of(scene, node, "vKnot"),
-                             v_closed);
+  const bool u_closed = given_or<SFBool>(scene, node, "uClosed", false) &&
+                        all(rows, [&](std::size_t j) { return points[j * columns] == points[(j + 1) * columns - 1]; });
+  const bool v_closed = given_or<SFBool>(scene, node, "vClosed", false) &&
+                        all(columns, [&](std::size_t i) { return points[i] == points[(rows - 1) * columns + i]; });
+  ClosableAxis u =
+      make_axis(columns, given_or<SFInt32>(scene, node, "uOrder", 3), numbers_of(scene, node, "uKnot"), u_closed);
+  ClosableAxis v =
+      make_axis(rows, given_or<SFInt32>(scene, node, "vOrder", 3), numbers_of(scene, node, "vKnot"), v_closed);
   if (!u.axis || !v.axis) return std::nullopt;
   std::vector<glm::dvec4> repeated;
   repeated.reserve(u.axis->points() * v.axis->points());
   for (std::size_t j = 0; j < v.axis->points(); ++j)
-    for (std::size_t i = 0; i < u.axis->points(); ++i)
-      repeated.push_back(points[(j % v.own) * columns + i % u.own]);
+    for (std::size_t i = 0; i < u.axis->points(); ++i) repeated.push_back(points[(j % v.own) * columns + i % u.own]);
   return NurbsSurface(std::move(*u.axis), std::move(*v.axis), std::move(repeated));
 }
 

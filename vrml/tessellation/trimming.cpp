@@ -97,8 +97,8 @@ std::vector<std::vector<glm::dvec2>> trim(const std::vector<std::vector<glm::dve
     std::sort(crossing.begin(), crossing.end(),
               [&](const Edge* a, const Edge* b) { return a->x_at(middle) < b->x_at(middle); });
     for (std::size_t i = 0; i + 1 < crossing.size(); i += 2)
-      split({crossing[i]->x_at(low), crossing[i]->x_at(high)}, {crossing[i + 1]->x_at(low), crossing[i + 1]->x_at(high)},
-            low, high, columns, polygons);
+      split({crossing[i]->x_at(low), crossing[i]->x_at(high)},
+            {crossing[i + 1]->x_at(low), crossing[i + 1]->x_at(high)}, low, high, columns, polygons);
   }
   return polygons;
 }
