@@ -17,7 +17,7 @@ using glm::dmat3;
 using glm::dmat4;
 using glm::dvec3;
 
-constexpr std::size_t kMaxText = 1024;  // maximum bytes; USE can multiply a long text
+constexpr std::size_t kMaxText = 1024;              // maximum bytes; USE can multiply a long text
 constexpr std::size_t kMaxBackgroundColors = 1024;  // maximum rings of a Background; more than the rows of a screen
 constexpr std::size_t kMaxNavigationTypes = 16;
 constexpr float kHalfPi = std::numbers::pi_v<float> / 2;

@@ -15,6 +15,7 @@ constexpr SchemaRow kSchemaRows[] = {
     {NodeKind::group, {"children"}},
     {NodeKind::collision, {"children", "collide", "proxy"}},
     {NodeKind::transform, {"children", "center", "rotation", "scale", "scaleOrientation", "translation"}},
+    {NodeKind::humanoid, {"skeleton", "center", "rotation", "scale", "scaleOrientation", "translation", "skin"}},
     {NodeKind::billboard, {"children", "axisOfRotation"}},
     {NodeKind::switch_node, {"choice", "whichChoice"}},
     {NodeKind::lod, {"level", "center", "range"}},

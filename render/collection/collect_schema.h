@@ -21,6 +21,9 @@ struct CollisionFields {
 struct TransformFields {
   enum : int { children, center, rotation, scale, scale_orientation, translation };
 };
+struct HumanoidFields {  // the first ones are those of a Transform
+  enum : int { skeleton, skin = TransformFields::translation + 1 };
+};
 struct BillboardFields {
   enum : int { children, axis_of_rotation };
 };

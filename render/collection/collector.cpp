@@ -202,6 +202,15 @@ void Collector::enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MF
   enter(frame);
 }
 
+// Enters the skeleton and the skin of an HAnimHumanoid as one list.
+void Collector::enter_humanoid(const Frame& parent, vrml::NodeId id, const NodeView& humanoid) {
+  vrml::MFNode& parts = joined_.emplace_back();
+  for (const int field : {HumanoidFields::skeleton, HumanoidFields::skin})
+    if (const auto* list = humanoid.find<vrml::MFNode>(field))
+      for (const vrml::NodeId part : *list) parts.push_back(part);
+  enter_moved(parent, id, &parts, transform_matrix(humanoid), false);
+}
+
 void Collector::enter_choice(const Frame& parent, vrml::NodeId id, const vrml::MFNode* choices, std::int64_t which) {
   if (!choices || which < 0 || which >= static_cast<std::int64_t>(choices->size())) return;
   enter_one(parent, id, choices->begin()[which]);
@@ -280,6 +289,9 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
       break;
     case NodeKind::transform:
       enter_moved(parent, id, view.find<vrml::MFNode>(TransformFields::children), transform_matrix(view), false);
+      break;
+    case NodeKind::humanoid:
+      enter_humanoid(parent, id, view);
       break;
     case NodeKind::billboard:
       enter_moved(parent, id, view.find<vrml::MFNode>(BillboardFields::children),

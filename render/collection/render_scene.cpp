@@ -19,7 +19,7 @@ using glm::dvec3;
 
 constexpr std::uint32_t kBoundsBlock = 256;
 constexpr std::uint32_t kSplat = std::uint32_t{1} << 31;  // bit of Use::index: set for splat items
-constexpr std::uint32_t kUnshown = UINT32_MAX;  // Use::index of a node that draws nothing so far
+constexpr std::uint32_t kUnshown = UINT32_MAX;            // Use::index of a node that draws nothing so far
 
 dvec3 usable(const dvec3& viewer) {
   return std::isfinite(viewer.x) && std::isfinite(viewer.y) && std::isfinite(viewer.z) ? viewer : dvec3(0, 0, 10);
@@ -158,6 +158,9 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
   switch (view.kind()) {
     case NodeKind::transform:
       return only(Effect::frame, TransformFields::children);
+    case NodeKind::humanoid:
+      if (has_changed(change, view, HumanoidFields::skin)) return Effect::everything;
+      return only(Effect::frame, HumanoidFields::skeleton);
     case NodeKind::billboard:
       return only(Effect::none, BillboardFields::children);  // the next update of the viewer rotates it
     case NodeKind::group:

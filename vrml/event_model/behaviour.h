@@ -76,6 +76,7 @@ struct Behaviour {
 
 // Behaviours that rows of the node table use.
 extern const Behaviour kTransformBehaviour;
+extern const Behaviour kHumanoidBehaviour, kJointBehaviour, kSegmentBehaviour, kDisplacerBehaviour, kMotionBehaviour;
 extern const Behaviour kViewpointBehaviour;
 extern const Behaviour kProximitySensorBehaviour, kVisibilitySensorBehaviour;
 extern const Behaviour kTouchSensorBehaviour, kPlaneSensorBehaviour, kCylinderSensorBehaviour, kSphereSensorBehaviour;

@@ -62,6 +62,15 @@ struct Renamed {
 constexpr Renamed kRenamed[] = {
     {"Collision", "collide", "enabled"}, {"LOD", "level", "children"}, {"Switch", "choice", "children"}};
 
+/// Field of a grouping node with nodes that stand elsewhere in the hierarchy, or outside of it.
+struct ListField {
+  std::string_view node, field;
+};
+constexpr ListField kListFields[] = {{"HAnimHumanoid", "joints"},     {"HAnimHumanoid", "motions"},
+                                     {"HAnimHumanoid", "segments"},   {"HAnimHumanoid", "sites"},
+                                     {"HAnimHumanoid", "viewpoints"}, {"HAnimJoint", "displacers"},
+                                     {"HAnimSegment", "displacers"}};
+
 // Adds an interface of X3D to a type that may have it from VRML97. Of two access types, the one that allows more wins.
 void add_x3d_interface(NodeType& type, const InterfaceDeclaration& added) {
   const auto own = std::find_if(type.interfaces.begin(), type.interfaces.end(), [&](const InterfaceDeclaration& each) {
@@ -110,6 +119,10 @@ std::unique_ptr<NodeType> type_of_x3d_row(const X3DRow& row, const NodeRow* vrml
   (void)good;
   read_ranges(row.interface_text, own);
   for (const InterfaceDeclaration& each : own.interfaces) add_x3d_interface(*type, each);
+  for (const ListField& list : kListFields)
+    if (list.node == row.name)
+      for (InterfaceDeclaration& each : type->interfaces)
+        if (each.name == list.field) each.lists = true;
   return type;
 }
 

@@ -33,6 +33,7 @@ struct InterfaceDeclaration {
   FieldValue initial;              // initial value; only for fields and exposedFields
   std::string range;               // "[0,1]" as the standard writes it; only for built-in nodes. For nodes: accepts()
   std::string x3d_name{};          // name in X3D, if it differs: Switch.choice is `children` in X3D
+  bool lists = false;              // nodes that stand elsewhere in the hierarchy: HAnimHumanoid.joints
   int slot = -1;                   // index of the stored value in a node; -1 for eventIns and eventOuts
   bool of_other_browsers = false;  // event of a built-in node that the standard does not have (NodeRow::other_events)
 };
@@ -79,6 +80,7 @@ enum class NodeKind : std::uint8_t {
   group,
   collision,
   transform,
+  humanoid,
   billboard,
   switch_node,
   lod,
