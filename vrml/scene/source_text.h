@@ -1,7 +1,9 @@
 #pragma once
 
 #include "base/noncopyable.h"
+#include "vrml/scene/language.h"
 #include "vrml/scene/node_type.h"
+#include "vrml/scene/x3d_statements.h"
 
 #include <cstdint>
 #include <forward_list>
@@ -27,14 +29,14 @@ struct Route {
 struct Statement {
   enum class Kind : std::uint8_t { node, prototype, route };
   Kind kind;
-  NodeId node;  // for Kind::node
+  NodeId node;                     // for Kind::node
   const NodeType* type = nullptr;  // for Kind::prototype: a PROTO or EXTERNPROTO
-  Route route;  // for Kind::route
+  Route route;                     // for Kind::route
 };
 
 /// Source of a text's bytes. This room only stores it and compares pointers. app/world sets it from net::Origin.
 struct TextSource {
-  std::string url;  // URL after redirects; for data: URLs, the URL of the enclosing text
+  std::string url;                 // URL after redirects; for data: URLs, the URL of the enclosing text
   std::uint8_t address_space = 0;  // net::AddressSpace of the host
 };
 
@@ -56,6 +58,13 @@ class SourceText : NonCopyable {
   void set_source(std::shared_ptr<const TextSource> source) { source_ = std::move(source); }
   /// Reports whether a Script computed this text (createVrmlFromString). Returns false if it was read from a URL.
   [[nodiscard]] bool is_computed() const { return computed_; }
+  [[nodiscard]] Language language() const { return language_; }
+  /// Returns the version in tenths: 20 for VRML97, 33 for X3D 3.3.
+  [[nodiscard]] int version() const { return version_; }
+  void set_language(Language language, int version) { language_ = language, version_ = version; }
+  /// Returns the X3D statements of the text. They are empty for VRML97.
+  [[nodiscard]] const X3DStatements& x3d() const;
+  [[nodiscard]] X3DStatements& x3d();
   /// Returns the top-level nodes.
   [[nodiscard]] const MFNode& roots() const { return roots_; }
   [[nodiscard]] std::vector<Statement>& statements() { return statements_; }
@@ -75,6 +84,9 @@ class SourceText : NonCopyable {
   const SourceText* origin_ = nullptr;
   std::shared_ptr<const TextSource> source_;
   bool computed_ = false;
+  Language language_ = Language::vrml97;
+  int version_ = 20;
+  std::unique_ptr<X3DStatements> x3d_;  // null if there are none
   std::forward_list<std::string> names_;
   MFNode roots_;
   std::vector<Statement> statements_;

@@ -213,7 +213,7 @@ void SceneSink::place(NodeId node, NodeTarget target) {
       *std::get_if<SFNode>(target.value) = node;
     }
   } else if (scopes_.back().prototype) {
-    statements().push_back({Statement::Kind::node, node, nullptr, {}});
+    statement_list().push_back({Statement::Kind::node, node, nullptr, {}});
   } else {
     text_.add_root(node);
   }

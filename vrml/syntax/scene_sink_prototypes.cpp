@@ -15,7 +15,7 @@ bool may_be_mapped(AccessType inner, AccessType outer) { return inner == outer |
 
 }  // namespace
 
-std::vector<Statement>& SceneSink::statements() {
+std::vector<Statement>& SceneSink::statement_list() {
   NodeType* const prototype = scopes_.back().prototype;
   return prototype ? prototype->prototype->statements : text_.statements();
 }
@@ -97,7 +97,7 @@ void SceneSink::add_type(NodeType& type) {
                                          : '\'' + type.name + "' is a built-in node") +
                                       " (VRML97 4.8); this PROTO is used from here on");
   known = &type;
-  std::vector<Statement>& list = statements();
+  std::vector<Statement>& list = statement_list();
   auto position = list.end();
   if (scope.open_nodes > 0 || open_interfaces_ > scope.interfaces_around)
     while (position != list.begin() && (--position)->kind != Statement::Kind::node) {
@@ -152,6 +152,7 @@ void SceneSink::add_route(const RouteNames& route) {
 }
 
 void SceneSink::finish() {
+  x3d_.resolve_names();
   Scope& scope = scopes_.back();
   const std::vector<RouteNames> routes = std::exchange(scope.waiting_routes, {});
   for (const RouteNames& route : routes) {
@@ -161,7 +162,7 @@ void SceneSink::finish() {
     const NodeId* const to = scope.names.find(route.to);
     if (from && to) {
       connect_route(route, *from, *to);
-    } else {
+    } else if (!x3d_.take_route(route)) {
       problems_.error(route.location,
                       "ROUTE names '" + (!from ? route.from : route.to) + "', but no DEF has this name");
     }
@@ -201,7 +202,7 @@ void SceneSink::connect_route(const RouteNames& wanted, NodeId from, NodeId to) 
     return;
   }
   (void)scene_.memory().charge(sizeof(Statement) + sizeof(Route));
-  statements().push_back({Statement::Kind::route, {}, nullptr, route});
+  statement_list().push_back({Statement::Kind::route, {}, nullptr, route});
   if (!scopes_.back().prototype) scene_.routes().push_back(route);
 }
 
