@@ -7,6 +7,7 @@ Execution::Execution(SceneGraph& root)
       scenes_(*this, root),
       nodes_(*this),
       routes_(*this),
+      imports_(*this),
       cascade_(*this),
       changes_(*this),
       stacks_(*this),

@@ -9,6 +9,7 @@
 #include "vrml/events/event_cascade.h"
 #include "vrml/events/event_nodes.h"
 #include "vrml/events/idle_sensors.h"
+#include "vrml/events/imported_routes.h"
 #include "vrml/events/node_lifetime.h"
 #include "vrml/events/pointing.h"
 #include "vrml/events/route_table.h"
@@ -61,6 +62,7 @@ class Execution : NonCopyable {
   [[nodiscard]] EventNodes& nodes() { return nodes_; }
   [[nodiscard]] RouteTable& routes() { return routes_; }
   [[nodiscard]] const RouteTable& routes() const { return routes_; }
+  [[nodiscard]] ImportedRoutes& imports() { return imports_; }
   [[nodiscard]] EventCascade& cascade() { return cascade_; }
   [[nodiscard]] ChangeList& changes() { return changes_; }
   [[nodiscard]] BindableStacks& stacks() { return stacks_; }
@@ -97,6 +99,7 @@ class Execution : NonCopyable {
   WorldScenes scenes_;
   EventNodes nodes_;
   RouteTable routes_;
+  ImportedRoutes imports_;
   EventCascade cascade_;
   ChangeList changes_;
   BindableStacks stacks_;

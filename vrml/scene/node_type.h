@@ -3,6 +3,7 @@
 #include "base/diagnostic.h"
 #include "base/noncopyable.h"
 #include "vrml/scene/field_value.h"
+#include "vrml/scene/language.h"
 
 #include <cstdint>
 #include <deque>
@@ -22,7 +23,7 @@ struct Prototype;
 
 /// Access type of an interface (VRML97 4.7).
 enum class AccessType : std::uint8_t { eventIn, eventOut, field, exposedField };
-[[nodiscard]] std::string_view name_of(AccessType access);
+[[nodiscard]] std::string_view name_of(AccessType access, Language language = Language::vrml97);
 
 /// Declaration of one interface of a node type.
 struct InterfaceDeclaration {

@@ -24,7 +24,7 @@ struct Parser::State {
 
   ParsedText text;
   StatementParser statements;
-  std::string carry;  // received bytes that are not complete enough to use
+  std::string carry;           // received bytes that are not complete enough to use
   std::size_t retry_size = 0;  // size of `carry` at which it is read again
 };
 
@@ -102,9 +102,9 @@ ParseOutcome Parser::parse_whole(std::string_view text) {
   return state_->text.close();
 }
 
-// A header in the text is only a comment here.
+// A header in the text only selects the language. Otherwise it is a comment.
 ParseOutcome Parser::parse_fragment(std::string_view text) {
-  state_->text.header_read = true;
+  state_->text.read_fragment_header(text);
   return parse_whole(text);
 }
 

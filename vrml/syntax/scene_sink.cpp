@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 #include "vrml/scene/prototype.h"
+#include "vrml/scene/units.h"
 #include "vrml/syntax/stand_ins.h"
 
 #include <algorithm>
@@ -219,8 +220,18 @@ void SceneSink::place(NodeId node, NodeTarget target) {
   }
 }
 
+// Converts the lists of angles that the text gives to a node.
+void SceneSink::convert_angles(Node& node) {
+  for (const InterfaceDeclaration& field : node.type->interfaces) {
+    const bool given = field.slot >= 0 && field.slot < 64 && (node.fields_set >> field.slot & 1) != 0;
+    if (given && is_multiple(field.type) && is_angle(*node.type, field))
+      scale_angles(node.values[field.slot], angle_unit_);
+  }
+}
+
 void SceneSink::end_node(NodeId id) {
   --scopes_.back().open_nodes;
+  if (angle_unit_ != 1) convert_angles(scene_.node(id));
   check_measures(scene_.node(id), said_measures_, problems_);
   const NodeType& type = *scene_.node(id).type;
   if (!type.prototype) return;
@@ -263,7 +274,11 @@ void SceneSink::field_given(OpenNode& node, const InterfaceDeclaration& field, S
     problems_.warn(name.location,
                    quoted(name.text) + " of " + node.type->name + " is given twice; the last one is used");
   node.fields_given |= bit;
-  scene_.node(node.id).fields_set |= bit;
+  Node& given = scene_.node(node.id);
+  given.fields_set |= bit;
+  // Lists may get more values, and are converted at the end of the node.
+  if (angle_unit_ != 1 && !is_multiple(field.type) && is_angle(*node.type, field))
+    scale_angles(given.values[field.slot], angle_unit_);
 }
 
 }  // namespace gs::vrml

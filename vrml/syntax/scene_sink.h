@@ -121,6 +121,7 @@ class SceneSink : NonCopyable {
   [[nodiscard]] const NodeType* find_stand_in(SourceName name);
   [[nodiscard]] std::vector<Statement>& statement_list();
   void skip_unknown(const NodeHeader& header);
+  void convert_angles(Node& node);
   void place(NodeId node, NodeTarget target);
   void place_checked(NodeId node, NodeTarget target, SourceLocation location);
   bool place_in_shape(NodeId node, NodeTarget target);

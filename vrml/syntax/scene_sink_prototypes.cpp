@@ -1,4 +1,5 @@
 #include "vrml/scene/prototype.h"
+#include "vrml/scene/units.h"
 #include "vrml/syntax/scene_sink.h"
 
 #include <memory>
@@ -37,7 +38,7 @@ NodeType& SceneSink::begin_prototype(SourceName name, bool external) {
 
 bool SceneSink::may_declare(const NodeType& type, const InterfaceDeclaration& declaration, SourceLocation location) {
   const bool script = type.kind == NodeType::Kind::script;
-  if (script && declaration.access == AccessType::exposedField)
+  if (script && declaration.access == AccessType::exposedField && text_.language() == Language::vrml97)
     problems_.warn(location,
                    "a Script has no exposedFields in VRML97 (6.40); " + quoted(declaration.name) + " is accepted");
   const InterfaceDeclaration* const known = type.find(declaration.name);
@@ -51,6 +52,7 @@ bool SceneSink::may_declare(const NodeType& type, const InterfaceDeclaration& de
 
 void SceneSink::declare(NodeType& type, NodeId script, InterfaceDeclaration declaration) {
   (void)scene_.memory().charge(sizeof(InterfaceDeclaration));
+  if (angle_unit_ != 1 && is_angle(type, declaration)) scale_angles(declaration.initial, angle_unit_);
   if (script) {
     scene_.declare(script, type, std::move(declaration));
   } else {
@@ -69,6 +71,13 @@ void SceneSink::end_body() {
   NodeType& type = *scopes_.back().prototype;
   scopes_.pop_back();
   type.prototype->complete = true;
+  if (angle_unit_ != 1)
+    for (InterfaceDeclaration& field : type.interfaces)
+      if (field.slot >= 0 && field.type != FieldType::SFRotation && field.type != FieldType::MFRotation &&
+          is_angle(type, field)) {
+        scale_angles(field.initial, angle_unit_);
+        scale_angles(type.defaults[field.slot], angle_unit_);
+      }
   count_instance_nodes(scene_, *type.prototype);
   // The first node of the body determines where instances may stand (VRML97 4.8.3).
   for (const Statement& statement : type.prototype->statements) {

@@ -78,6 +78,7 @@ Step StatementParser::statement(const Token& keyword, bool& was_statement) {
   if (keyword.text == "ROUTE") return route_statement(keyword.location);
   if (keyword.text == "PROTO") return prototype_head(false);
   if (keyword.text == "EXTERNPROTO") return prototype_head(true);
+  if (text_.language() == Language::x3d) return x3d_statement(keyword, was_statement);
   for (std::size_t i = 0; i < kOtherStatements.size(); ++i)
     if (keyword.text == kOtherStatements[i] && !text_.sink.find_type(keyword.text))
       return other_statement(keyword, said_statements_[i]);

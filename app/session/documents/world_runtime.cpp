@@ -28,6 +28,7 @@ double world_time() {
 WorldRuntime::WorldRuntime(LoadedWorld& world, render::MeshCache& meshes)
     : world_(world), meshes_(meshes), execution_(*world.scene) {
   execution_.lifetime().observe_removal([this](vrml::SceneGraph& scene, vrml::NodeId node) { forget(scene, node); });
+  execution_.imports().report(world_.diagnostics);
 }
 
 // Destroys the programs first, because they refer to other members.
@@ -86,6 +87,7 @@ void WorldRuntime::show_content(ResourceUpdates::Content&& update) {
   meshes_.take(std::move(update.meshes));
   scene.inlines().attach(update.place.node, std::move(update.content));
   execution_.scenes().attach(scene);
+  execution_.imports().report(world_.diagnostics);
   programs_.start();
   execution_.changes().mark_content(scene, update.place.node);
 }
