@@ -85,6 +85,15 @@ struct ScriptState {
   double processed_at = -std::numeric_limits<double>::infinity();
 };
 
+/// State of a LoadSensor (ISO/IEC 19775-1 9.4.3).
+struct LoadSensorState {
+  bool active = false;
+  bool told = false;       // isLoaded was sent for the present state of all watched nodes
+  bool timed_out = false;  // timeOut passed; nothing is sent until all watched nodes are loaded
+  float fraction = 0;      // last value of progress
+  double began = 0;        // time when it became active
+};
+
 /// Pool of states of one kind. Indices start at 1; indices of removed nodes are used again.
 template <class T>
 class StatePool {
@@ -121,6 +130,7 @@ struct BehaviourStates {
   StatePool<PointingState> pointing;
   StatePool<ScriptState> scripts;
   StatePool<MediaState> media;
+  StatePool<LoadSensorState> loads;
 };
 
 }  // namespace gs::vrml

@@ -18,7 +18,8 @@ Execution::Execution(SceneGraph& root)
       placement_(root),
       viewer_(*this),
       pointing_(*this),
-      browser_(*this) {
+      browser_(*this),
+      loads_(*this) {
   scenes_.attach();
 }
 

@@ -15,6 +15,7 @@
 #include "vrml/events/route_table.h"
 #include "vrml/events/script_queue.h"
 #include "vrml/events/timer_queue.h"
+#include "vrml/events/url_loads.h"
 #include "vrml/events/world_browser.h"
 #include "vrml/events/world_scenes.h"
 #include "vrml/events/world_viewer.h"
@@ -75,6 +76,7 @@ class Execution : NonCopyable {
   [[nodiscard]] WorldViewer& viewer() { return viewer_; }
   [[nodiscard]] Pointing& pointing() { return pointing_; }
   [[nodiscard]] WorldBrowser& browser() { return browser_; }
+  [[nodiscard]] UrlLoads& loads() { return loads_; }
   /// Returns the states of behaviours. EventNodes::state_of is the index of a node's state.
   [[nodiscard]] BehaviourStates& states() { return states_; }
 
@@ -111,6 +113,7 @@ class Execution : NonCopyable {
   WorldViewer viewer_;
   Pointing pointing_;
   WorldBrowser browser_;
+  UrlLoads loads_;
   BehaviourStates states_;
 };
 

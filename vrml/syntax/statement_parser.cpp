@@ -42,7 +42,7 @@ Step StatementParser::statement_step() {
     bool was_statement = false;
     const Step step = statement(token, was_statement);
     if (was_statement || step != Step::done) {
-      if (step == Step::done) text_.anything_read = true, text_.rubbish = false;
+      if (step == Step::done) text_.anything_read = true, text_.rubbish = std::exchange(statement_failed_, false);
       return step;
     }
     // It is a node if an opening brace or a node keyword follows.

@@ -60,6 +60,7 @@ class StatementParser {
   std::vector<std::unique_ptr<InterfaceDeclaration>> kept_values_;  // values of invalid declarations
   FieldValue discarded_ = MFNode{};                                 // storage for named nodes that no field can take
   std::array<bool, kOtherStatements.size()> said_statements_{};
+  bool statement_failed_ = false;  // an unusable token in a statement of X3D was reported; reading continues there
   bool said_external_value_ = false, said_route_in_list_ = false;
 };
 

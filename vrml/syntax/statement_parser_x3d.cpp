@@ -27,6 +27,7 @@ Step StatementParser::expected(const Token& keyword, const Token& found, const L
   if (found.kind == TokenKind::need_more) return Step::need_more;
   text_.unexpected(found, std::string(what) + " after " + std::string(keyword.text));
   text_.lexer.go_back(before);
+  statement_failed_ = true;
   return Step::done;
 }
 
@@ -72,15 +73,15 @@ Step StatementParser::meta_statement(const Token& keyword) {
 // Parses `UNIT category name factor`.
 Step StatementParser::unit_statement(const Token& keyword) {
   Token tokens[3];
+  Lexer::Position before{};
   for (Token& token : tokens) {
-    const Lexer::Position before = text_.lexer.position();
+    before = text_.lexer.position();
     token = text_.lexer.next();
     if (token.kind != TokenKind::word) return expected(keyword, token, before, "a category, a name and a factor");
   }
   double factor = 0;
   if (!parse_number(tokens[2].text, factor)) {
-    text_.problems.error(tokens[2].location, "expected a conversion factor, found " + describe(tokens[2]));
-    return Step::done;
+    return expected(keyword, tokens[2], before, "a category, a name and a factor");
   }
   text_.sink.statements().set_unit(name_in(tokens[0]), tokens[1].text, factor);
   return Step::done;
@@ -110,6 +111,7 @@ Step StatementParser::import_statement(const Token& keyword) {
   if (step == Step::need_more) return step;
   if (!good) {
     text_.problems.error(keyword.location, "expected IMPORT inline.exportedName AS name");
+    statement_failed_ = true;
     return Step::done;
   }
   Token name;

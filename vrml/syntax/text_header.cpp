@@ -75,7 +75,7 @@ Step ParsedText::read_header() {
   if (text.size() < kHeaderWindow && !lexer.is_last_window()) return Step::need_more;
   header_read = true;
   if (text.empty()) {
-    refuse("the file is empty; expected VRML97 or X3D text, '#VRML V2.0 utf8' or '#X3D V3.3 utf8' on its first line");
+    refuse("the file is empty; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
     return Step::finished;
   }
   lexer.advance(begin, 0, nullptr);
