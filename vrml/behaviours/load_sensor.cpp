@@ -86,7 +86,7 @@ bool note_change(Execution& execution, EventNode node, int, const FieldValue&) {
 }  // namespace
 
 const Behaviour kLoadSensorBehaviour = {
-    .events = {"enabled", "timeOut", "children", "isActive", "isLoaded", "loadTime", "progress"},
+    .events = {"enabled", "timeOut", "watchList", "isActive", "isLoaded", "loadTime", "progress"},
     .initialize = begin,
     .on_event = note_change,
     .on_time = look,

@@ -56,12 +56,14 @@ class SourceText : NonCopyable {
   /// computed has the source of the Script. Returns null if the source was not set.
   [[nodiscard]] const std::shared_ptr<const TextSource>& source() const { return source_; }
   void set_source(std::shared_ptr<const TextSource> source) { source_ = std::move(source); }
-  /// Reports whether a Script computed this text (createVrmlFromString). Returns false if it was read from a URL.
-  [[nodiscard]] bool is_computed() const { return computed_; }
+  /// Returns the language of the text. A text that a Script requested has the language of the Script's file, unless its
+  /// header states another one.
   [[nodiscard]] Language language() const { return language_; }
-  /// Returns the version in tenths: 20 for VRML97, 33 for X3D 3.3.
+  /// Returns ten times the version of the language: 20 for VRML97, 30 to 40 for X3D.
   [[nodiscard]] int version() const { return version_; }
   void set_language(Language language, int version) { language_ = language, version_ = version; }
+  /// Reports whether a Script computed this text (createVrmlFromString). Returns false if it was read from a URL.
+  [[nodiscard]] bool is_computed() const { return computed_; }
   /// Returns the X3D statements of the text. They are empty for VRML97.
   [[nodiscard]] const X3DStatements& x3d() const;
   [[nodiscard]] X3DStatements& x3d();
