@@ -96,6 +96,11 @@ void check_measures(const Node& node, std::unordered_set<std::uint64_t>& said, T
   }
 }
 
+// Reports whether the body of a node may declare interfaces: of a Script, or of a shader of X3D.
+bool declares_interfaces(const NodeType& type) {
+  return type.kind == NodeType::Kind::script || type.bases.find("X3DProgrammableShaderObject") != std::string::npos;
+}
+
 // Makes the type of one Script. Each Script has a separate interface, which its body extends.
 NodeType& make_script_type(const NodeType& type, SceneGraph& scene, SourceText& text) {
   auto own = std::make_unique<NodeType>();
@@ -105,6 +110,13 @@ NodeType& make_script_type(const NodeType& type, SceneGraph& scene, SourceText& 
   own->role = type.role;
   own->behaviour = type.behaviour;
   own->url_content = type.url_content;
+  own->read_as = type.read_as;
+  own->language = type.language;
+  own->component = type.component;
+  own->level = type.level;
+  own->container_field = type.container_field;
+  own->bases = type.bases;
+  own->ignored = type.ignored;
   (void)scene.memory().charge(sizeof(NodeType) + type.interfaces.size() * sizeof(InterfaceDeclaration));
   for (const InterfaceDeclaration& declaration : type.interfaces) own->declare(declaration);
   return text.add_type(std::move(own));
@@ -178,7 +190,7 @@ OpenNode SceneSink::begin_node(const NodeHeader& header) {
     skip_unknown(header);
     return {};
   }
-  if (node.type->kind == NodeType::Kind::script)
+  if (declares_interfaces(*node.type))
     node.type = node.own_type = &make_script_type(*node.type, scene_, text_);
   node.id = scene_.create(*node.type, location);
   if (!node.id) {

@@ -39,7 +39,7 @@ struct NodeHeader {
 struct OpenNode {
   NodeId id;  // null if the grammar must skip the body
   const NodeType* type = nullptr;
-  NodeType* own_type = nullptr;    // type of a Script, which the body extends; null for other nodes
+  NodeType* own_type = nullptr;    // type of a Script or shader, which the body extends; null for other nodes
   std::uint64_t fields_given = 0;  // one bit per slot below 64 with a value in the text
 };
 
