@@ -56,7 +56,7 @@ ImportedNode ImportedRoutes::find(SceneGraph& scene, std::string_view imported, 
   if (!content || !execution_.scenes().has(content)) return {};
   const ImportedNode node = find_exported(*content, import.exported, depth + 1);
   if (!node.scene && !names_of(*content).exports.contains(import.exported))
-    note_problem(scene, import.location,
+    note_problem(scene, Severity::warning, import.location,
                  "IMPORT names '" + import.exported + "', but " + content->file_name() + " does not EXPORT it");
   return node;
 }
@@ -84,7 +84,9 @@ void ImportedRoutes::connect_route(SceneGraph& scene, const X3DStatements::Impor
   const NodeType &from_type = *from.scene->node(from.node).type, &to_type = *to.scene->node(to.node).type;
   const Route found{from.node, to.node, from_type.find_event_out(route.from.event),
                     to_type.find_event_in(route.to.event)};
-  const auto refuse = [&](std::string message) { note_problem(scene, route.location, std::move(message)); };
+  const auto refuse = [&](std::string message) {
+    note_problem(scene, Severity::error, route.location, std::move(message));
+  };
   if (!found.event_out) return refuse(from_type.name + " has no eventOut '" + route.from.event + "'");
   if (!found.event_in) return refuse(to_type.name + " has no eventIn '" + route.to.event + "'");
   const std::string ends = "ROUTE from " + std::string(name_of(found.event_out->type)) + " '" + route.from.event +
@@ -96,9 +98,10 @@ void ImportedRoutes::connect_route(SceneGraph& scene, const X3DStatements::Impor
 }
 
 // Notes a problem once, although its ROUTE is tried again with each new content.
-void ImportedRoutes::note_problem(const SceneGraph& scene, SourceLocation location, std::string message) {
+void ImportedRoutes::note_problem(const SceneGraph& scene, Severity severity, SourceLocation location,
+                                  std::string message) {
   constexpr std::size_t kMaxSaid = 1000;
-  Diagnostic problem{Severity::error, scene.file_name(), location, std::move(message)};
+  Diagnostic problem{severity, scene.file_name(), location, std::move(message)};
   if (said_.size() < kMaxSaid && said_.insert(problem.text()).second) problems_.add(std::move(problem));
 }
 

@@ -48,7 +48,7 @@ class ImportedRoutes {
   [[nodiscard]] ImportedNode find_exported(SceneGraph& scene, std::string_view exported, int depth);
   void connect_routes(SceneGraph& scene);
   void connect_route(SceneGraph& scene, const X3DStatements::ImportedRoute& route);
-  void note_problem(const SceneGraph& scene, SourceLocation location, std::string message);
+  void note_problem(const SceneGraph& scene, Severity severity, SourceLocation location, std::string message);
 
   Execution& execution_;
   std::unordered_map<const SceneGraph*, Names> names_;  // filled during one search

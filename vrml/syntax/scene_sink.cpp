@@ -190,8 +190,7 @@ OpenNode SceneSink::begin_node(const NodeHeader& header) {
     skip_unknown(header);
     return {};
   }
-  if (declares_interfaces(*node.type))
-    node.type = node.own_type = &make_script_type(*node.type, scene_, text_);
+  if (declares_interfaces(*node.type)) node.type = node.own_type = &make_script_type(*node.type, scene_, text_);
   node.id = scene_.create(*node.type, location);
   if (!node.id) {
     if (!scene_.memory().exhausted() && limits_.is_first_excess())
@@ -274,7 +273,10 @@ void SceneSink::end_node(NodeId id) {
 
 void SceneSink::use_node(SourceName name, NodeTarget target) {
   const NodeId* const found = scopes_.back().names.find(name.text);
-  if (!found) {
+  if (!found && x3d_.is_imported(name.text)) {
+    problems_.error(name.location,
+                    "USE of " + quoted(name.text) + ", a node of another file; only ROUTEs may use imported nodes");
+  } else if (!found) {
     problems_.error(name.location, "USE of " + quoted(name.text) + ", but no earlier DEF has this name");
   } else if (*found) {
     place_checked(*found, target, name.location);

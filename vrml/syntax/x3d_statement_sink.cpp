@@ -127,13 +127,14 @@ bool X3DStatementSink::take_route(const RouteNames& route) {
   if (scope.prototype || imported_names_.empty()) return false;
   X3DStatements::ImportedRoute taken;
   taken.location = route.location;
-  bool imported = false;
+  bool imported = false, skipped = false;
   const auto find = [&](const std::string& name, const std::string& event, X3DStatements::RouteEnd& end) {
     end.name = name;
     end.event = event;
     if (const NodeId* const node = scope.names.find(name)) {
       end.node = *node;
-      return static_cast<bool>(*node);
+      skipped = skipped || !*node;
+      return true;
     }
     const bool known = imported_names_.contains(name);
     imported = imported || known;
@@ -141,7 +142,8 @@ bool X3DStatementSink::take_route(const RouteNames& route) {
   };
   const bool found = find(route.from, route.event_out, taken.from) & find(route.to, route.event_in, taken.to);
   if (!found || !imported) return false;
-  if (admit(sizeof taken)) statements().routes.push_back(std::move(taken));
+  // A skipped node was reported where it is.
+  if (!skipped && admit(sizeof taken)) statements().routes.push_back(std::move(taken));
   return true;
 }
 

@@ -39,6 +39,7 @@ class X3DStatementSink : NonCopyable {
   friend class SceneSink;
   [[nodiscard]] X3DStatements& statements();
   [[nodiscard]] bool admit(std::size_t bytes);
+  [[nodiscard]] bool is_imported(std::string_view name) const { return imported_names_.contains(std::string(name)); }
   /// Takes a ROUTE if one of its nodes is imported. Returns false if none is.
   [[nodiscard]] bool take_route(const RouteNames& route);
   /// Finds the nodes of IMPORT and EXPORT statements. Called at the end of the text.
