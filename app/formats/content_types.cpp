@@ -30,7 +30,18 @@ bool is_vrml(Bytes bytes) {
   const std::string mark = lower_case(text.substr(0, 10));
   return mark.starts_with("#vrml") && mark != "#vrml v1.0";
 }
+bool is_x3d_classic(Bytes bytes) {
+  std::string_view text = text_of(bytes);
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  return lower_case(text.substr(0, 4)) == "#x3d";
+}
 bool is_glb(Bytes bytes) { return text_of(bytes).starts_with("glTF"); }
+
+ContentType x3d_classic_type() {
+  ContentType type{"X3D in classic encoding", "model/x3d-vrml", ".x3dv .x3dvz ", is_x3d_classic};
+  type.grammar = vrml::Grammar::x3d_classic;
+  return type;
+}
 
 Asset read_gltf(const ImportSource& source) {
   auto scene = std::make_unique<vrml::SceneGraph>(source.path, source.budget);
@@ -85,6 +96,7 @@ std::span<const ContentType> content_types() {
     // volumes from their own table.
     std::vector<ContentType> all = {
         {"VRML97", "model/vrml", ".wrl .wrz .vrml ", is_vrml},
+        x3d_classic_type(),
         {"QNV", "model/x-qnv", ".qnv ", qnv::is_stream, ContentClass::stream},
         {"compressed splats PLY", "application/x-ply", "", is_splats_compressed_ply, kSplats,
          read_vectors<import_splats_compressed_ply>},

@@ -174,7 +174,6 @@ constexpr std::string_view kUnpack = "unpack it, then open a file in it";
 constexpr ContentType kForeignTypes[] = {
     foreign("VRML 1.0", "", begins_ignoring_case<"#vrml v1.0">, kCastle),
     foreign("Open Inventor", ".iv ", begins_ignoring_case<"#inventor">, kCastle),
-    foreign("X3D in classic encoding", ".x3dv ", begins_ignoring_case<"#x3d">, kX3d),
     foreign("X3D in XML encoding", ".x3d ", has_root<"X3D">, kX3d),
     foreign("X3D in JSON encoding", ".x3dj ", is_x3d_json, kX3d),
     foreign("X3D in binary encoding", ".x3db ", has_mark<"\xe0\0\0\x01">, kX3d),

@@ -89,6 +89,7 @@ inline constexpr int kSetBind = 0;          // event index of set_bind in all bi
 inline constexpr int kFieldOfView = 3;      // event index of fieldOfView in Viewpoint
 extern const Behaviour kTimeSensorBehaviour;
 extern const Behaviour kAudioClipBehaviour, kMovieTextureBehaviour;  // 6.4, 6.28
+extern const Behaviour kLoadSensorBehaviour;                         // ISO/IEC 19775-1 9.4.3
 extern const Behaviour kScriptBehaviour;                             // 6.40
 extern const Behaviour kColorInterpolatorBehaviour, kCoordinateInterpolatorBehaviour, kNormalInterpolatorBehaviour,
     kOrientationInterpolatorBehaviour, kPositionInterpolatorBehaviour, kScalarInterpolatorBehaviour,

@@ -110,6 +110,15 @@ struct MotionState {
   double start = -1;           // time of the first frame; below 0 before it
 };
 
+/// State of a LoadSensor (ISO/IEC 19775-1 9.4.3).
+struct LoadSensorState {
+  bool active = false;
+  bool told = false;       // isLoaded was sent for the present state of all watched nodes
+  bool timed_out = false;  // timeOut passed; nothing is sent until all watched nodes are loaded
+  float fraction = 0;      // last value of progress
+  double began = 0;        // time when it became active
+};
+
 /// Pool of states of one kind. Indices start at 1; indices of removed nodes are used again.
 template <class T>
 class StatePool {
@@ -148,6 +157,7 @@ struct BehaviourStates {
   StatePool<MediaState> media;
   StatePool<HumanoidState> humanoids;
   StatePool<MotionState> motions;
+  StatePool<LoadSensorState> loads;
 };
 
 }  // namespace gs::vrml

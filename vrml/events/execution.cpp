@@ -7,6 +7,7 @@ Execution::Execution(SceneGraph& root)
       scenes_(*this, root),
       nodes_(*this),
       routes_(*this),
+      imports_(*this),
       cascade_(*this),
       changes_(*this),
       stacks_(*this),
@@ -17,7 +18,8 @@ Execution::Execution(SceneGraph& root)
       placement_(root),
       viewer_(*this),
       pointing_(*this),
-      browser_(*this) {
+      browser_(*this),
+      loads_(*this) {
   scenes_.attach();
 }
 

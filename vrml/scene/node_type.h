@@ -23,7 +23,7 @@ struct Prototype;
 
 /// Access type of an interface (VRML97 4.7).
 enum class AccessType : std::uint8_t { eventIn, eventOut, field, exposedField };
-[[nodiscard]] std::string_view name_of(AccessType access);
+[[nodiscard]] std::string_view name_of(AccessType access, Language language = Language::vrml97);
 
 /// Declaration of one interface of a node type.
 struct InterfaceDeclaration {
