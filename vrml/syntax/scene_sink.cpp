@@ -188,14 +188,16 @@ OpenNode SceneSink::begin_node(const NodeHeader& header) {
   check_support(*node.type, location);
   Scope& scope = scopes_.back();
   if (in_prototype_body()) scene_.put_in_body(node.id, *scope.prototype->prototype);
-  if (!header.name.empty()) {
-    scene_.node(node.id).name = *scene_.texts().keep_name(header.name);
-    scope.names.insert(scene_.node(node.id).name) = node.id;
-  }
+  if (!header.name.empty()) name_node(node, {header.name, location});
   place_checked(node.id, header.target, location);
   if (!limits_.admits_depth(header.depth, location)) return {};
   ++scope.open_nodes;
   return node;
+}
+
+void SceneSink::name_node(const OpenNode& node, SourceName name) {
+  scene_.node(node.id).name = *scene_.texts().keep_name(name.text);
+  scopes_.back().names.insert(scene_.node(node.id).name) = node.id;
 }
 
 // Adds a node to its destination. Reports misplaced nodes, and puts parts of a Shape between children into a Shape.

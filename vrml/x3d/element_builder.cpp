@@ -8,6 +8,11 @@
 
 // Elements, nodes and their attributes. The other parts are in element_builder_prototypes.cpp.
 namespace gs::vrml::x3d {
+namespace {
+
+constexpr int kLatestVersion = 40;  // of texts that state none
+
+}  // namespace
 
 ElementKind kind_of(std::string_view element) {
   static constexpr std::pair<std::string_view, ElementKind> kKinds[] = {
@@ -38,7 +43,7 @@ ElementKind kind_of(std::string_view element) {
 }
 
 ElementBuilder::ElementBuilder(SceneSink& sink) : sink_(sink) {
-  sink.scene().texts().writing().set_language(Language::x3d);
+  sink.scene().texts().writing().set_language(Language::x3d, kLatestVersion);
 }
 
 std::string_view ElementBuilder::value_in(std::span<const Attribute> attributes, std::string_view name) {

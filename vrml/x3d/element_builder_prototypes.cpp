@@ -1,6 +1,7 @@
 #include "vrml/x3d/element_builder.h"
 
 #include "base/text.h"
+#include "vrml/syntax/numbers/number.h"
 
 #include <optional>
 #include <utility>
@@ -25,6 +26,10 @@ void ElementBuilder::begin_statement(SourceName element, std::span<const Attribu
   if (frame.kind == ElementKind::route) {
     sink_.add_route({std::string(value("fromNode")), std::string(value("fromField")), std::string(value("toNode")),
                      std::string(value("toField")), element.location});
+  } else if (frame.kind == ElementKind::x3d) {
+    double version = 0;
+    if (parse_number(value("version"), version) && version >= 3 && version < 10)
+      sink_.scene().texts().writing().set_language(Language::x3d, static_cast<int>(version * 10 + 0.5));
   }
 }
 
