@@ -33,10 +33,13 @@ class TextPieces {
           piece.remove_prefix(joined);
           continue;
         }
-        const std::string window = std::exchange(carry_, {});
+        std::string window = std::exchange(carry_, {});
         const std::size_t used = read(window);
-        if (used < old_size) carry_ = window.substr(used);
         piece.remove_prefix(used < old_size ? joined : used - old_size);
+        if (used == 0)
+          carry_ = std::move(window);
+        else if (used < old_size)
+          carry_ = window.substr(used);
       }
       retry_size_ = carry_.size() < kEagerRetry ? 0 : carry_.size() + carry_.size() / kRetryGrowth;
       if (carry_.capacity() > share_.amount() && !share_.grow(carry_.capacity() - share_.amount())) return false;

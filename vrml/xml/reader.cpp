@@ -194,7 +194,9 @@ void Reader::State::feed(std::string_view text) {
 // Reports an incomplete end of the text.
 void Reader::State::close() {
   if (stopped) return;
-  const std::string rest = pieces.take_rest();
+  std::string rest = pieces.take_rest();
+  rest.erase(0, scan(rest));
+  if (stopped) return;
   markup_location = location;
   tag = {};
   if (!is_blank(rest)) give(std::string_view(rest).substr(0, kMaxRest), false);
