@@ -160,7 +160,10 @@ void SceneSink::skip_unknown(const NodeHeader& header) {
   constexpr std::size_t kMaxTypes = 1000;
   const std::string type(header.type.text);
   const bool known = unknown_types_.contains(type);
-  if (!known) problems_.error(header.type.location, "unknown node type " + quoted(type) + "; the node is skipped");
+  // X3D has many extensions of other browsers.
+  const Severity severity = text_.language() == Language::x3d ? Severity::warning : Severity::error;
+  if (!known)
+    problems_.report(severity, header.type.location, "unknown node type " + quoted(type) + "; the node is skipped");
   if (!known && unknown_types_.size() < kMaxTypes) unknown_types_.insert(type);
   NameTable& names = scopes_.back().names;
   if (!header.name.empty() && !names.find(header.name))
@@ -272,7 +275,7 @@ const InterfaceDeclaration* SceneSink::find_field(const OpenNode& node, SourceNa
 }
 
 NodeTarget SceneSink::target_of(const OpenNode& node, const InterfaceDeclaration& field) {
-  const bool restricted = node.type->kind == NodeType::Kind::built_in;
+  const bool restricted = node.type->kind == NodeType::Kind::built_in && !node.type->ignored;
   return {&scene_.node(node.id).values[field.slot], restricted ? field.name : std::string_view{}};
 }
 

@@ -163,7 +163,7 @@ void ElementBuilder::begin_node(SourceName element, std::span<const Attribute> a
   if (!placed) {
     discarded_ = MFNode{};
     target = {&discarded_, {}};
-    if (!in_skipped && type && type->container_field != "metadata")
+    if (!in_skipped && type && type->bases.find("X3DMetadataObject") == std::string::npos)
       sink_.problems().error(element.location, quoted(type->name) + " has no place here; not shown");
   }
   frame.node = sink_.begin_node({type_name, name, target, frames_.size()});
@@ -173,6 +173,20 @@ void ElementBuilder::begin_node(SourceName element, std::span<const Attribute> a
 
 void ElementBuilder::name_node(SourceName name) {
   if (!frames_.empty() && frames_.back().node.id) sink_.name_node(frames_.back().node, name);
+}
+
+// Returns the field of an attribute. Files contain attributes of pages and of other browsers, which get one warning each.
+const InterfaceDeclaration* ElementBuilder::find_field(const Frame& frame, SourceName attribute) {
+  constexpr std::size_t kMaxNames = 1000;
+  const NodeType& type = *frame.node.type;
+  const InterfaceDeclaration* const field = type.find_field(attribute.text);
+  if (field || type.ignored || type.stands_in) return field;
+  if (type.find_event_in(attribute.text) || type.find_event_out(attribute.text))
+    return sink_.find_field(frame.node, attribute);
+  const std::string name = type.name + ' ' + std::string(attribute.text.substr(0, 64));
+  if (said_.size() < kMaxNames && said_.insert(name).second)
+    sink_.problems().warn(attribute.location, type.name + " has no field " + quoted(attribute.text) + "; ignored");
+  return nullptr;
 }
 
 FieldValue* ElementBuilder::value_of(SourceName attribute) {
@@ -205,7 +219,7 @@ FieldValue* ElementBuilder::value_of(SourceName attribute) {
   };
   if (is_in(kOther) || attribute.text.find(':') != std::string_view::npos) return nullptr;
   if (is_in(kOfPages) && !frame.node.type->find_field(attribute.text)) return nullptr;
-  given_ = sink_.find_field(frame.node, attribute);
+  given_ = find_field(frame, attribute);
   return given_ ? without_nodes(sink_.target_of(frame.node, *given_).value) : nullptr;
 }
 

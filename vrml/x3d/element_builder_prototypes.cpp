@@ -79,6 +79,9 @@ void ElementBuilder::begin_prototype(SourceName element, std::span<const Attribu
 void ElementBuilder::begin_field(SourceName element, std::span<const Attribute> attributes, Frame& frame) {
   const Frame* const parent = this->parent();
   const bool is_open = parent && (parent->kind != ElementKind::prototype || parent->interface_open);
+  // Shaders have fields like Scripts. They are not supported.
+  frame.skipped = parent && parent->node.id && parent->node.type->ignored;
+  if (frame.skipped) return;
   if (!is_open || !parent->declaring || parent->kind == ElementKind::field) return skip_misplaced(element, frame);
   const std::string_view name = value_in(attributes, "name"), type = value_in(attributes, "type"),
                          access = value_in(attributes, "accessType");

@@ -3,6 +3,7 @@
 #include "vrml/scene/prototype.h"
 #include "vrml/scene/scene_graph.h"
 
+#include <string>
 #include <utility>
 
 namespace gs::vrml::x3d {
@@ -64,15 +65,17 @@ std::string_view default_container(const NodeType& type) {
 
 const InterfaceDeclaration* place_of(const NodeType& parent, const NodeType* type, std::string_view container) {
   if (type) type = &first_type(*type);
-  const InterfaceDeclaration* const given = node_field(parent, container);
+  const InterfaceDeclaration* given = node_field(parent, container);
+  // X3D 4 has renamed the six textures of ComposedCubeMapTexture.
+  if (!given && !container.empty()) given = node_field(parent, std::string(container) + "Texture");
   if (given && takes(*given, type)) return given;
-  if (type) {
-    const InterfaceDeclaration* const usual = node_field(parent, default_container(*type));
-    if (usual && takes(*usual, type)) return usual;
-    if (type->language == Language::x3d)
-      if (const InterfaceDeclaration* const only = only_field(parent, *type)) return only;
+  const InterfaceDeclaration* const usual = type ? node_field(parent, default_container(*type)) : nullptr;
+  if (usual && takes(*usual, type)) return usual;
+  if (type && type->language == Language::x3d) {
+    if (const InterfaceDeclaration* const only = only_field(parent, *type)) return only;
+    if (type->bases.find("X3DMetadataObject") != std::string::npos) return node_field(parent, "metadata");
   }
-  return given ? given : node_field(parent, "children");
+  return given ? given : usual ? usual : node_field(parent, "children");
 }
 
 }  // namespace gs::vrml::x3d
