@@ -125,6 +125,7 @@ void MeshPass::draw_edges(const Projection& projection, DrawPacer& pacer) {
   const std::size_t primitives = std::exchange(primitives_, 0);
   FrameStatistics of_edges;
   draw_batches(projection, of_edges, pacer);
+  end_style();
   primitives_ = primitives;
   gl_.DepthMask(GL_TRUE);
   gl_.Disable(GL_BLEND);
