@@ -42,14 +42,16 @@ void Collector::add_box(const vrml::Node& node, const glm::dmat4& world_from_loc
                         std::uint32_t place, const Presence& presence) {
   if (list_.items.size() >= budget_->limit(Resource::items) || !presence.visible) return;
   Box box;
-  const auto size = field_of(node, "bboxSize", vrml::SFVec3f(-1)), center = field_of(node, "bboxCenter", vrml::SFVec3f(0));
+  const auto size = field_of(node, "bboxSize", vrml::SFVec3f(-1)),
+             center = field_of(node, "bboxCenter", vrml::SFVec3f(0));
   if (size.x >= 0 && size.y >= 0 && size.z >= 0) {
     box.add(center - size * 0.5f);
     box.add(center + size * 0.5f);
   } else {
     const glm::dmat4 local_from_world = glm::inverse(world_from_local);
     for (std::size_t i = first_item; i < list_.items.size(); ++i) {
-      const WideBox bounds = world_bounds(list_.items[i].mesh->bounds, local_from_world * list_.items[i].world_from_node);
+      const WideBox bounds =
+          world_bounds(list_.items[i].mesh->bounds, local_from_world * list_.items[i].world_from_node);
       if (bounds.empty()) continue;
       box.add(glm::vec3(bounds.lower));
       box.add(glm::vec3(bounds.upper));

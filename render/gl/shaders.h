@@ -103,7 +103,7 @@ vec3 fogged(vec3 color, vec3 place) { return fogged_at(color, fog_distance(place
 )glsl";
 
 /// Vertex shader of meshes. Defines: LIT, NORMALS, TEXTURE, FOG, LOCAL_LIGHTS, SPECULAR, EMISSIVE; STYLE: ClipPlanes,
-/// ShapeStyle, LocalFog and FogCoordinate; MOST_PLANES: maximum number of planes. Outputs only values
+/// ShapeStyle, LocalFog, FogCoordinate and opacities of vertices; MOST_PLANES: maximum number of planes. Outputs only values
 /// that the fragment shader uses, because software drivers store them for every triangle of a frame.
 inline constexpr char kMeshVertexShader[] = R"glsl(
 layout(location = 0) in vec3 position;
@@ -114,7 +114,6 @@ layout(location = 2) in vec4 color;  // w: 1 if the mesh has colours, otherwise 
 #if defined(TEXTURE) || defined(STYLE)
 layout(location = 3) in vec2 texture_coordinate;
 #endif
-layout(location = 10) in float opacity;  // negative if the mesh has no opacities
 #if defined(FOG) || (defined(LIT) && (defined(LOCAL_LIGHTS) || defined(SPECULAR) || !defined(NORMALS)))
 #define POSITION
 #endif
@@ -129,6 +128,7 @@ uniform mat4 clip_from_camera;
 uniform mat3 texture_transform;
 
 #ifdef STYLE
+layout(location = 10) in float opacity;    // negative if the mesh has no opacities
 layout(location = 11) in float fog_depth;  // negative if the mesh has no fog depths
 uniform vec4 clip_planes[MOST_PLANES];  // in camera space
 uniform vec4 point_size;  // size, least and largest size in pixels
@@ -195,8 +195,9 @@ void main() {
   vec4 p = vec4(position, 1.0);
   vec3 place = vec3(dot(camera_from_node_x, p), dot(camera_from_node_y, p), dot(camera_from_node_z, p));
   gl_Position = clip_from_camera * vec4(place, 1.0);
-  surface_color = color.w > 0.0 ? vec4(color.rgb, opacity < 0.0 ? base.a : opacity) : base;
+  surface_color = color.w > 0.0 ? vec4(color.rgb, base.a) : base;
 #ifdef STYLE
+  if (opacity >= 0.0) surface_color.a = opacity;
   apply_style(place);
 #endif
 #ifdef POSITION

@@ -118,11 +118,7 @@ MeshPass::VariantProgram* MeshPass::program(unsigned variant) {
       entry.eye_back = gl_.GetUniformLocation(name, "eye_back");
       entry.fog = FogUniforms(gl_, name);
       entry.lights = LightUniforms(gl_, name);
-      const auto place_of = [&](const char* uniform) { return gl_.GetUniformLocation(name, uniform); };
-      if (variant & kStyle)
-        entry.style = {place_of("clip_planes"),  place_of("point_size"), place_of("point_attenuation"),
-                       place_of("line_pattern"), place_of("hatch"),      place_of("hatch_color"),
-                       place_of("pixel_side")};
+      if (variant & kStyle) entry.style = StyleUniforms(gl_, name);
     }
   }
   if (!entry.program) return nullptr;
@@ -222,22 +218,12 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
       state.variant &= ~unsigned{kSpecular};
     instance.shininess = material.shininess * kShininessScale;
   }
-  const bool fog_depths = last_slice_->fog_depths && fog_.on;
-  if (styled || fog_depths) {
+  if (styled || last_slice_->opacities || (last_slice_->fog_depths && fog_.on)) {
     if (item.style && surface && !item.style->filled && !item.style->hatched) return;
     state.variant |= kStyle;
     state.style = style_number(item, surface);
     if (styles_[state.style].fog.on) state.variant |= kFog;
-    if (!surface && !shaded) {
-      // Pixels per unit of node space, at the middle of the item.
-      float scale = 0;
-      for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column)
-          scale += instance.camera_from_node[row][column] * instance.camera_from_node[row][column];
-      const float width = item.style ? std::max(item.style->line_width, 1.0f) : 1;
-      instance.shininess =
-          std::sqrt(scale / 3) * view.pixels / (std::max({depth, sphere.radius * 0.25f, 1e-6f}) * width);
-    }
+    if (!shaded) instance.shininess = pattern_scale(item, instance, std::max(depth, sphere.radius * 0.25f), view);
   }
   bool transparent = instance.alpha < 1 || item.mesh->translucent;
   if (item.mesh->pictured) {
@@ -253,7 +239,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
       if (texture->alpha == TextureStore::Alpha::cut_out) state.variant |= kCutOut;
     }
   }
-  const bool invisible = instance.alpha <= 0 && item.mesh->opacities.empty();
+  const bool invisible = instance.alpha <= 0 && !last_slice_->opacities;
   if (invisible || !program(state.variant)) return;
   state.cull = surface && item.mesh->solid && !view.open;
   state.mirrored = surface && mirrors(instance.camera_from_node);
@@ -272,28 +258,6 @@ bool MeshPass::worth_own_program(unsigned variant, float radius, float depth, co
   if (!gl_.software) return false;
   if (programs_.contains(variant)) return true;
   return view.cancellable && frame_ > kFirstFrames && radius > kLarge * view.tangents.y * std::abs(depth);
-}
-
-/// Returns the drawing layer of an item: later layers are drawn later. Of coincident faces, the last in the file must
-/// be visible. So an item gets a later layer than earlier items with an equal sphere and another state. Equal depths
-/// pass the depth test.
-std::uint32_t MeshPass::layer_of(const glm::vec3& center, float radius, const PackedState& state) {
-  constexpr std::uint32_t kMaxLayers = 8;
-  const auto bits = [](float value) { return std::uint64_t{std::bit_cast<std::uint32_t>(value)}; };
-  const std::uint64_t key =
-      (bits(center.x) * 0x9E3779B97F4A7C15u ^ bits(center.y) << 32 ^ bits(center.z)) * 0xC2B2AE3D27D4EB4Fu ^
-      bits(radius);
-  std::uint32_t layer = 0;
-  const auto [first, last] = filled_.equal_range(key);
-  for (auto other = first; other != last; ++other)
-    if (other->second.center == center && other->second.radius == radius)
-      layer = std::max(layer, other->second.layer + (other->second.state == state ? 0 : 1));
-  layer = std::min(layer, kMaxLayers);
-  // One entry per layer and state is sufficient.
-  for (auto other = first; other != last; ++other)
-    if (other->second.layer == layer && other->second.state == state && other->second.center == center) return layer;
-  filled_.insert({key, {center, radius, state, layer}});
-  return layer;
 }
 
 /// Returns the variant bits of all lit items, including invisible items, so that no program must be built when the

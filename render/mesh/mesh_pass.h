@@ -60,6 +60,12 @@ class MeshPass {
     kStyle = 1024,
     kFirstLightBit = 2048,  // from this bit on: LightSets::variant
   };
+  struct StyleUniforms {
+    GLint clip_planes = -1, point_size = -1, point_attenuation = -1, line_pattern = -1, hatch = -1, hatch_color = -1,
+          pixel_side = -1;
+    StyleUniforms() = default;
+    StyleUniforms(const Gl& gl, GLuint program);
+  };
   struct VariantProgram {
     Program program;
     bool drawn = false;  // was used for a draw, so drivers have compiled it
@@ -67,10 +73,7 @@ class MeshPass {
     GLint clip_from_camera = -1, texture_transform = -1, replaces = -1, eye_back = -1;
     FogUniforms fog;
     LightUniforms lights;
-    struct {
-      GLint clip_planes = -1, point_size = -1, point_attenuation = -1, line_pattern = -1, hatch = -1, hatch_color = -1,
-            pixel_side = -1;
-    } style;
+    StyleUniforms style;
   };
   /// ClipPlanes, style and LocalFog that items share. Index 0 means none of them.
   struct StyleBinding {
@@ -156,6 +159,8 @@ class MeshPass {
   [[nodiscard]] std::uint32_t texture_number(const TextureUse& use, const TextureStore::Entry& entry);
   [[nodiscard]] bool has_style(const DrawItem& item) const;
   [[nodiscard]] std::uint32_t style_number(const DrawItem& item, bool surface);
+  [[nodiscard]] static float pattern_scale(const DrawItem& item, const Instance& instance, float depth,
+                                           const View& view);
   void apply_style(const VariantProgram& shader, const StyleBinding& style);
   void end_style();
   void sort_triangles();

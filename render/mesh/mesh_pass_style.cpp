@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 // Part of MeshPass for ClipPlanes, line, point and fill properties, and local fog.
 namespace gs::render {
@@ -20,6 +21,25 @@ glm::vec4 plane_in_camera(const glm::dvec4& plane, const glm::dmat4& camera_from
 }
 
 }  // namespace
+
+MeshPass::StyleUniforms::StyleUniforms(const Gl& gl, GLuint program)
+    : clip_planes(gl.GetUniformLocation(program, "clip_planes")),
+      point_size(gl.GetUniformLocation(program, "point_size")),
+      point_attenuation(gl.GetUniformLocation(program, "point_attenuation")),
+      line_pattern(gl.GetUniformLocation(program, "line_pattern")),
+      hatch(gl.GetUniformLocation(program, "hatch")),
+      hatch_color(gl.GetUniformLocation(program, "hatch_color")),
+      pixel_side(gl.GetUniformLocation(program, "pixel_side")) {}
+
+/// Returns the line widths per unit of node space at a depth, for patterns of lines.
+float MeshPass::pattern_scale(const DrawItem& item, const Instance& instance, float depth, const View& view) {
+  float scale = 0;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+      scale += instance.camera_from_node[row][column] * instance.camera_from_node[row][column];
+  const float width = item.style ? std::max(item.style->line_width, 1.0f) : 1;
+  return std::sqrt(scale / 3) * view.pixels / (std::max(depth, 1e-6f) * width);
+}
 
 bool MeshPass::has_style(const DrawItem& item) const {
   return !item.clip_planes.empty() || item.style || item.local_fog != kNoLocalFog;

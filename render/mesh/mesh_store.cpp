@@ -215,7 +215,7 @@ void MeshStore::upload(const vrml::Mesh& mesh, Entry& entry) {
   slice.colors = mesh.colors.size() == vertices;
   slice.texture_coordinates = mesh.texture_coordinates.size() == vertices;
   slice.fog_depths = mesh.fog_depths.size() == vertices;
-  const bool opacities = mesh.opacities.size() == vertices;
+  slice.opacities = mesh.opacities.size() == vertices;
   slice.primitive = mesh.primitive == vrml::Mesh::Primitive::lines    ? GL_LINES
                     : mesh.primitive == vrml::Mesh::Primitive::points ? GL_POINTS
                                                                       : GL_TRIANGLES;
@@ -227,7 +227,7 @@ void MeshStore::upload(const vrml::Mesh& mesh, Entry& entry) {
     for (glm::vec3& position : local) position -= slice.origin;
   }
   const unsigned format = (slice.normals ? kNormals : 0) | (slice.colors ? kColors : 0) |
-                          (slice.texture_coordinates ? kTextureCoordinates : 0) | (opacities ? kOpacities : 0) |
+                          (slice.texture_coordinates ? kTextureCoordinates : 0) | (slice.opacities ? kOpacities : 0) |
                           (slice.fog_depths ? kFogDepths : 0);
   if (!place(format, vertices, indices, entry)) return;
 

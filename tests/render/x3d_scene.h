@@ -18,7 +18,7 @@ inline std::unique_ptr<vrml::SceneGraph> x3d_scene(const std::string& body) {
   Diagnostics diagnostics;
   vrml::Parser parser(*scene, diagnostics);
   CHECK(parser.parse_fragment(body) == vrml::ParseOutcome::complete);
-  for (const Diagnostic& each : diagnostics.all()) FAIL_CHECK(each.message);
+  for (const Diagnostic& each : diagnostics.entries()) FAIL_CHECK(each.message);
   return scene;
 }
 

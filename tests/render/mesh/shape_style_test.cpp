@@ -12,7 +12,7 @@ namespace gs::render::shape_style_test {
 using namespace gs::render::testing;
 namespace {
 
-const std::string kWhite = "appearance Appearance { material UnlitMaterial {} ";
+const std::string kWhite = "appearance Appearance { ";
 /// Square from -4 to 4 that fills the image of camera_at({0, 0, 10}).
 const std::string kWall = "geometry Rectangle2D { size 20 20 }";
 
@@ -49,8 +49,8 @@ TEST_CASE("has a pattern of its own for each type of hatches and dashes") {
 TEST_CASE("draws lines as wide as LineProperties say") {
   Drawing drawing;
   const auto lines = [&](const std::string& properties) {
-    return bright(drawing.draw(x3d_list("Shape { " + kWhite + properties +
-                                        " } geometry Polyline2D { lineSegments [ -20 0.1 20 0.1 ] } }")));
+    return bright(drawing.draw(
+        x3d_list("Shape { " + kWhite + properties + " } geometry Polyline2D { lineSegments [ -20 0.1 20 0.1 ] } }")));
   };
   const std::size_t thin = lines("");
   CHECK(thin == 64);
@@ -89,9 +89,10 @@ TEST_CASE("draws points as large as PointProperties say") {
 TEST_CASE("draws hatches of FillProperties with and without the filling") {
   Drawing drawing;
   const auto wall = [&](const std::string& properties) {
-    return drawing.draw(x3d_list("Shape { appearance Appearance { material UnlitMaterial { emissiveColor 0 0 1 } "
-                                 "fillProperties FillProperties { " +
-                                 properties + " } } " + kWall + " }"));
+    return drawing.draw(
+        x3d_list("Shape { appearance Appearance { material Material { diffuseColor 0 0 0 emissiveColor 0 0 1 } "
+                 "fillProperties FillProperties { " +
+                 properties + " } } " + kWall + " }"));
   };
   const Image hatched = wall("hatchColor 1 0 0 hatchStyle 1");
   std::size_t red = 0, blue = 0;
@@ -111,9 +112,10 @@ TEST_CASE("draws hatches of FillProperties with and without the filling") {
 TEST_CASE("blends surfaces with the alpha of a ColorRGBA") {
   Drawing drawing;
   const auto color = [&](const std::string& rgba) {
-    return at_center(drawing.draw(
-        x3d_list("Shape { geometry TriangleSet { coord Coordinate { point [ -9 -9 0, 9 -9 0, 0 9 0 ] } color ColorRGBA { "
-                 "color [ " + rgba + ", " + rgba + ", " + rgba + " ] } } }")));
+    return at_center(drawing.draw(x3d_list(
+        "Shape { geometry TriangleSet { coord Coordinate { point [ -9 -9 0, 9 -9 0, 0 9 0 ] } color ColorRGBA { "
+        "color [ " +
+        rgba + ", " + rgba + ", " + rgba + " ] } } }")));
   };
   check_color(color("1 0 0 0.5"), {0.5f, 0, 0}, 2);
   check_color(color("1 0 0 1"), {1, 0, 0}, 2);
@@ -128,9 +130,10 @@ TEST_CASE("clips the shapes of a group by its ClipPlane") {
   CHECK(pixel(half, 54, 32).x > 200);
   CHECK(bright(half) == 32 * 64);
   SECTION("in the space of the plane") {
-    const Image moved = drawing.draw(
-        x3d_list("Transform { translation 100 0 0 children [ ClipPlane { plane 1 0 0 100 } Transform { translation -100 "
-                 "0 0 children " + wall + " } ] }"));
+    const Image moved = drawing.draw(x3d_list(
+        "Transform { translation 100 0 0 children [ ClipPlane { plane 1 0 0 100 } Transform { translation -100 "
+        "0 0 children " +
+        wall + " } ] }"));
     CHECK(bright(moved) == 32 * 64);
   }
   SECTION("but not the shapes beside the group") {
@@ -161,15 +164,15 @@ TEST_CASE("finds nothing on the line of sight where a ClipPlane has clipped it")
 TEST_CASE("applies a LocalFog to its group, and a FogCoordinate to vertices") {
   Drawing drawing;
   const std::string wall = "Shape { " + kWhite + "} " + kWall + " } ";
-  const Image local = drawing.draw(
-      x3d_list("Group { children [ LocalFog { color 1 0 0 visibilityRange 20 } " + wall + " ] }"));
+  const Image local =
+      drawing.draw(x3d_list("Group { children [ LocalFog { color 1 0 0 visibilityRange 20 } " + wall + " ] }"));
   check_color(at_center(local), {1, 0.5f, 0.5f}, 4);
   CHECK(at_center(drawing.draw(x3d_list("Group { children LocalFog { visibilityRange 20 color 1 0 0 } } " + wall))).y >
         250);
-  const Image depths = drawing.draw(
-      x3d_list("Fog { color 1 0 0 visibilityRange 1000 } Shape { " + kWhite +
-               "} geometry TriangleSet { coord Coordinate { point [ -9 -9 0, 9 -9 0, 0 9 0 ] } fogCoord FogCoordinate { "
-               "depth [ 0.5 0.5 0.5 ] } } }"));
+  const Image depths = drawing.draw(x3d_list(
+      "Fog { color 1 0 0 visibilityRange 1000 } Shape { " + kWhite +
+      "} geometry TriangleSet { coord Coordinate { point [ -9 -9 0, 9 -9 0, 0 9 0 ] } fogCoord FogCoordinate { "
+      "depth [ 0.5 0.5 0.5 ] } } }"));
   check_color(at_center(depths), {1, 0.5f, 0.5f}, 4);
 }
 
@@ -186,14 +189,16 @@ TEST_CASE("draws nothing of shapes and groups that are not visible") {
 
 TEST_CASE("draws the shape of a CADFace in its CADPart") {
   const RenderList list = x3d_list(
-      "CADAssembly { children CADLayer { children CADPart { translation 1 2 3 children CADFace { shape Shape { geometry "
+      "CADAssembly { children CADLayer { children CADPart { translation 1 2 3 children CADFace { shape Shape { "
+      "geometry "
       "QuadSet { coord Coordinate { point [ 0 0 0, 1 0 0, 1 1 0, 0 1 0 ] } } } } } } }");
   REQUIRE(list.items.size() == 1);
   CHECK(glm::dvec3(list.items[0].world_from_node[3]) == glm::dvec3(1, 2, 3));
 }
 
 TEST_CASE("draws the box of a node with bboxDisplay") {
-  const RenderList list = x3d_list("Transform { translation 1 0 0 bboxDisplay TRUE children Shape { geometry Box {} } }");
+  const RenderList list =
+      x3d_list("Transform { translation 1 0 0 bboxDisplay TRUE children Shape { geometry Box {} } }");
   REQUIRE(list.items.size() == 2);
   CHECK(list.items[1].mesh->primitive == vrml::Mesh::Primitive::lines);
   CHECK(list.items[1].mesh->bounds.upper == glm::vec3(1, 1, 1));
