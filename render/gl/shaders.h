@@ -102,15 +102,15 @@ vec3 fogged_at(vec3 color, float ranges) {
 vec3 fogged(vec3 color, vec3 place) { return fogged_at(color, fog_distance(place)); }
 )glsl";
 
-/// Vertex shader of meshes. Defines: LIT, NORMALS, TEXTURE, FOG, LOCAL_LIGHTS, SPECULAR, EMISSIVE; STYLE: ClipPlanes,
-/// ShapeStyle, LocalFog, FogCoordinate and opacities of vertices; MOST_PLANES: maximum number of planes. Outputs only values
+/// Vertex shader of meshes. Defines: LIT, NORMALS, TEXTURE, FOG, LOCAL_LIGHTS, SPECULAR, EMISSIVE; STYLE, after
+/// kStyleVertexShader. Outputs only values
 /// that the fragment shader uses, because software drivers store them for every triangle of a frame.
 inline constexpr char kMeshVertexShader[] = R"glsl(
 layout(location = 0) in vec3 position;
 #ifdef NORMALS
 layout(location = 1) in vec3 normal;
 #endif
-layout(location = 2) in vec4 color;  // w: 1 if the mesh has colours, otherwise 0
+layout(location = 2) in vec4 color;  // w: 0 without colours, 1 if alpha is that of the material, otherwise 2 + alpha
 #if defined(TEXTURE) || defined(STYLE)
 layout(location = 3) in vec2 texture_coordinate;
 #endif
@@ -127,29 +127,6 @@ layout(location = 9) in vec4 specular;
 uniform mat4 clip_from_camera;
 uniform mat3 texture_transform;
 
-#ifdef STYLE
-layout(location = 10) in float opacity;    // negative if the mesh has no opacities
-layout(location = 11) in float fog_depth;  // negative if the mesh has no fog depths
-uniform vec4 clip_planes[MOST_PLANES];  // in camera space
-uniform vec4 point_size;  // size, least and largest size in pixels
-uniform vec3 point_attenuation;
-out float gl_ClipDistance[MOST_PLANES];
-out float line_place;  // pixels from the start of the polyline
-#ifdef FOG
-out float vertex_fog;
-#endif
-
-void apply_style(vec3 place) {
-  for (int i = 0; i < MOST_PLANES; ++i) gl_ClipDistance[i] = dot(clip_planes[i], vec4(place, 1.0));
-  float r = length(place);
-  float attenuation = max(dot(point_attenuation, vec3(1.0, r, r * r)), 1e-6);
-  gl_PointSize = clamp(point_size.x / attenuation, point_size.y, point_size.z);
-  line_place = texture_coordinate.x * specular.w;
-#ifdef FOG
-  vertex_fog = fog_depth;
-#endif
-}
-#endif
 
 #ifdef MASK
 flat
@@ -195,10 +172,9 @@ void main() {
   vec4 p = vec4(position, 1.0);
   vec3 place = vec3(dot(camera_from_node_x, p), dot(camera_from_node_y, p), dot(camera_from_node_z, p));
   gl_Position = clip_from_camera * vec4(place, 1.0);
-  surface_color = color.w > 0.0 ? vec4(color.rgb, base.a) : base;
+  surface_color = color.w > 0.0 ? vec4(color.rgb, color.w < 2.0 ? base.a : color.w - 2.0) : base;
 #ifdef STYLE
-  if (opacity >= 0.0) surface_color.a = opacity;
-  apply_style(place);
+  apply_style(place, texture_coordinate.x * specular.w);
 #endif
 #ifdef POSITION
   camera_position = place;
@@ -234,16 +210,6 @@ inline constexpr char kMeshFragmentShader[] = R"glsl(
 flat
 #endif
 in vec4 surface_color;
-#ifdef STYLE
-in float line_place;
-uniform int line_pattern;  // bits of a period; -1 if the line is solid
-uniform int hatch[32];     // rows of the hatches
-uniform vec4 hatch_color;  // w: 0 without hatches, 1 with hatches on a surface, 2 with hatches only
-uniform float pixel_side;  // samples along the side of a pixel
-#ifdef FOG
-in float vertex_fog;
-#endif
-#endif
 #ifdef TEXTURE
 in vec2 texture_place;
 uniform sampler2D image;
@@ -283,18 +249,6 @@ vec3 surface_normal() {
 
 #endif
 
-#ifdef STYLE
-// Discards gaps of lines and hatches. Returns true in a hatch.
-bool styled() {
-  if (line_pattern != -1 && (uint(line_pattern) >> (uint(max(line_place, 0.0)) & 31u) & 1u) == 0u) discard;
-  if (hatch_color.w == 0.0) return false;
-  ivec2 pixel = ivec2(gl_FragCoord.xy / pixel_side) & 31;
-  bool inside = (uint(hatch[pixel.y]) >> uint(pixel.x) & 1u) != 0u;
-  if (!inside && hatch_color.w > 1.0) discard;
-  return inside;
-}
-#endif
-
 void main() {
   vec4 color = surface_color;
 #ifdef TEXTURE
@@ -316,14 +270,9 @@ void main() {
   color.rgb = lit(surface_normal(), camera_position, color.rgb, emissive_ambient, specular_exponent);
 #endif
 #ifdef STYLE
-  if (styled()) color = vec4(hatch_color.rgb, 1.0);
-#endif
-#ifdef FOG
-#ifdef STYLE
-  color.rgb = fogged_at(color.rgb, vertex_fog < 0.0 ? fog_distance(camera_position) : min(vertex_fog, 1.0));
-#else
+  color = styled(color, camera_position);
+#elif defined(FOG)
   color.rgb = fogged(color.rgb, camera_position);
-#endif
 #endif
   result = color;
 }

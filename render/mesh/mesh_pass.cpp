@@ -1,6 +1,7 @@
 #include "render/mesh/mesh_pass.h"
 
 #include "render/gl/shaders.h"
+#include "render/gl/style_shaders.h"
 
 #include <glm/glm.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -106,7 +107,12 @@ MeshPass::VariantProgram* MeshPass::program(unsigned variant) {
       fragment = kLightingShader;
     }
     if (variant & kFog) fragment += kFogShader;
-    auto made = make_program(gl_, text, kMeshVertexShader, fragment + kMeshFragmentShader);
+    std::string vertex;
+    if (variant & kStyle) {
+      vertex = kStyleVertexShader;
+      fragment += kStyleFragmentShader;
+    }
+    auto made = make_program(gl_, text, vertex + kMeshVertexShader, fragment + kMeshFragmentShader);
     if (auto* error = std::get_if<ContextError>(&made)) {
       last_error_ = std::move(error->message);
     } else {
@@ -218,7 +224,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
       state.variant &= ~unsigned{kSpecular};
     instance.shininess = material.shininess * kShininessScale;
   }
-  if (styled || last_slice_->opacities || (last_slice_->fog_depths && fog_.on)) {
+  if (styled || (last_slice_->fog_depths && fog_.on)) {
     if (item.style && surface && !item.style->filled && !item.style->hatched) return;
     state.variant |= kStyle;
     state.style = style_number(item, surface);

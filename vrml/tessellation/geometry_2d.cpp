@@ -18,10 +18,10 @@ namespace gs::vrml {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr int kMaximumSegments = 4096;
+constexpr int kMostSegments = 4096;
 constexpr int kCurveSegments = 64;  // least segments of a circle; no mesh has other levels of detail
 
-[[nodiscard]] bool is_size(float value) { return std::isfinite(value) && value > 0; }
+[[nodiscard]] bool is_length(float value) { return std::isfinite(value) && value > 0; }
 
 /// Points on an arc around the origin.
 struct Arc {
@@ -44,7 +44,7 @@ struct Arc {
 
 /// Returns unit directions along an arc. Those of a whole circle include the first one again at the end.
 [[nodiscard]] std::vector<glm::vec2> directions(const Arc& arc, const MeshOptions& options) {
-  const int circle = std::clamp(std::max(options.segments, kCurveSegments), 3, kMaximumSegments);
+  const int circle = std::clamp(std::max(options.segments, kCurveSegments), 3, kMostSegments);
   const int count = std::max(1, static_cast<int>(std::ceil((arc.end - arc.start) / kTurn * circle)));
   std::vector<glm::vec2> points(static_cast<std::size_t>(count) + 1);
   for (int i = 0; i <= count; ++i) {
@@ -120,7 +120,7 @@ class Flat {
   return mesh;
 }
 
-[[nodiscard]] Mesh no_lines(Mesh::Primitive primitive) {
+[[nodiscard]] Mesh no_marks(Mesh::Primitive primitive) {
   Mesh mesh;
   mesh.primitive = primitive;
   mesh.solid = mesh.lit = false;
@@ -131,7 +131,7 @@ class Flat {
 
 Mesh tessellate_arc_2d(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
   const auto radius = scene.get<SFFloat>(geometry, "radius");
-  if (!is_size(radius)) return no_lines(Mesh::Primitive::lines);
+  if (!is_length(radius)) return no_marks(Mesh::Primitive::lines);
   std::vector<glm::vec2> points = directions(arc_of(scene, geometry), options);
   for (glm::vec2& point : points) point *= radius;
   return polyline(points, scene, options);
@@ -140,14 +140,14 @@ Mesh tessellate_arc_2d(const SceneGraph& scene, NodeId geometry, const MeshOptio
 Mesh tessellate_arc_close_2d(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
   const auto solid = scene.get<SFBool>(geometry, "solid");
   const auto radius = scene.get<SFFloat>(geometry, "radius");
-  if (!is_size(radius)) return no_surface(solid);
+  if (!is_length(radius)) return no_surface(solid);
   const bool pie = scene.get<SFString>(geometry, "closureType") != "CHORD";
   return sector(arc_of(scene, geometry), radius, pie, solid, options);
 }
 
 Mesh tessellate_circle_2d(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
   const auto radius = scene.get<SFFloat>(geometry, "radius");
-  if (!is_size(radius)) return no_lines(Mesh::Primitive::lines);
+  if (!is_length(radius)) return no_marks(Mesh::Primitive::lines);
   std::vector<glm::vec2> points = directions({}, options);
   for (glm::vec2& point : points) point *= radius;
   return polyline(points, scene, options);
@@ -157,7 +157,7 @@ Mesh tessellate_circle_2d(const SceneGraph& scene, NodeId geometry, const MeshOp
 Mesh tessellate_disk_2d(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
   const auto solid = scene.get<SFBool>(geometry, "solid");
   auto inner = scene.get<SFFloat>(geometry, "innerRadius"), outer = scene.get<SFFloat>(geometry, "outerRadius");
-  if (!std::isfinite(inner) || inner < 0 || !is_size(outer)) return no_surface(solid);
+  if (!std::isfinite(inner) || inner < 0 || !is_length(outer)) return no_surface(solid);
   if (inner > outer) std::swap(inner, outer);
   if (inner == outer) {
     std::vector<glm::vec2> points = directions({}, options);
@@ -181,7 +181,7 @@ Mesh tessellate_polyline_2d(const SceneGraph& scene, NodeId geometry, const Mesh
   const MFVec2f points = scene.get<MFVec2f>(geometry, "lineSegments");
   constexpr std::uint64_t kBytesOfPoint = 16;
   Share share(scene.budget(), Resource::meshes);
-  Mesh nothing = no_lines(Mesh::Primitive::lines);
+  Mesh nothing = no_marks(Mesh::Primitive::lines);
   nothing.limited = points.size() > kMaximumCorners || !share.grow(points.size() * kBytesOfPoint);
   return nothing.limited || points.empty() ? nothing : polyline(points.span(), scene, options);
 }
@@ -191,7 +191,7 @@ Mesh tessellate_polypoint_2d(const SceneGraph& scene, NodeId geometry, const Mes
   constexpr std::uint64_t kBytesOfPoint = 12;
   Share share(scene.budget(), Resource::meshes);
   if (!share.grow(points.size() * kBytesOfPoint)) {
-    Mesh nothing = no_lines(Mesh::Primitive::points);
+    Mesh nothing = no_marks(Mesh::Primitive::points);
     nothing.limited = true;
     return nothing;
   }
@@ -205,7 +205,7 @@ Mesh tessellate_polypoint_2d(const SceneGraph& scene, NodeId geometry, const Mes
 Mesh tessellate_rectangle_2d(const SceneGraph& scene, NodeId geometry, const MeshOptions&) {
   const auto solid = scene.get<SFBool>(geometry, "solid");
   const auto size = scene.get<SFVec2f>(geometry, "size");
-  if (!is_size(size.x) || !is_size(size.y)) return no_surface(solid);
+  if (!is_length(size.x) || !is_length(size.y)) return no_surface(solid);
   const glm::vec2 half = size * 0.5f;
   Flat flat;
   const std::uint32_t a = flat.vertex(-half, {0, 0}), b = flat.vertex({half.x, -half.y}, {1, 0});
