@@ -207,8 +207,8 @@ Fog world_fog(const NodeView& view, const dmat4& world_from_node) {
 
 glm::dvec4 world_clip_plane(const NodeView& view, const dmat4& world_from_node) {
   constexpr glm::dvec4 kNothing(0, 0, 0, 1);
-  (void)view;
-  const glm::dvec4 plane(0, 1, 0, 0);  // STUB
+  const auto* given = view.find<vrml::SFVec4f>(ClipPlaneFields::plane);
+  const glm::dvec4 plane = given ? glm::dvec4(*given) : glm::dvec4(0, 1, 0, 0);
   const glm::dvec4 world = glm::transpose(glm::inverse(world_from_node)) * plane;
   const double length = glm::length(dvec3(world));
   return length > 0 && std::isfinite(length) && std::isfinite(world.w) ? world / length : kNothing;

@@ -4,6 +4,7 @@
 #include "vrml/scene/meant_node.h"
 #include "vrml/scene/scene_graph.h"
 
+#include <span>
 #include <string_view>
 
 namespace gs::vrml {
@@ -45,8 +46,9 @@ struct Coordinates {
   MFVec3f points;        // relative to `origin`
   glm::dvec3 origin{0};  // in node space
 };
-/// Returns the coordinates of a geometry. Those in double precision are relative to the middle of their box if they
-/// are far from 0, so that they stay exact.
+/// Returns points relative to the middle of their box if they are far from 0, so that they stay exact.
+[[nodiscard]] Coordinates relative_points(std::span<const glm::dvec3> points);
+/// Returns the coordinates of a geometry; empty if it has no node for them.
 [[nodiscard]] Coordinates coordinates_of(const SceneGraph& scene, NodeId geometry);
 
 /// Values of a Color or ColorRGBA node.
