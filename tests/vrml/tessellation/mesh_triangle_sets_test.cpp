@@ -175,3 +175,46 @@ TEST_CASE("keeps the field solid of primitives in X3D") {
     CHECK(GeometryScene(type).mesh().solid);
   }
 }
+
+TEST_CASE("keeps coordinates in double precision exact far from the origin") {
+  GeometryScene set("TriangleSet", Language::x3d);
+  const double far = 6'378'137;
+  set.property("coord", "CoordinateDouble", "point", MFVec3d{{far, 0, 0}, {far + 0.001, 0, 0}, {far, 0.001, 0}});
+  const Mesh mesh = set.mesh();
+  check_promises(mesh);
+  CHECK(triangles_of(mesh) == 1);
+  CHECK(area_of(mesh) == Approx(0.5e-6).epsilon(1e-3));
+  CHECK(mesh.origin.x + double{mesh.positions[mesh.indices[1]].x} == Approx(far + 0.001).epsilon(1e-12));
+  GeometryScene near("PointSet", Language::x3d);
+  near.property("coord", "CoordinateDouble", "point", MFVec3d{{1, 2, 3}, {4, 5, 6}});
+  CHECK(near.mesh().origin == glm::dvec3(0));
+  CHECK(near.mesh().bounds.upper == glm::vec3(4, 5, 6));
+}
+
+TEST_CASE("takes colours and opacities from a ColorRGBA in all geometries") {
+  const MFColorRGBA colors{{1, 0, 0, 0.5f}, {0, 1, 0, 1}, {0, 0, 1, 0}};
+  const auto check = [&](GeometryScene& scene) {
+    scene.property("color", "ColorRGBA", "color", colors);
+    const Mesh mesh = scene.mesh();
+    check_promises(mesh);
+    REQUIRE(mesh.opacities.size() == mesh.positions.size());
+    CHECK(mesh.translucent);
+    CHECK(mesh.colors[mesh.indices[0]] == kRed);
+    CHECK(mesh.opacities[mesh.indices[0]] == 0.5f);
+  };
+  const MFVec3f triangle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  for (const char* type : {"TriangleSet", "PointSet"}) {
+    GeometryScene scene(type, Language::x3d);
+    check(scene.points(triangle));
+  }
+  for (const char* type : {"IndexedFaceSet", "IndexedLineSet"}) {
+    GeometryScene scene(type, Language::x3d);
+    check(scene.points(triangle).set("coordIndex", MFInt32{0, 1, 2, -1}));
+    scene.set("colorPerVertex", false);
+    check(scene);
+  }
+  GeometryScene lines("LineSet", Language::x3d);
+  check(lines.points(triangle).set("vertexCount", MFInt32{3}));
+  GeometryScene grid("ElevationGrid", Language::x3d);
+  check(grid.set("xDimension", 2).set("zDimension", 2).set("height", MFFloat{0, 0, 0, 0}));
+}
