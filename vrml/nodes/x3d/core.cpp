@@ -104,7 +104,8 @@ constexpr X3DRow kCoreX3DRows[] = {
   field        SFBool     directOutput FALSE
   field        SFBool     mustEvaluate FALSE
 )"},
-    {"StaticGroup", "Grouping", 3, "children", "X3DChildNode X3DBoundedObject", Role::child, NodeKind::group, R"(
+    {"StaticGroup", "Grouping", 3, "children", "X3DChildNode X3DBoundedObject", Role::child | Role::grouping,
+     NodeKind::group, R"(
   exposedField SFBool     bboxDisplay FALSE
   exposedField SFBool     visible TRUE
   field        SFVec3f    bboxCenter 0 0 0
