@@ -14,6 +14,7 @@
 namespace gs::vrml {
 
 class Execution;
+struct KeyStroke;
 struct MediaPlay;
 struct Node;
 struct PointingSensor;
@@ -25,7 +26,7 @@ using EventNode = std::uint32_t;
 /// handle have their default meaning. An exposedField takes the value and sends it (VRML97 4.7). `set_x` of a plain
 /// field x replaces the value of x (6.17, 6.18, 6.23, 6.24).
 struct Behaviour {
-  static constexpr std::size_t kMaxEvents = 12;
+  static constexpr std::size_t kMaxEvents = 20;
   /// Names of the interfaces that the functions handle, read or send, padded with "". Functions use the index of a
   /// name.
   std::array<std::string_view, kMaxEvents> events{};
@@ -54,6 +55,8 @@ struct Behaviour {
   /// For Collision nodes (6.8). If `met`, reports that the avatar collided with a descendant. Returns false if
   /// collision detection is off for all descendants.
   bool (*on_collision)(Execution& execution, EventNode node, bool met) = nullptr;
+  /// For sensors of keys (X3D clause 21): handles a keystroke. The first name in `events` is `enabled`.
+  void (*on_key)(Execution& execution, EventNode node, const KeyStroke& stroke) = nullptr;
   /// Handles an event for an eventIn or exposedField that the node itself declares. `interface` is its index in the
   /// type's interfaces.
   void (*on_own_event)(Execution& execution, EventNode node, std::uint32_t interface,
@@ -92,5 +95,19 @@ extern const Behaviour kScriptBehaviour;                             // 6.40
 extern const Behaviour kColorInterpolatorBehaviour, kCoordinateInterpolatorBehaviour, kNormalInterpolatorBehaviour,
     kOrientationInterpolatorBehaviour, kPositionInterpolatorBehaviour, kScalarInterpolatorBehaviour,
     kNurbsPositionInterpolatorBehaviour;
+
+// Behaviours of X3D (ISO/IEC 19775-1).
+extern const Behaviour kSwitchBehaviour, kLodBehaviour;  // addChildren, removeChildren, level_changed
+extern const Behaviour kBooleanFilterBehaviour, kBooleanSequencerBehaviour, kBooleanToggleBehaviour,
+    kBooleanTriggerBehaviour, kIntegerSequencerBehaviour, kIntegerTriggerBehaviour, kTimeTriggerBehaviour;
+extern const Behaviour kCoordinateInterpolator2DBehaviour, kPositionInterpolator2DBehaviour, kEaseInEaseOutBehaviour,
+    kSplinePositionInterpolatorBehaviour, kSplinePositionInterpolator2DBehaviour, kSplineScalarInterpolatorBehaviour,
+    kSquadOrientationInterpolatorBehaviour;
+extern const Behaviour kColorChaserBehaviour, kColorDamperBehaviour, kCoordinateChaserBehaviour,
+    kCoordinateDamperBehaviour, kOrientationChaserBehaviour, kOrientationDamperBehaviour, kPositionChaserBehaviour,
+    kPositionChaser2DBehaviour, kPositionDamperBehaviour, kPositionDamper2DBehaviour, kScalarChaserBehaviour,
+    kScalarDamperBehaviour, kTexCoordChaser2DBehaviour, kTexCoordDamper2DBehaviour;
+inline constexpr int kKeySensorEnabled = 0;  // event index of enabled in KeySensor and StringSensor
+extern const Behaviour kKeySensorBehaviour, kStringSensorBehaviour, kTransformSensorBehaviour;
 
 }  // namespace gs::vrml

@@ -9,6 +9,7 @@
 #include "vrml/events/event_cascade.h"
 #include "vrml/events/event_nodes.h"
 #include "vrml/events/idle_sensors.h"
+#include "vrml/events/key_device.h"
 #include "vrml/events/node_lifetime.h"
 #include "vrml/events/pointing.h"
 #include "vrml/events/route_table.h"
@@ -73,6 +74,7 @@ class Execution : NonCopyable {
   [[nodiscard]] WorldViewer& viewer() { return viewer_; }
   [[nodiscard]] Pointing& pointing() { return pointing_; }
   [[nodiscard]] WorldBrowser& browser() { return browser_; }
+  [[nodiscard]] KeyDevice& keys() { return keys_; }
   /// Returns the states of behaviours. EventNodes::state_of is the index of a node's state.
   [[nodiscard]] BehaviourStates& states() { return states_; }
 
@@ -108,6 +110,7 @@ class Execution : NonCopyable {
   WorldViewer viewer_;
   Pointing pointing_;
   WorldBrowser browser_;
+  KeyDevice keys_;
   BehaviourStates states_;
 };
 

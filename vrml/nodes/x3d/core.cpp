@@ -1,3 +1,4 @@
+#include "vrml/event_model/behaviour.h"
 #include "vrml/nodes/x3d/components.h"
 
 // Rows of the X3D components Core, Grouping, Networking, Scripting, Text, Time (ISO/IEC 19775-1).
@@ -116,7 +117,8 @@ constexpr X3DRow kCoreX3DRows[] = {
   exposedField SFInt32    whichChoice -1  # [-1,inf)
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
-)"},
+)",
+     nullptr, &kSwitchBehaviour},
     {"Text", "Text", 1, "geometry", "X3DGeometryNode", Role::geometry, NodeKind::other, R"(
   exposedField SFNode     fontStyle NULL  # X3DFontStyleNode
   exposedField MFFloat    length []  # [0,inf)

@@ -1,3 +1,4 @@
+#include "vrml/event_model/behaviour.h"
 #include "vrml/nodes/x3d/components.h"
 
 // Rows of the X3D components Navigation, Layering, Layout (ISO/IEC 19775-1).
@@ -42,7 +43,8 @@ constexpr X3DRow kNavigationX3DRows[] = {
   field        SFBool     forceTransitions FALSE
   field        MFFloat    range []
   eventOut     SFInt32    level_changed  # [0,inf)
-)"},
+)",
+     nullptr, &kLodBehaviour},
     {"Layer", "Layering", 1, "layers", "X3DLayerNode", Role::none, NodeKind::other, R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode

@@ -1,3 +1,4 @@
+#include "vrml/event_model/behaviour.h"
 #include "vrml/nodes/x3d/components.h"
 
 // Rows of the X3D components EnvironmentalSensor, KeyDeviceSensor, PointingDeviceSensor, Picking (ISO/IEC 19775-1).
@@ -32,7 +33,8 @@ constexpr X3DRow kSensorsX3DRows[] = {
   eventOut     SFString   keyPress
   eventOut     SFString   keyRelease
   eventOut     SFBool     shiftKey
-)"},
+)",
+     nullptr, &kKeySensorBehaviour},
     {"LinePickSensor", "Picking", 1, "children", "X3DPickSensorNode", Role::child | Role::sensor, NodeKind::other, R"(
   exposedField SFString   description ""
   exposedField SFBool     enabled TRUE
@@ -133,7 +135,8 @@ constexpr X3DRow kSensorsX3DRows[] = {
   eventOut     SFString   enteredText
   eventOut     SFString   finalText
   eventOut     SFBool     isActive
-)"},
+)",
+     nullptr, &kStringSensorBehaviour},
     {"TouchSensor", "PointingDeviceSensor", 1, "children", "X3DTouchSensorNode", Role::child | Role::sensor,
      NodeKind::other, R"(
   exposedField SFString   description ""
