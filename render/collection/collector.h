@@ -84,6 +84,8 @@ class Collector {
     bool overlay = false;  // true for content that is fixed to the viewer
     bool visible = true;  // false in the proxy of a Collision, which is collidable but invisible
     bool collidable = true;  // false in a Collision with collide FALSE (6.8)
+    bool listed = true;  // false below a ViewpointGroup with displayed FALSE
+    bool retains_offset = false;  // true below a ViewpointGroup with retainUserOffsets TRUE
   };
   /// Grouping node on the current path, or the root nodes of a scene.
   struct Frame {

@@ -99,10 +99,10 @@ void tell_content(Execution& execution, EventNode node) {
 // State of a Collision of X3D: isActive is TRUE from the first collision to the first step without one.
 enum : std::uint32_t { kApart = 0, kTouching, kMet };
 
-bool collision_of(Execution& execution, EventNode node, bool met) {
+bool collision_of(Execution& execution, EventNode node, Meeting met) {
   if (!execution.get<SFBool>(node, GroupingEvents::collide)) return false;
-  if (!met) return true;
-  execution.send(node, GroupingEvents::collide_time, SFTime{execution.now()});
+  if (met == Meeting::none) return true;
+  if (met == Meeting::begins) execution.send(node, GroupingEvents::collide_time, SFTime{execution.now()});
   if (!execution.nodes().has_event(node, GroupingEvents::is_active)) return true;
   if (std::exchange(execution.nodes().state_of(node), kMet) != kApart) return true;
   execution.send(node, GroupingEvents::is_active, SFBool{true});

@@ -102,9 +102,10 @@ constexpr X3DRow kNavigationX3DRows[] = {
   eventOut     SFTime     bindTime
   eventOut     SFBool     isBound
   eventOut     SFBool     transitionComplete
-)"},
-    {"OrthoViewpoint", "Navigation", 3, "children", "X3DViewpointNode", Role::child | Role::bindable, NodeKind::other,
-     R"(
+)",
+     nullptr, &kNavigationInfoBehaviour},
+    {"OrthoViewpoint", "Navigation", 3, "children", "X3DViewpointNode", Role::child | Role::bindable,
+     NodeKind::viewpoint, R"(
   eventIn      SFBool     set_bind
   exposedField SFVec3f    centerOfRotation 0 0 0
   exposedField SFString   description ""
@@ -119,7 +120,8 @@ constexpr X3DRow kNavigationX3DRows[] = {
   exposedField SFBool     viewAll FALSE
   eventOut     SFTime     bindTime
   eventOut     SFBool     isBound
-)"},
+)",
+     nullptr, &kOrthoViewpointBehaviour},
     {"ScreenFontStyle", "Layout", 2, "fontStyle", "X3DFontStyleNode", Role::font_style, NodeKind::other, R"(
   exposedField MFString   family ["SERIF"]
   exposedField SFBool     horizontal TRUE
@@ -155,7 +157,8 @@ constexpr X3DRow kNavigationX3DRows[] = {
   eventOut     SFTime     bindTime
   eventOut     SFBool     isBound
 )"},
-    {"ViewpointGroup", "Navigation", 3, "children", "X3DChildNode", Role::child, NodeKind::other, R"(
+    {"ViewpointGroup", "Navigation", 3, "children", "X3DChildNode", Role::child | Role::grouping,
+     NodeKind::viewpoint_group, R"(
   exposedField SFVec3f    center 0 0 0
   exposedField MFNode     children []  # X3DViewpointNode,ViewpointGroup
   exposedField SFString   description ""
