@@ -114,5 +114,7 @@ extern const Behaviour kColorChaserBehaviour, kColorDamperBehaviour, kCoordinate
     kScalarDamperBehaviour, kTexCoordChaser2DBehaviour, kTexCoordDamper2DBehaviour;
 inline constexpr int kKeySensorEnabled = 0;  // event index of enabled in KeySensor and StringSensor
 extern const Behaviour kKeySensorBehaviour, kStringSensorBehaviour, kTransformSensorBehaviour;
+extern const Behaviour kLinePickSensorBehaviour, kPointPickSensorBehaviour, kPrimitivePickSensorBehaviour,
+    kVolumePickSensorBehaviour;
 
 }  // namespace gs::vrml

@@ -18,7 +18,8 @@ Execution::Execution(SceneGraph& root)
       viewer_(*this),
       pointing_(*this),
       browser_(*this),
-      keys_(*this) {
+      keys_(*this),
+      shapes_(*this) {
   scenes_.attach();
 }
 

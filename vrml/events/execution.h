@@ -11,6 +11,7 @@
 #include "vrml/events/idle_sensors.h"
 #include "vrml/events/key_device.h"
 #include "vrml/events/node_lifetime.h"
+#include "vrml/events/placed_shapes.h"
 #include "vrml/events/pointing.h"
 #include "vrml/events/route_table.h"
 #include "vrml/events/script_queue.h"
@@ -75,6 +76,7 @@ class Execution : NonCopyable {
   [[nodiscard]] Pointing& pointing() { return pointing_; }
   [[nodiscard]] WorldBrowser& browser() { return browser_; }
   [[nodiscard]] KeyDevice& keys() { return keys_; }
+  [[nodiscard]] PlacedShapes& shapes() { return shapes_; }
   /// Returns the states of behaviours. EventNodes::state_of is the index of a node's state.
   [[nodiscard]] BehaviourStates& states() { return states_; }
 
@@ -111,6 +113,7 @@ class Execution : NonCopyable {
   Pointing pointing_;
   WorldBrowser browser_;
   KeyDevice keys_;
+  PlacedShapes shapes_;
   BehaviourStates states_;
 };
 
