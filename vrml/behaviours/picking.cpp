@@ -86,7 +86,8 @@ class PickSearch {
       const PlacedNode& node = nodes[i];
       below[i] = below[node.parent] || (node.scene == place_.scene && targets.contains(node.node.index));
       if (!below[i] || !node.shape || !node.pickable || !has_type(nodes, node)) continue;
-      Picked picked{i};
+      Picked picked;
+      picked.place = i;
       if (meets(node, picked)) found.push_back(std::move(picked));
     }
     sort(found);
