@@ -89,6 +89,7 @@ const Behaviour kBooleanTriggerBehaviour = {.events = {"set_triggerTime", "trigg
 const Behaviour kIntegerTriggerBehaviour = {.events = {"set_boolean", "triggerValue", "integerKey"},
                                             .on_event = integer_trigger};
 const Behaviour kTimeTriggerBehaviour = {.events = {"set_boolean", "triggerTime"}, .on_event = time_trigger};
+const Behaviour kBooleanSequencerBehaviour = {.events = kSequencerEvents, .on_event = sequencer_event<SFBool>};
 const Behaviour kIntegerSequencerBehaviour = {.events = kSequencerEvents, .on_event = sequencer_event<SFInt32>};
 
 }  // namespace gs::vrml

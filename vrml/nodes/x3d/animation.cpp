@@ -18,8 +18,10 @@ constexpr X3DRow kAnimationX3DRows[] = {
   eventIn      SFBool     previous
   eventIn      SFFloat    set_fraction
   exposedField MFFloat    key []
+  exposedField MFBool     keyValue []
   eventOut     SFBool     value_changed
-)"},
+)",
+     nullptr, &kBooleanSequencerBehaviour},
     {"BooleanToggle", "EventUtilities", 1, "children", "X3DChildNode", Role::child, NodeKind::other, R"(
   eventIn      SFBool     set_boolean
   exposedField SFBool     toggle FALSE

@@ -104,8 +104,8 @@ constexpr X3DRow kNavigationX3DRows[] = {
   eventOut     SFBool     transitionComplete
 )",
      nullptr, &kNavigationInfoBehaviour},
-    {"OrthoViewpoint", "Navigation", 3, "children", "X3DViewpointNode", Role::child | Role::bindable,
-     NodeKind::viewpoint, R"(
+    {"OrthoViewpoint", "Navigation", 3, "children", "X3DViewpointNode", Role::child | Role::bindable, NodeKind::viewpoint,
+     R"(
   eventIn      SFBool     set_bind
   exposedField SFVec3f    centerOfRotation 0 0 0
   exposedField SFString   description ""
