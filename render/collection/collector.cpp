@@ -364,6 +364,14 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
         list_.sounds.push_back({parent.scene, id, parent.frame});
       }
       break;
+    case NodeKind::viewpoint_group: {
+      Frame group = parent;
+      group.presence.listed = parent.presence.listed && view.get(ViewpointGroupFields::displayed, true);
+      group.presence.retains_offset =
+          parent.presence.retains_offset || view.get(ViewpointGroupFields::retain_offsets, false);
+      enter_node(group, id, view.find<vrml::MFNode>(ViewpointGroupFields::children));
+      break;
+    }
     case NodeKind::viewpoint:
     case NodeKind::navigation_info:
     case NodeKind::background:
@@ -410,6 +418,8 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
     if (viewpoints.size() >= kMaxViewpoints) return;
     viewpoints.push_back(world_viewpoint(view, parent.world_from_local));
     viewpoints.back().scene = parent.scene;
+    viewpoints.back().listed = parent.presence.listed;
+    viewpoints.back().retains_offset |= parent.presence.retains_offset;
     viewpoints.back().node = id;
     if (sources_)
       (parent.main ? sources_->viewpoints : inlined_sources_).push_back({view.node, parent.frame, parent.main});

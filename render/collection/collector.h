@@ -88,6 +88,8 @@ class Collector {
     bool collidable = true;  // false in a Collision with collide FALSE (6.8)
     bool hidden = false;     // in a group with `visible` FALSE: neither visible nor collidable (X3D 10.2.1)
     std::uint16_t local_fog = kNoLocalFog;
+    bool listed = true;  // false below a ViewpointGroup with displayed FALSE
+    bool retains_offset = false;  // true below a ViewpointGroup with retainUserOffsets TRUE
   };
   /// Grouping node on the current path, or the root nodes of a scene.
   struct Frame {

@@ -196,6 +196,8 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
     case NodeKind::point_light:
     case NodeKind::spot_light:
       return only(Effect::light, LightFields::on);
+    case NodeKind::viewpoint_group:
+      return Effect::everything;
     case NodeKind::viewpoint:
       return Effect::viewpoint;
     case NodeKind::navigation_info:
@@ -429,6 +431,8 @@ void RenderScene::renew_viewpoint(std::uint32_t i) {
       world_viewpoint({local.node, &resources_.schemas().of(*local.node->type)}, list_->world_from_frame[local.frame]);
   made.scene = viewpoint.scene;
   made.node = viewpoint.node;
+  made.listed = viewpoint.listed;
+  made.retains_offset |= viewpoint.retains_offset;
   viewpoint = std::move(made);
 }
 

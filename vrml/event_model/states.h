@@ -2,8 +2,10 @@
 
 #include "vrml/scene/field_value.h"
 
+#include <glm/gtc/quaternion.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 
 #include <cstdint>
 #include <deque>
@@ -11,6 +13,14 @@
 #include <vector>
 
 namespace gs::vrml {
+
+/// Pauses of an active time-dependent node (X3D 8.2.4).
+struct PauseState {
+  bool paused = false;
+  double since = 0;      // time of the present pause
+  double total = 0;      // seconds of the finished pauses since the activation
+  double activated = 0;  // time of the activation
+};
 
 /// State of a time-dependent node (VRML97 4.6.9).
 struct TimeState {
@@ -22,6 +32,7 @@ struct TimeState {
   // Value and timestamp of a set_startTime event that the node received while active. The value applies if the node
   // stops with the same timestamp.
   double new_start = 0, new_start_at = -std::numeric_limits<double>::infinity();
+  PauseState pause;
 };
 
 /// State of an AudioClip or MovieTexture (6.4, 6.28).
@@ -35,6 +46,7 @@ struct MediaState {
   double held = 0;       // media time in seconds at the end of the last active period
   double new_start = 0, new_start_at = -std::numeric_limits<double>::infinity();  // see TimeState
   double stop_set = -std::numeric_limits<double>::infinity();  // time of the last set_stopTime event while active
+  PauseState pause;
 };
 
 /// Position of the viewer at one time.
@@ -67,7 +79,25 @@ struct PointingState {
   bool far_side = false;          // the drag moves the far side of the cylinder or sphere
   double radius = 0, turned = 0;  // turned: CylinderSensor rotation about Y in radians, with full turns
   glm::dvec3 start{0};            // hit point on the geometry at activation
-  glm::dmat4 sensor_from_world{1.0};
+  glm::dmat4 sensor_from_world{1.0};  // after `turn`
+  glm::dquat turn{1, 0, 0, 0};        // axisRotation of a sensor of X3D
+  bool is_turned = false;             // `turn` is not the identity
+};
+
+/// Values of a follower: one for each element of its field.
+using FollowerValues = std::vector<glm::dvec4>;
+
+/// State of a chaser or damper (X3D clause 39).
+struct FollowerState {
+  static constexpr std::size_t kMaxSteps = 64;
+  struct Step {
+    double time = 0;
+    FollowerValues to;
+  };
+  FollowerValues base;      // chaser: value before all steps; damper: destination
+  std::vector<Step> steps;  // chaser: destinations during the last `duration` seconds; damper: outputs of the filters
+  double time = 0;          // damper: time of the last evaluation
+  bool begun = false;       // the initial values are taken
 };
 
 /// State of a Script (6.40).
@@ -151,13 +181,15 @@ class StatePool {
 struct BehaviourStates {
   StatePool<TimeState> times;
   StatePool<ProximityState> proximities;
-  StatePool<MFVec3f> spares;  // array that an interpolator writes next
+  StatePool<MFVec3f> spares;       // array that an interpolator writes next
+  StatePool<MFVec2f> flat_spares;  // the same for 2D
   StatePool<PointingState> pointing;
   StatePool<ScriptState> scripts;
   StatePool<MediaState> media;
   StatePool<HumanoidState> humanoids;
   StatePool<MotionState> motions;
   StatePool<LoadSensorState> loads;
+  StatePool<FollowerState> followers;
 };
 
 }  // namespace gs::vrml

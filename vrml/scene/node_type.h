@@ -89,6 +89,7 @@ enum class NodeKind : std::uint8_t {
   point_light,
   spot_light,
   viewpoint,
+  viewpoint_group,
   navigation_info,
   background,
   fog,
