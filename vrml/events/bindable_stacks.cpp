@@ -9,13 +9,13 @@ namespace gs::vrml {
 
 BindableStacks::Stack& BindableStacks::stack_of(const NodeType& type) {
   for (Stack& stack : stacks_)
-    if (stack.type == &type) return stack;
+    if (stack.type->read_as == type.read_as) return stack;
   return stacks_.emplace_back(Stack{&type});
 }
 
 EventNode BindableStacks::top_of(const NodeType& type) const {
   for (const Stack& stack : stacks_)
-    if (stack.type == &type) return stack.top;
+    if (stack.type->read_as == type.read_as) return stack.top;
   return 0;
 }
 
@@ -109,7 +109,8 @@ void BindableStacks::bind_first_nodes(SceneState& state, bool of_fresh_types) {
     if (!id || seen[id.index]) continue;
     seen[id.index] = true;
     const Node& node = scene.node(id);
-    const bool is_known = std::find(known.begin(), known.end(), node.type) != known.end();
+    const bool is_known = std::any_of(known.begin(), known.end(),
+                                      [&](const NodeType* type) { return type->read_as == node.type->read_as; });
     if (has(node.type->role, Role::bindable) && node.type->behaviour && !is_known &&
         !(of_fresh_types && node.owner != 0)) {
       const EventNode bindable = execution_.scenes().member(state, id);

@@ -8,12 +8,12 @@
 
 namespace gs::vrml {
 
-/// Stacks of bindable nodes (VRML97 4.6.10), one per type. A stack is a linked list of nodes, so that any node can be
+/// Stacks of bindable nodes (VRML97 4.6.10), one per NodeKind: all types of viewpoints share one stack. A stack is a linked list of nodes, so that any node can be
 /// removed in O(1). Part of Execution.
 class BindableStacks {
  public:
   struct Stack {
-    const NodeType* type;
+    const NodeType* type;  // one of the types of its kind
     EventNode top = 0;
   };
 

@@ -48,6 +48,9 @@ const InterfaceDeclaration* NodeType::find(std::string_view wanted) const {
   const std::uint32_t key = digest(wanted);
   for (std::size_t i = 0; i < keys_.size(); ++i)
     if (keys_[i] == key && interfaces[i].name == wanted) return &interfaces[i];
+  if (language == Language::x3d)
+    for (const InterfaceDeclaration& each : interfaces)
+      if (!each.x3d_name.empty() && each.x3d_name == wanted) return &each;
   return nullptr;
 }
 

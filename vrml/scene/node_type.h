@@ -3,6 +3,7 @@
 #include "base/diagnostic.h"
 #include "base/noncopyable.h"
 #include "vrml/scene/field_value.h"
+#include "vrml/scene/language.h"
 
 #include <cstdint>
 #include <deque>
@@ -30,10 +31,16 @@ struct InterfaceDeclaration {
   FieldType type = FieldType::SFBool;
   std::string name;
   FieldValue initial;              // initial value; only for fields and exposedFields
-  std::string range;               // "[0,1]" as the standard writes it; only for built-in nodes
+  std::string range;               // "[0,1]" as the standard writes it; only for built-in nodes. For nodes: accepts()
+  std::string x3d_name{};          // name in X3D, if it differs: Switch.choice is `children` in X3D
   int slot = -1;                   // index of the stored value in a node; -1 for eventIns and eventOuts
   bool of_other_browsers = false;  // event of a built-in node that the standard does not have (NodeRow::other_events)
 };
+
+/// Returns the name of an interface in a language.
+[[nodiscard]] inline const std::string& name_in(Language language, const InterfaceDeclaration& declaration) {
+  return language == Language::x3d && !declaration.x3d_name.empty() ? declaration.x3d_name : declaration.name;
+}
 
 /// Bit set of the roles of a node. It states where the node may stand and which code handles it.
 enum class Role : std::uint32_t {
@@ -165,6 +172,12 @@ struct NodeType : NonCopyable {
   Tessellator tessellator;
   const Behaviour* behaviour = nullptr;
   UrlContent url_content = UrlContent::none;
+  Language language = Language::vrml97;    // only for built-in types
+  std::string component;                   // X3D types only: component of the standard
+  int level = 0;                           // X3D types only: level of the component
+  std::string container_field;             // X3D types only: default field of the parent in the XML encoding
+  std::string bases;                       // X3D types only: abstract types that it derives from, separated by blanks
+  bool ignored = false;                    // X3D types only: nodes have no effect; sinks warn about them
   bool stands_in = false;                  // partial substitute for another browser's type (vrml/syntax/stand_ins.h)
   std::vector<int> measures;               // slots of the lengths of a built-in geometry: fields with the range (0,inf)
   std::unique_ptr<Prototype> prototype;    // body of a PROTO, otherwise null
@@ -181,7 +194,7 @@ struct NodeType : NonCopyable {
   /// Returns the MFString fields with URLs of files, in the order of declaration: `url`, or fields with names that end
   /// in `Url` (VRML97 6.5).
   [[nodiscard]] std::vector<const InterfaceDeclaration*> url_fields() const;
-  /// Returns the declaration with exactly this name; null if there is none.
+  /// Returns the declaration with exactly this name, or with this x3d_name; null if there is none.
   [[nodiscard]] const InterfaceDeclaration* find(std::string_view name) const;
   /// Returns the field or exposedField with this name; null if there is none.
   [[nodiscard]] const InterfaceDeclaration* find_field(std::string_view name) const;
@@ -197,12 +210,19 @@ struct NodeType : NonCopyable {
   std::vector<std::uint32_t> keys_;  // short hash of each name, so that searches seldom compare texts
 };
 
-/// Returns the table of built-in node types. The first call builds it; it never changes. Any thread.
-[[nodiscard]] std::span<const std::unique_ptr<NodeType>> built_in_node_types();
-/// Returns the built-in type with this name; null if there is none.
+/// Returns the table of built-in node types of VRML97 or of X3D, sorted by name. The first call builds it; it never
+/// changes. Any thread.
+[[nodiscard]] std::span<const std::unique_ptr<NodeType>> built_in_node_types(Language language = Language::vrml97);
+/// Returns the built-in VRML97 type with this name; null if there is none.
 [[nodiscard]] const NodeType* built_in_node_type(std::string_view name);
-/// Returns the built-in type of this kind. If there are several, returns the first one by name.
+/// Returns the built-in type with this name in a text of this language: in X3D, a type of X3D, or a type that only
+/// VRML97 and GhostSpace have. Null if there is none.
+[[nodiscard]] const NodeType* built_in_node_type(Language language, std::string_view name);
+/// Returns the built-in VRML97 type of this kind. If there are several, returns the first one by name.
 [[nodiscard]] const NodeType& built_in_node_type(NodeKind kind);
+/// Reports whether a node of this type may stand in a field of an X3D node, by the types that its row lists. Returns
+/// true for fields without a list, and for PROTOs, because their first node is unknown here.
+[[nodiscard]] bool accepts(const InterfaceDeclaration& field, const NodeType& type);
 /// Name of the browser as a node in ROUTEs, as in worlds for Contact.
 inline constexpr std::string_view kBrowserName = "Browser";
 /// Returns the type of the browser as a node. Not in the table.

@@ -38,6 +38,7 @@ std::uint32_t SceneTexts::open(std::string file_name, const SourceText& written_
   OwnedText& made = texts_[index];
   made.text = std::make_unique<SourceText>(std::move(file_name));
   made.text->origin_ = &written_by.origin();
+  made.text->set_language(written_by.language(), written_by.version());
   made.text->computed_ = fetched_from == nullptr;
   made.text->source_ = fetched_from ? std::move(fetched_from) : written_by.source();
   made.open = true;

@@ -27,14 +27,14 @@ struct Route {
 struct Statement {
   enum class Kind : std::uint8_t { node, prototype, route };
   Kind kind;
-  NodeId node;  // for Kind::node
+  NodeId node;                     // for Kind::node
   const NodeType* type = nullptr;  // for Kind::prototype: a PROTO or EXTERNPROTO
-  Route route;  // for Kind::route
+  Route route;                     // for Kind::route
 };
 
 /// Source of a text's bytes. This room only stores it and compares pointers. app/world sets it from net::Origin.
 struct TextSource {
-  std::string url;  // URL after redirects; for data: URLs, the URL of the enclosing text
+  std::string url;                 // URL after redirects; for data: URLs, the URL of the enclosing text
   std::uint8_t address_space = 0;  // net::AddressSpace of the host
 };
 
@@ -54,6 +54,12 @@ class SourceText : NonCopyable {
   /// computed has the source of the Script. Returns null if the source was not set.
   [[nodiscard]] const std::shared_ptr<const TextSource>& source() const { return source_; }
   void set_source(std::shared_ptr<const TextSource> source) { source_ = std::move(source); }
+  /// Returns the language of the text. A text that a Script requested has the language of the Script's file, unless its
+  /// header states another one.
+  [[nodiscard]] Language language() const { return language_; }
+  /// Returns ten times the version of the language: 20 for VRML97, 30 to 40 for X3D.
+  [[nodiscard]] int version() const { return version_; }
+  void set_language(Language language, int version) { language_ = language, version_ = version; }
   /// Reports whether a Script computed this text (createVrmlFromString). Returns false if it was read from a URL.
   [[nodiscard]] bool is_computed() const { return computed_; }
   /// Returns the top-level nodes.
@@ -75,6 +81,8 @@ class SourceText : NonCopyable {
   const SourceText* origin_ = nullptr;
   std::shared_ptr<const TextSource> source_;
   bool computed_ = false;
+  Language language_ = Language::vrml97;
+  int version_ = 20;
   std::forward_list<std::string> names_;
   MFNode roots_;
   std::vector<Statement> statements_;

@@ -16,6 +16,12 @@ constexpr std::size_t kRetryGrowth = 8;
 // Maximum bytes of a new piece that are joined to the rest of the previous piece.
 constexpr std::size_t kJoin = 4096;
 
+ParseOutcome read_whole(Grammar grammar, std::string_view text, SceneGraph& scene, Diagnostics& diagnostics) {
+  const std::unique_ptr<SceneReader> reader = make_reader(grammar, scene, diagnostics);
+  reader->push(text);
+  return reader->finish();
+}
+
 }  // namespace
 
 struct Parser::State {
@@ -24,7 +30,7 @@ struct Parser::State {
 
   ParsedText text;
   StatementParser statements;
-  std::string carry;  // received bytes that are not complete enough to use
+  std::string carry;           // received bytes that are not complete enough to use
   std::size_t retry_size = 0;  // size of `carry` at which it is read again
 };
 
@@ -128,13 +134,18 @@ bool Parser::read_interface(std::string_view text, NodeType& type) {
 RunTimeNodes read_into(SceneGraph& scene, std::string file_name, std::string_view text, Diagnostics& diagnostics,
                        const SourceText* written_by, std::shared_ptr<const TextSource> fetched_from) {
   const RunTimeText written(scene, std::move(file_name), written_by ? *written_by : scene, std::move(fetched_from));
-  Parser parser(scene, diagnostics);
-  const ParseOutcome outcome = parser.parse_fragment(text);
+  const Grammar grammar = grammar_of(text);
+  const bool has_parser = grammar == Grammar::vrml97 || grammar == Grammar::x3d_classic;
+  const ParseOutcome outcome =
+      has_parser ? Parser(scene, diagnostics).parse_fragment(text) : read_whole(grammar, text, scene, diagnostics);
   return {written.text().roots(), outcome};
 }
 
 ParseOutcome parse(std::string_view text, SceneGraph& scene, Diagnostics& diagnostics) {
-  return Parser(scene, diagnostics).parse_whole(text);
+  const Grammar grammar = grammar_of(text);
+  if (grammar == Grammar::vrml97 || grammar == Grammar::x3d_classic)
+    return Parser(scene, diagnostics).parse_whole(text);
+  return read_whole(grammar, text, scene, diagnostics);
 }
 
 }  // namespace gs::vrml

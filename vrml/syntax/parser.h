@@ -1,8 +1,8 @@
 #pragma once
 
 #include "base/diagnostic.h"
-#include "base/noncopyable.h"
 #include "vrml/scene/scene_graph.h"
+#include "vrml/syntax/scene_reader.h"
 
 #include <memory>
 #include <string>
@@ -10,13 +10,6 @@
 #include <vector>
 
 namespace gs::vrml {
-
-/// Outcome of parsing a text.
-enum class ParseOutcome : std::uint8_t {
-  complete,  // the whole text was read; errors may have been reported
-  truncated,  // the text ended inside a statement; the scene contains everything before that point
-  refused,    // the text is not VRML97 (other format or version, binary, empty); the scene is empty
-};
 
 /// Parser of VRML97 text (ISO/IEC 14772-1 Annex A) into a SceneGraph.
 ///
@@ -26,18 +19,18 @@ enum class ParseOutcome : std::uint8_t {
 ///
 /// After an error it continues at the next field, node or statement, so that the rest of the world is drawn. Safe for
 /// untrusted text. One thread.
-class Parser : NonCopyable {
+class Parser final : public SceneReader {
  public:
   /// `scene` and `diagnostics` must outlive the parser. Diagnostics contain `scene.file_name()`.
   Parser(SceneGraph& scene, Diagnostics& diagnostics);
-  ~Parser();
+  ~Parser() override;
 
   /// Parses the next bytes of the text. Copies only bytes that form an incomplete token or statement.
-  void push(std::string_view piece);
+  void push(std::string_view piece) override;
   /// Returns the nodes with an open body, outermost first. Later bytes may change these nodes.
-  [[nodiscard]] std::vector<NodeId> open_nodes() const;
+  [[nodiscard]] std::vector<NodeId> open_nodes() const override;
   /// Ends the text. Call it once, after the last push().
-  ParseOutcome finish();
+  ParseOutcome finish() override;
   /// Parses a whole text without copying it. Replaces `push` and `finish`.
   ParseOutcome parse_whole(std::string_view text);
   /// Like parse_whole(), for text from scripts, which needs no header.
@@ -50,7 +43,7 @@ class Parser : NonCopyable {
   std::unique_ptr<State> state_;
 };
 
-/// Parses a whole text into `scene`.
+/// Parses a whole text of any grammar into `scene`.
 ParseOutcome parse(std::string_view text, SceneGraph& scene, Diagnostics& diagnostics);
 
 /// Result of read_into(): the top-level nodes that were made at run time.
@@ -59,8 +52,8 @@ struct RunTimeNodes {
   ParseOutcome outcome = ParseOutcome::complete;
 };
 
-/// Reads a text into a running scene, for createVrmlFromString and similar functions (VRML97 4.12.10). The text needs
-/// no header, and has separate names and PROTOs. Node::text of its nodes refers to it.
+/// Reads a text into a running scene, for createVrmlFromString and similar functions (VRML97 4.12.10). The text may
+/// have any grammar. Without a header, it has the language of `written_by`. It has separate names and PROTOs. Node::text of its nodes refers to it.
 /// The nodes do not belong to any field yet. After WorldScenes::attach, call NodeLifetime::hold for them before events
 /// are delivered. `written_by` is the text that requested this text; null means the scene's file. Its origin() must
 /// live as long as the scene. RunTimeText describes `fetched_from`.

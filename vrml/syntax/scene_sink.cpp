@@ -123,7 +123,23 @@ const NodeType* SceneSink::find_type(std::string_view name) const {
     const NodeType* native = stood_for(*found->second);
     return native ? native : found->second;
   }
-  return built_in_node_type(name);
+  return built_in_node_type(text_.language(), name);
+}
+
+// Returns the X3D type with this name, for a VRML97 text.
+const NodeType* SceneSink::find_x3d_type(SourceName name) {
+  if (text_.language() == Language::x3d) return nullptr;
+  const NodeType* const type = built_in_node_type(Language::x3d, name.text);
+  if (type && said_types_.insert(type->name).second)
+    problems_.warn(name.location, quoted(name.text) + " is a node of X3D, not of VRML97; read as in X3D");
+  return type;
+}
+
+// Warns once about each type without effect.
+void SceneSink::check_support(const NodeType& type, SourceLocation location) {
+  if (type.ignored && said_types_.insert(type.name).second)
+    problems_.warn(location,
+                   type.name + " (component " + type.component + ") is not supported; the node has no effect");
 }
 
 const NodeType* SceneSink::find_stand_in(SourceName name) {
@@ -156,6 +172,7 @@ OpenNode SceneSink::begin_node(const NodeHeader& header) {
   OpenNode node;
   node.type = find_type(header.type.text);
   if (!node.type) node.type = find_stand_in(header.type);
+  if (!node.type) node.type = find_x3d_type(header.type);
   if (!node.type) {
     skip_unknown(header);
     return {};
@@ -168,6 +185,7 @@ OpenNode SceneSink::begin_node(const NodeHeader& header) {
       problems_.error(location, "more than " + std::to_string(scene_.limits().nodes) + " nodes; the rest is left out");
     return {};
   }
+  check_support(*node.type, location);
   Scope& scope = scopes_.back();
   if (in_prototype_body()) scene_.put_in_body(node.id, *scope.prototype->prototype);
   if (!header.name.empty()) {

@@ -115,6 +115,8 @@ class SceneSink : NonCopyable {
 
   [[nodiscard]] bool in_prototype_body() const { return scopes_.back().prototype && open_interfaces_ == 0; }
   [[nodiscard]] const NodeType* find_stand_in(SourceName name);
+  [[nodiscard]] const NodeType* find_x3d_type(SourceName name);
+  void check_support(const NodeType& type, SourceLocation location);
   [[nodiscard]] std::vector<Statement>& statements();
   void skip_unknown(const NodeHeader& header);
   void place(NodeId node, NodeTarget target);
@@ -131,7 +133,7 @@ class SceneSink : NonCopyable {
   std::vector<Scope> scopes_;
   NodeId made_shape_;                                // last Shape that was made for misplaced nodes
   std::size_t open_interfaces_ = 0;                  // open PROTO interfaces; their default nodes are live
-  std::unordered_set<std::string_view> said_types_;  // type names that were reported as declared twice
+  std::unordered_set<std::string_view> said_types_;  // types with a reported problem: declared twice, of X3D, ignored
   std::unordered_map<std::string_view, const NodeType*> stand_ins_;  // stand-ins for the types that the text uses
   std::unordered_set<std::string> unknown_types_;                    // types that were reported as unknown
   std::unordered_set<std::uint64_t> said_measures_;                  // positions of nodes with invalid measures

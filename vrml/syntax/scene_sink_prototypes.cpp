@@ -88,7 +88,7 @@ void SceneSink::end_external(NodeType& type, MFString url) {
 // But an extension may have a fallback of the same name for other browsers. A declaration inside a node (Annex A.1) is
 // printed before that node.
 void SceneSink::add_type(NodeType& type) {
-  const NodeType* const built_in = built_in_node_type(type.name);
+  const NodeType* const built_in = built_in_node_type(text_.language(), type.name);
   const Scope& scope = scopes_.back();
   const NodeType*& known = scopes_.back().types[type.name];
   const bool taken = known || (built_in && !is_extension(built_in->clause));

@@ -3,6 +3,8 @@
 #include "app/formats/common/asset.h"
 #include "app/formats/common/upright.h"
 
+#include "vrml/scene/language.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -35,6 +37,7 @@ struct ContentType {
   bool in_order = false;         // mesh: may be read triangle by triangle (open_mesh_stream)
   std::string_view mark = {};    // first bytes of each file of this type; empty if they vary
   std::string_view remedy = {};  // advice to users, if the type is recognised but not read; else empty
+  vrml::Grammar grammar = vrml::Grammar::vrml97;  // ContentClass::vrml only: reader of the text
 
   /// Returns the error for a file of a type with a `remedy`: "STEP cannot be read; open it in ...".
   [[nodiscard]] std::string refusal() const { return std::string(name) + " cannot be read; " + std::string(remedy); }

@@ -6,18 +6,19 @@
 #include "app/loading/content/scene_target.h"
 #include "base/gzip.h"
 #include "base/text.h"
-#include "vrml/syntax/parser.h"
+#include "vrml/syntax/scene_reader.h"
 
 #include <utility>
 
 namespace gs::app {
 namespace {
 
-/// Text of VRML97, which may be gzip-compressed.
+/// Text of any grammar of vrml/, which may be gzip-compressed.
 class TextContent final : public SceneContent {
  public:
-  explicit TextContent(SceneTarget& target)
-      : target_(target), parser_(std::in_place, *target.scene(), target.loading().results.diagnostics()) {}
+  TextContent(SceneTarget& target, vrml::Grammar grammar)
+      : target_(target),
+        reader_(vrml::make_reader(grammar, *target.scene(), target.loading().results.diagnostics())) {}
 
   void receive(std::span<const std::byte> bytes) override {
     if (packing_ == Packing::unknown) {
@@ -35,16 +36,16 @@ class TextContent final : public SceneContent {
         target_.cut_short();
       }
     }
-    const vrml::ParseOutcome outcome = parser_->finish();
+    const vrml::ParseOutcome outcome = reader_->finish();
     if (outcome == vrml::ParseOutcome::refused)
       target_.refuse();
     else if (outcome != vrml::ParseOutcome::complete && !cut)
       target_.cut_short();
-    parser_.reset();
+    reader_.reset();
     if (!damaged && !cut) complete_outlines();
   }
   [[nodiscard]] std::vector<vrml::NodeId> open_nodes() const override {
-    return parser_ ? parser_->open_nodes() : std::vector<vrml::NodeId>();
+    return reader_ ? reader_->open_nodes() : std::vector<vrml::NodeId>();
   }
 
  private:
@@ -52,11 +53,11 @@ class TextContent final : public SceneContent {
     const PhaseScope phase(target_.loading().options.phases, Phase::parse);
     if (gunzip_)
       gunzip_->push(bytes, [this](std::string_view piece) {
-        parser_->push(piece);
+        reader_->push(piece);
         return !target_.scene()->memory().exhausted();
       });
     else
-      parser_->push(text_of(bytes));
+      reader_->push(text_of(bytes));
   }
   // Marks all outline groups as complete. Called at the end of the file.
   void complete_outlines() {
@@ -70,7 +71,7 @@ class TextContent final : public SceneContent {
   }
 
   SceneTarget& target_;
-  std::optional<vrml::Parser> parser_;
+  std::unique_ptr<vrml::SceneReader> reader_;
   std::unique_ptr<Gunzip> gunzip_;  // decompressor for Packing::gzip
   enum class Packing : std::uint8_t { unknown, plain, gzip };
   Packing packing_ = Packing::unknown;
@@ -197,7 +198,7 @@ class OutlineContent final : public SceneContent {
 std::unique_ptr<SceneContent> content_for(SceneTarget& target, const ContentType& type,
                                           std::span<const std::byte> first) {
   if (type.content == ContentClass::mesh) return std::make_unique<MeshContent>(target, type);
-  if (!type.is_geometry()) return std::make_unique<TextContent>(target);
+  if (!type.is_geometry()) return std::make_unique<TextContent>(target, type.grammar);
   if (is_outline_stream(first)) return std::make_unique<OutlineContent>(target);
   return std::make_unique<VectorContent>(target);
 }
