@@ -156,8 +156,6 @@ constexpr ContentType foreign(std::string_view name, std::string_view extensions
   return type;
 }
 
-constexpr std::string_view kCastle =
-    "castle-model-viewer shows it, and castle-model-converter converts its shapes to STL";
 constexpr std::string_view kX3d = "export it as VRML97 (.wrl) from its editor, or as STL with castle-model-converter";
 constexpr std::string_view kBlender = "open it in Blender and export glTF (.glb)";
 constexpr std::string_view kFreeCad = "open it in FreeCAD and export glTF (.glb), STL or OBJ";
@@ -172,8 +170,6 @@ constexpr std::string_view kUnpack = "unpack it, then open a file in it";
 
 // Rows of one kind stay together. The first rows are those that are most likely to become readable.
 constexpr ContentType kForeignTypes[] = {
-    foreign("VRML 1.0", "", begins_ignoring_case<"#vrml v1.0">, kCastle),
-    foreign("Open Inventor", ".iv ", begins_ignoring_case<"#inventor">, kCastle),
     foreign("X3D in classic encoding", ".x3dv ", begins_ignoring_case<"#x3d">, kX3d),
     foreign("X3D in XML encoding", ".x3d ", has_root<"X3D">, kX3d),
     foreign("X3D in JSON encoding", ".x3dj ", is_x3d_json, kX3d),

@@ -58,11 +58,6 @@ std::string_view header_of(std::string_view text) {
 
 }  // namespace
 
-bool is_inventor(std::string_view first_bytes) {
-  const std::string header = lower_case(header_of(first_bytes));
-  return header.starts_with("#inventor") || header.starts_with("#vrml v1.0");
-}
-
 struct Reader::State {
   State(SceneGraph& scene, Diagnostics& diagnostics)
       : sink(scene, diagnostics), parser(sink), converter(sink), share(scene.budget(), Resource::files) {}

@@ -1,6 +1,7 @@
 #include "vrml/syntax/scene_reader.h"
 
 #include "base/text.h"
+#include "vrml/inventor/reader.h"
 #include "vrml/syntax/parser.h"
 
 #include <string>
@@ -43,8 +44,9 @@ std::unique_ptr<SceneReader> make_reader(Grammar grammar, SceneGraph& scene, Dia
     case Grammar::x3d_classic:
     case Grammar::x3d_xml:
     case Grammar::x3d_json:
-    case Grammar::inventor:
       break;
+    case Grammar::inventor:
+      return std::make_unique<inventor::Reader>(scene, diagnostics);
   }
   return std::make_unique<Parser>(scene, diagnostics);
 }

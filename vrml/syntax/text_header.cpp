@@ -66,12 +66,8 @@ Step ParsedText::read_header() {
     if (line.substr(0, 15) != "#VRML V2.0 utf8") problems.warn(top, "the header differs from '#VRML V2.0 utf8'");
     return Step::done;
   }
-  if (starts_with_ignoring_case(header, "#vrml v1.0")) {
-    refuse("a VRML 1.0 file; expected VRML97 ('#VRML V2.0 utf8')", top);
-  } else if (starts_with_ignoring_case(header, "#x3d")) {
+  if (starts_with_ignoring_case(header, "#x3d")) {
     refuse("an X3D file in classic encoding; expected VRML97 ('#VRML V2.0 utf8')", top);
-  } else if (starts_with_ignoring_case(header, "#inventor")) {
-    refuse("an Open Inventor file; expected VRML97 ('#VRML V2.0 utf8')", top);
   } else if (starts_with_ignoring_case(header, "<")) {
     refuse(text.find("X3D") != std::string_view::npos
                ? "an X3D file in XML encoding; expected VRML97 ('#VRML V2.0 utf8')"
