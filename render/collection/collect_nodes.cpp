@@ -1,6 +1,8 @@
 #include "render/collection/collect_nodes.h"
 
 #include "base/finite.h"
+#include "vrml/event_model/behaviour.h"
+#include "vrml/scene/geospatial.h"
 #include "vrml/scene/transformation.h"
 
 #include <glm/glm.hpp>
@@ -140,14 +142,19 @@ Light world_light(const NodeView& view, const dmat4& world_from_node) {
   return light;
 }
 
-ViewpointState world_viewpoint(const NodeView& view, const dmat4& world_from_node) {
+ViewpointState world_viewpoint(const vrml::SceneGraph& scene, const NodeView& view, const dmat4& given_world) {
   using F = ViewpointFields;
   ViewpointState state;
   if (const auto* description = view.find<vrml::SFString>(F::description))
     state.description = bounded_text(description->view());
   state.name = bounded_text(view.node->name);
   state.jump = view.get(F::jump, true);
-  const dvec3 position(world_from_node * glm::dvec4(vector(view, F::position, glm::vec3(0, 0, 10)), 1));
+  // The position of a GeoViewpoint is geospatial; its camera stands in the origin of the axes at that position.
+  const bool is_geo =
+      !view.find<vrml::SFVec3f>(F::position) && view.node->type->behaviour == &vrml::kGeoViewpointBehaviour;
+  const dmat4 world_from_node = is_geo ? given_world * vrml::geo_viewpoint_axes(scene, *view.node) : given_world;
+  const dvec3 position(world_from_node *
+                       glm::dvec4(vector(view, F::position, is_geo ? glm::vec3(0) : glm::vec3(0, 0, 10)), 1));
   const dmat3 rotation =
       rotation_part(world_from_node) * vrml::rotation_matrix(view.get(F::orientation, vrml::Rotation{}));
   state.world_from_camera = dmat4(rotation);
@@ -165,7 +172,8 @@ ViewpointState world_viewpoint(const NodeView& view, const dmat4& world_from_nod
       lower = {(*edges)[0], (*edges)[1]};
       upper = {(*edges)[2], (*edges)[3]};
     }
-    if (!(upper.x > lower.x) || !(upper.y > lower.y) || !finite(glm::vec2(lower + upper))) lower = -(upper = glm::dvec2(1));
+    if (!(upper.x > lower.x) || !(upper.y > lower.y) || !finite(glm::vec2(lower + upper)))
+      lower = -(upper = glm::dvec2(1));
     state.extent = (upper - lower) * state.scale;
     state.world_from_camera[3] += glm::dvec4(rotation * dvec3((lower + upper) / 2.0 * state.scale, 0), 0);
   }

@@ -25,7 +25,8 @@ namespace gs::render {
 /// transformation, because they are in the light's space (4.14.4).
 [[nodiscard]] Light world_light(const NodeView& light, const glm::dmat4& world_from_node);
 /// Returns a Viewpoint in world space. Ignores the scale of the transformation (6.53).
-[[nodiscard]] ViewpointState world_viewpoint(const NodeView& viewpoint, const glm::dmat4& world_from_node);
+[[nodiscard]] ViewpointState world_viewpoint(const vrml::SceneGraph& scene, const NodeView& viewpoint,
+                                             const glm::dmat4& world_from_node);
 [[nodiscard]] NavigationState navigation_state(const NodeView& navigation_info);
 [[nodiscard]] Background world_background(const NodeView& background, const glm::dmat4& world_from_node,
                                           const Images& images);

@@ -15,6 +15,8 @@ constexpr SchemaRow kSchemaRows[] = {
     {NodeKind::group, {"children"}},
     {NodeKind::collision, {"children", "collide", "proxy"}},
     {NodeKind::transform, {"children", "center", "rotation", "scale", "scaleOrientation", "translation"}},
+    {NodeKind::geo_group, {"children"}},
+    {NodeKind::geo_lod, {"rootNode"}},
     {NodeKind::humanoid, {"skeleton", "center", "rotation", "scale", "scaleOrientation", "translation", "skin"}},
     {NodeKind::billboard, {"children", "axisOfRotation"}},
     {NodeKind::switch_node, {"choice", "whichChoice"}},

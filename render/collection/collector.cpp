@@ -1,6 +1,7 @@
 #include "render/collection/collector.h"
 
 #include "render/scene/surface_mesh.h"
+#include "vrml/event_model/behaviour.h"
 #include "vrml/scene/transformation.h"
 #include "vrml/syntax/stand_ins.h"
 
@@ -333,6 +334,13 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
     case NodeKind::transform:
       enter_moved(parent, id, view.find<vrml::MFNode>(TransformFields::children), transform_matrix(view), false);
       break;
+    case NodeKind::geo_group:
+      enter_moved(parent, id, view.find<vrml::MFNode>(GroupFields::children),
+                  node.type->behaviour->parent_from_local(*parent.scene, node), false);
+      break;
+    case NodeKind::geo_lod:
+      enter_node(parent, id, view.find<vrml::MFNode>(GroupFields::children));
+      break;
     case NodeKind::humanoid:
       enter_humanoid(parent, id, view);
       break;
@@ -416,7 +424,7 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
   if (view.kind() == NodeKind::viewpoint) {
     auto& viewpoints = parent.main ? list_.viewpoints : inlined_viewpoints_;
     if (viewpoints.size() >= kMaxViewpoints) return;
-    viewpoints.push_back(world_viewpoint(view, parent.world_from_local));
+    viewpoints.push_back(world_viewpoint(*parent.scene, view, parent.world_from_local));
     viewpoints.back().scene = parent.scene;
     viewpoints.back().listed = parent.presence.listed;
     viewpoints.back().retains_offset |= parent.presence.retains_offset;

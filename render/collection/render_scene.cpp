@@ -164,6 +164,9 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
   switch (view.kind()) {
     case NodeKind::transform:
       return only(Effect::frame, TransformFields::children);
+    case NodeKind::geo_group:
+    case NodeKind::geo_lod:
+      return Effect::everything;
     case NodeKind::humanoid:
       if (has_changed(change, view, HumanoidFields::skin)) return Effect::everything;
       return only(Effect::frame, HumanoidFields::skeleton);
@@ -427,8 +430,8 @@ void RenderScene::renew_scoped(const std::function<bool(const RenderSources::Loc
 void RenderScene::renew_viewpoint(std::uint32_t i) {
   const RenderSources::Local& local = sources_.viewpoints[i];
   ViewpointState& viewpoint = list_->viewpoints[i];
-  ViewpointState made =
-      world_viewpoint({local.node, &resources_.schemas().of(*local.node->type)}, list_->world_from_frame[local.frame]);
+  ViewpointState made = world_viewpoint(*viewpoint.scene, {local.node, &resources_.schemas().of(*local.node->type)},
+                                        list_->world_from_frame[local.frame]);
   made.scene = viewpoint.scene;
   made.node = viewpoint.node;
   made.listed = viewpoint.listed;

@@ -36,7 +36,7 @@ void touch(Execution& execution, const SceneGraph& scene, NodeId id, double& now
   const Behaviour* behaviour = node.type->behaviour;
   const bool moves = behaviour && behaviour->parent_from_local;
   const PathStep path[] = {{&scene, id, glm::dmat4(1)},
-                           {&scene, children[0], moves ? behaviour->parent_from_local(node) : glm::dmat4(1)}};
+                           {&scene, children[0], moves ? behaviour->parent_from_local(scene, node) : glm::dmat4(1)}};
   Pointer pointer;
   pointer.path = path;
   for (int i = 0; i < 4; ++i) {

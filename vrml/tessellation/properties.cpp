@@ -1,9 +1,12 @@
 #include "vrml/tessellation/properties.h"
 
+#include "vrml/scene/geospatial.h"
+
 #include <glm/common.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace gs::vrml {
 
@@ -39,6 +42,12 @@ Coordinates coordinates_of(const SceneGraph& scene, NodeId geometry) {
   const NodeKind kind = node ? scene.node(node).type->read_as : NodeKind::other;
   if (kind == NodeKind::coordinate) return {scene.get<MFVec3f>(node, "point")};
   if (kind == NodeKind::coordinate_double) return relative_points(scene.get<MFVec3d>(node, "point").span());
+  if (kind == NodeKind::geo_coordinate) {
+    const GeoFrame frame = GeoFrame::of(scene, scene.node(node));
+    std::vector<glm::dvec3> points;
+    for (const glm::dvec3& point : scene.get<MFVec3d>(node, "point")) points.push_back(frame.position(point));
+    return relative_points(points);
+  }
   return {};
 }
 
