@@ -148,7 +148,9 @@ const View& Simulation::look() {
 render::Camera Simulation::camera() {
   const View& seen = look();
   // Use the Viewpoint's own matrix, which is more exact than a pose.
-  if (at_home(seen) && seen.viewpoint && !seen.style.parallel)
+  const bool exact = seen.viewpoint && !seen.style.parallel && *seen.viewpoint < seen.list->viewpoints.size() &&
+                     !seen.list->viewpoints[*seen.viewpoint].view_all;
+  if (at_home(seen) && exact)
     return viewpoint_camera(*seen.list, seen.bound, seen.home_size);
   return camera_of(seen.navigation.pose);
 }

@@ -19,7 +19,9 @@ Execution::Execution(SceneGraph& root)
       viewer_(*this),
       pointing_(*this),
       browser_(*this),
-      loads_(*this) {
+      loads_(*this),
+      keys_(*this),
+      shapes_(*this) {
   scenes_.attach();
 }
 
@@ -51,7 +53,8 @@ bool Execution::is_listened_to(EventNode node, int event) {
 }
 
 bool Execution::has_sent(EventNode node, int event) const {
-  return cascade_.has_sent_own(node, nodes_.schema_of(node).events[static_cast<std::size_t>(event)]);
+  return nodes_.has_event(node, event) &&
+         cascade_.has_sent_own(node, nodes_.schema_of(node).events[static_cast<std::size_t>(event)]);
 }
 
 }  // namespace gs::vrml

@@ -10,7 +10,9 @@
 #include "vrml/events/event_nodes.h"
 #include "vrml/events/idle_sensors.h"
 #include "vrml/events/imported_routes.h"
+#include "vrml/events/key_device.h"
 #include "vrml/events/node_lifetime.h"
+#include "vrml/events/placed_shapes.h"
 #include "vrml/events/pointing.h"
 #include "vrml/events/route_table.h"
 #include "vrml/events/script_queue.h"
@@ -77,6 +79,8 @@ class Execution : NonCopyable {
   [[nodiscard]] Pointing& pointing() { return pointing_; }
   [[nodiscard]] WorldBrowser& browser() { return browser_; }
   [[nodiscard]] UrlLoads& loads() { return loads_; }
+  [[nodiscard]] KeyDevice& keys() { return keys_; }
+  [[nodiscard]] PlacedShapes& shapes() { return shapes_; }
   /// Returns the states of behaviours. EventNodes::state_of is the index of a node's state.
   [[nodiscard]] BehaviourStates& states() { return states_; }
 
@@ -114,6 +118,8 @@ class Execution : NonCopyable {
   Pointing pointing_;
   WorldBrowser browser_;
   UrlLoads loads_;
+  KeyDevice keys_;
+  PlacedShapes shapes_;
   BehaviourStates states_;
 };
 

@@ -70,6 +70,15 @@ void rename_interfaces(NodeType& type) {
         if (each.name == renamed.name) each.x3d_name = renamed.x3d_name;
 }
 
+/// Field of a grouping node with nodes that stand elsewhere in the hierarchy, or outside of it.
+struct ListField {
+  std::string_view node, field;
+};
+constexpr ListField kListFields[] = {{"HAnimHumanoid", "joints"},     {"HAnimHumanoid", "motions"},
+                                     {"HAnimHumanoid", "segments"},   {"HAnimHumanoid", "sites"},
+                                     {"HAnimHumanoid", "viewpoints"}, {"HAnimJoint", "displacers"},
+                                     {"HAnimSegment", "displacers"}};
+
 // Adds an interface of X3D to a type that may have it from VRML97. Of two access types, the one that allows more wins.
 void add_x3d_interface(NodeType& type, const InterfaceDeclaration& added) {
   const auto own = std::find_if(type.interfaces.begin(), type.interfaces.end(), [&](const InterfaceDeclaration& each) {
@@ -115,6 +124,10 @@ std::unique_ptr<NodeType> type_of_x3d_row(const X3DRow& row, const NodeRow* vrml
   (void)good;
   read_ranges(row.interface_text, own);
   for (const InterfaceDeclaration& each : own.interfaces) add_x3d_interface(*type, each);
+  for (const ListField& list : kListFields)
+    if (list.node == row.name)
+      for (InterfaceDeclaration& each : type->interfaces)
+        if (each.name == list.field) each.lists = true;
   rename_interfaces(*type);
   return type;
 }

@@ -173,7 +173,10 @@ void SceneSink::skip_unknown(const NodeHeader& header) {
   constexpr std::size_t kMaxTypes = 1000;
   const std::string type(header.type.text);
   const bool known = unknown_types_.contains(type);
-  if (!known) problems_.error(header.type.location, "unknown node type " + quoted(type) + "; the node is skipped");
+  // X3D has many extensions of other browsers.
+  const Severity severity = text_.language() == Language::x3d ? Severity::warning : Severity::error;
+  if (!known)
+    problems_.report(severity, header.type.location, "unknown node type " + quoted(type) + "; the node is skipped");
   if (!known && unknown_types_.size() < kMaxTypes) unknown_types_.insert(type);
   NameTable& names = scopes_.back().names;
   if (!header.name.empty() && !names.find(header.name))
@@ -200,14 +203,16 @@ OpenNode SceneSink::begin_node(const NodeHeader& header) {
   check_support(*node.type, location);
   Scope& scope = scopes_.back();
   if (in_prototype_body()) scene_.put_in_body(node.id, *scope.prototype->prototype);
-  if (!header.name.empty()) {
-    scene_.node(node.id).name = *scene_.texts().keep_name(header.name);
-    scope.names.insert(scene_.node(node.id).name) = node.id;
-  }
+  if (!header.name.empty()) name_node(node, {header.name, location});
   place_checked(node.id, header.target, location);
   if (!limits_.admits_depth(header.depth, location)) return {};
   ++scope.open_nodes;
   return node;
+}
+
+void SceneSink::name_node(const OpenNode& node, SourceName name) {
+  scene_.node(node.id).name = *scene_.texts().keep_name(name.text);
+  scopes_.back().names.insert(scene_.node(node.id).name) = node.id;
 }
 
 // Adds a node to its destination. Reports misplaced nodes, and puts parts of a Shape between children into a Shape.
@@ -295,7 +300,7 @@ const InterfaceDeclaration* SceneSink::find_field(const OpenNode& node, SourceNa
 }
 
 NodeTarget SceneSink::target_of(const OpenNode& node, const InterfaceDeclaration& field) {
-  const bool restricted = node.type->kind == NodeType::Kind::built_in;
+  const bool restricted = node.type->kind == NodeType::Kind::built_in && !node.type->ignored;
   return {&scene_.node(node.id).values[field.slot], restricted ? field.name : std::string_view{}};
 }
 

@@ -71,6 +71,8 @@ class SceneSink : NonCopyable {
   /// Makes a node. The grammar then reads the body and calls end_node(). If the result has no id, the grammar must skip
   /// the body: the type is unknown, or a limit is reached.
   [[nodiscard]] OpenNode begin_node(const NodeHeader& header);
+  /// Names a node whose DEF follows other parts of its body, as in JSON.
+  void name_node(const OpenNode& node, SourceName name);
   /// Completes a node: checks its measures, and expands it if it is a PROTO instance.
   void end_node(NodeId id);
   /// Adds the node with this DEF name to another destination (USE).

@@ -104,7 +104,8 @@ constexpr X3DRow kCoreX3DRows[] = {
   field        SFBool     directOutput FALSE
   field        SFBool     mustEvaluate FALSE
 )"},
-    {"StaticGroup", "Grouping", 3, "children", "X3DChildNode X3DBoundedObject", Role::child, NodeKind::group, R"(
+    {"StaticGroup", "Grouping", 3, "children", "X3DChildNode X3DBoundedObject", Role::child | Role::grouping,
+     NodeKind::group, R"(
   exposedField SFBool     bboxDisplay FALSE
   exposedField SFBool     visible TRUE
   field        SFVec3f    bboxCenter 0 0 0
@@ -120,7 +121,8 @@ constexpr X3DRow kCoreX3DRows[] = {
   exposedField SFInt32    whichChoice -1  # [-1,inf)
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
-)"},
+)",
+     nullptr, &kSwitchBehaviour},
     {"Text", "Text", 1, "geometry", "X3DGeometryNode", Role::geometry, NodeKind::other, R"(
   exposedField SFNode     fontStyle NULL  # X3DFontStyleNode
   exposedField MFFloat    length []  # [0,inf)
