@@ -254,11 +254,15 @@ void SceneSink::place(NodeId node, NodeTarget target) {
   }
 }
 
+bool SceneSink::holds_angle(const NodeType& type, const InterfaceDeclaration& field) const {
+  return is_angle(type, field) || angle_fields_.contains(&field);
+}
+
 // Converts the lists of angles that the text gives to a node.
 void SceneSink::convert_angles(Node& node) {
   for (const InterfaceDeclaration& field : node.type->interfaces) {
     const bool given = field.slot >= 0 && field.slot < 64 && (node.fields_set >> field.slot & 1) != 0;
-    if (given && is_multiple(field.type) && is_angle(*node.type, field))
+    if (given && is_multiple(field.type) && holds_angle(*node.type, field))
       scale_angles(node.values[field.slot], angle_unit_);
   }
 }
@@ -314,7 +318,7 @@ void SceneSink::field_given(OpenNode& node, const InterfaceDeclaration& field, S
   Node& given = scene_.node(node.id);
   given.fields_set |= bit;
   // Lists may get more values, and are converted at the end of the node.
-  if (angle_unit_ != 1 && !is_multiple(field.type) && is_angle(*node.type, field))
+  if (angle_unit_ != 1 && !is_multiple(field.type) && holds_angle(*node.type, field))
     scale_angles(given.values[field.slot], angle_unit_);
 }
 

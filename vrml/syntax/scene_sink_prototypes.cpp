@@ -66,18 +66,24 @@ void SceneSink::begin_body(NodeType& type) {
   scope.interfaces_around = open_interfaces_;
 }
 
+// Converts the default values of fields that IS connects to an angle. declare() has converted the rotations.
+void SceneSink::convert_angles_of_prototype(NodeType& type) {
+  for (const IsMapping& mapping : type.prototype->mappings) {
+    if (mapping.outer->slot < 0 || is_angle(type, *mapping.outer) || angle_fields_.contains(mapping.outer)) continue;
+    if (!holds_angle(*scene_.node(mapping.node).type, *mapping.inner)) continue;
+    angle_fields_.insert(mapping.outer);
+    scale_angles(type.defaults[static_cast<std::size_t>(mapping.outer->slot)], angle_unit_);
+  }
+  for (InterfaceDeclaration& field : type.interfaces)
+    if (angle_fields_.contains(&field)) field.initial = type.defaults[static_cast<std::size_t>(field.slot)];
+}
+
 void SceneSink::end_body() {
   finish();
   NodeType& type = *scopes_.back().prototype;
   scopes_.pop_back();
   type.prototype->complete = true;
-  if (angle_unit_ != 1)
-    for (InterfaceDeclaration& field : type.interfaces)
-      if (field.slot >= 0 && field.type != FieldType::SFRotation && field.type != FieldType::MFRotation &&
-          is_angle(type, field)) {
-        scale_angles(field.initial, angle_unit_);
-        scale_angles(type.defaults[field.slot], angle_unit_);
-      }
+  if (angle_unit_ != 1) convert_angles_of_prototype(type);
   count_instance_nodes(scene_, *type.prototype);
   // The first node of the body determines where instances may stand (VRML97 4.8.3).
   for (const Statement& statement : type.prototype->statements) {
