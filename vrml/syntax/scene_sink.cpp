@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "vrml/scene/prototype.h"
 #include "vrml/scene/units.h"
+#include "vrml/syntax/extension_fields.h"
 #include "vrml/syntax/stand_ins.h"
 
 #include <algorithm>
@@ -292,10 +293,19 @@ void SceneSink::use_node(SourceName name, NodeTarget target) {
   }
 }
 
+// Reports a field or event of other browsers once. Returns false for other names.
+bool SceneSink::take_extension(const NodeType& type, SourceName name) {
+  if (!is_extension_field(type, name.text)) return false;
+  if (said_extensions_.insert(type.name + '.' + std::string(name.text)).second)
+    problems_.warn(name.location,
+                   quoted(name.text) + " of " + type.name + " is an extension of other browsers; skipped");
+  return true;
+}
+
 const InterfaceDeclaration* SceneSink::find_field(const OpenNode& node, SourceName name) {
   const NodeType& type = *node.type;
   const InterfaceDeclaration* const declaration = type.find_field(name.text);
-  if (declaration || type.stands_in) return declaration;
+  if (declaration || type.stands_in || take_extension(type, name)) return declaration;
   const bool event = type.find_event_in(name.text) || type.find_event_out(name.text);
   problems_.error(name.location,
                   event ? quoted(name.text) + " of " + type.name + " is an event and takes no value; skipped"

@@ -125,6 +125,7 @@ class SceneSink : NonCopyable {
   void check_support(const NodeType& type, SourceLocation location);
   [[nodiscard]] std::vector<Statement>& statement_list();
   void skip_unknown(const NodeHeader& header);
+  [[nodiscard]] bool take_extension(const NodeType& type, SourceName name);
   [[nodiscard]] bool holds_angle(const NodeType& type, const InterfaceDeclaration& field) const;
   void convert_angles(Node& node);
   void convert_angles_of_prototype(NodeType& type);
@@ -147,6 +148,7 @@ class SceneSink : NonCopyable {
   std::size_t open_interfaces_ = 0;                  // open PROTO interfaces; their default nodes are live
   std::unordered_set<std::string_view> said_types_;  // types with a reported problem: declared twice, of X3D, ignored
   std::unordered_map<std::string_view, const NodeType*> stand_ins_;  // stand-ins for the types that the text uses
+  std::unordered_set<std::string> said_extensions_;                  // fields of other browsers that were reported
   std::unordered_set<std::string> unknown_types_;                    // types that were reported as unknown
   std::unordered_set<std::uint64_t> said_measures_;                  // positions of nodes with invalid measures
 };
