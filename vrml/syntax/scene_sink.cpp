@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "vrml/scene/prototype.h"
 #include "vrml/scene/units.h"
+#include "vrml/syntax/extension_fields.h"
 #include "vrml/syntax/stand_ins.h"
 
 #include <algorithm>
@@ -254,11 +255,15 @@ void SceneSink::place(NodeId node, NodeTarget target) {
   }
 }
 
+bool SceneSink::holds_angle(const NodeType& type, const InterfaceDeclaration& field) const {
+  return is_angle(type, field) || angle_fields_.contains(&field);
+}
+
 // Converts the lists of angles that the text gives to a node.
 void SceneSink::convert_angles(Node& node) {
   for (const InterfaceDeclaration& field : node.type->interfaces) {
     const bool given = field.slot >= 0 && field.slot < 64 && (node.fields_set >> field.slot & 1) != 0;
-    if (given && is_multiple(field.type) && is_angle(*node.type, field))
+    if (given && is_multiple(field.type) && holds_angle(*node.type, field))
       scale_angles(node.values[field.slot], angle_unit_);
   }
 }
@@ -288,10 +293,19 @@ void SceneSink::use_node(SourceName name, NodeTarget target) {
   }
 }
 
+// Reports a field or event of other browsers once. Returns false for other names.
+bool SceneSink::take_extension(const NodeType& type, SourceName name) {
+  if (!is_extension_field(type, name.text)) return false;
+  if (said_extensions_.insert(type.name + '.' + std::string(name.text)).second)
+    problems_.warn(name.location,
+                   quoted(name.text) + " of " + type.name + " is an extension of other browsers; skipped");
+  return true;
+}
+
 const InterfaceDeclaration* SceneSink::find_field(const OpenNode& node, SourceName name) {
   const NodeType& type = *node.type;
   const InterfaceDeclaration* const declaration = type.find_field(name.text);
-  if (declaration || type.stands_in) return declaration;
+  if (declaration || type.stands_in || take_extension(type, name)) return declaration;
   const bool event = type.find_event_in(name.text) || type.find_event_out(name.text);
   problems_.error(name.location,
                   event ? quoted(name.text) + " of " + type.name + " is an event and takes no value; skipped"
@@ -314,7 +328,7 @@ void SceneSink::field_given(OpenNode& node, const InterfaceDeclaration& field, S
   Node& given = scene_.node(node.id);
   given.fields_set |= bit;
   // Lists may get more values, and are converted at the end of the node.
-  if (angle_unit_ != 1 && !is_multiple(field.type) && is_angle(*node.type, field))
+  if (angle_unit_ != 1 && !is_multiple(field.type) && holds_angle(*node.type, field))
     scale_angles(given.values[field.slot], angle_unit_);
 }
 
