@@ -37,7 +37,7 @@ NodeType& SceneSink::begin_prototype(SourceName name, bool external) {
 
 bool SceneSink::may_declare(const NodeType& type, const InterfaceDeclaration& declaration, SourceLocation location) {
   const bool script = type.kind == NodeType::Kind::script;
-  if (script && declaration.access == AccessType::exposedField)
+  if (script && declaration.access == AccessType::exposedField && text_.language() == Language::vrml97)
     problems_.warn(location,
                    "a Script has no exposedFields in VRML97 (6.40); " + quoted(declaration.name) + " is accepted");
   const InterfaceDeclaration* const known = type.find(declaration.name);
