@@ -53,8 +53,9 @@ struct Reader::State {
   std::vector<x3d::Attribute> attributes;  // of the element that begins
   TextPieces pieces;
   std::string_view tag;                    // tag that Expat reads
+  std::size_t located = 0;                 // offset in `tag` that `location` belongs to
   std::string skeleton, converted;         // parts of `tag` for Expat
-  SourceLocation location{1, 1};           // of the next byte
+  SourceLocation location{1, 1};           // of the next byte, or in `tag`
   SourceLocation markup_location;          // of the markup that is read
   bool stopped = false, said_latin1 = false, said_encoding = false;
   ParseOutcome outcome = ParseOutcome::complete;
@@ -98,8 +99,8 @@ void Reader::State::give(std::string_view text, bool last) {
 void Reader::State::read_attributes(const char** given) {
   attributes.clear();
   const std::vector<AttributeSpan>& spans = scanner.attributes();
-  SourceLocation at = markup_location;
-  std::size_t from = 0;
+  SourceLocation at = location;
+  std::size_t from = located;
   for (std::size_t i = 0; given[2 * i]; ++i) {
     x3d::Attribute attribute{given[2 * i], given[2 * i + 1], at};
     if (i < spans.size()) {
@@ -110,6 +111,8 @@ void Reader::State::read_attributes(const char** given) {
     }
     attributes.push_back(attribute);
   }
+  located = from;
+  location = at;
 }
 
 void Reader::State::begin(std::string_view name, const char** given) {
@@ -145,6 +148,7 @@ void Reader::State::take_tag(std::string_view text) {
 
 void Reader::State::take(const Markup& markup) {
   markup_location = location;
+  located = 0;
   switch (markup.kind) {
     case MarkupKind::tag:
       take_tag(markup.text);
@@ -164,7 +168,7 @@ void Reader::State::take(const Markup& markup) {
     default:
       break;
   }
-  pass(markup.text);
+  pass(markup.text.substr(located));
 }
 
 // Reads complete markup. Returns the number of bytes read.
