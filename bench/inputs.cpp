@@ -1,7 +1,7 @@
 // bench_inputs DIR: writes the worlds that benchmarks read, with the same bytes in every run.
 //
-// Three height fields (long arrays of numbers), one of them also as X3D in XML and JSON, and four worlds of many small objects that load different parts of a
-// browser: names, nodes, sharing, PROTO instances, ROUTEs.
+// Three height fields (long arrays of numbers), one of them also as X3D in XML and JSON, and four worlds of many small
+// objects that load different parts of a browser: names, nodes, sharing, PROTO instances, ROUTEs.
 
 #include <algorithm>
 #include <array>
@@ -349,7 +349,7 @@ int main(int count, char** arguments) {
                     write_height_field(folder / "grid1m.wrl", 708) &&    // 999,698
                     write_xml_height_field(folder / "grid1m.x3d", 708) &&
                     write_json_height_field(folder / "grid1m.x3dj", 708) &&
-                    write_height_field(folder / "grid4m.wrl", 1415) &&   // 3,998,792
+                    write_height_field(folder / "grid4m.wrl", 1415) &&  // 3,998,792
                     write_small_nodes(folder / "nodes20k.wrl") && write_prototypes(folder / "proto5k.wrl") &&
                     write_routes(folder / "routes10k.wrl") && write_labels(folder / "labels10k.wrl");
   if (!good) std::fprintf(stderr, "bench_inputs: cannot write into %s\n", folder.c_str());

@@ -1,5 +1,5 @@
-// Fuzzes the readers of VRML and X3D and the execution of worlds. Any bytes must give the same scene, text, meshes and events,
-// whole or in pieces.
+// Fuzzes the readers of VRML and X3D and the execution of worlds. Any bytes must give the same scene, text, meshes and
+// events, whole or in pieces.
 #include "tests/fuzz/fuzz_target.h"
 #include "vrml/behaviours/browser_events.h"
 #include "vrml/events/execution.h"

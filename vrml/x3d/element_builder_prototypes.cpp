@@ -73,7 +73,8 @@ void ElementBuilder::begin_prototype(SourceName element, std::span<const Attribu
       const std::string_view name = value_in(attributes, "name");
       if (name.empty()) {
         frame.skipped = true;
-        return sink_.problems().error(element.location, "the element " + quoted(element.text) + " has no name; skipped");
+        return sink_.problems().error(element.location,
+                                      "the element " + quoted(element.text) + " has no name; skipped");
       }
       const bool external = frame.kind == ElementKind::external_prototype;
       frame.declaring = &sink_.begin_prototype({name, element.location}, external);
@@ -120,12 +121,11 @@ void ElementBuilder::begin_field(SourceName element, std::span<const Attribute> 
   const auto access_type = access_named(access);
   if (name.empty() || !field_type || !access_type) {
     frame.skipped = true;
-    return sink_.problems().error(element.location,
-                                  name.empty()  ? "a field has no name; skipped"
-                                  : !field_type ? "the field " + quoted(name) + " has the unknown type " +
-                                                      quoted(type) + "; skipped"
-                                                : "the field " + quoted(name) + " has the unknown accessType " +
-                                                      quoted(access) + "; skipped");
+    return sink_.problems().error(
+        element.location,
+        name.empty()  ? "a field has no name; skipped"
+        : !field_type ? "the field " + quoted(name) + " has the unknown type " + quoted(type) + "; skipped"
+                      : "the field " + quoted(name) + " has the unknown accessType " + quoted(access) + "; skipped");
   }
   frame.declaring = parent->declaring;
   frame.node.id = parent->node.id;

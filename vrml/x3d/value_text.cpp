@@ -62,9 +62,7 @@ void unescape(std::string_view raw, std::string& out) {
   }
 }
 
-SourceLocation ValueReader::location_of(const char* p) const {
-  return location_in(value_->text, value_->location, p);
-}
+SourceLocation ValueReader::location_of(const char* p) const { return location_in(value_->text, value_->location, p); }
 
 void ValueReader::skip_separators() {
   while (next_ < end_ && is_separator(*next_)) ++next_;
@@ -155,8 +153,8 @@ void ValueReader::read_element(T& element) {
   if (count == 0)
     sink_.problems().warn(value_->location, name + " has no value; ignored");
   else
-    sink_.problems().error(value_->location, name + " has " + std::to_string(count) + " numbers; expected " +
-                                                 std::to_string(kCount));
+    sink_.problems().error(value_->location,
+                           name + " has " + std::to_string(count) + " numbers; expected " + std::to_string(kCount));
   next_ = end_;
 }
 
@@ -190,8 +188,8 @@ bool ValueReader::read_image(SFImage& image) {
   if (count == 0) return false;
   const SourceLocation location = location_of(next_);
   if (count < 3) {
-    sink_.problems().error(location, "expected width, height and components of an image for " +
-                                         std::string(value_->name));
+    sink_.problems().error(location,
+                           "expected width, height and components of an image for " + std::string(value_->name));
     return false;
   }
   if (!sink_.limits().admits_image(head[0], head[1], head[2], location)) {
@@ -246,8 +244,8 @@ void ValueReader::read_strings(MFString& strings) {
       if (*next_ == '\\' && next_ + 1 < end_) escaped = true, ++next_;
     std::string_view text(begin + 1, static_cast<std::size_t>(std::min(next_, end_) - begin - 1));
     if (next_ >= end_)
-      sink_.problems().error(location_of(begin), "unterminated string in " + std::string(value_->name) +
-                                                     "; expected '\"'");
+      sink_.problems().error(location_of(begin),
+                             "unterminated string in " + std::string(value_->name) + "; expected '\"'");
     else
       ++next_;
     if (escaped) {
@@ -287,8 +285,8 @@ void ValueReader::read(const ValueText& value, FieldValue& into) {
             bool is_boolean = false;
             const bool yes = boolean_of(word, location_of(word.data()), is_boolean);
             if (!is_boolean)
-              sink_.problems().error(location_of(word.data()), "expected true or false for " +
-                                                                   std::string(value.name) + ", found " + quoted(word));
+              sink_.problems().error(location_of(word.data()), "expected true or false for " + std::string(value.name) +
+                                                                   ", found " + quoted(word));
             if constexpr (kIsList)
               target.push_back(yes);
             else if (is_boolean)

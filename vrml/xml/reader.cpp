@@ -26,9 +26,9 @@ struct Reader::State {
       : sink(scene, diagnostics),
         values(sink),
         builder(sink),
-        expat(scene.budget(), {[this](std::string_view name, const char** given) { begin(name, given); },
-                               [this] { builder.end(); },
-                               [this](std::string_view text) { builder.text(text, markup_location); }}),
+        expat(scene.budget(),
+              {[this](std::string_view name, const char** given) { begin(name, given); }, [this] { builder.end(); },
+               [this](std::string_view text) { builder.text(text, markup_location); }}),
         pieces(scene.budget()) {}
 
   void feed(std::string_view text);
@@ -52,11 +52,11 @@ struct Reader::State {
   MarkupScanner scanner;
   std::vector<x3d::Attribute> attributes;  // of the element that begins
   TextPieces pieces;
-  std::string_view tag;                    // tag that Expat reads
-  std::size_t located = 0;                 // offset in `tag` that `location` belongs to
-  std::string skeleton, converted;         // parts of `tag` for Expat
-  SourceLocation location{1, 1};           // of the next byte, or in `tag`
-  SourceLocation markup_location;          // of the markup that is read
+  std::string_view tag;             // tag that Expat reads
+  std::size_t located = 0;          // offset in `tag` that `location` belongs to
+  std::string skeleton, converted;  // parts of `tag` for Expat
+  SourceLocation location{1, 1};    // of the next byte, or in `tag`
+  SourceLocation markup_location;   // of the markup that is read
   bool stopped = false, said_latin1 = false, said_encoding = false;
   ParseOutcome outcome = ParseOutcome::complete;
 };
@@ -72,8 +72,8 @@ void Reader::State::fail(const std::string& problem) {
   if (std::exchange(stopped, true)) return;
   outcome = ParseOutcome::truncated;
   if (expat.is_out_of_memory())
-    sink.problems().error(markup_location, sink.scene().budget()->refusal(Resource::nodes) +
-                                               "; the rest of the file is left out");
+    sink.problems().error(markup_location,
+                          sink.scene().budget()->refusal(Resource::nodes) + "; the rest of the file is left out");
   else
     sink.problems().error(markup_location, problem + "; the rest of the file is left out");
 }
@@ -189,8 +189,9 @@ std::size_t Reader::State::scan(std::string_view text) {
 
 void Reader::State::feed(std::string_view text) {
   if (!decoder.unknown_encoding().empty())
-    sink.problems().warn_once(said_encoding, {1, 1},
-                              "the encoding " + quoted(decoder.unknown_encoding()) + " is not supported; read as UTF-8");
+    sink.problems().warn_once(
+        said_encoding, {1, 1},
+        "the encoding " + quoted(decoder.unknown_encoding()) + " is not supported; read as UTF-8");
   const auto read = [this](std::string_view window) { return stopped ? window.size() : scan(window); };
   if (!pieces.push(text, read)) fail(sink.scene().budget()->refusal(Resource::nodes));
 }
@@ -222,8 +223,7 @@ ParseOutcome Reader::finish() {
   state.close();
   state.builder.finish();
   if (state.outcome != ParseOutcome::refused && !state.builder.is_x3d()) {
-    if (state.outcome == ParseOutcome::complete)
-      state.refuse("the file has no X3D element", {});
+    if (state.outcome == ParseOutcome::complete) state.refuse("the file has no X3D element", {});
     state.outcome = ParseOutcome::refused;
   }
   return state.outcome;

@@ -28,9 +28,7 @@ void check_equal(const std::string& nodes, const std::string& vrml97) {
   CHECK(world.text() == printed_vrml97(vrml97));
 }
 
-std::string messages_of(const std::string& nodes) {
-  return ReadWorld(Grammar::x3d_json, in_scene(nodes)).messages();
-}
+std::string messages_of(const std::string& nodes) { return ReadWorld(Grammar::x3d_json, in_scene(nodes)).messages(); }
 
 const std::string kManyConstructs = in_scene(R"(
 {"WorldInfo":{"@title":"caf\u00e9 \ud83d\ude00","@info":["one","two \"q\"\n"]}}, {"#comment":"no {node}"},
@@ -55,10 +53,12 @@ TEST_CASE("reads nodes and fields of X3D in JSON") {
   check_equal(R"({"Transform":{"@DEF":"T","@translation":[1,2,3],"-children":[{"Shape":{"@DEF":"S","-geometry":
     {"Box":{"@size":[1,1,2]}}}},{"Shape":{"@USE":"S"}}]}})",
               "DEF T Transform { translation 1 2 3 children [ DEF S Shape { geometry Box { size 1 1 2 } } USE S ] }");
-  check_equal(R"({"Switch":{"@whichChoice":1,"-children":[{"Group":{}},{"Group":{}}]}},{"NavigationInfo":{"@type":["FLY","ANY"],"@headlight":false}})",
-              R"(Switch { whichChoice 1 choice [ Group {} Group {} ] } NavigationInfo { type [ "FLY" "ANY" ] headlight FALSE })");
-  check_equal(R"({"Shape":{"-appearance":{"Appearance":{"-texture":{"PixelTexture":{"@image":[2,1,3,16711680,4294967295]}}}}}})",
-              "Shape { appearance Appearance { texture PixelTexture { image 2 1 3 0xff0000 0xffffff } } }");
+  check_equal(
+      R"({"Switch":{"@whichChoice":1,"-children":[{"Group":{}},{"Group":{}}]}},{"NavigationInfo":{"@type":["FLY","ANY"],"@headlight":false}})",
+      R"(Switch { whichChoice 1 choice [ Group {} Group {} ] } NavigationInfo { type [ "FLY" "ANY" ] headlight FALSE })");
+  check_equal(
+      R"({"Shape":{"-appearance":{"Appearance":{"-texture":{"PixelTexture":{"@image":[2,1,3,16711680,4294967295]}}}}}})",
+      "Shape { appearance Appearance { texture PixelTexture { image 2 1 3 0xff0000 0xffffff } } }");
   check_equal(R"({"Viewpoint":{"@description":"a \"b\" \\ \/ \u0041","@position":[0,0,5]}})",
               "Viewpoint { description \"a \\\"b\\\" \\\\ / A\" position 0 0 5 }");
 }
@@ -78,8 +78,9 @@ TEST_CASE("reads PROTO, Scripts and ROUTEs of X3D in JSON") {
 TEST_CASE("reads JSON in pieces of any size") { test::check_pieces(Grammar::x3d_json, kManyConstructs); }
 
 TEST_CASE("reads members of JSON in any order") {
-  check_equal(R"({"Transform":{"-children":[{"Group":{}}],"@translation":[1,2,3],"@DEF":"T"}},{"Transform":{"@USE":"T"}})",
-              "DEF T Transform { translation 1 2 3 children Group {} } USE T");
+  check_equal(
+      R"({"Transform":{"-children":[{"Group":{}}],"@translation":[1,2,3],"@DEF":"T"}},{"Transform":{"@USE":"T"}})",
+      "DEF T Transform { translation 1 2 3 children Group {} } USE T");
   check_equal(R"({"ProtoDeclare":{
       "ProtoBody":{"-children":[{"Transform":{"IS":{"connect":[{"@protoField":"t","@nodeField":"translation"}]}}}]},
       "ProtoInterface":{"field":[{"@value":[1,2,3],"@type":"SFVec3f","@name":"t","@accessType":"inputOutput"}]},
@@ -89,10 +90,12 @@ TEST_CASE("reads members of JSON in any order") {
 }
 
 TEST_CASE("tolerates habits of X3D in JSON") {
-  check_equal(R"({"Transform":{"@translation":"1 2 3","@scale":[["2",2],[2]],}})", "Transform { translation 1 2 3 scale 2 2 2 }");
+  check_equal(R"({"Transform":{"@translation":"1 2 3","@scale":[["2",2],[2]],}})",
+              "Transform { translation 1 2 3 scale 2 2 2 }");
   check_equal(R"({"Shape":{"-geometry":null,"@bboxSize":null,"unknown":1}})", "Shape {}");
   check_equal(R"({"Inline":{"@url":"a.wrl"}})", "Inline { url \"a.wrl\" }");
-  CHECK(messages_of(R"({"Transform":{"@translation":[1,2]}})") == "2:103: error translation has 2 numbers; expected 3\n");
+  CHECK(messages_of(R"({"Transform":{"@translation":[1,2]}})") ==
+        "2:103: error translation has 2 numbers; expected 3\n");
   CHECK(messages_of(R"({"Transform":{"@translation":[1,x,2]}})") ==
         "2:106: error expected a number for translation, found 'x'; 0 is used\n");
 }

@@ -27,9 +27,7 @@ void check_equal(const std::string& nodes, const std::string& vrml97) {
   CHECK(world.text() == printed_vrml97(vrml97));
 }
 
-std::string messages_of(const std::string& nodes) {
-  return ReadWorld(Grammar::x3d_xml, in_scene(nodes)).messages();
-}
+std::string messages_of(const std::string& nodes) { return ReadWorld(Grammar::x3d_xml, in_scene(nodes)).messages(); }
 
 const std::string kManyConstructs = in_scene(R"(
 <WorldInfo title='a &lt; b &amp; c' info='"one" "two \"q\""'/> <!-- comment -- > -->
@@ -53,17 +51,20 @@ ecmascript: function in(v) { if (1 < 2 && v) print("x"); } ]]></Script>
 TEST_CASE("reads nodes and fields of X3D in XML") {
   check_equal(R"(<Transform DEF='T' translation='1 2 3' rotation='0 1 0 .5'><Shape DEF='S'><Box size='1 1 2'/></Shape>
     <Shape USE='S'/></Transform>)",
-              "DEF T Transform { rotation 0 1 0 .5 translation 1 2 3 children [ DEF S Shape { geometry Box { size 1 1 2 } } USE S ] }");
+              "DEF T Transform { rotation 0 1 0 .5 translation 1 2 3 children [ DEF S Shape { geometry Box { size 1 1 "
+              "2 } } USE S ] }");
   check_equal(R"(<Viewpoint description='It&apos;s "here"' position='0 0 5' jump='false'/>)",
               "Viewpoint { description \"It's \\\"here\\\"\" position 0 0 5 jump FALSE }");
   check_equal("<Switch whichChoice='1'><Group/><Group/></Switch><LOD range='1, 2'><Group/></LOD>",
               "Switch { whichChoice 1 choice [ Group {} Group {} ] } LOD { range [ 1 2 ] level Group {} }");
   check_equal("<Shape><PointSet><Coordinate point='0 0 0 1 1 1'/><Color color='1 0 0,0 1 0'/></PointSet></Shape>",
-              "Shape { geometry PointSet { coord Coordinate { point [ 0 0 0, 1 1 1 ] } color Color { color [ 1 0 0, 0 1 0 ] } } }");
+              "Shape { geometry PointSet { coord Coordinate { point [ 0 0 0, 1 1 1 ] } color Color { color [ 1 0 0, 0 "
+              "1 0 ] } } }");
   check_equal("<Shape><Appearance><PixelTexture image='2 1 3 0xff0000 255'/></Appearance></Shape>",
               "Shape { appearance Appearance { texture PixelTexture { image 2 1 3 0xff0000 255 } } }");
   check_equal("<Shape><Text string='\"a\" \"b, c\"'><FontStyle justify='\"MIDDLE\"' style='BOLD'/></Text></Shape>",
-              "Shape { geometry Text { string [ \"a\", \"b, c\" ] fontStyle FontStyle { justify \"MIDDLE\" style \"BOLD\" } } }");
+              "Shape { geometry Text { string [ \"a\", \"b, c\" ] fontStyle FontStyle { justify \"MIDDLE\" style "
+              "\"BOLD\" } } }");
 }
 
 TEST_CASE("puts nodes without or with a wrong containerField into the field that takes them") {
@@ -85,9 +86,10 @@ TEST_CASE("reads PROTO, instances and IS of X3D in XML") {
               R"(PROTO P [ exposedField SFColor c 0 1 0 field MFNode kids Group {} eventIn SFBool on ] {
       Shape { appearance Appearance { material Material { diffuseColor IS c } } } }
     DEF I P { c 0 0 1 kids [ Group {} Group {} ] })");
-  check_equal(R"(<ExternProtoDeclare name='E' url='"a.wrl#E" "b.wrl"'><field name='f' type='SFFloat' accessType='field'/>
+  check_equal(
+      R"(<ExternProtoDeclare name='E' url='"a.wrl#E" "b.wrl"'><field name='f' type='SFFloat' accessType='field'/>
     </ExternProtoDeclare><Shape><ProtoInstance name='E' containerField='geometry'/></Shape>)",
-              R"(EXTERNPROTO E [ field SFFloat f ] [ "a.wrl#E" "b.wrl" ] Shape { geometry E {} })");
+      R"(EXTERNPROTO E [ field SFFloat f ] [ "a.wrl#E" "b.wrl" ] Shape { geometry E {} })");
 }
 
 TEST_CASE("reads Scripts and ROUTEs of X3D in XML") {
@@ -155,7 +157,8 @@ TEST_CASE("reads encodings of XML") {
 }
 
 TEST_CASE("shows everything before an error of XML") {
-  const ReadWorld broken(Grammar::x3d_xml, "<X3D><Scene>\n<Group DEF='A'/>\n<Group></Shape><Group DEF='B'/></Scene></X3D>");
+  const ReadWorld broken(Grammar::x3d_xml,
+                         "<X3D><Scene>\n<Group DEF='A'/>\n<Group></Shape><Group DEF='B'/></Scene></X3D>");
   CHECK(broken.outcome == ParseOutcome::truncated);
   CHECK(broken.messages() == "3:8: error not well-formed XML: mismatched tag; the rest of the file is left out\n");
   CHECK(broken.text().find("DEF A Group {}") != std::string::npos);
