@@ -369,7 +369,7 @@ void MeshPass::apply(const DrawState& state, const Projection& projection) {
   }
   if (state.variant & kStyle) {
     if (switched || state.style != applied_.style) apply_style(shader, styles_[state.style]);
-  } else if (!all && (applied_.variant & kStyle)) {
+  } else {
     end_style();
   }
   if ((state.variant & kLit) &&

@@ -429,7 +429,7 @@ constexpr Cost kSmoothing{24, 20}, kWelding{92, 24}, kSharing{12, 1}, kCompactio
   compact_points(faces);
   share.shrink_to(0);
   if (faces.points.empty()) return {};
-  fit(faces.fog_depths, faces.points.size());
+  fit_values(faces.fog_depths, faces.points.size());
   const std::span<const std::int32_t> index = readable(faces.coord_index);
   const UsableVertices vertices(faces.points.span());
   const bool smooth = faces.normal.binding == Binding::none && faces.crease_angle > 0;
@@ -441,7 +441,7 @@ constexpr Cost kSmoothing{24, 20}, kWelding{92, 24}, kSharing{12, 1}, kCompactio
   if (!draw(share, faces, shared ? kSharing : kWelding)) return limited_mesh();
   if (!shared) return CornerBuilder(faces, index, vertices, smooth).build();
   if (faces.color.binding != Binding::none) faces.color.fit(faces.points.size(), faces.color.values.back());
-  fit(faces.opacities, faces.points.size());
+  fit_values(faces.opacities, faces.points.size());
   if (faces.texture_coordinate.binding != Binding::none)
     faces.texture_coordinate.fit(faces.points.size(), glm::vec2(0));
   return SharedBuilder(faces, index, vertices).build();
