@@ -157,6 +157,24 @@ ViewpointState world_viewpoint(const NodeView& view, const dmat4& world_from_nod
   if (volume > 0 && std::isfinite(volume)) state.scale = std::cbrt(volume);
   const float angle = view.get(F::field_of_view, state.field_of_view);
   if (angle > 0 && angle < std::numbers::pi_v<float>) state.field_of_view = angle;
+  if (const auto* edges = view.find<vrml::MFFloat>(F::field_of_view)) {
+    // OrthoViewpoint (X3D 23.4.5). The view axis passes through the middle of the rectangle.
+    glm::dvec2 lower(-1), upper(1);
+    constexpr std::size_t kEdges = 4;
+    if (edges->size() >= kEdges) {
+      lower = {(*edges)[0], (*edges)[1]};
+      upper = {(*edges)[2], (*edges)[3]};
+    }
+    if (!(upper.x > lower.x) || !(upper.y > lower.y) || !finite(glm::vec2(lower + upper))) lower = -(upper = glm::dvec2(1));
+    state.extent = (upper - lower) * state.scale;
+    state.world_from_camera[3] += glm::dvec4(rotation * dvec3((lower + upper) / 2.0 * state.scale, 0), 0);
+  }
+  if (const auto* center = view.find<vrml::SFVec3f>(F::center_of_rotation)) {
+    const dvec3 place(world_from_node * glm::dvec4(*center, 1));
+    if (finite(place)) state.center_of_rotation = place;
+  }
+  state.view_all = view.get(F::view_all, false);
+  state.retains_offset = view.get(F::retain_offsets, false);
   return state;
 }
 
@@ -175,6 +193,10 @@ NavigationState navigation_state(const NodeView& view) {
   state.speed = number(view, F::speed, 0, largest, 1);
   state.visibility_limit = number(view, F::visibility_limit, 0, largest, 0);
   state.headlight = view.get(F::headlight, true);
+  if (const auto* seconds = view.find<vrml::SFTime>(F::transition_time))
+    state.transition_seconds = static_cast<float>(within(static_cast<float>(*seconds), 0, largest, 1));
+  if (const auto* types = view.find<vrml::MFString>(F::transition_type))
+    state.teleports = !types->empty() && (*types)[0].view() == "TELEPORT";
   return state;
 }
 

@@ -21,6 +21,9 @@ struct CollisionFields {
 struct TransformFields {
   enum : int { children, center, rotation, scale, scale_orientation, translation };
 };
+struct HumanoidFields {  // the first ones are those of a Transform
+  enum : int { skeleton, skin = TransformFields::translation + 1 };
+};
 struct BillboardFields {
   enum : int { children, axis_of_rotation };
 };
@@ -48,10 +51,13 @@ struct LightFields {
   };
 };
 struct ViewpointFields {
-  enum : int { position, orientation, field_of_view, description, jump };
+  enum : int { position, orientation, field_of_view, description, jump, center_of_rotation, view_all, retain_offsets };
+};
+struct ViewpointGroupFields {
+  enum : int { children, displayed, retain_offsets };
 };
 struct NavigationFields {
-  enum : int { type, avatar_size, speed, visibility_limit, headlight };
+  enum : int { type, avatar_size, speed, visibility_limit, headlight, transition_type, transition_time };
 };
 struct BackgroundFields {
   enum : int { sky_color, sky_angle, ground_color, ground_angle };

@@ -237,6 +237,15 @@ void Collector::enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MF
   enter(frame);
 }
 
+// Enters the skeleton and the skin of an HAnimHumanoid as one list.
+void Collector::enter_humanoid(const Frame& parent, vrml::NodeId id, const NodeView& humanoid) {
+  vrml::MFNode& parts = joined_.emplace_back();
+  for (const int field : {HumanoidFields::skeleton, HumanoidFields::skin})
+    if (const auto* list = humanoid.find<vrml::MFNode>(field))
+      for (const vrml::NodeId part : *list) parts.push_back(part);
+  enter_moved(parent, id, &parts, transform_matrix(humanoid), false);
+}
+
 void Collector::enter_choice(const Frame& parent, vrml::NodeId id, const vrml::MFNode* choices, std::int64_t which) {
   if (!choices || which < 0 || which >= static_cast<std::int64_t>(choices->size())) return;
   enter_one(parent, id, choices->begin()[which]);
@@ -324,6 +333,9 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
     case NodeKind::transform:
       enter_moved(parent, id, view.find<vrml::MFNode>(TransformFields::children), transform_matrix(view), false);
       break;
+    case NodeKind::humanoid:
+      enter_humanoid(parent, id, view);
+      break;
     case NodeKind::billboard:
       enter_moved(parent, id, view.find<vrml::MFNode>(BillboardFields::children),
                   billboard_matrix(view, viewer_in(world), vrml::direction_in_local(viewer_up_, world)), true);
@@ -352,6 +364,14 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
         list_.sounds.push_back({parent.scene, id, parent.frame});
       }
       break;
+    case NodeKind::viewpoint_group: {
+      Frame group = parent;
+      group.presence.listed = parent.presence.listed && view.get(ViewpointGroupFields::displayed, true);
+      group.presence.retains_offset =
+          parent.presence.retains_offset || view.get(ViewpointGroupFields::retain_offsets, false);
+      enter_node(group, id, view.find<vrml::MFNode>(ViewpointGroupFields::children));
+      break;
+    }
     case NodeKind::viewpoint:
     case NodeKind::navigation_info:
     case NodeKind::background:
@@ -398,6 +418,8 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
     if (viewpoints.size() >= kMaxViewpoints) return;
     viewpoints.push_back(world_viewpoint(view, parent.world_from_local));
     viewpoints.back().scene = parent.scene;
+    viewpoints.back().listed = parent.presence.listed;
+    viewpoints.back().retains_offset |= parent.presence.retains_offset;
     viewpoints.back().node = id;
     if (sources_)
       (parent.main ? sources_->viewpoints : inlined_sources_).push_back({view.node, parent.frame, parent.main});

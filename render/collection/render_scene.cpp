@@ -164,6 +164,9 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
   switch (view.kind()) {
     case NodeKind::transform:
       return only(Effect::frame, TransformFields::children);
+    case NodeKind::humanoid:
+      if (has_changed(change, view, HumanoidFields::skin)) return Effect::everything;
+      return only(Effect::frame, HumanoidFields::skeleton);
     case NodeKind::billboard:
       return only(Effect::none, BillboardFields::children);  // the next update of the viewer rotates it
     case NodeKind::group:
@@ -193,6 +196,8 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
     case NodeKind::point_light:
     case NodeKind::spot_light:
       return only(Effect::light, LightFields::on);
+    case NodeKind::viewpoint_group:
+      return Effect::everything;
     case NodeKind::viewpoint:
       return Effect::viewpoint;
     case NodeKind::navigation_info:
@@ -426,6 +431,8 @@ void RenderScene::renew_viewpoint(std::uint32_t i) {
       world_viewpoint({local.node, &resources_.schemas().of(*local.node->type)}, list_->world_from_frame[local.frame]);
   made.scene = viewpoint.scene;
   made.node = viewpoint.node;
+  made.listed = viewpoint.listed;
+  made.retains_offset |= viewpoint.retains_offset;
   viewpoint = std::move(made);
 }
 

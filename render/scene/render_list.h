@@ -12,6 +12,7 @@
 
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
@@ -19,6 +20,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -130,6 +132,12 @@ struct ViewpointState {
   glm::dvec3 up{0, 1, 0};
   double scale = 1;
   bool jump = true;  // binding moves the viewer to the Viewpoint
+  // Fields of X3D (ISO/IEC 19775-1 clause 23).
+  glm::dvec2 extent{0};     // OrthoViewpoint: size of the view rectangle in world units; 0 means a perspective view
+  std::optional<glm::dvec3> center_of_rotation;  // world space; nullopt for Viewpoints of VRML97
+  bool view_all = false;        // the initial pose shows the whole world
+  bool retains_offset = false;  // binding keeps the movements that the user made at this Viewpoint
+  bool listed = true;           // false below a ViewpointGroup with displayed FALSE
 };
 
 /// Sound node (6.42), once for each path to it.
@@ -145,6 +153,9 @@ struct NavigationState {
   std::array<float, 3> avatar_size{0.25f, 1.6f, 0.75f};
   float speed = 1, visibility_limit = 0;
   bool headlight = true;
+  // Fields of X3D. Without them, the program chooses the transitions between Viewpoints.
+  std::optional<float> transition_seconds;
+  bool teleports = false;  // transitions take no time
   friend bool operator==(const NavigationState&, const NavigationState&) = default;
 };
 

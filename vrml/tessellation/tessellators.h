@@ -19,6 +19,10 @@ namespace gs::vrml {
 [[nodiscard]] Mesh tessellate_extrusion(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_nurbs_curve(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_nurbs_surface(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_nurbs_trimmed_surface(const SceneGraph& scene, NodeId geometry,
+                                                    const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_nurbs_swept_surface(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_nurbs_swung_surface(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_text(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 
 // Geometry nodes of X3D.
