@@ -32,7 +32,8 @@ namespace gs::render {
 /// Returns a Fog; `world_from_node` defines its space. Returns no fog if the matrix is singular.
 [[nodiscard]] Fog world_fog(const NodeView& fog, const glm::dmat4& world_from_node);
 
-/// Returns a lit material, with values clamped to the ranges of 6.27.
+/// Returns the colours of the front of a material node, with values clamped to the ranges of 6.27. For a
+/// PhysicalMaterial, `diffuse` is the base colour.
 [[nodiscard]] Material material_of(const NodeView& material);
 /// Returns the field `detail` of a QNV node, 1/100 to 100. Returns 1 for other nodes.
 [[nodiscard]] float detail_of(const NodeView& qnv);

@@ -39,6 +39,20 @@ bool begins_overlay(const vrml::SceneGraph& scene, vrml::NodeId id) {
   return false;
 }
 
+/// Reports whether a node is a light that reaches only its group: a DirectionalLight (VRML97 6.16), or any light of X3D
+/// with `global` FALSE.
+bool is_listed_light(const NodeView& view) {
+  switch (view.kind()) {
+    case NodeKind::directional_light:
+      return !view.get(LightFields::global, false);
+    case NodeKind::point_light:
+    case NodeKind::spot_light:
+      return !view.get(LightFields::global, true);
+    default:
+      return false;
+  }
+}
+
 }  // namespace
 
 bool fits_float(const dmat4& m) {
@@ -118,7 +132,7 @@ void Collector::enter(Frame frame) {
   // A DirectionalLight affects all its siblings, also those before it (VRML97 6.16).
   for (const vrml::NodeId* child = frame.next; child != frame.end && frame.presence.visible; ++child) {
     const NodeView view = schemas_.view(*frame.scene, *child);
-    if (view.kind() == NodeKind::directional_light) add_light(view, frame.world_from_local, frame.frame, true);
+    if (is_listed_light(view)) add_light(view, frame.world_from_local, frame.frame, true);
   }
   path_.push_back(frame);
 }
@@ -299,9 +313,11 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
     case NodeKind::inline_node:
       enter_inline(parent, id);
       break;
+    case NodeKind::directional_light:
     case NodeKind::point_light:
     case NodeKind::spot_light:
-      if (parent.presence.visible) add_light(view, world, parent.frame, false);
+      // enter() has handled the lights of this group.
+      if (parent.presence.visible && !is_listed_light(view)) add_light(view, world, parent.frame, false);
       break;
     case NodeKind::sound:
       if (parent.presence.visible && list_.sounds.size() < kMaxSounds) {
@@ -316,13 +332,13 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
       if (parent.presence.visible) add_bindable(view, id, parent);
       break;
     default:
-      break;  // enter() has handled DirectionalLights
+      break;
   }
 }
 
-void Collector::add_light(const NodeView& light, const dmat4& world_from_local, std::uint32_t frame, bool directional) {
+void Collector::add_light(const NodeView& light, const dmat4& world_from_local, std::uint32_t frame, bool listed) {
   if (!light.get(LightFields::on, true) || list_.lights.size() >= kMaxLights) return;
-  if (directional) {
+  if (listed) {
     active_lights_.push_back(static_cast<std::uint16_t>(list_.lights.size()));
     lights_changed_ = true;
   }
@@ -352,7 +368,7 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
     return;
   }
   if (sources_ && sources_->bindables.size() < kMaxViewpoints)
-    sources_->bindables.push_back({view.node, parent.frame, parent.main});
+    sources_->bindables.push_back({view.node, parent.frame, parent.main, parent.scene});
   const NodeKind kind = view.kind();
   const vrml::Node* bound = !bound_                        ? nullptr
                             : kind == NodeKind::background ? bound_->background
@@ -364,6 +380,7 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
   if (!counts || std::exchange(have, true)) return;
   if (kind == NodeKind::background) {
     list_.background = world_background(view, parent.world_from_local, resources_.images());
+    resources_.add_faces(list_.background, *parent.scene, view);
   } else if (kind == NodeKind::fog) {
     list_.fog = world_fog(view, parent.world_from_local);
   } else {

@@ -22,7 +22,7 @@ namespace gs::render {
 struct RenderSources {
   /// Coordinate system of a Transform or Billboard. The first frame is that of the world.
   struct Frame {
-    const vrml::Node* node = nullptr;  // null for the frame of the world
+    const vrml::Node* node = nullptr;   // null for the frame of the world
     std::uint32_t parent = 0, end = 0;  // `end`: index after the last frame inside this frame
     std::uint32_t first_item = 0, end_item = 0, first_splat = 0, end_splat = 0, first_light = 0, end_light = 0;
     glm::dmat4 parent_from_local{1.0};
@@ -31,13 +31,14 @@ struct RenderSources {
     const vrml::Node* geometry = nullptr;
     ShapeResources::AppearanceNodes appearance;
     glm::vec3 scale{1.0f};  // scale of a shared default primitive
-    WideBox bounds;  // in world space
+    WideBox bounds;         // in world space
     std::uint8_t text_level = 0;
   };
   struct Local {  // Source of a light, Viewpoint, NavigationInfo, Background or Fog.
     const vrml::Node* node = nullptr;
     std::uint32_t frame = 0;
-    bool main = true;  // true if not inside of an Inline
+    bool main = true;                         // true if not inside of an Inline
+    const vrml::SceneGraph* scene = nullptr;  // scene of a bindable node
   };
   struct Unshown {  // Geometry or Transform that draws nothing in its current state.
     const vrml::Node* node = nullptr;
@@ -54,9 +55,9 @@ struct RenderSources {
   std::vector<Local> lights, viewpoints, bindables;  // lights and viewpoints are in the order of the list
   std::vector<Lod> lods;
   std::vector<std::uint32_t> billboards;  // indexes of frames
-  std::vector<std::uint32_t> texts;  // indexes of items
-  std::vector<Unshown> unshown;  // may contain a node more than once
-  bool complete = true;  // false if the world has more coordinate systems than the list can store
+  std::vector<std::uint32_t> texts;       // indexes of items
+  std::vector<Unshown> unshown;           // may contain a node more than once
+  bool complete = true;                   // false if the world has more coordinate systems than the list can store
 };
 
 /// Traverses a scene and collects its visible content, as collect() describes.
@@ -81,20 +82,20 @@ class Collector {
  private:
   /// Visibility that a node inherits from the grouping nodes above it.
   struct Presence {
-    bool overlay = false;  // true for content that is fixed to the viewer
-    bool visible = true;  // false in the proxy of a Collision, which is collidable but invisible
+    bool overlay = false;    // true for content that is fixed to the viewer
+    bool visible = true;     // false in the proxy of a Collision, which is collidable but invisible
     bool collidable = true;  // false in a Collision with collide FALSE (6.8)
   };
   /// Grouping node on the current path, or the root nodes of a scene.
   struct Frame {
     const vrml::SceneGraph* scene;
     std::vector<bool>* on_path;  // by node index of the scene: true for nodes on the current path
-    std::uint32_t node;  // index of the grouping node; 0 for root nodes
+    std::uint32_t node;          // index of the grouping node; 0 for root nodes
     const vrml::NodeId* next;
     const vrml::NodeId* end;
     glm::dmat4 world_from_local;
     std::size_t lights_outside;  // number of active_lights_ before this group
-    bool main;  // true if not inside of an Inline
+    bool main;                   // true if not inside of an Inline
     Presence presence{};
     bool opened = false;  // this frame has set on_path for its node
     std::uint32_t place = kNoPlace, frame = 0;
@@ -114,7 +115,7 @@ class Collector {
   void leave();
   void visit(const Frame& parent, vrml::NodeId id);
   const LightList& directional_lights();
-  void add_light(const NodeView& light, const glm::dmat4& world_from_local, std::uint32_t frame, bool directional);
+  void add_light(const NodeView& light, const glm::dmat4& world_from_local, std::uint32_t frame, bool listed);
   void add_bindable(const NodeView& view, vrml::NodeId id, const Frame& parent);
   void add_shape(const Frame& parent, vrml::NodeId id, const NodeView& shape);
   bool surface_item(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool pictured, DrawItem& item);
@@ -144,7 +145,7 @@ class Collector {
   std::unordered_map<const vrml::SceneGraph*, std::vector<bool>> open_nodes_;
   std::vector<std::uint16_t> active_lights_;
   LightList directional_lights_;  // indexes of the active directional lights; the items of a group share this list
-  bool lights_changed_ = false;  // active_lights_ has changed after directional_lights_ was made
+  bool lights_changed_ = false;   // active_lights_ has changed after directional_lights_ was made
   std::size_t visits_ = 0;
   std::shared_ptr<Budget> budget_;
   float pixels_per_radian_;

@@ -65,7 +65,7 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
     ++all.count;
   } else {
     // The texture may not be loaded yet, so test the node, not the image.
-    item.mesh = resources_.mesh_of(*parent.scene, geometry, source.appearance.texture != nullptr);
+    item.mesh = resources_.mesh_of(*parent.scene, geometry, source.appearance.textured());
     if (!item.mesh || item.mesh->empty() || !fits_float(world_from_node)) {
       if (sources_) sources_->unshown.push_back({source.geometry, parent.scene});
       return;
@@ -93,8 +93,8 @@ void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geom
   source.bounds = world_bounds(item.mesh->bounds, world_from_node);
   if (item.mesh->font_size > 0) {
     const std::size_t level = text_level(*item.mesh, item.world_from_node, source.bounds, viewer_, pixels_per_radian_,
-                                         sources_ && !source.appearance.texture);
-    auto [mesh, made] = resources_.text_mesh_of(*parent.scene, geometry, source.appearance.texture != nullptr, level);
+                                         sources_ && !source.appearance.textured());
+    auto [mesh, made] = resources_.text_mesh_of(*parent.scene, geometry, source.appearance.textured(), level);
     source.text_level = ShapeResources::kCoarsestText;
     // If the image has no room for the finer mesh, keep the coarsest.
     if (mesh == item.mesh || charge_triangles(mesh->indices.size() / 3)) {
@@ -104,6 +104,7 @@ void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geom
     }
     if (sources_) sources_->texts.push_back(static_cast<std::uint32_t>(list_.items.size()));
   }
+  if (item.layered) resources_.fit_layers(item, source.scale);
   item.overlay = parent.presence.overlay;
   item.visible = parent.presence.visible;
   // Text, lines and points do not collide (VRML97 6.8, 6.47).

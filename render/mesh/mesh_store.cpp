@@ -9,14 +9,14 @@
 namespace gs::render {
 namespace {
 
-constexpr unsigned kNormals = 1, kColors = 2, kTextureCoordinates = 4;
+constexpr unsigned kNormals = 1, kColors = 2, kTextureCoordinates = 4, kFirstSet = 8;
 // maximum vertices of a mesh that shares a page; a larger mesh has a page of its size
 constexpr std::size_t kLargestShared = 16 * 1024;
 constexpr std::size_t kSmallestPage = 8 * 1024, kLargestPage = 256 * 1024;  // vertices of a shared page
-constexpr std::size_t kIndicesPerVertex = 6;  // of a page; closed surfaces have about 6
+constexpr std::size_t kIndicesPerVertex = 6;                                // of a page; closed surfaces have about 6
 
 // Attribute locations in the vertex shader (shaders.h).
-enum Location : GLuint { kPosition, kNormal, kColor, kTextureCoordinate, kFirstInstance };
+enum Location : GLuint { kPosition, kNormal, kColor, kTextureCoordinate, kFirstInstance, kCoordinateSets = 10 };
 constexpr GLuint kInstanceVectors = sizeof(Instance) / (4 * sizeof(float));
 
 /// One array in a vertex buffer. The buffer has all positions, then all normals, and so on.
@@ -27,7 +27,7 @@ struct ArrayPlace {
 };
 
 struct Layout {
-  std::array<ArrayPlace, 4> arrays{};
+  std::array<ArrayPlace, 4 + vrml::kMaxCoordinateSets> arrays{};
   std::size_t count = 0, bytes = 0;
 };
 
@@ -41,10 +41,12 @@ Layout layout(unsigned format, std::size_t vertices) {
   if (format & kNormals) add(kNormal, 3);
   if (format & kColors) add(kColor, 3);
   if (format & kTextureCoordinates) add(kTextureCoordinate, 2);
+  for (unsigned set = 0; set < format / kFirstSet; ++set) add(static_cast<Location>(kCoordinateSets + set), 4);
   return result;
 }
 
 const void* bytes_of(const vrml::Mesh& mesh, Location location) {
+  if (location >= kCoordinateSets) return mesh.coordinate_sets[location - kCoordinateSets].data();
   switch (location) {
     case kNormal:
       return mesh.normals.data();
@@ -205,6 +207,10 @@ void MeshStore::upload(const vrml::Mesh& mesh, Entry& entry) {
   slice.normals = mesh.normals.size() == vertices;
   slice.colors = mesh.colors.size() == vertices;
   slice.texture_coordinates = mesh.texture_coordinates.size() == vertices;
+  const auto fits = [&](const vrml::CoordinateSet& set) { return set.size() == vertices; };
+  if (mesh.coordinate_sets.size() <= vrml::kMaxCoordinateSets &&
+      std::all_of(mesh.coordinate_sets.begin(), mesh.coordinate_sets.end(), fits))
+    slice.coordinate_sets = static_cast<std::uint8_t>(mesh.coordinate_sets.size());
   slice.primitive = mesh.primitive == vrml::Mesh::Primitive::lines    ? GL_LINES
                     : mesh.primitive == vrml::Mesh::Primitive::points ? GL_POINTS
                                                                       : GL_TRIANGLES;
@@ -216,7 +222,7 @@ void MeshStore::upload(const vrml::Mesh& mesh, Entry& entry) {
     for (glm::vec3& position : local) position -= slice.origin;
   }
   const unsigned format = (slice.normals ? kNormals : 0) | (slice.colors ? kColors : 0) |
-                          (slice.texture_coordinates ? kTextureCoordinates : 0);
+                          (slice.texture_coordinates ? kTextureCoordinates : 0) | kFirstSet * slice.coordinate_sets;
   if (!place(format, vertices, indices, entry)) return;
 
   uploaded_ += vertices * sizeof(glm::vec3) + indices * sizeof(std::uint32_t);

@@ -5,6 +5,7 @@
 #include "vrml/mesh/mesh.h"
 
 #include <memory>
+#include <vector>
 
 namespace gs::vrml {
 
@@ -16,6 +17,9 @@ struct FaceSet {
   Attribute<glm::vec3> normal;  // if there are none, generated with crease_angle
   Attribute<Color> color;
   Attribute<glm::vec2> texture_coordinate;
+  /// All sets of texture coordinates, if there are several or if they have more than two components. The binding of
+  /// `texture_coordinate`, which has the first set, holds for each of them.
+  std::vector<CoordinateSet> coordinate_sets;
   bool default_texture_coordinates = false;  // if there are no coordinates, uses the bounding-box mapping of 6.23
   bool ccw = true;
   bool convex = true;

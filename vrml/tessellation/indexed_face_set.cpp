@@ -2,6 +2,8 @@
 #include "vrml/tessellation/properties.h"
 #include "vrml/tessellation/tessellators.h"
 
+#include <utility>
+
 namespace gs::vrml {
 
 Mesh tessellate_indexed_face_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
@@ -12,8 +14,9 @@ Mesh tessellate_indexed_face_set(const SceneGraph& scene, NodeId geometry, const
                   scene.get<MFInt32>(geometry, "normalIndex")};
   faces.color = {colors_of(scene, geometry), scene.get<SFBool>(geometry, "colorPerVertex"),
                  scene.get<MFInt32>(geometry, "colorIndex")};
-  faces.texture_coordinate = {texture_coordinates_of(scene, geometry), true,
-                              scene.get<MFInt32>(geometry, "texCoordIndex")};
+  TextureCoordinates coordinates = texture_coordinate_sets_of(scene, geometry);
+  faces.texture_coordinate = {std::move(coordinates.first), true, scene.get<MFInt32>(geometry, "texCoordIndex")};
+  faces.coordinate_sets = std::move(coordinates.sets);
   faces.default_texture_coordinates = options.texture_coordinates;
   faces.ccw = scene.get<SFBool>(geometry, "ccw");
   faces.convex = scene.get<SFBool>(geometry, "convex");

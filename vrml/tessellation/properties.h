@@ -1,7 +1,10 @@
 #pragma once
 
+#include "vrml/mesh/mesh.h"
 #include "vrml/scene/meant_node.h"
 #include "vrml/scene/scene_graph.h"
+
+#include <vector>
 
 namespace gs::vrml {
 
@@ -25,8 +28,16 @@ template <class T>
 [[nodiscard]] inline MFColor colors_of(const SceneGraph& scene, NodeId geometry) {
   return property_of<MFColor>(scene, geometry, "color", NodeKind::color, "color");
 }
+/// Texture coordinates of a geometry node: the first set, and all sets if there are several, or if they have more than
+/// two components. TextureCoordinateGenerators give no sets.
+struct TextureCoordinates {
+  MFVec2f first;
+  std::vector<CoordinateSet> sets;
+};
+[[nodiscard]] TextureCoordinates texture_coordinate_sets_of(const SceneGraph& scene, NodeId geometry);
+/// Returns the first set of texture coordinates of a geometry node.
 [[nodiscard]] inline MFVec2f texture_coordinates_of(const SceneGraph& scene, NodeId geometry) {
-  return property_of<MFVec2f>(scene, geometry, "texCoord", NodeKind::texture_coordinate, "point");
+  return texture_coordinate_sets_of(scene, geometry).first;
 }
 
 }  // namespace gs::vrml
