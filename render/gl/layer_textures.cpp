@@ -39,15 +39,36 @@ std::array<std::uint8_t, 4> pixel(const Image& image, std::uint32_t x, std::uint
   }
 }
 
-/// Returns the rows from `first` on as an RGBA image of `side` x `side` pixels.
-Image square(const Image& image, std::uint32_t first, std::uint32_t rows, std::uint32_t side) {
+/// Part of an image that is one face of a cube, in pixels.
+struct Region {
+  std::uint32_t x = 0, y = 0, width = 0, height = 0;
+};
+
+/// Returns the region of a face, an index of OpenGL. An image that is a whole cube is a strip of faces (Image::cube),
+/// or a cross of 4 x 3 faces: left, front, right and back in the second row, top and bottom above and below the front.
+Region region_of(const Image& image, std::size_t face, bool whole) {
+  if (image.cube && image.slices == 6) {
+    const std::uint32_t rows = image.height / 6;
+    return {0, static_cast<std::uint32_t>(face) * rows, image.width, rows};
+  }
+  const std::uint32_t side = image.width / 4;
+  if (!whole || side == 0 || image.height / 3 != side) return {0, 0, image.width, image.height};
+  static constexpr std::array<std::array<std::uint32_t, 2>, 6> kCross = {
+      {{2, 1}, {0, 1}, {1, 0}, {1, 2}, {1, 1}, {3, 1}}};
+  return {kCross[face][0] * side, kCross[face][1] * side, side, side};
+}
+
+/// Returns a region as an RGBA image of `side` x `side` pixels.
+Image square(const Image& image, const Region& region, std::uint32_t side) {
   Image face{side, side, 4, {}};
   face.pixels.resize(std::size_t{side} * side * 4);
   std::uint8_t* to = face.pixels.data();
+  const auto at = [&](std::uint32_t first, std::uint32_t size, std::uint32_t i) {
+    return first + static_cast<std::uint32_t>(std::uint64_t{i} * size / side);
+  };
   for (std::uint32_t y = 0; y < side; ++y)
     for (std::uint32_t x = 0; x < side; ++x)
-      for (const std::uint8_t part : pixel(image, static_cast<std::uint32_t>(std::uint64_t{x} * image.width / side),
-                                           first + static_cast<std::uint32_t>(std::uint64_t{y} * rows / side)))
+      for (const std::uint8_t part : pixel(image, at(region.x, region.width, x), at(region.y, region.height, y)))
         *to++ = part;
   return face;
 }
@@ -178,18 +199,20 @@ void LayerTextures::upload(const std::array<const Image*, 6>& faces, Cube& to) {
   constexpr std::uint32_t kMaxSide = 2048;
   const std::uint32_t most = std::min(kMaxSide, static_cast<std::uint32_t>(gl_.max_texture_size));
   std::uint32_t side = 1;
-  for (const Image* image : faces)
-    if (image) side = std::max(side, std::min(most, std::max(image->width, image->height / image->slices)));
+  const bool whole = std::all_of(faces.begin(), faces.end(), [&](const Image* image) { return image == faces[0]; });
+  for (std::size_t i = 0; i < 6; ++i) {
+    if (!faces[kFaces[i]]) continue;
+    const Region region = region_of(*faces[kFaces[i]], i, whole);
+    side = std::max(side, std::min(most, std::max(region.width, region.height)));
+  }
   to.alpha = Alpha::none;
   to.texture = make_texture(gl_);
   gl_.ActiveTexture(GL_TEXTURE0);
   gl_.BindTexture(GL_TEXTURE_CUBE_MAP, to.texture.name());
   for (std::size_t i = 0; i < 6; ++i) {
     const Image* image = faces[kFaces[i]];
-    const bool strip = image && image->cube && image->slices == 6;
-    const std::uint32_t rows = !image ? 0 : strip ? image->height / 6 : image->height;
     Image face{side, side, 4, std::vector<std::uint8_t>(std::size_t{side} * side * 4, 0)};
-    if (image) face = square(*image, strip ? static_cast<std::uint32_t>(i) * rows : 0, rows, side);
+    if (image) face = square(*image, region_of(*image, i, whole), side);
     if (const Alpha alpha = alpha_of(face); image && alpha != Alpha::none && to.alpha != Alpha::blended)
       to.alpha = alpha;
     const auto target = static_cast<GLenum>(GL_TEXTURE_CUBE_MAP_POSITIVE_X + i);
