@@ -439,6 +439,10 @@ glm::mat4 LayerBuilder::matrix_of(NodeId transform) const {
       if (rotation) result = result * glm::mat4(glm::mat3(vrml::rotation_matrix(*rotation)));
       return glm::translate(result, center + vector("translation", glm::vec3(0)));
     }
+    case NodeKind::texture_transform_matrix_3d: {
+      const auto* matrix = field<vrml::SFMatrix4f>(*view.node, "matrix");
+      return matrix ? **matrix : result;
+    }
     default:
       return result;
   }
@@ -491,6 +495,8 @@ Sampling sampling_of(Schemas& schemas, const vrml::SceneGraph& scene, const Node
   sampling.r = named(kEdges, text("boundaryModeR"), Edge::repeat);
   sampling.smaller = named(kSmaller, text("minificationFilter"), Filter::linear_mipmap_linear);
   sampling.smooth = named(kLarger, text("magnificationFilter"), true);
+  if (const auto* border = field<vrml::SFColorRGBA>(node, "borderColor"))
+    sampling.border = {border->r, border->g, border->b, border->a};
   sampling.anisotropy = number(node, "anisotropicDegree", 1, 64, 1);
   return sampling;
 }

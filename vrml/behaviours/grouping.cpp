@@ -41,14 +41,20 @@ bool change_children(Execution& execution, EventNode node, int event, const Fiel
   return false;
 }
 
+/// Slots of the fields of a node type that is read as a Transform.
+struct TransformSlots {
+  explicit TransformSlots(const NodeType& type) : of(&type) {
+    const auto slot = [&](std::string_view name) { return type.find_field(name)->slot; };
+    translation = slot("translation"), center = slot("center"), rotation = slot("rotation");
+    scale = slot("scale"), scale_orientation = slot("scaleOrientation");
+  }
+  const NodeType* of;
+  int translation, center, rotation, scale, scale_orientation;
+};
+
 glm::dmat4 transform_of(const Node& node) {
-  struct Slots {
-    int translation, center, rotation, scale, scale_orientation;
-  };
-  static const Slots slots = [&] {
-    const auto slot = [&](std::string_view name) { return node.type->find_field(name)->slot; };
-    return Slots{slot("translation"), slot("center"), slot("rotation"), slot("scale"), slot("scaleOrientation")};
-  }();
+  thread_local TransformSlots slots(*node.type);
+  if (slots.of != node.type) slots = TransformSlots(*node.type);
   return transform_matrix(
       std::get<SFVec3f>(node.values[slots.translation]), std::get<SFVec3f>(node.values[slots.center]),
       std::get<SFRotation>(node.values[slots.rotation]), std::get<SFVec3f>(node.values[slots.scale]),

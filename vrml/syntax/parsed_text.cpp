@@ -67,7 +67,7 @@ bool ParsedText::open(Frame frame) {
     skip.kind = Frame::Kind::skip;
     skip.start = frame.start;
     // Except for images and url lists, the opening bracket was read just before.
-    skip.depth = frame.kind == Frame::Kind::image || frame.kind == Frame::Kind::external_url ? 0 : 1;
+    skip.depth = frame.kind == Frame::Kind::image || frame.kind == Frame::Kind::external_url || frame.single ? 0 : 1;
     frames.push_back(std::move(skip));
     return false;
   }
@@ -126,12 +126,14 @@ void ParsedText::report_end_inside(const Frame& frame) {
   if (std::exchange(end_reported, true)) return;
   std::string what = "a statement";
   if (frame.kind == Frame::Kind::node_body) what = frame.node.type->name;
-  if (frame.kind == Frame::Kind::node_list || frame.kind == Frame::Kind::values) what = "a list";
+  if (frame.kind == Frame::Kind::node_list || frame.kind == Frame::Kind::values ||
+      frame.kind == Frame::Kind::image_list)
+    what = "a list";
   if (frame.kind == Frame::Kind::image) what = "an image";
   if (frame.kind == Frame::Kind::prototype_body || frame.kind == Frame::Kind::prototype_interface) what = "a PROTO";
   if (frame.kind == Frame::Kind::skip) what = "a skipped part";
   const bool list = frame.kind == Frame::Kind::node_list || frame.kind == Frame::Kind::values ||
-                    frame.kind == Frame::Kind::prototype_interface;
+                    frame.kind == Frame::Kind::image_list || frame.kind == Frame::Kind::prototype_interface;
   problems.error(lexer.location(), "the file ends inside " + what + " that begins at line " +
                                        std::to_string(frame.start.line) +
                                        (frame.kind == Frame::Kind::image ? ""

@@ -4,7 +4,6 @@
 #include "vrml/syntax/parser.h"
 #include "vrml/syntax/scene_sink.h"
 
-#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,36 +17,36 @@ enum class Step : std::uint8_t {
   done,            // something was read
   need_more,       // nothing was read; more bytes are needed
   need_more_kept,  // more bytes are needed; the part of the list that was read is kept
-  finished,  // the text has ended
+  finished,        // the text has ended
 };
 
 /// Open construct. The stack of frames is the complete state of the parser.
 struct Frame {
   enum class Kind : std::uint8_t {
-    statements,  // statements at the top level of a file
-    prototype_body,  // body of a PROTO, in its braces
+    statements,           // statements at the top level of a file
+    prototype_body,       // body of a PROTO, in its braces
     prototype_interface,  // interface of a PROTO or EXTERNPROTO, in its brackets
-    external_url,  // url of an EXTERNPROTO, after its brackets
-    node_body,  // body of a node, in its braces
-    node_list,  // list of an MFNode, in its brackets
-    values,  // list of any other MF type, in its brackets
-    image,  // pixels of an SFImage
-    skip,  // rest of an unusable construct, which is skipped
+    external_url,         // url of an EXTERNPROTO, after its brackets
+    node_body,            // body of a node, in its braces
+    node_list,            // list of an MFNode, in its brackets
+    values,               // list of any other MF type, in its brackets
+    image,                // pixels of an SFImage
+    image_list,           // list of an MFImage, in its brackets, or one image of it
+    skip,                 // rest of an unusable construct, which is skipped
   };
   Kind kind = Kind::statements;
   SourceLocation start;
-  OpenNode node;  // for node_body
+  OpenNode node;                  // for node_body
   NodeType* declaring = nullptr;  // for interfaces and Script bodies: the type that is being declared
-  FieldValue* into = nullptr;  // for node_list, values, image: storage of the value
-  std::string_view name;  // for values, image: name of the field; for node_list: see NodeTarget
+  FieldValue* into = nullptr;     // for node_list, values, image, image_list: storage of the value
+  std::string_view name;          // for values, image, image_list: name of the field; for node_list: see NodeTarget
   std::unique_ptr<InterfaceDeclaration> pending;  // declaration with an incomplete value
-  std::array<double, 4> partial{};  // for values: numbers of an incomplete element
-  std::uint8_t partial_count = 0;
-  std::uint64_t pixels_left = 0;  // for image: number of pixels still to read
-  std::size_t charged = 0;  // for values, image: bytes of `into` charged to the budget
-  std::size_t depth = 0;  // for skip: number of open brackets
-  bool skipped_value = false;  // for skip: a part was skipped already
-  bool value_unexpected = false;  // for skip: any content is an error
+  std::uint64_t pixels_left = 0;                  // for image: number of pixels still to read
+  std::size_t charged = 0;                        // for values, image: bytes of `into` charged to the budget
+  std::size_t depth = 0;                          // for skip: number of open brackets
+  bool skipped_value = false;                     // for skip: a part was skipped already
+  bool single = false;                            // for image_list: one image without brackets
+  bool value_unexpected = false;                  // for skip: any content is an error
 };
 
 /// Text being parsed, with its open constructs, the scene that it describes, and the problems reported so far. The
@@ -86,7 +85,7 @@ struct ParsedText {
   bool headerless = false;
   bool anything_read = false;
   bool table_text = false;  // the text is a part of the node table: no header, no scene
-  bool rubbish = false;  // the last token was unusable and was reported
+  bool rubbish = false;     // the last token was unusable and was reported
   bool end_reported = false;
   std::uint32_t said_reserved = 0;  // one bit per reserved_word() index that was reported
   bool said_bad_id = false;

@@ -1,5 +1,7 @@
 #include "vrml/syntax/printer.h"
 
+#include "vrml/scene/field_numbers.h"
+
 #include <algorithm>
 #include <charconv>
 #include <functional>
@@ -39,24 +41,16 @@ void print_string(std::string& out, std::string_view text) {
   out += '"';
 }
 
-void print_floats(std::string& out, std::initializer_list<float> numbers) {
-  const char* blank = "";
-  for (const float number : numbers) {
-    out += blank;
-    print_number(out, number);
-    blank = " ";
+template <NumberElement T>
+void print_element(std::string& out, const T& element) {
+  const auto* const numbers = numbers_of(element);
+  for (int i = 0; i < ElementNumbers<T>::kCount; ++i) {
+    if (i > 0) out += ' ';
+    print_number(out, numbers[i]);
   }
 }
-
 void print_element(std::string& out, SFBool value) { out += value ? "TRUE" : "FALSE"; }
-void print_element(std::string& out, const SFColor& v) { print_floats(out, {v.r, v.g, v.b}); }
-void print_element(std::string& out, SFFloat value) { print_number(out, value); }
-void print_element(std::string& out, SFInt32 value) { print_number(out, value); }
-void print_element(std::string& out, SFTime value) { print_number(out, value); }
-void print_element(std::string& out, const SFRotation& v) { print_floats(out, {v.x, v.y, v.z, v.angle}); }
 void print_element(std::string& out, const SFString& value) { print_string(out, value.view()); }
-void print_element(std::string& out, const SFVec2f& v) { print_floats(out, {v.x, v.y}); }
-void print_element(std::string& out, const SFVec3f& v) { print_floats(out, {v.x, v.y, v.z}); }
 
 void print_element(std::string& out, const SFImage& image, const Drain& drain = {}) {
   print_number(out, image.width());
@@ -80,7 +74,8 @@ void print_list(std::string& out, const Array<T>& list, const std::string& inden
     out += "[]";
     return;
   }
-  const char* separator = sizeof(T) > 8 || std::is_same_v<T, SFString> || std::is_same_v<T, SFVec2f> ? ", " : " ";
+  constexpr bool kPlain = ElementNumbers<T>::kCount == 1 || std::is_same_v<T, SFBool>;
+  const char* separator = kPlain ? " " : ", ";
   std::string line;
   const std::size_t start = out.size();
   out += "[ ";
@@ -249,7 +244,7 @@ class Printer {
           } else if constexpr (std::is_same_v<T, SFImage>) {
             print_element(out_, v, drain_);
           } else {
-            print_element(out_, v);
+            print_element(out_, element_in(v));
           }
         },
         value);
@@ -341,7 +336,7 @@ void print_value(std::string& out, const FieldValue& value, const SceneGraph& sc
           }
           out += v.empty() ? "]" : " ]";
         } else {
-          print_element(out, v);
+          print_element(out, element_in(v));
         }
       },
       value);

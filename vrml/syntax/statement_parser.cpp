@@ -22,6 +22,8 @@ Step StatementParser::step() {
       return values_.values_step();
     case Frame::Kind::image:
       return values_.image_step();
+    case Frame::Kind::image_list:
+      return values_.image_list_step();
     case Frame::Kind::skip:
       return skip_step();
   }

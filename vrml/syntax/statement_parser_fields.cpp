@@ -82,8 +82,10 @@ Step StatementParser::value(FieldType type, FieldValue& into, std::string_view n
   const Lexer::Position before = text_.lexer.position();
   const Token token = text_.lexer.next();
   if (token.kind == TokenKind::need_more) return Step::need_more;
+  if (type == FieldType::MFImage) return values_.image_list_head(into, token, before, name);
   if (token.kind == TokenKind::open_bracket && is_multiple(type)) {
     into = initial_value(type);
+    values_.begin_list();
     Frame frame;
     frame.kind = type == FieldType::MFNode ? Frame::Kind::node_list : Frame::Kind::values;
     frame.start = token.location;

@@ -31,6 +31,8 @@ CoordinateSet set_of(const SceneGraph& scene, NodeId id) {
       return set_of(scene.get<MFVec2f>(id, "point"));
     case NodeKind::texture_coordinate_3d:
       return set_of(scene.get<MFVec3f>(id, "point"));
+    case NodeKind::texture_coordinate_4d:
+      return scene.get<MFVec4f>(id, "point");
     default:
       return {};
   }

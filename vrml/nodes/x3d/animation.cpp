@@ -16,6 +16,7 @@ constexpr X3DRow kAnimationX3DRows[] = {
   eventIn      SFBool     previous
   eventIn      SFFloat    set_fraction
   exposedField MFFloat    key []
+  exposedField MFBool     keyValue []
   eventOut     SFBool     value_changed
 )"},
     {"BooleanToggle", "EventUtilities", 1, "children", "X3DChildNode", Role::child, NodeKind::other, R"(

@@ -66,10 +66,12 @@ constexpr X3DRow kCoreX3DRows[] = {
     {"MetadataBoolean", "Core", 1, "value", "X3DNode X3DMetadataObject", Role::none, NodeKind::other, R"(
   exposedField SFString   name ""
   exposedField SFString   reference ""
+  exposedField MFBool     value []
 )"},
     {"MetadataDouble", "Core", 1, "value", "X3DNode X3DMetadataObject", Role::none, NodeKind::other, R"(
   exposedField SFString   name ""
   exposedField SFString   reference ""
+  exposedField MFDouble   value []
 )"},
     {"MetadataFloat", "Core", 1, "value", "X3DNode X3DMetadataObject", Role::none, NodeKind::other, R"(
   exposedField SFString   name ""

@@ -24,6 +24,7 @@ constexpr X3DRow kHAnimX3DRows[] = {
   exposedField MFNode     joints []  # HAnimJoint
   exposedField SFInt32    loa -1  # [-1,4]
   exposedField MFNode     motions []  # HAnimMotion
+  exposedField MFBool     motionsEnabled []
   exposedField SFString   name ""
   exposedField SFRotation rotation 0 0 1 0
   exposedField SFVec3f    scale 1 1 1  # (0,inf)
@@ -71,6 +72,7 @@ constexpr X3DRow kHAnimX3DRows[] = {
   eventIn      SFBool     next
   eventIn      SFBool     previous
   exposedField SFString   channels ""
+  exposedField MFBool     channelsEnabled []
   exposedField SFString   description ""
   exposedField SFBool     enabled TRUE
   exposedField SFInt32    endFrame 0  # [0,inf)

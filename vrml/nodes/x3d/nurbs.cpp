@@ -10,22 +10,31 @@ constexpr X3DRow kNurbsX3DRows[] = {
   eventIn      MFNode     removeChildren  # NurbsCurve2D,ContourPolyline2D
   exposedField MFNode     children []  # NurbsCurve2D,ContourPolyline2D
 )"},
-    {"ContourPolyline2D", "NURBS", 3, "children", "X3DNurbsControlCurveNode", Role::none, NodeKind::other, {}},
+    {"ContourPolyline2D", "NURBS", 3, "children", "X3DNurbsControlCurveNode", Role::none, NodeKind::other, R"(
+  exposedField MFVec2d    controlPoint []
+)"},
     {"NurbsCurve", "NURBS", 1, "geometry", "X3DParametricGeometryNode", Role::geometry, NodeKind::other, R"(
   exposedField SFNode     controlPoint NULL  # Coordinate,CoordinateDouble
   exposedField SFInt32    tessellation 0
+  exposedField MFDouble   weight []  # (0,inf)
   field        SFBool     closed FALSE
+  field        MFDouble   knot []
   field        SFInt32    order 3  # [2,inf)
 )"},
     {"NurbsCurve2D", "NURBS", 3, "children", "X3DNurbsControlCurveNode", Role::none, NodeKind::other, R"(
+  exposedField MFVec2d    controlPoint []
   exposedField SFInt32    tessellation 0
+  exposedField MFDouble   weight []  # (0,inf)
   field        SFBool     closed FALSE
+  field        MFDouble   knot []
   field        SFInt32    order 3  # [2,inf)
 )"},
     {"NurbsOrientationInterpolator", "NURBS", 1, "children", "X3DChildNode", Role::child, NodeKind::other, R"(
   eventIn      SFFloat    set_fraction
   exposedField SFNode     controlPoint NULL  # Coordinate,CoordinateDouble
+  exposedField MFDouble   knot []
   exposedField SFInt32    order 3  # [2,inf)
+  exposedField MFDouble   weight []
   eventOut     SFRotation value_changed
 )"},
     {"NurbsPatchSurface", "NURBS", 1, "geometry", "X3DNurbsSurfaceGeometryNode", Role::geometry, NodeKind::other, R"(
@@ -33,18 +42,23 @@ constexpr X3DRow kNurbsX3DRows[] = {
   exposedField SFNode     texCoord NULL  # X3DSingleTextureCoordinateNode,NurbsTextureCoordinate
   exposedField SFInt32    uTessellation 0
   exposedField SFInt32    vTessellation 0
+  exposedField MFDouble   weight []  # (0,inf)
   field        SFBool     solid TRUE
   field        SFBool     uClosed FALSE
   field        SFInt32    uDimension 0  # [0,inf)
+  field        MFDouble   uKnot []
   field        SFInt32    uOrder 3  # [2,inf)
   field        SFBool     vClosed FALSE
   field        SFInt32    vDimension 0  # [0,inf)
+  field        MFDouble   vKnot []
   field        SFInt32    vOrder 3  # [2,inf)
 )"},
     {"NurbsPositionInterpolator", "NURBS", 1, "children", "X3DChildNode", Role::child, NodeKind::other, R"(
   eventIn      SFFloat    set_fraction
   exposedField SFNode     controlPoint NULL  # Coordinate,CoordinateDouble
+  exposedField MFDouble   knot []
   exposedField SFInt32    order 3  # [2,inf)
+  exposedField MFDouble   weight []
   eventOut     SFVec3f    value_changed
 )"},
     {"NurbsSet", "NURBS", 2, "children", "X3DChildNode X3DBoundedObject", Role::child, NodeKind::other, R"(
@@ -60,9 +74,12 @@ constexpr X3DRow kNurbsX3DRows[] = {
     {"NurbsSurfaceInterpolator", "NURBS", 1, "children", "X3DChildNode", Role::child, NodeKind::other, R"(
   eventIn      SFVec2f    set_fraction
   exposedField SFNode     controlPoint NULL  # Coordinate,CoordinateDouble
+  exposedField MFDouble   weight []
   field        SFInt32    uDimension 0  # [0,inf)
+  field        MFDouble   uKnot []
   field        SFInt32    uOrder 3  # [2,inf)
   field        SFInt32    vDimension 0  # [0,inf)
+  field        MFDouble   vKnot []
   field        SFInt32    vOrder 3  # [2,inf)
   eventOut     SFVec3f    normal_changed
   eventOut     SFVec3f    position_changed
@@ -81,9 +98,12 @@ constexpr X3DRow kNurbsX3DRows[] = {
 )"},
     {"NurbsTextureCoordinate", "NURBS", 1, "texCoord", "X3DNode", Role::geometric_property, NodeKind::other, R"(
   exposedField MFVec2f    controlPoint []
+  exposedField MFDouble   weight []  # (0,inf)
   field        SFInt32    uDimension 0  # [0,inf)
+  field        MFDouble   uKnot []
   field        SFInt32    uOrder 3  # [2,inf)
   field        SFInt32    vDimension 0  # [0,inf)
+  field        MFDouble   vKnot []
   field        SFInt32    vOrder 3  # [2,inf)
 )"},
     {"NurbsTrimmedSurface", "NURBS", 4, "geometry", "X3DNurbsSurfaceGeometryNode", Role::geometry, NodeKind::other, R"(
@@ -94,12 +114,15 @@ constexpr X3DRow kNurbsX3DRows[] = {
   exposedField MFNode     trimmingContour []  # Contour2D
   exposedField SFInt32    uTessellation 0
   exposedField SFInt32    vTessellation 0
+  exposedField MFDouble   weight []  # (0,inf)
   field        SFBool     solid TRUE
   field        SFBool     uClosed FALSE
   field        SFInt32    uDimension 0  # [0,inf)
+  field        MFDouble   uKnot []
   field        SFInt32    uOrder 3  # [2,inf)
   field        SFBool     vClosed FALSE
   field        SFInt32    vDimension 0  # [0,inf)
+  field        MFDouble   vKnot []
   field        SFInt32    vOrder 3  # [2,inf)
 )"},
 };

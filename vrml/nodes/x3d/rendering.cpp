@@ -7,15 +7,20 @@ namespace {
 constexpr X3DRow kRenderingX3DRows[] = {
     {"ClipPlane", "Rendering", 5, "children", "X3DChildNode", Role::child, NodeKind::other, R"(
   exposedField SFBool     enabled TRUE
+  exposedField SFVec4f    plane 0 1 0 0  # [-1,1]
 )"},
     {"Color", "Rendering", 1, "color", "X3DColorNode", Role::geometric_property, NodeKind::other, R"(
   exposedField MFColor    color []  # [0,1]
 )"},
-    {"ColorRGBA", "Rendering", 1, "color", "X3DColorNode", Role::geometric_property, NodeKind::other, {}},
+    {"ColorRGBA", "Rendering", 1, "color", "X3DColorNode", Role::geometric_property, NodeKind::other, R"(
+  exposedField MFColorRGBA color []  # [0,1]
+)"},
     {"Coordinate", "Rendering", 1, "coord", "X3DCoordinateNode", Role::geometric_property, NodeKind::other, R"(
   exposedField MFVec3f    point []
 )"},
-    {"CoordinateDouble", "Rendering", 1, "coord", "X3DCoordinateNode", Role::geometric_property, NodeKind::other, {}},
+    {"CoordinateDouble", "Rendering", 1, "coord", "X3DCoordinateNode", Role::geometric_property, NodeKind::other, R"(
+  exposedField MFVec3d    point []
+)"},
     {"IndexedLineSet", "Rendering", 1, "geometry", "X3DGeometryNode", Role::geometry, NodeKind::other, R"(
   eventIn      MFInt32    set_colorIndex  # [-1,inf)
   eventIn      MFInt32    set_coordIndex  # [-1,inf)
