@@ -116,6 +116,10 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
         for (std::uint32_t k = 0; k < sources_.lights.size(); ++k)
           if (sources_.lights[k].node == &node) renew_light(k), any = true;
         break;
+      case Effect::scoped:
+        renew_scoped([&](const RenderSources::Local& local) { return local.node == &node; });
+        any = true;
+        break;
       case Effect::viewpoint:
         for (std::uint32_t k = 0; k < sources_.viewpoints.size(); ++k)
           if (sources_.viewpoints[k].node == &node) renew_viewpoint(k), any = true;
@@ -159,12 +163,17 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
   const NodeView view{&node, &resources_.schemas().of(*node.type)};
   // The body of the PROTO instance has changed.
   if (node.type->prototype && (change.slots >> 63 & 1) != 0) return Effect::everything;
+  const auto changed = [&](int slot) { return slot >= 0 && (change.slots >> std::min(slot, 63) & 1) != 0; };
+  if (changed(view.schema->visible) || changed(view.schema->box_display)) return Effect::everything;
   const auto only = [&](Effect effect, int children) {
     return has_changed(change, view, children) ? Effect::everything : effect;
   };
   switch (view.kind()) {
     case NodeKind::transform:
       return only(Effect::frame, TransformFields::children);
+    case NodeKind::humanoid:
+      if (has_changed(change, view, HumanoidFields::skin)) return Effect::everything;
+      return only(Effect::frame, HumanoidFields::skeleton);
     case NodeKind::billboard:
       return only(Effect::none, BillboardFields::children);  // the next update of the viewer rotates it
     case NodeKind::group:
@@ -175,7 +184,15 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
     case NodeKind::inline_node:
     case NodeKind::shape:
     case NodeKind::appearance:
+    case NodeKind::cad_face:
       return Effect::everything;
+    case NodeKind::clip_plane:
+      return only(Effect::scoped, ClipPlaneFields::enabled);
+    case NodeKind::local_fog:
+      return only(Effect::scoped, LocalFogFields::enabled);
+    case NodeKind::line_properties:
+    case NodeKind::fill_properties:
+    case NodeKind::point_properties:
     case NodeKind::material:
     case NodeKind::texture_transform:
     case NodeKind::pixel_texture:
@@ -201,6 +218,8 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
     case NodeKind::point_light:
     case NodeKind::spot_light:
       return has_changed(change, view, LightFields::global) ? Effect::everything : only(Effect::light, LightFields::on);
+    case NodeKind::viewpoint_group:
+      return Effect::everything;
     case NodeKind::viewpoint:
       return Effect::viewpoint;
     case NodeKind::navigation_info:
@@ -258,6 +277,9 @@ const RenderScene::Uses& RenderScene::item_uses() {
     add(source.appearance.material, index);
     add(source.appearance.texture, index);
     add(source.appearance.texture_transform, index);
+    add(source.appearance.line, index);
+    add(source.appearance.fill, index);
+    add(source.appearance.point, index);
     if (const vrml::SceneGraph* scene = place == kNoPlace ? nullptr : list_->places[place].scene)
       for (const vrml::Node* node : {source.appearance.appearance, source.appearance.material,
                                      source.appearance.texture, source.appearance.texture_transform, source.geometry})
@@ -299,6 +321,7 @@ void RenderScene::move_frames() {
     for (std::uint32_t i = top.first_item; i < top.end_item; ++i) place_item(i);
     for (std::uint32_t i = top.first_splat; i < top.end_splat; ++i) place_splat(i);
     for (std::uint32_t i = top.first_light; i < top.end_light; ++i) renew_light(i);
+    renew_scoped([&](const RenderSources::Local& local) { return local.frame >= first && local.frame < done; });
     for (std::uint32_t i = 0; i < sources_.viewpoints.size(); ++i)
       if (sources_.viewpoints[i].frame >= first && sources_.viewpoints[i].frame < done) renew_viewpoint(i);
     for (const RenderSources::Local& local : sources_.bindables)
@@ -314,7 +337,7 @@ void RenderScene::place_item(std::uint32_t i) {
   RenderSources::Item& source = sources_.items[i];
   const dmat4& world = list_->world_from_frame[list_->places[item.place].frame];
   const dmat4 world_from_node = item.surface                   ? world_from_geometry(world, *item.surface)
-                                : source.scale == glm::vec3(1) ? world
+                                : source.scale == glm::vec3(1) ? world_from_mesh(world, *item.mesh)
                                                                : glm::scale(world, dvec3(source.scale));
   if (!fits_float(world_from_node)) {
     frame_lost_ = true;
@@ -365,7 +388,7 @@ bool RenderScene::refine_texts() {
     const NodeView shape = resources_.schemas().view(*place.scene, place.node);
     const vrml::NodeId geometry = geometry_of(*place.scene, shape);
     item.mesh = nullptr;  // release the mesh, so that the cache may free an unused level
-    auto [mesh, made] = resources_.text_mesh_of(*place.scene, geometry, source.appearance.textured(), level);
+    auto [mesh, made] = resources_.text_mesh_of(*place.scene, geometry, source.appearance.need_coordinates(), level);
     any = any || made != source.text_level;
     item.mesh = std::move(mesh);
     source.text_level = made;

@@ -42,7 +42,7 @@ bool RenderScene::renew_geometry(std::uint32_t i) {
   const NodeView shape = resources_.schemas().view(*place.scene, place.node);
   const vrml::NodeId geometry = geometry_of(*place.scene, shape);
   if (!geometry || vrml::scale_of_primitive(*place.scene, geometry)) return false;
-  auto mesh = resources_.mesh_of(*place.scene, geometry, sources_.items[i].appearance.textured());
+  auto mesh = resources_.mesh_of(*place.scene, geometry, sources_.items[i].appearance.need_coordinates());
   if (!mesh || mesh->empty()) return false;
   item.mesh = std::move(mesh);
   if (item.layered) apply_item_appearance(i);
@@ -80,6 +80,19 @@ void RenderScene::renew_light(std::uint32_t i) {
       world_light({local.node, &resources_.schemas().of(*local.node->type)}, list_->world_from_frame[local.frame]);
 }
 
+// Updates the ClipPlanes and LocalFogs for which `is_changed(local)` returns true.
+void RenderScene::renew_scoped(const std::function<bool(const RenderSources::Local&)>& is_changed) {
+  const auto view_of = [&](const RenderSources::Local& local) {
+    return NodeView{local.node, &resources_.schemas().of(*local.node->type)};
+  };
+  for (std::size_t i = 0; i < sources_.clip_planes.size(); ++i)
+    if (const RenderSources::Local& local = sources_.clip_planes[i]; is_changed(local))
+      list_->clip_planes[i] = world_clip_plane(view_of(local), list_->world_from_frame[local.frame]);
+  for (std::size_t i = 0; i < sources_.local_fogs.size(); ++i)
+    if (const RenderSources::Local& local = sources_.local_fogs[i]; is_changed(local))
+      list_->local_fogs[i] = world_fog(view_of(local), list_->world_from_frame[local.frame]);
+}
+
 void RenderScene::renew_viewpoint(std::uint32_t i) {
   const RenderSources::Local& local = sources_.viewpoints[i];
   ViewpointState& viewpoint = list_->viewpoints[i];
@@ -87,6 +100,8 @@ void RenderScene::renew_viewpoint(std::uint32_t i) {
       world_viewpoint({local.node, &resources_.schemas().of(*local.node->type)}, list_->world_from_frame[local.frame]);
   made.scene = viewpoint.scene;
   made.node = viewpoint.node;
+  made.listed = viewpoint.listed;
+  made.retains_offset |= viewpoint.retains_offset;
   viewpoint = std::move(made);
 }
 

@@ -39,6 +39,9 @@ class ShapeResources {
     const vrml::Node *appearance = nullptr, *material = nullptr, *texture = nullptr, *texture_transform = nullptr;
     bool material_textures = false;  // the material has textures (X3D 4)
     [[nodiscard]] bool textured() const { return texture || material_textures; }
+    const vrml::Node *line = nullptr, *fill = nullptr, *point = nullptr;  // LineProperties and so on
+    /// Reports whether meshes need texture coordinates: for a texture, or for the pattern of lines.
+    [[nodiscard]] bool need_coordinates() const { return textured() || line; }
   };
   [[nodiscard]] AppearanceNodes appearance_nodes(const vrml::SceneGraph& scene, const NodeView& shape);
   /// Sets material and texture of an item from the Appearance of its Shape. `scale` is that of a shared default
@@ -80,6 +83,12 @@ class ShapeResources {
   void forget_refiners() { refiners_.clear(); }
 
  private:
+  /// Views of LineProperties, FillProperties and PointProperties of an Appearance; each may be empty.
+  struct StyleNodes {
+    NodeView line, fill, point;
+  };
+  [[nodiscard]] StyleNodes style_nodes(const vrml::SceneGraph& scene, vrml::NodeId appearance);
+  [[nodiscard]] std::shared_ptr<const ShapeStyle> style_use(const vrml::SceneGraph& scene, vrml::NodeId appearance);
   TextureUse texture_use(const vrml::SceneGraph& scene, const vrml::ShapeParts& parts);
   friend class LayerBuilder;
   std::shared_ptr<const LayeredMaterial> keep(LayeredMaterial material);
@@ -99,6 +108,7 @@ class ShapeResources {
   Schemas schemas_;
   // Refining OutlineGroup, by scene and node index of the refined OutlineGroup.
   std::unordered_map<const vrml::SceneGraph*, std::unordered_map<std::uint32_t, vrml::NodeId>> refiners_;
+  std::vector<std::shared_ptr<const ShapeStyle>> styles_;  // the last distinct styles
   std::vector<LimitReport> limit_reports_;
   std::vector<std::weak_ptr<const LayeredMaterial>> layered_;  // the latest ones, which equal items share
   bool made_mesh_ = false;

@@ -22,8 +22,8 @@ vec3 physical(vec3 n, vec3 l, vec3 to_viewer, vec3 diffuse, vec4 specular) {
 }
 )glsl";
 
-/// Vertex shader of layered materials, after kMeshAttributesShader. Defines: LIT, NORMALS, LOCAL (positions and normals
-/// of the mesh), SETS n (sets of texture coordinates besides the first), UV (first set).
+/// Vertex shader of layered materials, after kMeshAttributesShader. Defines: NORMALS; LOCAL: positions and normals of the mesh;
+/// SET0 to SET4: sets of texture coordinates; TEXTURE: the only set; STYLE, after kStyleVertexShader.
 inline constexpr char kLayeredVertexShader[] = R"glsl(
 #ifdef SET0
 layout(location = 10) in vec4 coordinate_set0;
@@ -44,10 +44,6 @@ out vec4 set3;
 #ifdef SET4
 layout(location = 14) in vec4 coordinate_set4;
 out vec4 set4;
-#endif
-#ifdef SET5
-layout(location = 15) in vec4 coordinate_set5;
-out vec4 set5;
 #endif
 out vec4 surface_color;
 flat out float has_color;
@@ -73,7 +69,10 @@ void main() {
   vec4 p = vec4(position, 1.0);
   vec3 place = vec3(dot(camera_from_node_x, p), dot(camera_from_node_y, p), dot(camera_from_node_z, p));
   gl_Position = clip_from_camera * vec4(place, 1.0);
-  surface_color = color.w > 0.0 ? vec4(color.rgb, base.a) : base;
+  surface_color = color.w > 0.0 ? vec4(color.rgb, color.w < 2.0 ? base.a : color.w - 2.0) : base;
+#ifdef STYLE
+  apply_style(place, 0.0);
+#endif
   has_color = color.w;
   camera_position = place;
   emissive_ambient = emissive;
@@ -105,9 +104,6 @@ void main() {
 #ifdef SET4
   set4 = coordinate_set4;
 #endif
-#ifdef SET5
-  set5 = coordinate_set5;
-#endif
 }
 )glsl";
 
@@ -127,9 +123,6 @@ in vec4 set3;
 #endif
 #ifdef SET4
 in vec4 set4;
-#endif
-#ifdef SET5
-in vec4 set5;
 #endif
 in vec4 surface_color;
 flat in float has_color;
@@ -228,7 +221,7 @@ void main() {
   vec2 metal = metal_roughness;
 #ifdef BACK
   if (!gl_FrontFacing) {
-    color = has_color > 0.0 ? vec4(surface_color.rgb, back_main.a) : back_main;
+    color = has_color > 0.0 ? vec4(surface_color.rgb, has_color < 2.0 ? back_main.a : surface_color.a) : back_main;
     emission = back_emissive;
     specular = back_specular;
     metal = back_metal_roughness;
@@ -260,7 +253,9 @@ inline constexpr char kLayeredFragmentEnd[] = R"glsl(
 #endif
   color.rgb = displayed(shaded * mix(1.0, occlusion, amounts.y) + emission.rgb);
 #endif
-#ifdef FOG
+#ifdef STYLE
+  color = styled(color, camera_position);
+#elif defined(FOG)
   color.rgb = fogged(color.rgb, camera_position);
 #endif
   result = color;

@@ -3,6 +3,7 @@
 #include <glm/glm.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -46,6 +47,28 @@ void MeshPass::sort_triangles() {
     for (const auto& [depth, t] : triangle_depths_)
       sorted_indices_.insert(sorted_indices_.end(), index + 3 * std::size_t{t}, index + 3 * std::size_t{t} + 3);
   }
+}
+
+/// Returns the drawing layer of an item: later layers are drawn later. Of coincident faces, the last in the file must
+/// be visible. So an item gets a later layer than earlier items with an equal sphere and another state. Equal depths
+/// pass the depth test.
+std::uint32_t MeshPass::layer_of(const glm::vec3& center, float radius, const PackedState& state) {
+  constexpr std::uint32_t kMaxLayers = 8;
+  const auto bits = [](float value) { return std::uint64_t{std::bit_cast<std::uint32_t>(value)}; };
+  const std::uint64_t key =
+      (bits(center.x) * 0x9E3779B97F4A7C15u ^ bits(center.y) << 32 ^ bits(center.z)) * 0xC2B2AE3D27D4EB4Fu ^
+      bits(radius);
+  std::uint32_t layer = 0;
+  const auto [first, last] = filled_.equal_range(key);
+  for (auto other = first; other != last; ++other)
+    if (other->second.center == center && other->second.radius == radius)
+      layer = std::max(layer, other->second.layer + (other->second.state == state ? 0 : 1));
+  layer = std::min(layer, kMaxLayers);
+  // One entry per layer and state is sufficient.
+  for (auto other = first; other != last; ++other)
+    if (other->second.layer == layer && other->second.state == state && other->second.center == center) return layer;
+  filled_.insert({key, {center, radius, state, layer}});
+  return layer;
 }
 
 void MeshPass::batch(const std::vector<SortKey>& order, std::size_t first_instance) {
@@ -161,6 +184,7 @@ void MeshPass::draw_edges(const Projection& projection, DrawPacer& pacer) {
   const std::size_t primitives = std::exchange(primitives_, 0);
   FrameStatistics of_edges;
   draw_batches(projection, of_edges, pacer);
+  end_style();
   primitives_ = primitives;
   gl_.DepthMask(GL_TRUE);
   gl_.Disable(GL_BLEND);

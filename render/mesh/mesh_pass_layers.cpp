@@ -1,6 +1,7 @@
 #include "render/gl/layered_program.h"
 #include "render/gl/layered_shaders.h"
 #include "render/gl/shaders.h"
+#include "render/gl/style_shaders.h"
 #include "render/mesh/mesh_pass.h"
 
 #include <glm/glm.hpp>
@@ -57,10 +58,15 @@ MeshPass::VariantProgram* MeshPass::layered_program(unsigned variant, const Text
   if (!fresh) return entry.program ? &entry : nullptr;
   const LayeredMaterial& material = *binding.layered;
   const LayeredSource source = layered_source(material, binding.sets);
-  std::string defines = source.defines, fragment = kLayeredFragmentInputs;
-  const std::pair<Variant, const char*> names[] = {
-      {kLit, "LIT"},        {kNormals, "NORMALS"},          {kFog, "FOG"},
-      {kCutOut, "CUT_OUT"}, {kSmoothEdges, "SMOOTH_EDGES"}, {kLocalLights, "LOCAL_LIGHTS"}};
+  std::string defines = source.defines + "#define MOST_PLANES " + std::to_string(kMaxClipPlanes) + "\n";
+  std::string fragment = kLayeredFragmentInputs;
+  const std::pair<Variant, const char*> names[] = {{kLit, "LIT"},
+                                                   {kNormals, "NORMALS"},
+                                                   {kFog, "FOG"},
+                                                   {kCutOut, "CUT_OUT"},
+                                                   {kSmoothEdges, "SMOOTH_EDGES"},
+                                                   {kStyle, "STYLE"},
+                                                   {kLocalLights, "LOCAL_LIGHTS"}};
   for (const auto& [bit, name] : names)
     if (variant & bit) defines.append("#define ").append(name).append("\n");
   if (variant & kLit) {
@@ -69,14 +75,20 @@ MeshPass::VariantProgram* MeshPass::layered_program(unsigned variant, const Text
     fragment += kLightingShader;
   }
   if (variant & kFog) fragment += kFogShader;
+  std::string vertex;
+  if (variant & kStyle) {
+    vertex = kStyleVertexShader;
+    fragment += kStyleFragmentShader;
+  }
   fragment += source.layers + kLayeredFragmentBegin + source.apply + kLayeredFragmentEnd;
-  auto made = make_program(gl_, defines, std::string(kMeshAttributesShader) + kLayeredVertexShader, fragment);
+  auto made = make_program(gl_, defines, vertex + kMeshAttributesShader + kLayeredVertexShader, fragment);
   if (auto* error = std::get_if<ContextError>(&made)) {
     last_error_ = std::move(error->message);
     return nullptr;
   }
   entry.program = std::move(std::get<Program>(made));
   find_uniforms(entry);
+  if (variant & kStyle) entry.style = StyleUniforms(gl_, entry.program.name());
   find_layer_uniforms(entry, material.layers.size());
   return &entry;
 }
@@ -126,16 +138,16 @@ void MeshPass::prepare_layers(const DrawItem& item, Prepared& prepared, bool& tr
   using AlphaMode = LayeredMaterial::AlphaMode;
   const LayeredMaterial& material = *item.layered;
   DrawState& state = prepared.state;
-  state.variant &= kLit | kNormals | kFog | kLocalLights | 7 * kFirstLightBit;
+  state.variant &= kLit | kNormals | kFog | kLocalLights | kStyle | 7 * kFirstLightBit;
   state.variant |= kLayered;
   if (needs_normals(material) && prepared.slice->normals) state.variant |= kNormals;
   state.texture = layered_number(item, prepared.slice->coordinate_sets);
   const TextureStore::Alpha alpha = texture_bindings_[state.texture].alpha;
   const bool automatic = material.alpha_mode == AlphaMode::automatic;
   const bool back_transparent = material.has_back && material.back.transparency > 0;
-  transparent =
-      material.alpha_mode == AlphaMode::blend ||
-      (automatic && (prepared.instance.alpha < 1 || alpha == TextureStore::Alpha::blended || back_transparent));
+  transparent = material.alpha_mode == AlphaMode::blend ||
+                (automatic && (prepared.instance.alpha < 1 || item.mesh->translucent ||
+                               alpha == TextureStore::Alpha::blended || back_transparent));
   if (material.alpha_mode == AlphaMode::mask || (automatic && !transparent && alpha == TextureStore::Alpha::cut_out))
     state.variant |= kCutOut | (several_samples_ ? kSmoothEdges : 0u);
   // The colour of the front may be invisible, but not that of the back.

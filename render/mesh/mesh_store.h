@@ -41,11 +41,11 @@ class MeshStore {
     std::size_t first_index = 0;
     GLsizei index_count = 0;
     GLenum primitive = GL_TRIANGLES;
-    bool normals = false, colors = false, texture_coordinates = false;
+    bool normals = false, colors = false, texture_coordinates = false, opacities = false, fog_depths = false;
     std::uint8_t coordinate_sets = 0;  // number of vrml::Mesh::coordinate_sets
-    bool streamed = false;             // data is in the buffers of set_streamed(), not in a page
-    bool sorted = false;               // first_index is an index in the sorted indices, not in the page
-    glm::vec3 origin{0};               // origin of its positions; see local_origin()
+    bool streamed = false;  // data is in the buffers of set_streamed(), not in a page
+    bool sorted = false;  // first_index is an index in the sorted indices, not in the page
+    glm::vec3 origin{0};  // origin of its positions; see local_origin()
   };
 
   explicit MeshStore(const Gl& gl);
@@ -76,7 +76,7 @@ class MeshStore {
 
  private:
   struct Page {
-    unsigned format = 0;  // bits: has normals, has colours, has texture coordinates; then the number of sets
+    unsigned format = 0;                    // bits: the arrays that the vertices have; then the number of coordinate sets
     std::size_t vertices = 0, indices = 0;  // capacities
     std::size_t meshes = 0;                 // number of meshes in the page
     RangeAllocator free_vertices{0}, free_indices{0};

@@ -16,6 +16,8 @@ struct FaceSet {
   MFVec3f points;
   Attribute<glm::vec3> normal;  // if there are none, generated with crease_angle
   Attribute<Color> color;
+  Array<float> opacities;  // empty, or one per element of color.values
+  Array<float> fog_depths;  // empty, or one per point; missing values repeat the last one
   Attribute<glm::vec2> texture_coordinate;
   /// All sets of texture coordinates, if there are several or if they have more than two components. The binding of
   /// `texture_coordinate`, which has the first set, holds for each of them.

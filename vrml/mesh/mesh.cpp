@@ -7,7 +7,8 @@ std::uint64_t Mesh::cost() const {
     const std::uint64_t size = array.size() * sizeof(*array.data());
     return array.shared() ? size : 2 * size;
   };
-  std::uint64_t sum = bytes(positions) + bytes(normals) + bytes(colors) + bytes(texture_coordinates) + bytes(indices);
+  std::uint64_t sum = bytes(positions) + bytes(normals) + bytes(colors) + bytes(opacities) + bytes(fog_depths) +
+                      bytes(texture_coordinates) + bytes(indices);
   for (const CoordinateSet& set : coordinate_sets) sum += bytes(set);
   return sum;
 }

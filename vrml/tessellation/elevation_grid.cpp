@@ -91,8 +91,7 @@ Mesh tessellate_elevation_grid(const SceneGraph& scene, NodeId geometry, const M
       *point++ = {x_spacing * static_cast<float>(i), *y++, z_spacing * static_cast<float>(j)};
   faces.points.commit(columns * rows);
   faces.coord_index = quadrilaterals(grid);
-  faces.normal = {normals_of(scene, geometry), scene.get<SFBool>(geometry, "normalPerVertex"), {}};
-  faces.color = {colors_of(scene, geometry), scene.get<SFBool>(geometry, "colorPerVertex"), {}};
+  set_properties(faces, scene, geometry);
   TextureCoordinates coordinates = texture_coordinate_sets_of(scene, geometry);
   faces.texture_coordinate = {std::move(coordinates.first), true, {}};
   faces.coordinate_sets = std::move(coordinates.sets);
