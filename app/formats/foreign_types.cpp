@@ -151,8 +151,6 @@ constexpr ContentType foreign(std::string_view name, std::string_view extensions
   return type;
 }
 
-constexpr std::string_view kCastle =
-    "castle-model-viewer shows it, and castle-model-converter converts its shapes to STL";
 constexpr std::string_view kX3d = "export it as X3D in XML encoding (.x3d) or as VRML97 (.wrl) from its editor";
 constexpr std::string_view kBlender = "open it in Blender and export glTF (.glb)";
 constexpr std::string_view kFreeCad = "open it in FreeCAD and export glTF (.glb), STL or OBJ";
@@ -167,8 +165,6 @@ constexpr std::string_view kUnpack = "unpack it, then open a file in it";
 
 // Rows of one kind stay together. The first rows are those that are most likely to become readable.
 constexpr ContentType kForeignTypes[] = {
-    foreign("VRML 1.0", "", begins_ignoring_case<"#vrml v1.0">, kCastle),
-    foreign("Open Inventor", ".iv ", begins_ignoring_case<"#inventor">, kCastle),
     foreign("X3D in binary encoding (Fast Infoset)", ".x3db ", has_mark<"\xe0\0\0\x01">, kX3d),
     foreign("DICOM", ".dcm .dicom .ima ", has_mark<"DICM", 128>,
             "convert the series to NIfTI with 'dcm2niix -z y FOLDER', then open the .nii.gz file"),

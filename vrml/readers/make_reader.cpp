@@ -1,3 +1,4 @@
+#include "vrml/inventor/reader.h"
 #include "vrml/json/reader.h"
 #include "vrml/syntax/parser.h"
 #include "vrml/syntax/scene_reader.h"
@@ -14,8 +15,9 @@ std::unique_ptr<SceneReader> make_reader(Grammar grammar, SceneGraph& scene, Dia
       return std::make_unique<json::Reader>(scene, diagnostics);
     case Grammar::vrml97:
     case Grammar::x3d_classic:
-    case Grammar::inventor:
       break;
+    case Grammar::inventor:
+      return std::make_unique<inventor::Reader>(scene, diagnostics);
   }
   return std::make_unique<Parser>(scene, diagnostics);
 }

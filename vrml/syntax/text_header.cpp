@@ -91,11 +91,7 @@ Step ParsedText::read_header() {
     return Step::done;
   }
   if (starts_with_ignoring_case(header, "#x3d")) return read_x3d_header(line, text);
-  if (starts_with_ignoring_case(header, "#vrml v1.0")) {
-    refuse("a VRML 1.0 file; expected VRML97 ('#VRML V2.0 utf8')", top);
-  } else if (starts_with_ignoring_case(header, "#inventor")) {
-    refuse("an Open Inventor file; expected VRML97 ('#VRML V2.0 utf8')", top);
-  } else if (starts_with_ignoring_case(header, "<")) {
+  if (starts_with_ignoring_case(header, "<")) {
     refuse(text.find("X3D") != std::string_view::npos
                ? "an X3D file in XML encoding; expected VRML97 ('#VRML V2.0 utf8')"
                : "an XML or HTML file; expected VRML97 ('#VRML V2.0 utf8')",
