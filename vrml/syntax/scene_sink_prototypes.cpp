@@ -125,7 +125,7 @@ void SceneSink::connect(const OpenNode& node, SourceName inner_name, SourceName 
   if (!inner) inner = type.find_event_in(inner_name.text);
   if (!inner) inner = type.find_event_out(inner_name.text);
   const InterfaceDeclaration* const outer = prototype.find(outer_name.text);
-  if (!inner && (type.stands_in || type.ignored)) return;
+  if (!inner && is_lenient(type)) return;
   if (!inner || !outer) {
     problems_.error(inner ? outer_name.location : inner_name.location,
                     inner ? "PROTO " + prototype.name + " has no " + quoted(outer_name.text)
@@ -195,8 +195,7 @@ void SceneSink::connect_route(const RouteNames& wanted, NodeId from, NodeId to) 
   const NodeType& to_type = *scene_.node(to).type;
   route.event_out = from_type.find_event_out(wanted.event_out);
   route.event_in = to_type.find_event_in(wanted.event_in);
-  const auto is_partial = [](const NodeType& type) { return type.stands_in || type.ignored; };
-  if ((!route.event_out && is_partial(from_type)) || (!route.event_in && is_partial(to_type))) return;
+  if ((!route.event_out && is_lenient(from_type)) || (!route.event_in && is_lenient(to_type))) return;
   if (!route.event_out) {
     problems_.error(wanted.location, from_type.name + " has no eventOut '" + wanted.event_out + "'");
     return;
