@@ -57,7 +57,8 @@ Layout layout(unsigned format, std::size_t vertices) {
 }
 
 const void* bytes_of(const vrml::Mesh& mesh, Location location) {
-  if (location >= kCoordinateSets) return mesh.coordinate_sets[location - kCoordinateSets].data();
+  if (location >= kCoordinateSets && location < kFogDepth)
+    return mesh.coordinate_sets[location - kCoordinateSets].data();
   switch (location) {
     case kNormal:
       return mesh.normals.data();
