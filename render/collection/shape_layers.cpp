@@ -58,7 +58,7 @@ E named(const std::array<Named<E>, n>& table, std::string_view name, E otherwise
 }
 
 // X3D Table 18.3.
-constexpr std::array<Named<Layer::Mode>, 20> kModes = {{
+constexpr std::array<Named<Layer::Mode>, 20> kStageModes = {{
     {"MODULATE", Layer::Mode::modulate},
     {"REPLACE", Layer::Mode::replace},
     {"MODULATE2X", Layer::Mode::modulate_2x},
@@ -80,17 +80,17 @@ constexpr std::array<Named<Layer::Mode>, 20> kModes = {{
     {"SELECTARG2", Layer::Mode::select_2},
     {"OFF", Layer::Mode::off},
 }};
-constexpr std::array<Named<Layer::Source>, 3> kSources = {{
+constexpr std::array<Named<Layer::Source>, 3> kStageSources = {{
     {"DIFFUSE", Layer::Source::diffuse},
     {"SPECULAR", Layer::Source::specular},
     {"FACTOR", Layer::Source::factor},
 }};
-constexpr std::array<Named<Layer::Function>, 2> kFunctions = {{
+constexpr std::array<Named<Layer::Function>, 2> kStageFunctions = {{
     {"COMPLEMENT", Layer::Function::complement},
     {"ALPHAREPLICATE", Layer::Function::alpha_replicate},
 }};
 // X3D Table 18.6, and modes of Castle Model Viewer.
-constexpr std::array<Named<Coordinates>, 16> kGenerators = {{
+constexpr std::array<Named<Coordinates>, 16> kCoordinateModes = {{
     {"SPHERE", Coordinates::sphere},
     {"CAMERASPACENORMAL", Coordinates::camera_normal},
     {"CAMERASPACEPOSITION", Coordinates::camera_position},
@@ -108,7 +108,7 @@ constexpr std::array<Named<Coordinates>, 16> kGenerators = {{
     {"BOUNDS3D", Coordinates::box},
     {"BOUNDS2D", Coordinates::mesh},
 }};
-constexpr std::array<Named<LayeredMaterial::AlphaMode>, 3> kAlphaModes = {{
+constexpr std::array<Named<LayeredMaterial::AlphaMode>, 3> kAlphaModeNames = {{
     {"OPAQUE", LayeredMaterial::AlphaMode::opaque},
     {"MASK", LayeredMaterial::AlphaMode::mask},
     {"BLEND", LayeredMaterial::AlphaMode::blend},
@@ -170,7 +170,7 @@ bool LayerBuilder::is_plain() const {
   }
   if (appearance_ && language_of(appearance_) == kX3D) {
     if (has_node(scene_, scene_.node(appearance_), "backMaterial")) return false;
-    if (named(kAlphaModes, text_in(appearance_, "alphaMode"), LayeredMaterial::AlphaMode::automatic) !=
+    if (named(kAlphaModeNames, text_in(appearance_, "alphaMode"), LayeredMaterial::AlphaMode::automatic) !=
         LayeredMaterial::AlphaMode::automatic)
       return false;
   }
@@ -241,7 +241,7 @@ void LayerBuilder::set_back() {
 
 void LayerBuilder::set_alpha_mode() {
   if (!appearance_ || scene_.node(appearance_).type->language != vrml::Language::x3d) return;
-  result_.alpha_mode = named(kAlphaModes, text_in(appearance_, "alphaMode"), LayeredMaterial::AlphaMode::automatic);
+  result_.alpha_mode = named(kAlphaModeNames, text_in(appearance_, "alphaMode"), LayeredMaterial::AlphaMode::automatic);
   result_.alpha_cutoff = number(scene_.node(appearance_), "alphaCutoff", 0, 1, 0.5f);
 }
 
@@ -280,11 +280,11 @@ void LayerBuilder::add_multi_texture(const NodeView& multi) {
     // Two modes apply to the colour and to alpha.
     const std::string_view mode = text_at(modes, i);
     const std::size_t split = mode.find_first_of(",/");
-    layer.color_mode = named(kModes, trimmed(mode.substr(0, split)), Layer::Mode::modulate);
-    layer.alpha_mode =
-        split == mode.npos ? layer.color_mode : named(kModes, trimmed(mode.substr(split + 1)), Layer::Mode::modulate);
-    layer.source = named(kSources, text_at(sources, i), Layer::Source::previous);
-    layer.function = named(kFunctions, text_at(functions, i), Layer::Function::none);
+    layer.color_mode = named(kStageModes, trimmed(mode.substr(0, split)), Layer::Mode::modulate);
+    layer.alpha_mode = split == mode.npos ? layer.color_mode
+                                          : named(kStageModes, trimmed(mode.substr(split + 1)), Layer::Mode::modulate);
+    layer.source = named(kStageSources, text_at(sources, i), Layer::Source::previous);
+    layer.function = named(kStageFunctions, text_at(functions, i), Layer::Function::none);
     add(std::move(layer), i, {});
   }
 }
@@ -390,7 +390,7 @@ void LayerBuilder::set_coordinates(Layer& layer, std::size_t unit, std::string_v
 }
 
 void LayerBuilder::set_generator(Layer& layer, NodeId generator) const {
-  layer.coordinates = named(kGenerators, text_in(generator, "mode"), Coordinates::sphere);
+  layer.coordinates = named(kCoordinateModes, text_in(generator, "mode"), Coordinates::sphere);
   const auto* parameters = field<vrml::MFFloat>(scene_.node(generator), "parameter");
   if (layer.coordinates == Coordinates::noise || layer.coordinates == Coordinates::noise_camera)
     layer.parameters = {1, 1, 1, 0, 0, 0};  // scale and translation

@@ -21,7 +21,7 @@ class LayerBuilder {
   [[nodiscard]] LayeredMaterial build();
 
  private:
-  /// Where a texture of a material is given: its field, and the field with the name of its mapping.
+  /// Fields of a material with a texture and with the name of its mapping.
   struct Slot {
     std::string_view texture, mapping;
     TextureLayer::Target target;

@@ -9,10 +9,10 @@ namespace gs::render {
 namespace {
 
 /// View axes of a face of OpenGL's cube.
-struct Way {
+struct CubeWay {
   glm::dvec3 ahead, up;
 };
-constexpr std::array<Way, 6> kWays = {{
+constexpr std::array<CubeWay, 6> kCubeWays = {{
     {{1, 0, 0}, {0, -1, 0}},
     {{-1, 0, 0}, {0, -1, 0}},
     {{0, 1, 0}, {0, 0, 1}},
@@ -58,14 +58,14 @@ void CubePass::draw_faces(const MeshPass::CubeRequest& request, const LayerTextu
   options.go_on = nullptr;
   Camera camera;
   camera.field_of_view = std::numbers::pi_v<float> / 2;
-  for (std::size_t face = 0; face < kWays.size(); ++face) {
+  for (std::size_t face = 0; face < kCubeWays.size(); ++face) {
     gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
     gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_.name());
     gl_.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0,
                              static_cast<GLenum>(GL_TEXTURE_CUBE_MAP_POSITIVE_X + face), to.texture.name(), 0);
     if (gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) return;
-    const glm::dvec3 back = -kWays[face].ahead, right = glm::cross(kWays[face].ahead, kWays[face].up);
-    camera.world_from_camera = glm::dmat4(glm::dvec4(right, 0), glm::dvec4(kWays[face].up, 0), glm::dvec4(back, 0),
+    const glm::dvec3 back = -kCubeWays[face].ahead, right = glm::cross(kCubeWays[face].ahead, kCubeWays[face].up);
+    camera.world_from_camera = glm::dmat4(glm::dvec4(right, 0), glm::dvec4(kCubeWays[face].up, 0), glm::dvec4(back, 0),
                                           glm::dvec4(request.center, 1));
     draw(camera, options);
   }

@@ -15,8 +15,8 @@ using Kind = TextureLayer::Kind;
 
 /// Faces of a cube in the order of OpenGL, as Background::Face. The shader mirrors z, because OpenGL's cubes are
 /// left-handed.
-constexpr std::array<std::size_t, 6> kFaces = {Background::right,  Background::left,  Background::top,
-                                               Background::bottom, Background::front, Background::back};
+constexpr std::array<std::size_t, 6> kCubeFaces = {Background::right,  Background::left,  Background::top,
+                                                   Background::bottom, Background::front, Background::back};
 
 bool is_complete(const Image& image) {
   return image.width > 0 && image.height > 0 && image.components >= 1 && image.components <= 4 && image.slices > 0 &&
@@ -25,7 +25,7 @@ bool is_complete(const Image& image) {
 }
 
 /// Returns the pixel as RGBA.
-std::array<std::uint8_t, 4> pixel(const Image& image, std::uint32_t x, std::uint32_t y) {
+std::array<std::uint8_t, 4> rgba_at(const Image& image, std::uint32_t x, std::uint32_t y) {
   const std::uint8_t* p = image.pixels.data() + (std::size_t{y} * image.width + x) * image.components;
   switch (image.components) {
     case 1:
@@ -68,12 +68,12 @@ Image square(const Image& image, const Region& region, std::uint32_t side) {
   };
   for (std::uint32_t y = 0; y < side; ++y)
     for (std::uint32_t x = 0; x < side; ++x)
-      for (const std::uint8_t part : pixel(image, at(region.x, region.width, x), at(region.y, region.height, y)))
+      for (const std::uint8_t part : rgba_at(image, at(region.x, region.width, x), at(region.y, region.height, y)))
         *to++ = part;
   return face;
 }
 
-Alpha alpha_of(const Image& rgba) {
+Alpha alpha_of_rgba(const Image& rgba) {
   auto result = Alpha::none;
   for (std::size_t i = 3; i < rgba.pixels.size(); i += 4) {
     if (rgba.pixels[i] != 0 && rgba.pixels[i] != 255) return Alpha::blended;
@@ -153,10 +153,10 @@ void LayerTextures::upload(const Image& image, Volume& to) {
   for (std::uint32_t z = 0; z < depth; ++z)
     for (std::uint32_t y = 0; y < height; ++y)
       for (std::uint32_t x = 0; x < width; ++x)
-        for (const std::uint8_t part : pixel(image, scaled(x, image.width, width),
-                                             scaled(z, image.slices, depth) * rows + scaled(y, rows, height)))
+        for (const std::uint8_t part : rgba_at(image, scaled(x, image.width, width),
+                                               scaled(z, image.slices, depth) * rows + scaled(y, rows, height)))
           *next++ = part;
-  to.alpha = alpha_of(rgba);
+  to.alpha = alpha_of_rgba(rgba);
   to.texture = make_texture(gl_);
   gl_.ActiveTexture(GL_TEXTURE0);
   gl_.BindTexture(GL_TEXTURE_3D, to.texture.name());
@@ -201,8 +201,8 @@ void LayerTextures::upload(const std::array<const Image*, 6>& faces, Cube& to) {
   std::uint32_t side = 1;
   const bool whole = std::all_of(faces.begin(), faces.end(), [&](const Image* image) { return image == faces[0]; });
   for (std::size_t i = 0; i < 6; ++i) {
-    if (!faces[kFaces[i]]) continue;
-    const Region region = region_of(*faces[kFaces[i]], i, whole);
+    if (!faces[kCubeFaces[i]]) continue;
+    const Region region = region_of(*faces[kCubeFaces[i]], i, whole);
     side = std::max(side, std::min(most, std::max(region.width, region.height)));
   }
   to.alpha = Alpha::none;
@@ -210,10 +210,10 @@ void LayerTextures::upload(const std::array<const Image*, 6>& faces, Cube& to) {
   gl_.ActiveTexture(GL_TEXTURE0);
   gl_.BindTexture(GL_TEXTURE_CUBE_MAP, to.texture.name());
   for (std::size_t i = 0; i < 6; ++i) {
-    const Image* image = faces[kFaces[i]];
+    const Image* image = faces[kCubeFaces[i]];
     Image face{side, side, 4, std::vector<std::uint8_t>(std::size_t{side} * side * 4, 0)};
     if (image) face = square(*image, region_of(*image, i, whole), side);
-    if (const Alpha alpha = alpha_of(face); image && alpha != Alpha::none && to.alpha != Alpha::blended)
+    if (const Alpha alpha = alpha_of_rgba(face); image && alpha != Alpha::none && to.alpha != Alpha::blended)
       to.alpha = alpha;
     const auto target = static_cast<GLenum>(GL_TEXTURE_CUBE_MAP_POSITIVE_X + i);
     for (GLint level = 0;; ++level) {

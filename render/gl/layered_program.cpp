@@ -16,7 +16,7 @@ struct CoordinateRow {
   std::string_view code;
   bool local = false, normal = false, noise = false;
 };
-constexpr std::array<CoordinateRow, 14> kCoordinates = {{
+constexpr std::array<CoordinateRow, 14> kCoordinateCode = {{
     {""},
     {"vec4(local_position, 1.0)", true},
     {"vec4(n.xy * 0.5 + 0.5, 0.0, 1.0)", false, true},
@@ -43,7 +43,7 @@ constexpr std::array<CoordinateRow, 14> kCoordinates = {{
 struct ModeRow {
   std::string_view color, alpha;
 };
-constexpr std::array<ModeRow, 20> kModes = {{
+constexpr std::array<ModeRow, 20> kModeCode = {{
     {"a.rgb * b.rgb", "a.a * b.a"},
     {"a.rgb", "a.a"},
     {"a.rgb * b.rgb * 2.0", "a.a * b.a * 2.0"},
@@ -67,7 +67,7 @@ constexpr std::array<ModeRow, 20> kModes = {{
 }};
 
 /// Effects of the targets other than stages, in the order of Layer::Target; `t` is the texel.
-constexpr std::array<std::string_view, 9> kTargets = {
+constexpr std::array<std::string_view, 9> kTargetCode = {
     "",
     "color = vec4(color.rgb * linear(t.rgb), color.a * t.a);",
     "ambient_tint *= t.rgb;",
@@ -79,8 +79,8 @@ constexpr std::array<std::string_view, 9> kTargets = {
     "metal *= t.bg;",
 };
 
-constexpr std::array<std::string_view, 4> kSamplers = {"sampler2D", "sampler3D", "samplerCube", "samplerCube"};
-constexpr std::array<std::string_view, 4> kTexels = {
+constexpr std::array<std::string_view, 4> kSamplerTypes = {"sampler2D", "sampler3D", "samplerCube", "samplerCube"};
+constexpr std::array<std::string_view, 4> kTexelCode = {
     "texture(layer_$, vec2(c.x / c.w, 1.0 - c.y / c.w))", "texture(layer_$, vec3(c.x, c.w - c.y, c.z) / c.w)",
     // OpenGL's cubes are left-handed.
     "texture(layer_$, c.xyz * vec3(1.0, 1.0, -1.0))", "texture(layer_$, c.xyz)"};
@@ -100,11 +100,11 @@ std::string numbered(std::string_view code, std::size_t layer) {
 bool uses_set(const Layer& layer) { return layer.coordinates == Coordinates::mesh; }
 
 std::string stage_of(const Layer& layer) {
-  static constexpr std::array<std::string_view, 4> kSources = {"color", "diffuse", "vec4(specular.rgb, color.a)",
-                                                               "factor"};
+  static constexpr std::array<std::string_view, 4> kSourceCode = {"color", "diffuse", "vec4(specular.rgb, color.a)",
+                                                                  "factor"};
   std::string text = "vec4 a = vec4(linear(t.rgb), t.a), b = ";
-  text.append(kSources[at(layer.source)]).append("; color = clamp(vec4(");
-  text.append(kModes[at(layer.color_mode)].color).append(", ").append(kModes[at(layer.alpha_mode)].alpha);
+  text.append(kSourceCode[at(layer.source)]).append("; color = clamp(vec4(");
+  text.append(kModeCode[at(layer.color_mode)].color).append(", ").append(kModeCode[at(layer.alpha_mode)].alpha);
   text.append("), 0.0, 1.0);");
   if (layer.function == Layer::Function::complement) text += " color.rgb = 1.0 - color.rgb;";
   if (layer.function == Layer::Function::alpha_replicate) text += " color.rgb = vec3(color.a);";
@@ -140,7 +140,7 @@ LayeredSource layered_source(const LayeredMaterial& material, std::size_t sets) 
   std::string late;
   for (std::size_t i = 0; i < material.layers.size(); ++i) {
     const Layer& layer = material.layers[i];
-    const CoordinateRow& row = kCoordinates[at(layer.coordinates)];
+    const CoordinateRow& row = kCoordinateCode[at(layer.coordinates)];
     local = local || row.local;
     noise = noise || row.noise;
     std::string from(row.code);
@@ -151,14 +151,14 @@ LayeredSource layered_source(const LayeredMaterial& material, std::size_t sets) 
       from = sets > 0 ? "set" + std::to_string(set) : "vec4(texture_place, 0.0, 1.0)";
     }
     std::string code("uniform ");
-    code.append(kSamplers[at(layer.kind)])
+    code.append(kSamplerTypes[at(layer.kind)])
         .append(" layer_$;\nuniform mat4 transform_$;\nuniform vec3 generator_$[2];\n");
     code.append("vec4 coordinate_$(vec3 n) { return transform_$ * ").append(from).append("; }\n");
-    code.append("vec4 texel_$(vec3 n) { vec4 c = coordinate_$(n); return ").append(kTexels[at(layer.kind)]);
+    code.append("vec4 texel_$(vec3 n) { vec4 c = coordinate_$(n); return ").append(kTexelCode[at(layer.kind)]);
     source.layers += numbered(code + "; }\n", i);
     const std::string effect =
         "  { vec4 t = texel_$(n); " +
-        (layer.target == Layer::Target::stage ? stage_of(layer) : std::string(kTargets[at(layer.target)])) + " }\n";
+        (layer.target == Layer::Target::stage ? stage_of(layer) : std::string(kTargetCode[at(layer.target)])) + " }\n";
     (layer.target == Layer::Target::normal ? late : source.apply) += numbered(effect, i);
   }
   source.apply += late;
@@ -174,7 +174,7 @@ LayeredSource layered_source(const LayeredMaterial& material, std::size_t sets) 
 
 bool needs_normals(const LayeredMaterial& material) {
   return std::any_of(material.layers.begin(), material.layers.end(),
-                     [](const Layer& layer) { return kCoordinates[at(layer.coordinates)].normal; });
+                     [](const Layer& layer) { return kCoordinateCode[at(layer.coordinates)].normal; });
 }
 
 bool needs_coordinates(const LayeredMaterial& material) {

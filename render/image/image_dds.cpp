@@ -11,21 +11,21 @@
 namespace gs::render {
 namespace {
 
-constexpr std::size_t kHeader = 128;
-constexpr std::uint32_t kAlpha = 1, kFourCC = 4;            // DDS_PIXELFORMAT.dwFlags
-constexpr std::uint32_t kCube = 0x200, kVolume = 0x200000;  // dwCaps2
+constexpr std::size_t kDdsHeader = 128;
+constexpr std::uint32_t kDdsAlpha = 1, kFourCC = 4;               // DDS_PIXELFORMAT.dwFlags
+constexpr std::uint32_t kDdsCube = 0x200, kDdsVolume = 0x200000;  // dwCaps2
 constexpr std::uint32_t kDxt1 = 0x31545844, kDxt3 = 0x33545844, kDxt5 = 0x35545844;
 
-std::uint32_t word(std::span<const std::byte> bytes, std::size_t at) {
+std::uint32_t dds_word(std::span<const std::byte> bytes, std::size_t at) {
   std::uint32_t value = 0;
   for (std::size_t i = 0; i < 4; ++i) value |= std::uint32_t{static_cast<std::uint8_t>(bytes[at + i])} << (8 * i);
   return value;
 }
-std::uint32_t half_word(std::span<const std::byte> bytes, std::size_t at) {
+std::uint32_t dds_half_word(std::span<const std::byte> bytes, std::size_t at) {
   return static_cast<std::uint8_t>(bytes[at]) | std::uint32_t{static_cast<std::uint8_t>(bytes[at + 1])} << 8;
 }
 
-struct Header {
+struct DdsHeader {
   std::uint32_t width, height, depth = 1, mipmaps = 1, bits = 0, code = 0;
   std::array<std::uint32_t, 4> masks{};  // red, green, blue, alpha
   bool cube = false;
@@ -45,7 +45,7 @@ struct Header {
   }
 };
 
-using Pixel = std::array<std::uint8_t, 4>;
+using DdsPixel = std::array<std::uint8_t, 4>;
 
 std::uint8_t part_of(std::uint32_t pixel, std::uint32_t mask) {
   if (mask == 0) return 255;
@@ -54,7 +54,7 @@ std::uint8_t part_of(std::uint32_t pixel, std::uint32_t mask) {
   return static_cast<std::uint8_t>(((pixel & mask) >> shift) * std::uint64_t{255} / most);
 }
 
-Pixel color_565(std::uint32_t c) {
+DdsPixel color_565(std::uint32_t c) {
   const auto wide = [](std::uint32_t value, std::uint32_t most) {
     return static_cast<std::uint8_t>(value * 255 / most);
   };
@@ -62,10 +62,11 @@ Pixel color_565(std::uint32_t c) {
 }
 
 /// Decodes a block of 4 x 4 pixels.
-void decode_block(std::span<const std::byte> block, std::uint32_t code, std::array<Pixel, 16>& out) {
+void decode_block(std::span<const std::byte> block, std::uint32_t code, std::array<DdsPixel, 16>& out) {
   const std::span<const std::byte> colors = code == kDxt1 ? block : block.subspan(8);
-  const std::uint32_t first = half_word(colors, 0), second = half_word(colors, 2), indices = word(colors, 4);
-  std::array<Pixel, 4> palette{color_565(first), color_565(second), {}, {}};
+  const std::uint32_t first = dds_half_word(colors, 0), second = dds_half_word(colors, 2),
+                      indices = dds_word(colors, 4);
+  std::array<DdsPixel, 4> palette{color_565(first), color_565(second), {}, {}};
   const bool four = first > second || code != kDxt1;
   for (std::size_t c = 0; c < 3; ++c) {
     const int a = palette[0][c], b = palette[1][c];
@@ -80,7 +81,7 @@ void decode_block(std::span<const std::byte> block, std::uint32_t code, std::arr
       out[i][3] = static_cast<std::uint8_t>((static_cast<unsigned>(block[i / 2]) >> (i % 2 * 4) & 15) * 17);
   if (code != kDxt5) return;
   const int a = static_cast<int>(block[0]), b = static_cast<int>(block[1]);
-  const std::uint64_t choices = half_word(block, 2) | std::uint64_t{word(block, 4)} << 16;
+  const std::uint64_t choices = dds_half_word(block, 2) | std::uint64_t{dds_word(block, 4)} << 16;
   for (std::size_t i = 0; i < 16; ++i) {
     const int k = static_cast<int>(choices >> (3 * i) & 7);
     const int value = k == 0   ? a
@@ -94,7 +95,7 @@ void decode_block(std::span<const std::byte> block, std::uint32_t code, std::arr
 }
 
 /// Writes one slice as RGBA, rows from the top.
-void decode_slice(std::span<const std::byte> bytes, const Header& header, std::uint8_t* to) {
+void decode_slice(std::span<const std::byte> bytes, const DdsHeader& header, std::uint8_t* to) {
   if (!header.compressed()) {
     const std::size_t size = header.bits / 8;
     for (std::size_t i = 0; i < std::size_t{header.width} * header.height; ++i) {
@@ -105,7 +106,7 @@ void decode_slice(std::span<const std::byte> bytes, const Header& header, std::u
     }
     return;
   }
-  std::array<Pixel, 16> block;
+  std::array<DdsPixel, 16> block;
   const std::uint32_t columns = (header.width + 3) / 4, rows = (header.height + 3) / 4;
   for (std::uint32_t by = 0; by < rows; ++by)
     for (std::uint32_t bx = 0; bx < columns; ++bx) {
@@ -119,28 +120,28 @@ void decode_slice(std::span<const std::byte> bytes, const Header& header, std::u
     }
 }
 
-std::variant<Header, ImageError> read_header(std::span<const std::byte> bytes, const ImageLimits& limits) {
-  if (bytes.size() < kHeader) return ImageError{"DDS file is truncated; expected a header of 128 bytes"};
-  Header header{word(bytes, 16), word(bytes, 12)};
-  const std::uint32_t flags = word(bytes, 80), caps = word(bytes, 112);
-  if (caps & kVolume) header.depth = std::max(word(bytes, 24), 1u);
-  header.cube = (caps & kCube) != 0;
-  header.mipmaps = std::clamp(word(bytes, 28), 1u, 32u);
+std::variant<DdsHeader, ImageError> read_dds_header(std::span<const std::byte> bytes, const ImageLimits& limits) {
+  if (bytes.size() < kDdsHeader) return ImageError{"DDS file is truncated; expected a header of 128 bytes"};
+  DdsHeader header{dds_word(bytes, 16), dds_word(bytes, 12)};
+  const std::uint32_t flags = dds_word(bytes, 80), caps = dds_word(bytes, 112);
+  if (caps & kDdsVolume) header.depth = std::max(dds_word(bytes, 24), 1u);
+  header.cube = (caps & kDdsCube) != 0;
+  header.mipmaps = std::clamp(dds_word(bytes, 28), 1u, 32u);
   const std::uint64_t slices = header.cube ? 6 : header.depth;
   if (slices > 4096) return ImageError{"DDS volume of " + std::to_string(slices) + " slices; expected at most 4096"};
   if (auto refused = refuse_size("DDS", header.width, std::uint64_t{header.height} * slices, limits))
     return std::move(*refused);
   if (flags & kFourCC) {
-    header.code = word(bytes, 84);
+    header.code = dds_word(bytes, 84);
     if (header.code != kDxt1 && header.code != kDxt3 && header.code != kDxt5)
       return ImageError{"DDS compression is not supported; expected DXT1, DXT3, DXT5 or none"};
     return header;
   }
-  header.bits = word(bytes, 88);
+  header.bits = dds_word(bytes, 88);
   if (header.bits != 8 && header.bits != 16 && header.bits != 24 && header.bits != 32)
     return ImageError{"DDS with " + std::to_string(header.bits) + " bits per pixel; expected 8, 16, 24 or 32"};
-  for (std::size_t c = 0; c < 4; ++c) header.masks[c] = word(bytes, 92 + 4 * c);
-  if (!(flags & kAlpha)) header.masks[3] = 0;
+  for (std::size_t c = 0; c < 4; ++c) header.masks[c] = dds_word(bytes, 92 + 4 * c);
+  if (!(flags & kDdsAlpha)) header.masks[3] = 0;
   if (header.masks[1] == 0 && header.masks[2] == 0) header.masks[1] = header.masks[2] = header.masks[0];  // luminance
   return header;
 }
@@ -148,9 +149,9 @@ std::variant<Header, ImageError> read_header(std::span<const std::byte> bytes, c
 }  // namespace
 
 DecodedImage decode_dds(std::span<const std::byte> bytes, const ImageLimits& limits) {
-  auto read = read_header(bytes, limits);
+  auto read = read_dds_header(bytes, limits);
   if (auto* error = std::get_if<ImageError>(&read)) return std::move(*error);
-  const Header& header = std::get<Header>(read);
+  const DdsHeader& header = std::get<DdsHeader>(read);
   const std::uint32_t slices = header.cube ? 6 : header.depth;
   const std::uint64_t pixels = std::uint64_t{header.width} * header.height * slices;
   if (pixels > limits.kept_pixels || pixels * 4 > limits.working_bytes)
@@ -162,7 +163,8 @@ DecodedImage decode_dds(std::span<const std::byte> bytes, const ImageLimits& lim
   image.pixels.resize(pixels * 4);
   for (std::uint32_t slice = 0; slice < slices; ++slice) {
     if (limits.stopped && limits.stopped()) return ImageError{"cancelled"};
-    const std::uint64_t offset = kHeader + (header.cube ? header.image_bytes() * slice : header.slice_bytes(0) * slice);
+    const std::uint64_t offset =
+        kDdsHeader + (header.cube ? header.image_bytes() * slice : header.slice_bytes(0) * slice);
     if (offset + header.slice_bytes(0) > bytes.size()) {
       if (slice == 0) return ImageError{"DDS file is truncated"};
       break;  // the rest stays transparent

@@ -13,29 +13,29 @@
 namespace gs::render {
 namespace {
 
-struct Header {
+struct NrrdHeader {
   std::string type, encoding = "raw", endian = "little";
   std::vector<std::uint64_t> sizes;
   std::size_t end = 0;  // offset of the data
 };
 
-std::string_view trimmed(std::string_view text) {
+std::string_view without_blanks(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\r')) text.remove_prefix(1);
   while (!text.empty() && (text.back() == ' ' || text.back() == '\r')) text.remove_suffix(1);
   return text;
 }
 
-Header read_header(std::string_view text) {
-  Header header;
+NrrdHeader read_nrrd_header(std::string_view text) {
+  NrrdHeader header;
   std::size_t at = 0;
   while (at < text.size()) {
     const std::size_t stop = std::min(text.find('\n', at), text.size());
-    const std::string_view line = trimmed(text.substr(at, stop - at));
+    const std::string_view line = without_blanks(text.substr(at, stop - at));
     at = std::min(stop + 1, text.size());
     if (line.empty()) break;
     const std::size_t colon = line.find(':');
     if (line.front() == '#' || colon == line.npos) continue;
-    const std::string_view name = trimmed(line.substr(0, colon)), value = trimmed(line.substr(colon + 1));
+    const std::string_view name = without_blanks(line.substr(0, colon)), value = without_blanks(line.substr(colon + 1));
     if (name == "type") header.type = value;
     if (name == "encoding") header.encoding = value;
     if (name == "endian") header.endian = value;
@@ -54,19 +54,21 @@ Header read_header(std::string_view text) {
 }
 
 /// Number type of samples.
-enum class Type : std::uint8_t { u8, i8, u16, i16, f32, unknown };
-std::size_t bytes_of(Type type) { return type == Type::f32 ? 4 : type == Type::u16 || type == Type::i16 ? 2 : 1; }
+enum class NrrdType : std::uint8_t { u8, i8, u16, i16, f32, unknown };
+std::size_t nrrd_bytes_of(NrrdType type) {
+  return type == NrrdType::f32 ? 4 : type == NrrdType::u16 || type == NrrdType::i16 ? 2 : 1;
+}
 
-Type type_of(std::string_view name) {
+NrrdType nrrd_type_of(std::string_view name) {
   for (const char* one : {"uchar", "unsigned char", "uint8", "uint8_t"})
-    if (name == one) return Type::u8;
+    if (name == one) return NrrdType::u8;
   for (const char* one : {"signed char", "int8", "int8_t"})
-    if (name == one) return Type::i8;
+    if (name == one) return NrrdType::i8;
   for (const char* one : {"ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"})
-    if (name == one) return Type::u16;
+    if (name == one) return NrrdType::u16;
   for (const char* one : {"short", "short int", "signed short", "int16", "int16_t"})
-    if (name == one) return Type::i16;
-  return name == "float" ? Type::f32 : Type::unknown;
+    if (name == one) return NrrdType::i16;
+  return name == "float" ? NrrdType::f32 : NrrdType::unknown;
 }
 
 /// Returns the samples of a text: decimal numbers, or pairs of hexadecimal digits.
@@ -93,8 +95,8 @@ std::vector<double> samples_of_text(std::string_view text, bool hexadecimal, std
   return samples;
 }
 
-std::vector<double> samples_of_bytes(std::span<const std::byte> bytes, Type type, bool big, std::size_t count) {
-  const std::size_t size = bytes_of(type);
+std::vector<double> samples_of_bytes(std::span<const std::byte> bytes, NrrdType type, bool big, std::size_t count) {
+  const std::size_t size = nrrd_bytes_of(type);
   count = std::min(count, bytes.size() / size);
   std::vector<double> samples(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -102,19 +104,19 @@ std::vector<double> samples_of_bytes(std::span<const std::byte> bytes, Type type
     for (std::size_t k = 0; k < size; ++k)
       word |= std::uint32_t{static_cast<std::uint8_t>(bytes[i * size + (big ? size - 1 - k : k)])} << (8 * k);
     float number = 0;
-    if (type == Type::f32) std::memcpy(&number, &word, sizeof number);
-    samples[i] = type == Type::f32   ? double{number}
-                 : type == Type::i8  ? static_cast<std::int8_t>(word)
-                 : type == Type::i16 ? static_cast<std::int16_t>(word)
-                                     : static_cast<double>(word);
+    if (type == NrrdType::f32) std::memcpy(&number, &word, sizeof number);
+    samples[i] = type == NrrdType::f32   ? double{number}
+                 : type == NrrdType::i8  ? static_cast<std::int8_t>(word)
+                 : type == NrrdType::i16 ? static_cast<std::int16_t>(word)
+                                         : static_cast<double>(word);
   }
   return samples;
 }
 
 /// Scales samples to bytes: unsigned bytes as they are, others from their smallest to their largest value.
-std::vector<std::uint8_t> bytes_from(const std::vector<double>& samples, Type type) {
+std::vector<std::uint8_t> bytes_from(const std::vector<double>& samples, NrrdType type) {
   double low = 0, high = 255;
-  if (type != Type::u8) {
+  if (type != NrrdType::u8) {
     low = HUGE_VAL, high = -HUGE_VAL;
     for (const double sample : samples)
       if (std::isfinite(sample)) low = std::min(low, sample), high = std::max(high, sample);
@@ -129,8 +131,8 @@ std::vector<std::uint8_t> bytes_from(const std::vector<double>& samples, Type ty
 }
 
 /// Returns the samples, fewer than `count` if the data ends early. The error names an unknown encoding.
-std::variant<std::vector<double>, ImageError> samples_of(std::span<const std::byte> data, const Header& header,
-                                                         Type type, std::size_t count) {
+std::variant<std::vector<double>, ImageError> samples_of(std::span<const std::byte> data, const NrrdHeader& header,
+                                                         NrrdType type, std::size_t count) {
   const std::string_view text(reinterpret_cast<const char*>(data.data()), data.size());
   const std::string& encoding = header.encoding;
   if (encoding == "ascii" || encoding == "text" || encoding == "txt") return samples_of_text(text, false, count);
@@ -140,7 +142,7 @@ std::variant<std::vector<double>, ImageError> samples_of(std::span<const std::by
   if (encoding != "gzip" && encoding != "gz")
     return ImageError{"NRRD encoding '" + encoding + "'; expected raw, ascii, hex or gzip"};
   std::vector<std::byte> unpacked;
-  const std::size_t most = count * bytes_of(type);
+  const std::size_t most = count * nrrd_bytes_of(type);
   (void)gunzip(data, std::make_shared<Budget>(), [&](std::string_view piece) {
     const auto* first = reinterpret_cast<const std::byte*>(piece.data());
     unpacked.insert(unpacked.end(), first, first + std::min(piece.size(), most - unpacked.size()));
@@ -153,9 +155,9 @@ std::variant<std::vector<double>, ImageError> samples_of(std::span<const std::by
 
 DecodedImage decode_nrrd(std::span<const std::byte> bytes, const ImageLimits& limits) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  const Header header = read_header(text.substr(0, std::min<std::size_t>(text.size(), 1 << 16)));
-  const Type type = type_of(header.type);
-  if (type == Type::unknown) return ImageError{"NRRD type '" + header.type + "'; expected 8 or 16 bits, or float"};
+  const NrrdHeader header = read_nrrd_header(text.substr(0, std::min<std::size_t>(text.size(), 1 << 16)));
+  const NrrdType type = nrrd_type_of(header.type);
+  if (type == NrrdType::unknown) return ImageError{"NRRD type '" + header.type + "'; expected 8 or 16 bits, or float"};
   const std::vector<std::uint64_t>& sizes = header.sizes;
   if (sizes.size() != 3 && sizes.size() != 4)
     return ImageError{"NRRD of " + std::to_string(sizes.size()) +

@@ -39,7 +39,7 @@ struct SceneCube {
 /// One texture of a LayeredMaterial.
 struct TextureLayer {
   enum class Kind : std::uint8_t { image, volume, cube, scene_cube };
-  /// What the texture changes. Stages apply to the main colour in order.
+  /// Quantity that the texture changes. Stages apply to the main colour in order.
   enum class Target : std::uint8_t {
     stage,
     main,

@@ -92,9 +92,7 @@ Mesh tessellate_elevation_grid(const SceneGraph& scene, NodeId geometry, const M
   faces.points.commit(columns * rows);
   faces.coord_index = quadrilaterals(grid);
   set_properties(faces, scene, geometry);
-  TextureCoordinates coordinates = texture_coordinate_sets_of(scene, geometry);
-  faces.texture_coordinate = {std::move(coordinates.first), true, {}};
-  faces.coordinate_sets = std::move(coordinates.sets);
+  set_texture_coordinates(faces, scene, geometry);
   if (faces.texture_coordinate.values.empty()) faces.texture_coordinate = {unit_square(grid, z_dimension), true, {}};
   faces.ccw = scene.get<SFBool>(geometry, "ccw");
   faces.crease_angle = scene.get<SFFloat>(geometry, "creaseAngle");

@@ -13,9 +13,7 @@ Mesh tessellate_indexed_face_set(const SceneGraph& scene, NodeId geometry, const
   faces.points = std::move(coordinates.points);
   set_properties(faces, scene, geometry, scene.get<MFInt32>(geometry, "colorIndex"),
                  scene.get<MFInt32>(geometry, "normalIndex"));
-  TextureCoordinates texture = texture_coordinate_sets_of(scene, geometry);
-  faces.texture_coordinate = {std::move(texture.first), true, scene.get<MFInt32>(geometry, "texCoordIndex")};
-  faces.coordinate_sets = std::move(texture.sets);
+  set_texture_coordinates(faces, scene, geometry, scene.get<MFInt32>(geometry, "texCoordIndex"));
   faces.default_texture_coordinates = options.texture_coordinates;
   faces.ccw = scene.get<SFBool>(geometry, "ccw");
   faces.convex = scene.get<SFBool>(geometry, "convex");

@@ -86,6 +86,12 @@ TextureCoordinates texture_coordinate_sets_of(const SceneGraph& scene, NodeId ge
   return result;
 }
 
+void set_texture_coordinates(FaceSet& faces, const SceneGraph& scene, NodeId geometry, MFInt32 index) {
+  TextureCoordinates given = texture_coordinate_sets_of(scene, geometry);
+  faces.texture_coordinate = {std::move(given.first), true, std::move(index)};
+  faces.coordinate_sets = std::move(given.sets);
+}
+
 Coordinates relative_points(std::span<const glm::dvec3> points) {
   constexpr double kFar = 8;  // distance from 0, in half extents, up to which float differences are exact enough
   glm::dvec3 lower(HUGE_VAL), upper(-HUGE_VAL);

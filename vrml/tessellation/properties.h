@@ -41,10 +41,9 @@ struct TextureCoordinates {
   std::vector<CoordinateSet> sets;
 };
 [[nodiscard]] TextureCoordinates texture_coordinate_sets_of(const SceneGraph& scene, NodeId geometry);
-/// Returns the first set of texture coordinates of a geometry node.
-[[nodiscard]] inline MFVec2f texture_coordinates_of(const SceneGraph& scene, NodeId geometry) {
-  return texture_coordinate_sets_of(scene, geometry).first;
-}
+/// Sets the texture coordinates of faces from the node in the field `texCoord` of `geometry`. `index` is empty for
+/// geometries without it.
+void set_texture_coordinates(FaceSet& faces, const SceneGraph& scene, NodeId geometry, MFInt32 index = {});
 /// Returns the part of the fog per coordinate (FogCoordinate, X3D 24.4.3).
 [[nodiscard]] inline MFFloat fog_depths_of(const SceneGraph& scene, NodeId geometry) {
   return property_of<MFFloat>(scene, geometry, "fogCoord", NodeKind::fog_coordinate, "depth");

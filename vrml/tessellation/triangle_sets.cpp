@@ -69,9 +69,7 @@ Mesh composed(const SceneGraph& scene, NodeId geometry, const MeshOptions& optio
   faces.points = std::move(coordinates.points);
   set_properties(faces, scene, geometry);
   if (scene.get<SFBool>(geometry, "normalPerVertex")) faces.crease_angle = std::numbers::pi_v<float>;
-  TextureCoordinates texture = texture_coordinate_sets_of(scene, geometry);
-  faces.texture_coordinate = {std::move(texture.first), true, {}};
-  faces.coordinate_sets = std::move(texture.sets);
+  set_texture_coordinates(faces, scene, geometry);
   faces.default_texture_coordinates = options.texture_coordinates;
   faces.ccw = scene.get<SFBool>(geometry, "ccw");
   faces.solid = scene.get<SFBool>(geometry, "solid");
