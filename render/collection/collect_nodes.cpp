@@ -123,7 +123,10 @@ Light world_light(const NodeView& view, const dmat4& world_from_node) {
                : view.kind() == NodeKind::point_light     ? Light::Kind::point
                                                           : Light::Kind::spot;
   light.color = color(view, F::color, glm::vec3(1));
-  light.intensity = number(view, F::intensity, 0, 1, 1);
+  // X3D permits any intensity.
+  const bool x3d = view.node->type->language == vrml::Language::x3d;
+  light.intensity = number(view, F::intensity, 0, x3d ? std::numeric_limits<float>::max() : 1, 1);
+  if (const auto* global = view.find<vrml::SFBool>(F::global)) light.global = *global;
   light.ambient_intensity = number(view, F::ambient_intensity, 0, 1, 0);
   const dvec3 direction = dmat3(world_from_node) * dvec3(vector(view, F::direction, glm::vec3(0, 0, -1)));
   const double length = glm::length(direction);
@@ -218,6 +221,7 @@ Background world_background(const NodeView& view, const dmat4& world_from_node, 
     const auto found = images.find({view.node, face});
     if (found != images.end() && found->second && !found->second->empty()) background.panorama[face] = found->second;
   }
+  background.transparency = number(view, F::transparency, 0, 1, 0);
   background.world_from_background = glm::mat3(rotation_part(world_from_node));
   return background;
 }
@@ -282,7 +286,8 @@ Material material_of(const NodeView& view) {
   material.ambient_intensity = number(view, F::ambient_intensity, 0, 1, material.ambient_intensity);
   material.shininess = number(view, F::shininess, 0, 1, material.shininess);
   material.transparency = number(view, F::transparency, 0, 1, 0);
-  material.lit = true;
+  material.lit = view.kind() != NodeKind::unlit_material;
+  if (!material.lit) material.diffuse = material.emissive;
   return material;
 }
 

@@ -39,7 +39,8 @@ namespace gs::render {
 /// Returns the style of LineProperties, FillProperties and PointProperties; each view may be empty.
 [[nodiscard]] ShapeStyle style_of(const NodeView& line, const NodeView& fill, const NodeView& point);
 
-/// Returns a lit material, with values clamped to the ranges of 6.27.
+/// Returns the colours of the front of a material node, with values clamped to the ranges of 6.27. For a
+/// PhysicalMaterial, `diffuse` is the base colour.
 [[nodiscard]] Material material_of(const NodeView& material);
 /// Returns the field `detail` of a QNV node, 1/100 to 100. Returns 1 for other nodes.
 [[nodiscard]] float detail_of(const NodeView& qnv);

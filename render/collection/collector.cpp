@@ -41,6 +41,20 @@ bool begins_overlay(const vrml::SceneGraph& scene, vrml::NodeId id) {
   return false;
 }
 
+/// Reports whether a node is a light that reaches only its group: a DirectionalLight (VRML97 6.16), or any light of X3D
+/// with `global` FALSE.
+bool is_listed_light(const NodeView& view) {
+  switch (view.kind()) {
+    case NodeKind::directional_light:
+      return !view.get(LightFields::global, false);
+    case NodeKind::point_light:
+    case NodeKind::spot_light:
+      return !view.get(LightFields::global, true);
+    default:
+      return false;
+  }
+}
+
 }  // namespace
 
 bool fits_float(const dmat4& m) {
@@ -125,12 +139,15 @@ void Collector::enter(Frame frame) {
   path_.push_back(frame);
 }
 
-// Adds a node that affects its siblings and what is below them: a DirectionalLight, ClipPlane or LocalFog.
+// Adds a node that affects its siblings and what is below them: a DirectionalLight, another light that is not global, a
+// ClipPlane or LocalFog.
 void Collector::add_scoped(Frame& frame, vrml::NodeId child) {
   const NodeView view = schemas_.view(*frame.scene, child);
   switch (view.kind()) {
     case NodeKind::directional_light:
-      if (!frame.presence.hidden) add_light(view, frame.world_from_local, frame.frame, true);
+    case NodeKind::point_light:
+    case NodeKind::spot_light:
+      if (!frame.presence.hidden && is_listed_light(view)) add_light(view, frame.world_from_local, frame.frame, true);
       break;
     case NodeKind::clip_plane:
       if (!view.get(ClipPlaneFields::enabled, true) || list_.clip_planes.size() >= kMaxScoped) break;
@@ -362,9 +379,11 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
     case NodeKind::inline_node:
       enter_inline(parent, id);
       break;
+    case NodeKind::directional_light:
     case NodeKind::point_light:
     case NodeKind::spot_light:
-      if (parent.presence.visible && !parent.presence.hidden) add_light(view, world, parent.frame, false);
+      // enter() has handled the lights of this group.
+      if (parent.presence.visible && !parent.presence.hidden && !is_listed_light(view)) add_light(view, world, parent.frame, false);
       break;
     case NodeKind::sound:
       if (parent.presence.visible && list_.sounds.size() < kMaxSounds) {
@@ -387,13 +406,13 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
       if (parent.presence.visible) add_bindable(view, id, parent);
       break;
     default:
-      break;  // enter() has handled DirectionalLights
+      break;
   }
 }
 
-void Collector::add_light(const NodeView& light, const dmat4& world_from_local, std::uint32_t frame, bool directional) {
+void Collector::add_light(const NodeView& light, const dmat4& world_from_local, std::uint32_t frame, bool listed) {
   if (!light.get(LightFields::on, true) || list_.lights.size() >= kMaxLights) return;
-  if (directional) {
+  if (listed) {
     active_lights_.push_back(static_cast<std::uint16_t>(list_.lights.size()));
     lights_changed_ = true;
   }
@@ -434,7 +453,7 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
     return;
   }
   if (sources_ && sources_->bindables.size() < kMaxViewpoints)
-    sources_->bindables.push_back({view.node, parent.frame, parent.main});
+    sources_->bindables.push_back({view.node, parent.frame, parent.main, parent.scene});
   const NodeKind kind = view.kind();
   const vrml::Node* bound = !bound_                        ? nullptr
                             : kind == NodeKind::background ? bound_->background
@@ -446,6 +465,7 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
   if (!counts || std::exchange(have, true)) return;
   if (kind == NodeKind::background) {
     list_.background = world_background(view, parent.world_from_local, resources_.images());
+    resources_.add_faces(list_.background, *parent.scene, view);
   } else if (kind == NodeKind::fog) {
     list_.fog = world_fog(view, parent.world_from_local);
   } else {

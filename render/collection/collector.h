@@ -38,7 +38,8 @@ struct RenderSources {
   struct Local {  // Source of a light, Viewpoint, NavigationInfo, Background or Fog.
     const vrml::Node* node = nullptr;
     std::uint32_t frame = 0;
-    bool main = true;  // true if not inside of an Inline
+    bool main = true;                         // true if not inside of an Inline
+    const vrml::SceneGraph* scene = nullptr;  // scene of a bindable node
   };
   struct Unshown {  // Geometry or Transform that draws nothing in its current state.
     const vrml::Node* node = nullptr;
@@ -128,7 +129,7 @@ class Collector {
   void add_box(const vrml::Node& node, const glm::dmat4& world_from_local, std::size_t first_item, std::uint32_t place,
                const Presence& presence);
   void add_scoped(Frame& frame, vrml::NodeId child);
-  void add_light(const NodeView& light, const glm::dmat4& world_from_local, std::uint32_t frame, bool directional);
+  void add_light(const NodeView& light, const glm::dmat4& world_from_local, std::uint32_t frame, bool listed);
   void add_bindable(const NodeView& view, vrml::NodeId id, const Frame& parent);
   void add_shape(const Frame& parent, vrml::NodeId id, const NodeView& shape);
   bool surface_item(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool pictured, DrawItem& item);

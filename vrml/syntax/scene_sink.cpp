@@ -188,6 +188,9 @@ OpenNode SceneSink::begin_node(const NodeHeader& header) {
   const SourceLocation location = header.type.location;
   OpenNode node;
   node.type = find_type(header.type.text);
+  // Nodes of X3D that this browser draws are better than stand-ins.
+  const NodeType* const x3d = node.type ? nullptr : built_in_node_type(Language::x3d, header.type.text);
+  if (x3d && x3d->read_as != NodeKind::other) node.type = find_x3d_type(header.type);
   if (!node.type) node.type = find_stand_in(header.type);
   if (!node.type) node.type = find_x3d_type(header.type);
   if (!node.type) {
@@ -302,10 +305,16 @@ bool SceneSink::take_extension(const NodeType& type, SourceName name) {
   return true;
 }
 
+// Reports whether unknown interfaces of nodes of this type are ignored without an error: those of stand-ins, and of
+// nodes of X3D in VRML97 texts, where the node may be the extension of another browser.
+bool SceneSink::is_lenient(const NodeType& type) const {
+  return type.stands_in || (type.language == Language::x3d && text_.language() == Language::vrml97);
+}
+
 const InterfaceDeclaration* SceneSink::find_field(const OpenNode& node, SourceName name) {
   const NodeType& type = *node.type;
   const InterfaceDeclaration* const declaration = type.find_field(name.text);
-  if (declaration || type.stands_in || take_extension(type, name)) return declaration;
+  if (declaration || is_lenient(type) || take_extension(type, name)) return declaration;
   const bool event = type.find_event_in(name.text) || type.find_event_out(name.text);
   problems_.error(name.location,
                   event ? quoted(name.text) + " of " + type.name + " is an event and takes no value; skipped"

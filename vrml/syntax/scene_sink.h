@@ -122,6 +122,7 @@ class SceneSink : NonCopyable {
   [[nodiscard]] bool in_prototype_body() const { return scopes_.back().prototype && open_interfaces_ == 0; }
   [[nodiscard]] const NodeType* find_stand_in(SourceName name);
   [[nodiscard]] const NodeType* find_x3d_type(SourceName name);
+  [[nodiscard]] bool is_lenient(const NodeType& type) const;
   void check_support(const NodeType& type, SourceLocation location);
   [[nodiscard]] std::vector<Statement>& statement_list();
   void skip_unknown(const NodeHeader& header);

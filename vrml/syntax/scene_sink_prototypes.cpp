@@ -131,7 +131,7 @@ void SceneSink::connect(const OpenNode& node, SourceName inner_name, SourceName 
   if (!inner) inner = type.find_event_in(inner_name.text);
   if (!inner) inner = type.find_event_out(inner_name.text);
   const InterfaceDeclaration* const outer = prototype.find(outer_name.text);
-  if (!inner && (type.stands_in || type.ignored || take_extension(type, inner_name))) return;
+  if (!inner && (is_lenient(type) || type.ignored || take_extension(type, inner_name))) return;
   if (!inner || !outer) {
     problems_.error(inner ? outer_name.location : inner_name.location,
                     inner ? "PROTO " + prototype.name + " has no " + quoted(outer_name.text)
@@ -203,7 +203,7 @@ void SceneSink::connect_route(const RouteNames& wanted, NodeId from, NodeId to) 
   route.event_out = from_type.find_event_out(wanted.event_out);
   route.event_in = to_type.find_event_in(wanted.event_in);
   const auto may_lack = [&](const NodeType& type, const std::string& event) {
-    return type.stands_in || type.ignored || take_extension(type, {event, wanted.location});
+    return is_lenient(type) || type.ignored || take_extension(type, {event, wanted.location});
   };
   if ((!route.event_out && may_lack(from_type, wanted.event_out)) ||
       (!route.event_in && may_lack(to_type, wanted.event_in)))
