@@ -22,6 +22,8 @@ TEST_CASE("sends bindTime from all bindable nodes of X3D, in one stack for each 
   CHECK(world.take("bindTime").size() == 3);
   world.send_at(1, "O.set_bind", SFBool{true});
   CHECK(world.take("isBound") == Lines{"1 V.isBound FALSE", "1 O.isBound TRUE"});
+  CHECK(world.execution().viewer().pose()[3].z == 10);
+  CHECK(world.execution().viewer().frustum().up > 0);
 }
 
 }  // namespace gs::vrml::traces
