@@ -38,7 +38,8 @@ void PlacedShapes::remove(EventNode sensor) { std::erase(sensors_, sensor); }
 void PlacedShapes::note_change(const Node* node) {
   if (sensors_.empty() || (node && !is_moved(*node))) return;
   forget_meshes(node);
-  if (!std::exchange(known_, false)) return;  // the sensors have not looked since the last change
+  known_ = false;
+  if (std::exchange(alarmed_, true)) return;
   for (const EventNode sensor : sensors_) execution_.timers().call_at(sensor, execution_.now());
 }
 
@@ -71,6 +72,7 @@ void PlacedShapes::forget() {
 }
 
 std::span<const PlacedNode> PlacedShapes::nodes() {
+  alarmed_ = false;
   if (!std::exchange(known_, true)) collect();
   return nodes_;
 }

@@ -66,7 +66,8 @@ class PlacedShapes {
   };
   std::unordered_map<const Node*, Made> meshes_;  // by geometry
   std::size_t mesh_bytes_ = 0;
-  bool known_ = false;
+  bool known_ = false;    // nodes_ is up to date
+  bool alarmed_ = false;  // the sensors are called in the next step
 };
 
 /// Returns the geometry of a Shape; null if it has none.
