@@ -247,11 +247,13 @@ void Simulation::fetch() {
   ResourceUpdates arrivals = loading_->take_updates();
   for (const auto& feed : arrivals.feeds) (void)feed->apply();
   (void)arrive(*document_, std::move(arrivals));
+  document_->runtime->execution().loads().end();
 }
 
 void Simulation::run(double seconds, const std::function<bool()>& go_on) {
   if (steps_ == 0) {
     if (document_->runtime) document_->runtime->programs().set_settings({0, true});
+    if (document_->runtime) document_->runtime->execution().loads().end();
     begin_world(*document_, kSimulatedStart);
     session_.readers().show(document_);
     step(0, false);

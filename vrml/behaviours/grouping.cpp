@@ -1,3 +1,5 @@
+#include "vrml/behaviours/grouping.h"
+
 #include "vrml/events/execution.h"
 #include "vrml/events/pointing.h"
 #include "vrml/scene/transformation.h"
@@ -18,32 +20,6 @@ struct GroupingEvents {
   enum : int { level_changed = children + 1, center, range };      // interfaces of LOD
 };
 
-// Handles addChildren and removeChildren (4.6.5). Does not add a child that the node has, and ignores removed children
-// that it does not have.
-bool change_children(Execution& execution, EventNode node, int event, const FieldValue& value) {
-  if (event >= GroupingEvents::children) return true;
-  const MFNode given = std::get<MFNode>(value);
-  const MFNode old = execution.get<MFNode>(node, GroupingEvents::children);
-  if (given.empty() || !execution.budget().spend(old.size() + given.size())) return false;
-  const bool add = event == GroupingEvents::add_children;
-  std::unordered_set<std::uint32_t> named;
-  for (const NodeId child : add ? old : given) named.insert(child.index);
-  MFNode made;
-  if (add) {
-    made = old;
-    for (const NodeId child : given)
-      if (child && named.insert(child.index).second) made.push_back(child);
-  } else {
-    for (const NodeId child : old)
-      if (!named.contains(child.index)) made.push_back(child);
-  }
-  if (made.size() == old.size()) return false;
-  if (!add) execution.stacks().nodes_leave();
-  if (add && !execution.nodes().afford_most(node, made.size() * sizeof(NodeId))) return false;
-  execution.send(node, GroupingEvents::children, std::move(made));
-  return false;
-}
-
 /// Slots of the fields of a node type that is read as a Transform.
 struct TransformSlots {
   explicit TransformSlots(const NodeType& type) : of(&type) {
@@ -54,15 +30,6 @@ struct TransformSlots {
   const NodeType* of;
   int translation, center, rotation, scale, scale_orientation;
 };
-
-glm::dmat4 transform_of(const Node& node) {
-  thread_local TransformSlots slots(*node.type);
-  if (slots.of != node.type) slots = TransformSlots(*node.type);
-  return transform_matrix(
-      std::get<SFVec3f>(node.values[slots.translation]), std::get<SFVec3f>(node.values[slots.center]),
-      std::get<SFRotation>(node.values[slots.rotation]), std::get<SFVec3f>(node.values[slots.scale]),
-      std::get<SFRotation>(node.values[slots.scale_orientation]));
-}
 
 glm::dmat4 billboard_of(const Node& node, const glm::dvec3& viewer, const glm::dvec3& up) {
   static const int axis = node.type->find_field("axisOfRotation")->slot;
@@ -156,6 +123,39 @@ void lod_time(Execution& execution, EventNode node) {
 }
 
 }  // namespace
+
+bool change_children(Execution& execution, EventNode node, int event, const FieldValue& value) {
+  if (event >= GroupingEvents::children) return true;
+  const MFNode given = std::get<MFNode>(value);
+  const MFNode old = execution.get<MFNode>(node, GroupingEvents::children);
+  if (given.empty() || !execution.budget().spend(old.size() + given.size())) return false;
+  const bool add = event == GroupingEvents::add_children;
+  std::unordered_set<std::uint32_t> named;
+  for (const NodeId child : add ? old : given) named.insert(child.index);
+  MFNode made;
+  if (add) {
+    made = old;
+    for (const NodeId child : given)
+      if (child && named.insert(child.index).second) made.push_back(child);
+  } else {
+    for (const NodeId child : old)
+      if (!named.contains(child.index)) made.push_back(child);
+  }
+  if (made.size() == old.size()) return false;
+  if (!add) execution.stacks().nodes_leave();
+  if (add && !execution.nodes().afford_most(node, made.size() * sizeof(NodeId))) return false;
+  execution.send(node, GroupingEvents::children, std::move(made));
+  return false;
+}
+
+glm::dmat4 transform_of(const Node& node) {
+  thread_local TransformSlots slots(*node.type);
+  if (slots.of != node.type) slots = TransformSlots(*node.type);
+  return transform_matrix(
+      std::get<SFVec3f>(node.values[slots.translation]), std::get<SFVec3f>(node.values[slots.center]),
+      std::get<SFRotation>(node.values[slots.rotation]), std::get<SFVec3f>(node.values[slots.scale]),
+      std::get<SFRotation>(node.values[slots.scale_orientation]));
+}
 
 const Behaviour kTransformBehaviour = {
     {"addChildren", "removeChildren", "children"}, nullptr, change_children, nullptr, transform_of};

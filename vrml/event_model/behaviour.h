@@ -82,6 +82,7 @@ struct Behaviour {
 
 // Behaviours that rows of the node table use.
 extern const Behaviour kTransformBehaviour;
+extern const Behaviour kHumanoidBehaviour, kJointBehaviour, kSegmentBehaviour, kDisplacerBehaviour, kMotionBehaviour;
 extern const Behaviour kViewpointBehaviour;
 extern const Behaviour kProximitySensorBehaviour, kVisibilitySensorBehaviour;
 extern const Behaviour kTouchSensorBehaviour, kPlaneSensorBehaviour, kCylinderSensorBehaviour, kSphereSensorBehaviour;
@@ -95,10 +96,13 @@ inline constexpr int kFieldOfView = 3;      // event index of fieldOfView in Vie
 inline constexpr int kTransitionComplete = 3;  // event index of transitionComplete in NavigationInfo
 extern const Behaviour kTimeSensorBehaviour;
 extern const Behaviour kAudioClipBehaviour, kMovieTextureBehaviour;  // 6.4, 6.28
+extern const Behaviour kLoadSensorBehaviour;                         // ISO/IEC 19775-1 9.4.3
 extern const Behaviour kScriptBehaviour;                             // 6.40
 extern const Behaviour kColorInterpolatorBehaviour, kCoordinateInterpolatorBehaviour, kNormalInterpolatorBehaviour,
     kOrientationInterpolatorBehaviour, kPositionInterpolatorBehaviour, kScalarInterpolatorBehaviour,
     kNurbsPositionInterpolatorBehaviour;
+extern const Behaviour kNurbsCurvePositionBehaviour, kNurbsOrientationInterpolatorBehaviour,
+    kNurbsSurfaceInterpolatorBehaviour;  // of X3D
 
 // Behaviours of X3D (ISO/IEC 19775-1).
 extern const Behaviour kOrthoViewpointBehaviour, kNavigationInfoBehaviour;

@@ -7,6 +7,7 @@ Execution::Execution(SceneGraph& root)
       scenes_(*this, root),
       nodes_(*this),
       routes_(*this),
+      imports_(*this),
       cascade_(*this),
       changes_(*this),
       stacks_(*this),
@@ -18,6 +19,7 @@ Execution::Execution(SceneGraph& root)
       viewer_(*this),
       pointing_(*this),
       browser_(*this),
+      loads_(*this),
       keys_(*this),
       shapes_(*this) {
   scenes_.attach();

@@ -55,7 +55,7 @@ constexpr X3DRow kCoreX3DRows[] = {
   field        SFVec3f    bboxSize -1 -1 -1
 )"},
     {"LoadSensor", "Networking", 3, "children", "X3DNetworkSensorNode", Role::child | Role::sensor, NodeKind::other, R"(
-  exposedField MFNode     children []  # X3DUrlObject
+  exposedField MFNode     watchList []  # X3DUrlObject
   exposedField SFString   description ""
   exposedField SFBool     enabled TRUE
   exposedField SFTime     timeOut 0  # [0,inf)
@@ -63,7 +63,8 @@ constexpr X3DRow kCoreX3DRows[] = {
   eventOut     SFBool     isLoaded
   eventOut     SFTime     loadTime
   eventOut     SFFloat    progress
-)"},
+)",
+     {}, &kLoadSensorBehaviour},
     {"MetadataBoolean", "Core", 1, "value", "X3DNode X3DMetadataObject", Role::none, NodeKind::other, R"(
   exposedField SFString   name ""
   exposedField SFString   reference ""
@@ -103,7 +104,8 @@ constexpr X3DRow kCoreX3DRows[] = {
   field        SFBool     directOutput FALSE
   field        SFBool     mustEvaluate FALSE
 )"},
-    {"StaticGroup", "Grouping", 3, "children", "X3DChildNode X3DBoundedObject", Role::child, NodeKind::group, R"(
+    {"StaticGroup", "Grouping", 3, "children", "X3DChildNode X3DBoundedObject", Role::child | Role::grouping,
+     NodeKind::group, R"(
   exposedField SFBool     bboxDisplay FALSE
   exposedField SFBool     visible TRUE
   field        SFVec3f    bboxCenter 0 0 0
