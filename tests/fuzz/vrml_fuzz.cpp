@@ -91,9 +91,9 @@ bool run_world(std::span<const std::byte> bytes) {
 
   // The input determines the size of the pieces, so that the fuzzer can vary it.
   const std::size_t piece = bytes.empty() ? 1 : 1 + std::to_integer<std::size_t>(bytes.back()) % 64;
-  Parser parser(pieces, said_pieces);
-  for (std::size_t i = 0; i < text.size(); i += piece) parser.push(text.substr(i, piece));
-  const ParseOutcome piecewise = parser.finish();
+  const std::unique_ptr<SceneReader> reader = make_reader(grammar_of(text), pieces, said_pieces);
+  for (std::size_t i = 0; i < text.size(); i += piece) reader->push(text.substr(i, piece));
+  const ParseOutcome piecewise = reader->finish();
 
   const std::string printed = print(whole);
   require(piecewise == outcome && print(pieces) == printed);
