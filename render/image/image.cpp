@@ -13,7 +13,7 @@ namespace gs::render {
 namespace {
 
 using namespace std::string_view_literals;
-constexpr std::array<ImageFormat, 14> kImageFormats = {{
+constexpr std::array<ImageFormat, 15> kImageFormats = {{
     {"PNG"sv, "\x89PNG\r\n\x1a\n"sv, decode_png},
     {"JPEG"sv, "\xff\xd8\xff"sv, decode_jpeg},
     {"GIF87a"sv, "GIF87a"sv, decode_gif},
@@ -21,6 +21,7 @@ constexpr std::array<ImageFormat, 14> kImageFormats = {{
     {"BMP"sv, "BM"sv, decode_stb},
     {"PPM"sv, "P6"sv, decode_stb},
     {"PGM"sv, "P5"sv, decode_stb},
+    {"SGI"sv, "\x01\xda"sv, decode_sgi},
     {"MPEG system stream"sv, "\x00\x00\x01\xba"sv, decode_movie},
     {"MPEG video"sv, "\x00\x00\x01\xb3"sv, decode_movie},
     {"AVI"sv, "RIFF"sv, decode_movie},
@@ -113,7 +114,7 @@ std::variant<Image, ImageError> decode_image(std::span<const std::byte> bytes, c
   const std::string start =
       bytes.empty() ? "nothing" : hexadecimal(bytes.first(std::min<std::size_t>(bytes.size(), 8)));
   return ImageError{
-      "unsupported image format; expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, Targa or movie, found " +
+      "unsupported image format; expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, SGI, Targa or movie, found " +
       start};
 }
 

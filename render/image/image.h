@@ -57,7 +57,7 @@ struct ImageLimits {
   std::function<bool()> stopped = {};  // called once per row; returns true to cancel. Null never cancels
 };
 
-/// Decodes PNG, JPEG, GIF, movies (first frame), BMP, binary PPM and PGM, and Targa. Detects the format by the first
+/// Decodes PNG, JPEG, GIF, movies (first frame), BMP, binary PPM and PGM, SGI, and Targa. Detects the format by the first
 /// bytes. Grey JPEG becomes intensity; palettes of PNG and GIF follow VRML97 4.6.11.2. A truncated JPEG or PNG gives
 /// the received rows.
 ///
