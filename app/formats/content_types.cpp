@@ -9,6 +9,7 @@
 #include "base/gzip.h"
 #include "base/text.h"
 #include "qnv/codecs/payloads.h"
+#include "vrml/syntax/scene_reader.h"
 
 #include <algorithm>
 #include <utility>
@@ -29,6 +30,10 @@ bool is_vrml(Bytes bytes) {
   if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
   const std::string mark = lower_case(text.substr(0, 10));
   return mark.starts_with("#vrml") && mark != "#vrml v1.0";
+}
+template <vrml::Grammar grammar>
+bool is_text_of(Bytes bytes) {
+  return vrml::grammar_of(text_of(bytes)) == grammar;
 }
 bool is_vrml_1(Bytes bytes) {
   std::string_view text = text_of(bytes);
@@ -100,6 +105,12 @@ std::span<const ContentType> content_types() {
     // volumes from their own table.
     std::vector<ContentType> all = {
         {"VRML97", "model/vrml", ".wrl .wrz .vrml ", is_vrml},
+        text_type("X3D in classic encoding", "model/x3d-vrml", ".x3dv .x3dvz ", is_text_of<vrml::Grammar::x3d_classic>,
+                  vrml::Grammar::x3d_classic),
+        text_type("X3D in XML encoding", "model/x3d+xml", ".x3d .x3dz ", is_text_of<vrml::Grammar::x3d_xml>,
+                  vrml::Grammar::x3d_xml),
+        text_type("X3D in JSON encoding", "model/x3d+json", ".x3dj .x3djz ", is_text_of<vrml::Grammar::x3d_json>,
+                  vrml::Grammar::x3d_json),
         text_type("VRML 1.0", "model/vrml", "", is_vrml_1, vrml::Grammar::inventor),
         text_type("Inventor", "application/x-inventor", ".iv ", is_inventor, vrml::Grammar::inventor),
         {"QNV", "model/x-qnv", ".qnv ", qnv::is_stream, ContentClass::stream},

@@ -25,15 +25,18 @@ std::string describe(const Token& token) {
   return quoted(token.text);
 }
 
-std::optional<AccessType> access_named(std::string_view word) {
+std::optional<AccessType> access_named(std::string_view word, Language language) {
   for (const AccessType access :
        {AccessType::eventIn, AccessType::eventOut, AccessType::field, AccessType::exposedField})
-    if (word == name_of(access)) return access;
+    if (word == name_of(access) || (language == Language::x3d && word == name_of(access, language))) return access;
   return std::nullopt;
 }
 
 ParsedText::ParsedText(SceneGraph& scene_graph, Diagnostics& diagnostic_list)
-    : scene(scene_graph), sink(scene_graph, diagnostic_list), problems(sink.problems()) {
+    : scene(scene_graph),
+      written(scene_graph.texts().writing()),
+      sink(scene_graph, diagnostic_list),
+      problems(sink.problems()) {
   frames.emplace_back();
 }
 
@@ -107,6 +110,11 @@ void ParsedText::end_body() {
   sink.end_body();
 }
 
+void ParsedText::begin_x3d(int version, SourceLocation location) {
+  sink.statements().set_version(version, location);
+  lexer.allow_block_comments();
+}
+
 void ParsedText::check_name(const Token& name) {
   if (!is_id(name.text))
     problems.warn_once(said_bad_id, name.location,
@@ -115,10 +123,12 @@ void ParsedText::check_name(const Token& name) {
 }
 
 void ParsedText::check_reserved(const Token& name) {
-  const int word = reserved_word(name.text);
+  const int word = reserved_word(name.text, language());
   if (word < 0 || (said_reserved >> word & 1)) return;
   said_reserved |= std::uint32_t{1} << word;
-  problems.warn(name.location, describe(name) + " is a reserved word (VRML97 4.3.1); accepted as a name");
+  problems.warn(name.location, describe(name) + " is a reserved word (" +
+                                   (language() == Language::x3d ? "ISO/IEC 19776-2 4.1.2" : "VRML97 4.3.1") +
+                                   "); accepted as a name");
 }
 
 // Reports the construct that the end of the text truncates, once.

@@ -56,6 +56,9 @@ struct ParsedText {
 
   /// Reads the first line, in text_header.cpp. Refuses texts of other formats.
   Step read_header();
+  Step read_x3d_header(std::string_view line, std::string_view text);
+  /// Takes the language from a header in a text from a script, which needs none.
+  void read_fragment_header(std::string_view text);
   /// Ends all open constructs, and reports the innermost one.
   ParseOutcome close();
   void refuse(std::string message, SourceLocation location = {});
@@ -74,9 +77,13 @@ struct ParsedText {
   void skip_value();
   void end_node();
   void end_body();
+  [[nodiscard]] Language language() const { return written.language(); }
+  /// Begins to read X3D: its statements, comments and access keywords.
+  void begin_x3d(int version, SourceLocation location);
   void finish_pending();
 
   SceneGraph& scene;
+  SourceText& written;  // text that is read
   SceneSink sink;
   TextProblems& problems;
   Lexer lexer;
@@ -92,8 +99,8 @@ struct ParsedText {
   ParseOutcome outcome = ParseOutcome::complete;
 };
 
-/// Returns the access type with this keyword.
-[[nodiscard]] std::optional<AccessType> access_named(std::string_view word);
+/// Returns the access type with this keyword. X3D texts may also contain the keywords of VRML97.
+[[nodiscard]] std::optional<AccessType> access_named(std::string_view word, Language language);
 
 /// Returns the token's text and position.
 [[nodiscard]] inline SourceName name_in(const Token& token) { return {token.text, token.location}; }

@@ -25,7 +25,7 @@ Step StatementParser::node_body_step() {
   }
   bool was_statement = false;
   if (text_.frames.back().declaring) {
-    if (const auto access = access_named(token.text)) {
+    if (const auto access = access_named(token.text, text_.language())) {
       const Step step = interface_declaration(*access, *text_.frames.back().declaring, true, true);
       if (step == Step::done) text_.rubbish = false;
       return step;
@@ -137,7 +137,8 @@ Step StatementParser::interface_declaration(AccessType access, NodeType& type, b
   if (name.kind == TokenKind::need_more) return Step::need_more;
   const auto field_type = field_type_named(type_name.text);
   if (!field_type || type_name.kind != TokenKind::word || name.kind != TokenKind::word) {
-    text_.unexpected(field_type ? name : type_name, "a field type and a name after " + std::string(name_of(access)));
+    text_.unexpected(field_type ? name : type_name,
+                     "a field type and a name after " + std::string(name_of(access, text_.language())));
     text_.lexer.go_back(behind_access);
     if (type_name.kind == TokenKind::word) {
       (void)text_.lexer.next();

@@ -362,8 +362,9 @@ Step ValueParser::value_token(Frame& frame, const Token& token, const Lexer::Pos
   }
   // If the bracket is missing, the next field of the node or the end of the node follows.
   const Frame* owner = text_.frames.size() >= 2 ? &text_.frames[text_.frames.size() - 2] : nullptr;
-  const bool next_field = token.kind == TokenKind::word && owner && owner->kind == Frame::Kind::node_body &&
-                          (owner->node.type->find(token.text) || (owner->declaring && access_named(token.text)));
+  const bool next_field =
+      token.kind == TokenKind::word && owner && owner->kind == Frame::Kind::node_body &&
+      (owner->node.type->find(token.text) || (owner->declaring && access_named(token.text, text_.language())));
   if (token.kind == TokenKind::close_brace || next_field) {
     text_.problems.error(token.location,
                          "expected ']' at the end of " + std::string(frame.name) + ", found " + describe(token));

@@ -20,10 +20,16 @@ class World {
  public:
   static constexpr double kStart = 1000;
 
-  explicit World(const std::string& body, const Limits& limits = {})
+  explicit World(const std::string& body, const Limits& limits = {}, Language language = Language::vrml97)
       : scene_(std::make_unique<SceneGraph>("text.wrl", limits)) {
     Diagnostics diagnostics;
-    (void)parse("#VRML V2.0 utf8\n" + body, *scene_, diagnostics);
+    constexpr int kX3DVersion = 33;
+    if (language == Language::x3d) {
+      scene_->set_language(language, kX3DVersion);
+      (void)Parser(*scene_, diagnostics).parse_fragment(body);
+    } else {
+      (void)parse("#VRML V2.0 utf8\n" + body, *scene_, diagnostics);
+    }
     for (const Diagnostic& diagnostic : diagnostics.entries()) UNSCOPED_INFO(diagnostic.text());
     CHECK(diagnostics.errors() == 0);
     execution_ = std::make_unique<Execution>(*scene_);
@@ -91,5 +97,11 @@ class World {
 };
 
 using Lines = std::vector<std::string>;
+
+/// World with the node types of X3D.
+class X3DWorld : public World {
+ public:
+  explicit X3DWorld(const std::string& body) : World(body, {}, Language::x3d) {}
+};
 
 }  // namespace gs::vrml::traces
