@@ -60,9 +60,9 @@ struct ImageLimits {
   std::function<bool()> stopped = {};                // called once per row; returns true to cancel. Null never cancels
 };
 
-/// Decodes PNG, JPEG, GIF, movies (first frame), BMP, binary PPM and PGM, Targa, DDS, and NRRD volumes. Detects the format by the first
-/// bytes. Grey JPEG becomes intensity; palettes of PNG and GIF follow VRML97 4.6.11.2. A truncated JPEG or PNG gives
-/// the received rows.
+/// Decodes PNG, JPEG, GIF, movies (first frame), BMP, binary PPM and PGM, SGI, Targa, DDS, and NRRD volumes. Detects
+/// the format by the first bytes. Grey JPEG becomes intensity; palettes of PNG and GIF follow VRML97 4.6.11.2. A
+/// truncated JPEG or PNG gives the received rows.
 ///
 /// Safe for untrusted bytes; `limits` bounds memory.
 [[nodiscard]] std::variant<Image, ImageError> decode_image(std::span<const std::byte> bytes,
