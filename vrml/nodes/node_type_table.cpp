@@ -1,5 +1,6 @@
 #include "vrml/nodes/families.h"
 #include "vrml/nodes/x3d/components.h"
+#include "vrml/nodes/x3d/vrml97_equivalents.h"
 #include "vrml/scene/node_type.h"
 #include "vrml/scene/scene_graph.h"
 #include "vrml/syntax/parser.h"
@@ -110,6 +111,7 @@ std::unique_ptr<NodeType> type_of_x3d_row(const X3DRow& row, const NodeRow* vrml
   (void)good;
   read_ranges(row.interface_text, own);
   for (const InterfaceDeclaration& each : own.interfaces) add_x3d_interface(*type, each);
+  type->equivalent = vrml97_equivalent(*type);
   return type;
 }
 
