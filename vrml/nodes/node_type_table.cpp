@@ -115,8 +115,8 @@ std::unique_ptr<NodeType> type_of_x3d_row(const X3DRow& row, const NodeRow* vrml
   return type;
 }
 
-// Returns the row of a VRML97 node whose interfaces X3D extends. Amendment 1 and X3D give some nodes of one name
-// different interfaces.
+// Returns the row of the VRML97 node that an X3D node of this name extends. Amendment 1 and X3D give some nodes of one
+// name different interfaces.
 const NodeRow* extended_row(std::string_view name) {
   for (const auto rows : {appearance_rows, bindables_rows, common_rows, geometric_properties_rows, geometry_rows,
                           grouping_rows, interpolators_rows, lights_rows, sensors_rows})

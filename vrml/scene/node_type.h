@@ -34,7 +34,7 @@ struct InterfaceDeclaration {
   std::string name;
   FieldValue initial;              // initial value; only for fields and exposedFields
   std::string range;               // "[0,1]" as the standard writes it; only for built-in nodes. For nodes: accepts()
-  std::string x3d_name;            // name in X3D, if it differs: Switch.choice is `children` in X3D
+  std::string x3d_name{};          // name in X3D, if it differs: Switch.choice is `children` in X3D
   int slot = -1;                   // index of the stored value in a node; -1 for eventIns and eventOuts
   bool of_other_browsers = false;  // event of a built-in node that the standard does not have (NodeRow::other_events)
 };
@@ -232,7 +232,7 @@ struct NodeType : NonCopyable {
 /// Returns the built-in VRML97 type of this kind. If there are several, returns the first one by name.
 [[nodiscard]] const NodeType& built_in_node_type(NodeKind kind);
 /// Reports whether a node of this type may stand in a field of an X3D node, by the types that its row lists. Returns
-/// true for fields without a list, and for PROTOs, whose first node is unknown here.
+/// true for fields without a list, and for PROTOs, because their first node is unknown here.
 [[nodiscard]] bool accepts(const InterfaceDeclaration& field, const NodeType& type);
 /// Name of the browser as a node in ROUTEs, as in worlds for Contact.
 inline constexpr std::string_view kBrowserName = "Browser";

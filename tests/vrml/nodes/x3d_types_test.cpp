@@ -3,7 +3,7 @@
 #include "vrml/syntax/parser.h"
 
 #include <expat.h>
-#include <catch2/catch_test_macros.hpp>
+#include <catch2/catch.hpp>
 
 #include <array>
 #include <cstdlib>
@@ -129,7 +129,7 @@ TEST_CASE("accepts the types that a field lists, and types that derive from them
 TEST_CASE("reads an X3D node in a VRML97 text with one warning", "[x3d]") {
   SceneGraph scene("a.wrl");
   Diagnostics diagnostics;
-  parse("#VRML V2.0 utf8\nShape { geometry Disk2D { outerRadius 2 } } Shape { geometry Disk2D { } }", scene,
+  parse("#VRML V2.0 utf8\nShape { geometry Arc2D { radius 2 } } Shape { geometry Arc2D { } }", scene,
         diagnostics);
   CHECK(scene.nodes().count() == 4);
   CHECK(diagnostics.errors() == 0);
@@ -138,7 +138,10 @@ TEST_CASE("reads an X3D node in a VRML97 text with one warning", "[x3d]") {
 
 TEST_CASE("has each node, field and component of the X3D Unified Object Model", "[x3d]") {
   std::ifstream file(model_file(), std::ios::binary);
-  if (!file) SKIP("needs " << model_file());
+  if (!file) {
+    WARN("skipped: needs " << model_file());
+    return;
+  }
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   ModelReader model;
   XML_Parser parser = XML_ParserCreate(nullptr);
