@@ -3,52 +3,46 @@
 #include "vrml/printing/written_node.h"
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <map>
-#include <span>
 #include <unordered_set>
 
 namespace gs::vrml {
 namespace {
 
-/// Component of a profile, with its level.
-struct ProfileComponent {
-  std::string_view name;
-  int level;
-};
-
-// Tables B.1, D.1 and E.1 of ISO/IEC 19775-1.
-constexpr ProfileComponent kInterchange[] = {
-    {"Core", 1},     {"EnvironmentalEffects", 1}, {"Geometry3D", 2}, {"Grouping", 1},
-    {"Interpolation", 2}, {"Lighting", 1},        {"Navigation", 1}, {"Networking", 1},
-    {"Rendering", 3}, {"Shape", 1},               {"Texturing", 2},  {"Time", 1}};
-constexpr ProfileComponent kInteractive[] = {
-    {"Core", 1},           {"EnvironmentalEffects", 1}, {"EnvironmentalSensor", 1}, {"EventUtilities", 1},
-    {"Geometry3D", 3},     {"Grouping", 2},             {"Interpolation", 2},       {"KeyDeviceSensor", 1},
-    {"Lighting", 2},       {"Navigation", 1},           {"Networking", 2},          {"PointingDeviceSensor", 1},
-    {"Rendering", 3},      {"Shape", 1},                {"Texturing", 2},           {"Time", 1}};
-constexpr ProfileComponent kImmersive[] = {
-    {"Core", 2},          {"EnvironmentalEffects", 2}, {"EnvironmentalSensor", 2}, {"EventUtilities", 1},
-    {"Geometry2D", 1},    {"Geometry3D", 4},           {"Grouping", 2},            {"Interpolation", 2},
-    {"KeyDeviceSensor", 2}, {"Lighting", 2},           {"Navigation", 2},          {"Networking", 3},
-    {"PointingDeviceSensor", 1}, {"Rendering", 3},     {"Scripting", 1},           {"Shape", 2},
-    {"Sound", 1},         {"Text", 1},                 {"Texturing", 3},           {"Time", 1}};
-
+/// Profile with its components and their levels.
 struct Profile {
   std::string_view name;
-  std::span<const ProfileComponent> components;
+  std::string_view components;  // "NAME:LEVEL" with a blank behind each
 };
-constexpr std::array<Profile, 3> kProfiles{
-    {{"Interchange", kInterchange}, {"Interactive", kInteractive}, {"Immersive", kImmersive}}};
+
+// Tables B.1, D.1 and E.1 of ISO/IEC 19775-1, the smallest profile first.
+constexpr Profile kProfiles[] = {
+    {"Interchange",
+     "Core:1 EnvironmentalEffects:1 Geometry3D:2 Grouping:1 Interpolation:2 Lighting:1 Navigation:1 Networking:1 "
+     "Rendering:3 Shape:1 Texturing:2 Time:1 "},
+    {"Interactive",
+     "Core:1 EnvironmentalEffects:1 EnvironmentalSensor:1 EventUtilities:1 Geometry3D:3 Grouping:2 Interpolation:2 "
+     "KeyDeviceSensor:1 Lighting:2 Navigation:1 Networking:2 PointingDeviceSensor:1 Rendering:3 Shape:1 Texturing:2 "
+     "Time:1 "},
+    {"Immersive",
+     "Core:2 EnvironmentalEffects:2 EnvironmentalSensor:2 EventUtilities:1 Geometry2D:1 Geometry3D:4 Grouping:2 "
+     "Interpolation:2 KeyDeviceSensor:2 Lighting:2 Navigation:2 Networking:3 PointingDeviceSensor:1 Rendering:3 "
+     "Scripting:1 Shape:2 Sound:1 Text:1 Texturing:3 Time:1 "},
+};
 
 constexpr int kFirstX3DVersion = 33;
 
 using Levels = std::map<std::string, int, std::less<>>;
 
+// Returns the level of a component in a profile; 0 if the profile lacks it.
 int level_in(const Profile& profile, std::string_view component) {
-  for (const ProfileComponent& each : profile.components)
-    if (each.name == component) return each.level;
+  std::string_view left = profile.components;
+  while (!left.empty()) {
+    const std::string_view one = left.substr(0, left.find(' '));
+    if (one.size() == component.size() + 2 && one.starts_with(component)) return one.back() - '0';
+    left.remove_prefix(one.size() + 1);
+  }
   return 0;
 }
 
@@ -94,8 +88,8 @@ TextHead text_head(const SceneGraph& scene, Grammar grammar, NodeTranslator& tra
     return std::all_of(levels.begin(), levels.end(),
                        [&](const auto& used) { return used.second <= level_in(profile, used.first); });
   };
-  const auto found = std::find_if(kProfiles.begin(), kProfiles.end(), holds);
-  const Profile& profile = found == kProfiles.end() ? kProfiles.back() : *found;
+  const auto* const found = std::find_if(std::begin(kProfiles), std::end(kProfiles), holds);
+  const Profile& profile = found == std::end(kProfiles) ? *std::prev(found) : *found;
   head.profile = profile.name;
   for (const auto& [name, level] : levels)
     if (level > level_in(profile, name)) head.components.push_back({name, level});

@@ -37,7 +37,7 @@ struct WrittenNode {
   std::string_view name;           // DEF name; empty without DEF
   std::vector<WrittenField> fields;
   std::deque<FieldValue> changed;          // values that differ from those of the node
-  std::shared_ptr<const MadeNode> made;    // node whose values `fields` refer to; null for nodes of the scene
+  std::shared_ptr<const MadeNode> made;    // owner of the values in `fields`; null for nodes of the scene
 };
 
 /// Reports whether the URL of a Script contains the program itself (ISO/IEC 19777-1 4.1; VRML97 C.2.1).

@@ -8,6 +8,7 @@
 #include <catch2/catch.hpp>
 
 #include <charconv>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -20,10 +21,13 @@ class World {
  public:
   static constexpr double kStart = 1000;
 
-  explicit World(const std::string& body, const Limits& limits = {})
+  enum class Text : std::uint8_t { body, whole };  // VRML97 without its header, or a text of any grammar
+
+  explicit World(const std::string& body, const Limits& limits = {}) : World(body, Text::body, limits) {}
+  World(const std::string& text, Text form, const Limits& limits = {})
       : scene_(std::make_unique<SceneGraph>("text.wrl", limits)) {
     Diagnostics diagnostics;
-    (void)parse("#VRML V2.0 utf8\n" + body, *scene_, diagnostics);
+    (void)parse(form == Text::body ? "#VRML V2.0 utf8\n" + text : text, *scene_, diagnostics);
     for (const Diagnostic& diagnostic : diagnostics.entries()) UNSCOPED_INFO(diagnostic.text());
     CHECK(diagnostics.errors() == 0);
     execution_ = std::make_unique<Execution>(*scene_);
