@@ -255,6 +255,31 @@ void put_notes(JsonValue& facts, const Diagnostics& diagnostics) {
   if (!notes.empty()) facts.put("notes", std::move(notes));
 }
 
+// Adds the statements of an X3D world.
+void put_x3d(JsonValue& facts, const vrml::SceneGraph& scene) {
+  const vrml::X3DStatements& x3d = scene.x3d();
+  if (scene.language() != vrml::Language::x3d) return;
+  facts.put("version", std::to_string(scene.version() / 10) + '.' + std::to_string(scene.version() % 10));
+  if (!x3d.profile.empty()) facts.put("profile", x3d.profile);
+  JsonValue components = JsonValue::list(), units = JsonValue::list();
+  for (const vrml::X3DStatements::Component& one : x3d.components)
+    components.add(one.name + ':' + std::to_string(one.level));
+  if (!components.empty()) facts.put("components", std::move(components));
+  for (const vrml::X3DStatements::Unit& one : x3d.units)
+    units.add(JsonValue::named({{"category", one.category}, {"name", one.name}, {"factor", one.factor}}));
+  if (!units.empty()) facts.put("units", std::move(units));
+  // Several METAs may have one name.
+  std::vector<std::pair<std::string, std::string>> metadata;
+  for (const vrml::X3DStatements::Meta& one : x3d.metas) {
+    const auto same = std::find_if(metadata.begin(), metadata.end(), [&](const auto& m) { return m.first == one.name; });
+    if (same == metadata.end())
+      metadata.emplace_back(one.name, one.content);
+    else
+      same->second += "; " + one.content;
+  }
+  put_metadata(facts, metadata);
+}
+
 void describe_world(JsonValue& facts, const OpenedSurface& opened) {
   const SurfaceSummary summary = summarize_surface(opened.list);
   const LoadedWorld& world = opened.world;
@@ -264,6 +289,7 @@ void describe_world(JsonValue& facts, const OpenedSurface& opened) {
     vectors += octree ? static_cast<std::size_t>(octree->stream->header().vectors) : geometry->size();
   }
   facts.put("title", world.title);
+  put_x3d(facts, *world.scene);
   facts.put("nodes", world.scene->nodes().count());
   facts.put("shapes", opened.list.items.size() + opened.list.splats.size());
   facts.put("triangles", summary.triangles);

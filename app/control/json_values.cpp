@@ -1,8 +1,10 @@
 #include "app/control/json_values.h"
 
-#include <array>
+#include "vrml/scene/field_numbers.h"
+
 #include <cmath>
 #include <limits>
+#include <span>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -10,35 +12,15 @@
 namespace gs::app {
 namespace {
 
-/// Conversion of the value types that consist of numbers, with the count of these numbers.
+/// Element that consists of several numbers.
 template <class T>
-struct Tuple {
-  static constexpr std::size_t kSize = 0;
-};
-template <>
-struct Tuple<vrml::Color> {
-  static constexpr std::size_t kSize = 3;
-  static vrml::Color make(const float* c) { return {c[0], c[1], c[2]}; }
-  static std::array<float, 3> parts(const vrml::Color& v) { return {v.r, v.g, v.b}; }
-};
-template <>
-struct Tuple<vrml::Rotation> {
-  static constexpr std::size_t kSize = 4;
-  static vrml::Rotation make(const float* c) { return {c[0], c[1], c[2], c[3]}; }
-  static std::array<float, 4> parts(const vrml::Rotation& v) { return {v.x, v.y, v.z, v.angle}; }
-};
-template <>
-struct Tuple<glm::vec2> {
-  static constexpr std::size_t kSize = 2;
-  static glm::vec2 make(const float* c) { return {c[0], c[1]}; }
-  static std::array<float, 2> parts(const glm::vec2& v) { return {v.x, v.y}; }
-};
-template <>
-struct Tuple<glm::vec3> {
-  static constexpr std::size_t kSize = 3;
-  static glm::vec3 make(const float* c) { return {c[0], c[1], c[2]}; }
-  static std::array<float, 3> parts(const glm::vec3& v) { return {v.x, v.y, v.z}; }
-};
+concept Tuple = vrml::ElementNumbers<T>::kCount >
+1;
+
+template <Tuple T>
+std::string expected_numbers() {
+  return "a list of " + std::to_string(vrml::ElementNumbers<T>::kCount) + " numbers";
+}
 
 class ValueReader {
  public:
@@ -47,16 +29,17 @@ class ValueReader {
 
   template <class T>
   bool read(T& value) {
-    if constexpr (Tuple<T>::kSize > 0) {
-      if (json_.kind() != JsonKind::list) return expected("a list of " + std::to_string(Tuple<T>::kSize) + " numbers");
+    if constexpr (Tuple<T>) {
+      if (json_.kind() != JsonKind::list) return expected(expected_numbers<T>());
       json_.open();
-      std::array<float, 4> parts{};
-      for (std::size_t i = 0; i < Tuple<T>::kSize; ++i)
-        if (!json_.more() || !read(parts[i]))
-          return expected("a list of " + std::to_string(Tuple<T>::kSize) + " numbers");
-      if (json_.more()) return expected("a list of " + std::to_string(Tuple<T>::kSize) + " numbers");
-      value = Tuple<T>::make(parts.data());
+      T read_value{};
+      for (int i = 0; i < vrml::ElementNumbers<T>::kCount; ++i)
+        if (!json_.more() || !read(vrml::numbers_of(read_value)[i])) return expected(expected_numbers<T>());
+      if (json_.more()) return expected(expected_numbers<T>());
+      value = read_value;
       return true;
+    } else if constexpr (std::is_same_v<T, vrml::Double>) {
+      return read(value.value);
     } else if constexpr (std::is_same_v<T, bool>) {
       if (json_.kind() != JsonKind::boolean) return expected("true or false");
       value = json_.boolean();
@@ -86,6 +69,11 @@ class ValueReader {
     } else {
       return read_list(value);
     }
+  }
+
+  template <class T, int kInitial>
+  bool read(Boxed<T, kInitial>& value) {
+    return read(value.edit());
   }
 
  private:
@@ -137,14 +125,14 @@ class ValueReader {
     bool flat = false;
     while (json_.more()) {
       T one{};
-      if constexpr (Tuple<T>::kSize > 0) {
+      if constexpr (Tuple<T>) {
         if (list.empty()) flat = json_.kind() == JsonKind::number;
         if (flat) {
-          std::array<float, 4> parts{};
-          for (std::size_t i = 0; i < Tuple<T>::kSize; ++i)
-            if ((i > 0 && !json_.more()) || !read(parts[i]))
-              return expected("a multiple of " + std::to_string(Tuple<T>::kSize) + " numbers");
-          list.push_back(Tuple<T>::make(parts.data()));
+          constexpr int kCount = vrml::ElementNumbers<T>::kCount;
+          for (int i = 0; i < kCount; ++i)
+            if ((i > 0 && !json_.more()) || !read(vrml::numbers_of(one)[i]))
+              return expected("a multiple of " + std::to_string(kCount) + " numbers");
+          list.push_back(one);
           continue;
         }
       }
@@ -187,9 +175,13 @@ struct ValueWriter {
   void operator()(const Array<T>& value) const {
     list(value);
   }
-  template <class T>
-  void operator()(const T& value) const requires(Tuple<T>::kSize > 0) {
-    list(Tuple<T>::parts(value));
+  template <class T, int kInitial>
+  void operator()(const Boxed<T, kInitial>& value) const {
+    (*this)(*value);
+  }
+  template <Tuple T>
+  void operator()(const T& value) const {
+    list(std::span(vrml::numbers_of(value), vrml::ElementNumbers<T>::kCount));
   }
 
  private:

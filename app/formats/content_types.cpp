@@ -9,6 +9,7 @@
 #include "base/gzip.h"
 #include "base/text.h"
 #include "qnv/codecs/payloads.h"
+#include "vrml/syntax/scene_reader.h"
 
 #include <algorithm>
 #include <utility>
@@ -30,6 +31,25 @@ bool is_vrml(Bytes bytes) {
   const std::string mark = lower_case(text.substr(0, 10));
   return mark.starts_with("#vrml") && mark != "#vrml v1.0";
 }
+template <vrml::Grammar grammar>
+bool is_text_of(Bytes bytes) {
+  return vrml::grammar_of(text_of(bytes)) == grammar;
+}
+bool is_vrml_1(Bytes bytes) {
+  std::string_view text = text_of(bytes);
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  return lower_case(text.substr(0, 10)) == "#vrml v1.0";
+}
+bool is_inventor(Bytes bytes) { return lower_case(text_of(bytes).substr(0, 9)) == "#inventor"; }
+
+// Returns the row of a text that a reader of vrml/ reads.
+ContentType text_type(std::string_view name, std::string_view mime, std::string_view extensions,
+                      bool (*sniff)(Bytes bytes), vrml::Grammar grammar) {
+  ContentType type{name, mime, extensions, sniff};
+  type.grammar = grammar;
+  return type;
+}
+
 bool is_glb(Bytes bytes) { return text_of(bytes).starts_with("glTF"); }
 
 Asset read_gltf(const ImportSource& source) {
@@ -85,6 +105,14 @@ std::span<const ContentType> content_types() {
     // volumes from their own table.
     std::vector<ContentType> all = {
         {"VRML97", "model/vrml", ".wrl .wrz .vrml ", is_vrml},
+        text_type("X3D in classic encoding", "model/x3d-vrml", ".x3dv .x3dvz ", is_text_of<vrml::Grammar::x3d_classic>,
+                  vrml::Grammar::x3d_classic),
+        text_type("X3D in XML encoding", "model/x3d+xml", ".x3d .x3dz ", is_text_of<vrml::Grammar::x3d_xml>,
+                  vrml::Grammar::x3d_xml),
+        text_type("X3D in JSON encoding", "model/x3d+json", ".x3dj .x3djz ", is_text_of<vrml::Grammar::x3d_json>,
+                  vrml::Grammar::x3d_json),
+        text_type("VRML 1.0", "model/vrml", "", is_vrml_1, vrml::Grammar::inventor),
+        text_type("Inventor", "application/x-inventor", ".iv ", is_inventor, vrml::Grammar::inventor),
         {"QNV", "model/x-qnv", ".qnv ", qnv::is_stream, ContentClass::stream},
         {"compressed splats PLY", "application/x-ply", "", is_splats_compressed_ply, kSplats,
          read_vectors<import_splats_compressed_ply>},

@@ -91,11 +91,6 @@ bool is_html(Bytes bytes) {
   return text.starts_with("<!doctype html") || lower_case(root_element(bytes)) == "html";
 }
 
-bool is_x3d_json(Bytes bytes) {
-  std::string text = start_of_text(bytes).substr(0, 256);
-  std::erase_if(text, [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; });
-  return text.starts_with("{\"X3D\":");
-}
 bool is_tileset(Bytes bytes) {
   const std::string text = start_of_text(bytes);
   return text.starts_with('{') && text.find("\"geometricError\"") != std::string::npos;
@@ -156,9 +151,7 @@ constexpr ContentType foreign(std::string_view name, std::string_view extensions
   return type;
 }
 
-constexpr std::string_view kCastle =
-    "castle-model-viewer shows it, and castle-model-converter converts its shapes to STL";
-constexpr std::string_view kX3d = "export it as VRML97 (.wrl) from its editor, or as STL with castle-model-converter";
+constexpr std::string_view kX3d = "export it as X3D in XML encoding (.x3d) or as VRML97 (.wrl) from its editor";
 constexpr std::string_view kBlender = "open it in Blender and export glTF (.glb)";
 constexpr std::string_view kFreeCad = "open it in FreeCAD and export glTF (.glb), STL or OBJ";
 constexpr std::string_view kCad = "export STL, OBJ or glTF (.glb) from the program that wrote it";
@@ -172,12 +165,7 @@ constexpr std::string_view kUnpack = "unpack it, then open a file in it";
 
 // Rows of one kind stay together. The first rows are those that are most likely to become readable.
 constexpr ContentType kForeignTypes[] = {
-    foreign("VRML 1.0", "", begins_ignoring_case<"#vrml v1.0">, kCastle),
-    foreign("Open Inventor", ".iv ", begins_ignoring_case<"#inventor">, kCastle),
-    foreign("X3D in classic encoding", ".x3dv ", begins_ignoring_case<"#x3d">, kX3d),
-    foreign("X3D in XML encoding", ".x3d ", has_root<"X3D">, kX3d),
-    foreign("X3D in JSON encoding", ".x3dj ", is_x3d_json, kX3d),
-    foreign("X3D in binary encoding", ".x3db ", has_mark<"\xe0\0\0\x01">, kX3d),
+    foreign("X3D in binary encoding (Fast Infoset)", ".x3db ", has_mark<"\xe0\0\0\x01">, kX3d),
     foreign("DICOM", ".dcm .dicom .ima ", has_mark<"DICM", 128>,
             "convert the series to NIfTI with 'dcm2niix -z y FOLDER', then open the .nii.gz file"),
     foreign("HDF5 (NetCDF-4, VTKHDF, CGNS)", ".h5 .hdf5 .hdf .he5 .vtkhdf ", has_mark<"\x89HDF\r\n\x1a\n">,

@@ -1,12 +1,12 @@
 #include "app/inspect/field_edits.h"
 
 #include "app/script/run_time_nodes.h"
+#include "vrml/scene/field_numbers.h"
 
 #include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <span>
 #include <string_view>
 #include <utility>
 
@@ -102,9 +102,10 @@ std::optional<std::string> why_not(double number, const std::optional<Interval>&
   return std::nullopt;
 }
 
-std::optional<std::string> why_not_all(std::span<const float> numbers, const std::optional<Interval>& range) {
-  for (const float number : numbers)
-    if (auto why = why_not(number, range)) return why;
+template <vrml::NumberElement T>
+std::optional<std::string> why_not_all(const T& element, const std::optional<Interval>& range) {
+  for (int i = 0; i < vrml::ElementNumbers<T>::kCount; ++i)
+    if (auto why = why_not(vrml::numbers_of(element)[i], range)) return why;
   return std::nullopt;
 }
 
@@ -113,27 +114,26 @@ constexpr Interval kUnitInterval{0, 1, false, false};
 struct Check {
   Ranges ranges;
 
-  std::optional<std::string> operator()(float number) const { return why_not(number, ranges.numbers); }
-  std::optional<std::string> operator()(double number) const { return why_not(number, ranges.numbers); }
-  std::optional<std::string> operator()(std::int32_t number) const { return why_not(number, ranges.numbers); }
-  std::optional<std::string> operator()(const vrml::Color& color) const {
-    const float all[] = {color.r, color.g, color.b};
-    return why_not_all(all, kUnitInterval);
+  template <vrml::NumberElement T>
+  std::optional<std::string> operator()(const T& element) const {
+    return why_not_all(element, ranges.numbers);
   }
-  std::optional<std::string> operator()(const glm::vec2& vector) const {
-    const float all[] = {vector.x, vector.y};
-    return why_not_all(all, ranges.numbers);
+  template <class T, int kInitial>
+  std::optional<std::string> operator()(const Boxed<T, kInitial>& value) const {
+    return (*this)(*value);
+  }
+  std::optional<std::string> operator()(const vrml::Color& color) const { return why_not_all(color, kUnitInterval); }
+  std::optional<std::string> operator()(const vrml::ColorRGBA& color) const {
+    return why_not_all(color, kUnitInterval);
   }
   std::optional<std::string> operator()(const glm::vec3& vector) const {
-    const float all[] = {vector.x, vector.y, vector.z};
     if (ranges.alternative == "-1,-1,-1" && vector == glm::vec3(-1)) return std::nullopt;
-    auto why = why_not_all(all, ranges.numbers);
+    auto why = why_not_all(vector, ranges.numbers);
     if (why && !ranges.alternative.empty()) *why += ", or " + std::string(ranges.alternative);
     return why;
   }
   std::optional<std::string> operator()(const vrml::Rotation& rotation) const {
-    const float all[] = {rotation.x, rotation.y, rotation.z};
-    if (auto why = why_not_all(all, std::nullopt)) return why;
+    if (auto why = why_not_all(glm::vec3(rotation.x, rotation.y, rotation.z), std::nullopt)) return why;
     if (rotation.x == 0 && rotation.y == 0 && rotation.z == 0 && rotation.angle != 0)
       return "0 0 0 is not an axis; expected the direction of the axis";
     return why_not(rotation.angle, ranges.angle);

@@ -1,6 +1,7 @@
 #include "app/inspect/field_values.h"
 
 #include "base/text.h"
+#include "vrml/scene/field_numbers.h"
 #include "vrml/syntax/printer.h"
 
 #include <algorithm>
@@ -17,7 +18,7 @@ namespace {
 using vrml::FieldType;
 using vrml::NodeKind;
 
-constexpr std::size_t kElements = 6, kText = 200;  // max number of elements and of characters to show
+constexpr std::size_t kElements = 6, kText = 200;          // max number of elements and of characters to show
 constexpr std::size_t kEdited = 64, kEditedText = 16'000;  // max number of elements and of bytes to edit on one line
 
 // Row of the table of units. Gives the unit of the fields with this name and type, for one node type or
@@ -89,6 +90,11 @@ std::string on_a_line(std::string text) {
   return text;
 }
 
+std::string image_text(const vrml::SFImage& image) {
+  return std::to_string(image.width()) + " x " + std::to_string(image.height()) + " pixels of " +
+         std::to_string(image.components()) + (image.components() == 1 ? " component" : " components");
+}
+
 vrml::SFString cut_text(const vrml::SFString& text) {
   return text.view().size() <= kText ? text : vrml::SFString(shortened(text.str().substr(0, 2 * kText), kText));
 }
@@ -115,7 +121,7 @@ vrml::FieldValue element_of(const vrml::FieldValue& value, std::size_t index) {
   return std::visit(
       [&](const auto& one) -> vrml::FieldValue {
         if constexpr (requires { one.span(); })
-          return one[index];
+          return vrml::single_value_of(one[index]);
         else
           return one;
       },
@@ -127,9 +133,9 @@ bool set_element(vrml::FieldValue& value, std::size_t index, const vrml::FieldVa
       [&](auto& one) {
         using Value = std::decay_t<decltype(one)>;
         if constexpr (requires { one.span(); }) {
-          const auto* const other = std::get_if<typename Value::value_type>(&element);
+          const auto* const other = std::get_if<vrml::SingleValue<vrml::ElementOf<Value>>>(&element);
           if (!other || index >= one.size()) return false;
-          one.mutable_data()[index] = *other;
+          one.mutable_data()[index] = vrml::element_in(*other);
           return true;
         } else {
           const auto* const other = std::get_if<Value>(&element);
@@ -142,9 +148,13 @@ bool set_element(vrml::FieldValue& value, std::size_t index, const vrml::FieldVa
 }
 
 std::string value_text(const vrml::FieldValue& value, const vrml::SceneGraph& scene) {
-  if (const auto* image = std::get_if<vrml::SFImage>(&value))
-    return std::to_string(image->width()) + " x " + std::to_string(image->height()) + " pixels of " +
-           std::to_string(image->components()) + (image->components() == 1 ? " component" : " components");
+  if (const auto* image = std::get_if<vrml::SFImage>(&value)) return image_text(*image);
+  if (const auto* images = std::get_if<vrml::MFImage>(&value)) {
+    std::string text = "[";
+    for (std::size_t i = 0; i < images->size() && i < kElements; ++i)
+      text += (i > 0 ? ", " : " ") + image_text((*images)[i]);
+    return text + (images->size() > kElements ? ", ... ]" : images->empty() ? "]" : " ]");
+  }
   std::string text;
   if (const auto* string = std::get_if<vrml::SFString>(&value)) {
     vrml::print_value(text, cut_text(*string), scene);
@@ -175,6 +185,9 @@ std::optional<std::string> editable_text(const vrml::FieldValue& value, const vr
   if (const auto* string = std::get_if<vrml::SFString>(&value); string && string->view().size() > kEditedText)
     return std::nullopt;
   if (vrml::element_count(value) > kEdited) return std::nullopt;
+  if (const auto* images = std::get_if<vrml::MFImage>(&value))
+    for (const vrml::SFImage& image : *images)
+      if (image.words.size() > kEdited) return std::nullopt;
   if (const auto* strings = std::get_if<vrml::MFString>(&value))
     for (const vrml::SFString& one : *strings)
       if (one.view().size() > kEditedText) return std::nullopt;

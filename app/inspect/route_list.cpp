@@ -26,7 +26,7 @@ void RouteList::refresh(const vrml::Execution* world, const NodeAt& selected) {
   if (!world) return;
   for (const vrml::PlacedRoute& one : world->routes().all()) {
     ++all_;
-    const Row row{{one.scene, one.route.from}, {one.scene, one.route.to}, one.route.event_out, one.route.event_in};
+    const Row row{{one.scene, one.route.from}, {one.to_scene, one.route.to}, one.route.event_out, one.route.event_in};
     if (!only || row.from == only || row.to == only) rows_.push_back(row);
   }
 }

@@ -52,7 +52,8 @@ bool cut_text_of_value(JSContext* context, JS::HandleValue value, std::size_t mo
 bool make_string(JSContext* context, std::string_view text, JS::MutableHandleValue value);
 bool fail(JSContext* context, const std::string& why);
 
-// natives/tuples.cpp: SFColor, SFRotation, SFVec2f, SFVec3f
+// natives/tuples.cpp: SFColor, SFColorRGBA, SFRotation, and vectors
+inline constexpr int kMaxComponents = 4;
 bool define_tuples(JSContext* context, JS::HandleObject library, std::vector<JS::PersistentRootedObject>& prototypes);
 JSObject* make_tuple(JSContext* context, vrml::FieldType type, const double* components, Source source = {});
 /// Returns the type and the components. Returns false if the object is no tuple.
@@ -87,6 +88,10 @@ bool image_of(JSContext* context, JS::HandleObject object, vrml::PixelImage& ima
 bool image_array_changed(JSContext* context, JS::HandleObject image);
 
 // natives/matrices.cpp
+/// Makes a matrix of 9 or 16 numbers.
+JSObject* make_matrix(JSContext* context, int count, const double* numbers, Source source = {});
+/// Returns the numbers of a matrix of `count` numbers. Returns false if the object is no such matrix.
+[[nodiscard]] bool numbers_of_matrix(JSObject* object, int count, double* numbers);
 bool define_matrices(JSContext* context, JS::HandleObject library, std::vector<JS::PersistentRootedObject>& prototypes);
 
 // browser/browser.cpp

@@ -2,6 +2,7 @@
 
 #include "app/script/natives.h"
 #include "app/script/program_text.h"
+#include "vrml/scene/field_numbers.h"
 
 #include <js/CallAndConstruct.h>
 #include <js/CompilationAndEvaluation.h>
@@ -12,9 +13,7 @@ namespace gs::app::script {
 namespace {
 
 bool is_object(vrml::FieldType type) {
-  using vrml::FieldType;
-  return vrml::is_multiple(type) || type == FieldType::SFColor || type == FieldType::SFVec2f ||
-         type == FieldType::SFVec3f || type == FieldType::SFRotation || type == FieldType::SFImage;
+  return vrml::is_multiple(type) || vrml::number_count(type) > 1 || type == vrml::FieldType::SFImage;
 }
 
 }  // namespace

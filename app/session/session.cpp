@@ -122,6 +122,7 @@ void Session::place_viewer(Document& document, const View& leader) const {
   const bool at_viewpoint = at_home(leader) && (leader.viewpoint || step_.simulated);
   if (execution.viewer().is_set() || !at_viewpoint)
     execution.viewer().set(world_from_viewer(way ? way->to : leader.navigation.pose));
+  execution.viewer().set_center(leader.navigation.center);
 }
 
 // Advances time in the visible worlds. Returns true if a picture changed.

@@ -148,7 +148,9 @@ const View& Simulation::look() {
 render::Camera Simulation::camera() {
   const View& seen = look();
   // Use the Viewpoint's own matrix, which is more exact than a pose.
-  if (at_home(seen) && seen.viewpoint && !seen.style.parallel)
+  const bool exact = seen.viewpoint && !seen.style.parallel && *seen.viewpoint < seen.list->viewpoints.size() &&
+                     !seen.list->viewpoints[*seen.viewpoint].view_all;
+  if (at_home(seen) && exact)
     return viewpoint_camera(*seen.list, seen.bound, seen.home_size);
   return camera_of(seen.navigation.pose);
 }
@@ -245,11 +247,13 @@ void Simulation::fetch() {
   ResourceUpdates arrivals = loading_->take_updates();
   for (const auto& feed : arrivals.feeds) (void)feed->apply();
   (void)arrive(*document_, std::move(arrivals));
+  document_->runtime->execution().loads().end();
 }
 
 void Simulation::run(double seconds, const std::function<bool()>& go_on) {
   if (steps_ == 0) {
     if (document_->runtime) document_->runtime->programs().set_settings({0, true});
+    if (document_->runtime) document_->runtime->execution().loads().end();
     begin_world(*document_, kSimulatedStart);
     session_.readers().show(document_);
     step(0, false);

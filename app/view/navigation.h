@@ -184,6 +184,8 @@ struct Navigation {
 /// Returns a pose that shows all of `bounds` along the view direction of `pose`, level with respect to `up`.
 [[nodiscard]] Pose pose_that_fits(const Pose& pose, const WideBox& bounds, const glm::vec2& viewport,
                                   const glm::vec3& up = {0, 1, 0});
+/// Returns the height of a parallel projection that shows a rectangle of this size in a viewport.
+[[nodiscard]] double height_that_shows(const glm::dvec2& extent, const glm::vec2& viewport);
 /// Side of an object from the position of a viewer in front of it: `left` is at the viewer's left.
 enum class ViewSide : std::uint8_t { front, back, left, right, top, bottom };
 inline constexpr int kSideCount = 6;

@@ -93,7 +93,7 @@ Drag drag_of(NavigationMode mode, DragButton button, bool modified) {
 std::vector<std::size_t> listed_viewpoints(const std::vector<render::ViewpointState>& viewpoints) {
   std::vector<std::size_t> listed;
   for (std::size_t i = 0; i < viewpoints.size(); ++i)
-    if (i == 0 || !viewpoints[i].description.empty()) listed.push_back(i);
+    if (viewpoints[i].listed && (i == 0 || !viewpoints[i].description.empty())) listed.push_back(i);
   return listed;
 }
 

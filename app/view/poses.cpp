@@ -165,6 +165,12 @@ Pose with_parallel_rays(Pose pose, bool parallel, double distance) {
   return valid_pose(pose, pose);
 }
 
+double height_that_shows(const glm::dvec2& extent, const glm::vec2& viewport) {
+  const glm::dvec2 size = viewport.x > 0 && viewport.y > 0 ? glm::dvec2(viewport) : glm::dvec2(1);
+  const double smaller = std::min(size.x, size.y);
+  return std::max(extent.x * smaller / size.x, extent.y * smaller / size.y);
+}
+
 float pixel_along_ray(const Pose& pose, const glm::vec2& size) {
   const float pixels = std::max(1.0f, std::min(size.x, size.y));
   if (pose.height > 0) return static_cast<float>(1 / (kParallelReach * double{pixels}));
@@ -180,6 +186,7 @@ render::Camera viewpoint_camera(const render::RenderList& list, const vrml::Node
     return render::first_camera(list.bounds, camera.field_of_view, size.x, size.y);
   camera.world_from_camera = viewpoint->world_from_camera;
   camera.field_of_view = viewpoint->field_of_view;
+  if (viewpoint->extent.x > 0) camera.height = height_that_shows(viewpoint->extent, size);
   return camera;
 }
 

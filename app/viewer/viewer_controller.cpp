@@ -1,8 +1,9 @@
 #include "app/viewer/viewer_controller.h"
 
 #include "app/base/console.h"
-#include "app/view/camera_text.h"
 #include "app/desktop/hand_over.h"
+#include "app/session/navigation/key_input.h"
+#include "app/view/camera_text.h"
 #include "base/text.h"
 
 #include <algorithm>
@@ -83,10 +84,13 @@ std::vector<SessionInput::Event> ViewerController::take(const std::vector<Window
     if (event.kind == WindowEvent::Kind::key_down) {
       const ActionRow* row = action_of(event);
       const bool typed = ui_.wants_keys();
-      if (row && !(row->of_world && typed) && run(row->action)) continue;
+      const View* const seen = session_.view();
+      const bool taken = !typed && seen && world_takes_key(*seen, event);
+      if (row && !taken && !(row->of_world && typed) && run(row->action)) continue;
       if (typed && !(row && !row->of_world)) continue;
       if (inspection_.takes_arrows() && is_arrow(event.key)) continue;
     }
+    if (event.kind == WindowEvent::Kind::character && ui_.wants_keys()) continue;
     if (picks(event)) continue;
     const SessionInput::Event one{event, ui_.wants_pointer()};
     if (!window_.take(one)) result.push_back(one);

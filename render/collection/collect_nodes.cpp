@@ -17,7 +17,7 @@ using glm::dmat3;
 using glm::dmat4;
 using glm::dvec3;
 
-constexpr std::size_t kMaxText = 1024;  // maximum bytes; USE can multiply a long text
+constexpr std::size_t kMaxText = 1024;              // maximum bytes; USE can multiply a long text
 constexpr std::size_t kMaxBackgroundColors = 1024;  // maximum rings of a Background; more than the rows of a screen
 constexpr std::size_t kMaxNavigationTypes = 16;
 constexpr float kHalfPi = std::numbers::pi_v<float> / 2;
@@ -157,6 +157,24 @@ ViewpointState world_viewpoint(const NodeView& view, const dmat4& world_from_nod
   if (volume > 0 && std::isfinite(volume)) state.scale = std::cbrt(volume);
   const float angle = view.get(F::field_of_view, state.field_of_view);
   if (angle > 0 && angle < std::numbers::pi_v<float>) state.field_of_view = angle;
+  if (const auto* edges = view.find<vrml::MFFloat>(F::field_of_view)) {
+    // OrthoViewpoint (X3D 23.4.5). The view axis passes through the middle of the rectangle.
+    glm::dvec2 lower(-1), upper(1);
+    constexpr std::size_t kEdges = 4;
+    if (edges->size() >= kEdges) {
+      lower = {(*edges)[0], (*edges)[1]};
+      upper = {(*edges)[2], (*edges)[3]};
+    }
+    if (!(upper.x > lower.x) || !(upper.y > lower.y) || !finite(glm::vec2(lower + upper))) lower = -(upper = glm::dvec2(1));
+    state.extent = (upper - lower) * state.scale;
+    state.world_from_camera[3] += glm::dvec4(rotation * dvec3((lower + upper) / 2.0 * state.scale, 0), 0);
+  }
+  if (const auto* center = view.find<vrml::SFVec3f>(F::center_of_rotation)) {
+    const dvec3 place(world_from_node * glm::dvec4(*center, 1));
+    if (finite(place)) state.center_of_rotation = place;
+  }
+  state.view_all = view.get(F::view_all, false);
+  state.retains_offset = view.get(F::retain_offsets, false);
   return state;
 }
 
@@ -175,6 +193,10 @@ NavigationState navigation_state(const NodeView& view) {
   state.speed = number(view, F::speed, 0, largest, 1);
   state.visibility_limit = number(view, F::visibility_limit, 0, largest, 0);
   state.headlight = view.get(F::headlight, true);
+  if (const auto* seconds = view.find<vrml::SFTime>(F::transition_time))
+    state.transition_seconds = static_cast<float>(within(static_cast<float>(*seconds), 0, largest, 1));
+  if (const auto* types = view.find<vrml::MFString>(F::transition_type))
+    state.teleports = !types->empty() && (*types)[0].view() == "TELEPORT";
   return state;
 }
 
@@ -203,6 +225,44 @@ Fog world_fog(const NodeView& view, const dmat4& world_from_node) {
   for (int i = 0; i < 3; ++i)
     if (!finite(fog.fog_from_world[i])) return {};
   return fog;
+}
+
+glm::dvec4 world_clip_plane(const NodeView& view, const dmat4& world_from_node) {
+  constexpr glm::dvec4 kNothing(0, 0, 0, 1);
+  const auto* given = view.find<vrml::SFVec4f>(ClipPlaneFields::plane);
+  const glm::dvec4 plane = given ? glm::dvec4(*given) : glm::dvec4(0, 1, 0, 0);
+  const glm::dvec4 world = glm::transpose(glm::inverse(world_from_node)) * plane;
+  const double length = glm::length(dvec3(world));
+  return length > 0 && std::isfinite(length) && std::isfinite(world.w) ? world / length : kNothing;
+}
+
+ShapeStyle style_of(const NodeView& line, const NodeView& fill, const NodeView& point) {
+  constexpr float kMaxPixels = 256;
+  constexpr float kLeastPoint = 2;  // points without PointProperties have this size
+  ShapeStyle style;
+  if (line.kind() == NodeKind::line_properties && line.get(LineFields::applied, true)) {
+    style.line_width = number(line, LineFields::width, 1, kMaxPixels, 1);
+    style.line_pattern = line_pattern(line.get<vrml::SFInt32>(LineFields::line_type, 1));
+  }
+  if (fill.kind() == NodeKind::fill_properties) {
+    style.filled = fill.get(FillFields::filled, true);
+    style.hatched = fill.get(FillFields::hatched, true);
+    style.hatch_color = color(fill, FillFields::hatch_color, glm::vec3(1));
+    style.hatch_style = fill.get<vrml::SFInt32>(FillFields::hatch_style, 1);
+  }
+  if (point.kind() != NodeKind::point_properties) return style;
+  style.sized_points = true;
+  style.point_size = number(point, PointFields::size, 1, kMaxPixels, 1);
+  style.point_attenuation = glm::max(vector(point, PointFields::attenuation, {1, 0, 0}), glm::vec3(0));
+  style.smallest_point = std::max(number(point, PointFields::smallest, 0, kMaxPixels, 1), kLeastPoint);
+  style.largest_point = std::max(number(point, PointFields::largest, 0, kMaxPixels, 1), style.smallest_point);
+  // Without attenuation, the limits do not apply: their defaults would make pointSizeScaleFactor useless.
+  if (style.point_attenuation == glm::vec3(1, 0, 0) || style.point_attenuation == glm::vec3(0)) {
+    style.point_attenuation = {1, 0, 0};
+    style.smallest_point = kLeastPoint;
+    style.largest_point = kMaxPixels;
+  }
+  return style;
 }
 
 Material material_of(const NodeView& view) {

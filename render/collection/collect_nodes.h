@@ -32,6 +32,12 @@ namespace gs::render {
 /// Returns a Fog; `world_from_node` defines its space. Returns no fog if the matrix is singular.
 [[nodiscard]] Fog world_fog(const NodeView& fog, const glm::dmat4& world_from_node);
 
+/// Returns a ClipPlane in world space. Returns a plane that clips nothing if a value is not finite or the matrix is
+/// singular.
+[[nodiscard]] glm::dvec4 world_clip_plane(const NodeView& clip_plane, const glm::dmat4& world_from_node);
+/// Returns the style of LineProperties, FillProperties and PointProperties; each view may be empty.
+[[nodiscard]] ShapeStyle style_of(const NodeView& line, const NodeView& fill, const NodeView& point);
+
 /// Returns a lit material, with values clamped to the ranges of 6.27.
 [[nodiscard]] Material material_of(const NodeView& material);
 /// Returns the field `detail` of a QNV node, 1/100 to 100. Returns 1 for other nodes.

@@ -15,6 +15,7 @@ constexpr SchemaRow kSchemaRows[] = {
     {NodeKind::group, {"children"}},
     {NodeKind::collision, {"children", "collide", "proxy"}},
     {NodeKind::transform, {"children", "center", "rotation", "scale", "scaleOrientation", "translation"}},
+    {NodeKind::humanoid, {"skeleton", "center", "rotation", "scale", "scaleOrientation", "translation", "skin"}},
     {NodeKind::billboard, {"children", "axisOfRotation"}},
     {NodeKind::switch_node, {"choice", "whichChoice"}},
     {NodeKind::lod, {"level", "center", "range"}},
@@ -24,11 +25,21 @@ constexpr SchemaRow kSchemaRows[] = {
     {NodeKind::spot_light,
      {"on", "color", "intensity", "ambientIntensity", "direction", "location", "attenuation", "radius", "beamWidth",
       "cutOffAngle"}},
-    {NodeKind::viewpoint, {"position", "orientation", "fieldOfView", "description", "jump"}},
-    {NodeKind::navigation_info, {"type", "avatarSize", "speed", "visibilityLimit", "headlight"}},
+    {NodeKind::viewpoint,
+     {"position", "orientation", "fieldOfView", "description", "jump", "centerOfRotation", "viewAll",
+      "retainUserOffsets"}},
+    {NodeKind::viewpoint_group, {"children", "displayed", "retainUserOffsets"}},
+    {NodeKind::navigation_info,
+     {"type", "avatarSize", "speed", "visibilityLimit", "headlight", "transitionType", "transitionTime"}},
     {NodeKind::background, {"skyColor", "skyAngle", "groundColor", "groundAngle"}},
     {NodeKind::fog, {"color", "fogType", "visibilityRange"}},
-    {NodeKind::appearance, {}},
+    {NodeKind::local_fog, {"color", "fogType", "visibilityRange", "enabled"}},
+    {NodeKind::appearance, {"lineProperties", "fillProperties", "pointProperties"}},
+    {NodeKind::line_properties, {"applied", "linetype", "linewidthScaleFactor"}},
+    {NodeKind::fill_properties, {"filled", "hatched", "hatchColor", "hatchStyle"}},
+    {NodeKind::point_properties, {"pointSizeScaleFactor", "pointSizeMinValue", "pointSizeMaxValue", "attenuation"}},
+    {NodeKind::clip_plane, {"enabled", "plane"}},
+    {NodeKind::cad_face, {"shape"}},
     {NodeKind::material,
      {"diffuseColor", "emissiveColor", "specularColor", "ambientIntensity", "shininess", "transparency"}},
     {NodeKind::image_texture, {"repeatS", "repeatT"}},
@@ -51,6 +62,14 @@ Schema make_schema(const vrml::NodeType& type) {
       if (!row.fields[i].empty())
         if (const vrml::InterfaceDeclaration* declaration = type.find_field(row.fields[i]))
           schema.slots[i] = declaration->slot;
+  }
+  const auto slot_of = [&](std::string_view name) {
+    const vrml::InterfaceDeclaration* declaration = type.find_field(name);
+    return declaration ? declaration->slot : -1;
+  };
+  if (type.language == vrml::Language::x3d) {
+    schema.visible = slot_of("visible");
+    schema.box_display = slot_of("bboxDisplay");
   }
   return schema;
 }

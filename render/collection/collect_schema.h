@@ -21,6 +21,9 @@ struct CollisionFields {
 struct TransformFields {
   enum : int { children, center, rotation, scale, scale_orientation, translation };
 };
+struct HumanoidFields {  // the first ones are those of a Transform
+  enum : int { skeleton, skin = TransformFields::translation + 1 };
+};
 struct BillboardFields {
   enum : int { children, axis_of_rotation };
 };
@@ -48,16 +51,40 @@ struct LightFields {
   };
 };
 struct ViewpointFields {
-  enum : int { position, orientation, field_of_view, description, jump };
+  enum : int { position, orientation, field_of_view, description, jump, center_of_rotation, view_all, retain_offsets };
+};
+struct ViewpointGroupFields {
+  enum : int { children, displayed, retain_offsets };
 };
 struct NavigationFields {
-  enum : int { type, avatar_size, speed, visibility_limit, headlight };
+  enum : int { type, avatar_size, speed, visibility_limit, headlight, transition_type, transition_time };
 };
 struct BackgroundFields {
   enum : int { sky_color, sky_angle, ground_color, ground_angle };
 };
 struct FogFields {
   enum : int { color, fog_type, visibility_range };
+};
+struct LocalFogFields : FogFields {
+  enum : int { enabled = 3 };
+};
+struct AppearanceFields {
+  enum : int { line_properties, fill_properties, point_properties };
+};
+struct LineFields {
+  enum : int { applied, line_type, width };
+};
+struct FillFields {
+  enum : int { filled, hatched, hatch_color, hatch_style };
+};
+struct PointFields {
+  enum : int { size, smallest, largest, attenuation };
+};
+struct ClipPlaneFields {
+  enum : int { enabled, plane };
+};
+struct CadFaceFields {
+  enum : int { shape };
 };
 struct MaterialFields {
   enum : int { diffuse_color, emissive_color, specular_color, ambient_intensity, shininess, transparency };
@@ -82,6 +109,7 @@ struct Schema {
   static constexpr int kFields = 10;
   NodeKind kind = NodeKind::other;
   std::array<int, kFields> slots{};
+  int visible = -1, box_display = -1;  // slots of the fields of X3DBoundedObject
 };
 
 /// Node with its schema.
@@ -100,6 +128,11 @@ struct NodeView {
   template <class T>
   [[nodiscard]] T get(int field, T otherwise) const {
     const T* value = find<T>(field);
+    return value ? *value : otherwise;
+  }
+  /// Returns the value of an SFBool. Returns `otherwise` if the slot is -1.
+  [[nodiscard]] bool flag(int slot, bool otherwise) const {
+    const auto* value = slot < 0 ? nullptr : std::get_if<vrml::SFBool>(&node->values[slot]);
     return value ? *value : otherwise;
   }
 };

@@ -20,6 +20,7 @@ using glm::dmat4;
 using glm::dvec3;
 
 constexpr std::size_t kMaxLights = 60'000;  // DrawItem stores indexes of lights in 16 bits
+constexpr std::size_t kMaxScoped = 60'000;  // ClipPlanes, and LocalFogs: DrawItem stores indexes in 16 bits
 constexpr std::size_t kMaxViewpoints = 10'000;
 constexpr std::size_t kMaxSounds = 10'000;
 constexpr std::size_t kMaxDepth = 100'000;
@@ -99,7 +100,8 @@ RenderList Collector::collect(const vrml::SceneGraph& scene) {
 }
 
 std::size_t Collector::content() const {
-  return list_.items.size() + list_.splats.size() + list_.lights.size() + others_;
+  return list_.items.size() + list_.splats.size() + list_.lights.size() + list_.clip_planes.size() +
+         list_.local_fogs.size() + others_;
 }
 
 std::uint32_t Collector::add_place(const Frame& parent, vrml::NodeId id) {
@@ -111,23 +113,50 @@ std::uint32_t Collector::add_place(const Frame& parent, vrml::NodeId id) {
 void Collector::enter(Frame frame) {
   if (path_.size() >= kMaxDepth) return;
   frame.lights_outside = active_lights_.size();
+  frame.clips_outside = active_clips_.size();
   if (frame.node) {
     frame.opened = !(*frame.on_path)[frame.node];  // if false, an outer frame will clear the mark
     (*frame.on_path)[frame.node] = true;
   }
   // A DirectionalLight affects all its siblings, also those before it (VRML97 6.16).
-  for (const vrml::NodeId* child = frame.next; child != frame.end && frame.presence.visible; ++child) {
-    const NodeView view = schemas_.view(*frame.scene, *child);
-    if (view.kind() == NodeKind::directional_light) add_light(view, frame.world_from_local, frame.frame, true);
-  }
+  for (const vrml::NodeId* child = frame.next; child != frame.end && frame.presence.visible; ++child)
+    add_scoped(frame, *child);
   path_.push_back(frame);
+}
+
+// Adds a node that affects its siblings and what is below them: a DirectionalLight, ClipPlane or LocalFog.
+void Collector::add_scoped(Frame& frame, vrml::NodeId child) {
+  const NodeView view = schemas_.view(*frame.scene, child);
+  switch (view.kind()) {
+    case NodeKind::directional_light:
+      if (!frame.presence.hidden) add_light(view, frame.world_from_local, frame.frame, true);
+      break;
+    case NodeKind::clip_plane:
+      if (!view.get(ClipPlaneFields::enabled, true) || list_.clip_planes.size() >= kMaxScoped) break;
+      active_clips_.push_back(static_cast<std::uint16_t>(list_.clip_planes.size()));
+      clips_changed_ = true;
+      list_.clip_planes.push_back(world_clip_plane(view, frame.world_from_local));
+      if (sources_) sources_->clip_planes.push_back({view.node, frame.frame});
+      break;
+    case NodeKind::local_fog:
+      if (!view.get(LocalFogFields::enabled, true) || list_.local_fogs.size() >= kMaxScoped) break;
+      frame.presence.local_fog = static_cast<std::uint16_t>(list_.local_fogs.size());
+      list_.local_fogs.push_back(world_fog(view, frame.world_from_local));
+      if (sources_) sources_->local_fogs.push_back({view.node, frame.frame});
+      break;
+    default:
+      break;
+  }
 }
 
 void Collector::leave() {
   const Frame& top = path_.back();
   if (top.opened) (*top.on_path)[top.node] = false;
+  if (top.boxed) add_box(*top.boxed, top.world_from_local, top.first_item, top.place, top.presence);
   lights_changed_ = lights_changed_ || active_lights_.size() != top.lights_outside;
   active_lights_.resize(top.lights_outside);
+  clips_changed_ = clips_changed_ || active_clips_.size() != top.clips_outside;
+  active_clips_.resize(top.clips_outside);
   if (content() == top.content_before) {
     // The group draws nothing, so remove its paths. Hostile worlds have millions of such groups.
     list_.places.resize(top.places_before);
@@ -163,6 +192,12 @@ Collector::Frame Collector::frame_below(const Frame& parent, vrml::NodeId id, st
   frame.frames_before = static_cast<std::uint32_t>(list_.world_from_frame.size());
   frame.content_before = content();
   frame.place = add_place(parent, id);
+  frame.first_item = list_.items.size();
+  const vrml::Node& node = parent.scene->node(id);
+  if (node.type->language == vrml::Language::x3d && !parent.presence.hidden) {
+    const NodeView view{&node, &schemas_.of(*node.type)};
+    if (view.flag(view.schema->box_display, false)) frame.boxed = &node;
+  }
   return frame;
 }
 
@@ -200,6 +235,15 @@ void Collector::enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MF
     sources_->complete = false;
   }
   enter(frame);
+}
+
+// Enters the skeleton and the skin of an HAnimHumanoid as one list.
+void Collector::enter_humanoid(const Frame& parent, vrml::NodeId id, const NodeView& humanoid) {
+  vrml::MFNode& parts = joined_.emplace_back();
+  for (const int field : {HumanoidFields::skeleton, HumanoidFields::skin})
+    if (const auto* list = humanoid.find<vrml::MFNode>(field))
+      for (const vrml::NodeId part : *list) parts.push_back(part);
+  enter_moved(parent, id, &parts, transform_matrix(humanoid), false);
 }
 
 void Collector::enter_choice(const Frame& parent, vrml::NodeId id, const vrml::MFNode* choices, std::int64_t which) {
@@ -262,15 +306,23 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
     inside = given;
     inside.presence.overlay = true;
   }
-  const Frame& parent = begins ? inside : given;
-  id = parent.scene->resolve(id);
-  if (!id || (*parent.on_path)[id.index]) return;
-  const vrml::Node& node = parent.scene->node(id);
+  id = given.scene->resolve(id);
+  if (!id || (*given.on_path)[id.index]) return;
+  const vrml::Node& node = given.scene->node(id);
   const NodeView view{&node, &schemas_.of(*node.type)};
+  const bool hides = !view.flag(view.schema->visible, true);
+  if (hides) {
+    if (!begins) inside = given;
+    inside.presence.hidden = true;
+  }
+  const Frame& parent = begins || hides ? inside : given;
   const dmat4& world = parent.world_from_local;
   switch (view.kind()) {
     case NodeKind::shape:
-      add_shape(parent, id, view);
+      if (!parent.presence.hidden) add_shape(parent, id, view);
+      break;
+    case NodeKind::cad_face:
+      if (const auto* shape = view.find<vrml::SFNode>(CadFaceFields::shape)) enter_one(parent, id, *shape);
       break;
     case NodeKind::group:
       enter_node(parent, id, view.find<vrml::MFNode>(GroupFields::children));
@@ -280,6 +332,9 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
       break;
     case NodeKind::transform:
       enter_moved(parent, id, view.find<vrml::MFNode>(TransformFields::children), transform_matrix(view), false);
+      break;
+    case NodeKind::humanoid:
+      enter_humanoid(parent, id, view);
       break;
     case NodeKind::billboard:
       enter_moved(parent, id, view.find<vrml::MFNode>(BillboardFields::children),
@@ -301,7 +356,7 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
       break;
     case NodeKind::point_light:
     case NodeKind::spot_light:
-      if (parent.presence.visible) add_light(view, world, parent.frame, false);
+      if (parent.presence.visible && !parent.presence.hidden) add_light(view, world, parent.frame, false);
       break;
     case NodeKind::sound:
       if (parent.presence.visible && list_.sounds.size() < kMaxSounds) {
@@ -309,6 +364,14 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
         list_.sounds.push_back({parent.scene, id, parent.frame});
       }
       break;
+    case NodeKind::viewpoint_group: {
+      Frame group = parent;
+      group.presence.listed = parent.presence.listed && view.get(ViewpointGroupFields::displayed, true);
+      group.presence.retains_offset =
+          parent.presence.retains_offset || view.get(ViewpointGroupFields::retain_offsets, false);
+      enter_node(group, id, view.find<vrml::MFNode>(ViewpointGroupFields::children));
+      break;
+    }
     case NodeKind::viewpoint:
     case NodeKind::navigation_info:
     case NodeKind::background:
@@ -339,6 +402,15 @@ const LightList& Collector::directional_lights() {
   return directional_lights_;
 }
 
+// Returns the active ClipPlanes. If there are too many, returns the outermost ones.
+const ClipList& Collector::clip_planes() {
+  if (std::exchange(clips_changed_, false)) {
+    const std::size_t count = std::min(active_clips_.size(), kMaxClipPlanes);
+    clip_planes_ = ClipList(std::span<const std::uint16_t>(active_clips_).first(count));
+  }
+  return clip_planes_;
+}
+
 void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame& parent) {
   ++others_;
   if (view.kind() == NodeKind::viewpoint) {
@@ -346,6 +418,8 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
     if (viewpoints.size() >= kMaxViewpoints) return;
     viewpoints.push_back(world_viewpoint(view, parent.world_from_local));
     viewpoints.back().scene = parent.scene;
+    viewpoints.back().listed = parent.presence.listed;
+    viewpoints.back().retains_offset |= parent.presence.retains_offset;
     viewpoints.back().node = id;
     if (sources_)
       (parent.main ? sources_->viewpoints : inlined_sources_).push_back({view.node, parent.frame, parent.main});

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <span>
 #include <unordered_map>
@@ -22,7 +23,7 @@ namespace gs::render {
 struct RenderSources {
   /// Coordinate system of a Transform or Billboard. The first frame is that of the world.
   struct Frame {
-    const vrml::Node* node = nullptr;  // null for the frame of the world
+    const vrml::Node* node = nullptr;   // null for the frame of the world
     std::uint32_t parent = 0, end = 0;  // `end`: index after the last frame inside this frame
     std::uint32_t first_item = 0, end_item = 0, first_splat = 0, end_splat = 0, first_light = 0, end_light = 0;
     glm::dmat4 parent_from_local{1.0};
@@ -31,7 +32,7 @@ struct RenderSources {
     const vrml::Node* geometry = nullptr;
     ShapeResources::AppearanceNodes appearance;
     glm::vec3 scale{1.0f};  // scale of a shared default primitive
-    WideBox bounds;  // in world space
+    WideBox bounds;         // in world space
     std::uint8_t text_level = 0;
   };
   struct Local {  // Source of a light, Viewpoint, NavigationInfo, Background or Fog.
@@ -52,11 +53,12 @@ struct RenderSources {
   std::vector<Frame> frames;
   std::vector<Item> items, splats;
   std::vector<Local> lights, viewpoints, bindables;  // lights and viewpoints are in the order of the list
+  std::vector<Local> clip_planes, local_fogs;        // in the order of the list
   std::vector<Lod> lods;
   std::vector<std::uint32_t> billboards;  // indexes of frames
-  std::vector<std::uint32_t> texts;  // indexes of items
-  std::vector<Unshown> unshown;  // may contain a node more than once
-  bool complete = true;  // false if the world has more coordinate systems than the list can store
+  std::vector<std::uint32_t> texts;       // indexes of items
+  std::vector<Unshown> unshown;           // may contain a node more than once
+  bool complete = true;                   // false if the world has more coordinate systems than the list can store
 };
 
 /// Traverses a scene and collects its visible content, as collect() describes.
@@ -81,21 +83,28 @@ class Collector {
  private:
   /// Visibility that a node inherits from the grouping nodes above it.
   struct Presence {
-    bool overlay = false;  // true for content that is fixed to the viewer
-    bool visible = true;  // false in the proxy of a Collision, which is collidable but invisible
+    bool overlay = false;    // true for content that is fixed to the viewer
+    bool visible = true;     // false in the proxy of a Collision, which is collidable but invisible
     bool collidable = true;  // false in a Collision with collide FALSE (6.8)
+    bool hidden = false;     // in a group with `visible` FALSE: neither visible nor collidable (X3D 10.2.1)
+    std::uint16_t local_fog = kNoLocalFog;
+    bool listed = true;  // false below a ViewpointGroup with displayed FALSE
+    bool retains_offset = false;  // true below a ViewpointGroup with retainUserOffsets TRUE
   };
   /// Grouping node on the current path, or the root nodes of a scene.
   struct Frame {
     const vrml::SceneGraph* scene;
     std::vector<bool>* on_path;  // by node index of the scene: true for nodes on the current path
-    std::uint32_t node;  // index of the grouping node; 0 for root nodes
+    std::uint32_t node;          // index of the grouping node; 0 for root nodes
     const vrml::NodeId* next;
     const vrml::NodeId* end;
     glm::dmat4 world_from_local;
     std::size_t lights_outside;  // number of active_lights_ before this group
-    bool main;  // true if not inside of an Inline
+    bool main;                   // true if not inside of an Inline
     Presence presence{};
+    std::size_t clips_outside = 0;  // number of active_clips_ before this group
+    const vrml::Node* boxed = nullptr;  // node of this group, if its box is displayed
+    std::size_t first_item = 0;  // number of items before this group
     bool opened = false;  // this frame has set on_path for its node
     std::uint32_t place = kNoPlace, frame = 0;
     std::uint32_t places_before = 0, frames_before = 0;
@@ -107,6 +116,7 @@ class Collector {
   void enter_node(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children);
   void enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children, const glm::dmat4& local,
                    bool billboard);
+  void enter_humanoid(const Frame& parent, vrml::NodeId id, const NodeView& humanoid);
   void enter_choice(const Frame& parent, vrml::NodeId id, const vrml::MFNode* choices, std::int64_t which);
   void enter_one(const Frame& parent, vrml::NodeId id, const vrml::NodeId& child);
   void enter_inline(const Frame& parent, vrml::NodeId id);
@@ -114,6 +124,10 @@ class Collector {
   void leave();
   void visit(const Frame& parent, vrml::NodeId id);
   const LightList& directional_lights();
+  const ClipList& clip_planes();
+  void add_box(const vrml::Node& node, const glm::dmat4& world_from_local, std::size_t first_item, std::uint32_t place,
+               const Presence& presence);
+  void add_scoped(Frame& frame, vrml::NodeId child);
   void add_light(const NodeView& light, const glm::dmat4& world_from_local, std::uint32_t frame, bool directional);
   void add_bindable(const NodeView& view, vrml::NodeId id, const Frame& parent);
   void add_shape(const Frame& parent, vrml::NodeId id, const NodeView& shape);
@@ -142,9 +156,13 @@ class Collector {
   bool have_navigation_ = false, have_background_ = false, have_fog_ = false;
   std::vector<Frame> path_;
   std::unordered_map<const vrml::SceneGraph*, std::vector<bool>> open_nodes_;
+  std::deque<vrml::MFNode> joined_;  // children of nodes with several lists of them; frames refer to these lists
   std::vector<std::uint16_t> active_lights_;
   LightList directional_lights_;  // indexes of the active directional lights; the items of a group share this list
-  bool lights_changed_ = false;  // active_lights_ has changed after directional_lights_ was made
+  std::vector<std::uint16_t> active_clips_;
+  ClipList clip_planes_;         // the active ClipPlanes of the current group; the items of a group share this list
+  bool clips_changed_ = false;   // active_clips_ has changed after clip_planes_ was made
+  bool lights_changed_ = false;   // active_lights_ has changed after directional_lights_ was made
   std::size_t visits_ = 0;
   std::shared_ptr<Budget> budget_;
   float pixels_per_radian_;
@@ -160,6 +178,8 @@ class Collector {
 
 /// Reports whether all elements are finite and within the range of float.
 [[nodiscard]] bool fits_float(const glm::dmat4& matrix);
+/// Returns the matrix from positions of a mesh, relative to its origin, to world space.
+[[nodiscard]] glm::dmat4 world_from_mesh(const glm::dmat4& world_from_node, const vrml::Mesh& mesh);
 /// Returns the matrix from positions of a geometry, relative to its origin, to world space.
 [[nodiscard]] glm::dmat4 world_from_geometry(const glm::dmat4& world_from_node, const qnv::Geometry& geometry);
 

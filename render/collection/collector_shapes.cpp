@@ -24,6 +24,10 @@ dmat4 world_from_geometry(const dmat4& world_from_node, const qnv::Geometry& geo
   return origin == dvec3(0) ? world_from_node : glm::translate(world_from_node, origin);
 }
 
+dmat4 world_from_mesh(const dmat4& world_from_node, const vrml::Mesh& mesh) {
+  return mesh.origin == dvec3(0) ? world_from_node : glm::translate(world_from_node, mesh.origin);
+}
+
 void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& shape) {
   const vrml::NodeId geometry = geometry_of(*parent.scene, shape);
   if (!geometry) return;
@@ -65,7 +69,8 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
     ++all.count;
   } else {
     // The texture may not be loaded yet, so test the node, not the image.
-    item.mesh = resources_.mesh_of(*parent.scene, geometry, source.appearance.texture != nullptr);
+    item.mesh = resources_.mesh_of(*parent.scene, geometry, source.appearance.need_coordinates());
+    if (item.mesh) world_from_node = world_from_mesh(world_from_node, *item.mesh);
     if (!item.mesh || item.mesh->empty() || !fits_float(world_from_node)) {
       if (sources_) sources_->unshown.push_back({source.geometry, parent.scene});
       return;
@@ -89,12 +94,14 @@ void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geom
                          RenderSources::Item source, const dmat4& world_from_node) {
   item.world_from_node = world_from_node;
   item.directional_lights = directional_lights();
+  item.clip_planes = clip_planes();
+  item.local_fog = parent.presence.local_fog;
   item.place = add_place(parent, id);
   source.bounds = world_bounds(item.mesh->bounds, world_from_node);
   if (item.mesh->font_size > 0) {
     const std::size_t level = text_level(*item.mesh, item.world_from_node, source.bounds, viewer_, pixels_per_radian_,
                                          sources_ && !source.appearance.texture);
-    auto [mesh, made] = resources_.text_mesh_of(*parent.scene, geometry, source.appearance.texture != nullptr, level);
+    auto [mesh, made] = resources_.text_mesh_of(*parent.scene, geometry, source.appearance.need_coordinates(), level);
     source.text_level = ShapeResources::kCoarsestText;
     // If the image has no room for the finer mesh, keep the coarsest.
     if (mesh == item.mesh || charge_triangles(mesh->indices.size() / 3)) {
@@ -111,8 +118,13 @@ void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geom
                     item.mesh->primitive == vrml::Mesh::Primitive::triangles;
   list_.overlays = list_.overlays || item.overlay;
   if (item.visible && !item.overlay && !source.bounds.empty()) list_.bounds.add(source.bounds);
+  const std::uint32_t place = item.place;
   list_.items.push_back(std::move(item));
   if (sources_) sources_->items.push_back(source);
+  const vrml::Node& shape = parent.scene->node(id);
+  const NodeView view{&shape, &schemas_.of(*shape.type)};
+  if (view.flag(view.schema->box_display, false))
+    add_box(shape, parent.world_from_local, list_.items.size() - 1, place, parent.presence);
 }
 
 void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem& shape,
@@ -130,6 +142,7 @@ void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem&
   item.material = item.own_color ? Material{} : shape.material;
   item.detail = detail;
   item.directional_lights = directional_lights();
+  item.clip_planes = clip_planes();
   item.place = add_place(parent, id);
   const Box& box = splats->description().box;
   RenderSources::Item kept = source;

@@ -19,7 +19,7 @@ using glm::dvec3;
 
 constexpr std::uint32_t kBoundsBlock = 256;
 constexpr std::uint32_t kSplat = std::uint32_t{1} << 31;  // bit of Use::index: set for splat items
-constexpr std::uint32_t kUnshown = UINT32_MAX;  // Use::index of a node that draws nothing so far
+constexpr std::uint32_t kUnshown = UINT32_MAX;            // Use::index of a node that draws nothing so far
 
 dvec3 usable(const dvec3& viewer) {
   return std::isfinite(viewer.x) && std::isfinite(viewer.y) && std::isfinite(viewer.z) ? viewer : dvec3(0, 0, 10);
@@ -109,6 +109,10 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
         for (std::uint32_t k = 0; k < sources_.lights.size(); ++k)
           if (sources_.lights[k].node == &node) renew_light(k), any = true;
         break;
+      case Effect::scoped:
+        renew_scoped([&](const RenderSources::Local& local) { return local.node == &node; });
+        any = true;
+        break;
       case Effect::viewpoint:
         for (std::uint32_t k = 0; k < sources_.viewpoints.size(); ++k)
           if (sources_.viewpoints[k].node == &node) renew_viewpoint(k), any = true;
@@ -152,12 +156,17 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
   const NodeView view{&node, &resources_.schemas().of(*node.type)};
   // The body of the PROTO instance has changed.
   if (node.type->prototype && (change.slots >> 63 & 1) != 0) return Effect::everything;
+  const auto changed = [&](int slot) { return slot >= 0 && (change.slots >> std::min(slot, 63) & 1) != 0; };
+  if (changed(view.schema->visible) || changed(view.schema->box_display)) return Effect::everything;
   const auto only = [&](Effect effect, int children) {
     return has_changed(change, view, children) ? Effect::everything : effect;
   };
   switch (view.kind()) {
     case NodeKind::transform:
       return only(Effect::frame, TransformFields::children);
+    case NodeKind::humanoid:
+      if (has_changed(change, view, HumanoidFields::skin)) return Effect::everything;
+      return only(Effect::frame, HumanoidFields::skeleton);
     case NodeKind::billboard:
       return only(Effect::none, BillboardFields::children);  // the next update of the viewer rotates it
     case NodeKind::group:
@@ -168,7 +177,15 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
     case NodeKind::inline_node:
     case NodeKind::shape:
     case NodeKind::appearance:
+    case NodeKind::cad_face:
       return Effect::everything;
+    case NodeKind::clip_plane:
+      return only(Effect::scoped, ClipPlaneFields::enabled);
+    case NodeKind::local_fog:
+      return only(Effect::scoped, LocalFogFields::enabled);
+    case NodeKind::line_properties:
+    case NodeKind::fill_properties:
+    case NodeKind::point_properties:
     case NodeKind::material:
     case NodeKind::texture_transform:
     case NodeKind::pixel_texture:
@@ -179,6 +196,8 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
     case NodeKind::point_light:
     case NodeKind::spot_light:
       return only(Effect::light, LightFields::on);
+    case NodeKind::viewpoint_group:
+      return Effect::everything;
     case NodeKind::viewpoint:
       return Effect::viewpoint;
     case NodeKind::navigation_info:
@@ -228,6 +247,9 @@ const RenderScene::Uses& RenderScene::item_uses() {
     add(source.appearance.material, index);
     add(source.appearance.texture, index);
     add(source.appearance.texture_transform, index);
+    add(source.appearance.line, index);
+    add(source.appearance.fill, index);
+    add(source.appearance.point, index);
     add_geometry(source.geometry, place == kNoPlace ? nullptr : list_->places[place].scene, index);
   };
   for (std::uint32_t i = 0; i < sources_.items.size(); ++i) add_all(sources_.items[i], list_->items[i].place, i);
@@ -265,6 +287,7 @@ void RenderScene::move_frames() {
     for (std::uint32_t i = top.first_item; i < top.end_item; ++i) place_item(i);
     for (std::uint32_t i = top.first_splat; i < top.end_splat; ++i) place_splat(i);
     for (std::uint32_t i = top.first_light; i < top.end_light; ++i) renew_light(i);
+    renew_scoped([&](const RenderSources::Local& local) { return local.frame >= first && local.frame < done; });
     for (std::uint32_t i = 0; i < sources_.viewpoints.size(); ++i)
       if (sources_.viewpoints[i].frame >= first && sources_.viewpoints[i].frame < done) renew_viewpoint(i);
     for (const RenderSources::Local& local : sources_.bindables)
@@ -280,7 +303,7 @@ void RenderScene::place_item(std::uint32_t i) {
   RenderSources::Item& source = sources_.items[i];
   const dmat4& world = list_->world_from_frame[list_->places[item.place].frame];
   const dmat4 world_from_node = item.surface                   ? world_from_geometry(world, *item.surface)
-                                : source.scale == glm::vec3(1) ? world
+                                : source.scale == glm::vec3(1) ? world_from_mesh(world, *item.mesh)
                                                                : glm::scale(world, dvec3(source.scale));
   if (!fits_float(world_from_node)) {
     frame_lost_ = true;
@@ -331,7 +354,7 @@ bool RenderScene::refine_texts() {
     const NodeView shape = resources_.schemas().view(*place.scene, place.node);
     const vrml::NodeId geometry = geometry_of(*place.scene, shape);
     item.mesh = nullptr;  // release the mesh, so that the cache may free an unused level
-    auto [mesh, made] = resources_.text_mesh_of(*place.scene, geometry, source.appearance.texture != nullptr, level);
+    auto [mesh, made] = resources_.text_mesh_of(*place.scene, geometry, source.appearance.need_coordinates(), level);
     any = any || made != source.text_level;
     item.mesh = std::move(mesh);
     source.text_level = made;
@@ -351,7 +374,7 @@ bool RenderScene::renew_geometry(std::uint32_t i) {
   const NodeView shape = resources_.schemas().view(*place.scene, place.node);
   const vrml::NodeId geometry = geometry_of(*place.scene, shape);
   if (!geometry || vrml::scale_of_primitive(*place.scene, geometry)) return false;
-  auto mesh = resources_.mesh_of(*place.scene, geometry, sources_.items[i].appearance.texture != nullptr);
+  auto mesh = resources_.mesh_of(*place.scene, geometry, sources_.items[i].appearance.need_coordinates());
   if (!mesh || mesh->empty()) return false;
   item.mesh = std::move(mesh);
   sources_.items[i].text_level = ShapeResources::kCoarsestText;
@@ -388,6 +411,19 @@ void RenderScene::renew_light(std::uint32_t i) {
       world_light({local.node, &resources_.schemas().of(*local.node->type)}, list_->world_from_frame[local.frame]);
 }
 
+// Updates the ClipPlanes and LocalFogs for which `is_changed(local)` returns true.
+void RenderScene::renew_scoped(const std::function<bool(const RenderSources::Local&)>& is_changed) {
+  const auto view_of = [&](const RenderSources::Local& local) {
+    return NodeView{local.node, &resources_.schemas().of(*local.node->type)};
+  };
+  for (std::size_t i = 0; i < sources_.clip_planes.size(); ++i)
+    if (const RenderSources::Local& local = sources_.clip_planes[i]; is_changed(local))
+      list_->clip_planes[i] = world_clip_plane(view_of(local), list_->world_from_frame[local.frame]);
+  for (std::size_t i = 0; i < sources_.local_fogs.size(); ++i)
+    if (const RenderSources::Local& local = sources_.local_fogs[i]; is_changed(local))
+      list_->local_fogs[i] = world_fog(view_of(local), list_->world_from_frame[local.frame]);
+}
+
 void RenderScene::renew_viewpoint(std::uint32_t i) {
   const RenderSources::Local& local = sources_.viewpoints[i];
   ViewpointState& viewpoint = list_->viewpoints[i];
@@ -395,6 +431,8 @@ void RenderScene::renew_viewpoint(std::uint32_t i) {
       world_viewpoint({local.node, &resources_.schemas().of(*local.node->type)}, list_->world_from_frame[local.frame]);
   made.scene = viewpoint.scene;
   made.node = viewpoint.node;
+  made.listed = viewpoint.listed;
+  made.retains_offset |= viewpoint.retains_offset;
   viewpoint = std::move(made);
 }
 

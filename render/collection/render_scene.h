@@ -8,6 +8,7 @@
 #include <glm/vec3.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <utility>
@@ -55,7 +56,17 @@ class RenderScene {
     }
   };
   using Uses = std::vector<Use>;
-  enum class Effect : std::uint8_t { none, frame, apply_appearance, geometry, light, viewpoint, bindable, everything };
+  enum class Effect : std::uint8_t {
+    none,
+    frame,
+    apply_appearance,
+    geometry,
+    light,
+    scoped,
+    viewpoint,
+    bindable,
+    everything
+  };
 
   [[nodiscard]] Effect effect_of(const vrml::NodeChange& change, const vrml::Node& node);
   [[nodiscard]] static std::span<const Use> uses_of(const Uses& uses, const vrml::Node* node);
@@ -70,6 +81,7 @@ class RenderScene {
   bool renew_geometry(std::uint32_t item);
   void apply_item_appearance(std::uint32_t item);
   void renew_light(std::uint32_t light);
+  void renew_scoped(const std::function<bool(const RenderSources::Local&)>& is_changed);
   void renew_viewpoint(std::uint32_t viewpoint);
   void renew_bindables();
   void begin_generation();

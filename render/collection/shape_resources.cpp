@@ -49,7 +49,32 @@ ShapeResources::AppearanceNodes ShapeResources::appearance_nodes(const vrml::Sce
   nodes.material = node_of(parts.material);
   nodes.texture = node_of(parts.texture);
   nodes.texture_transform = node_of(parts.texture_transform);
+  const StyleNodes styles = style_nodes(scene, parts.appearance);
+  nodes.line = styles.line.node;
+  nodes.fill = styles.fill.node;
+  nodes.point = styles.point.node;
   return nodes;
+}
+
+ShapeResources::StyleNodes ShapeResources::style_nodes(const vrml::SceneGraph& scene, vrml::NodeId appearance) {
+  const NodeView view = schemas_.view(scene, appearance);
+  if (view.kind() != NodeKind::appearance) return {};
+  const auto node_in = [&](int field) { return schemas_.view(scene, view.get(field, vrml::NodeId{})); };
+  return {node_in(AppearanceFields::line_properties), node_in(AppearanceFields::fill_properties),
+          node_in(AppearanceFields::point_properties)};
+}
+
+// Returns null for the default style. Shapes with equal styles share one.
+std::shared_ptr<const ShapeStyle> ShapeResources::style_use(const vrml::SceneGraph& scene, vrml::NodeId appearance) {
+  const StyleNodes nodes = style_nodes(scene, appearance);
+  if (!nodes.line && !nodes.fill && !nodes.point) return nullptr;
+  const ShapeStyle style = style_of(nodes.line, nodes.fill, nodes.point);
+  if (style == ShapeStyle{}) return nullptr;
+  constexpr std::size_t kMostShared = 64;
+  for (const auto& known : styles_)
+    if (*known == style) return known;
+  if (styles_.size() >= kMostShared) styles_.clear();
+  return styles_.emplace_back(std::make_shared<const ShapeStyle>(style));
 }
 
 void ShapeResources::apply_appearance(DrawItem& item, const vrml::SceneGraph& scene, const NodeView& shape) {
@@ -61,6 +86,7 @@ void ShapeResources::apply_appearance(DrawItem& item, const vrml::SceneGraph& sc
   const NodeView material = schemas_.view(scene, parts.material);
   if (material.kind() == NodeKind::material) item.material = material_of(material);
   item.texture = texture_use(scene, parts);
+  item.style = style_use(scene, parts.appearance);
 }
 
 TextureUse ShapeResources::surface_texture(const vrml::Node& node, const qnv::IndexedMesh& mesh) const {
@@ -199,7 +225,7 @@ void ShapeResources::bring_up_to_date(MeshCache::Entry& entry, const vrml::Scene
   const bool coordinates = entry.job ? entry.job->options.texture_coordinates : entry.texture_coordinates;
   if (!entry.stale && (entry.job || entry.mesh) && (!textured || coordinates)) return;
   vrml::MeshOptions options;
-  options.texture_coordinates = textured;
+  options.texture_coordinates = options.line_lengths = textured;
   options.refiner = refiner_of(scene, geometry);
   options.text_shaper = &system_fonts();
   options.text_level = text_level;

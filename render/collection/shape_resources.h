@@ -37,6 +37,9 @@ class ShapeResources {
   /// Nodes of an Appearance; each may be null.
   struct AppearanceNodes {
     const vrml::Node *appearance = nullptr, *material = nullptr, *texture = nullptr, *texture_transform = nullptr;
+    const vrml::Node *line = nullptr, *fill = nullptr, *point = nullptr;  // LineProperties and so on
+    /// Reports whether meshes need texture coordinates: for a texture, or for the pattern of lines.
+    [[nodiscard]] bool need_coordinates() const { return texture || line; }
   };
   [[nodiscard]] AppearanceNodes appearance_nodes(const vrml::SceneGraph& scene, const NodeView& shape);
   /// Sets material and texture of an item from the Appearance of its Shape.
@@ -72,6 +75,12 @@ class ShapeResources {
   void forget_refiners() { refiners_.clear(); }
 
  private:
+  /// Views of LineProperties, FillProperties and PointProperties of an Appearance; each may be empty.
+  struct StyleNodes {
+    NodeView line, fill, point;
+  };
+  [[nodiscard]] StyleNodes style_nodes(const vrml::SceneGraph& scene, vrml::NodeId appearance);
+  [[nodiscard]] std::shared_ptr<const ShapeStyle> style_use(const vrml::SceneGraph& scene, vrml::NodeId appearance);
   TextureUse texture_use(const vrml::SceneGraph& scene, const vrml::ShapeParts& parts);
   std::shared_ptr<const Image> image_of_texture(const vrml::SceneGraph& scene, vrml::NodeId texture);
   vrml::NodeId refiner_of(const vrml::SceneGraph& scene, vrml::NodeId geometry);
@@ -86,6 +95,7 @@ class ShapeResources {
   Schemas schemas_;
   // Refining OutlineGroup, by scene and node index of the refined OutlineGroup.
   std::unordered_map<const vrml::SceneGraph*, std::unordered_map<std::uint32_t, vrml::NodeId>> refiners_;
+  std::vector<std::shared_ptr<const ShapeStyle>> styles_;  // the last distinct styles
   std::vector<LimitReport> limit_reports_;
   bool made_mesh_ = false;
 };

@@ -15,7 +15,7 @@ namespace gs::render {
 struct SoundState {
   const vrml::SceneGraph* scene = nullptr;
   const vrml::Node* node = nullptr;  // Sound node in `scene`
-  vrml::NodeId source;  // id in `scene` of the AudioClip or MovieTexture
+  vrml::NodeId source;               // id in `scene` of the AudioClip or MovieTexture
   glm::dmat4 world_from_local{1.0};
   glm::dvec3 location{0}, direction{0, 0, 1};  // in the Sound's coordinate system
   double min_front = 1, min_back = 1, max_front = 10, max_back = 10;

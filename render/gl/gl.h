@@ -99,6 +99,7 @@
   X(TEXPARAMETERIV, TexParameteriv)                                           \
   X(TEXSUBIMAGE2D, TexSubImage2D)                                             \
   X(UNIFORM1I, Uniform1i)                                                     \
+  X(UNIFORM1IV, Uniform1iv)                                                   \
   X(UNIFORM1F, Uniform1f)                                                     \
   X(UNIFORM2F, Uniform2f)                                                     \
   X(UNIFORM2I, Uniform2i)                                                     \

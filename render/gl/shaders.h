@@ -90,23 +90,28 @@ inline constexpr char kFogShader[] = R"glsl(
 uniform mat3 fog_ranges;  // from camera space to the space of the Fog node, divided by visibilityRange
 uniform vec4 fog_color;  // w: 1 if fogType is EXPONENTIAL
 uniform float fog_back;  // distance of the viewer in front of the camera
-vec3 fogged(vec3 color, vec3 place) {
+// Returns the distance of a place from the viewer, in units of visibilityRange and at most 1.
+float fog_distance(vec3 place) {
   vec3 away = fog_ranges * (place + vec3(0.0, 0.0, fog_back));
-  float ranges = min(sqrt(dot(away, away)), 1.0);
+  return min(sqrt(dot(away, away)), 1.0);
+}
+vec3 fogged_at(vec3 color, float ranges) {
   float interpolant = fog_color.w > 0.0 ? exp(-ranges / max(1.0 - ranges, 1e-6)) : 1.0 - ranges;
   return mix(fog_color.rgb, color, interpolant);
 }
+vec3 fogged(vec3 color, vec3 place) { return fogged_at(color, fog_distance(place)); }
 )glsl";
 
-/// Vertex shader of meshes. Defines: LIT, NORMALS, TEXTURE, FOG, LOCAL_LIGHTS, SPECULAR, EMISSIVE. Outputs only values
+/// Vertex shader of meshes. Defines: LIT, NORMALS, TEXTURE, FOG, LOCAL_LIGHTS, SPECULAR, EMISSIVE; STYLE, after
+/// kStyleVertexShader. Outputs only values
 /// that the fragment shader uses, because software drivers store them for every triangle of a frame.
 inline constexpr char kMeshVertexShader[] = R"glsl(
 layout(location = 0) in vec3 position;
 #ifdef NORMALS
 layout(location = 1) in vec3 normal;
 #endif
-layout(location = 2) in vec4 color;  // w: 1 if the mesh has colours, otherwise 0
-#ifdef TEXTURE
+layout(location = 2) in vec4 color;  // w: 0 without colours, 1 if alpha is that of the material, otherwise 2 + alpha
+#if defined(TEXTURE) || defined(STYLE)
 layout(location = 3) in vec2 texture_coordinate;
 #endif
 #if defined(FOG) || (defined(LIT) && (defined(LOCAL_LIGHTS) || defined(SPECULAR) || !defined(NORMALS)))
@@ -121,6 +126,7 @@ layout(location = 9) in vec4 specular;
 
 uniform mat4 clip_from_camera;
 uniform mat3 texture_transform;
+
 
 #ifdef MASK
 flat
@@ -166,7 +172,10 @@ void main() {
   vec4 p = vec4(position, 1.0);
   vec3 place = vec3(dot(camera_from_node_x, p), dot(camera_from_node_y, p), dot(camera_from_node_z, p));
   gl_Position = clip_from_camera * vec4(place, 1.0);
-  surface_color = color.w > 0.0 ? vec4(color.rgb, base.a) : base;
+  surface_color = color.w > 0.0 ? vec4(color.rgb, color.w < 2.0 ? base.a : color.w - 2.0) : base;
+#ifdef STYLE
+  apply_style(place, texture_coordinate.x * specular.w);
+#endif
 #ifdef POSITION
   camera_position = place;
 #endif
@@ -260,7 +269,9 @@ void main() {
 #ifdef LIT
   color.rgb = lit(surface_normal(), camera_position, color.rgb, emissive_ambient, specular_exponent);
 #endif
-#ifdef FOG
+#ifdef STYLE
+  color = styled(color, camera_position);
+#elif defined(FOG)
   color.rgb = fogged(color.rgb, camera_position);
 #endif
   result = color;

@@ -1,6 +1,7 @@
 #include "render/mesh/mesh_pass.h"
 
 #include "render/gl/shaders.h"
+#include "render/gl/style_shaders.h"
 
 #include <glm/glm.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -22,8 +23,8 @@ constexpr float kMaxDeviation = 0.4f;  // pixels: maximum deviation of a coarser
 // Maximum transparent triangles of a frame that are sorted within their meshes. The meshes that are farthest stay
 // unsorted.
 constexpr std::size_t kMaxSorted = std::size_t{1} << 17;
-constexpr const char* kDefines[] = {"LIT",      "NORMALS",  "TEXTURE", "CUT_OUT",      "LOCAL_LIGHTS",
-                                    "SPECULAR", "EMISSIVE", "FOG",     "SMOOTH_EDGES", "MASK"};
+constexpr const char* kDefines[] = {"LIT",      "NORMALS", "TEXTURE",      "CUT_OUT", "LOCAL_LIGHTS", "SPECULAR",
+                                    "EMISSIVE", "FOG",     "SMOOTH_EDGES", "MASK",    "STYLE"};
 
 /// Computes the matrix from node space, relative to `origin`, to camera space. Uses double precision, because
 /// differences of large coordinates must stay exact.
@@ -77,9 +78,9 @@ void set(float (&to)[3], const glm::vec3& from) {
 
 }  // namespace
 
-std::uint64_t MeshPass::DrawState::packed() const {
-  return std::uint64_t{variant} << 50 | std::uint64_t{mirrored} << 49 | std::uint64_t{cull} << 48 |
-         std::uint64_t{lights} << 32 | texture;
+MeshPass::PackedState MeshPass::DrawState::packed() const {
+  return {std::uint64_t{variant} << 2 | std::uint64_t{mirrored} << 1 | std::uint64_t{cull},
+          std::uint64_t{style} << 48 | std::uint64_t{lights} << 32 | texture};
 }
 
 std::variant<std::unique_ptr<MeshPass>, ContextError> MeshPass::create(const Gl& gl) {
@@ -99,13 +100,19 @@ MeshPass::VariantProgram* MeshPass::program(unsigned variant) {
     std::string text;
     for (unsigned bit = 0; bit < std::size(kDefines); ++bit)
       if (variant >> bit & 1) text.append("#define ").append(kDefines[bit]).append("\n");
+    text += "#define MOST_PLANES " + std::to_string(kMaxClipPlanes) + "\n";
     std::string fragment;
     if (variant & kLit) {
       text += LightSets::defines(variant / kFirstLightBit);
       fragment = kLightingShader;
     }
     if (variant & kFog) fragment += kFogShader;
-    auto made = make_program(gl_, text, kMeshVertexShader, fragment + kMeshFragmentShader);
+    std::string vertex;
+    if (variant & kStyle) {
+      vertex = kStyleVertexShader;
+      fragment += kStyleFragmentShader;
+    }
+    auto made = make_program(gl_, text, vertex + kMeshVertexShader, fragment + kMeshFragmentShader);
     if (auto* error = std::get_if<ContextError>(&made)) {
       last_error_ = std::move(error->message);
     } else {
@@ -117,6 +124,7 @@ MeshPass::VariantProgram* MeshPass::program(unsigned variant) {
       entry.eye_back = gl_.GetUniformLocation(name, "eye_back");
       entry.fog = FogUniforms(gl_, name);
       entry.lights = LightUniforms(gl_, name);
+      if (variant & kStyle) entry.style = StyleUniforms(gl_, name);
     }
   }
   if (!entry.program) return nullptr;
@@ -161,7 +169,8 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   const float depth = view.back - sphere.center.z;
   if (!in_view(sphere.center, sphere.radius, view)) return;
 
-  if (item.mesh->pictured && prepare_text(item, sphere.center, sphere.radius, origin, prepared)) return;
+  const bool styled = has_style(item);
+  if (item.mesh->pictured && !styled && prepare_text(item, sphere.center, sphere.radius, origin, prepared)) return;
   const std::shared_ptr<const vrml::Mesh>* mesh_seen = &item.mesh;
   if (item.patches()) {
     mesh_seen = view.surfaces ? view.surfaces->mesh_of(item) : nullptr;
@@ -182,7 +191,11 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
     compose(view.camera_from_world, item.world_from_node, last_slice_->origin, instance.camera_from_node);
   prepared.mesh = mesh_seen->get();
   const Material& material = item.material;
-  const bool surface = last_slice_->primitive == GL_TRIANGLES, shaded = surface && item.mesh->lit;
+  const bool surface = last_slice_->primitive == GL_TRIANGLES;
+  // A pattern of lines uses the place of the specular exponent.
+  const bool shaded =
+      item.mesh->lit &&
+      (surface || (last_slice_->normals && !(item.style && item.mesh->primitive == vrml::Mesh::Primitive::lines)));
   const TextureStore::Entry* texture = nullptr;
   if ((*mesh_seen)->pictured) {
     if (!find_glyphs()) return;
@@ -211,7 +224,14 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
       state.variant &= ~unsigned{kSpecular};
     instance.shininess = material.shininess * kShininessScale;
   }
-  bool transparent = instance.alpha < 1;
+  if (styled || (last_slice_->fog_depths && fog_.on)) {
+    if (item.style && surface && !item.style->filled && !item.style->hatched) return;
+    state.variant |= kStyle;
+    state.style = style_number(item, surface);
+    if (styles_[state.style].fog.on) state.variant |= kFog;
+    if (!shaded) instance.shininess = pattern_scale(item, instance, std::max(depth, sphere.radius * 0.25f), view);
+  }
+  bool transparent = instance.alpha < 1 || item.mesh->translucent;
   if (item.mesh->pictured) {
     state.variant |= kTexture | kCutOut | (several_samples_ ? kSmoothEdges : 0u);
     state.texture = texture_number({}, *glyphs_);
@@ -225,7 +245,8 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
       if (texture->alpha == TextureStore::Alpha::cut_out) state.variant |= kCutOut;
     }
   }
-  if (instance.alpha <= 0 || !program(state.variant)) return;
+  const bool invisible = instance.alpha <= 0 && !last_slice_->opacities;
+  if (invisible || !program(state.variant)) return;
   state.cull = surface && item.mesh->solid && !view.open;
   state.mirrored = surface && mirrors(instance.camera_from_node);
   const std::uint64_t mesh = std::uint64_t{last_slice_->page} << 32 | last_slice_->order;
@@ -243,28 +264,6 @@ bool MeshPass::worth_own_program(unsigned variant, float radius, float depth, co
   if (!gl_.software) return false;
   if (programs_.contains(variant)) return true;
   return view.cancellable && frame_ > kFirstFrames && radius > kLarge * view.tangents.y * std::abs(depth);
-}
-
-/// Returns the drawing layer of an item: later layers are drawn later. Of coincident faces, the last in the file must
-/// be visible. So an item gets a later layer than earlier items with an equal sphere and another state. Equal depths
-/// pass the depth test.
-std::uint32_t MeshPass::layer_of(const glm::vec3& center, float radius, std::uint64_t state) {
-  constexpr std::uint32_t kMaxLayers = 8;
-  const auto bits = [](float value) { return std::uint64_t{std::bit_cast<std::uint32_t>(value)}; };
-  const std::uint64_t key =
-      (bits(center.x) * 0x9E3779B97F4A7C15u ^ bits(center.y) << 32 ^ bits(center.z)) * 0xC2B2AE3D27D4EB4Fu ^
-      bits(radius);
-  std::uint32_t layer = 0;
-  const auto [first, last] = filled_.equal_range(key);
-  for (auto other = first; other != last; ++other)
-    if (other->second.center == center && other->second.radius == radius)
-      layer = std::max(layer, other->second.layer + (other->second.state == state ? 0 : 1));
-  layer = std::min(layer, kMaxLayers);
-  // One entry per layer and state is sufficient.
-  for (auto other = first; other != last; ++other)
-    if (other->second.layer == layer && other->second.state == state && other->second.center == center) return layer;
-  filled_.insert({key, {center, radius, state, layer}});
-  return layer;
 }
 
 /// Returns the variant bits of all lit items, including invisible items, so that no program must be built when the
@@ -292,6 +291,7 @@ bool MeshPass::prepare(const RenderList& list, const View& view, bool overlays, 
   transparent_.clear();
   texture_bindings_.assign(1, {});
   binding_numbers_.clear();
+  styles_.assign(1, {});
   filled_.clear();
   glyphs_ = nullptr;
   last_mesh_ = nullptr;
@@ -367,6 +367,11 @@ void MeshPass::apply(const DrawState& state, const Projection& projection) {
       shader.frame = frame_;
     }
   }
+  if (state.variant & kStyle) {
+    if (switched || state.style != applied_.style) apply_style(shader, styles_[state.style]);
+  } else if (!all && (applied_.variant & kStyle)) {
+    end_style();
+  }
   if ((state.variant & kLit) &&
       (all || state.lights != applied_.lights || !(applied_.variant & kLit) || (switched && shader.lights.many >= 0)))
     lights_.bind(state.lights, shader.lights);
@@ -411,7 +416,11 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
   view.far_plane = camera.far_plane;
   view.pixels = static_cast<float>(options.height) / (2 * view.tangents.y * static_cast<float>(options.pixel_side));
 
-  fog_ = camera_fog(list.fog, glm::mat3(camera.world_from_camera));
+  list_ = &list;
+  camera_from_world_ = view.camera_from_world;
+  world_from_camera_ = glm::mat3(camera.world_from_camera);
+  pixel_side_ = static_cast<float>(options.pixel_side);
+  fog_ = camera_fog(list.fog, world_from_camera_);
   lights_.begin(list.lights, view.camera_from_world, options);
   GLint samples = 0;  // samples per pixel of the bound target
   gl_.GetIntegerv(GL_SAMPLES, &samples);
@@ -453,6 +462,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
   DrawPacer pacer(gl_, options.go_on,
                   static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height));
   draw_batches(projection, statistics, pacer);
+  end_style();
   gl_.Disable(GL_POLYGON_OFFSET_FILL);
   gl_.Disable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   if (edges && !pacer.given_up()) draw_edges(projection, pacer);
@@ -473,6 +483,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
     if (marked) gl_.Enable(GL_POLYGON_OFFSET_FILL);
     batch(transparent_, opaque_.size());
     draw_batches(projection, statistics, pacer);
+    end_style();
     gl_.DepthMask(GL_TRUE);
     gl_.Disable(GL_BLEND);
   }

@@ -17,6 +17,7 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -56,7 +57,14 @@ class MeshPass {
     kFog = 128,
     kSmoothEdges = 256,
     kMask = 512,
-    kFirstLightBit = 1024,  // from this bit on: LightSets::variant
+    kStyle = 1024,
+    kFirstLightBit = 2048,  // from this bit on: LightSets::variant
+  };
+  struct StyleUniforms {
+    GLint clip_planes = -1, point_size = -1, point_attenuation = -1, line_pattern = -1, hatch = -1, hatch_color = -1,
+          pixel_side = -1;
+    StyleUniforms() = default;
+    StyleUniforms(const Gl& gl, GLuint program);
   };
   struct VariantProgram {
     Program program;
@@ -65,7 +73,19 @@ class MeshPass {
     GLint clip_from_camera = -1, texture_transform = -1, replaces = -1, eye_back = -1;
     FogUniforms fog;
     LightUniforms lights;
+    StyleUniforms style;
   };
+  /// ClipPlanes, style and LocalFog that items share. Index 0 means none of them.
+  struct StyleBinding {
+    ClipList clip_planes;
+    std::shared_ptr<const ShapeStyle> shape;
+    std::uint16_t local_fog = kNoLocalFog;
+    bool surface = false;  // hatches apply
+    std::size_t planes = 0;
+    std::array<glm::vec4, kMaxClipPlanes> camera_planes;
+    CameraFog fog;
+  };
+  using PackedState = std::array<std::uint64_t, 2>;
   /// Texture with its parameters in this frame. Index 0 means no texture.
   struct TextureBinding {
     const TextureStore::Entry* entry = nullptr;
@@ -77,8 +97,8 @@ class MeshPass {
   struct DrawState {
     unsigned variant = 0;
     bool mirrored = false, cull = false;
-    std::uint32_t lights = 0, texture = 0;
-    [[nodiscard]] std::uint64_t packed() const;
+    std::uint32_t lights = 0, texture = 0, style = 0;
+    [[nodiscard]] PackedState packed() const;
   };
   /// Item with the data that its draw needs.
   struct Prepared {
@@ -91,7 +111,7 @@ class MeshPass {
   };
   struct SortKey {
     std::uint32_t layer;  // items with a lower layer are drawn first; see layer_of()
-    std::uint64_t state;
+    PackedState state;
     std::uint64_t mesh;
     float depth;  // depth of the item's centre: metres in front of the camera
     std::uint32_t prepared;
@@ -99,7 +119,7 @@ class MeshPass {
   /// Items that one call draws.
   struct Batch {
     std::uint32_t layer;
-    std::uint64_t state;
+    PackedState state;
     std::uint32_t page;
     float depth;  // depth of the nearest item
     std::size_t first, count;  // index of the first instance, and number of instances
@@ -135,8 +155,14 @@ class MeshPass {
   void merge_texts();
   void add_text(const Prepared& prepared);
   [[nodiscard]] bool worth_own_program(unsigned variant, float radius, float depth, const View& view) const;
-  [[nodiscard]] std::uint32_t layer_of(const glm::vec3& center, float radius, std::uint64_t state);
+  [[nodiscard]] std::uint32_t layer_of(const glm::vec3& center, float radius, const PackedState& state);
   [[nodiscard]] std::uint32_t texture_number(const TextureUse& use, const TextureStore::Entry& entry);
+  [[nodiscard]] bool has_style(const DrawItem& item) const;
+  [[nodiscard]] std::uint32_t style_number(const DrawItem& item, bool surface);
+  [[nodiscard]] static float pattern_scale(const DrawItem& item, const Instance& instance, float depth,
+                                           const View& view);
+  void apply_style(const VariantProgram& shader, const StyleBinding& style);
+  void end_style();
   void sort_triangles();
   void draw_edges(const Projection& projection, DrawPacer& pacer);
   void batch(const std::vector<SortKey>& order, std::size_t first_instance);
@@ -169,11 +195,12 @@ class MeshPass {
   std::vector<MeshStore::Slice> text_slices_;  // one slice per run of merged texts in opaque_
   std::vector<std::pair<float, std::uint32_t>> triangle_depths_;
   std::vector<TextureBinding> texture_bindings_;
+  std::vector<StyleBinding> styles_;
   std::unordered_multimap<std::uint32_t, std::uint32_t> binding_numbers_;  // by TextureStore::Entry::order
   struct Filled {  // Sphere of an opaque item, for layer_of().
     glm::vec3 center;
     float radius;
-    std::uint64_t state;
+    PackedState state;
     std::uint32_t layer;
   };
   std::unordered_multimap<std::uint64_t, Filled> filled_;  // by a hash of centre and radius
@@ -187,6 +214,11 @@ class MeshPass {
   unsigned items_variant_ = 0;
   VisibleItems visible_;
   CameraFog fog_;
+  const RenderList* list_ = nullptr;  // list of the current frame
+  glm::dmat4 camera_from_world_{1.0};
+  glm::mat3 world_from_camera_{1.0f};
+  float pixel_side_ = 1;
+  bool styled_ = false;  // apply_style() changed the state of OpenGL
   unsigned last_variant_ = 0;
   VariantProgram* last_program_ = nullptr;
   DrawState applied_;

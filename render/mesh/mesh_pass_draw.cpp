@@ -1,6 +1,7 @@
 #include "render/mesh/mesh_pass.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 // Part of MeshPass that converts batches of items to OpenGL calls.
@@ -13,6 +14,28 @@ constexpr std::size_t kMaxPrimitives = std::size_t{1} << 28;
 std::size_t corners_of(GLenum primitive) { return primitive == GL_TRIANGLES ? 3 : primitive == GL_LINES ? 2 : 1; }
 
 }  // namespace
+
+/// Returns the drawing layer of an item: later layers are drawn later. Of coincident faces, the last in the file must
+/// be visible. So an item gets a later layer than earlier items with an equal sphere and another state. Equal depths
+/// pass the depth test.
+std::uint32_t MeshPass::layer_of(const glm::vec3& center, float radius, const PackedState& state) {
+  constexpr std::uint32_t kMaxLayers = 8;
+  const auto bits = [](float value) { return std::uint64_t{std::bit_cast<std::uint32_t>(value)}; };
+  const std::uint64_t key =
+      (bits(center.x) * 0x9E3779B97F4A7C15u ^ bits(center.y) << 32 ^ bits(center.z)) * 0xC2B2AE3D27D4EB4Fu ^
+      bits(radius);
+  std::uint32_t layer = 0;
+  const auto [first, last] = filled_.equal_range(key);
+  for (auto other = first; other != last; ++other)
+    if (other->second.center == center && other->second.radius == radius)
+      layer = std::max(layer, other->second.layer + (other->second.state == state ? 0 : 1));
+  layer = std::min(layer, kMaxLayers);
+  // One entry per layer and state is sufficient.
+  for (auto other = first; other != last; ++other)
+    if (other->second.layer == layer && other->second.state == state && other->second.center == center) return layer;
+  filled_.insert({key, {center, radius, state, layer}});
+  return layer;
+}
 
 void MeshPass::batch(const std::vector<SortKey>& order, std::size_t first_instance) {
   batches_.clear();
@@ -125,6 +148,7 @@ void MeshPass::draw_edges(const Projection& projection, DrawPacer& pacer) {
   const std::size_t primitives = std::exchange(primitives_, 0);
   FrameStatistics of_edges;
   draw_batches(projection, of_edges, pacer);
+  end_style();
   primitives_ = primitives;
   gl_.DepthMask(GL_TRUE);
   gl_.Disable(GL_BLEND);

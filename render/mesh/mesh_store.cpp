@@ -1,5 +1,7 @@
 #include "render/mesh/mesh_store.h"
 
+#include <glm/vec4.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,14 +11,14 @@
 namespace gs::render {
 namespace {
 
-constexpr unsigned kNormals = 1, kColors = 2, kTextureCoordinates = 4;
+constexpr unsigned kNormals = 1, kColors = 2, kTextureCoordinates = 4, kOpacities = 8, kFogDepths = 16;
 // maximum vertices of a mesh that shares a page; a larger mesh has a page of its size
 constexpr std::size_t kLargestShared = 16 * 1024;
 constexpr std::size_t kSmallestPage = 8 * 1024, kLargestPage = 256 * 1024;  // vertices of a shared page
-constexpr std::size_t kIndicesPerVertex = 6;  // of a page; closed surfaces have about 6
+constexpr std::size_t kIndicesPerVertex = 6;                                // of a page; closed surfaces have about 6
 
 // Attribute locations in the vertex shader (shaders.h).
-enum Location : GLuint { kPosition, kNormal, kColor, kTextureCoordinate, kFirstInstance };
+enum Location : GLuint { kPosition, kNormal, kColor, kTextureCoordinate, kFirstInstance, kFogDepth = 15 };
 constexpr GLuint kInstanceVectors = sizeof(Instance) / (4 * sizeof(float));
 
 /// One array in a vertex buffer. The buffer has all positions, then all normals, and so on.
@@ -27,7 +29,7 @@ struct ArrayPlace {
 };
 
 struct Layout {
-  std::array<ArrayPlace, 4> arrays{};
+  std::array<ArrayPlace, 5> arrays{};
   std::size_t count = 0, bytes = 0;
 };
 
@@ -39,8 +41,9 @@ Layout layout(unsigned format, std::size_t vertices) {
   };
   add(kPosition, 3);
   if (format & kNormals) add(kNormal, 3);
-  if (format & kColors) add(kColor, 3);
+  if (format & kColors) add(kColor, format & kOpacities ? 4 : 3);
   if (format & kTextureCoordinates) add(kTextureCoordinate, 2);
+  if (format & kFogDepths) add(kFogDepth, 1);
   return result;
 }
 
@@ -52,6 +55,8 @@ const void* bytes_of(const vrml::Mesh& mesh, Location location) {
       return mesh.colors.data();
     case kTextureCoordinate:
       return mesh.texture_coordinates.data();
+    case kFogDepth:
+      return mesh.fog_depths.data();
     default:
       return mesh.positions.data();
   }
@@ -75,8 +80,9 @@ glm::vec3 local_origin(const Box& bounds) {
 }
 
 MeshStore::MeshStore(const Gl& gl) : gl_(gl), instances_(make_buffer(gl)), sorted_indices_(make_buffer(gl)) {
-  // Colour of meshes without colours: w is 0. Colour arrays have three components, so their w is 1.
+  // Colour of meshes without colours: w is 0. Arrays of three components have w = 1, those of four 2 + alpha.
   gl.VertexAttrib4f(kColor, 0, 0, 0, 0);
+  gl.VertexAttrib4f(kFogDepth, -1, 0, 0, 0);
 }
 
 const MeshStore::Slice* MeshStore::find(const std::shared_ptr<const vrml::Mesh>& mesh) {
@@ -205,6 +211,8 @@ void MeshStore::upload(const vrml::Mesh& mesh, Entry& entry) {
   slice.normals = mesh.normals.size() == vertices;
   slice.colors = mesh.colors.size() == vertices;
   slice.texture_coordinates = mesh.texture_coordinates.size() == vertices;
+  slice.fog_depths = mesh.fog_depths.size() == vertices;
+  slice.opacities = slice.colors && mesh.opacities.size() == vertices;
   slice.primitive = mesh.primitive == vrml::Mesh::Primitive::lines    ? GL_LINES
                     : mesh.primitive == vrml::Mesh::Primitive::points ? GL_POINTS
                                                                       : GL_TRIANGLES;
@@ -215,8 +223,18 @@ void MeshStore::upload(const vrml::Mesh& mesh, Entry& entry) {
     local.assign(mesh.positions.begin(), mesh.positions.end());
     for (glm::vec3& position : local) position -= slice.origin;
   }
+  std::vector<glm::vec4> colors;
+  if (slice.opacities) {
+    colors.reserve(vertices);
+    for (std::size_t i = 0; i < vertices; ++i) {
+      const vrml::Color& color = mesh.colors[i];
+      const float opacity = mesh.opacities[i];
+      colors.push_back({color.r, color.g, color.b, 2 + (opacity >= 0 ? std::min(opacity, 1.0f) : 0)});
+    }
+  }
   const unsigned format = (slice.normals ? kNormals : 0) | (slice.colors ? kColors : 0) |
-                          (slice.texture_coordinates ? kTextureCoordinates : 0);
+                          (slice.texture_coordinates ? kTextureCoordinates : 0) | (slice.opacities ? kOpacities : 0) |
+                          (slice.fog_depths ? kFogDepths : 0);
   if (!place(format, vertices, indices, entry)) return;
 
   uploaded_ += vertices * sizeof(glm::vec3) + indices * sizeof(std::uint32_t);
@@ -231,7 +249,8 @@ void MeshStore::upload(const vrml::Mesh& mesh, Entry& entry) {
         GL_ARRAY_BUFFER,
         static_cast<GLintptr>(arrays.arrays[i].offset + static_cast<std::size_t>(slice.base_vertex) * stride),
         static_cast<GLsizeiptr>(vertices * stride),
-        arrays.arrays[i].location == kPosition && !local.empty() ? local.data()
+        arrays.arrays[i].location == kPosition && !local.empty() ? static_cast<const void*>(local.data())
+        : arrays.arrays[i].location == kColor && !colors.empty() ? colors.data()
                                                                  : bytes_of(mesh, arrays.arrays[i].location));
   }
   gl_.BufferSubData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLintptr>(slice.first_index * sizeof(std::uint32_t)),

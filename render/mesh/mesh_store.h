@@ -41,7 +41,7 @@ class MeshStore {
     std::size_t first_index = 0;
     GLsizei index_count = 0;
     GLenum primitive = GL_TRIANGLES;
-    bool normals = false, colors = false, texture_coordinates = false;
+    bool normals = false, colors = false, texture_coordinates = false, opacities = false, fog_depths = false;
     bool streamed = false;  // data is in the buffers of set_streamed(), not in a page
     bool sorted = false;  // first_index is an index in the sorted indices, not in the page
     glm::vec3 origin{0};  // origin of its positions; see local_origin()
@@ -75,7 +75,7 @@ class MeshStore {
 
  private:
   struct Page {
-    unsigned format = 0;  // bits: has normals, has colours, has texture coordinates
+    unsigned format = 0;                    // bits: the arrays that the vertices have
     std::size_t vertices = 0, indices = 0;  // capacities
     std::size_t meshes = 0;  // number of meshes in the page
     RangeAllocator free_vertices{0}, free_indices{0};

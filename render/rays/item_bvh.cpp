@@ -79,6 +79,28 @@ void describe(const DrawItem& item, const vrml::Mesh& mesh, const SightLine& lin
   }
 }
 
+/// Part of a line inside of all ClipPlanes of an item: distances from `from` to `to`. Empty if `to` is smaller.
+struct Span {
+  double from = 0, to = 0;
+};
+Span span_inside(const RenderList& list, const ClipList& clip_planes, const SightLine& line) {
+  Span span{0, line.farthest};
+  for (const std::uint16_t index : clip_planes) {
+    if (index >= list.clip_planes.size()) continue;
+    const glm::dvec4& plane = list.clip_planes[index];
+    const double start = glm::dot(plane, glm::dvec4(line.origin, 1)),
+                 slope = glm::dot(glm::dvec3(plane), line.direction);
+    if (slope == 0) {
+      if (start < 0) return {0, -1};
+    } else if (slope > 0) {
+      span.from = std::max(span.from, -start / slope);
+    } else {
+      span.to = std::min(span.to, -start / slope);
+    }
+  }
+  return span;
+}
+
 }  // namespace
 
 std::size_t ItemBvh::bytes() const {
@@ -194,10 +216,15 @@ std::optional<SurfaceHit> ItemBvh::nearest(const RenderList& list, const SightLi
     if (box.empty() || !std::isfinite(walker.enter(box.lower, box.upper, farthest))) return farthest;
     const glm::dmat4 node_from_world = glm::inverse(item.world_from_node);
     if (!is_finite(node_from_world)) return farthest;
-    const SightLine inside{glm::dvec3(node_from_world * glm::dvec4(line.origin, 1)),
-                           glm::dvec3(node_from_world * glm::dvec4(line.direction, 0)), farthest};
+    Span span{0, farthest};
+    if (!item.clip_planes.empty()) span = span_inside(list, item.clip_planes, {line.origin, line.direction, farthest});
+    if (span.to < span.from) return farthest;
+    const glm::dvec3 start = line.origin + line.direction * span.from;
+    const SightLine inside{glm::dvec3(node_from_world * glm::dvec4(start, 1)),
+                           glm::dvec3(node_from_world * glm::dvec4(line.direction, 0)), span.to - span.from};
     if (item.patches() && sought != Sought::met) {
-      const auto hit = pick_patches(*item.patches(), inside, pixel / item.detail);
+      auto hit = pick_patches(*item.patches(), inside, pixel / item.detail);
+      if (hit) hit->distance += span.from;
       if (!hit || (found && hit->distance == found->triangle.distance && place > found->item)) return farthest;
       found = SurfaceHit{place, {hit->distance, hit->patch, hit->weights}};
       found_in = nullptr;
@@ -207,8 +234,8 @@ std::optional<SurfaceHit> ItemBvh::nearest(const RenderList& list, const SightLi
     }
     const Searched searched = searched_for(place, item, max_triangles);
     if (!searched.mesh) return farthest;
-    const auto hit =
-        searched.tree ? searched.tree->nearest(*searched.mesh, inside) : nearest_of_all(*searched.mesh, inside);
+    auto hit = searched.tree ? searched.tree->nearest(*searched.mesh, inside) : nearest_of_all(*searched.mesh, inside);
+    if (hit) hit->distance += span.from;
     if (!hit || (found && hit->distance == found->triangle.distance && place > found->item)) return farthest;
     found = SurfaceHit{place, *hit};
     found_in = searched.mesh;

@@ -5,18 +5,22 @@
 #include "render/image/image.h"
 #include "render/scene/fog.h"
 #include "render/scene/mesh_cache.h"
+#include "render/scene/shape_style.h"
 #include "render/scene/world_bounds.h"
 #include "vrml/mesh/mesh.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -46,6 +50,10 @@ inline constexpr std::size_t kMaxLightsOfAnItem = 1024;
 /// Indexes in RenderList::lights. The items of a group share one list.
 using LightList = Array<std::uint16_t>;
 
+/// Indexes in RenderList::clip_planes, the innermost last. The items of a group share one list.
+using ClipList = Array<std::uint16_t>;
+inline constexpr std::uint16_t kNoLocalFog = UINT16_MAX;
+
 /// Texture of a Shape, with its parameters.
 struct TextureUse {
   std::shared_ptr<const Image> image;
@@ -70,6 +78,9 @@ struct DrawItem {
   Material material;
   TextureUse texture;
   LightList directional_lights;  // directional lights of the enclosing groups (6.16)
+  ClipList clip_planes;                          // ClipPlanes of the enclosing groups
+  std::shared_ptr<const ShapeStyle> style;       // null for the default style
+  std::uint16_t local_fog = kNoLocalFog;         // LocalFog of the innermost group that has one
   std::uint32_t place = kNoPlace;  // path of the Shape: index in RenderList::places
   bool visible = true;  // false in the proxy of a Collision (6.8)
   bool collidable = true;  // an obstacle to the viewer
@@ -94,6 +105,7 @@ struct SplatItem {
   bool own_color = false;  // use the splats' colour instead of the material's
   float detail = 1;  // field `detail` of the QNV node, more than 0: factor of its budget and level of detail
   LightList directional_lights;
+  ClipList clip_planes;
   std::uint32_t place = kNoPlace;  // path of the Shape: index in RenderList::places
 };
 
@@ -120,6 +132,12 @@ struct ViewpointState {
   glm::dvec3 up{0, 1, 0};
   double scale = 1;
   bool jump = true;  // binding moves the viewer to the Viewpoint
+  // Fields of X3D (ISO/IEC 19775-1 clause 23).
+  glm::dvec2 extent{0};     // OrthoViewpoint: size of the view rectangle in world units; 0 means a perspective view
+  std::optional<glm::dvec3> center_of_rotation;  // world space; nullopt for Viewpoints of VRML97
+  bool view_all = false;        // the initial pose shows the whole world
+  bool retains_offset = false;  // binding keeps the movements that the user made at this Viewpoint
+  bool listed = true;           // false below a ViewpointGroup with displayed FALSE
 };
 
 /// Sound node (6.42), once for each path to it.
@@ -135,6 +153,9 @@ struct NavigationState {
   std::array<float, 3> avatar_size{0.25f, 1.6f, 0.75f};
   float speed = 1, visibility_limit = 0;
   bool headlight = true;
+  // Fields of X3D. Without them, the program chooses the transitions between Viewpoints.
+  std::optional<float> transition_seconds;
+  bool teleports = false;  // transitions take no time
   friend bool operator==(const NavigationState&, const NavigationState&) = default;
 };
 
@@ -176,6 +197,9 @@ struct RenderList {
   std::uint64_t changes = 0;
   std::vector<SplatItem> splats;
   std::vector<Light> lights;  // directional lights have effect only through DrawItem::directional_lights
+  /// ClipPlanes in world space: a point p is drawn if dot(plane, (p, 1)) is positive.
+  std::vector<glm::dvec4> clip_planes;
+  std::vector<Fog> local_fogs;
   std::vector<ViewpointState> viewpoints;  // in file order; the first is bound at the start
   std::vector<SoundPlace> sounds;
   Background background;

@@ -30,6 +30,8 @@ std::optional<SplatCamera> splat_camera(const SplatView& view) {
   c.rays.origin = inverse * glm::vec3(view.center - view.tangents + 0.5f * glm::vec2(step_x, step_y), -1.0f);
   c.rays.near_plane = view.near_plane;
   c.pixels = 1 / std::min(step_x, step_y);
+  c.clip = view.clip;
+  for (std::size_t i = 0; i < c.clip.count; ++i) c.clip.planes[i].w += glm::dot(glm::vec3(c.clip.planes[i]), c.eye);
   c.tangents = view.tangents;
   c.center = view.center;
   return c;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "render/scene/clip_space.h"
 #include "render/splat/splat_tile.h"
 
 #include <glm/mat3x3.hpp>
@@ -23,6 +24,7 @@ struct SplatCamera {
   float pixels;  // samples per length 1 at depth 1
   glm::vec2 tangents, center;
   int width, height;  // size of the target in samples
+  ClipSpace clip;     // in node space, relative to the eye
 };
 
 /// Returns the camera of a view. Returns nullopt if the node is flattened or not finite in camera space; nothing is

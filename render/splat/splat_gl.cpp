@@ -283,6 +283,8 @@ void SplatGl::draw_batches(const Shader& shader, const Surface& surface, const S
   vector(row_x, linear_row_of(camera.camera_from_node, 0));
   vector(row_y, linear_row_of(camera.camera_from_node, 1));
   vector(row_z, linear_row_of(camera.camera_from_node, 2));
+  gl_.Uniform4fv(at[clip_planes], static_cast<GLsizei>(kMaxClipPlanes), glm::value_ptr(camera.clip.planes[0]));
+  gl_.Uniform1i(at[clip_count], static_cast<GLint>(camera.clip.count));
   vector(ray_origin, camera.rays.origin);
   vector(ray_right, camera.rays.right);
   vector(ray_up, camera.rays.up);

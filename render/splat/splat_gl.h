@@ -86,6 +86,8 @@ class SplatGl {
     tilts,
     normal_matrix,
     supersample,
+    clip_planes,
+    clip_count,
     uniform_count
   };
   struct Shader {

@@ -21,6 +21,15 @@
 namespace gs::render {
 namespace {
 
+/// Returns the ClipPlanes of an item in its node space.
+ClipSpace clip_in_node(const RenderList& list, const SplatItem& item) {
+  ClipSpace clip;
+  for (const std::uint16_t plane : item.clip_planes)
+    if (clip.count < kMaxClipPlanes && plane < list.clip_planes.size())
+      clip.planes[clip.count++] = glm::vec4(glm::transpose(item.world_from_node) * list.clip_planes[plane]);
+  return clip;
+}
+
 /// Reports whether all arrays have consistent sizes.
 bool has_whole_arrays(const qnv::Splats& splats) {
   const auto fits = [&](const auto& array) { return array.empty() || array.size() == splats.size(); };
@@ -258,6 +267,7 @@ void SplatPass::draw(const RenderList& list, const Camera& camera, const Project
     const auto* octree = item.geometry->as<qnv::OctreeSplats>();
     if (splats ? !has_whole_arrays(*splats) : !octree) continue;
     whole.camera_from_node = view.camera_from_node = glm::mat4(camera_from_world * item.world_from_node);
+    view.clip = clip_in_node(list, item);
     CutOptions wanted{shares[i], 0, item.detail, options.viewport, options.splat_style.color_by};
     // Each instance of a stream keeps its own level of detail.
     if (const auto* requests = item.geometry->base().requests.get()) wanted.viewport += shown[requests]++ << 16;

@@ -167,6 +167,13 @@ int supersample_of(const SplatView& view) {
   return s;
 }
 
+/// Removes splats with a centre outside of the ClipPlanes. Returns the number of the others.
+std::size_t clip_discs(SplatDisc* discs, std::size_t count, const ClipSpace& clip) {
+  if (clip.count == 0) return count;
+  return static_cast<std::size_t>(
+      std::remove_if(discs, discs + count, [&](const SplatDisc& disc) { return !clip.contains(disc.place); }) - discs);
+}
+
 /// Prepares all splats and sorts them by tile. Returns the step between splats that are drawn.
 std::size_t prepare_all(std::vector<Segment>& segments, const SplatView& view, const SplatCamera& camera,
                         const Grid& grid, const SplatKernel& kernel, std::uint64_t most, SplatDisc* discs) {
@@ -174,8 +181,10 @@ std::size_t prepare_all(std::vector<Segment>& segments, const SplatView& view, c
       segments.size(),
       [&](std::size_t i) {
         Segment& segment = segments[i];
-        for (const SplatPiece& part : segment.parts)
-          segment.count += kernel.prepare(source_of(part, view), camera, discs + segment.first + segment.count);
+        for (const SplatPiece& part : segment.parts) {
+          SplatDisc* const fresh = discs + segment.first + segment.count;
+          segment.count += clip_discs(fresh, kernel.prepare(source_of(part, view), camera, fresh), camera.clip);
+        }
         // Sort now, while the data is in the cache, unless there are so many splats that they may need thinning.
         count_in_tiles(segment, discs, grid, 1, most / segments.size());
         if (!segment.begin.empty()) sort_by_tiles(segment, discs, grid, 1);

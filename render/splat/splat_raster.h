@@ -1,6 +1,7 @@
 #pragma once
 
 #include "qnv/base/geometry.h"
+#include "render/scene/clip_space.h"
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
@@ -27,6 +28,7 @@ struct SplatView {
   int supersample = 1;  // samples along the side of a pixel: 1, 2, 4 or 8
   bool color_by_normal = false;  // shows normals: x, y, z from -1 to 1 are red, green, blue (node space)
   unsigned threads = 0;
+  ClipSpace clip;  // in node space; splats with a centre outside are not drawn
 };
 
 /// Allocator for arrays that are written before they are read.

@@ -84,6 +84,8 @@ Vector read_vector(int index) {
 inline constexpr char kSplatDiscVertexShader[] = R"glsl(
 uniform vec3 row_x, row_y, row_z;  // rows of the linear part of camera_from_node
 uniform vec2 tangents, middle, margin;  // middle: tangents of the image centre; margin: of the rectangle, in clip space
+uniform vec4 clip_planes[8];  // in node space, relative to the eye
+uniform int clip_count;
 uniform float near_plane, sample_size;  // sample_size: width of a sample at depth 1, in node units
 flat out vec4 normal_plane;
 #ifdef BLEND
@@ -107,6 +109,8 @@ void main() {
   Vector v = read_vector(index);
   if (!v.drawn) return;
   vec3 place = v.position;
+  for (int i = 0; i < clip_count; ++i)
+    if (dot(clip_planes[i], vec4(place, 1.0)) < 0.0) return;
   float plane = dot(v.normal, place);
 #ifndef SIDES
   if (plane > 0.0) return;

@@ -126,7 +126,11 @@ void VolumePass::gather(const RenderList& list, const Camera& camera, const Spla
     VolumeOptions own;
     own.opacity = look.opacity * (1 - item.material.transparency);
     own.least_magnitude = look.least_magnitude;
-    if (look.clip) own.clip = glm::vec4(*look.clip * item.world_from_node);
+    // A volume is clipped by one plane: the viewer's, or the outermost ClipPlane.
+    if (look.clip)
+      own.clip = glm::vec4(*look.clip * item.world_from_node);
+    else if (!item.clip_planes.empty() && item.clip_planes[0] < list.clip_planes.size())
+      own.clip = glm::vec4(list.clip_planes[item.clip_planes[0]] * item.world_from_node);
     own.color_by = look.color_by;
     if (!look.transfer.empty()) own.transfer = &scene.transfer;
     own.fog = camera_fog(list.fog, glm::transpose(glm::mat3(camera_from_world)), static_cast<float>(camera.back));

@@ -24,12 +24,13 @@ inline constexpr Color kRed{1, 0, 0}, kGreen{0, 1, 0}, kBlue{0, 0, 1};
 struct GeometryScene {
   std::unique_ptr<SceneGraph> owner = std::make_unique<SceneGraph>();  // makes this movable
   SceneGraph& scene = *owner;
+  Language language = Language::vrml97;
   NodeId geometry;
 
-  explicit GeometryScene(std::string_view type) : geometry(make(type)) {}
+  explicit GeometryScene(std::string_view type, Language of = Language::vrml97) : language(of), geometry(make(type)) {}
 
   NodeId make(std::string_view type) {
-    const NodeType* found = built_in_node_type(type);
+    const NodeType* found = built_in_node_type(language, type);
     REQUIRE(found != nullptr);
     return scene.create(*found);
   }

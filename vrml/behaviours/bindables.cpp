@@ -43,6 +43,8 @@ void tell_late(Execution& execution, EventNode node) {
   if (execution.get<SFBool>(node, BindableEvents::is_bound) != bound) tell_bound(execution, node, bound);
 }
 
+// `Type` is one of the types of viewpoints, which have different slots.
+template <class Type>
 glm::dmat4 viewer_of(const Node& node) {
   static const int position = node.type->find_field("position")->slot;
   static const int orientation = node.type->find_field("orientation")->slot;
@@ -52,7 +54,11 @@ glm::dmat4 viewer_of(const Node& node) {
 }  // namespace
 
 const Behaviour kViewpointBehaviour = {
-    {"set_bind", "isBound", "bindTime", "fieldOfView"}, nullptr, set_bind, tell_late, viewer_of};
+    {"set_bind", "isBound", "bindTime", "fieldOfView"}, nullptr, set_bind, tell_late, viewer_of<struct Perspective>};
+const Behaviour kOrthoViewpointBehaviour = {
+    {"set_bind", "isBound", "bindTime", "fieldOfView"}, nullptr, set_bind, tell_late, viewer_of<struct Parallel>};
+const Behaviour kNavigationInfoBehaviour = {
+    {"set_bind", "isBound", "bindTime", "transitionComplete"}, nullptr, set_bind, tell_late};
 const Behaviour kBindableBehaviour = {{"set_bind", "isBound", "bindTime"}, nullptr, set_bind, tell_late};
 
 }  // namespace gs::vrml

@@ -7,8 +7,8 @@
 
 namespace gs::vrml {
 
-bool collide(Execution& execution, std::span<const PathStep> path) {
-  for (const bool met : {false, true}) {
+bool collide(Execution& execution, std::span<const PathStep> path, Meeting meeting) {
+  for (const Meeting met : {Meeting::none, meeting}) {
     for (const PathStep& step : path) {
       const bool known = step.scene && step.scene->contains(step.node);
       const Behaviour* behaviour = known ? step.scene->node(step.node).type->behaviour : nullptr;
@@ -19,6 +19,13 @@ bool collide(Execution& execution, std::span<const PathStep> path) {
   }
   execution.cascade().drain();
   return true;
+}
+
+void report_transition(Execution& execution) {
+  const EventNode node = execution.stacks().top_of(built_in_node_type(NodeKind::navigation_info));
+  if (node == 0) return;
+  execution.send(node, kTransitionComplete, SFBool{true});
+  execution.cascade().drain();
 }
 
 bool report_progress(Execution& execution, const SceneGraph& scene, NodeId id, double fraction) {

@@ -18,8 +18,12 @@ struct MediaPlay {
 };
 
 /// Reports a collision of the avatar with the geometry at the end of `path`. The Collision nodes on the path send
-/// collideTime (6.8) with the present timestamp. Returns false if one of them has collision detection off.
-bool collide(Execution& execution, std::span<const PathStep> path);
+/// collideTime (6.8) with the present timestamp. If the avatar only stays in contact (`meeting` is `lasts`), isActive
+/// of X3D stays TRUE. Returns false if one of the nodes has collision detection off.
+bool collide(Execution& execution, std::span<const PathStep> path, Meeting meeting = Meeting::begins);
+
+/// Reports that the viewer has reached a Viewpoint. The bound NavigationInfo sends transitionComplete (X3D 23.4.4).
+void report_transition(Execution& execution);
 
 /// Reports the received fraction, 0 to 1, of the data of a QNV node, or of a PROTO instance with the same eventOuts.
 /// Sends progress_changed if the fraction reaches 1, or differs by at least 1/100 from the last value sent. Sends

@@ -23,10 +23,26 @@ bool all_finite(const glm::dmat4& m) {
 void begin_drag(Execution& execution, EventNode node, const Bearing& bearing, const glm::dmat4& world_from_sensor) {
   PointingState& drag = pointing_state(execution, node);
   drag.sensor_from_world = glm::inverse(world_from_sensor);
+  if (drag.is_turned) drag.sensor_from_world = glm::mat4_cast(glm::conjugate(drag.turn)) * drag.sensor_from_world;
   drag.start = glm::dvec3(drag.sensor_from_world * glm::dvec4(bearing.point, 1));
   drag.tracks = all_finite(drag.sensor_from_world) && std::isfinite(drag.start.x + drag.start.y + drag.start.z);
   drag.sent = drag.disk = drag.far_side = false;
   drag.radius = drag.turned = 0;
+}
+
+// Begins the drag of a sensor that X3D turns by axisRotation (X3D 20.4.2).
+void begin_turned_drag(Execution& execution, EventNode node, int axis_rotation, const Bearing& bearing,
+                       const glm::dmat4& world_from_sensor) {
+  PointingState& drag = pointing_state(execution, node);
+  drag.is_turned = execution.nodes().has_event(node, axis_rotation) &&
+                   execution.get<SFRotation>(node, axis_rotation).angle != 0;
+  drag.turn = drag.is_turned ? quaternion_of(execution.get<SFRotation>(node, axis_rotation)) : glm::dquat(1, 0, 0, 0);
+  begin_drag(execution, node, bearing, world_from_sensor);
+}
+
+// Returns a vector of the turned coordinate system in that of the sensor.
+glm::dvec3 unturned(const PointingState& drag, const glm::dvec3& vector) {
+  return drag.is_turned ? drag.turn * vector : vector;
 }
 
 // Bearing in the sensor's coordinate system.
@@ -86,19 +102,25 @@ struct Plane {
     min_position,
     offset,
     track_point,
-    translation
+    translation,
+    is_over,
+    description,
+    axis_rotation
   };
 };
 
 void drag_plane(Execution& execution, EventNode node, const Bearing& bearing) {
   PointingState& drag = pointing_state(execution, node);
   const auto point = drag.tracks ? on_plane({drag, bearing}, 2, drag.start.z) : std::nullopt;
-  if (!point || !send_finite(execution, node, Plane::track_point, SFVec3f(*point))) return;
-  SFVec3f moved(glm::dvec3(execution.get<SFVec3f>(node, Plane::offset)) + (*point - drag.start));
+  if (!point || !send_finite(execution, node, Plane::track_point, SFVec3f(unturned(drag, *point)))) return;
+  glm::dvec3 offset(execution.get<SFVec3f>(node, Plane::offset));
+  if (drag.is_turned) offset = glm::conjugate(drag.turn) * offset;
+  SFVec3f moved(offset + (*point - drag.start));
   const auto &least = execution.get<SFVec2f>(node, Plane::min_position),
              &most = execution.get<SFVec2f>(node, Plane::max_position);
   for (int i = 0; i < 2; ++i)
     if (least[i] <= most[i]) moved[i] = std::clamp(moved[i], least[i], most[i]);
+  if (drag.is_turned) moved = SFVec3f(drag.turn * glm::dvec3(moved));
   drag.sent = send_finite(execution, node, Plane::translation, moved) || drag.sent;
 }
 
@@ -111,8 +133,13 @@ void end_drag(Execution& execution, EventNode node, bool) {
 
 constexpr PointingSensor kPlaneSensor = {
     .enabled = Plane::enabled,
+    .is_over = Plane::is_over,
     .is_active = Plane::is_active,
-    .press = begin_drag,
+    .description = Plane::description,
+    .press =
+        [](Execution& execution, EventNode node, const Bearing& bearing, const glm::dmat4& place) {
+          begin_turned_drag(execution, node, Plane::axis_rotation, bearing, place);
+        },
     .drag = drag_plane,
     .release = end_drag<SFVec3f, Plane, Plane::translation>,
 };
@@ -129,12 +156,15 @@ struct Cylinder {
     min_angle,
     offset,
     rotation,
-    track_point
+    track_point,
+    is_over,
+    description,
+    axis_rotation
   };
 };
 
 void press_cylinder(Execution& execution, EventNode node, const Bearing& bearing, const glm::dmat4& place) {
-  begin_drag(execution, node, bearing, place);
+  begin_turned_drag(execution, node, Cylinder::axis_rotation, bearing, place);
   PointingState& drag = pointing_state(execution, node);
   const DragRay ray(drag, bearing);
   const double angle =
@@ -148,7 +178,7 @@ void drag_cylinder(Execution& execution, EventNode node, const Bearing& bearing)
   if (!drag.tracks) return;
   const DragRay ray(drag, bearing);
   const auto point = drag.disk ? on_plane(ray, 1, drag.start.y) : on_body(drag, ray, kCylinder);
-  if (!point || !send_finite(execution, node, Cylinder::track_point, SFVec3f(*point))) return;
+  if (!point || !send_finite(execution, node, Cylinder::track_point, SFVec3f(unturned(drag, *point)))) return;
   // The angle is undefined on the axis. A drag may exceed a full turn, so the angle continues from the last one.
   const double sine = drag.start.z * point->x - drag.start.x * point->z,
                cosine = drag.start.x * point->x + drag.start.z * point->z;
@@ -161,13 +191,16 @@ void drag_cylinder(Execution& execution, EventNode node, const Bearing& bearing)
               most = execution.get<SFFloat>(node, Cylinder::max_angle);
   if (least <= most) turned = std::clamp(turned, least, most);
   if (!std::isfinite(turned)) return;
-  execution.send(node, Cylinder::rotation, SFRotation{0, 1, 0, turned});
+  const SFVec3f axis(unturned(drag, {0, 1, 0}));
+  execution.send(node, Cylinder::rotation, SFRotation{axis.x, axis.y, axis.z, turned});
   drag.sent = true;
 }
 
 constexpr PointingSensor kCylinderSensor = {
     .enabled = Cylinder::enabled,
+    .is_over = Cylinder::is_over,
     .is_active = Cylinder::is_active,
+    .description = Cylinder::description,
     .press = press_cylinder,
     .drag = drag_cylinder,
     .release =
@@ -180,7 +213,7 @@ constexpr PointingSensor kCylinderSensor = {
 // ---- SphereSensor (6.44)
 
 struct Sphere {
-  enum : int { enabled = kSensorEnabled, is_active, auto_offset, offset, rotation, track_point };
+  enum : int { enabled = kSensorEnabled, is_active, auto_offset, offset, rotation, track_point, is_over, description };
 };
 
 // Returns the shortest rotation from the direction `from` to the direction `to`.
@@ -213,7 +246,9 @@ void drag_sphere(Execution& execution, EventNode node, const Bearing& bearing) {
 
 constexpr PointingSensor kSphereSensor = {
     .enabled = Sphere::enabled,
+    .is_over = Sphere::is_over,
     .is_active = Sphere::is_active,
+    .description = Sphere::description,
     .press = press_sphere,
     .drag = drag_sphere,
     .release = end_drag<SFRotation, Sphere, Sphere::rotation>,
@@ -223,20 +258,21 @@ constexpr PointingSensor kSphereSensor = {
 
 const Behaviour kPlaneSensorBehaviour = {
     .events = {"enabled", "isActive", "autoOffset", "maxPosition", "minPosition", "offset", "trackPoint_changed",
-               "translation_changed"},
+               "translation_changed", "isOver", "description", "axisRotation"},
     .on_event = pointing_sensor_event,
     .on_time = pointing_sensor_time,
     .pointing = &kPlaneSensor,
 };
 const Behaviour kCylinderSensorBehaviour = {
     .events = {"enabled", "isActive", "autoOffset", "diskAngle", "maxAngle", "minAngle", "offset", "rotation_changed",
-               "trackPoint_changed"},
+               "trackPoint_changed", "isOver", "description", "axisRotation"},
     .on_event = pointing_sensor_event,
     .on_time = pointing_sensor_time,
     .pointing = &kCylinderSensor,
 };
 const Behaviour kSphereSensorBehaviour = {
-    .events = {"enabled", "isActive", "autoOffset", "offset", "rotation_changed", "trackPoint_changed"},
+    .events = {"enabled", "isActive", "autoOffset", "offset", "rotation_changed", "trackPoint_changed", "isOver",
+               "description"},
     .on_event = pointing_sensor_event,
     .on_time = pointing_sensor_time,
     .pointing = &kSphereSensor,

@@ -68,6 +68,8 @@ float between_numbers(const float& a, const float& b, float part) {
 
 SFVec3f between_points(const SFVec3f& a, const SFVec3f& b, float part) { return a + (b - a) * part; }
 
+SFVec2f between_flat_points(const SFVec2f& a, const SFVec2f& b, float part) { return a + (b - a) * part; }
+
 SFColor between_colors(const SFColor& a, const SFColor& b, float part) {
   Hsv from = hsv_of(a), to = hsv_of(b);
   if (from.saturation == 0) from.hue = to.hue;

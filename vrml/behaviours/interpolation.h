@@ -21,6 +21,7 @@ struct KeyPlace {
 // Interpolates linearly: returns a + part * (b - a).
 [[nodiscard]] float between_numbers(const float& a, const float& b, float part);
 [[nodiscard]] SFVec3f between_points(const SFVec3f& a, const SFVec3f& b, float part);
+[[nodiscard]] SFVec2f between_flat_points(const SFVec2f& a, const SFVec2f& b, float part);
 /// Interpolates in HSV space; the hue takes the shorter way around the circle (6.10). A colour without hue gets the hue
 /// of the other colour.
 [[nodiscard]] SFColor between_colors(const SFColor& a, const SFColor& b, float part);

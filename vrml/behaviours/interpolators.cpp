@@ -37,46 +37,50 @@ bool first_value(Execution& execution, EventNode node, FieldValue& value) {
   return true;
 }
 
+template <class T>
 bool first_list(Execution& execution, EventNode node, FieldValue& value) {
   const MFFloat& keys = execution.get<MFFloat>(node, InterpolatorEvents::key);
-  const MFVec3f& values = execution.get<MFVec3f>(node, InterpolatorEvents::key_value);
+  const Array<T>& values = execution.get<Array<T>>(node, InterpolatorEvents::key_value);
   const std::size_t count = keys.empty() ? 0 : values.size() / keys.size();
-  if (count == 0 || !execution.budget().spend(count) ||
-      !execution.nodes().afford_most(node, 2 * count * sizeof(SFVec3f)))
+  if (count == 0 || !execution.budget().spend(count) || !execution.nodes().afford_most(node, 2 * count * sizeof(T)))
     return false;
-  value = MFVec3f(values.span().first(count));
+  value = Array<T>(values.span().first(count));
   return true;
 }
 
+StatePool<MFVec3f>& spares_of(BehaviourStates& states, const SFVec3f*) { return states.spares; }
+StatePool<MFVec2f>& spares_of(BehaviourStates& states, const SFVec2f*) { return states.flat_spares; }
+
 // Evaluates an interpolator with a list of values per key (6.13, 6.31). Alternates between two arrays, because the last
 // array sent may share storage with the fields that received it. The previous array no longer shares storage.
-template <SFVec3f (*between)(const SFVec3f&, const SFVec3f&, float)>
+template <class T, T (*between)(const T&, const T&, float)>
 bool set_fraction_of_list(Execution& execution, EventNode node, int event, const FieldValue& value) {
   if (event != InterpolatorEvents::set_fraction) return true;
   const MFFloat& keys = execution.get<MFFloat>(node, InterpolatorEvents::key);
-  const MFVec3f& values = execution.get<MFVec3f>(node, InterpolatorEvents::key_value);
+  const Array<T>& values = execution.get<Array<T>>(node, InterpolatorEvents::key_value);
   const std::size_t count = keys.empty() ? 0 : values.size() / keys.size();
   if (count == 0 || !execution.budget().spend(count) || execution.has_sent(node, InterpolatorEvents::value_changed))
     return false;
   const KeyPlace place = find_key(keys.span(), std::get<SFFloat>(value));
   std::uint32_t& state = execution.nodes().state_of(node);
-  auto& spares = execution.states().spares;
+  auto& spares = spares_of(execution.states(), static_cast<T*>(nullptr));
   if (state == 0) state = spares.take();
-  MFVec3f& spare = spares[state];
-  if (!execution.nodes().afford_most(node, 2 * count * sizeof(SFVec3f))) return false;
+  Array<T>& spare = spares[state];
+  if (!execution.nodes().afford_most(node, 2 * count * sizeof(T))) return false;
   if (spare.shared()) spare = {};
   spare.resize(count);
-  SFVec3f* to = spare.mutable_data();
-  const SFVec3f* first = values.data() + place.first * count;
-  const SFVec3f* second = values.data() + place.second * count;
+  T* to = spare.mutable_data();
+  const T* first = values.data() + place.first * count;
+  const T* second = values.data() + place.second * count;
   for (std::size_t i = 0; i < count; ++i) to[i] = place.part == 0 ? first[i] : between(first[i], second[i], place.part);
   if (FieldValue* out = execution.cascade().place_to_send(node, InterpolatorEvents::value_changed))
-    std::swap(*std::get_if<MFVec3f>(out), spare);
+    std::swap(*std::get_if<Array<T>>(out), spare);
   return false;
 }
 
+template <class T>
 void list_is_removed(Execution& execution, EventNode node) {
-  execution.states().spares.give_back(execution.nodes().state_of(node));
+  spares_of(execution.states(), static_cast<T*>(nullptr)).give_back(execution.nodes().state_of(node));
 }
 
 // Interface of an interpolator along a NURBS curve (Amendment 1). The field `dimension` is the number of control
@@ -109,13 +113,13 @@ const Behaviour kColorInterpolatorBehaviour = {.events = kInterpolatorEvents,
                                                .on_event = set_fraction<SFColor, between_colors>,
                                                .unsent_value = first_value<SFColor>};
 const Behaviour kCoordinateInterpolatorBehaviour = {.events = kInterpolatorEvents,
-                                                    .on_event = set_fraction_of_list<between_points>,
-                                                    .on_remove = list_is_removed,
-                                                    .unsent_value = first_list};
+                                                    .on_event = set_fraction_of_list<SFVec3f, between_points>,
+                                                    .on_remove = list_is_removed<SFVec3f>,
+                                                    .unsent_value = first_list<SFVec3f>};
 const Behaviour kNormalInterpolatorBehaviour = {.events = kInterpolatorEvents,
-                                                .on_event = set_fraction_of_list<between_normals>,
-                                                .on_remove = list_is_removed,
-                                                .unsent_value = first_list};
+                                                .on_event = set_fraction_of_list<SFVec3f, between_normals>,
+                                                .on_remove = list_is_removed<SFVec3f>,
+                                                .unsent_value = first_list<SFVec3f>};
 const Behaviour kOrientationInterpolatorBehaviour = {.events = kInterpolatorEvents,
                                                      .on_event = set_fraction<SFRotation, between_rotations>,
                                                      .unsent_value = first_value<SFRotation>};
@@ -125,6 +129,13 @@ const Behaviour kPositionInterpolatorBehaviour = {.events = kInterpolatorEvents,
 const Behaviour kScalarInterpolatorBehaviour = {.events = kInterpolatorEvents,
                                                 .on_event = set_fraction<SFFloat, between_numbers>,
                                                 .unsent_value = first_value<SFFloat>};
+const Behaviour kCoordinateInterpolator2DBehaviour = {.events = kInterpolatorEvents,
+                                                      .on_event = set_fraction_of_list<SFVec2f, between_flat_points>,
+                                                      .on_remove = list_is_removed<SFVec2f>,
+                                                      .unsent_value = first_list<SFVec2f>};
+const Behaviour kPositionInterpolator2DBehaviour = {.events = kInterpolatorEvents,
+                                                    .on_event = set_fraction<SFVec2f, between_flat_points>,
+                                                    .unsent_value = first_value<SFVec2f>};
 const Behaviour kNurbsPositionInterpolatorBehaviour = {
     .events = {"set_fraction", "keyValue", "value_changed", "keyWeight", "knot", "order", "dimension"},
     .on_event = set_fraction_of_curve};

@@ -1,7 +1,6 @@
 #include "vrml/behaviours/browser_events.h"
+#include "vrml/behaviours/pauses.h"
 #include "vrml/event_model/behaviour.h"
-#include "vrml/event_model/states.h"
-#include "vrml/events/execution.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +11,23 @@ namespace {
 
 // Interfaces of AudioClip and MovieTexture. `rate` is the pitch or the speed.
 struct Media {
-  enum : int { loop, rate, start_time, stop_time, duration_changed, is_active, url, media_time };
+  enum : int {
+    loop,
+    rate,
+    start_time,
+    stop_time,
+    duration_changed,
+    is_active,
+    url,
+    media_time,
+    pause_time,
+    resume_time,
+    is_paused,
+    elapsed_time
+  };
 };
+constexpr PauseEvents kPauseEvents = {Media::start_time, Media::pause_time, Media::resume_time, Media::is_paused,
+                                      Media::elapsed_time};
 
 constexpr double kUnending = std::numeric_limits<double>::infinity();
 
@@ -31,6 +45,9 @@ MediaFields media_fields(Execution& execution, EventNode node, bool backwards) {
                 execution.get<SFFloat>(node, Media::rate), execution.get<SFBool>(node, Media::loop)};
   // Replaces values that the standard forbids by the default: a pitch outside (0,inf), and numbers that are not finite.
   if (!std::isfinite(f.rate) || (!backwards && !(f.rate > 0))) f.rate = 1;
+  // Moves the start by the pauses, so that the media continues after them.
+  if (!(f.stop > f.start)) f.stop = kUnending;
+  f.start += state_of_media(execution, node).pause.total;
   return f;
 }
 
@@ -87,16 +104,20 @@ void media_start_if_due(Execution& execution, EventNode node, MediaState& state)
   }
   state.active = true;
   state.cycle = 0;
+  begin_pauses(state.pause, f.start > execution.cascade().previous() ? f.start : now);
   execution.send(node, Media::is_active, SFBool{true});
+  if (has_pauses(execution, node, kPauseEvents)) return execution.timers().look_again(node);
   execution.timers().call_at(node, end_of(f, state));
 }
 
 void media_stop(Execution& execution, EventNode node, MediaState& state, const MediaFields& f, double end) {
   const bool end_of_cycle = !f.loop && end >= f.start + (state.cycle + 1) * cycle_of(f, state);
   // If stopTime was set to the past while active, the activity ends at the time of that event.
-  state.held = position_at(f, state, std::max(end, state.stop_set), end_of_cycle);
+  const double last = state.pause.paused ? state.pause.since : std::max(end, state.stop_set);
+  state.held = position_at(f, state, last, end_of_cycle);
   state.holds = true;
   state.active = false;
+  end_pauses(execution, node, kPauseEvents, state.pause);
   execution.send(node, Media::is_active, SFBool{false});
   // If the node must stop and start again at the same time, it stops first (4.6.9).
   if (state.new_start_at == execution.now()) {
@@ -105,13 +126,25 @@ void media_stop(Execution& execution, EventNode node, MediaState& state, const M
   }
 }
 
-// Sends mediaTime in each step of the active period, if another node listens.
+// Sends mediaTime and elapsedTime in each step of the active period, if another node listens.
 void tell_media_time(Execution& execution, EventNode node, const MediaState& state) {
-  const bool tells = state.active && execution.is_listened_to(node, Media::media_time);
-  execution.timers().run(node, tells);
+  const bool plays = state.active && !state.pause.paused;
+  const bool tells = plays && execution.is_listened_to(node, Media::media_time);
+  const bool counts = plays && execution.is_listened_to(node, Media::elapsed_time);
+  execution.timers().run(node, tells || counts);
+  if (counts) send_elapsed(execution, node, kPauseEvents, state.pause, execution.now());
   if (!tells || execution.has_sent(node, Media::media_time)) return;
   execution.send(node, Media::media_time,
                  SFTime{position_at(media_fields(execution, node), state, execution.now(), false)});
+}
+
+// Begins and ends pauses of an active node. Returns the time of the next change.
+double media_pauses(Execution& execution, EventNode node, MediaState& state) {
+  if (!has_pauses(execution, node, kPauseEvents)) return kUnending;
+  const double last = std::max(state.pause.activated, execution.cascade().previous());
+  if (!begin_pause(execution, node, kPauseEvents, state.pause, last))
+    resume(execution, node, kPauseEvents, state.pause);
+  return state.pause.paused ? next_resume(execution, node, kPauseEvents) : next_pause(execution, node, kPauseEvents);
 }
 
 void media_change(Execution& execution, EventNode node, MediaState& state) {
@@ -119,11 +152,13 @@ void media_change(Execution& execution, EventNode node, MediaState& state) {
     media_start_if_due(execution, node, state);
     return;
   }
+  const double change = media_pauses(execution, node, state);
   const MediaFields f = media_fields(execution, node);
   const bool over = !f.loop && state.duration < 0 && !may_come(execution, node, state);
-  const double end = over ? std::min(end_of(f, state), execution.now()) : end_of(f, state);
+  const double next = state.pause.paused ? f.stop : end_of(f, state);
+  const double end = over ? std::min(next, execution.now()) : next;
   if (execution.now() < end) {
-    execution.timers().call_at(node, end);
+    execution.timers().call_at(node, std::min(end, change));
   } else if (execution.has_sent(node, Media::is_active)) {
     execution.timers().call_at(node, execution.now());  // already started with this timestamp; stops with the next
   } else {
@@ -148,7 +183,7 @@ bool media_event(Execution& execution, EventNode node, int event, const FieldVal
     case Media::rate:
       return false;
     case Media::stop_time:
-      if (!(std::get<SFTime>(value) > f.start)) return false;
+      if (!(std::get<SFTime>(value) > execution.get<SFTime>(node, Media::start_time))) return false;
       state.stop_set = execution.now();
       return true;
     case Media::start_time:
@@ -192,13 +227,14 @@ MediaPlay media_play(Execution& execution, EventNode node) {
   const MediaState& state = state_of_media(execution, node);
   const MediaFields f = media_fields(execution, node);
   MediaPlay play;
-  play.active = state.active;
+  play.active = state.active && !state.pause.paused;
   play.loop = f.loop;
   play.start = f.start;
   play.end = end_of(f, state);
   play.rate = f.rate;
   play.duration = state.duration;
-  play.position = state.active  ? position_at(f, state, execution.now(), false)
+  const double now = state.pause.paused ? state.pause.since : execution.now();
+  play.position = state.active  ? position_at(f, state, now, false)
                   : state.holds ? state.held
                                 : position_at(f, state, f.start, false);
   return play;
@@ -206,10 +242,11 @@ MediaPlay media_play(Execution& execution, EventNode node) {
 
 constexpr Behaviour media_behaviour(std::string_view rate, bool backwards) {
   Behaviour behaviour;
-  behaviour.events = {"loop", rate, "startTime", "stopTime", "duration_changed", "isActive", "url"};
+  behaviour.events = {"loop",     rate, "startTime", "stopTime",   "duration_changed", "isActive",
+                      "url",      "",   "pauseTime", "resumeTime", "isPaused",         "elapsedTime"};
   // mediaTime is an event of other browsers; only movies have it.
   if (backwards) behaviour.events[Media::media_time] = "mediaTime";
-  behaviour.watches_routes = backwards;
+  behaviour.watches_routes = true;
   behaviour.initialize = media_begin;
   behaviour.on_event = media_event;
   behaviour.on_time = media_time;

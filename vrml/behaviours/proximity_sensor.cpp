@@ -13,7 +13,7 @@ namespace gs::vrml {
 namespace {
 
 struct Proximity {
-  enum : int { center, size, enabled, is_active, position, orientation, enter_time, exit_time };
+  enum : int { center, size, enabled, is_active, position, orientation, enter_time, exit_time, center_of_rotation };
 };
 
 // Makes the columns of a matrix orthonormal. Returns false if a column has no direction.
@@ -114,6 +114,12 @@ void send_place(Execution& execution, EventNode node, const glm::dmat4& sensor_f
   const SFRotation orientation = orthonormal(turned) ? rotation_of(glm::quat_cast(turned)) : SFRotation{};
   if (always || orientation != execution.get<SFRotation>(node, Proximity::orientation))
     execution.send(node, Proximity::orientation, orientation);
+  // centerOfRotation_changed (X3D 22.4.1)
+  const std::optional<glm::dvec3> turns_about = execution.viewer().center();
+  if (!turns_about || !execution.nodes().has_event(node, Proximity::center_of_rotation)) return;
+  const SFVec3f about(sensor_from_viewer * glm::inverse(execution.viewer().pose()) * glm::dvec4(*turns_about, 1));
+  if (always || about != execution.get<SFVec3f>(node, Proximity::center_of_rotation))
+    execution.send(node, Proximity::center_of_rotation, about);
 }
 
 void enter(Execution& execution, EventNode node, double time, const glm::dmat4& sensor_from_viewer) {
@@ -218,7 +224,7 @@ bool proximity_event(Execution& execution, EventNode node, int, const FieldValue
 
 const Behaviour kProximitySensorBehaviour = {
     .events = {"center", "size", "enabled", "isActive", "position_changed", "orientation_changed", "enterTime",
-               "exitTime"},
+               "exitTime", "centerOfRotation_changed"},
     .initialize = proximity_begins,
     .on_event = proximity_event,
     .on_time = proximity_time,

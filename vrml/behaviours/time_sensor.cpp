@@ -1,4 +1,4 @@
-#include "vrml/event_model/states.h"
+#include "vrml/behaviours/pauses.h"
 #include "vrml/events/execution.h"
 
 #include <algorithm>
@@ -10,8 +10,24 @@ namespace gs::vrml {
 namespace {
 
 struct Clock {
-  enum : int { cycle_interval, enabled, loop, start_time, stop_time, cycle_time, fraction_changed, is_active, time };
+  enum : int {
+    cycle_interval,
+    enabled,
+    loop,
+    start_time,
+    stop_time,
+    cycle_time,
+    fraction_changed,
+    is_active,
+    time,
+    pause_time,
+    resume_time,
+    is_paused,
+    elapsed_time
+  };
 };
+constexpr PauseEvents kPauseEvents = {Clock::start_time, Clock::pause_time, Clock::resume_time, Clock::is_paused,
+                                      Clock::elapsed_time};
 
 TimeState& state_of_sensor(Execution& execution, EventNode node) {
   return execution.states().times[execution.nodes().state_of(node)];
@@ -28,6 +44,14 @@ TimeFields fields_of(const Execution& execution, EventNode node) {
                execution.get<SFBool>(node, Clock::enabled)};
   // Replaces intervals that the standard forbids, outside (0,inf), by the default.
   if (!(f.interval > 0) || !std::isfinite(f.interval)) f.interval = 1;
+  return f;
+}
+
+// Moves the start by the pauses, so that cycles continue after them.
+TimeFields fields_after_pauses(const Execution& execution, EventNode node, const TimeState& state) {
+  TimeFields f = fields_of(execution, node);
+  f.stop = f.stop > f.start ? f.stop : std::numeric_limits<double>::infinity();
+  f.start += state.pause.total;
   return f;
 }
 
@@ -50,6 +74,7 @@ void send_outputs(Execution& execution, EventNode node, TimeState& state, const 
   }
   execution.send(node, Clock::fraction_changed, end_of_cycle ? SFFloat{1} : static_cast<SFFloat>(fraction));
   execution.send(node, Clock::time, SFTime{at});
+  send_elapsed(execution, node, kPauseEvents, state.pause, at);
   state.sent_at = at;
 }
 
@@ -73,6 +98,7 @@ void start_if_due(Execution& execution, EventNode node, TimeState& state, const 
   state.active = true;
   state.cycle_sent = false;
   state.sent_at = -std::numeric_limits<double>::infinity();
+  begin_pauses(state.pause, f.start > execution.cascade().previous() ? f.start : now);
   execution.send(node, Clock::is_active, SFBool{true});
   if (over) {  // end of the only cycle
     state.cycle_sent = true;
@@ -91,7 +117,9 @@ void start_if_due(Execution& execution, EventNode node, TimeState& state, const 
 void stop(Execution& execution, EventNode node, TimeState& state, double at, Ending ending) {
   // Timestamps increase (4.11.1). Does not send outputs again for the same time. A stopTime in the past means now
   // (6.50).
-  if (at > state.sent_at) send_outputs(execution, node, state, fields_of(execution, node), at, ending);
+  if (at > state.sent_at && !state.pause.paused)
+    send_outputs(execution, node, state, fields_after_pauses(execution, node, state), at, ending);
+  end_pauses(execution, node, kPauseEvents, state.pause);
   execution.send(node, Clock::is_active, SFBool{false});
   state.active = false;
   execution.timers().run(node, false);
@@ -102,17 +130,29 @@ void stop(Execution& execution, EventNode node, TimeState& state, double at, End
   }
 }
 
+// Begins and ends pauses. Returns true if the sensor is paused now and has nothing else to do.
+bool pauses(Execution& execution, EventNode node, TimeState& state) {
+  if (!has_pauses(execution, node, kPauseEvents)) return false;
+  const bool before = state.pause.paused;
+  const std::optional<double> begins = begin_pause(execution, node, kPauseEvents, state.pause, state.sent_at);
+  if (begins && *begins > state.sent_at)
+    send_outputs(execution, node, state, fields_after_pauses(execution, node, state), *begins, Ending::none);
+  if (!begins) resume(execution, node, kPauseEvents, state.pause);
+  if (before != state.pause.paused) execution.timers().run(node, !state.pause.paused);
+  return state.pause.paused;
+}
+
 void time_sensor_time(Execution& execution, EventNode node) {
   TimeState& state = state_of_sensor(execution, node);
-  const TimeFields f = fields_of(execution, node);
   if (!state.active) {
-    start_if_due(execution, node, state, f);
+    start_if_due(execution, node, state, fields_of(execution, node));
     return;
   }
-  const double now = execution.now();
+  const bool paused = pauses(execution, node, state);
+  const TimeFields f = fields_after_pauses(execution, node, state);
+  const double now = execution.now(), stop_time = f.stop;
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  const double stop_time = f.stop > f.start ? f.stop : kNever;
-  const double cycle_end = f.loop ? kNever : f.start + (state.cycle + 1) * f.interval;
+  const double cycle_end = f.loop || paused ? kNever : f.start + (state.cycle + 1) * f.interval;
   const double end = std::min(stop_time, cycle_end);
   if (execution.has_sent(node, Clock::is_active) && (!f.enabled || now >= end)) {
     execution.timers().run(node, true);  // already started with this timestamp; stops with the next timestamp
@@ -122,6 +162,9 @@ void time_sensor_time(Execution& execution, EventNode node) {
     stop(execution, node, state, end, cycle_end <= stop_time ? Ending::cycle : Ending::inside_cycle);
   } else if (!f.enabled) {
     stop(execution, node, state, now, Ending::inside_cycle);
+  } else if (paused) {
+    const double next = std::min(end, next_resume(execution, node, kPauseEvents));
+    if (next < kNever) execution.timers().call_at(node, next);
   } else {
     send_outputs(execution, node, state, f, now, Ending::none);
   }
@@ -154,7 +197,7 @@ void time_sensor_begin(Execution& execution, EventNode node) {
 
 const Behaviour kTimeSensorBehaviour = {
     .events = {"cycleInterval", "enabled", "loop", "startTime", "stopTime", "cycleTime", "fraction_changed", "isActive",
-               "time"},
+               "time", "pauseTime", "resumeTime", "isPaused", "elapsedTime"},
     .initialize = time_sensor_begin,
     .on_event = time_sensor_event,
     .on_time = time_sensor_time,

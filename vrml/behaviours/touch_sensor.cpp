@@ -6,7 +6,7 @@ namespace gs::vrml {
 namespace {
 
 struct Touch {
-  enum : int { enabled = kSensorEnabled, is_over, is_active, touch_time, hit_point, hit_normal, hit_tex_coord };
+  enum : int { enabled = kSensorEnabled, is_over, is_active, touch_time, hit_point, hit_normal, hit_tex_coord, description };
 };
 
 // Sends the hit point in the coordinate system of the sensor (6.51). If that system is singular, does not send
@@ -25,6 +25,7 @@ constexpr PointingSensor kTouchSensor = {
     .enabled = Touch::enabled,
     .is_over = Touch::is_over,
     .is_active = Touch::is_active,
+    .description = Touch::description,
     .hover = touch_hover,
     .release =
         [](Execution& execution, EventNode node, bool over) {
@@ -43,7 +44,7 @@ void pointing_sensor_time(Execution& execution, EventNode node) { execution.poin
 
 const Behaviour kTouchSensorBehaviour = {
     .events = {"enabled", "isOver", "isActive", "touchTime", "hitPoint_changed", "hitNormal_changed",
-               "hitTexCoord_changed"},
+               "hitTexCoord_changed", "description"},
     .on_event = pointing_sensor_event,
     .on_time = pointing_sensor_time,
     .pointing = &kTouchSensor,

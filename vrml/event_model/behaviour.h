@@ -14,6 +14,7 @@
 namespace gs::vrml {
 
 class Execution;
+struct KeyStroke;
 struct MediaPlay;
 struct Node;
 struct PointingSensor;
@@ -21,11 +22,14 @@ struct ViewerMoment;
 /// Index of a node in Execution's event tables; 0 means none.
 using EventNode = std::uint32_t;
 
+/// Contact of the avatar with geometry. `none` only asks whether collision detection is on.
+enum class Meeting : std::uint8_t { none, begins, lasts };
+
 /// Reaction of one built-in node type to events and time; a column of the node table. Events that the functions do not
 /// handle have their default meaning. An exposedField takes the value and sends it (VRML97 4.7). `set_x` of a plain
 /// field x replaces the value of x (6.17, 6.18, 6.23, 6.24).
 struct Behaviour {
-  static constexpr std::size_t kMaxEvents = 12;
+  static constexpr std::size_t kMaxEvents = 20;
   /// Names of the interfaces that the functions handle, read or send, padded with "". Functions use the index of a
   /// name.
   std::array<std::string_view, kMaxEvents> events{};
@@ -51,9 +55,11 @@ struct Behaviour {
   /// Updates the state of a sensor for which on_time was not called since idle_box(), as if on_time had been called in
   /// each step up to `last`.
   void (*after_idle)(Execution& execution, EventNode node, const ViewerMoment& last) = nullptr;
-  /// For Collision nodes (6.8). If `met`, reports that the avatar collided with a descendant. Returns false if
-  /// collision detection is off for all descendants.
-  bool (*on_collision)(Execution& execution, EventNode node, bool met) = nullptr;
+  /// For Collision nodes (6.8). Reports the contact of the avatar with a descendant. Returns false if collision
+  /// detection is off for all descendants.
+  bool (*on_collision)(Execution& execution, EventNode node, Meeting met) = nullptr;
+  /// For sensors of keys (X3D clause 21): handles a keystroke. The first name in `events` is `enabled`.
+  void (*on_key)(Execution& execution, EventNode node, const KeyStroke& stroke) = nullptr;
   /// Handles an event for an eventIn or exposedField that the node itself declares. `interface` is its index in the
   /// type's interfaces.
   void (*on_own_event)(Execution& execution, EventNode node, std::uint32_t interface,
@@ -76,6 +82,7 @@ struct Behaviour {
 
 // Behaviours that rows of the node table use.
 extern const Behaviour kTransformBehaviour;
+extern const Behaviour kHumanoidBehaviour, kJointBehaviour, kSegmentBehaviour, kDisplacerBehaviour, kMotionBehaviour;
 extern const Behaviour kViewpointBehaviour;
 extern const Behaviour kProximitySensorBehaviour, kVisibilitySensorBehaviour;
 extern const Behaviour kTouchSensorBehaviour, kPlaneSensorBehaviour, kCylinderSensorBehaviour, kSphereSensorBehaviour;
@@ -86,11 +93,32 @@ extern const Behaviour kBrowserBehaviour;   // the browser as a node (vrml/event
 extern const Behaviour kBindableBehaviour;  // bindable nodes (4.6.10)
 inline constexpr int kSetBind = 0;          // event index of set_bind in all bindable nodes
 inline constexpr int kFieldOfView = 3;      // event index of fieldOfView in Viewpoint
+inline constexpr int kTransitionComplete = 3;  // event index of transitionComplete in NavigationInfo
 extern const Behaviour kTimeSensorBehaviour;
 extern const Behaviour kAudioClipBehaviour, kMovieTextureBehaviour;  // 6.4, 6.28
+extern const Behaviour kLoadSensorBehaviour;                         // ISO/IEC 19775-1 9.4.3
 extern const Behaviour kScriptBehaviour;                             // 6.40
 extern const Behaviour kColorInterpolatorBehaviour, kCoordinateInterpolatorBehaviour, kNormalInterpolatorBehaviour,
     kOrientationInterpolatorBehaviour, kPositionInterpolatorBehaviour, kScalarInterpolatorBehaviour,
     kNurbsPositionInterpolatorBehaviour;
+extern const Behaviour kNurbsCurvePositionBehaviour, kNurbsOrientationInterpolatorBehaviour,
+    kNurbsSurfaceInterpolatorBehaviour;  // of X3D
+
+// Behaviours of X3D (ISO/IEC 19775-1).
+extern const Behaviour kOrthoViewpointBehaviour, kNavigationInfoBehaviour;
+extern const Behaviour kSwitchBehaviour, kLodBehaviour;  // addChildren, removeChildren, level_changed
+extern const Behaviour kBooleanFilterBehaviour, kBooleanSequencerBehaviour, kBooleanToggleBehaviour,
+    kBooleanTriggerBehaviour, kIntegerSequencerBehaviour, kIntegerTriggerBehaviour, kTimeTriggerBehaviour;
+extern const Behaviour kCoordinateInterpolator2DBehaviour, kPositionInterpolator2DBehaviour, kEaseInEaseOutBehaviour,
+    kSplinePositionInterpolatorBehaviour, kSplinePositionInterpolator2DBehaviour, kSplineScalarInterpolatorBehaviour,
+    kSquadOrientationInterpolatorBehaviour;
+extern const Behaviour kColorChaserBehaviour, kColorDamperBehaviour, kCoordinateChaserBehaviour,
+    kCoordinateDamperBehaviour, kOrientationChaserBehaviour, kOrientationDamperBehaviour, kPositionChaserBehaviour,
+    kPositionChaser2DBehaviour, kPositionDamperBehaviour, kPositionDamper2DBehaviour, kScalarChaserBehaviour,
+    kScalarDamperBehaviour, kTexCoordChaser2DBehaviour, kTexCoordDamper2DBehaviour;
+inline constexpr int kKeySensorEnabled = 0;  // event index of enabled in KeySensor and StringSensor
+extern const Behaviour kKeySensorBehaviour, kStringSensorBehaviour, kTransformSensorBehaviour;
+extern const Behaviour kLinePickSensorBehaviour, kPointPickSensorBehaviour, kPrimitivePickSensorBehaviour,
+    kVolumePickSensorBehaviour;
 
 }  // namespace gs::vrml

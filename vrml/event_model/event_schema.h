@@ -16,8 +16,8 @@ struct EventSchema {
 
   struct Interface {
     const InterfaceDeclaration* declaration = nullptr;
-    std::int32_t slot = -1;  // index of the stored value: of an exposedField, or of field x for the eventIn set_x
-    std::int32_t out = -1;  // for an eventOut: index among the eventOut values of a node
+    std::int32_t slot = -1;   // index of the stored value: of an exposedField, or of field x for the eventIn set_x
+    std::int32_t out = -1;    // for an eventOut: index among the eventOut values of a node
     std::int32_t event = -1;  // index in Behaviour::events
   };
 
@@ -28,8 +28,8 @@ struct EventSchema {
 
   const NodeType* type = nullptr;
   const Behaviour* behaviour = nullptr;
-  std::size_t users = 0;  // number of nodes; at 0, a type of the world loses its schema
-  bool instance = false;  // the type is a PROTO: its events also go to nodes of the body
+  std::size_t users = 0;              // number of nodes; at 0, a type of the world loses its schema
+  bool instance = false;              // the type is a PROTO: its events also go to nodes of the body
   std::vector<Interface> interfaces;  // in the order of the type's declarations
   std::vector<FieldType> outs;        // types of the eventOut values
   std::array<std::uint32_t, Behaviour::kMaxEvents> events{};  // `interfaces` index of each name in Behaviour::events

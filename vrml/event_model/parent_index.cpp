@@ -65,8 +65,9 @@ void ParentIndex::list_children(Place place) {
   };
   if (place.node == 0) return add(graph.roots());
   const Node& node = graph.nodes().at(place.node);
-  for (std::size_t slot = 0; slot < node.type->defaults.size(); ++slot)
-    if (const auto* children = std::get_if<MFNode>(&node.values[slot])) add(*children);
+  for (const InterfaceDeclaration& field : node.type->interfaces)
+    if (field.type == FieldType::MFNode && field.slot >= 0 && !field.lists)
+      add(*std::get_if<MFNode>(&node.values[field.slot]));
 }
 
 // Indexes a node and all nodes below it, up to nodes that are known.

@@ -122,7 +122,7 @@ void BindableStacks::bind_first_nodes(SceneState& state, bool of_fresh_types) {
     const InterfaceDeclaration* which = node.type->find_field("whichChoice");
     const auto* chosen = which ? std::get_if<SFInt32>(&node.values[which->slot]) : nullptr;
     for (const InterfaceDeclaration& declaration : node.type->interfaces)
-      if (declaration.slot >= 0)
+      if (declaration.slot >= 0 && !declaration.lists)
         if (const auto* children = std::get_if<MFNode>(&node.values[declaration.slot])) {
           const NodeId *begin = children->begin(), *end = children->end();
           if (chosen) {

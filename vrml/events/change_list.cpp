@@ -25,6 +25,7 @@ void ChangeList::mark(EventNode node, std::int32_t slot) {
     execution_.placement().children_changed(*at.scene, at.id);
     execution_.pointing().note_children_changed();
   }
+  execution_.shapes().note_change(at.node);
   const Behaviour* const behaviour = at.node->type->behaviour;
   if (behaviour && behaviour->parent_from_local) execution_.idle().node_moved(*at.node);
   if (holds_nodes(type_of(value))) execution_.lifetime().note_referring(node);
@@ -34,6 +35,7 @@ void ChangeList::mark(EventNode node, std::int32_t slot) {
 void ChangeList::mark_content(SceneGraph& scene, NodeId id) {
   execution_.placement().forget();
   execution_.pointing().forget();
+  execution_.shapes().note_change(nullptr);
   constexpr std::uint64_t kNoField = std::uint64_t{1} << 63;
   if (const EventNode node = execution_.scenes().event_node(scene, id)) change_of(node).slots |= kNoField;
 }
@@ -47,6 +49,7 @@ std::span<const NodeChange> ChangeList::take() {
 }
 
 void ChangeList::forget_removed() {
+  execution_.shapes().forget();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < changed_.size(); ++i) {
     if (execution_.nodes().is_removed(changed_[i])) continue;

@@ -7,6 +7,7 @@ Execution::Execution(SceneGraph& root)
       scenes_(*this, root),
       nodes_(*this),
       routes_(*this),
+      imports_(*this),
       cascade_(*this),
       changes_(*this),
       stacks_(*this),
@@ -17,7 +18,10 @@ Execution::Execution(SceneGraph& root)
       placement_(root),
       viewer_(*this),
       pointing_(*this),
-      browser_(*this) {
+      browser_(*this),
+      loads_(*this),
+      keys_(*this),
+      shapes_(*this) {
   scenes_.attach();
 }
 
@@ -49,7 +53,8 @@ bool Execution::is_listened_to(EventNode node, int event) {
 }
 
 bool Execution::has_sent(EventNode node, int event) const {
-  return cascade_.has_sent_own(node, nodes_.schema_of(node).events[static_cast<std::size_t>(event)]);
+  return nodes_.has_event(node, event) &&
+         cascade_.has_sent_own(node, nodes_.schema_of(node).events[static_cast<std::size_t>(event)]);
 }
 
 }  // namespace gs::vrml

@@ -9,11 +9,15 @@
 #include "vrml/events/event_cascade.h"
 #include "vrml/events/event_nodes.h"
 #include "vrml/events/idle_sensors.h"
+#include "vrml/events/imported_routes.h"
+#include "vrml/events/key_device.h"
 #include "vrml/events/node_lifetime.h"
+#include "vrml/events/placed_shapes.h"
 #include "vrml/events/pointing.h"
 #include "vrml/events/route_table.h"
 #include "vrml/events/script_queue.h"
 #include "vrml/events/timer_queue.h"
+#include "vrml/events/url_loads.h"
 #include "vrml/events/world_browser.h"
 #include "vrml/events/world_scenes.h"
 #include "vrml/events/world_viewer.h"
@@ -61,6 +65,7 @@ class Execution : NonCopyable {
   [[nodiscard]] EventNodes& nodes() { return nodes_; }
   [[nodiscard]] RouteTable& routes() { return routes_; }
   [[nodiscard]] const RouteTable& routes() const { return routes_; }
+  [[nodiscard]] ImportedRoutes& imports() { return imports_; }
   [[nodiscard]] EventCascade& cascade() { return cascade_; }
   [[nodiscard]] ChangeList& changes() { return changes_; }
   [[nodiscard]] BindableStacks& stacks() { return stacks_; }
@@ -73,6 +78,9 @@ class Execution : NonCopyable {
   [[nodiscard]] WorldViewer& viewer() { return viewer_; }
   [[nodiscard]] Pointing& pointing() { return pointing_; }
   [[nodiscard]] WorldBrowser& browser() { return browser_; }
+  [[nodiscard]] UrlLoads& loads() { return loads_; }
+  [[nodiscard]] KeyDevice& keys() { return keys_; }
+  [[nodiscard]] PlacedShapes& shapes() { return shapes_; }
   /// Returns the states of behaviours. EventNodes::state_of is the index of a node's state.
   [[nodiscard]] BehaviourStates& states() { return states_; }
 
@@ -97,6 +105,7 @@ class Execution : NonCopyable {
   WorldScenes scenes_;
   EventNodes nodes_;
   RouteTable routes_;
+  ImportedRoutes imports_;
   EventCascade cascade_;
   ChangeList changes_;
   BindableStacks stacks_;
@@ -108,6 +117,9 @@ class Execution : NonCopyable {
   WorldViewer viewer_;
   Pointing pointing_;
   WorldBrowser browser_;
+  UrlLoads loads_;
+  KeyDevice keys_;
+  PlacedShapes shapes_;
   BehaviourStates states_;
 };
 

@@ -31,8 +31,9 @@ void Pointing::find_sensors(std::span<const PathStep> path, std::vector<Sensed>&
     const Node& node = step.scene->node(step.node);
     if (i + 1 < path.size() && node.type->kind == NodeType::Kind::built_in) {
       const glm::dmat4& place = path[i + 1].world_from_parent;
+      const bool chooses = node.type->read_as == NodeKind::switch_node || node.type->read_as == NodeKind::lod;
       const InterfaceDeclaration* field =
-          has(node.type->role, Role::grouping) ? node.type->find_field("children") : nullptr;
+          has(node.type->role, Role::grouping) && !chooses ? node.type->find_field("children") : nullptr;
       if (field && field->type == FieldType::MFNode)
         add_sensors(*step.scene, *std::get_if<MFNode>(&node.values[field->slot]), place, sensed);
       const PointingSensor* own = pointing_sensor_of(node);
@@ -295,7 +296,13 @@ PointedAt Pointing::pointed_at() const {
     if (!execution_.states().pointing[execution_.nodes().state_of(one.node)].over) continue;
     result.sensor = true;
     const PointingSensor& sensor = *execution_.nodes().behaviour_of(one.node).pointing;
-    if (!sensor.of_children || result.anchor.scene) continue;
+    if (!sensor.of_children) {  // sensors of X3D have a description too
+      if (result.description.empty() && sensor.description >= 0 &&
+          execution_.nodes().has_event(one.node, sensor.description))
+        result.description = execution_.get<SFString>(one.node, sensor.description).str();
+      continue;
+    }
+    if (result.anchor.scene) continue;
     result.anchor = execution_.nodes().place_of(one.node);
     if (sensor.description >= 0) result.description = execution_.get<SFString>(one.node, sensor.description).str();
   }

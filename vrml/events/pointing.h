@@ -45,7 +45,7 @@ struct PointedAt {
   bool sensor = false;  // the pointer is over geometry of an enabled pointing-device sensor
   bool active = false;      // a sensor holds the pointer until the button is released
   NodePlace anchor;  // first Anchor under the pointer; its scene is null if there is none
-  std::string description;  // description of that Anchor
+  std::string description;  // description of that Anchor, or of a sensor of X3D
 };
 
 /// Behaviour of a pointing-device sensor (4.6.7.3). The numbers are indices in Behaviour::events, or -1 if the type has

@@ -22,13 +22,14 @@ bool receives(const InterfaceDeclaration& declaration) {
 
 }  // namespace
 
-bool RouteTable::find_ends(SceneGraph& scene, const Route& route, Ends& ends) {
-  if (!scene.contains(route.from) || !scene.contains(route.to) || !route.event_out || !route.event_in) return false;
+bool RouteTable::find_ends(SceneGraph& from_scene, SceneGraph& to_scene, const Route& route, Ends& ends) {
+  if (!from_scene.contains(route.from) || !to_scene.contains(route.to) || !route.event_out || !route.event_in) return false;
   if (route.event_out->type != route.event_in->type || !sends(*route.event_out) || !receives(*route.event_in))
     return false;
-  SceneState& state = execution_.scenes().state_of(scene);
-  const EventNode from = execution_.scenes().member(state, route.from);
-  ends.target = execution_.scenes().member(state, route.to);
+  if (&from_scene != &to_scene && holds_nodes(route.event_in->type)) return false;
+  WorldScenes& scenes = execution_.scenes();
+  const EventNode from = scenes.member(scenes.state_of(from_scene), route.from);
+  ends.target = scenes.member(scenes.state_of(to_scene), route.to);
   if (from == 0 || ends.target == 0) return false;
   const EventNodes& nodes = execution_.nodes();
   const std::uint32_t event_out = nodes[from].schema->find(*route.event_out);
@@ -40,9 +41,9 @@ bool RouteTable::find_ends(SceneGraph& scene, const Route& route, Ends& ends) {
   return true;
 }
 
-bool RouteTable::add(SceneGraph& scene, const Route& route) {
+bool RouteTable::add(SceneGraph& from, SceneGraph& to, const Route& route) {
   Ends ends;
-  if (!find_ends(scene, route, ends) || routes_.contains(key_of(ends.from, ends.to)) ||
+  if (!find_ends(from, to, route, ends) || routes_.contains(key_of(ends.from, ends.to)) ||
       !execution_.budget().afford(kRouteEntry))
     return false;
   const std::uint32_t made = connect(ends.source, ends.from, ends.target, ends.event_in, Way::route);
@@ -64,7 +65,7 @@ void RouteTable::note_listener(EventNode source) {
 
 bool RouteTable::remove(SceneGraph& scene, const Route& route) {
   Ends ends;
-  if (!find_ends(scene, route, ends)) return false;
+  if (!find_ends(scene, scene, route, ends)) return false;
   const auto found = routes_.find(key_of(ends.from, ends.to));
   if (found == routes_.end()) return false;
   disconnect(found->second);
@@ -83,6 +84,7 @@ std::vector<PlacedRoute> RouteTable::all() const {
     const Connection& one = connections_[place];
     const EventMember &from = nodes[one.source], &to = nodes[one.to];
     result.push_back({from.scene,
+                      to.scene,
                       {from.id, to.id, from.schema->interfaces[one.from - from.first_slot].declaration,
                        to.schema->interfaces[one.event_in].declaration}});
   }

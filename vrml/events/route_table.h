@@ -9,9 +9,10 @@
 
 namespace gs::vrml {
 
-/// ROUTE, and the scene of its nodes.
+/// ROUTE, and the scenes of its nodes. They differ if one of the nodes is imported.
 struct PlacedRoute {
-  const SceneGraph* scene = nullptr;
+  const SceneGraph* scene = nullptr;     // of the source
+  const SceneGraph* to_scene = nullptr;  // of the target
   Route route;
 };
 
@@ -38,7 +39,9 @@ class RouteTable {
 
   /// Adds a ROUTE, which does not appear in SceneGraph::routes. Returns false if the ROUTE exists already, or if the
   /// budget is exhausted. Also returns false if the ROUTE does not connect nodes of one scene with equal types.
-  bool add(SceneGraph& scene, const Route& route);
+  bool add(SceneGraph& scene, const Route& route) { return add(scene, scene, route); }
+  /// Adds a ROUTE from a node of `from` to a node of `to`. Its values must not contain nodes if the scenes differ.
+  bool add(SceneGraph& from, SceneGraph& to, const Route& route);
   /// Removes a ROUTE. Returns false if it does not exist.
   bool remove(SceneGraph& scene, const Route& route);
   /// Returns all ROUTEs of files, PROTO instances, Inlines and programs, in the order in which they were created.
@@ -63,7 +66,7 @@ class RouteTable {
     EventNode target = 0;
     std::uint32_t event_in = 0;
   };
-  [[nodiscard]] bool find_ends(SceneGraph& scene, const Route& route, Ends& ends);
+  [[nodiscard]] bool find_ends(SceneGraph& from, SceneGraph& to, const Route& route, Ends& ends);
   void note_listener(EventNode source);
   std::uint32_t connect(EventNode source, std::uint32_t from, EventNode to, std::uint32_t event_in, Way way);
   void disconnect(std::uint32_t connection);

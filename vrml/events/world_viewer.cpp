@@ -50,7 +50,8 @@ Frustum WorldViewer::frustum() const {
   for (const BindableStacks::Stack& stack : execution_.stacks().all())
     if (stack.top != 0 && stack.type->behaviour->parent_from_local &&
         execution_.nodes().has_event(stack.top, kFieldOfView))
-      angle = execution_.get<SFFloat>(stack.top, kFieldOfView);
+      if (const auto* given = std::get_if<SFFloat>(&execution_.nodes().value_of(stack.top, kFieldOfView)))
+        angle = *given;  // an OrthoViewpoint has a rectangle instead
   const double smaller = std::tan((angle > 0 ? std::min(angle, kWidest) : kDefault) / 2);
   const double aspect = aspect_ > 0 && std::isfinite(aspect_) ? aspect_ : 1;
   return aspect >= 1 ? Frustum{smaller * aspect, smaller} : Frustum{smaller, smaller / aspect};

@@ -3,6 +3,7 @@
 #include "vrml/event_model/behaviour.h"
 
 #include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
 
 #include <cstdint>
 #include <optional>
@@ -25,6 +26,9 @@ class WorldViewer {
   /// `sees` is empty, fieldOfView of the bound Viewpoint and the aspect ratio give the frustum.
   void set(const glm::dmat4& world_from_viewer, const std::optional<Frustum>& sees = {});
   [[nodiscard]] bool is_set() const { return world_from_viewer_.has_value(); }
+  /// Sets the point about which the viewer turns in EXAMINE, in world space.
+  void set_center(const glm::dvec3& center) { center_ = center; }
+  [[nodiscard]] const std::optional<glm::dvec3>& center() const { return center_; }
   /// Sets the aspect ratio of the image: width divided by height.
   void set_aspect(double aspect) { aspect_ = aspect; }
   /// Returns world_from_viewer: from set(), or of the bound Viewpoint, or 10 units from the origin along +Z.
@@ -45,6 +49,7 @@ class WorldViewer {
   Execution& execution_;
   std::optional<glm::dmat4> world_from_viewer_;
   std::optional<Frustum> frustum_;
+  std::optional<glm::dvec3> center_;
   std::uint32_t jumps_ = 0;
   bool jump_ahead_ = false;
   double aspect_ = 4.0 / 3;

@@ -126,6 +126,8 @@ class SharedBuilder {
     mesh.positions = faces_.points;
     mesh.normals = faces_.normal.values;
     mesh.colors = faces_.color.values;
+    mesh.opacities = faces_.opacities;
+    mesh.fog_depths = faces_.fog_depths;
     mesh.texture_coordinates = faces_.texture_coordinate.values;
     mesh.indices = out_.finish();
     mesh.bounds = bounds_of(faces_.points.span(), used_);
@@ -203,6 +205,8 @@ class VertexWriter {
     position_ = mesh_.positions.prepare(count);
     normal_ = mesh_.normals.prepare(count);
     if (faces.color.binding != Binding::none) color_ = mesh_.colors.prepare(count);
+    if (color_ && !faces.opacities.empty()) opacity_ = mesh_.opacities.prepare(count);
+    if (!faces.fog_depths.empty()) fog_depth_ = mesh_.fog_depths.prepare(count);
     if (faces.texture_coordinate.binding != Binding::none) coordinate_ = mesh_.texture_coordinates.prepare(count);
   }
 
@@ -212,6 +216,8 @@ class VertexWriter {
     const float square = glm::dot(normal, normal);
     *normal_++ = std::abs(square - 1) < kUnitTolerance ? normal : normal / std::sqrt(square);
     if (color_) *color_++ = faces_->color.values[parts.color];
+    if (opacity_) *opacity_++ = faces_->opacities[parts.color];
+    if (fog_depth_) *fog_depth_++ = faces_->fog_depths[parts.position];
     if (coordinate_)
       *coordinate_++ = parts.texture_coordinate == kMissing
                            ? glm::vec2(0)
@@ -223,6 +229,8 @@ class VertexWriter {
     finish(mesh_.positions);
     finish(mesh_.normals);
     if (color_) finish(mesh_.colors);
+    if (opacity_) finish(mesh_.opacities);
+    if (fog_depth_) finish(mesh_.fog_depths);
     if (coordinate_) finish(mesh_.texture_coordinates);
     mesh_.indices = std::move(indices);
     return std::move(mesh_);
@@ -239,6 +247,7 @@ class VertexWriter {
   Mesh mesh_;
   glm::vec3 *position_ = nullptr, *normal_ = nullptr;
   Color* color_ = nullptr;
+  float *opacity_ = nullptr, *fog_depth_ = nullptr;
   glm::vec2* coordinate_ = nullptr;
   std::uint32_t count_ = 0;
 };
@@ -356,8 +365,11 @@ void compact_points(FaceSet& faces) {
   if (!needs_compaction(faces.points.size(), index.size())) return;
   Compaction compaction = compact(index, faces.points.size());
   // Handles colours first, because the number of points determines the last colour.
-  if (faces.color.binding == Binding::by_vertex)
+  if (faces.color.binding == Binding::by_vertex) {
     faces.color.values = gather(faces.color.values, compaction.kept, faces.color.values.back());
+    if (!faces.opacities.empty()) faces.opacities = gather(faces.opacities, compaction.kept, faces.opacities.back());
+  }
+  if (!faces.fog_depths.empty()) faces.fog_depths = gather(faces.fog_depths, compaction.kept, faces.fog_depths.back());
   if (faces.normal.binding == Binding::by_vertex)
     faces.normal.values = gather(faces.normal.values, compaction.kept, glm::vec3(0));
   if (faces.texture_coordinate.binding == Binding::by_vertex)
@@ -417,6 +429,7 @@ constexpr Cost kSmoothing{24, 20}, kWelding{92, 24}, kSharing{12, 1}, kCompactio
   compact_points(faces);
   share.shrink_to(0);
   if (faces.points.empty()) return {};
+  fit(faces.fog_depths, faces.points.size());
   const std::span<const std::int32_t> index = readable(faces.coord_index);
   const UsableVertices vertices(faces.points.span());
   const bool smooth = faces.normal.binding == Binding::none && faces.crease_angle > 0;
@@ -428,6 +441,7 @@ constexpr Cost kSmoothing{24, 20}, kWelding{92, 24}, kSharing{12, 1}, kCompactio
   if (!draw(share, faces, shared ? kSharing : kWelding)) return limited_mesh();
   if (!shared) return CornerBuilder(faces, index, vertices, smooth).build();
   if (faces.color.binding != Binding::none) faces.color.fit(faces.points.size(), faces.color.values.back());
+  fit(faces.opacities, faces.points.size());
   if (faces.texture_coordinate.binding != Binding::none)
     faces.texture_coordinate.fit(faces.points.size(), glm::vec2(0));
   return SharedBuilder(faces, index, vertices).build();
@@ -440,6 +454,7 @@ Mesh make_mesh(FaceSet faces) {
   Mesh mesh = make_triangles(std::move(faces));
   if (mesh.indices.empty()) mesh = mesh.limited ? limited_mesh() : Mesh{};
   mesh.solid = solid;
+  mesh.translucent = is_translucent(mesh.opacities.span());
   if (map_texture && !mesh.empty() && mesh.texture_coordinates.empty())
     mesh.texture_coordinates = default_texture_coordinates(mesh.positions.span(), mesh.bounds);
   return mesh;
@@ -468,6 +483,9 @@ void append(Mesh& mesh, const Mesh& more) {
   const std::size_t count = mesh.positions.size(), more_count = more.positions.size();
   append_values(mesh.normals, count, more.normals, more_count, glm::vec3(0));
   append_values(mesh.colors, count, more.colors, more_count, Color{1, 1, 1});
+  append_values(mesh.opacities, count, more.opacities, more_count, 1.0f);
+  append_values(mesh.fog_depths, count, more.fog_depths, more_count, 0.0f);
+  mesh.translucent = mesh.translucent || more.translucent;
   append_values(mesh.texture_coordinates, count, more.texture_coordinates, more_count, glm::vec2(0));
   mesh.positions.append(more.positions.span());
   const std::size_t before = mesh.indices.size();

@@ -15,6 +15,8 @@ struct FaceSet {
   MFVec3f points;
   Attribute<glm::vec3> normal;  // if there are none, generated with crease_angle
   Attribute<Color> color;
+  Array<float> opacities;  // empty, or one per element of color.values
+  Array<float> fog_depths;  // empty, or one per point; missing values repeat the last one
   Attribute<glm::vec2> texture_coordinate;
   bool default_texture_coordinates = false;  // if there are no coordinates, uses the bounding-box mapping of 6.23
   bool ccw = true;

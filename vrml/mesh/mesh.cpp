@@ -7,7 +7,8 @@ std::uint64_t Mesh::cost() const {
     const std::uint64_t size = array.size() * sizeof(*array.data());
     return array.shared() ? size : 2 * size;
   };
-  return bytes(positions) + bytes(normals) + bytes(colors) + bytes(texture_coordinates) + bytes(indices);
+  return bytes(positions) + bytes(normals) + bytes(colors) + bytes(opacities) + bytes(fog_depths) +
+         bytes(texture_coordinates) + bytes(indices);
 }
 
 Mesh tessellate(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {

@@ -87,6 +87,22 @@ MFVec2f default_texture_coordinates(std::span<const glm::vec3> points, const Box
   return coordinates;
 }
 
+void fit(Array<float>& values, std::size_t count) {
+  const std::size_t had = values.size();
+  if (had == 0 || had == count) return;
+  if (had > count) {
+    values = Array<float>(values.span().first(count));
+    return;
+  }
+  const float last = values.back();
+  values.resize(count);
+  std::fill(values.mutable_data() + had, values.mutable_data() + count, last);
+}
+
+bool is_translucent(std::span<const float> opacities) {
+  return std::any_of(opacities.begin(), opacities.end(), [](float opacity) { return opacity < 1; });
+}
+
 bool needs_compaction(std::size_t points, std::size_t corners) { return points > 1024 && points / 4 > corners; }
 
 Compaction compact(std::span<const std::int32_t> coord_index, std::size_t points) {

@@ -61,6 +61,11 @@ template <class T>
   return gathered;
 }
 
+/// Resizes values to `count`, and repeats the last one as needed. An empty array stays empty.
+void fit(Array<float>& values, std::size_t count);
+/// Reports whether an opacity is below 1.
+[[nodiscard]] bool is_translucent(std::span<const float> opacities);
+
 /// Returns the first kMaximumCorners elements of `coord_index`.
 [[nodiscard]] inline std::span<const std::int32_t> readable(const MFInt32& coord_index) {
   const std::span<const std::int32_t> all = coord_index.span();

@@ -56,12 +56,29 @@ std::unique_ptr<NodeType> type_of_row(const NodeRow& row) {
   return type;
 }
 
-/// Interface of a VRML97 node that has another name in X3D.
+/// Interface that has another name in X3D 4 than in VRML97 or X3D 3.
 struct Renamed {
   std::string_view node, name, x3d_name;
 };
 constexpr Renamed kRenamed[] = {
-    {"Collision", "collide", "enabled"}, {"LOD", "level", "children"}, {"Switch", "choice", "children"}};
+    {"Collision", "collide", "enabled"}, {"LOD", "level", "children"}, {"LoadSensor", "watchList", "children"},
+    {"Switch", "choice", "children"}};
+
+void rename_interfaces(NodeType& type) {
+  for (const Renamed& renamed : kRenamed)
+    if (renamed.node == type.name)
+      for (InterfaceDeclaration& each : type.interfaces)
+        if (each.name == renamed.name) each.x3d_name = renamed.x3d_name;
+}
+
+/// Field of a grouping node with nodes that stand elsewhere in the hierarchy, or outside of it.
+struct ListField {
+  std::string_view node, field;
+};
+constexpr ListField kListFields[] = {{"HAnimHumanoid", "joints"},     {"HAnimHumanoid", "motions"},
+                                     {"HAnimHumanoid", "segments"},   {"HAnimHumanoid", "sites"},
+                                     {"HAnimHumanoid", "viewpoints"}, {"HAnimJoint", "displacers"},
+                                     {"HAnimSegment", "displacers"}};
 
 // Adds an interface of X3D to a type that may have it from VRML97. Of two access types, the one that allows more wins.
 void add_x3d_interface(NodeType& type, const InterfaceDeclaration& added) {
@@ -100,10 +117,7 @@ std::unique_ptr<NodeType> type_of_x3d_row(const X3DRow& row, const NodeRow* vrml
   type->container_field = row.container_field;
   type->bases = row.bases;
   type->ignored = row.ignored;
-  for (const Renamed& renamed : kRenamed)
-    if (renamed.node == row.name)
-      for (InterfaceDeclaration& each : type->interfaces)
-        if (each.name == renamed.name) each.x3d_name = renamed.x3d_name;
+  rename_interfaces(*type);
   NodeType own;
   const bool good =
       parse_interface(row.interface_text, own) && parse_interface("exposedField SFNode metadata NULL", own);
@@ -111,6 +125,11 @@ std::unique_ptr<NodeType> type_of_x3d_row(const X3DRow& row, const NodeRow* vrml
   (void)good;
   read_ranges(row.interface_text, own);
   for (const InterfaceDeclaration& each : own.interfaces) add_x3d_interface(*type, each);
+  for (const ListField& list : kListFields)
+    if (list.node == row.name)
+      for (InterfaceDeclaration& each : type->interfaces)
+        if (each.name == list.field) each.lists = true;
+  rename_interfaces(*type);
   type->equivalent = vrml97_equivalent(*type);
   return type;
 }

@@ -30,6 +30,18 @@ struct Node {
   std::uint32_t instance = 0;  // copies in a PROTO instance: index of the instance
 };
 
+/// Returns the field `load` of an X3D node with urls (ISO/IEC 19775-1 9.3.2). Returns null for other types.
+[[nodiscard]] inline const InterfaceDeclaration* load_field(const NodeType& type) {
+  if (type.kind != NodeType::Kind::built_in || type.url_content == UrlContent::none) return nullptr;
+  const InterfaceDeclaration* const load = type.find_field("load");
+  return load && load->type == FieldType::SFBool ? load : nullptr;
+}
+/// Reports whether the urls of a node may be loaded: `load` is TRUE, or the type has no such field.
+[[nodiscard]] inline bool may_load(const Node& node) {
+  const InterfaceDeclaration* const load = load_field(*node.type);
+  return !load || *std::get_if<SFBool>(&node.values[load->slot]);
+}
+
 /// IS statement in the body of a PROTO: `field IS name` (VRML97 4.8.2).
 struct IsMapping {
   NodeId node;

@@ -19,9 +19,10 @@ std::uint32_t digest(std::string_view name) {
 
 }  // namespace
 
-std::string_view name_of(AccessType access) {
+std::string_view name_of(AccessType access, Language language) {
   static constexpr std::string_view kNames[] = {"eventIn", "eventOut", "field", "exposedField"};
-  return kNames[static_cast<std::size_t>(access)];
+  static constexpr std::string_view kX3dNames[] = {"inputOnly", "outputOnly", "initializeOnly", "inputOutput"};
+  return (language == Language::x3d ? kX3dNames : kNames)[static_cast<std::size_t>(access)];
 }
 
 NodeType::NodeType() = default;

@@ -25,7 +25,7 @@ struct Prototype;
 
 /// Access type of an interface (VRML97 4.7).
 enum class AccessType : std::uint8_t { eventIn, eventOut, field, exposedField };
-[[nodiscard]] std::string_view name_of(AccessType access);
+[[nodiscard]] std::string_view name_of(AccessType access, Language language = Language::vrml97);
 
 /// Declaration of one interface of a node type.
 struct InterfaceDeclaration {
@@ -35,6 +35,7 @@ struct InterfaceDeclaration {
   FieldValue initial;              // initial value; only for fields and exposedFields
   std::string range;               // "[0,1]" as the standard writes it; only for built-in nodes. For nodes: accepts()
   std::string x3d_name{};          // name in X3D, if it differs: Switch.choice is `children` in X3D
+  bool lists = false;              // nodes that stand elsewhere in the hierarchy: HAnimHumanoid.joints
   int slot = -1;                   // index of the stored value in a node; -1 for eventIns and eventOuts
   bool of_other_browsers = false;  // event of a built-in node that the standard does not have (NodeRow::other_events)
 };
@@ -81,6 +82,7 @@ enum class NodeKind : std::uint8_t {
   group,
   collision,
   transform,
+  humanoid,
   billboard,
   switch_node,
   lod,
@@ -89,10 +91,17 @@ enum class NodeKind : std::uint8_t {
   point_light,
   spot_light,
   viewpoint,
+  viewpoint_group,
   navigation_info,
   background,
   fog,
   appearance,
+  line_properties,
+  fill_properties,
+  point_properties,
+  clip_plane,
+  local_fog,
+  cad_face,
   material,
   image_texture,
   movie_texture,
@@ -102,6 +111,9 @@ enum class NodeKind : std::uint8_t {
   coordinate,
   normal,
   color,
+  color_rgba,
+  coordinate_double,
+  fog_coordinate,
   texture_coordinate,
   nurbs_texture_surface,
   indexed_face_set,

@@ -1,7 +1,9 @@
 #pragma once
 
 #include "base/noncopyable.h"
+#include "vrml/scene/language.h"
 #include "vrml/scene/node_type.h"
+#include "vrml/scene/x3d_statements.h"
 
 #include <cstdint>
 #include <forward_list>
@@ -62,6 +64,9 @@ class SourceText : NonCopyable {
   void set_language(Language language, int version) { language_ = language, version_ = version; }
   /// Reports whether a Script computed this text (createVrmlFromString). Returns false if it was read from a URL.
   [[nodiscard]] bool is_computed() const { return computed_; }
+  /// Returns the X3D statements of the text. They are empty for VRML97.
+  [[nodiscard]] const X3DStatements& x3d() const;
+  [[nodiscard]] X3DStatements& x3d();
   /// Returns the top-level nodes.
   [[nodiscard]] const MFNode& roots() const { return roots_; }
   [[nodiscard]] std::vector<Statement>& statements() { return statements_; }
@@ -83,6 +88,7 @@ class SourceText : NonCopyable {
   bool computed_ = false;
   Language language_ = Language::vrml97;
   int version_ = 20;
+  std::unique_ptr<X3DStatements> x3d_;  // null if there are none
   std::forward_list<std::string> names_;
   MFNode roots_;
   std::vector<Statement> statements_;

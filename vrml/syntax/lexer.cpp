@@ -94,11 +94,28 @@ Lexer::Blank Lexer::skip_blanks() {
       next_ = p;
     } else if (lexical_class(c) == blank) {
       ++next_;
+    } else if (c == '/' && block_comments_) {
+      if (next_ + 1 == end_ && !last_) return Blank::need_more;
+      if (!begins_block_comment(next_)) return Blank::passed;
+      if (!skip_block_comment()) return Blank::need_more;
     } else {
       return Blank::passed;
     }
   }
   return last_ ? Blank::end : Blank::need_more;
+}
+
+// Skips a comment that begins with /*. Returns false if its end is not in the window yet. A comment without an end
+// extends to the end of the text.
+bool Lexer::skip_block_comment() {
+  const std::string_view rest(next_ + 2, static_cast<std::size_t>(end_ - next_ - 2));
+  const std::size_t length = rest.find("*/");
+  if (length == std::string_view::npos && !last_) return false;
+  const char* const comment_end = length == std::string_view::npos ? end_ : rest.data() + length + 2;
+  for (const char* p = next_; p != comment_end; ++p)
+    if (*p == '\n' || (*p == '\r' && (p + 1 == end_ || p[1] != '\n'))) new_line(p + 1);
+  next_ = comment_end;
+  return true;
 }
 
 Token Lexer::string_token() {
@@ -159,7 +176,7 @@ Token Lexer::next() {
   if (lexical_class(*next_) == unused) return single(TokenKind::bad);
   const char* p = next_;
   for (; p != end_; ++p) {
-    if (lexical_class(*p) == word_byte) continue;
+    if (lexical_class(*p) == word_byte && !begins_block_comment(p)) continue;
     // In NaN and infinity as some programs print them (1.#QNAN, -1.#IND), the `#` does not start a comment.
     if (*p != '#' || p == next_ || p[-1] != '.') break;
     if (p + 1 == end_) {
@@ -213,11 +230,18 @@ bool is_id(std::string_view word) {
   return true;
 }
 
-int reserved_word(std::string_view word) {
-  constexpr std::string_view kWords[] = {"DEF", "EXTERNPROTO", "FALSE", "IS",      "NULL",     "PROTO",        "ROUTE",
-                                         "TO",  "TRUE",        "USE",   "eventIn", "eventOut", "exposedField", "field"};
-  const auto* const found = std::find(std::begin(kWords), std::end(kWords), word);
-  return found == std::end(kWords) ? -1 : static_cast<int>(found - std::begin(kWords));
+int reserved_word(std::string_view word, Language language) {
+  // Words of both languages, of VRML97 only, and of X3D only.
+  constexpr std::string_view kWords[] = {
+      "DEF",        "EXTERNPROTO", "FALSE",   "IS",       "NULL",         "PROTO",     "ROUTE",      "TO",
+      "TRUE",       "USE",         "eventIn", "eventOut", "exposedField", "field",     "AS",         "COMPONENT",
+      "EXPORT",     "IMPORT",      "META",    "PROFILE",  "UNIT",         "inputOnly", "outputOnly", "initializeOnly",
+      "inputOutput"};
+  constexpr std::ptrdiff_t kShared = 10, kVrml97 = 14;
+  const std::ptrdiff_t found = std::find(std::begin(kWords), std::end(kWords), word) - std::begin(kWords);
+  if (found == static_cast<std::ptrdiff_t>(std::size(kWords))) return -1;
+  const bool reserved = found < kShared || (found < kVrml97) == (language == Language::vrml97);
+  return reserved ? static_cast<int>(found) : -1;
 }
 
 }  // namespace gs::vrml

@@ -25,15 +25,18 @@ std::string describe(const Token& token) {
   return quoted(token.text);
 }
 
-std::optional<AccessType> access_named(std::string_view word) {
+std::optional<AccessType> access_named(std::string_view word, Language language) {
   for (const AccessType access :
        {AccessType::eventIn, AccessType::eventOut, AccessType::field, AccessType::exposedField})
-    if (word == name_of(access)) return access;
+    if (word == name_of(access) || (language == Language::x3d && word == name_of(access, language))) return access;
   return std::nullopt;
 }
 
 ParsedText::ParsedText(SceneGraph& scene_graph, Diagnostics& diagnostic_list)
-    : scene(scene_graph), sink(scene_graph, diagnostic_list), problems(sink.problems()) {
+    : scene(scene_graph),
+      written(scene_graph.texts().writing()),
+      sink(scene_graph, diagnostic_list),
+      problems(sink.problems()) {
   frames.emplace_back();
 }
 
@@ -67,7 +70,7 @@ bool ParsedText::open(Frame frame) {
     skip.kind = Frame::Kind::skip;
     skip.start = frame.start;
     // Except for images and url lists, the opening bracket was read just before.
-    skip.depth = frame.kind == Frame::Kind::image || frame.kind == Frame::Kind::external_url ? 0 : 1;
+    skip.depth = frame.kind == Frame::Kind::image || frame.kind == Frame::Kind::external_url || frame.single ? 0 : 1;
     frames.push_back(std::move(skip));
     return false;
   }
@@ -107,6 +110,11 @@ void ParsedText::end_body() {
   sink.end_body();
 }
 
+void ParsedText::begin_x3d(int version, SourceLocation location) {
+  sink.statements().set_version(version, location);
+  lexer.allow_block_comments();
+}
+
 void ParsedText::check_name(const Token& name) {
   if (!is_id(name.text))
     problems.warn_once(said_bad_id, name.location,
@@ -115,10 +123,12 @@ void ParsedText::check_name(const Token& name) {
 }
 
 void ParsedText::check_reserved(const Token& name) {
-  const int word = reserved_word(name.text);
+  const int word = reserved_word(name.text, language());
   if (word < 0 || (said_reserved >> word & 1)) return;
   said_reserved |= std::uint32_t{1} << word;
-  problems.warn(name.location, describe(name) + " is a reserved word (VRML97 4.3.1); accepted as a name");
+  problems.warn(name.location, describe(name) + " is a reserved word (" +
+                                   (language() == Language::x3d ? "ISO/IEC 19776-2 4.1.2" : "VRML97 4.3.1") +
+                                   "); accepted as a name");
 }
 
 // Reports the construct that the end of the text truncates, once.
@@ -126,12 +136,14 @@ void ParsedText::report_end_inside(const Frame& frame) {
   if (std::exchange(end_reported, true)) return;
   std::string what = "a statement";
   if (frame.kind == Frame::Kind::node_body) what = frame.node.type->name;
-  if (frame.kind == Frame::Kind::node_list || frame.kind == Frame::Kind::values) what = "a list";
+  if (frame.kind == Frame::Kind::node_list || frame.kind == Frame::Kind::values ||
+      frame.kind == Frame::Kind::image_list)
+    what = "a list";
   if (frame.kind == Frame::Kind::image) what = "an image";
   if (frame.kind == Frame::Kind::prototype_body || frame.kind == Frame::Kind::prototype_interface) what = "a PROTO";
   if (frame.kind == Frame::Kind::skip) what = "a skipped part";
   const bool list = frame.kind == Frame::Kind::node_list || frame.kind == Frame::Kind::values ||
-                    frame.kind == Frame::Kind::prototype_interface;
+                    frame.kind == Frame::Kind::image_list || frame.kind == Frame::Kind::prototype_interface;
   problems.error(lexer.location(), "the file ends inside " + what + " that begins at line " +
                                        std::to_string(frame.start.line) +
                                        (frame.kind == Frame::Kind::image ? ""

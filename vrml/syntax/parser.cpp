@@ -108,9 +108,9 @@ ParseOutcome Parser::parse_whole(std::string_view text) {
   return state_->text.close();
 }
 
-// A header in the text is only a comment here.
+// A header in the text only selects the language. Otherwise it is a comment.
 ParseOutcome Parser::parse_fragment(std::string_view text) {
-  state_->text.header_read = true;
+  state_->text.read_fragment_header(text);
   return parse_whole(text);
 }
 

@@ -1,7 +1,6 @@
 #include "vrml/syntax/scene_reader.h"
 
 #include "base/text.h"
-#include "vrml/syntax/parser.h"
 
 #include <string>
 
@@ -35,18 +34,6 @@ Grammar grammar_of(std::string_view first_bytes) {
         return Grammar::x3d_xml;
   if (text.starts_with('{') && text.find("\"x3d\"") != std::string::npos) return Grammar::x3d_json;
   return Grammar::vrml97;
-}
-
-std::unique_ptr<SceneReader> make_reader(Grammar grammar, SceneGraph& scene, Diagnostics& diagnostics) {
-  switch (grammar) {
-    case Grammar::vrml97:
-    case Grammar::x3d_classic:
-    case Grammar::x3d_xml:
-    case Grammar::x3d_json:
-    case Grammar::inventor:
-      break;
-  }
-  return std::make_unique<Parser>(scene, diagnostics);
 }
 
 }  // namespace gs::vrml

@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 #include "vrml/scene/prototype.h"
+#include "vrml/scene/units.h"
 #include "vrml/syntax/stand_ins.h"
 
 #include <algorithm>
@@ -95,6 +96,11 @@ void check_measures(const Node& node, std::unordered_set<std::uint64_t>& said, T
   }
 }
 
+// Reports whether the body of a node may declare interfaces: of a Script, or of a shader of X3D.
+bool declares_interfaces(const NodeType& type) {
+  return type.kind == NodeType::Kind::script || type.bases.find("X3DProgrammableShaderObject") != std::string::npos;
+}
+
 // Makes the type of one Script. Each Script has a separate interface, which its body extends.
 NodeType& make_script_type(const NodeType& type, SceneGraph& scene, SourceText& text) {
   auto own = std::make_unique<NodeType>();
@@ -104,6 +110,13 @@ NodeType& make_script_type(const NodeType& type, SceneGraph& scene, SourceText& 
   own->role = type.role;
   own->behaviour = type.behaviour;
   own->url_content = type.url_content;
+  own->read_as = type.read_as;
+  own->language = type.language;
+  own->component = type.component;
+  own->level = type.level;
+  own->container_field = type.container_field;
+  own->bases = type.bases;
+  own->ignored = type.ignored;
   (void)scene.memory().charge(sizeof(NodeType) + type.interfaces.size() * sizeof(InterfaceDeclaration));
   for (const InterfaceDeclaration& declaration : type.interfaces) own->declare(declaration);
   return text.add_type(std::move(own));
@@ -160,7 +173,10 @@ void SceneSink::skip_unknown(const NodeHeader& header) {
   constexpr std::size_t kMaxTypes = 1000;
   const std::string type(header.type.text);
   const bool known = unknown_types_.contains(type);
-  if (!known) problems_.error(header.type.location, "unknown node type " + quoted(type) + "; the node is skipped");
+  // X3D has many extensions of other browsers.
+  const Severity severity = text_.language() == Language::x3d ? Severity::warning : Severity::error;
+  if (!known)
+    problems_.report(severity, header.type.location, "unknown node type " + quoted(type) + "; the node is skipped");
   if (!known && unknown_types_.size() < kMaxTypes) unknown_types_.insert(type);
   NameTable& names = scopes_.back().names;
   if (!header.name.empty() && !names.find(header.name))
@@ -177,8 +193,7 @@ OpenNode SceneSink::begin_node(const NodeHeader& header) {
     skip_unknown(header);
     return {};
   }
-  if (node.type->kind == NodeType::Kind::script)
-    node.type = node.own_type = &make_script_type(*node.type, scene_, text_);
+  if (declares_interfaces(*node.type)) node.type = node.own_type = &make_script_type(*node.type, scene_, text_);
   node.id = scene_.create(*node.type, location);
   if (!node.id) {
     if (!scene_.memory().exhausted() && limits_.is_first_excess())
@@ -188,14 +203,16 @@ OpenNode SceneSink::begin_node(const NodeHeader& header) {
   check_support(*node.type, location);
   Scope& scope = scopes_.back();
   if (in_prototype_body()) scene_.put_in_body(node.id, *scope.prototype->prototype);
-  if (!header.name.empty()) {
-    scene_.node(node.id).name = *scene_.texts().keep_name(header.name);
-    scope.names.insert(scene_.node(node.id).name) = node.id;
-  }
+  if (!header.name.empty()) name_node(node, {header.name, location});
   place_checked(node.id, header.target, location);
   if (!limits_.admits_depth(header.depth, location)) return {};
   ++scope.open_nodes;
   return node;
+}
+
+void SceneSink::name_node(const OpenNode& node, SourceName name) {
+  scene_.node(node.id).name = *scene_.texts().keep_name(name.text);
+  scopes_.back().names.insert(scene_.node(node.id).name) = node.id;
 }
 
 // Adds a node to its destination. Reports misplaced nodes, and puts parts of a Shape between children into a Shape.
@@ -231,14 +248,24 @@ void SceneSink::place(NodeId node, NodeTarget target) {
       *std::get_if<SFNode>(target.value) = node;
     }
   } else if (scopes_.back().prototype) {
-    statements().push_back({Statement::Kind::node, node, nullptr, {}});
+    statement_list().push_back({Statement::Kind::node, node, nullptr, {}});
   } else {
     text_.add_root(node);
   }
 }
 
+// Converts the lists of angles that the text gives to a node.
+void SceneSink::convert_angles(Node& node) {
+  for (const InterfaceDeclaration& field : node.type->interfaces) {
+    const bool given = field.slot >= 0 && field.slot < 64 && (node.fields_set >> field.slot & 1) != 0;
+    if (given && is_multiple(field.type) && is_angle(*node.type, field))
+      scale_angles(node.values[field.slot], angle_unit_);
+  }
+}
+
 void SceneSink::end_node(NodeId id) {
   --scopes_.back().open_nodes;
+  if (angle_unit_ != 1) convert_angles(scene_.node(id));
   check_measures(scene_.node(id), said_measures_, problems_);
   const NodeType& type = *scene_.node(id).type;
   if (!type.prototype) return;
@@ -251,7 +278,10 @@ void SceneSink::end_node(NodeId id) {
 
 void SceneSink::use_node(SourceName name, NodeTarget target) {
   const NodeId* const found = scopes_.back().names.find(name.text);
-  if (!found) {
+  if (!found && x3d_.is_imported(name.text)) {
+    problems_.error(name.location,
+                    "USE of " + quoted(name.text) + ", a node of another file; only ROUTEs may use imported nodes");
+  } else if (!found) {
     problems_.error(name.location, "USE of " + quoted(name.text) + ", but no earlier DEF has this name");
   } else if (*found) {
     place_checked(*found, target, name.location);
@@ -270,7 +300,7 @@ const InterfaceDeclaration* SceneSink::find_field(const OpenNode& node, SourceNa
 }
 
 NodeTarget SceneSink::target_of(const OpenNode& node, const InterfaceDeclaration& field) {
-  const bool restricted = node.type->kind == NodeType::Kind::built_in;
+  const bool restricted = node.type->kind == NodeType::Kind::built_in && !node.type->ignored;
   return {&scene_.node(node.id).values[field.slot], restricted ? field.name : std::string_view{}};
 }
 
@@ -281,7 +311,11 @@ void SceneSink::field_given(OpenNode& node, const InterfaceDeclaration& field, S
     problems_.warn(name.location,
                    quoted(name.text) + " of " + node.type->name + " is given twice; the last one is used");
   node.fields_given |= bit;
-  scene_.node(node.id).fields_set |= bit;
+  Node& given = scene_.node(node.id);
+  given.fields_set |= bit;
+  // Lists may get more values, and are converted at the end of the node.
+  if (angle_unit_ != 1 && !is_multiple(field.type) && is_angle(*node.type, field))
+    scale_angles(given.values[field.slot], angle_unit_);
 }
 
 }  // namespace gs::vrml

@@ -4,6 +4,7 @@
 #include "vrml/scene/scene_graph.h"
 #include "vrml/syntax/name_table.h"
 #include "vrml/syntax/problems/text_limits.h"
+#include "vrml/syntax/x3d_statement_sink.h"
 
 #include <cstdint>
 #include <string>
@@ -38,7 +39,7 @@ struct NodeHeader {
 struct OpenNode {
   NodeId id;  // null if the grammar must skip the body
   const NodeType* type = nullptr;
-  NodeType* own_type = nullptr;    // type of a Script, which the body extends; null for other nodes
+  NodeType* own_type = nullptr;    // type of a Script or shader, which the body extends; null for other nodes
   std::uint64_t fields_given = 0;  // one bit per slot below 64 with a value in the text
 };
 
@@ -62,12 +63,16 @@ class SceneSink : NonCopyable {
   [[nodiscard]] SceneGraph& scene() { return scene_; }
   [[nodiscard]] TextProblems& problems() { return problems_; }
   [[nodiscard]] TextLimits& limits() { return limits_; }
+  /// Returns the part for PROFILE, COMPONENT, META, UNIT, IMPORT and EXPORT of X3D.
+  [[nodiscard]] X3DStatementSink& statements() { return x3d_; }
 
   /// Returns the node type with this name in the current scope (VRML97 4.4.3, 4.8.4); null if there is none.
   [[nodiscard]] const NodeType* find_type(std::string_view name) const;
   /// Makes a node. The grammar then reads the body and calls end_node(). If the result has no id, the grammar must skip
   /// the body: the type is unknown, or a limit is reached.
   [[nodiscard]] OpenNode begin_node(const NodeHeader& header);
+  /// Names a node whose DEF follows other parts of its body, as in JSON.
+  void name_node(const OpenNode& node, SourceName name);
   /// Completes a node: checks its measures, and expands it if it is a PROTO instance.
   void end_node(NodeId id);
   /// Adds the node with this DEF name to another destination (USE).
@@ -103,6 +108,7 @@ class SceneSink : NonCopyable {
   void finish();
 
  private:
+  friend class X3DStatementSink;
   /// Name scope (VRML97 4.4.3): the file, or the body of a PROTO.
   struct Scope {
     NameTable names;  // nodes by DEF name; null for a skipped node
@@ -117,8 +123,9 @@ class SceneSink : NonCopyable {
   [[nodiscard]] const NodeType* find_stand_in(SourceName name);
   [[nodiscard]] const NodeType* find_x3d_type(SourceName name);
   void check_support(const NodeType& type, SourceLocation location);
-  [[nodiscard]] std::vector<Statement>& statements();
+  [[nodiscard]] std::vector<Statement>& statement_list();
   void skip_unknown(const NodeHeader& header);
+  void convert_angles(Node& node);
   void place(NodeId node, NodeTarget target);
   void place_checked(NodeId node, NodeTarget target, SourceLocation location);
   bool place_in_shape(NodeId node, NodeTarget target);
@@ -130,8 +137,10 @@ class SceneSink : NonCopyable {
   SourceText& text_;  // text that is read: the scene's file or a run-time text
   TextProblems problems_;
   TextLimits limits_;
+  X3DStatementSink x3d_{*this};
   std::vector<Scope> scopes_;
   NodeId made_shape_;                                // last Shape that was made for misplaced nodes
+  double angle_unit_ = 1;                            // radians per unit of angles in the text
   std::size_t open_interfaces_ = 0;                  // open PROTO interfaces; their default nodes are live
   std::unordered_set<std::string_view> said_types_;  // types with a reported problem: declared twice, of X3D, ignored
   std::unordered_map<std::string_view, const NodeType*> stand_ins_;  // stand-ins for the types that the text uses

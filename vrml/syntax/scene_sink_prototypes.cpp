@@ -1,4 +1,5 @@
 #include "vrml/scene/prototype.h"
+#include "vrml/scene/units.h"
 #include "vrml/syntax/scene_sink.h"
 
 #include <memory>
@@ -15,7 +16,7 @@ bool may_be_mapped(AccessType inner, AccessType outer) { return inner == outer |
 
 }  // namespace
 
-std::vector<Statement>& SceneSink::statements() {
+std::vector<Statement>& SceneSink::statement_list() {
   NodeType* const prototype = scopes_.back().prototype;
   return prototype ? prototype->prototype->statements : text_.statements();
 }
@@ -37,7 +38,7 @@ NodeType& SceneSink::begin_prototype(SourceName name, bool external) {
 
 bool SceneSink::may_declare(const NodeType& type, const InterfaceDeclaration& declaration, SourceLocation location) {
   const bool script = type.kind == NodeType::Kind::script;
-  if (script && declaration.access == AccessType::exposedField)
+  if (script && declaration.access == AccessType::exposedField && text_.language() == Language::vrml97)
     problems_.warn(location,
                    "a Script has no exposedFields in VRML97 (6.40); " + quoted(declaration.name) + " is accepted");
   const InterfaceDeclaration* const known = type.find(declaration.name);
@@ -51,6 +52,7 @@ bool SceneSink::may_declare(const NodeType& type, const InterfaceDeclaration& de
 
 void SceneSink::declare(NodeType& type, NodeId script, InterfaceDeclaration declaration) {
   (void)scene_.memory().charge(sizeof(InterfaceDeclaration));
+  if (angle_unit_ != 1 && is_angle(type, declaration)) scale_angles(declaration.initial, angle_unit_);
   if (script) {
     scene_.declare(script, type, std::move(declaration));
   } else {
@@ -69,6 +71,13 @@ void SceneSink::end_body() {
   NodeType& type = *scopes_.back().prototype;
   scopes_.pop_back();
   type.prototype->complete = true;
+  if (angle_unit_ != 1)
+    for (InterfaceDeclaration& field : type.interfaces)
+      if (field.slot >= 0 && field.type != FieldType::SFRotation && field.type != FieldType::MFRotation &&
+          is_angle(type, field)) {
+        scale_angles(field.initial, angle_unit_);
+        scale_angles(type.defaults[field.slot], angle_unit_);
+      }
   count_instance_nodes(scene_, *type.prototype);
   // The first node of the body determines where instances may stand (VRML97 4.8.3).
   for (const Statement& statement : type.prototype->statements) {
@@ -97,7 +106,7 @@ void SceneSink::add_type(NodeType& type) {
                                          : '\'' + type.name + "' is a built-in node") +
                                       " (VRML97 4.8); this PROTO is used from here on");
   known = &type;
-  std::vector<Statement>& list = statements();
+  std::vector<Statement>& list = statement_list();
   auto position = list.end();
   if (scope.open_nodes > 0 || open_interfaces_ > scope.interfaces_around)
     while (position != list.begin() && (--position)->kind != Statement::Kind::node) {
@@ -116,7 +125,7 @@ void SceneSink::connect(const OpenNode& node, SourceName inner_name, SourceName 
   if (!inner) inner = type.find_event_in(inner_name.text);
   if (!inner) inner = type.find_event_out(inner_name.text);
   const InterfaceDeclaration* const outer = prototype.find(outer_name.text);
-  if (!inner && type.stands_in) return;
+  if (!inner && (type.stands_in || type.ignored)) return;
   if (!inner || !outer) {
     problems_.error(inner ? outer_name.location : inner_name.location,
                     inner ? "PROTO " + prototype.name + " has no " + quoted(outer_name.text)
@@ -152,6 +161,7 @@ void SceneSink::add_route(const RouteNames& route) {
 }
 
 void SceneSink::finish() {
+  x3d_.resolve_names();
   Scope& scope = scopes_.back();
   const std::vector<RouteNames> routes = std::exchange(scope.waiting_routes, {});
   for (const RouteNames& route : routes) {
@@ -161,7 +171,7 @@ void SceneSink::finish() {
     const NodeId* const to = scope.names.find(route.to);
     if (from && to) {
       connect_route(route, *from, *to);
-    } else {
+    } else if (!x3d_.take_route(route)) {
       problems_.error(route.location,
                       "ROUTE names '" + (!from ? route.from : route.to) + "', but no DEF has this name");
     }
@@ -185,7 +195,8 @@ void SceneSink::connect_route(const RouteNames& wanted, NodeId from, NodeId to) 
   const NodeType& to_type = *scene_.node(to).type;
   route.event_out = from_type.find_event_out(wanted.event_out);
   route.event_in = to_type.find_event_in(wanted.event_in);
-  if ((!route.event_out && from_type.stands_in) || (!route.event_in && to_type.stands_in)) return;
+  const auto is_partial = [](const NodeType& type) { return type.stands_in || type.ignored; };
+  if ((!route.event_out && is_partial(from_type)) || (!route.event_in && is_partial(to_type))) return;
   if (!route.event_out) {
     problems_.error(wanted.location, from_type.name + " has no eventOut '" + wanted.event_out + "'");
     return;
@@ -201,7 +212,7 @@ void SceneSink::connect_route(const RouteNames& wanted, NodeId from, NodeId to) 
     return;
   }
   (void)scene_.memory().charge(sizeof(Statement) + sizeof(Route));
-  statements().push_back({Statement::Kind::route, {}, nullptr, route});
+  statement_list().push_back({Statement::Kind::route, {}, nullptr, route});
   if (!scopes_.back().prototype) scene_.routes().push_back(route);
 }
 

@@ -22,6 +22,8 @@ Step StatementParser::step() {
       return values_.values_step();
     case Frame::Kind::image:
       return values_.image_step();
+    case Frame::Kind::image_list:
+      return values_.image_list_step();
     case Frame::Kind::skip:
       return skip_step();
   }
@@ -42,7 +44,7 @@ Step StatementParser::statement_step() {
     bool was_statement = false;
     const Step step = statement(token, was_statement);
     if (was_statement || step != Step::done) {
-      if (step == Step::done) text_.anything_read = true, text_.rubbish = false;
+      if (step == Step::done) text_.anything_read = true, text_.rubbish = std::exchange(statement_failed_, false);
       return step;
     }
     // It is a node if an opening brace or a node keyword follows.
@@ -78,6 +80,7 @@ Step StatementParser::statement(const Token& keyword, bool& was_statement) {
   if (keyword.text == "ROUTE") return route_statement(keyword.location);
   if (keyword.text == "PROTO") return prototype_head(false);
   if (keyword.text == "EXTERNPROTO") return prototype_head(true);
+  if (text_.language() == Language::x3d) return x3d_statement(keyword, was_statement);
   for (std::size_t i = 0; i < kOtherStatements.size(); ++i)
     if (keyword.text == kOtherStatements[i] && !text_.sink.find_type(keyword.text))
       return other_statement(keyword, said_statements_[i]);

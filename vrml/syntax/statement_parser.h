@@ -28,6 +28,16 @@ class StatementParser {
   Step route_statement(SourceLocation location);
   bool read_node_event(std::string& node, std::string& event, Step& step);
 
+  // Statements of X3D, in statement_parser_x3d.cpp.
+  Step x3d_statement(const Token& keyword, bool& was_statement);
+  Step component_statement(const Token& keyword);
+  Step meta_statement(const Token& keyword);
+  Step unit_statement(const Token& keyword);
+  Step import_statement(const Token& keyword);
+  Step export_statement(const Token& keyword);
+  Step read_new_name(Token& name);
+  Step expected(const Token& keyword, const Token& found, const Lexer::Position& before, std::string_view what);
+
   // PROTO and EXTERNPROTO, in statement_parser_prototypes.cpp.
   Step prototype_head(bool external);
   Step interface_step();
@@ -48,8 +58,9 @@ class StatementParser {
   ParsedText& text_;
   ValueParser values_;
   std::vector<std::unique_ptr<InterfaceDeclaration>> kept_values_;  // values of invalid declarations
-  FieldValue discarded_ = MFNode{};  // storage for named nodes that no field can take
+  FieldValue discarded_ = MFNode{};                                 // storage for named nodes that no field can take
   std::array<bool, kOtherStatements.size()> said_statements_{};
+  bool statement_failed_ = false;  // an unusable token in a statement of X3D was reported; reading continues there
   bool said_external_value_ = false, said_route_in_list_ = false;
 };
 

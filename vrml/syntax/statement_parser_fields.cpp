@@ -25,7 +25,7 @@ Step StatementParser::node_body_step() {
   }
   bool was_statement = false;
   if (text_.frames.back().declaring) {
-    if (const auto access = access_named(token.text)) {
+    if (const auto access = access_named(token.text, text_.language())) {
       const Step step = interface_declaration(*access, *text_.frames.back().declaring, true, true);
       if (step == Step::done) text_.rubbish = false;
       return step;
@@ -82,8 +82,10 @@ Step StatementParser::value(FieldType type, FieldValue& into, std::string_view n
   const Lexer::Position before = text_.lexer.position();
   const Token token = text_.lexer.next();
   if (token.kind == TokenKind::need_more) return Step::need_more;
+  if (type == FieldType::MFImage) return values_.image_list_head(into, token, before, name);
   if (token.kind == TokenKind::open_bracket && is_multiple(type)) {
     into = initial_value(type);
+    values_.begin_list();
     Frame frame;
     frame.kind = type == FieldType::MFNode ? Frame::Kind::node_list : Frame::Kind::values;
     frame.start = token.location;
@@ -135,7 +137,8 @@ Step StatementParser::interface_declaration(AccessType access, NodeType& type, b
   if (name.kind == TokenKind::need_more) return Step::need_more;
   const auto field_type = field_type_named(type_name.text);
   if (!field_type || type_name.kind != TokenKind::word || name.kind != TokenKind::word) {
-    text_.unexpected(field_type ? name : type_name, "a field type and a name after " + std::string(name_of(access)));
+    text_.unexpected(field_type ? name : type_name,
+                     "a field type and a name after " + std::string(name_of(access, text_.language())));
     text_.lexer.go_back(behind_access);
     if (type_name.kind == TokenKind::word) {
       (void)text_.lexer.next();

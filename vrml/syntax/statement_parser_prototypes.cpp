@@ -38,7 +38,7 @@ Step StatementParser::interface_step() {
   if (token.kind == TokenKind::need_more) return Step::need_more;
   if (token.kind == TokenKind::end) return Step::finished;
   if (token.kind == TokenKind::word) {
-    if (const auto access = access_named(token.text)) {
+    if (const auto access = access_named(token.text, text_.language())) {
       text_.rubbish = false;
       return interface_declaration(*access, type, !external, false);
     }
@@ -46,7 +46,10 @@ Step StatementParser::interface_step() {
   if (token.kind != TokenKind::close_bracket) {
     if (!std::exchange(text_.rubbish, true))
       text_.problems.error(token.location,
-                           "expected eventIn, eventOut, field, exposedField or ']', found " + describe(token));
+                           (text_.language() == Language::x3d
+                                ? "expected inputOnly, outputOnly, initializeOnly, inputOutput or ']', found "
+                                : "expected eventIn, eventOut, field, exposedField or ']', found ") +
+                               describe(token));
     return Step::done;
   }
   if (text_.table_text) return Step::finished;

@@ -42,6 +42,30 @@ std::string normalised(std::string_view line) {
 
 }  // namespace
 
+// Reads `#X3D Vn.n utf8`, which other words may follow (ISO/IEC 19776-2 4.2.1).
+Step ParsedText::read_x3d_header(std::string_view line, std::string_view text) {
+  const SourceLocation top{1, 1};
+  if (looks_binary(text, false)) {
+    refuse("a binary file behind an X3D header; expected UTF-8 text");
+    return Step::finished;
+  }
+  const auto is_digit = [&](std::size_t at) { return at < line.size() && line[at] >= '0' && line[at] <= '9'; };
+  const bool exact = line.starts_with("#X3D V") && is_digit(6) && line.substr(7, 1) == "." && is_digit(8) &&
+                     line.substr(9, 5) == " utf8" && (line.size() == 14 || line[14] == ' ' || line[14] == '\t');
+  constexpr int kLikely = 33;
+  int version = kLikely;
+  for (std::size_t i = 4; i + 2 < line.size(); ++i)
+    if (is_digit(i) && line[i + 1] == '.' && is_digit(i + 2)) {
+      version = (line[i] - '0') * 10 + (line[i + 2] - '0');
+      break;
+    }
+  if (!exact)
+    problems.warn(top, "expected '#X3D V3.3 utf8' or another version, found " + describe({TokenKind::word, line, top}) +
+                           "; read as X3D");
+  begin_x3d(version, top);
+  return Step::done;
+}
+
 Step ParsedText::read_header() {
   const char* begin = lexer.unread();
   const char* end = lexer.window_end();
@@ -66,13 +90,8 @@ Step ParsedText::read_header() {
     if (line.substr(0, 15) != "#VRML V2.0 utf8") problems.warn(top, "the header differs from '#VRML V2.0 utf8'");
     return Step::done;
   }
-  if (starts_with_ignoring_case(header, "#vrml v1.0")) {
-    refuse("a VRML 1.0 file; expected VRML97 ('#VRML V2.0 utf8')", top);
-  } else if (starts_with_ignoring_case(header, "#x3d")) {
-    refuse("an X3D file in classic encoding; expected VRML97 ('#VRML V2.0 utf8')", top);
-  } else if (starts_with_ignoring_case(header, "#inventor")) {
-    refuse("an Open Inventor file; expected VRML97 ('#VRML V2.0 utf8')", top);
-  } else if (starts_with_ignoring_case(header, "<")) {
+  if (starts_with_ignoring_case(header, "#x3d")) return read_x3d_header(line, text);
+  if (starts_with_ignoring_case(header, "<")) {
     refuse(text.find("X3D") != std::string_view::npos
                ? "an X3D file in XML encoding; expected VRML97 ('#VRML V2.0 utf8')"
                : "an XML or HTML file; expected VRML97 ('#VRML V2.0 utf8')",
@@ -86,6 +105,20 @@ Step ParsedText::read_header() {
     headerless = true;
   }
   return outcome == ParseOutcome::refused ? Step::finished : Step::done;
+}
+
+void ParsedText::read_fragment_header(std::string_view text) {
+  header_read = true;
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\n' || text.front() == '\r' || text.front() == '\t'))
+    text.remove_prefix(1);
+  if (starts_with_ignoring_case(text, "#vrml")) {
+    constexpr int kVrml97 = 20;
+    written.set_language(Language::vrml97, kVrml97);
+  } else if (starts_with_ignoring_case(text, "#x3d")) {
+    (void)read_x3d_header(text.substr(0, text.find_first_of("\r\n")), {});
+  } else if (language() == Language::x3d) {
+    lexer.allow_block_comments();
+  }
 }
 
 }  // namespace gs::vrml

@@ -16,25 +16,6 @@ namespace {
 constexpr std::size_t kShortRun = 768;
 constexpr std::size_t kLongRun = 16 * 1024;
 
-// Returns the number of numbers in one value of a type.
-constexpr int arity(FieldType type) {
-  switch (type) {
-    case FieldType::SFVec2f:
-    case FieldType::MFVec2f:
-      return 2;
-    case FieldType::SFColor:
-    case FieldType::SFVec3f:
-    case FieldType::MFColor:
-    case FieldType::MFVec3f:
-      return 3;
-    case FieldType::SFRotation:
-    case FieldType::MFRotation:
-      return 4;
-    default:
-      return 1;
-  }
-}
-
 std::string_view element_name(FieldType type) {
   std::string_view name = name_of(type);
   return name.starts_with("MF") ? name.substr(2) : name;
@@ -46,18 +27,22 @@ bool is_keyword_number(std::string_view word) {
   return lower == "nan" || lower == "inf" || lower == "infinity";
 }
 
-float to_float(double number) { return static_cast<float>(number); }
-
-void append_element(FieldValue& list, const std::array<double, 4>& n) {
-  if (auto* a = std::get_if<MFFloat>(&list)) a->push_back(to_float(n[0]));
-  if (auto* a = std::get_if<MFInt32>(&list)) a->push_back(static_cast<std::int32_t>(n[0]));
-  if (auto* a = std::get_if<MFTime>(&list)) a->push_back(n[0]);
-  if (auto* a = std::get_if<MFVec2f>(&list)) a->push_back({to_float(n[0]), to_float(n[1])});
-  if (auto* a = std::get_if<MFVec3f>(&list)) a->push_back({to_float(n[0]), to_float(n[1]), to_float(n[2])});
-  if (auto* a = std::get_if<MFColor>(&list)) a->push_back({to_float(n[0]), to_float(n[1]), to_float(n[2])});
-  if (auto* a = std::get_if<MFRotation>(&list))
-    a->push_back({to_float(n[0]), to_float(n[1]), to_float(n[2]), to_float(n[3])});
+constexpr bool has_doubles(FieldType type) {
+  switch (element_type(type)) {
+    case FieldType::SFTime:
+    case FieldType::SFDouble:
+    case FieldType::SFMatrix3d:
+    case FieldType::SFMatrix4d:
+    case FieldType::SFVec2d:
+    case FieldType::SFVec3d:
+    case FieldType::SFVec4d:
+      return true;
+    default:
+      return false;
+  }
 }
+
+float to_float(double number) { return static_cast<float>(number); }
 
 void shrink(FieldValue& list) {
   std::visit(
@@ -69,10 +54,10 @@ void shrink(FieldValue& list) {
 
 }  // namespace
 
-// Parses a number token. Rounds floats only once, from text to float. Only SFTime is a double.
+// Parses a number token. Rounds floats only once, from text to float.
 bool ValueParser::number_of(const Token& token, double& number) {
   const FieldType type = number_type_;
-  if (type == FieldType::SFTime || type == FieldType::MFTime) return parse_number(token.text, number);
+  if (has_doubles(type)) return parse_number(token.text, number);
   if (type == FieldType::SFInt32 || type == FieldType::MFInt32) {
     std::int32_t integer = 0;
     if (parse_number(token.text, integer)) {
@@ -125,7 +110,7 @@ bool ValueParser::plain_floats(FieldType type, FieldValue& into) {
       type != FieldType::SFColor && type != FieldType::SFRotation)
     return false;
   float f[4];
-  const auto wanted = static_cast<std::size_t>(arity(type));
+  const auto wanted = static_cast<std::size_t>(number_count(type));
   const NumberRun run = parse_floats(text_.lexer.unread(), text_.lexer.window_end(), f, wanted);
   if (run.count != wanted) return false;
   text_.lexer.advance(run.next, run.lines, run.line_start);
@@ -149,17 +134,28 @@ bool ValueParser::plain_floats(FieldType type, FieldValue& into) {
   return true;
 }
 
+Step ValueParser::refuse_token(FieldType type, const Token& found, const Lexer::Position& before,
+                               std::string_view name) {
+  text_.unexpected(found, std::string(element_name(type)) + " for " + std::string(name));
+  text_.lexer.go_back(before);
+  if (found.kind == TokenKind::open_bracket || found.kind == TokenKind::string ||
+      (found.kind == TokenKind::word &&
+       (looks_like_number(found.text) || found.text == "TRUE" || found.text == "FALSE")))
+    text_.skip_value();
+  return Step::done;
+}
+
+bool ValueParser::bool_of(const Token& token, bool& value) {
+  const std::string_view word = token.kind == TokenKind::word ? token.text : std::string_view{};
+  value = word == "TRUE" || word == "true" || word == "True" || word == "1";
+  if (!value && word != "FALSE" && word != "false" && word != "False" && word != "0") return false;
+  if (word != "TRUE" && word != "FALSE")
+    text_.problems.warn_once(said_bool_form_, token.location, "expected TRUE or FALSE, found " + describe(token));
+  return true;
+}
+
 // Parses one value of a type other than nodes and images, starting with `token`. An MF type gets one element.
 Step ValueParser::single_value(FieldType type, FieldValue& into, Token token, std::string_view name) {
-  const auto refuse_token = [&](const Token& found, const Lexer::Position& before) {
-    text_.unexpected(found, std::string(element_name(type)) + " for " + std::string(name));
-    text_.lexer.go_back(before);
-    if (found.kind == TokenKind::open_bracket || found.kind == TokenKind::string ||
-        (found.kind == TokenKind::word &&
-         (looks_like_number(found.text) || found.text == "TRUE" || found.text == "FALSE")))
-      text_.skip_value();
-    return Step::done;
-  };
   // Start of the first token. Its text is always in the window.
   Lexer::Position before = text_.lexer.position();
   before.next = token.text.data() - (token.kind == TokenKind::string ? 1 : 0);
@@ -169,7 +165,7 @@ Step ValueParser::single_value(FieldType type, FieldValue& into, Token token, st
   switch (type) {
     case FieldType::SFString:
     case FieldType::MFString: {
-      if (token.kind != TokenKind::string) return refuse_token(token, before);
+      if (token.kind != TokenKind::string) return refuse_token(type, token, before, name);
       note_url_place(text_.frames.empty() ? nullptr : &text_.frames.back(), name, token);
       if (type == FieldType::SFString) {
         into = string_of(token);
@@ -178,83 +174,73 @@ Step ValueParser::single_value(FieldType type, FieldValue& into, Token token, st
       }
       return Step::done;
     }
-    case FieldType::SFBool: {
-      const std::string_view word = token.kind == TokenKind::word ? token.text : std::string_view{};
-      const bool yes = word == "TRUE" || word == "true" || word == "True" || word == "1";
-      const bool no = word == "FALSE" || word == "false" || word == "False" || word == "0";
-      if (!yes && !no) return refuse_token(token, before);
-      if (word != "TRUE" && word != "FALSE")
-        text_.problems.warn_once(said_bool_form_, token.location, "expected TRUE or FALSE, found " + describe(token));
-      into.emplace<SFBool>(yes);
+    case FieldType::SFBool:
+    case FieldType::MFBool: {
+      bool flag = false;
+      if (!bool_of(token, flag)) return refuse_token(type, token, before, name);
+      if (type == FieldType::SFBool) {
+        into.emplace<SFBool>(flag);
+      } else {
+        into = MFBool{flag};
+      }
       return Step::done;
     }
     default:
       break;
   }
+  return number_count(type) <= 4 ? numbers<4>(type, into, token, before, name)
+                                 : numbers<kMaxNumbers>(type, into, token, before, name);
+}
+
+template <int kMost>
+Step ValueParser::numbers(FieldType type, FieldValue& into, Token token, Lexer::Position before,
+                          std::string_view name) {
   // Reads all tokens first: on need_more, nothing may have changed or have been reported.
-  std::array<Token, 4> tokens;
+  std::array<Token, kMost> tokens;
   const auto is_number_like = [](const Token& t) {
     return t.kind == TokenKind::word && (looks_like_number(t.text) || is_keyword_number(t.text));
   };
-  const int wanted = arity(type);
+  const int wanted = number_count(type);
   int count = 0;
   for (;;) {
-    if (!is_number_like(token)) return refuse_token(token, before);
+    if (!is_number_like(token)) return refuse_token(type, token, before, name);
     cut_number(token);
-    tokens[count] = token;
+    tokens[static_cast<std::size_t>(count)] = token;
     if (++count == wanted) break;
     before = text_.lexer.position();
     token = text_.lexer.next();
     if (token.kind == TokenKind::need_more) return Step::need_more;
   }
-  std::array<double, 4> numbers{};
+  std::array<double, kMost> values{};
   number_type_ = type;
-  for (int i = 0; i < wanted; ++i)
-    if (!number_of(tokens[i], numbers[i]))
+  for (std::size_t i = 0; i < static_cast<std::size_t>(wanted); ++i)
+    if (!number_of(tokens[i], values[i]))
       text_.problems.error(tokens[i].location, "expected a number for " + std::string(name) + ", found " +
                                                    describe(tokens[i]) + "; 0 is used");
-  const auto f = [&](int i) { return to_float(numbers[i]); };
-  switch (type) {
-    case FieldType::SFFloat:
-      into.emplace<SFFloat>(f(0));
-      break;
-    case FieldType::SFTime:
-      into.emplace<SFTime>(numbers[0]);
-      break;
-    case FieldType::SFInt32:
-      into.emplace<SFInt32>(static_cast<std::int32_t>(numbers[0]));
-      break;
-    case FieldType::SFVec2f:
-      into.emplace<SFVec2f>(f(0), f(1));
-      break;
-    case FieldType::SFVec3f:
-      into.emplace<SFVec3f>(f(0), f(1), f(2));
-      break;
-    case FieldType::SFColor:
-      into.emplace<SFColor>(SFColor{f(0), f(1), f(2)});
-      break;
-    case FieldType::SFRotation:
-      into.emplace<SFRotation>(SFRotation{f(0), f(1), f(2), f(3)});
-      break;
-    default:
-      into = initial_value(type);
-      append_element(into, numbers);
-      break;
+  if (type == FieldType::SFInt32) {
+    into.emplace<SFInt32>(static_cast<std::int32_t>(values[0]));
+  } else if (type == FieldType::SFTime) {
+    into.emplace<SFTime>(values[0]);
+  } else {
+    into = initial_value(type);
+    write_numbers(into, values.data());
+    std::size_t charged = 0;
+    text_.sink.limits().charge_growth(into, charged, true);
   }
   return Step::done;
 }
 
 template <class T>
-void ValueParser::bulk_floats(Frame& frame, Array<T>& array) {
+void ValueParser::bulk_floats(Array<T>& array) {
   constexpr std::size_t kArity = sizeof(T) / sizeof(float);
   const auto take = [&](float* at, std::size_t capacity) {
-    for (std::size_t i = 0; i < frame.partial_count; ++i) at[i] = to_float(frame.partial[i]);
-    const NumberRun run = parse_floats(text_.lexer.unread(), text_.lexer.window_end(), at + frame.partial_count,
-                                       capacity - frame.partial_count);
+    const auto before = static_cast<std::size_t>(partial_count_);
+    for (std::size_t i = 0; i < before; ++i) at[i] = to_float(partial_[i]);
+    const NumberRun run = parse_floats(text_.lexer.unread(), text_.lexer.window_end(), at + before, capacity - before);
     text_.lexer.advance(run.next, run.lines, run.line_start);
-    const std::size_t count = run.count + frame.partial_count;
-    frame.partial_count = static_cast<std::uint8_t>(count % kArity);
-    for (std::size_t i = 0; i < frame.partial_count; ++i) frame.partial[i] = at[count - frame.partial_count + i];
+    const std::size_t count = run.count + before, rest = count % kArity;
+    partial_count_ = static_cast<int>(rest);
+    for (std::size_t i = 0; i < rest; ++i) partial_[i] = at[count - rest + i];
     return std::pair(count / kArity, run.count == capacity - (count - run.count));
   };
   alignas(16) float buffer[kShortRun];
@@ -288,17 +274,25 @@ Step ValueParser::values_step() {
   FieldValue& list = *frame.into;
   number_type_ = type_of(list);
   if (auto* a = std::get_if<MFVec3f>(&list)) {
-    bulk_floats(frame, *a);
+    bulk_floats(*a);
   } else if (auto* b = std::get_if<MFInt32>(&list)) {
     bulk_integers(*b);
   } else if (auto* c = std::get_if<MFVec2f>(&list)) {
-    bulk_floats(frame, *c);
+    bulk_floats(*c);
   } else if (auto* d = std::get_if<MFColor>(&list)) {
-    bulk_floats(frame, *d);
+    bulk_floats(*d);
   } else if (auto* e = std::get_if<MFFloat>(&list)) {
-    bulk_floats(frame, *e);
+    bulk_floats(*e);
   } else if (auto* g = std::get_if<MFRotation>(&list)) {
-    bulk_floats(frame, *g);
+    bulk_floats(*g);
+  } else if (auto* h = std::get_if<MFColorRGBA>(&list)) {
+    bulk_floats(*h);
+  } else if (auto* k = std::get_if<MFVec4f>(&list)) {
+    bulk_floats(*k);
+  } else if (auto* l = std::get_if<MFMatrix3f>(&list)) {
+    bulk_floats(*l);
+  } else if (auto* m = std::get_if<MFMatrix4f>(&list)) {
+    bulk_floats(*m);
   }
   text_.sink.limits().charge_growth(list, frame.charged, false);
   const Lexer::Position before = text_.lexer.position();
@@ -318,14 +312,38 @@ void ValueParser::note_url_place(const Frame* node, std::string_view name, const
     node->declaring->url_places.push_back(token.location);
 }
 
+bool ValueParser::take_element(Frame& frame, const Token& token) {
+  FieldValue& list = *frame.into;
+  if (auto* const flags = std::get_if<MFBool>(&list)) {
+    bool flag = false;
+    if (!bool_of(token, flag)) return false;
+    flags->push_back(flag);
+    return true;
+  }
+  double number = 0;
+  if (!number_of(token, number)) {
+    if (!looks_like_number(token.text) && !is_keyword_number(token.text)) return false;
+    text_.problems.error(token.location, "expected a number in " + std::string(frame.name) + ", found " +
+                                             describe(token) + "; 0 is used");
+    number = 0;
+  }
+  partial_[static_cast<std::size_t>(partial_count_)] = number;
+  if (++partial_count_ == number_count(type_of(list))) {
+    write_numbers(list, partial_.data());
+    partial_count_ = 0;
+  }
+  return true;
+}
+
 Step ValueParser::value_token(Frame& frame, const Token& token, const Lexer::Position& before) {
   FieldValue& list = *frame.into;
   const FieldType type = type_of(list);
   const auto leave = [&] {
-    if (frame.partial_count > 0)
+    if (partial_count_ > 0)
       text_.problems.error(token.location, "the last value of " + std::string(frame.name) + " has " +
-                                               std::to_string(frame.partial_count) + " numbers; expected " +
-                                               std::to_string(arity(type)));
+                                               std::to_string(partial_count_) + " numbers; expected " +
+                                               std::to_string(number_count(type)));
+    partial_count_ = 0;
     shrink(list);
     text_.sink.limits().charge_growth(list, frame.charged, true);
     text_.frames.pop_back();
@@ -338,29 +356,15 @@ Step ValueParser::value_token(Frame& frame, const Token& token, const Lexer::Pos
     text_.rubbish = false;
     return Step::done;
   }
-  double number = 0;
-  if (token.kind == TokenKind::word && type != FieldType::MFString) {
-    bool taken = number_of(token, number);
-    if (!taken && (looks_like_number(token.text) || is_keyword_number(token.text))) {
-      text_.problems.error(token.location, "expected a number in " + std::string(frame.name) + ", found " +
-                                               describe(token) + "; 0 is used");
-      taken = true;
-      number = 0;
-    }
-    if (taken) {
-      frame.partial[frame.partial_count++] = number;
-      if (frame.partial_count == arity(type)) {
-        append_element(list, frame.partial);
-        frame.partial_count = 0;
-      }
-      text_.rubbish = false;
-      return Step::done;
-    }
+  if (token.kind == TokenKind::word && type != FieldType::MFString && take_element(frame, token)) {
+    text_.rubbish = false;
+    return Step::done;
   }
   // If the bracket is missing, the next field of the node or the end of the node follows.
   const Frame* owner = text_.frames.size() >= 2 ? &text_.frames[text_.frames.size() - 2] : nullptr;
-  const bool next_field = token.kind == TokenKind::word && owner && owner->kind == Frame::Kind::node_body &&
-                          (owner->node.type->find(token.text) || (owner->declaring && access_named(token.text)));
+  const bool next_field =
+      token.kind == TokenKind::word && owner && owner->kind == Frame::Kind::node_body &&
+      (owner->node.type->find(token.text) || (owner->declaring && access_named(token.text, text_.language())));
   if (token.kind == TokenKind::close_brace || next_field) {
     text_.problems.error(token.location,
                          "expected ']' at the end of " + std::string(frame.name) + ", found " + describe(token));

@@ -1,7 +1,9 @@
 #pragma once
 
+#include "vrml/scene/field_numbers.h"
 #include "vrml/syntax/parsed_text.h"
 
+#include <array>
 #include <string_view>
 
 namespace gs::vrml {
@@ -22,12 +24,24 @@ class ValueParser {
   // by token. If more bytes are needed, keeps the values already read.
   Step values_step();
   Step image_step();
+  /// Begins the images of an MFImage; `token` is the first token of the value, at `before`.
+  Step image_list_head(FieldValue& into, const Token& token, const Lexer::Position& before, std::string_view name);
+  Step image_list_step();
+  /// Prepares for the elements of a list that begins.
+  void begin_list() { partial_count_ = 0; }
 
  private:
+  // Reads and stores an element of at most `kMost` numbers.
+  template <int kMost>
+  Step numbers(FieldType type, FieldValue& into, Token token, Lexer::Position before, std::string_view name);
+  Step refuse_token(FieldType type, const Token& found, const Lexer::Position& before, std::string_view name);
+  bool bool_of(const Token& token, bool& value);
+  // Returns false if the token is neither a number nor a Boolean of the list's type.
+  bool take_element(Frame& frame, const Token& token);
   Step value_token(Frame& frame, const Token& token, const Lexer::Position& before);
   void note_url_place(const Frame* node, std::string_view name, const Token& token);
   template <class T>
-  void bulk_floats(Frame& frame, Array<T>& array);
+  void bulk_floats(Array<T>& array);
   void bulk_integers(MFInt32& array);
   bool number_of(const Token& token, double& number);
   void cut_number(Token& token);
@@ -35,6 +49,10 @@ class ValueParser {
 
   ParsedText& text_;
   FieldType number_type_ = FieldType::SFFloat;  // type of the value being read
+  std::array<double, kMaxNumbers> partial_;     // numbers of an incomplete element of the list that is read
+  int partial_count_ = 0;
+  FieldValue image_;  // image of an MFImage that is being read
+  bool has_image_ = false;
   bool said_bool_form_ = false, said_latin1_ = false, said_number_form_ = false;
 };
 

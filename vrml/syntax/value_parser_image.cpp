@@ -83,4 +83,65 @@ Step ValueParser::image_step() {
   return Step::done;
 }
 
+// Begins the images of an MFImage: a list in brackets, or one image without brackets.
+Step ValueParser::image_list_head(FieldValue& into, const Token& token, const Lexer::Position& before,
+                                  std::string_view name) {
+  into = MFImage{};
+  Frame frame;
+  frame.kind = Frame::Kind::image_list;
+  frame.start = token.location;
+  frame.into = &into;
+  frame.name = name;
+  frame.single = token.kind != TokenKind::open_bracket;
+  if (frame.single) text_.lexer.go_back(before);
+  has_image_ = false;
+  text_.open(std::move(frame));
+  return Step::done;
+}
+
+Step ValueParser::image_list_step() {
+  const Frame& frame = text_.frames.back();
+  const std::string_view name = frame.name;
+  if (std::exchange(has_image_, false)) {
+    std::get_if<MFImage>(frame.into)->push_back(std::move(*std::get_if<SFImage>(&image_)));
+    text_.sink.limits().charge_growth(*frame.into, text_.frames.back().charged, false);
+    if (frame.single) {
+      text_.frames.pop_back();
+      return Step::done;
+    }
+  }
+  const Lexer::Position before = text_.lexer.position();
+  const Token token = text_.lexer.next();
+  if (token.kind == TokenKind::need_more) return Step::need_more;
+  if (token.kind == TokenKind::end) return Step::finished;
+  if (token.kind == TokenKind::word && looks_like_number(token.text)) {
+    image_ = SFBool{};  // until the head of the image was accepted
+    const bool single = frame.single;
+    const std::size_t index = text_.frames.size() - 1;
+    const Step step = image_head(image_, token, name);
+    if (step != Step::done) return step;
+    has_image_ = std::holds_alternative<SFImage>(image_);
+    if (!has_image_ && single) text_.frames.erase(text_.frames.begin() + static_cast<std::ptrdiff_t>(index));
+    return Step::done;
+  }
+  if (frame.single) {
+    text_.frames.pop_back();
+    return refuse_token(FieldType::SFImage, token, before, name);
+  }
+  if (token.kind == TokenKind::close_bracket) {
+    text_.sink.limits().charge_growth(*frame.into, text_.frames.back().charged, true);
+    text_.frames.pop_back();
+    return Step::done;
+  }
+  if (token.kind == TokenKind::close_brace) {
+    text_.problems.error(token.location,
+                         "expected ']' at the end of " + std::string(name) + ", found " + describe(token));
+    text_.lexer.go_back(before);
+    text_.frames.pop_back();
+    return Step::done;
+  }
+  text_.rubbish_token(token, "Image or ']' in " + std::string(name));
+  return Step::done;
+}
+
 }  // namespace gs::vrml

@@ -91,8 +91,7 @@ Mesh tessellate_elevation_grid(const SceneGraph& scene, NodeId geometry, const M
       *point++ = {x_spacing * static_cast<float>(i), *y++, z_spacing * static_cast<float>(j)};
   faces.points.commit(columns * rows);
   faces.coord_index = quadrilaterals(grid);
-  faces.normal = {normals_of(scene, geometry), scene.get<SFBool>(geometry, "normalPerVertex"), {}};
-  faces.color = {colors_of(scene, geometry), scene.get<SFBool>(geometry, "colorPerVertex"), {}};
+  set_properties(faces, scene, geometry);
   faces.texture_coordinate = {texture_coordinates_of(scene, geometry), true, {}};
   if (faces.texture_coordinate.values.empty()) faces.texture_coordinate = {unit_square(grid, z_dimension), true, {}};
   faces.ccw = scene.get<SFBool>(geometry, "ccw");

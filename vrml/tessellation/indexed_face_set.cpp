@@ -7,11 +7,10 @@ namespace gs::vrml {
 Mesh tessellate_indexed_face_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
   FaceSet faces;
   faces.coord_index = scene.get<MFInt32>(geometry, "coordIndex");
-  faces.points = coordinates_of(scene, geometry);
-  faces.normal = {normals_of(scene, geometry), scene.get<SFBool>(geometry, "normalPerVertex"),
-                  scene.get<MFInt32>(geometry, "normalIndex")};
-  faces.color = {colors_of(scene, geometry), scene.get<SFBool>(geometry, "colorPerVertex"),
-                 scene.get<MFInt32>(geometry, "colorIndex")};
+  Coordinates coordinates = coordinates_of(scene, geometry);
+  faces.points = std::move(coordinates.points);
+  set_properties(faces, scene, geometry, scene.get<MFInt32>(geometry, "colorIndex"),
+                 scene.get<MFInt32>(geometry, "normalIndex"));
   faces.texture_coordinate = {texture_coordinates_of(scene, geometry), true,
                               scene.get<MFInt32>(geometry, "texCoordIndex")};
   faces.default_texture_coordinates = options.texture_coordinates;
@@ -20,7 +19,9 @@ Mesh tessellate_indexed_face_set(const SceneGraph& scene, NodeId geometry, const
   faces.solid = scene.get<SFBool>(geometry, "solid");
   faces.crease_angle = scene.get<SFFloat>(geometry, "creaseAngle");
   faces.budget = scene.budget();
-  return make_mesh(std::move(faces));
+  Mesh mesh = make_mesh(std::move(faces));
+  mesh.origin = coordinates.origin;
+  return mesh;
 }
 
 }  // namespace gs::vrml

@@ -23,6 +23,8 @@ class NurbsAxis {
   /// or above kMaximumOrder.
   [[nodiscard]] static std::optional<NurbsAxis> make(std::size_t points, std::int32_t order,
                                                      std::span<const float> knots);
+  [[nodiscard]] static std::optional<NurbsAxis> make(std::size_t points, std::int32_t order,
+                                                     std::span<const double> knots);
 
   /// Basis functions at a position: weights of order() control points, from index `first` on. The elements of `value`
   /// sum to 1. `slope` is their derivative by the parameter; the whole axis has the length 1.
@@ -39,8 +41,13 @@ class NurbsAxis {
   /// intervals. A negative value is the number per control point. 0 means two per control point, at least 16. The
   /// maximum is 2048.
   [[nodiscard]] std::size_t steps(std::int32_t tessellation) const;
+  /// Returns the place, 0 to 1, of a value of the parameter. Values outside of the axis give places outside of 0 to 1.
+  [[nodiscard]] double place_of(double parameter) const;
 
  private:
+  template <class Number>
+  static std::optional<NurbsAxis> make_of(std::size_t points, std::int32_t order, std::span<const Number> knots);
+
   std::size_t points_ = 0, order_ = 0;
   std::vector<double> knots_;  // points_ + order_ knots, not decreasing
 };

@@ -1,3 +1,4 @@
+#include "vrml/tessellation/properties.h"
 #include "vrml/tessellation/tessellators.h"
 
 #include <algorithm>
@@ -123,6 +124,13 @@ RoundSolid round_solid(const SceneGraph& scene, NodeId geometry, std::string_vie
   return {measure<SFFloat>(scene, geometry, radius, options), height, height * 0.5f, segments, turn(segments)};
 }
 
+/// Returns the finished mesh. Only X3D types have the field `solid`.
+[[nodiscard]] Mesh finish(Builder& builder, const SceneGraph& scene, NodeId geometry) {
+  Mesh mesh = builder.finish();
+  mesh.solid = field_or(scene, geometry, "solid", true);
+  return mesh;
+}
+
 }  // namespace
 
 Mesh tessellate_box(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
@@ -149,7 +157,7 @@ Mesh tessellate_box(const SceneGraph& scene, NodeId geometry, const MeshOptions&
     builder.triangle(a, b, c);
     builder.triangle(a, c, d);
   }
-  return builder.finish();
+  return finish(builder, scene, geometry);
 }
 
 Mesh tessellate_cone(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
@@ -175,7 +183,7 @@ Mesh tessellate_cone(const SceneGraph& scene, NodeId geometry, const MeshOptions
       builder.triangle(2 * i, 2 * i + 2, 2 * i + 1);
   }
   if (scene.get<SFBool>(geometry, "bottom")) add_disc(builder, around, radius, -half, false);
-  return builder.finish();
+  return finish(builder, scene, geometry);
 }
 
 Mesh tessellate_cylinder(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
@@ -197,7 +205,7 @@ Mesh tessellate_cylinder(const SceneGraph& scene, NodeId geometry, const MeshOpt
   }
   if (scene.get<SFBool>(geometry, "top")) add_disc(builder, around, radius, half, true);
   if (scene.get<SFBool>(geometry, "bottom")) add_disc(builder, around, radius, -half, false);
-  return builder.finish();
+  return finish(builder, scene, geometry);
 }
 
 Mesh tessellate_sphere(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
@@ -229,7 +237,7 @@ Mesh tessellate_sphere(const SceneGraph& scene, NodeId geometry, const MeshOptio
       if (row != 0) builder.triangle(a, a + 1, row + 1 == static_cast<std::uint32_t>(stacks) ? b : b + 1);
       if (row + 1 != static_cast<std::uint32_t>(stacks)) builder.triangle(a, b + 1, b);
     }
-  return builder.finish();
+  return finish(builder, scene, geometry);
 }
 
 glm::vec3 scale_of_box(const SceneGraph& scene, NodeId geometry) { return relative<SFVec3f>(scene, geometry, "size"); }

@@ -19,7 +19,30 @@ namespace gs::vrml {
 [[nodiscard]] Mesh tessellate_extrusion(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_nurbs_curve(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_nurbs_surface(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_nurbs_trimmed_surface(const SceneGraph& scene, NodeId geometry,
+                                                    const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_nurbs_swept_surface(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_nurbs_swung_surface(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_text(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+
+// Geometry nodes of X3D.
+[[nodiscard]] Mesh tessellate_line_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_triangle_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_triangle_fan_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_triangle_strip_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_indexed_triangle_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_indexed_triangle_fan_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_indexed_triangle_strip_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_quad_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_indexed_quad_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_arc_2d(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_arc_close_2d(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_circle_2d(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_disk_2d(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_polyline_2d(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_polypoint_2d(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_rectangle_2d(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_triangle_set_2d(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 
 // These functions return the node's measures along its axes, divided by the default measures.
 [[nodiscard]] glm::vec3 scale_of_box(const SceneGraph& scene, NodeId geometry);

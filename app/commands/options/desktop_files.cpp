@@ -26,6 +26,9 @@ struct DesktopType {
 };
 constexpr DesktopType kDesktopTypes[] = {
     {"model/vrml", "VRML world", "#VRML V2.0\n#VRML V1.0", "", "x-world/x-vrml application/x-vrml "},
+    {"model/x3d-vrml", "X3D world", "#X3D V", "", ""},
+    {"model/x3d+xml", "X3D world", "", "", "application/x-x3d+xml "},
+    {"model/x3d+json", "X3D world", "", "", ""},
     {"model/x-qnv", "QNV stream of a 3D scene", "\\x89QNV\\r\\n\\x1a\\n", "", ""},
     {"application/x-ply", "PLY 3D model or Gaussian splats", "ply\\n\nply\\r", "", "model/ply "},
     {"model/gltf-binary", "glTF 3D scene", "glTF", ".gltf ", ""},

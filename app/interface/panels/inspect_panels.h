@@ -21,6 +21,7 @@ class ScenePanel final : public Panel {
 
  private:
   void search_row(const PanelFrame& frame, Inspection& inspection, UiActions& actions);
+  static void metadata(const Inspection& inspection);
   void rows(const PanelFrame& frame, Inspection& inspection);
   bool line(const PanelFrame& frame, Inspection& inspection, std::size_t index);
   void keys(Inspection& inspection);

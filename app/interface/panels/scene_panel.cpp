@@ -22,7 +22,23 @@ void ScenePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions& 
   if (!shown) return;
   Inspection& inspection = *shown;
   search_row(frame, inspection, actions);
+  metadata(inspection);
   rows(frame, inspection);
+}
+
+// Shows the META statements of an X3D world below a heading, which is collapsed at first.
+void ScenePanel::metadata(const Inspection& inspection) {
+  constexpr std::size_t kMaxShown = 100;
+  if (!inspection.world()) return;
+  const vrml::SceneGraph& root = inspection.world()->scenes().root();
+  const std::vector<vrml::X3DStatements::Meta>& metas = root.x3d().metas;
+  if (metas.empty() || !ImGui::TreeNodeEx("Metadata", ImGuiTreeNodeFlags_NoTreePushOnOpen)) return;
+  for (std::size_t i = 0; i < std::min(metas.size(), kMaxShown); ++i) {
+    colored_text(UiColors::kQuiet, shortened(metas[i].name, kName));
+    ImGui::SameLine();
+    text(shortened(metas[i].content, 4 * kName));
+  }
+  if (metas.size() > kMaxShown) colored_text(UiColors::kQuiet, "...");
 }
 
 void ScenePanel::search_row(const PanelFrame& frame, Inspection& inspection, UiActions& actions) {

@@ -2,6 +2,7 @@
 
 #include "app/formats/foreign_types.h"
 #include "app/loading/updates/missing_url.h"
+#include "vrml/scene/units.h"
 
 #include <algorithm>
 #include <chrono>
@@ -27,6 +28,7 @@ SceneHandler::SceneHandler(SceneContext& context, SceneUse use)
       use_(std::move(use)),
       target_(context.loading, use_.role == Role::root,
               [this](bool with_references) {
+                length_unit_ = target_.scene()->x3d().unit("length");
                 attach();
                 if (with_references) references_.look();
               }),
@@ -105,6 +107,9 @@ void SceneHandler::end(const std::optional<std::string>& problem) {
     if (!content_) read_rest(std::exchange(waiting_, {}));
     content_->cut = cut;
     if (!target_.refused()) content_->end(problem.has_value());
+    // Other units than those of the outer text (ISO/IEC 19775-1 4.3.6).
+    if (use_.role == Role::inlined && !target_.refused())
+      vrml::scale_content(*target_.scene(), length_unit_ / use_.outer->length_unit());
   }
   content_.reset();
   if (target_.refused() && results.diagnostics().errors() == errors_before_)

@@ -61,6 +61,8 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   [[nodiscard]] std::vector<vrml::NodeId> open_nodes() const;
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
   [[nodiscard]] double seconds() const { return seconds_; }
+  /// Returns the unit of length of the text, in metres (X3D UNIT).
+  [[nodiscard]] double length_unit() const { return length_unit_; }
 
   // Hands this library to the scene with the EXTERNPROTO after all libraries that it uses are loaded.
   void settle();
@@ -85,7 +87,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
   const ContentType* type_ = nullptr;
   std::unique_ptr<SceneContent> content_;  // null before the type is known and after the end
   std::size_t bytes_ = 0, errors_before_ = 0;
-  double seconds_ = 0;
+  double seconds_ = 0, length_unit_ = 1;
   enum class Stage : std::uint8_t {
     receiving,
     read_at_once,  // whole_file() has read the complete file

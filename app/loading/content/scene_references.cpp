@@ -123,6 +123,7 @@ void SceneReferences::visit(NodeId id) {
     return;
   }
   if (vrml::has(node.type->role, vrml::Role::script)) return visit_script(id);
+  if (!vrml::may_load(node)) return;
   switch (node.type->url_content) {
     case vrml::UrlContent::none:
       return;

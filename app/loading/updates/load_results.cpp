@@ -17,7 +17,7 @@ std::string title_of(const vrml::SceneGraph& scene) {
     std::string title = scene.get<vrml::SFString>(id, "title").str();
     if (!title.empty()) return title;
   }
-  return {};
+  return std::string(scene.x3d().meta("title"));
 }
 
 }  // namespace

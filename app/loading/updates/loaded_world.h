@@ -56,7 +56,7 @@ struct LoadedWorld {
   LoadedWorld& operator=(LoadedWorld&& other) noexcept;
   ~LoadedWorld();
 
-  std::string title;  // WorldInfo.title, else the name of the file
+  std::string title;  // WorldInfo.title, else META "title" of X3D, else the name of the file
   std::string path;  // path or URL as requested
   std::unique_ptr<vrml::SceneGraph> scene;  // null if the world cannot be shown; see the diagnostics
   render::Images images;

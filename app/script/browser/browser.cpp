@@ -256,7 +256,8 @@ const JSFunctionSpec kBrowser[] = {
     JS_FN("getTime", get_time, 0, 0), JS_FN("getCurrentTime", get_time, 0, 0),
     JS_FN("getWorldStartTime", get_start_time, 0, 0), JS_FN("getWorldBaseURL", get_world_base_url, 0, 0),
     JS_FN("getBaseURL", get_base_url, 0, 0), JS_FN("getOption", get_option, 1, 0), JS_FN("setOption", set_option, 2, 0),
-    JS_FN("getScript", get_script, 0, 0), JS_FN("isKeyPressed", is_key_pressed, 1, 0),
+    JS_FN("getScript", get_script, 0, 0), JS_FN("getImportedNode", get_imported_node, 1, 0),
+    JS_FN("isKeyPressed", is_key_pressed, 1, 0),
     // Viewer and window
     JS_FN("setViewpoint", tell_text<ScriptRequest::Kind::viewpoint>, 1, 0),
     JS_FN("setViewpointByValue", set_viewpoint_by_value, 3, 0),

@@ -78,6 +78,9 @@ bool get_option(JSContext* context, unsigned argc, JS::Value* vp);
 /// Stores the value of an option. Returns false if the library holds too many.
 bool set_option(JSContext* context, unsigned argc, JS::Value* vp);
 bool get_script(JSContext* context, unsigned argc, JS::Value* vp);
+/// Returns the node that the scene of the program has imported under a name (IMPORT of X3D). Returns null while its
+/// Inline is not loaded, and for unknown names.
+bool get_imported_node(JSContext* context, unsigned argc, JS::Value* vp);
 // Answers to functions that only other browsers implement.
 bool do_nothing(JSContext* context, unsigned argc, JS::Value* vp);
 bool give_false(JSContext* context, unsigned argc, JS::Value* vp);

@@ -63,6 +63,19 @@ bool get_script(JSContext* context, unsigned argc, JS::Value* vp) {
   return node != nullptr;
 }
 
+bool get_imported_node(JSContext* context, unsigned argc, JS::Value* vp) {
+  const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
+  World& world = world_of(context);
+  std::string name;
+  args.rval().setNull();
+  if (!text_of_value(context, args.get(0), name)) return false;
+  const vrml::ImportedNode found = world.execution().imports().find(*world.calls().running().scene, name);
+  if (!found.scene) return true;
+  JSObject* const node = object_of_node(context, *found.scene, found.node);
+  args.rval().setObjectOrNull(node);
+  return node != nullptr;
+}
+
 bool do_nothing(JSContext*, unsigned argc, JS::Value* vp) {
   JS::CallArgsFromVp(argc, vp).rval().setUndefined();
   return true;

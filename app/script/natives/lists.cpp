@@ -3,6 +3,7 @@
 #include "app/script/natives.h"
 #include "app/script/natives/live_proxy.h"
 #include "app/script/script_world.h"
+#include "vrml/scene/field_numbers.h"
 #include "vrml/syntax/printer.h"
 
 #include <js/Array.h>
@@ -78,25 +79,14 @@ void keep(ListBox& box) {
   }
 }
 
-struct ListKind {
-  FieldType type, element;
-  const char* name;
-};
-constexpr ListKind kKinds[] = {
-    {FieldType::MFColor, FieldType::SFColor, "MFColor"},
-    {FieldType::MFFloat, FieldType::SFFloat, "MFFloat"},
-    {FieldType::MFInt32, FieldType::SFInt32, "MFInt32"},
-    {FieldType::MFNode, FieldType::SFNode, "MFNode"},
-    {FieldType::MFRotation, FieldType::SFRotation, "MFRotation"},
-    {FieldType::MFString, FieldType::SFString, "MFString"},
-    {FieldType::MFTime, FieldType::SFTime, "MFTime"},
-    {FieldType::MFVec2f, FieldType::SFVec2f, "MFVec2f"},
-    {FieldType::MFVec3f, FieldType::SFVec3f, "MFVec3f"},
-};
+using vrml::element_type;
 
-FieldType element_of(FieldType type) {
-  return std::find_if(std::begin(kKinds), std::end(kKinds), [&](const ListKind& one) { return one.type == type; })
-      ->element;
+// Returns the bytes of the text or the pixels of an element, which are not part of the array.
+std::size_t outer_bytes(const FieldValue& list, std::size_t index) {
+  if (const auto* const texts = std::get_if<vrml::MFString>(&list)) return (*texts)[index].view().size();
+  if (const auto* const images = std::get_if<vrml::MFImage>(&list))
+    return (*images)[index].words.size() * sizeof(std::uint32_t);
+  return 0;
 }
 
 class ListHandler final : public LiveProxyHandler {
@@ -193,6 +183,9 @@ class ListHandler final : public LiveProxyHandler {
             // Reserve more than the requested length, because lists are often filled element by element.
             if (length > array.capacity()) array.reserve(std::max<std::size_t>(length, array.capacity() * 3 / 2 + 4));
             array.resize(length);
+            if constexpr (requires { typename std::decay_t<decltype(array[0])>::col_type; })
+              for (std::size_t i = before; i < length; ++i)
+                array.mutable_data()[i] = std::decay_t<decltype(array[0])>(1);
           }
           return true;
         },
@@ -215,9 +208,8 @@ class ListHandler final : public LiveProxyHandler {
                std::uint32_t index, JS::MutableHandleValue result) const {
     if (!value || index >= count_of(*value)) {
       // Return a new element beyond the end. Assigning a component of it extends the list (C.6.10.1).
-      const FieldType of = value ? element_of(vrml::type_of(*value)) : FieldType::SFNode;
-      if (of == FieldType::SFColor || of == FieldType::SFVec2f || of == FieldType::SFVec3f ||
-          of == FieldType::SFRotation)
+      const FieldType of = value ? element_type(vrml::type_of(*value)) : FieldType::SFNode;
+      if (vrml::number_count(of) > 1)
         return to_value(context, box.scene.in(box.link.get()), vrml::initial_value(of), {proxy, index}, result);
       result.setUndefined();
       return true;
@@ -226,15 +218,15 @@ class ListHandler final : public LiveProxyHandler {
         [&](const auto& array) {
           if constexpr (requires { array.span(); }) {
             using T = std::decay_t<decltype(array[0])>;
-            if constexpr (std::is_same_v<T, float> || std::is_same_v<T, double>) {
-              result.set(JS::NumberValue(array[index]));
+            if constexpr (std::is_same_v<T, float> || std::is_same_v<T, double> || std::is_same_v<T, vrml::Double>) {
+              result.set(JS::NumberValue(static_cast<double>(array[index])));
               return true;
             } else if constexpr (std::is_same_v<T, std::int32_t>) {
               result.setInt32(array[index]);
               return true;
             } else {
-              return to_value(context, box.scene.in(box.link.get()), FieldValue(T(array[index])), {proxy, index},
-                              result);
+              return to_value(context, box.scene.in(box.link.get()), vrml::single_value_of(array[index]),
+                              {proxy, index}, result);
             }
           } else {
             return false;
@@ -249,13 +241,14 @@ const ListHandler kListHandler;
 
 vrml::SceneGraph* scene_of_caller(JSContext* context) { return world_of(context).calls().running().scene; }
 
+constexpr FieldType type_at(int index) { return static_cast<FieldType>(vrml::kSingleTypeCount + index); }
+
 template <int kIndex>
 bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
-  const ListKind& kind = kKinds[kIndex];
   ListBox box;
   box.scene = scene_of_caller(context);
-  box.value = vrml::initial_value(kind.type);
+  box.value = vrml::initial_value(type_at(kIndex));
   JS::RootedObject list(context, make_list(context, std::move(box), {}));
   if (!list) return false;
   JS::RootedValue element(context);
@@ -315,14 +308,14 @@ const JSFunctionSpec kMethods[] = {JS_FN("toString", to_text, 0, 0), JS_FS_END};
 template <int kIndex>
 bool define(JSContext* context, JS::HandleObject library, JS::HandleObject array_prototype,
             std::vector<JS::PersistentRootedObject>& prototypes) {
-  const ListKind& kind = kKinds[kIndex];
+  const char* const name = vrml::name_of(type_at(kIndex)).data();
   JS::RootedObject prototype(context, JS_NewObjectWithGivenProto(context, nullptr, array_prototype));
-  JSFunction* const function = JS_NewFunction(context, construct<kIndex>, 0, JSFUN_CONSTRUCTOR, kind.name);
+  JSFunction* const function = JS_NewFunction(context, construct<kIndex>, 0, JSFUN_CONSTRUCTOR, name);
   JS::RootedObject constructor(context, function ? JS_GetFunctionObject(function) : nullptr);
   if (!prototype || !constructor || !JS_DefineFunctions(context, prototype, kMethods)) return false;
   if (!JS_LinkConstructorAndPrototype(context, constructor, prototype)) return false;
-  prototypes[static_cast<std::size_t>(kind.type)] = prototype;
-  return JS_DefineProperty(context, library, kind.name, constructor, 0);
+  prototypes[static_cast<std::size_t>(type_at(kIndex))] = prototype;
+  return JS_DefineProperty(context, library, name, constructor, 0);
 }
 
 template <int... kIndices>
@@ -335,8 +328,7 @@ bool define_all(JSContext* context, JS::HandleObject library, std::vector<JS::Pe
 }  // namespace
 
 bool define_lists(JSContext* context, JS::HandleObject library, std::vector<JS::PersistentRootedObject>& prototypes) {
-  return define_all(context, library, prototypes,
-                    std::make_integer_sequence<int, static_cast<int>(std::size(kKinds))>());
+  return define_all(context, library, prototypes, std::make_integer_sequence<int, vrml::kSingleTypeCount>());
 }
 
 ListBox* list_of(JSObject* object) {
@@ -376,17 +368,20 @@ bool set_element(JSContext* context, JS::HandleObject list, std::uint32_t index,
   FieldValue* field = list_value(box);
   if (!field) return true;
   FieldValue element;
-  if (!to_field(context, value, element_of(vrml::type_of(*field)), box.scene.in(box.link.get()), element)) return false;
+  if (!to_field(context, value, element_type(vrml::type_of(*field)), box.scene.in(box.link.get()), element))
+    return false;
   field = list_value(box);  // the conversion may have run code that changed the list
   const bool is_new = index >= count_of(*field);
-  const auto* const text = std::get_if<vrml::SFString>(&element);
-  const std::size_t text_bytes = text ? text->view().size() : 0;
-  if (text && !world_of(context).engine().may_have(text_bytes)) {
+  const std::size_t outer =
+      std::holds_alternative<vrml::SFImage>(element) || std::holds_alternative<vrml::SFString>(element)
+          ? bytes_of(element)
+          : 0;
+  if (outer > 0 && !world_of(context).engine().may_have(outer)) {
     JS_ReportOutOfMemory(context);
     return false;
   }
   std::size_t before = block_bytes_of(*field);
-  if (text && !is_new) before += std::get<vrml::MFString>(*field)[index].view().size();
+  if (!is_new) before += outer_bytes(*field, index);
   if (is_new) {
     if (index >= kMaxElements) return fail(context, "index exceeds the maximum length of a list");
     if (!ListHandler::change_size(context, *field, index + 1)) return false;
@@ -395,11 +390,11 @@ bool set_element(JSContext* context, JS::HandleObject list, std::uint32_t index,
       [&](auto& array) {
         if constexpr (requires { array.span(); }) {
           using T = std::decay_t<decltype(array[0])>;
-          array.mutable_data()[index] = std::move(*std::get_if<T>(&element));
+          array.mutable_data()[index] = vrml::element_in(*std::get_if<vrml::SingleValue<T>>(&element));
         }
       },
       *field);
-  count(box, static_cast<std::ptrdiff_t>(block_bytes_of(*field) + text_bytes) - static_cast<std::ptrdiff_t>(before));
+  count(box, static_cast<std::ptrdiff_t>(block_bytes_of(*field) + outer) - static_cast<std::ptrdiff_t>(before));
   return ListHandler::changed(context, list, box);
 }
 

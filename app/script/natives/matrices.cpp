@@ -21,7 +21,12 @@ namespace gs::app::script {
 namespace {
 
 constexpr std::uint32_t kNumbers = 16;
-const JSClass kMatrixClass = {"VrmlMatrix", JSCLASS_HAS_RESERVED_SLOTS(kNumbers), nullptr, nullptr, nullptr, nullptr};
+// A matrix of 3 rows takes the upper left part of 4 rows; kSizeSlot is the number of its rows.
+constexpr std::uint32_t kSizeSlot = kNumbers, kMatrixParentSlot = kSizeSlot + 1,
+                        kMatrixPlaceSlot = kMatrixParentSlot + 1;
+constexpr std::uint32_t kMatrixSlots = kMatrixPlaceSlot + 1;
+const JSClass kMatrixClass = {"VrmlMatrix", JSCLASS_HAS_RESERVED_SLOTS(kMatrixSlots), nullptr, nullptr, nullptr,
+                              nullptr};
 const JSClass kRowClass = {"VrmlMatrixRow", JSCLASS_HAS_RESERVED_SLOTS(2), nullptr, nullptr, nullptr, nullptr};
 
 bool is_matrix(const JS::Value& value) { return value.isObject() && JS::GetClass(&value.toObject()) == &kMatrixClass; }
@@ -38,13 +43,33 @@ void set_matrix(JSObject* object, const glm::dmat4& matrix) {
     JS::SetReservedSlot(object, i, JS::DoubleValue(matrix[static_cast<int>(i / 4)][static_cast<int>(i % 4)]));
 }
 
-bool give(JSContext* context, const JS::CallArgs& args, const glm::dmat4& matrix) {
+int size_of(JSObject* object) { return JS::GetReservedSlot(object, kSizeSlot).toInt32(); }
+
+JSObject* make(JSContext* context, const glm::dmat4& matrix, int size) {
   JS::RootedObject prototype(context, library_of(context).matrix_prototype());
   JSObject* const made = JS_NewObjectWithGivenProto(context, &kMatrixClass, prototype);
-  if (!made) return false;
+  if (!made) return nullptr;
   set_matrix(made, matrix);
-  args.rval().setObject(*made);
-  return true;
+  JS::SetReservedSlot(made, kSizeSlot, JS::Int32Value(size));
+  return made;
+}
+
+// Returns a matrix of the size of the called one; 4 rows for a constructor.
+bool give(JSContext* context, const JS::CallArgs& args, const glm::dmat4& matrix) {
+  const int size = is_matrix(args.thisv()) ? size_of(&args.thisv().toObject()) : 4;
+  JSObject* const made = make(context, matrix, size);
+  args.rval().setObjectOrNull(made);
+  return made != nullptr;
+}
+
+// Writes a changed matrix back to the object from which it was read.
+bool matrix_changed(JSContext* context, JS::HandleObject matrix) {
+  const JS::Value parent = JS::GetReservedSlot(matrix, kMatrixParentSlot);
+  if (!parent.isObject()) return true;
+  JS::RootedObject source(context, &parent.toObject());
+  JS::RootedValue value(context, JS::ObjectValue(*matrix));
+  return write_back(context, source,
+                    static_cast<std::uint32_t>(JS::GetReservedSlot(matrix, kMatrixPlaceSlot).toInt32()), value);
 }
 
 bool this_matrix(JSContext* context, const JS::CallArgs& args, glm::dmat4& matrix) {
@@ -89,9 +114,10 @@ bool set_transform(JSContext* context, unsigned argc, JS::Value* vp) {
   const glm::dmat4 one(1), orientation = turn(c[3]);
   const glm::dmat4 matrix = glm::translate(one, translation) * glm::translate(one, center) * turn(c[1]) * orientation *
                             glm::scale(one, scale) * glm::transpose(orientation) * glm::translate(one, -center);
-  set_matrix(&args.thisv().toObject(), matrix);
+  JS::RootedObject object(context, &args.thisv().toObject());
+  set_matrix(object, matrix);
   args.rval().setUndefined();
-  return true;
+  return matrix_changed(context, object);
 }
 
 bool assign(JSContext* context, JS::HandleValue target, const double* c, unsigned count) {
@@ -176,9 +202,10 @@ bool matrix_to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   glm::dmat4 matrix;
   if (!this_matrix(context, args, matrix)) return false;
   std::string text;
-  for (int i = 0; i < 16; ++i) {
+  const int size = size_of(&args.thisv().toObject());
+  for (int i = 0; i < size * size; ++i) {
     char digits[32];
-    const auto end = std::to_chars(digits, digits + sizeof digits, static_cast<float>(matrix[i / 4][i % 4])).ptr;
+    const auto end = std::to_chars(digits, digits + sizeof digits, static_cast<float>(matrix[i / size][i % size])).ptr;
     text += (i ? " " : "") + std::string(digits, end);
   }
   return make_string(context, text, args.rval());
@@ -220,12 +247,12 @@ bool set_number(JSContext* context, unsigned argc, JS::Value* vp) {
   JS::RootedObject row(context, &args.thisv().toObject());
   if (!JS::ToNumber(context, args.get(0), &number)) return false;
   const JS::Value matrix = JS::GetReservedSlot(row, 0);
-  if (matrix.isObject())
-    JS::SetReservedSlot(&matrix.toObject(),
-                        static_cast<std::uint32_t>(JS::GetReservedSlot(row, 1).toInt32() * 4 + kColumn),
-                        JS::DoubleValue(number));
   args.rval().setUndefined();
-  return true;
+  if (!matrix.isObject()) return true;
+  JS::RootedObject object(context, &matrix.toObject());
+  JS::SetReservedSlot(object, static_cast<std::uint32_t>(JS::GetReservedSlot(row, 1).toInt32() * 4 + kColumn),
+                      JS::DoubleValue(number));
+  return matrix_changed(context, object);
 }
 
 template <int kRow>
@@ -258,6 +285,26 @@ const JSFunctionSpec kMatrixMethods[] = {
 
 }  // namespace
 
+JSObject* make_matrix(JSContext* context, int count, const double* numbers, Source source) {
+  const int size = count == 9 ? 3 : 4;
+  glm::dmat4 matrix(1);
+  for (int i = 0; i < count; ++i) matrix[i / size][i % size] = numbers[i];
+  JS::RootedObject parent(context, source.parent);
+  JSObject* const made = make(context, matrix, size);
+  if (!made) return nullptr;
+  JS::SetReservedSlot(made, kMatrixParentSlot, parent ? JS::ObjectValue(*parent) : JS::UndefinedValue());
+  JS::SetReservedSlot(made, kMatrixPlaceSlot, JS::Int32Value(static_cast<std::int32_t>(source.place)));
+  return made;
+}
+
+bool numbers_of_matrix(JSObject* object, int count, double* numbers) {
+  if (JS::GetClass(object) != &kMatrixClass || size_of(object) != (count == 9 ? 3 : 4)) return false;
+  const glm::dmat4 matrix = matrix_of(object);
+  const int size = size_of(object);
+  for (int i = 0; i < count; ++i) numbers[i] = matrix[i / size][i % size];
+  return true;
+}
+
 bool define_matrices(JSContext* context, JS::HandleObject library,
                      std::vector<JS::PersistentRootedObject>& prototypes) {
   JS::RootedObject prototype(context, JS_InitClass(context, library, nullptr, &kMatrixClass, construct_matrix, 16,
@@ -265,6 +312,7 @@ bool define_matrices(JSContext* context, JS::HandleObject library,
   JS::RootedObject row(context, JS_NewPlainObject(context));
   if (!prototype || !row) return false;
   set_matrix(prototype, glm::dmat4(1));
+  JS::SetReservedSlot(prototype, kSizeSlot, JS::Int32Value(4));
   prototypes[ScriptLibrary::kMatrixPrototype] = prototype;
   prototypes[ScriptLibrary::kRowPrototype] = row;
   return define_element(context, prototype, 0, get_row<0>, nullptr) &&

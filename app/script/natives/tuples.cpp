@@ -1,5 +1,6 @@
 #include "app/script/natives.h"
 #include "app/script/script_world.h"
+#include "vrml/scene/field_numbers.h"
 #include "vrml/syntax/printer.h"
 
 #include <js/Array.h>
@@ -13,7 +14,8 @@
 #include <algorithm>
 #include <cmath>
 
-// SFColor (VRML97 C.6.4), SFRotation (C.6.7), SFVec2f (C.6.8), SFVec3f (C.6.9), with components in double precision. If
+// SFColor (VRML97 C.6.4), SFRotation (C.6.7), SFVec2f (C.6.8), SFVec3f (C.6.9), and the tuples of X3D, with components
+// in double precision. If
 // the object was read from a field, an eventOut or a list, assigning a component writes it back there.
 namespace gs::app::script {
 namespace {
@@ -27,13 +29,15 @@ struct TupleKind {
   int count;
   JSClass of;
 };
+constexpr JSClass class_named(const char* name) {
+  return {name, JSCLASS_HAS_RESERVED_SLOTS(kTupleSlots), nullptr, nullptr, nullptr, nullptr};
+}
 const TupleKind kKinds[] = {
-    {FieldType::SFColor, 3, {"SFColor", JSCLASS_HAS_RESERVED_SLOTS(kTupleSlots), nullptr, nullptr, nullptr, nullptr}},
-    {FieldType::SFRotation,
-     4,
-     {"SFRotation", JSCLASS_HAS_RESERVED_SLOTS(kTupleSlots), nullptr, nullptr, nullptr, nullptr}},
-    {FieldType::SFVec2f, 2, {"SFVec2f", JSCLASS_HAS_RESERVED_SLOTS(kTupleSlots), nullptr, nullptr, nullptr, nullptr}},
-    {FieldType::SFVec3f, 3, {"SFVec3f", JSCLASS_HAS_RESERVED_SLOTS(kTupleSlots), nullptr, nullptr, nullptr, nullptr}},
+    {FieldType::SFColor, 3, class_named("SFColor")},         {FieldType::SFRotation, 4, class_named("SFRotation")},
+    {FieldType::SFVec2f, 2, class_named("SFVec2f")},         {FieldType::SFVec3f, 3, class_named("SFVec3f")},
+    {FieldType::SFColorRGBA, 4, class_named("SFColorRGBA")}, {FieldType::SFVec2d, 2, class_named("SFVec2d")},
+    {FieldType::SFVec3d, 3, class_named("SFVec3d")},         {FieldType::SFVec4f, 4, class_named("SFVec4f")},
+    {FieldType::SFVec4d, 4, class_named("SFVec4d")},
 };
 
 const TupleKind* kind_of(JSObject* object) {
@@ -62,16 +66,14 @@ const TupleKind* this_tuple(JSContext* context, const JS::CallArgs& args, double
   return nullptr;
 }
 
-// Reads a vector argument into `c`, which has room for 4 components.
-bool vector_argument(JSContext* context, const JS::CallArgs& args, unsigned index, double* c) {
-  FieldType type{};
-  if (args.get(index).isObject() && is_tuple(&args.get(index).toObject(), type, c)) return true;
+// Reads a vector argument into `c`, which has room for 4 components. `type` is the type of an array of numbers.
+bool vector_argument(JSContext* context, const JS::CallArgs& args, unsigned index, double* c,
+                     FieldType type = FieldType::SFVec3f) {
+  FieldType found{};
+  if (args.get(index).isObject() && is_tuple(&args.get(index).toObject(), found, c)) return true;
   vrml::FieldValue field;
-  if (!to_field(context, args.get(index), FieldType::SFVec3f, nullptr, field)) return false;
-  const auto& v = std::get<vrml::SFVec3f>(field);
-  c[0] = v.x;
-  c[1] = v.y;
-  c[2] = v.z;
+  if (!to_field(context, args.get(index), type, nullptr, field)) return false;
+  vrml::read_numbers(field, c);
   return true;
 }
 
@@ -129,14 +131,11 @@ bool tuple_to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   double c[4] = {};
   const TupleKind* const kind = this_tuple(context, args, c);
   if (!kind) return false;
-  vrml::MFFloat numbers;
-  for (int i = 0; i < kind->count; ++i) numbers.push_back(static_cast<float>(c[i]));
   std::string text;
   static const vrml::SceneGraph nothing;
-  for (const float number : numbers) {
-    if (!text.empty()) text += ' ';
-    vrml::print_value(text, number, nothing);
-  }
+  vrml::FieldValue value = vrml::initial_value(kind->type);
+  vrml::write_numbers(value, c);
+  vrml::print_value(text, value, nothing);
   return make_string(context, text, args.rval());
 }
 
@@ -149,17 +148,7 @@ bool combine(JSContext* context, unsigned argc, JS::Value* vp, const Combine& wi
   const TupleKind* const kind = this_tuple(context, args, a);
   if (!kind) return false;
   if (!args.get(0).isObject()) return fail(context, "expected an object of the same type");
-  if (kind->count == 2) {
-    vrml::FieldValue field;
-    FieldType type{};
-    if (!is_tuple(&args[0].toObject(), type, b)) {
-      if (!to_field(context, args[0], kind->type, nullptr, field)) return false;
-      b[0] = std::get<vrml::SFVec2f>(field).x;
-      b[1] = std::get<vrml::SFVec2f>(field).y;
-    }
-  } else if (!vector_argument(context, args, 0, b)) {
-    return false;
-  }
+  if (!vector_argument(context, args, 0, b, kind->type)) return false;
   for (int i = 0; i < kind->count; ++i) a[i] = with(a[i], b[i]);
   return give(context, args, kind->type, a);
 }
@@ -221,7 +210,7 @@ bool dot(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   double a[4] = {}, b[4] = {};
   const TupleKind* const kind = this_tuple(context, args, a);
-  if (!kind || !vector_argument(context, args, 0, b)) return false;
+  if (!kind || !vector_argument(context, args, 0, b, kind->type)) return false;
   double sum = 0;
   for (int i = 0; i < kind->count; ++i) sum += a[i] * b[i];
   args.rval().set(JS::NumberValue(sum));
@@ -234,7 +223,7 @@ bool cross(JSContext* context, unsigned argc, JS::Value* vp) {
   const TupleKind* const kind = this_tuple(context, args, a);
   if (!kind || !vector_argument(context, args, 0, b)) return false;
   const double c[] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-  return give(context, args, FieldType::SFVec3f, c);
+  return give(context, args, kind->type, c);
 }
 
 // ---- SFColor
@@ -418,6 +407,14 @@ const JSPropertySpec kVec2fNumbers[] = {JS_PSGS("x", get_component<0>, set_compo
 const JSPropertySpec kVec3fNumbers[] = {JS_PSGS("x", get_component<0>, set_component<0>, kProperty),
                                         JS_PSGS("y", get_component<1>, set_component<1>, kProperty),
                                         JS_PSGS("z", get_component<2>, set_component<2>, kProperty), JS_PS_END};
+const JSPropertySpec kColorRGBANumbers[] = {JS_PSGS("r", get_component<0>, set_component<0>, kProperty),
+                                            JS_PSGS("g", get_component<1>, set_component<1>, kProperty),
+                                            JS_PSGS("b", get_component<2>, set_component<2>, kProperty),
+                                            JS_PSGS("a", get_component<3>, set_component<3>, kProperty), JS_PS_END};
+const JSPropertySpec kVec4Numbers[] = {JS_PSGS("x", get_component<0>, set_component<0>, kProperty),
+                                       JS_PSGS("y", get_component<1>, set_component<1>, kProperty),
+                                       JS_PSGS("z", get_component<2>, set_component<2>, kProperty),
+                                       JS_PSGS("w", get_component<3>, set_component<3>, kProperty), JS_PS_END};
 const JSFunctionSpec kColorMethods[] = {JS_FN("setHSV", set_hsv, 3, 0), JS_FN("getHSV", get_hsv, 0, 0),
                                         JS_FN("toString", tuple_to_text, 0, 0), JS_FS_END};
 const JSFunctionSpec kRotationMethods[] = {
@@ -490,7 +487,12 @@ bool define_tuples(JSContext* context, JS::HandleObject library, std::vector<JS:
   return define<0>(context, library, prototypes, kColorNumbers, kColorMethods) &&
          define<1>(context, library, prototypes, kRotationNumbers, kRotationMethods) &&
          define<2>(context, library, prototypes, kVec2fNumbers, kVectorMethods) &&
-         define<3>(context, library, prototypes, kVec3fNumbers, kVectorMethods, kVec3fMethods);
+         define<3>(context, library, prototypes, kVec3fNumbers, kVectorMethods, kVec3fMethods) &&
+         define<4>(context, library, prototypes, kColorRGBANumbers, kColorMethods) &&
+         define<5>(context, library, prototypes, kVec2fNumbers, kVectorMethods) &&
+         define<6>(context, library, prototypes, kVec3fNumbers, kVectorMethods, kVec3fMethods) &&
+         define<7>(context, library, prototypes, kVec4Numbers, kVectorMethods) &&
+         define<8>(context, library, prototypes, kVec4Numbers, kVectorMethods);
 }
 
 }  // namespace gs::app::script

@@ -2,7 +2,7 @@
 #include "app/script/bounds/field_memory.h"
 #include "app/script/natives.h"
 #include "app/script/script_world.h"
-#include "vrml/syntax/printer.h"
+#include "vrml/scene/field_numbers.h"
 
 #include <js/Array.h>
 #include <js/CharacterEncoding.h>
@@ -65,12 +65,14 @@ bool to_int(JSContext* context, JS::HandleValue value, std::int32_t& number) {
 // further nesting is rejected.
 bool tuple_components(JSContext* context, JS::HandleValue value, FieldType type, double* components,
                       bool nested = false) {
-  const int count = type == FieldType::SFVec2f ? 2 : type == FieldType::SFRotation ? 4 : 3;
+  const int count = vrml::number_count(type);
   FieldType found{};
   if (value.isObject()) {
     JS::RootedObject object(context, &value.toObject());
     if (is_tuple(object, found, components)) {
-      if (found == type || (count == 3 && (found == FieldType::SFVec3f || found == FieldType::SFColor))) return true;
+      if (found == type ||
+          (vrml::number_count(found) == count && type != FieldType::SFRotation && found != FieldType::SFRotation))
+        return true;
     } else {
       bool is_array = false;
       if (!JS::IsArrayObject(context, object, &is_array)) return false;
@@ -120,7 +122,7 @@ template <class T>
 bool to_element(JSContext* context, JS::HandleValue value, FieldType type, vrml::SceneGraph* scene, T& element) {
   FieldValue field;
   if (!to_field(context, value, type, scene, field)) return false;
-  element = std::move(*std::get_if<T>(&field));
+  element = vrml::element_in(*std::get_if<vrml::SingleValue<T>>(&field));
   return true;
 }
 
@@ -170,10 +172,24 @@ bool to_elements(JSContext* context, JS::HandleValue value, FieldType type, vrml
   return true;
 }
 
-FieldType element_type(FieldType type) {
-  std::string name(vrml::name_of(type));
-  name[0] = 'S';
-  return vrml::field_type_named(name).value_or(FieldType::SFFloat);
+// Converts a value to the numbers of a matrix: a matrix of this size, or a list or array of numbers.
+bool matrix_numbers(JSContext* context, JS::HandleValue value, FieldType type, double* numbers) {
+  const int count = vrml::number_count(type);
+  if (value.isObject()) {
+    JS::RootedObject object(context, &value.toObject());
+    if (numbers_of_matrix(object, count, numbers)) return true;
+    bool is_array = false;
+    if (!JS::IsArrayObject(context, object, &is_array)) return false;
+    if (is_array || list_of(object)) {
+      JS::RootedValue element(context);
+      for (int i = 0; i < count; ++i)
+        if (!JS_GetElement(context, object, static_cast<std::uint32_t>(i), &element) ||
+            !to_number(context, element, numbers[i]))
+          return false;
+      return true;
+    }
+  }
+  return fail(context, "expected an " + std::string(vrml::name_of(type)));
 }
 
 }  // namespace
@@ -217,13 +233,6 @@ bool cut_text_of_value(JSContext* context, JS::HandleValue value, std::size_t mo
 
 bool to_value(JSContext* context, vrml::SceneGraph* scene, const FieldValue& field, Source source,
               JS::MutableHandleValue value) {
-  const auto tuple = [&](std::initializer_list<float> of) {
-    double components[4] = {};
-    std::copy(of.begin(), of.end(), components);
-    JSObject* const made = make_tuple(context, vrml::type_of(field), components, source);
-    value.setObjectOrNull(made);
-    return made != nullptr;
-  };
   switch (vrml::type_of(field)) {
     case FieldType::SFBool:
       value.setBoolean(std::get<vrml::SFBool>(field));
@@ -239,22 +248,9 @@ bool to_value(JSContext* context, vrml::SceneGraph* scene, const FieldValue& fie
       return true;
     case FieldType::SFString:
       return make_string(context, std::get<vrml::SFString>(field).view(), value);
-    case FieldType::SFColor: {
-      const auto& c = std::get<vrml::SFColor>(field);
-      return tuple({c.r, c.g, c.b});
-    }
-    case FieldType::SFVec2f: {
-      const auto& v = std::get<vrml::SFVec2f>(field);
-      return tuple({v.x, v.y});
-    }
-    case FieldType::SFVec3f: {
-      const auto& v = std::get<vrml::SFVec3f>(field);
-      return tuple({v.x, v.y, v.z});
-    }
-    case FieldType::SFRotation: {
-      const auto& r = std::get<vrml::SFRotation>(field);
-      return tuple({r.x, r.y, r.z, r.angle});
-    }
+    case FieldType::SFDouble:
+      value.set(JS::NumberValue(std::get<vrml::SFDouble>(field).value));
+      return true;
     case FieldType::SFNode: {
       const auto node = std::get<vrml::SFNode>(field);
       if (!scene || !scene->contains(node)) {
@@ -270,19 +266,26 @@ bool to_value(JSContext* context, vrml::SceneGraph* scene, const FieldValue& fie
       value.setObjectOrNull(image);
       return image != nullptr;
     }
-    default: {
-      ListBox box;
-      box.scene = scene;
-      box.value = field;
-      JSObject* const list = make_list(context, std::move(box), source);
-      value.setObjectOrNull(list);
-      return list != nullptr;
-    }
+    default:
+      break;
   }
+  JSObject* made = nullptr;
+  if (const int count = vrml::number_count(vrml::type_of(field)); !vrml::is_multiple(vrml::type_of(field))) {
+    double numbers[vrml::kMaxNumbers] = {};
+    vrml::read_numbers(field, numbers);
+    made = count > kMaxComponents ? make_matrix(context, count, numbers, source)
+                                  : make_tuple(context, vrml::type_of(field), numbers, source);
+  } else {
+    ListBox box;
+    box.scene = scene;
+    box.value = field;
+    made = make_list(context, std::move(box), source);
+  }
+  value.setObjectOrNull(made);
+  return made != nullptr;
 }
 
 bool to_field(JSContext* context, JS::HandleValue value, FieldType type, vrml::SceneGraph* scene, FieldValue& field) {
-  double c[4] = {};
   switch (type) {
     case FieldType::SFBool:
       field = is_true(context, value);
@@ -318,23 +321,12 @@ bool to_field(JSContext* context, JS::HandleValue value, FieldType type, vrml::S
       field = vrml::SFString(text);
       return true;
     }
-    case FieldType::SFColor:
-      if (!tuple_components(context, value, type, c)) return false;
-      field = vrml::SFColor{static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])};
+    case FieldType::SFDouble: {
+      double number = 0;
+      if (!to_number(context, value, number)) return false;
+      field = vrml::SFDouble{number};
       return true;
-    case FieldType::SFVec2f:
-      if (!tuple_components(context, value, type, c)) return false;
-      field = vrml::SFVec2f(c[0], c[1]);
-      return true;
-    case FieldType::SFVec3f:
-      if (!tuple_components(context, value, type, c)) return false;
-      field = vrml::SFVec3f(c[0], c[1], c[2]);
-      return true;
-    case FieldType::SFRotation:
-      if (!tuple_components(context, value, type, c)) return false;
-      field = vrml::SFRotation{static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2]),
-                               static_cast<float>(c[3])};
-      return true;
+    }
     case FieldType::SFNode: {
       vrml::NodeId node;
       if (!to_node(context, value, scene, node)) return false;
@@ -353,10 +345,18 @@ bool to_field(JSContext* context, JS::HandleValue value, FieldType type, vrml::S
       break;
   }
   field = vrml::initial_value(type);
+  if (!vrml::is_multiple(type)) {
+    double numbers[vrml::kMaxNumbers] = {};
+    if (!(vrml::number_count(type) > kMaxComponents ? matrix_numbers(context, value, type, numbers)
+                                                    : tuple_components(context, value, type, numbers)))
+      return false;
+    vrml::write_numbers(field, numbers);
+    return true;
+  }
   return std::visit(
       [&](auto& array) {
         if constexpr (requires { array.span(); }) {
-          return to_elements(context, value, element_type(type), scene, array);
+          return to_elements(context, value, vrml::element_type(type), scene, array);
         } else {
           return false;
         }

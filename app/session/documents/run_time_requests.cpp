@@ -137,19 +137,25 @@ void RunTimeRequests::note_changes(std::span<const vrml::NodeChange> changes) {
     const vrml::Node& node = change.scene->node(change.node);
     if (node.type->kind == vrml::NodeType::Kind::external_prototype) request_prototype(*change.scene, change.node);
     if (node.type->url_content == vrml::UrlContent::none) continue;
+    const auto has_changed = [&](int slot) { return (change.slots >> std::min(slot, 63) & 1) != 0; };
+    // A change of `load` loads all urls, or removes their content.
+    const vrml::InterfaceDeclaration* const load = vrml::load_field(*node.type);
+    const bool loads = vrml::may_load(node);
+    const bool reload = load && has_changed(load->slot);
     const auto fields = node.type->url_fields();
     for (std::size_t i = 0; i < fields.size(); ++i) {
       const int slot = fields[i]->slot;
-      if ((change.slots >> std::min(slot, 63) & 1) == 0 || url_requests_.size() >= kMaxRequests) continue;
+      if ((!reload && !has_changed(slot)) || url_requests_.size() >= kMaxRequests) continue;
       if (node.type->url_content == vrml::UrlContent::vectors && take_own_vectors(world_, *change.scene, change.node))
         continue;
+      if (loads) execution_.loads().note(node, vrml::UrlLoad::pending);
       const vrml::SourceText& text = change.scene->nodes().text_of(change.node, slot);
       url_requests_.push_back({{change.scene, change.node, i, ++url_numbers_[{&node, i}]},
                                &node,
                                node.type->url_content,
                                false,
                                nullptr,
-                               *std::get_if<vrml::MFString>(&node.values[slot]),
+                               loads ? *std::get_if<vrml::MFString>(&node.values[slot]) : vrml::MFString(),
                                text.source(),
                                was_fetched(text),
                                is_computed(*change.scene, change.node, slot),

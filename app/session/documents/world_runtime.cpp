@@ -28,6 +28,24 @@ double world_time() {
 WorldRuntime::WorldRuntime(LoadedWorld& world, render::MeshCache& meshes)
     : world_(world), meshes_(meshes), execution_(*world.scene) {
   execution_.lifetime().observe_removal([this](vrml::SceneGraph& scene, vrml::NodeId node) { forget(scene, node); });
+  execution_.imports().report(world_.diagnostics);
+  note_loaded();
+}
+
+// Notes the urls that were loaded before the world began.
+void WorldRuntime::note_loaded() {
+  using vrml::UrlLoad;
+  for (const auto& [place, image] : world_.images)
+    if (image) execution_.loads().note(*place.node, UrlLoad::loaded);
+  for (const auto& [node, media] : world_.media) execution_.loads().note(*node, UrlLoad::loaded);
+  for (const vrml::SceneState& state : execution_.scenes().states())
+    for (const auto& [index, content] : state.scene->inlines().all())
+      if (content) execution_.loads().note(state.scene->nodes().at(index), UrlLoad::loaded);
+}
+
+void WorldRuntime::note_load(const ResourceUpdates::Place& place, bool loaded) {
+  if (execution_.scenes().has(place.scene) && place.scene->contains(place.node))
+    execution_.loads().note(place.scene->node(place.node), loaded ? vrml::UrlLoad::loaded : vrml::UrlLoad::failed);
 }
 
 // Destroys the programs first, because they refer to other members.
@@ -81,11 +99,13 @@ void WorldRuntime::show_content(ResourceUpdates::Content&& update) {
     return;
   }
   vrml::SceneGraph& scene = *update.place.scene;
+  note_load(update.place, update.content != nullptr);
   execution_.lifetime().remove_content(scene, update.place.node);
   if (!update.content) return;
   meshes_.take(std::move(update.meshes));
   scene.inlines().attach(update.place.node, std::move(update.content));
   execution_.scenes().attach(scene);
+  execution_.imports().report(world_.diagnostics);
   programs_.start();
   execution_.changes().mark_content(scene, update.place.node);
 }
@@ -124,9 +144,13 @@ void WorldRuntime::arrive(ResourceUpdates&& updates) {
   for (ResourceUpdates::Text& one : updates.texts) requests_.take_text(std::move(one));
   for (ResourceUpdates::Prototypes& one : updates.prototypes) take_prototypes(std::move(one));
   const auto gone = [this](const ResourceUpdates::Place& place) { return requests_.is_stale(place); };
-  for (ResourceUpdates::Image& one : updates.images) std::erase_if(one.textures, gone);
+  for (ResourceUpdates::Image& one : updates.images) {
+    std::erase_if(one.textures, gone);
+    for (const ResourceUpdates::Place& texture : one.textures) note_load(texture, one.image != nullptr);
+  }
   for (ResourceUpdates::Media& one : updates.media) {
     std::erase_if(one.players, gone);
+    for (const ResourceUpdates::Place& player : one.players) note_load(player, one.media != nullptr);
     for (const ResourceUpdates::Place& player : one.players)
       durations_.push_back({player.scene, player.node, one.media ? one.media->info.duration : -1});
   }
@@ -154,6 +178,7 @@ void WorldRuntime::forget(vrml::SceneGraph& scene, vrml::NodeId node) {
     for (std::size_t i = 0, count = one.type ? one.type->url_fields().size() : 0; i < count; ++i)
       world_.images.erase({&one, i});
     requests_.forget_node(one);
+    execution_.loads().forget(one);
     world_.geometries.erase(&one);
     world_.media.erase(&one);
     movies_.forget(one);

@@ -83,6 +83,8 @@ class WorldRuntime : NonCopyable {
 
  private:
   bool take_changes();
+  void note_loaded();
+  void note_load(const ResourceUpdates::Place& place, bool loaded);
   void tell_progress();
   void tell_durations();
   void add_changes(std::vector<vrml::NodeChange> changes);

@@ -1,5 +1,6 @@
 #include "app/session/input/input_handler.h"
 
+#include "app/session/navigation/key_input.h"
 #include "app/session/navigation/script_effects.h"
 
 #include <optional>
@@ -12,8 +13,10 @@ void InputHandler::handle(const SessionInput::Event& input) {
   const WindowEvent& event = input.event;
   if (event.kind == Kind::key_down || event.kind == Kind::button_down) to_.links.note_press();
   const bool for_interface = input.over_interface && (event.kind == Kind::button_down || event.kind == Kind::pointer);
-  if (View* const seen = for_interface ? nullptr : to_.viewports.view())
+  if (View* const seen = for_interface ? nullptr : to_.viewports.view()) {
+    if (send_to_key_sensors(*seen, event, step_.now)) return;
     if (send_to_scripts(*seen, to_.viewports.place_of(to_.viewports.panes().active()), event, step_.now)) return;
+  }
   switch (event.kind) {
     case Kind::key_down:
       return handle_key(event);

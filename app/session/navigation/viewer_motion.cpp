@@ -38,10 +38,11 @@ void ViewerMotion::move(View& seen, Navigation after, bool loading, float second
   const std::optional<std::size_t> before = seen.navigation.body.item;
   seen.navigation = with_body(seen.navigation, std::move(after), avatar, obstacles, seconds);
   const std::optional<std::size_t> met = seen.navigation.body.item;
-  if (!met || met == before || !seen.document->runtime) return;
+  if (!met || !seen.document->runtime) return;
   Hit hit;
   hit.item = *met;
-  (void)vrml::collide(seen.document->runtime->execution(), path_of(list, hit));
+  (void)vrml::collide(seen.document->runtime->execution(), path_of(list, hit),
+                      met == before ? vrml::Meeting::lasts : vrml::Meeting::begins);
 }
 
 std::vector<std::size_t> ViewerMotion::advance(float seconds, bool look) {

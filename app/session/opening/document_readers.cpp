@@ -124,6 +124,7 @@ bool DocumentReaders::take_meshes() {
 bool DocumentReaders::apply_updates(Document& document, const std::string& path, WorldReader::News news) {
   const LoadingState state = news.over ? LoadingState{} : news.state;
   if (news.over) note_empty(document, path);
+  if (news.over && document.runtime) document.runtime->execution().loads().end();
   // After everything has loaded, ignore changes of the reader's state, so that the session can become idle.
   const bool progress = !document.all_came && !(state == document.arriving);
   const bool any = news.streams_grew || news.over || progress || !news.updates.empty();

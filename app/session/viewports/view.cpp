@@ -1,5 +1,7 @@
 #include "app/session/viewports/view.h"
 
+#include "vrml/behaviours/browser_events.h"
+
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -53,6 +55,22 @@ glm::dmat4 take_left(View& view) {
   return glm::dmat4(1);
 }
 
+/// Returns the pose of a viewer that has moved away from a Viewpoint at `home`.
+Pose moved_pose(const Pose& home, const glm::dmat4& viewpoint_from_viewer) {
+  Pose pose = pose_of(world_from_viewer(home) * viewpoint_from_viewer, home.field_of_view);
+  pose.height = home.height;
+  return pose;
+}
+
+/// Returns the pose at a Viewpoint that the user chooses: with the user's earlier movements there, if it retains them.
+Pose kept_pose(const View& view, const render::ViewpointState& viewpoint) {
+  if (viewpoint.retains_offset)
+    for (const View::Left& one : view.left)
+      if (same(one.viewpoint, {viewpoint.scene, viewpoint.node}))
+        return moved_pose(view.home, one.viewpoint_from_viewer);
+  return view.home;
+}
+
 std::optional<std::size_t> index_of(const render::RenderList& list, const vrml::Node* viewpoint) {
   for (std::size_t i = 0; i < list.viewpoints.size(); ++i)
     if (&list.viewpoints[i].scene->node(list.viewpoints[i].node) == viewpoint) return i;
@@ -68,8 +86,46 @@ Pose seen_as_chosen(const View& view, const Pose& pose) {
   return with_parallel_rays(pose, true, std::max({ahead, glm::length(center - pose.position) * 0.1, 1e-9}));
 }
 
+/// Returns the pose of a Viewpoint in a viewport of the view's size.
 Pose home_of(const View& view, const render::ViewpointState& viewpoint) {
-  return seen_as_chosen(view, pose_of(viewpoint.world_from_camera, viewpoint.field_of_view));
+  Pose pose = pose_of(viewpoint.world_from_camera, viewpoint.field_of_view);
+  if (viewpoint.extent.x > 0) pose.height = height_that_shows(viewpoint.extent, view.home_size);
+  if (viewpoint.view_all && usable(view.list->bounds))
+    pose = pose_that_fits(pose, view.list->bounds, glm::max(view.home_size, glm::vec2(1)), glm::vec3(viewpoint.up));
+  return viewpoint.extent.x > 0 ? valid_pose(pose, Pose{}) : seen_as_chosen(view, pose);
+}
+
+/// Applies the centre of rotation of a Viewpoint of X3D (X3D 23.3.1).
+void take_center(View& view, const render::ViewpointState& viewpoint) {
+  if (viewpoint.center_of_rotation) view.navigation.center = *viewpoint.center_of_rotation;
+  view.center_of_rotation = viewpoint.center_of_rotation;
+}
+
+/// Moves the viewer to the bound Viewpoint, as the bound NavigationInfo asks (X3D 23.4.4). `to` is the pose there.
+void travel_to_viewpoint(View& view, const render::ViewpointState& viewpoint, const Pose& to, bool jump) {
+  Navigation& navigation = view.navigation;
+  // The projection changes at once, because there is nothing between perspective and parallel projection.
+  if ((to.height > 0) != (navigation.pose.height > 0)) {
+    if (navigation.transition) navigation.pose = navigation.transition->to;
+    navigation.transition.reset();
+    navigation.pose = with_parallel_rays(navigation.pose, to.height > 0, looked_at_distance(navigation));
+  }
+  navigation = travel_to(navigation, to, jump);
+  take_center(view, viewpoint);
+  const render::NavigationState& info = view.list->navigation;
+  view.travels = true;
+  if (!navigation.transition) return;
+  if (info.transition_seconds) navigation.transition->duration = *info.transition_seconds;
+  if (!info.teleports && navigation.transition->duration > 0) return;
+  navigation.pose = navigation.transition->to;
+  navigation.transition.reset();
+}
+
+/// Reports the end of the movement to a Viewpoint to the NavigationInfo.
+void report_arrival(View& view) {
+  if (!view.travels || view.navigation.transition) return;
+  view.travels = false;
+  if (view.list->navigation.transition_seconds) vrml::report_transition(view.document->runtime->execution());
 }
 
 /// Applies the up vector and the scale of a Viewpoint to the navigation (VRML97 6.29).
@@ -219,15 +275,18 @@ View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std:
   if (view.viewpoint) {
     const render::ViewpointState& bound = list.viewpoints[*view.viewpoint];
     view.world_from_viewpoint = bound.world_from_camera;
-    view.home = home_of(view, bound);
     view.home_size = viewport;
+    view.home = home_of(view, bound);
   } else {
     choose_home(view, list.bounds, viewport);
     if (usable(list.bounds)) view.first_size = glm::length(list.bounds.size());
   }
   view.navigation = start_navigation(view.rules, list.bounds, view.home);
   view.navigation.up = upright_of(view).up;
-  if (view.viewpoint) take_measures(view, list.viewpoints[*view.viewpoint]);
+  if (view.viewpoint) {
+    take_measures(view, list.viewpoints[*view.viewpoint]);
+    take_center(view, list.viewpoints[*view.viewpoint]);
+  }
   if (found) *found = viewpoint.empty() || named.has_value();
   return view;
 }
@@ -277,14 +336,24 @@ bool at_home(const View& view) {
 }
 
 void fit_home(View& view, const glm::vec2& viewport) {
-  if (view.viewpoint || !view.list || view.home_size == viewport) return;
+  if (!view.list || view.home_size == viewport) return;
   const bool unmoved = at_home(view);
+  if (view.viewpoint) {
+    if (*view.viewpoint >= view.list->viewpoints.size()) return;
+    const render::ViewpointState& viewpoint = view.list->viewpoints[*view.viewpoint];
+    if (viewpoint.extent.x <= 0 && !viewpoint.view_all) return;
+    view.home_size = viewport;
+    view.home = home_of(view, viewpoint);
+    if (unmoved) view.navigation.pose = view.home;
+    return;
+  }
   choose_home(view, usable(view.framed) ? view.framed : view.list->bounds, viewport);
   if (unmoved) view.navigation.pose = view.home;
 }
 
 bool follow_world(View& view) {
   if (!view.scene || !view.document || !view.document->runtime) return false;
+  report_arrival(view);
   view.scene->scene.set_pixels_per_radian(
       render::pixels_per_radian(view.navigation.pose.field_of_view, view.home_size.x, view.home_size.y));
   view.scene->scene.set_viewer_up(view.navigation.pose.up());
@@ -298,13 +367,19 @@ bool follow_world(View& view) {
     return true;
   }
   const render::ViewpointState& viewpoint = viewpoints[*view.viewpoint];
-  if (viewpoint.world_from_camera == view.world_from_viewpoint && viewpoint.field_of_view == view.home.field_of_view)
-    return true;
+  if (viewpoint.center_of_rotation != view.center_of_rotation) take_center(view, viewpoint);
+  const bool shows_all = viewpoint.view_all;
+  const bool same_lens = viewpoint.extent.x > 0 && !shows_all
+                             ? height_that_shows(viewpoint.extent, view.home_size) == view.home.height
+                             : viewpoint.field_of_view == view.home.field_of_view;
+  if (viewpoint.world_from_camera == view.world_from_viewpoint && same_lens) return true;
   const glm::dmat4 moved = viewpoint.world_from_camera * glm::inverse(view.world_from_viewpoint);
+  const double growth =
+      viewpoint.extent.x > 0 && view.home.height > 0 ? home_of(view, viewpoint).height / view.home.height : 1;
   const auto carry = [&](Pose& pose) {
     const double height = pose.height;
     pose = pose_of(moved * world_from_viewer(pose), viewpoint.field_of_view);
-    pose.height = height;
+    pose.height = height * growth;
   };
   const bool stays = at_home(view);
   take_measures(view, viewpoint);
@@ -327,7 +402,7 @@ void bind_viewpoint(View& view, std::size_t index) {
   view.world_from_viewpoint = viewpoint.world_from_camera;
   view.home = home_of(view, viewpoint);
   take_measures(view, viewpoint);
-  view.navigation = travel_to(view.navigation, view.home);
+  travel_to_viewpoint(view, viewpoint, kept_pose(view, viewpoint), false);
   if (!view.document || !view.document->runtime) return;
   (void)view.document->runtime->send(*viewpoint.scene, viewpoint.node, "set_bind", vrml::SFBool{true});
   note_bound(view);
@@ -353,10 +428,9 @@ bool follow_bound_viewpoint(View& view) {
   // If the removed Viewpoint had `jump` TRUE, return to the pose that the viewer had before that Viewpoint was bound.
   const glm::dmat4 left = take_left(view);
   if (popped && popped_jump)
-    view.navigation =
-        travel_to(view.navigation, pose_of(world_from_viewer(view.home) * left, viewpoint.field_of_view), true);
+    travel_to_viewpoint(view, viewpoint, moved_pose(view.home, left), true);
   else if (!popped && viewpoint.jump)
-    view.navigation = travel_to(view.navigation, view.home, true);
+    travel_to_viewpoint(view, viewpoint, viewpoint.retains_offset ? moved_pose(view.home, left) : view.home, true);
   return true;
 }
 

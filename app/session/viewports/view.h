@@ -55,6 +55,8 @@ struct View {
   const vrml::Node* bound = nullptr;  // Viewpoint that was bound in the last step; may have been removed
   vrml::NodePlace bound_place;  // scene and ID of that Viewpoint
   bool bound_jump = true;  // `jump` field of that Viewpoint in the last step
+  std::optional<glm::dvec3> center_of_rotation;  // of the viewer's Viewpoint in the last step
+  bool travels = false;                          // the viewer moves to a Viewpoint
   bool headlight = true;
   std::size_t budget = 0;  // vector budget that a link sets; 0 means the budget of the viewport
   render::SplatStyle look;

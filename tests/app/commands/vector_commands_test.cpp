@@ -53,6 +53,22 @@ TEST_CASE("encode: makes a stream with the area, title and source of a world, an
   CHECK(run("info " + quoted(out)).output.find("title: The ball") != std::string::npos);
 }
 
+TEST_CASE("info prints version, profile, components, units and metadata of an X3D world") {
+  const ScratchFolder folder;
+  const std::string world = folder.write("world.x3dv",
+                                         "#X3D V3.3 utf8\nPROFILE Interactive\nCOMPONENT NURBS:2\n"
+                                         "META \"title\" \"The world\"\nMETA \"creator\" \"A\"\nMETA \"creator\" \"B\"\n"
+                                         "UNIT length inch 0.0254\nShape { geometry Box { } }");
+  const nlohmann::json facts = info(world);
+  CHECK(facts["type"] == "X3D in classic encoding");
+  CHECK(facts["title"] == "The world");
+  CHECK(facts["version"] == "3.3");
+  CHECK(facts["profile"] == "Interactive");
+  CHECK(facts["components"] == nlohmann::json({"NURBS:2"}));
+  CHECK(facts["units"][0]["name"] == "inch");
+  CHECK(facts["metadata"]["creator"] == "A; B");
+}
+
 TEST_CASE("encode and info report which properties of splats are discarded") {
   const ScratchFolder folder;
   const std::string note = "splats are drawn as opaque surface splats, without their opacity";

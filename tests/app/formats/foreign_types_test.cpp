@@ -31,7 +31,6 @@ TEST_CASE("recognises formats that are not read by their first bytes") {
       {"#VRML V1.0 ascii\nSeparator {}", "VRML 1.0"},
       {"\xef\xbb\xbf#VRML V1.0 ascii", "VRML 1.0"},
       {"#Inventor V2.1 ascii\n", "Open Inventor"},
-      {"#X3D V3.3 utf8\n", "X3D in classic encoding"},
       {"<?xml version='1.0'?>\n<!DOCTYPE X3D PUBLIC \"x\">\n<!-- <a> --><X3D version='3.3'>", "X3D in XML encoding"},
       {"{ \"X3D\": { \"@version\": \"3.3\"", "X3D in JSON encoding"},
       {zeros(128) + "DICM", "DICOM"},

@@ -38,7 +38,7 @@ TEST_CASE("shows fields in the units of the standard") {
   CHECK(symbol_of(Unit::metres_a_second) == "m/s");
 }
 
-TEST_CASE("prints all 20 field types, and a longer text while they are edited") {
+TEST_CASE("prints all 42 field types, and a longer text while they are edited") {
   vrml::SceneGraph scene("test.wrl");
   for (int i = 0; i < vrml::kFieldTypeCount; ++i) {
     const auto type = static_cast<vrml::FieldType>(i);

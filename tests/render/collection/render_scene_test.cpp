@@ -15,9 +15,11 @@ namespace {
 /// World that receives events. Its RenderScene follows them; a full collection is compared with it.
 class World {
  public:
-  explicit World(const std::string& body) : scene_(std::make_unique<vrml::SceneGraph>("text.wrl")) {
+  explicit World(const std::string& body, vrml::Language language = vrml::Language::vrml97)
+      : scene_(std::make_unique<vrml::SceneGraph>("text.wrl")) {
     Diagnostics diagnostics;
-    (void)vrml::parse("#VRML V2.0 utf8\n" + body, *scene_, diagnostics);
+    if (language == vrml::Language::x3d) scene_->texts().at(0).set_language(language, 40);
+    (void)vrml::Parser(*scene_, diagnostics).parse_fragment(body);
     REQUIRE(diagnostics.errors() == 0);
     execution_ = std::make_unique<vrml::Execution>(*scene_);
     names_ = std::make_unique<vrml::NodeNames>(*scene_);
@@ -68,8 +70,12 @@ class World {
       CHECK(a.mesh->positions == b.mesh->positions);
       CHECK(a.mesh->colors == b.mesh->colors);
       CHECK(a.directional_lights == b.directional_lights);
+      CHECK(a.clip_planes == b.clip_planes);
+      CHECK((a.style == nullptr) == (b.style == nullptr));
+      if (a.style && b.style) CHECK(*a.style == *b.style);
       CHECK(path(kept, a.place) == path(fresh, b.place));
     }
+    CHECK(kept.clip_planes == fresh.clip_planes);
     CHECK(kept.bounds.lower == fresh.bounds.lower);
     CHECK(kept.bounds.upper == fresh.bounds.upper);
     REQUIRE(kept.lights.size() == fresh.lights.size());
@@ -363,6 +369,30 @@ TEST_CASE("updates Text after events, and re-tessellates it as the viewer comes 
   world.check();
   CHECK(world.list().items.size() == 3);
   CHECK(world.gathered() == 2);
+}
+
+TEST_CASE("follows ClipPlanes, styles and visible nodes of X3D") {
+  World world(
+      "DEF Outer Transform { children [ DEF Cut ClipPlane { } DEF Part Shape { appearance Appearance { lineProperties "
+      "DEF Line LineProperties { linewidthScaleFactor 3 } } geometry Circle2D { } } ] } Shape { geometry Box { } }",
+      vrml::Language::x3d);
+  REQUIRE(world.list().clip_planes.size() == 1);
+  CHECK(world.list().clip_planes[0] == glm::dvec4(0, 1, 0, 0));
+  world.send("Outer.set_translation", vrml::SFVec3f(0, 5, 0));
+  CHECK(world.update());
+  CHECK(world.list().clip_planes[0] == glm::dvec4(0, 1, 0, -5));
+  world.send("Line.set_linewidthScaleFactor", 7.0f);
+  CHECK(world.update());
+  CHECK(world.list().items[0].style->line_width == 7);
+  CHECK(world.gathered() == 1);
+  world.check();
+  world.send("Cut.set_enabled", false);
+  CHECK(world.update());
+  CHECK(world.list().clip_planes.empty());
+  world.send("Part.set_visible", false);
+  CHECK(world.update());
+  CHECK(world.list().items.size() == 1);
+  world.check();
 }
 
 TEST_CASE("updates the bound Fog") {

@@ -135,4 +135,25 @@ TEST_CASE("sends positions on the curve of a NurbsPositionInterpolator (Amendmen
   CHECK(world.take().empty());
 }
 
+TEST_CASE("sends orientations along the tangent of a NurbsOrientationInterpolator") {
+  World world("DEF I NurbsOrientationInterpolator { order 2 controlPoint Coordinate { point [ 0 0 0, 3 0 0 ] } }");
+  world.start();
+  world.send_at(1, "I.set_fraction", SFFloat{0.5F});
+  const Lines lines = world.take();
+  REQUIRE(lines.size() == 1);
+  CHECK(lines.front().find("value_changed 0 1 0 1.570796") != std::string::npos);
+}
+
+TEST_CASE("sends positions and normals of a NurbsSurfaceInterpolator") {
+  World world(
+      "DEF I NurbsSurfaceInterpolator { uDimension 2 vDimension 2 uOrder 2 vOrder 2 "
+      "controlPoint Coordinate { point [ 0 0 0, 2 0 0, 0 2 0, 2 2 0 ] } }");
+  world.start();
+  world.send_at(1, "I.set_fraction", SFVec2f{0.25F, 0.5F});
+  const Lines lines = world.take();
+  REQUIRE(lines.size() == 2);
+  CHECK(lines[0].find("position_changed 0.5 1 0") != std::string::npos);
+  CHECK(lines[1].find("normal_changed 0 0 1") != std::string::npos);
+}
+
 }  // namespace gs::vrml::traces

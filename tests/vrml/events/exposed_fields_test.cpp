@@ -1,4 +1,5 @@
 #include "tests/vrml/events/trace.h"
+#include "vrml/scene/field_numbers.h"
 #include "vrml/scene/node_type.h"
 
 #include <string>
@@ -49,8 +50,17 @@ FieldValue other_value(const FieldValue& initial, NodeId node) {
       return MFVec2f{{3, 4}};
     case FieldType::MFVec3f:
       return MFVec3f{{3, 4, 5}};
+    case FieldType::MFBool:
+      return MFBool{true, false};
+    case FieldType::MFImage:
+      return MFImage{SFImage{{1, 1, 1, 128}}};
+    default:
+      break;
   }
-  return initial;
+  FieldValue other = initial_value(type_of(initial));
+  const double numbers[kMaxNumbers] = {0.25, 0.5, 0.75};
+  write_numbers(other, numbers);
+  return other;
 }
 
 }  // namespace

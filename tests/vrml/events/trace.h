@@ -8,7 +8,6 @@
 #include <catch2/catch.hpp>
 
 #include <charconv>
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -21,23 +20,25 @@ class World {
  public:
   static constexpr double kStart = 1000;
 
-  enum class Text : std::uint8_t { body, whole };  // VRML97 without its header, or a text of any grammar
-
-  explicit World(const std::string& body, const Limits& limits = {}) : World(body, Text::body, limits) {}
-  World(const std::string& text, Text form, const Limits& limits = {})
+  explicit World(const std::string& body, const Limits& limits = {}, Language language = Language::vrml97)
       : scene_(std::make_unique<SceneGraph>("text.wrl", limits)) {
     Diagnostics diagnostics;
-    (void)parse(form == Text::body ? "#VRML V2.0 utf8\n" + text : text, *scene_, diagnostics);
-    for (const Diagnostic& diagnostic : diagnostics.entries()) UNSCOPED_INFO(diagnostic.text());
-    CHECK(diagnostics.errors() == 0);
-    execution_ = std::make_unique<Execution>(*scene_);
-    names_ = std::make_unique<NodeNames>(*scene_);
-    execution_->cascade().observe([this](const SentEvent& event) {
-      std::string line =
-          time_text(event.time - kStart) + ' ' + names_->of(*event.scene, event.node) + '.' + event.event->name + ' ';
-      print_value(line, *event.value, *event.scene);
-      lines_.push_back(line);
-    });
+    constexpr int kX3DVersion = 33;
+    if (language == Language::x3d) {
+      scene_->set_language(language, kX3DVersion);
+      (void)Parser(*scene_, diagnostics).parse_fragment(body);
+    } else {
+      (void)parse("#VRML V2.0 utf8\n" + body, *scene_, diagnostics);
+    }
+    begin(diagnostics);
+  }
+  /// Reads a whole text of any grammar.
+  static std::unique_ptr<World> of_text(const std::string& text) {
+    auto world = std::unique_ptr<World>(new World());
+    Diagnostics diagnostics;
+    (void)parse(text, *world->scene_, diagnostics);
+    world->begin(diagnostics);
+    return world;
   }
   virtual ~World() = default;
 
@@ -83,6 +84,21 @@ class World {
   NodeId node(std::string_view name) { return names_->find(name); }
 
  private:
+  World() : scene_(std::make_unique<SceneGraph>("text")) {}
+
+  void begin(const Diagnostics& diagnostics) {
+    for (const Diagnostic& diagnostic : diagnostics.entries()) UNSCOPED_INFO(diagnostic.text());
+    CHECK(diagnostics.errors() == 0);
+    execution_ = std::make_unique<Execution>(*scene_);
+    names_ = std::make_unique<NodeNames>(*scene_);
+    execution_->cascade().observe([this](const SentEvent& event) {
+      std::string line =
+          time_text(event.time - kStart) + ' ' + names_->of(*event.scene, event.node) + '.' + event.event->name + ' ';
+      print_value(line, *event.value, *event.scene);
+      lines_.push_back(line);
+    });
+  }
+
   static std::string time_text(double time) {
     char digits[64];
     return {digits, std::to_chars(digits, digits + sizeof digits, time).ptr};
@@ -95,5 +111,11 @@ class World {
 };
 
 using Lines = std::vector<std::string>;
+
+/// World with the node types of X3D.
+class X3DWorld : public World {
+ public:
+  explicit X3DWorld(const std::string& body) : World(body, {}, Language::x3d) {}
+};
 
 }  // namespace gs::vrml::traces

@@ -12,11 +12,11 @@ using traces::Lines;
 
 // Returns the events of a world in two seconds, in which its TouchSensors and Scripts are not used.
 Lines events_of(const std::string& text) {
-  traces::World world(text, traces::World::Text::whole);
-  world.start();
+  const auto world = traces::World::of_text(text);
+  world->start();
   Lines lines;
   for (const double time : {0.0, 0.1, 0.5, 0.55, 1.0, 1.3, 2.0})
-    for (std::string& line : world.take_at(time)) lines.push_back(std::move(line));
+    for (std::string& line : world->take_at(time)) lines.push_back(std::move(line));
   return lines;
 }
 

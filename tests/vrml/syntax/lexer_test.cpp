@@ -141,13 +141,15 @@ TEST_CASE("shares the storage of arrays until a change") {
   CHECK(texts.data() == nullptr);
 }
 
-TEST_CASE("has names and default values for the twenty field types") {
+TEST_CASE("has names and default values for the 42 field types") {
   for (int i = 0; i < kFieldTypeCount; ++i) {
     const auto type = static_cast<FieldType>(i);
     CHECK(field_type_named(name_of(type)) == type);
     CHECK(type_of(initial_value(type)) == type);
     CHECK(is_multiple(type) == name_of(type).starts_with("MF"));
+    CHECK(name_of(element_type(type)).substr(1) == name_of(type).substr(1));
+    CHECK_FALSE(is_multiple(element_type(type)));
   }
-  CHECK_FALSE(field_type_named("SFDouble"));
+  CHECK_FALSE(field_type_named("SFUnknown"));
   CHECK(std::get<SFRotation>(initial_value(FieldType::SFRotation)) == Rotation{0, 0, 1, 0});
 }

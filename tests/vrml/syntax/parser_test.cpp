@@ -25,7 +25,7 @@ std::string read_file(const fs::path& path) {
 std::vector<fs::path> corpus(const std::string& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(fs::path(GHOSTSPACE_TESTS) / "vrml" / folder))
-    if (entry.path().extension() == ".wrl") files.push_back(entry.path());
+    if (entry.path().extension() == ".wrl" || entry.path().extension() == ".x3dv") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   REQUIRE(!files.empty());
   return files;
@@ -105,6 +105,7 @@ TEST_CASE("bad files give exactly the expected diagnostics") {
 
 TEST_CASE("prints equal text after a second parse") {
   for (const fs::path& path : corpus("good")) {
+    if (path.extension() == ".x3dv") continue;  // the printer writes VRML97
     INFO(path.filename().string());
     SceneGraph scene, again;
     Diagnostics diagnostics, second;

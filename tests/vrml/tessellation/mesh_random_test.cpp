@@ -70,14 +70,15 @@ class Dice {
 };
 
 template <class Fill>
-void throw_at(const char* type, int rounds, const Fill& fill) {
+void throw_at(const char* type, int rounds, const Fill& fill, Language language = Language::vrml97) {
   Dice dice(12345);
   std::size_t drawn = 0;
   for (int round = 0; round < rounds; ++round) {
     dice.set_odd(round % 3 == 0 ? 1000000 : round % 3 == 1 ? 20 : 4);
-    GeometryScene scene(type);
+    GeometryScene scene(type, language);
     fill(scene, dice);
-    const Mesh mesh = scene.mesh({.segments = dice.below(10), .texture_coordinates = dice.flip()});
+    const Mesh mesh =
+        scene.mesh({.segments = dice.below(10), .texture_coordinates = dice.flip(), .line_lengths = dice.flip()});
     check_promises(mesh, false);
     drawn += mesh.indices.size();
   }
@@ -165,4 +166,41 @@ TEST_CASE("makes valid meshes of random Extrusions") {
     if (dice.flip()) scene.set<SFFloat>("creaseAngle", dice.number());
     for (const char* field : {"ccw", "solid", "convex", "beginCap", "endCap"}) scene.set(field, dice.flip());
   });
+}
+
+TEST_CASE("makes valid meshes of random triangle, line and point sets of X3D") {
+  const auto properties = [](GeometryScene& scene, Dice& dice) {
+    scene.points(dice.triples(30));
+    if (dice.flip()) scene.normals(dice.triples(30));
+    if (dice.flip()) scene.colors(dice.colors(30));
+    if (dice.flip()) {
+      MFFloat depths;
+      for (int i = dice.below(40); i > 0; --i) depths.push_back(dice.number());
+      scene.property("fogCoord", "FogCoordinate", "depth", std::move(depths));
+    }
+  };
+  const auto faces = [&](GeometryScene& scene, Dice& dice) {
+    properties(scene, dice);
+    if (dice.flip()) scene.texture(dice.pairs(30));
+    for (const char* field : {"ccw", "solid", "normalPerVertex", "colorPerVertex"}) scene.set(field, dice.flip());
+  };
+  for (const char* type : {"TriangleSet", "QuadSet"}) throw_at(type, 500, faces, Language::x3d);
+  for (const char* type : {"IndexedTriangleSet", "IndexedQuadSet", "IndexedTriangleFanSet", "IndexedTriangleStripSet"})
+    throw_at(
+        type, 500,
+        [&](GeometryScene& scene, Dice& dice) {
+          faces(scene, dice);
+          scene.set("index", dice.indices(120, 32));
+        },
+        Language::x3d);
+  for (const auto& [type, counts] :
+       {std::pair{"TriangleFanSet", "fanCount"}, {"TriangleStripSet", "stripCount"}, {"LineSet", "vertexCount"}})
+    throw_at(
+        type, 500,
+        [&](GeometryScene& scene, Dice& dice) {
+          counts == std::string("vertexCount") ? properties(scene, dice) : faces(scene, dice);
+          scene.set(counts, dice.indices(10, 12));
+        },
+        Language::x3d);
+  throw_at("PointSet", 300, properties, Language::x3d);
 }

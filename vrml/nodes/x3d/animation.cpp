@@ -1,3 +1,4 @@
+#include "vrml/event_model/behaviour.h"
 #include "vrml/nodes/x3d/components.h"
 
 // Rows of the X3D components EventUtilities, Followers, Interpolation (ISO/IEC 19775-1).
@@ -10,22 +11,27 @@ constexpr X3DRow kAnimationX3DRows[] = {
   eventOut     SFBool     inputFalse
   eventOut     SFBool     inputNegate
   eventOut     SFBool     inputTrue
-)"},
+)",
+     nullptr, &kBooleanFilterBehaviour},
     {"BooleanSequencer", "EventUtilities", 1, "children", "X3DSequencerNode", Role::child, NodeKind::other, R"(
   eventIn      SFBool     next
   eventIn      SFBool     previous
   eventIn      SFFloat    set_fraction
   exposedField MFFloat    key []
+  exposedField MFBool     keyValue []
   eventOut     SFBool     value_changed
-)"},
+)",
+     nullptr, &kBooleanSequencerBehaviour},
     {"BooleanToggle", "EventUtilities", 1, "children", "X3DChildNode", Role::child, NodeKind::other, R"(
   eventIn      SFBool     set_boolean
   exposedField SFBool     toggle FALSE
-)"},
+)",
+     nullptr, &kBooleanToggleBehaviour},
     {"BooleanTrigger", "EventUtilities", 1, "children", "X3DTriggerNode", Role::child, NodeKind::other, R"(
   eventIn      SFTime     set_triggerTime
   eventOut     SFBool     triggerTrue
-)"},
+)",
+     nullptr, &kBooleanTriggerBehaviour},
     {"ColorChaser", "Followers", 1, "children", "X3DChaserNode", Role::child, NodeKind::other, R"(
   eventIn      SFColor    set_destination  # [0,1]
   eventIn      SFColor    set_value  # [0,1]
@@ -34,7 +40,8 @@ constexpr X3DRow kAnimationX3DRows[] = {
   field        SFColor    initialValue 0.8 0.8 0.8  # [0,1]
   eventOut     SFBool     isActive
   eventOut     SFColor    value_changed  # [0,1]
-)"},
+)",
+     nullptr, &kColorChaserBehaviour},
     {"ColorDamper", "Followers", 1, "children", "X3DDamperNode", Role::child, NodeKind::other, R"(
   eventIn      SFColor    set_destination  # [0,1]
   eventIn      SFColor    set_value  # [0,1]
@@ -45,7 +52,8 @@ constexpr X3DRow kAnimationX3DRows[] = {
   field        SFInt32    order 3  # [0,5]
   eventOut     SFBool     isActive
   eventOut     SFColor    value_changed  # [0,1]
-)"},
+)",
+     nullptr, &kColorDamperBehaviour},
     {"ColorInterpolator", "Interpolation", 2, "children", "X3DInterpolatorNode", Role::child | Role::interpolator,
      NodeKind::other, R"(
   eventIn      SFFloat    set_fraction
@@ -61,7 +69,8 @@ constexpr X3DRow kAnimationX3DRows[] = {
   field        MFVec3f    initialValue [0 0 0]
   eventOut     SFBool     isActive
   eventOut     MFVec3f    value_changed
-)"},
+)",
+     nullptr, &kCoordinateChaserBehaviour},
     {"CoordinateDamper", "Followers", 1, "children", "X3DDamperNode", Role::child, NodeKind::other, R"(
   eventIn      MFVec3f    set_destination
   eventIn      MFVec3f    set_value
@@ -72,7 +81,8 @@ constexpr X3DRow kAnimationX3DRows[] = {
   field        SFInt32    order 3  # [0,5]
   eventOut     SFBool     isActive
   eventOut     MFVec3f    value_changed
-)"},
+)",
+     nullptr, &kCoordinateDamperBehaviour},
     {"CoordinateInterpolator", "Interpolation", 1, "children", "X3DInterpolatorNode", Role::child | Role::interpolator,
      NodeKind::other, R"(
   eventIn      SFFloat    set_fraction
@@ -86,13 +96,15 @@ constexpr X3DRow kAnimationX3DRows[] = {
   exposedField MFFloat    key []
   exposedField MFVec2f    keyValue []
   eventOut     MFVec2f    value_changed
-)"},
+)",
+     nullptr, &kCoordinateInterpolator2DBehaviour},
     {"EaseInEaseOut", "Interpolation", 4, "children", "X3DChildNode", Role::child, NodeKind::other, R"(
   eventIn      SFFloat    set_fraction
   exposedField MFVec2f    easeInEaseOut []
   exposedField MFFloat    key []
   eventOut     SFFloat    modifiedFraction_changed
-)"},
+)",
+     nullptr, &kEaseInEaseOutBehaviour},
     {"IntegerSequencer", "EventUtilities", 1, "children", "X3DSequencerNode", Role::child, NodeKind::other, R"(
   eventIn      SFBool     next
   eventIn      SFBool     previous
@@ -100,12 +112,14 @@ constexpr X3DRow kAnimationX3DRows[] = {
   exposedField MFFloat    key []
   exposedField MFInt32    keyValue []
   eventOut     SFInt32    value_changed
-)"},
+)",
+     nullptr, &kIntegerSequencerBehaviour},
     {"IntegerTrigger", "EventUtilities", 1, "children", "X3DTriggerNode", Role::child, NodeKind::other, R"(
   eventIn      SFBool     set_boolean
   exposedField SFInt32    integerKey -1
   eventOut     SFInt32    triggerValue
-)"},
+)",
+     nullptr, &kIntegerTriggerBehaviour},
     {"NormalInterpolator", "Interpolation", 2, "children", "X3DInterpolatorNode", Role::child | Role::interpolator,
      NodeKind::other, R"(
   eventIn      SFFloat    set_fraction
@@ -121,7 +135,8 @@ constexpr X3DRow kAnimationX3DRows[] = {
   field        SFRotation initialValue 0 1 0 0
   eventOut     SFBool     isActive
   eventOut     SFRotation value_changed
-)"},
+)",
+     nullptr, &kOrientationChaserBehaviour},
     {"OrientationDamper", "Followers", 1, "children", "X3DDamperNode", Role::child, NodeKind::other, R"(
   eventIn      SFRotation set_destination
   eventIn      SFRotation set_value
@@ -132,7 +147,8 @@ constexpr X3DRow kAnimationX3DRows[] = {
   field        SFInt32    order 3  # [0,5]
   eventOut     SFBool     isActive
   eventOut     SFRotation value_changed
-)"},
+)",
+     nullptr, &kOrientationDamperBehaviour},
     {"OrientationInterpolator", "Interpolation", 1, "children", "X3DInterpolatorNode", Role::child | Role::interpolator,
      NodeKind::other, R"(
   eventIn      SFFloat    set_fraction
@@ -148,7 +164,8 @@ constexpr X3DRow kAnimationX3DRows[] = {
   field        SFVec3f    initialValue 0 0 0
   eventOut     SFBool     isActive
   eventOut     SFVec3f    value_changed
-)"},
+)",
+     nullptr, &kPositionChaserBehaviour},
     {"PositionChaser2D", "Followers", 1, "children", "X3DChaserNode", Role::child, NodeKind::other, R"(
   eventIn      SFVec2f    set_destination
   eventIn      SFVec2f    set_value
@@ -157,7 +174,8 @@ constexpr X3DRow kAnimationX3DRows[] = {
   field        SFVec2f    initialValue 0 0
   eventOut     SFBool     isActive
   eventOut     SFVec2f    value_changed
-)"},
+)",
+     nullptr, &kPositionChaser2DBehaviour},
     {"PositionDamper", "Followers", 1, "children", "X3DDamperNode", Role::child, NodeKind::other, R"(
   eventIn      SFVec3f    set_destination
   eventIn      SFVec3f    set_value
@@ -168,7 +186,8 @@ constexpr X3DRow kAnimationX3DRows[] = {
   field        SFInt32    order 3  # [0,5]
   eventOut     SFBool     isActive
   eventOut     SFVec3f    value_changed
-)"},
+)",
+     nullptr, &kPositionDamperBehaviour},
     {"PositionDamper2D", "Followers", 1, "children", "X3DDamperNode", Role::child, NodeKind::other, R"(
   eventIn      SFVec2f    set_destination
   eventIn      SFVec2f    set_value
@@ -179,7 +198,8 @@ constexpr X3DRow kAnimationX3DRows[] = {
   field        SFInt32    order 3  # [0,5]
   eventOut     SFBool     isActive
   eventOut     SFVec2f    value_changed
-)"},
+)",
+     nullptr, &kPositionDamper2DBehaviour},
     {"PositionInterpolator", "Interpolation", 1, "children", "X3DInterpolatorNode", Role::child | Role::interpolator,
      NodeKind::other, R"(
   eventIn      SFFloat    set_fraction
@@ -193,7 +213,8 @@ constexpr X3DRow kAnimationX3DRows[] = {
   exposedField MFFloat    key []
   exposedField MFVec2f    keyValue []
   eventOut     SFVec2f    value_changed
-)"},
+)",
+     nullptr, &kPositionInterpolator2DBehaviour},
     {"ScalarChaser", "Followers", 1, "children", "X3DChaserNode", Role::child, NodeKind::other, R"(
   eventIn      SFFloat    set_destination
   eventIn      SFFloat    set_value
@@ -202,7 +223,8 @@ constexpr X3DRow kAnimationX3DRows[] = {
   field        SFFloat    initialValue 0
   eventOut     SFBool     isActive
   eventOut     SFFloat    value_changed
-)"},
+)",
+     nullptr, &kScalarChaserBehaviour},
     {"ScalarDamper", "Followers", 1, "children", "X3DDamperNode", Role::child, NodeKind::other, R"(
   eventIn      SFFloat    set_destination
   eventIn      SFFloat    set_value
@@ -213,7 +235,8 @@ constexpr X3DRow kAnimationX3DRows[] = {
   field        SFInt32    order 3  # [0,5]
   eventOut     SFBool     isActive
   eventOut     SFFloat    value_changed
-)"},
+)",
+     nullptr, &kScalarDamperBehaviour},
     {"ScalarInterpolator", "Interpolation", 1, "children", "X3DInterpolatorNode", Role::child | Role::interpolator,
      NodeKind::other, R"(
   eventIn      SFFloat    set_fraction
@@ -230,7 +253,8 @@ constexpr X3DRow kAnimationX3DRows[] = {
   exposedField MFVec3f    keyVelocity []
   exposedField SFBool     normalizeVelocity FALSE
   eventOut     SFVec3f    value_changed
-)"},
+)",
+     nullptr, &kSplinePositionInterpolatorBehaviour},
     {"SplinePositionInterpolator2D", "Interpolation", 4, "children", "X3DInterpolatorNode",
      Role::child | Role::interpolator, NodeKind::other, R"(
   eventIn      SFFloat    set_fraction
@@ -240,7 +264,8 @@ constexpr X3DRow kAnimationX3DRows[] = {
   exposedField MFVec2f    keyVelocity []
   exposedField SFBool     normalizeVelocity FALSE
   eventOut     SFVec2f    value_changed
-)"},
+)",
+     nullptr, &kSplinePositionInterpolator2DBehaviour},
     {"SplineScalarInterpolator", "Interpolation", 4, "children", "X3DInterpolatorNode",
      Role::child | Role::interpolator, NodeKind::other, R"(
   eventIn      SFFloat    set_fraction
@@ -250,7 +275,8 @@ constexpr X3DRow kAnimationX3DRows[] = {
   exposedField MFFloat    keyVelocity []
   exposedField SFBool     normalizeVelocity FALSE
   eventOut     SFFloat    value_changed
-)"},
+)",
+     nullptr, &kSplineScalarInterpolatorBehaviour},
     {"SquadOrientationInterpolator", "Interpolation", 5, "children", "X3DInterpolatorNode",
      Role::child | Role::interpolator, NodeKind::other, R"(
   eventIn      SFFloat    set_fraction
@@ -258,7 +284,8 @@ constexpr X3DRow kAnimationX3DRows[] = {
   exposedField MFRotation keyValue []
   exposedField SFBool     normalizeVelocity FALSE
   eventOut     SFRotation value_changed
-)"},
+)",
+     nullptr, &kSquadOrientationInterpolatorBehaviour},
     {"TexCoordChaser2D", "Followers", 1, "children", "X3DChaserNode", Role::child, NodeKind::other, R"(
   eventIn      MFVec2f    set_destination
   eventIn      MFVec2f    set_value
@@ -267,7 +294,8 @@ constexpr X3DRow kAnimationX3DRows[] = {
   field        MFVec2f    initialValue []
   eventOut     SFBool     isActive
   eventOut     MFVec2f    value_changed
-)"},
+)",
+     nullptr, &kTexCoordChaser2DBehaviour},
     {"TexCoordDamper2D", "Followers", 1, "children", "X3DDamperNode", Role::child, NodeKind::other, R"(
   eventIn      MFVec2f    set_destination
   eventIn      MFVec2f    set_value
@@ -278,11 +306,13 @@ constexpr X3DRow kAnimationX3DRows[] = {
   field        SFInt32    order 3  # [0,5]
   eventOut     SFBool     isActive
   eventOut     MFVec2f    value_changed
-)"},
+)",
+     nullptr, &kTexCoordDamper2DBehaviour},
     {"TimeTrigger", "EventUtilities", 1, "children", "X3DTriggerNode", Role::child, NodeKind::other, R"(
   eventIn      SFBool     set_boolean
   eventOut     SFTime     triggerTime
-)"},
+)",
+     nullptr, &kTimeTriggerBehaviour},
 };
 
 }  // namespace

@@ -1,4 +1,6 @@
+#include "vrml/event_model/behaviour.h"
 #include "vrml/nodes/x3d/components.h"
+#include "vrml/tessellation/tessellators.h"
 
 // Rows of the X3D component CADGeometry (ISO/IEC 19775-1).
 namespace gs::vrml {
@@ -15,9 +17,10 @@ constexpr X3DRow kCadX3DRows[] = {
   exposedField SFBool     visible TRUE
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
-)"},
+)",
+     nullptr, &kGroupBehaviour},
     {"CADFace", "CADGeometry", 2, "children", "X3DProductStructureChildNode X3DBoundedObject", Role::child,
-     NodeKind::other, R"(
+     NodeKind::cad_face, R"(
   exposedField SFBool     bboxDisplay FALSE
   exposedField SFString   name ""
   exposedField SFNode     shape NULL  # Shape,LOD,Transform
@@ -34,7 +37,8 @@ constexpr X3DRow kCadX3DRows[] = {
   exposedField SFBool     visible TRUE
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
-)"},
+)",
+     nullptr, &kGroupBehaviour},
     {"CADPart", "CADGeometry", 2, "children", "X3DProductStructureChildNode X3DGroupingNode",
      Role::child | Role::grouping, NodeKind::transform, R"(
   eventIn      MFNode     addChildren  # CADFace
@@ -50,7 +54,8 @@ constexpr X3DRow kCadX3DRows[] = {
   exposedField SFBool     visible TRUE
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
-)"},
+)",
+     nullptr, &kTransformBehaviour},
     {"IndexedQuadSet", "CADGeometry", 1, "geometry", "X3DComposedGeometryNode", Role::geometry, NodeKind::other, R"(
   eventIn      MFInt32    set_index  # [0,inf)
   exposedField MFNode     attrib []  # X3DVertexAttributeNode
@@ -64,7 +69,8 @@ constexpr X3DRow kCadX3DRows[] = {
   field        MFInt32    index []  # [0,inf)
   field        SFBool     normalPerVertex TRUE
   field        SFBool     solid TRUE
-)"},
+)",
+     tessellate_indexed_quad_set},
     {"QuadSet", "CADGeometry", 1, "geometry", "X3DComposedGeometryNode", Role::geometry, NodeKind::other, R"(
   exposedField MFNode     attrib []  # X3DVertexAttributeNode
   exposedField SFNode     color NULL  # X3DColorNode
@@ -76,7 +82,8 @@ constexpr X3DRow kCadX3DRows[] = {
   field        SFBool     colorPerVertex TRUE
   field        SFBool     normalPerVertex TRUE
   field        SFBool     solid TRUE
-)"},
+)",
+     tessellate_quad_set},
 };
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include "vrml/event_model/behaviour.h"
 #include "vrml/nodes/x3d/components.h"
 
 // Rows of the X3D components Core, Grouping, Networking, Scripting, Text, Time (ISO/IEC 19775-1).
@@ -54,7 +55,7 @@ constexpr X3DRow kCoreX3DRows[] = {
   field        SFVec3f    bboxSize -1 -1 -1
 )"},
     {"LoadSensor", "Networking", 3, "children", "X3DNetworkSensorNode", Role::child | Role::sensor, NodeKind::other, R"(
-  exposedField MFNode     children []  # X3DUrlObject
+  exposedField MFNode     watchList []  # X3DUrlObject
   exposedField SFString   description ""
   exposedField SFBool     enabled TRUE
   exposedField SFTime     timeOut 0  # [0,inf)
@@ -62,14 +63,17 @@ constexpr X3DRow kCoreX3DRows[] = {
   eventOut     SFBool     isLoaded
   eventOut     SFTime     loadTime
   eventOut     SFFloat    progress
-)"},
+)",
+     {}, &kLoadSensorBehaviour},
     {"MetadataBoolean", "Core", 1, "value", "X3DNode X3DMetadataObject", Role::none, NodeKind::other, R"(
   exposedField SFString   name ""
   exposedField SFString   reference ""
+  exposedField MFBool     value []
 )"},
     {"MetadataDouble", "Core", 1, "value", "X3DNode X3DMetadataObject", Role::none, NodeKind::other, R"(
   exposedField SFString   name ""
   exposedField SFString   reference ""
+  exposedField MFDouble   value []
 )"},
     {"MetadataFloat", "Core", 1, "value", "X3DNode X3DMetadataObject", Role::none, NodeKind::other, R"(
   exposedField SFString   name ""
@@ -100,7 +104,8 @@ constexpr X3DRow kCoreX3DRows[] = {
   field        SFBool     directOutput FALSE
   field        SFBool     mustEvaluate FALSE
 )"},
-    {"StaticGroup", "Grouping", 3, "children", "X3DChildNode X3DBoundedObject", Role::child, NodeKind::group, R"(
+    {"StaticGroup", "Grouping", 3, "children", "X3DChildNode X3DBoundedObject", Role::child | Role::grouping,
+     NodeKind::group, R"(
   exposedField SFBool     bboxDisplay FALSE
   exposedField SFBool     visible TRUE
   field        SFVec3f    bboxCenter 0 0 0
@@ -116,7 +121,8 @@ constexpr X3DRow kCoreX3DRows[] = {
   exposedField SFInt32    whichChoice -1  # [-1,inf)
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
-)"},
+)",
+     nullptr, &kSwitchBehaviour},
     {"Text", "Text", 1, "geometry", "X3DGeometryNode", Role::geometry, NodeKind::other, R"(
   exposedField SFNode     fontStyle NULL  # X3DFontStyleNode
   exposedField MFFloat    length []  # [0,inf)

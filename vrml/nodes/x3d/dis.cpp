@@ -105,6 +105,7 @@ constexpr X3DRow kDisX3DRows[] = {
   exposedField SFInt32    firingRate 0
   exposedField SFInt32    forceID 0
   exposedField SFInt32    fuse 0
+  exposedField SFVec3d    geoCoords 0 0 0
   exposedField SFVec3f    linearAcceleration 0 0 0
   exposedField SFVec3f    linearVelocity 0 0 0
   exposedField SFString   marking ""
@@ -169,6 +170,7 @@ constexpr X3DRow kDisX3DRows[] = {
   exposedField SFString   description ""
   exposedField SFBool     enabled TRUE
   exposedField SFInt32    entityID 0
+  exposedField SFVec3d    geoCoords 0 0 0
   exposedField SFString   multicastRelayHost ""
   exposedField SFInt32    multicastRelayPort 0
   exposedField SFString   networkMode "standAlone"
@@ -217,6 +219,7 @@ constexpr X3DRow kDisX3DRows[] = {
   exposedField SFBool     enabled TRUE
   exposedField SFInt32    encodingScheme 0
   exposedField SFInt32    entityID 0
+  exposedField SFVec3d    geoCoords 0 0 0
   exposedField SFString   multicastRelayHost ""
   exposedField SFInt32    multicastRelayPort 0
   exposedField SFString   networkMode "standAlone"
@@ -265,6 +268,7 @@ constexpr X3DRow kDisX3DRows[] = {
   exposedField SFBool     enabled TRUE
   exposedField SFInt32    entityID 0
   exposedField SFInt32    frequency 0  # [0,inf)
+  exposedField SFVec3d    geoCoords 0 0 0
   exposedField SFInt32    inputSource 0
   exposedField SFInt32    lengthOfModulationParameters 0
   exposedField SFInt32    modulationTypeDetail 0

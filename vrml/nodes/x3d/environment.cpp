@@ -42,10 +42,11 @@ constexpr X3DRow kEnvironmentX3DRows[] = {
   eventOut     SFBool     isBound
 )"},
     {"FogCoordinate", "EnvironmentalEffects", 4, "fogCoord", "X3DGeometricPropertyNode", Role::geometric_property,
-     NodeKind::other, R"(
+     NodeKind::fog_coordinate, R"(
   exposedField MFFloat    depth []  # [0,1]
 )"},
-    {"LocalFog", "EnvironmentalEffects", 4, "children", "X3DChildNode X3DFogObject", Role::child, NodeKind::other, R"(
+    {"LocalFog", "EnvironmentalEffects", 4, "children", "X3DChildNode X3DFogObject", Role::child, NodeKind::local_fog,
+     R"(
   exposedField SFColor    color 1 1 1  # [0,1]
   exposedField SFBool     enabled TRUE
   exposedField SFString   fogType "LINEAR"

@@ -1,4 +1,5 @@
 #include "vrml/nodes/x3d/components.h"
+#include "vrml/tessellation/tessellators.h"
 
 // Rows of the X3D components Geometry2D, Geometry3D (ISO/IEC 19775-1).
 namespace gs::vrml {
@@ -9,21 +10,24 @@ constexpr X3DRow kGeometryX3DRows[] = {
   field        SFFloat    endAngle 1.570796  # (-6.2832,6.2832)
   field        SFFloat    radius 1  # (0,inf)
   field        SFFloat    startAngle 0  # (-6.2832,6.2832)
-)"},
+)",
+     tessellate_arc_2d},
     {"ArcClose2D", "Geometry2D", 2, "geometry", "X3DGeometryNode", Role::geometry, NodeKind::other, R"(
   field        SFString   closureType "PIE"
   field        SFFloat    endAngle 1.570796  # (-6.2832,6.2832)
   field        SFFloat    radius 1  # (0,inf)
   field        SFBool     solid FALSE
   field        SFFloat    startAngle 0  # (-6.2832,6.2832)
-)"},
+)",
+     tessellate_arc_close_2d},
     {"Box", "Geometry3D", 1, "geometry", "X3DGeometryNode", Role::geometry, NodeKind::other, R"(
   field        SFVec3f    size 2 2 2
   field        SFBool     solid TRUE
 )"},
     {"Circle2D", "Geometry2D", 2, "geometry", "X3DGeometryNode", Role::geometry, NodeKind::other, R"(
   field        SFFloat    radius 1  # (0,inf)
-)"},
+)",
+     tessellate_circle_2d},
     {"Cone", "Geometry3D", 1, "geometry", "X3DGeometryNode", Role::geometry, NodeKind::other, R"(
   exposedField SFBool     bottom TRUE
   exposedField SFBool     side TRUE
@@ -43,7 +47,8 @@ constexpr X3DRow kGeometryX3DRows[] = {
   field        SFFloat    innerRadius 0  # [0,inf)
   field        SFFloat    outerRadius 1  # (0,inf)
   field        SFBool     solid FALSE
-)"},
+)",
+     tessellate_disk_2d},
     {"ElevationGrid", "Geometry3D", 3, "geometry", "X3DGeometryNode", Role::geometry, NodeKind::other, R"(
   eventIn      MFFloat    set_height
   exposedField MFNode     attrib []  # X3DVertexAttributeNode
@@ -102,14 +107,17 @@ constexpr X3DRow kGeometryX3DRows[] = {
 )"},
     {"Polyline2D", "Geometry2D", 1, "geometry", "X3DGeometryNode", Role::geometry, NodeKind::other, R"(
   field        MFVec2f    lineSegments []
-)"},
+)",
+     tessellate_polyline_2d},
     {"Polypoint2D", "Geometry2D", 1, "geometry", "X3DGeometryNode", Role::geometry, NodeKind::other, R"(
   exposedField MFVec2f    point []
-)"},
+)",
+     tessellate_polypoint_2d},
     {"Rectangle2D", "Geometry2D", 1, "geometry", "X3DGeometryNode", Role::geometry, NodeKind::other, R"(
   field        SFVec2f    size 2 2
   field        SFBool     solid FALSE
-)"},
+)",
+     tessellate_rectangle_2d},
     {"Sphere", "Geometry3D", 1, "geometry", "X3DGeometryNode", Role::geometry, NodeKind::other, R"(
   field        SFFloat    radius 1  # (0,inf)
   field        SFBool     solid TRUE
@@ -117,7 +125,8 @@ constexpr X3DRow kGeometryX3DRows[] = {
     {"TriangleSet2D", "Geometry2D", 1, "geometry", "X3DGeometryNode", Role::geometry, NodeKind::other, R"(
   exposedField MFVec2f    vertices []
   field        SFBool     solid FALSE
-)"},
+)",
+     tessellate_triangle_set_2d},
 };
 
 }  // namespace

@@ -6,28 +6,36 @@ namespace {
 
 constexpr X3DRow kGeospatialX3DRows[] = {
     {"GeoCoordinate", "Geospatial", 1, "coord", "X3DCoordinateNode", Role::geometric_property, NodeKind::other, R"(
+  exposedField MFVec3d    point []
   field        SFNode     geoOrigin NULL  # GeoOrigin
   field        MFString   geoSystem ["GD" "WE"]
 )"},
     {"GeoElevationGrid", "Geospatial", 1, "geometry", "X3DGeometryNode", Role::geometry, NodeKind::other, R"(
+  eventIn      MFDouble   set_height
   exposedField SFNode     color NULL  # X3DColorNode
   exposedField SFNode     normal NULL  # X3DNormalNode
   exposedField SFNode     texCoord NULL  # X3DSingleTextureCoordinateNode
   exposedField SFFloat    yScale 1  # [0,inf)
   field        SFBool     ccw TRUE
   field        SFBool     colorPerVertex TRUE
+  field        SFDouble   creaseAngle 0  # [0,inf)
+  field        SFVec3d    geoGridOrigin 0 0 0
   field        SFNode     geoOrigin NULL  # GeoOrigin
   field        MFString   geoSystem ["GD" "WE"]
+  field        MFDouble   height [0 0]
   field        SFBool     normalPerVertex TRUE
   field        SFBool     solid TRUE
   field        SFInt32    xDimension 0  # [0,inf)
+  field        SFDouble   xSpacing 1.0  # (0,inf)
   field        SFInt32    zDimension 0  # [0,inf)
+  field        SFDouble   zSpacing 1.0  # (0,inf)
 )"},
     {"GeoLOD", "Geospatial", 1, "children", "X3DChildNode X3DBoundedObject", Role::child, NodeKind::other, R"(
   exposedField SFBool     bboxDisplay FALSE
   exposedField SFBool     visible TRUE
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
+  field        SFVec3d    center 0 0 0
   field        MFString   child1Url []
   field        MFString   child2Url []
   field        MFString   child3Url []
@@ -45,6 +53,7 @@ constexpr X3DRow kGeospatialX3DRows[] = {
   eventIn      MFNode     removeChildren  # X3DChildNode
   exposedField SFBool     bboxDisplay FALSE
   exposedField MFNode     children []  # X3DChildNode
+  exposedField SFVec3d    geoCoords 0 0 0
   exposedField SFBool     visible TRUE
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
@@ -61,6 +70,7 @@ constexpr X3DRow kGeospatialX3DRows[] = {
   exposedField MFString   url []
 )"},
     {"GeoOrigin", "Geospatial", 1, "geoOrigin", "X3DNode", Role::none, NodeKind::other, R"(
+  exposedField SFVec3d    geoCoords 0 0 0
   field        MFString   geoSystem ["GD" "WE"]
   field        SFBool     rotateYUp FALSE
 )"},
@@ -68,20 +78,25 @@ constexpr X3DRow kGeospatialX3DRows[] = {
      NodeKind::other, R"(
   eventIn      SFFloat    set_fraction
   exposedField MFFloat    key []
+  exposedField MFVec3d    keyValue []
   field        SFNode     geoOrigin NULL  # GeoOrigin
   field        MFString   geoSystem ["GD" "WE"]
+  eventOut     SFVec3d    geovalue_changed
   eventOut     SFVec3f    value_changed
 )"},
     {"GeoProximitySensor", "Geospatial", 2, "children", "X3DEnvironmentalSensorNode", Role::child | Role::sensor,
      NodeKind::other, R"(
+  exposedField SFVec3d    center 0 0 0
   exposedField SFString   description ""
   exposedField SFBool     enabled TRUE
+  exposedField SFVec3d    geoCenter 0 0 0
   exposedField SFVec3f    size 0 0 0  # [0,inf)
   field        SFNode     geoOrigin NULL  # GeoOrigin
   field        MFString   geoSystem ["GD" "WE"]
   eventOut     SFVec3f    centerOfRotation_changed
   eventOut     SFTime     enterTime
   eventOut     SFTime     exitTime
+  eventOut     SFVec3d    geoCoord_changed
   eventOut     SFBool     isActive
   eventOut     SFRotation orientation_changed
   eventOut     SFVec3f    position_changed
@@ -92,6 +107,7 @@ constexpr X3DRow kGeospatialX3DRows[] = {
   exposedField SFBool     enabled TRUE
   field        SFNode     geoOrigin NULL  # GeoOrigin
   field        MFString   geoSystem ["GD" "WE"]
+  eventOut     SFVec3d    hitGeoCoord_changed
   eventOut     SFVec3f    hitNormal_changed
   eventOut     SFVec3f    hitPoint_changed
   eventOut     SFVec2f    hitTexCoord_changed
@@ -104,6 +120,7 @@ constexpr X3DRow kGeospatialX3DRows[] = {
   eventIn      MFNode     removeChildren  # X3DChildNode
   exposedField SFBool     bboxDisplay FALSE
   exposedField MFNode     children []  # X3DChildNode
+  exposedField SFVec3d    geoCenter 0 0 0
   exposedField SFRotation rotation 0 0 1 0
   exposedField SFVec3f    scale 1 1 1
   exposedField SFRotation scaleOrientation 0 0 1 0
@@ -116,6 +133,7 @@ constexpr X3DRow kGeospatialX3DRows[] = {
 )"},
     {"GeoViewpoint", "Geospatial", 1, "children", "X3DViewpointNode", Role::child | Role::bindable, NodeKind::other, R"(
   eventIn      SFBool     set_bind
+  exposedField SFVec3d    centerOfRotation 0 0 0
   exposedField SFString   description ""
   exposedField SFFloat    farDistance -1
   exposedField SFFloat    fieldOfView 0.7854  # (0,3.1416)
@@ -123,6 +141,7 @@ constexpr X3DRow kGeospatialX3DRows[] = {
   exposedField SFNode     navigationInfo NULL  # NavigationInfo
   exposedField SFFloat    nearDistance -1
   exposedField SFRotation orientation 0 0 1 0
+  exposedField SFVec3d    position 0 0 100000
   exposedField SFBool     retainUserOffsets FALSE
   exposedField SFBool     viewAll FALSE
   field        SFNode     geoOrigin NULL  # GeoOrigin

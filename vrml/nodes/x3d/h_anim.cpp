@@ -1,3 +1,4 @@
+#include "vrml/event_model/behaviour.h"
 #include "vrml/nodes/x3d/components.h"
 
 // Rows of the X3D component HAnim (ISO/IEC 19775-1).
@@ -5,15 +6,30 @@ namespace gs::vrml {
 namespace {
 
 constexpr X3DRow kHAnimX3DRows[] = {
-    {"HAnimDisplacer", "HAnim", 1, "displacers", "X3DGeometricPropertyNode", Role::geometric_property, NodeKind::other,
+    {"HAnimDisplacer",
+     "HAnim",
+     1,
+     "displacers",
+     "X3DGeometricPropertyNode",
+     Role::geometric_property,
+     NodeKind::other,
      R"(
   exposedField MFInt32    coordIndex []
   exposedField SFString   description ""
   exposedField MFVec3f    displacements []
   exposedField SFString   name ""
   exposedField SFFloat    weight 0.0
-)"},
-    {"HAnimHumanoid", "HAnim", 1, "children", "X3DChildNode X3DBoundedObject", Role::child, NodeKind::other, R"(
+)",
+     {},
+     &kDisplacerBehaviour},
+    {"HAnimHumanoid",
+     "HAnim",
+     1,
+     "children",
+     "X3DChildNode X3DBoundedObject",
+     Role::child | Role::grouping,
+     NodeKind::humanoid,
+     R"(
   exposedField SFBool     bboxDisplay FALSE
   exposedField SFVec3f    center 0 0 0
   exposedField SFString   description ""
@@ -24,6 +40,7 @@ constexpr X3DRow kHAnimX3DRows[] = {
   exposedField MFNode     joints []  # HAnimJoint
   exposedField SFInt32    loa -1  # [-1,4]
   exposedField MFNode     motions []  # HAnimMotion
+  exposedField MFBool     motionsEnabled []
   exposedField SFString   name ""
   exposedField SFRotation rotation 0 0 1 0
   exposedField SFVec3f    scale 1 1 1  # (0,inf)
@@ -43,8 +60,17 @@ constexpr X3DRow kHAnimX3DRows[] = {
   exposedField SFBool     visible TRUE
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
-)"},
-    {"HAnimJoint", "HAnim", 1, "children", "X3DChildNode X3DBoundedObject", Role::child, NodeKind::other, R"(
+)",
+     {},
+     &kHumanoidBehaviour},
+    {"HAnimJoint",
+     "HAnim",
+     1,
+     "children",
+     "X3DChildNode X3DBoundedObject",
+     Role::child | Role::grouping,
+     NodeKind::transform,
+     R"(
   eventIn      MFNode     addChildren  # HAnimJoint,HAnimSegment
   eventIn      MFNode     removeChildren  # HAnimJoint,HAnimSegment
   exposedField SFBool     bboxDisplay FALSE
@@ -66,11 +92,21 @@ constexpr X3DRow kHAnimX3DRows[] = {
   exposedField SFBool     visible TRUE
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
-)"},
-    {"HAnimMotion", "HAnim", 2, "motions", "X3DChildNode", Role::child, NodeKind::other, R"(
+)",
+     {},
+     &kJointBehaviour},
+    {"HAnimMotion",
+     "HAnim",
+     2,
+     "motions",
+     "X3DChildNode",
+     Role::child,
+     NodeKind::other,
+     R"(
   eventIn      SFBool     next
   eventIn      SFBool     previous
   exposedField SFString   channels ""
+  exposedField MFBool     channelsEnabled []
   exposedField SFString   description ""
   exposedField SFBool     enabled TRUE
   exposedField SFInt32    endFrame 0  # [0,inf)
@@ -86,8 +122,17 @@ constexpr X3DRow kHAnimX3DRows[] = {
   eventOut     SFTime     cycleTime  # [0,inf)
   eventOut     SFTime     elapsedTime  # [0,inf)
   eventOut     SFInt32    frameCount  # [0,inf)
-)"},
-    {"HAnimSegment", "HAnim", 1, "children", "X3DGroupingNode", Role::child | Role::grouping, NodeKind::other, R"(
+)",
+     {},
+     &kMotionBehaviour},
+    {"HAnimSegment",
+     "HAnim",
+     1,
+     "children",
+     "X3DGroupingNode",
+     Role::child | Role::grouping,
+     NodeKind::group,
+     R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
   exposedField SFBool     bboxDisplay FALSE
@@ -102,8 +147,17 @@ constexpr X3DRow kHAnimX3DRows[] = {
   exposedField SFBool     visible TRUE
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
-)"},
-    {"HAnimSite", "HAnim", 1, "children", "X3DGroupingNode", Role::child | Role::grouping, NodeKind::other, R"(
+)",
+     {},
+     &kSegmentBehaviour},
+    {"HAnimSite",
+     "HAnim",
+     1,
+     "children",
+     "X3DGroupingNode",
+     Role::child | Role::grouping,
+     NodeKind::transform,
+     R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
   exposedField SFBool     bboxDisplay FALSE
@@ -118,7 +172,9 @@ constexpr X3DRow kHAnimX3DRows[] = {
   exposedField SFBool     visible TRUE
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
-)"},
+)",
+     {},
+     &kTransformBehaviour},
 };
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include "vrml/event_model/behaviour.h"
 #include "vrml/nodes/x3d/components.h"
 
 // Rows of the X3D components Navigation, Layering, Layout (ISO/IEC 19775-1).
@@ -42,7 +43,8 @@ constexpr X3DRow kNavigationX3DRows[] = {
   field        SFBool     forceTransitions FALSE
   field        MFFloat    range []
   eventOut     SFInt32    level_changed  # [0,inf)
-)"},
+)",
+     nullptr, &kLodBehaviour},
     {"Layer", "Layering", 1, "layers", "X3DLayerNode", Role::none, NodeKind::other, R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
@@ -100,8 +102,9 @@ constexpr X3DRow kNavigationX3DRows[] = {
   eventOut     SFTime     bindTime
   eventOut     SFBool     isBound
   eventOut     SFBool     transitionComplete
-)"},
-    {"OrthoViewpoint", "Navigation", 3, "children", "X3DViewpointNode", Role::child | Role::bindable, NodeKind::other,
+)",
+     nullptr, &kNavigationInfoBehaviour},
+    {"OrthoViewpoint", "Navigation", 3, "children", "X3DViewpointNode", Role::child | Role::bindable, NodeKind::viewpoint,
      R"(
   eventIn      SFBool     set_bind
   exposedField SFVec3f    centerOfRotation 0 0 0
@@ -117,7 +120,8 @@ constexpr X3DRow kNavigationX3DRows[] = {
   exposedField SFBool     viewAll FALSE
   eventOut     SFTime     bindTime
   eventOut     SFBool     isBound
-)"},
+)",
+     nullptr, &kOrthoViewpointBehaviour},
     {"ScreenFontStyle", "Layout", 2, "fontStyle", "X3DFontStyleNode", Role::font_style, NodeKind::other, R"(
   exposedField MFString   family ["SERIF"]
   exposedField SFBool     horizontal TRUE
@@ -153,7 +157,8 @@ constexpr X3DRow kNavigationX3DRows[] = {
   eventOut     SFTime     bindTime
   eventOut     SFBool     isBound
 )"},
-    {"ViewpointGroup", "Navigation", 3, "children", "X3DChildNode", Role::child, NodeKind::other, R"(
+    {"ViewpointGroup", "Navigation", 3, "children", "X3DChildNode", Role::child | Role::grouping,
+     NodeKind::viewpoint_group, R"(
   exposedField SFVec3f    center 0 0 0
   exposedField MFNode     children []  # X3DViewpointNode,ViewpointGroup
   exposedField SFString   description ""

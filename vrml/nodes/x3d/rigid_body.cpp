@@ -261,6 +261,7 @@ constexpr X3DRow kRigidBodyX3DRows[] = {
   exposedField SFBool     fixed FALSE
   exposedField MFVec3f    forces []
   exposedField MFNode     geometry []  # X3DNBodyCollidableNode
+  exposedField SFMatrix3f inertia 1 0 0 0 1 0 0 0 1
   exposedField SFFloat    linearDampingFactor 0.001
   exposedField SFVec3f    linearVelocity 0 0 0
   exposedField SFFloat    mass 1

@@ -1,3 +1,4 @@
+#include "vrml/event_model/behaviour.h"
 #include "vrml/nodes/x3d/components.h"
 
 // Rows of the X3D components EnvironmentalSensor, KeyDeviceSensor, PointingDeviceSensor, Picking (ISO/IEC 19775-1).
@@ -32,7 +33,8 @@ constexpr X3DRow kSensorsX3DRows[] = {
   eventOut     SFString   keyPress
   eventOut     SFString   keyRelease
   eventOut     SFBool     shiftKey
-)"},
+)",
+     nullptr, &kKeySensorBehaviour},
     {"LinePickSensor", "Picking", 1, "children", "X3DPickSensorNode", Role::child | Role::sensor, NodeKind::other, R"(
   exposedField SFString   description ""
   exposedField SFBool     enabled TRUE
@@ -47,9 +49,10 @@ constexpr X3DRow kSensorsX3DRows[] = {
   eventOut     MFVec3f    pickedNormal
   eventOut     MFVec3f    pickedPoint
   eventOut     MFVec3f    pickedTextureCoordinate
-)"},
+)",
+     nullptr, &kLinePickSensorBehaviour},
     {"PickableGroup", "Picking", 1, "children", "X3DGroupingNode X3DPickableObject", Role::child | Role::grouping,
-     NodeKind::other, R"(
+     NodeKind::group, R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
   exposedField SFBool     bboxDisplay FALSE
@@ -60,7 +63,8 @@ constexpr X3DRow kSensorsX3DRows[] = {
   exposedField SFBool     visible TRUE
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
-)"},
+)",
+     nullptr, &kGroupBehaviour},
     {"PlaneSensor", "PointingDeviceSensor", 1, "children", "X3DDragSensorNode", Role::child | Role::sensor,
      NodeKind::other, R"(
   exposedField SFBool     autoOffset TRUE
@@ -87,7 +91,8 @@ constexpr X3DRow kSensorsX3DRows[] = {
   eventOut     SFBool     isActive
   eventOut     MFNode     pickedGeometry  # X3DChildNode
   eventOut     MFVec3f    pickedPoint
-)"},
+)",
+     nullptr, &kPointPickSensorBehaviour},
     {"PrimitivePickSensor", "Picking", 2, "children", "X3DPickSensorNode", Role::child | Role::sensor, NodeKind::other,
      R"(
   exposedField SFString   description ""
@@ -100,7 +105,8 @@ constexpr X3DRow kSensorsX3DRows[] = {
   field        SFString   sortOrder "CLOSEST"
   eventOut     SFBool     isActive
   eventOut     MFNode     pickedGeometry  # X3DChildNode
-)"},
+)",
+     nullptr, &kPrimitivePickSensorBehaviour},
     {"ProximitySensor", "EnvironmentalSensor", 1, "children", "X3DEnvironmentalSensorNode", Role::child | Role::sensor,
      NodeKind::other, R"(
   exposedField SFVec3f    center 0 0 0
@@ -133,7 +139,8 @@ constexpr X3DRow kSensorsX3DRows[] = {
   eventOut     SFString   enteredText
   eventOut     SFString   finalText
   eventOut     SFBool     isActive
-)"},
+)",
+     nullptr, &kStringSensorBehaviour},
     {"TouchSensor", "PointingDeviceSensor", 1, "children", "X3DTouchSensorNode", Role::child | Role::sensor,
      NodeKind::other, R"(
   exposedField SFString   description ""
@@ -157,7 +164,8 @@ constexpr X3DRow kSensorsX3DRows[] = {
   eventOut     SFBool     isActive
   eventOut     SFRotation orientation_changed
   eventOut     SFVec3f    position_changed
-)"},
+)",
+     nullptr, &kTransformSensorBehaviour},
     {"VisibilitySensor", "EnvironmentalSensor", 2, "children", "X3DEnvironmentalSensorNode", Role::child | Role::sensor,
      NodeKind::other, R"(
   exposedField SFVec3f    center 0 0 0
@@ -179,7 +187,8 @@ constexpr X3DRow kSensorsX3DRows[] = {
   field        SFString   sortOrder "CLOSEST"
   eventOut     SFBool     isActive
   eventOut     MFNode     pickedGeometry  # X3DChildNode
-)"},
+)",
+     nullptr, &kVolumePickSensorBehaviour},
 };
 
 }  // namespace

@@ -32,6 +32,7 @@ constexpr X3DRow kShadersX3DRows[] = {
      NodeKind::other,
      R"(
   exposedField MFFloat    value []
+  field        SFString   name ""
   field        SFInt32    numComponents 4  # [1,4]
 )",
      {},
@@ -45,7 +46,10 @@ constexpr X3DRow kShadersX3DRows[] = {
      "X3DVertexAttributeNode",
      Role::geometric_property,
      NodeKind::other,
-     {},
+     R"(
+  exposedField MFMatrix3f value []
+  field        SFString   name ""
+)",
      {},
      nullptr,
      UrlContent::none,
@@ -57,7 +61,10 @@ constexpr X3DRow kShadersX3DRows[] = {
      "X3DVertexAttributeNode",
      Role::geometric_property,
      NodeKind::other,
-     {},
+     R"(
+  exposedField MFMatrix4f value []
+  field        SFString   name ""
+)",
      {},
      nullptr,
      UrlContent::none,

@@ -37,13 +37,15 @@ constexpr X3DRow kShapeX3DRows[] = {
   exposedField SFNode     texture NULL  # X3DTextureNode
   exposedField SFNode     textureTransform NULL  # X3DTextureTransformNode
 )"},
-    {"FillProperties", "Shape", 3, "fillProperties", "X3DAppearanceChildNode", Role::none, NodeKind::other, R"(
+    {"FillProperties", "Shape", 3, "fillProperties", "X3DAppearanceChildNode", Role::none, NodeKind::fill_properties,
+     R"(
   exposedField SFBool     filled TRUE
   exposedField SFColor    hatchColor 1 1 1  # [0,1]
   exposedField SFBool     hatched TRUE
   exposedField SFInt32    hatchStyle 1  # [0,inf)
 )"},
-    {"LineProperties", "Shape", 2, "lineProperties", "X3DAppearanceChildNode", Role::none, NodeKind::other, R"(
+    {"LineProperties", "Shape", 2, "lineProperties", "X3DAppearanceChildNode", Role::none, NodeKind::line_properties,
+     R"(
   exposedField SFBool     applied TRUE
   exposedField SFInt32    linetype 1  # [0,inf)
   exposedField SFFloat    linewidthScaleFactor 0
@@ -91,7 +93,8 @@ constexpr X3DRow kShapeX3DRows[] = {
   exposedField SFFloat    roughness 1  # [0,1]
   exposedField SFFloat    transparency 0  # [0,1]
 )"},
-    {"PointProperties", "Shape", 5, "pointProperties", "X3DAppearanceChildNode", Role::none, NodeKind::other, R"(
+    {"PointProperties", "Shape", 5, "pointProperties", "X3DAppearanceChildNode", Role::none, NodeKind::point_properties,
+     R"(
   exposedField SFVec3f    attenuation 1 0 0
   exposedField SFFloat    pointSizeMaxValue 1  # [0,inf)
   exposedField SFFloat    pointSizeMinValue 1  # [0,inf)

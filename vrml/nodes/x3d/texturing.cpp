@@ -130,6 +130,7 @@ constexpr X3DRow kTexturingX3DRows[] = {
     {"TextureCoordinate4D", "Texturing3D", 1, "texCoord", "X3DSingleTextureCoordinateNode", Role::geometric_property,
      NodeKind::other, R"(
   exposedField SFString   mapping ""
+  exposedField MFVec4f    point []
 )"},
     {"TextureCoordinateGenerator", "Texturing", 2, "texCoord", "X3DSingleTextureCoordinateNode",
      Role::geometric_property, NodeKind::other, R"(
@@ -179,6 +180,7 @@ constexpr X3DRow kTexturingX3DRows[] = {
   exposedField SFString   description ""
   exposedField SFVec3f    direction 0 0 1
   exposedField SFFloat    farDistance -1  # [-1,inf)
+  exposedField SFVec4f    fieldOfView -1 -1 1 1
   exposedField SFBool     global TRUE
   exposedField SFFloat    intensity 1  # [0,inf)
   exposedField SFVec3f    location 0 0 0
@@ -195,6 +197,7 @@ constexpr X3DRow kTexturingX3DRows[] = {
      true},
     {"TextureProperties", "Texturing", 2, "textureProperties", "X3DNode", Role::none, NodeKind::other, R"(
   exposedField SFFloat    anisotropicDegree 1  # [1,inf)
+  exposedField SFColorRGBA borderColor 0 0 0 0  # [0,1]
   exposedField SFInt32    borderWidth 0  # [0,inf)
   exposedField SFString   boundaryModeR "REPEAT"
   exposedField SFString   boundaryModeS "REPEAT"
@@ -224,6 +227,7 @@ constexpr X3DRow kTexturingX3DRows[] = {
     {"TextureTransformMatrix3D", "Texturing3D", 1, "textureTransform", "X3DTextureTransformNode",
      Role::texture_transform, NodeKind::other, R"(
   exposedField SFString   mapping ""
+  exposedField SFMatrix4f matrix 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1
 )"},
 };
 

@@ -28,6 +28,8 @@ constexpr X3DRow kVolumeRenderingX3DRows[] = {
      NodeKind::other, R"(
   exposedField SFInt32    colorSteps 4  # [1,64]
   exposedField SFBool     enabled TRUE
+  exposedField SFColorRGBA orthogonalColor 1 1 1 1  # [0,1]
+  exposedField SFColorRGBA parallelColor 0 0 0 1  # [0,1]
   exposedField SFNode     surfaceNormals NULL  # X3DTexture3DNode
 )"},
     {"ComposedVolumeStyle", "VolumeRendering", 3, "renderStyle", "X3DComposableVolumeRenderStyleNode", Role::none,
@@ -37,6 +39,7 @@ constexpr X3DRow kVolumeRenderingX3DRows[] = {
 )"},
     {"EdgeEnhancementVolumeStyle", "VolumeRendering", 2, "renderStyle", "X3DComposableVolumeRenderStyleNode",
      Role::none, NodeKind::other, R"(
+  exposedField SFColorRGBA edgeColor 0 0 0 1  # [0,1]
   exposedField SFBool     enabled TRUE
   exposedField SFFloat    gradientThreshold 0.4  # [0,3.1416]
   exposedField SFNode     surfaceNormals NULL  # X3DTexture3DNode
@@ -69,6 +72,7 @@ constexpr X3DRow kVolumeRenderingX3DRows[] = {
   exposedField SFBool     bboxDisplay FALSE
   exposedField SFVec3f    dimensions 1 1 1  # (0,inf)
   exposedField MFNode     renderStyle []  # X3DVolumeRenderStyleNode
+  exposedField MFBool     segmentEnabled []
   exposedField SFNode     segmentIdentifiers NULL  # X3DTexture3DNode
   exposedField SFBool     visible TRUE
   exposedField SFNode     voxels NULL  # X3DTexture3DNode
@@ -94,8 +98,10 @@ constexpr X3DRow kVolumeRenderingX3DRows[] = {
 )"},
     {"ToneMappedVolumeStyle", "VolumeRendering", 2, "renderStyle", "X3DComposableVolumeRenderStyleNode", Role::none,
      NodeKind::other, R"(
+  exposedField SFColorRGBA coolColor 0 0 1 0  # [0,1]
   exposedField SFBool     enabled TRUE
   exposedField SFNode     surfaceNormals NULL  # X3DTexture3DNode
+  exposedField SFColorRGBA warmColor 1 1 0 0  # [0,1]
 )"},
     {"VolumeData", "VolumeRendering", 1, "children", "X3DVolumeDataNode", Role::child, NodeKind::other, R"(
   exposedField SFBool     bboxDisplay FALSE

@@ -46,6 +46,7 @@ void TextLimits::charge_growth(const FieldValue& list, std::size_t& charged, boo
   const std::size_t bytes = std::visit(
       [](const auto& value) -> std::size_t {
         if constexpr (requires { value.words; }) return value.words.size() * sizeof(std::uint32_t);
+        if constexpr (requires { typename std::decay_t<decltype(value)>::element_type; }) return sizeof(*value);
         if constexpr (requires { value.size(); }) return value.size() * sizeof(*value.data());
         return 0;
       },

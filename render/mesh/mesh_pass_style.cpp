@@ -1,0 +1,115 @@
+#include "render/mesh/mesh_pass.h"
+
+#include <glm/glm.hpp>
+#include <glm/gtc/type_ptr.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+// Part of MeshPass for ClipPlanes, line, point and fill properties, and local fog.
+namespace gs::render {
+namespace {
+
+constexpr std::size_t kMaxStyles = 65'536;  // of one frame; DrawState::packed() stores 16 bits
+
+/// Returns the plane in camera space. The camera is `back` metres behind the viewer.
+glm::vec4 plane_in_camera(const glm::dvec4& plane, const glm::dmat4& camera_from_world) {
+  const glm::dvec3 normal(plane);
+  const glm::dvec3 turned = glm::dmat3(camera_from_world) * normal;
+  return {glm::vec3(turned), static_cast<float>(plane.w - glm::dot(turned, glm::dvec3(camera_from_world[3])))};
+}
+
+}  // namespace
+
+MeshPass::StyleUniforms::StyleUniforms(const Gl& gl, GLuint program)
+    : clip_planes(gl.GetUniformLocation(program, "clip_planes")),
+      point_size(gl.GetUniformLocation(program, "point_size")),
+      point_attenuation(gl.GetUniformLocation(program, "point_attenuation")),
+      line_pattern(gl.GetUniformLocation(program, "line_pattern")),
+      hatch(gl.GetUniformLocation(program, "hatch")),
+      hatch_color(gl.GetUniformLocation(program, "hatch_color")),
+      pixel_side(gl.GetUniformLocation(program, "pixel_side")) {}
+
+/// Returns the line widths per unit of node space at a depth, for patterns of lines.
+float MeshPass::pattern_scale(const DrawItem& item, const Instance& instance, float depth, const View& view) {
+  float scale = 0;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+      scale += instance.camera_from_node[row][column] * instance.camera_from_node[row][column];
+  const float width = item.style ? std::max(item.style->line_width, 1.0f) : 1;
+  return std::sqrt(scale / 3) * view.pixels / (std::max(depth, 1e-6f) * width);
+}
+
+bool MeshPass::has_style(const DrawItem& item) const {
+  return !item.clip_planes.empty() || item.style || item.local_fog != kNoLocalFog;
+}
+
+/// Returns the number of the item's style in this frame. A frame with too many styles uses the last one again.
+std::uint32_t MeshPass::style_number(const DrawItem& item, bool surface) {
+  constexpr std::size_t kCompared = 64;  // number of last styles that are compared
+  const std::size_t first = styles_.size() > kCompared ? styles_.size() - kCompared : 0;
+  for (std::size_t i = styles_.size(); i-- > first;) {
+    const StyleBinding& known = styles_[i];
+    if (i > 0 && known.clip_planes.shares_with(item.clip_planes) && known.shape == item.style &&
+        known.local_fog == item.local_fog && known.surface == surface)
+      return static_cast<std::uint32_t>(i);
+  }
+  if (styles_.size() >= kMaxStyles) return kMaxStyles - 1;
+  StyleBinding made;
+  made.clip_planes = item.clip_planes;
+  made.shape = item.style;
+  made.local_fog = item.local_fog;
+  made.surface = surface;
+  made.camera_planes.fill({0, 0, 0, 1});
+  for (const std::uint16_t plane : item.clip_planes)
+    if (made.planes < kMaxClipPlanes && plane < list_->clip_planes.size())
+      made.camera_planes[made.planes++] = plane_in_camera(list_->clip_planes[plane], camera_from_world_);
+  made.fog = item.local_fog < list_->local_fogs.size()
+                 ? camera_fog(list_->local_fogs[item.local_fog], world_from_camera_)
+                 : fog_;
+  styles_.push_back(std::move(made));
+  return static_cast<std::uint32_t>(styles_.size() - 1);
+}
+
+/// Sets the uniforms and the state of a style for the current program.
+void MeshPass::apply_style(const VariantProgram& shader, const StyleBinding& style) {
+  const auto& at = shader.style;
+  static const ShapeStyle kUsual;
+  const ShapeStyle& shape = style.shape ? *style.shape : kUsual;
+  constexpr float kUsualPoint = 2;
+  gl_.Uniform4fv(at.clip_planes, static_cast<GLsizei>(kMaxClipPlanes), glm::value_ptr(style.camera_planes[0]));
+  const glm::vec4 size = shape.sized_points ? glm::vec4(shape.point_size, shape.smallest_point, shape.largest_point, 0)
+                                            : glm::vec4(kUsualPoint, kUsualPoint, kUsualPoint, 0);
+  const glm::vec4 samples = size * pixel_side_;
+  gl_.Uniform4fv(at.point_size, 1, glm::value_ptr(samples));
+  gl_.Uniform3fv(at.point_attenuation, 1, glm::value_ptr(shape.point_attenuation));
+  gl_.Uniform1i(at.line_pattern, style.surface ? -1 : std::bit_cast<std::int32_t>(shape.line_pattern));
+  const float hatches = !style.surface || !shape.hatched ? 0.0f : shape.filled ? 1.0f : 2.0f;
+  const glm::vec4 color(shape.hatch_color, hatches);
+  gl_.Uniform4fv(at.hatch_color, 1, glm::value_ptr(color));
+  if (hatches > 0) {
+    const ShapeStyle::Hatch& rows = hatch_pattern(shape.hatch_style);
+    std::array<GLint, 32> bits;
+    std::transform(rows.begin(), rows.end(), bits.begin(), [](std::uint32_t row) { return std::bit_cast<GLint>(row); });
+    gl_.Uniform1iv(at.hatch, static_cast<GLsizei>(bits.size()), bits.data());
+  }
+  gl_.Uniform1f(at.pixel_side, pixel_side_);
+  if (style.fog.on) shader.fog.set(gl_, style.fog);
+  gl_.LineWidth(std::max(shape.line_width, 1.0f) * pixel_side_);
+  gl_.Enable(GL_PROGRAM_POINT_SIZE);
+  for (std::size_t i = 0; i < kMaxClipPlanes; ++i)
+    (i < style.planes ? gl_.Enable : gl_.Disable)(static_cast<GLenum>(GL_CLIP_DISTANCE0 + i));
+  styled_ = true;
+}
+
+/// Restores the state that apply_style() changed.
+void MeshPass::end_style() {
+  if (!styled_) return;
+  styled_ = false;
+  for (std::size_t i = 0; i < kMaxClipPlanes; ++i) gl_.Disable(static_cast<GLenum>(GL_CLIP_DISTANCE0 + i));
+  gl_.Disable(GL_PROGRAM_POINT_SIZE);
+  gl_.LineWidth(pixel_side_);
+}
+
+}  // namespace gs::render

@@ -1,0 +1,128 @@
+#include "vrml/events/execution.h"
+#include "vrml/syntax/parser.h"
+
+#include <catch2/catch.hpp>
+
+#include <memory>
+#include <string>
+
+using namespace gs;
+using namespace gs::vrml;
+
+namespace {
+
+std::shared_ptr<SceneGraph> read(const std::string& body, const std::string& name = "inner.x3dv") {
+  auto scene = std::make_shared<SceneGraph>(name);
+  Diagnostics diagnostics;
+  (void)parse("#X3D V3.3 utf8\n" + body, *scene, diagnostics);
+  for (const Diagnostic& diagnostic : diagnostics.entries()) UNSCOPED_INFO(diagnostic.text());
+  CHECK(diagnostics.errors() == 0);
+  return scene;
+}
+
+// World with an Inline, and ROUTEs from and to its exported Transform.
+struct InlineWorld {
+  std::shared_ptr<SceneGraph> root = read(
+      "DEF I Inline { } IMPORT I.Mover AS M\n"
+      "DEF From Transform { } DEF To Transform { }\n"
+      "ROUTE From.translation_changed TO M.set_translation\n"
+      "ROUTE M.translation_changed TO To.set_translation\n",
+      "root.x3dv");
+  Execution execution{*root};
+
+  void attach(std::shared_ptr<SceneGraph> content) {
+    root->inlines().attach(root->roots()[0], std::move(content));
+    execution.scenes().attach(*root);
+  }
+  void send(const SFVec3f& translation) {
+    const NodeId from = root->roots()[1];
+    REQUIRE(execution.send(*root, from, *root->node(from).type->find("translation"), translation));
+    execution.begin_update();
+  }
+  [[nodiscard]] SFVec3f received() const { return root->get<SFVec3f>(root->roots()[2], "translation"); }
+  [[nodiscard]] std::string said() {
+    Diagnostics diagnostics;
+    execution.imports().report(diagnostics);
+    std::string text;
+    for (const Diagnostic& diagnostic : diagnostics.entries()) text += diagnostic.text() + "\n";
+    return text;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("routes events to and from the exported node of an Inline") {
+  InlineWorld world;
+  world.execution.start(1000);
+  world.send({1, 2, 3});
+  CHECK(world.received() == SFVec3f(0));
+  CHECK_FALSE(world.execution.imports().find(*world.root, "M").scene);
+  const auto inner = read("DEF T Transform { } EXPORT T AS Mover");
+  world.attach(inner);
+  world.send({4, 5, 6});
+  CHECK(inner->get<SFVec3f>(inner->roots()[0], "translation") == SFVec3f(4, 5, 6));
+  CHECK(world.received() == SFVec3f(4, 5, 6));
+  const ImportedNode found = world.execution.imports().find(*world.root, "M");
+  CHECK(found.scene == inner.get());
+  CHECK(found.node == inner->roots()[0]);
+  CHECK(world.execution.routes().all().size() == 2);
+  CHECK(world.said().empty());
+}
+
+TEST_CASE("connects imported nodes again after the content of the Inline was replaced") {
+  InlineWorld world;
+  world.execution.start(1000);
+  world.attach(read("DEF T Transform { } EXPORT T AS Mover"));
+  world.execution.lifetime().remove_content(*world.root, world.root->roots()[0]);
+  CHECK(world.execution.routes().all().empty());
+  world.send({1, 1, 1});
+  CHECK(world.received() == SFVec3f(0));
+  world.attach(read("Group { } DEF Other Transform { } EXPORT Other AS Mover"));
+  world.send({2, 2, 2});
+  CHECK(world.received() == SFVec3f(2));
+  CHECK(world.said().empty());
+}
+
+TEST_CASE("routes to a node that an Inline imports and exports again") {
+  InlineWorld world;
+  world.execution.start(1000);
+  const auto middle = read("DEF J Inline { } IMPORT J.Deep AS D EXPORT D AS Mover");
+  world.attach(middle);
+  const auto deep = read("DEF T Transform { } EXPORT T AS Deep");
+  middle->inlines().attach(middle->roots()[0], deep);
+  world.execution.scenes().attach(*middle);
+  world.send({7, 8, 9});
+  CHECK(deep->get<SFVec3f>(deep->roots()[0], "translation") == SFVec3f(7, 8, 9));
+  CHECK(world.received() == SFVec3f(7, 8, 9));
+}
+
+TEST_CASE("reports imported names and events that do not exist, once") {
+  InlineWorld world;
+  world.attach(read("DEF T Transform { } EXPORT T"));
+  CHECK(world.said() == "root.x3dv:2:18: warning: IMPORT names 'Mover', but inner.x3dv does not EXPORT it\n");
+  world.execution.lifetime().remove_content(*world.root, world.root->roots()[0]);
+  world.attach(read("DEF T TimeSensor { } EXPORT T AS Mover"));
+  CHECK(world.said() ==
+        "root.x3dv:4:1: error: TimeSensor has no eventIn 'set_translation'\n"
+        "root.x3dv:5:1: error: TimeSensor has no eventOut 'translation_changed'\n");
+  CHECK(world.said().empty());
+}
+
+TEST_CASE("does not send nodes to another file") {
+  const auto root = read(
+      "DEF I Inline { } IMPORT I.G AS G\n"
+      "DEF From Group { }\n"
+      "ROUTE From.children_changed TO G.set_children\n",
+      "root.x3dv");
+  Execution execution(*root);
+  const auto inner = read("DEF G Group { } EXPORT G");
+  root->inlines().attach(root->roots()[0], inner);
+  execution.scenes().attach(*root);
+  Diagnostics diagnostics;
+  execution.imports().report(diagnostics);
+  REQUIRE(diagnostics.entries().size() == 1);
+  CHECK(diagnostics.entries()[0].text() ==
+        "root.x3dv:4:1: error: ROUTE from MFNode 'children_changed' to MFNode 'set_children'; nodes cannot be sent to "
+        "another file");
+  CHECK(execution.routes().all().empty());
+}

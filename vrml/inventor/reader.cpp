@@ -1,0 +1,142 @@
+#include "vrml/inventor/reader.h"
+
+#include "base/budget.h"
+#include "base/text.h"
+#include "vrml/inventor/converter.h"
+#include "vrml/inventor/item_parser.h"
+
+#include <algorithm>
+#include <string>
+
+namespace gs::vrml::inventor {
+namespace {
+
+constexpr std::size_t kHeaderWindow = 256;
+
+/// Scanner that finds the ends of nodes at the top level. Knows only braces, strings and comments.
+class RootScanner {
+ public:
+  /// Scans the bytes from where the last call ended. Returns the size of the text up to the last complete node.
+  std::size_t scan(std::string_view text) {
+    for (; next_ < text.size(); ++next_) {
+      const char c = text[next_];
+      if (in_comment_) {
+        in_comment_ = c != '\n' && c != '\r';
+      } else if (in_string_) {
+        if (c == '\\')
+          escaped_ = !escaped_;
+        else if (!std::exchange(escaped_, false) && c == '"')
+          in_string_ = false;
+      } else if (c == '#') {
+        // In numbers such as 1.#QNAN, the mark does not begin a comment.
+        in_comment_ = next_ == 0 || text[next_ - 1] != '.';
+      } else if (c == '"') {
+        in_string_ = true;
+      } else if (c == '{') {
+        ++depth_;
+      } else if (c == '}' && depth_ > 0 && --depth_ == 0) {
+        complete_ = next_ + 1;
+      }
+    }
+    return complete_;
+  }
+  /// Forgets the first bytes of the text.
+  void drop(std::size_t bytes) {
+    next_ -= bytes;
+    complete_ -= bytes;
+  }
+
+ private:
+  std::size_t next_ = 0, complete_ = 0, depth_ = 0;
+  bool in_comment_ = false, in_string_ = false, escaped_ = false;
+};
+
+std::string_view header_of(std::string_view text) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  return text.substr(0, std::min(text.find_first_of("\r\n"), kHeaderWindow));
+}
+
+}  // namespace
+
+struct Reader::State {
+  State(SceneGraph& scene, Diagnostics& diagnostics)
+      : sink(scene, diagnostics), parser(sink), converter(sink), share(scene.budget(), Resource::files) {}
+
+  bool read_header(bool last);
+  void read(std::size_t size);
+
+  SceneSink sink;
+  ItemParser parser;
+  Converter converter;
+  RootScanner scanner;
+  std::string text;  // received bytes that were not parsed
+  Share share;       // of `text`
+  bool header_read = false, refused = false, full = false;
+};
+
+// Reads the first line. Returns false if more bytes are needed, or if the text is refused.
+bool Reader::State::read_header(bool last) {
+  if (header_read) return true;
+  const std::string_view header = header_of(text);
+  if (text.size() < kHeaderWindow && header.size() + 4 > text.size() && !last) return false;
+  header_read = true;
+  const std::string name = lower_case(header);
+  if (name.starts_with("#inventor") && name.find("binary") != std::string::npos) {
+    sink.problems().error({1, 1},
+                          "binary Inventor cannot be read; convert it to ASCII with 'ivcat -o OUT.iv IN.iv' or with "
+                          "another program that uses Coin or Inventor");
+    refused = true;
+    return false;
+  }
+  // Since Inventor 2.1, shapes without hints have no smooth edges.
+  if (name.starts_with("#inventor v2.1")) converter.set_crease_angle(0);
+  return true;
+}
+
+// Parses and converts the first bytes of the text, which end at the end of a node or of the text.
+void Reader::State::read(std::size_t size) {
+  parser.set_window(std::string_view(text).substr(0, size));
+  while (const ItemPtr item = parser.next_root()) {
+    converter.convert(*item, parser.count());
+    if (!converter.may_go_on(item->location)) {
+      full = true;
+      return;
+    }
+  }
+}
+
+Reader::Reader(SceneGraph& scene, Diagnostics& diagnostics) : state_(std::make_unique<State>(scene, diagnostics)) {}
+Reader::~Reader() = default;
+
+void Reader::push(std::string_view piece) {
+  State& s = *state_;
+  if (s.refused || s.full) return;
+  if (!s.share.grow(piece.size())) {
+    s.sink.problems().error({}, s.sink.scene().budget()->refusal(Resource::files) + "; the rest is left out");
+    s.full = true;
+    return;
+  }
+  s.text.append(piece);
+  if (!s.read_header(false)) return;
+  const std::size_t complete = s.scanner.scan(s.text);
+  if (complete == 0) return;
+  s.read(complete);
+  // The lexer continues with the rest, and needs both windows to keep its line number.
+  std::string rest = s.text.substr(complete);
+  s.parser.set_window(rest);
+  s.text.swap(rest);
+  s.parser.set_window(s.text);
+  s.scanner.drop(complete);
+  s.share.shrink_to(s.text.size());
+}
+
+ParseOutcome Reader::finish() {
+  State& s = *state_;
+  if (!s.refused && !s.full && s.read_header(true)) s.read(s.text.size());
+  if (s.refused) return ParseOutcome::refused;
+  s.sink.finish();
+  return s.full || s.parser.is_truncated() || s.sink.scene().memory().exhausted() ? ParseOutcome::truncated
+                                                                                   : ParseOutcome::complete;
+}
+
+}  // namespace gs::vrml::inventor

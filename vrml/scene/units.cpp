@@ -1,0 +1,74 @@
+#include "vrml/scene/units.h"
+
+#include "vrml/scene/node.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+namespace gs::vrml {
+namespace {
+
+// Names of SFFloat and MFFloat fields of built-in nodes with angles.
+constexpr std::string_view kAngles[] = {
+    "beamWidth",   "coneInnerAngle", "coneOuterAngle", "creaseAngle", "cutOffAngle", "diskAngle", "endAngle",
+    "fieldOfView", "groundAngle",    "llimit",         "maxAngle",    "minAngle",    "skyAngle",  "startAngle",
+    "ulimit"};
+// Names that mean an angle only in nodes of these types.
+constexpr std::pair<std::string_view, std::string_view> kAnglesOfTypes[] = {{"TextureTransform", "rotation"},
+                                                                            {"ConeEmitter", "angle"}};
+
+bool is_named_angle(const NodeType& type, std::string_view field) {
+  // The field of view of an OrthoViewpoint is a rectangle, and that of a GeoViewpoint an angle.
+  if (field == "fieldOfView" && type.name == "OrthoViewpoint") return false;
+  if (std::find(std::begin(kAngles), std::end(kAngles), field) != std::end(kAngles)) return true;
+  return std::any_of(std::begin(kAnglesOfTypes), std::end(kAnglesOfTypes),
+                     [&](const auto& one) { return one.first == type.name && one.second == field; });
+}
+
+}  // namespace
+
+bool is_angle(const NodeType& type, const InterfaceDeclaration& field) {
+  if (field.type == FieldType::SFRotation || field.type == FieldType::MFRotation) return true;
+  if (field.type != FieldType::SFFloat && field.type != FieldType::MFFloat) return false;
+  if (type.kind == NodeType::Kind::built_in) return is_named_angle(type, field.name);
+  if (!type.prototype) return false;
+  // A nested PROTO has converted its own types, and is complete before its instances.
+  return std::any_of(type.prototype->mappings.begin(), type.prototype->mappings.end(), [&](const IsMapping& mapping) {
+    if (mapping.outer != &field) return false;
+    const NodeType& inner = *type.prototype->scene->node(mapping.node).type;
+    return is_angle(inner, *mapping.inner);
+  });
+}
+
+void scale_angles(FieldValue& value, double factor) {
+  const auto scaled = [factor](float angle) { return static_cast<float>(double{angle} * factor); };
+  if (auto* number = std::get_if<SFFloat>(&value)) *number = scaled(*number);
+  if (auto* rotation = std::get_if<SFRotation>(&value)) rotation->angle = scaled(rotation->angle);
+  if (auto* numbers = std::get_if<MFFloat>(&value)) {
+    MFFloat all;
+    for (const float number : *numbers) all.push_back(scaled(number));
+    *numbers = std::move(all);
+  }
+  if (auto* rotations = std::get_if<MFRotation>(&value)) {
+    MFRotation all;
+    for (SFRotation rotation : *rotations) {
+      rotation.angle = scaled(rotation.angle);
+      all.push_back(rotation);
+    }
+    *rotations = std::move(all);
+  }
+}
+
+void scale_content(SceneGraph& content, double factor) {
+  const auto scale = static_cast<float>(factor);
+  if (factor == 1 || !(scale > 0) || !std::isfinite(scale) || content.roots().empty()) return;
+  const NodeId outer = content.create(built_in_node_type(NodeKind::transform));
+  if (!outer) return;
+  content.set<MFNode>(outer, "children", content.roots());
+  content.set<SFVec3f>(outer, "scale", SFVec3f(scale));
+  content.set_roots({outer});
+}
+
+}  // namespace gs::vrml

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "vrml/scene/scene_graph.h"
+
+namespace gs::vrml {
+
+/// Reports whether a field holds angles: rotations, and the numbers of an angle such as Viewpoint.fieldOfView. For a
+/// PROTO with its body, also the fields that IS connects to such a field. Values of X3D texts with a UNIT for angles
+/// are converted (ISO/IEC 19775-1 4.3.6).
+[[nodiscard]] bool is_angle(const NodeType& type, const InterfaceDeclaration& field);
+
+/// Multiplies the angles of a value.
+void scale_angles(FieldValue& value, double factor);
+
+/// Scales the content of an Inline whose text has another unit of length than the text of the Inline: a Transform
+/// becomes the only top-level node, with all others as children. Statements of the text do not change. Call it once,
+/// when the content is complete.
+void scale_content(SceneGraph& content, double factor);
+
+}  // namespace gs::vrml

@@ -1,0 +1,230 @@
+#include "vrml/xml/reader.h"
+
+#include "vrml/syntax/text_pieces.h"
+#include "vrml/x3d/element_builder.h"
+#include "vrml/xml/expat_parser.h"
+#include "vrml/xml/markup.h"
+#include "vrml/xml/text_decoder.h"
+
+#include <string>
+#include <utility>
+
+namespace gs::vrml::xml {
+namespace {
+
+// Maximum bytes of incomplete markup at the end of a file that Expat examines for its error.
+constexpr std::size_t kMaxRest = 4096;
+
+std::string_view without_prefix(std::string_view name) { return name.substr(name.rfind(':') + 1); }
+
+bool is_blank(std::string_view text) { return text.find_first_not_of(" \t\r\n") == std::string_view::npos; }
+
+}  // namespace
+
+struct Reader::State {
+  State(SceneGraph& scene, Diagnostics& diagnostics)
+      : sink(scene, diagnostics),
+        values(sink),
+        builder(sink),
+        expat(scene.budget(), {[this](std::string_view name, const char** given) { begin(name, given); },
+                               [this] { builder.end(); },
+                               [this](std::string_view text) { builder.text(text, markup_location); }}),
+        pieces(scene.budget()) {}
+
+  void feed(std::string_view text);
+  void close();
+  std::size_t scan(std::string_view text);
+  void take(const Markup& markup);
+  void take_tag(std::string_view tag);
+  void give(std::string_view text, bool last);
+  void fail(const std::string& problem);
+  void refuse(const std::string& problem, SourceLocation location);
+  void begin(std::string_view name, const char** attributes);
+  void read_attributes(const char** given);
+  void pass(std::string_view text);
+  [[nodiscard]] std::string_view valid_text(std::string_view text);
+
+  SceneSink sink;
+  x3d::ValueReader values;
+  x3d::ElementBuilder builder;
+  ExpatParser expat;
+  TextDecoder decoder;
+  MarkupScanner scanner;
+  std::vector<x3d::Attribute> attributes;  // of the element that begins
+  TextPieces pieces;
+  std::string_view tag;                    // tag that Expat reads
+  std::string skeleton, converted;         // parts of `tag` for Expat
+  SourceLocation location{1, 1};           // of the next byte
+  SourceLocation markup_location;          // of the markup that is read
+  bool stopped = false, said_latin1 = false, said_encoding = false;
+  ParseOutcome outcome = ParseOutcome::complete;
+};
+
+void Reader::State::refuse(const std::string& problem, SourceLocation where) {
+  sink.problems().error(where, problem);
+  outcome = ParseOutcome::refused;
+  stopped = true;
+}
+
+// Reports an error of the text, which ends reading.
+void Reader::State::fail(const std::string& problem) {
+  if (std::exchange(stopped, true)) return;
+  outcome = ParseOutcome::truncated;
+  if (expat.is_out_of_memory())
+    sink.problems().error(markup_location, sink.scene().budget()->refusal(Resource::nodes) +
+                                               "; the rest of the file is left out");
+  else
+    sink.problems().error(markup_location, problem + "; the rest of the file is left out");
+}
+
+// Moves `location` past a text.
+void Reader::State::pass(std::string_view text) {
+  location = x3d::location_in(text, location, text.data() + text.size());
+}
+
+// Returns the text as valid UTF-8: reads other bytes as windows-1252.
+std::string_view Reader::State::valid_text(std::string_view text) {
+  if (is_utf8(text)) return text;
+  sink.problems().warn_once(said_latin1, markup_location, "the text is not UTF-8; read as windows-1252");
+  converted.clear();
+  append_latin1(converted, text);
+  return converted;
+}
+
+void Reader::State::give(std::string_view text, bool last) {
+  if (!expat.parse(valid_text(text), last)) fail("not well-formed XML: " + expat.error());
+}
+
+void Reader::State::read_attributes(const char** given) {
+  attributes.clear();
+  const std::vector<AttributeSpan>& spans = scanner.attributes();
+  SourceLocation at = markup_location;
+  std::size_t from = 0;
+  for (std::size_t i = 0; given[2 * i]; ++i) {
+    x3d::Attribute attribute{given[2 * i], given[2 * i + 1], at};
+    if (i < spans.size()) {
+      at = x3d::location_in(tag.substr(from), at, tag.data() + spans[i].begin);
+      from = spans[i].begin;
+      attribute.location = at;
+      if (spans[i].is_long) attribute.value = tag.substr(spans[i].begin, spans[i].end - spans[i].begin);
+    }
+    attributes.push_back(attribute);
+  }
+}
+
+void Reader::State::begin(std::string_view name, const char** given) {
+  if (builder.depth() > 2 * sink.scene().limits().nesting) {
+    fail("more than " + std::to_string(builder.depth()) + " nested elements");
+    return expat.stop();
+  }
+  read_attributes(given);
+  const SourceName element{without_prefix(name), markup_location};
+  if (builder.depth() == 0 && x3d::kind_of(element.text) != x3d::ElementKind::x3d &&
+      x3d::kind_of(element.text) != x3d::ElementKind::scene) {
+    refuse("an XML file with the root element " + quoted(name) + "; expected X3D", markup_location);
+    return expat.stop();
+  }
+  builder.begin(element, attributes);
+  for (const x3d::Attribute& attribute : attributes) {
+    FieldValue* const value = builder.value_of({attribute.name, attribute.location});
+    if (!value) continue;
+    values.read({attribute.value, attribute.location, attribute.name}, *value);
+    builder.value_given();
+  }
+}
+
+void Reader::State::take_tag(std::string_view text) {
+  tag = text;
+  if (scanner.has_long_values()) {
+    skeleton.clear();
+    scanner.append_skeleton(text, skeleton);
+    return give(skeleton, false);
+  }
+  give(text, false);
+}
+
+void Reader::State::take(const Markup& markup) {
+  markup_location = location;
+  switch (markup.kind) {
+    case MarkupKind::tag:
+      take_tag(markup.text);
+      break;
+    case MarkupKind::doctype:
+      give(markup.text, false);
+      break;
+    case MarkupKind::cdata:
+      if (builder.takes_text()) {
+        const SourceLocation start = x3d::location_in(markup.text, location, markup.content.data());
+        builder.text(valid_text(markup.content), start);
+      }
+      break;
+    case MarkupKind::text:
+      if (!is_blank(markup.text) && builder.takes_text()) give(markup.text, false);
+      break;
+    default:
+      break;
+  }
+  pass(markup.text);
+}
+
+// Reads complete markup. Returns the number of bytes read.
+std::size_t Reader::State::scan(std::string_view text) {
+  std::size_t used = 0;
+  while (used < text.size() && !stopped) {
+    const Markup markup = scanner.next(text.substr(used));
+    if (markup.kind == MarkupKind::need_more) break;
+    take(markup);
+    used += markup.text.size();
+    if (sink.limits().is_exhausted(location)) {
+      stopped = true;
+      outcome = ParseOutcome::truncated;
+    }
+  }
+  return used;
+}
+
+void Reader::State::feed(std::string_view text) {
+  if (!decoder.unknown_encoding().empty())
+    sink.problems().warn_once(said_encoding, {1, 1},
+                              "the encoding " + quoted(decoder.unknown_encoding()) + " is not supported; read as UTF-8");
+  const auto read = [this](std::string_view window) { return stopped ? window.size() : scan(window); };
+  if (!pieces.push(text, read)) fail(sink.scene().budget()->refusal(Resource::nodes));
+}
+
+// Reports an incomplete end of the text.
+void Reader::State::close() {
+  if (stopped) return;
+  std::string rest = pieces.take_rest();
+  rest.erase(0, scan(rest));
+  if (stopped) return;
+  markup_location = location;
+  tag = {};
+  if (!is_blank(rest)) give(std::string_view(rest).substr(0, kMaxRest), false);
+  if (!stopped && builder.depth() > 0) markup_location = builder.open_location();
+  if (!stopped && !expat.parse({}, true))
+    fail(builder.depth() > 0 ? "the file ends inside the element that begins here" : "not XML: " + expat.error());
+}
+
+Reader::Reader(SceneGraph& scene, Diagnostics& diagnostics) : state_(std::make_unique<State>(scene, diagnostics)) {}
+Reader::~Reader() = default;
+
+void Reader::push(std::string_view piece) {
+  if (!state_->stopped) state_->feed(state_->decoder.decode(piece, false));
+}
+
+ParseOutcome Reader::finish() {
+  State& state = *state_;
+  if (!state.stopped) state.feed(state.decoder.decode({}, true));
+  state.close();
+  state.builder.finish();
+  if (state.outcome != ParseOutcome::refused && !state.builder.is_x3d()) {
+    if (state.outcome == ParseOutcome::complete)
+      state.refuse("the file has no X3D element", {});
+    state.outcome = ParseOutcome::refused;
+  }
+  return state.outcome;
+}
+
+std::vector<NodeId> Reader::open_nodes() const { return state_->builder.open_nodes(); }
+
+}  // namespace gs::vrml::xml
