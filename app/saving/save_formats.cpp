@@ -30,8 +30,8 @@ std::string path_with_format(const std::string& path) {
 std::optional<std::string> write_world_text(const std::string& path, std::string_view text) {
   const std::span<const std::byte> bytes = std::as_bytes(std::span(text));
   remove_unfinished_beside(path);
-  const auto problem = is_packed_path(path) ? net::write_file_atomically(path, gzip(bytes))
-                                                              : net::write_file_atomically(path, bytes);
+  const auto problem =
+      is_packed_path(path) ? net::write_file_atomically(path, gzip(bytes)) : net::write_file_atomically(path, bytes);
   return problem ? std::optional(problem->message) : std::nullopt;
 }
 

@@ -27,8 +27,8 @@ struct WorldText {
   std::vector<std::string> losses = {};  // properties that the format lacks, as messages for the user
 };
 
-/// Returns the text of a world for a file `target`, or an error message. If both files are VRML97, it is the text of the
-/// world's file with the edited values. Otherwise, or if this text cannot be changed so, the nodes of the world are
+/// Returns the text of a world for a file `target`, or an error message. If both files are VRML97, it is the text of
+/// the world's file with the edited values. Otherwise, or if this text cannot be changed so, the nodes of the world are
 /// printed in the format of `target`. Relative URLs of existing files are adapted to the folder of `target`. World's
 /// thread.
 [[nodiscard]] std::variant<WorldText, std::string> world_text(Document& document, const std::string& target);

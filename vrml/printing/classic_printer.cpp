@@ -10,8 +10,18 @@ void ClassicPrinter::begin_text(const TextHead& head) {
     return;
   }
   out() += "#X3D V" + head.version_text() + " utf8\n\nPROFILE " + head.profile + '\n';
-  for (const TextHead::Component& each : head.components)
+  for (const X3DStatements::Component& each : head.components)
     out() += "COMPONENT " + each.name + ':' + std::to_string(each.level) + '\n';
+  for (const X3DStatements::Unit& each : head.units) {
+    out() += "UNIT " + each.category + ' ' + each.name + ' ';
+    append_number<Notation::classic>(out(), each.factor);
+    out() += '\n';
+  }
+  for (const X3DStatements::Meta& each : head.metas) {
+    append_quoted(out() += "META ", each.name);
+    append_quoted(out() += ' ', each.content);
+    out() += '\n';
+  }
   out() += '\n';
 }
 
@@ -27,7 +37,7 @@ void ClassicPrinter::put_use(const NodeType& type, std::string_view name, std::s
 }
 
 void ClassicPrinter::put_access(const InterfaceDeclaration& declaration) {
-  out() += access_name(translator().language(), declaration.access);
+  out() += name_of(declaration.access, translator().language());
   out() += ' ';
   out() += name_of(declaration.type);
   out() += ' ';
@@ -116,11 +126,22 @@ void ClassicPrinter::put_prototype(const NodeType& type) {
   out() += '}';
 }
 
+void ClassicPrinter::put_words(std::initializer_list<std::string_view> words) {
+  for (const std::string_view word : words) out() += word;
+}
+
 void ClassicPrinter::put_route(const NamedRoute& route) {
-  for (const std::string_view part :
-       {std::string_view("ROUTE "), route.from, std::string_view("."), route.event_out, std::string_view(" TO "),
-        route.to, std::string_view("."), route.event_in})
-    out() += part;
+  put_words({"ROUTE ", route.from, ".", route.event_out, " TO ", route.to, ".", route.event_in});
+}
+
+void ClassicPrinter::put_import(const SharedName& shared) {
+  put_words({"IMPORT ", shared.inline_name, ".", shared.exported});
+  if (shared.local != shared.exported) put_words({" AS ", shared.local});
+}
+
+void ClassicPrinter::put_export(const SharedName& shared) {
+  put_words({"EXPORT ", shared.local});
+  if (shared.local != shared.exported) put_words({" AS ", shared.exported});
 }
 
 }  // namespace gs::vrml

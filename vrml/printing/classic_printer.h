@@ -2,6 +2,9 @@
 
 #include "vrml/printing/scene_printer.h"
 
+#include <initializer_list>
+#include <string_view>
+
 namespace gs::vrml {
 
 /// Printer of VRML97 and of the classic VRML encoding of X3D (ISO/IEC 19776-2).
@@ -19,8 +22,11 @@ class ClassicPrinter final : public ScenePrinter {
   void put_null() override { out() += "NULL"; }
   void put_prototype(const NodeType& type) override;
   void put_route(const NamedRoute& route) override;
+  void put_import(const SharedName& shared) override;
+  void put_export(const SharedName& shared) override;
 
  private:
+  void put_words(std::initializer_list<std::string_view> words);
   void put_field(const WrittenField& field);
   void put_access(const InterfaceDeclaration& declaration);
 };

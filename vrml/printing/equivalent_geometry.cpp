@@ -161,8 +161,7 @@ MadeNode faces_of_triangle_fan_set(const SceneGraph& scene, NodeId node, const N
 MadeNode faces_of_triangle_strip_set(const SceneGraph& scene, NodeId node, const NodeType& type) {
   MFInt32 faces;
   for (const auto& run : runs_of(scene, node, "stripCount"))
-    for (std::size_t i = 2; i < run.size(); ++i)
-      add_face(faces, run[i - 2 + i % 2], run[i - 1 - i % 2], run[i]);
+    for (std::size_t i = 2; i < run.size(); ++i) add_face(faces, run[i - 2 + i % 2], run[i - 1 - i % 2], run[i]);
   return face_set(scene, node, type, std::move(faces));
 }
 

@@ -79,25 +79,43 @@ void JsonPrinter::begin_text(const TextHead& head) {
   put_text("xsd:noNamespaceSchemaLocation", "https://www.web3d.org/specifications/x3d-" + version + ".xsd");
   put_comma();
   out() += "\"JSON schema\": \"https://www.web3d.org/specifications/x3d-" + version + "-JSONSchema.json\"";
-  if (!head.components.empty()) {
-    put_key({}, "head");
-    open('{');
-    put_key({}, "component");
-    open('[');
-    for (const TextHead::Component& each : head.components) {
-      put_comma();
-      open('{');
-      put_text("name", each.name);
-      put_value("level", each.level);
-      close('}');
-    }
-    close(']');
-    close('}');
-  }
+  put_head(head);
   put_key({}, "Scene");
   open('{');
   put_key("-", "children");
   open('[');
+}
+
+void JsonPrinter::put_head(const TextHead& head) {
+  if (head.components.empty() && head.units.empty() && head.metas.empty()) return;
+  const auto array = [&](std::string_view key, const auto& entries, const auto& put_entry) {
+    if (entries.empty()) return;
+    put_key({}, key);
+    open('[');
+    for (const auto& each : entries) {
+      put_comma();
+      open('{');
+      put_entry(each);
+      close('}');
+    }
+    close(']');
+  };
+  put_key({}, "head");
+  open('{');
+  array("component", head.components, [&](const X3DStatements::Component& each) {
+    put_text("name", each.name);
+    put_value("level", SFInt32{each.level});
+  });
+  array("unit", head.units, [&](const X3DStatements::Unit& each) {
+    put_text("category", each.category);
+    put_text("name", each.name);
+    put_value("conversionFactor", SFTime{each.factor});
+  });
+  array("meta", head.metas, [&](const X3DStatements::Meta& each) {
+    put_text("name", each.name);
+    put_text("content", each.content);
+  });
+  close('}');
 }
 
 void JsonPrinter::end_text() {
@@ -118,6 +136,21 @@ void JsonPrinter::put_route(const NamedRoute& route) {
   put_text("fromField", route.event_out);
   put_text("toNode", route.to);
   put_text("toField", route.event_in);
+  end_object();
+}
+
+void JsonPrinter::put_import(const SharedName& shared) {
+  begin_object("IMPORT");
+  put_text("inlineDEF", shared.inline_name);
+  put_text("importedDEF", shared.exported);
+  put_text("AS", shared.local);
+  end_object();
+}
+
+void JsonPrinter::put_export(const SharedName& shared) {
+  begin_object("EXPORT");
+  put_text("localDEF", shared.local);
+  put_text("AS", shared.exported);
   end_object();
 }
 
@@ -183,7 +216,7 @@ void JsonPrinter::put_declaration(const WrittenField& field, bool declares) {
   open('{');
   put_text("name", field.name);
   if (declares) {
-    put_text("accessType", access_name(translator().language(), field.declaration->access));
+    put_text("accessType", name_of(field.declaration->access, translator().language()));
     put_text("type", name_of(field.declaration->type));
   }
   if (field.is_plain())

@@ -19,8 +19,11 @@ class JsonPrinter final : public ScenePrinter {
   void put_null() override { out() += "{}"; }
   void put_prototype(const NodeType& type) override;
   void put_route(const NamedRoute& route) override;
+  void put_import(const SharedName& shared) override;
+  void put_export(const SharedName& shared) override;
 
  private:
+  void put_head(const TextHead& head);
   void open(char bracket);
   void close(char bracket);
   void put_comma();

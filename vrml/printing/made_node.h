@@ -19,7 +19,9 @@ struct MadeNode {
   explicit MadeNode(const NodeType& made_type) : type(made_type) {}
 
   /// Sets a field of `type`.
-  void set(std::string_view field, FieldValue value) { fields.push_back({type.find(field), std::move(value), nullptr}); }
+  void set(std::string_view field, FieldValue value) {
+    fields.push_back({type.find(field), std::move(value), nullptr});
+  }
   void set(std::string_view field, MadeNode node) {
     fields.push_back({type.find(field), {}, std::make_unique<MadeNode>(std::move(node))});
   }

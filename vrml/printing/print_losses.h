@@ -18,7 +18,8 @@ class PrintLosses : NonCopyable {
   /// Returns the losses as messages for the user, sorted.
   [[nodiscard]] std::vector<std::string> messages() const {
     std::vector<std::string> texts;
-    for (const auto& [what, count] : counts_) texts.push_back(count == 1 ? what : what + " (" + std::to_string(count) + " times)");
+    for (const auto& [what, count] : counts_)
+      texts.push_back(count == 1 ? what : what + " (" + std::to_string(count) + " times)");
     return texts;
   }
 

@@ -23,6 +23,7 @@ void ScenePrinter::put_scope(const SceneGraph& scene, const std::vector<Statemen
                              const NodeType* prototype) {
   Scope scope{scene};
   Scope* const around = std::exchange(scope_, &scope);
+  if (!around) begin_shared_names();
   for (const Statement& statement : statements) {
     if (statement.kind == Statement::Kind::node) count(statement.node);
     if (statement.kind == Statement::Kind::route) {
@@ -35,6 +36,7 @@ void ScenePrinter::put_scope(const SceneGraph& scene, const std::vector<Statemen
       scope.mappings[mapping.node.index].push_back(&mapping);
   bool first = true;
   for (const Statement& statement : statements) put_statement(statement, first);
+  if (!around) put_shared_names();
   scope_ = around;
 }
 
@@ -62,6 +64,45 @@ void ScenePrinter::put_statement(const Statement& statement, bool& first) {
   }
   end_statement();
   output_.drain();
+}
+
+// Gives names to the nodes of IMPORT and EXPORT statements. Imported names are not available for other nodes.
+void ScenePrinter::begin_shared_names() {
+  const X3DStatements& statements = scene_.x3d();
+  for (const X3DStatements::Import& each : statements.imports) {
+    scope_->used.insert(each.local);
+    scope_->needs_name.insert(each.inline_node.index);
+  }
+  for (const X3DStatements::Export& each : statements.exports) scope_->needs_name.insert(each.node.index);
+  for (const X3DStatements::ImportedRoute& each : statements.routes)
+    for (const NodeId node : {each.from.node, each.to.node}) scope_->needs_name.insert(node.index);
+}
+
+// Writes IMPORT and EXPORT statements, and the ROUTEs of imported nodes, behind all nodes.
+void ScenePrinter::put_shared_names() {
+  const X3DStatements& statements = scene_.x3d();
+  if (translator_.language() == Language::vrml97) {
+    if (!statements.imports.empty()) translator_.add_loss("IMPORT is left out, and ROUTEs of imported nodes");
+    if (!statements.exports.empty()) translator_.add_loss("EXPORT is left out");
+    return;
+  }
+  const auto name_or = [&](NodeId node, std::string_view otherwise) -> std::string_view {
+    return scene_.contains(node) ? std::string_view(name_of_node(node)) : otherwise;
+  };
+  const auto put = [&](auto&& statement) {
+    begin_statement(false, true);
+    statement();
+    end_statement();
+  };
+  for (const X3DStatements::Import& each : statements.imports)
+    put([&] { put_import({name_or(each.inline_node, each.inline_name), each.exported, each.local}); });
+  for (const X3DStatements::Export& each : statements.exports)
+    put([&] { put_export({{}, each.exported, name_or(each.node, each.local)}); });
+  for (const X3DStatements::ImportedRoute& each : statements.routes)
+    put([&] {
+      put_route({name_or(each.from.node, each.from.name), each.from.event, name_or(each.to.node, each.to.name),
+                 each.to.event});
+    });
 }
 
 void ScenePrinter::put_body(const NodeType& type) {

@@ -34,6 +34,10 @@ class ScenePrinter : NonCopyable {
   struct NamedRoute {
     std::string_view from, event_out, to, event_in;
   };
+  /// IMPORT inline_name.exported AS local (X3D 4.4.6.2), and EXPORT local AS exported, which has no Inline.
+  struct SharedName {
+    std::string_view inline_name, exported, local;
+  };
 
   virtual void begin_text(const TextHead& head) = 0;
   virtual void end_text() = 0;
@@ -47,6 +51,8 @@ class ScenePrinter : NonCopyable {
   virtual void put_null() = 0;
   virtual void put_prototype(const NodeType& type) = 0;
   virtual void put_route(const NamedRoute& route) = 0;
+  virtual void put_import(const SharedName& shared) = 0;
+  virtual void put_export(const SharedName& shared) = 0;
 
   [[nodiscard]] std::string& out() { return output_.text; }
   [[nodiscard]] TextOutput& output() { return output_; }
@@ -83,6 +89,8 @@ class ScenePrinter : NonCopyable {
   void put_scope(const SceneGraph& scene, const std::vector<Statement>& statements, const NodeType* prototype);
   void put_statement(const Statement& statement, bool& first);
   void count(NodeId root);
+  void begin_shared_names();
+  void put_shared_names();
   [[nodiscard]] const std::string& name_of_node(NodeId id);
   [[nodiscard]] std::optional<NamedRoute> named(const Route& route);
 

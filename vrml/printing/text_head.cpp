@@ -32,6 +32,7 @@ constexpr Profile kProfiles[] = {
 };
 
 constexpr int kFirstX3DVersion = 33;
+constexpr std::string_view kAngle = "angle";
 
 using Levels = std::map<std::string, int, std::less<>>;
 
@@ -72,6 +73,7 @@ Levels used_levels(const SceneGraph& scene, NodeTranslator& translator) {
     else if (!type->stands_in)
       raise(levels, "Core", 2);
   }
+  if (!scene.x3d().imports.empty() || !scene.x3d().exports.empty()) raise(levels, "Networking", 3);
   for (const auto& type : scene.types())
     if (type->kind > NodeType::Kind::script && !type->stands_in) raise(levels, "Core", 2);
   return levels;
@@ -81,7 +83,16 @@ Levels used_levels(const SceneGraph& scene, NodeTranslator& translator) {
 
 TextHead text_head(const SceneGraph& scene, Grammar grammar, NodeTranslator& translator) {
   TextHead head{grammar};
-  if (translator.language() == Language::vrml97) return head;
+  const X3DStatements& statements = scene.x3d();
+  if (translator.language() == Language::vrml97) {
+    for (const X3DStatements::Meta& meta : statements.metas) translator.add_loss("META " + meta.name + " is left out");
+    for (const X3DStatements::Unit& unit : statements.units)
+      if (unit.category != kAngle) translator.add_loss("UNIT " + unit.category + ' ' + unit.name + " is left out");
+    return head;
+  }
+  head.metas = statements.metas;
+  for (const X3DStatements::Unit& unit : statements.units)
+    if (unit.category != kAngle) head.units.push_back(unit);
   head.version = scene.language() == Language::x3d ? scene.version() : kFirstX3DVersion;
   const Levels levels = used_levels(scene, translator);
   const auto holds = [&](const Profile& profile) {
@@ -94,21 +105,6 @@ TextHead text_head(const SceneGraph& scene, Grammar grammar, NodeTranslator& tra
   for (const auto& [name, level] : levels)
     if (level > level_in(profile, name)) head.components.push_back({name, level});
   return head;
-}
-
-std::string_view access_name(Language language, AccessType access) {
-  if (language == Language::vrml97) return name_of(access);
-  switch (access) {
-    case AccessType::eventIn:
-      return "inputOnly";
-    case AccessType::eventOut:
-      return "outputOnly";
-    case AccessType::field:
-      return "initializeOnly";
-    case AccessType::exposedField:
-      return "inputOutput";
-  }
-  return {};
 }
 
 }  // namespace gs::vrml

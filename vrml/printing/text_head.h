@@ -11,15 +11,13 @@ namespace gs::vrml {
 
 /// Statements before the nodes of a text.
 struct TextHead {
-  struct Component {
-    std::string name;
-    int level = 1;
-  };
-
   Grammar grammar = Grammar::vrml97;
-  int version = 20;                  // in tenths
-  std::string profile = {};          // X3D only
-  std::vector<Component> components = {};  // X3D only: components that the profile lacks, sorted by name
+  int version = 20;                                       // in tenths
+  std::string profile = {};                               // X3D only
+  std::vector<X3DStatements::Component> components = {};  // X3D only: components that the profile lacks, sorted by name
+
+  std::vector<X3DStatements::Unit> units = {};  // without the unit of angles, because values are in radians
+  std::vector<X3DStatements::Meta> metas = {};
 
   /// Returns the version as in headers: "3.3".
   [[nodiscard]] std::string version_text() const {
@@ -33,8 +31,5 @@ class NodeTranslator;
 /// (ISO/IEC 19775-1 4.5.3): the smallest profile that has them, else Immersive with further components. A scene that is
 /// not X3D becomes X3D 3.3, which has the lighting of VRML97.
 [[nodiscard]] TextHead text_head(const SceneGraph& scene, Grammar grammar, NodeTranslator& translator);
-
-/// Returns the name of an access type in a language.
-[[nodiscard]] std::string_view access_name(Language language, AccessType access);
 
 }  // namespace gs::vrml

@@ -32,7 +32,9 @@ class TextOutput : NonCopyable {
   void indent(std::size_t levels) { text.append(blanks(levels), ' '); }
   /// Returns the blanks at the start of a line. They are limited, because most of a text with a thousand levels would
   /// be blanks otherwise.
-  [[nodiscard]] static std::size_t blanks(std::size_t levels) { return levels < kMaxIndent ? 2 * levels : 2 * kMaxIndent; }
+  [[nodiscard]] static std::size_t blanks(std::size_t levels) {
+    return levels < kMaxIndent ? 2 * levels : 2 * kMaxIndent;
+  }
 
   std::string text;  // text that has not been passed on
 

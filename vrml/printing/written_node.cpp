@@ -84,10 +84,10 @@ void NodeTranslator::add_script_pairs(const NodeType& type, Plan& made) const {
   const NodeType& vrml97 = built_in_node_type(NodeKind::script);
   const NodeType& x3d = *built_in_node_type(Language::x3d, vrml97.name);
   const NodeType& plain = language_ == Language::x3d ? x3d : vrml97;
-  const bool of_x3d = std::equal(x3d.interfaces.begin(), x3d.interfaces.end(), type.interfaces.begin(),
-                                 type.interfaces.begin() + static_cast<std::ptrdiff_t>(std::min(
-                                     x3d.interfaces.size(), type.interfaces.size())),
-                                 [](const auto& a, const auto& b) { return a.name == b.name; });
+  const bool of_x3d = std::equal(
+      x3d.interfaces.begin(), x3d.interfaces.end(), type.interfaces.begin(),
+      type.interfaces.begin() + static_cast<std::ptrdiff_t>(std::min(x3d.interfaces.size(), type.interfaces.size())),
+      [](const auto& a, const auto& b) { return a.name == b.name; });
   const std::size_t own = (of_x3d ? x3d : vrml97).interfaces.size();
   for (std::size_t i = 0; i < type.interfaces.size(); ++i) {
     const InterfaceDeclaration& each = type.interfaces[i];

@@ -36,8 +36,8 @@ struct WrittenNode {
   const NodeType* type = nullptr;  // type in this language
   std::string_view name;           // DEF name; empty without DEF
   std::vector<WrittenField> fields;
-  std::deque<FieldValue> changed;          // values that differ from those of the node
-  std::shared_ptr<const MadeNode> made;    // owner of the values in `fields`; null for nodes of the scene
+  std::deque<FieldValue> changed;        // values that differ from those of the node
+  std::shared_ptr<const MadeNode> made;  // owner of the values in `fields`; null for nodes of the scene
 };
 
 /// Reports whether the URL of a Script contains the program itself (ISO/IEC 19777-1 4.1; VRML97 C.2.1).
@@ -83,7 +83,8 @@ class NodeTranslator : NonCopyable {
     return moved_urls_ ? moved_urls_(urls) : std::nullopt;
   }
   /// Returns the changed default value of a PROTO's url field, or nullopt.
-  [[nodiscard]] std::optional<MFString> moved_default(const NodeType& type, const InterfaceDeclaration& declaration) const;
+  [[nodiscard]] std::optional<MFString> moved_default(const NodeType& type,
+                                                      const InterfaceDeclaration& declaration) const;
   /// Counts a node of a type that the language lacks.
   void add_left_out(const NodeType& type);
   void add_loss(std::string what) { losses_.add(std::move(what)); }

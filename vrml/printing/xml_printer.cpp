@@ -3,6 +3,8 @@
 #include "vrml/printing/value_text.h"
 
 #include <algorithm>
+#include <array>
+#include <initializer_list>
 #include <optional>
 
 namespace gs::vrml {
@@ -64,26 +66,38 @@ void XmlPrinter::begin_text(const TextHead& head) {
            "//EN\" \"https://www.web3d.org/specifications/x3d-" + version + ".dtd\">\n<X3D";
   put_attribute("profile", head.profile);
   put_attribute("version", version);
-  out() += " xmlns:xsd='http://www.w3.org/2001/XMLSchema-instance'"
-           " xsd:noNamespaceSchemaLocation='https://www.web3d.org/specifications/x3d-" +
-           version + ".xsd'>";
+  out() +=
+      " xmlns:xsd='http://www.w3.org/2001/XMLSchema-instance'"
+      " xsd:noNamespaceSchemaLocation='https://www.web3d.org/specifications/x3d-" +
+      version + ".xsd'>";
   add_levels(1);
-  if (!head.components.empty()) {
-    start_line();
-    out() += "<head>";
-    add_levels(1);
-    for (const TextHead::Component& each : head.components) {
-      start_line();
-      out() += "<component";
-      put_attribute("name", each.name);
-      put_attribute("level", std::to_string(each.level));
-      out() += "/>";
-    }
-    end_element("head");
-  }
+  put_head(head);
   start_line();
   out() += "<Scene>";
   add_levels(1);
+}
+
+void XmlPrinter::put_head(const TextHead& head) {
+  if (head.components.empty() && head.units.empty() && head.metas.empty()) return;
+  const auto element = [&](std::string_view name, std::initializer_list<std::array<std::string_view, 2>> attributes) {
+    start_line();
+    out() += '<';
+    out() += name;
+    for (const auto& [attribute, text] : attributes) put_attribute(attribute, text);
+    out() += "/>";
+  };
+  start_line();
+  out() += "<head>";
+  add_levels(1);
+  for (const X3DStatements::Component& each : head.components)
+    element("component", {{"name", each.name}, {"level", std::to_string(each.level)}});
+  for (const X3DStatements::Unit& each : head.units) {
+    std::string factor;
+    append_number<Notation::xml>(factor, each.factor);
+    element("unit", {{"category", each.category}, {"name", each.name}, {"conversionFactor", factor}});
+  }
+  for (const X3DStatements::Meta& each : head.metas) element("meta", {{"name", each.name}, {"content", each.content}});
+  end_element("head");
 }
 
 void XmlPrinter::end_text() {
@@ -171,7 +185,7 @@ void XmlPrinter::put_declaration(std::string_view element, const WrittenField& f
   out() += '<';
   out() += element;
   if (declares) {
-    put_attribute("accessType", access_name(translator().language(), field.declaration->access));
+    put_attribute("accessType", name_of(field.declaration->access, translator().language()));
     put_attribute("type", name_of(field.declaration->type));
   }
   put_attribute("name", field.name);
@@ -255,6 +269,21 @@ void XmlPrinter::put_route(const NamedRoute& route) {
   put_attribute("fromField", route.event_out);
   put_attribute("toNode", route.to);
   put_attribute("toField", route.event_in);
+  out() += "/>";
+}
+
+void XmlPrinter::put_import(const SharedName& shared) {
+  out() += "<IMPORT";
+  put_attribute("inlineDEF", shared.inline_name);
+  put_attribute("importedDEF", shared.exported);
+  put_attribute("AS", shared.local);
+  out() += "/>";
+}
+
+void XmlPrinter::put_export(const SharedName& shared) {
+  out() += "<EXPORT";
+  put_attribute("localDEF", shared.local);
+  put_attribute("AS", shared.exported);
   out() += "/>";
 }
 

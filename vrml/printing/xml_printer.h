@@ -19,8 +19,11 @@ class XmlPrinter final : public ScenePrinter {
   void put_null() override {}
   void put_prototype(const NodeType& type) override;
   void put_route(const NamedRoute& route) override;
+  void put_import(const SharedName& shared) override;
+  void put_export(const SharedName& shared) override;
 
  private:
+  void put_head(const TextHead& head);
   void put_attribute(std::string_view name, std::string_view text);
   void put_value(std::string_view name, const FieldValue& value);
   void open_element(const NodeType& type);

@@ -36,7 +36,7 @@ std::string xml(const std::string& body) {
 }
 
 std::string json(const std::string& body) {
-  return nodes_of(printed_scene(*world(body), {Grammar::x3d_json}), "\"-children\": [", "\n      ]\n    }\n  } }");
+  return nodes_of(printed_scene(*world(body), {Grammar::x3d_json}), "\"-children\": [", "\n    ]\n  }\n} }");
 }
 
 std::string classic(const std::string& body) {
@@ -45,7 +45,8 @@ std::string classic(const std::string& body) {
 }
 
 constexpr const char* kBall =
-    "DEF Ball Transform { translation 1 2 0.5 children Shape { appearance Appearance { material Material { diffuseColor "
+    "DEF Ball Transform { translation 1 2 0.5 children Shape { appearance Appearance { material Material { "
+    "diffuseColor "
     "1 0 0 } } geometry Sphere { radius 2 } } }\nDEF Clock TimeSensor { loop TRUE }\n"
     "DEF Way PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 1 1 1 ] }\n"
     "ROUTE Clock.fraction_changed TO Way.set_fraction\nROUTE Way.value_changed TO Ball.translation\n";
@@ -66,26 +67,27 @@ TEST_CASE("prints a VRML97 scene in the three encodings of X3D") {
     <PositionInterpolator DEF='Way' key='0 1' keyValue='0 0 0, 1 1 1'/>
     <ROUTE fromNode='Clock' fromField='fraction_changed' toNode='Way' toField='set_fraction'/>
     <ROUTE fromNode='Way' fromField='value_changed' toNode='Ball' toField='translation'/>)");
-  CHECK(json("DEF Ball Transform { translation 1 2 0.5 children [ DEF S Shape { geometry Sphere { radius 2 } } USE S ] } "
-             "TimeSensor { loop TRUE }") == R"(
-        { "Transform": {
-            "@DEF": "Ball",
-            "-children": [
-              { "Shape": {
-                  "@DEF": "S",
-                  "-geometry": { "Sphere": {
-                      "@radius": 2
-                    } }
-                } },
-              { "Shape": {
-                  "@USE": "S"
-                } }
-            ],
-            "@translation": [1,2,0.5]
+  CHECK(
+      json("DEF Ball Transform { translation 1 2 0.5 children [ DEF S Shape { geometry Sphere { radius 2 } } USE S ] } "
+           "TimeSensor { loop TRUE }") == R"(
+      { "Transform": {
+        "@DEF": "Ball",
+        "-children": [
+          { "Shape": {
+            "@DEF": "S",
+            "-geometry": { "Sphere": {
+              "@radius": 2
+            } }
           } },
-        { "TimeSensor": {
-            "@loop": true
-          } })");
+          { "Shape": {
+            "@USE": "S"
+          } }
+        ],
+        "@translation": [1,2,0.5]
+      } },
+      { "TimeSensor": {
+        "@loop": true
+      } })");
   CHECK(classic("Switch { choice Group { } whichChoice 0 }") ==
         "Switch {\n  children [\n    Group {}\n  ]\n  whichChoice 0\n}\n");
 }
@@ -112,18 +114,20 @@ TEST_CASE("states the smallest profile with the components of the nodes") {
   CHECK(head("Billboard { }") == "PROFILE Immersive");
   CHECK(head("Script { }") == "PROFILE Immersive");
   CHECK(head("PROTO P [ ] { Group { } }") == "PROFILE Immersive");
-  CHECK(printed_scene(*world("Group { }"), {Grammar::x3d_classic}).starts_with("#X3D V3.3 utf8\n\nPROFILE Interchange"));
+  CHECK(
+      printed_scene(*world("Group { }"), {Grammar::x3d_classic}).starts_with("#X3D V3.3 utf8\n\nPROFILE Interchange"));
 }
 
 TEST_CASE("escapes texts by the rules of each encoding") {
-  const std::string body = "WorldInfo { title \"<a> & 'b' \\\"c\\\" \\\\ d\te\" info [ \"say \\\"x\\\" \\\\\", \"two\" ] }";
+  const std::string body =
+      "WorldInfo { title \"<a> & 'b' \\\"c\\\" \\\\ d\te\" info [ \"say \\\"x\\\" \\\\\", \"two\" ] }";
   CHECK(xml(body) ==
         "\n    <WorldInfo info='\"say \\\"x\\\" \\\\\", \"two\"' title='&lt;a> &amp; &apos;b&apos; \"c\" \\ d&#9;e'/>");
   CHECK(json(body) == R"(
-        { "WorldInfo": {
-            "@info": ["say \"x\" \\", "two"],
-            "@title": "<a> & 'b' \"c\" \\ d\te"
-          } })");
+      { "WorldInfo": {
+        "@info": ["say \"x\" \\", "two"],
+        "@title": "<a> & 'b' \"c\" \\ d\te"
+      } })");
   // XML has no control characters.
   PrintOptions options{Grammar::x3d_xml};
   std::string text;
@@ -136,7 +140,8 @@ TEST_CASE("escapes texts by the rules of each encoding") {
 
 TEST_CASE("writes programs of Scripts as text of the element, with the scheme of X3D") {
   const std::string body =
-      "DEF S Script { eventIn SFBool on eventOut SFTime now field SFNode self USE S field MFString words [ \"a\", \"b\" ] "
+      "DEF S Script { eventIn SFBool on eventOut SFTime now field SFNode self USE S field MFString words [ \"a\", "
+      "\"b\" ] "
       "url \"javascript:\nfunction on(v) { if (v < 1 && v > 0) now = 0; }\" }";
   CHECK(xml(body) == R"(
     <Script DEF='S'>
@@ -149,11 +154,10 @@ TEST_CASE("writes programs of Scripts as text of the element, with the scheme of
       <![CDATA[ecmascript:
 function on(v) { if (v < 1 && v > 0) now = 0; }]]>
     </Script>)");
-  CHECK(xml("Script { url [ \"a.js\", \"vrmlscript:x\" ] }") ==
-        "\n    <Script url='\"a.js\", \"ecmascript:x\"'/>");
+  CHECK(xml("Script { url [ \"a.js\", \"vrmlscript:x\" ] }") == "\n    <Script url='\"a.js\", \"ecmascript:x\"'/>");
   CHECK(xml("Script { url \"javascript:a[b[0]]>1\" }").find("<![CDATA[ecmascript:a[b[0]]]]><![CDATA[>1]]>") !=
         std::string::npos);
-  CHECK(json("Script { url \"javascript:\none\ntwo\" }").find("\"#sourceCode\": [\n              \"ecmascript:\",\n") !=
+  CHECK(json("Script { url \"javascript:\none\ntwo\" }").find("\"#sourceCode\": [\n          \"ecmascript:\",\n") !=
         std::string::npos);
 }
 
@@ -199,14 +203,18 @@ TEST_CASE("writes PROTOs, their connections and their instances") {
         <fieldValue name='x' value='2'/>
       </ProtoInstance>
     </Shape>)");
-  CHECK(classic("PROTO P [ exposedField SFFloat a 1 eventOut SFTime t field SFInt32 n 2 eventIn SFBool b ] { Group { } }") ==
-        "PROTO P [\n  inputOutput SFFloat a 1\n  outputOnly SFTime t\n  initializeOnly SFInt32 n 2\n  inputOnly SFBool b\n"
-        "] {\n  Group {}\n}\n");
+  CHECK(
+      classic(
+          "PROTO P [ exposedField SFFloat a 1 eventOut SFTime t field SFInt32 n 2 eventIn SFBool b ] { Group { } }") ==
+      "PROTO P [\n  inputOutput SFFloat a 1\n  outputOnly SFTime t\n  initializeOnly SFInt32 n 2\n  inputOnly SFBool "
+      "b\n"
+      "] {\n  Group {}\n}\n");
 }
 
 TEST_CASE("writes instances of a PROTO that is a fallback for a built-in node") {
-  const std::string text = xml("PROTO QNV [ exposedField MFString url [ ] ] { PointSet { } }\n"
-                               "Shape { geometry QNV { url \"a.qnv\" } }");
+  const std::string text =
+      xml("PROTO QNV [ exposedField MFString url [ ] ] { PointSet { } }\n"
+          "Shape { geometry QNV { url \"a.qnv\" } }");
   CHECK(text.find("<ProtoInstance name='QNV' containerField='geometry'>") != std::string::npos);
   CHECK(text.find("<fieldValue name='url' value='\"a.qnv\"'/>") != std::string::npos);
 }
@@ -226,10 +234,10 @@ TEST_CASE("adapts the URLs of all url fields") {
     for (const String& url : urls) moved.push_back(String("up/" + url.str()));
     return urls.empty() ? std::nullopt : std::optional(std::move(moved));
   };
-  const std::string text = printed_scene(
-      *world("Inline { url \"a.wrl\" }\nPROTO P [ field MFString lowUrl \"low.wrl\" field MFString words \"a\" ] { Group { "
-             "} }\nBackground { backUrl \"b.png\" }"),
-      options);
+  const std::string text = printed_scene(*world("Inline { url \"a.wrl\" }\nPROTO P [ field MFString lowUrl \"low.wrl\" "
+                                                "field MFString words \"a\" ] { Group { "
+                                                "} }\nBackground { backUrl \"b.png\" }"),
+                                         options);
   CHECK(text.find("url [ \"up/a.wrl\" ]") != std::string::npos);
   CHECK(text.find("lowUrl [ \"up/low.wrl\" ]") != std::string::npos);
   CHECK(text.find("words [ \"a\" ]") != std::string::npos);
