@@ -34,22 +34,22 @@ struct WorldNode {
   SceneGraph* scene = nullptr;
   SceneState* state = nullptr;
 };
-WorldNode world_of(Execution& execution, EventNode node) {
+WorldNode humanoid_world(Execution& execution, EventNode node) {
   SceneGraph* const scene = execution.nodes()[node].scene;
   return {scene, execution.scenes().find(scene)};
 }
 
 // Returns a field of a node that an HAnim node refers to; null if its type has no such field.
 template <class T>
-const T* field_of(const SceneGraph& scene, NodeId id, std::string_view name) {
+const T* part_field(const SceneGraph& scene, NodeId id, std::string_view name) {
   const NodeId node = scene.resolve(id);
   const InterfaceDeclaration* const field = node ? scene.node(node).type->find_field(name) : nullptr;
   return field ? std::get_if<T>(&scene.node(node).values[field->slot]) : nullptr;
 }
 
 std::vector<glm::dvec3> points_of(const SceneGraph& scene, NodeId node, std::string_view field) {
-  if (const auto* list = field_of<MFVec3f>(scene, node, field)) return {list->begin(), list->end()};
-  if (const auto* list = field_of<MFVec3d>(scene, node, field)) return {list->begin(), list->end()};
+  if (const auto* list = part_field<MFVec3f>(scene, node, field)) return {list->begin(), list->end()};
+  if (const auto* list = part_field<MFVec3d>(scene, node, field)) return {list->begin(), list->end()};
   return {};
 }
 
@@ -75,9 +75,9 @@ void send_points(Execution& execution, WorldNode world, NodeId id, std::string_v
 void displace(const SceneGraph& scene, const MFNode& displacers, const glm::dmat3& turn,
               std::vector<glm::dvec3>& points) {
   for (const NodeId displacer : displacers) {
-    const auto* index = field_of<MFInt32>(scene, displacer, "coordIndex");
-    const auto* motion = field_of<MFVec3f>(scene, displacer, "displacements");
-    const auto* weight = field_of<SFFloat>(scene, displacer, "weight");
+    const auto* index = part_field<MFInt32>(scene, displacer, "coordIndex");
+    const auto* motion = part_field<MFVec3f>(scene, displacer, "displacements");
+    const auto* weight = part_field<SFFloat>(scene, displacer, "weight");
     if (!index || !motion || !weight || *weight == 0) continue;
     for (std::size_t i = 0; i < index->size() && i < motion->size(); ++i)
       if (const auto at = static_cast<std::size_t>((*index)[i]); (*index)[i] >= 0 && at < points.size())
@@ -85,10 +85,10 @@ void displace(const SceneGraph& scene, const MFNode& displacers, const glm::dmat
   }
 }
 
-std::size_t cost_of(const SceneGraph& scene, const MFNode& displacers) {
+std::size_t displacement_cost(const SceneGraph& scene, const MFNode& displacers) {
   std::size_t cost = 0;
   for (const NodeId displacer : displacers)
-    if (const auto* index = field_of<MFInt32>(scene, displacer, "coordIndex")) cost += index->size();
+    if (const auto* index = part_field<MFInt32>(scene, displacer, "coordIndex")) cost += index->size();
   return cost;
 }
 
@@ -96,7 +96,7 @@ std::size_t cost_of(const SceneGraph& scene, const MFNode& displacers) {
 class SkeletonReader {
  public:
   SkeletonReader(Execution& execution, EventNode humanoid, HumanoidState& state)
-      : execution_(execution), humanoid_(humanoid), state_(state), world_(world_of(execution, humanoid)) {}
+      : execution_(execution), humanoid_(humanoid), state_(state), world_(humanoid_world(execution, humanoid)) {}
 
   void read(const MFNode& skeleton) {
     std::vector<std::pair<NodeId, std::uint32_t>> waiting;
@@ -109,10 +109,10 @@ class SkeletonReader {
       waiting.pop_back();
       if (!id || !seen_.insert(id.index).second) continue;
       watch(id);
-      const MFNode* const children = field_of<MFNode>(*world_.scene, id, "children");
-      if (const auto* displacers = field_of<MFNode>(*world_.scene, id, "displacers"))
+      const MFNode* const children = part_field<MFNode>(*world_.scene, id, "children");
+      if (const auto* displacers = part_field<MFNode>(*world_.scene, id, "displacers"))
         for (const NodeId displacer : *displacers) watch(world_.scene->resolve(displacer));
-      if (!field_of<MFInt32>(*world_.scene, id, "skinCoordIndex")) {
+      if (!part_field<MFInt32>(*world_.scene, id, "skinCoordIndex")) {
         // Segments and Sites contain no joints.
         continue;
       }
@@ -140,16 +140,16 @@ class SkeletonReader {
 
 // Reads the binding pose: by default, the pose without rotations.
 void read_binding(Execution& execution, EventNode node, HumanoidState& state) {
-  const WorldNode world = world_of(execution, node);
+  const WorldNode world = humanoid_world(execution, node);
   const SceneGraph& scene = *world.scene;
   const NodeId self = execution.nodes()[node].id;
   const NodeId given = execution.get<SFNode>(node, HumanoidEvents::skin_binding_coords);
   state.points = points_of(scene, given ? given : execution.get<SFNode>(node, HumanoidEvents::skin_coord), "point");
   state.normals = points_of(scene, execution.get<SFNode>(node, HumanoidEvents::skin_normal), "vector");
   if (state.normals.size() != state.points.size()) state.normals.clear();
-  const auto* positions = field_of<MFVec3f>(scene, self, "jointBindingPositions");
-  const auto* rotations = field_of<MFRotation>(scene, self, "jointBindingRotations");
-  const auto* scales = field_of<MFVec3f>(scene, self, "jointBindingScales");
+  const auto* positions = part_field<MFVec3f>(scene, self, "jointBindingPositions");
+  const auto* rotations = part_field<MFRotation>(scene, self, "jointBindingRotations");
+  const auto* scales = part_field<MFVec3f>(scene, self, "jointBindingScales");
   const MFNode& joints = execution.get<MFNode>(node, HumanoidEvents::joints);
   for (std::size_t i = 0; positions && rotations && i < joints.size() && i < positions->size(); ++i) {
     const NodeId id = scene.resolve(joints[i]);
@@ -171,7 +171,7 @@ void read_humanoid(Execution& execution, EventNode node) {
   state.joints.clear();
   SkeletonReader(execution, node, state).read(execution.get<MFNode>(node, HumanoidEvents::skeleton));
   read_binding(execution, node, state);
-  const WorldNode world = world_of(execution, node);
+  const WorldNode world = humanoid_world(execution, node);
   for (const NodeId motion : execution.get<MFNode>(node, HumanoidEvents::motions))
     if (const NodeId id = world.scene->resolve(motion);
         id && world.scene->node(id).type->behaviour == &kMotionBehaviour)
@@ -194,13 +194,13 @@ bool humanoid_event(Execution& execution, EventNode node, int event, const Field
 void move_skin(Execution& execution, EventNode node) {
   HumanoidState& state = humanoid_state(execution, node);
   if (state.points.empty()) return;
-  const WorldNode world = world_of(execution, node);
+  const WorldNode world = humanoid_world(execution, node);
   const SceneGraph& scene = *world.scene;
   std::size_t cost = state.points.size();
   for (const HumanoidState::Joint& joint : state.joints) {
     if (!scene.contains(joint.node)) return read_humanoid(execution, node);
     cost += scene.get<MFInt32>(joint.node, "skinCoordIndex").size();
-    cost += cost_of(scene, scene.get<MFNode>(joint.node, "displacers"));
+    cost += displacement_cost(scene, scene.get<MFNode>(joint.node, "displacers"));
   }
   if (!execution.budget().spend(cost)) return;
   std::vector<glm::dmat4> humanoid_from_joint(state.joints.size());
@@ -255,7 +255,7 @@ bool displacer_event(Execution& execution, EventNode node, int, const FieldValue
 
 // A segment keeps the coordinates without displacements in a state of its own.
 void begin_segment(Execution& execution, EventNode node) {
-  const WorldNode world = world_of(execution, node);
+  const WorldNode world = humanoid_world(execution, node);
   const MFNode& displacers = execution.get<MFNode>(node, SegmentEvents::displacers);
   if (displacers.empty()) return;
   execution.nodes().state_of(node) = execution.states().humanoids.take();
@@ -270,10 +270,10 @@ void begin_segment(Execution& execution, EventNode node) {
 }
 void move_segment(Execution& execution, EventNode node) {
   if (execution.nodes().state_of(node) == 0) return;
-  const WorldNode world = world_of(execution, node);
+  const WorldNode world = humanoid_world(execution, node);
   std::vector<glm::dvec3> points = humanoid_state(execution, node).points;
   const MFNode& displacers = execution.get<MFNode>(node, SegmentEvents::displacers);
-  if (points.empty() || !execution.budget().spend(points.size() + cost_of(*world.scene, displacers))) return;
+  if (points.empty() || !execution.budget().spend(points.size() + displacement_cost(*world.scene, displacers))) return;
   displace(*world.scene, displacers, glm::dmat3(1), points);
   send_points(execution, world, execution.get<SFNode>(node, SegmentEvents::coord), "point", points);
 }

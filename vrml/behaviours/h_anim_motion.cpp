@@ -76,7 +76,7 @@ std::size_t frames_of(Execution& execution, EventNode node, const MotionState& s
 }
 
 template <class T>
-T field_of(Execution& execution, EventNode node, const char* name) {
+T motion_field(Execution& execution, EventNode node, const char* name) {
   const NodePlace at = execution.nodes().place_of(node);
   return at.scene->get<T>(at.node, name);
 }
@@ -87,8 +87,8 @@ struct FrameRange {
 };
 FrameRange range_of(Execution& execution, EventNode node, const MotionState& state) {
   const auto frames = static_cast<std::int64_t>(frames_of(execution, node, state));
-  const std::int64_t first = field_of<SFInt32>(execution, node, "startFrame");
-  const std::int64_t last = field_of<SFInt32>(execution, node, "endFrame");
+  const std::int64_t first = motion_field<SFInt32>(execution, node, "startFrame");
+  const std::int64_t last = motion_field<SFInt32>(execution, node, "endFrame");
   const bool given = first >= 0 && last > first && last < frames;
   return given ? FrameRange{first, last - first + 1} : FrameRange{0, frames};
 }
@@ -137,7 +137,7 @@ void end_motion(Execution& execution, EventNode node) {
 void play(Execution& execution, EventNode node) {
   MotionState& state = motion_state(execution, node);
   const FrameRange range = range_of(execution, node, state);
-  const auto duration = field_of<SFTime>(execution, node, "frameDuration");
+  const auto duration = motion_field<SFTime>(execution, node, "frameDuration");
   const bool plays = execution.get<SFBool>(node, MotionEvents::enabled) && range.count > 0 && duration > 0;
   execution.timers().run(node, plays);
   if (!plays) {

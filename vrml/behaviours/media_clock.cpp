@@ -26,7 +26,7 @@ struct Media {
     elapsed_time
   };
 };
-constexpr PauseEvents kPauseEvents = {Media::start_time, Media::pause_time, Media::resume_time, Media::is_paused,
+constexpr PauseEvents kMediaPauseEvents = {Media::start_time, Media::pause_time, Media::resume_time, Media::is_paused,
                                       Media::elapsed_time};
 
 constexpr double kUnending = std::numeric_limits<double>::infinity();
@@ -106,7 +106,7 @@ void media_start_if_due(Execution& execution, EventNode node, MediaState& state)
   state.cycle = 0;
   begin_pauses(state.pause, f.start > execution.cascade().previous() ? f.start : now);
   execution.send(node, Media::is_active, SFBool{true});
-  if (has_pauses(execution, node, kPauseEvents)) return execution.timers().look_again(node);
+  if (has_pauses(execution, node, kMediaPauseEvents)) return execution.timers().look_again(node);
   execution.timers().call_at(node, end_of(f, state));
 }
 
@@ -117,7 +117,7 @@ void media_stop(Execution& execution, EventNode node, MediaState& state, const M
   state.held = position_at(f, state, last, end_of_cycle);
   state.holds = true;
   state.active = false;
-  end_pauses(execution, node, kPauseEvents, state.pause);
+  end_pauses(execution, node, kMediaPauseEvents, state.pause);
   execution.send(node, Media::is_active, SFBool{false});
   // If the node must stop and start again at the same time, it stops first (4.6.9).
   if (state.new_start_at == execution.now()) {
@@ -132,7 +132,7 @@ void tell_media_time(Execution& execution, EventNode node, const MediaState& sta
   const bool tells = plays && execution.is_listened_to(node, Media::media_time);
   const bool counts = plays && execution.is_listened_to(node, Media::elapsed_time);
   execution.timers().run(node, tells || counts);
-  if (counts) send_elapsed(execution, node, kPauseEvents, state.pause, execution.now());
+  if (counts) send_elapsed(execution, node, kMediaPauseEvents, state.pause, execution.now());
   if (!tells || execution.has_sent(node, Media::media_time)) return;
   execution.send(node, Media::media_time,
                  SFTime{position_at(media_fields(execution, node), state, execution.now(), false)});
@@ -140,11 +140,11 @@ void tell_media_time(Execution& execution, EventNode node, const MediaState& sta
 
 // Begins and ends pauses of an active node. Returns the time of the next change.
 double media_pauses(Execution& execution, EventNode node, MediaState& state) {
-  if (!has_pauses(execution, node, kPauseEvents)) return kUnending;
+  if (!has_pauses(execution, node, kMediaPauseEvents)) return kUnending;
   const double last = std::max(state.pause.activated, execution.cascade().previous());
-  if (!begin_pause(execution, node, kPauseEvents, state.pause, last))
-    resume(execution, node, kPauseEvents, state.pause);
-  return state.pause.paused ? next_resume(execution, node, kPauseEvents) : next_pause(execution, node, kPauseEvents);
+  if (!begin_pause(execution, node, kMediaPauseEvents, state.pause, last))
+    resume(execution, node, kMediaPauseEvents, state.pause);
+  return state.pause.paused ? next_resume(execution, node, kMediaPauseEvents) : next_pause(execution, node, kMediaPauseEvents);
 }
 
 void media_change(Execution& execution, EventNode node, MediaState& state) {

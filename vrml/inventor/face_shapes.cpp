@@ -153,7 +153,7 @@ constexpr std::string_view kIndexedFields = R"(
   SFNode vertexProperty)";
 constexpr std::string_view kRunFields = "SFInt32 startIndex 0 MFInt32 numVertices -1 SFNode vertexProperty";
 
-constexpr ItemRow kRows[] = {
+constexpr ItemRow kFaceRows[] = {
     {"IndexedFaceSet", ItemClass::shape, false, apply_indexed_faces, kIndexedFields},
     {"IndexedTriangleStripSet", ItemClass::shape, false, apply_indexed_strips, kIndexedFields},
     {"IndexedTriangleSet IndexedTriangleMesh", ItemClass::shape, false, apply_triangles, kIndexedFields},
@@ -165,6 +165,6 @@ constexpr ItemRow kRows[] = {
 
 }  // namespace
 
-std::span<const ItemRow> face_rows() { return kRows; }
+std::span<const ItemRow> face_rows() { return kFaceRows; }
 
 }  // namespace gs::vrml::inventor

@@ -178,7 +178,7 @@ constexpr std::string_view kSeparatorFields = R"(
   SFEnum renderCulling AUTO
   SFEnum pickCulling AUTO)";
 
-constexpr ItemRow kRows[] = {
+constexpr ItemRow kGroupRows[] = {
     {"Separator", ItemClass::group, true, apply_children, kSeparatorFields},
     {"Annotation", ItemClass::group, true, apply_children, kSeparatorFields},
     {"Selection ExtSelection LocateHighlight", ItemClass::group, true, apply_children, R"(
@@ -227,6 +227,6 @@ constexpr ItemRow kRows[] = {
 
 }  // namespace
 
-std::span<const ItemRow> group_rows() { return kRows; }
+std::span<const ItemRow> group_rows() { return kGroupRows; }
 
 }  // namespace gs::vrml::inventor

@@ -29,7 +29,7 @@ void add(Converter& converter, const Item& item, const State& state, const FaceL
   add_lines(converter, item, state, is_by_segment(state) ? segments_of(lines) : lines, own);
 }
 
-bool admits(Converter& converter, const Item& item, std::size_t corners) {
+bool admits_lines(Converter& converter, const Item& item, std::size_t corners) {
   return converter.sink().limits().admits_string(corners * 3 * sizeof(std::int32_t), item.location);
 }
 
@@ -37,7 +37,7 @@ void apply_indexed_lines(Converter& converter, const Item& item) {
   const State state = state_of_shape(converter, item);
   FaceList lines;
   lines.index = item.get<MFInt32>("coordIndex");
-  if (!admits(converter, item, is_by_segment(state) ? 2 * lines.index.size() : 0)) return;
+  if (!admits_lines(converter, item, is_by_segment(state) ? 2 * lines.index.size() : 0)) return;
   add(converter, item, state, lines, {item.get<MFInt32>("materialIndex"), {}, {}, true});
 }
 
@@ -45,7 +45,7 @@ void apply_lines(Converter& converter, const Item& item) {
   const State state = state_of_shape(converter, item);
   const auto start = static_cast<std::size_t>(std::max(item.get<SFInt32>("startIndex"), 0));
   std::size_t left = state.points.size() - std::min(start, state.points.size());
-  if (!admits(converter, item, 2 * left)) return;
+  if (!admits_lines(converter, item, 2 * left)) return;
   FaceList lines;
   auto at = static_cast<std::int32_t>(start);
   std::int32_t number = 0, line = 0;
@@ -67,7 +67,7 @@ void apply_points(Converter& converter, const Item& item) {
              number < 0 ? state.points.size() : static_cast<std::size_t>(number));
 }
 
-constexpr ItemRow kRows[] = {
+constexpr ItemRow kLineRows[] = {
     {"IndexedLineSet", ItemClass::shape, false, apply_indexed_lines, R"(
   MFInt32 coordIndex 0
   MFInt32 materialIndex -1
@@ -85,6 +85,6 @@ constexpr ItemRow kRows[] = {
 
 }  // namespace
 
-std::span<const ItemRow> line_rows() { return kRows; }
+std::span<const ItemRow> line_rows() { return kLineRows; }
 
 }  // namespace gs::vrml::inventor

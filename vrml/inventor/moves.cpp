@@ -95,7 +95,7 @@ void apply_units(Converter& converter, const Item& item) {
   add_fields(converter, fields);
 }
 
-constexpr ItemRow kRows[] = {
+constexpr ItemRow kTransformRows[] = {
     {"Transform", ItemClass::plain, false, apply_transform, kTransformFields},
     {"TrackballManip HandleBoxManip JackManip TabBoxManip TransformBoxManip TransformerManip CenterballManip "
      "TransformManip",
@@ -132,6 +132,6 @@ glm::dmat4 matrix_of(const MFFloat& numbers, std::size_t first) {
   return matrix;
 }
 
-std::span<const ItemRow> transform_rows() { return kRows; }
+std::span<const ItemRow> transform_rows() { return kTransformRows; }
 
 }  // namespace gs::vrml::inventor

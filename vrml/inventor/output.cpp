@@ -9,7 +9,7 @@
 namespace gs::vrml::inventor {
 
 NodeId Output::begin(std::string_view type, NodeTarget target, SourceLocation location, std::string_view name) {
-  if (!is_id(name) || reserved_word(name) >= 0) name = {};
+  if (!is_id(name) || reserved_word(name, Language::vrml97) >= 0) name = {};
   const OpenNode node = sink_.begin_node({{type, location}, name, target, groups_.size() * 2});
   return node.id;
 }

@@ -224,7 +224,7 @@ void apply_vertex_properties(Converter& converter, const Item& item) {
   converter.write(Part::coordinates, changed.serial(Part::coordinates)) = changed;
 }
 
-constexpr ItemRow kRows[] = {
+constexpr ItemRow kPropertyRows[] = {
     {"Material", ItemClass::plain, false, apply_material, R"(
   MFColor ambientColor 0.2 0.2 0.2
   MFColor diffuseColor 0.8 0.8 0.8
@@ -307,6 +307,6 @@ void apply_vertex_property(Converter& converter, const Item& item, State& state)
   }
 }
 
-std::span<const ItemRow> property_rows() { return kRows; }
+std::span<const ItemRow> property_rows() { return kPropertyRows; }
 
 }  // namespace gs::vrml::inventor

@@ -190,7 +190,7 @@ void apply_cone(Converter& converter, const Item& item) {
   add_mesh(converter, item, std::move(mesh), closed);
 }
 
-constexpr ItemRow kRows[] = {
+constexpr ItemRow kSolidRows[] = {
     {"Cube", ItemClass::shape, false, apply_cube, "SFFloat width 2 SFFloat height 2 SFFloat depth 2"},
     {"Sphere", ItemClass::shape, false, apply_sphere, "SFFloat radius 1"},
     {"Cone", ItemClass::shape, false, apply_cone, "SFBitMask parts ALL SFFloat bottomRadius 1 SFFloat height 2"},
@@ -199,6 +199,6 @@ constexpr ItemRow kRows[] = {
 
 }  // namespace
 
-std::span<const ItemRow> solid_rows() { return kRows; }
+std::span<const ItemRow> solid_rows() { return kSolidRows; }
 
 }  // namespace gs::vrml::inventor

@@ -158,7 +158,7 @@ constexpr std::string_view kSurfaceFields = R"(
   MFInt32 textureCoordIndex [])";
 constexpr std::string_view kCurveFields = "SFInt32 numControlPoints 0 MFFloat knotVector [] MFInt32 coordIndex []";
 
-constexpr ItemRow kRows[] = {
+constexpr ItemRow kTextRows[] = {
     {"AsciiText", ItemClass::shape, false, apply_text,
      "MFString string \"\" SFFloat spacing 1 SFEnum justification LEFT MFFloat width 0"},
     {"Text3", ItemClass::shape, false, apply_text,
@@ -172,6 +172,6 @@ constexpr ItemRow kRows[] = {
 
 }  // namespace
 
-std::span<const ItemRow> text_rows() { return kRows; }
+std::span<const ItemRow> text_rows() { return kTextRows; }
 
 }  // namespace gs::vrml::inventor

@@ -65,7 +65,7 @@ void apply_plane(Converter& converter, const Item& item) {
   set_function(converter, function, item.serial);
 }
 
-constexpr ItemRow kRows[] = {
+constexpr ItemRow kTextureRows[] = {
     {"Texture2", ItemClass::plain, false, apply_texture, R"(
   SFString filename ""
   SFImage image 0 0 0
@@ -92,6 +92,6 @@ constexpr ItemRow kRows[] = {
 
 }  // namespace
 
-std::span<const ItemRow> texture_rows() { return kRows; }
+std::span<const ItemRow> texture_rows() { return kTextureRows; }
 
 }  // namespace gs::vrml::inventor

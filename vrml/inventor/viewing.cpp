@@ -185,7 +185,7 @@ constexpr std::string_view kSpotFields = R"(
 constexpr std::string_view kHandles = "its handles are not shown";
 constexpr std::string_view kForeign = "a VRML97 node in a VRML 1.0 or Inventor file; accepted";
 
-constexpr ItemRow kRows[] = {
+constexpr ItemRow kViewingRows[] = {
     {"PerspectiveCamera", ItemClass::plain, false, apply_perspective, R"(
   SFEnum viewportMapping ADJUST_CAMERA
   SFVec3f position 0 0 1
@@ -254,6 +254,6 @@ constexpr ItemRow kRows[] = {
 
 }  // namespace
 
-std::span<const ItemRow> viewing_rows() { return kRows; }
+std::span<const ItemRow> viewing_rows() { return kViewingRows; }
 
 }  // namespace gs::vrml::inventor

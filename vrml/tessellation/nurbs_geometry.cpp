@@ -14,22 +14,22 @@
 namespace gs::vrml {
 namespace {
 
-SFBool flag(const SceneGraph& scene, NodeId node, std::string_view field, bool otherwise) {
+SFBool flag_of(const SceneGraph& scene, NodeId node, std::string_view field, bool otherwise) {
   return scene.node(node).type->find_field(field) ? scene.get<SFBool>(node, field) : otherwise;
 }
 
 /// Subdivision of a surface into columns x rows.
-struct Steps {
+struct SurfaceSteps {
   std::size_t columns = 0, rows = 0;
 };
-Steps steps_of(const SceneGraph& scene, NodeId geometry, const NurbsSurface& surface) {
+SurfaceSteps surface_steps(const SceneGraph& scene, NodeId geometry, const NurbsSurface& surface) {
   return {surface.u().steps(scene.get<SFInt32>(geometry, "uTessellation")),
           surface.v().steps(scene.get<SFInt32>(geometry, "vTessellation"))};
 }
 
 // Returns the surface of texture coordinates: that of a NurbsTextureSurface or NurbsTextureCoordinate, or one with a
 // TextureCoordinate per control point. Returns nullopt if the coordinates are those of the unit square.
-std::optional<NurbsSurface> picture_of(const SceneGraph& scene, NodeId geometry, const NurbsSurface& surface) {
+std::optional<NurbsSurface> texture_surface(const SceneGraph& scene, NodeId geometry, const NurbsSurface& surface) {
   const NodeId given = scene.get<SFNode>(geometry, "texCoord");
   if (const NodeId node = scene.resolve_as(given, NodeKind::nurbs_texture_surface))
     return NurbsSurface::make(scene, node);
@@ -37,13 +37,13 @@ std::optional<NurbsSurface> picture_of(const SceneGraph& scene, NodeId geometry,
   return surface.with_points(points_of(scene, geometry, "texCoord"));
 }
 
-glm::vec3 normal_of(const NurbsSurface::Place& place, bool ccw) {
+glm::vec3 surface_normal(const NurbsSurface::Place& place, bool ccw) {
   const glm::dvec3 up = glm::cross(place.along_u, place.along_v);
   const double length = glm::length(up);
   return length > 0 ? glm::vec3(up / length * (ccw ? 1.0 : -1.0)) : glm::vec3(0);
 }
 
-MFVec2f texture_of(const std::optional<NurbsSurface>& picture, Steps steps) {
+MFVec2f surface_texture(const std::optional<NurbsSurface>& picture, SurfaceSteps steps) {
   MFVec2f coordinates;
   const std::size_t count = (steps.columns + 1) * (steps.rows + 1);
   glm::vec2* next = coordinates.prepare(count);
@@ -81,7 +81,7 @@ std::vector<std::vector<glm::dvec2>> contours_of(const SceneGraph& scene, NodeId
 Mesh trimmed_mesh(const SceneGraph& scene, NodeId geometry, const NurbsSurface& surface, const MeshOptions& options) {
   Mesh nothing;
   nothing.solid = scene.get<SFBool>(geometry, "solid");
-  const Steps steps = steps_of(scene, geometry, surface);
+  const SurfaceSteps steps = surface_steps(scene, geometry, surface);
   const std::vector<std::vector<glm::dvec2>> contours = contours_of(scene, geometry, surface);
   const std::size_t count = most_corners(contours, steps.columns, steps.rows);
   constexpr std::uint64_t kBytesOfCorner = 160;
@@ -91,7 +91,7 @@ Mesh trimmed_mesh(const SceneGraph& scene, NodeId geometry, const NurbsSurface& 
     return nothing;
   }
   const std::optional<NurbsSurface> picture =
-      options.texture_coordinates ? picture_of(scene, geometry, surface) : std::nullopt;
+      options.texture_coordinates ? texture_surface(scene, geometry, surface) : std::nullopt;
   FaceSet faces;
   faces.budget = scene.budget();
   faces.solid = nothing.solid;
@@ -103,7 +103,7 @@ Mesh trimmed_mesh(const SceneGraph& scene, NodeId geometry, const NurbsSurface& 
       const NurbsSurface::Place place = surface.at(corner.x, corner.y);
       faces.coord_index.push_back(static_cast<std::int32_t>(faces.points.size()));
       faces.points.push_back(glm::vec3(place.point));
-      normals.push_back(normal_of(place, true));
+      normals.push_back(surface_normal(place, true));
       if (options.texture_coordinates)
         coordinates.push_back(glm::vec2(picture ? glm::dvec2(picture->at(corner.x, corner.y).point) : corner));
     }
@@ -121,7 +121,7 @@ std::size_t cost_of_nurbs_surface(const SceneGraph& scene, NodeId geometry) {
   constexpr std::size_t kOfPiece = 16;
   const auto surface = NurbsSurface::make(scene, geometry);
   if (!surface) return 0;
-  const Steps steps = steps_of(scene, geometry, *surface);
+  const SurfaceSteps steps = surface_steps(scene, geometry, *surface);
   return steps.columns * steps.rows * kOfPiece;
 }
 
@@ -130,7 +130,7 @@ Mesh tessellate_nurbs_surface(const SceneGraph& scene, NodeId geometry, const Me
   nothing.solid = scene.get<SFBool>(geometry, "solid");
   const auto surface = NurbsSurface::make(scene, geometry);
   if (!surface) return nothing;
-  const Steps steps = steps_of(scene, geometry, *surface);
+  const SurfaceSteps steps = surface_steps(scene, geometry, *surface);
   const std::size_t count = (steps.columns + 1) * (steps.rows + 1);
   constexpr std::uint64_t kBytesOfPoint = 64;
   Share share(scene.budget(), Resource::meshes);
@@ -141,19 +141,19 @@ Mesh tessellate_nurbs_surface(const SceneGraph& scene, NodeId geometry, const Me
   FaceSet faces;
   faces.budget = scene.budget();
   faces.solid = nothing.solid;
-  faces.ccw = flag(scene, geometry, "ccw", true);
+  faces.ccw = flag_of(scene, geometry, "ccw", true);
   MFVec3f normals;
   glm::vec3* point = faces.points.prepare(count);
   glm::vec3* normal = normals.prepare(count);
   surface->sample(steps.columns, steps.rows, [&](std::size_t, std::size_t, const NurbsSurface::Place& place) {
     *point++ = glm::vec3(place.point);
-    *normal++ = normal_of(place, faces.ccw);
+    *normal++ = surface_normal(place, faces.ccw);
   });
   faces.points.commit(count);
   normals.commit(count);
   faces.normal = {normals, true, {}};
   if (options.texture_coordinates)
-    faces.texture_coordinate = {texture_of(picture_of(scene, geometry, *surface), steps), true, {}};
+    faces.texture_coordinate = {surface_texture(texture_surface(scene, geometry, *surface), steps), true, {}};
   const std::size_t size = 5 * steps.columns * steps.rows;
   std::int32_t* index = faces.coord_index.prepare(size);
   for (std::size_t j = 0; j < steps.rows; ++j)

@@ -11,15 +11,15 @@
 namespace gs::vrml {
 namespace {
 
-/// Grid of columns x rows points, row by row.
-struct Grid {
+/// SweptGrid of columns x rows points, row by row.
+struct SweptGrid {
   MFVec3f points;
   std::size_t columns = 0, rows = 0;
 };
 
 // Makes a smooth mesh of quadrilaterals. If the first and last column or row coincide, normals are smooth across the
 // seam, because equal points share a vertex there.
-Mesh mesh_of(const SceneGraph& scene, NodeId geometry, Grid grid) {
+Mesh mesh_of(const SceneGraph& scene, NodeId geometry, SweptGrid grid) {
   const auto point = [&](std::size_t column, std::size_t row) { return grid.points[row * grid.columns + column]; };
   bool round = true, ring = true;
   for (std::size_t j = 0; j < grid.rows; ++j) round = round && point(0, j) == point(grid.columns - 1, j);
@@ -69,7 +69,7 @@ Mesh swept_mesh(const SceneGraph& scene, NodeId geometry, const std::vector<glm:
     nothing.limited = true;
     return nothing;
   }
-  Grid grid{{}, profile.size(), rows};
+  SweptGrid grid{{}, profile.size(), rows};
   for (std::size_t j = 0; j < rows; ++j)
     for (const glm::dvec3& point : profile) grid.points.push_back(glm::vec3(place(point, j)));
   return mesh_of(scene, geometry, std::move(grid));

@@ -6,8 +6,8 @@
 namespace gs::vrml {
 namespace {
 
-/// Edge of a contour that is not horizontal, from the lower to the upper corner.
-struct Edge {
+/// TrimmingEdge of a contour that is not horizontal, from the lower to the upper corner.
+struct TrimmingEdge {
   glm::dvec2 low, high;
 
   [[nodiscard]] double x_at(double y) const {
@@ -15,18 +15,18 @@ struct Edge {
   }
 };
 
-std::vector<Edge> edges_of(const std::vector<std::vector<glm::dvec2>>& contours) {
-  std::vector<Edge> edges;
+std::vector<TrimmingEdge> trimming_edges(const std::vector<std::vector<glm::dvec2>>& contours) {
+  std::vector<TrimmingEdge> edges;
   for (const std::vector<glm::dvec2>& contour : contours)
     for (std::size_t i = 0; i < contour.size(); ++i) {
       const glm::dvec2 &from = contour[i], &to = contour[(i + 1) % contour.size()];
-      if (from.y != to.y) edges.push_back(from.y < to.y ? Edge{from, to} : Edge{to, from});
+      if (from.y != to.y) edges.push_back(from.y < to.y ? TrimmingEdge{from, to} : TrimmingEdge{to, from});
     }
   return edges;
 }
 
-/// Side of a trapezoid: its x at the lower and at the upper end of the strip.
-struct Side {
+/// TrapezoidSide of a trapezoid: its x at the lower and at the upper end of the strip.
+struct TrapezoidSide {
   double low, high;
 };
 
@@ -46,9 +46,11 @@ std::vector<glm::dvec2> clipped(const std::vector<glm::dvec2>& polygon, double l
 }
 
 // Splits a trapezoid between two sides at the columns of the grid.
-void split(Side left, Side right, double low, double high, std::size_t columns,
+void split(TrapezoidSide left, TrapezoidSide right, double low, double high, std::size_t columns,
            std::vector<std::vector<glm::dvec2>>& polygons) {
-  const auto inside = [](Side side) { return Side{std::clamp(side.low, 0.0, 1.0), std::clamp(side.high, 0.0, 1.0)}; };
+  const auto inside = [](TrapezoidSide side) {
+    return TrapezoidSide{std::clamp(side.low, 0.0, 1.0), std::clamp(side.high, 0.0, 1.0)};
+  };
   left = inside(left);
   right = inside(right);
   right = {std::max(left.low, right.low), std::max(left.high, right.high)};
@@ -82,20 +84,20 @@ std::vector<double> strip_bounds(const std::vector<std::vector<glm::dvec2>>& con
 
 std::vector<std::vector<glm::dvec2>> trim(const std::vector<std::vector<glm::dvec2>>& contours, std::size_t columns,
                                           std::size_t rows) {
-  std::vector<Edge> edges = edges_of(contours);
-  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.low.y < b.low.y; });
+  std::vector<TrimmingEdge> edges = trimming_edges(contours);
+  std::sort(edges.begin(), edges.end(), [](const TrimmingEdge& a, const TrimmingEdge& b) { return a.low.y < b.low.y; });
   const std::vector<double> bounds = strip_bounds(contours, rows);
   std::vector<std::vector<glm::dvec2>> polygons;
-  std::vector<Edge> active;
+  std::vector<TrimmingEdge> active;
   std::size_t next = 0;
   for (std::size_t strip = 0; strip + 1 < bounds.size(); ++strip) {
     const double low = bounds[strip], high = bounds[strip + 1], middle = (low + high) / 2;
     while (next < edges.size() && edges[next].low.y <= low) active.push_back(edges[next++]);
-    std::erase_if(active, [&](const Edge& edge) { return edge.high.y <= low; });
-    std::vector<const Edge*> crossing;
-    for (const Edge& edge : active) crossing.push_back(&edge);
+    std::erase_if(active, [&](const TrimmingEdge& edge) { return edge.high.y <= low; });
+    std::vector<const TrimmingEdge*> crossing;
+    for (const TrimmingEdge& edge : active) crossing.push_back(&edge);
     std::sort(crossing.begin(), crossing.end(),
-              [&](const Edge* a, const Edge* b) { return a->x_at(middle) < b->x_at(middle); });
+              [&](const TrimmingEdge* a, const TrimmingEdge* b) { return a->x_at(middle) < b->x_at(middle); });
     for (std::size_t i = 0; i + 1 < crossing.size(); i += 2)
       split({crossing[i]->x_at(low), crossing[i]->x_at(high)},
             {crossing[i + 1]->x_at(low), crossing[i + 1]->x_at(high)}, low, high, columns, polygons);

@@ -94,20 +94,20 @@ TEST_CASE("replaces unusable knots by uniform ones from the first to the last co
     CHECK(axis->at(1).value[2] == Approx(1));
     CHECK(axis->at(0.5).value[1] == Approx(0.75));  // the middle of a uniform quadratic piece
   }
-  CHECK_FALSE(NurbsAxis::make(2, 3, {}));
-  CHECK_FALSE(NurbsAxis::make(5, 1, {}));
-  CHECK_FALSE(NurbsAxis::make(100, NurbsAxis::kMaximumOrder + 1, {}));
-  CHECK_FALSE(NurbsAxis::make(5, -3, {}));
+  CHECK_FALSE(NurbsAxis::make(2, 3, std::span<const float>()));
+  CHECK_FALSE(NurbsAxis::make(5, 1, std::span<const float>()));
+  CHECK_FALSE(NurbsAxis::make(100, NurbsAxis::kMaximumOrder + 1, std::span<const float>()));
+  CHECK_FALSE(NurbsAxis::make(5, -3, std::span<const float>()));
 }
 
 TEST_CASE("divides a NURBS axis into as many pieces as tessellation demands") {
-  const auto axis = NurbsAxis::make(20, 4, {});
+  const auto axis = NurbsAxis::make(20, 4, std::span<const float>());
   REQUIRE(axis);
   CHECK(axis->steps(7) == 7);
   CHECK(axis->steps(1) == 1);
   CHECK(axis->steps(-3) == 60);
   CHECK(axis->steps(0) == 40);
-  CHECK(NurbsAxis::make(4, 4, {})->steps(0) == 16);
+  CHECK(NurbsAxis::make(4, 4, std::span<const float>())->steps(0) == 16);
   for (const std::int32_t huge : {2'000'000'000, -2'000'000'000, INT32_MIN}) CHECK(axis->steps(huge) == 2048);
 }
 
