@@ -17,8 +17,10 @@ namespace gs::vrml {
 
 class SceneGraph;
 struct Behaviour;
+struct MadeNode;
 struct Mesh;
 struct MeshOptions;
+struct NodeType;
 struct Prototype;
 
 /// Access type of an interface (VRML97 4.7).
@@ -190,6 +192,14 @@ struct NodeRow {
   std::string_view other_events{};
 };
 
+/// Node of VRML97 that is written for a node that only X3D has (vrml/nodes/x3d/vrml97_equivalents.cpp).
+struct Vrml97Equivalent {
+  std::string_view x3d_type, type;  // names of both types
+  /// Returns the node. Null means that both types have the same fields, except those that only X3D has.
+  MadeNode (*make)(const SceneGraph& scene, NodeId node, const NodeType& type) = nullptr;
+  std::string_view loss = {};  // property that the equivalent lacks, as message for the user; empty if there is none
+};
+
 /// Type of a node: built in, declared by a PROTO or EXTERNPROTO, or private to one Script. It does not change after its
 /// first node is created, so any thread may read it.
 struct NodeType : NonCopyable {
@@ -211,6 +221,7 @@ struct NodeType : NonCopyable {
   std::string container_field;             // X3D types only: default field of the parent in the XML encoding
   std::string bases;                       // X3D types only: abstract types that it derives from, separated by blanks
   bool ignored = false;                    // X3D types only: nodes have no effect; sinks warn about them
+  const Vrml97Equivalent* equivalent = nullptr;  // X3D types only: null if VRML97 has the type, or no equivalent
   bool stands_in = false;                  // partial substitute for another browser's type (vrml/syntax/stand_ins.h)
   std::vector<int> measures;               // slots of the lengths of a built-in geometry: fields with the range (0,inf)
   std::unique_ptr<Prototype> prototype;    // body of a PROTO, otherwise null
