@@ -63,7 +63,7 @@ Mesh tessellate_geo_elevation_grid(const SceneGraph& scene, NodeId geometry, con
   faces.points = std::move(relative.points);
   faces.budget = scene.budget();
   set_properties(faces, scene, geometry);
-  faces.texture_coordinate = {texture_coordinates_of(scene, geometry), true, {}};
+  set_texture_coordinates(faces, scene, geometry);
   if (faces.texture_coordinate.values.empty()) faces.texture_coordinate = {std::move(texture), true, {}};
   faces.ccw = scene.get<SFBool>(geometry, "ccw");
   faces.crease_angle = static_cast<float>(scene.get<SFDouble>(geometry, "creaseAngle"));
