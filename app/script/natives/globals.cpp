@@ -188,12 +188,13 @@ bool set_own_native(JSContext* context, unsigned argc, JS::Value* vp) {
 // Reports whether a declaration is one that every Script has, and that is no name of its program.
 bool is_own_field_of_script(const Program& program, const vrml::InterfaceDeclaration& declaration) {
   static const std::unordered_set<std::string_view> own = {"url", "directOutput", "mustEvaluate"};
-  static const std::unordered_set<std::string_view> own_in_x3d = {
-      "url", "directOutput", "mustEvaluate", "load", "description", "autoRefresh", "autoRefreshTimeLimit", "metadata"};
+  // Programs of X3D 3 may declare fields `description` and `metadata` of their own.
+  static const std::unordered_set<std::string_view> own_in_x3d = {"url",  "directOutput", "mustEvaluate",
+                                                                  "load", "autoRefresh",  "autoRefreshTimeLimit"};
+  constexpr int kSlots = 8;  // of an X3D Script without fields of its own
   if (program.language == vrml::Language::vrml97)
     return declaration.slot >= 0 && declaration.slot < 3 && own.contains(declaration.name);
-  return declaration.slot >= 0 && declaration.slot < static_cast<int>(own_in_x3d.size()) &&
-         own_in_x3d.contains(declaration.name);
+  return declaration.slot >= 0 && declaration.slot < kSlots && own_in_x3d.contains(declaration.name);
 }
 
 }  // namespace
@@ -270,7 +271,8 @@ bool is_library_name(std::string_view name, vrml::Language language) {
                                                                  "ProfileInfo",
                                                                  "ProfileInfoArray",
                                                                  "ComponentInfo",
-                                                                 "ComponentInfoArray"};
+                                                                 "ComponentInfoArray",
+                                                                 "console"};
   if (language == vrml::Language::x3d && x3d_names.contains(name)) return true;
   static const std::unordered_set<std::string_view> names = {
       "SFColor", "SFRotation", "SFVec2f",  "SFVec3f",      "SFImage", "SFNode",  "MFColor", "MFFloat", "MFInt32",

@@ -170,6 +170,15 @@ class NodeHandler final : public LiveProxyHandler {
 constexpr char NodeHandler::kFamily;
 const NodeHandler kNodeHandler;
 
+// Puts a text of elements into the document that the XML encoding of X3D demands.
+std::string document_of(std::string text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string::npos || text[first] != '<') return text;
+  for (const char* const root : {"<?", "<!", "<X3D"})
+    if (text.compare(first, std::string_view(root).size(), root) == 0) return text;
+  return "<X3D profile='Full' version='3.3'><Scene>" + text + "</Scene></X3D>";
+}
+
 bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   if (args.length() == 0 || args[0].isNullOrUndefined()) {
@@ -184,6 +193,7 @@ bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
   vrml::MFNode nodes;
   vrml::SceneGraph* scene = nullptr;
   if (!text_of_value(context, args[0], text)) return false;
+  if (library_of(context).language == vrml::Language::x3d) text = document_of(std::move(text));
   if (!nodes_from_text(context, text, nodes, scene)) return false;
   if (nodes.empty()) return fail(context, "expected the text of a node");
   JSObject* const made = object_of_node(context, *scene, nodes[0]);

@@ -178,6 +178,12 @@ class X3DExecutionContext {
     else
       Browser.deleteRoute(from, String(out), to, String(into));
   }
+  toXMLString() {
+    const nodes = Array.from(this.rootNodes).map(node => node ? node.toXMLString() : "");
+    return "<X3D profile='" + this.profile.name + "' version='" + this.specificationVersion + "'><Scene>" +
+      nodes.join("") + "</Scene></X3D>";
+  }
+  toVRMLString() { return Array.from(this.rootNodes).map(node => node ? node.toVRMLString() : "").join("\n"); }
   addRootNode(node) {
     const nodes = Array.from(rootsOf(this));
     if (nodes.indexOf(node) < 0) setRoots(this, nodes.concat([node]));
@@ -203,7 +209,6 @@ class X3DScene extends X3DExecutionContext {
   }
   updateExportedNode(name, node) { hidden.get(this).exported.set(String(name), node); }
   removeExportedNode(name) { hidden.get(this).exported.set(String(name), null); }
-  toVRMLString() { return Array.from(this.rootNodes).map(node => node ? node.toVRMLString() : "").join("\n"); }
 }
 define("X3DExecutionContext", X3DExecutionContext);
 define("X3DScene", X3DScene);
@@ -310,7 +315,29 @@ function valueText(type, value) {
   for (let i = 0; i < value.length; ++i) texts.push(one(value[i]));
   return "[ " + texts.join(", ") + " ]";
 }
+function attribute(type, value) {
+  let text = type == "MFString" ? Array.from(value).map(one => JSON.stringify(one)).join(" ")
+    : type == "MFBool" ? Array.from(value).join(" ") : String(value).replace(/^\[ ?| ?\]$/g, "");
+  for (const [from, to] of [["&", "&amp;"], ["<", "&lt;"], ["'", "&apos;"]]) text = text.split(from).join(to);
+  return text;
+}
+function element(node, container) {
+  const name = node.getNodeName(), children = [];
+  let text = "<" + node.getNodeTypeName() + (name ? " DEF='" + name + "'" : "");
+  for (const field of node.getFieldDefinitions()) {
+    if (field.accessType != constants.inputOutput && field.accessType != constants.initializeOnly) continue;
+    if (field.dataType == constants.SFNode || field.dataType == constants.MFNode) {
+      const nodes = field.dataType == constants.SFNode ? [field.value] : Array.from(field.value);
+      for (const one of nodes) if (one) children.push(element(one, field.name));
+    } else if (field.value !== undefined) {
+      text += " " + field.name + "='" + attribute(field.typeName, field.value) + "'";
+    }
+  }
+  if (container) text += " containerField='" + container + "'";
+  return text + (children.length > 0 ? ">" + children.join("") + "</" + node.getNodeTypeName() + ">" : "/>");
+}
 add(SFNode.prototype, {
+  toXMLString() { return element(this, ""); },
   getNodeType() { return $x3d_types(this).split(" ").filter(name => name in constants).map(name => constants[name]); },
   getFieldDefinitions() { return definitions($x3d_fields(this), name => this[name]); },
   getFields() { return this.getFieldDefinitions(); },
@@ -329,6 +356,28 @@ for (const Vector of [SFVec2f, SFVec2d, SFVec3f, SFVec3d, SFVec4f, SFVec4d])
     distance(other) { return this.subtract(other).length(); },
     lerp(other, t) { return this.add(other.subtract(this).multiply(t)); }
   });
+// Functions of all fields.
+for (const type of fieldTypes) {
+  const single = library[type], multiple = library["M" + type.substr(1)];
+  for (const Class of [single, multiple]) {
+    if (!Class || !Class.prototype || Class.name == "SFNode" || Class.prototype === Object.prototype) continue;
+    const name = Class === single ? type : "M" + type.substr(1);
+    add(Class.prototype, {
+      equals(other) { return other !== null && typeof other == "object" && String(this) == String(other); },
+      copy() { return new Class(this); },
+      getTypeName() { return name; },
+      getType() { return constants[name]; }
+    });
+  }
+}
+add(SFNode.prototype, {
+  equals(other) { return this === other; },
+  getTypeName() { return "SFNode"; },
+  getType() { return constants.SFNode; }
+});
+const console = {};
+for (const name of ["log", "info", "warn", "error", "debug"]) console[name] = (...texts) => Browser.println(...texts);
+define("console", Object.freeze(console));
 define("X3DMatrix3", library.SFMatrix3f);
 define("X3DMatrix4", library.SFMatrix4f);
 for (const one of [X3DExecutionContext, X3DScene]) {

@@ -125,6 +125,11 @@ TEST_CASE("describes nodes: types, fields and text") {
         "translation,true,true,1 2 3");
   CHECK(x3d_value("n.getFieldValue('translation')", node) == "1 2 3");
   CHECK(x3d_value("n.toVRMLString().indexOf('translation 1 2 3') > 0", node) == "true");
+  CHECK(x3d_value("new SFNode('Group { children Transform { scale 1 2 3 } }').toXMLString().indexOf("
+                  "'<Transform ') > 0") == "true");
+  CHECK(x3d_value("new SFNode(`<Transform scale='1 2 3'/>`).scale.y") == "2");
+  CHECK(x3d_value("n.translation.equals(new SFVec3f(1, 2, 3)) + ' ' + n.translation.getTypeName()", node) ==
+        "true SFVec3f");
   CHECK(x3d_value("X3DConstants.inputOnly + ' ' + X3DConstants.COMPLETE_STATE + ' ' + typeof X3DConstants.MFVec4d") ==
         "2 2 number");
 }
