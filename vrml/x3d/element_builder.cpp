@@ -309,7 +309,7 @@ SourceLocation ElementBuilder::open_location() const {
 std::vector<NodeId> ElementBuilder::open_nodes() const {
   std::vector<NodeId> nodes;
   for (const Frame& frame : frames_)
-    if (frame.node.id && frame.kind != ElementKind::field) nodes.push_back(frame.node.id);
+    if (frame.node.id) nodes.push_back(frame.node.id);
   return nodes;
 }
 
