@@ -37,7 +37,7 @@ void touch(Execution& execution, const SceneGraph& scene, NodeId id, double& now
   const Behaviour* behaviour = node.type->behaviour;
   const bool moves = behaviour && behaviour->parent_from_local;
   const PathStep path[] = {{&scene, id, glm::dmat4(1)},
-                           {&scene, children[0], moves ? behaviour->parent_from_local(node) : glm::dmat4(1)}};
+                           {&scene, children[0], moves ? behaviour->parent_from_local(scene, node) : glm::dmat4(1)}};
   Pointer pointer;
   pointer.path = path;
   for (int i = 0; i < 4; ++i) {
@@ -101,12 +101,14 @@ bool run_world(std::span<const std::byte> bytes) {
   limits.image_pixels = 1 << 16;
   SceneGraph whole("fuzz", limits), pieces("fuzz", limits);
   Diagnostics said_whole, said_pieces;
+  // The worlds of the target `worlds` state their grammar.
+  const Grammar used = grammar == Grammar::vrml97 ? grammar_of(text) : grammar;
   const ParseOutcome outcome =
-      grammar == Grammar::vrml97 ? parse(text, whole, said_whole) : read(grammar, text, 0, whole, said_whole);
+      grammar == Grammar::vrml97 ? parse(text, whole, said_whole) : read(used, text, 0, whole, said_whole);
 
   // The input determines the size of the pieces, so that the fuzzer can vary it.
   const std::size_t piece = bytes.empty() ? 1 : 1 + std::to_integer<std::size_t>(bytes.back()) % 64;
-  const ParseOutcome piecewise = read(grammar, text, piece, pieces, said_pieces);
+  const ParseOutcome piecewise = read(used, text, piece, pieces, said_pieces);
 
   const std::string printed = print(whole);
   require(piecewise == outcome && print(pieces) == printed);
@@ -125,6 +127,7 @@ bool run_world(std::span<const std::byte> bytes) {
 
 std::vector<FuzzTarget> fuzz_targets() {
   return {{"worlds", run_world<Grammar::vrml97>, 8192},
+          {"inventor", run_world<Grammar::inventor>, 8192},
           {"x3d_xml", run_world<Grammar::x3d_xml>, 8192},
           {"x3d_json", run_world<Grammar::x3d_json>, 8192}};
 }
