@@ -34,10 +34,10 @@ double mesh_area(const Mesh& mesh) {
   return area;
 }
 
-const std::string kFlat =
+const std::string kFlatPatch =
     "controlPoint Coordinate { point [ 0 0 0, 2 0 0, 0 2 0, 2 2 0 ] } uDimension 2 vDimension 2 uOrder 2 vOrder 2 "
     "uKnot [ 0 0 4 4 ] vKnot [ 0 0 4 4 ] ";
-const std::string kSquare = "Contour2D { children ContourPolyline2D { controlPoint [ 1 1, 3 1, 3 3, 1 3, 1 1 ] } }";
+const std::string kContour = "Contour2D { children ContourPolyline2D { controlPoint [ 1 1, 3 1, 3 3, 1 3, 1 1 ] } }";
 
 }  // namespace
 
@@ -61,16 +61,16 @@ TEST_CASE("tessellates a NurbsPatchSurface like the NurbsSurface of VRML97 Amend
 }
 
 TEST_CASE("draws a NurbsTrimmedSurface inside its contours, by the even-odd rule", "[x3d]") {
-  const Mesh whole = NurbsScene("NurbsTrimmedSurface { " + kFlat + "}").mesh();
+  const Mesh whole = NurbsScene("NurbsTrimmedSurface { " + kFlatPatch + "}").mesh();
   CHECK(mesh_area(whole) == Approx(4));
-  const Mesh inside = NurbsScene("NurbsTrimmedSurface { " + kFlat + "trimmingContour [ " + kSquare + " ] }").mesh();
+  const Mesh inside = NurbsScene("NurbsTrimmedSurface { " + kFlatPatch + "trimmingContour [ " + kContour + " ] }").mesh();
   check_promises(inside);
   CHECK(mesh_area(inside) == Approx(1));
   CHECK(inside.bounds.lower.x == Approx(0.5));
   CHECK(inside.bounds.upper.y == Approx(1.5));
   const std::string frame = "Contour2D { children ContourPolyline2D { controlPoint [ 0 0, 4 0, 4 4, 0 4 ] } }";
   const Mesh hole =
-      NurbsScene("NurbsTrimmedSurface { " + kFlat + "trimmingContour [ " + frame + kSquare + " ] }").mesh();
+      NurbsScene("NurbsTrimmedSurface { " + kFlatPatch + "trimmingContour [ " + frame + kContour + " ] }").mesh();
   CHECK(mesh_area(hole) == Approx(3));
   for (const glm::vec3& normal : hole.normals) CHECK(normal.z == Approx(1));
 }
