@@ -65,7 +65,7 @@ struct TextureUse {
   bool repeat_s = true, repeat_t = true;
   glm::mat3 transform{1.0f};         // from texture coordinates of the mesh to texture space (VRML97 6.49)
   bool modulates = false;            // X3D 4: the texture always modulates the colour and the alpha of the material
-  std::optional<Sampling> sampling;  // X3D TextureProperties; replaces repeat_s and repeat_t
+  std::optional<Sampling> sampling{};  // X3D TextureProperties; replaces repeat_s and repeat_t
 };
 
 inline constexpr std::uint32_t kNoPlace = UINT32_MAX;
