@@ -28,7 +28,7 @@ constexpr SchemaRow kSchemaRows[] = {
     {NodeKind::viewpoint,
      {"position", "orientation", "fieldOfView", "description", "jump", "centerOfRotation", "viewAll",
       "retainUserOffsets"}},
-    {NodeKind::viewpoint_group, {"children", "displayed", "retainUserOffsets"}},
+    {NodeKind::viewpoint_group, {"children", "displayed", "retainUserOffsets", "description", "center", "size"}},
     {NodeKind::navigation_info,
      {"type", "avatarSize", "speed", "visibilityLimit", "headlight", "transitionType", "transitionTime"}},
     {NodeKind::background, {"skyColor", "skyAngle", "groundColor", "groundAngle"}},

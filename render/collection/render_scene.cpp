@@ -431,8 +431,7 @@ void RenderScene::renew_viewpoint(std::uint32_t i) {
       world_viewpoint({local.node, &resources_.schemas().of(*local.node->type)}, list_->world_from_frame[local.frame]);
   made.scene = viewpoint.scene;
   made.node = viewpoint.node;
-  made.listed = viewpoint.listed;
-  made.retains_offset |= viewpoint.retains_offset;
+  take_group(made, viewpoint);
   viewpoint = std::move(made);
 }
 

@@ -121,6 +121,12 @@ struct Background {
   glm::mat3 world_from_background{1.0f};  // rotation only
 };
 
+/// Box of a ViewpointGroup (X3D 23.4.7). Its Viewpoints are only in lists while the viewer is inside.
+struct ViewpointRegion {
+  glm::dmat4 group_from_world{1.0};
+  glm::dvec3 center{0}, half{0};
+};
+
 /// Viewpoint in world space (6.53).
 struct ViewpointState {
   std::string description, name;  // field `description`, and DEF name
@@ -138,6 +144,9 @@ struct ViewpointState {
   bool view_all = false;        // the initial pose shows the whole world
   bool retains_offset = false;  // binding keeps the movements that the user made at this Viewpoint
   bool listed = true;           // false below a ViewpointGroup with displayed FALSE
+  bool group_retains_offset = false;  // a ViewpointGroup above has retainUserOffsets TRUE
+  std::string group;            // descriptions of the ViewpointGroups above, outermost first, each followed by ": "
+  std::vector<ViewpointRegion> regions;  // of the ViewpointGroups above
 };
 
 /// Sound node (6.42), once for each path to it.

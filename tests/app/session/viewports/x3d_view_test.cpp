@@ -115,6 +115,18 @@ TEST_CASE("lists the Viewpoints of a ViewpointGroup only if it is displayed (X3D
   CHECK(listed_viewpoints(view.list->viewpoints) == std::vector<std::size_t>{0, 2});
 }
 
+TEST_CASE("lists the Viewpoints of a ViewpointGroup while the viewer is inside of its box (X3D 23.4.7)") {
+  const auto document = x3d_document(
+      "Viewpoint { description \"a\" } Transform { translation 5 0 0 children ViewpointGroup { description \"hall\" "
+      "center 0 1 0 size 2 2 2 children Viewpoint { description \"b\" } } } " +
+      kBox);
+  const View view = view_of(document, kSize, {});
+  const auto& viewpoints = view.list->viewpoints;
+  CHECK(listed_viewpoints(viewpoints, {0, 0, 10}) == std::vector<std::size_t>{0});
+  CHECK(listed_viewpoints(viewpoints, {5.5, 0.5, 0}) == std::vector<std::size_t>{0, 1});
+  CHECK(viewpoint_label(viewpoints[1], 1) == "hall: b");
+}
+
 TEST_CASE("shows the whole world at a Viewpoint with viewAll (X3D 23.3.1)") {
   const auto document = x3d_document("Viewpoint { viewAll TRUE position 0 0 1 } Transform { translation 50 0 0 children " +
                                      kBox + " } " + kBox);
