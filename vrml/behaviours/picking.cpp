@@ -223,22 +223,25 @@ bool pick_event(Execution& execution, EventNode node, int, const FieldValue&) {
   return true;
 }
 
-template <Test test>
+// `outputs` is the number of outputs besides pickedGeometry.
+template <Test test, int outputs>
 constexpr Behaviour pick_sensor() {
-  return {.events = {"enabled", "isActive", "pickedGeometry", "pickingGeometry", "pickTarget", "matchCriterion",
-                     "objectType", "intersectionType", "sortOrder", "pickedPoint", "pickedNormal",
-                     "pickedTextureCoordinate"},
-          .initialize = begin_picking,
-          .on_event = pick_event,
-          .on_time = pick<test>,
-          .on_remove = end_picking};
+  Behaviour behaviour{.events = {"enabled", "isActive", "pickedGeometry", "pickingGeometry", "pickTarget",
+                                 "matchCriterion", "objectType", "intersectionType", "sortOrder"},
+                      .initialize = begin_picking,
+                      .on_event = pick_event,
+                      .on_time = pick<test>,
+                      .on_remove = end_picking};
+  constexpr std::string_view kOutputs[] = {"pickedPoint", "pickedNormal", "pickedTextureCoordinate"};
+  for (int i = 0; i < outputs; ++i) behaviour.events[static_cast<std::size_t>(Pick::picked_point + i)] = kOutputs[i];
+  return behaviour;
 }
 
 }  // namespace
 
-constexpr Behaviour kLinePickSensorBehaviour = pick_sensor<lines_meet>();
-constexpr Behaviour kPointPickSensorBehaviour = pick_sensor<points_meet>();
-constexpr Behaviour kPrimitivePickSensorBehaviour = pick_sensor<volumes_meet>(),
-                    kVolumePickSensorBehaviour = pick_sensor<volumes_meet>();
+constexpr Behaviour kLinePickSensorBehaviour = pick_sensor<lines_meet, 3>();
+constexpr Behaviour kPointPickSensorBehaviour = pick_sensor<points_meet, 1>();
+constexpr Behaviour kPrimitivePickSensorBehaviour = pick_sensor<volumes_meet, 0>(),
+                    kVolumePickSensorBehaviour = pick_sensor<volumes_meet, 0>();
 
 }  // namespace gs::vrml
