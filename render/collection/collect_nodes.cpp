@@ -173,9 +173,25 @@ ViewpointState world_viewpoint(const NodeView& view, const dmat4& world_from_nod
     const dvec3 place(world_from_node * glm::dvec4(*center, 1));
     if (finite(place)) state.center_of_rotation = place;
   }
+  const auto distance = [&](int field) {
+    const auto given = static_cast<float>(view.get(field, -1.0F) * state.scale);
+    return given > 0 && finite(given) ? given : 0;
+  };
+  state.near_distance = distance(F::near_distance);
+  state.far_distance = distance(F::far_distance);
+  if (state.far_distance <= state.near_distance) state.far_distance = 0;
   state.view_all = view.get(F::view_all, false);
   state.retains_offset = view.get(F::retain_offsets, false);
   return state;
+}
+
+void take_distances(RenderList& list, const vrml::Node* bound) {
+  const auto of_bound = [&](const ViewpointState& one) { return &one.scene->node(one.node) == bound; };
+  const auto viewpoint = bound ? std::find_if(list.viewpoints.begin(), list.viewpoints.end(), of_bound)
+                               : list.viewpoints.begin();
+  const bool found = viewpoint != list.viewpoints.end();
+  list.near_distance = found ? viewpoint->near_distance : 0;
+  list.far_distance = found ? viewpoint->far_distance : 0;
 }
 
 void add_group(ViewpointState& state, const NodeView& group, const dmat4& world_from_group) {

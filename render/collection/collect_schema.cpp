@@ -27,7 +27,7 @@ constexpr SchemaRow kSchemaRows[] = {
       "cutOffAngle"}},
     {NodeKind::viewpoint,
      {"position", "orientation", "fieldOfView", "description", "jump", "centerOfRotation", "viewAll",
-      "retainUserOffsets"}},
+      "retainUserOffsets", "nearDistance", "farDistance"}},
     {NodeKind::viewpoint_group, {"children", "displayed", "retainUserOffsets", "description", "center", "size"}},
     {NodeKind::navigation_info,
      {"type", "avatarSize", "speed", "visibilityLimit", "headlight", "transitionType", "transitionTime"}},

@@ -51,7 +51,8 @@ struct LightFields {
   };
 };
 struct ViewpointFields {
-  enum : int { position, orientation, field_of_view, description, jump, center_of_rotation, view_all, retain_offsets };
+  enum : int { position, orientation, field_of_view, description, jump, center_of_rotation, view_all, retain_offsets,
+               near_distance, far_distance };
 };
 struct ViewpointGroupFields {
   enum : int { children, displayed, retain_offsets, description, center, size };

@@ -92,6 +92,7 @@ RenderList Collector::collect(const vrml::SceneGraph& scene) {
   }
   coarsen_primitives();
   for (ViewpointState& viewpoint : inlined_viewpoints_) list_.viewpoints.push_back(std::move(viewpoint));
+  take_distances(list_, bound_ ? bound_->viewpoint : nullptr);
   if (sources_)
     sources_->viewpoints.insert(sources_->viewpoints.end(), inlined_sources_.begin(), inlined_sources_.end());
   list_.limit_reports = std::move(resources_.limit_reports());

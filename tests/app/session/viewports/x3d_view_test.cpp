@@ -127,6 +127,23 @@ TEST_CASE("lists the Viewpoints of a ViewpointGroup while the viewer is inside o
   CHECK(viewpoint_label(viewpoints[1], 1) == "hall: b");
 }
 
+TEST_CASE("draws between nearDistance and farDistance of the bound Viewpoint (X3D 23.3.1)") {
+  const auto document = x3d_document(
+      "Viewpoint { nearDistance 2 farDistance 50 } Transform { scale 3 3 3 children Viewpoint { farDistance 4 } } "
+      "Viewpoint { } " +
+      kBox);
+  View view = view_of(document, kSize, {});
+  CHECK(view.list->near_distance == 2);
+  CHECK(view.list->far_distance == 50);
+  bind_viewpoint(view, 1);
+  CHECK(follow_world(view));
+  CHECK(view.list->near_distance == 0);
+  CHECK(view.list->far_distance == Approx(12));
+  bind_viewpoint(view, 2);
+  CHECK(follow_world(view));
+  CHECK(view.list->far_distance == 0);
+}
+
 TEST_CASE("shows the whole world at a Viewpoint with viewAll (X3D 23.3.1)") {
   const auto document = x3d_document("Viewpoint { viewAll TRUE position 0 0 1 } Transform { translation 50 0 0 children " +
                                      kBox + " } " + kBox);
