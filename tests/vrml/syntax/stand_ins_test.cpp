@@ -12,8 +12,8 @@ TEST_CASE("returns a stand-in PROTO of the requested name") {
   for (const std::string name :
        {"BlaxxunZone", "BspGroup",          "DeviceSensor",        "HUD",         "Layer",       "Layer2D",
         "Layer3D",     "LayerSet",          "Occlusion",           "Particles",   "SharedEvent", "SharedObject",
-        "CullGroup",   "InlineLoadControl", "KambiNavigationInfo", "KeySensor",   "LoadSensor",  "MenuSensor",
-        "MouseSensor", "ParticleSystem",    "SpaceSensor",         "StringSensor", "Selection",   "Contour2D"}) {
+        "CullGroup",   "InlineLoadControl", "KambiNavigationInfo", "LoadSensor",  "MenuSensor",
+        "MouseSensor", "ParticleSystem",    "SpaceSensor",         "Selection",   "Contour2D"}) {
     INFO(name);
     SceneGraph scene("text.wrl");
     const NodeType* type = stand_in(scene, name);
