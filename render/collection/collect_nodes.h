@@ -31,7 +31,8 @@ void add_group(ViewpointState& state, const NodeView& group, const glm::dmat4& w
 /// Gives a Viewpoint what ViewpointGroups determine, from another one in the same groups.
 void take_group(ViewpointState& viewpoint, const ViewpointState& other);
 /// Returns a Viewpoint in world space. Ignores the scale of the transformation (6.53).
-[[nodiscard]] ViewpointState world_viewpoint(const NodeView& viewpoint, const glm::dmat4& world_from_node);
+[[nodiscard]] ViewpointState world_viewpoint(const vrml::SceneGraph& scene, const NodeView& viewpoint,
+                                             const glm::dmat4& world_from_node);
 [[nodiscard]] NavigationState navigation_state(const NodeView& navigation_info);
 [[nodiscard]] Background world_background(const NodeView& background, const glm::dmat4& world_from_node,
                                           const Images& images);
@@ -44,7 +45,8 @@ void take_group(ViewpointState& viewpoint, const ViewpointState& other);
 /// Returns the style of LineProperties, FillProperties and PointProperties; each view may be empty.
 [[nodiscard]] ShapeStyle style_of(const NodeView& line, const NodeView& fill, const NodeView& point);
 
-/// Returns a lit material, with values clamped to the ranges of 6.27.
+/// Returns the colours of the front of a material node, with values clamped to the ranges of 6.27. For a
+/// PhysicalMaterial, `diffuse` is the base colour.
 [[nodiscard]] Material material_of(const NodeView& material);
 /// Returns the field `detail` of a QNV node, 1/100 to 100. Returns 1 for other nodes.
 [[nodiscard]] float detail_of(const NodeView& qnv);

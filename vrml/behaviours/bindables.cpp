@@ -1,4 +1,5 @@
 #include "vrml/events/execution.h"
+#include "vrml/scene/geospatial.h"
 #include "vrml/scene/transformation.h"
 
 namespace gs::vrml {
@@ -59,7 +60,7 @@ void tell_late(Execution& execution, EventNode node) {
 
 // `Type` is one of the types of viewpoints, which have different slots.
 template <class Type>
-glm::dmat4 viewer_of(const Node& node) {
+glm::dmat4 viewer_of(const SceneGraph&, const Node& node) {
   static const int position = node.type->find_field("position")->slot;
   static const int orientation = node.type->find_field("orientation")->slot;
   return viewer_matrix(std::get<SFVec3f>(node.values[position]), std::get<SFRotation>(node.values[orientation]));
@@ -73,6 +74,8 @@ const Behaviour kViewpointBehaviour = {
 const Behaviour kOrthoViewpointBehaviour = {
     {"set_bind", "isBound", "bindTime", "fieldOfView", "navigationInfo"},
     nullptr, set_bind, tell_late, viewer_of<struct Parallel>};
+const Behaviour kGeoViewpointBehaviour = {
+    {"set_bind", "isBound", "bindTime", "fieldOfView"}, nullptr, set_bind, tell_late, geo_viewpoint_matrix};
 const Behaviour kNavigationInfoBehaviour = {
     {"set_bind", "isBound", "bindTime", "transitionComplete"}, nullptr, set_bind, tell_late};
 const Behaviour kBindableBehaviour = {{"set_bind", "isBound", "bindTime"}, nullptr, set_bind, tell_late};

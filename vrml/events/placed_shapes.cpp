@@ -100,7 +100,7 @@ void PlacedShapes::visit_node(const SceneGraph& scene, NodeId id, std::uint32_t 
   const auto place = static_cast<std::uint32_t>(nodes_.size());
   PlacedNode made{&scene, id, parent, world, world, shape, nodes_[parent].pickable, nodes_[parent].types};
   const Behaviour* const behaviour = node.type->behaviour;
-  if (groups && behaviour && behaviour->parent_from_local) made.world_from_inside *= behaviour->parent_from_local(node);
+  if (groups && behaviour && behaviour->parent_from_local) made.world_from_inside *= behaviour->parent_from_local(scene, node);
   if (const FieldValue* const pickable = groups ? field_of(node, "pickable") : nullptr) {
     made.pickable = made.pickable && *std::get_if<SFBool>(pickable);
     made.types = place;
