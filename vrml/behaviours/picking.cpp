@@ -72,13 +72,13 @@ class PickSearch {
     PlacedShapes& shapes = execution_.shapes();
     const auto nodes = shapes.nodes();
     if (!execution_.budget().spend(nodes.size())) return found;
-    const std::size_t own = shapes.find(*place_.scene, place_.node);
     const NodeId geometry = place_.scene->resolve(execution_.get<SFNode>(sensor_, Pick::picking_geometry));
-    if (own == 0 || !geometry) return found;
+    if (!geometry) return found;
     picking_ = shapes.mesh_of(*place_.scene, geometry);
-    world_from_picking_ = nodes[own].world_from_parent;
-    bounds_ = box_of(picking_->bounds, world_from_picking_);
-    if (bounds_.empty()) return found;
+    for (const PlacedNode& node : nodes)
+      if (node.scene == place_.scene && node.node == place_.node && instances_.size() < Placement::kMaxPlaces)
+        instances_.push_back({node.world_from_parent, box_of(picking_->bounds, node.world_from_parent)});
+    if (picking_->empty()) return found;
     std::unordered_set<std::uint32_t> targets;
     for (const NodeId target : execution_.get<MFNode>(sensor_, Pick::target))
       if (const NodeId id = place_.scene->resolve(target)) targets.insert(id.index);
@@ -112,12 +112,18 @@ class PickSearch {
     if (!execution_.budget().spend(EventBudget::kDelivery)) return false;
     const std::shared_ptr<const Mesh> mesh = execution_.shapes().mesh_of(*node.scene, geometry);
     const WideBox bounds = box_of(mesh->bounds, node.world_from_parent);
-    if (bounds.empty() || !do_overlap(bounds, bounds_)) return false;
-    picked.distance = glm::length(bounds.center() - bounds_.center());
-    if (!exact_) return true;
-    if (!execution_.budget().spend(mesh->indices.size() + picking_->indices.size())) return false;
-    const glm::dmat4 target_from_picking = glm::inverse(node.world_from_parent) * world_from_picking_;
-    return test_(*picking_, target_from_picking, *mesh, picked.points);
+    if (bounds.empty()) return false;
+    bool any = false;
+    for (const Instance& own : instances_) {
+      if (!do_overlap(bounds, own.bounds)) continue;
+      if (exact_ && !execution_.budget().spend(mesh->indices.size() + picking_->indices.size())) return any;
+      const glm::dmat4 target_from_picking = glm::inverse(node.world_from_parent) * own.world_from_picking;
+      if (exact_ && !test_(*picking_, target_from_picking, *mesh, picked.points)) continue;
+      const double distance = glm::length(bounds.center() - own.bounds.center());
+      picked.distance = any ? std::min(picked.distance, distance) : distance;
+      any = true;
+    }
+    return any;
   }
 
   void sort(std::vector<Picked>& found) const {
@@ -135,8 +141,11 @@ class PickSearch {
   bool exact_;
   Test test_;
   std::shared_ptr<const Mesh> picking_;
-  glm::dmat4 world_from_picking_{1.0};
-  WideBox bounds_;
+  struct Instance {
+    glm::dmat4 world_from_picking{1.0};
+    WideBox bounds;  // of the picking geometry, in world space
+  };
+  std::vector<Instance> instances_;  // of the sensor
 };
 
 // Returns the node of the sensor's scene that stands for a picked geometry: the geometry itself, or the Inline that

@@ -97,6 +97,15 @@ TEST_CASE("matches the object types of a sensor and of a PickableGroup (X3D 38.3
   CHECK_FALSE(picks("objectType [ \"A\" \"B\" ]", "objectType [ \"A\" \"B\" ] matchCriterion \"MATCH_ONLY_ONE\""));
 }
 
+TEST_CASE("picks with each instance of a sensor (X3D 38.3.1)") {
+  X3DWorld world(sensor_world("PrimitivePickSensor { pickTarget USE Target pickingGeometry Sphere { } }") +
+                 " Transform { translation 0 9 0 children USE S }");
+  world.start();
+  CHECK(pick_at(world, 1, {7, 0, 0}).empty());
+  world.send_at(2, "Target.translation", SFVec3f(0, 8, 0));
+  CHECK(world.take_at(2.5, "S.") == Lines{"2.5 S.isActive TRUE", "2.5 S.pickedGeometry [ B ]"});
+}
+
 TEST_CASE("picks nothing with a disabled sensor (X3D 38.3.1)") {
   X3DWorld world(
       sensor_world("PrimitivePickSensor { enabled FALSE pickTarget USE Target pickingGeometry Sphere { } }"));
