@@ -106,7 +106,9 @@ std::vector<std::size_t> listed_viewpoints(const std::vector<render::ViewpointSt
                                            const glm::dvec3& viewer) {
   std::vector<std::size_t> listed;
   for (std::size_t i = 0; i < viewpoints.size(); ++i)
-    if (viewpoints[i].listed && is_around(viewpoints[i].regions, viewer) && (i == 0 || !viewpoints[i].description.empty())) listed.push_back(i);
+    if (viewpoints[i].listed && (i == 0 || !viewpoints[i].description.empty()) &&
+        is_around(viewpoints[i].regions, viewer))
+      listed.push_back(i);
   return listed;
 }
 

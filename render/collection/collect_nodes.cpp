@@ -207,14 +207,14 @@ void take_distances(RenderList& list, const vrml::Node* bound) {
 
 void add_group(ViewpointState& state, const NodeView& group, const dmat4& world_from_group) {
   using F = ViewpointGroupFields;
-  constexpr std::size_t kMaxPrefix = 256, kMaxRegions = 16;
+  constexpr std::size_t kMaxPrefix = 256, kMaxRegions = 4;
   state.listed = state.listed && group.get(F::displayed, true);
   state.group_retains_offset = state.group_retains_offset || group.get(F::retain_offsets, false);
   const auto* const description = group.find<vrml::SFString>(F::description);
   if (description && !description->empty() && state.group.size() < kMaxPrefix)
     state.group += bounded_text(description->view()) + ": ";
   const dvec3 size(group.get(F::size, vrml::SFVec3f(0)));
-  if (size != dvec3(0) && state.regions.size() < kMaxRegions)
+  if (size.x > 0 && size.y > 0 && size.z > 0 && state.regions.size() < kMaxRegions)
     state.regions.push_back(
         {glm::inverse(world_from_group), dvec3(group.get(F::center, vrml::SFVec3f(0))), size / 2.0});
 }

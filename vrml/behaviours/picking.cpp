@@ -199,7 +199,9 @@ void pick(Execution& execution, EventNode node) {
 // Points of the surface on the lines of a LinePickSensor, in the space of the target.
 bool lines_meet(const Mesh& picking, const glm::dmat4& matrix, const Mesh& target, std::vector<SurfacePoint>& points) {
   if (picking.primitive != Mesh::Primitive::lines) return false;
-  const auto at = [&](std::size_t i) { return glm::dvec3(matrix * glm::dvec4(picking.positions[picking.indices[i]], 1)); };
+  const auto at = [&](std::size_t i) {
+    return glm::dvec3(matrix * glm::dvec4(picking.positions[picking.indices[i]], 1));
+  };
   for (std::size_t i = 0; i + 1 < picking.indices.size() && points.size() < kMaxPicked; i += 2)
     append_crossings(target, at(i), at(i + 1), kMaxPicked, points);
   return !points.empty();

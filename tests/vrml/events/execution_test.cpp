@@ -214,7 +214,8 @@ TEST_CASE("names only interfaces in node behaviours that the node types have") {
       const NodeType* const in_x3d = built_in_node_type(Language::x3d, type->name);
       const NodeType* const in_vrml97 = built_in_node_type(type->name);
       for (const std::string_view name : type->behaviour->events)
-        if (!name.empty() && name != "bindTime") CHECK(((in_vrml97 && in_vrml97->find(name)) || (in_x3d && in_x3d->find(name))));
+        if (!name.empty() && name != "bindTime")
+          CHECK(((in_vrml97 && in_vrml97->find(name)) || (in_x3d && in_x3d->find(name))));
     }
 }
 
