@@ -157,7 +157,7 @@ void apply_info(Converter& converter, const Item& item) {
 // Copies a VRML97 node, which some programs write into VRML 1.0 files.
 void apply_vrml97(Converter& converter, const Item& item) {
   Output& output = converter.output();
-  const auto target = output.group_target();
+  const auto target = output.target();
   if (!target) return;
   const NodeId node = output.begin(item.type->name, *target, item.location, item.name);
   if (!node) return;

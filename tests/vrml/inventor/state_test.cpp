@@ -135,3 +135,26 @@ TEST_CASE("converts Info nodes with hints for the viewer") {
                  "Background { skyColor 0 0.5 1 } NavigationInfo { type [ \"WALK\" \"ANY\" ] } "
                  "WorldInfo { title \"Shore\" } WorldInfo { info \"by hand\" }");
 }
+
+TEST_CASE("animates Rotor, Pendulum, Shuttle and Blinker") {
+  const Converted world(kInventor +
+                        "Separator { Rotor { rotation 0 1 0 0 speed 0.5 } Cube { } Separator { Shuttle { translation1 0 2 0 "
+                        "} Sphere { } } Separator { Pendulum { rotation1 0 0 1 1 } Cone { } } Blinker { Cube { } Sphere { } "
+                        "} Rotor { on FALSE } Cube { } }");
+  CHECK(world.messages().empty());
+  CHECK(world.scene.routes().size() == 8);
+  const std::string text = print(world.scene);
+  CHECK(text.find("cycleInterval 2") != std::string::npos);
+  for (const char* words : {".value_changed TO _Rotor", ".value_changed TO _Shuttle", ".value_changed TO _Pendulum",
+                            ".choice TO _Blinker"}) {
+    INFO(words);
+    CHECK(text.find(words) != std::string::npos);
+  }
+}
+
+TEST_CASE("passes the point of a click to the url of a WWWAnchor with map POINT") {
+  const Converted world(kVrml1 + "WWWAnchor { name \"it's.cgi\" map POINT Cube { } }");
+  CHECK(world.messages().empty());
+  CHECK(world.scene.routes().size() == 2);
+  CHECK(print(world.scene).find("Browser.loadURL(new MFString('it\\\\'s.cgi?' + at[0]") != std::string::npos);
+}
