@@ -3,6 +3,7 @@
 #include "app/base/console.h"
 #include "app/commands/common/conversion_report.h"
 #include "app/commands/common/progress_bar.h"
+#include "app/commands/common/scene_export.h"
 #include "app/commands/common/shared.h"
 #include "app/commands/common/vectors_of.h"
 #include "app/formats/export/export.h"
@@ -66,13 +67,19 @@ std::string url_between(const std::string& out, const std::string& in) {
   return url.substr(std::min<std::size_t>(url.size(), 1));
 }
 
-// Writes a stream of outlines as a world that any VRML97 browser shows.
-int export_outlines(vrml::SceneGraph& scene, const std::string& in, const std::string& out) {
+// Writes a stream of outlines as a world that any browser shows.
+int export_outlines(vrml::SceneGraph& scene, const std::string& in, const std::string& out,
+                    const SceneFormat& format) {
   // Only the browser sets the field `complete`. Worlds must not contain it.
   for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i)
     if (const vrml::NodeId id = scene.resolve_as(scene.nodes().id_at(i), vrml::NodeKind::outline_group))
       scene.set<vrml::SFBool>(id, "complete", false);
-  const std::vector<std::byte> bytes = outline_world(scene, std::filesystem::path(in).stem().string());
+  std::vector<std::byte> bytes = outline_world(scene, std::filesystem::path(in).stem().string());
+  if (format.grammar != vrml::Grammar::vrml97) {
+    Exported made = x3d_text(bytes, format.grammar);
+    if (const auto* problem = std::get_if<std::string>(&made)) return fail(out + ": " + *problem);
+    bytes = std::move(std::get<std::vector<std::byte>>(made));
+  }
   if (const auto refusal = refuse_to_replace(out, in, bytes)) return fail(*refusal);
   if (const auto problem = net::write_file_atomically(out, bytes)) return fail_to_write(problem->message);
   print_line("%s: outline groups, %zu bytes", out.c_str(), bytes.size());
@@ -109,6 +116,7 @@ std::string contents_of(const ExportFormat& format, const qnv::Geometry& geometr
 std::optional<std::string> check_export(const ExportCommand& options) {
   const std::string& out = options.files.back();
   const ExportFormat* format = format_of(options);
+  if (!format && !options.vrml97 && scene_format_of(out)) return std::nullopt;  // .wrz, .x3dz, ...
   if (format && (format->keeps & kNeedsTriangles) != 0 && options.vectors > 0)
     return std::string(format->extension) + " holds triangles only; --vectors excludes it";
   if (format) return std::nullopt;
@@ -121,14 +129,17 @@ int run_export(const ExportCommand& options) {
   const auto start = std::chrono::steady_clock::now();
   std::error_code error;
   if (std::filesystem::equivalent(in, out, error)) return fail(out + " is also the input; not overwritten");
+  if (const SceneFormat* const scene = scene_format_of(out); scene && !options.vrml97 && exports_scene(options, in))
+    return export_scene(options, in, out, *scene);
   ProgressBar progress;
   progress.whole().stage = "reading";
   auto input = open_input(options, in);
   if (!input) return kFailed;
+  if (!format_of(options)) return fail(out + ": only scenes and meshes are written compressed; expected .wrl or .x3d");
   const ExportFormat& format = *format_of(options);
   if (auto* world = std::get_if<std::unique_ptr<OpenedSurface>>(&input->content);
-      world && input->type == "QNV" && format.name.starts_with("vrml97"))
-    return export_outlines(*(*world)->world.scene, in, out);
+      world && input->type == "QNV" && scene_format_of(format.extension))
+    return export_outlines(*(*world)->world.scene, in, out, *scene_format_of(format.extension));
   ExportOptions export_options;
   export_options.title = input->title;
   export_options.name = std::filesystem::path(out).stem().string();

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <system_error>
+#include <utility>
 
 namespace gs::app {
 namespace {
@@ -28,22 +29,16 @@ fs::path folder_of(const std::string& path) {
 }
 
 // Returns a url list with moved URLs as text, or nullopt if no URL changes.
-std::optional<std::string> moved_list(const vrml::MFString& urls, const std::string& source,
+std::optional<std::string> moved_text(const vrml::MFString& urls, const std::string& source,
                                       const std::string& target) {
-  vrml::MFString moved;
-  bool differs = false;
-  for (const vrml::String& url : urls) {
-    std::string one = moved_url(url.view(), source, target);
-    differs = differs || one != url.view();
-    moved.push_back(vrml::String(one));
-  }
-  if (!differs) return std::nullopt;
+  const std::optional<vrml::MFString> moved = moved_list(urls, source, target);
+  if (!moved) return std::nullopt;
   static const vrml::SceneGraph kNoScene;
   std::string text;
-  if (moved.size() == 1)
-    vrml::print_value(text, moved[0], kNoScene);
+  if (moved->size() == 1)
+    vrml::print_value(text, (*moved)[0], kNoScene);
   else
-    vrml::print_value(text, moved, kNoScene);
+    vrml::print_value(text, *moved, kNoScene);
   return text;
 }
 
@@ -69,11 +64,27 @@ std::string moved_url(std::string_view url, const std::string& source, const std
   return moved;
 }
 
+std::optional<vrml::MFString> moved_list(const vrml::MFString& urls, const std::string& source,
+                                         const std::string& target) {
+  vrml::MFString moved;
+  bool differs = false;
+  for (const vrml::String& url : urls) {
+    std::string one = moved_url(url.view(), source, target);
+    differs = differs || one != url.view();
+    moved.push_back(vrml::String(one));
+  }
+  return differs ? std::optional(std::move(moved)) : std::nullopt;
+}
+
+bool have_one_folder(const std::string& source, const std::string& target) {
+  const net::Url base = base_of(source);
+  return net::has_scheme(base.text(), "file") && folder_of(net::path_of_url(base)) == folder_of(target);
+}
+
 std::vector<vrml::TextEdit> moved_urls(const vrml::SceneGraph& scene, const std::string& source,
                                        const std::string& target) {
   std::vector<vrml::TextEdit> edits;
-  const net::Url base = base_of(source);
-  if (net::has_scheme(base.text(), "file") && folder_of(net::path_of_url(base)) == folder_of(target)) return edits;
+  if (have_one_folder(source, target)) return edits;
   for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
     const vrml::NodeId id = scene.nodes().id_at(i);
     if (!scene.contains(id) || scene.node(id).instance != 0) continue;  // copies for PROTO instances have no text
@@ -81,17 +92,17 @@ std::vector<vrml::TextEdit> moved_urls(const vrml::SceneGraph& scene, const std:
     if (node.text != &scene) continue;
     for (const vrml::InterfaceDeclaration* field : node.type->url_fields())
       if (node.values[field->slot] != node.type->defaults[field->slot])
-        if (auto list = moved_list(std::get<vrml::MFString>(node.values[field->slot]), source, target))
+        if (auto list = moved_text(std::get<vrml::MFString>(node.values[field->slot]), source, target))
           edits.push_back({node.location, node.type->name, field->name, std::move(*list)});
   }
   for (const auto& type : scene.types()) {
     if (type->stands_in) continue;
     if (type->kind == vrml::NodeType::Kind::external_prototype)
-      if (auto list = moved_list(type->url, source, target))
+      if (auto list = moved_text(type->url, source, target))
         edits.push_back({type->location, type->name, {}, std::move(*list)});
     if (type->kind != vrml::NodeType::Kind::prototype) continue;
     for (const vrml::InterfaceDeclaration* field : type->url_fields())
-      if (auto list = moved_list(std::get<vrml::MFString>(field->initial), source, target))
+      if (auto list = moved_text(std::get<vrml::MFString>(field->initial), source, target))
         edits.push_back({type->location, type->name, field->name, std::move(*list)});
   }
   return edits;

@@ -1,8 +1,9 @@
 #include "app/saving/world_text.h"
 
-#include "app/encode/outline_model.h"
 #include "app/formats/content_types.h"
 #include "app/saving/moved_urls.h"
+#include "app/saving/scene_formats.h"
+#include "app/saving/scene_text.h"
 #include "base/gzip.h"
 #include "net/base/url.h"
 #include "net/files/file.h"
@@ -122,35 +123,17 @@ std::optional<std::string> edited_source(const std::string& source, const SceneG
   return whole ? text : std::nullopt;
 }
 
-// Prints the nodes of a world. Textures that its file embeds become data: URLs, and the field `complete`, which only
-// the browser sets, gets its default.
-std::string printed_world(Document& document) {
-  SceneGraph& scene = *document.world.scene;
-  std::vector<std::pair<vrml::FieldValue*, vrml::FieldValue>> changed;  // fields with their values in the world
-  const auto change = [&](vrml::NodeId id, std::string_view field, vrml::FieldValue value) {
-    const vrml::Node& node = scene.node(id);
-    vrml::FieldValue& present = node.values[node.type->find_field(field)->slot];
-    changed.emplace_back(&present, std::exchange(present, std::move(value)));
-  };
-  std::optional<TextureUrls> urls;  // made for the first texture, because it is slow
-  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
-    const vrml::NodeId id = scene.nodes().id_at(i);
-    if (!scene.contains(id) || scene.node(id).in_prototype_body) continue;
-    const vrml::NodeKind kind = scene.node(id).type->read_as;
-    if (kind == vrml::NodeKind::outline_group) change(id, "complete", false);
-    if (kind != vrml::NodeKind::image_texture || !scene.get<vrml::MFString>(id, "url").empty()) continue;
-    const auto image = document.world.images.find(&scene.node(id));
-    if (image == document.world.images.end()) continue;
-    if (!urls) urls = texture_urls(document.world);
-    const auto url = urls->find(image->second.get());
-    if (url == urls->end()) continue;
-    vrml::MFString list;
-    list.push_back(url->second);
-    change(id, "url", std::move(list));
+// Adapts the URLs in the text of a file to the folder of another file.
+void move_urls(std::string& text, const SceneGraph& scene, const std::string& source, const std::string& target) {
+  const ReadAgain again(text, scene.limits());
+  std::vector<vrml::TextEdit> moves = moved_urls(again.scene, source, target);
+  if (moves.empty()) return;
+  auto moved = vrml::edited_text(text, moves);
+  if (!moved) {
+    std::erase_if(moves, [&](const vrml::TextEdit& move) { return !vrml::edited_text(text, {&move, 1}); });
+    moved = vrml::edited_text(text, moves);
   }
-  std::string text = vrml::print(scene);
-  for (auto& [field, value] : changed) *field = std::move(value);
-  return text;
+  if (moved) text = std::move(*moved);
 }
 
 }  // namespace
@@ -187,21 +170,18 @@ std::variant<WorldText, std::string> world_text(Document& document, const std::s
   const PlannedEdits planned = planned_edits(scene, document.edits);
   WorldText made;
   made.left_out = planned.left_out;
-  if (document.edits.source)
+  const SceneFormat* const format = scene_format_of(target);
+  const vrml::Grammar grammar = format ? format->grammar : vrml::Grammar::vrml97;
+  if (document.edits.source && grammar == vrml::Grammar::vrml97)
     if (auto text = edited_source(*document.edits.source, scene, planned)) {
       made.text = std::move(*text);
       made.is_source = true;
+      move_urls(made.text, scene, document.world.path, target);
+      return made;
     }
-  if (!made.is_source) made.text = printed_world(document);
-  const ReadAgain again(made.text, scene.limits());
-  std::vector<vrml::TextEdit> moves = moved_urls(again.scene, document.world.path, target);
-  if (moves.empty()) return made;
-  auto moved = vrml::edited_text(made.text, moves);
-  if (!moved) {
-    std::erase_if(moves, [&](const vrml::TextEdit& move) { return !vrml::edited_text(made.text, {&move, 1}); });
-    moved = vrml::edited_text(made.text, moves);
-  }
-  if (moved) made.text = std::move(*moved);
+  SceneText printed = scene_text(document.world, grammar, target);
+  made.text = std::move(printed.text);
+  made.losses = std::move(printed.losses);
   return made;
 }
 

@@ -4,6 +4,7 @@
 #include "app/saving/world_text.h"
 #include "app/settings/user_folders.h"
 #include "net/files/standard_input.h"
+#include "vrml/printing/print_scene.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -21,6 +22,14 @@ bool is_file(const std::string& path) {
   return path != net::kStandardInputPath && fs::is_regular_file(path, error);
 }
 
+// Returns the first properties that a format lacks, as one notice.
+std::string text_of_losses(const std::vector<std::string>& losses) {
+  constexpr std::size_t kShown = 3;
+  std::string text = "Not saved: ";
+  for (std::size_t i = 0; i < std::min(losses.size(), kShown); ++i) text += (i > 0 ? "\n" : "") + losses[i];
+  return losses.size() > kShown ? text + "\nand " + std::to_string(losses.size() - kShown) + " more" : text;
+}
+
 }  // namespace
 
 WorldSaver::WorldSaver(Parts parts, std::string not_kept, std::function<void()> close, std::function<void()> wake)
@@ -32,7 +41,7 @@ WorldSaver::WorldSaver(Parts parts, std::string not_kept, std::function<void()> 
       close_(std::move(close)),
       wake_(std::move(wake)) {}
 
-// Returns the path that the dialog proposes: the world's own path for VRML97, else with the extension .wrl.
+// Returns the path that the dialog proposes: the world's own path for VRML97 and X3D, else with the extension .wrl.
 std::string WorldSaver::proposed_path() const {
   const std::string& own = document_->world.path;
   std::string name = file_label(own);
@@ -82,6 +91,7 @@ void WorldSaver::write_text(const std::string& path) {
   if (const auto problem = write_world_text(path, text.text))
     return ui_.show_notice("Cannot save " + path + ": " + *problem, true);
   saved(path, text.left_out);
+  if (!text.losses.empty()) ui_.show_notice(text_of_losses(text.losses), false);
 }
 
 void WorldSaver::start_export(const std::string& path) {
@@ -89,7 +99,10 @@ void WorldSaver::start_export(const std::string& path) {
   source.path = document_->world.path;
   const bool changed = !document_->edits.latest().empty();
   if (changed || !is_file(source.path)) {
-    source.text = std::make_unique<TemporaryFile>("world.wrl", std::span<const std::byte>());
+    const bool is_x3d =
+        document_->world.scene && vrml::own_grammar(*document_->world.scene) == vrml::Grammar::x3d_classic;
+    source.text =
+        std::make_unique<TemporaryFile>(is_x3d ? "world.x3dv" : "world.wrl", std::span<const std::byte>());
     source.path = source.text->path();
     source.folder = fs::path(document_->world.path).parent_path().string();
     if (source.folder.empty() || !is_file(document_->world.path)) source.folder = ".";
@@ -103,7 +116,7 @@ void WorldSaver::start_export(const std::string& path) {
   exports_.push_back(std::make_unique<WorldExport>(std::move(source), path, wake_));
   // The format has no fields, so the edits of the world remain unsaved.
   if (const auto after = std::exchange(after_, std::nullopt))
-    ui_.show_notice("Only VRML97 (.wrl) keeps all edits; the world is still open", false);
+    ui_.show_notice("Only VRML97 and X3D keep all edits; the world is still open", false);
 }
 
 void WorldSaver::saved(const std::string& path, std::size_t left_out) {

@@ -7,6 +7,7 @@
 #include "tests/app/formats_helpers.h"
 #include "tests/net/memory_network.h"
 #include "tests/render/drawing.h"
+#include "tests/vrml/encodings.h"
 #include "vrml/mesh/mesh.h"
 
 #include <catch2/catch.hpp>
@@ -37,14 +38,19 @@ using Files = std::map<std::string, std::string>;
 /// Studio that draws worlds of 64 x 64 pixels from their first Viewpoint.
 class Studio {
  public:
-  [[nodiscard]] render::Image picture(const Files& files) {
+  /// Draws the worlds in an encoding. Their names stay, because the content determines the encoding.
+  [[nodiscard]] render::Image picture(const Files& files, vrml::Grammar grammar = vrml::Grammar::vrml97) {
     auto network = std::make_shared<net::MemoryNetwork>();
     LoadOptions options;
     options.memory = net::MakeMemoryTransport{network};
     for (const auto& [name, text] : files) {
       net::MemoryResource resource;
       const bool world = name.ends_with(".wrl");
-      resource.bytes = gs::test::bytes_of(world ? "#VRML V2.0 utf8\n" + text : text);
+      const std::string vrml97 = "#VRML V2.0 utf8\n" + text;
+      if (world && grammar != vrml::Grammar::vrml97)
+        resource.bytes = gs::test::bytes_of(vrml::testing::encoded(vrml97, grammar));
+      else
+        resource.bytes = gs::test::bytes_of(world ? vrml97 : text);
       network->put("memory://a/" + name, std::move(resource));
     }
     WorldLoading loading("memory://a/main.wrl", options);
@@ -108,7 +114,16 @@ inline std::string faces_of(const vrml::Mesh& mesh) {
   return text + "] }";
 }
 
-/// Checks that two worlds look alike except for some pixels at edges, where rounding decides.
+/// Checks that a world has the same picture in each encoding of X3D.
+inline void check_encodings(Studio& studio, const Files& files, const render::Image& picture) {
+  for (const vrml::Grammar grammar : vrml::testing::kX3DGrammars) {
+    INFO(vrml::testing::name_of(grammar));
+    CHECK(compare_pictures(picture, studio.picture(files, grammar), 0).pixels == 0);
+  }
+}
+
+/// Checks that two worlds look alike except for some pixels at edges, where rounding decides. Checks the first one in
+/// each encoding of X3D, too.
 inline void check_alike(Studio& studio, const std::string& what, const Files& a, const Files& b,
                         std::size_t edge_pixels = 12) {
   INFO(what);
@@ -117,6 +132,7 @@ inline void check_alike(Studio& studio, const std::string& what, const Files& a,
   const PictureDifference difference = compare_pictures(first, second);
   INFO("differ by up to " << difference.most);
   CHECK(difference.pixels <= edge_pixels);
+  check_encodings(studio, a, first);
 }
 inline void check_alike(Studio& studio, const std::string& what, const std::string& a, const std::string& b,
                         std::size_t edge_pixels = 12) {

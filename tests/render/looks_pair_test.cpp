@@ -3,6 +3,7 @@
 
 #include "render/collection/render_scene.h"
 #include "tests/render/drawing.h"
+#include "tests/vrml/encodings.h"
 #include "vrml/syntax/parser.h"
 
 #include <algorithm>
@@ -14,9 +15,13 @@ using namespace gs::render::testing;
 namespace {
 
 struct ParsedWorld {
-  explicit ParsedWorld(const std::string& body) : scene(std::make_unique<vrml::SceneGraph>("pair.wrl")) {
+  explicit ParsedWorld(const std::string& body) : ParsedWorld(body, vrml::Grammar::vrml97) {}
+  ParsedWorld(const std::string& body, vrml::Grammar grammar)
+      : scene(std::make_unique<vrml::SceneGraph>("pair.wrl")) {
     Diagnostics diagnostics;
-    (void)vrml::parse("#VRML V2.0 utf8\n" + body, *scene, diagnostics);
+    const std::string vrml97 = "#VRML V2.0 utf8\n" + body;
+    (void)vrml::parse(grammar == vrml::Grammar::vrml97 ? vrml97 : vrml::testing::encoded(vrml97, grammar), *scene,
+                      diagnostics);
     for (const Diagnostic& d : diagnostics.entries()) UNSCOPED_INFO(d.text());
     REQUIRE(diagnostics.errors() == 0);
   }
@@ -57,6 +62,10 @@ void check_alike(const std::string& one, const std::string& other) {
               second = ParsedWorld(other).draw(drawing, camera_at({0, 0, 10}));
   CHECK(shown(first) > 120);
   CHECK(difference(first, second) < 2);
+  for (const vrml::Grammar grammar : vrml::testing::kX3DGrammars) {
+    INFO(vrml::testing::name_of(grammar));
+    CHECK(ParsedWorld(one, grammar).draw(drawing, camera_at({0, 0, 10})).pixels == first.pixels);
+  }
 }
 
 const std::string kPaint = "appearance Appearance { material Material { diffuseColor 1 0.8 0.2 } } ";

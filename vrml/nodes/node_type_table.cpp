@@ -1,5 +1,6 @@
 #include "vrml/nodes/families.h"
 #include "vrml/nodes/x3d/components.h"
+#include "vrml/nodes/x3d/vrml97_equivalents.h"
 #include "vrml/scene/node_type.h"
 #include "vrml/scene/scene_graph.h"
 #include "vrml/syntax/parser.h"
@@ -129,6 +130,7 @@ std::unique_ptr<NodeType> type_of_x3d_row(const X3DRow& row, const NodeRow* vrml
       for (InterfaceDeclaration& each : type->interfaces)
         if (each.name == list.field) each.lists = true;
   rename_interfaces(*type);
+  type->equivalent = vrml97_equivalent(*type);
   return type;
 }
 

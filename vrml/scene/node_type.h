@@ -17,8 +17,10 @@ namespace gs::vrml {
 
 class SceneGraph;
 struct Behaviour;
+struct MadeNode;
 struct Mesh;
 struct MeshOptions;
+struct NodeType;
 struct Prototype;
 
 /// Access type of an interface (VRML97 4.7).
@@ -81,6 +83,8 @@ enum class NodeKind : std::uint8_t {
   collision,
   transform,
   humanoid,
+  geo_group,
+  geo_lod,
   billboard,
   switch_node,
   lod,
@@ -111,6 +115,7 @@ enum class NodeKind : std::uint8_t {
   color,
   color_rgba,
   coordinate_double,
+  geo_coordinate,
   fog_coordinate,
   texture_coordinate,
   nurbs_texture_surface,
@@ -122,6 +127,24 @@ enum class NodeKind : std::uint8_t {
   script,
   world_info,
   sound,
+  multi_texture,
+  texture_properties,
+  physical_material,
+  unlit_material,
+  two_sided_material,
+  composed_cube_map_texture,
+  image_cube_map_texture,
+  generated_cube_map_texture,
+  composed_texture_3d,
+  image_texture_3d,
+  pixel_texture_3d,
+  texture_transform_3d,
+  texture_transform_matrix_3d,
+  multi_texture_transform,
+  multi_texture_coordinate,
+  texture_coordinate_generator,
+  texture_coordinate_3d,
+  texture_coordinate_4d,
 };
 
 /// Content of the file that the `url` of a node names. It selects the content handler.
@@ -169,6 +192,14 @@ struct NodeRow {
   std::string_view other_events{};
 };
 
+/// Node of VRML97 that is written for a node that only X3D has (vrml/nodes/x3d/vrml97_equivalents.cpp).
+struct Vrml97Equivalent {
+  std::string_view x3d_type, type;  // names of both types
+  /// Returns the node. Null means that both types have the same fields, except those that only X3D has.
+  MadeNode (*make)(const SceneGraph& scene, NodeId node, const NodeType& type) = nullptr;
+  std::string_view loss = {};  // property that the equivalent lacks, as message for the user; empty if there is none
+};
+
 /// Type of a node: built in, declared by a PROTO or EXTERNPROTO, or private to one Script. It does not change after its
 /// first node is created, so any thread may read it.
 struct NodeType : NonCopyable {
@@ -190,6 +221,7 @@ struct NodeType : NonCopyable {
   std::string container_field;             // X3D types only: default field of the parent in the XML encoding
   std::string bases;                       // X3D types only: abstract types that it derives from, separated by blanks
   bool ignored = false;                    // X3D types only: nodes have no effect; sinks warn about them
+  const Vrml97Equivalent* equivalent = nullptr;  // X3D types only: null if VRML97 has the type, or no equivalent
   bool stands_in = false;                  // partial substitute for another browser's type (vrml/syntax/stand_ins.h)
   std::vector<int> measures;               // slots of the lengths of a built-in geometry: fields with the range (0,inf)
   std::unique_ptr<Prototype> prototype;    // body of a PROTO, otherwise null

@@ -8,10 +8,10 @@
 
 namespace gs::vrml {
 
-/// Returns the scene as VRML97 text that parses to the same scene. It contains PROTO and EXTERNPROTO declarations,
-/// nodes with their non-default fields, and ROUTEs, in the order of the file. Printing the parsed text gives the same
-/// text again. A float has the fewest digits that give the same float. Shared nodes without a name get a DEF name.
-/// Repeated names are made unique.
+/// Returns the scene as VRML97 text, or as classic X3D text if it is X3D, that parses to the same scene. It contains
+/// PROTO and EXTERNPROTO declarations, nodes with their non-default fields, and ROUTEs, in the order of the file.
+/// Printing the parsed text gives the same text again. A float has the fewest digits that give the same float. Shared
+/// nodes without a name get a DEF name. Repeated names are made unique. print_scene() prints other grammars.
 [[nodiscard]] std::string print(const SceneGraph& scene);
 /// Prints in pieces of about one megabyte, because the text may be larger than the scene. `write` returns false to
 /// stop.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "qnv/base/geometry.h"
+#include "vrml/scene/language.h"
 
 #include <cstddef>
 #include <span>
@@ -56,6 +57,13 @@ using Exported = std::variant<std::vector<std::byte>, std::string>;
 /// colour get baked shading by a light above the viewer.
 [[nodiscard]] Exported export_vrml97_points(const qnv::Geometry& geometry, const ExportOptions& options = {});
 [[nodiscard]] Exported export_vrml97_patches(const qnv::Geometry& geometry, const ExportOptions& options = {});
+
+/// Export the world of export_vrml97_points() in X3D: XML, classic VRML and JSON.
+[[nodiscard]] Exported export_x3d_points(const qnv::Geometry& geometry, const ExportOptions& options = {});
+[[nodiscard]] Exported export_x3dv_points(const qnv::Geometry& geometry, const ExportOptions& options = {});
+[[nodiscard]] Exported export_x3dj_points(const qnv::Geometry& geometry, const ExportOptions& options = {});
+/// Returns a VRML97 text without errors in an encoding of X3D.
+[[nodiscard]] Exported x3d_text(std::span<const std::byte> vrml97, vrml::Grammar grammar);
 
 /// Error of formats that hold triangles only.
 inline constexpr std::string_view kNoTriangles =

@@ -19,9 +19,13 @@ constexpr ExportFormat kExportFormats[] = {
      kKeepsTriangles | kKeepsColors | kKeepsTexture | kKeepsShine | kNeedsTriangles},
     {"spz", ".spz", "Gaussian splats as SPZ version 4 (zstd)", export_spz, kKeepsColors},
     {"spz3", ".v3.spz", "Gaussian splats as SPZ version 3 (gzip)", export_spz3, kKeepsColors},
-    {"vrml97", ".wrl", "VRML97 for any browser: points", export_vrml97_points, kKeepsColors},
+    {"vrml97", ".wrl", "VRML97 for any browser: scenes and meshes with all nodes; vectors as points",
+     export_vrml97_points, kKeepsColors},
     {"vrml97-patches", ".patches.wrl", "VRML97 for any browser: a square for each vector", export_vrml97_patches,
      kKeepsColors},
+    {"x3d", ".x3d", "X3D XML: as .wrl", export_x3d_points, kKeepsColors},
+    {"x3dv", ".x3dv", "X3D classic VRML: as .wrl", export_x3dv_points, kKeepsColors},
+    {"x3dj", ".x3dj", "X3D JSON: as .wrl", export_x3dj_points, kKeepsColors},
 };
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }

@@ -30,16 +30,15 @@ class World {
     } else {
       (void)parse("#VRML V2.0 utf8\n" + body, *scene_, diagnostics);
     }
-    for (const Diagnostic& diagnostic : diagnostics.entries()) UNSCOPED_INFO(diagnostic.text());
-    CHECK(diagnostics.errors() == 0);
-    execution_ = std::make_unique<Execution>(*scene_);
-    names_ = std::make_unique<NodeNames>(*scene_);
-    execution_->cascade().observe([this](const SentEvent& event) {
-      std::string line =
-          time_text(event.time - kStart) + ' ' + names_->of(*event.scene, event.node) + '.' + event.event->name + ' ';
-      print_value(line, *event.value, *event.scene);
-      lines_.push_back(line);
-    });
+    begin(diagnostics);
+  }
+  /// Reads a whole text of any grammar.
+  static std::unique_ptr<World> of_text(const std::string& text) {
+    auto world = std::unique_ptr<World>(new World());
+    Diagnostics diagnostics;
+    (void)parse(text, *world->scene_, diagnostics);
+    world->begin(diagnostics);
+    return world;
   }
   virtual ~World() = default;
 
@@ -85,6 +84,21 @@ class World {
   NodeId node(std::string_view name) { return names_->find(name); }
 
  private:
+  World() : scene_(std::make_unique<SceneGraph>("text")) {}
+
+  void begin(const Diagnostics& diagnostics) {
+    for (const Diagnostic& diagnostic : diagnostics.entries()) UNSCOPED_INFO(diagnostic.text());
+    CHECK(diagnostics.errors() == 0);
+    execution_ = std::make_unique<Execution>(*scene_);
+    names_ = std::make_unique<NodeNames>(*scene_);
+    execution_->cascade().observe([this](const SentEvent& event) {
+      std::string line =
+          time_text(event.time - kStart) + ' ' + names_->of(*event.scene, event.node) + '.' + event.event->name + ' ';
+      print_value(line, *event.value, *event.scene);
+      lines_.push_back(line);
+    });
+  }
+
   static std::string time_text(double time) {
     char digits[64];
     return {digits, std::to_chars(digits, digits + sizeof digits, time).ptr};

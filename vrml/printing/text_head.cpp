@@ -1,0 +1,110 @@
+#include "vrml/printing/text_head.h"
+
+#include "vrml/printing/written_node.h"
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <unordered_set>
+
+namespace gs::vrml {
+namespace {
+
+/// Profile with its components and their levels.
+struct Profile {
+  std::string_view name;
+  std::string_view components;  // "NAME:LEVEL" with a blank behind each
+};
+
+// Tables B.1, D.1 and E.1 of ISO/IEC 19775-1, the smallest profile first.
+constexpr Profile kProfiles[] = {
+    {"Interchange",
+     "Core:1 EnvironmentalEffects:1 Geometry3D:2 Grouping:1 Interpolation:2 Lighting:1 Navigation:1 Networking:1 "
+     "Rendering:3 Shape:1 Texturing:2 Time:1 "},
+    {"Interactive",
+     "Core:1 EnvironmentalEffects:1 EnvironmentalSensor:1 EventUtilities:1 Geometry3D:3 Grouping:2 Interpolation:2 "
+     "KeyDeviceSensor:1 Lighting:2 Navigation:1 Networking:2 PointingDeviceSensor:1 Rendering:3 Shape:1 Texturing:2 "
+     "Time:1 "},
+    {"Immersive",
+     "Core:2 EnvironmentalEffects:2 EnvironmentalSensor:2 EventUtilities:1 Geometry2D:1 Geometry3D:4 Grouping:2 "
+     "Interpolation:2 KeyDeviceSensor:2 Lighting:2 Navigation:2 Networking:3 PointingDeviceSensor:1 Rendering:3 "
+     "Scripting:1 Shape:2 Sound:1 Text:1 Texturing:3 Time:1 "},
+};
+
+constexpr int kFirstX3DVersion = 33;
+constexpr std::string_view kAngle = "angle";
+
+using Levels = std::map<std::string, int, std::less<>>;
+
+// Returns the level of a component in a profile; 0 if the profile lacks it.
+int level_in(const Profile& profile, std::string_view component) {
+  std::string_view left = profile.components;
+  while (!left.empty()) {
+    const std::string_view one = left.substr(0, left.find(' '));
+    if (one.size() == component.size() + 2 && one.starts_with(component)) return one.back() - '0';
+    left.remove_prefix(one.size() + 1);
+  }
+  return 0;
+}
+
+void raise(Levels& levels, std::string_view component, int level) {
+  if (component.empty()) return;
+  int& known = levels[std::string(component)];
+  known = std::max(known, level);
+}
+
+// Returns the highest level of each component that the nodes of the file and of its PROTOs need.
+Levels used_levels(const SceneGraph& scene, NodeTranslator& translator) {
+  Levels levels;
+  std::unordered_set<const NodeType*> seen;
+  const NodeType* last = nullptr;
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
+    const NodeId id = scene.nodes().id_at(i);
+    if (!scene.contains(id)) continue;
+    const Node& node = scene.node(id);
+    if (node.instance != 0 || node.type == last || !seen.insert(node.type).second) continue;
+    last = node.type;
+    const NodeType* const type = translator.written_type(*node.type);
+    if (!type) continue;
+    if (type->kind == NodeType::Kind::built_in)
+      raise(levels, type->component, type->level);
+    else if (type->kind == NodeType::Kind::script)
+      raise(levels, "Scripting", 1);
+    else if (!type->stands_in)
+      raise(levels, "Core", 2);
+  }
+  if (!scene.x3d().imports.empty() || !scene.x3d().exports.empty()) raise(levels, "Networking", 3);
+  for (const auto& type : scene.types())
+    if (type->kind > NodeType::Kind::script && !type->stands_in) raise(levels, "Core", 2);
+  return levels;
+}
+
+}  // namespace
+
+TextHead text_head(const SceneGraph& scene, Grammar grammar, NodeTranslator& translator) {
+  TextHead head{grammar};
+  const X3DStatements& statements = scene.x3d();
+  if (translator.language() == Language::vrml97) {
+    for (const X3DStatements::Meta& meta : statements.metas) translator.add_loss("META " + meta.name + " is left out");
+    for (const X3DStatements::Unit& unit : statements.units)
+      if (unit.category != kAngle) translator.add_loss("UNIT " + unit.category + ' ' + unit.name + " is left out");
+    return head;
+  }
+  head.metas = statements.metas;
+  for (const X3DStatements::Unit& unit : statements.units)
+    if (unit.category != kAngle) head.units.push_back(unit);
+  head.version = scene.language() == Language::x3d ? scene.version() : kFirstX3DVersion;
+  const Levels levels = used_levels(scene, translator);
+  const auto holds = [&](const Profile& profile) {
+    return std::all_of(levels.begin(), levels.end(),
+                       [&](const auto& used) { return used.second <= level_in(profile, used.first); });
+  };
+  const auto* const found = std::find_if(std::begin(kProfiles), std::end(kProfiles), holds);
+  const Profile& profile = found == std::end(kProfiles) ? *std::prev(found) : *found;
+  head.profile = profile.name;
+  for (const auto& [name, level] : levels)
+    if (level > level_in(profile, name)) head.components.push_back({name, level});
+  return head;
+}
+
+}  // namespace gs::vrml
