@@ -69,8 +69,9 @@ TEST_CASE("shows the part that was received, and reports the end once") {
 }
 
 TEST_CASE("continues after errors at the next field or node") {
-  const Converted world(kVrml1 + "Separator {\n  Cube { width wide height 4 }\n  Sphere { bulk 3 radius 2 }\n"
-                                 "  Coordinate3 { point [ 0 0 0, 1 x 0 0 ] }\n  ] Cone { } }\n} Cube { }");
+  const Converted world(kVrml1 +
+                        "Separator {\n  Cube { width wide height 4 }\n  Sphere { bulk 3 radius 2 }\n"
+                        "  Coordinate3 { point [ 0 0 0, 1 x 0 0 ] }\n  ] Cone { } }\n} Cube { }");
   INFO(world.messages());
   CHECK(world.says("world.wrl:3:16: error: expected a number for width, found 'wide'"));
   CHECK(world.says("world.wrl:4:12: warning: Sphere has no field 'bulk'; skipped"));
