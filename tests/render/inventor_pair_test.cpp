@@ -141,3 +141,5 @@ TEST_CASE("draws texts, lines and parts of solids of VRML 1.0 equal to VRML97") 
                  "Rotation { rotation 1 0 0 0.5 } Cone { } }",
              "Transform { rotation 1 0 0 0.5 children Shape { " + kRed + "geometry Cone { } } }");
 }
+
+}  // namespace gs::render::inventor_pair_test
