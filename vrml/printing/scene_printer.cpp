@@ -177,7 +177,12 @@ WrittenField ScenePrinter::default_value(const NodeType& type, const InterfaceDe
 
 std::optional<ScenePrinter::NamedRoute> ScenePrinter::named(const Route& route) {
   const SceneGraph& scene = scope_->scene;
-  if (!translator_.is_written(scene, route.from) || !translator_.is_written(scene, route.to)) return std::nullopt;
+  // A text may name nodes that stand nowhere in the scene, because they were misplaced.
+  const auto is_printed = [&](NodeId id) {
+    return translator_.is_written(scene, id) &&
+           (scope_->seen.contains(id.index) || scene.node(id).type == &browser_node_type());
+  };
+  if (!is_printed(route.from) || !is_printed(route.to)) return std::nullopt;
   const std::string_view event_out = translator_.written_name(*scene.node(route.from).type, *route.event_out),
                          event_in = translator_.written_name(*scene.node(route.to).type, *route.event_in);
   if (event_out.empty() || event_in.empty()) return std::nullopt;
