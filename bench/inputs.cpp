@@ -1,7 +1,7 @@
 // bench_inputs DIR: writes the worlds that benchmarks read, with the same bytes in every run.
 //
-// Three height fields (long arrays of numbers), and four worlds of many small objects that load different parts of a
-// browser: names, nodes, sharing, PROTO instances, ROUTEs.
+// Three height fields (long arrays of numbers), one of them also as X3D in XML and JSON, and four worlds of many small
+// objects that load different parts of a browser: names, nodes, sharing, PROTO instances, ROUTEs.
 
 #include <algorithm>
 #include <array>
@@ -86,47 +86,121 @@ struct Hills {
   }
 };
 
-/// Writes n x n vertices, 2 (n - 1)^2 triangles in one IndexedFaceSet with normals and colours per vertex.
+/// Lists of numbers of a height field with n x n vertices and 2 (n - 1)^2 triangles.
+class HeightField {
+ public:
+  /// `inside` stands between the numbers of a vertex.
+  HeightField(Writer& out, int n, std::string_view inside) : out_(out), n_(n), inside_(inside) {}
+
+  void write_points() {
+    write_rows([&](double x, double z) { triple(x, Hills::height(x, z), z, 6); });
+  }
+  void write_normals() {
+    write_rows([&](double x, double z) {
+      const auto normal = Hills::normal(x, z);
+      triple(normal[0], normal[1], normal[2], 5);
+    });
+  }
+  void write_colors() {
+    write_rows([&](double x, double z) {
+      const double t = std::clamp((Hills::height(x, z) + 1.4) / 2.8, 0.0, 1.0);
+      triple(0.15 + 0.8 * t, 0.6 - 0.4 * std::abs(t - 0.4), 0.8 - 0.6 * t, 4);
+    });
+  }
+  void write_indices() {
+    const auto face = [&](long a, long b, long c, bool last) {
+      out_.integer(a).text(", ").integer(b).text(", ").integer(c).text(last ? ", -1" : ", -1, ");
+    };
+    for (long row = 0; row + 1 < n_; ++row) {
+      out_.text("   ");
+      for (long column = 0; column + 1 < n_; ++column) {
+        const long near = row * n_ + column, far = near + n_;
+        face(near, far, near + 1, false);
+        face(near + 1, far, far + 1, row + 2 == n_ && column + 2 == n_);
+      }
+      out_.text("\n");
+    }
+  }
+
+ private:
+  template <class Write>
+  void write_rows(Write&& write_vertex) {
+    const auto place = [this](int i) { return -8 + 16.0 * i / (n_ - 1); };
+    for (int row = 0; row < n_; ++row) {
+      out_.text("   ");
+      for (int column = 0; column < n_; ++column) {
+        write_vertex(place(column), place(row));
+        out_.text(column + 1 < n_ ? ", " : row + 1 < n_ ? ",\n" : "\n");
+      }
+    }
+  }
+  void triple(double x, double y, double z, int decimals) {
+    out_.number(x, decimals).text(inside_).number(y, decimals).text(inside_).number(z, decimals);
+  }
+
+  Writer& out_;
+  int n_;
+  std::string_view inside_;
+};
+
+/// Writes a height field as one IndexedFaceSet with normals and colours per vertex.
 bool write_height_field(const std::filesystem::path& path, int n) {
   Writer out(path);
+  HeightField field(out, n, " ");
   write_head(out, "0.2 0.3 0.5", "position 0 9 13 orientation 1 0 0 -0.61");
   out.text("DEF Terrain Shape {\n appearance Appearance { material Material { diffuseColor 0.8 0.8 0.8 } }\n");
   out.text(" geometry IndexedFaceSet {\n  solid FALSE\n  coord Coordinate { point [\n");
-  const auto place = [n](int i) { return -8 + 16.0 * i / (n - 1); };
-  const auto rows = [&](auto&& write_vertex) {
-    for (int row = 0; row < n; ++row) {
-      out.text("   ");
-      for (int column = 0; column < n; ++column) {
-        write_vertex(place(column), place(row));
-        out.text(column + 1 < n ? ", " : ",\n");
-      }
-    }
-  };
-  rows([&](double x, double z) { out.triple(x, Hills::height(x, z), z, 6); });
+  field.write_points();
   out.text("  ] }\n  normal Normal { vector [\n");
-  rows([&](double x, double z) {
-    const auto normal = Hills::normal(x, z);
-    out.triple(normal[0], normal[1], normal[2], 5);
-  });
+  field.write_normals();
   out.text("  ] }\n  color Color { color [\n");
-  rows([&](double x, double z) {
-    const double t = std::clamp((Hills::height(x, z) + 1.4) / 2.8, 0.0, 1.0);
-    out.triple(0.15 + 0.8 * t, 0.6 - 0.4 * std::abs(t - 0.4), 0.8 - 0.6 * t, 4);
-  });
+  field.write_colors();
   out.text("  ] }\n  coordIndex [\n");
-  const auto face = [&out](long a, long b, long c) {
-    out.integer(a).text(", ").integer(b).text(", ").integer(c).text(", -1, ");
-  };
-  for (long row = 0; row + 1 < n; ++row) {
-    out.text("   ");
-    for (long column = 0; column + 1 < n; ++column) {
-      const long near = row * n + column, far = near + n;
-      face(near, far, near + 1);
-      face(near + 1, far, far + 1);
-    }
-    out.text("\n");
-  }
+  field.write_indices();
   out.text("  ]\n } }\n");
+  return out.finish();
+}
+
+/// Writes the same height field as X3D in XML.
+bool write_xml_height_field(const std::filesystem::path& path, int n) {
+  Writer out(path);
+  HeightField field(out, n, " ");
+  out.text(R"(<?xml version="1.0" encoding="UTF-8"?>
+<X3D profile="Interchange" version="3.3"><Scene>
+<NavigationInfo type='"EXAMINE" "ANY"'/><Background skyColor="0.2 0.3 0.5"/>
+<Viewpoint position="0 9 13" orientation="1 0 0 -0.61" description="Front"/>
+<Shape DEF="Terrain"><Appearance><Material diffuseColor="0.8 0.8 0.8"/></Appearance>
+<IndexedFaceSet solid="false" coordIndex="
+)");
+  field.write_indices();
+  out.text("\"><Coordinate point=\"\n");
+  field.write_points();
+  out.text("\"/>\n<Normal vector=\"\n");
+  field.write_normals();
+  out.text("\"/>\n<Color color=\"\n");
+  field.write_colors();
+  out.text("\"/></IndexedFaceSet></Shape></Scene></X3D>\n");
+  return out.finish();
+}
+
+/// Writes the same height field as X3D in JSON.
+bool write_json_height_field(const std::filesystem::path& path, int n) {
+  Writer out(path);
+  HeightField field(out, n, ",");
+  out.text(R"({"X3D":{"encoding":"UTF-8","@profile":"Interchange","@version":"3.3","Scene":{"-children":[
+{"NavigationInfo":{"@type":["EXAMINE","ANY"]}}, {"Background":{"@skyColor":[0.2,0.3,0.5]}},
+{"Viewpoint":{"@position":[0,9,13],"@orientation":[1,0,0,-0.61],"@description":"Front"}},
+{"Shape":{"@DEF":"Terrain","-appearance":{"Appearance":{"-material":{"Material":{"@diffuseColor":[0.8,0.8,0.8]}}}},
+"-geometry":{"IndexedFaceSet":{"@solid":false,"@coordIndex":[
+)");
+  field.write_indices();
+  out.text("],\"-coord\":{\"Coordinate\":{\"@point\":[\n");
+  field.write_points();
+  out.text("]}},\n\"-normal\":{\"Normal\":{\"@vector\":[\n");
+  field.write_normals();
+  out.text("]}},\n\"-color\":{\"Color\":{\"@color\":[\n");
+  field.write_colors();
+  out.text("]}}}}}}]}}}\n");
   return out.finish();
 }
 
@@ -265,7 +339,7 @@ int main(int count, char** arguments) {
   // A word that begins with "-" is an option, not the name of a folder.
   const std::string_view word = count == 2 ? arguments[1] : "";
   if (word.empty() || word.starts_with('-')) {
-    std::fputs("usage: bench_inputs DIR\nWrites seven VRML97 worlds for the benchmarks into DIR.\n", stderr);
+    std::fputs("usage: bench_inputs DIR\nWrites nine worlds for the benchmarks into DIR.\n", stderr);
     return word == "--help" || word == "-h" ? 0 : 2;
   }
   const std::filesystem::path folder = arguments[1];
@@ -273,7 +347,9 @@ int main(int count, char** arguments) {
   std::filesystem::create_directories(folder, error);
   const bool good = write_height_field(folder / "grid100k.wrl", 225) &&  // 100,352 triangles
                     write_height_field(folder / "grid1m.wrl", 708) &&    // 999,698
-                    write_height_field(folder / "grid4m.wrl", 1415) &&   // 3,998,792
+                    write_xml_height_field(folder / "grid1m.x3d", 708) &&
+                    write_json_height_field(folder / "grid1m.x3dj", 708) &&
+                    write_height_field(folder / "grid4m.wrl", 1415) &&  // 3,998,792
                     write_small_nodes(folder / "nodes20k.wrl") && write_prototypes(folder / "proto5k.wrl") &&
                     write_routes(folder / "routes10k.wrl") && write_labels(folder / "labels10k.wrl");
   if (!good) std::fprintf(stderr, "bench_inputs: cannot write into %s\n", folder.c_str());

@@ -1,4 +1,4 @@
-// parse_bench [--runs N] [--markdown] FILE...: compares the speed of GhostSpace's parser with the speed of memory.
+// parse_bench [--runs N] [--markdown] FILE...: compares the speed of the readers of VRML97 and X3D with the speed of memory.
 //
 // Each of N rounds runs in sequence: reading memory, the bare number loop, the parser with the whole text, and the
 // parser with 64 KiB at a time. Prints medians. Peak memory is that of child processes that only parse: `peak` reads
@@ -8,6 +8,7 @@
 #include "bench/shared/bare_loop.h"
 #include "vrml/scene/scene_graph.h"
 #include "vrml/syntax/parser.h"
+#include "vrml/syntax/scene_reader.h"
 
 #include <algorithm>
 #include <chrono>
@@ -52,36 +53,57 @@ struct Parsed {
   std::size_t errors = 0;
 };
 
+/// Returns the reader of a text in another grammar than VRML97, whose parser takes whole texts; else null.
+std::unique_ptr<vrml::SceneReader> reader_of(std::string_view text, vrml::SceneGraph& scene,
+                                             Diagnostics& diagnostics) {
+  const vrml::Grammar grammar = vrml::grammar_of(text.substr(0, 8192));
+  return grammar == vrml::Grammar::vrml97 ? nullptr : vrml::make_reader(grammar, scene, diagnostics);
+}
+
+/// Parses a text in pieces, which `next_piece` returns until it returns an empty one.
+template <class NextPiece>
+Parsed parse_each(NextPiece&& next_piece) {
+  Parsed parsed{std::make_unique<vrml::SceneGraph>("input"), 0};
+  Diagnostics diagnostics;
+  std::string_view piece = next_piece();
+  const auto reader =
+      vrml::make_reader(vrml::grammar_of(piece.substr(0, 8192)), *parsed.scene, diagnostics);
+  for (; !piece.empty(); piece = next_piece()) reader->push(piece);
+  reader->finish();
+  parsed.errors = diagnostics.errors();
+  return parsed;
+}
+
 Parsed parse_whole(std::string_view text) {
   Parsed parsed{std::make_unique<vrml::SceneGraph>("input"), 0};
   Diagnostics diagnostics;
-  vrml::parse(text, *parsed.scene, diagnostics);
+  const auto reader = reader_of(text, *parsed.scene, diagnostics);
+  if (reader) {
+    reader->push(text);
+    reader->finish();
+  } else {
+    vrml::parse(text, *parsed.scene, diagnostics);
+  }
   parsed.errors = diagnostics.errors();
   return parsed;
 }
 
 Parsed parse_pieces(std::string_view text) {
-  Parsed parsed{std::make_unique<vrml::SceneGraph>("input"), 0};
-  Diagnostics diagnostics;
-  vrml::Parser parser(*parsed.scene, diagnostics);
-  for (std::size_t i = 0; i < text.size(); i += kPiece) parser.push(text.substr(i, kPiece));
-  parser.finish();
-  parsed.errors = diagnostics.errors();
-  return parsed;
+  return parse_each([&] {
+    const std::string_view piece = text.substr(0, kPiece);
+    text.remove_prefix(piece.size());
+    return piece;
+  });
 }
 
 /// Parses a file without holding its whole text.
 Parsed parse_streamed(const std::string& path) {
-  Parsed parsed{std::make_unique<vrml::SceneGraph>("input"), 0};
-  Diagnostics diagnostics;
-  vrml::Parser parser(*parsed.scene, diagnostics);
   std::ifstream in(path, std::ios::binary);
   std::vector<char> piece(kPiece);
-  while (in.read(piece.data(), kPiece) || in.gcount() > 0)
-    parser.push({piece.data(), static_cast<std::size_t>(in.gcount())});
-  parser.finish();
-  parsed.errors = diagnostics.errors();
-  return parsed;
+  return parse_each([&] {
+    in.read(piece.data(), kPiece);
+    return std::string_view(piece.data(), static_cast<std::size_t>(in.gcount()));
+  });
 }
 
 /// Returns the bytes of all multiple-valued fields of a scene, with shared storage counted once. A scene needs at least

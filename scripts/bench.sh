@@ -119,7 +119,7 @@ echo "$(nproc) x ${processor:-unknown processor}, $(g++ --version | head -1), co
 echo
 echo "## The parser beside the bare loop, median of $runs"
 echo
-"$build/bench/parse_bench" --markdown --runs "$runs" "${files[@]}"
+"$build/bench/parse_bench" --markdown --runs "$runs" "${files[@]}" "$cache/grid1m.x3d" "$cache/grid1m.x3dj"
 echo
 if [ ${#painters[@]} -gt 1 ] && command -v Xvfb >/dev/null; then
   # Xvfb chooses a free display number and writes it to a file.

@@ -11,6 +11,8 @@ namespace {
 
 constexpr double kSizesOfAvatar = 12;  // without a NavigationInfo, min ratio of the world's size to the avatar's height
 
+const std::string kExamineType = "EXAMINE";
+
 }  // namespace
 
 const std::array<NavigationModeRow, kNavigationModeCount>& navigation_modes() {
@@ -35,7 +37,9 @@ NavigationRules navigation_rules(const render::NavigationState& navigation) {
   rules.avatar.step = double{navigation.avatar_size[2]};
   bool any = false;
   std::optional<NavigationMode> start;
-  for (const std::string& type : navigation.types) {
+  for (const std::string& given : navigation.types) {
+    // EXPLORE of X3D 4 stands for any movement about and towards objects (X3D 23.4.4).
+    const std::string& type = given == "EXPLORE" ? kExamineType : given;
     any |= type == "ANY";
     for (const NavigationModeRow& row : navigation_modes()) {
       if (row.type.empty() || row.type != type) continue;

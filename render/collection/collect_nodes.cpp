@@ -1,6 +1,8 @@
 #include "render/collection/collect_nodes.h"
 
 #include "base/finite.h"
+#include "vrml/event_model/behaviour.h"
+#include "vrml/scene/geospatial.h"
 #include "vrml/scene/transformation.h"
 
 #include <glm/glm.hpp>
@@ -121,7 +123,10 @@ Light world_light(const NodeView& view, const dmat4& world_from_node) {
                : view.kind() == NodeKind::point_light     ? Light::Kind::point
                                                           : Light::Kind::spot;
   light.color = color(view, F::color, glm::vec3(1));
-  light.intensity = number(view, F::intensity, 0, 1, 1);
+  // X3D permits any intensity.
+  const bool x3d = view.node->type->language == vrml::Language::x3d;
+  light.intensity = number(view, F::intensity, 0, x3d ? std::numeric_limits<float>::max() : 1, 1);
+  if (const auto* global = view.find<vrml::SFBool>(F::global)) light.global = *global;
   light.ambient_intensity = number(view, F::ambient_intensity, 0, 1, 0);
   const dvec3 direction = dmat3(world_from_node) * dvec3(vector(view, F::direction, glm::vec3(0, 0, -1)));
   const double length = glm::length(direction);
@@ -140,14 +145,19 @@ Light world_light(const NodeView& view, const dmat4& world_from_node) {
   return light;
 }
 
-ViewpointState world_viewpoint(const NodeView& view, const dmat4& world_from_node) {
+ViewpointState world_viewpoint(const vrml::SceneGraph& scene, const NodeView& view, const dmat4& given_world) {
   using F = ViewpointFields;
   ViewpointState state;
   if (const auto* description = view.find<vrml::SFString>(F::description))
     state.description = bounded_text(description->view());
   state.name = bounded_text(view.node->name);
   state.jump = view.get(F::jump, true);
-  const dvec3 position(world_from_node * glm::dvec4(vector(view, F::position, glm::vec3(0, 0, 10)), 1));
+  // The position of a GeoViewpoint is geospatial; its camera stands in the origin of the axes at that position.
+  const bool is_geo =
+      !view.find<vrml::SFVec3f>(F::position) && view.node->type->behaviour == &vrml::kGeoViewpointBehaviour;
+  const dmat4 world_from_node = is_geo ? given_world * vrml::geo_viewpoint_axes(scene, *view.node) : given_world;
+  const dvec3 position(world_from_node *
+                       glm::dvec4(vector(view, F::position, is_geo ? glm::vec3(0) : glm::vec3(0, 0, 10)), 1));
   const dmat3 rotation =
       rotation_part(world_from_node) * vrml::rotation_matrix(view.get(F::orientation, vrml::Rotation{}));
   state.world_from_camera = dmat4(rotation);
@@ -165,7 +175,8 @@ ViewpointState world_viewpoint(const NodeView& view, const dmat4& world_from_nod
       lower = {(*edges)[0], (*edges)[1]};
       upper = {(*edges)[2], (*edges)[3]};
     }
-    if (!(upper.x > lower.x) || !(upper.y > lower.y) || !finite(glm::vec2(lower + upper))) lower = -(upper = glm::dvec2(1));
+    if (!(upper.x > lower.x) || !(upper.y > lower.y) || !finite(glm::vec2(lower + upper)))
+      lower = -(upper = glm::dvec2(1));
     state.extent = (upper - lower) * state.scale;
     state.world_from_camera[3] += glm::dvec4(rotation * dvec3((lower + upper) / 2.0 * state.scale, 0), 0);
   }
@@ -210,6 +221,7 @@ Background world_background(const NodeView& view, const dmat4& world_from_node, 
     const auto found = images.find({view.node, face});
     if (found != images.end() && found->second && !found->second->empty()) background.panorama[face] = found->second;
   }
+  background.transparency = number(view, F::transparency, 0, 1, 0);
   background.world_from_background = glm::mat3(rotation_part(world_from_node));
   return background;
 }
@@ -274,7 +286,8 @@ Material material_of(const NodeView& view) {
   material.ambient_intensity = number(view, F::ambient_intensity, 0, 1, material.ambient_intensity);
   material.shininess = number(view, F::shininess, 0, 1, material.shininess);
   material.transparency = number(view, F::transparency, 0, 1, 0);
-  material.lit = true;
+  material.lit = view.kind() != NodeKind::unlit_material;
+  if (!material.lit) material.diffuse = material.emissive;
   return material;
 }
 

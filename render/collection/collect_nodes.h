@@ -25,7 +25,8 @@ namespace gs::render {
 /// transformation, because they are in the light's space (4.14.4).
 [[nodiscard]] Light world_light(const NodeView& light, const glm::dmat4& world_from_node);
 /// Returns a Viewpoint in world space. Ignores the scale of the transformation (6.53).
-[[nodiscard]] ViewpointState world_viewpoint(const NodeView& viewpoint, const glm::dmat4& world_from_node);
+[[nodiscard]] ViewpointState world_viewpoint(const vrml::SceneGraph& scene, const NodeView& viewpoint,
+                                             const glm::dmat4& world_from_node);
 [[nodiscard]] NavigationState navigation_state(const NodeView& navigation_info);
 [[nodiscard]] Background world_background(const NodeView& background, const glm::dmat4& world_from_node,
                                           const Images& images);
@@ -38,7 +39,8 @@ namespace gs::render {
 /// Returns the style of LineProperties, FillProperties and PointProperties; each view may be empty.
 [[nodiscard]] ShapeStyle style_of(const NodeView& line, const NodeView& fill, const NodeView& point);
 
-/// Returns a lit material, with values clamped to the ranges of 6.27.
+/// Returns the colours of the front of a material node, with values clamped to the ranges of 6.27. For a
+/// PhysicalMaterial, `diffuse` is the base colour.
 [[nodiscard]] Material material_of(const NodeView& material);
 /// Returns the field `detail` of a QNV node, 1/100 to 100. Returns 1 for other nodes.
 [[nodiscard]] float detail_of(const NodeView& qnv);

@@ -47,7 +47,8 @@ struct LightFields {
     attenuation,
     radius,
     beam_width,
-    cut_off_angle
+    cut_off_angle,
+    global
   };
 };
 struct ViewpointFields {
@@ -60,7 +61,19 @@ struct NavigationFields {
   enum : int { type, avatar_size, speed, visibility_limit, headlight, transition_type, transition_time };
 };
 struct BackgroundFields {
-  enum : int { sky_color, sky_angle, ground_color, ground_angle };
+  enum : int {
+    sky_color,
+    sky_angle,
+    ground_color,
+    ground_angle,
+    transparency,
+    back_texture,  // of TextureBackground; the other faces follow in the order of Background::Face
+    bottom_texture,
+    front_texture,
+    left_texture,
+    right_texture,
+    top_texture
+  };
 };
 struct FogFields {
   enum : int { color, fog_type, visibility_range };
@@ -90,7 +103,7 @@ struct MaterialFields {
   enum : int { diffuse_color, emissive_color, specular_color, ambient_intensity, shininess, transparency };
 };
 struct TextureFields {
-  enum : int { repeat_s, repeat_t, image };
+  enum : int { repeat_s, repeat_t, image, properties, repeat_r };
 };
 struct TextureTransformFields {
   enum : int { center, rotation, scale, translation };
@@ -106,7 +119,7 @@ struct QnvFields {
 
 /// Kind of a node type, and the slots of the fields that this room reads. A slot is -1 if the type lacks the field.
 struct Schema {
-  static constexpr int kFields = 10;
+  static constexpr int kFields = 11;
   NodeKind kind = NodeKind::other;
   std::array<int, kFields> slots{};
   int visible = -1, box_display = -1;  // slots of the fields of X3DBoundedObject

@@ -1,6 +1,7 @@
 #include "render/collection/collector.h"
 
 #include "render/scene/surface_mesh.h"
+#include "vrml/event_model/behaviour.h"
 #include "vrml/scene/transformation.h"
 #include "vrml/syntax/stand_ins.h"
 
@@ -38,6 +39,20 @@ bool begins_overlay(const vrml::SceneGraph& scene, vrml::NodeId id) {
     if (!scene.contains(id)) return false;
   }
   return false;
+}
+
+/// Reports whether a node is a light that reaches only its group: a DirectionalLight (VRML97 6.16), or any light of X3D
+/// with `global` FALSE.
+bool is_listed_light(const NodeView& view) {
+  switch (view.kind()) {
+    case NodeKind::directional_light:
+      return !view.get(LightFields::global, false);
+    case NodeKind::point_light:
+    case NodeKind::spot_light:
+      return !view.get(LightFields::global, true);
+    default:
+      return false;
+  }
 }
 
 }  // namespace
@@ -124,12 +139,15 @@ void Collector::enter(Frame frame) {
   path_.push_back(frame);
 }
 
-// Adds a node that affects its siblings and what is below them: a DirectionalLight, ClipPlane or LocalFog.
+// Adds a node that affects its siblings and what is below them: a DirectionalLight, another light that is not global, a
+// ClipPlane or LocalFog.
 void Collector::add_scoped(Frame& frame, vrml::NodeId child) {
   const NodeView view = schemas_.view(*frame.scene, child);
   switch (view.kind()) {
     case NodeKind::directional_light:
-      if (!frame.presence.hidden) add_light(view, frame.world_from_local, frame.frame, true);
+    case NodeKind::point_light:
+    case NodeKind::spot_light:
+      if (!frame.presence.hidden && is_listed_light(view)) add_light(view, frame.world_from_local, frame.frame, true);
       break;
     case NodeKind::clip_plane:
       if (!view.get(ClipPlaneFields::enabled, true) || list_.clip_planes.size() >= kMaxScoped) break;
@@ -333,6 +351,13 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
     case NodeKind::transform:
       enter_moved(parent, id, view.find<vrml::MFNode>(TransformFields::children), transform_matrix(view), false);
       break;
+    case NodeKind::geo_group:
+      enter_moved(parent, id, view.find<vrml::MFNode>(GroupFields::children),
+                  node.type->behaviour->parent_from_local(*parent.scene, node), false);
+      break;
+    case NodeKind::geo_lod:
+      enter_node(parent, id, view.find<vrml::MFNode>(GroupFields::children));
+      break;
     case NodeKind::humanoid:
       enter_humanoid(parent, id, view);
       break;
@@ -354,9 +379,11 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
     case NodeKind::inline_node:
       enter_inline(parent, id);
       break;
+    case NodeKind::directional_light:
     case NodeKind::point_light:
     case NodeKind::spot_light:
-      if (parent.presence.visible && !parent.presence.hidden) add_light(view, world, parent.frame, false);
+      // enter() has handled the lights of this group.
+      if (parent.presence.visible && !parent.presence.hidden && !is_listed_light(view)) add_light(view, world, parent.frame, false);
       break;
     case NodeKind::sound:
       if (parent.presence.visible && list_.sounds.size() < kMaxSounds) {
@@ -379,13 +406,13 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
       if (parent.presence.visible) add_bindable(view, id, parent);
       break;
     default:
-      break;  // enter() has handled DirectionalLights
+      break;
   }
 }
 
-void Collector::add_light(const NodeView& light, const dmat4& world_from_local, std::uint32_t frame, bool directional) {
+void Collector::add_light(const NodeView& light, const dmat4& world_from_local, std::uint32_t frame, bool listed) {
   if (!light.get(LightFields::on, true) || list_.lights.size() >= kMaxLights) return;
-  if (directional) {
+  if (listed) {
     active_lights_.push_back(static_cast<std::uint16_t>(list_.lights.size()));
     lights_changed_ = true;
   }
@@ -416,7 +443,7 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
   if (view.kind() == NodeKind::viewpoint) {
     auto& viewpoints = parent.main ? list_.viewpoints : inlined_viewpoints_;
     if (viewpoints.size() >= kMaxViewpoints) return;
-    viewpoints.push_back(world_viewpoint(view, parent.world_from_local));
+    viewpoints.push_back(world_viewpoint(*parent.scene, view, parent.world_from_local));
     viewpoints.back().scene = parent.scene;
     viewpoints.back().listed = parent.presence.listed;
     viewpoints.back().retains_offset |= parent.presence.retains_offset;
@@ -426,7 +453,7 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
     return;
   }
   if (sources_ && sources_->bindables.size() < kMaxViewpoints)
-    sources_->bindables.push_back({view.node, parent.frame, parent.main});
+    sources_->bindables.push_back({view.node, parent.frame, parent.main, parent.scene});
   const NodeKind kind = view.kind();
   const vrml::Node* bound = !bound_                        ? nullptr
                             : kind == NodeKind::background ? bound_->background
@@ -438,6 +465,7 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
   if (!counts || std::exchange(have, true)) return;
   if (kind == NodeKind::background) {
     list_.background = world_background(view, parent.world_from_local, resources_.images());
+    resources_.add_faces(list_.background, *parent.scene, view);
   } else if (kind == NodeKind::fog) {
     list_.fog = world_fog(view, parent.world_from_local);
   } else {

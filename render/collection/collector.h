@@ -38,7 +38,8 @@ struct RenderSources {
   struct Local {  // Source of a light, Viewpoint, NavigationInfo, Background or Fog.
     const vrml::Node* node = nullptr;
     std::uint32_t frame = 0;
-    bool main = true;  // true if not inside of an Inline
+    bool main = true;                         // true if not inside of an Inline
+    const vrml::SceneGraph* scene = nullptr;  // scene of a bindable node
   };
   struct Unshown {  // Geometry or Transform that draws nothing in its current state.
     const vrml::Node* node = nullptr;
@@ -88,7 +89,7 @@ class Collector {
     bool collidable = true;  // false in a Collision with collide FALSE (6.8)
     bool hidden = false;     // in a group with `visible` FALSE: neither visible nor collidable (X3D 10.2.1)
     std::uint16_t local_fog = kNoLocalFog;
-    bool listed = true;  // false below a ViewpointGroup with displayed FALSE
+    bool listed = true;           // false below a ViewpointGroup with displayed FALSE
     bool retains_offset = false;  // true below a ViewpointGroup with retainUserOffsets TRUE
   };
   /// Grouping node on the current path, or the root nodes of a scene.
@@ -102,10 +103,10 @@ class Collector {
     std::size_t lights_outside;  // number of active_lights_ before this group
     bool main;                   // true if not inside of an Inline
     Presence presence{};
-    std::size_t clips_outside = 0;  // number of active_clips_ before this group
+    std::size_t clips_outside = 0;      // number of active_clips_ before this group
     const vrml::Node* boxed = nullptr;  // node of this group, if its box is displayed
-    std::size_t first_item = 0;  // number of items before this group
-    bool opened = false;  // this frame has set on_path for its node
+    std::size_t first_item = 0;         // number of items before this group
+    bool opened = false;                // this frame has set on_path for its node
     std::uint32_t place = kNoPlace, frame = 0;
     std::uint32_t places_before = 0, frames_before = 0;
     std::size_t content_before = 0;
@@ -128,7 +129,7 @@ class Collector {
   void add_box(const vrml::Node& node, const glm::dmat4& world_from_local, std::size_t first_item, std::uint32_t place,
                const Presence& presence);
   void add_scoped(Frame& frame, vrml::NodeId child);
-  void add_light(const NodeView& light, const glm::dmat4& world_from_local, std::uint32_t frame, bool directional);
+  void add_light(const NodeView& light, const glm::dmat4& world_from_local, std::uint32_t frame, bool listed);
   void add_bindable(const NodeView& view, vrml::NodeId id, const Frame& parent);
   void add_shape(const Frame& parent, vrml::NodeId id, const NodeView& shape);
   bool surface_item(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool pictured, DrawItem& item);
@@ -162,7 +163,7 @@ class Collector {
   std::vector<std::uint16_t> active_clips_;
   ClipList clip_planes_;         // the active ClipPlanes of the current group; the items of a group share this list
   bool clips_changed_ = false;   // active_clips_ has changed after clip_planes_ was made
-  bool lights_changed_ = false;   // active_lights_ has changed after directional_lights_ was made
+  bool lights_changed_ = false;  // active_lights_ has changed after directional_lights_ was made
   std::size_t visits_ = 0;
   std::shared_ptr<Budget> budget_;
   float pixels_per_radian_;

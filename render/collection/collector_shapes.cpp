@@ -100,7 +100,7 @@ void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geom
   source.bounds = world_bounds(item.mesh->bounds, world_from_node);
   if (item.mesh->font_size > 0) {
     const std::size_t level = text_level(*item.mesh, item.world_from_node, source.bounds, viewer_, pixels_per_radian_,
-                                         sources_ && !source.appearance.texture);
+                                         sources_ && !source.appearance.textured());
     auto [mesh, made] = resources_.text_mesh_of(*parent.scene, geometry, source.appearance.need_coordinates(), level);
     source.text_level = ShapeResources::kCoarsestText;
     // If the image has no room for the finer mesh, keep the coarsest.
@@ -111,6 +111,7 @@ void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geom
     }
     if (sources_) sources_->texts.push_back(static_cast<std::uint32_t>(list_.items.size()));
   }
+  if (item.layered) resources_.fit_layers(item, source.scale);
   item.overlay = parent.presence.overlay;
   item.visible = parent.presence.visible;
   // Text, lines and points do not collide (VRML97 6.8, 6.47).

@@ -1,7 +1,5 @@
 #include "render/collection/render_scene.h"
 
-#include "render/scene/surface_mesh.h"
-
 #include "vrml/scene/transformation.h"
 
 #include <glm/glm.hpp>
@@ -18,11 +16,19 @@ using glm::dmat4;
 using glm::dvec3;
 
 constexpr std::uint32_t kBoundsBlock = 256;
-constexpr std::uint32_t kSplat = std::uint32_t{1} << 31;  // bit of Use::index: set for splat items
-constexpr std::uint32_t kUnshown = UINT32_MAX;            // Use::index of a node that draws nothing so far
+constexpr std::uint32_t kUnshown = UINT32_MAX;  // Use::index of a node that draws nothing so far
 
 dvec3 usable(const dvec3& viewer) {
   return std::isfinite(viewer.x) && std::isfinite(viewer.y) && std::isfinite(viewer.z) ? viewer : dvec3(0, 0, 10);
+}
+
+/// Reports whether a change concerns a field of an X3D node that holds nodes.
+bool has_changed_nodes(const vrml::NodeChange& change, const vrml::Node& node) {
+  if (node.type->language != vrml::Language::x3d) return false;
+  for (std::size_t i = 0; i < node.type->defaults.size(); ++i)
+    if ((change.slots >> std::min<std::size_t>(i, 63) & 1) != 0 && vrml::holds_nodes(vrml::type_of(node.values[i])))
+      return true;
+  return false;
 }
 
 /// Reports whether a change concerns this field of the node.
@@ -97,6 +103,7 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
         break;
       case Effect::apply_appearance:
       case Effect::geometry:
+        if (is_face(&node)) renew_bindables(), any = true;
         for (const Use& use : uses_of(item_uses(), &node)) {
           whole = whole || use.index == kUnshown || (effect == Effect::geometry && (use.index & kSplat) != 0) ||
                   (effect == Effect::geometry && !renew_geometry(use.index));
@@ -164,6 +171,9 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
   switch (view.kind()) {
     case NodeKind::transform:
       return only(Effect::frame, TransformFields::children);
+    case NodeKind::geo_group:
+    case NodeKind::geo_lod:
+      return Effect::everything;
     case NodeKind::humanoid:
       if (has_changed(change, view, HumanoidFields::skin)) return Effect::everything;
       return only(Effect::frame, HumanoidFields::skeleton);
@@ -191,11 +201,26 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
     case NodeKind::pixel_texture:
     case NodeKind::image_texture:
     case NodeKind::movie_texture:
-      return Effect::apply_appearance;
+    case NodeKind::physical_material:
+    case NodeKind::unlit_material:
+    case NodeKind::two_sided_material:
+    case NodeKind::multi_texture:
+    case NodeKind::multi_texture_transform:
+    case NodeKind::texture_transform_3d:
+    case NodeKind::texture_transform_matrix_3d:
+    case NodeKind::texture_coordinate_generator:
+    case NodeKind::texture_properties:
+    case NodeKind::composed_cube_map_texture:
+    case NodeKind::image_cube_map_texture:
+    case NodeKind::generated_cube_map_texture:
+    case NodeKind::composed_texture_3d:
+    case NodeKind::image_texture_3d:
+    case NodeKind::pixel_texture_3d:
+      return has_changed_nodes(change, node) ? Effect::everything : Effect::apply_appearance;
     case NodeKind::directional_light:
     case NodeKind::point_light:
     case NodeKind::spot_light:
-      return only(Effect::light, LightFields::on);
+      return has_changed(change, view, LightFields::global) ? Effect::everything : only(Effect::light, LightFields::on);
     case NodeKind::viewpoint_group:
       return Effect::everything;
     case NodeKind::viewpoint:
@@ -243,6 +268,14 @@ const RenderScene::Uses& RenderScene::item_uses() {
       if (const auto* property = std::get_if<vrml::SFNode>(&geometry->values[i]))
         if (const vrml::NodeId id = scene->resolve(*property)) add(&scene->node(id), index);
   };
+  // Nodes of X3D refer to further nodes: textures, TextureProperties, generators of coordinates.
+  const auto add_inner = [&](const vrml::Node* node, const vrml::SceneGraph& scene, std::uint32_t index) {
+    if (!node || node->type->language != vrml::Language::x3d) return;
+    for (const vrml::Node* inner : inner_nodes(scene, *node)) {
+      add(inner, index);
+      for (const vrml::Node* innermost : inner_nodes(scene, *inner)) add(innermost, index);
+    }
+  };
   const auto add_all = [&](const RenderSources::Item& source, std::uint32_t place, std::uint32_t index) {
     add(source.appearance.material, index);
     add(source.appearance.texture, index);
@@ -250,6 +283,10 @@ const RenderScene::Uses& RenderScene::item_uses() {
     add(source.appearance.line, index);
     add(source.appearance.fill, index);
     add(source.appearance.point, index);
+    if (const vrml::SceneGraph* scene = place == kNoPlace ? nullptr : list_->places[place].scene)
+      for (const vrml::Node* node : {source.appearance.appearance, source.appearance.material,
+                                     source.appearance.texture, source.appearance.texture_transform, source.geometry})
+        add_inner(node, *scene, index);
     add_geometry(source.geometry, place == kNoPlace ? nullptr : list_->places[place].scene, index);
   };
   for (std::uint32_t i = 0; i < sources_.items.size(); ++i) add_all(sources_.items[i], list_->items[i].place, i);
@@ -348,7 +385,7 @@ bool RenderScene::refine_texts() {
     DrawItem& item = list_->items[i];
     RenderSources::Item& source = sources_.items[i];
     const std::size_t level = text_level(*item.mesh, item.world_from_node, source.bounds, viewer_, pixels_per_radian_,
-                                         !source.appearance.texture);
+                                         !source.appearance.textured());
     if (level == source.text_level || item.place == kNoPlace) continue;
     const Place& place = list_->places[item.place];
     const NodeView shape = resources_.schemas().view(*place.scene, place.node);
@@ -361,95 +398,6 @@ bool RenderScene::refine_texts() {
     place_item(i);
   }
   return any;
-}
-
-// ---- Updates of single parts
-
-// Updates the geometry of an item. Returns false if everything must be collected again because content appears or
-// vanishes.
-bool RenderScene::renew_geometry(std::uint32_t i) {
-  DrawItem& item = list_->items[i];
-  if (item.place == kNoPlace || item.surface) return false;
-  const Place& place = list_->places[item.place];
-  const NodeView shape = resources_.schemas().view(*place.scene, place.node);
-  const vrml::NodeId geometry = geometry_of(*place.scene, shape);
-  if (!geometry || vrml::scale_of_primitive(*place.scene, geometry)) return false;
-  auto mesh = resources_.mesh_of(*place.scene, geometry, sources_.items[i].appearance.need_coordinates());
-  if (!mesh || mesh->empty()) return false;
-  item.mesh = std::move(mesh);
-  sources_.items[i].text_level = ShapeResources::kCoarsestText;
-  place_item(i);
-  return true;
-}
-
-void RenderScene::apply_item_appearance(std::uint32_t index) {
-  const bool splat = (index & kSplat) != 0;
-  const std::uint32_t place_index = splat ? list_->splats[index & ~kSplat].place : list_->items[index].place;
-  if (place_index == kNoPlace) return;
-  const Place& place = list_->places[place_index];
-  const NodeView shape = resources_.schemas().view(*place.scene, place.node);
-  if (!splat) {
-    DrawItem& item = list_->items[index];
-    resources_.apply_appearance(item, *place.scene, shape);
-    dress_surface(item);
-    const auto* mesh = item.surface ? item.surface->as<qnv::IndexedMesh>() : nullptr;
-    if (mesh && !item.mesh->texture_coordinates.empty())
-      item.texture = resources_.surface_texture(*sources_.items[index].geometry, *mesh);
-    ++list_->dressed;
-    return;
-  }
-  DrawItem dressed;
-  resources_.apply_appearance(dressed, *place.scene, shape);
-  SplatItem& item = list_->splats[index & ~kSplat];
-  item.own_color = !dressed.material.lit;
-  item.material = item.own_color ? Material{} : dressed.material;
-}
-
-void RenderScene::renew_light(std::uint32_t i) {
-  const RenderSources::Local& local = sources_.lights[i];
-  list_->lights[i] =
-      world_light({local.node, &resources_.schemas().of(*local.node->type)}, list_->world_from_frame[local.frame]);
-}
-
-// Updates the ClipPlanes and LocalFogs for which `is_changed(local)` returns true.
-void RenderScene::renew_scoped(const std::function<bool(const RenderSources::Local&)>& is_changed) {
-  const auto view_of = [&](const RenderSources::Local& local) {
-    return NodeView{local.node, &resources_.schemas().of(*local.node->type)};
-  };
-  for (std::size_t i = 0; i < sources_.clip_planes.size(); ++i)
-    if (const RenderSources::Local& local = sources_.clip_planes[i]; is_changed(local))
-      list_->clip_planes[i] = world_clip_plane(view_of(local), list_->world_from_frame[local.frame]);
-  for (std::size_t i = 0; i < sources_.local_fogs.size(); ++i)
-    if (const RenderSources::Local& local = sources_.local_fogs[i]; is_changed(local))
-      list_->local_fogs[i] = world_fog(view_of(local), list_->world_from_frame[local.frame]);
-}
-
-void RenderScene::renew_viewpoint(std::uint32_t i) {
-  const RenderSources::Local& local = sources_.viewpoints[i];
-  ViewpointState& viewpoint = list_->viewpoints[i];
-  ViewpointState made =
-      world_viewpoint({local.node, &resources_.schemas().of(*local.node->type)}, list_->world_from_frame[local.frame]);
-  made.scene = viewpoint.scene;
-  made.node = viewpoint.node;
-  made.listed = viewpoint.listed;
-  made.retains_offset |= viewpoint.retains_offset;
-  viewpoint = std::move(made);
-}
-
-void RenderScene::renew_bindables() {
-  list_->background = {};
-  list_->navigation = {};
-  list_->fog = {};
-  bool background = false, navigation = false, fog = false;
-  for (const RenderSources::Local& local : sources_.bindables) {
-    const NodeView view{local.node, &resources_.schemas().of(*local.node->type)};
-    if (local.node == bound_.background && !std::exchange(background, true))
-      list_->background = world_background(view, list_->world_from_frame[local.frame], images_);
-    if (local.node == bound_.fog && !std::exchange(fog, true))
-      list_->fog = world_fog(view, list_->world_from_frame[local.frame]);
-    if (local.node == bound_.navigation_info && !std::exchange(navigation, true))
-      list_->navigation = navigation_state(view);
-  }
 }
 
 // ---- Bounds of all items

@@ -56,6 +56,7 @@ class RenderScene {
     }
   };
   using Uses = std::vector<Use>;
+  static constexpr std::uint32_t kSplat = std::uint32_t{1} << 31;  // bit of Use::index: set for splat items
   enum class Effect : std::uint8_t {
     none,
     frame,
@@ -84,6 +85,8 @@ class RenderScene {
   void renew_scoped(const std::function<bool(const RenderSources::Local&)>& is_changed);
   void renew_viewpoint(std::uint32_t viewpoint);
   void renew_bindables();
+  [[nodiscard]] bool is_face(const vrml::Node* node) const;
+  void set_background(const RenderSources::Local& local, const NodeView& view);
   void begin_generation();
   void item_moved(std::uint32_t item);
   [[nodiscard]] bool fills_bounds(std::size_t item) const;
@@ -110,6 +113,9 @@ class RenderScene {
   bool splat_moved_ = false;
   bool frame_lost_ = false;  // a coordinate system has overflowed, which hides its content
 };
+
+/// Returns the first nodes in the fields of a node.
+[[nodiscard]] std::vector<const vrml::Node*> inner_nodes(const vrml::SceneGraph& scene, const vrml::Node& node);
 
 /// Reports changes of nodes to the cache. Call it once for all RenderScenes that share the cache.
 void forget_changed(MeshCache& meshes, std::span<const vrml::NodeChange> changes);

@@ -1,5 +1,6 @@
 #include "render/collection/shape_resources.h"
 
+#include "render/collection/shape_layers.h"
 #include "render/scene/late_meshes.h"
 #include "render/text/glyph_sheet.h"
 #include "render/text/system_fonts.h"
@@ -39,6 +40,26 @@ void widen(vrml::Mesh& mesh, float factor) {
   mesh.positions.commit(positions.size());
 }
 
+bool is_x3d(const vrml::SceneGraph& scene, vrml::NodeId id) {
+  return id && scene.node(id).type->language == vrml::Language::x3d;
+}
+
+/// Reports whether a node of X3D may need a LayeredMaterial. VRML97 has none.
+bool may_have_layers(const vrml::SceneGraph& scene, const vrml::ShapeParts& parts) {
+  return is_x3d(scene, parts.appearance) || is_x3d(scene, parts.material) || is_x3d(scene, parts.texture) ||
+         is_x3d(scene, parts.texture_transform);
+}
+
+/// Reports whether a material has textures (X3D 4).
+bool has_textures(const vrml::SceneGraph& scene, const vrml::Node& material) {
+  if (material.type->language != vrml::Language::x3d) return false;
+  for (std::size_t i = 0; i < material.type->defaults.size(); ++i)
+    if (const auto* node = std::get_if<vrml::SFNode>(&material.values[i]))
+      if (const vrml::NodeId id = scene.resolve(*node); id && vrml::has(scene.node(id).type->role, vrml::Role::texture))
+        return true;
+  return false;
+}
+
 }  // namespace
 
 ShapeResources::AppearanceNodes ShapeResources::appearance_nodes(const vrml::SceneGraph& scene, const NodeView& shape) {
@@ -53,6 +74,7 @@ ShapeResources::AppearanceNodes ShapeResources::appearance_nodes(const vrml::Sce
   nodes.line = styles.line.node;
   nodes.fill = styles.fill.node;
   nodes.point = styles.point.node;
+  nodes.material_textures = nodes.material && has_textures(scene, *nodes.material);
   return nodes;
 }
 
@@ -77,16 +99,26 @@ std::shared_ptr<const ShapeStyle> ShapeResources::style_use(const vrml::SceneGra
   return styles_.emplace_back(std::make_shared<const ShapeStyle>(style));
 }
 
-void ShapeResources::apply_appearance(DrawItem& item, const vrml::SceneGraph& scene, const NodeView& shape) {
+void ShapeResources::apply_appearance(DrawItem& item, const vrml::SceneGraph& scene, const NodeView& shape,
+                                      const glm::vec3& scale) {
   item.material = {};
   item.texture = {};
   item.material.lit = false;
   item.material.diffuse = glm::vec3(1);
   const auto parts = vrml::parts_of_appearance(scene, shape.get(ShapeFields::appearance, vrml::NodeId{}));
   const NodeView material = schemas_.view(scene, parts.material);
-  if (material.kind() == NodeKind::material) item.material = material_of(material);
+  const NodeKind kind = material.kind();
+  if (kind == NodeKind::material || kind == NodeKind::physical_material || kind == NodeKind::unlit_material ||
+      kind == NodeKind::two_sided_material)
+    item.material = material_of(material);
   item.texture = texture_use(scene, parts);
   item.style = style_use(scene, parts.appearance);
+  item.layered = nullptr;
+  if (!may_have_layers(scene, parts)) return;
+  LayerBuilder builder(*this, scene, parts, geometry_of(scene, shape));
+  if (builder.is_plain()) return;
+  item.layered = keep(builder.build());
+  if (item.mesh) fit_layers(item, scale);
 }
 
 TextureUse ShapeResources::surface_texture(const vrml::Node& node, const qnv::IndexedMesh& mesh) const {
@@ -109,6 +141,9 @@ TextureUse ShapeResources::texture_use(const vrml::SceneGraph& scene, const vrml
   if (!use.image) return use;
   use.repeat_s = texture.get(TextureFields::repeat_s, true);
   use.repeat_t = texture.get(TextureFields::repeat_t, true);
+  if (has_properties(scene, texture)) use.sampling = sampling_of(schemas_, scene, texture);
+  constexpr int kModern = 40;
+  use.modulates = texture.node->text->version() >= kModern;
   const NodeView transform = schemas_.view(scene, parts.texture_transform);
   if (transform.kind() == NodeKind::texture_transform) use.transform = texture_matrix(transform);
   return use;

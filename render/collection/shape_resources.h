@@ -37,13 +37,21 @@ class ShapeResources {
   /// Nodes of an Appearance; each may be null.
   struct AppearanceNodes {
     const vrml::Node *appearance = nullptr, *material = nullptr, *texture = nullptr, *texture_transform = nullptr;
+    bool material_textures = false;  // the material has textures (X3D 4)
+    [[nodiscard]] bool textured() const { return texture || material_textures; }
     const vrml::Node *line = nullptr, *fill = nullptr, *point = nullptr;  // LineProperties and so on
     /// Reports whether meshes need texture coordinates: for a texture, or for the pattern of lines.
-    [[nodiscard]] bool need_coordinates() const { return texture || line; }
+    [[nodiscard]] bool need_coordinates() const { return textured() || line; }
   };
   [[nodiscard]] AppearanceNodes appearance_nodes(const vrml::SceneGraph& scene, const NodeView& shape);
-  /// Sets material and texture of an item from the Appearance of its Shape.
-  void apply_appearance(DrawItem& item, const vrml::SceneGraph& scene, const NodeView& shape);
+  /// Sets material and texture of an item from the Appearance of its Shape. `scale` is that of a shared default
+  /// primitive. Generated texture coordinates depend on the item's mesh, if it is set.
+  void apply_appearance(DrawItem& item, const vrml::SceneGraph& scene, const NodeView& shape,
+                        const glm::vec3& scale = glm::vec3(1));
+  /// Adjusts generated texture coordinates to the item's mesh. Call it after the mesh of a new item was set.
+  void fit_layers(DrawItem& item, const glm::vec3& scale);
+  /// Sets the faces of a TextureBackground.
+  void add_faces(Background& background, const vrml::SceneGraph& scene, const NodeView& node);
   /// Returns the mesh of a geometry node, and makes it if necessary. If a worker thread makes it (MeshCache::late),
   /// returns the previous mesh. Null or an empty mesh means that nothing is drawn.
   [[nodiscard]] std::shared_ptr<const vrml::Mesh> mesh_of(const vrml::SceneGraph& scene, vrml::NodeId geometry,
@@ -82,6 +90,11 @@ class ShapeResources {
   [[nodiscard]] StyleNodes style_nodes(const vrml::SceneGraph& scene, vrml::NodeId appearance);
   [[nodiscard]] std::shared_ptr<const ShapeStyle> style_use(const vrml::SceneGraph& scene, vrml::NodeId appearance);
   TextureUse texture_use(const vrml::SceneGraph& scene, const vrml::ShapeParts& parts);
+  friend class LayerBuilder;
+  std::shared_ptr<const LayeredMaterial> keep(LayeredMaterial material);
+  std::shared_ptr<const Image> volume_of_pixels(const vrml::SceneGraph& scene, vrml::NodeId texture);
+  std::shared_ptr<const Image> volume_of_textures(const vrml::SceneGraph& scene, vrml::NodeId texture);
+  std::shared_ptr<const SceneCube> scene_cube(const vrml::SceneGraph& scene, vrml::NodeId texture);
   std::shared_ptr<const Image> image_of_texture(const vrml::SceneGraph& scene, vrml::NodeId texture);
   vrml::NodeId refiner_of(const vrml::SceneGraph& scene, vrml::NodeId geometry);
   void bring_up_to_date(MeshCache::Entry& entry, const vrml::SceneGraph& scene, vrml::NodeId geometry, bool textured,
@@ -97,6 +110,7 @@ class ShapeResources {
   std::unordered_map<const vrml::SceneGraph*, std::unordered_map<std::uint32_t, vrml::NodeId>> refiners_;
   std::vector<std::shared_ptr<const ShapeStyle>> styles_;  // the last distinct styles
   std::vector<LimitReport> limit_reports_;
+  std::vector<std::weak_ptr<const LayeredMaterial>> layered_;  // the latest ones, which equal items share
   bool made_mesh_ = false;
 };
 

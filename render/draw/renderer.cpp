@@ -2,6 +2,7 @@
 
 #include "base/parallel.h"
 #include "render/collection/collector.h"
+#include "render/draw/cube_pass.h"
 #include "render/gl/gpu.h"
 #include "render/mesh/background_pass.h"
 #include "render/mesh/mesh_pass.h"
@@ -41,7 +42,7 @@ namespace {
 // Maximum bytes of an off-screen image. Larger images get fewer samples.
 constexpr std::size_t kMaxFramebufferBytes = std::size_t{1} << 30;
 constexpr std::size_t kBytesPerSample = 8;  // colour and depth
-constexpr int kPixelSide = 2;  // with pixels as samples: number of samples along the side of a pixel
+constexpr int kPixelSide = 2;               // with pixels as samples: number of samples along the side of a pixel
 constexpr float kMaxCoarseness = 16;
 constexpr std::size_t kLightsOfManyPixels = 8;  // with more lights, additional pixels take too long
 
@@ -184,6 +185,7 @@ struct Renderer::State {
   std::unique_ptr<SplatPass> splats;
   std::unique_ptr<SurfacePass> surfaces;
   std::unique_ptr<VolumePass> volumes;
+  std::optional<CubePass> cubes;
   std::optional<OcclusionPass> occlusion;  // made at first use
   OffscreenTarget target;
   std::map<std::uint32_t, FormerPicture> former;  // by viewport; kept for drawing that can be cancelled
@@ -204,6 +206,7 @@ std::variant<std::unique_ptr<Renderer>, ContextError> Renderer::create(GlContext
   auto meshes = MeshPass::create(state->gl);
   if (auto* error = std::get_if<ContextError>(&meshes)) return std::move(*error);
   state->meshes = std::move(std::get<std::unique_ptr<MeshPass>>(meshes));
+  state->cubes.emplace(state->gl);
   state->splats = std::make_unique<SplatPass>(state->gl);
   state->surfaces = std::make_unique<SurfacePass>(state->gl);
   state->volumes = std::make_unique<VolumePass>(state->gl);
@@ -318,6 +321,9 @@ void Renderer::resolve(int width, int height) {
 
 FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& wanted, const DrawOptions& options) {
   FrameStatistics statistics;
+  state_->cubes->draw(list, options, *state_->meshes, [&](const Camera& face, const DrawOptions& of_face) {
+    (void)draw_in_target(list, face, of_face);
+  });
   WideBox bounds = list.bounds;
   if (options.guides) bounds.add(options.guides->bounds);
   const Camera given = far_camera(wanted, bounds);
@@ -386,8 +392,8 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& w
 /// Darkens the opaque meshes that are drawn so far, if the options request it.
 void Renderer::occlude(const Projection& lens, const WideBox& bounds, const DrawOptions& options) {
   constexpr double kReach = 0.04;  // fraction of the diagonal of the scene
-  const bool wanted = options.occlusion == Occlusion::always ||
-                      (options.occlusion == Occlusion::hardware && !state_->gl.software);
+  const bool wanted =
+      options.occlusion == Occlusion::always || (options.occlusion == Occlusion::hardware && !state_->gl.software);
   if (!wanted || options.display != DisplayMode::surface || bounds.empty() || options.x != 0 || options.y != 0) return;
   if (!state_->occlusion) state_->occlusion.emplace(state_->gl);
   const auto radius = static_cast<float>(kReach * glm::length(glm::dvec3(bounds.upper) - glm::dvec3(bounds.lower)));

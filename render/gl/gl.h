@@ -89,12 +89,14 @@
   X(RENDERBUFFERSTORAGEMULTISAMPLE, RenderbufferStorageMultisample)           \
   X(SAMPLEMASKI, SampleMaski)                                                 \
   X(SAMPLERPARAMETERF, SamplerParameterf)                                     \
+  X(SAMPLERPARAMETERFV, SamplerParameterfv)                                   \
   X(SAMPLERPARAMETERI, SamplerParameteri)                                     \
   X(SCISSOR, Scissor)                                                         \
   X(SHADERSOURCE, ShaderSource)                                               \
   X(TEXBUFFER, TexBuffer)                                                     \
   X(TEXIMAGE2D, TexImage2D)                                                   \
   X(TEXIMAGE2DMULTISAMPLE, TexImage2DMultisample)                             \
+  X(TEXIMAGE3D, TexImage3D)                                                   \
   X(TEXPARAMETERI, TexParameteri)                                             \
   X(TEXPARAMETERIV, TexParameteriv)                                           \
   X(TEXSUBIMAGE2D, TexSubImage2D)                                             \
@@ -132,7 +134,7 @@ struct Gl {
 
   PhaseClock* phases = nullptr;  // clock for measuring phases; may be null
   std::string renderer;          // GL_RENDERER
-  bool software = false;  // the CPU renders
+  bool software = false;         // the CPU renders
   int max_texture_size = 1024, max_renderbuffer_size = 1024, max_samples = 1, uniform_offset_alignment = 256;
   float max_anisotropy = 1;  // 1 means that anisotropic filtering is unavailable or disabled
 

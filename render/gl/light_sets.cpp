@@ -90,9 +90,12 @@ LightSets::ShaderLight LightSets::to_camera(const Light& light, const glm::dmat4
   return result;
 }
 
-void LightSets::begin(const std::vector<Light>& lights, const glm::dmat4& camera_from_world, const DrawOptions& options) {
+void LightSets::begin(const std::vector<Light>& lights, const glm::dmat4& camera_from_world,
+                      const DrawOptions& options) {
   lights_.clear();
   directional_.clear();
+  listed_.clear();
+  global_.clear();
   numbers_.clear();
   sets_.clear();
   directional_only_.assign(1, true);
@@ -105,7 +108,11 @@ void LightSets::begin(const std::vector<Light>& lights, const glm::dmat4& camera
   for (std::size_t i = 0; i < count; ++i) {
     lights_.push_back(to_camera(lights[i], camera_from_world));
     directional_.push_back(lights[i].kind == Light::Kind::directional);
-    if (!directional_.back())
+    listed_.push_back(lights[i].listed());
+    if (listed_.back()) continue;
+    if (directional_.back())
+      global_.push_back(static_cast<std::uint16_t>(i));
+    else
       local.push_back({lights_.back().location, lights_.back().radius, static_cast<std::uint16_t>(i)});
   }
   local_.build(local);
@@ -153,8 +160,10 @@ std::uint32_t LightSets::choose(const LightList& directional, const glm::vec3& c
   if (bytes_ >= kManyBytes) most = kFewLights;
   choice_.clear();
   if (headlight_) choice_.push_back(kHeadlight);
+  for (const std::uint16_t index : global_)
+    if (choice_.size() < most) choice_.push_back(index);
   for (const std::uint16_t index : directional)
-    if (choice_.size() < most && index < lights_.size() && directional_[index]) choice_.push_back(index);
+    if (choice_.size() < most && index < lights_.size() && listed_[index]) choice_.push_back(index);
   if (!local_.empty() && choice_.size() < most) choose_local(center, radius, most);
   if (choice_ == last_choice_) return last_number_;
   if (sets_.size() >= kMaxSets) return 0;

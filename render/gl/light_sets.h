@@ -68,7 +68,7 @@ class LightSets {
   /// Light in the std140 layout of the uniform block.
   struct ShaderLight {
     glm::vec3 location;  // position, or direction towards a directional light
-    float local;  // 0 for directional lights, 1 for point and spot lights
+    float local;         // 0 for directional lights, 1 for point and spot lights
     glm::vec3 color;
     float intensity;
     glm::vec3 direction;
@@ -103,19 +103,21 @@ class LightSets {
 
   const Gl& gl_;
   Buffer buffer_;
-  Texture texture_;  // buffer texture of buffer_
-  std::size_t most_texels_ = 0;  // maximum texels of a buffer texture
+  Texture texture_;                  // buffer texture of buffer_
+  std::size_t most_texels_ = 0;      // maximum texels of a buffer texture
   std::vector<ShaderLight> lights_;  // in camera space, in the order of the list
-  std::vector<bool> directional_;
-  LightTree local_, few_;  // point and spot lights; if there are many, few_ has the strongest near the camera
+  std::vector<bool> directional_, listed_;
+  Choice global_;  // directional lights that reach all items
+  LightTree local_,
+      few_;  // point and spot lights that need not be listed; if there are many, few_ has the strongest near the camera
   std::size_t looked_at_ = 0;  // light tests for all items of the frame so far
   bool headlight_ = true;
   glm::vec3 headlight_towards_{0, 0, 1};
   std::unordered_map<Choice, std::uint32_t, ChoiceHash> numbers_;
   std::vector<Choice> sets_;
   std::vector<bool> directional_only_;  // by set
-  std::vector<std::size_t> offsets_;  // byte offset in the buffer, by set
-  std::size_t bytes_ = 0;  // bytes of all sets
+  std::vector<std::size_t> offsets_;    // byte offset in the buffer, by set
+  std::size_t bytes_ = 0;               // bytes of all sets
   Choice choice_, last_choice_;
   std::vector<std::pair<float, std::uint16_t>> reaching_;  // negative strength and index of a light, strongest first
   std::uint32_t last_number_ = 0;

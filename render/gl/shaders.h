@@ -5,6 +5,7 @@ namespace gs::render {
 
 /// Lighting equation of VRML97 4.14.4 in camera space, for the fragment shader of lit variants. Defines:
 /// - LOCAL_LIGHTS: point and spot lights; SPECULAR; EMISSIVE: emissive and ambient parts;
+/// - PHYSICAL: physical reflection (kPhysicalShader); `specular_exponent` is then reflectance and roughness;
 /// - MANY_LIGHTS: lights in a buffer texture, otherwise in a uniform block;
 /// - MOST_LIGHTS: size of the uniform block;
 /// - ALL_LIGHTS: "ADD(0) ADD(1)" for a fixed number of lights. Without it, a loop reads the number from the set.
@@ -51,6 +52,9 @@ vec3 reflected(Light light, vec3 n, vec3 place, vec3 to_viewer, vec3 diffuse, ve
   strength = distance > light.attenuation_radius.w ? 0.0 : strength;
 #endif
   float intensity = light.color_intensity.w;
+#ifdef PHYSICAL
+  vec3 sum = light.direction_ambient.w * ambient + intensity * physical(n, l, to_viewer, diffuse, specular_exponent);
+#else
   vec3 sum = light.direction_ambient.w * ambient + intensity * max(dot(n, l), 0.0) * diffuse;
 #ifdef SPECULAR
   vec3 h = l + to_viewer;
@@ -59,14 +63,15 @@ vec3 reflected(Light light, vec3 n, vec3 place, vec3 to_viewer, vec3 diffuse, ve
   float highlight = specular_exponent.w > 0.0 ? pow(cosine, specular_exponent.w) : 1.0;
   sum += intensity * highlight * specular_exponent.rgb;
 #endif
+#endif
   return strength * light.color_intensity.rgb * sum;
 }
 
 uniform float eye_back;  // distance of the eye behind the viewer, metres; very large in parallel projection
 
-vec3 lit(vec3 n, vec3 place, vec3 diffuse, vec4 emissive_ambient, vec4 specular_exponent) {
-  vec3 ambient = diffuse * emissive_ambient.w;
-  vec3 sum = emissive_ambient.rgb, to_viewer = normalize(vec3(0.0, 0.0, eye_back) - place);  // hoisted by hand
+// Adds the light that the surface reflects to `sum`.
+vec3 lit_parts(vec3 n, vec3 place, vec3 diffuse, vec3 sum, vec3 ambient, vec4 specular_exponent) {
+  vec3 to_viewer = normalize(vec3(0.0, 0.0, eye_back) - place);  // hoisted by hand
 #define ADD(i) sum += reflected(light_at(i), n, place, to_viewer, diffuse, ambient, specular_exponent);
 #ifdef ALL_LIGHTS
   ALL_LIGHTS
@@ -82,6 +87,10 @@ vec3 lit(vec3 n, vec3 place, vec3 diffuse, vec4 emissive_ambient, vec4 specular_
   } while (++i < light_count);
 #endif
   return sum;
+}
+
+vec3 lit(vec3 n, vec3 place, vec3 diffuse, vec4 emissive_ambient, vec4 specular_exponent) {
+  return lit_parts(n, place, diffuse, emissive_ambient.rgb, diffuse * emissive_ambient.w, specular_exponent);
 }
 )glsl";
 
@@ -102,10 +111,8 @@ vec3 fogged_at(vec3 color, float ranges) {
 vec3 fogged(vec3 color, vec3 place) { return fogged_at(color, fog_distance(place)); }
 )glsl";
 
-/// Vertex shader of meshes. Defines: LIT, NORMALS, TEXTURE, FOG, LOCAL_LIGHTS, SPECULAR, EMISSIVE; STYLE, after
-/// kStyleVertexShader. Outputs only values
-/// that the fragment shader uses, because software drivers store them for every triangle of a frame.
-inline constexpr char kMeshVertexShader[] = R"glsl(
+/// Attributes of a vertex of a mesh and of its instance, for vertex shaders of meshes. Defines: NORMALS, TEXTURE.
+inline constexpr char kMeshAttributesShader[] = R"glsl(
 layout(location = 0) in vec3 position;
 #ifdef NORMALS
 layout(location = 1) in vec3 normal;
@@ -113,9 +120,6 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in vec4 color;  // w: 0 without colours, 1 if alpha is that of the material, otherwise 2 + alpha
 #if defined(TEXTURE) || defined(STYLE)
 layout(location = 3) in vec2 texture_coordinate;
-#endif
-#if defined(FOG) || (defined(LIT) && (defined(LOCAL_LIGHTS) || defined(SPECULAR) || !defined(NORMALS)))
-#define POSITION
 #endif
 layout(location = 4) in vec4 camera_from_node_x;
 layout(location = 5) in vec4 camera_from_node_y;
@@ -125,6 +129,31 @@ layout(location = 8) in vec4 emissive;
 layout(location = 9) in vec4 specular;
 
 uniform mat4 clip_from_camera;
+
+#ifdef NORMALS
+// Transforms the normal by the matrix of cofactors. Unlike the inverse, this matrix exists for flattened shapes. Scales
+// first, so that the products stay within float32.
+vec3 normal_in_camera() {
+  vec3 x = camera_from_node_x.xyz, y = camera_from_node_y.xyz, z = camera_from_node_z.xyz;
+  vec3 largest = max(max(abs(x), abs(y)), abs(z));
+  float scale = 1.0 / max(max(max(largest.x, largest.y), largest.z), 1e-37);
+  x *= scale;
+  y *= scale;
+  z *= scale;
+  vec3 yz = cross(y, z);
+  vec3 n = vec3(dot(yz, normal), dot(cross(z, x), normal), dot(cross(x, y), normal));
+  return dot(x, yz) < 0.0 ? -n : n;
+}
+#endif
+)glsl";
+
+/// Vertex shader of meshes, after kMeshAttributesShader. Defines: LIT, NORMALS, TEXTURE, FOG, LOCAL_LIGHTS, SPECULAR,
+/// EMISSIVE. Outputs only values that the fragment shader uses, because software drivers store them for every triangle
+/// of a frame.
+inline constexpr char kMeshVertexShader[] = R"glsl(
+#if defined(FOG) || (defined(LIT) && (defined(LOCAL_LIGHTS) || defined(SPECULAR) || !defined(NORMALS)))
+#define POSITION
+#endif
 uniform mat3 texture_transform;
 
 
@@ -148,22 +177,6 @@ out vec3 camera_normal;
 #endif
 #ifdef TEXTURE
 out vec2 texture_place;
-#endif
-
-#ifdef NORMALS
-// Transforms the normal by the matrix of cofactors. Unlike the inverse, this matrix exists for flattened shapes. Scales
-// first, so that the products stay within float32.
-vec3 normal_in_camera() {
-  vec3 x = camera_from_node_x.xyz, y = camera_from_node_y.xyz, z = camera_from_node_z.xyz;
-  vec3 largest = max(max(abs(x), abs(y)), abs(z));
-  float scale = 1.0 / max(max(max(largest.x, largest.y), largest.z), 1e-37);
-  x *= scale;
-  y *= scale;
-  z *= scale;
-  vec3 yz = cross(y, z);
-  vec3 n = vec3(dot(yz, normal), dot(cross(z, x), normal), dot(cross(x, y), normal));
-  return dot(x, yz) < 0.0 ? -n : n;
-}
 #endif
 
 // All variants must compute equal depths for coincident faces.
@@ -213,7 +226,7 @@ in vec4 surface_color;
 #ifdef TEXTURE
 in vec2 texture_place;
 uniform sampler2D image;
-uniform ivec2 replaces;  // 1 if the texture replaces: x the colour, y alpha
+uniform ivec2 replaces;  // 1 if the texture replaces: x the colour, y alpha; y is 2 if it modulates alpha
 #endif
 out vec4 result;
 
@@ -255,7 +268,7 @@ void main() {
   vec4 texel = texture(image, texture_place);
 #ifndef MASK
   color.rgb = replaces.x != 0 ? texel.rgb : color.rgb * texel.rgb;
-  if (replaces.y != 0) color.a = texel.a;
+  if (replaces.y != 0) color.a = replaces.y == 2 ? color.a * texel.a : texel.a;
 #endif
 #ifdef CUT_OUT
 #ifdef SMOOTH_EDGES

@@ -29,8 +29,8 @@ TextureStore::Alpha alpha_of(const Image& image) {
   return result;
 }
 
-/// Halves each side of an image that has more than one pixel, by exact area averages. If a side is odd, each output
-/// pixel averages parts of three pixels.
+}  // namespace
+
 Image halved(const Image& image) {
   // Source of an output pixel along one axis: index of the first of up to three source pixels, and their weights.
   // `whole` is the sum of the weights.
@@ -77,8 +77,6 @@ Image halved(const Image& image) {
       }
   return half;
 }
-
-}  // namespace
 
 TextureStore::TextureStore(const Gl& gl) : gl_(gl) {
   for (std::size_t i = 0; i < samplers_.size(); ++i) {
@@ -143,6 +141,36 @@ void TextureStore::bind(const Entry& entry, bool repeat_s, bool repeat_t) {
   gl_.ActiveTexture(GL_TEXTURE0);
   gl_.BindTexture(GL_TEXTURE_2D, entry.texture.name());
   gl_.BindSampler(0, samplers_[(repeat_s ? 1 : 0) | (repeat_t ? 2 : 0)].name());
+}
+
+void TextureStore::bind(const Entry& entry, const Sampling& sampling, GLuint unit) {
+  gl_.ActiveTexture(GL_TEXTURE0 + unit);
+  gl_.BindTexture(GL_TEXTURE_2D, entry.texture.name());
+  gl_.ActiveTexture(GL_TEXTURE0);
+  bind_sampler(sampling, unit);
+}
+
+void TextureStore::bind_sampler(const Sampling& sampling, GLuint unit) {
+  constexpr std::size_t kMaxSamplers = 256;
+  const auto known =
+      std::find_if(own_samplers_.begin(), own_samplers_.end(), [&](const auto& one) { return one.first == sampling; });
+  if (known != own_samplers_.end()) return gl_.BindSampler(unit, known->second.name());
+  if (own_samplers_.size() >= kMaxSamplers) own_samplers_.clear();
+  Sampler sampler = make_sampler(gl_);
+  const GLuint name = sampler.name();
+  static constexpr GLint kEdges[] = {GL_REPEAT, GL_CLAMP_TO_EDGE, GL_CLAMP_TO_BORDER, GL_MIRRORED_REPEAT};
+  static constexpr GLint kFilters[] = {GL_LINEAR_MIPMAP_LINEAR, GL_LINEAR, GL_NEAREST, GL_NEAREST_MIPMAP_NEAREST};
+  gl_.SamplerParameteri(name, GL_TEXTURE_WRAP_S, kEdges[static_cast<std::size_t>(sampling.s)]);
+  gl_.SamplerParameteri(name, GL_TEXTURE_WRAP_T, kEdges[static_cast<std::size_t>(sampling.t)]);
+  gl_.SamplerParameteri(name, GL_TEXTURE_WRAP_R, kEdges[static_cast<std::size_t>(sampling.r)]);
+  gl_.SamplerParameteri(name, GL_TEXTURE_MIN_FILTER, kFilters[static_cast<std::size_t>(sampling.smaller)]);
+  gl_.SamplerParameteri(name, GL_TEXTURE_MAG_FILTER, sampling.smooth ? GL_LINEAR : GL_NEAREST);
+  gl_.SamplerParameterfv(name, GL_TEXTURE_BORDER_COLOR, &sampling.border.x);
+  const float anisotropy = sampling.anisotropy > 0 ? sampling.anisotropy : kAnisotropy;
+  if (gl_.max_anisotropy > 1 && sampling.smaller == Sampling::Filter::linear_mipmap_linear)
+    gl_.SamplerParameterf(name, kTextureMaxAnisotropy, std::clamp(anisotropy, 1.0f, gl_.max_anisotropy));
+  gl_.BindSampler(unit, name);
+  own_samplers_.emplace_back(sampling, std::move(sampler));
 }
 
 void TextureStore::bind_mask(const Entry& entry, bool smooth) {

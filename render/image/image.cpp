@@ -13,7 +13,7 @@ namespace gs::render {
 namespace {
 
 using namespace std::string_view_literals;
-constexpr std::array<ImageFormat, 14> kImageFormats = {{
+constexpr std::array<ImageFormat, 17> kImageFormats = {{
     {"PNG"sv, "\x89PNG\r\n\x1a\n"sv, decode_png},
     {"JPEG"sv, "\xff\xd8\xff"sv, decode_jpeg},
     {"GIF87a"sv, "GIF87a"sv, decode_gif},
@@ -21,13 +21,16 @@ constexpr std::array<ImageFormat, 14> kImageFormats = {{
     {"BMP"sv, "BM"sv, decode_stb},
     {"PPM"sv, "P6"sv, decode_stb},
     {"PGM"sv, "P5"sv, decode_stb},
+    {"DDS"sv, "DDS "sv, decode_dds},
+    {"NRRD"sv, "NRRD"sv, decode_nrrd},
+    {"SGI"sv, "\x01\xda"sv, decode_sgi},
     {"MPEG system stream"sv, "\x00\x00\x01\xba"sv, decode_movie},
     {"MPEG video"sv, "\x00\x00\x01\xb3"sv, decode_movie},
     {"AVI"sv, "RIFF"sv, decode_movie},
     {"Matroska"sv, "\x1a\x45\xdf\xa3"sv, decode_movie},
     {"Ogg"sv, "OggS"sv, decode_movie},
     {"ISO media"sv, ""sv, decode_movie},  // signature at offset 4, after a length
-    {"Targa"sv, ""sv, decode_targa},  // last, because Targa has no signature
+    {"Targa"sv, ""sv, decode_targa},      // last, because Targa has no signature
 }};
 
 std::string hexadecimal(std::span<const std::byte> bytes) {
@@ -113,7 +116,8 @@ std::variant<Image, ImageError> decode_image(std::span<const std::byte> bytes, c
   const std::string start =
       bytes.empty() ? "nothing" : hexadecimal(bytes.first(std::min<std::size_t>(bytes.size(), 8)));
   return ImageError{
-      "unsupported image format; expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, Targa or movie, found " +
+      "unsupported image format; expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, SGI, Targa, DDS, NRRD or "
+      "movie, found " +
       start};
 }
 

@@ -21,8 +21,11 @@ namespace gs::render {
 struct Image {
   std::uint32_t width = 0, height = 0, components = 0;
   std::vector<std::uint8_t> pixels;  // bytes: width * height * components
-  std::uint32_t reduction = 1;  // each pixel is the mean of this number of file pixels in each direction
-  std::uint64_t version = 0;  // increases with each change of the pixels, for images such as movie frames
+  std::uint32_t reduction = 1;       // each pixel is the mean of this number of file pixels in each direction
+  std::uint64_t version = 0;         // increases with each change of the pixels, for images such as movie frames
+  /// Slices of a volume, or the six faces of a cube, one below the other. `height` is that of all of them.
+  std::uint32_t slices = 1;
+  bool cube = false;  // faces in the order +X -X +Y -Y +Z -Z of OpenGL, which is left-handed
 
   [[nodiscard]] bool empty() const { return pixels.empty(); }
   [[nodiscard]] bool has_alpha() const { return components == 2 || components == 4; }
@@ -51,15 +54,15 @@ struct ImageError {
 
 /// Limits of a decoder.
 struct ImageLimits {
-  std::size_t file_pixels = std::size_t{1} << 28;  // maximum pixels; decoding more takes too long
-  std::size_t kept_pixels = std::size_t{1} << 28;  // images above this are scaled down while decoding
+  std::size_t file_pixels = std::size_t{1} << 28;    // maximum pixels; decoding more takes too long
+  std::size_t kept_pixels = std::size_t{1} << 28;    // images above this are scaled down while decoding
   std::size_t working_bytes = std::size_t{1} << 29;  // maximum additional memory of a decoder
-  std::function<bool()> stopped = {};  // called once per row; returns true to cancel. Null never cancels
+  std::function<bool()> stopped = {};                // called once per row; returns true to cancel. Null never cancels
 };
 
-/// Decodes PNG, JPEG, GIF, movies (first frame), BMP, binary PPM and PGM, and Targa. Detects the format by the first
-/// bytes. Grey JPEG becomes intensity; palettes of PNG and GIF follow VRML97 4.6.11.2. A truncated JPEG or PNG gives
-/// the received rows.
+/// Decodes PNG, JPEG, GIF, movies (first frame), BMP, binary PPM and PGM, SGI, Targa, DDS, and NRRD volumes. Detects
+/// the format by the first bytes. Grey JPEG becomes intensity; palettes of PNG and GIF follow VRML97 4.6.11.2. A
+/// truncated JPEG or PNG gives the received rows.
 ///
 /// Safe for untrusted bytes; `limits` bounds memory.
 [[nodiscard]] std::variant<Image, ImageError> decode_image(std::span<const std::byte> bytes,
@@ -93,7 +96,7 @@ class PngWriter {
  private:
   std::uint32_t width_, height_, components_, rows_ = 0;
   bool good_;
-  std::uint32_t checksum_ = 1;  // Adler-32 checksum of all rows
+  std::uint32_t checksum_ = 1;       // Adler-32 checksum of all rows
   std::vector<std::uint8_t> above_;  // last row of the previous band
   std::vector<std::byte> bytes_;
 };

@@ -21,6 +21,13 @@ using DecodedImage = std::variant<Image, ImageError>;
 /// Decodes BMP, binary PPM and PGM with stb_image.
 [[nodiscard]] DecodedImage decode_stb(std::span<const std::byte> bytes, const ImageLimits& limits);
 [[nodiscard]] DecodedImage decode_targa(std::span<const std::byte> bytes, const ImageLimits& limits);
+/// Decodes an image, a volume or a cube.
+[[nodiscard]] DecodedImage decode_dds(std::span<const std::byte> bytes, const ImageLimits& limits);
+/// Decodes a volume of at most 4 components.
+[[nodiscard]] DecodedImage decode_nrrd(std::span<const std::byte> bytes, const ImageLimits& limits);
+/// Decodes SGI images (.rgb, .bw, .sgi): 8 or 16 bits, verbatim or run-length encoded. A truncated file gives the
+/// received rows.
+[[nodiscard]] DecodedImage decode_sgi(std::span<const std::byte> bytes, const ImageLimits& limits);
 /// Decodes the first frame of a movie. Defined in render/media/movie.cpp.
 [[nodiscard]] DecodedImage decode_movie(std::span<const std::byte> bytes, const ImageLimits& limits);
 /// Reports whether the bytes begin like a movie in a supported container. Defined in render/media/movie.cpp.

@@ -30,13 +30,13 @@ constexpr std::array<Way, Background::kFaces> kWays = {{
     {{0, 1, 0}, {0, 0, 1}},    // top
 }};
 
-void append_rings(const std::vector<glm::vec3>& colors, const std::vector<float>& angles,
+void append_rings(const std::vector<glm::vec3>& colors, const std::vector<float>& angles, float opacity,
                   std::vector<glm::vec4>& rings) {
   const std::size_t count = std::min({colors.size(), angles.size() + 1, kMaxRings});
   float angle = 0;
   for (std::size_t i = 0; i < count; ++i) {
     if (i > 0) angle = std::max(angle, angles[i - 1]);
-    rings.emplace_back(colors[i], angle);
+    rings.emplace_back(colors[i] * opacity, angle);
   }
 }
 
@@ -66,10 +66,11 @@ BackgroundPass::BackgroundPass(const Gl& gl, Program program)
 
 int BackgroundPass::upload_rings(const Background& background, int& ground_count) {
   std::vector<glm::vec4> rings;
-  append_rings(background.sky_colors, background.sky_angles, rings);
+  const float opacity = 1 - background.transparency;  // black is behind the background
+  append_rings(background.sky_colors, background.sky_angles, opacity, rings);
   if (rings.empty()) rings.emplace_back(0.0f);
   const int sky_count = static_cast<int>(rings.size());
-  append_rings(background.ground_colors, background.ground_angles, rings);
+  append_rings(background.ground_colors, background.ground_angles, opacity, rings);
   ground_count = static_cast<int>(rings.size()) - sky_count;
   gl_->ActiveTexture(GL_TEXTURE0);
   gl_->BindTexture(GL_TEXTURE_2D, rings_.name());

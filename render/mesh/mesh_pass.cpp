@@ -20,9 +20,6 @@ namespace {
 constexpr std::size_t kUploadedBetween = std::size_t{4} << 20;
 constexpr float kPointSize = 2;
 constexpr float kMaxDeviation = 0.4f;  // pixels: maximum deviation of a coarser version of a surface
-// Maximum transparent triangles of a frame that are sorted within their meshes. The meshes that are farthest stay
-// unsorted.
-constexpr std::size_t kMaxSorted = std::size_t{1} << 17;
 constexpr const char* kDefines[] = {"LIT",      "NORMALS", "TEXTURE",      "CUT_OUT", "LOCAL_LIGHTS", "SPECULAR",
                                     "EMISSIVE", "FOG",     "SMOOTH_EDGES", "MASK",    "STYLE"};
 
@@ -112,19 +109,13 @@ MeshPass::VariantProgram* MeshPass::program(unsigned variant) {
       vertex = kStyleVertexShader;
       fragment += kStyleFragmentShader;
     }
-    auto made = make_program(gl_, text, vertex + kMeshVertexShader, fragment + kMeshFragmentShader);
+    auto made = make_program(gl_, text, vertex + kMeshAttributesShader + kMeshVertexShader, fragment + kMeshFragmentShader);
     if (auto* error = std::get_if<ContextError>(&made)) {
       last_error_ = std::move(error->message);
     } else {
       entry.program = std::move(std::get<Program>(made));
-      const GLuint name = entry.program.name();
-      entry.clip_from_camera = gl_.GetUniformLocation(name, "clip_from_camera");
-      entry.texture_transform = gl_.GetUniformLocation(name, "texture_transform");
-      entry.replaces = gl_.GetUniformLocation(name, "replaces");
-      entry.eye_back = gl_.GetUniformLocation(name, "eye_back");
-      entry.fog = FogUniforms(gl_, name);
-      entry.lights = LightUniforms(gl_, name);
-      if (variant & kStyle) entry.style = StyleUniforms(gl_, name);
+      find_uniforms(entry);
+      if (variant & kStyle) entry.style = StyleUniforms(gl_, entry.program.name());
     }
   }
   if (!entry.program) return nullptr;
@@ -137,11 +128,19 @@ std::uint32_t MeshPass::texture_number(const TextureUse& use, const TextureStore
   const auto [first, last] = binding_numbers_.equal_range(entry.order);
   for (auto found = first; found != last; ++found) {
     const TextureBinding& binding = texture_bindings_[found->second];
-    if (binding.repeat_s == use.repeat_s && binding.repeat_t == use.repeat_t && binding.transform == use.transform)
+    if (binding.repeat_s == use.repeat_s && binding.repeat_t == use.repeat_t && binding.transform == use.transform &&
+        binding.modulates == use.modulates && binding.sampling == use.sampling)
       return found->second;
   }
   const auto number = static_cast<std::uint32_t>(texture_bindings_.size());
-  texture_bindings_.push_back({&entry, use.repeat_s, use.repeat_t, use.transform});
+  TextureBinding binding;
+  binding.entry = &entry;
+  binding.repeat_s = use.repeat_s;
+  binding.repeat_t = use.repeat_t;
+  binding.transform = use.transform;
+  binding.modulates = use.modulates;
+  binding.sampling = use.sampling;
+  texture_bindings_.push_back(std::move(binding));
   binding_numbers_.emplace(entry.order, number);
   return number;
 }
@@ -160,7 +159,7 @@ bool MeshPass::in_view(const glm::vec3& center, float radius, const View& view) 
 }
 
 void MeshPass::prepare_item(const DrawItem& item, const View& view) {
-  if (!item.visible || !item.mesh || item.mesh->empty()) return;
+  if (!item.visible || !item.mesh || item.mesh->empty() || is_hidden(item)) return;
   Prepared prepared{};
   Instance& instance = prepared.instance;
   const glm::vec3 origin = local_origin(item.mesh->bounds);
@@ -199,15 +198,15 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   const TextureStore::Entry* texture = nullptr;
   if ((*mesh_seen)->pictured) {
     if (!find_glyphs()) return;
-  } else if (surface && item.texture.image && last_slice_->texture_coordinates) {
+  } else if (surface && !item.layered && item.texture.image && last_slice_->texture_coordinates) {
     texture = textures_.find(item.texture.image);
   }
 
   // VRML97 Tables 4.5 and 4.6. Lines and points use the emissive colour (6.24, 6.36).
   DrawState& state = prepared.state;
   if (fog_.on) state.variant |= kFog;
-  set(instance.base_color, !material.lit ? glm::vec3(1) : shaded ? material.diffuse : material.emissive);
-  instance.alpha = material.lit ? 1 - material.transparency : 1;
+  set(instance.base_color, !material.lit || shaded ? material.diffuse : material.emissive);
+  instance.alpha = 1 - material.transparency;
   if (shaded && material.lit) {
     state.variant |= kLit | (last_slice_->normals ? kNormals : 0u);
     state.lights = lights_.choose(item.directional_lights, sphere.center, sphere.radius);
@@ -240,13 +239,14 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
     state.variant |= kTexture;
     state.texture = texture_number(item.texture, *texture);
     if (item.texture.image->has_alpha()) {
-      instance.alpha = 1;
-      transparent = texture->alpha == TextureStore::Alpha::blended;
+      if (!item.texture.modulates) instance.alpha = 1;
+      transparent = texture->alpha == TextureStore::Alpha::blended || instance.alpha < 1;
       if (texture->alpha == TextureStore::Alpha::cut_out) state.variant |= kCutOut;
     }
   }
+  if (item.layered && surface && !(*mesh_seen)->pictured) prepare_layers(item, prepared, transparent);
   const bool invisible = instance.alpha <= 0 && !last_slice_->opacities;
-  if (invisible || !program(state.variant)) return;
+  if (invisible || !program_of(state)) return;
   state.cull = surface && item.mesh->solid && !view.open;
   state.mirrored = surface && mirrors(instance.camera_from_node);
   const std::uint64_t mesh = std::uint64_t{last_slice_->page} << 32 | last_slice_->order;
@@ -291,6 +291,7 @@ bool MeshPass::prepare(const RenderList& list, const View& view, bool overlays, 
   transparent_.clear();
   texture_bindings_.assign(1, {});
   binding_numbers_.clear();
+  layered_numbers_.clear();
   styles_.assign(1, {});
   filled_.clear();
   glyphs_ = nullptr;
@@ -326,38 +327,11 @@ bool MeshPass::prepare(const RenderList& list, const View& view, bool overlays, 
   return true;
 }
 
-// Sorts the triangles of each transparent mesh into blending order, farthest first.
-void MeshPass::sort_triangles() {
-  sorted_indices_.clear();
-  std::size_t left = kMaxSorted;
-  for (const SortKey& key : transparent_) {
-    Prepared& prepared = prepared_[key.prepared];
-    const vrml::Mesh& mesh = *prepared.mesh;
-    const std::size_t triangles = mesh.indices.size() / 3;
-    const bool hides_nothing = (mesh.convex && mesh.solid) || mesh.font_size > 0;  // text is flat
-    if (prepared.slice->primitive != GL_TRIANGLES || hides_nothing || triangles < 2 || triangles > left) continue;
-    left -= triangles;
-    const float* row = prepared.instance.camera_from_node[2];  // the camera looks along -Z: the smallest z is farthest
-    const glm::vec3 backwards(row[0], row[1], row[2]), origin = prepared.slice->origin;
-    const std::uint32_t* index = mesh.indices.data();
-    triangle_depths_.resize(triangles);
-    for (std::size_t t = 0; t < triangles; ++t) {
-      glm::vec3 sum(0);
-      for (std::size_t corner = 0; corner < 3; ++corner) sum += mesh.positions[index[3 * t + corner]] - origin;
-      const float depth = glm::dot(backwards, sum);
-      triangle_depths_[t] = {std::isnan(depth) ? 0 : depth, static_cast<std::uint32_t>(t)};
-    }
-    std::sort(triangle_depths_.begin(), triangle_depths_.end());
-    prepared.sorted = sorted_indices_.size();
-    for (const auto& [depth, t] : triangle_depths_)
-      sorted_indices_.insert(sorted_indices_.end(), index + 3 * std::size_t{t}, index + 3 * std::size_t{t} + 3);
-  }
-}
-
 void MeshPass::apply(const DrawState& state, const Projection& projection) {
   const bool all = !anything_applied_;
-  VariantProgram& shader = *program(state.variant);
-  const bool switched = all || state.variant != applied_.variant;
+  VariantProgram& shader = *program_of(state);
+  const bool layered = (state.variant & kLayered) != 0;
+  const bool switched = all || state.variant != applied_.variant || (layered && state.texture != applied_.texture);
   if (switched) {
     gl_.UseProgram(shader.program.name());
     if (shader.frame != frame_) {
@@ -369,21 +343,28 @@ void MeshPass::apply(const DrawState& state, const Projection& projection) {
   }
   if (state.variant & kStyle) {
     if (switched || state.style != applied_.style) apply_style(shader, styles_[state.style]);
-  } else if (!all && (applied_.variant & kStyle)) {
+  } else {
     end_style();
   }
   if ((state.variant & kLit) &&
       (all || state.lights != applied_.lights || !(applied_.variant & kLit) || (switched && shader.lights.many >= 0)))
     lights_.bind(state.lights, shader.lights);
+  if (layered && switched) apply_layers(texture_bindings_[state.texture], shader);
   if ((state.variant & kTexture) && (switched || state.texture != applied_.texture)) {
     const TextureBinding& binding = texture_bindings_[state.texture];
     if (binding.entry->mask)
       textures_.bind_mask(*binding.entry, several_samples_ || !gl_.software);
+    else if (binding.sampling)
+      textures_.bind(*binding.entry, *binding.sampling, 0);
     else
       textures_.bind(*binding.entry, binding.repeat_s, binding.repeat_t);
     gl_.UniformMatrix3fv(shader.texture_transform, 1, GL_FALSE, glm::value_ptr(binding.transform));
     const TextureStore::Entry& texture = *binding.entry;
-    gl_.Uniform2i(shader.replaces, texture.intensity ? 0 : 1, texture.alpha == TextureStore::Alpha::blended ? 1 : 0);
+    const bool blended = texture.alpha == TextureStore::Alpha::blended;
+    gl_.Uniform2i(shader.replaces, texture.intensity || binding.modulates ? 0 : 1,
+                  !blended            ? 0
+                  : binding.modulates ? 2
+                                      : 1);
   }
   if (several_samples_ && (all || ((state.variant ^ applied_.variant) & kSmoothEdges)))
     (state.variant & kSmoothEdges ? gl_.Enable : gl_.Disable)(GL_SAMPLE_ALPHA_TO_COVERAGE);
@@ -399,6 +380,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
   ++frame_;
   meshes_.forget_unused();
   textures_.forget_unused();
+  layer_textures_.forget_unused();
   meshes_.forget_binding();
   View view;
   view.surfaces = surfaces;
@@ -493,6 +475,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
   gl_.FrontFace(GL_CCW);
   gl_.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   gl_.LineWidth(1);
+  unbind_layers();
   statistics.given_up = statistics.given_up || pacer.given_up();
 }
 

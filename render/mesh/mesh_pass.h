@@ -2,6 +2,7 @@
 
 #include "render/gl/fog_uniforms.h"
 #include "render/gl/gpu.h"
+#include "render/gl/layer_textures.h"
 #include "render/gl/light_sets.h"
 #include "render/gl/texture_store.h"
 #include "render/mesh/draw_pacer.h"
@@ -20,7 +21,10 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
+#include <optional>
+#include <string>
 #include <unordered_map>
 #include <variant>
 #include <vector>
@@ -43,6 +47,18 @@ class MeshPass {
             FrameStatistics& statistics, const std::function<void()>& between, const SurfacePass* surfaces,
             bool overlays = false);
 
+  /// Pictures of the scene that items of the list need, with their positions in world space. At most kMaxCubes.
+  struct CubeRequest {
+    std::shared_ptr<const SceneCube> cube;
+    glm::dvec3 center;
+  };
+  static constexpr std::size_t kMaxCubes = 4;
+  [[nodiscard]] std::vector<CubeRequest> cubes_to_draw(const RenderList& list);
+  /// Returns the texture for a request of cubes_to_draw(); the caller draws its faces. Items with this cube are not
+  /// drawn until end_cube().
+  LayerTextures::SceneTexture& begin_cube(const CubeRequest& request, const RenderList& list);
+  void end_cube() { hidden_cube_ = nullptr; }
+
  private:
   /// Bits that select a shader variant; each bit is one #define. A feature that costs little when unused is no variant,
   /// because a software driver compiles each variant in 0.1 to 0.3 s.
@@ -58,7 +74,17 @@ class MeshPass {
     kSmoothEdges = 256,
     kMask = 512,
     kStyle = 1024,
-    kFirstLightBit = 2048,  // from this bit on: LightSets::variant
+    kFirstLightBit = 2048,  // from this bit on: LightSets::variant, 3 bits
+    kLayered = 16384,       // program of a LayeredMaterial
+  };
+  /// Uniforms of the program of a LayeredMaterial.
+  struct LayeredUniforms {
+    struct OfLayer {
+      GLint transform = -1, generator = -1;
+    };
+    std::vector<OfLayer> layers;
+    GLint world_from_camera = -1, factor = -1, amounts = -1, metal_roughness = -1, mesh_origin = -1;
+    GLint back_main = -1, back_emissive = -1, back_specular = -1, back_metal_roughness = -1;
   };
   struct StyleUniforms {
     GLint clip_planes = -1, point_size = -1, point_attenuation = -1, line_pattern = -1, hatch = -1, hatch_color = -1,
@@ -68,11 +94,12 @@ class MeshPass {
   };
   struct VariantProgram {
     Program program;
-    bool drawn = false;  // was used for a draw, so drivers have compiled it
+    bool drawn = false;       // was used for a draw, so drivers have compiled it
     std::uint64_t frame = 0;  // frame in which the projection was last set
     GLint clip_from_camera = -1, texture_transform = -1, replaces = -1, eye_back = -1;
     FogUniforms fog;
     LightUniforms lights;
+    LayeredUniforms layered;
     StyleUniforms style;
   };
   /// ClipPlanes, style and LocalFog that items share. Index 0 means none of them.
@@ -91,6 +118,12 @@ class MeshPass {
     const TextureStore::Entry* entry = nullptr;
     bool repeat_s = true, repeat_t = true;
     glm::mat3 transform{1.0f};
+    bool modulates = false;
+    std::optional<Sampling> sampling;
+    const LayeredMaterial* layered = nullptr;               // null for a plain texture
+    std::string program;                                    // key of the programs of `layered`
+    std::size_t sets = 0;                                   // coordinate sets of the meshes with this binding
+    TextureStore::Alpha alpha = TextureStore::Alpha::none;  // of the layers that change alpha
   };
   static constexpr std::size_t kUnsorted = SIZE_MAX;
   /// State of a draw, except its mesh. All items of the draw share it.
@@ -106,7 +139,7 @@ class MeshPass {
     DrawState state;
     const MeshStore::Slice* slice;
     const vrml::Mesh* mesh;
-    glm::vec3 origin{0};  // for merged text: origin of its positions
+    glm::vec3 origin{0};             // for merged text: origin of its positions
     std::size_t sorted = kUnsorted;  // start of the item's triangles in sorted_indices_, where they are sorted
   };
   struct SortKey {
@@ -121,9 +154,9 @@ class MeshPass {
     std::uint32_t layer;
     PackedState state;
     std::uint32_t page;
-    float depth;  // depth of the nearest item
+    float depth;               // depth of the nearest item
     std::size_t first, count;  // index of the first instance, and number of instances
-    std::uint32_t prepared;  // index of one of its items in prepared_
+    std::uint32_t prepared;    // index of one of its items in prepared_
     std::size_t merged = 0;    // items merged into one slice and one instance; 0 means not merged
   };
   /// Value of SortKey::mesh for items that are merged, although their meshes differ.
@@ -131,9 +164,9 @@ class MeshPass {
   struct View {
     glm::dmat4 camera_from_world;  // from world space to the viewer, `back` metres in front of the camera
     float back;
-    bool open;  // faces are drawn as lines or points, so back faces are visible
+    bool open;                   // faces are drawn as lines or points, so back faces are visible
     glm::vec2 tangents, center;  // tangents of half the angles of view, and of the image centre
-    glm::vec2 low, high;  // 1 / lengths of the normals of the side planes: left and bottom; right and top
+    glm::vec2 low, high;         // 1 / lengths of the normals of the side planes: left and bottom; right and top
     float near_plane, far_plane;
     float pixels;  // pixels per metre at distance 1
     const SurfacePass* surfaces;
@@ -143,6 +176,16 @@ class MeshPass {
   explicit MeshPass(const Gl& gl);
   /// Returns the program of a variant and builds it at first use. Returns null if the driver rejected it.
   VariantProgram* program(unsigned variant);
+  /// Returns the program of a state, as program(); that of a LayeredMaterial also depends on the texture binding.
+  VariantProgram* program_of(const DrawState& state);
+  VariantProgram* layered_program(unsigned variant, const TextureBinding& binding);
+  void find_uniforms(VariantProgram& program) const;
+  [[nodiscard]] std::uint32_t layered_number(const DrawItem& item, std::size_t sets);
+  void prepare_layers(const DrawItem& item, Prepared& prepared, bool& transparent);
+  void apply_layers(const TextureBinding& binding, const VariantProgram& program);
+  void unbind_layers();
+  void find_layer_uniforms(VariantProgram& program, std::size_t layers);
+  [[nodiscard]] bool is_hidden(const DrawItem& item) const;
   /// Prepares the items and uploads their meshes. Returns false if `go_on` cancelled this. Uploaded meshes remain.
   [[nodiscard]] bool prepare(const RenderList& list, const View& view, bool overlays,
                              const std::function<bool()>& go_on);
@@ -177,7 +220,9 @@ class MeshPass {
   MeshStore meshes_;
   TextureStore textures_;
   LightSets lights_;
+  LayerTextures layer_textures_{gl_, textures_};
   std::unordered_map<unsigned, VariantProgram> programs_;
+  std::unordered_map<std::string, VariantProgram> layered_programs_;
   std::string last_error_;
   std::uint64_t frame_ = 0;
 
@@ -195,9 +240,10 @@ class MeshPass {
   std::vector<MeshStore::Slice> text_slices_;  // one slice per run of merged texts in opaque_
   std::vector<std::pair<float, std::uint32_t>> triangle_depths_;
   std::vector<TextureBinding> texture_bindings_;
+  std::map<std::pair<const LayeredMaterial*, std::size_t>, std::uint32_t> layered_numbers_;  // in texture_bindings_
   std::vector<StyleBinding> styles_;
   std::unordered_multimap<std::uint32_t, std::uint32_t> binding_numbers_;  // by TextureStore::Entry::order
-  struct Filled {  // Sphere of an opaque item, for layer_of().
+  struct Filled {                                                          // Sphere of an opaque item, for layer_of().
     glm::vec3 center;
     float radius;
     PackedState state;
@@ -219,6 +265,8 @@ class MeshPass {
   glm::mat3 world_from_camera_{1.0f};
   float pixel_side_ = 1;
   bool styled_ = false;  // apply_style() changed the state of OpenGL
+  std::size_t bound_layers_ = 0;  // number of texture units that layers of this frame have used
+  const SceneCube* hidden_cube_ = nullptr;
   unsigned last_variant_ = 0;
   VariantProgram* last_program_ = nullptr;
   DrawState applied_;

@@ -1,19 +1,53 @@
 #include "render/mesh/mesh_pass.h"
 
+#include <glm/glm.hpp>
+
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <utility>
 
 // Part of MeshPass that converts batches of items to OpenGL calls.
 namespace gs::render {
 namespace {
 
+// Maximum transparent triangles of a frame that are sorted within their meshes. The meshes that are farthest stay
+// unsorted.
+constexpr std::size_t kMaxSorted = std::size_t{1} << 17;
 // Maximum primitives of a frame. A world with USE can request more than a driver draws in a day.
 constexpr std::size_t kMaxPrimitives = std::size_t{1} << 28;
 
 std::size_t corners_of(GLenum primitive) { return primitive == GL_TRIANGLES ? 3 : primitive == GL_LINES ? 2 : 1; }
 
 }  // namespace
+
+// Sorts the triangles of each transparent mesh into blending order, farthest first.
+void MeshPass::sort_triangles() {
+  sorted_indices_.clear();
+  std::size_t left = kMaxSorted;
+  for (const SortKey& key : transparent_) {
+    Prepared& prepared = prepared_[key.prepared];
+    const vrml::Mesh& mesh = *prepared.mesh;
+    const std::size_t triangles = mesh.indices.size() / 3;
+    const bool hides_nothing = (mesh.convex && mesh.solid) || mesh.font_size > 0;  // text is flat
+    if (prepared.slice->primitive != GL_TRIANGLES || hides_nothing || triangles < 2 || triangles > left) continue;
+    left -= triangles;
+    const float* row = prepared.instance.camera_from_node[2];  // the camera looks along -Z: the smallest z is farthest
+    const glm::vec3 backwards(row[0], row[1], row[2]), origin = prepared.slice->origin;
+    const std::uint32_t* index = mesh.indices.data();
+    triangle_depths_.resize(triangles);
+    for (std::size_t t = 0; t < triangles; ++t) {
+      glm::vec3 sum(0);
+      for (std::size_t corner = 0; corner < 3; ++corner) sum += mesh.positions[index[3 * t + corner]] - origin;
+      const float depth = glm::dot(backwards, sum);
+      triangle_depths_[t] = {std::isnan(depth) ? 0 : depth, static_cast<std::uint32_t>(t)};
+    }
+    std::sort(triangle_depths_.begin(), triangle_depths_.end());
+    prepared.sorted = sorted_indices_.size();
+    for (const auto& [depth, t] : triangle_depths_)
+      sorted_indices_.insert(sorted_indices_.end(), index + 3 * std::size_t{t}, index + 3 * std::size_t{t} + 3);
+  }
+}
 
 /// Returns the drawing layer of an item: later layers are drawn later. Of coincident faces, the last in the file must
 /// be visible. So an item gets a later layer than earlier items with an equal sphere and another state. Equal depths
@@ -118,13 +152,15 @@ void MeshPass::draw_batches(const Projection& projection, FrameStatistics& stati
     if (count == 0) continue;
     primitives_ += primitives * count;
     apply(prepared.state, projection);
+    if (prepared.state.variant & kLayered)
+      gl_.Uniform3fv(program_of(prepared.state)->layered.mesh_origin, 1, &prepared.slice->origin.x);
     MeshStore::Slice slice = *prepared.slice;
     if (prepared.sorted != kUnsorted) {
       slice.first_index = prepared.sorted;
       slice.sorted = true;
     }
     std::size_t first = batch.first, left = count;
-    if (VariantProgram& used = *program(prepared.state.variant); gl_.phases && !used.drawn) {
+    if (VariantProgram& used = *program_of(prepared.state); gl_.phases && !used.drawn) {
       used.drawn = true;
       draw_first(slice, first, left, primitives, pacer);
     }

@@ -45,11 +45,11 @@ bool MeshPass::prepare_text(const DrawItem& item, const glm::vec3& center, float
   const vrml::Mesh& mesh = *item.mesh;
   const Material& material = item.material;
   const std::size_t vertices = mesh.positions.size();
-  if (material.lit && (material.transparency > 0 || (mesh.lit && material.specular != glm::vec3(0)))) return false;
+  if (material.transparency > 0 || (material.lit && mesh.lit && material.specular != glm::vec3(0))) return false;
   if (mesh.primitive != vrml::Mesh::Primitive::triangles || mesh.solid || vertices == 0 || !mesh.colors.empty() ||
       mesh.normals.size() != vertices || mesh.texture_coordinates.size() != vertices)
     return false;
-  glm::vec3 color = !material.lit ? glm::vec3(1) : material.emissive;
+  glm::vec3 color = !material.lit ? material.diffuse : material.emissive;
   if (material.lit && mesh.lit) {
     const std::uint32_t lights = lights_.choose(item.directional_lights, center, radius);
     if (!lights_.directional_only(lights)) return false;

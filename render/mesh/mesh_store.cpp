@@ -11,14 +11,22 @@
 namespace gs::render {
 namespace {
 
-constexpr unsigned kNormals = 1, kColors = 2, kTextureCoordinates = 4, kOpacities = 8, kFogDepths = 16;
+constexpr unsigned kNormals = 1, kColors = 2, kTextureCoordinates = 4, kOpacities = 8, kFogDepths = 16, kFirstSet = 32;
 // maximum vertices of a mesh that shares a page; a larger mesh has a page of its size
 constexpr std::size_t kLargestShared = 16 * 1024;
 constexpr std::size_t kSmallestPage = 8 * 1024, kLargestPage = 256 * 1024;  // vertices of a shared page
 constexpr std::size_t kIndicesPerVertex = 6;                                // of a page; closed surfaces have about 6
 
 // Attribute locations in the vertex shader (shaders.h).
-enum Location : GLuint { kPosition, kNormal, kColor, kTextureCoordinate, kFirstInstance, kFogDepth = 15 };
+enum Location : GLuint {
+  kPosition,
+  kNormal,
+  kColor,
+  kTextureCoordinate,
+  kFirstInstance,
+  kCoordinateSets = 10,
+  kFogDepth = 15
+};
 constexpr GLuint kInstanceVectors = sizeof(Instance) / (4 * sizeof(float));
 
 /// One array in a vertex buffer. The buffer has all positions, then all normals, and so on.
@@ -29,7 +37,7 @@ struct ArrayPlace {
 };
 
 struct Layout {
-  std::array<ArrayPlace, 5> arrays{};
+  std::array<ArrayPlace, 5 + vrml::kMaxCoordinateSets> arrays{};
   std::size_t count = 0, bytes = 0;
 };
 
@@ -43,11 +51,14 @@ Layout layout(unsigned format, std::size_t vertices) {
   if (format & kNormals) add(kNormal, 3);
   if (format & kColors) add(kColor, format & kOpacities ? 4 : 3);
   if (format & kTextureCoordinates) add(kTextureCoordinate, 2);
+  for (unsigned set = 0; set < format / kFirstSet; ++set) add(static_cast<Location>(kCoordinateSets + set), 4);
   if (format & kFogDepths) add(kFogDepth, 1);
   return result;
 }
 
 const void* bytes_of(const vrml::Mesh& mesh, Location location) {
+  if (location >= kCoordinateSets && location < kFogDepth)
+    return mesh.coordinate_sets[location - kCoordinateSets].data();
   switch (location) {
     case kNormal:
       return mesh.normals.data();
@@ -211,6 +222,10 @@ void MeshStore::upload(const vrml::Mesh& mesh, Entry& entry) {
   slice.normals = mesh.normals.size() == vertices;
   slice.colors = mesh.colors.size() == vertices;
   slice.texture_coordinates = mesh.texture_coordinates.size() == vertices;
+  const auto fits = [&](const vrml::CoordinateSet& set) { return set.size() == vertices; };
+  if (mesh.coordinate_sets.size() <= vrml::kMaxCoordinateSets &&
+      std::all_of(mesh.coordinate_sets.begin(), mesh.coordinate_sets.end(), fits))
+    slice.coordinate_sets = static_cast<std::uint8_t>(mesh.coordinate_sets.size());
   slice.fog_depths = mesh.fog_depths.size() == vertices;
   slice.opacities = slice.colors && mesh.opacities.size() == vertices;
   slice.primitive = mesh.primitive == vrml::Mesh::Primitive::lines    ? GL_LINES
@@ -234,7 +249,7 @@ void MeshStore::upload(const vrml::Mesh& mesh, Entry& entry) {
   }
   const unsigned format = (slice.normals ? kNormals : 0) | (slice.colors ? kColors : 0) |
                           (slice.texture_coordinates ? kTextureCoordinates : 0) | (slice.opacities ? kOpacities : 0) |
-                          (slice.fog_depths ? kFogDepths : 0);
+                          (slice.fog_depths ? kFogDepths : 0) | kFirstSet * slice.coordinate_sets;
   if (!place(format, vertices, indices, entry)) return;
 
   uploaded_ += vertices * sizeof(glm::vec3) + indices * sizeof(std::uint32_t);

@@ -19,7 +19,7 @@ namespace gs::render {
 /// float32 is precise far from the world's origin.
 struct Instance {
   float camera_from_node[3][4];  // rows of the matrix from node space, relative to Slice::origin, to camera space
-  float base_color[3], alpha;  // diffuse colour if lit
+  float base_color[3], alpha;    // diffuse colour if lit
   float emissive[3], ambient_intensity;
   float specular[3], shininess;  // specular exponent: 128 * the field `shininess`
 };
@@ -42,6 +42,7 @@ class MeshStore {
     GLsizei index_count = 0;
     GLenum primitive = GL_TRIANGLES;
     bool normals = false, colors = false, texture_coordinates = false, opacities = false, fog_depths = false;
+    std::uint8_t coordinate_sets = 0;  // number of vrml::Mesh::coordinate_sets
     bool streamed = false;  // data is in the buffers of set_streamed(), not in a page
     bool sorted = false;  // first_index is an index in the sorted indices, not in the page
     glm::vec3 origin{0};  // origin of its positions; see local_origin()
@@ -75,9 +76,9 @@ class MeshStore {
 
  private:
   struct Page {
-    unsigned format = 0;                    // bits: the arrays that the vertices have
+    unsigned format = 0;                    // bits: the arrays that the vertices have; then the number of coordinate sets
     std::size_t vertices = 0, indices = 0;  // capacities
-    std::size_t meshes = 0;  // number of meshes in the page
+    std::size_t meshes = 0;                 // number of meshes in the page
     RangeAllocator free_vertices{0}, free_indices{0};
     VertexArray vertex_array;
     Buffer vertex_buffer, index_buffer;
@@ -104,7 +105,7 @@ class MeshStore {
     VertexArray vertex_array;
     Buffer vertices, indices;
   };
-  std::unique_ptr<Streamed> streamed_;  // null before its first use
+  std::unique_ptr<Streamed> streamed_;        // null before its first use
   std::vector<std::unique_ptr<Page>> pages_;  // null for a page that was freed
   std::unordered_map<const vrml::Mesh*, Entry> entries_;
   std::uint32_t bound_page_ = kNoPage, next_order_ = 0;

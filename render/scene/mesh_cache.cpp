@@ -51,8 +51,14 @@ void MeshCache::forget(const vrml::Node* node) {
     if (entry == meshes.end()) continue;
     for (std::size_t i = 0; i < geometry->type->defaults.size(); ++i)
       if (const auto* part = std::get_if<vrml::SFNode>(&geometry->values[i]))
-        if (const vrml::NodeId id = entry->second.scene->resolve(*part))
-          geometries_of_.insert({&entry->second.scene->node(id), geometry});
+        if (const vrml::NodeId id = entry->second.scene->resolve(*part)) {
+          const vrml::Node& property = entry->second.scene->node(id);
+          geometries_of_.insert({&property, geometry});
+          if (property.type->read_as != vrml::NodeKind::multi_texture_coordinate) continue;
+          for (const vrml::NodeId one : entry->second.scene->get<vrml::MFNode>(id, "texCoord"))
+            if (const vrml::NodeId inner = entry->second.scene->resolve(one))
+              geometries_of_.insert({&entry->second.scene->node(inner), geometry});
+        }
   }
   for (auto each = geometries_of_.lower_bound({node, nullptr}); each != geometries_of_.end() && each->first == node;
        ++each)
@@ -69,6 +75,8 @@ void MeshCache::forget_scene(const vrml::SceneGraph& scene) {
 void MeshCache::remove(const vrml::SceneGraph& scene, const vrml::Node* node) {
   meshes.erase(node);
   pixel_images.erase(node);
+  volumes.erase(node);
+  scene_cubes.erase(node);
   if (late) late->forget(node);
   if (geometries_of_.empty()) return;
   geometries_of_.erase(geometries_of_.lower_bound({node, nullptr}), geometries_of_.lower_bound({node + 1, nullptr}));
@@ -81,6 +89,8 @@ void MeshCache::take(MeshCache&& other) {
   for (const auto& [geometry, entry] : other.meshes) made(geometry);
   meshes.merge(other.meshes);
   pixel_images.merge(other.pixel_images);
+  volumes.merge(other.volumes);
+  scene_cubes.merge(other.scene_cubes);
   primitives.merge(other.primitives);
   other.clear();
 }

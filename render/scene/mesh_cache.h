@@ -4,6 +4,7 @@
 #include "base/phases.h"
 #include "qnv/base/geometry.h"
 #include "render/image/image.h"
+#include "render/scene/layered_material.h"
 #include "vrml/mesh/mesh.h"
 #include "vrml/mesh/text_shaper.h"
 #include "vrml/scene/scene_graph.h"
@@ -34,13 +35,13 @@ struct MeshCache {
   struct FinerMeshes;
   struct Entry {
     std::shared_ptr<const vrml::Mesh> mesh;
-    Share share;  // part of the budget for meshes
+    Share share;                              // part of the budget for meshes
     const vrml::SceneGraph* scene = nullptr;  // scene of the geometry node
-    bool texture_coordinates = false;  // the mesh has texture coordinates
-    bool refused = false;  // the budget for meshes does not permit all of the mesh
-    bool stale = false;  // the nodes have changed after the mesh was made or `job` was submitted
-    std::shared_ptr<MeshJob> job;  // job that makes the next mesh; may be null
-    std::unique_ptr<FinerMeshes> finer;  // finer levels, for a Text
+    bool texture_coordinates = false;         // the mesh has texture coordinates
+    bool refused = false;                     // the budget for meshes does not permit all of the mesh
+    bool stale = false;                       // the nodes have changed after the mesh was made or `job` was submitted
+    std::shared_ptr<MeshJob> job;             // job that makes the next mesh; may be null
+    std::unique_ptr<FinerMeshes> finer;       // finer levels, for a Text
   };
   struct FinerMeshes {
     std::array<Entry, vrml::kTextTolerances.size() - 1> levels;
@@ -53,8 +54,18 @@ struct MeshCache {
     std::shared_ptr<const Image> image;
     Share share;
   };
-  std::unordered_map<const vrml::Node*, Entry> meshes;  // by geometry node; of a Text, the coarsest level
+  std::unordered_map<const vrml::Node*, Entry> meshes;             // by geometry node; of a Text, the coarsest level
   std::unordered_map<const vrml::Node*, PixelEntry> pixel_images;  // by PixelTexture node
+  /// Volume of a PixelTexture3D or a ComposedTexture3D.
+  struct VolumeEntry {
+    vrml::MFInt32 source;                              // of a PixelTexture3D
+    std::vector<std::shared_ptr<const Image>> slices;  // of a ComposedTexture3D
+    std::uint64_t version = 0;                         // sum of the versions of the slices
+    std::shared_ptr<const Image> image;
+    Share share;
+  };
+  std::unordered_map<const vrml::Node*, VolumeEntry> volumes;
+  std::unordered_map<const vrml::Node*, std::shared_ptr<SceneCube>> scene_cubes;  // by GeneratedCubeMapTexture
   /// Meshes of Boxes, Cones, Cylinders and Spheres with default sizes, by type, flags and level of detail. Thousands of
   /// primitives share one mesh, with different scales, and so one draw call.
   std::unordered_map<std::string, std::shared_ptr<const vrml::Mesh>> primitives;

@@ -4,6 +4,7 @@
 #include "qnv/base/geometry.h"
 #include "render/image/image.h"
 #include "render/scene/fog.h"
+#include "render/scene/layered_material.h"
 #include "render/scene/mesh_cache.h"
 #include "render/scene/shape_style.h"
 #include "render/scene/world_bounds.h"
@@ -31,7 +32,7 @@ namespace gs::render {
 struct Material {
   glm::vec3 diffuse{0.8f}, emissive{0.0f}, specular{0.0f};
   float ambient_intensity = 0.2f, shininess = 0.2f, transparency = 0.0f;
-  bool lit = true;  // false without Appearance or Material: colour 1 1 1, unlit
+  bool lit = true;  // false without Appearance or Material, and for an UnlitMaterial: `diffuse` is shown unlit
 };
 /// Specular exponent of a material with shininess 1 (VRML97 4.14.4).
 inline constexpr float kShininessScale = 128;
@@ -43,6 +44,10 @@ struct Light {
   glm::dvec3 location{0.0};  // in world space, as is `direction`
   glm::vec3 color{1.0f}, direction{0, 0, -1}, attenuation{1, 0, 0};
   float intensity = 1, ambient_intensity = 0, radius = 100, beam_width = 1.570796f, cut_off_angle = 0.785398f;
+  /// X3D: true if the light reaches all items, false if it reaches only the items that list it
+  /// (DrawItem::directional_lights). Unset means as in VRML97: only directional lights must be listed.
+  std::optional<bool> global;
+  [[nodiscard]] bool listed() const { return !global.value_or(kind != Kind::directional); }
 };
 
 /// Maximum lights of an item; the strongest are used. No world can then block a frame for minutes.
@@ -58,7 +63,9 @@ inline constexpr std::uint16_t kNoLocalFog = UINT16_MAX;
 struct TextureUse {
   std::shared_ptr<const Image> image;
   bool repeat_s = true, repeat_t = true;
-  glm::mat3 transform{1.0f};  // from texture coordinates of the mesh to texture space (VRML97 6.49)
+  glm::mat3 transform{1.0f};         // from texture coordinates of the mesh to texture space (VRML97 6.49)
+  bool modulates = false;            // X3D 4: the texture always modulates the colour and the alpha of the material
+  std::optional<Sampling> sampling;  // X3D TextureProperties; replaces repeat_s and repeat_t
 };
 
 inline constexpr std::uint32_t kNoPlace = UINT32_MAX;
@@ -66,9 +73,9 @@ inline constexpr std::uint32_t kNoPlace = UINT32_MAX;
 /// The content of an Inline is below the Inline. A PROTO instance is replaced by the node that represents it.
 struct Place {
   const vrml::SceneGraph* scene = nullptr;
-  vrml::NodeId node;  // id in `scene`
+  vrml::NodeId node;                // id in `scene`
   std::uint32_t parent = kNoPlace;  // index in RenderList::places; kNoPlace for a root node of the world
-  std::uint32_t frame = 0;  // coordinate system of the node's children: index in RenderList::world_from_frame
+  std::uint32_t frame = 0;          // coordinate system of the node's children: index in RenderList::world_from_frame
 };
 
 /// Instance of a Shape that is drawn as a mesh.
@@ -77,7 +84,9 @@ struct DrawItem {
   glm::dmat4 world_from_node{1.0};
   Material material;
   TextureUse texture;
-  LightList directional_lights;  // directional lights of the enclosing groups (6.16)
+  /// Replaces `texture`, if set; `material` has its colours, and their closest equivalents in VRML97.
+  std::shared_ptr<const LayeredMaterial> layered;
+  LightList directional_lights;  // lights of the enclosing groups (6.16)
   ClipList clip_planes;                          // ClipPlanes of the enclosing groups
   std::shared_ptr<const ShapeStyle> style;       // null for the default style
   std::uint16_t local_fog = kNoLocalFog;         // LocalFog of the innermost group that has one
@@ -86,7 +95,7 @@ struct DrawItem {
   bool collidable = true;  // an obstacle to the viewer
   bool overlay = false;  // fixed to the viewer: drawn in front of all other items
   std::shared_ptr<const qnv::Geometry> surface;  // QNV node: an indexed mesh or patches; else null
-  float detail = 1;  // field `detail` of the QNV node, more than 0
+  float detail = 1;                              // field `detail` of the QNV node, more than 0
 
   /// Returns the patches of which each view draws a cut instead of `mesh`; nullptr if there are none.
   [[nodiscard]] const qnv::SurfacePatches* patches() const {
@@ -103,7 +112,7 @@ struct SplatItem {
   glm::dmat4 world_from_node{1.0};
   Material material;
   bool own_color = false;  // use the splats' colour instead of the material's
-  float detail = 1;  // field `detail` of the QNV node, more than 0: factor of its budget and level of detail
+  float detail = 1;        // field `detail` of the QNV node, more than 0: factor of its budget and level of detail
   LightList directional_lights;
   ClipList clip_planes;
   std::uint32_t place = kNoPlace;  // path of the Shape: index in RenderList::places
@@ -119,6 +128,7 @@ struct Background {
   static constexpr std::size_t kFaces = 6;
   std::array<std::shared_ptr<const Image>, kFaces> panorama;
   glm::mat3 world_from_background{1.0f};  // rotation only
+  float transparency = 0;                 // X3D: shows what is behind the picture; without that, black
 };
 
 /// Viewpoint in world space (6.53).
@@ -143,7 +153,7 @@ struct ViewpointState {
 /// Sound node (6.42), once for each path to it.
 struct SoundPlace {
   const vrml::SceneGraph* scene = nullptr;
-  vrml::NodeId node;  // id in `scene`
+  vrml::NodeId node;        // id in `scene`
   std::uint32_t frame = 0;  // coordinate system of the Sound: index in RenderList::world_from_frame
 };
 
@@ -169,9 +179,9 @@ inline constexpr float kUsualPixelsPerRadian = 930;
 
 /// Content that a limit has excluded from an image.
 struct LimitReport {
-  std::string why;  // text that names the limit
+  std::string why;    // text that names the limit
   std::size_t count;  // number of shapes, images or traversal steps
-  std::string file;  // location of the first excluded node
+  std::string file;   // location of the first excluded node
   SourceLocation location;
 };
 
@@ -206,11 +216,11 @@ struct RenderList {
   NavigationState navigation;
   bool has_navigation = false;  // true if a NavigationInfo is bound; false for the defaults of the standard
   Fog fog;
-  WideBox bounds;  // box of all items except overlays, in world space
+  WideBox bounds;                                               // box of all items except overlays, in world space
   bool overlays = false;                                        // some items are overlays
-  std::vector<LimitReport> limit_reports;  // at most one entry per reason
-  std::vector<Place> places;  // paths of all content, parents before children
-  std::vector<glm::dmat4> world_from_frame;  // coordinate systems of `places`
+  std::vector<LimitReport> limit_reports;                       // at most one entry per reason
+  std::vector<Place> places;                                    // paths of all content, parents before children
+  std::vector<glm::dmat4> world_from_frame;                     // coordinate systems of `places`
   std::vector<std::shared_ptr<const vrml::SceneGraph>> scenes;  // scenes of Inlines in `places`
 };
 

@@ -52,7 +52,7 @@ std::vector<VolumeLight> volume_lights(const RenderList& list, const SplatItem& 
   for (const std::uint16_t i : item.directional_lights)
     if (i < list.lights.size()) lights.push_back(in_camera(list.lights[i], camera_from_world));
   for (const Light& light : list.lights)
-    if (light.kind != Light::Kind::directional) local.push_back(in_camera(light, camera_from_world));
+    if (!light.listed()) local.push_back(in_camera(light, camera_from_world));
   std::stable_sort(local.begin(), local.end(), [&](const VolumeLight& a, const VolumeLight& b) {
     return strength_at(a, center) > strength_at(b, center);
   });

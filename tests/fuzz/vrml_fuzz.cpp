@@ -1,11 +1,12 @@
-// Fuzzes the VRML parser and the execution of worlds. Any bytes must give the same scene, text, meshes and events,
-// whole or in pieces.
+// Fuzzes the readers of VRML and X3D and the execution of worlds. Any bytes must give the same scene, text, meshes and
+// events, whole or in pieces.
 #include "tests/fuzz/fuzz_target.h"
 #include "vrml/behaviours/browser_events.h"
 #include "vrml/events/execution.h"
 #include "vrml/mesh/mesh.h"
 #include "vrml/syntax/parser.h"
 #include "vrml/syntax/printer.h"
+#include "vrml/syntax/scene_reader.h"
 
 #include <algorithm>
 #include <cmath>
@@ -36,7 +37,7 @@ void touch(Execution& execution, const SceneGraph& scene, NodeId id, double& now
   const Behaviour* behaviour = node.type->behaviour;
   const bool moves = behaviour && behaviour->parent_from_local;
   const PathStep path[] = {{&scene, id, glm::dmat4(1)},
-                           {&scene, children[0], moves ? behaviour->parent_from_local(node) : glm::dmat4(1)}};
+                           {&scene, children[0], moves ? behaviour->parent_from_local(scene, node) : glm::dmat4(1)}};
   Pointer pointer;
   pointer.path = path;
   for (int i = 0; i < 4; ++i) {
@@ -79,6 +80,19 @@ std::uint64_t live(SceneGraph& scene) {
   return digest;
 }
 
+// Reads a text in pieces of `piece` bytes; 0 means whole.
+ParseOutcome read(Grammar grammar, std::string_view text, std::size_t piece, SceneGraph& scene,
+                  Diagnostics& diagnostics) {
+  const auto reader = make_reader(grammar, scene, diagnostics);
+  if (piece == 0) piece = text.size() + 1;
+  for (std::size_t i = 0; i < text.size(); i += piece) {
+    reader->push(text.substr(i, piece));
+    (void)reader->open_nodes();
+  }
+  return reader->finish();
+}
+
+template <Grammar grammar>
 bool run_world(std::span<const std::byte> bytes) {
   const std::string_view text = text_of(bytes);
   Limits limits;
@@ -87,13 +101,14 @@ bool run_world(std::span<const std::byte> bytes) {
   limits.image_pixels = 1 << 16;
   SceneGraph whole("fuzz", limits), pieces("fuzz", limits);
   Diagnostics said_whole, said_pieces;
-  const ParseOutcome outcome = parse(text, whole, said_whole);
+  // The worlds of the target `worlds` state their grammar.
+  const Grammar used = grammar == Grammar::vrml97 ? grammar_of(text) : grammar;
+  const ParseOutcome outcome =
+      grammar == Grammar::vrml97 ? parse(text, whole, said_whole) : read(used, text, 0, whole, said_whole);
 
   // The input determines the size of the pieces, so that the fuzzer can vary it.
   const std::size_t piece = bytes.empty() ? 1 : 1 + std::to_integer<std::size_t>(bytes.back()) % 64;
-  Parser parser(pieces, said_pieces);
-  for (std::size_t i = 0; i < text.size(); i += piece) parser.push(text.substr(i, piece));
-  const ParseOutcome piecewise = parser.finish();
+  const ParseOutcome piecewise = read(used, text, piece, pieces, said_pieces);
 
   const std::string printed = print(whole);
   require(piecewise == outcome && print(pieces) == printed);
@@ -110,6 +125,11 @@ bool run_world(std::span<const std::byte> bytes) {
 
 }  // namespace
 
-std::vector<FuzzTarget> fuzz_targets() { return {{"worlds", run_world, 8192}}; }
+std::vector<FuzzTarget> fuzz_targets() {
+  return {{"worlds", run_world<Grammar::vrml97>, 8192},
+          {"inventor", run_world<Grammar::inventor>, 8192},
+          {"x3d_xml", run_world<Grammar::x3d_xml>, 8192},
+          {"x3d_json", run_world<Grammar::x3d_json>, 8192}};
+}
 
 }  // namespace gs::fuzz

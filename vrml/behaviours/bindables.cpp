@@ -1,4 +1,5 @@
 #include "vrml/events/execution.h"
+#include "vrml/scene/geospatial.h"
 #include "vrml/scene/transformation.h"
 
 namespace gs::vrml {
@@ -6,7 +7,19 @@ namespace {
 
 struct BindableEvents {
   enum : int { set_bind = kSetBind, is_bound, bind_time };
+  enum : int { navigation_info = kFieldOfView + 1 };  // interface of Viewpoints
 };
+
+// Binds or unbinds the NavigationInfo in a field of a Viewpoint (X3D 23.3.1).
+void bind_navigation(Execution& execution, EventNode viewpoint, bool bind) {
+  EventNodes& nodes = execution.nodes();
+  if (!nodes.has_event(viewpoint, BindableEvents::navigation_info)) return;
+  const NodePlace at = nodes.place_of(viewpoint);
+  const NodeId info = at.scene->resolve(execution.get<SFNode>(viewpoint, BindableEvents::navigation_info));
+  const EventNode member = info ? execution.scenes().event_node(*at.scene, info) : 0;
+  if (member == 0 || nodes.type_of(member).read_as != NodeKind::navigation_info) return;
+  (void)nodes.behaviour_of(member).on_event(execution, member, kSetBind, FieldValue(bind));
+}
 
 void tell_bound(Execution& execution, EventNode node, bool bound) {
   // Each eventOut sends one event per timestamp (4.10.4). If the node is bound and unbound with the same timestamp, the
@@ -34,6 +47,8 @@ bool set_bind(Execution& execution, EventNode node, int event, const FieldValue&
   if (before == after) return false;
   if (before != 0) tell_bound(execution, before, false);
   if (after != 0) tell_bound(execution, after, true);
+  if (before != 0) bind_navigation(execution, before, false);
+  if (after != 0) bind_navigation(execution, after, true);
   if (type.behaviour->parent_from_local) execution.viewer().jump();
   return false;
 }
@@ -45,7 +60,7 @@ void tell_late(Execution& execution, EventNode node) {
 
 // `Type` is one of the types of viewpoints, which have different slots.
 template <class Type>
-glm::dmat4 viewer_of(const Node& node) {
+glm::dmat4 viewer_of(const SceneGraph&, const Node& node) {
   static const int position = node.type->find_field("position")->slot;
   static const int orientation = node.type->find_field("orientation")->slot;
   return viewer_matrix(std::get<SFVec3f>(node.values[position]), std::get<SFRotation>(node.values[orientation]));
@@ -54,9 +69,13 @@ glm::dmat4 viewer_of(const Node& node) {
 }  // namespace
 
 const Behaviour kViewpointBehaviour = {
-    {"set_bind", "isBound", "bindTime", "fieldOfView"}, nullptr, set_bind, tell_late, viewer_of<struct Perspective>};
+    {"set_bind", "isBound", "bindTime", "fieldOfView", "navigationInfo"},
+    nullptr, set_bind, tell_late, viewer_of<struct Perspective>};
 const Behaviour kOrthoViewpointBehaviour = {
-    {"set_bind", "isBound", "bindTime", "fieldOfView"}, nullptr, set_bind, tell_late, viewer_of<struct Parallel>};
+    {"set_bind", "isBound", "bindTime", "fieldOfView", "navigationInfo"},
+    nullptr, set_bind, tell_late, viewer_of<struct Parallel>};
+const Behaviour kGeoViewpointBehaviour = {
+    {"set_bind", "isBound", "bindTime", "fieldOfView"}, nullptr, set_bind, tell_late, geo_viewpoint_matrix};
 const Behaviour kNavigationInfoBehaviour = {
     {"set_bind", "isBound", "bindTime", "transitionComplete"}, nullptr, set_bind, tell_late};
 const Behaviour kBindableBehaviour = {{"set_bind", "isBound", "bindTime"}, nullptr, set_bind, tell_late};

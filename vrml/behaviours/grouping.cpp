@@ -2,6 +2,7 @@
 
 #include "vrml/events/execution.h"
 #include "vrml/events/pointing.h"
+#include "vrml/scene/geospatial.h"
 #include "vrml/scene/transformation.h"
 
 #include <glm/glm.hpp>
@@ -15,7 +16,7 @@ namespace {
 
 struct GroupingEvents {
   enum : int { add_children, remove_children, children };
-  enum : int { description = children + 1 };            // interfaces of Anchor
+  enum : int { description = children + 1 };                       // interfaces of Anchor
   enum : int { collide = children + 1, collide_time, is_active };  // interfaces of Collision
   enum : int { level_changed = children + 1, center, range };      // interfaces of LOD
 };
@@ -148,7 +149,7 @@ bool change_children(Execution& execution, EventNode node, int event, const Fiel
   return false;
 }
 
-glm::dmat4 transform_of(const Node& node) {
+glm::dmat4 transform_of(const SceneGraph&, const Node& node) {
   thread_local TransformSlots slots(*node.type);
   if (slots.of != node.type) slots = TransformSlots(*node.type);
   return transform_matrix(
@@ -159,6 +160,10 @@ glm::dmat4 transform_of(const Node& node) {
 
 const Behaviour kTransformBehaviour = {
     {"addChildren", "removeChildren", "children"}, nullptr, change_children, nullptr, transform_of};
+const Behaviour kGeoLocationBehaviour = {
+    {"addChildren", "removeChildren", "children"}, nullptr, change_children, nullptr, geo_location_matrix};
+const Behaviour kGeoTransformBehaviour = {
+    {"addChildren", "removeChildren", "children"}, nullptr, change_children, nullptr, geo_transform_matrix};
 const Behaviour kBillboardBehaviour = {
     .events = {"addChildren", "removeChildren", "children"},
     .on_event = change_children,

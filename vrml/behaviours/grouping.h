@@ -13,6 +13,6 @@ namespace gs::vrml {
 /// addChildren, removeChildren and children.
 bool change_children(Execution& execution, EventNode node, int event, const FieldValue& value);
 /// Returns the transform of a node with the fields of a Transform (VRML97 6.52).
-[[nodiscard]] glm::dmat4 transform_of(const Node& node);
+[[nodiscard]] glm::dmat4 transform_of(const SceneGraph& scene, const Node& node);
 
 }  // namespace gs::vrml

@@ -209,7 +209,7 @@ void move_skin(Execution& execution, EventNode node) {
   for (std::size_t j = 0; j < state.joints.size(); ++j) {
     const HumanoidState::Joint& joint = state.joints[j];
     const glm::dmat4 parent = joint.parent == 0 ? glm::dmat4(1) : humanoid_from_joint[joint.parent - 1];
-    humanoid_from_joint[j] = parent * transform_of(scene.node(joint.node));
+    humanoid_from_joint[j] = parent * transform_of(scene, scene.node(joint.node));
     const glm::dmat4 motion = humanoid_from_joint[j] * joint.binding_from_humanoid;
     const glm::dmat3 turn = glm::inverse(glm::transpose(glm::dmat3(motion)));
     const MFInt32& index = scene.get<MFInt32>(joint.node, "skinCoordIndex");

@@ -70,8 +70,9 @@ void look(Execution& execution, EventNode node) {
   if (execution.now() < state.began + limit) return again(state.began + limit);
   // An event of this timestamp has begun the period.
   if (execution.has_sent(node, is_active)) return again(execution.now());
-  state.timed_out = true;
   send_end(execution, node, state, false);
+  state.timed_out = true;
+  state.told = false;  // success may follow
 }
 
 bool note_change(Execution& execution, EventNode node, int, const FieldValue&) {

@@ -23,7 +23,8 @@ struct Media {
     pause_time,
     resume_time,
     is_paused,
-    elapsed_time
+    elapsed_time,
+    enabled
   };
 };
 constexpr PauseEvents kMediaPauseEvents = {Media::start_time, Media::pause_time, Media::resume_time, Media::is_paused,
@@ -61,6 +62,11 @@ double cycle_of(const MediaFields& f, const MediaState& state) {
   return state.duration >= 0 && f.rate != 0 ? state.duration / std::abs(f.rate) : kUnending;
 }
 
+// Reports whether the node may be active. Nodes of VRML97 always may.
+bool is_enabled(Execution& execution, EventNode node) {
+  return !execution.nodes().has_event(node, Media::enabled) || execution.get<SFBool>(node, Media::enabled);
+}
+
 // Reports whether the sound or movie may still load. Otherwise the node has no cycle.
 bool may_come(Execution& execution, EventNode node, const MediaState& state) {
   return !state.told && !execution.get<MFString>(node, Media::url).empty();
@@ -85,6 +91,7 @@ void media_start_if_due(Execution& execution, EventNode node, MediaState& state)
   const MediaFields f = media_fields(execution, node);
   const double now = execution.now();
   const bool delayed = std::exchange(state.delayed, false);
+  if (!is_enabled(execution, node)) return;
   if (f.start > now) {
     execution.timers().call_at(node, f.start);
     return;
@@ -154,7 +161,8 @@ void media_change(Execution& execution, EventNode node, MediaState& state) {
   }
   const double change = media_pauses(execution, node, state);
   const MediaFields f = media_fields(execution, node);
-  const bool over = !f.loop && state.duration < 0 && !may_come(execution, node, state);
+  const bool over = !is_enabled(execution, node) ||
+                    (!f.loop && state.duration < 0 && !may_come(execution, node, state));
   const double next = state.pause.paused ? f.stop : end_of(f, state);
   const double end = over ? std::min(next, execution.now()) : next;
   if (execution.now() < end) {
@@ -243,7 +251,8 @@ MediaPlay media_play(Execution& execution, EventNode node) {
 constexpr Behaviour media_behaviour(std::string_view rate, bool backwards) {
   Behaviour behaviour;
   behaviour.events = {"loop",     rate, "startTime", "stopTime",   "duration_changed", "isActive",
-                      "url",      "",   "pauseTime", "resumeTime", "isPaused",         "elapsedTime"};
+                      "url",      "",   "pauseTime", "resumeTime", "isPaused",         "elapsedTime",
+                      "enabled"};
   // mediaTime is an event of other browsers; only movies have it.
   if (backwards) behaviour.events[Media::media_time] = "mediaTime";
   behaviour.watches_routes = true;

@@ -71,6 +71,7 @@ class PickSearch {
     std::vector<Picked> found;
     PlacedShapes& shapes = execution_.shapes();
     const auto nodes = shapes.nodes();
+    if (!execution_.budget().spend(nodes.size())) return found;
     const std::size_t own = shapes.find(*place_.scene, place_.node);
     const NodeId geometry = place_.scene->resolve(execution_.get<SFNode>(sensor_, Pick::picking_geometry));
     if (own == 0 || !geometry) return found;

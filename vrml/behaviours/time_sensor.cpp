@@ -26,7 +26,7 @@ struct Clock {
     elapsed_time
   };
 };
-constexpr PauseEvents kPauseEvents = {Clock::start_time, Clock::pause_time, Clock::resume_time, Clock::is_paused,
+constexpr PauseEvents kClockPauseEvents = {Clock::start_time, Clock::pause_time, Clock::resume_time, Clock::is_paused,
                                       Clock::elapsed_time};
 
 TimeState& state_of_sensor(Execution& execution, EventNode node) {
@@ -74,7 +74,7 @@ void send_outputs(Execution& execution, EventNode node, TimeState& state, const 
   }
   execution.send(node, Clock::fraction_changed, end_of_cycle ? SFFloat{1} : static_cast<SFFloat>(fraction));
   execution.send(node, Clock::time, SFTime{at});
-  send_elapsed(execution, node, kPauseEvents, state.pause, at);
+  send_elapsed(execution, node, kClockPauseEvents, state.pause, at);
   state.sent_at = at;
 }
 
@@ -119,7 +119,7 @@ void stop(Execution& execution, EventNode node, TimeState& state, double at, End
   // (6.50).
   if (at > state.sent_at && !state.pause.paused)
     send_outputs(execution, node, state, fields_after_pauses(execution, node, state), at, ending);
-  end_pauses(execution, node, kPauseEvents, state.pause);
+  end_pauses(execution, node, kClockPauseEvents, state.pause);
   execution.send(node, Clock::is_active, SFBool{false});
   state.active = false;
   execution.timers().run(node, false);
@@ -132,12 +132,12 @@ void stop(Execution& execution, EventNode node, TimeState& state, double at, End
 
 // Begins and ends pauses. Returns true if the sensor is paused now and has nothing else to do.
 bool pauses(Execution& execution, EventNode node, TimeState& state) {
-  if (!has_pauses(execution, node, kPauseEvents)) return false;
+  if (!has_pauses(execution, node, kClockPauseEvents)) return false;
   const bool before = state.pause.paused;
-  const std::optional<double> begins = begin_pause(execution, node, kPauseEvents, state.pause, state.sent_at);
+  const std::optional<double> begins = begin_pause(execution, node, kClockPauseEvents, state.pause, state.sent_at);
   if (begins && *begins > state.sent_at)
     send_outputs(execution, node, state, fields_after_pauses(execution, node, state), *begins, Ending::none);
-  if (!begins) resume(execution, node, kPauseEvents, state.pause);
+  if (!begins) resume(execution, node, kClockPauseEvents, state.pause);
   if (before != state.pause.paused) execution.timers().run(node, !state.pause.paused);
   return state.pause.paused;
 }
@@ -163,7 +163,7 @@ void time_sensor_time(Execution& execution, EventNode node) {
   } else if (!f.enabled) {
     stop(execution, node, state, now, Ending::inside_cycle);
   } else if (paused) {
-    const double next = std::min(end, next_resume(execution, node, kPauseEvents));
+    const double next = std::min(end, next_resume(execution, node, kClockPauseEvents));
     if (next < kNever) execution.timers().call_at(node, next);
   } else {
     send_outputs(execution, node, state, f, now, Ending::none);

@@ -24,6 +24,7 @@ std::optional<glm::dmat4> watched(Execution& execution, EventNode node) {
   const NodePlace place = execution.nodes().place_of(node);
   PlacedShapes& shapes = execution.shapes();
   const auto nodes = shapes.nodes();
+  if (!execution.budget().spend(nodes.size())) return std::nullopt;
   const NodeId object = place.scene->resolve(execution.get<SFNode>(node, Watch::target));
   const std::size_t own = shapes.find(*place.scene, place.node), target = shapes.find(*place.scene, object);
   if (own == 0 || target == 0) return std::nullopt;

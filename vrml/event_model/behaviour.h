@@ -14,6 +14,7 @@
 namespace gs::vrml {
 
 class Execution;
+class SceneGraph;
 struct KeyStroke;
 struct MediaPlay;
 struct Node;
@@ -42,7 +43,7 @@ struct Behaviour {
   /// node has requested, and after events for which on_event requested the call.
   void (*on_time)(Execution& execution, EventNode node) = nullptr;
   /// Returns the transform of a grouping node's children, or of the viewer at a Viewpoint. Null means the identity.
-  glm::dmat4 (*parent_from_local)(const Node& node) = nullptr;
+  glm::dmat4 (*parent_from_local)(const SceneGraph& scene, const Node& node) = nullptr;
   /// Returns the transform of a grouping node that faces the viewer (6.6). `viewer` and `up` are in its parent's space.
   glm::dmat4 (*parent_from_facing)(const Node& node, const glm::dvec3& viewer, const glm::dvec3& up) = nullptr;
   /// Pointing-device sensors only (4.6.7.3, vrml/events/pointing.h); null for all other types.
@@ -84,6 +85,8 @@ struct Behaviour {
 extern const Behaviour kTransformBehaviour;
 extern const Behaviour kHumanoidBehaviour, kJointBehaviour, kSegmentBehaviour, kDisplacerBehaviour, kMotionBehaviour;
 extern const Behaviour kViewpointBehaviour;
+extern const Behaviour kGeoLocationBehaviour, kGeoTransformBehaviour, kGeoViewpointBehaviour,
+    kGeoPositionInterpolatorBehaviour;
 extern const Behaviour kProximitySensorBehaviour, kVisibilitySensorBehaviour;
 extern const Behaviour kTouchSensorBehaviour, kPlaneSensorBehaviour, kCylinderSensorBehaviour, kSphereSensorBehaviour;
 extern const Behaviour kGroupBehaviour;  // addChildren, removeChildren (4.6.5)

@@ -75,7 +75,7 @@ std::span<const glm::dmat4> Placement::places_of(const SceneGraph& scene, NodeId
       const Node& moving = mover.scene->node(mover.node);
       const Behaviour& behaviour = *moving.type->behaviour;
       if (behaviour.parent_from_local) {
-        matrix *= behaviour.parent_from_local(moving);
+        matrix *= behaviour.parent_from_local(*mover.scene, moving);
         continue;
       }
       below_billboard_ = true;

@@ -37,14 +37,31 @@ void PlacedShapes::remove(EventNode sensor) { std::erase(sensors_, sensor); }
 // Sensors are called in the next step, so that they see the state after the whole cascade.
 void PlacedShapes::note_change(const Node* node) {
   if (sensors_.empty() || (node && !is_moved(*node))) return;
-  const bool geometry = !node || has(node->type->role, Role::geometry) ||
-                        has(node->type->role, Role::geometric_property);
-  if (geometry) {
+  forget_meshes(node);
+  known_ = false;
+  if (std::exchange(alarmed_, true)) return;
+  for (const EventNode sensor : sensors_) execution_.timers().call_at(sensor, execution_.now());
+}
+
+// Discards the meshes that depend on a node: its own mesh, or those of geometries with this Coordinate or similar.
+void PlacedShapes::forget_meshes(const Node* changed) {
+  if (!changed) {
     meshes_.clear();
     mesh_bytes_ = 0;
+    return;
   }
-  known_ = false;
-  for (const EventNode sensor : sensors_) execution_.timers().call_at(sensor, execution_.now());
+  if (has(changed->type->role, Role::geometry)) meshes_.erase(changed);
+  if (!has(changed->type->role, Role::geometric_property)) return;
+  const auto refers = [&](const auto& made) {
+    const SceneGraph& scene = *made.second.scene;
+    const std::span<const FieldValue> values(made.first->values, made.first->type->defaults.size());
+    return std::any_of(values.begin(), values.end(), [&](const FieldValue& value) {
+      const auto* const property = std::get_if<SFNode>(&value);
+      const NodeId id = property ? scene.resolve(*property) : NodeId{};
+      return id && &scene.node(id) == changed;
+    });
+  };
+  std::erase_if(meshes_, refers);
 }
 
 void PlacedShapes::forget() {
@@ -55,6 +72,7 @@ void PlacedShapes::forget() {
 }
 
 std::span<const PlacedNode> PlacedShapes::nodes() {
+  alarmed_ = false;
   if (!std::exchange(known_, true)) collect();
   return nodes_;
 }
@@ -82,7 +100,7 @@ void PlacedShapes::visit_node(const SceneGraph& scene, NodeId id, std::uint32_t 
   const auto place = static_cast<std::uint32_t>(nodes_.size());
   PlacedNode made{&scene, id, parent, world, world, shape, nodes_[parent].pickable, nodes_[parent].types};
   const Behaviour* const behaviour = node.type->behaviour;
-  if (groups && behaviour && behaviour->parent_from_local) made.world_from_inside *= behaviour->parent_from_local(node);
+  if (groups && behaviour && behaviour->parent_from_local) made.world_from_inside *= behaviour->parent_from_local(scene, node);
   if (const FieldValue* const pickable = groups ? field_of(node, "pickable") : nullptr) {
     made.pickable = made.pickable && *std::get_if<SFBool>(pickable);
     made.types = place;
@@ -129,8 +147,10 @@ std::shared_ptr<const Mesh> PlacedShapes::mesh_of(const SceneGraph& scene, NodeI
     meshes_.clear();
     mesh_bytes_ = 0;
   }
-  std::shared_ptr<const Mesh>& mesh = meshes_[&scene.node(geometry)];
+  Made& made = meshes_[&scene.node(geometry)];
+  std::shared_ptr<const Mesh>& mesh = made.mesh;
   if (!mesh) {
+    made.scene = &scene;
     mesh = std::make_shared<const Mesh>(tessellate(scene, geometry));
     mesh_bytes_ += mesh->cost();
     (void)execution_.budget().spend(mesh->indices.size());

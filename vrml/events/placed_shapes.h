@@ -51,6 +51,7 @@ class PlacedShapes {
   [[nodiscard]] std::shared_ptr<const Mesh> mesh_of(const SceneGraph& scene, NodeId geometry);
 
  private:
+  void forget_meshes(const Node* changed);
   void collect();
   void visit(const SceneGraph& scene, const MFNode& children, std::uint32_t parent, const glm::dmat4& world,
              int depth);
@@ -59,9 +60,14 @@ class PlacedShapes {
   Execution& execution_;
   std::vector<EventNode> sensors_;
   std::vector<PlacedNode> nodes_;
-  std::unordered_map<const Node*, std::shared_ptr<const Mesh>> meshes_;
+  struct Made {
+    const SceneGraph* scene = nullptr;  // scene of the geometry
+    std::shared_ptr<const Mesh> mesh;
+  };
+  std::unordered_map<const Node*, Made> meshes_;  // by geometry
   std::size_t mesh_bytes_ = 0;
-  bool known_ = false;
+  bool known_ = false;    // nodes_ is up to date
+  bool alarmed_ = false;  // the sensors are called in the next step
 };
 
 /// Returns the geometry of a Shape; null if it has none.

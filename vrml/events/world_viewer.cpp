@@ -26,7 +26,7 @@ glm::dmat4 WorldViewer::pose() {
   for (const BindableStacks::Stack& stack : execution_.stacks().all()) {
     if (stack.top == 0 || !stack.type->behaviour->parent_from_local) continue;
     const EventMember& top = execution_.nodes()[stack.top];
-    glm::dmat4 matrix = stack.type->behaviour->parent_from_local(*top.node);
+    glm::dmat4 matrix = execution_.nodes().behaviour_of(stack.top).parent_from_local(*top.scene, *top.node);
     // A Billboard above the Viewpoint would turn towards itself. It counts as not rotated.
     if (const auto places = execution_.placement().places_of(*top.scene, top.id); !places.empty())
       matrix = places.front() * matrix;

@@ -51,6 +51,10 @@ class Converter : NonCopyable {
   /// Stores the state, and restores it.
   void push_state();
   void pop_state();
+  /// Returns a DEF name that no file is likely to use.
+  [[nodiscard]] std::string unique_name(std::string_view word) {
+    return '_' + std::string(word) + std::to_string(++names_);
+  }
   /// Returns a number that is equal for equal texts.
   [[nodiscard]] std::uint64_t intern(std::string key);
 
@@ -93,7 +97,7 @@ class Converter : NonCopyable {
   std::unordered_map<std::uint64_t, std::vector<Conversion>> conversions_;  // by Item::serial
   std::unordered_map<std::string, std::uint64_t> interned_;
   std::unordered_set<std::string> said_;
-  std::uint64_t visits_ = 0, max_visits_ = 0;
+  std::uint64_t visits_ = 0, max_visits_ = 0, names_ = 0;
   std::size_t depth_ = 0, named_depth_ = 0;
   std::optional<CameraState> camera_;
   float crease_angle_ = 0.5F;

@@ -73,17 +73,6 @@ void apply_lod(Converter& converter, const Item& item) {
     if (!converter.visit_alone(*child, output.field(node, "level"))) return;
 }
 
-void apply_anchor(Converter& converter, const Item& item) {
-  Output& output = converter.output();
-  const NodeId anchor = output.make_group("Anchor");
-  if (!anchor) return;
-  const String& url = item.get<SFString>("name");
-  if (!url.empty()) output.set(anchor, "url", MFString{url});
-  output.set(anchor, "description", item.get<SFString>("description"));
-  if (item.word("map") == "POINT") output.set(anchor, "parameter", MFString{"map=POINT"});
-  converter.visit_children(item);
-}
-
 void apply_file(Converter& converter, const Item& item) {
   const String& url = item.get<SFString>("name");
   Output& output = converter.output();
@@ -197,19 +186,9 @@ constexpr ItemRow kGroupRows[] = {
     {"TransformSeparator", ItemClass::group, false, apply_transform_separator},
     {"Switch", ItemClass::group, false, apply_switch, "SFInt32 whichChild -1"},
     {"PathSwitch", ItemClass::group, false, nullptr, "SFPath path", "its children are not shown"},
-    {"Blinker", ItemClass::group, false, apply_first_child, "SFInt32 whichChild 0 SFFloat speed 1 SFBool on TRUE",
-     "its animation is not supported; one child is shown"},
     {"LevelOfDetail", ItemClass::group, false, apply_first_child, "MFFloat screenArea 0"},
     {"LOD", ItemClass::group, false, apply_lod, "MFFloat range [] SFVec3f center 0 0 0"},
     {"LevelOfSimplification LodSimplificationGroup", ItemClass::group, false, apply_first_child},
-    {"WWWAnchor", ItemClass::group, true, apply_anchor, R"(
-  SFString name ""
-  SFString description ""
-  SFEnum map NONE
-  SFEnum renderCaching AUTO
-  SFEnum boundingBoxCaching AUTO
-  SFEnum renderCulling AUTO
-  SFEnum pickCulling AUTO)"},
     {"WWWInline", ItemClass::group, false, apply_file,
      "SFString name \"\" SFVec3f bboxSize 0 0 0 SFVec3f bboxCenter 0 0 0 SFNode alternateRep"},
     {"File", ItemClass::plain, false, apply_file, "SFString name \"\""},

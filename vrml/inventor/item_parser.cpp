@@ -51,6 +51,11 @@ bool ItemParser::charge(std::size_t bytes, SourceLocation location) {
 }
 
 void ItemParser::end_inside(const Item& item) {
+  if (!last_window_) {
+    sink_.problems().error(lexer_.location(), "expected '}' for " + item.type->name + " that begins at line " +
+                                                  std::to_string(item.location.line));
+    return;
+  }
   if (std::exchange(truncated_, true) || stopped_) return;
   sink_.problems().error(lexer_.location(), "the file ends inside " + item.type->name + " that begins at line " +
                                                 std::to_string(item.location.line) + "; expected '}'");

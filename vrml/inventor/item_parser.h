@@ -20,8 +20,11 @@ class ItemParser {
  public:
   explicit ItemParser(SceneSink& sink) : sink_(sink), values_(lexer_, sink), share_(sink.scene().budget(), Resource::nodes) {}
 
-  /// Sets the next window. The bytes of the previous window must be readable.
-  void set_window(std::string_view text) { lexer_.set_window(text.data(), text.data() + text.size(), true); }
+  /// Sets the next window, which follows the previous one in the text. `last` means that the text ends with it.
+  void set_window(std::string_view text, bool last) {
+    lexer_.set_window(text.data(), text.data() + text.size(), true);
+    last_window_ = last;
+  }
   /// Returns the next root node of the window; null at its end.
   [[nodiscard]] ItemPtr next_root();
   /// Reports whether the text ended inside a node.
@@ -59,7 +62,7 @@ class ItemParser {
   std::unordered_map<std::string, const FieldRow*> row_by_name_;
   std::unordered_set<std::string> reported_;
   std::uint64_t serial_ = 0;
-  bool truncated_ = false, stopped_ = false, rubbish_ = false;
+  bool last_window_ = false, truncated_ = false, stopped_ = false, rubbish_ = false;
 };
 
 }  // namespace gs::vrml::inventor

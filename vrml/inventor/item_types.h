@@ -21,6 +21,7 @@ struct ItemRow {
 [[nodiscard]] std::span<const ItemRow> group_rows();
 [[nodiscard]] std::span<const ItemRow> kit_rows();
 [[nodiscard]] std::span<const ItemRow> transform_rows();
+[[nodiscard]] std::span<const ItemRow> animation_rows();
 [[nodiscard]] std::span<const ItemRow> property_rows();
 [[nodiscard]] std::span<const ItemRow> texture_rows();
 [[nodiscard]] std::span<const ItemRow> solid_rows();

@@ -14,7 +14,6 @@ constexpr std::string_view kTransformFields = R"(
   SFVec3f scaleFactor 1 1 1
   SFRotation scaleOrientation 0 0 1 0
   SFVec3f center 0 0 0)";
-constexpr std::string_view kAnimated = "its animation is not supported; it stays in its first position";
 
 void add_fields(Converter& converter, TransformFields fields) {
   converter.output().add_transform({fields, {}});
@@ -30,17 +29,15 @@ void apply_transform(Converter& converter, const Item& item) {
   add_fields(converter, fields);
 }
 
-template <int field>
 void apply_translation(Converter& converter, const Item& item) {
   TransformFields fields;
-  fields.translation = item.get<SFVec3f>(field == 0 ? "translation" : "translation0");
+  fields.translation = item.get<SFVec3f>("translation");
   if (!item.is_ignored("translation")) add_fields(converter, fields);
 }
 
-template <int field>
 void apply_rotation(Converter& converter, const Item& item) {
   TransformFields fields;
-  fields.rotation = item.get<SFRotation>(field == 0 ? "rotation" : "rotation0");
+  fields.rotation = item.get<SFRotation>("rotation");
   if (!item.is_ignored("rotation")) add_fields(converter, fields);
 }
 
@@ -100,23 +97,14 @@ constexpr ItemRow kTransformRows[] = {
     {"TrackballManip HandleBoxManip JackManip TabBoxManip TransformBoxManip TransformerManip CenterballManip "
      "TransformManip",
      ItemClass::kit, false, apply_transform, kTransformFields, "its handles are not shown"},
-    {"Translation", ItemClass::plain, false, apply_translation<0>, "SFVec3f translation 0 0 0"},
-    {"Rotation", ItemClass::plain, false, apply_rotation<0>, "SFRotation rotation 0 0 1 0"},
+    {"Translation", ItemClass::plain, false, apply_translation, "SFVec3f translation 0 0 0"},
+    {"Rotation", ItemClass::plain, false, apply_rotation, "SFRotation rotation 0 0 1 0"},
     {"RotationXYZ", ItemClass::plain, false, apply_rotation_about_axis, "SFEnum axis X SFFloat angle 0"},
     {"Scale", ItemClass::plain, false, apply_scale, "SFVec3f scaleFactor 1 1 1"},
     {"MatrixTransform", ItemClass::plain, false, apply_matrix,
      "SFMatrix matrix 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1"},
     {"ResetTransform", ItemClass::plain, false, apply_reset, "SFBitMask whatToReset TRANSFORM"},
     {"Units", ItemClass::plain, false, apply_units, "SFEnum units METERS"},
-    {"Rotor", ItemClass::plain, false, apply_rotation<0>, "SFRotation rotation 0 0 1 0 SFFloat speed 1 SFBool on TRUE",
-     kAnimated},
-    {"Pendulum", ItemClass::plain, false, apply_rotation<1>,
-     "SFRotation rotation 0 0 1 0 SFRotation rotation0 0 0 1 0 SFRotation rotation1 0 0 1 0 SFFloat speed 1 SFBool on "
-     "TRUE",
-     kAnimated},
-    {"Shuttle", ItemClass::plain, false, apply_translation<1>,
-     "SFVec3f translation 0 0 0 SFVec3f translation0 0 0 0 SFVec3f translation1 0 0 0 SFFloat speed 1 SFBool on TRUE",
-     kAnimated},
     {"AntiSquish SurroundScale", ItemClass::plain, false, nullptr,
      "SFEnum sizing AVERAGE_DIMENSION SFBool recalcAlways TRUE SFInt32 numNodesUpToContainer 0 SFInt32 "
      "numNodesUpToReset 0",

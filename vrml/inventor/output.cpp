@@ -139,6 +139,45 @@ void Output::add_transform(Operation operation) {
   group.operations.push_back(std::move(operation));
 }
 
+std::string Output::add_moving_transform(const TransformFields& fields, const std::string& name) {
+  constexpr std::size_t kMaxMoving = 16;
+  const std::size_t index = groups_.size() - 1;
+  const bool can_move = groups_[index].saved.empty() && ++groups_[index].splits <= kMaxMoving;
+  const std::optional<NodeTarget> inside = can_move ? node_target(index) : std::nullopt;
+  const std::optional<NodeTarget> target = inside ? target_in(index) : std::nullopt;
+  const NodeId node = target ? begin("Transform", *target, groups_[index].location, name) : NodeId{};
+  const Operation operation{fields, {}};
+  if (!node) {
+    add_transform(operation);
+    return {};
+  }
+  set_transform(node, std::span(&operation, 1));
+  end(node);
+  Group& group = groups_[index];
+  if (index > 0 && !group.outer) group.outer = group.node;
+  group.node = node;
+  group.wrapper = {};
+  group.operations.push_back(operation);
+  group.base = group.operations.size();
+  return name;
+}
+
+bool Output::add_script(const std::string& name, const std::string& code, std::initializer_list<Event> events,
+                        NodeTarget target, SourceLocation location) {
+  const OpenNode script = sink_.begin_node({{"Script", location}, name, target, groups_.size() * 2});
+  if (!script.id) return false;
+  for (const Event& event : events) {
+    InterfaceDeclaration declaration;
+    declaration.access = event.access;
+    declaration.type = event.type;
+    declaration.name = event.name;
+    sink_.declare(*script.own_type, script.id, std::move(declaration));
+  }
+  if (sink_.limits().admits_string(code.size(), location)) set(script.id, "url", MFString{String(code)});
+  sink_.end_node(script.id);
+  return true;
+}
+
 void Output::save_transforms() { groups_.back().saved.push_back(groups_.back().operations.size()); }
 
 void Output::restore_transforms() {

@@ -4,6 +4,7 @@
 #include "vrml/inventor/transforms.h"
 #include "vrml/syntax/scene_sink.h"
 
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -34,6 +35,17 @@ class Output : NonCopyable {
     sink_.scene().set<T>(node, name, std::move(value));
   }
 
+  /// Event interface of a Script.
+  struct Event {
+    AccessType access;
+    FieldType type;
+    const char* name;
+  };
+  /// Adds a Script with this program. Returns false if a limit is reached.
+  bool add_script(const std::string& name, const std::string& code, std::initializer_list<Event> events,
+                  NodeTarget target, SourceLocation location);
+  void route(const RouteNames& names) { sink_.add_route(names); }
+
   /// Opens a group. It becomes a node with its first child, or at once with open_group_in().
   void open_group(std::string_view name, SourceLocation location);
   /// Opens a group of type `type` in `target`, and returns its node.
@@ -53,6 +65,9 @@ class Output : NonCopyable {
   [[nodiscard]] glm::dmat4 world_matrix() const;
 
   void add_transform(Operation operation);
+  /// Adds a Transform with this name around the following children of the group, so that events can move it. Returns its
+  /// name, or an empty string if it cannot move: then the transform is added as it is.
+  std::string add_moving_transform(const TransformFields& fields, const std::string& name);
   /// Stores the transformation for TransformSeparator, and restores it.
   void save_transforms();
   void restore_transforms();

@@ -6,18 +6,21 @@
 #include "vrml/inventor/item_parser.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
+#include <utility>
 
 namespace gs::vrml::inventor {
 namespace {
 
 constexpr std::size_t kHeaderWindow = 256;
 
-/// Scanner that finds the ends of nodes at the top level. Knows only braces, strings and comments.
+/// Scanner that finds the ends of nodes at the top level. Knows only braces, strings and comments, in the way of Lexer.
 class RootScanner {
  public:
-  /// Scans the bytes from where the last call ended. Returns the size of the text up to the last complete node.
-  std::size_t scan(std::string_view text) {
+  /// Scans the text from the end of the last scan on. Returns the size of the text up to the next end of a node at the
+  /// top level, or nullopt if more text is needed.
+  std::optional<std::size_t> scan(std::string_view text) {
     for (; next_ < text.size(); ++next_) {
       const char c = text[next_];
       if (in_comment_) {
@@ -29,25 +32,24 @@ class RootScanner {
           in_string_ = false;
       } else if (c == '#') {
         // In numbers such as 1.#QNAN, the mark does not begin a comment.
-        in_comment_ = next_ == 0 || text[next_ - 1] != '.';
+        const bool after_point = next_ > 0 && text[next_ - 1] == '.';
+        if (after_point && next_ + 1 == text.size()) return std::nullopt;
+        in_comment_ = !after_point || std::string_view("QIS").find(text[next_ + 1]) == std::string_view::npos;
       } else if (c == '"') {
         in_string_ = true;
       } else if (c == '{') {
         ++depth_;
       } else if (c == '}' && depth_ > 0 && --depth_ == 0) {
-        complete_ = next_ + 1;
+        return ++next_;
       }
     }
-    return complete_;
+    return std::nullopt;
   }
   /// Forgets the first bytes of the text.
-  void drop(std::size_t bytes) {
-    next_ -= bytes;
-    complete_ -= bytes;
-  }
+  void drop(std::size_t bytes) { next_ -= bytes; }
 
  private:
-  std::size_t next_ = 0, complete_ = 0, depth_ = 0;
+  std::size_t next_ = 0, depth_ = 0;
   bool in_comment_ = false, in_string_ = false, escaped_ = false;
 };
 
@@ -63,7 +65,7 @@ struct Reader::State {
       : sink(scene, diagnostics), parser(sink), converter(sink), share(scene.budget(), Resource::files) {}
 
   bool read_header(bool last);
-  void read(std::size_t size);
+  void read(std::string_view window, bool last);
 
   SceneSink sink;
   ItemParser parser;
@@ -78,7 +80,8 @@ struct Reader::State {
 bool Reader::State::read_header(bool last) {
   if (header_read) return true;
   const std::string_view header = header_of(text);
-  if (text.size() < kHeaderWindow && header.size() + 4 > text.size() && !last) return false;
+  const bool is_line = text.find_first_of("\r\n") != std::string::npos;
+  if (!is_line && text.size() < kHeaderWindow + 3 && !last) return false;
   header_read = true;
   const std::string name = lower_case(header);
   if (name.starts_with("#inventor") && name.find("binary") != std::string::npos) {
@@ -93,9 +96,9 @@ bool Reader::State::read_header(bool last) {
   return true;
 }
 
-// Parses and converts the first bytes of the text, which end at the end of a node or of the text.
-void Reader::State::read(std::size_t size) {
-  parser.set_window(std::string_view(text).substr(0, size));
+// Parses and converts bytes of the text that end at the end of a node or of the text.
+void Reader::State::read(std::string_view window, bool last) {
+  parser.set_window(window, last);
   while (const ItemPtr item = parser.next_root()) {
     converter.convert(*item, parser.count());
     if (!converter.may_go_on(item->location)) {
@@ -118,21 +121,26 @@ void Reader::push(std::string_view piece) {
   }
   s.text.append(piece);
   if (!s.read_header(false)) return;
-  const std::size_t complete = s.scanner.scan(s.text);
-  if (complete == 0) return;
-  s.read(complete);
+  // Each node at the top level is a window, so that the result does not depend on the sizes of the pieces.
+  std::size_t done = 0;
+  while (const auto end = s.scanner.scan(s.text)) {
+    s.read(std::string_view(s.text).substr(done, *end - done), false);
+    done = *end;
+    if (s.full) return;
+  }
+  if (done == 0) return;
   // The lexer continues with the rest, and needs both windows to keep its line number.
-  std::string rest = s.text.substr(complete);
-  s.parser.set_window(rest);
+  std::string rest = s.text.substr(done);
+  s.parser.set_window(rest, false);
   s.text.swap(rest);
-  s.parser.set_window(s.text);
-  s.scanner.drop(complete);
+  s.parser.set_window(s.text, false);
+  s.scanner.drop(done);
   s.share.shrink_to(s.text.size());
 }
 
 ParseOutcome Reader::finish() {
   State& s = *state_;
-  if (!s.refused && !s.full && s.read_header(true)) s.read(s.text.size());
+  if (!s.refused && !s.full && s.read_header(true)) s.read(s.text, true);
   if (s.refused) return ParseOutcome::refused;
   s.sink.finish();
   return s.full || s.parser.is_truncated() || s.sink.scene().memory().exhausted() ? ParseOutcome::truncated

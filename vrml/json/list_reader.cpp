@@ -210,8 +210,7 @@ std::size_t ListReader::image_at(std::size_t from, SourceLocation location, SFIm
   const std::uint32_t mask = components == 4 ? 0xffffffffu : (1u << (8 * components)) - 1;
   image.words.reserve(3 + given);
   for (std::size_t i = 0; i < 3; ++i) image.words.push_back(static_cast<std::uint32_t>(words[from + i]));
-  for (std::size_t i = 0; i < given; ++i)
-    image.words.push_back(static_cast<std::uint32_t>(words[from + 3 + i]) & mask);
+  for (std::size_t i = 0; i < given; ++i) image.words.push_back(static_cast<std::uint32_t>(words[from + 3 + i]) & mask);
   if (given < pixels) {
     sink_.problems().error(location, std::to_string(pixels - given) + " pixels of an image are missing");
     // Few bytes of text may declare many pixels.
@@ -247,11 +246,11 @@ void ListReader::end(SourceLocation location) {
   const bool is_list = is_multiple(type_of(*into_));
   const std::string expected = "; expected " + std::to_string(arity_);
   if (partial_count_ > 0 && is_list)
-    sink_.problems().error(location, "the last value of " + name_ + " has " + std::to_string(partial_count_) +
-                                         " numbers" + expected);
+    sink_.problems().error(
+        location, "the last value of " + name_ + " has " + std::to_string(partial_count_) + " numbers" + expected);
   if (arity_ > 0 && !is_list && (count_ != 1 || partial_count_ > 0))
-    sink_.problems().error(location_, name_ + " has " + std::to_string(count_ * arity_ + partial_count_) + " numbers" +
-                                          expected);
+    sink_.problems().error(location_,
+                           name_ + " has " + std::to_string(count_ * arity_ + partial_count_) + " numbers" + expected);
   std::visit(
       [](auto& value) {
         if constexpr (requires { value.shrink_to_fit(); }) value.shrink_to_fit();

@@ -14,8 +14,8 @@ namespace gs::vrml::json {
 /// `was_latin1`. Keeps unknown escapes.
 [[nodiscard]] std::string decode_string(std::string_view raw, bool has_escapes, bool& was_latin1);
 
-/// Reader of the elements of a JSON array into a field value. Numbers go from the text straight into the value. The value
-/// contains all received elements at once. One thread.
+/// Reader of the elements of a JSON array into a field value. Numbers go from the text straight into the value. The
+/// value contains all received elements at once. One thread.
 class ListReader {
  public:
   /// Both must outlive the reader.
@@ -48,9 +48,9 @@ class ListReader {
   SourceLocation location_;
   std::array<double, 16> partial_{};  // numbers of an incomplete element
   std::size_t partial_count_ = 0;
-  std::size_t arity_ = 0;    // numbers of an element; 0 for other types
-  std::size_t count_ = 0;    // complete elements of an SF type
-  std::size_t charged_ = 0;  // bytes of the value that were charged to the budget
+  std::size_t arity_ = 0;         // numbers of an element; 0 for other types
+  std::size_t count_ = 0;         // complete elements of an SF type
+  std::size_t charged_ = 0;       // bytes of the value that were charged to the budget
   FieldValue words_ = MFInt32{};  // numbers of images
   bool is_image_ = false;
   bool said_ = false, said_integer_ = false;

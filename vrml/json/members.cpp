@@ -182,7 +182,9 @@ void MemberReader::begin_element() {
 
 void MemberReader::end_element() {
   begin_element();
-  const std::vector<WaitingMember> waiting = std::exchange(frames_.back().waiting, {});
+  std::vector<WaitingMember> waiting = std::exchange(frames_.back().waiting, {});
+  std::stable_partition(waiting.begin(), waiting.end(),
+                        [](const WaitingMember& member) { return member.key != "ProtoBody"; });
   for (const WaitingMember& member : waiting) replay(member);
   builder_.end();
   frames_.pop_back();

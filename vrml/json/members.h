@@ -46,8 +46,8 @@ struct Frame {
   };
   Kind kind = Kind::document;
   SourceLocation start;
-  std::string name;       // element and element_list: name of the element
-  std::string container;  // choice and choice_list: field of the parent
+  std::string name;                         // element and element_list: name of the element
+  std::string container;                    // choice and choice_list: field of the parent
   std::vector<StoredAttribute> attributes;  // element that has not begun: its attributes
   std::vector<WaitingMember> waiting;       // element: members that wait for its end
   x3d::ElementKind element = x3d::ElementKind::node;

@@ -8,7 +8,8 @@
 namespace gs::vrml::json {
 
 struct Reader::State {
-  State(SceneGraph& scene, Diagnostics& diagnostics) : sink(scene, diagnostics), members(sink), pieces(scene.budget()) {}
+  State(SceneGraph& scene, Diagnostics& diagnostics)
+      : sink(scene, diagnostics), members(sink), pieces(scene.budget()) {}
 
   std::size_t read(std::string_view window, bool last);
   void stop(std::string_view problem);
@@ -66,7 +67,8 @@ ParseOutcome Reader::finish() {
   const std::string rest = state.pieces.take_rest();
   if (!state.stopped) (void)state.read(rest, true);
   if (!state.stopped && state.members.depth() > 1) {
-    state.sink.problems().error(state.members.open_location(), "the file ends inside the object or array that begins here");
+    state.sink.problems().error(state.members.open_location(),
+                                "the file ends inside the object or array that begins here");
     state.outcome = ParseOutcome::truncated;
   }
   state.members.builder().finish();

@@ -129,6 +129,7 @@ class SharedBuilder {
     mesh.opacities = faces_.opacities;
     mesh.fog_depths = faces_.fog_depths;
     mesh.texture_coordinates = faces_.texture_coordinate.values;
+    mesh.coordinate_sets = faces_.coordinate_sets;
     mesh.indices = out_.finish();
     mesh.bounds = bounds_of(faces_.points.span(), used_);
     mesh.limited = stopped;
@@ -208,6 +209,8 @@ class VertexWriter {
     if (color_ && !faces.opacities.empty()) opacity_ = mesh_.opacities.prepare(count);
     if (!faces.fog_depths.empty()) fog_depth_ = mesh_.fog_depths.prepare(count);
     if (faces.texture_coordinate.binding != Binding::none) coordinate_ = mesh_.texture_coordinates.prepare(count);
+    mesh_.coordinate_sets.resize(faces.coordinate_sets.size());
+    for (CoordinateSet& set : mesh_.coordinate_sets) sets_.push_back(set.prepare(count));
   }
 
   std::uint32_t write(const VertexParts& parts, const glm::vec3& normal) {
@@ -222,6 +225,10 @@ class VertexWriter {
       *coordinate_++ = parts.texture_coordinate == kMissing
                            ? glm::vec2(0)
                            : faces_->texture_coordinate.values[parts.texture_coordinate];
+    for (std::size_t i = 0; i < sets_.size(); ++i) {
+      const CoordinateSet& from = faces_->coordinate_sets[i];
+      *sets_[i]++ = parts.texture_coordinate < from.size() ? from[parts.texture_coordinate] : glm::vec4(0, 0, 0, 1);
+    }
     return count_++;
   }
 
@@ -232,6 +239,7 @@ class VertexWriter {
     if (opacity_) finish(mesh_.opacities);
     if (fog_depth_) finish(mesh_.fog_depths);
     if (coordinate_) finish(mesh_.texture_coordinates);
+    for (CoordinateSet& set : mesh_.coordinate_sets) finish(set);
     mesh_.indices = std::move(indices);
     return std::move(mesh_);
   }
@@ -249,6 +257,7 @@ class VertexWriter {
   Color* color_ = nullptr;
   float *opacity_ = nullptr, *fog_depth_ = nullptr;
   glm::vec2* coordinate_ = nullptr;
+  std::vector<glm::vec4*> sets_;  // next element of each set
   std::uint32_t count_ = 0;
 };
 
@@ -374,6 +383,8 @@ void compact_points(FaceSet& faces) {
     faces.normal.values = gather(faces.normal.values, compaction.kept, glm::vec3(0));
   if (faces.texture_coordinate.binding == Binding::by_vertex)
     faces.texture_coordinate.values = gather(faces.texture_coordinate.values, compaction.kept, glm::vec2(0));
+  if (faces.texture_coordinate.binding == Binding::by_vertex)
+    for (CoordinateSet& set : faces.coordinate_sets) set = gather(set, compaction.kept, glm::vec4(0, 0, 0, 1));
   faces.points = gather(faces.points, compaction.kept, glm::vec3(0));
   faces.coord_index = std::move(compaction.index);
 }
@@ -399,6 +410,14 @@ void compact_points(FaceSet& faces) {
   return true;
 }
 
+void fit_set(CoordinateSet& set, std::size_t count) {
+  const std::size_t had = set.size();
+  if (had == count) return;
+  set.resize(count);
+  glm::vec4* const all = set.mutable_data();
+  for (std::size_t i = had; i < count; ++i) all[i] = glm::vec4(0, 0, 0, 1);
+}
+
 [[nodiscard]] bool by_vertex_or_none(Binding binding) {
   return binding == Binding::by_vertex || binding == Binding::none;
 }
@@ -421,6 +440,7 @@ constexpr Cost kSmoothing{24, 20}, kWelding{92, 24}, kSharing{12, 1}, kCompactio
 
 [[nodiscard]] Mesh make_triangles(FaceSet faces) {
   if (faces.coord_index.empty() || faces.points.empty()) return {};
+  if (faces.texture_coordinate.binding == Binding::none) faces.coordinate_sets.clear();
   faces.normal.simplify(faces.coord_index.span());
   faces.color.simplify(faces.coord_index.span());
   faces.texture_coordinate.simplify(faces.coord_index.span());
@@ -429,7 +449,7 @@ constexpr Cost kSmoothing{24, 20}, kWelding{92, 24}, kSharing{12, 1}, kCompactio
   compact_points(faces);
   share.shrink_to(0);
   if (faces.points.empty()) return {};
-  fit(faces.fog_depths, faces.points.size());
+  fit_values(faces.fog_depths, faces.points.size());
   const std::span<const std::int32_t> index = readable(faces.coord_index);
   const UsableVertices vertices(faces.points.span());
   const bool smooth = faces.normal.binding == Binding::none && faces.crease_angle > 0;
@@ -441,9 +461,10 @@ constexpr Cost kSmoothing{24, 20}, kWelding{92, 24}, kSharing{12, 1}, kCompactio
   if (!draw(share, faces, shared ? kSharing : kWelding)) return limited_mesh();
   if (!shared) return CornerBuilder(faces, index, vertices, smooth).build();
   if (faces.color.binding != Binding::none) faces.color.fit(faces.points.size(), faces.color.values.back());
-  fit(faces.opacities, faces.points.size());
+  fit_values(faces.opacities, faces.points.size());
   if (faces.texture_coordinate.binding != Binding::none)
     faces.texture_coordinate.fit(faces.points.size(), glm::vec2(0));
+  for (CoordinateSet& set : faces.coordinate_sets) fit_set(set, faces.points.size());
   return SharedBuilder(faces, index, vertices).build();
 }
 
@@ -487,6 +508,11 @@ void append(Mesh& mesh, const Mesh& more) {
   append_values(mesh.fog_depths, count, more.fog_depths, more_count, 0.0f);
   mesh.translucent = mesh.translucent || more.translucent;
   append_values(mesh.texture_coordinates, count, more.texture_coordinates, more_count, glm::vec2(0));
+  mesh.coordinate_sets.resize(std::max(mesh.coordinate_sets.size(), more.coordinate_sets.size()));
+  for (std::size_t i = 0; i < mesh.coordinate_sets.size(); ++i)
+    append_values(mesh.coordinate_sets[i], count,
+                  i < more.coordinate_sets.size() ? more.coordinate_sets[i] : CoordinateSet{}, more_count,
+                  glm::vec4(0, 0, 0, 1));
   mesh.positions.append(more.positions.span());
   const std::size_t before = mesh.indices.size();
   mesh.indices.append(more.indices.span());

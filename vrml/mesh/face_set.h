@@ -5,6 +5,7 @@
 #include "vrml/mesh/mesh.h"
 
 #include <memory>
+#include <vector>
 
 namespace gs::vrml {
 
@@ -18,6 +19,9 @@ struct FaceSet {
   Array<float> opacities;  // empty, or one per element of color.values
   Array<float> fog_depths;  // empty, or one per point; missing values repeat the last one
   Attribute<glm::vec2> texture_coordinate;
+  /// All sets of texture coordinates, if there are several or if they have more than two components. The binding of
+  /// `texture_coordinate`, which has the first set, holds for each of them.
+  std::vector<CoordinateSet> coordinate_sets;
   bool default_texture_coordinates = false;  // if there are no coordinates, uses the bounding-box mapping of 6.23
   bool ccw = true;
   bool convex = true;

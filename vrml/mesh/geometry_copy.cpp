@@ -1,5 +1,7 @@
 #include "vrml/mesh/geometry_copy.h"
 
+#include <span>
+#include <utility>
 #include <variant>
 
 namespace gs::vrml {
@@ -11,22 +13,30 @@ std::size_t elements_of(const Node& node) {
   return sum;
 }
 
-/// Copies a node, and the nodes in its SFNode fields. Meshes depend on no other nodes.
-NodeId copy_node(const SceneGraph& from, NodeId id, SceneGraph& to, bool with_parts) {
+/// Copies a node, and the nodes in its fields, `depth` levels deep. Meshes depend on no other nodes.
+NodeId copy_node(const SceneGraph& from, NodeId id, SceneGraph& to, int depth) {
   const Node& node = from.node(id);
   const NodeId copy = to.create(*node.type, node.location);
   if (!copy) return {};
   for (std::size_t i = 0; i < node.type->defaults.size(); ++i) {
     FieldValue& value = to.node(copy).values[i];
     const auto* part = std::get_if<SFNode>(&node.values[i]);
-    if (!part && !std::holds_alternative<MFNode>(node.values[i])) value = node.values[i];
-    if (!part) continue;
-    const NodeId resolved = with_parts ? from.resolve(*part) : NodeId{};
-    value = SFNode{};
-    if (!resolved) continue;
-    const NodeId copied = copy_node(from, resolved, to, false);
-    if (!copied) return {};
-    to.node(copy).values[i] = copied;
+    const auto* parts = std::get_if<MFNode>(&node.values[i]);
+    if (!part && !parts) {
+      value = node.values[i];
+      continue;
+    }
+    value = part ? FieldValue(SFNode{}) : FieldValue(MFNode{});
+    MFNode copies;
+    for (const NodeId one : part ? std::span<const NodeId>(part, 1) : parts->span()) {
+      const NodeId resolved = depth > 0 ? from.resolve(one) : NodeId{};
+      if (!resolved) continue;
+      const NodeId copied = copy_node(from, resolved, to, depth - 1);
+      if (!copied) return {};
+      copies.push_back(copied);
+    }
+    if (copies.empty()) continue;
+    to.node(copy).values[i] = part ? FieldValue(copies[0]) : FieldValue(std::move(copies));
   }
   return copy;
 }
@@ -50,8 +60,9 @@ GeometryCopy copy_geometry(const SceneGraph& scene, NodeId geometry, NodeId refi
   const NodeId resolved = scene.resolve(geometry);
   if (!resolved) return copy;
   auto made = std::make_unique<SceneGraph>(scene.file_name(), scene.budget());
-  copy.geometry = copy_node(scene, resolved, *made, true);
-  if (refiner) copy.refiner = copy_node(scene, refiner, *made, true);
+  constexpr int kDepth = 2;  // coordinates in a MultiTextureCoordinate
+  copy.geometry = copy_node(scene, resolved, *made, kDepth);
+  if (refiner) copy.refiner = copy_node(scene, refiner, *made, kDepth);
   if (copy.geometry && (copy.refiner || !refiner)) copy.scene = std::move(made);
   return copy;
 }

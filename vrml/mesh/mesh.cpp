@@ -7,8 +7,10 @@ std::uint64_t Mesh::cost() const {
     const std::uint64_t size = array.size() * sizeof(*array.data());
     return array.shared() ? size : 2 * size;
   };
-  return bytes(positions) + bytes(normals) + bytes(colors) + bytes(opacities) + bytes(fog_depths) +
-         bytes(texture_coordinates) + bytes(indices);
+  std::uint64_t sum = bytes(positions) + bytes(normals) + bytes(colors) + bytes(opacities) + bytes(fog_depths) +
+                      bytes(texture_coordinates) + bytes(indices);
+  for (const CoordinateSet& set : coordinate_sets) sum += bytes(set);
+  return sum;
 }
 
 Mesh tessellate(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {

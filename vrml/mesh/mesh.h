@@ -6,6 +6,7 @@
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -13,10 +14,16 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <vector>
 
 namespace gs::vrml {
 
 class TextShaper;
+
+/// Texture coordinates (s, t, r, q), one per position. One set of a MultiTextureCoordinate of X3D.
+using CoordinateSet = Array<glm::vec4>;
+/// Maximum sets of texture coordinates of a mesh.
+inline constexpr std::size_t kMaxCoordinateSets = 5;
 
 /// Geometry of one Shape, ready to draw, without GL objects. Node space, metres.
 ///
@@ -31,6 +38,8 @@ struct Mesh {
   Array<float> opacities;  // empty, or one per position; replace 1 - transparency (ColorRGBA)
   Array<float> fog_depths;  // empty, or one per position: the part of the fog, 0 to 1 (FogCoordinate)
   Array<glm::vec2> texture_coordinates;  // empty, or one (s, t) per position
+  /// All sets of texture coordinates, at most kMaxCoordinateSets. Empty if `texture_coordinates` has all of them.
+  std::vector<CoordinateSet> coordinate_sets;
   Array<std::uint32_t> indices;  // 3 per triangle, 2 per line or 1 per point; all < positions.size()
   bool solid = true;                     // back faces need not be drawn
   bool lit = true;                       // false for lines and points (VRML97 4.14.2)

@@ -87,7 +87,7 @@ MFVec2f default_texture_coordinates(std::span<const glm::vec3> points, const Box
   return coordinates;
 }
 
-void fit(Array<float>& values, std::size_t count) {
+void fit_values(Array<float>& values, std::size_t count) {
   const std::size_t had = values.size();
   if (had == 0 || had == count) return;
   if (had > count) {

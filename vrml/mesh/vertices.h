@@ -62,7 +62,7 @@ template <class T>
 }
 
 /// Resizes values to `count`, and repeats the last one as needed. An empty array stays empty.
-void fit(Array<float>& values, std::size_t count);
+void fit_values(Array<float>& values, std::size_t count);
 /// Reports whether an opacity is below 1.
 [[nodiscard]] bool is_translucent(std::span<const float> opacities);
 

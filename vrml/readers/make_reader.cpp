@@ -19,7 +19,9 @@ std::unique_ptr<SceneReader> make_reader(Grammar grammar, SceneGraph& scene, Dia
     case Grammar::inventor:
       return std::make_unique<inventor::Reader>(scene, diagnostics);
   }
-  return std::make_unique<Parser>(scene, diagnostics);
+  auto parser = std::make_unique<Parser>(scene, diagnostics);
+  if (grammar == Grammar::x3d_classic) parser->set_headerless_language(Language::x3d);
+  return parser;
 }
 
 }  // namespace gs::vrml

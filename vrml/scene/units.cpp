@@ -1,7 +1,5 @@
 #include "vrml/scene/units.h"
 
-#include "vrml/scene/node.h"
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -11,10 +9,9 @@ namespace gs::vrml {
 namespace {
 
 // Names of SFFloat and MFFloat fields of built-in nodes with angles.
-constexpr std::string_view kAngles[] = {
-    "beamWidth",   "coneInnerAngle", "coneOuterAngle", "creaseAngle", "cutOffAngle", "diskAngle", "endAngle",
-    "fieldOfView", "groundAngle",    "llimit",         "maxAngle",    "minAngle",    "skyAngle",  "startAngle",
-    "ulimit"};
+constexpr std::string_view kAngles[] = {"beamWidth", "coneInnerAngle", "coneOuterAngle", "creaseAngle", "cutOffAngle",
+                                        "diskAngle", "endAngle",       "fieldOfView",    "groundAngle", "llimit",
+                                        "maxAngle",  "minAngle",       "skyAngle",       "startAngle",  "ulimit"};
 // Names that mean an angle only in nodes of these types.
 constexpr std::pair<std::string_view, std::string_view> kAnglesOfTypes[] = {{"TextureTransform", "rotation"},
                                                                             {"ConeEmitter", "angle"}};
@@ -32,14 +29,7 @@ bool is_named_angle(const NodeType& type, std::string_view field) {
 bool is_angle(const NodeType& type, const InterfaceDeclaration& field) {
   if (field.type == FieldType::SFRotation || field.type == FieldType::MFRotation) return true;
   if (field.type != FieldType::SFFloat && field.type != FieldType::MFFloat) return false;
-  if (type.kind == NodeType::Kind::built_in) return is_named_angle(type, field.name);
-  if (!type.prototype) return false;
-  // A nested PROTO has converted its own types, and is complete before its instances.
-  return std::any_of(type.prototype->mappings.begin(), type.prototype->mappings.end(), [&](const IsMapping& mapping) {
-    if (mapping.outer != &field) return false;
-    const NodeType& inner = *type.prototype->scene->node(mapping.node).type;
-    return is_angle(inner, *mapping.inner);
-  });
+  return type.kind == NodeType::Kind::built_in && is_named_angle(type, field.name);
 }
 
 void scale_angles(FieldValue& value, double factor) {

@@ -4,9 +4,8 @@
 
 namespace gs::vrml {
 
-/// Reports whether a field holds angles: rotations, and the numbers of an angle such as Viewpoint.fieldOfView. For a
-/// PROTO with its body, also the fields that IS connects to such a field. Values of X3D texts with a UNIT for angles
-/// are converted (ISO/IEC 19775-1 4.3.6).
+/// Reports whether a field holds angles: rotations, and numbers of built-in nodes such as Viewpoint.fieldOfView. Values
+/// of X3D texts with a UNIT for angles are converted (ISO/IEC 19775-1 4.3.6).
 [[nodiscard]] bool is_angle(const NodeType& type, const InterfaceDeclaration& field);
 
 /// Multiplies the angles of a value.

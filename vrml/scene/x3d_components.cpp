@@ -40,7 +40,7 @@ constexpr X3DComponent kComponents[] = {
     {"Shaders", 1, 0},
     {"Shape", 5, 5},
     {"Sound", 2, 1},
-    {"Text", 1, 1},
+    {"Text", 2, 2},
     {"TextureProjection", 2, 0},
     {"TextureProjector", 2, 0},
     {"Texturing", 4, 4},

@@ -90,6 +90,7 @@ struct ParsedText {
   std::vector<Frame> frames;
   bool header_read = false;
   bool headerless = false;
+  Language headerless_language = Language::vrml97;  // language of a text without a header
   bool anything_read = false;
   bool table_text = false;  // the text is a part of the node table: no header, no scene
   bool rubbish = false;     // the last token was unusable and was reported

@@ -48,6 +48,8 @@ void Parser::State::run(const char* begin, const char* end, bool last) {
 Parser::Parser(SceneGraph& scene, Diagnostics& diagnostics) : state_(std::make_unique<State>(scene, diagnostics)) {}
 Parser::~Parser() = default;
 
+void Parser::set_headerless_language(Language language) { state_->text.headerless_language = language; }
+
 // Joins the unused bytes with bytes of the next piece until they are complete. Reads the rest of the piece in place.
 void Parser::push(std::string_view piece) {
   State& s = *state_;

@@ -25,6 +25,8 @@ class Parser final : public SceneReader {
   Parser(SceneGraph& scene, Diagnostics& diagnostics);
   ~Parser() override;
 
+  /// Sets the language of a text without a header, which is VRML97 otherwise. Call it before push().
+  void set_headerless_language(Language language);
   /// Parses the next bytes of the text. Copies only bytes that form an incomplete token or statement.
   void push(std::string_view piece) override;
   /// Returns the nodes with an open body, outermost first. Later bytes may change these nodes.

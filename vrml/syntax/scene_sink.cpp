@@ -3,6 +3,7 @@
 #include "base/text.h"
 #include "vrml/scene/prototype.h"
 #include "vrml/scene/units.h"
+#include "vrml/syntax/extension_fields.h"
 #include "vrml/syntax/stand_ins.h"
 
 #include <algorithm>
@@ -187,6 +188,9 @@ OpenNode SceneSink::begin_node(const NodeHeader& header) {
   const SourceLocation location = header.type.location;
   OpenNode node;
   node.type = find_type(header.type.text);
+  // Nodes of X3D that this browser draws are better than stand-ins.
+  const NodeType* const x3d = node.type ? nullptr : built_in_node_type(Language::x3d, header.type.text);
+  if (x3d && x3d->read_as != NodeKind::other) node.type = find_x3d_type(header.type);
   if (!node.type) node.type = find_stand_in(header.type);
   if (!node.type) node.type = find_x3d_type(header.type);
   if (!node.type) {
@@ -254,11 +258,15 @@ void SceneSink::place(NodeId node, NodeTarget target) {
   }
 }
 
+bool SceneSink::holds_angle(const NodeType& type, const InterfaceDeclaration& field) const {
+  return is_angle(type, field) || angle_fields_.contains(&field);
+}
+
 // Converts the lists of angles that the text gives to a node.
 void SceneSink::convert_angles(Node& node) {
   for (const InterfaceDeclaration& field : node.type->interfaces) {
     const bool given = field.slot >= 0 && field.slot < 64 && (node.fields_set >> field.slot & 1) != 0;
-    if (given && is_multiple(field.type) && is_angle(*node.type, field))
+    if (given && is_multiple(field.type) && holds_angle(*node.type, field))
       scale_angles(node.values[field.slot], angle_unit_);
   }
 }
@@ -288,10 +296,25 @@ void SceneSink::use_node(SourceName name, NodeTarget target) {
   }
 }
 
+// Reports a field or event of other browsers once. Returns false for other names.
+bool SceneSink::take_extension(const NodeType& type, SourceName name) {
+  if (!is_extension_field(type, name.text)) return false;
+  if (said_extensions_.insert(type.name + '.' + std::string(name.text)).second)
+    problems_.warn(name.location,
+                   quoted(name.text) + " of " + type.name + " is an extension of other browsers; skipped");
+  return true;
+}
+
+// Reports whether unknown interfaces of nodes of this type are ignored without an error: those of stand-ins, and of
+// nodes of X3D in VRML97 texts, where the node may be the extension of another browser.
+bool SceneSink::is_lenient(const NodeType& type) const {
+  return type.stands_in || (type.language == Language::x3d && text_.language() == Language::vrml97);
+}
+
 const InterfaceDeclaration* SceneSink::find_field(const OpenNode& node, SourceName name) {
   const NodeType& type = *node.type;
   const InterfaceDeclaration* const declaration = type.find_field(name.text);
-  if (declaration || type.stands_in) return declaration;
+  if (declaration || is_lenient(type) || take_extension(type, name)) return declaration;
   const bool event = type.find_event_in(name.text) || type.find_event_out(name.text);
   problems_.error(name.location,
                   event ? quoted(name.text) + " of " + type.name + " is an event and takes no value; skipped"
@@ -314,7 +337,7 @@ void SceneSink::field_given(OpenNode& node, const InterfaceDeclaration& field, S
   Node& given = scene_.node(node.id);
   given.fields_set |= bit;
   // Lists may get more values, and are converted at the end of the node.
-  if (angle_unit_ != 1 && !is_multiple(field.type) && is_angle(*node.type, field))
+  if (angle_unit_ != 1 && !is_multiple(field.type) && holds_angle(*node.type, field))
     scale_angles(given.values[field.slot], angle_unit_);
 }
 

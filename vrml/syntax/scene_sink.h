@@ -122,10 +122,14 @@ class SceneSink : NonCopyable {
   [[nodiscard]] bool in_prototype_body() const { return scopes_.back().prototype && open_interfaces_ == 0; }
   [[nodiscard]] const NodeType* find_stand_in(SourceName name);
   [[nodiscard]] const NodeType* find_x3d_type(SourceName name);
+  [[nodiscard]] bool is_lenient(const NodeType& type) const;
   void check_support(const NodeType& type, SourceLocation location);
   [[nodiscard]] std::vector<Statement>& statement_list();
   void skip_unknown(const NodeHeader& header);
+  [[nodiscard]] bool take_extension(const NodeType& type, SourceName name);
+  [[nodiscard]] bool holds_angle(const NodeType& type, const InterfaceDeclaration& field) const;
   void convert_angles(Node& node);
+  void convert_angles_of_prototype(NodeType& type);
   void place(NodeId node, NodeTarget target);
   void place_checked(NodeId node, NodeTarget target, SourceLocation location);
   bool place_in_shape(NodeId node, NodeTarget target);
@@ -140,10 +144,12 @@ class SceneSink : NonCopyable {
   X3DStatementSink x3d_{*this};
   std::vector<Scope> scopes_;
   NodeId made_shape_;                                // last Shape that was made for misplaced nodes
+  std::unordered_set<const InterfaceDeclaration*> angle_fields_;  // of PROTOs: IS connects them to angles
   double angle_unit_ = 1;                            // radians per unit of angles in the text
   std::size_t open_interfaces_ = 0;                  // open PROTO interfaces; their default nodes are live
   std::unordered_set<std::string_view> said_types_;  // types with a reported problem: declared twice, of X3D, ignored
   std::unordered_map<std::string_view, const NodeType*> stand_ins_;  // stand-ins for the types that the text uses
+  std::unordered_set<std::string> said_extensions_;                  // fields of other browsers that were reported
   std::unordered_set<std::string> unknown_types_;                    // types that were reported as unknown
   std::unordered_set<std::uint64_t> said_measures_;                  // positions of nodes with invalid measures
 };

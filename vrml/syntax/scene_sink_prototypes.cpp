@@ -66,18 +66,24 @@ void SceneSink::begin_body(NodeType& type) {
   scope.interfaces_around = open_interfaces_;
 }
 
+// Converts the default values of fields that IS connects to an angle. declare() has converted the rotations.
+void SceneSink::convert_angles_of_prototype(NodeType& type) {
+  for (const IsMapping& mapping : type.prototype->mappings) {
+    if (mapping.outer->slot < 0 || is_angle(type, *mapping.outer) || angle_fields_.contains(mapping.outer)) continue;
+    if (!holds_angle(*scene_.node(mapping.node).type, *mapping.inner)) continue;
+    angle_fields_.insert(mapping.outer);
+    scale_angles(type.defaults[static_cast<std::size_t>(mapping.outer->slot)], angle_unit_);
+  }
+  for (InterfaceDeclaration& field : type.interfaces)
+    if (angle_fields_.contains(&field)) field.initial = type.defaults[static_cast<std::size_t>(field.slot)];
+}
+
 void SceneSink::end_body() {
   finish();
   NodeType& type = *scopes_.back().prototype;
   scopes_.pop_back();
   type.prototype->complete = true;
-  if (angle_unit_ != 1)
-    for (InterfaceDeclaration& field : type.interfaces)
-      if (field.slot >= 0 && field.type != FieldType::SFRotation && field.type != FieldType::MFRotation &&
-          is_angle(type, field)) {
-        scale_angles(field.initial, angle_unit_);
-        scale_angles(type.defaults[field.slot], angle_unit_);
-      }
+  if (angle_unit_ != 1) convert_angles_of_prototype(type);
   count_instance_nodes(scene_, *type.prototype);
   // The first node of the body determines where instances may stand (VRML97 4.8.3).
   for (const Statement& statement : type.prototype->statements) {
@@ -125,7 +131,7 @@ void SceneSink::connect(const OpenNode& node, SourceName inner_name, SourceName 
   if (!inner) inner = type.find_event_in(inner_name.text);
   if (!inner) inner = type.find_event_out(inner_name.text);
   const InterfaceDeclaration* const outer = prototype.find(outer_name.text);
-  if (!inner && (type.stands_in || type.ignored)) return;
+  if (!inner && (is_lenient(type) || type.ignored || take_extension(type, inner_name))) return;
   if (!inner || !outer) {
     problems_.error(inner ? outer_name.location : inner_name.location,
                     inner ? "PROTO " + prototype.name + " has no " + quoted(outer_name.text)
@@ -143,7 +149,8 @@ void SceneSink::connect(const OpenNode& node, SourceName inner_name, SourceName 
   }
   if (!may_be_mapped(inner->access, outer->access))
     problems_.warn(inner_name.location,
-                   mapping(name_of(inner->access), name_of(outer->access)) + " (VRML97 Table 4.4)");
+                   mapping(name_of(inner->access, text_.language()), name_of(outer->access, text_.language())) +
+                       (text_.language() == Language::x3d ? " (ISO/IEC 19775-1 Table 4.4)" : " (VRML97 Table 4.4)"));
   prototype.prototype->mappings.push_back({node.id, inner, outer});
 }
 
@@ -195,8 +202,12 @@ void SceneSink::connect_route(const RouteNames& wanted, NodeId from, NodeId to) 
   const NodeType& to_type = *scene_.node(to).type;
   route.event_out = from_type.find_event_out(wanted.event_out);
   route.event_in = to_type.find_event_in(wanted.event_in);
-  const auto is_partial = [](const NodeType& type) { return type.stands_in || type.ignored; };
-  if ((!route.event_out && is_partial(from_type)) || (!route.event_in && is_partial(to_type))) return;
+  const auto may_lack = [&](const NodeType& type, const std::string& event) {
+    return is_lenient(type) || type.ignored || take_extension(type, {event, wanted.location});
+  };
+  if ((!route.event_out && may_lack(from_type, wanted.event_out)) ||
+      (!route.event_in && may_lack(to_type, wanted.event_in)))
+    return;
   if (!route.event_out) {
     problems_.error(wanted.location, from_type.name + " has no eventOut '" + wanted.event_out + "'");
     return;

@@ -103,6 +103,8 @@ Step ParsedText::read_header() {
                   "expected '#VRML V2.0 utf8', found " + describe({TokenKind::word, line, top}) + "; read as VRML97");
   } else {
     headerless = true;
+    constexpr int kLikely = 33;
+    if (headerless_language == Language::x3d) begin_x3d(kLikely, top);
   }
   return outcome == ParseOutcome::refused ? Step::finished : Step::done;
 }

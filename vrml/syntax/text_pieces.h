@@ -58,7 +58,7 @@ class TextPieces {
   static constexpr std::size_t kJoin = 4096;
 
   std::string carry_;
-  Share share_;  // of `carry_`
+  Share share_;                 // of `carry_`
   std::size_t retry_size_ = 0;  // size of `carry_` at which it is read again
 };
 

@@ -142,6 +142,12 @@ bool X3DStatementSink::take_route(const RouteNames& route) {
   };
   const bool found = find(route.from, route.event_out, taken.from) & find(route.to, route.event_in, taken.to);
   if (!found || !imported) return false;
+  if (statements().routes.size() >= kMaxImports) {
+    if (sink_.limits_.is_first_excess())
+      sink_.problems_.error(route.location, "more than " + std::to_string(kMaxImports) +
+                                                " ROUTEs with imported nodes; the rest is left out");
+    return true;
+  }
   // A skipped node was reported where it is.
   if (!skipped && admit(sizeof taken)) statements().routes.push_back(std::move(taken));
   return true;

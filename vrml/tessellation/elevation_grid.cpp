@@ -92,7 +92,7 @@ Mesh tessellate_elevation_grid(const SceneGraph& scene, NodeId geometry, const M
   faces.points.commit(columns * rows);
   faces.coord_index = quadrilaterals(grid);
   set_properties(faces, scene, geometry);
-  faces.texture_coordinate = {texture_coordinates_of(scene, geometry), true, {}};
+  set_texture_coordinates(faces, scene, geometry);
   if (faces.texture_coordinate.values.empty()) faces.texture_coordinate = {unit_square(grid, z_dimension), true, {}};
   faces.ccw = scene.get<SFBool>(geometry, "ccw");
   faces.crease_angle = scene.get<SFFloat>(geometry, "creaseAngle");

@@ -2,6 +2,8 @@
 #include "vrml/tessellation/properties.h"
 #include "vrml/tessellation/tessellators.h"
 
+#include <utility>
+
 namespace gs::vrml {
 
 Mesh tessellate_indexed_face_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options) {
@@ -11,8 +13,7 @@ Mesh tessellate_indexed_face_set(const SceneGraph& scene, NodeId geometry, const
   faces.points = std::move(coordinates.points);
   set_properties(faces, scene, geometry, scene.get<MFInt32>(geometry, "colorIndex"),
                  scene.get<MFInt32>(geometry, "normalIndex"));
-  faces.texture_coordinate = {texture_coordinates_of(scene, geometry), true,
-                              scene.get<MFInt32>(geometry, "texCoordIndex")};
+  set_texture_coordinates(faces, scene, geometry, scene.get<MFInt32>(geometry, "texCoordIndex"));
   faces.default_texture_coordinates = options.texture_coordinates;
   faces.ccw = scene.get<SFBool>(geometry, "ccw");
   faces.convex = scene.get<SFBool>(geometry, "convex");

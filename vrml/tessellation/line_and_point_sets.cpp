@@ -48,7 +48,7 @@ void for_each_segment(std::span<const std::int32_t> index, const UsableVertices&
   mesh.bounds = bounds_of(lines.points.span(), used);
   const std::size_t count_of_points = lines.points.size();
   if (lines.color.binding != Binding::none) lines.color.fit(count_of_points, lines.color.values.back());
-  fit(lines.opacities, count_of_points);
+  fit_values(lines.opacities, count_of_points);
   mesh.positions = lines.points;
   mesh.colors = lines.color.values;
   mesh.opacities = lines.opacities;
@@ -134,7 +134,7 @@ void fit_normals(MFVec3f& normals, std::size_t points) {
 [[nodiscard]] Mesh build_lines(LineSet lines) {
   if (lines.coord_index.empty() || lines.points.empty()) return {};
   fit_normals(lines.normals, lines.points.size());
-  fit(lines.fog_depths, lines.points.size());
+  fit_values(lines.fog_depths, lines.points.size());
   lines.color.simplify(lines.coord_index.span());
   if (needs_compaction(lines.points.size(), readable(lines.coord_index).size())) {
     Compaction compaction = compact(readable(lines.coord_index), lines.points.size());
@@ -243,8 +243,8 @@ Mesh make_points(PointCloud cloud, const std::shared_ptr<Budget>& budget) {
   }
   Attribute<Color> color(std::move(cloud.colors), true, {});
   if (color.binding != Binding::none) color.fit(size, color.values.back());
-  fit(cloud.opacities, size);
-  fit(cloud.fog_depths, size);
+  fit_values(cloud.opacities, size);
+  fit_values(cloud.fog_depths, size);
   fit_normals(cloud.normals, size);
   mesh.positions = std::move(cloud.points);
   mesh.colors = std::move(color.values);

@@ -6,6 +6,7 @@
 
 #include <span>
 #include <string_view>
+#include <vector>
 
 namespace gs::vrml {
 
@@ -33,9 +34,16 @@ template <class T>
 [[nodiscard]] inline MFVec3f normals_of(const SceneGraph& scene, NodeId geometry) {
   return property_of<MFVec3f>(scene, geometry, "normal", NodeKind::normal, "vector");
 }
-[[nodiscard]] inline MFVec2f texture_coordinates_of(const SceneGraph& scene, NodeId geometry) {
-  return property_of<MFVec2f>(scene, geometry, "texCoord", NodeKind::texture_coordinate, "point");
-}
+/// Texture coordinates of a geometry node: the first set, and all sets if there are several, or if they have more than
+/// two components. TextureCoordinateGenerators give no sets.
+struct TextureCoordinates {
+  MFVec2f first;
+  std::vector<CoordinateSet> sets;
+};
+[[nodiscard]] TextureCoordinates texture_coordinate_sets_of(const SceneGraph& scene, NodeId geometry);
+/// Sets the texture coordinates of faces from the node in the field `texCoord` of `geometry`. `index` is empty for
+/// geometries without it.
+void set_texture_coordinates(FaceSet& faces, const SceneGraph& scene, NodeId geometry, MFInt32 index = {});
 /// Returns the part of the fog per coordinate (FogCoordinate, X3D 24.4.3).
 [[nodiscard]] inline MFFloat fog_depths_of(const SceneGraph& scene, NodeId geometry) {
   return property_of<MFFloat>(scene, geometry, "fogCoord", NodeKind::fog_coordinate, "depth");

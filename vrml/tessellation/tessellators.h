@@ -17,6 +17,7 @@ namespace gs::vrml {
 [[nodiscard]] Mesh tessellate_elevation_grid(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_outline_group(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_extrusion(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_geo_elevation_grid(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_nurbs_curve(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_nurbs_surface(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_nurbs_trimmed_surface(const SceneGraph& scene, NodeId geometry,
@@ -30,9 +31,12 @@ namespace gs::vrml {
 [[nodiscard]] Mesh tessellate_triangle_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_triangle_fan_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_triangle_strip_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
-[[nodiscard]] Mesh tessellate_indexed_triangle_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
-[[nodiscard]] Mesh tessellate_indexed_triangle_fan_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
-[[nodiscard]] Mesh tessellate_indexed_triangle_strip_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_indexed_triangle_set(const SceneGraph& scene, NodeId geometry,
+                                                   const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_indexed_triangle_fan_set(const SceneGraph& scene, NodeId geometry,
+                                                       const MeshOptions& options);
+[[nodiscard]] Mesh tessellate_indexed_triangle_strip_set(const SceneGraph& scene, NodeId geometry,
+                                                         const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_quad_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_indexed_quad_set(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
 [[nodiscard]] Mesh tessellate_arc_2d(const SceneGraph& scene, NodeId geometry, const MeshOptions& options);
@@ -52,6 +56,7 @@ namespace gs::vrml {
 
 // These functions estimate the work for the mesh of a node, in elements; see tessellation_cost.
 [[nodiscard]] std::size_t cost_of_elevation_grid(const SceneGraph& scene, NodeId geometry);
+[[nodiscard]] std::size_t cost_of_geo_elevation_grid(const SceneGraph& scene, NodeId geometry);
 [[nodiscard]] std::size_t cost_of_extrusion(const SceneGraph& scene, NodeId geometry);
 [[nodiscard]] std::size_t cost_of_nurbs_surface(const SceneGraph& scene, NodeId geometry);
 [[nodiscard]] std::size_t cost_of_text(const SceneGraph& scene, NodeId geometry);

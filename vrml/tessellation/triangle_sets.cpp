@@ -69,7 +69,7 @@ Mesh composed(const SceneGraph& scene, NodeId geometry, const MeshOptions& optio
   faces.points = std::move(coordinates.points);
   set_properties(faces, scene, geometry);
   if (scene.get<SFBool>(geometry, "normalPerVertex")) faces.crease_angle = std::numbers::pi_v<float>;
-  faces.texture_coordinate = {texture_coordinates_of(scene, geometry), true, {}};
+  set_texture_coordinates(faces, scene, geometry);
   faces.default_texture_coordinates = options.texture_coordinates;
   faces.ccw = scene.get<SFBool>(geometry, "ccw");
   faces.solid = scene.get<SFBool>(geometry, "solid");

@@ -175,7 +175,8 @@ void ElementBuilder::name_node(SourceName name) {
   if (!frames_.empty() && frames_.back().node.id) sink_.name_node(frames_.back().node, name);
 }
 
-// Returns the field of an attribute. Files contain attributes of pages and of other browsers, which get one warning each.
+// Returns the field of an attribute. Files contain attributes of pages and of other browsers, which get one warning
+// each.
 const InterfaceDeclaration* ElementBuilder::find_field(const Frame& frame, SourceName attribute) {
   constexpr std::size_t kMaxNames = 1000;
   const NodeType& type = *frame.node.type;

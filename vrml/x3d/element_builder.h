@@ -114,7 +114,7 @@ class ElementBuilder {
   void end_field(Frame& frame);
   [[nodiscard]] const InterfaceDeclaration* find_field(const Frame& frame, SourceName attribute);
   [[nodiscard]] bool find_target(const NodeType* type, SourceName element, std::string_view container,
-                                NodeTarget& target);
+                                 NodeTarget& target);
   [[nodiscard]] NodeTarget target_in(Frame& parent, const InterfaceDeclaration& field, SourceName element);
   [[nodiscard]] Frame* parent() { return frames_.empty() ? nullptr : &frames_.back(); }
   void skip_misplaced(SourceName element, Frame& frame);
@@ -122,10 +122,10 @@ class ElementBuilder {
 
   SceneSink& sink_;
   std::vector<Frame> frames_;
-  FieldValue discarded_ = MFNode{};               // nodes without a place
-  const InterfaceDeclaration* given_ = nullptr;   // field of the last value_of()
+  FieldValue discarded_ = MFNode{};              // nodes without a place
+  const InterfaceDeclaration* given_ = nullptr;  // field of the last value_of()
   SourceName given_name_;
-  std::unordered_set<std::string> said_;          // element names that were reported
+  std::unordered_set<std::string> said_;  // element names that were reported
   bool is_x3d_ = false;
 };
 

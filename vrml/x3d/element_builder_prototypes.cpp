@@ -23,13 +23,44 @@ std::optional<AccessType> access_named(std::string_view word) {
 
 void ElementBuilder::begin_statement(SourceName element, std::span<const Attribute> attributes, Frame& frame) {
   const auto value = [&](std::string_view name) { return value_in(attributes, name); };
-  if (frame.kind == ElementKind::route) {
-    sink_.add_route({std::string(value("fromNode")), std::string(value("fromField")), std::string(value("toNode")),
-                     std::string(value("toField")), element.location});
-  } else if (frame.kind == ElementKind::x3d) {
-    double version = 0;
-    if (parse_number(value("version"), version) && version >= 3 && version < 10)
-      sink_.scene().texts().writing().set_language(Language::x3d, static_cast<int>(version * 10 + 0.5));
+  const auto first = [&](std::string_view name, std::string_view other) {
+    return value(name).empty() ? value(other) : value(name);
+  };
+  const auto named = [&](std::string_view text) { return SourceName{text, element.location}; };
+  X3DStatementSink& statements = sink_.statements();
+  switch (frame.kind) {
+    case ElementKind::route:
+      return sink_.add_route({std::string(value("fromNode")), std::string(value("fromField")),
+                              std::string(value("toNode")), std::string(value("toField")), element.location});
+    case ElementKind::x3d: {
+      double version = 0;
+      if (parse_number(value("version"), version) && version >= 3 && version < 10)
+        statements.set_version(static_cast<int>(version * 10 + 0.5), element.location);
+      if (!value("profile").empty()) statements.set_profile(named(value("profile")));
+      return;
+    }
+    case ElementKind::component: {
+      std::int32_t level = 1;
+      (void)parse_number(value("level"), level);
+      return statements.add_component(named(value("name")), level);
+    }
+    case ElementKind::meta:
+      // Elements of pages may lack the name.
+      return statements.add_meta(first("name", "http-equiv"), value("content"), element.location);
+    case ElementKind::unit: {
+      double factor = 0;
+      if (!parse_number(value("conversionFactor"), factor))
+        return sink_.problems().error(element.location, "expected a number as conversionFactor of a unit, found " +
+                                                            quoted(value("conversionFactor")));
+      return statements.set_unit(named(value("category")), value("name"), factor);
+    }
+    case ElementKind::import_node:
+      // The attribute of X3D 3.0 is exportedDEF.
+      return statements.import_node(named(value("inlineDEF")), first("importedDEF", "exportedDEF"), value("AS"));
+    case ElementKind::export_node:
+      return statements.export_node(named(value("localDEF")), value("AS"));
+    default:
+      return;
   }
 }
 
@@ -42,7 +73,8 @@ void ElementBuilder::begin_prototype(SourceName element, std::span<const Attribu
       const std::string_view name = value_in(attributes, "name");
       if (name.empty()) {
         frame.skipped = true;
-        return sink_.problems().error(element.location, "the element " + quoted(element.text) + " has no name; skipped");
+        return sink_.problems().error(element.location,
+                                      "the element " + quoted(element.text) + " has no name; skipped");
       }
       const bool external = frame.kind == ElementKind::external_prototype;
       frame.declaring = &sink_.begin_prototype({name, element.location}, external);
@@ -89,12 +121,11 @@ void ElementBuilder::begin_field(SourceName element, std::span<const Attribute> 
   const auto access_type = access_named(access);
   if (name.empty() || !field_type || !access_type) {
     frame.skipped = true;
-    return sink_.problems().error(element.location,
-                                  name.empty()  ? "a field has no name; skipped"
-                                  : !field_type ? "the field " + quoted(name) + " has the unknown type " +
-                                                      quoted(type) + "; skipped"
-                                                : "the field " + quoted(name) + " has the unknown accessType " +
-                                                      quoted(access) + "; skipped");
+    return sink_.problems().error(
+        element.location,
+        name.empty()  ? "a field has no name; skipped"
+        : !field_type ? "the field " + quoted(name) + " has the unknown type " + quoted(type) + "; skipped"
+                      : "the field " + quoted(name) + " has the unknown accessType " + quoted(access) + "; skipped");
   }
   frame.declaring = parent->declaring;
   frame.node.id = parent->node.id;

@@ -29,10 +29,9 @@ const NodeType& first_type(const NodeType& type) {
 // Returns the default field for types of VRML97 that X3D lacks.
 std::string_view container_of_role(const NodeType& type) {
   static constexpr std::pair<Role, std::string_view> kFields[] = {
-      {Role::geometry, "geometry"},     {Role::appearance, "appearance"},
-      {Role::material, "material"},     {Role::texture, "texture"},
-      {Role::font_style, "fontStyle"},  {Role::texture_transform, "textureTransform"},
-      {Role::sound_source, "source"},   {Role::child, "children"}};
+      {Role::geometry, "geometry"},   {Role::appearance, "appearance"}, {Role::material, "material"},
+      {Role::texture, "texture"},     {Role::font_style, "fontStyle"},  {Role::texture_transform, "textureTransform"},
+      {Role::sound_source, "source"}, {Role::child, "children"}};
   for (const auto& [role, field] : kFields)
     if (has(type.role, role)) return field;
   return {};

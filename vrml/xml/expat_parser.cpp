@@ -119,9 +119,7 @@ bool ExpatParser::parse(std::string_view text, bool last) {
 
 void ExpatParser::stop() { (void)XML_StopParser(parser_, XML_FALSE); }
 
-bool ExpatParser::is_out_of_memory() const {
-  return !parser_ || XML_GetErrorCode(parser_) == XML_ERROR_NO_MEMORY;
-}
+bool ExpatParser::is_out_of_memory() const { return !parser_ || XML_GetErrorCode(parser_) == XML_ERROR_NO_MEMORY; }
 
 std::string ExpatParser::error() const {
   const XML_LChar* const text = parser_ ? XML_ErrorString(XML_GetErrorCode(parser_)) : nullptr;

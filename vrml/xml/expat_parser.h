@@ -17,8 +17,8 @@
 
 namespace gs::vrml::xml {
 
-/// Hardened Expat parser for UTF-8 text: it loads nothing, it limits the expansion of entities, and it charges its memory
-/// to a budget. Handlers may throw. One thread.
+/// Hardened Expat parser for UTF-8 text: it loads nothing, it limits the expansion of entities, and it charges its
+/// memory to a budget. Handlers may throw. One thread.
 class ExpatParser : NonCopyable {
  public:
   struct Handlers {

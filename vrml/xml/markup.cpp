@@ -46,7 +46,9 @@ std::size_t MarkupScanner::tag_size(std::string_view text) {
   attributes_.clear();
   has_long_values_ = false;
   if (text[1] == '/') return text.find('>') + 1;
-  const auto is_end_of_name = [](char c) { return is_blank(c) || c == '=' || c == '>' || c == '/' || c == '"' || c == '\''; };
+  const auto is_end_of_name = [](char c) {
+    return is_blank(c) || c == '=' || c == '>' || c == '/' || c == '"' || c == '\'';
+  };
   std::size_t i = 1;
   while (i < text.size() && !is_end_of_name(text[i])) ++i;
   while (i < text.size()) {

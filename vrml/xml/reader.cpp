@@ -26,9 +26,9 @@ struct Reader::State {
       : sink(scene, diagnostics),
         values(sink),
         builder(sink),
-        expat(scene.budget(), {[this](std::string_view name, const char** given) { begin(name, given); },
-                               [this] { builder.end(); },
-                               [this](std::string_view text) { builder.text(text, markup_location); }}),
+        expat(scene.budget(),
+              {[this](std::string_view name, const char** given) { begin(name, given); }, [this] { builder.end(); },
+               [this](std::string_view text) { builder.text(text, markup_location); }}),
         pieces(scene.budget()) {}
 
   void feed(std::string_view text);
@@ -52,10 +52,11 @@ struct Reader::State {
   MarkupScanner scanner;
   std::vector<x3d::Attribute> attributes;  // of the element that begins
   TextPieces pieces;
-  std::string_view tag;                    // tag that Expat reads
-  std::string skeleton, converted;         // parts of `tag` for Expat
-  SourceLocation location{1, 1};           // of the next byte
-  SourceLocation markup_location;          // of the markup that is read
+  std::string_view tag;             // tag that Expat reads
+  std::size_t located = 0;          // offset in `tag` that `location` belongs to
+  std::string skeleton, converted;  // parts of `tag` for Expat
+  SourceLocation location{1, 1};    // of the next byte, or in `tag`
+  SourceLocation markup_location;   // of the markup that is read
   bool stopped = false, said_latin1 = false, said_encoding = false;
   ParseOutcome outcome = ParseOutcome::complete;
 };
@@ -71,8 +72,8 @@ void Reader::State::fail(const std::string& problem) {
   if (std::exchange(stopped, true)) return;
   outcome = ParseOutcome::truncated;
   if (expat.is_out_of_memory())
-    sink.problems().error(markup_location, sink.scene().budget()->refusal(Resource::nodes) +
-                                               "; the rest of the file is left out");
+    sink.problems().error(markup_location,
+                          sink.scene().budget()->refusal(Resource::nodes) + "; the rest of the file is left out");
   else
     sink.problems().error(markup_location, problem + "; the rest of the file is left out");
 }
@@ -98,8 +99,8 @@ void Reader::State::give(std::string_view text, bool last) {
 void Reader::State::read_attributes(const char** given) {
   attributes.clear();
   const std::vector<AttributeSpan>& spans = scanner.attributes();
-  SourceLocation at = markup_location;
-  std::size_t from = 0;
+  SourceLocation at = location;
+  std::size_t from = located;
   for (std::size_t i = 0; given[2 * i]; ++i) {
     x3d::Attribute attribute{given[2 * i], given[2 * i + 1], at};
     if (i < spans.size()) {
@@ -110,6 +111,8 @@ void Reader::State::read_attributes(const char** given) {
     }
     attributes.push_back(attribute);
   }
+  located = from;
+  location = at;
 }
 
 void Reader::State::begin(std::string_view name, const char** given) {
@@ -145,6 +148,7 @@ void Reader::State::take_tag(std::string_view text) {
 
 void Reader::State::take(const Markup& markup) {
   markup_location = location;
+  located = 0;
   switch (markup.kind) {
     case MarkupKind::tag:
       take_tag(markup.text);
@@ -164,7 +168,7 @@ void Reader::State::take(const Markup& markup) {
     default:
       break;
   }
-  pass(markup.text);
+  pass(markup.text.substr(located));
 }
 
 // Reads complete markup. Returns the number of bytes read.
@@ -185,8 +189,9 @@ std::size_t Reader::State::scan(std::string_view text) {
 
 void Reader::State::feed(std::string_view text) {
   if (!decoder.unknown_encoding().empty())
-    sink.problems().warn_once(said_encoding, {1, 1},
-                              "the encoding " + quoted(decoder.unknown_encoding()) + " is not supported; read as UTF-8");
+    sink.problems().warn_once(
+        said_encoding, {1, 1},
+        "the encoding " + quoted(decoder.unknown_encoding()) + " is not supported; read as UTF-8");
   const auto read = [this](std::string_view window) { return stopped ? window.size() : scan(window); };
   if (!pieces.push(text, read)) fail(sink.scene().budget()->refusal(Resource::nodes));
 }
@@ -218,8 +223,7 @@ ParseOutcome Reader::finish() {
   state.close();
   state.builder.finish();
   if (state.outcome != ParseOutcome::refused && !state.builder.is_x3d()) {
-    if (state.outcome == ParseOutcome::complete)
-      state.refuse("the file has no X3D element", {});
+    if (state.outcome == ParseOutcome::complete) state.refuse("the file has no X3D element", {});
     state.outcome = ParseOutcome::refused;
   }
   return state.outcome;

@@ -14,10 +14,10 @@ namespace {
 constexpr std::size_t kMaxDeclaration = 1024;
 
 // Characters of the bytes 0x80 to 0x9f in windows-1252.
-constexpr std::array<std::uint16_t, 32> kWindows1252 = {
-    0x20ac, 0x81,   0x201a, 0x0192, 0x201e, 0x2026, 0x2020, 0x2021, 0x02c6, 0x2030, 0x0160,
-    0x2039, 0x0152, 0x8d,   0x017d, 0x8f,   0x90,   0x2018, 0x2019, 0x201c, 0x201d, 0x2022,
-    0x2013, 0x2014, 0x02dc, 0x2122, 0x0161, 0x203a, 0x0153, 0x9d,   0x017e, 0x0178};
+constexpr std::array<std::uint16_t, 32> kWindows1252 = {0x20ac, 0x81,   0x201a, 0x0192, 0x201e, 0x2026, 0x2020, 0x2021,
+                                                        0x02c6, 0x2030, 0x0160, 0x2039, 0x0152, 0x8d,   0x017d, 0x8f,
+                                                        0x90,   0x2018, 0x2019, 0x201c, 0x201d, 0x2022, 0x2013, 0x2014,
+                                                        0x02dc, 0x2122, 0x0161, 0x203a, 0x0153, 0x9d,   0x017e, 0x0178};
 
 unsigned byte_at(std::string_view text, std::size_t i) { return static_cast<unsigned char>(text[i]); }
 
@@ -92,10 +92,10 @@ void TextDecoder::read_declaration(std::string_view declaration) {
   if (end == std::string_view::npos) return;
   const std::string name = lower_case(declaration.substr(quote + 1, end - quote - 1));
   static constexpr std::pair<std::string_view, Encoding> kNames[] = {
-      {"utf-8", Encoding::utf8},          {"utf8", Encoding::utf8},          {"us-ascii", Encoding::utf8},
-      {"ascii", Encoding::utf8},          {"utf-16", Encoding::utf8},        {"iso-8859-1", Encoding::latin1},
-      {"iso8859-1", Encoding::latin1},    {"latin1", Encoding::latin1},      {"latin-1", Encoding::latin1},
-      {"windows-1252", Encoding::latin1}, {"cp1252", Encoding::latin1},      {"iso-8859-15", Encoding::latin1}};
+      {"utf-8", Encoding::utf8},          {"utf8", Encoding::utf8},     {"us-ascii", Encoding::utf8},
+      {"ascii", Encoding::utf8},          {"utf-16", Encoding::utf8},   {"iso-8859-1", Encoding::latin1},
+      {"iso8859-1", Encoding::latin1},    {"latin1", Encoding::latin1}, {"latin-1", Encoding::latin1},
+      {"windows-1252", Encoding::latin1}, {"cp1252", Encoding::latin1}, {"iso-8859-15", Encoding::latin1}};
   const auto found = value_named(kNames, name);
   encoding_ = found.value_or(Encoding::utf8);
   if (!found) unknown_ = name.substr(0, 40);

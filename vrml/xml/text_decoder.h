@@ -9,14 +9,14 @@ namespace gs::vrml::xml {
 
 /// Character encoding of an XML text.
 enum class Encoding : std::uint8_t {
-  utf8,     // also US-ASCII, and unknown encodings
-  latin1,   // ISO-8859-1, read as windows-1252, as browsers do
+  utf8,    // also US-ASCII, and unknown encodings
+  latin1,  // ISO-8859-1, read as windows-1252, as browsers do
   utf16le,
   utf16be,
 };
 
-/// Converter of a text in any supported encoding to UTF-8, piece by piece. Detects the encoding by a byte order mark, or
-/// by the XML declaration (XML 1.0 appendix F). Safe for untrusted bytes. One thread.
+/// Converter of a text in any supported encoding to UTF-8, piece by piece. Detects the encoding by a byte order mark,
+/// or by the XML declaration (XML 1.0 appendix F). Safe for untrusted bytes. One thread.
 class TextDecoder {
  public:
   /// Returns the UTF-8 text of the next bytes. `last` means that the text ends after them. The result is valid until
@@ -34,9 +34,9 @@ class TextDecoder {
 
   Encoding encoding_ = Encoding::utf8;
   bool detected_ = false;
-  std::string start_;    // bytes before the encoding is known
-  std::string out_;      // converted text
-  std::string odd_;      // UTF-16: bytes of an incomplete character
+  std::string start_;  // bytes before the encoding is known
+  std::string out_;    // converted text
+  std::string odd_;    // UTF-16: bytes of an incomplete character
   std::string unknown_;
 };
 

@@ -53,7 +53,7 @@ class Surveyor {
     if (node.type->kind != vrml::NodeType::Kind::built_in) return;
     if (const vrml::Behaviour* behaviour = node.type->behaviour;
         behaviour && behaviour->parent_from_local && vrml::has(node.type->role, vrml::Role::grouping))
-      matrix *= behaviour->parent_from_local(node);
+      matrix *= behaviour->parent_from_local(*place.scene, node);
     if (wanted_.contains(&node)) keep(&node, size_of(*place.scene, id, matrix));
     if (const vrml::SceneGraph* inlined = place.scene->inlines().of(id))
       push_all(*inlined, inlined->roots(), matrix, place.depth + 1);

@@ -247,6 +247,16 @@ void choose_parallel(View& view, bool parallel) {
   if (stays) navigation.pose = view.home;
 }
 
+namespace {
+
+/// Reports whether a world without a NavigationInfo starts with WALK, the default of VRML97. X3D has EXAMINE instead.
+bool walks_at_first(const Document& document, const render::RenderList& list) {
+  const vrml::SceneGraph* const scene = document.world.scene.get();
+  return !list.viewpoints.empty() && !(scene && scene->language() == vrml::Language::x3d);
+}
+
+}  // namespace
+
 View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std::string_view viewpoint, bool* found,
              const ViewStyle& style) {
   View view;
@@ -265,7 +275,7 @@ View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std:
   }
   const render::RenderList& list = *view.list;
   view.rules = document->has_navigation_info ? navigation_rules(list.navigation)
-                                             : default_navigation_rules(list.bounds, !list.viewpoints.empty());
+                                             : default_navigation_rules(list.bounds, walks_at_first(*document, list));
   view.navigation_info = list.navigation;
   view.headlight = list.navigation.headlight;
   const auto named = viewpoint.empty() ? std::nullopt : find_viewpoint(list.viewpoints, viewpoint);

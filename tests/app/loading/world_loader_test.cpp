@@ -124,7 +124,7 @@ TEST_CASE("reports in one line why a file cannot be opened") {
   refused(folder.write("empty.wrl", ""), "the file is empty");
   refused(folder.write("empty.stl", ""), "the file is empty");
   refused(folder.write("binary.wrl", std::string(100, '\0') + "abc"), "data of an unknown format");
-  refused(folder.write("one.wrl", "#VRML V1.0 ascii\n"), "VRML 1.0");
+  refused(folder.write("one.iv", "#Inventor V2.1 binary\n"), "binary Inventor cannot be read");
   refused("gopher://example.org/a.wrl", "gopher");
 }
 

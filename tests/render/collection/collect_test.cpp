@@ -100,7 +100,7 @@ TEST_CASE("draws misplaced parts of Shapes as far as they can be meant") {
   CHECK(colors("Shape { geometry Group { children Box { } } }").size() == 1);
 }
 
-TEST_CASE("draws the first texture of a MultiTexture, and a TrimmedSurface without its contours") {
+TEST_CASE("draws a MultiTexture with its own transforms, and a TrimmedSurface without its contours") {
   World world(
       "Shape { appearance Appearance { texture MultiTexture { mode [ \"MODULATE\" ] texture [ PixelTexture { image 1 1 "
       "3 "
@@ -115,9 +115,11 @@ TEST_CASE("draws the first texture of a MultiTexture, and a TrimmedSurface witho
       "} }");
   const RenderList list = world.collect();
   REQUIRE(list.items.size() == 2);
-  REQUIRE(list.items[0].texture.image);
-  CHECK(list.items[0].texture.image->pixels[0] == 255);
-  CHECK(list.items[0].texture.transform[0][0] == 2);
+  REQUIRE(list.items[0].layered);
+  const TextureLayer& layer = list.items[0].layered->layers[0];
+  REQUIRE(layer.image);
+  CHECK(layer.image->pixels[0] == 255);
+  CHECK(layer.transform[0][0] == 2);
   CHECK(list.items[0].mesh->texture_coordinates[0] == glm::vec2(0.5f, 0.5f));
   CHECK(list.items[1].mesh->indices.size() > 6);
 }

@@ -325,10 +325,10 @@ TEST_CASE("allocates nothing for a header that claims a huge picture") {
 
 TEST_CASE("rejects data that are no image, and names the expected formats") {
   CHECK(message_of({}) ==
-        "unsupported image format; expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, Targa or movie, found "
+        "unsupported image format; expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, SGI, Targa, DDS, NRRD or movie, found "
         "nothing");
   CHECK(message_of(bytes_of({'#', 'V', 'R'})) ==
-        "unsupported image format; expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, Targa or movie, found 23 56 "
+        "unsupported image format; expected the first bytes of a PNG, JPEG, GIF, BMP, PPM, SGI, Targa, DDS, NRRD or movie, found 23 56 "
         "52");
   CHECK(message_of(bytes_of({0xff, 0xd8, 0xff, 0xd9})).find("broken JPEG") == 0);
 }

@@ -69,4 +69,15 @@ TEST_CASE("holds the position of an AudioClip while it is paused (X3D 8.2.4)") {
   CHECK(world.take_at(15, "isActive") == Lines{"15 A.isActive FALSE"});
 }
 
+TEST_CASE("stops an AudioClip that is disabled, and does not start it (X3D 16.4.1)") {
+  X3DWorld world("DEF A AudioClip { url \"a.wav\" startTime 1001 } DEF Off AudioClip { url \"a.wav\" loop TRUE enabled FALSE }");
+  world.start();
+  CHECK(report_media(world.execution(), world.scene(), world.node("A"), 10));
+  world.step(1);
+  CHECK(world.take("isActive") == Lines{"1 A.isActive TRUE"});
+  world.send_at(3, "A.enabled", SFBool{false});
+  CHECK(world.take("isActive") == Lines{"3 A.isActive FALSE"});
+  CHECK(world.take_at(5).empty());
+}
+
 }  // namespace gs::vrml::traces

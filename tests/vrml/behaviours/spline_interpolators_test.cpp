@@ -55,7 +55,7 @@ TEST_CASE("uses given velocities of a spline, for all keys or for both ends (X3D
   CHECK(number_at(normal, 0.25F) == Approx(1));
 }
 
-TEST_CASE("closes a spline whose ends are equal (X3D 19.4.10)") {
+TEST_CASE("closes a spline with equal ends (X3D 19.4.10)") {
   const std::string curve = "key [ 0 0.25 0.5 0.75 1 ] keyValue [ 0 0 0, 1 0 0, 1 1 0, 0 1 0, 0 0 0 ]";
   X3DWorld open("DEF I SplinePositionInterpolator { " + curve + " }");
   X3DWorld closed("DEF I SplinePositionInterpolator { " + curve + " closed TRUE }");

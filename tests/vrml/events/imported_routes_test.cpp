@@ -11,7 +11,7 @@ using namespace gs::vrml;
 
 namespace {
 
-std::shared_ptr<SceneGraph> read(const std::string& body, const std::string& name = "inner.x3dv") {
+std::shared_ptr<SceneGraph> x3d_scene(const std::string& body, const std::string& name = "inner.x3dv") {
   auto scene = std::make_shared<SceneGraph>(name);
   Diagnostics diagnostics;
   (void)parse("#X3D V3.3 utf8\n" + body, *scene, diagnostics);
@@ -22,7 +22,7 @@ std::shared_ptr<SceneGraph> read(const std::string& body, const std::string& nam
 
 // World with an Inline, and ROUTEs from and to its exported Transform.
 struct InlineWorld {
-  std::shared_ptr<SceneGraph> root = read(
+  std::shared_ptr<SceneGraph> root = x3d_scene(
       "DEF I Inline { } IMPORT I.Mover AS M\n"
       "DEF From Transform { } DEF To Transform { }\n"
       "ROUTE From.translation_changed TO M.set_translation\n"
@@ -57,7 +57,7 @@ TEST_CASE("routes events to and from the exported node of an Inline") {
   world.send({1, 2, 3});
   CHECK(world.received() == SFVec3f(0));
   CHECK_FALSE(world.execution.imports().find(*world.root, "M").scene);
-  const auto inner = read("DEF T Transform { } EXPORT T AS Mover");
+  const auto inner = x3d_scene("DEF T Transform { } EXPORT T AS Mover");
   world.attach(inner);
   world.send({4, 5, 6});
   CHECK(inner->get<SFVec3f>(inner->roots()[0], "translation") == SFVec3f(4, 5, 6));
@@ -72,12 +72,12 @@ TEST_CASE("routes events to and from the exported node of an Inline") {
 TEST_CASE("connects imported nodes again after the content of the Inline was replaced") {
   InlineWorld world;
   world.execution.start(1000);
-  world.attach(read("DEF T Transform { } EXPORT T AS Mover"));
+  world.attach(x3d_scene("DEF T Transform { } EXPORT T AS Mover"));
   world.execution.lifetime().remove_content(*world.root, world.root->roots()[0]);
   CHECK(world.execution.routes().all().empty());
   world.send({1, 1, 1});
   CHECK(world.received() == SFVec3f(0));
-  world.attach(read("Group { } DEF Other Transform { } EXPORT Other AS Mover"));
+  world.attach(x3d_scene("Group { } DEF Other Transform { } EXPORT Other AS Mover"));
   world.send({2, 2, 2});
   CHECK(world.received() == SFVec3f(2));
   CHECK(world.said().empty());
@@ -86,9 +86,9 @@ TEST_CASE("connects imported nodes again after the content of the Inline was rep
 TEST_CASE("routes to a node that an Inline imports and exports again") {
   InlineWorld world;
   world.execution.start(1000);
-  const auto middle = read("DEF J Inline { } IMPORT J.Deep AS D EXPORT D AS Mover");
+  const auto middle = x3d_scene("DEF J Inline { } IMPORT J.Deep AS D EXPORT D AS Mover");
   world.attach(middle);
-  const auto deep = read("DEF T Transform { } EXPORT T AS Deep");
+  const auto deep = x3d_scene("DEF T Transform { } EXPORT T AS Deep");
   middle->inlines().attach(middle->roots()[0], deep);
   world.execution.scenes().attach(*middle);
   world.send({7, 8, 9});
@@ -98,10 +98,10 @@ TEST_CASE("routes to a node that an Inline imports and exports again") {
 
 TEST_CASE("reports imported names and events that do not exist, once") {
   InlineWorld world;
-  world.attach(read("DEF T Transform { } EXPORT T"));
+  world.attach(x3d_scene("DEF T Transform { } EXPORT T"));
   CHECK(world.said() == "root.x3dv:2:18: warning: IMPORT names 'Mover', but inner.x3dv does not EXPORT it\n");
   world.execution.lifetime().remove_content(*world.root, world.root->roots()[0]);
-  world.attach(read("DEF T TimeSensor { } EXPORT T AS Mover"));
+  world.attach(x3d_scene("DEF T TimeSensor { } EXPORT T AS Mover"));
   CHECK(world.said() ==
         "root.x3dv:4:1: error: TimeSensor has no eventIn 'set_translation'\n"
         "root.x3dv:5:1: error: TimeSensor has no eventOut 'translation_changed'\n");
@@ -109,13 +109,13 @@ TEST_CASE("reports imported names and events that do not exist, once") {
 }
 
 TEST_CASE("does not send nodes to another file") {
-  const auto root = read(
+  const auto root = x3d_scene(
       "DEF I Inline { } IMPORT I.G AS G\n"
       "DEF From Group { }\n"
       "ROUTE From.children_changed TO G.set_children\n",
       "root.x3dv");
   Execution execution(*root);
-  const auto inner = read("DEF G Group { } EXPORT G");
+  const auto inner = x3d_scene("DEF G Group { } EXPORT G");
   root->inlines().attach(root->roots()[0], inner);
   execution.scenes().attach(*root);
   Diagnostics diagnostics;

@@ -24,7 +24,7 @@ inline bool find_path(const SceneGraph& scene, const MFNode& children, NodeId wa
     const Node& node = scene.node(id);
     glm::dmat4 inside = place;
     if (node.type->behaviour && node.type->behaviour->parent_from_local && has(node.type->role, Role::grouping))
-      inside *= node.type->behaviour->parent_from_local(node);
+      inside *= node.type->behaviour->parent_from_local(scene, node);
     if (const SceneGraph* inlined = scene.inlines().of(id))
       if (find_path(*inlined, inlined->roots(), wanted, of, inside, path)) return true;
     for (std::size_t slot = 0; has(node.type->role, Role::grouping) && slot < node.type->defaults.size(); ++slot)

@@ -18,7 +18,7 @@
 namespace gs::vrml {
 namespace {
 
-const NodeType& x3d(std::string_view name) {
+const NodeType& x3d_type(std::string_view name) {
   const NodeType* type = built_in_node_type(Language::x3d, name);
   REQUIRE(type);
   return *type;
@@ -86,7 +86,7 @@ bool allows(AccessType own, const std::string& access) {
 
 TEST_CASE("keeps the interfaces of VRML97 in the same slots of the X3D type of this name", "[x3d]") {
   for (const auto& type : built_in_node_types()) {
-    const NodeType& other = x3d(type->name);
+    const NodeType& other = x3d_type(type->name);
     if (is_extension(type->clause)) continue;
     CAPTURE(type->name);
     CHECK(other.read_as == type->read_as);
@@ -107,23 +107,23 @@ TEST_CASE("finds renamed interfaces by both names in X3D only", "[x3d]") {
                                                  {"LOD", "level", "children"},
                                                  {"Collision", "collide", "enabled"}}) {
     CAPTURE(type);
-    REQUIRE(x3d(type).find_field(old_name));
-    CHECK(x3d(type).find_field(new_name) == x3d(type).find_field(old_name));
-    CHECK(name_in(Language::x3d, *x3d(type).find_field(old_name)) == new_name);
-    CHECK(name_in(Language::vrml97, *x3d(type).find_field(old_name)) == old_name);
+    REQUIRE(x3d_type(type).find_field(old_name));
+    CHECK(x3d_type(type).find_field(new_name) == x3d_type(type).find_field(old_name));
+    CHECK(name_in(Language::x3d, *x3d_type(type).find_field(old_name)) == new_name);
+    CHECK(name_in(Language::vrml97, *x3d_type(type).find_field(old_name)) == old_name);
   }
   CHECK(!built_in_node_type("Switch")->find_field("children"));
-  CHECK(x3d("Collision").find_event_in("set_enabled") == x3d("Collision").find("collide"));
+  CHECK(x3d_type("Collision").find_event_in("set_enabled") == x3d_type("Collision").find("collide"));
 }
 
 TEST_CASE("accepts the types that a field lists, and types that derive from them", "[x3d]") {
-  const InterfaceDeclaration& geometry = *x3d("Shape").find("geometry");
-  CHECK(accepts(geometry, x3d("IndexedFaceSet")));
-  CHECK(accepts(geometry, x3d("Disk2D")));
-  CHECK(!accepts(geometry, x3d("Material")));
-  CHECK(accepts(*x3d("Appearance").find("texture"), x3d("PixelTexture")));
-  CHECK(!accepts(*x3d("Appearance").find("textureTransform"), x3d("PixelTexture")));
-  CHECK(accepts(*x3d("Group").find("children"), x3d("Viewpoint")));
+  const InterfaceDeclaration& geometry = *x3d_type("Shape").find("geometry");
+  CHECK(accepts(geometry, x3d_type("IndexedFaceSet")));
+  CHECK(accepts(geometry, x3d_type("Disk2D")));
+  CHECK(!accepts(geometry, x3d_type("Material")));
+  CHECK(accepts(*x3d_type("Appearance").find("texture"), x3d_type("PixelTexture")));
+  CHECK(!accepts(*x3d_type("Appearance").find("textureTransform"), x3d_type("PixelTexture")));
+  CHECK(accepts(*x3d_type("Group").find("children"), x3d_type("Viewpoint")));
 }
 
 TEST_CASE("reads an X3D node in a VRML97 text with one warning", "[x3d]") {
@@ -156,7 +156,7 @@ TEST_CASE("has each node, field and component of the X3D Unified Object Model", 
   for (const auto& [name, node] : model.nodes) {
     if (name == "ProtoInstance") continue;
     CAPTURE(name);
-    const NodeType& type = x3d(name);
+    const NodeType& type = x3d_type(name);
     REQUIRE(type.language == Language::x3d);
     CHECK(type.component == node.component);
     CHECK(type.level == node.level);

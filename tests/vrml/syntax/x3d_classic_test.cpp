@@ -158,3 +158,27 @@ TEST_CASE("limits the number of IMPORT statements") {
   CHECK(read.diagnostics.errors() == 1);
   CHECK(read.scene.x3d().imports.size() == 65536);
 }
+
+TEST_CASE("warns once about a field of other browsers in an X3D file") {
+  const ReadX3d read(
+      "PROTO P [ inputOutput MFNode list [ ] ] { Shape { appearance Appearance { effects IS list } } }\n"
+      "Shape { appearance Appearance { effects [ ] material Material { } } }\n"
+      "Shape { appearance Appearance { effects DEF G Group { } } shading \"WIREFRAME\" }\n"
+      "DEF V Viewpoint { direction 0 0 1 } DEF T Transform { translation 0 0 1 }\n"
+      "ROUTE T.translation TO V.set_direction");
+  CHECK(read.diagnostics.errors() == 0);
+  CHECK(read.diagnostics.warnings() == 4);
+  const ReadX3d unknown("Transform { direction 0 0 1 }");
+  CHECK(unknown.diagnostics.errors() == 1);
+}
+
+TEST_CASE("reads a text without a header in the language of its reader") {
+  for (const Grammar grammar : {Grammar::vrml97, Grammar::x3d_classic}) {
+    SceneGraph scene("part.x3dv");
+    Diagnostics diagnostics;
+    const auto reader = make_reader(grammar, scene, diagnostics);
+    reader->push("Script { inputOnly SFTime now url \"\" }");
+    CHECK(reader->finish() == ParseOutcome::complete);
+    CHECK((diagnostics.errors() == 0) == (grammar == Grammar::x3d_classic));
+  }
+}

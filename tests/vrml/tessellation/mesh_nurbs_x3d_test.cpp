@@ -24,7 +24,7 @@ struct NurbsScene {
   [[nodiscard]] Mesh mesh() const { return tessellate(scene, scene.get<SFNode>(scene.roots()[0], "geometry"), {}); }
 };
 
-double area_of(const Mesh& mesh) {
+double mesh_area(const Mesh& mesh) {
   double area = 0;
   for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
     const glm::vec3 a = mesh.positions[mesh.indices[i]];
@@ -34,10 +34,10 @@ double area_of(const Mesh& mesh) {
   return area;
 }
 
-const std::string kFlat =
+const std::string kFlatPatch =
     "controlPoint Coordinate { point [ 0 0 0, 2 0 0, 0 2 0, 2 2 0 ] } uDimension 2 vDimension 2 uOrder 2 vOrder 2 "
     "uKnot [ 0 0 4 4 ] vKnot [ 0 0 4 4 ] ";
-const std::string kSquare = "Contour2D { children ContourPolyline2D { controlPoint [ 1 1, 3 1, 3 3, 1 3, 1 1 ] } }";
+const std::string kContour = "Contour2D { children ContourPolyline2D { controlPoint [ 1 1, 3 1, 3 3, 1 3, 1 1 ] } }";
 
 }  // namespace
 
@@ -61,17 +61,17 @@ TEST_CASE("tessellates a NurbsPatchSurface like the NurbsSurface of VRML97 Amend
 }
 
 TEST_CASE("draws a NurbsTrimmedSurface inside its contours, by the even-odd rule", "[x3d]") {
-  const Mesh whole = NurbsScene("NurbsTrimmedSurface { " + kFlat + "}").mesh();
-  CHECK(area_of(whole) == Approx(4));
-  const Mesh inside = NurbsScene("NurbsTrimmedSurface { " + kFlat + "trimmingContour [ " + kSquare + " ] }").mesh();
+  const Mesh whole = NurbsScene("NurbsTrimmedSurface { " + kFlatPatch + "}").mesh();
+  CHECK(mesh_area(whole) == Approx(4));
+  const Mesh inside = NurbsScene("NurbsTrimmedSurface { " + kFlatPatch + "trimmingContour [ " + kContour + " ] }").mesh();
   check_promises(inside);
-  CHECK(area_of(inside) == Approx(1));
+  CHECK(mesh_area(inside) == Approx(1));
   CHECK(inside.bounds.lower.x == Approx(0.5));
   CHECK(inside.bounds.upper.y == Approx(1.5));
   const std::string frame = "Contour2D { children ContourPolyline2D { controlPoint [ 0 0, 4 0, 4 4, 0 4 ] } }";
   const Mesh hole =
-      NurbsScene("NurbsTrimmedSurface { " + kFlat + "trimmingContour [ " + frame + kSquare + " ] }").mesh();
-  CHECK(area_of(hole) == Approx(3));
+      NurbsScene("NurbsTrimmedSurface { " + kFlatPatch + "trimmingContour [ " + frame + kContour + " ] }").mesh();
+  CHECK(mesh_area(hole) == Approx(3));
   for (const glm::vec3& normal : hole.normals) CHECK(normal.z == Approx(1));
 }
 
@@ -117,7 +117,7 @@ TEST_CASE("sweeps a cross-section along the trajectory of a NurbsSweptSurface", 
                        "Coordinate { point [ 0 0 0, 0 5 0 ] } } }")
                        .mesh();
   check_promises(box);
-  CHECK(area_of(box) == Approx(40));
+  CHECK(mesh_area(box) == Approx(40));
 }
 
 TEST_CASE("joins the ends of a closed NurbsCurve smoothly", "[x3d]") {

@@ -1,3 +1,4 @@
+#include "vrml/event_model/behaviour.h"
 #include "vrml/nodes/x3d/components.h"
 
 // Rows of the X3D components EnvironmentalEffects, Lighting (ISO/IEC 19775-1).
@@ -79,8 +80,14 @@ constexpr X3DRow kEnvironmentX3DRows[] = {
   exposedField SFFloat    shadowIntensity 1  # [0,1]
   exposedField SFBool     shadows FALSE
 )"},
-    {"TextureBackground", "EnvironmentalEffects", 3, "children", "X3DBackgroundNode", Role::child | Role::bindable,
-     NodeKind::other, R"(
+    {"TextureBackground",
+     "EnvironmentalEffects",
+     3,
+     "children",
+     "X3DBackgroundNode",
+     Role::child | Role::bindable,
+     NodeKind::background,
+     R"(
   eventIn      SFBool     set_bind
   exposedField SFNode     backTexture NULL  # X3DTexture2DNode,MultiTexture
   exposedField SFNode     bottomTexture NULL  # X3DTexture2DNode,MultiTexture
@@ -95,7 +102,9 @@ constexpr X3DRow kEnvironmentX3DRows[] = {
   exposedField SFFloat    transparency 0  # [0,1]
   eventOut     SFTime     bindTime
   eventOut     SFBool     isBound
-)"},
+)",
+     {},
+     &kBindableBehaviour},
 };
 
 }  // namespace

@@ -1,16 +1,26 @@
+#include "vrml/event_model/behaviour.h"
 #include "vrml/nodes/x3d/components.h"
+#include "vrml/tessellation/tessellators.h"
 
 // Rows of the X3D component Geospatial (ISO/IEC 19775-1).
 namespace gs::vrml {
 namespace {
 
 constexpr X3DRow kGeospatialX3DRows[] = {
-    {"GeoCoordinate", "Geospatial", 1, "coord", "X3DCoordinateNode", Role::geometric_property, NodeKind::other, R"(
+    {"GeoCoordinate", "Geospatial", 1, "coord", "X3DCoordinateNode", Role::geometric_property, NodeKind::geo_coordinate,
+     R"(
   exposedField MFVec3d    point []
   field        SFNode     geoOrigin NULL  # GeoOrigin
   field        MFString   geoSystem ["GD" "WE"]
 )"},
-    {"GeoElevationGrid", "Geospatial", 1, "geometry", "X3DGeometryNode", Role::geometry, NodeKind::other, R"(
+    {"GeoElevationGrid",
+     "Geospatial",
+     1,
+     "geometry",
+     "X3DGeometryNode",
+     Role::geometry,
+     NodeKind::other,
+     R"(
   eventIn      MFDouble   set_height
   exposedField SFNode     color NULL  # X3DColorNode
   exposedField SFNode     normal NULL  # X3DNormalNode
@@ -29,8 +39,10 @@ constexpr X3DRow kGeospatialX3DRows[] = {
   field        SFDouble   xSpacing 1.0  # (0,inf)
   field        SFInt32    zDimension 0  # [0,inf)
   field        SFDouble   zSpacing 1.0  # (0,inf)
-)"},
-    {"GeoLOD", "Geospatial", 1, "children", "X3DChildNode X3DBoundedObject", Role::child, NodeKind::other, R"(
+)",
+     {tessellate_geo_elevation_grid, nullptr, cost_of_geo_elevation_grid}},
+    {"GeoLOD", "Geospatial", 1, "children", "X3DChildNode X3DBoundedObject", Role::child | Role::grouping,
+     NodeKind::geo_lod, R"(
   exposedField SFBool     bboxDisplay FALSE
   exposedField SFBool     visible TRUE
   field        SFVec3f    bboxCenter 0 0 0
@@ -48,7 +60,14 @@ constexpr X3DRow kGeospatialX3DRows[] = {
   eventOut     MFNode     children  # X3DChildNode
   eventOut     SFInt32    level_changed  # [0,1]
 )"},
-    {"GeoLocation", "Geospatial", 1, "children", "X3DGroupingNode", Role::child | Role::grouping, NodeKind::other, R"(
+    {"GeoLocation",
+     "Geospatial",
+     1,
+     "children",
+     "X3DGroupingNode",
+     Role::child | Role::grouping,
+     NodeKind::geo_group,
+     R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
   exposedField SFBool     bboxDisplay FALSE
@@ -59,7 +78,9 @@ constexpr X3DRow kGeospatialX3DRows[] = {
   field        SFVec3f    bboxSize -1 -1 -1
   field        SFNode     geoOrigin NULL  # GeoOrigin
   field        MFString   geoSystem ["GD" "WE"]
-)"},
+)",
+     {},
+     &kGeoLocationBehaviour},
     {"GeoMetadata", "Geospatial", 1, "children", "X3DInfoNode X3DUrlObject", Role::child, NodeKind::other, R"(
   exposedField SFTime     autoRefresh 0  # [0,inf)
   exposedField SFTime     autoRefreshTimeLimit 3600  # [0,inf)
@@ -74,8 +95,14 @@ constexpr X3DRow kGeospatialX3DRows[] = {
   field        MFString   geoSystem ["GD" "WE"]
   field        SFBool     rotateYUp FALSE
 )"},
-    {"GeoPositionInterpolator", "Geospatial", 1, "children", "X3DInterpolatorNode", Role::child | Role::interpolator,
-     NodeKind::other, R"(
+    {"GeoPositionInterpolator",
+     "Geospatial",
+     1,
+     "children",
+     "X3DInterpolatorNode",
+     Role::child | Role::interpolator,
+     NodeKind::other,
+     R"(
   eventIn      SFFloat    set_fraction
   exposedField MFFloat    key []
   exposedField MFVec3d    keyValue []
@@ -83,9 +110,17 @@ constexpr X3DRow kGeospatialX3DRows[] = {
   field        MFString   geoSystem ["GD" "WE"]
   eventOut     SFVec3d    geovalue_changed
   eventOut     SFVec3f    value_changed
-)"},
-    {"GeoProximitySensor", "Geospatial", 2, "children", "X3DEnvironmentalSensorNode", Role::child | Role::sensor,
-     NodeKind::other, R"(
+)",
+     {},
+     &kGeoPositionInterpolatorBehaviour},
+    {"GeoProximitySensor",
+     "Geospatial",
+     2,
+     "children",
+     "X3DEnvironmentalSensorNode",
+     Role::child | Role::sensor,
+     NodeKind::other,
+     R"(
   exposedField SFVec3d    center 0 0 0
   exposedField SFString   description ""
   exposedField SFBool     enabled TRUE
@@ -100,8 +135,18 @@ constexpr X3DRow kGeospatialX3DRows[] = {
   eventOut     SFBool     isActive
   eventOut     SFRotation orientation_changed
   eventOut     SFVec3f    position_changed
-)"},
-    {"GeoTouchSensor", "Geospatial", 1, "children", "X3DTouchSensorNode", Role::child | Role::sensor, NodeKind::other,
+)",
+     {},
+     nullptr,
+     UrlContent::none,
+     true},
+    {"GeoTouchSensor",
+     "Geospatial",
+     1,
+     "children",
+     "X3DTouchSensorNode",
+     Role::child | Role::sensor,
+     NodeKind::other,
      R"(
   exposedField SFString   description ""
   exposedField SFBool     enabled TRUE
@@ -114,8 +159,17 @@ constexpr X3DRow kGeospatialX3DRows[] = {
   eventOut     SFBool     isActive
   eventOut     SFBool     isOver
   eventOut     SFTime     touchTime
-)"},
-    {"GeoTransform", "Geospatial", 2, "children", "X3DGroupingNode", Role::child | Role::grouping, NodeKind::other, R"(
+)",
+     {},
+     &kTouchSensorBehaviour},
+    {"GeoTransform",
+     "Geospatial",
+     2,
+     "children",
+     "X3DGroupingNode",
+     Role::child | Role::grouping,
+     NodeKind::geo_group,
+     R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
   exposedField SFBool     bboxDisplay FALSE
@@ -130,8 +184,17 @@ constexpr X3DRow kGeospatialX3DRows[] = {
   field        SFVec3f    bboxSize -1 -1 -1
   field        SFNode     geoOrigin NULL  # GeoOrigin
   field        MFString   geoSystem ["GD" "WE"]
-)"},
-    {"GeoViewpoint", "Geospatial", 1, "children", "X3DViewpointNode", Role::child | Role::bindable, NodeKind::other, R"(
+)",
+     {},
+     &kGeoTransformBehaviour},
+    {"GeoViewpoint",
+     "Geospatial",
+     1,
+     "children",
+     "X3DViewpointNode",
+     Role::child | Role::bindable,
+     NodeKind::viewpoint,
+     R"(
   eventIn      SFBool     set_bind
   exposedField SFVec3d    centerOfRotation 0 0 0
   exposedField SFString   description ""
@@ -149,7 +212,9 @@ constexpr X3DRow kGeospatialX3DRows[] = {
   field        SFFloat    speedFactor 1.0  # [0,inf)
   eventOut     SFTime     bindTime
   eventOut     SFBool     isBound
-)"},
+)",
+     {},
+     &kGeoViewpointBehaviour},
 };
 
 }  // namespace

@@ -74,7 +74,8 @@ constexpr X3DRow kShapeX3DRows[] = {
   exposedField SFString   specularTextureMapping ""
   exposedField SFFloat    transparency 0  # [0,1]
 )"},
-    {"PhysicalMaterial", "Shape", 2, "material", "X3DOneSidedMaterialNode", Role::material, NodeKind::other, R"(
+    {"PhysicalMaterial", "Shape", 2, "material", "X3DOneSidedMaterialNode", Role::material, NodeKind::physical_material,
+     R"(
   exposedField SFColor    baseColor 1 1 1  # [0,1]
   exposedField SFNode     baseTexture NULL  # X3DSingleTextureNode
   exposedField SFString   baseTextureMapping ""
@@ -109,7 +110,7 @@ constexpr X3DRow kShapeX3DRows[] = {
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
 )"},
-    {"TwoSidedMaterial", "Shape", 4, "material", "X3DMaterialNode", Role::material, NodeKind::other, R"(
+    {"TwoSidedMaterial", "Shape", 4, "material", "X3DMaterialNode", Role::material, NodeKind::two_sided_material, R"(
   exposedField SFFloat    ambientIntensity 0.2  # [0,1]
   exposedField SFFloat    backAmbientIntensity 0.2  # [0,1]
   exposedField SFColor    backDiffuseColor 0.8 0.8 0.8  # [0,1]
@@ -124,7 +125,7 @@ constexpr X3DRow kShapeX3DRows[] = {
   exposedField SFColor    specularColor 0 0 0  # [0,1]
   exposedField SFFloat    transparency 0  # [0,1]
 )"},
-    {"UnlitMaterial", "Shape", 1, "material", "X3DOneSidedMaterialNode", Role::material, NodeKind::other, R"(
+    {"UnlitMaterial", "Shape", 1, "material", "X3DOneSidedMaterialNode", Role::material, NodeKind::unlit_material, R"(
   exposedField SFColor    emissiveColor 1 1 1  # [0,1]
   exposedField SFNode     emissiveTexture NULL  # X3DSingleTextureNode
   exposedField SFString   emissiveTextureMapping ""

@@ -6,7 +6,7 @@ namespace {
 
 constexpr X3DRow kTexturingX3DRows[] = {
     {"ComposedCubeMapTexture", "CubeMapTexturing", 1, "texture", "X3DEnvironmentTextureNode", Role::texture,
-     NodeKind::other, R"(
+     NodeKind::composed_cube_map_texture, R"(
   exposedField SFNode     backTexture NULL  # X3DTexture2DNode
   exposedField SFNode     bottomTexture NULL  # X3DTexture2DNode
   exposedField SFString   description ""
@@ -16,7 +16,8 @@ constexpr X3DRow kTexturingX3DRows[] = {
   exposedField SFNode     topTexture NULL  # X3DTexture2DNode
   field        SFNode     textureProperties NULL  # TextureProperties
 )"},
-    {"ComposedTexture3D", "Texturing3D", 1, "texture", "X3DTexture3DNode", Role::texture, NodeKind::other, R"(
+    {"ComposedTexture3D", "Texturing3D", 1, "texture", "X3DTexture3DNode", Role::texture, NodeKind::composed_texture_3d,
+     R"(
   exposedField SFString   description ""
   exposedField MFNode     texture []  # X3DTexture2DNode
   field        SFBool     repeatR FALSE
@@ -25,21 +26,30 @@ constexpr X3DRow kTexturingX3DRows[] = {
   field        SFNode     textureProperties NULL  # TextureProperties
 )"},
     {"GeneratedCubeMapTexture", "CubeMapTexturing", 3, "texture", "X3DEnvironmentTextureNode", Role::texture,
-     NodeKind::other, R"(
+     NodeKind::generated_cube_map_texture, R"(
   exposedField SFString   description ""
   exposedField SFString   update "NONE"
   field        SFInt32    size 128  # (0,inf)
   field        SFNode     textureProperties NULL  # TextureProperties
 )"},
-    {"ImageCubeMapTexture", "CubeMapTexturing", 2, "texture", "X3DEnvironmentTextureNode X3DUrlObject", Role::texture,
-     NodeKind::other, R"(
+    {"ImageCubeMapTexture",
+     "CubeMapTexturing",
+     2,
+     "texture",
+     "X3DEnvironmentTextureNode X3DUrlObject",
+     Role::texture,
+     NodeKind::image_cube_map_texture,
+     R"(
   exposedField SFTime     autoRefresh 0  # [0,inf)
   exposedField SFTime     autoRefreshTimeLimit 3600  # [0,inf)
   exposedField SFString   description ""
   exposedField SFBool     load TRUE
   exposedField MFString   url []
   field        SFNode     textureProperties NULL  # TextureProperties
-)"},
+)",
+     {},
+     nullptr,
+     UrlContent::image},
     {"ImageTexture", "Texturing", 1, "texture", "X3DTexture2DNode X3DUrlObject", Role::texture, NodeKind::other, R"(
   exposedField SFTime     autoRefresh 0  # [0,inf)
   exposedField SFTime     autoRefreshTimeLimit 3600  # [0,inf)
@@ -50,7 +60,14 @@ constexpr X3DRow kTexturingX3DRows[] = {
   field        SFBool     repeatT TRUE
   field        SFNode     textureProperties NULL  # TextureProperties
 )"},
-    {"ImageTexture3D", "Texturing3D", 2, "texture", "X3DTexture3DNode X3DUrlObject", Role::texture, NodeKind::other, R"(
+    {"ImageTexture3D",
+     "Texturing3D",
+     2,
+     "texture",
+     "X3DTexture3DNode X3DUrlObject",
+     Role::texture,
+     NodeKind::image_texture_3d,
+     R"(
   exposedField SFTime     autoRefresh 0  # [0,inf)
   exposedField SFTime     autoRefreshTimeLimit 3600  # [0,inf)
   exposedField SFString   description ""
@@ -60,7 +77,10 @@ constexpr X3DRow kTexturingX3DRows[] = {
   field        SFBool     repeatS FALSE
   field        SFBool     repeatT FALSE
   field        SFNode     textureProperties NULL  # TextureProperties
-)"},
+)",
+     {},
+     nullptr,
+     UrlContent::image},
     {"MovieTexture", "Texturing", 3, "texture", "X3DSoundSourceNode X3DTexture2DNode X3DUrlObject",
      Role::child | Role::texture | Role::time_dependent | Role::sound_source, NodeKind::other, R"(
   exposedField SFTime     autoRefresh 0  # [0,inf)
@@ -85,7 +105,7 @@ constexpr X3DRow kTexturingX3DRows[] = {
   eventOut     SFBool     isActive
   eventOut     SFBool     isPaused
 )"},
-    {"MultiTexture", "Texturing", 2, "texture", "X3DTextureNode", Role::texture, NodeKind::other, R"(
+    {"MultiTexture", "Texturing", 2, "texture", "X3DTextureNode", Role::texture, NodeKind::multi_texture, R"(
   exposedField SFFloat    alpha 1  # [0,1]
   exposedField SFColor    color 1 1 1  # [0,1]
   exposedField SFString   description ""
@@ -95,11 +115,11 @@ constexpr X3DRow kTexturingX3DRows[] = {
   exposedField MFNode     texture []  # X3DSingleTextureNode
 )"},
     {"MultiTextureCoordinate", "Texturing", 2, "texCoord", "X3DTextureCoordinateNode", Role::geometric_property,
-     NodeKind::other, R"(
+     NodeKind::multi_texture_coordinate, R"(
   exposedField MFNode     texCoord []  # X3DSingleTextureCoordinateNode
 )"},
     {"MultiTextureTransform", "Texturing", 2, "textureTransform", "X3DTextureTransformNode", Role::texture_transform,
-     NodeKind::other, R"(
+     NodeKind::multi_texture_transform, R"(
   exposedField MFNode     textureTransform []  # X3DSingleTextureTransformNode
 )"},
     {"PixelTexture", "Texturing", 1, "texture", "X3DTexture2DNode", Role::texture, NodeKind::other, R"(
@@ -109,7 +129,7 @@ constexpr X3DRow kTexturingX3DRows[] = {
   field        SFBool     repeatT TRUE
   field        SFNode     textureProperties NULL  # TextureProperties
 )"},
-    {"PixelTexture3D", "Texturing3D", 1, "texture", "X3DTexture3DNode", Role::texture, NodeKind::other, R"(
+    {"PixelTexture3D", "Texturing3D", 1, "texture", "X3DTexture3DNode", Role::texture, NodeKind::pixel_texture_3d, R"(
   exposedField SFString   description ""
   exposedField MFInt32    image [0 0 0 0]
   field        SFBool     repeatR FALSE
@@ -123,17 +143,17 @@ constexpr X3DRow kTexturingX3DRows[] = {
   exposedField MFVec2f    point []
 )"},
     {"TextureCoordinate3D", "Texturing3D", 1, "texCoord", "X3DSingleTextureCoordinateNode", Role::geometric_property,
-     NodeKind::other, R"(
+     NodeKind::texture_coordinate_3d, R"(
   exposedField SFString   mapping ""
   exposedField MFVec3f    point []
 )"},
     {"TextureCoordinate4D", "Texturing3D", 1, "texCoord", "X3DSingleTextureCoordinateNode", Role::geometric_property,
-     NodeKind::other, R"(
+     NodeKind::texture_coordinate_4d, R"(
   exposedField SFString   mapping ""
   exposedField MFVec4f    point []
 )"},
     {"TextureCoordinateGenerator", "Texturing", 2, "texCoord", "X3DSingleTextureCoordinateNode",
-     Role::geometric_property, NodeKind::other, R"(
+     Role::geometric_property, NodeKind::texture_coordinate_generator, R"(
   exposedField SFString   mapping ""
   exposedField SFString   mode "SPHERE"
   exposedField MFFloat    parameter []
@@ -195,7 +215,7 @@ constexpr X3DRow kTexturingX3DRows[] = {
      nullptr,
      UrlContent::none,
      true},
-    {"TextureProperties", "Texturing", 2, "textureProperties", "X3DNode", Role::none, NodeKind::other, R"(
+    {"TextureProperties", "Texturing", 2, "textureProperties", "X3DNode", Role::none, NodeKind::texture_properties, R"(
   exposedField SFFloat    anisotropicDegree 1  # [1,inf)
   exposedField SFColorRGBA borderColor 0 0 0 0  # [0,1]
   exposedField SFInt32    borderWidth 0  # [0,inf)
@@ -217,7 +237,7 @@ constexpr X3DRow kTexturingX3DRows[] = {
   exposedField SFVec2f    translation 0 0
 )"},
     {"TextureTransform3D", "Texturing3D", 1, "textureTransform", "X3DTextureTransformNode", Role::texture_transform,
-     NodeKind::other, R"(
+     NodeKind::texture_transform_3d, R"(
   exposedField SFVec3f    center 0 0 0
   exposedField SFString   mapping ""
   exposedField SFRotation rotation 0 0 1 0
@@ -225,7 +245,7 @@ constexpr X3DRow kTexturingX3DRows[] = {
   exposedField SFVec3f    translation 0 0 0
 )"},
     {"TextureTransformMatrix3D", "Texturing3D", 1, "textureTransform", "X3DTextureTransformNode",
-     Role::texture_transform, NodeKind::other, R"(
+     Role::texture_transform, NodeKind::texture_transform_matrix_3d, R"(
   exposedField SFString   mapping ""
   exposedField SFMatrix4f matrix 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1
 )"},
