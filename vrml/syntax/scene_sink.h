@@ -74,7 +74,7 @@ class SceneSink : NonCopyable {
   /// Makes a node. The grammar then reads the body and calls end_node(). If the result has no id, the grammar must skip
   /// the body: the type is unknown, or a limit is reached.
   [[nodiscard]] OpenNode begin_node(const NodeHeader& header);
-  /// Names a node whose DEF follows other parts of its body, as in JSON.
+  /// Names a node after other parts of its body, because members of JSON have no order.
   void name_node(const OpenNode& node, SourceName name);
   /// Completes a node: checks its measures, and expands it if it is a PROTO instance.
   void end_node(NodeId id);
