@@ -88,7 +88,7 @@ class MeshPass {
   };
   struct StyleUniforms {
     GLint clip_planes = -1, point_size = -1, point_attenuation = -1, line_pattern = -1, hatch = -1, hatch_color = -1,
-          pixel_side = -1;
+          pixel_side = -1, sprite = -1;
     StyleUniforms() = default;
     StyleUniforms(const Gl& gl, GLuint program);
   };
@@ -107,7 +107,7 @@ class MeshPass {
     ClipList clip_planes;
     std::shared_ptr<const ShapeStyle> shape;
     std::uint16_t local_fog = kNoLocalFog;
-    bool surface = false;  // hatches apply
+    GLenum primitive = GL_TRIANGLES;
     std::size_t planes = 0;
     std::array<glm::vec4, kMaxClipPlanes> camera_planes;
     CameraFog fog;
@@ -201,7 +201,7 @@ class MeshPass {
   [[nodiscard]] std::uint32_t layer_of(const glm::vec3& center, float radius, const PackedState& state);
   [[nodiscard]] std::uint32_t texture_number(const TextureUse& use, const TextureStore::Entry& entry);
   [[nodiscard]] bool has_style(const DrawItem& item) const;
-  [[nodiscard]] std::uint32_t style_number(const DrawItem& item, bool surface);
+  [[nodiscard]] std::uint32_t style_number(const DrawItem& item, GLenum primitive);
   [[nodiscard]] static float pattern_scale(const DrawItem& item, const Instance& instance, float depth,
                                            const View& view);
   void apply_style(const VariantProgram& shader, const StyleBinding& style);

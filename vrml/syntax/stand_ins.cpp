@@ -67,7 +67,6 @@ constexpr std::string_view kNavigationInfo = R"( [
     visibilityLimit IS visibilityLimit isBound IS isBound
   }
 })";
-// Two-sided material. Only its front side is used.
 constexpr std::string_view kMaterial = R"( [
   exposedField SFFloat ambientIntensity 0.2
   exposedField SFColor diffuseColor 0.8 0.8 0.8
@@ -85,22 +84,6 @@ constexpr std::string_view kMaterial = R"( [
 // Geometry nodes of other standards, which are not visible.
 constexpr std::string_view kNoGeometry = " [ ] { PointSet { } }";
 
-// Lists of textures, of which the first one is drawn; see meant_node().
-constexpr std::string_view kTextures = R"( [
-  exposedField MFNode texture []
-] {
-  Switch { choice IS texture whichChoice 0 }
-})";
-constexpr std::string_view kTextureCoordinates = R"( [
-  exposedField MFNode texCoord []
-] {
-  Switch { choice IS texCoord whichChoice 0 }
-})";
-constexpr std::string_view kTextureTransforms = R"( [
-  exposedField MFNode textureTransform []
-] {
-  Switch { choice IS textureTransform whichChoice 0 }
-})";
 // Surface with contours (Amendment 1), which are not cut out; see meant_node().
 constexpr std::string_view kTrimmedSurface = R"( [
   eventIn MFNode addTrimmingContour
@@ -119,48 +102,28 @@ struct Row {
 constexpr Row kRows[] = {
     {"BlaxxunZone", kNothing},
     {"BspGroup", kGroup},
-    {"Circle2D", kNoGeometry},
-    {"Contour2D", kNothing},
-    {"ContourPolyline2D", kNothing},
     {"CullGroup", kGroup},
     {"DeviceSensor", kNothing},
-    {"Disk2D", kNoGeometry},
     {"HUD", kOverlay, true},
     {"InlineLoadControl", kInline},
     {"KambiNavigationInfo", kNavigationInfo},
-    {"KeySensor", kNothing},
     {"Layer", kGroup},
     {"Layer2D", kGroup},
     {"Layer3D", kGroup},
     {"LayerSet", kLayers},
-    {"LoadSensor", kNothing},
     {"MenuSensor", kNothing},
     {"MouseSensor", kNothing},
-    {"MetadataDouble", kNothing},
-    {"MetadataFloat", kNothing},
-    {"MetadataInteger", kNothing},
-    {"MetadataSet", kNothing},
-    {"MetadataString", kNothing},
-    {"MultiTexture", kTextures, false, Role::texture},
-    {"MultiTextureCoordinate", kTextureCoordinates, false, Role::geometric_property},
-    {"MultiTextureTransform", kTextureTransforms, false, Role::texture_transform},
-    {"NurbsCurve2D", kNothing},
     {"Occlusion", kGroup},
     {"Particles", kNothing},
     {"ParticleSystem", kNothing},
     {"Polygon", kNoGeometry},
-    {"Polyline2D", kNoGeometry},
-    {"Rectangle2D", kNoGeometry},
     {"RefractiveMaterial", kMaterial},
     {"Selection", kGroup},
     {"SharedEvent", kNothing},
     {"SharedObject", kNothing},
     {"SpaceSensor", kNothing},
-    {"StaticGroup", kGroup},
-    {"StringSensor", kNothing},
     {"Text2D", kNoGeometry},
     {"TrimmedSurface", kTrimmedSurface, false, Role::geometry},
-    {"TwoSidedMaterial", kMaterial},
 };
 
 const NodeType* make(SceneGraph& scene, std::string_view name, std::string_view text, Role role = Role::none) {
@@ -203,7 +166,7 @@ bool is_overlay(const NodeType& type) {
 
 const NodeType* built_in_node_of_urn(const MFString& urls) {
   for (const String& url : urls)
-    if (const NodeType* type = built_in_node_type(node_of_urn(url.view()));
+    if (const NodeType* type = built_in_node_type(Language::x3d, node_of_urn(url.view()));
         type && type->kind == NodeType::Kind::built_in)
       return type;
   return nullptr;

@@ -94,7 +94,8 @@ class ElementBuilder {
     bool interface_open = false;  // for prototype: its interface has no end yet
     bool has_body = false;        // for prototype: its body was read
     SourceLocation location;
-    OpenNode node;                                  // for node, instance and fields of a Script
+    OpenNode node;                                  // for node and instance
+    NodeId owner;                                   // for field: its Script
     NodeType* declaring = nullptr;                  // type that `field` elements extend
     std::unique_ptr<InterfaceDeclaration> pending;  // for field; for external_prototype, its url
     const InterfaceDeclaration* field = nullptr;    // for field_value

@@ -9,7 +9,7 @@ using namespace gs::render;
 
 namespace {
 
-void add(std::string& file, std::uint32_t value, int bytes) {
+void put(std::string& file, std::uint32_t value, int bytes) {
   while (bytes-- > 0) file += static_cast<char>(value >> (8 * bytes));
 }
 
@@ -17,10 +17,10 @@ struct Sgi {
   int storage = 0, sample_bytes = 1, dimension = 3, width = 3, height = 2, channels = 3;
   [[nodiscard]] std::string header() const {
     std::string file;
-    add(file, 0x01da, 2);
-    add(file, static_cast<std::uint32_t>(storage), 1);
-    add(file, static_cast<std::uint32_t>(sample_bytes), 1);
-    for (const int number : {dimension, width, height, channels}) add(file, static_cast<std::uint32_t>(number), 2);
+    put(file, 0x01da, 2);
+    put(file, static_cast<std::uint32_t>(storage), 1);
+    put(file, static_cast<std::uint32_t>(sample_bytes), 1);
+    for (const int number : {dimension, width, height, channels}) put(file, static_cast<std::uint32_t>(number), 2);
     file.resize(512);
     return file;
   }
@@ -62,7 +62,7 @@ std::string packed(const Sgi& sgi) {
                         starts.back());
     }
   for (const auto& table : {starts, lengths})
-    for (const std::uint32_t number : table) add(file, number, 4);
+    for (const std::uint32_t number : table) put(file, number, 4);
   return file + rows;
 }
 

@@ -10,10 +10,10 @@ namespace gs::vrml::traces {
 
 TEST_CASE("returns a stand-in PROTO of the requested name") {
   for (const std::string name :
-       {"BlaxxunZone", "BspGroup",          "DeviceSensor",        "HUD",         "Layer",       "Layer2D",
-        "Layer3D",     "LayerSet",          "Occlusion",           "Particles",   "SharedEvent", "SharedObject",
-        "CullGroup",   "InlineLoadControl", "KambiNavigationInfo", "KeySensor",   "LoadSensor",  "MenuSensor",
-        "MouseSensor", "ParticleSystem",    "SpaceSensor",         "StringSensor", "Selection",   "Contour2D"}) {
+       {"BlaxxunZone", "BspGroup",          "DeviceSensor",        "HUD",        "Layer",       "Layer2D",
+        "Layer3D",     "LayerSet",          "Occlusion",           "Particles",  "SharedEvent", "SharedObject",
+        "CullGroup",   "InlineLoadControl", "KambiNavigationInfo", "MenuSensor", "MouseSensor", "ParticleSystem",
+        "SpaceSensor", "Selection"}) {
     INFO(name);
     SceneGraph scene("text.wrl");
     const NodeType* type = stand_in(scene, name);
@@ -25,21 +25,15 @@ TEST_CASE("returns a stand-in PROTO of the requested name") {
     CHECK(built_in_node_type(name) == nullptr);
   }
   SceneGraph scene("text.wrl");
-  for (const std::string name : {"RefractiveMaterial", "TwoSidedMaterial"}) {
-    INFO(name);
-    REQUIRE(stand_in(scene, name));
-    CHECK(has(stand_in(scene, name)->role, Role::material));
-  }
-  REQUIRE(stand_in(scene, "MultiTexture"));
-  CHECK(stand_in(scene, "MultiTexture")->role == Role::texture);
-  CHECK(stand_in(scene, "MultiTextureTransform")->role == Role::texture_transform);
-  CHECK(stand_in(scene, "MultiTextureCoordinate")->role == Role::geometric_property);
-  for (const std::string name : {"Rectangle2D", "Circle2D", "Polygon", "TrimmedSurface"}) {
+  REQUIRE(stand_in(scene, "RefractiveMaterial"));
+  CHECK(has(stand_in(scene, "RefractiveMaterial")->role, Role::material));
+  for (const std::string name : {"Polygon", "TrimmedSurface"}) {
     INFO(name);
     REQUIRE(stand_in(scene, name));
     CHECK(has(stand_in(scene, name)->role, Role::geometry));
   }
   CHECK(stand_in(scene, "Nobody") == nullptr);
+  CHECK(stand_in(scene, "Rectangle2D") == nullptr);  // a node of X3D
   CHECK(stand_in(scene, "") == nullptr);
 }
 
@@ -47,15 +41,15 @@ TEST_CASE("reports an unknown node type once") {
   SceneGraph scene("text.wrl");
   Diagnostics diagnostics;
   (void)parse(
-      "#VRML V2.0 utf8\nShape { geometry Rectangle2D { size 2 2 } }\nShape { geometry Rectangle2D { } } Gyro { a 1 } "
+      "#VRML V2.0 utf8\nShape { geometry Polygon { size 2 2 } }\nShape { geometry Polygon { } } Gyro { a 1 } "
       "Gyro { } DEF G Gyro { } Other { }",
       scene, diagnostics);
   Lines said;
   for (const Diagnostic& one : diagnostics.entries()) said.push_back(one.text());
-  CHECK(said == Lines{"text.wrl:2:18: warning: 'Rectangle2D' is not a VRML97 node, but an extension of other browsers; "
+  CHECK(said == Lines{"text.wrl:2:18: warning: 'Polygon' is not a VRML97 node, but an extension of other browsers; "
                       "a stand-in replaces it",
-                      "text.wrl:3:36: error: unknown node type 'Gyro'; the node is skipped",
-                      "text.wrl:3:73: error: unknown node type 'Other'; the node is skipped"});
+                      "text.wrl:3:32: error: unknown node type 'Gyro'; the node is skipped",
+                      "text.wrl:3:69: error: unknown node type 'Other'; the node is skipped"});
 }
 
 TEST_CASE("chooses a stand-in for an EXTERNPROTO by its name or its children") {
