@@ -326,6 +326,11 @@ Material material_of(const NodeView& view) {
   material.transparency = number(view, F::transparency, 0, 1, 0);
   material.lit = view.kind() != NodeKind::unlit_material;
   if (!material.lit) material.diffuse = material.emissive;
+  if (view.kind() == NodeKind::physical_material) {
+    // Colours of physical materials are linear.
+    material.diffuse = displayed(material.diffuse);
+    material.emissive = displayed(material.emissive);
+  }
   return material;
 }
 

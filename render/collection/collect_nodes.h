@@ -46,7 +46,7 @@ void take_group(ViewpointState& viewpoint, const ViewpointState& other);
 [[nodiscard]] ShapeStyle style_of(const NodeView& line, const NodeView& fill, const NodeView& point);
 
 /// Returns the colours of the front of a material node, with values clamped to the ranges of 6.27. For a
-/// PhysicalMaterial, `diffuse` is the base colour.
+/// PhysicalMaterial, `diffuse` is the base colour, converted to a display.
 [[nodiscard]] Material material_of(const NodeView& material);
 /// Returns the field `detail` of a QNV node, 1/100 to 100. Returns 1 for other nodes.
 [[nodiscard]] float detail_of(const NodeView& qnv);

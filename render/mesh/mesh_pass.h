@@ -120,9 +120,11 @@ class MeshPass {
     glm::mat3 transform{1.0f};
     bool modulates = false;
     std::optional<Sampling> sampling;
-    const LayeredMaterial* layered = nullptr;               // null for a plain texture
-    std::string program;                                    // key of the programs of `layered`
-    std::size_t sets = 0;                                   // coordinate sets of the meshes with this binding
+    const LayeredMaterial* layered = nullptr;  // null for a plain texture
+    std::string program;                       // key of the programs of `layered`
+    std::size_t sets = 0;                      // coordinate sets of the meshes with this binding
+    unsigned known_variant = 0;                // variant of known_program, the last one of this binding
+    VariantProgram* known_program = nullptr;
     TextureStore::Alpha alpha = TextureStore::Alpha::none;  // of the layers that change alpha
   };
   static constexpr std::size_t kUnsorted = SIZE_MAX;
@@ -178,7 +180,7 @@ class MeshPass {
   VariantProgram* program(unsigned variant);
   /// Returns the program of a state, as program(); that of a LayeredMaterial also depends on the texture binding.
   VariantProgram* program_of(const DrawState& state);
-  VariantProgram* layered_program(unsigned variant, const TextureBinding& binding);
+  VariantProgram* layered_program(unsigned variant, TextureBinding& binding);
   void find_uniforms(VariantProgram& program) const;
   [[nodiscard]] std::uint32_t layered_number(const DrawItem& item, std::size_t sets);
   void prepare_layers(const DrawItem& item, Prepared& prepared, bool& transparent);
@@ -264,7 +266,7 @@ class MeshPass {
   glm::dmat4 camera_from_world_{1.0};
   glm::mat3 world_from_camera_{1.0f};
   float pixel_side_ = 1;
-  bool styled_ = false;  // apply_style() changed the state of OpenGL
+  bool styled_ = false;           // apply_style() changed the state of OpenGL
   std::size_t bound_layers_ = 0;  // number of texture units that layers of this frame have used
   const SceneCube* hidden_cube_ = nullptr;
   unsigned last_variant_ = 0;
