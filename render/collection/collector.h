@@ -153,7 +153,7 @@ class Collector {
   RenderList list_;
   std::vector<ViewpointState> inlined_viewpoints_;
   std::vector<RenderSources::Local> inlined_sources_;
-  std::vector<ViewpointState> viewpoint_groups_{1};  // what the Viewpoints of each ViewpointGroup get; 0 is no group
+  std::vector<ViewpointState> viewpoint_groups_{1};  // values for the Viewpoints of each ViewpointGroup; 0 is no group
   std::size_t others_ = 0;  // number of viewpoints, bindable nodes and LODs so far
   bool have_navigation_ = false, have_background_ = false, have_fog_ = false;
   std::vector<Frame> path_;

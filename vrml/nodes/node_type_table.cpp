@@ -60,7 +60,6 @@ std::unique_ptr<NodeType> type_of_row(const NodeRow& row) {
 struct Renamed {
   std::string_view node, name, x3d_name;
 };
-<<<<<<< ours
 constexpr Renamed kRenamed[] = {
     {"Collision", "collide", "enabled"},
     {"ComposedCubeMapTexture", "back", "backTexture"},
@@ -73,23 +72,6 @@ constexpr Renamed kRenamed[] = {
     {"LoadSensor", "watchList", "children"},
     {"Switch", "choice", "children"},
 };
-||||||| base
-constexpr Renamed kRenamed[] = {
-    {"Collision", "collide", "enabled"}, {"LOD", "level", "children"}, {"LoadSensor", "watchList", "children"},
-    {"Switch", "choice", "children"}};
-=======
-constexpr Renamed kRenamed[] = {{"Collision", "collide", "enabled"},
-                                // Names of X3D 3.1 and 3.2.
-                                {"ComposedCubeMapTexture", "back", "backTexture"},
-                                {"ComposedCubeMapTexture", "bottom", "bottomTexture"},
-                                {"ComposedCubeMapTexture", "front", "frontTexture"},
-                                {"ComposedCubeMapTexture", "left", "leftTexture"},
-                                {"ComposedCubeMapTexture", "right", "rightTexture"},
-                                {"ComposedCubeMapTexture", "top", "topTexture"},
-                                {"LOD", "level", "children"},
-                                {"LoadSensor", "watchList", "children"},
-                                {"Switch", "choice", "children"}};
->>>>>>> theirs
 
 void rename_interfaces(NodeType& type) {
   for (const Renamed& renamed : kRenamed)
