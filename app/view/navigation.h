@@ -203,7 +203,7 @@ inline constexpr int kSideCount = 6;
 [[nodiscard]] Pose first_pose(const WideBox& bounds, const glm::vec2& viewport, const Upright& upright = {});
 
 /// Returns the indices of the Viewpoints that the user can choose: those with a description, and the first one, which
-/// is bound at the start (VRML97 6.53). Omits those of ViewpointGroups that are not displayed, or with a box is not
+/// is bound at the start (VRML97 6.53). Omits those of ViewpointGroups that are not displayed, or that have a box which is not
 /// around `viewer`, a position in world space.
 [[nodiscard]] std::vector<std::size_t> listed_viewpoints(const std::vector<render::ViewpointState>& viewpoints,
                                                          const glm::dvec3& viewer = glm::dvec3(0));
