@@ -324,10 +324,6 @@ add(SFNode.prototype, {
     return this.getNodeTypeName() + " { " + lines.join(" ") + " }";
   }
 });
-Object.defineProperties(SFImage.prototype, {
-  width: {get() { return this.x; }, set(value) { this.x = value; }, enumerable: true},
-  height: {get() { return this.y; }, set(value) { this.y = value; }, enumerable: true}
-});
 for (const Vector of [SFVec2f, SFVec2d, SFVec3f, SFVec3d, SFVec4f, SFVec4d])
   add(Vector.prototype, {
     distance(other) { return this.subtract(other).length(); },
