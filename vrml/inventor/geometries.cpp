@@ -154,7 +154,8 @@ void add_faces(Converter& converter, const Item& item, const State& state, const
   Output& output = converter.output();
   set_property(converter, geometry, "coord", "Coordinate", "point", state.points, serial_of(state, Part::coordinates));
   output.set(geometry, "coordIndex", faces.index);
-  if (look.varies) set_colors(converter, geometry, look, attribute_index(faces, binding, own.material, look.colors.size(), true));
+  if (look.varies)
+    set_colors(converter, geometry, look, attribute_index(faces, binding, own.material, look.colors.size(), true));
   set_normals(converter, item, state, geometry, faces, own);
   if (look.texture != 0) {
     converter.read(Part::texture_coordinates);
@@ -188,7 +189,8 @@ void add_lines(Converter& converter, const Item& item, const State& state, const
   if (!geometry) return;
   set_property(converter, geometry, "coord", "Coordinate", "point", state.points, serial_of(state, Part::coordinates));
   converter.output().set(geometry, "coordIndex", lines.index);
-  if (look.varies) set_colors(converter, geometry, look, attribute_index(lines, binding, own.material, look.colors.size(), true));
+  if (look.varies)
+    set_colors(converter, geometry, look, attribute_index(lines, binding, own.material, look.colors.size(), true));
   converter.output().end(geometry);
   if (!identity.empty()) converter.looks().property(identity) = geometry;
 }
@@ -207,7 +209,8 @@ void add_points(Converter& converter, const Item& item, const State& state, std:
   std::string range;
   if (!whole) range = " from" + std::to_string(first) + ' ' + std::to_string(count);
   const MFVec3f points = whole ? state.points : MFVec3f(state.points.span().subspan(first, count));
-  set_property(converter, geometry, "coord", "Coordinate", "point", points, serial_of(state, Part::coordinates) + range);
+  set_property(converter, geometry, "coord", "Coordinate", "point", points,
+               serial_of(state, Part::coordinates) + range);
   if (look.varies) {
     MFColor colors;
     for (std::size_t i = 0; i < count; ++i) colors.push_back(look.colors[i % look.colors.size()]);

@@ -94,7 +94,7 @@ struct State {
   DrawStyle draw_style = DrawStyle::filled;
   bool lit = true, textured = true;
   SFVec3f attenuation{0, 0, 1};  // of local lights: square, linear, constant
-  double unit = 1;  // metres; see the node Units
+  double unit = 1;               // metres; see the node Units
   /// Identity of the value of each part. Equal identities mean equal values.
   std::array<std::uint64_t, kParts> serials{};
 

@@ -32,8 +32,8 @@ void apply_texture_transform(Converter& converter, const Item& item) {
   const glm::dmat3 rotation(std::cos(angle), std::sin(angle), 0, -std::sin(angle), std::cos(angle), 0, 0, 0, 1);
   const glm::dmat3 scaling(scale.x, 0, 0, 0, scale.y, 0, 0, 0, 1);
   const auto moved = [](double x, double y) { return glm::dmat3(1, 0, 0, 0, 1, 0, x, y, 1); };
-  const glm::dmat3 matrix = moved(translation.x + center.x, translation.y + center.y) * rotation * scaling *
-                            moved(-center.x, -center.y);
+  const glm::dmat3 matrix =
+      moved(translation.x + center.x, translation.y + center.y) * rotation * scaling * moved(-center.x, -center.y);
   const glm::dmat3 product = converter.state().texture_transform * matrix;
   std::string key = "texture transform";
   for (int column = 0; column < 3; ++column)

@@ -92,8 +92,8 @@ void apply_local_light(Converter& converter, const Item& item) {
     output.set(light, "direction", item.get<SFVec3f>("direction"));
     output.set(light, "cutOffAngle", std::clamp(cut_off, 0.001F, 1.570796F));
     // The light falls with a power of the cosine; VRML97 has a beam of full intensity instead.
-    output.set(light, "beamWidth", drop > 0 ? std::clamp(cut_off * (1 - std::min(drop, 1.0F)), 0.001F, 1.570796F)
-                                            : 1.570796F);
+    output.set(light, "beamWidth",
+               drop > 0 ? std::clamp(cut_off * (1 - std::min(drop, 1.0F)), 0.001F, 1.570796F) : 1.570796F);
   }
   output.end(light);
 }
@@ -141,7 +141,11 @@ void apply_info(Converter& converter, const Item& item) {
     const auto is = [&](std::string_view word) { return name.find(word) != std::string_view::npos; };
     const NodeId node = output.begin("NavigationInfo", *target, item.location);
     if (!node) return;
-    output.set(node, "type", MFString{is("walk") || is("Walk") ? "WALK" : is("fly") || is("Fly") || is("plane") ? "FLY" : "EXAMINE", "ANY"});
+    output.set(node, "type",
+               MFString{is("walk") || is("Walk")                ? "WALK"
+                        : is("fly") || is("Fly") || is("plane") ? "FLY"
+                                                                : "EXAMINE",
+                        "ANY"});
     return output.end(node);
   }
   const NodeId node = output.begin("WorldInfo", *target, item.location);
@@ -157,7 +161,7 @@ void apply_info(Converter& converter, const Item& item) {
 // Copies a VRML97 node, which some programs write into VRML 1.0 files.
 void apply_vrml97(Converter& converter, const Item& item) {
   Output& output = converter.output();
-  const auto target = output.group_target();
+  const auto target = output.target();
   if (!target) return;
   const NodeId node = output.begin(item.type->name, *target, item.location, item.name);
   if (!node) return;
@@ -208,8 +212,8 @@ constexpr ItemRow kViewingRows[] = {
     {"DirectionalLight", ItemClass::plain, false, apply_directional_light, kDirectionalFields},
     {"PointLight", ItemClass::plain, false, apply_local_light<false>, kPointFields},
     {"SpotLight", ItemClass::plain, false, apply_local_light<true>, kSpotFields},
-    {"DirectionalLightManip ShadowDirectionalLight", ItemClass::kit, false, apply_directional_light,
-     kDirectionalFields, kHandles},
+    {"DirectionalLightManip ShadowDirectionalLight", ItemClass::kit, false, apply_directional_light, kDirectionalFields,
+     kHandles},
     {"PointLightManip", ItemClass::kit, false, apply_local_light<false>, kPointFields, kHandles},
     {"SpotLightManip ShadowSpotLight", ItemClass::kit, false, apply_local_light<true>, kSpotFields, kHandles},
     {"Environment", ItemClass::plain, false, apply_environment, R"(
