@@ -211,11 +211,11 @@ void Reader::State::feed(std::string_view text) {
 // Reports an incomplete end of the text.
 void Reader::State::close() {
   if (stopped) return;
-  std::string rest = pieces.take_rest();
-  rest.erase(0, scan(rest));
+  std::string_view rest = pieces.rest();
+  rest.remove_prefix(scan(rest));
   if (stopped) return;
   markup_location = location;
-  if (!is_blank(rest)) give(std::string_view(rest).substr(0, kMaxRest), false);
+  if (!is_blank(rest)) give(rest.substr(0, kMaxRest), false);
   if (!stopped && builder.depth() > 0) markup_location = builder.open_location();
   if (!stopped && !expat.parse({}, true))
     fail(builder.depth() > 0 ? "the file ends inside the element that begins here" : "not XML: " + expat.error());
