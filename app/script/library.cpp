@@ -32,9 +32,12 @@ ScriptLibraries::~ScriptLibraries() {
   }
 }
 
-ScriptLibrary* ScriptLibraries::of(const std::shared_ptr<const vrml::TextSource>& source) {
-  std::unique_ptr<ScriptLibrary>& library = libraries_[library_key(origin_of(source))];
+ScriptLibrary* ScriptLibraries::of(const std::shared_ptr<const vrml::TextSource>& source, vrml::Language language) {
+  // No key of a source begins with a blank.
+  const std::string prefix = language == vrml::Language::x3d ? " x3d " : "";
+  std::unique_ptr<ScriptLibrary>& library = libraries_[prefix + library_key(origin_of(source))];
   if (!library) library = std::make_unique<ScriptLibrary>(world_, execution_, engine_.context());
+  library->language = language;
   return library->global || make(*library) ? library.get() : nullptr;
 }
 
@@ -48,7 +51,8 @@ bool ScriptLibraries::make(ScriptLibrary& library) {
   const bool good = bound_natives(context, global) && define_tuples(context, global, prototypes) &&
                     define_images(context, global, prototypes) && define_lists(context, global, prototypes) &&
                     define_nodes(context, global, prototypes) && define_matrices(context, global, prototypes) &&
-                    define_browser(context, global);
+                    define_browser(context, global) &&
+                    (library.language != vrml::Language::x3d || define_x3d(context, global));
   if (!good) {
     JS_ClearPendingException(context);
     JS_SetCompartmentPrivate(js::GetContextCompartment(context), nullptr);

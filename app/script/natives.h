@@ -26,8 +26,8 @@ bool make_global(JSContext* context, vrml::Execution& execution, Program& progra
 [[nodiscard]] bool may_read(JSContext* context, const vrml::Node& node);
 /// Reports a warning about the running program, unless it was reported before. `at` is its position, if known.
 void warn(JSContext* context, std::string text, std::optional<Diagnostic> at = {});
-/// Reports whether the library provides this name to every program.
-[[nodiscard]] bool is_library_name(std::string_view name);
+/// Reports whether the library provides this name to every program of a language.
+[[nodiscard]] bool is_library_name(std::string_view name, vrml::Language language);
 
 // natives/values.cpp
 /// Origin of a value that was read. When a part of the value is assigned, the whole value is written back there. If
@@ -88,8 +88,10 @@ bool image_of(JSContext* context, JS::HandleObject object, vrml::PixelImage& ima
 bool image_array_changed(JSContext* context, JS::HandleObject image);
 
 // natives/matrices.cpp
-/// Makes a matrix of 9 or 16 numbers.
-JSObject* make_matrix(JSContext* context, int count, const double* numbers, Source source = {});
+/// Makes a matrix of a matrix type, of 9 or 16 numbers.
+JSObject* make_matrix(JSContext* context, vrml::FieldType type, const double* numbers, Source source = {});
+/// Returns a copy without an origin. Returns null if the object is no matrix.
+JSObject* copy_of_matrix(JSContext* context, JS::HandleObject object);
 /// Returns the numbers of a matrix of `count` numbers. Returns false if the object is no such matrix.
 [[nodiscard]] bool numbers_of_matrix(JSObject* object, int count, double* numbers);
 bool define_matrices(JSContext* context, JS::HandleObject library, std::vector<JS::PersistentRootedObject>& prototypes);
@@ -98,5 +100,9 @@ bool define_matrices(JSContext* context, JS::HandleObject library, std::vector<J
 bool define_browser(JSContext* context, JS::HandleObject library);
 /// Reports whether the Browser object has a method with this name.
 [[nodiscard]] bool is_browser_method(std::string_view name);
+
+// x3d/x3d_library.cpp
+/// Adds the objects of X3D to a library (ISO/IEC 19777-1).
+bool define_x3d(JSContext* context, JS::HandleObject library);
 
 }  // namespace gs::app::script

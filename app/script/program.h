@@ -32,7 +32,8 @@ struct Program {
   vrml::EventNode node = 0;
   vrml::SceneGraph* scene = nullptr;
   vrml::NodeId id;
-  std::shared_ptr<const vrml::TextSource> source;  // source of the text that contains the url field
+  vrml::Language language = vrml::Language::vrml97;  // of the text of the Script: selects the API
+  std::shared_ptr<const vrml::TextSource> source;    // source of the text that contains the url field
   /// Cached decisions of may_read(), by the source of the node. The shared pointers keep the keys valid.
   std::unordered_map<const vrml::TextSource*, std::pair<std::shared_ptr<const vrml::TextSource>, Reading>> readings;
   JS::PersistentRootedObject global;
@@ -42,7 +43,7 @@ struct Program {
   std::vector<bool> unsent;                                        // eventOuts with unsent values; by index of `names`
   std::vector<std::uint32_t> to_send;
   std::vector<std::size_t> counted;  // by index of `names`: bytes that count against the heap of programs
-  bool runs = false, waits = false, off = false, has_processed = false, told_direct = false;
+  bool runs = false, waits = false, off = false, has_processed = false, has_prepare = false, told_direct = false;
   bool ended = false;  // shutdown() was called
   int faults = 0;
   std::string late_message;  // see Engine::on_overdue()
@@ -116,6 +117,7 @@ struct ListBox {
 /// Objects of VRML97's types and of the browser. They have their own compartment.
 struct ScriptLibrary {
   World* world = nullptr;
+  vrml::Language language = vrml::Language::vrml97;  // of its Scripts
   std::shared_ptr<Link> link = std::make_shared<Link>();
   JS::PersistentRootedObject global;
   std::vector<JS::PersistentRootedObject> prototypes;

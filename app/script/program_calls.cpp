@@ -78,8 +78,14 @@ void ProgramCalls::call_event(Program& program, std::uint32_t interface, const v
     // The name of an exposedField is its value; its handler has another name (contact_text()).
     const vrml::InterfaceDeclaration& declaration =
         *execution_.nodes().schema_of(program.node).interfaces[interface].declaration;
-    if (declaration.access != vrml::AccessType::exposedField) {
+    const bool exposed = declaration.access == vrml::AccessType::exposedField;
+    if (!exposed) {
       if (!JS_GetPropertyById(context, program.global, name, &function)) return false;
+    } else if (program.language == vrml::Language::x3d &&
+               !JS_GetProperty(context, program.global, ("set_" + declaration.name).c_str(), &function)) {
+      return false;
+    } else if (function.isObject()) {
+      // X3D: set_x() handles the events of the field x of type inputOutput.
     } else if (const std::string handler = std::string(kHandlerPrefix) + declaration.name;
                !JS_GetProperty(context, program.global, handler.c_str(), &function)) {
       return false;

@@ -57,6 +57,9 @@ bool ProgramLoader::start_text(Program& program, std::string_view text, const st
     JS::RootedValue function(context);
     if (!JS_GetProperty(context, program.global, "eventsProcessed", &function)) return false;
     program.has_processed = function.isObject() && JS::IsCallable(&function.toObject());
+    if (program.language != vrml::Language::x3d) return true;
+    if (!JS_GetProperty(context, program.global, "prepareEvents", &function)) return false;
+    program.has_prepare = function.isObject() && JS::IsCallable(&function.toObject());
     return true;
   });
   calls_.call(program, "initialize");
@@ -88,7 +91,7 @@ bool ProgramLoader::start(Program& program) {
   const vrml::Node& script = program.scene->node(program.id);
   const vrml::InterfaceDeclaration* const url = script.type->find_field("url");
   const vrml::MFString urls = url ? std::get<vrml::MFString>(script.values[url->slot]) : vrml::MFString{};
-  program.library = libraries_.of(program.source);
+  program.library = libraries_.of(program.source, program.language);
   if (!program.library) {
     messages_.report(Severity::error, program, "not enough memory for programs");
     return false;

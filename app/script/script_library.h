@@ -10,8 +10,8 @@
 
 namespace gs::app::script {
 
-/// Libraries of a world, one for each site and local file. They outlive the world, because objects may be collected
-/// later; the destructor detaches them. One thread.
+/// Libraries of a world, one for each site and local file, and for each language. They outlive the world, because
+/// objects may be collected later; the destructor detaches them. One thread.
 class ScriptLibraries : NonCopyable {
  public:
   /// All arguments must outlive the object.
@@ -19,8 +19,9 @@ class ScriptLibraries : NonCopyable {
       : world_(world), execution_(execution), engine_(engine) {}
   ~ScriptLibraries();
 
-  /// Returns the library for Scripts of this source. Creates it if necessary. Returns null if memory is insufficient.
-  ScriptLibrary* of(const std::shared_ptr<const vrml::TextSource>& source);
+  /// Returns the library for Scripts of this source and language. Creates it if necessary. Returns null if memory is
+  /// insufficient.
+  ScriptLibrary* of(const std::shared_ptr<const vrml::TextSource>& source, vrml::Language language);
 
  private:
   bool make(ScriptLibrary& library);
@@ -28,7 +29,7 @@ class ScriptLibraries : NonCopyable {
   World& world_;
   vrml::Execution& execution_;
   Engine& engine_;
-  std::unordered_map<std::string, std::unique_ptr<ScriptLibrary>> libraries_;  // by library_key()
+  std::unordered_map<std::string, std::unique_ptr<ScriptLibrary>> libraries_;  // by library_key() and language
 };
 
 /// Guard of the nodes that programs may read (docs/security.md). One thread.

@@ -62,6 +62,7 @@ bool World::begin(vrml::EventNode node) {
   made->node = node;
   made->id = at.node;
   made->scene = execution_.scenes().own(*at.scene);
+  made->language = text_of_program(*made).language();
   made->source = text_of_program(*made).source();
   made->faults = faults;
   made->off = faults >= ProgramFaults::kMax;
@@ -80,6 +81,22 @@ bool World::deliver(vrml::EventNode node, std::uint32_t interface, const vrml::F
 void World::events_processed(vrml::EventNode node) {
   Program* const program = program_of(node);
   if (program && program->runs) calls_.call(*program, "eventsProcessed");
+}
+
+void World::prepare_events() {
+  // prepareEvents() may add Scripts, but it begins none.
+  std::vector<vrml::EventNode> nodes;
+  for (const auto& [node, program] : programs_)
+    if (program->runs && program->has_prepare && !program->off) nodes.push_back(node);
+  std::sort(nodes.begin(), nodes.end());
+  for (const vrml::EventNode node : nodes)
+    if (Program* const program = program_of(node); program && program->runs && calls_.time().has_time())
+      calls_.call(*program, "prepareEvents");
+}
+
+bool World::prepares_events() const {
+  return std::any_of(programs_.begin(), programs_.end(),
+                     [](const auto& one) { return one.second->runs && one.second->has_prepare && !one.second->off; });
 }
 
 void World::end(vrml::EventNode node) {

@@ -26,6 +26,8 @@ class World final : public ScriptRunner {
   bool begin(vrml::EventNode script) override;
   bool deliver(vrml::EventNode script, std::uint32_t interface, const vrml::FieldValue& value, double time) override;
   void events_processed(vrml::EventNode script) override;
+  void prepare_events() override;
+  [[nodiscard]] bool prepares_events() const override;
   void end(vrml::EventNode script) override;
   void forget(vrml::EventNode script) override;
   [[nodiscard]] bool waits(vrml::EventNode script) const override;

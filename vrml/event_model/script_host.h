@@ -24,6 +24,10 @@ class ScriptHost : NonCopyable {
   virtual bool deliver(EventNode script, std::uint32_t interface, const FieldValue& value, double time) = 0;
   /// Called when no more events are pending for the Script. Calls eventsProcessed() of the program (4.12.4).
   virtual void events_processed(EventNode script) = 0;
+  /// Called at the begin of each step, before any event of the step. Calls prepareEvents() of X3D programs.
+  virtual void prepare_events() {}
+  /// Reports whether a program must be called in each step.
+  [[nodiscard]] virtual bool prepares_events() const { return false; }
   /// Calls shutdown() of the program (4.12.3).
   virtual void end(EventNode script) = 0;
   /// Discards the data of a removed Script.

@@ -36,12 +36,14 @@ void Execution::start(double now) {
 void Execution::step(double now) {
   cascade_.begin(now);
   browser_.send_changes();
+  if (ScriptHost* const host = scripts_.host()) host->prepare_events();
   timers_.begin_step(cascade_.now());
   pointing_.go_on();
   cascade_.drain();
 }
 
 std::optional<double> Execution::next_time() const {
+  if (scripts_.host() && scripts_.host()->prepares_events()) return now();
   if (timers_.has_running() || pointing_.waits() || lifetime_.waits() || scripts_.waits() || browser_.waits())
     return now();
   return timers_.next_alarm();

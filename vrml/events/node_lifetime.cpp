@@ -234,6 +234,7 @@ void NodeLifetime::remove_scene(SceneGraph& scene) {
       if (member != 0) remove_member(member);
     execution_.scenes().remove(*one);
     held_.erase(one);
+    roots_.erase(one);
     if (next_world_ && next_world_->scene == one) next_world_.reset();
   }
 }
@@ -295,6 +296,19 @@ bool NodeLifetime::replace_world(SceneGraph& scene, const MFNode& nodes) {
   return true;
 }
 
+bool NodeLifetime::set_roots(SceneGraph& scene, const MFNode& nodes) {
+  if (!execution_.scenes().has(&scene)) return false;
+  for (const NodeId id : nodes)
+    if (!scene.contains(id)) return false;
+  for (const NodeId id : nodes) hold(scene, id);
+  const MFNode before = std::exchange(roots_[&scene], nodes);
+  for (const NodeId id : before) release(scene, id);
+  scene.set_roots(nodes);
+  execution_.placement().forget();
+  ++replaced_;
+  return true;
+}
+
 bool NodeLifetime::replace_world(const MFNode& nodes) { return replace_world(execution_.scenes().root(), nodes); }
 
 // Moves the scene's content into the root as an Inline, which becomes the only content of the root.
@@ -329,6 +343,8 @@ void NodeLifetime::do_replace_world() {
   const bool has_room = is_root || move_to_root(*next.scene);
   if (has_room) next.scene->set_roots(next.nodes);
   execution_.placement().forget();
+  for (const auto& [scene, nodes] : std::exchange(roots_, {}))
+    for (const NodeId id : nodes) release(*scene, id);
   for (const NodeId id : next.nodes) release(*next.scene, id);
   if (!has_room) return;
   SceneState& state = scenes.state_of(*next.scene);

@@ -42,7 +42,10 @@ class NodeLifetime {
   bool replace_world(SceneGraph& scene, const MFNode& nodes);
   /// Replaces the world by nodes of the root scene; see above.
   bool replace_world(const MFNode& nodes);
-  /// Returns how often the world was replaced.
+  /// Replaces the top-level nodes of a scene of the world, for addRootNode and removeRootNode of X3D. Nodes of files
+  /// stay in memory. Binds no nodes. Returns false if a node is not in the scene, or the scene is not in the world.
+  bool set_roots(SceneGraph& scene, const MFNode& nodes);
+  /// Returns how often the world or its top-level nodes were replaced.
   [[nodiscard]] std::uint32_t replaced() const { return replaced_; }
   /// Reports whether a replacement waits for the end of a cascade.
   [[nodiscard]] bool waits() const { return next_world_.has_value(); }
@@ -73,6 +76,7 @@ class NodeLifetime {
   std::vector<EventNode> referring_;  // nodes with changed node fields or eventOuts
   // Number of calls of `hold` per node, by scene and node index.
   std::unordered_map<const SceneGraph*, std::unordered_map<std::uint32_t, std::size_t>> held_;
+  std::unordered_map<const SceneGraph*, MFNode> roots_;  // top-level nodes that set_roots() holds
   std::size_t made_since_ = 0, next_removal_ = 0;  // run-time nodes made since the last removal; number for the next
   bool removing_ = false;
   std::optional<NextWorld> next_world_;

@@ -210,6 +210,8 @@ bool copy(JSContext* context, unsigned argc, JS::Value* vp) {
     JS::RootedObject rooted(context, object);
     if (!image_of(context, rooted, image)) return false;
     made = make_image(context, image, {});
+  } else if (JS::RootedObject rooted(context, object); JSObject* const matrix = copy_of_matrix(context, rooted)) {
+    made = matrix;
   }
   args.rval().setObjectOrNull(made);
   return made != nullptr;

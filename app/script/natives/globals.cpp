@@ -110,7 +110,7 @@ bool resolve(JSContext* context, JS::HandleObject global, JS::HandleId id, bool*
           JS::RootedString other(context, JS_AtomizeString(context, from));
           if (!other || !JS_StringToId(context, other, &source)) return false;
         }
-        if (is_library_name(from ? std::string_view(from) : wanted)) {
+        if (is_library_name(from ? std::string_view(from) : wanted, program->language)) {
           if (!JS_HasOwnPropertyById(context, library, source, &has)) return false;
           if (has) {
             if (!JS_GetPropertyById(context, library, source, &value)) return false;
@@ -185,6 +185,17 @@ bool set_own_native(JSContext* context, unsigned argc, JS::Value* vp) {
   return !program || set_own(context, *program, place, args.get(0));
 }
 
+// Reports whether a declaration is one that every Script has, and that is no name of its program.
+bool is_own_field_of_script(const Program& program, const vrml::InterfaceDeclaration& declaration) {
+  static const std::unordered_set<std::string_view> own = {"url", "directOutput", "mustEvaluate"};
+  static const std::unordered_set<std::string_view> own_in_x3d = {
+      "url", "directOutput", "mustEvaluate", "load", "description", "autoRefresh", "autoRefreshTimeLimit", "metadata"};
+  if (program.language == vrml::Language::vrml97)
+    return declaration.slot >= 0 && declaration.slot < 3 && own.contains(declaration.name);
+  return declaration.slot >= 0 && declaration.slot < static_cast<int>(own_in_x3d.size()) &&
+         own_in_x3d.contains(declaration.name);
+}
+
 }  // namespace
 
 ScriptLibrary& library_of(JSContext* context) {
@@ -221,7 +232,46 @@ JSObject* new_global(JSContext* context, Program* program, JS::HandleObject besi
 
 void forget_program(JSObject* global) { JS::SetReservedSlot(global, kProgramSlot, JS::PrivateValue(nullptr)); }
 
-bool is_library_name(std::string_view name) {
+bool is_library_name(std::string_view name, vrml::Language language) {
+  static const std::unordered_set<std::string_view> x3d_names = {"SFColorRGBA",
+                                                                 "SFVec2d",
+                                                                 "SFVec3d",
+                                                                 "SFVec4f",
+                                                                 "SFVec4d",
+                                                                 "SFMatrix3f",
+                                                                 "SFMatrix3d",
+                                                                 "SFMatrix4f",
+                                                                 "SFMatrix4d",
+                                                                 "MFBool",
+                                                                 "MFColorRGBA",
+                                                                 "MFDouble",
+                                                                 "MFImage",
+                                                                 "MFVec2d",
+                                                                 "MFVec3d",
+                                                                 "MFVec4f",
+                                                                 "MFVec4d",
+                                                                 "MFMatrix3f",
+                                                                 "MFMatrix3d",
+                                                                 "MFMatrix4f",
+                                                                 "MFMatrix4d",
+                                                                 "X3DMatrix3",
+                                                                 "X3DMatrix4",
+                                                                 "X3DConstants",
+                                                                 "X3DExecutionContext",
+                                                                 "X3DScene",
+                                                                 "X3DRoute",
+                                                                 "RouteArray",
+                                                                 "X3DFieldDefinition",
+                                                                 "FieldDefinitionArray",
+                                                                 "X3DProtoDeclaration",
+                                                                 "ProtoDeclarationArray",
+                                                                 "X3DExternProtoDeclaration",
+                                                                 "ExternProtoDeclarationArray",
+                                                                 "ProfileInfo",
+                                                                 "ProfileInfoArray",
+                                                                 "ComponentInfo",
+                                                                 "ComponentInfoArray"};
+  if (language == vrml::Language::x3d && x3d_names.contains(name)) return true;
   static const std::unordered_set<std::string_view> names = {
       "SFColor", "SFRotation", "SFVec2f",  "SFVec3f",      "SFImage", "SFNode",  "MFColor", "MFFloat", "MFInt32",
       "MFNode",  "MFRotation", "MFString", "MFTime",       "MFVec2f", "MFVec3f", "SFFloat", "SFTime",  "SFDouble",
@@ -237,6 +287,7 @@ bool make_global(JSContext* context, vrml::Execution& execution, Program& progra
   const JSAutoRealm realm(context, global);
   if (!bound_natives(context, global)) return false;
   const auto& interfaces = execution.nodes().schema_of(program.node).interfaces;
+  const vrml::NodeType& script_type = *program.scene->node(program.id).type;
   program.names.resize(interfaces.size());
   program.lists.resize(interfaces.size());
   program.unsent.resize(interfaces.size());
@@ -248,8 +299,7 @@ bool make_global(JSContext* context, vrml::Execution& execution, Program& progra
     if (!name || !JS_StringToId(context, name, &id)) return false;
     program.names[place] = id;
     if (declaration.access == vrml::AccessType::eventIn) continue;
-    if (declaration.name == "url" || declaration.name == "directOutput" || declaration.name == "mustEvaluate")
-      if (declaration.slot >= 0 && declaration.slot < 3) continue;
+    if (is_own_field_of_script(program, declaration)) continue;
     JSFunction* const get = js::NewFunctionWithReserved(context, get_own, 0, 0, nullptr);
     JS::RootedObject getter(context, get ? JS_GetFunctionObject(get) : nullptr);
     JSFunction* const set = js::NewFunctionWithReserved(context, set_own_native, 1, 0, nullptr);
@@ -259,6 +309,12 @@ bool make_global(JSContext* context, vrml::Execution& execution, Program& progra
     js::SetFunctionNativeReserved(setter, 0, JS::Int32Value(static_cast<std::int32_t>(place)));
     const unsigned attributes = JSPROP_ENUMERATE | JSPROP_PERMANENT;
     if (!JS_DefinePropertyById(context, global, id, getter, setter, attributes)) return false;
+    // X3D programs also know the field x of type inputOutput as x_changed.
+    const std::string changed = declaration.name + "_changed";
+    if (program.language == vrml::Language::x3d && declaration.access == vrml::AccessType::exposedField &&
+        !script_type.find(changed) &&
+        !JS_DefineProperty(context, global, changed.c_str(), getter, setter, JSPROP_PERMANENT))
+      return false;
   }
   if (repeatable) {
     JS::RootedValue math(context), random(context);

@@ -1,5 +1,6 @@
 #include "app/script/natives.h"
 #include "app/script/script_world.h"
+#include "vrml/scene/field_numbers.h"
 
 #include <js/Array.h>
 #include <js/Conversions.h>
@@ -11,20 +12,30 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat4x4.hpp>
 
-#include <array>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
-// VrmlMatrix (VRML97 C.6.19): four rows of numbers, with the translation in the fourth row; vectors are rows. A glm
-// matrix, in which vectors are columns, stores the same numbers in the same order.
+// VrmlMatrix (VRML97 C.6.19) and the matrices of X3D: three or four rows of numbers, with the translation in the fourth
+// row; vectors are rows. A glm matrix, in which vectors are columns, stores the same numbers in the same order.
 namespace gs::app::script {
 namespace {
 
 constexpr std::uint32_t kNumbers = 16;
-// A matrix of 3 rows takes the upper left part of 4 rows; kSizeSlot is the number of its rows.
-constexpr std::uint32_t kSizeSlot = kNumbers, kMatrixParentSlot = kSizeSlot + 1,
+// A matrix of 3 rows takes the upper left part of 4 rows. kKindSlot is the index of its MatrixKind.
+constexpr std::uint32_t kKindSlot = kNumbers, kMatrixParentSlot = kKindSlot + 1,
                         kMatrixPlaceSlot = kMatrixParentSlot + 1;
 constexpr std::uint32_t kMatrixSlots = kMatrixPlaceSlot + 1;
+struct MatrixKind {
+  const char* name;
+  int size;              // number of rows
+  vrml::FieldType type;  // type of a field with this matrix
+};
+constexpr MatrixKind kMatrixKinds[] = {
+    {"VrmlMatrix", 4, vrml::FieldType::SFMatrix4f}, {"SFMatrix3f", 3, vrml::FieldType::SFMatrix3f},
+    {"SFMatrix3d", 3, vrml::FieldType::SFMatrix3d}, {"SFMatrix4f", 4, vrml::FieldType::SFMatrix4f},
+    {"SFMatrix4d", 4, vrml::FieldType::SFMatrix4d},
+};
 const JSClass kMatrixClass = {"VrmlMatrix", JSCLASS_HAS_RESERVED_SLOTS(kMatrixSlots), nullptr, nullptr, nullptr,
                               nullptr};
 const JSClass kRowClass = {"VrmlMatrixRow", JSCLASS_HAS_RESERVED_SLOTS(2), nullptr, nullptr, nullptr, nullptr};
@@ -43,23 +54,28 @@ void set_matrix(JSObject* object, const glm::dmat4& matrix) {
     JS::SetReservedSlot(object, i, JS::DoubleValue(matrix[static_cast<int>(i / 4)][static_cast<int>(i % 4)]));
 }
 
-int size_of(JSObject* object) { return JS::GetReservedSlot(object, kSizeSlot).toInt32(); }
+int kind_of_matrix(JSObject* object) { return JS::GetReservedSlot(object, kKindSlot).toInt32(); }
+int size_of(JSObject* object) { return kMatrixKinds[kind_of_matrix(object)].size; }
 
-JSObject* make(JSContext* context, const glm::dmat4& matrix, int size) {
-  JS::RootedObject prototype(context, library_of(context).matrix_prototype());
+JSObject* make(JSContext* context, const glm::dmat4& matrix, int kind) {
+  const ScriptLibrary& library = library_of(context);
+  JS::RootedObject prototype(context,
+                             kind == 0 ? library.matrix_prototype() : library.prototype(kMatrixKinds[kind].type));
   JSObject* const made = JS_NewObjectWithGivenProto(context, &kMatrixClass, prototype);
   if (!made) return nullptr;
   set_matrix(made, matrix);
-  JS::SetReservedSlot(made, kSizeSlot, JS::Int32Value(size));
+  JS::SetReservedSlot(made, kKindSlot, JS::Int32Value(kind));
   return made;
 }
 
-// Returns a matrix of the size of the called one; 4 rows for a constructor.
-bool give(JSContext* context, const JS::CallArgs& args, const glm::dmat4& matrix) {
-  const int size = is_matrix(args.thisv()) ? size_of(&args.thisv().toObject()) : 4;
-  JSObject* const made = make(context, matrix, size);
+bool give(JSContext* context, const JS::CallArgs& args, const glm::dmat4& matrix, int kind) {
+  JSObject* const made = make(context, matrix, kind);
   args.rval().setObjectOrNull(made);
   return made != nullptr;
+}
+// Returns a matrix of the kind of the called one.
+bool give(JSContext* context, const JS::CallArgs& args, const glm::dmat4& matrix) {
+  return give(context, args, matrix, kind_of_matrix(&args.thisv().toObject()));
 }
 
 // Writes a changed matrix back to the object from which it was read.
@@ -83,13 +99,7 @@ bool numbers_of(JSContext* context, JS::HandleValue value, vrml::FieldType type,
   if (value.isObject() && is_tuple(&value.toObject(), found, c) && found == type) return true;
   vrml::FieldValue field;
   if (!to_field(context, value, type, nullptr, field)) return false;
-  if (type == vrml::FieldType::SFRotation) {
-    const auto& r = std::get<vrml::SFRotation>(field);
-    c[0] = r.x, c[1] = r.y, c[2] = r.z, c[3] = r.angle;
-  } else {
-    const auto& v = std::get<vrml::SFVec3f>(field);
-    c[0] = v.x, c[1] = v.y, c[2] = v.z;
-  }
+  vrml::read_numbers(field, c);
   return true;
 }
 
@@ -98,11 +108,56 @@ glm::dmat4 turn(const double* c) {
   return glm::length(axis) > 0 ? glm::rotate(glm::dmat4(1), c[3], glm::normalize(axis)) : glm::dmat4(1);
 }
 
+// ---- Matrices of 3 rows, which transform points in the plane
+
+glm::dmat4 shifted(double x, double y) {
+  glm::dmat4 matrix(1);
+  matrix[2][0] = x;
+  matrix[2][1] = y;
+  return matrix;
+}
+glm::dmat4 turned(double angle) {
+  glm::dmat4 matrix(1);
+  matrix[0][0] = matrix[1][1] = std::cos(angle);
+  matrix[0][1] = std::sin(angle);
+  matrix[1][0] = -matrix[0][1];
+  return matrix;
+}
+
+// Reads an angle: a number, or the last component of an SFVec3f or an SFRotation.
+bool angle_of(JSContext* context, JS::HandleValue value, double& angle) {
+  double c[4] = {};
+  vrml::FieldType type{};
+  if (!value.isObject() || !is_tuple(&value.toObject(), type, c)) return JS::ToNumber(context, value, &angle);
+  angle = c[vrml::number_count(type) - 1];
+  return true;
+}
+
+bool set_plane_transform(JSContext* context, const JS::CallArgs& args) {
+  double c[3][4] = {{0, 0}, {1, 1}, {0, 0}}, angles[2] = {};
+  constexpr unsigned kVectors[] = {0, 2, 4}, kAngles[] = {1, 3};
+  for (unsigned i = 0; i < 3; ++i)
+    if (!args.get(kVectors[i]).isNullOrUndefined() &&
+        !numbers_of(context, args.get(kVectors[i]), vrml::FieldType::SFVec2f, c[i]))
+      return false;
+  for (unsigned i = 0; i < 2; ++i)
+    if (!args.get(kAngles[i]).isNullOrUndefined() && !angle_of(context, args.get(kAngles[i]), angles[i])) return false;
+  glm::dmat4 scale(1);
+  scale[0][0] = c[1][0];
+  scale[1][1] = c[1][1];
+  JS::RootedObject object(context, &args.thisv().toObject());
+  set_matrix(object, shifted(c[0][0], c[0][1]) * shifted(c[2][0], c[2][1]) * turned(angles[0]) * turned(angles[1]) *
+                         scale * turned(-angles[1]) * shifted(-c[2][0], -c[2][1]));
+  args.rval().setUndefined();
+  return matrix_changed(context, object);
+}
+
 // Sets the matrix from the fields of a Transform (6.52). Trailing arguments may be missing.
 bool set_transform(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   glm::dmat4 ignored;
   if (!this_matrix(context, args, ignored)) return false;
+  if (size_of(&args.thisv().toObject()) == 3) return set_plane_transform(context, args);
   using vrml::FieldType;
   constexpr FieldType kTypes[] = {FieldType::SFVec3f, FieldType::SFRotation, FieldType::SFVec3f, FieldType::SFRotation,
                                   FieldType::SFVec3f};
@@ -130,11 +185,28 @@ bool assign(JSContext* context, JS::HandleValue target, const double* c, unsigne
   return true;
 }
 
+bool get_plane_transform(JSContext* context, const JS::CallArgs& args, const glm::dmat4& matrix) {
+  const double translation[] = {matrix[2][0], matrix[2][1]};
+  const double angle = std::atan2(matrix[0][1], matrix[0][0]);
+  const double width = std::hypot(matrix[0][0], matrix[0][1]);
+  const double area = matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0];
+  const double scale[] = {width, width > 0 ? area / width : 0};
+  args.rval().setUndefined();
+  double c[4] = {};
+  vrml::FieldType type{};
+  const bool is_rotation =
+      args.get(1).isObject() && is_tuple(&args[1].toObject(), type, c) && type == vrml::FieldType::SFRotation;
+  const double rotation[] = {0, 0, is_rotation ? 1 : angle, angle};
+  return assign(context, args.get(0), translation, 2) && assign(context, args.get(1), rotation, is_rotation ? 4 : 3) &&
+         assign(context, args.get(2), scale, 2);
+}
+
 // Computes the fields of a Transform. Ignores shear. A mirrored matrix gives negative scale factors.
 bool get_transform(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   glm::dmat4 matrix;
   if (!this_matrix(context, args, matrix)) return false;
+  if (size_of(&args.thisv().toObject()) == 3) return get_plane_transform(context, args, matrix);
   glm::dvec3 axes[3], scale;
   for (int i = 0; i < 3; ++i) axes[i] = glm::dvec3(matrix[i]);
   const double sign = glm::dot(glm::cross(axes[0], axes[1]), axes[2]) < 0 ? -1 : 1;
@@ -188,11 +260,17 @@ bool mult_vec(JSContext* context, unsigned argc, JS::Value* vp) {
   glm::dmat4 matrix;
   double c[4] = {};
   if (!this_matrix(context, args, matrix)) return false;
-  if (!numbers_of(context, args.get(0), vrml::FieldType::SFVec3f, c)) return false;
-  const glm::dvec4 point(c[0], c[1], c[2], 1), result = kRow ? matrix * point : point * matrix;
-  const double w = result.w != 0 ? result.w : 1;
-  const double numbers[] = {result.x / w, result.y / w, result.z / w};
-  JSObject* const made = make_tuple(context, vrml::FieldType::SFVec3f, numbers);
+  const int size = size_of(&args.thisv().toObject());
+  vrml::FieldType type = size == 3 ? vrml::FieldType::SFVec2f : vrml::FieldType::SFVec3f;
+  // A vector with as many components as the matrix has rows is multiplied without division.
+  if (!args.get(0).isObject() || !is_tuple(&args[0].toObject(), type, c))
+    if (!numbers_of(context, args.get(0), type, c)) return false;
+  const int count = std::min(vrml::number_count(type), size);
+  if (count < size) c[count] = 1;
+  const glm::dvec4 point(c[0], c[1], c[2], size == 3 ? 0 : c[3]), result = kRow ? matrix * point : point * matrix;
+  const double w = count < size && result[count] != 0 ? result[count] : 1;
+  const double numbers[] = {result.x / w, result.y / w, result.z / w, result.w / w};
+  JSObject* const made = make_tuple(context, type, numbers);
   args.rval().setObjectOrNull(made);
   return made != nullptr;
 }
@@ -203,24 +281,42 @@ bool matrix_to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   if (!this_matrix(context, args, matrix)) return false;
   std::string text;
   const int size = size_of(&args.thisv().toObject());
+  const vrml::FieldType type = kMatrixKinds[kind_of_matrix(&args.thisv().toObject())].type;
+  const bool wide = type == vrml::FieldType::SFMatrix3d || type == vrml::FieldType::SFMatrix4d;
   for (int i = 0; i < size * size; ++i) {
     char digits[32];
-    const auto end = std::to_chars(digits, digits + sizeof digits, static_cast<float>(matrix[i / size][i % size])).ptr;
+    const double number = matrix[i / size][i % size];
+    const auto end = wide ? std::to_chars(digits, digits + sizeof digits, number).ptr
+                          : std::to_chars(digits, digits + sizeof digits, static_cast<float>(number)).ptr;
     text += (i ? " " : "") + std::string(digits, end);
   }
   return make_string(context, text, args.rval());
 }
 
+// Makes a matrix of numbers, of the rows, or of another matrix. The default is the identity.
+template <int kKind>
 bool construct_matrix(JSContext* context, unsigned argc, JS::Value* vp) {
+  constexpr int kSize = kMatrixKinds[kKind].size;
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   glm::dmat4 matrix(1);
-  if (is_matrix(args.get(0))) return give(context, args, matrix_of(&args[0].toObject()));
-  for (unsigned i = 0; i < kNumbers && i < args.length(); ++i) {
+  if (is_matrix(args.get(0)) && size_of(&args[0].toObject()) == kSize)
+    return give(context, args, matrix_of(&args[0].toObject()), kKind);
+  vrml::FieldType type{};
+  double c[4] = {};
+  if (args.length() == kSize && args[0].isObject() && is_tuple(&args[0].toObject(), type, c)) {
+    for (int row = 0; row < kSize; ++row) {
+      JS::HandleValue vector = args[static_cast<unsigned>(row)];
+      if (!vector.isObject() || !is_tuple(&vector.toObject(), type, c)) return fail(context, "expected a row");
+      for (int i = 0; i < kSize; ++i) matrix[row][i] = c[i];
+    }
+    return give(context, args, matrix, kKind);
+  }
+  for (unsigned i = 0; i < kSize * kSize && i < args.length(); ++i) {
     double number = 0;
     if (!JS::ToNumber(context, args[i], &number)) return false;
-    matrix[static_cast<int>(i / 4)][static_cast<int>(i % 4)] = number;
+    matrix[static_cast<int>(i) / kSize][static_cast<int>(i) % kSize] = number;
   }
-  return give(context, args, matrix);
+  return give(context, args, matrix, kKind);
 }
 
 // ---- matrix[row][column]
@@ -283,14 +379,37 @@ const JSFunctionSpec kMatrixMethods[] = {
     JS_FN("multVecMatrix", mult_vec<true>, 1, 0), JS_FN("multMatrixVec", mult_vec<false>, 1, 0),
     JS_FN("toString", matrix_to_text, 0, 0),      JS_FS_END};
 
+bool define_rows(JSContext* context, JS::HandleObject prototype) {
+  return define_element(context, prototype, 0, get_row<0>, nullptr) &&
+         define_element(context, prototype, 1, get_row<1>, nullptr) &&
+         define_element(context, prototype, 2, get_row<2>, nullptr) &&
+         define_element(context, prototype, 3, get_row<3>, nullptr);
+}
+
+template <int kKind>
+bool define_kind(JSContext* context, JS::HandleObject library, std::vector<JS::PersistentRootedObject>& prototypes) {
+  const MatrixKind& kind = kMatrixKinds[kKind];
+  JS::RootedObject prototype(context, JS_NewPlainObject(context));
+  JSFunction* const function = JS_NewFunction(
+      context, construct_matrix<kKind>, static_cast<unsigned>(kind.size * kind.size), JSFUN_CONSTRUCTOR, kind.name);
+  JS::RootedObject constructor(context, function ? JS_GetFunctionObject(function) : nullptr);
+  if (!prototype || !constructor || !JS_DefineFunctions(context, prototype, kMatrixMethods) ||
+      !define_rows(context, prototype) || !JS_LinkConstructorAndPrototype(context, constructor, prototype))
+    return false;
+  prototypes[static_cast<std::size_t>(kind.type)] = prototype;
+  return JS_DefineProperty(context, library, kind.name, constructor, 0);
+}
+
 }  // namespace
 
-JSObject* make_matrix(JSContext* context, int count, const double* numbers, Source source) {
-  const int size = count == 9 ? 3 : 4;
+JSObject* make_matrix(JSContext* context, vrml::FieldType type, const double* numbers, Source source) {
+  int kind = 1;
+  while (kMatrixKinds[kind].type != type) ++kind;
+  const int size = kMatrixKinds[kind].size;
   glm::dmat4 matrix(1);
-  for (int i = 0; i < count; ++i) matrix[i / size][i % size] = numbers[i];
+  for (int i = 0; i < size * size; ++i) matrix[i / size][i % size] = numbers[i];
   JS::RootedObject parent(context, source.parent);
-  JSObject* const made = make(context, matrix, size);
+  JSObject* const made = make(context, matrix, kind);
   if (!made) return nullptr;
   JS::SetReservedSlot(made, kMatrixParentSlot, parent ? JS::ObjectValue(*parent) : JS::UndefinedValue());
   JS::SetReservedSlot(made, kMatrixPlaceSlot, JS::Int32Value(static_cast<std::int32_t>(source.place)));
@@ -305,24 +424,26 @@ bool numbers_of_matrix(JSObject* object, int count, double* numbers) {
   return true;
 }
 
+JSObject* copy_of_matrix(JSContext* context, JS::HandleObject object) {
+  return JS::GetClass(object) == &kMatrixClass ? make(context, matrix_of(object), kind_of_matrix(object)) : nullptr;
+}
+
 bool define_matrices(JSContext* context, JS::HandleObject library,
                      std::vector<JS::PersistentRootedObject>& prototypes) {
-  JS::RootedObject prototype(context, JS_InitClass(context, library, nullptr, &kMatrixClass, construct_matrix, 16,
+  JS::RootedObject prototype(context, JS_InitClass(context, library, nullptr, &kMatrixClass, construct_matrix<0>, 16,
                                                    nullptr, kMatrixMethods, nullptr, nullptr));
   JS::RootedObject row(context, JS_NewPlainObject(context));
   if (!prototype || !row) return false;
   set_matrix(prototype, glm::dmat4(1));
-  JS::SetReservedSlot(prototype, kSizeSlot, JS::Int32Value(4));
+  JS::SetReservedSlot(prototype, kKindSlot, JS::Int32Value(0));
   prototypes[ScriptLibrary::kMatrixPrototype] = prototype;
   prototypes[ScriptLibrary::kRowPrototype] = row;
-  return define_element(context, prototype, 0, get_row<0>, nullptr) &&
-         define_element(context, prototype, 1, get_row<1>, nullptr) &&
-         define_element(context, prototype, 2, get_row<2>, nullptr) &&
-         define_element(context, prototype, 3, get_row<3>, nullptr) &&
-         define_element(context, row, 0, get_number<0>, set_number<0>) &&
+  return define_rows(context, prototype) && define_element(context, row, 0, get_number<0>, set_number<0>) &&
          define_element(context, row, 1, get_number<1>, set_number<1>) &&
          define_element(context, row, 2, get_number<2>, set_number<2>) &&
-         define_element(context, row, 3, get_number<3>, set_number<3>);
+         define_element(context, row, 3, get_number<3>, set_number<3>) &&
+         define_kind<1>(context, library, prototypes) && define_kind<2>(context, library, prototypes) &&
+         define_kind<3>(context, library, prototypes) && define_kind<4>(context, library, prototypes);
 }
 
 }  // namespace gs::app::script

@@ -273,7 +273,7 @@ bool to_value(JSContext* context, vrml::SceneGraph* scene, const FieldValue& fie
   if (const int count = vrml::number_count(vrml::type_of(field)); !vrml::is_multiple(vrml::type_of(field))) {
     double numbers[vrml::kMaxNumbers] = {};
     vrml::read_numbers(field, numbers);
-    made = count > kMaxComponents ? make_matrix(context, count, numbers, source)
+    made = count > kMaxComponents ? make_matrix(context, vrml::type_of(field), numbers, source)
                                   : make_tuple(context, vrml::type_of(field), numbers, source);
   } else {
     ListBox box;

@@ -18,8 +18,9 @@ using vrml::traces::Lines;
 /// World with Scripts, their printed text and their errors.
 class World : public vrml::traces::World {
  public:
-  explicit World(const std::string& body, const Limits& limits = {}, ScriptRunner::Settings settings = {0, true})
-      : vrml::traces::World(body, limits), runner_(ScriptRunner::make(execution(), settings)) {
+  explicit World(const std::string& body, const Limits& limits = {}, ScriptRunner::Settings settings = {0, true},
+                 vrml::Language language = vrml::Language::vrml97)
+      : vrml::traces::World(body, limits, language), runner_(ScriptRunner::make(execution(), settings)) {
     REQUIRE(runner_);
     runner_->observe([this](const ScriptMessage& message) {
       (message.printed ? printed_ : problems_)
@@ -61,6 +62,27 @@ inline Lines run(const std::string& program, const std::string& interface = {}) 
   world.start();
   CHECK(world.problems() == Lines{});
   return world.printed();
+}
+
+/// World of an X3D text in classic encoding, without header.
+class X3DWorld : public World {
+ public:
+  explicit X3DWorld(const std::string& body) : World(body, {}, {0, true}, vrml::Language::x3d) {}
+};
+
+/// Returns the lines that an X3D program prints in initialize(). `others` are statements before the Script.
+inline Lines run_x3d(const std::string& program, const std::string& interface = {}, const std::string& others = {}) {
+  X3DWorld world(others + " DEF S Script { directOutput TRUE " + interface +
+                 " url \"ecmascript: function initialize() { " + program + " }\" }");
+  world.start();
+  CHECK(world.problems() == Lines{});
+  return world.printed();
+}
+
+/// Returns the text of one expression in an X3D program.
+inline std::string x3d_value(const std::string& expression, const std::string& before = {}) {
+  const Lines lines = run_x3d(before + " print(" + expression + ");");
+  return lines.empty() ? "" : lines.front();
 }
 
 /// Returns the text of one expression.
