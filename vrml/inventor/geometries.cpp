@@ -60,7 +60,15 @@ MFVec2f plane_coordinates(const MFVec3f& points, const TextureFunction& function
 
 void set_texture_coordinates(Converter& converter, const Item& item, const State& state, NodeId geometry,
                              const FaceList& faces, const OwnIndices& own) {
-  if (state.texture_function.plane) {
+  using Kind = TextureFunction::Kind;
+  if (state.texture_function.kind == Kind::environment) {
+    Output& output = converter.output();
+    const NodeId generator =
+        output.begin_x3d("TextureCoordinateGenerator", output.field(geometry, "texCoord"), item.location);
+    if (generator) output.end(generator);  // mode SPHERE
+    return;
+  }
+  if (state.texture_function.kind == Kind::plane) {
     if (!converter.sink().limits().admits_string(state.points.size() * sizeof(SFVec2f), item.location)) return;
     return set_property(converter, geometry, "texCoord", "TextureCoordinate", "point",
                         plane_coordinates(state.points, state.texture_function),

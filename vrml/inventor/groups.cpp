@@ -21,8 +21,8 @@ bool is_camera(const Item& item) { return item.type->find("focalDistance") != nu
 // Reports whether a node leaves the state as it is, so that it may be one of the choices of a Switch.
 bool keeps_state(const Item& item) { return item.type->keeps_state || item.type->kind == ItemClass::shape; }
 
-// If all choices of a Switch keep the state, it becomes a Switch. Otherwise only the chosen child is converted, because it sets
-// the state for later nodes. All cameras become Viewpoints: a Switch is how files offer several of them.
+// If all choices of a Switch keep the state, it becomes a Switch. Otherwise only the chosen child is converted, because
+// it sets the state for later nodes. All cameras become Viewpoints: a Switch is how files offer several of them.
 void apply_switch(Converter& converter, const Item& item) {
   const std::int32_t which = item.get<SFInt32>("whichChild");
   const auto chosen = [&](std::size_t i) { return which == -3 || static_cast<std::int64_t>(i) == which; };

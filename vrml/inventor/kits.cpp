@@ -79,8 +79,6 @@ constexpr ItemRow kOtherRows[] = {
     {"ColorIndex", ItemClass::plain, false, nullptr, "MFInt32 index []", kUnseen},
     {"PolygonOffset", ItemClass::plain, false, nullptr,
      "SFFloat factor 1 SFFloat units 1 SFBitMask styles FILLED SFBool on TRUE"},
-    {"ClipPlane", ItemClass::plain, false, nullptr, "SFPlane plane 1 0 0 0 SFBool on TRUE", kUnseen},
-    {"ClipPlaneManip", ItemClass::kit, false, nullptr, "SFPlane plane 1 0 0 0 SFBool on TRUE", kUnseen},
     {"ProfileCoordinate2", ItemClass::plain, false, nullptr, "MFVec2f point [ 0 0 ]", kUnseen},
     {"ProfileCoordinate3", ItemClass::plain, false, nullptr, "MFVec3f point [ 0 0 1 ]", kUnseen},
     {"LinearProfile", ItemClass::plain, false, nullptr, "MFInt32 index 0 SFEnum linkage START_FIRST", kUnseen},

@@ -23,6 +23,8 @@ class Output : NonCopyable {
 
   /// Makes a node in `target`. Returns null if a limit is reached. After its fields are set, call end().
   NodeId begin(std::string_view type, NodeTarget target, SourceLocation location, std::string_view name = {});
+  /// Makes a node of a type that only X3D has.
+  NodeId begin_x3d(std::string_view type, NodeTarget target, SourceLocation location, std::string_view name = {});
   void end(NodeId node) { sink_.end_node(node); }
   /// Makes a node without fields to set.
   NodeId make(std::string_view type, NodeTarget target, SourceLocation location, std::string_view name = {});

@@ -56,7 +56,8 @@ struct TextureState {
 
 /// Function that computes texture coordinates from coordinates.
 struct TextureFunction {
-  bool plane = false;
+  enum class Kind : std::uint8_t { given, plane, environment };
+  Kind kind = Kind::given;
   SFVec3f s{1, 0, 0}, t{0, 1, 0};
 };
 

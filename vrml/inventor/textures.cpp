@@ -59,10 +59,16 @@ void apply_default_coordinates(Converter& converter, const Item&) {
 
 void apply_plane(Converter& converter, const Item& item) {
   TextureFunction function;
-  function.plane = true;
+  function.kind = TextureFunction::Kind::plane;
   function.s = item.get<SFVec3f>("directionS");
   function.t = item.get<SFVec3f>("directionT");
   set_function(converter, function, item.serial);
+}
+
+void apply_environment_map(Converter& converter, const Item&) {
+  TextureFunction function;
+  function.kind = TextureFunction::Kind::environment;
+  set_function(converter, function, 1);
 }
 
 constexpr ItemRow kTextureRows[] = {
@@ -84,7 +90,8 @@ constexpr ItemRow kTextureRows[] = {
     {"TextureCoordinateDefault", ItemClass::plain, false, apply_default_coordinates, ""},
     {"TextureCoordinatePlane", ItemClass::plain, false, apply_plane,
      "SFVec3f directionS 1 0 0 SFVec3f directionT 0 1 0"},
-    {"TextureCoordinateEnvironment TextureCoordinateSphere TextureCoordinateCylinder TextureCoordinateCube "
+    {"TextureCoordinateEnvironment", ItemClass::plain, false, apply_environment_map, ""},
+    {"TextureCoordinateSphere TextureCoordinateCylinder TextureCoordinateCube "
      "TextureCoordinateObject TextureCoordinateReflectionMap TextureCoordinateNormalMap",
      ItemClass::plain, false, apply_default_coordinates, "SFVec3f directionS 1 0 0",
      "this function of texture coordinates is not supported; the default mapping is used"},

@@ -168,3 +168,29 @@ TEST_CASE("passes the point of a click to the url of a WWWAnchor with map POINT"
   CHECK(world.scene.routes().size() == 2);
   CHECK(print(world.scene).find("Browser.loadURL(new MFString('it\\\\'s.cgi?' + at[0]") != std::string::npos);
 }
+
+TEST_CASE("converts orthographic cameras, clip planes and environment maps to nodes of X3D") {
+  const Converted world(
+      kInventor +
+      "Separator { OrthographicCamera { position 1 2 3 height 4 } Sphere { } Translation { translation 2 0 0 "
+      "} ClipPlane { plane 1 0 0 1 } Texture2 { image 1 1 1 0xff } TextureCoordinateEnvironment { } "
+      "Coordinate3 { point [ 0 0 0, 1 0 0, 0 1 0 ] } FaceSet { numVertices 3 } }");
+  CHECK(world.messages().empty());
+  const SceneGraph& scene = world.scene;
+  int found = 0;
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
+    const NodeId id = scene.nodes().id_at(i);
+    if (const auto* declaration = scene.node(id).type->find_field("plane")) {
+      CHECK(std::get<SFVec4f>(scene.node(id).values[declaration->slot]) == glm::vec4(1, 0, 0, -3));
+      ++found;
+    }
+    if (scene.node(id).type->kind == NodeType::Kind::built_in && scene.node(id).type->find_field("mapping")) ++found;
+    const auto* view = scene.node(id).type->find_field("fieldOfView");
+    if (view && view->type == FieldType::MFFloat) {
+      CHECK(scene.get<MFFloat>(id, "fieldOfView") == MFFloat{-2, -2, 2, 2});
+      ++found;
+    }
+  }
+  CHECK(found == 3);
+  CHECK(print(scene).find("Viewpoint {") != std::string::npos);  // VRML97 has no OrthoViewpoint
+}
