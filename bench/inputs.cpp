@@ -188,17 +188,17 @@ bool write_json_height_field(const std::filesystem::path& path, int n) {
   Writer out(path);
   HeightField field(out, n, ",");
   out.text(R"({"X3D":{"encoding":"UTF-8","@profile":"Interchange","@version":"3.3","Scene":{"-children":[
-{"NavigationInfo":{"@type":["EXAMINE","ANY"]}}, {"Background":{"@skyColor":[0.2,0.3,0.5]}},
-{"Viewpoint":{"@position":[0,9,13],"@orientation":[1,0,0,-0.61],"@description":"Front"}},
-{"Shape":{"@DEF":"Terrain","-appearance":{"Appearance":{"-material":{"Material":{"@diffuseColor":[0.8,0.8,0.8]}}}},
-"-geometry":{"IndexedFaceSet":{"@solid":false,"@coordIndex":[
+{ "NavigationInfo":{"@type":["EXAMINE","ANY"]}}, { "Background":{"@skyColor":[0.2,0.3,0.5]}},
+{ "Viewpoint":{"@position":[0,9,13],"@orientation":[1,0,0,-0.61],"@description":"Front"}},
+{ "Shape":{"@DEF":"Terrain","-appearance":{ "Appearance":{"-material":{ "Material":{"@diffuseColor":[0.8,0.8,0.8]}}}},
+"-geometry":{ "IndexedFaceSet":{"@solid":false,"@coordIndex":[
 )");
   field.write_indices();
-  out.text("],\"-coord\":{\"Coordinate\":{\"@point\":[\n");
+  out.text("],\"-coord\":{ \"Coordinate\":{\"@point\":[\n");
   field.write_points();
-  out.text("]}},\n\"-normal\":{\"Normal\":{\"@vector\":[\n");
+  out.text("]}},\n\"-normal\":{ \"Normal\":{\"@vector\":[\n");
   field.write_normals();
-  out.text("]}},\n\"-color\":{\"Color\":{\"@color\":[\n");
+  out.text("]}},\n\"-color\":{ \"Color\":{\"@color\":[\n");
   field.write_colors();
   out.text("]}}}}}}]}}}\n");
   return out.finish();

@@ -1,4 +1,5 @@
-// parse_bench [--runs N] [--markdown] FILE...: compares the speed of the readers of VRML97 and X3D with the speed of memory.
+// parse_bench [--runs N] [--markdown] FILE...: compares the speed of the readers of VRML97 and X3D with the speed of
+// memory.
 //
 // Each of N rounds runs in sequence: reading memory, the bare number loop, the parser with the whole text, and the
 // parser with 64 KiB at a time. Prints medians. Peak memory is that of child processes that only parse: `peak` reads
@@ -53,9 +54,8 @@ struct Parsed {
   std::size_t errors = 0;
 };
 
-/// Returns the reader of a text in another grammar than VRML97, whose parser takes whole texts; else null.
-std::unique_ptr<vrml::SceneReader> reader_of(std::string_view text, vrml::SceneGraph& scene,
-                                             Diagnostics& diagnostics) {
+/// Returns the reader of a text in another grammar than VRML97, else null. The parser of VRML97 takes whole texts.
+std::unique_ptr<vrml::SceneReader> reader_of(std::string_view text, vrml::SceneGraph& scene, Diagnostics& diagnostics) {
   const vrml::Grammar grammar = vrml::grammar_of(text.substr(0, 8192));
   return grammar == vrml::Grammar::vrml97 ? nullptr : vrml::make_reader(grammar, scene, diagnostics);
 }
@@ -66,8 +66,7 @@ Parsed parse_each(NextPiece&& next_piece) {
   Parsed parsed{std::make_unique<vrml::SceneGraph>("input"), 0};
   Diagnostics diagnostics;
   std::string_view piece = next_piece();
-  const auto reader =
-      vrml::make_reader(vrml::grammar_of(piece.substr(0, 8192)), *parsed.scene, diagnostics);
+  const auto reader = vrml::make_reader(vrml::grammar_of(piece.substr(0, 8192)), *parsed.scene, diagnostics);
   for (; !piece.empty(); piece = next_piece()) reader->push(piece);
   reader->finish();
   parsed.errors = diagnostics.errors();

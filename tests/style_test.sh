@@ -45,7 +45,7 @@ report "Folders of a room include each other:" \
 # Code that reads nodes uses the columns of the node table (NodeType::read_as, role, behaviour, ...).
 types=$(grep -ohE '^ +\{"[A-Z][A-Za-z]*", "[0-9G]' vrml/nodes/*.cpp | grep -oE '[A-Z][A-Za-z]+' | grep -v '^GhostSpace' | paste -sd '|')
 report "Node types are told apart by the columns of the node table, not by their names:" \
-  "$(sources app render vrml bench | grep -vE '^vrml/(nodes/|syntax/stand_ins)' | xargs -r grep -nE \
+  "$(sources app render vrml bench | grep -vE '^vrml/(nodes/|inventor/|syntax/stand_ins)' | xargs -r grep -nE \
     "type(\(\))?(->|\.)name *[=!]= *[^;]*\"|[=!]= *\"($types)\"|\"($types)\" *[=!]=|(make|create|resolve_as|built_in_node_type|node_of)\(([^;\"]*, )?\"($types)\"|\{\"($types)\"" |
     grep -vE 'input(->|\.)type == "|^app/interface/|^app/formats/content_types')"
 belongs() { report "$1 belongs in $2:" "$(grep -E "#include $3" <<<"$includes" | grep -vE "^$4" | cut -d : -f 1 | sort -u)"; }

@@ -203,9 +203,12 @@ inline constexpr int kSideCount = 6;
 [[nodiscard]] Pose first_pose(const WideBox& bounds, const glm::vec2& viewport, const Upright& upright = {});
 
 /// Returns the indices of the Viewpoints that the user can choose: those with a description, and the first one, which
-/// is bound at the start (VRML97 6.53).
-[[nodiscard]] std::vector<std::size_t> listed_viewpoints(const std::vector<render::ViewpointState>& viewpoints);
-/// Returns the description of a Viewpoint; if it is empty, the DEF name; if there is none, the number from 1.
+/// is bound at the start (VRML97 6.53). Omits those of ViewpointGroups that are not displayed, or that have a box which is not
+/// around `viewer`, a position in world space.
+[[nodiscard]] std::vector<std::size_t> listed_viewpoints(const std::vector<render::ViewpointState>& viewpoints,
+                                                         const glm::dvec3& viewer = glm::dvec3(0));
+/// Returns the description of a Viewpoint; if it is empty, the DEF name; if there is none, the number from 1. The
+/// descriptions of its ViewpointGroups precede it.
 [[nodiscard]] std::string viewpoint_label(const render::ViewpointState& viewpoint, std::size_t index);
 /// Returns a list of all Viewpoints for messages, such as "the world has 1 'Front', 2 'Back'".
 [[nodiscard]] std::string viewpoint_list(const std::vector<render::ViewpointState>& viewpoints);

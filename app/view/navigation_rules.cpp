@@ -13,6 +13,14 @@ constexpr double kSizesOfAvatar = 12;  // without a NavigationInfo, min ratio of
 
 const std::string kExamineType = "EXAMINE";
 
+// Reports whether a point is inside of all regions.
+bool is_around(const std::vector<render::ViewpointRegion>& regions, const glm::dvec3& point) {
+  return std::all_of(regions.begin(), regions.end(), [&](const render::ViewpointRegion& region) {
+    const glm::dvec3 away = glm::abs(glm::dvec3(region.group_from_world * glm::dvec4(point, 1)) - region.center);
+    return away.x <= region.half.x && away.y <= region.half.y && away.z <= region.half.z;
+  });
+}
+
 }  // namespace
 
 const std::array<NavigationModeRow, kNavigationModeCount>& navigation_modes() {
@@ -94,17 +102,20 @@ Drag drag_of(NavigationMode mode, DragButton button, bool modified) {
   return Drag::none;
 }
 
-std::vector<std::size_t> listed_viewpoints(const std::vector<render::ViewpointState>& viewpoints) {
+std::vector<std::size_t> listed_viewpoints(const std::vector<render::ViewpointState>& viewpoints,
+                                           const glm::dvec3& viewer) {
   std::vector<std::size_t> listed;
   for (std::size_t i = 0; i < viewpoints.size(); ++i)
-    if (viewpoints[i].listed && (i == 0 || !viewpoints[i].description.empty())) listed.push_back(i);
+    if (viewpoints[i].listed && (i == 0 || !viewpoints[i].description.empty()) &&
+        is_around(viewpoints[i].regions, viewer))
+      listed.push_back(i);
   return listed;
 }
 
 std::string viewpoint_label(const render::ViewpointState& viewpoint, std::size_t index) {
-  if (!viewpoint.description.empty()) return viewpoint.description;
-  if (!viewpoint.name.empty()) return viewpoint.name;
-  return "Viewpoint " + std::to_string(index + 1);
+  if (!viewpoint.description.empty()) return viewpoint.group + viewpoint.description;
+  if (!viewpoint.name.empty()) return viewpoint.group + viewpoint.name;
+  return viewpoint.group + "Viewpoint " + std::to_string(index + 1);
 }
 
 std::string viewpoint_list(const std::vector<render::ViewpointState>& viewpoints) {

@@ -62,6 +62,7 @@ render::FrameStatistics StartPage::draw(render::Renderer& renderer, const Viewpo
     if (!item.texture.image) continue;
     item.mesh = square_;
     item.material.lit = false;
+    item.material.diffuse = glm::vec3(1);
     item.world_from_node[0].x = at.width;
     item.world_from_node[1].y = at.height;
     // One world unit is a pixel; the centre of the viewport is the origin.

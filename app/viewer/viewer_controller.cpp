@@ -261,7 +261,7 @@ void ViewerController::apply(const UiActions& actions) {
   View* seen = session_.view();
   if (!seen) return;
   if (actions.viewpoint) {
-    const std::vector<std::size_t> listed = listed_viewpoints(seen->list->viewpoints);
+    const std::vector<std::size_t> listed = listed_viewpoints(seen->list->viewpoints, seen->navigation.pose.position);
     if (*actions.viewpoint < listed.size()) session_.camera().bind_viewpoint(listed[*actions.viewpoint]);
   }
   if (actions.mode) session_.camera().choose_mode(*actions.mode);

@@ -129,7 +129,7 @@ UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measu
   model.has_world = true;
   model.first_steps = store_.settings().first_steps && !record_.not_kept().empty() && pane.shown == record_.not_kept();
   const auto& viewpoints = seen->list->viewpoints;
-  for (const std::size_t index : listed_viewpoints(viewpoints)) {
+  for (const std::size_t index : listed_viewpoints(viewpoints, seen->navigation.pose.position)) {
     if (seen->viewpoint == index) model.viewpoint = model.viewpoints.size();
     model.viewpoints.push_back(viewpoint_label(viewpoints[index], index));
   }

@@ -184,9 +184,47 @@ ViewpointState world_viewpoint(const vrml::SceneGraph& scene, const NodeView& vi
     const dvec3 place(world_from_node * glm::dvec4(*center, 1));
     if (finite(place)) state.center_of_rotation = place;
   }
+  const auto distance = [&](int field) {
+    const auto given = static_cast<float>(view.get(field, -1.0F) * state.scale);
+    return given > 0 && finite(given) ? given : 0;
+  };
+  state.near_distance = distance(F::near_distance);
+  state.far_distance = distance(F::far_distance);
+  if (state.far_distance <= state.near_distance) state.far_distance = 0;
   state.view_all = view.get(F::view_all, false);
   state.retains_offset = view.get(F::retain_offsets, false);
   return state;
+}
+
+void take_distances(RenderList& list, const vrml::Node* bound) {
+  const auto of_bound = [&](const ViewpointState& one) { return &one.scene->node(one.node) == bound; };
+  const auto viewpoint = bound ? std::find_if(list.viewpoints.begin(), list.viewpoints.end(), of_bound)
+                               : list.viewpoints.begin();
+  const bool found = viewpoint != list.viewpoints.end();
+  list.near_distance = found ? viewpoint->near_distance : 0;
+  list.far_distance = found ? viewpoint->far_distance : 0;
+}
+
+void add_group(ViewpointState& state, const NodeView& group, const dmat4& world_from_group) {
+  using F = ViewpointGroupFields;
+  constexpr std::size_t kMaxPrefix = 256, kMaxRegions = 4;
+  state.listed = state.listed && group.get(F::displayed, true);
+  state.group_retains_offset = state.group_retains_offset || group.get(F::retain_offsets, false);
+  const auto* const description = group.find<vrml::SFString>(F::description);
+  if (description && !description->empty() && state.group.size() < kMaxPrefix)
+    state.group += bounded_text(description->view()) + ": ";
+  const dvec3 size(group.get(F::size, vrml::SFVec3f(0)));
+  if (size.x > 0 && size.y > 0 && size.z > 0 && state.regions.size() < kMaxRegions)
+    state.regions.push_back(
+        {glm::inverse(world_from_group), dvec3(group.get(F::center, vrml::SFVec3f(0))), size / 2.0});
+}
+
+void take_group(ViewpointState& viewpoint, const ViewpointState& other) {
+  viewpoint.listed = other.listed;
+  viewpoint.group = other.group;
+  viewpoint.regions = other.regions;
+  viewpoint.group_retains_offset = other.group_retains_offset;
+  viewpoint.retains_offset |= other.group_retains_offset;
 }
 
 NavigationState navigation_state(const NodeView& view) {
@@ -288,6 +326,11 @@ Material material_of(const NodeView& view) {
   material.transparency = number(view, F::transparency, 0, 1, 0);
   material.lit = view.kind() != NodeKind::unlit_material;
   if (!material.lit) material.diffuse = material.emissive;
+  if (view.kind() == NodeKind::physical_material) {
+    // Colours of physical materials are linear.
+    material.diffuse = displayed(material.diffuse);
+    material.emissive = displayed(material.emissive);
+  }
   return material;
 }
 

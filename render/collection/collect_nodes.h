@@ -24,6 +24,12 @@ namespace gs::render {
 /// Returns a DirectionalLight, PointLight or SpotLight in world space. Radius and attenuation scale with the
 /// transformation, because they are in the light's space (4.14.4).
 [[nodiscard]] Light world_light(const NodeView& light, const glm::dmat4& world_from_node);
+/// Gives a list the nearest and farthest visible distance of the bound Viewpoint (X3D 23.3.1), or of the first one.
+void take_distances(RenderList& list, const vrml::Node* bound);
+/// Adds what a ViewpointGroup determines for its Viewpoints (X3D 23.4.7) to `state`.
+void add_group(ViewpointState& state, const NodeView& group, const glm::dmat4& world_from_group);
+/// Gives a Viewpoint what ViewpointGroups determine, from another one in the same groups.
+void take_group(ViewpointState& viewpoint, const ViewpointState& other);
 /// Returns a Viewpoint in world space. Ignores the scale of the transformation (6.53).
 [[nodiscard]] ViewpointState world_viewpoint(const vrml::SceneGraph& scene, const NodeView& viewpoint,
                                              const glm::dmat4& world_from_node);
@@ -40,7 +46,7 @@ namespace gs::render {
 [[nodiscard]] ShapeStyle style_of(const NodeView& line, const NodeView& fill, const NodeView& point);
 
 /// Returns the colours of the front of a material node, with values clamped to the ranges of 6.27. For a
-/// PhysicalMaterial, `diffuse` is the base colour.
+/// PhysicalMaterial, `diffuse` is the base colour, converted to a display.
 [[nodiscard]] Material material_of(const NodeView& material);
 /// Returns the field `detail` of a QNV node, 1/100 to 100. Returns 1 for other nodes.
 [[nodiscard]] float detail_of(const NodeView& qnv);

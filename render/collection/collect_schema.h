@@ -52,10 +52,11 @@ struct LightFields {
   };
 };
 struct ViewpointFields {
-  enum : int { position, orientation, field_of_view, description, jump, center_of_rotation, view_all, retain_offsets };
+  enum : int { position, orientation, field_of_view, description, jump, center_of_rotation, view_all, retain_offsets,
+               near_distance, far_distance };
 };
 struct ViewpointGroupFields {
-  enum : int { children, displayed, retain_offsets };
+  enum : int { children, displayed, retain_offsets, description, center, size };
 };
 struct NavigationFields {
   enum : int { type, avatar_size, speed, visibility_limit, headlight, transition_type, transition_time };

@@ -107,6 +107,7 @@ RenderList Collector::collect(const vrml::SceneGraph& scene) {
   }
   coarsen_primitives();
   for (ViewpointState& viewpoint : inlined_viewpoints_) list_.viewpoints.push_back(std::move(viewpoint));
+  take_distances(list_, bound_ ? bound_->viewpoint : nullptr);
   if (sources_)
     sources_->viewpoints.insert(sources_->viewpoints.end(), inlined_sources_.begin(), inlined_sources_.end());
   list_.limit_reports = std::move(resources_.limit_reports());
@@ -297,6 +298,17 @@ void Collector::enter_collision(const Frame& parent, vrml::NodeId id, const Node
   enter_node(inside, id, children);
 }
 
+// Enters a ViewpointGroup (X3D 23.4.7).
+void Collector::enter_viewpoint_group(const Frame& parent, vrml::NodeId id, const NodeView& group) {
+  if (viewpoint_groups_.size() >= kMaxViewpoints) return;
+  ViewpointState state = viewpoint_groups_[parent.presence.viewpoint_group];
+  add_group(state, group, parent.world_from_local);
+  Frame inside = parent;
+  inside.presence.viewpoint_group = static_cast<std::uint32_t>(viewpoint_groups_.size());
+  viewpoint_groups_.push_back(std::move(state));
+  enter_node(inside, id, group.find<vrml::MFNode>(ViewpointGroupFields::children));
+}
+
 void Collector::enter_inline(const Frame& parent, vrml::NodeId id) {
   const vrml::SceneGraph* inlined = parent.scene->inlines().of(id);
   if (!inlined || inlined->roots().empty()) return;
@@ -391,14 +403,9 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
         list_.sounds.push_back({parent.scene, id, parent.frame});
       }
       break;
-    case NodeKind::viewpoint_group: {
-      Frame group = parent;
-      group.presence.listed = parent.presence.listed && view.get(ViewpointGroupFields::displayed, true);
-      group.presence.retains_offset =
-          parent.presence.retains_offset || view.get(ViewpointGroupFields::retain_offsets, false);
-      enter_node(group, id, view.find<vrml::MFNode>(ViewpointGroupFields::children));
+    case NodeKind::viewpoint_group:
+      enter_viewpoint_group(parent, id, view);
       break;
-    }
     case NodeKind::viewpoint:
     case NodeKind::navigation_info:
     case NodeKind::background:
@@ -445,8 +452,7 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
     if (viewpoints.size() >= kMaxViewpoints) return;
     viewpoints.push_back(world_viewpoint(*parent.scene, view, parent.world_from_local));
     viewpoints.back().scene = parent.scene;
-    viewpoints.back().listed = parent.presence.listed;
-    viewpoints.back().retains_offset |= parent.presence.retains_offset;
+    take_group(viewpoints.back(), viewpoint_groups_[parent.presence.viewpoint_group]);
     viewpoints.back().node = id;
     if (sources_)
       (parent.main ? sources_->viewpoints : inlined_sources_).push_back({view.node, parent.frame, parent.main});

@@ -89,8 +89,7 @@ class Collector {
     bool collidable = true;  // false in a Collision with collide FALSE (6.8)
     bool hidden = false;     // in a group with `visible` FALSE: neither visible nor collidable (X3D 10.2.1)
     std::uint16_t local_fog = kNoLocalFog;
-    bool listed = true;           // false below a ViewpointGroup with displayed FALSE
-    bool retains_offset = false;  // true below a ViewpointGroup with retainUserOffsets TRUE
+    std::uint32_t viewpoint_group = 0;  // index in viewpoint_groups_ of the innermost ViewpointGroup; 0 means none
   };
   /// Grouping node on the current path, or the root nodes of a scene.
   struct Frame {
@@ -143,6 +142,7 @@ class Collector {
   [[nodiscard]] glm::dvec3 viewer_in(const glm::dmat4& world_from_local) const;
   [[nodiscard]] std::size_t content() const;
   std::uint32_t add_place(const Frame& parent, vrml::NodeId id);
+  void enter_viewpoint_group(const Frame& parent, vrml::NodeId id, const NodeView& group);
 
   ShapeResources& resources_;
   Schemas& schemas_;
@@ -153,6 +153,7 @@ class Collector {
   RenderList list_;
   std::vector<ViewpointState> inlined_viewpoints_;
   std::vector<RenderSources::Local> inlined_sources_;
+  std::vector<ViewpointState> viewpoint_groups_{1};  // values for the Viewpoints of each ViewpointGroup; 0 is no group
   std::size_t others_ = 0;  // number of viewpoints, bindable nodes and LODs so far
   bool have_navigation_ = false, have_background_ = false, have_fog_ = false;
   std::vector<Frame> path_;

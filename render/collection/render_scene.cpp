@@ -138,8 +138,14 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
     move_frames();
     const bool rebound = bound.background != bound_.background || bound.navigation_info != bound_.navigation_info ||
                          bound.fog != bound_.fog;
+    const bool other_viewpoint = bound.viewpoint != bound_.viewpoint;
     bound_ = bound;
     if (rebound) renew_bindables(), any = true;
+    if (other_viewpoint || any) {
+      const float nearest = list_->near_distance, farthest = list_->far_distance;
+      take_distances(*list_, bound_.viewpoint);
+      any = any || nearest != list_->near_distance || farthest != list_->far_distance;
+    }
     viewer_ = usable(viewer);
     if (depends_on_viewer()) {
       whole = !follow_viewer(viewer_);

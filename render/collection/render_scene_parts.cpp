@@ -100,8 +100,7 @@ void RenderScene::renew_viewpoint(std::uint32_t i) {
                                         list_->world_from_frame[local.frame]);
   made.scene = viewpoint.scene;
   made.node = viewpoint.node;
-  made.listed = viewpoint.listed;
-  made.retains_offset |= viewpoint.retains_offset;
+  take_group(made, viewpoint);
   viewpoint = std::move(made);
 }
 

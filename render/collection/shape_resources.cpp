@@ -50,6 +50,24 @@ bool may_have_layers(const vrml::SceneGraph& scene, const vrml::ShapeParts& part
          is_x3d(scene, parts.texture_transform);
 }
 
+/// Returns the first image that changes the main colour, for code that knows only one texture.
+TextureUse plain_texture(const LayeredMaterial& material) {
+  TextureUse use;
+  for (const TextureLayer& layer : material.layers) {
+    const bool main = layer.target == TextureLayer::Target::main || layer.target == TextureLayer::Target::stage;
+    if (!main || layer.kind != TextureLayer::Kind::image || layer.coordinates != TextureLayer::Coordinates::mesh)
+      continue;
+    use.image = layer.image;
+    use.repeat_s = layer.sampling.s == Sampling::Edge::repeat;
+    use.repeat_t = layer.sampling.t == Sampling::Edge::repeat;
+    const glm::mat4& m = layer.transform;
+    use.transform = glm::mat3(m[0].x, m[0].y, 0, m[1].x, m[1].y, 0, m[3].x, m[3].y, 1);
+    use.modulates = layer.color_mode == TextureLayer::Mode::modulate;
+    break;
+  }
+  return use;
+}
+
 /// Reports whether a material has textures (X3D 4).
 bool has_textures(const vrml::SceneGraph& scene, const vrml::Node& material) {
   if (material.type->language != vrml::Language::x3d) return false;
@@ -118,6 +136,7 @@ void ShapeResources::apply_appearance(DrawItem& item, const vrml::SceneGraph& sc
   LayerBuilder builder(*this, scene, parts, geometry_of(scene, shape));
   if (builder.is_plain()) return;
   item.layered = keep(builder.build());
+  if (!item.texture.image) item.texture = plain_texture(*item.layered);
   if (item.mesh) fit_layers(item, scale);
 }
 

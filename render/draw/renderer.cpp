@@ -332,6 +332,13 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& w
   Camera camera = given;
   if (options.visibility_limit && list.navigation.visibility_limit > 0)
     camera.far_plane = list.navigation.visibility_limit * options.unit + static_cast<float>(camera.back);
+  if (options.visibility_limit && list.far_distance > 0) {
+    const float farthest = list.far_distance * options.unit + static_cast<float>(camera.back);
+    camera.far_plane = camera.far_plane > 0 ? std::min(camera.far_plane, farthest) : farthest;
+  }
+  const float nearest = list.near_distance * options.unit + static_cast<float>(camera.back);
+  if (options.visibility_limit && list.near_distance > 0 && !(camera.far_plane > 0 && camera.far_plane <= nearest))
+    camera.near_plane = nearest;
   camera = fit_depth(camera, bounds, reversed);
   const Projection lens =
       projection(camera, static_cast<float>(options.width), static_cast<float>(options.height), reversed);

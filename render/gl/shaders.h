@@ -265,7 +265,11 @@ vec3 surface_normal() {
 void main() {
   vec4 color = surface_color;
 #ifdef TEXTURE
+#ifdef STYLE
+  vec4 texel = texture(image, place_in_image(texture_place));
+#else
   vec4 texel = texture(image, texture_place);
+#endif
 #ifndef MASK
   color.rgb = replaces.x != 0 ? texel.rgb : color.rgb * texel.rgb;
   if (replaces.y != 0) color.a = replaces.y == 2 ? color.a * texel.a : texel.a;

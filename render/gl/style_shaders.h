@@ -28,7 +28,7 @@ void apply_style(vec3 place, float along) {
 }
 )glsl";
 
-/// Part of a fragment shader, after kFogShader. Defines: FOG.
+/// Part of a fragment shader, after kFogShader. Defines: FOG, TEXTURE.
 inline constexpr char kStyleFragmentShader[] = R"glsl(
 in float line_place;
 uniform int line_pattern;  // bits of a period; -1 if the line is solid
@@ -37,6 +37,16 @@ uniform vec4 hatch_color;  // w: 0 without hatches, 1 with hatches on a surface,
 uniform float pixel_side;  // samples along the side of a pixel
 #ifdef FOG
 in float vertex_fog;
+#endif
+
+#ifdef TEXTURE
+uniform mat3 texture_transform;
+uniform bool sprite;  // the texture covers each point
+vec2 place_in_image(vec2 place) {
+  if (!sprite) return place;
+  vec2 at = (texture_transform * vec3(gl_PointCoord.x, 1.0 - gl_PointCoord.y, 1.0)).xy;
+  return vec2(at.x, 1.0 - at.y);
+}
 #endif
 
 // Discards gaps of lines and hatches. Returns the colour with hatches and fog.

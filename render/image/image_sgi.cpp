@@ -49,8 +49,8 @@ std::variant<SgiFile, ImageError> read_header(std::span<const std::byte> bytes) 
   const std::size_t rows = std::size_t{file.channels} * file.height;
   const std::size_t expected = file.compressed ? 8 * rows : rows * file.width * file.sample_bytes / kMinPart;
   if (bytes.size() - kHeader < expected)
-    return ImageError{"broken SGI image: truncated after " + std::to_string(bytes.size()) + " bytes; expected at least " +
-                      std::to_string(kHeader + expected)};
+    return ImageError{"broken SGI image: truncated after " + std::to_string(bytes.size()) +
+                      " bytes; expected at least " + std::to_string(kHeader + expected)};
   return file;
 }
 

@@ -85,7 +85,8 @@ void BackgroundPass::draw(const Background& background, const glm::mat3& world_f
   textures_.forget_unused();
   const bool plain = background.sky_colors.size() <= 1 && background.ground_colors.size() <= 1;
   if (color || plain) {
-    const glm::vec3 one = color ? *color : background.sky_colors.empty() ? glm::vec3(0) : background.sky_colors.front();
+    const glm::vec3 sky = background.sky_colors.empty() ? glm::vec3(0) : background.sky_colors.front();
+    const glm::vec3 one = color ? *color : sky * (1 - background.transparency);
     gl_->ClearColor(one.r, one.g, one.b, 1);
     gl_->Clear(GL_COLOR_BUFFER_BIT);
   } else {

@@ -69,6 +69,11 @@ bool mirrors(const float (&m)[3][4]) {
   return determinant < 0;
 }
 
+/// Reports whether the texture covers each point of the item (X3D 12.4.6).
+bool is_sprite(const DrawItem& item, const MeshStore::Slice& slice) {
+  return slice.primitive == GL_POINTS && item.style && item.style->sized_points;
+}
+
 void set(float (&to)[3], const glm::vec3& from) {
   for (int i = 0; i < 3; ++i) to[i] = from[i];
 }
@@ -198,7 +203,8 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   const TextureStore::Entry* texture = nullptr;
   if ((*mesh_seen)->pictured) {
     if (!find_glyphs()) return;
-  } else if (surface && !item.layered && item.texture.image && last_slice_->texture_coordinates) {
+  } else if (!item.layered && item.texture.image &&
+             (surface ? last_slice_->texture_coordinates : is_sprite(item, *last_slice_))) {
     texture = textures_.find(item.texture.image);
   }
 
@@ -226,7 +232,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   if (styled || (last_slice_->fog_depths && fog_.on)) {
     if (item.style && surface && !item.style->filled && !item.style->hatched) return;
     state.variant |= kStyle;
-    state.style = style_number(item, surface);
+    state.style = style_number(item, last_slice_->primitive);
     if (styles_[state.style].fog.on) state.variant |= kFog;
     if (!shaded) instance.shininess = pattern_scale(item, instance, std::max(depth, sphere.radius * 0.25f), view);
   }
@@ -240,7 +246,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
     state.texture = texture_number(item.texture, *texture);
     if (item.texture.image->has_alpha()) {
       if (!item.texture.modulates) instance.alpha = 1;
-      transparent = texture->alpha == TextureStore::Alpha::blended || instance.alpha < 1;
+      transparent = texture->alpha == TextureStore::Alpha::blended || instance.alpha < 1 || item.mesh->translucent;
       if (texture->alpha == TextureStore::Alpha::cut_out) state.variant |= kCutOut;
     }
   }

@@ -88,7 +88,7 @@ class MeshPass {
   };
   struct StyleUniforms {
     GLint clip_planes = -1, point_size = -1, point_attenuation = -1, line_pattern = -1, hatch = -1, hatch_color = -1,
-          pixel_side = -1;
+          pixel_side = -1, sprite = -1;
     StyleUniforms() = default;
     StyleUniforms(const Gl& gl, GLuint program);
   };
@@ -107,7 +107,7 @@ class MeshPass {
     ClipList clip_planes;
     std::shared_ptr<const ShapeStyle> shape;
     std::uint16_t local_fog = kNoLocalFog;
-    bool surface = false;  // hatches apply
+    GLenum primitive = GL_TRIANGLES;
     std::size_t planes = 0;
     std::array<glm::vec4, kMaxClipPlanes> camera_planes;
     CameraFog fog;
@@ -120,9 +120,11 @@ class MeshPass {
     glm::mat3 transform{1.0f};
     bool modulates = false;
     std::optional<Sampling> sampling;
-    const LayeredMaterial* layered = nullptr;               // null for a plain texture
-    std::string program;                                    // key of the programs of `layered`
-    std::size_t sets = 0;                                   // coordinate sets of the meshes with this binding
+    const LayeredMaterial* layered = nullptr;  // null for a plain texture
+    std::string program;                       // key of the programs of `layered`
+    std::size_t sets = 0;                      // coordinate sets of the meshes with this binding
+    unsigned known_variant = 0;                // variant of known_program, the last one of this binding
+    VariantProgram* known_program = nullptr;
     TextureStore::Alpha alpha = TextureStore::Alpha::none;  // of the layers that change alpha
   };
   static constexpr std::size_t kUnsorted = SIZE_MAX;
@@ -178,7 +180,7 @@ class MeshPass {
   VariantProgram* program(unsigned variant);
   /// Returns the program of a state, as program(); that of a LayeredMaterial also depends on the texture binding.
   VariantProgram* program_of(const DrawState& state);
-  VariantProgram* layered_program(unsigned variant, const TextureBinding& binding);
+  VariantProgram* layered_program(unsigned variant, TextureBinding& binding);
   void find_uniforms(VariantProgram& program) const;
   [[nodiscard]] std::uint32_t layered_number(const DrawItem& item, std::size_t sets);
   void prepare_layers(const DrawItem& item, Prepared& prepared, bool& transparent);
@@ -201,7 +203,7 @@ class MeshPass {
   [[nodiscard]] std::uint32_t layer_of(const glm::vec3& center, float radius, const PackedState& state);
   [[nodiscard]] std::uint32_t texture_number(const TextureUse& use, const TextureStore::Entry& entry);
   [[nodiscard]] bool has_style(const DrawItem& item) const;
-  [[nodiscard]] std::uint32_t style_number(const DrawItem& item, bool surface);
+  [[nodiscard]] std::uint32_t style_number(const DrawItem& item, GLenum primitive);
   [[nodiscard]] static float pattern_scale(const DrawItem& item, const Instance& instance, float depth,
                                            const View& view);
   void apply_style(const VariantProgram& shader, const StyleBinding& style);
@@ -264,7 +266,7 @@ class MeshPass {
   glm::dmat4 camera_from_world_{1.0};
   glm::mat3 world_from_camera_{1.0f};
   float pixel_side_ = 1;
-  bool styled_ = false;  // apply_style() changed the state of OpenGL
+  bool styled_ = false;           // apply_style() changed the state of OpenGL
   std::size_t bound_layers_ = 0;  // number of texture units that layers of this frame have used
   const SceneCube* hidden_cube_ = nullptr;
   unsigned last_variant_ = 0;

@@ -50,12 +50,16 @@ void MeshPass::find_uniforms(VariantProgram& entry) const {
   entry.lights = LightUniforms(gl_, name);
 }
 
-MeshPass::VariantProgram* MeshPass::layered_program(unsigned variant, const TextureBinding& binding) {
+MeshPass::VariantProgram* MeshPass::layered_program(unsigned variant, TextureBinding& binding) {
+  if (binding.known_program && binding.known_variant == variant) return binding.known_program;
   std::string key = std::to_string(variant);
   key.append(1, ' ').append(std::to_string(binding.sets)).append(1, ' ').append(binding.program);
   const auto [found, fresh] = layered_programs_.try_emplace(std::move(key));
   VariantProgram& entry = found->second;
-  if (!fresh) return entry.program ? &entry : nullptr;
+  if (!fresh && !entry.program) return nullptr;
+  binding.known_variant = variant;
+  binding.known_program = &entry;
+  if (!fresh) return &entry;
   const LayeredMaterial& material = *binding.layered;
   const LayeredSource source = layered_source(material, binding.sets);
   std::string defines = source.defines + "#define MOST_PLANES " + std::to_string(kMaxClipPlanes) + "\n";
@@ -84,6 +88,7 @@ MeshPass::VariantProgram* MeshPass::layered_program(unsigned variant, const Text
   auto made = make_program(gl_, defines, vertex + kMeshAttributesShader + kLayeredVertexShader, fragment);
   if (auto* error = std::get_if<ContextError>(&made)) {
     last_error_ = std::move(error->message);
+    binding.known_program = nullptr;
     return nullptr;
   }
   entry.program = std::move(std::get<Program>(made));
@@ -150,6 +155,12 @@ void MeshPass::prepare_layers(const DrawItem& item, Prepared& prepared, bool& tr
                                alpha == TextureStore::Alpha::blended || back_transparent));
   if (material.alpha_mode == AlphaMode::mask || (automatic && !transparent && alpha == TextureStore::Alpha::cut_out))
     state.variant |= kCutOut | (several_samples_ ? kSmoothEdges : 0u);
+  if (material.model == LayeredMaterial::Model::physical) {
+    const glm::vec3 base = linear_of_display(item.material.diffuse),
+                    emissive = linear_of_display(item.material.emissive);
+    std::copy_n(&base.x, 3, prepared.instance.base_color);
+    std::copy_n(&emissive.x, 3, prepared.instance.emissive);
+  }
   // The colour of the front may be invisible, but not that of the back.
   if (material.alpha_mode == AlphaMode::opaque || material.has_back)
     prepared.instance.alpha = std::max(prepared.instance.alpha, 1e-6f);
@@ -172,7 +183,10 @@ void MeshPass::apply_layers(const TextureBinding& binding, const VariantProgram&
   gl_.Uniform4fv(uniforms.amounts, 1, &amounts.x);
   gl_.Uniform2f(uniforms.metal_roughness, material.metallic, material.roughness);
   if (!material.has_back) return;
-  const glm::vec4 main = with(back.main, 1 - back.transparency), emissive = with(back.emissive, back.ambient_intensity),
+  const bool physical = material.model == LayeredMaterial::Model::physical;
+  const auto color = [&](const glm::vec3& given) { return physical ? linear_of_display(given) : given; };
+  const glm::vec4 main = with(color(back.main), 1 - back.transparency),
+                  emissive = with(color(back.emissive), back.ambient_intensity),
                   specular = with(back.specular, back.shininess * kShininessScale);
   gl_.Uniform4fv(uniforms.back_main, 1, &main.x);
   gl_.Uniform4fv(uniforms.back_emissive, 1, &emissive.x);

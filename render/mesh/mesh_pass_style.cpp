@@ -29,7 +29,8 @@ MeshPass::StyleUniforms::StyleUniforms(const Gl& gl, GLuint program)
       line_pattern(gl.GetUniformLocation(program, "line_pattern")),
       hatch(gl.GetUniformLocation(program, "hatch")),
       hatch_color(gl.GetUniformLocation(program, "hatch_color")),
-      pixel_side(gl.GetUniformLocation(program, "pixel_side")) {}
+      pixel_side(gl.GetUniformLocation(program, "pixel_side")),
+      sprite(gl.GetUniformLocation(program, "sprite")) {}
 
 /// Returns the line widths per unit of node space at a depth, for patterns of lines.
 float MeshPass::pattern_scale(const DrawItem& item, const Instance& instance, float depth, const View& view) {
@@ -46,13 +47,13 @@ bool MeshPass::has_style(const DrawItem& item) const {
 }
 
 /// Returns the number of the item's style in this frame. A frame with too many styles uses the last one again.
-std::uint32_t MeshPass::style_number(const DrawItem& item, bool surface) {
+std::uint32_t MeshPass::style_number(const DrawItem& item, GLenum primitive) {
   constexpr std::size_t kCompared = 64;  // number of last styles that are compared
   const std::size_t first = styles_.size() > kCompared ? styles_.size() - kCompared : 0;
   for (std::size_t i = styles_.size(); i-- > first;) {
     const StyleBinding& known = styles_[i];
     if (i > 0 && known.clip_planes.shares_with(item.clip_planes) && known.shape == item.style &&
-        known.local_fog == item.local_fog && known.surface == surface)
+        known.local_fog == item.local_fog && known.primitive == primitive)
       return static_cast<std::uint32_t>(i);
   }
   if (styles_.size() >= kMaxStyles) return kMaxStyles - 1;
@@ -60,7 +61,7 @@ std::uint32_t MeshPass::style_number(const DrawItem& item, bool surface) {
   made.clip_planes = item.clip_planes;
   made.shape = item.style;
   made.local_fog = item.local_fog;
-  made.surface = surface;
+  made.primitive = primitive;
   made.camera_planes.fill({0, 0, 0, 1});
   for (const std::uint16_t plane : item.clip_planes)
     if (made.planes < kMaxClipPlanes && plane < list_->clip_planes.size())
@@ -84,8 +85,9 @@ void MeshPass::apply_style(const VariantProgram& shader, const StyleBinding& sty
   const glm::vec4 samples = size * pixel_side_;
   gl_.Uniform4fv(at.point_size, 1, glm::value_ptr(samples));
   gl_.Uniform3fv(at.point_attenuation, 1, glm::value_ptr(shape.point_attenuation));
-  gl_.Uniform1i(at.line_pattern, style.surface ? -1 : std::bit_cast<std::int32_t>(shape.line_pattern));
-  const float hatches = !style.surface || !shape.hatched ? 0.0f : shape.filled ? 1.0f : 2.0f;
+  gl_.Uniform1i(at.line_pattern,
+                style.primitive == GL_TRIANGLES ? -1 : std::bit_cast<std::int32_t>(shape.line_pattern));
+  const float hatches = style.primitive != GL_TRIANGLES || !shape.hatched ? 0.0f : shape.filled ? 1.0f : 2.0f;
   const glm::vec4 color(shape.hatch_color, hatches);
   gl_.Uniform4fv(at.hatch_color, 1, glm::value_ptr(color));
   if (hatches > 0) {
@@ -95,6 +97,7 @@ void MeshPass::apply_style(const VariantProgram& shader, const StyleBinding& sty
     gl_.Uniform1iv(at.hatch, static_cast<GLsizei>(bits.size()), bits.data());
   }
   gl_.Uniform1f(at.pixel_side, pixel_side_);
+  if (at.sprite >= 0) gl_.Uniform1i(at.sprite, style.primitive == GL_POINTS ? 1 : 0);
   if (style.fog.on) shader.fog.set(gl_, style.fog);
   gl_.LineWidth(std::max(shape.line_width, 1.0f) * pixel_side_);
   gl_.Enable(GL_PROGRAM_POINT_SIZE);

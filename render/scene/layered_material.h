@@ -2,6 +2,8 @@
 
 #include "render/image/image.h"
 
+#include <glm/common.hpp>
+#include <glm/exponential.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -112,7 +114,7 @@ struct TextureLayer {
 
 /// Colours of the back faces (X3D TwoSidedMaterial, Appearance.backMaterial).
 struct BackMaterial {
-  glm::vec3 main{0.8f}, emissive{0.0f}, specular{0.0f};  // `main`: diffuse, base or unlit colour
+  glm::vec3 main{0.8f}, emissive{0.0f}, specular{0.0f};  // `main`: diffuse, base or unlit colour; of a display
   float ambient_intensity = 0.2f, shininess = 0.2f, transparency = 0;
   float metallic = 1, roughness = 1;
   friend bool operator==(const BackMaterial&, const BackMaterial&) = default;
@@ -135,5 +137,15 @@ struct LayeredMaterial {
   friend bool operator==(const LayeredMaterial&, const LayeredMaterial&) = default;
 };
 inline constexpr std::size_t kMaxTextureLayers = 12;
+
+/// Exponent between linear colours and colours of a display, as in the shader of physical materials.
+inline constexpr float kDisplayGamma = 2.2f;
+/// Converts a linear colour of a physical material to a colour of a display, and back.
+[[nodiscard]] inline glm::vec3 displayed(const glm::vec3& linear) {
+  return glm::pow(glm::max(linear, glm::vec3(0)), glm::vec3(1 / kDisplayGamma));
+}
+[[nodiscard]] inline glm::vec3 linear_of_display(const glm::vec3& color) {
+  return glm::pow(glm::max(color, glm::vec3(0)), glm::vec3(kDisplayGamma));
+}
 
 }  // namespace gs::render

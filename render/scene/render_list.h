@@ -65,7 +65,7 @@ struct TextureUse {
   bool repeat_s = true, repeat_t = true;
   glm::mat3 transform{1.0f};         // from texture coordinates of the mesh to texture space (VRML97 6.49)
   bool modulates = false;            // X3D 4: the texture always modulates the colour and the alpha of the material
-  std::optional<Sampling> sampling;  // X3D TextureProperties; replaces repeat_s and repeat_t
+  std::optional<Sampling> sampling{};  // X3D TextureProperties; replaces repeat_s and repeat_t
 };
 
 inline constexpr std::uint32_t kNoPlace = UINT32_MAX;
@@ -131,6 +131,12 @@ struct Background {
   float transparency = 0;                 // X3D: shows what is behind the picture; without that, black
 };
 
+/// Box of a ViewpointGroup (X3D 23.4.7). Its Viewpoints are only in lists while the viewer is inside.
+struct ViewpointRegion {
+  glm::dmat4 group_from_world{1.0};
+  glm::dvec3 center{0}, half{0};
+};
+
 /// Viewpoint in world space (6.53).
 struct ViewpointState {
   std::string description, name;  // field `description`, and DEF name
@@ -145,9 +151,13 @@ struct ViewpointState {
   // Fields of X3D (ISO/IEC 19775-1 clause 23).
   glm::dvec2 extent{0};     // OrthoViewpoint: size of the view rectangle in world units; 0 means a perspective view
   std::optional<glm::dvec3> center_of_rotation;  // world space; nullopt for Viewpoints of VRML97
+  float near_distance = 0, far_distance = 0;  // world units; 0 means that the program chooses
   bool view_all = false;        // the initial pose shows the whole world
   bool retains_offset = false;  // binding keeps the movements that the user made at this Viewpoint
   bool listed = true;           // false below a ViewpointGroup with displayed FALSE
+  bool group_retains_offset = false;  // a ViewpointGroup above has retainUserOffsets TRUE
+  std::string group;            // descriptions of the ViewpointGroups above, outermost first, each followed by ": "
+  std::vector<ViewpointRegion> regions;  // of the ViewpointGroups above
 };
 
 /// Sound node (6.42), once for each path to it.
@@ -210,6 +220,7 @@ struct RenderList {
   /// ClipPlanes in world space: a point p is drawn if dot(plane, (p, 1)) is positive.
   std::vector<glm::dvec4> clip_planes;
   std::vector<Fog> local_fogs;
+  float near_distance = 0, far_distance = 0;  // of the bound Viewpoint; 0 means that the program chooses
   std::vector<ViewpointState> viewpoints;  // in file order; the first is bound at the start
   std::vector<SoundPlace> sounds;
   Background background;

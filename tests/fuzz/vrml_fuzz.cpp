@@ -4,12 +4,14 @@
 #include "vrml/behaviours/browser_events.h"
 #include "vrml/events/execution.h"
 #include "vrml/mesh/mesh.h"
+#include "vrml/printing/print_scene.h"
 #include "vrml/syntax/parser.h"
 #include "vrml/syntax/printer.h"
 #include "vrml/syntax/scene_reader.h"
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
 
 using namespace gs::vrml;
@@ -119,6 +121,12 @@ bool run_world(std::span<const std::byte> bytes) {
     const Mesh mesh = tessellate(whole, whole.nodes().id_at(i), coarse);
     for (const std::uint32_t index : mesh.indices) require(index < mesh.positions.size());
   }
+  // The input determines the grammar in which the scene is written, too. The text is read again without a crash.
+  constexpr Grammar kWritten[] = {Grammar::vrml97, Grammar::x3d_classic, Grammar::x3d_xml, Grammar::x3d_json};
+  const std::string written = printed_scene(whole, {kWritten[bytes.size() % std::size(kWritten)]});
+  SceneGraph again("again", limits);
+  Diagnostics said_again;
+  (void)parse(written, again, said_again);
   require(live(whole) == live(pieces));
   return said_whole.errors() == 0 && !whole.roots().empty();
 }

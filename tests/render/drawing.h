@@ -43,6 +43,7 @@ inline DrawItem unlit(std::shared_ptr<const vrml::Mesh> mesh, const glm::mat4& w
   item.mesh = std::move(mesh);
   item.world_from_node = world_from_node;
   item.material.lit = false;
+  item.material.diffuse = glm::vec3(1);
   return item;
 }
 

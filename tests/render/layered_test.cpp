@@ -130,7 +130,7 @@ TEST_CASE("reflects the faces of a cube map in their directions (X3D 34.4.1)") {
                            texture("0x00FF00") + " leftTexture " + texture("0x0000FF") + " rightTexture " +
                            texture("0xFFFF00") + " topTexture " + texture("0x00FFFF") + " bottomTexture " +
                            texture("0xFF00FF") + " }";
-  // The square faces the viewer, who sees what is behind the viewer.
+  // The square faces the viewer. It reflects the content behind the viewer.
   check_color(shown.color(square(cube)), {0, 1, 0});
   const auto direction = [&](const std::string& v) {
     return shown.color(square(cube,

@@ -68,12 +68,16 @@ glm::dmat4 viewer_of(const SceneGraph&, const Node& node) {
 
 }  // namespace
 
-const Behaviour kViewpointBehaviour = {
-    {"set_bind", "isBound", "bindTime", "fieldOfView", "navigationInfo"},
-    nullptr, set_bind, tell_late, viewer_of<struct Perspective>};
-const Behaviour kOrthoViewpointBehaviour = {
-    {"set_bind", "isBound", "bindTime", "fieldOfView", "navigationInfo"},
-    nullptr, set_bind, tell_late, viewer_of<struct Parallel>};
+const Behaviour kViewpointBehaviour = {{"set_bind", "isBound", "bindTime", "fieldOfView", "navigationInfo"},
+                                       nullptr,
+                                       set_bind,
+                                       tell_late,
+                                       viewer_of<struct Perspective>};
+const Behaviour kOrthoViewpointBehaviour = {{"set_bind", "isBound", "bindTime", "fieldOfView", "navigationInfo"},
+                                            nullptr,
+                                            set_bind,
+                                            tell_late,
+                                            viewer_of<struct Parallel>};
 const Behaviour kGeoViewpointBehaviour = {
     {"set_bind", "isBound", "bindTime", "fieldOfView"}, nullptr, set_bind, tell_late, geo_viewpoint_matrix};
 const Behaviour kNavigationInfoBehaviour = {

@@ -34,8 +34,8 @@ void begin_drag(Execution& execution, EventNode node, const Bearing& bearing, co
 void begin_turned_drag(Execution& execution, EventNode node, int axis_rotation, const Bearing& bearing,
                        const glm::dmat4& world_from_sensor) {
   PointingState& drag = pointing_state(execution, node);
-  drag.is_turned = execution.nodes().has_event(node, axis_rotation) &&
-                   execution.get<SFRotation>(node, axis_rotation).angle != 0;
+  drag.is_turned =
+      execution.nodes().has_event(node, axis_rotation) && execution.get<SFRotation>(node, axis_rotation).angle != 0;
   drag.turn = drag.is_turned ? quaternion_of(execution.get<SFRotation>(node, axis_rotation)) : glm::dquat(1, 0, 0, 0);
   begin_drag(execution, node, bearing, world_from_sensor);
 }
@@ -136,10 +136,8 @@ constexpr PointingSensor kPlaneSensor = {
     .is_over = Plane::is_over,
     .is_active = Plane::is_active,
     .description = Plane::description,
-    .press =
-        [](Execution& execution, EventNode node, const Bearing& bearing, const glm::dmat4& place) {
-          begin_turned_drag(execution, node, Plane::axis_rotation, bearing, place);
-        },
+    .press = [](Execution& execution, EventNode node, const Bearing& bearing,
+                const glm::dmat4& place) { begin_turned_drag(execution, node, Plane::axis_rotation, bearing, place); },
     .drag = drag_plane,
     .release = end_drag<SFVec3f, Plane, Plane::translation>,
 };

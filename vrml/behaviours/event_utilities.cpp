@@ -25,7 +25,8 @@ struct ToggleEvents {
 
 bool toggle_event(Execution& execution, EventNode node, int event, const FieldValue& value) {
   if (event != ToggleEvents::set_boolean) return true;
-  if (std::get<SFBool>(value)) execution.send(node, ToggleEvents::toggle, SFBool{!execution.get<SFBool>(node, ToggleEvents::toggle)});
+  if (std::get<SFBool>(value))
+    execution.send(node, ToggleEvents::toggle, SFBool{!execution.get<SFBool>(node, ToggleEvents::toggle)});
   return false;
 }
 
@@ -39,7 +40,8 @@ bool boolean_trigger(Execution& execution, EventNode node, int event, const Fiel
 }
 
 bool integer_trigger(Execution& execution, EventNode node, int event, const FieldValue&) {
-  if (event == TriggerEvents::set) execution.send(node, TriggerEvents::trigger, SFInt32{execution.get<SFInt32>(node, TriggerEvents::key)});
+  if (event == TriggerEvents::set)
+    execution.send(node, TriggerEvents::trigger, SFInt32{execution.get<SFInt32>(node, TriggerEvents::key)});
   return true;
 }
 

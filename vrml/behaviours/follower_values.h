@@ -65,7 +65,9 @@ struct OrientationSpace {
   static glm::dquat quaternion(const glm::dvec4& v) { return {v.w, v.x, v.y, v.z}; }
   static glm::dvec4 four(const glm::dquat& q) { return {q.x, q.y, q.z, q.w}; }
 
-  static FollowerValues values_of(const FieldValue& value) { return {four(quaternion_of(std::get<SFRotation>(value)))}; }
+  static FollowerValues values_of(const FieldValue& value) {
+    return {four(quaternion_of(std::get<SFRotation>(value)))};
+  }
   static SFRotation value_of(const FollowerValues& values) { return rotation_of(quaternion(values[0])); }
   /// Returns `part` of the rotation by `q`, along the shorter way.
   static glm::dquat part_of(glm::dquat q, double part) {

@@ -11,8 +11,18 @@ namespace gs::vrml {
 namespace {
 
 struct Follower {
-  enum : int { set_destination, set_value, initial_destination, initial_value, is_active, value_changed, duration,
-               order = duration, tau, tolerance };
+  enum : int {
+    set_destination,
+    set_value,
+    initial_destination,
+    initial_value,
+    is_active,
+    value_changed,
+    duration,
+    order = duration,
+    tau,
+    tolerance
+  };
 };
 
 FollowerState* follower_state(Execution& execution, EventNode node) {
@@ -92,9 +102,7 @@ void chase(Execution& execution, EventNode node) {
   if (!execution.nodes()[node].running) return;
   if (!afford_values(execution, node, state->base, state->steps.size() + 2)) return;
   const double now = execution.now(), duration = chaser_duration(execution, node);
-  const auto part = [&](const FollowerState::Step& step) {
-    return duration > 0 ? (now - step.time) / duration : 1.0;
-  };
+  const auto part = [&](const FollowerState::Step& step) { return duration > 0 ? (now - step.time) / duration : 1.0; };
   std::size_t over = 0;
   while (over < state->steps.size() && part(state->steps[over]) >= 1) state->base = state->steps[over++].to;
   state->steps.erase(state->steps.begin(), state->steps.begin() + static_cast<std::ptrdiff_t>(over));
@@ -155,7 +163,8 @@ void begin_damper(Execution& execution, EventNode node, FollowerState& state) {
   if (std::exchange(state.begun, true)) return;
   const FollowerValues first = Space::values_of(execution.nodes().value_of(node, Follower::initial_value));
   FollowerValues destination = Space::values_of(execution.nodes().value_of(node, Follower::initial_destination));
-  if (!afford_values(execution, node, first, kMaxOrder) || !afford_values(execution, node, destination, kMaxOrder)) return;
+  if (!afford_values(execution, node, first, kMaxOrder) || !afford_values(execution, node, destination, kMaxOrder))
+    return;
   const bool at_rest = first == destination;
   state.time = execution.now();
   for (int i = 0; i < damper_order(execution, node); ++i) {

@@ -47,7 +47,8 @@ std::string utf8_of(char32_t c) {
 }
 
 void set_keys_active(Execution& execution, EventNode node, bool active) {
-  if (active != execution.get<SFBool>(node, KeyEvents::is_active)) execution.send(node, KeyEvents::is_active, SFBool{active});
+  if (active != execution.get<SFBool>(node, KeyEvents::is_active))
+    execution.send(node, KeyEvents::is_active, SFBool{active});
 }
 
 void sense_key(Execution& execution, EventNode node, const KeyStroke& stroke) {

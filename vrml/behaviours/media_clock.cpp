@@ -28,7 +28,7 @@ struct Media {
   };
 };
 constexpr PauseEvents kMediaPauseEvents = {Media::start_time, Media::pause_time, Media::resume_time, Media::is_paused,
-                                      Media::elapsed_time};
+                                           Media::elapsed_time};
 
 constexpr double kUnending = std::numeric_limits<double>::infinity();
 
@@ -151,7 +151,8 @@ double media_pauses(Execution& execution, EventNode node, MediaState& state) {
   const double last = std::max(state.pause.activated, execution.cascade().previous());
   if (!begin_pause(execution, node, kMediaPauseEvents, state.pause, last))
     resume(execution, node, kMediaPauseEvents, state.pause);
-  return state.pause.paused ? next_resume(execution, node, kMediaPauseEvents) : next_pause(execution, node, kMediaPauseEvents);
+  return state.pause.paused ? next_resume(execution, node, kMediaPauseEvents)
+                            : next_pause(execution, node, kMediaPauseEvents);
 }
 
 void media_change(Execution& execution, EventNode node, MediaState& state) {
@@ -161,8 +162,8 @@ void media_change(Execution& execution, EventNode node, MediaState& state) {
   }
   const double change = media_pauses(execution, node, state);
   const MediaFields f = media_fields(execution, node);
-  const bool over = !is_enabled(execution, node) ||
-                    (!f.loop && state.duration < 0 && !may_come(execution, node, state));
+  const bool over =
+      !is_enabled(execution, node) || (!f.loop && state.duration < 0 && !may_come(execution, node, state));
   const double next = state.pause.paused ? f.stop : end_of(f, state);
   const double end = over ? std::min(next, execution.now()) : next;
   if (execution.now() < end) {
@@ -250,9 +251,8 @@ MediaPlay media_play(Execution& execution, EventNode node) {
 
 constexpr Behaviour media_behaviour(std::string_view rate, bool backwards) {
   Behaviour behaviour;
-  behaviour.events = {"loop",     rate, "startTime", "stopTime",   "duration_changed", "isActive",
-                      "url",      "",   "pauseTime", "resumeTime", "isPaused",         "elapsedTime",
-                      "enabled"};
+  behaviour.events = {"loop", rate,        "startTime",  "stopTime", "duration_changed", "isActive", "url",
+                      "",     "pauseTime", "resumeTime", "isPaused", "elapsedTime",      "enabled"};
   // mediaTime is an event of other browsers; only movies have it.
   if (backwards) behaviour.events[Media::media_time] = "mediaTime";
   behaviour.watches_routes = true;

@@ -72,13 +72,13 @@ class PickSearch {
     PlacedShapes& shapes = execution_.shapes();
     const auto nodes = shapes.nodes();
     if (!execution_.budget().spend(nodes.size())) return found;
-    const std::size_t own = shapes.find(*place_.scene, place_.node);
     const NodeId geometry = place_.scene->resolve(execution_.get<SFNode>(sensor_, Pick::picking_geometry));
-    if (own == 0 || !geometry) return found;
+    if (!geometry) return found;
     picking_ = shapes.mesh_of(*place_.scene, geometry);
-    world_from_picking_ = nodes[own].world_from_parent;
-    bounds_ = box_of(picking_->bounds, world_from_picking_);
-    if (bounds_.empty()) return found;
+    for (const PlacedNode& node : nodes)
+      if (node.scene == place_.scene && node.node == place_.node && instances_.size() < Placement::kMaxPlaces)
+        instances_.push_back({node.world_from_parent, box_of(picking_->bounds, node.world_from_parent)});
+    if (picking_->empty()) return found;
     std::unordered_set<std::uint32_t> targets;
     for (const NodeId target : execution_.get<MFNode>(sensor_, Pick::target))
       if (const NodeId id = place_.scene->resolve(target)) targets.insert(id.index);
@@ -112,12 +112,18 @@ class PickSearch {
     if (!execution_.budget().spend(EventBudget::kDelivery)) return false;
     const std::shared_ptr<const Mesh> mesh = execution_.shapes().mesh_of(*node.scene, geometry);
     const WideBox bounds = box_of(mesh->bounds, node.world_from_parent);
-    if (bounds.empty() || !do_overlap(bounds, bounds_)) return false;
-    picked.distance = glm::length(bounds.center() - bounds_.center());
-    if (!exact_) return true;
-    if (!execution_.budget().spend(mesh->indices.size() + picking_->indices.size())) return false;
-    const glm::dmat4 target_from_picking = glm::inverse(node.world_from_parent) * world_from_picking_;
-    return test_(*picking_, target_from_picking, *mesh, picked.points);
+    if (bounds.empty()) return false;
+    bool any = false;
+    for (const Instance& own : instances_) {
+      if (!do_overlap(bounds, own.bounds)) continue;
+      if (exact_ && !execution_.budget().spend(mesh->indices.size() + picking_->indices.size())) return any;
+      const glm::dmat4 target_from_picking = glm::inverse(node.world_from_parent) * own.world_from_picking;
+      if (exact_ && !test_(*picking_, target_from_picking, *mesh, picked.points)) continue;
+      const double distance = glm::length(bounds.center() - own.bounds.center());
+      picked.distance = any ? std::min(picked.distance, distance) : distance;
+      any = true;
+    }
+    return any;
   }
 
   void sort(std::vector<Picked>& found) const {
@@ -135,8 +141,11 @@ class PickSearch {
   bool exact_;
   Test test_;
   std::shared_ptr<const Mesh> picking_;
-  glm::dmat4 world_from_picking_{1.0};
-  WideBox bounds_;
+  struct Instance {
+    glm::dmat4 world_from_picking{1.0};
+    WideBox bounds;  // of the picking geometry, in world space
+  };
+  std::vector<Instance> instances_;  // of the sensor
 };
 
 // Returns the node of the sensor's scene that stands for a picked geometry: the geometry itself, or the Inline that
@@ -190,7 +199,9 @@ void pick(Execution& execution, EventNode node) {
 // Points of the surface on the lines of a LinePickSensor, in the space of the target.
 bool lines_meet(const Mesh& picking, const glm::dmat4& matrix, const Mesh& target, std::vector<SurfacePoint>& points) {
   if (picking.primitive != Mesh::Primitive::lines) return false;
-  const auto at = [&](std::size_t i) { return glm::dvec3(matrix * glm::dvec4(picking.positions[picking.indices[i]], 1)); };
+  const auto at = [&](std::size_t i) {
+    return glm::dvec3(matrix * glm::dvec4(picking.positions[picking.indices[i]], 1));
+  };
   for (std::size_t i = 0; i + 1 < picking.indices.size() && points.size() < kMaxPicked; i += 2)
     append_crossings(target, at(i), at(i + 1), kMaxPicked, points);
   return !points.empty();
@@ -223,22 +234,25 @@ bool pick_event(Execution& execution, EventNode node, int, const FieldValue&) {
   return true;
 }
 
-template <Test test>
+// `outputs` is the number of outputs besides pickedGeometry.
+template <Test test, int outputs>
 constexpr Behaviour pick_sensor() {
-  return {.events = {"enabled", "isActive", "pickedGeometry", "pickingGeometry", "pickTarget", "matchCriterion",
-                     "objectType", "intersectionType", "sortOrder", "pickedPoint", "pickedNormal",
-                     "pickedTextureCoordinate"},
-          .initialize = begin_picking,
-          .on_event = pick_event,
-          .on_time = pick<test>,
-          .on_remove = end_picking};
+  Behaviour behaviour{.events = {"enabled", "isActive", "pickedGeometry", "pickingGeometry", "pickTarget",
+                                 "matchCriterion", "objectType", "intersectionType", "sortOrder"},
+                      .initialize = begin_picking,
+                      .on_event = pick_event,
+                      .on_time = pick<test>,
+                      .on_remove = end_picking};
+  constexpr std::string_view kOutputs[] = {"pickedPoint", "pickedNormal", "pickedTextureCoordinate"};
+  for (int i = 0; i < outputs; ++i) behaviour.events[static_cast<std::size_t>(Pick::picked_point + i)] = kOutputs[i];
+  return behaviour;
 }
 
 }  // namespace
 
-constexpr Behaviour kLinePickSensorBehaviour = pick_sensor<lines_meet>();
-constexpr Behaviour kPointPickSensorBehaviour = pick_sensor<points_meet>();
-constexpr Behaviour kPrimitivePickSensorBehaviour = pick_sensor<volumes_meet>(),
-                    kVolumePickSensorBehaviour = pick_sensor<volumes_meet>();
+constexpr Behaviour kLinePickSensorBehaviour = pick_sensor<lines_meet, 3>();
+constexpr Behaviour kPointPickSensorBehaviour = pick_sensor<points_meet, 1>();
+constexpr Behaviour kPrimitivePickSensorBehaviour = pick_sensor<volumes_meet, 0>(),
+                    kVolumePickSensorBehaviour = pick_sensor<volumes_meet, 0>();
 
 }  // namespace gs::vrml

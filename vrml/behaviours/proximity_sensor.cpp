@@ -30,10 +30,10 @@ bool orthonormal(glm::dmat3& m) {
 
 // Movement of the viewer between the last evaluation and now, assumed to be a straight line.
 struct Look {
-  bool inside = false;  // the viewer is inside the box of an instance of the sensor
-  bool passed = false;  // the viewer is outside, but crossed a box on the way
+  bool inside = false;    // the viewer is inside the box of an instance of the sensor
+  bool passed = false;    // the viewer is outside, but crossed a box on the way
   double entered_at = 0;  // time of entry if inside or passed; may precede the last evaluation if inside
-  double left_at = 0;  // time of exit from the last box, if outside or passed
+  double left_at = 0;     // time of exit from the last box, if outside or passed
   glm::dmat4 sensor_from_viewer{1.0}, sensor_from_entered{1.0}, sensor_from_left{1.0};
 };
 

@@ -148,12 +148,12 @@ bool squad_event(Execution& execution, EventNode node, int event, const FieldVal
     execution.send(node, Spline::value_changed, SFRotation(values[place.first]));
     return false;
   }
-  const glm::dquat from = quaternion_of(values[place.first]), to = on_side_of(quaternion_of(values[place.second]), from),
+  const glm::dquat from = quaternion_of(values[place.first]),
+                   to = on_side_of(quaternion_of(values[place.second]), from),
                    control_from = squad_control(values, count, place.first),
                    control_to = on_side_of(squad_control(values, count, place.second), control_from);
   const double h = place.part;
-  const glm::dquat made =
-      squad_arc(squad_arc(from, to, h), squad_arc(control_from, control_to, h), 2 * h * (1 - h));
+  const glm::dquat made = squad_arc(squad_arc(from, to, h), squad_arc(control_from, control_to, h), 2 * h * (1 - h));
   execution.send(node, Spline::value_changed, rotation_of(made));
   return false;
 }
@@ -206,7 +206,7 @@ const Behaviour kSquadOrientationInterpolatorBehaviour = {
     .events = {"set_fraction", "keyValue", "value_changed", "key"},
     .on_event = squad_event,
     .unsent_value = spline_first_value<SFRotation>};
-const Behaviour kEaseInEaseOutBehaviour = {.events = {"set_fraction", "easeInEaseOut", "modifiedFraction_changed", "key"},
-                                           .on_event = ease_event};
+const Behaviour kEaseInEaseOutBehaviour = {
+    .events = {"set_fraction", "easeInEaseOut", "modifiedFraction_changed", "key"}, .on_event = ease_event};
 
 }  // namespace gs::vrml

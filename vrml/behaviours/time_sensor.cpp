@@ -27,7 +27,7 @@ struct Clock {
   };
 };
 constexpr PauseEvents kClockPauseEvents = {Clock::start_time, Clock::pause_time, Clock::resume_time, Clock::is_paused,
-                                      Clock::elapsed_time};
+                                           Clock::elapsed_time};
 
 TimeState& state_of_sensor(Execution& execution, EventNode node) {
   return execution.states().times[execution.nodes().state_of(node)];

@@ -6,7 +6,16 @@ namespace gs::vrml {
 namespace {
 
 struct Touch {
-  enum : int { enabled = kSensorEnabled, is_over, is_active, touch_time, hit_point, hit_normal, hit_tex_coord, description };
+  enum : int {
+    enabled = kSensorEnabled,
+    is_over,
+    is_active,
+    touch_time,
+    hit_point,
+    hit_normal,
+    hit_tex_coord,
+    description
+  };
 };
 
 // Sends the hit point in the coordinate system of the sensor (6.51). If that system is singular, does not send

@@ -17,7 +17,8 @@ struct Watch {
 // Returns sensor_from_target if the box around the target meets the box of the sensor (X3D 22.4.2). Of several
 // instances, the first ones count.
 std::optional<glm::dmat4> watched(Execution& execution, EventNode node) {
-  const glm::vec3 size = execution.get<SFVec3f>(node, Watch::size), center = execution.get<SFVec3f>(node, Watch::center);
+  const glm::vec3 size = execution.get<SFVec3f>(node, Watch::size),
+                  center = execution.get<SFVec3f>(node, Watch::center);
   const bool everywhere = size == glm::vec3(-1);
   if (!execution.get<SFBool>(node, Watch::enabled) || (!everywhere && !(size.x > 0 && size.y > 0 && size.z > 0)))
     return std::nullopt;

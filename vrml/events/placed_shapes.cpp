@@ -16,8 +16,8 @@ const FieldValue* field_of(const Node& node, std::string_view name) {
 }
 
 bool is_moved(const Node& node) {
-  return has(node.type->role, Role::grouping) || has(node.type->role, Role::geometry) || has(node.type->role, Role::geometric_property) ||
-         node.type->read_as == NodeKind::shape;
+  return has(node.type->role, Role::grouping) || has(node.type->role, Role::geometry) ||
+         has(node.type->role, Role::geometric_property) || node.type->read_as == NodeKind::shape;
 }
 
 }  // namespace
@@ -100,7 +100,8 @@ void PlacedShapes::visit_node(const SceneGraph& scene, NodeId id, std::uint32_t 
   const auto place = static_cast<std::uint32_t>(nodes_.size());
   PlacedNode made{&scene, id, parent, world, world, shape, nodes_[parent].pickable, nodes_[parent].types};
   const Behaviour* const behaviour = node.type->behaviour;
-  if (groups && behaviour && behaviour->parent_from_local) made.world_from_inside *= behaviour->parent_from_local(scene, node);
+  if (groups && behaviour && behaviour->parent_from_local)
+    made.world_from_inside *= behaviour->parent_from_local(scene, node);
   if (const FieldValue* const pickable = groups ? field_of(node, "pickable") : nullptr) {
     made.pickable = made.pickable && *std::get_if<SFBool>(pickable);
     made.types = place;

@@ -18,11 +18,11 @@ namespace gs::vrml {
 struct PlacedNode {
   const SceneGraph* scene = nullptr;
   NodeId node;
-  std::uint32_t parent = 0;            // index of the grouping node above; the node itself at the top
-  glm::dmat4 world_from_parent{1.0};   // coordinate system of the node
-  glm::dmat4 world_from_inside{1.0};   // coordinate system of the children
+  std::uint32_t parent = 0;             // index of the grouping node above; the node itself at the top
+  glm::dmat4 world_from_parent{1.0};    // coordinate system of the node
+  glm::dmat4 world_from_inside{1.0};    // coordinate system of the children
   bool shape = false, pickable = true;  // pickable: no PickableGroup above forbids it
-  std::uint32_t types = 0;             // index of the PickableGroup with the object types; 0 means none
+  std::uint32_t types = 0;              // index of the PickableGroup with the object types; 0 means none
 };
 
 /// Shapes of a world with their positions, for sensors of moving objects (X3D 22.4.2, clause 38). Visits the whole
@@ -53,8 +53,7 @@ class PlacedShapes {
  private:
   void forget_meshes(const Node* changed);
   void collect();
-  void visit(const SceneGraph& scene, const MFNode& children, std::uint32_t parent, const glm::dmat4& world,
-             int depth);
+  void visit(const SceneGraph& scene, const MFNode& children, std::uint32_t parent, const glm::dmat4& world, int depth);
   void visit_node(const SceneGraph& scene, NodeId id, std::uint32_t parent, const glm::dmat4& world, int depth);
 
   Execution& execution_;

@@ -127,8 +127,8 @@ void apply_blinker(Converter& converter, const Item& item) {
   output.route({chooser, "choice", name, "set_whichChoice", item.location});
 }
 
-// A click on the children of a WWWAnchor with `map POINT` adds the point to the url. VRML97 has no such Anchor: a Script
-// opens the url.
+// A click on the children of a WWWAnchor with `map POINT` adds the point to the url. VRML97 has no such Anchor: a
+// Script opens the url.
 void apply_point_anchor(Converter& converter, const Item& item) {
   Output& output = converter.output();
   const NodeId group = output.make_group("Group");
@@ -145,10 +145,10 @@ void apply_point_anchor(Converter& converter, const Item& item) {
       "javascript: var at = null; function point(value) { at = new SFVec3f(value[0], value[1], value[2]); } function "
       "touched() { if (at) Browser.loadURL(new MFString('" +
       url + "?' + at[0] + ',' + at[1] + ',' + at[2]), new MFString()); }";
-  if (output.add_script(script, code,
-                        {{AccessType::eventIn, FieldType::SFVec3f, "point"},
-                         {AccessType::eventIn, FieldType::SFTime, "touched"}},
-                        target, item.location)) {
+  if (output.add_script(
+          script, code,
+          {{AccessType::eventIn, FieldType::SFVec3f, "point"}, {AccessType::eventIn, FieldType::SFTime, "touched"}},
+          target, item.location)) {
     output.route({touch, "hitPoint_changed", script, "point", item.location});
     output.route({touch, "touchTime", script, "touched", item.location});
   }

@@ -31,8 +31,8 @@ void Converter::visit(const Item& item) {
   if (!item.type->note.empty()) warn_once(item.location, item.type->name + ": " + std::string(item.type->note));
   if (++visits_ > max_visits_) {
     if (!std::exchange(said_work_, true))
-      sink_.problems().error(item.location, "nodes are used more than " + std::to_string(max_visits_) +
-                                                " times; the rest is left out");
+      sink_.problems().error(
+          item.location, "nodes are used more than " + std::to_string(max_visits_) + " times; the rest is left out");
     return;
   }
   if (visits_ % 256 == 0 && !may_go_on(item.location)) {
@@ -147,9 +147,10 @@ void Converter::warn_once(SourceLocation location, std::string message) {
 void apply_children(Converter& converter, const Item& item) { converter.visit_children(item); }
 
 void apply_unknown(Converter& converter, const Item& item) {
-  converter.warn_once(item.location, "unknown node type " + quoted(item.type->name) +
-                                         (item.children.empty() && item.fields.empty() ? "; skipped"
-                                                                                       : "; only its children are shown"));
+  converter.warn_once(
+      item.location,
+      "unknown node type " + quoted(item.type->name) +
+          (item.children.empty() && item.fields.empty() ? "; skipped" : "; only its children are shown"));
   if (const ItemPtr alternate = item.node("alternateRep")) return converter.visit(*alternate);
   if (item.children.empty() && item.fields.empty()) return;
   converter.push_state();

@@ -46,7 +46,7 @@ class Converter : NonCopyable {
   /// Returns the state. Call read() for each part that the caller uses.
   [[nodiscard]] const State& state() const { return state_; }
   void read(Part part);
-  /// Returns the state for changes of one part, whose new value has the identity `serial`.
+  /// Returns the state for changes of one part, with the identity `serial` of its new value.
   [[nodiscard]] State& write(Part part, std::uint64_t serial);
   /// Stores the state, and restores it.
   void push_state();

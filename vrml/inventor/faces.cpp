@@ -65,8 +65,9 @@ bool is_unset(const MFInt32& own) { return own.empty() || (own.size() == 1 && ow
 AttributeIndex per_vertex_index(const FaceList& faces, bool indexed, const MFInt32& own) {
   AttributeIndex result;
   if (!indexed) {
-    result.index = faces.vertex.empty() ? per_corner(faces.index, [](std::size_t, std::int32_t corner) { return corner; })
-                                        : faces.vertex;
+    result.index = faces.vertex.empty()
+                       ? per_corner(faces.index, [](std::size_t, std::int32_t corner) { return corner; })
+                       : faces.vertex;
     return result;
   }
   if (is_unset(own)) {
@@ -145,14 +146,10 @@ std::optional<AttributeIndex> attribute_index(const FaceList& faces, Binding bin
 
 Binding binding_named(std::string_view name, Binding otherwise) {
   static constexpr std::pair<std::string_view, Binding> kNames[] = {
-      {"OVERALL", Binding::overall},
-      {"NONE", Binding::overall},
-      {"PER_PART", Binding::per_part},
-      {"PER_PART_INDEXED", Binding::per_part_indexed},
-      {"PER_FACE", Binding::per_face},
-      {"PER_FACE_INDEXED", Binding::per_face_indexed},
-      {"PER_VERTEX", Binding::per_vertex},
-      {"PER_VERTEX_INDEXED", Binding::per_vertex_indexed},
+      {"OVERALL", Binding::overall},       {"NONE", Binding::overall},
+      {"PER_PART", Binding::per_part},     {"PER_PART_INDEXED", Binding::per_part_indexed},
+      {"PER_FACE", Binding::per_face},     {"PER_FACE_INDEXED", Binding::per_face_indexed},
+      {"PER_VERTEX", Binding::per_vertex}, {"PER_VERTEX_INDEXED", Binding::per_vertex_indexed},
   };
   return value_named(kNames, name).value_or(otherwise);
 }

@@ -60,7 +60,15 @@ MFVec2f plane_coordinates(const MFVec3f& points, const TextureFunction& function
 
 void set_texture_coordinates(Converter& converter, const Item& item, const State& state, NodeId geometry,
                              const FaceList& faces, const OwnIndices& own) {
-  if (state.texture_function.plane) {
+  using Kind = TextureFunction::Kind;
+  if (state.texture_function.kind == Kind::environment) {
+    Output& output = converter.output();
+    const NodeId generator =
+        output.begin_x3d("TextureCoordinateGenerator", output.field(geometry, "texCoord"), item.location);
+    if (generator) output.end(generator);  // mode SPHERE
+    return;
+  }
+  if (state.texture_function.kind == Kind::plane) {
     if (!converter.sink().limits().admits_string(state.points.size() * sizeof(SFVec2f), item.location)) return;
     return set_property(converter, geometry, "texCoord", "TextureCoordinate", "point",
                         plane_coordinates(state.points, state.texture_function),
@@ -154,7 +162,8 @@ void add_faces(Converter& converter, const Item& item, const State& state, const
   Output& output = converter.output();
   set_property(converter, geometry, "coord", "Coordinate", "point", state.points, serial_of(state, Part::coordinates));
   output.set(geometry, "coordIndex", faces.index);
-  if (look.varies) set_colors(converter, geometry, look, attribute_index(faces, binding, own.material, look.colors.size(), true));
+  if (look.varies)
+    set_colors(converter, geometry, look, attribute_index(faces, binding, own.material, look.colors.size(), true));
   set_normals(converter, item, state, geometry, faces, own);
   if (look.texture != 0) {
     converter.read(Part::texture_coordinates);
@@ -188,7 +197,8 @@ void add_lines(Converter& converter, const Item& item, const State& state, const
   if (!geometry) return;
   set_property(converter, geometry, "coord", "Coordinate", "point", state.points, serial_of(state, Part::coordinates));
   converter.output().set(geometry, "coordIndex", lines.index);
-  if (look.varies) set_colors(converter, geometry, look, attribute_index(lines, binding, own.material, look.colors.size(), true));
+  if (look.varies)
+    set_colors(converter, geometry, look, attribute_index(lines, binding, own.material, look.colors.size(), true));
   converter.output().end(geometry);
   if (!identity.empty()) converter.looks().property(identity) = geometry;
 }
@@ -207,7 +217,8 @@ void add_points(Converter& converter, const Item& item, const State& state, std:
   std::string range;
   if (!whole) range = " from" + std::to_string(first) + ' ' + std::to_string(count);
   const MFVec3f points = whole ? state.points : MFVec3f(state.points.span().subspan(first, count));
-  set_property(converter, geometry, "coord", "Coordinate", "point", points, serial_of(state, Part::coordinates) + range);
+  set_property(converter, geometry, "coord", "Coordinate", "point", points,
+               serial_of(state, Part::coordinates) + range);
   if (look.varies) {
     MFColor colors;
     for (std::size_t i = 0; i < count; ++i) colors.push_back(look.colors[i % look.colors.size()]);

@@ -21,15 +21,15 @@ bool is_camera(const Item& item) { return item.type->find("focalDistance") != nu
 // Reports whether a node leaves the state as it is, so that it may be one of the choices of a Switch.
 bool keeps_state(const Item& item) { return item.type->keeps_state || item.type->kind == ItemClass::shape; }
 
-// A Switch whose choices keep the state becomes a Switch. Otherwise only the chosen child is converted, because it sets
-// the state for later nodes. All cameras become Viewpoints: a Switch is how files offer several of them.
+// If all choices of a Switch keep the state, it becomes a Switch. Otherwise only the chosen child is converted, because
+// it sets the state for later nodes. All cameras become Viewpoints: a Switch is how files offer several of them.
 void apply_switch(Converter& converter, const Item& item) {
   const std::int32_t which = item.get<SFInt32>("whichChild");
   const auto chosen = [&](std::size_t i) { return which == -3 || static_cast<std::int64_t>(i) == which; };
-  const bool cameras = std::any_of(item.children.begin(), item.children.end(),
-                                   [](const ItemPtr& child) { return is_camera(*child); });
-  const bool separate = std::all_of(item.children.begin(), item.children.end(),
-                                    [](const ItemPtr& child) { return keeps_state(*child); });
+  const bool cameras =
+      std::any_of(item.children.begin(), item.children.end(), [](const ItemPtr& child) { return is_camera(*child); });
+  const bool separate =
+      std::all_of(item.children.begin(), item.children.end(), [](const ItemPtr& child) { return keeps_state(*child); });
   if (which >= 0 && separate && item.children.size() > 1 && static_cast<std::size_t>(which) < item.children.size()) {
     Output& output = converter.output();
     const auto target = output.target();

@@ -51,10 +51,10 @@ using Apply = void (*)(Converter& converter, const Item& item);
 
 /// Class of node types, for the parser and the traversal.
 enum class ItemClass : std::uint8_t {
-  plain,  // node without children
-  shape,  // node without children that draws and does not set the state
-  group,  // node with children
-  kit,    // nodekit, with parts in fields of any name
+  plain,    // node without children
+  shape,    // node without children that draws and does not set the state
+  group,    // node with children
+  kit,      // nodekit, with parts in fields of any name
   ignored,  // engine, dragger or another node that is omitted with a warning; its body has any form
   unknown,  // node type without a row; its children are drawn
 };

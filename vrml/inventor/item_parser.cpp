@@ -73,8 +73,9 @@ const ItemType& ItemParser::type_of(const Token& name) {
 }
 
 const FieldRow& ItemParser::keep_row(std::string_view name, const ValueType& type) {
-  const std::string key = std::string(name.substr(0, 200)) + '\n' + static_cast<char>('a' + static_cast<int>(type.form)) +
-                          static_cast<char>('a' + type.numbers) + (type.multiple ? 'm' : 's');
+  const std::string key = std::string(name.substr(0, 200)) + '\n' +
+                          static_cast<char>('a' + static_cast<int>(type.form)) + static_cast<char>('a' + type.numbers) +
+                          (type.multiple ? 'm' : 's');
   const auto found = row_by_name_.find(key);
   if (found != row_by_name_.end()) return *found->second;
   if (rows_.size() >= kMaxRemembered * 10) return rows_.back();
@@ -133,7 +134,8 @@ ItemPtr ItemParser::parse_node(const Token& first, std::size_t depth) {
   }
   if (type.kind != TokenKind::word || peek() != '{') {
     if (type.kind != TokenKind::end)
-      sink_.problems().error(type.location, "expected a node after DEF " + quoted(name) + ", found " + quoted(type.text));
+      sink_.problems().error(type.location,
+                             "expected a node after DEF " + quoted(name) + ", found " + quoted(type.text));
     else
       truncated_ = true;
     back(type);

@@ -18,7 +18,8 @@ namespace gs::vrml::inventor {
 /// may end inside a node. Nesting is limited by Limits::nesting. Safe for untrusted text. One thread.
 class ItemParser {
  public:
-  explicit ItemParser(SceneSink& sink) : sink_(sink), values_(lexer_, sink), share_(sink.scene().budget(), Resource::nodes) {}
+  explicit ItemParser(SceneSink& sink)
+      : sink_(sink), values_(lexer_, sink), share_(sink.scene().budget(), Resource::nodes) {}
 
   /// Sets the next window, which follows the previous one in the text. `last` means that the text ends with it.
   void set_window(std::string_view text, bool last) {

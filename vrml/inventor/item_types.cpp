@@ -36,8 +36,8 @@ std::vector<FieldRow> read_fields(std::string_view text) {
 
 Types read_types() {
   Types all;
-  for (const auto rows : {group_rows(), kit_rows(), transform_rows(), animation_rows(), property_rows(), texture_rows(), solid_rows(),
-                          text_rows(), face_rows(), line_rows(), viewing_rows(), other_rows()})
+  for (const auto rows : {group_rows(), kit_rows(), transform_rows(), animation_rows(), property_rows(), texture_rows(),
+                          solid_rows(), text_rows(), face_rows(), line_rows(), viewing_rows(), other_rows()})
     for (const ItemRow& row : rows) {
       const std::vector<FieldRow> fields = row.fields.empty() ? std::vector<FieldRow>() : read_fields(row.fields);
       for (std::string_view names = row.names; !names.empty();) {

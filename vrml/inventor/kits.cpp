@@ -3,19 +3,47 @@
 
 #include <algorithm>
 
-// Nodekits, whose parts are drawn, and nodes without effect.
+// Nodekits with their parts, and nodes without effect.
 namespace gs::vrml::inventor {
 namespace {
 
 // Parts in the order in which they act. Other parts follow.
-constexpr std::string_view kPartOrder[] = {
-    "callbackList",     "pickStyle",      "appearance",     "units",          "lightModel",     "environment",
-    "drawStyle",        "material",       "complexity",     "font",           "fontStyle",      "texture2",
-    "transform",        "texture2Transform", "transformGroup", "topSeparator", "cameraList",    "camera",
-    "lightList",        "light",          "materialBinding", "normalBinding", "textureCoordinateBinding",
-    "shapeHints",       "coordinate3",    "coordinate4",    "normal",         "textureCoordinate2",
-    "textureCoordinateFunction", "profileCoordinate2", "profileCoordinate3", "localTransform", "shapeSeparator",
-    "shape",            "contents",       "childList"};
+constexpr std::string_view kPartOrder[] = {"callbackList",
+                                           "pickStyle",
+                                           "appearance",
+                                           "units",
+                                           "lightModel",
+                                           "environment",
+                                           "drawStyle",
+                                           "material",
+                                           "complexity",
+                                           "font",
+                                           "fontStyle",
+                                           "texture2",
+                                           "transform",
+                                           "texture2Transform",
+                                           "transformGroup",
+                                           "topSeparator",
+                                           "cameraList",
+                                           "camera",
+                                           "lightList",
+                                           "light",
+                                           "materialBinding",
+                                           "normalBinding",
+                                           "textureCoordinateBinding",
+                                           "shapeHints",
+                                           "coordinate3",
+                                           "coordinate4",
+                                           "normal",
+                                           "textureCoordinate2",
+                                           "textureCoordinateFunction",
+                                           "profileCoordinate2",
+                                           "profileCoordinate3",
+                                           "localTransform",
+                                           "shapeSeparator",
+                                           "shape",
+                                           "contents",
+                                           "childList"};
 
 void visit_parts(Converter& converter, const Item& item) {
   std::vector<const ItemField*> parts;
@@ -51,8 +79,6 @@ constexpr ItemRow kOtherRows[] = {
     {"ColorIndex", ItemClass::plain, false, nullptr, "MFInt32 index []", kUnseen},
     {"PolygonOffset", ItemClass::plain, false, nullptr,
      "SFFloat factor 1 SFFloat units 1 SFBitMask styles FILLED SFBool on TRUE"},
-    {"ClipPlane", ItemClass::plain, false, nullptr, "SFPlane plane 1 0 0 0 SFBool on TRUE", kUnseen},
-    {"ClipPlaneManip", ItemClass::kit, false, nullptr, "SFPlane plane 1 0 0 0 SFBool on TRUE", kUnseen},
     {"ProfileCoordinate2", ItemClass::plain, false, nullptr, "MFVec2f point [ 0 0 ]", kUnseen},
     {"ProfileCoordinate3", ItemClass::plain, false, nullptr, "MFVec3f point [ 0 0 1 ]", kUnseen},
     {"LinearProfile", ItemClass::plain, false, nullptr, "MFInt32 index 0 SFEnum linkage START_FIRST", kUnseen},
@@ -62,22 +88,39 @@ constexpr ItemRow kOtherRows[] = {
      "SFEnum policy USE_TEXTURE_QUALITY SFFloat quality 0.5"},
     {"TextureUnit TextureCombine Texture3 Texture3Transform TextureCoordinate3 BumpMap BumpMapCoordinate "
      "BumpMapTransform SceneTexture2 TextureCubeMap TextureMatrixTransform",
-     ItemClass::ignored, false, nullptr, {}, kUnseen},
+     ItemClass::ignored,
+     false,
+     nullptr,
+     {},
+     kUnseen},
     {"Image Listener VertexShader FragmentShader ShaderProgram GeometryShader DepthBuffer AlphaTest CacheHint "
      "TransparencyGroup WWWInlineCallback Path ShadowStyle ShadowCulling ProfileElement",
-     ItemClass::ignored, false, nullptr, {}, kUnseen},
+     ItemClass::ignored,
+     false,
+     nullptr,
+     {},
+     kUnseen},
     // Engines and global fields.
     {"BoolOperation Calculator ComposeMatrix ComposeRotation ComposeRotationFromTo ComposeVec2f ComposeVec3f "
      "ComposeVec4f Compose DecomposeMatrix DecomposeRotation DecomposeVec2f DecomposeVec3f DecomposeVec4f Concatenate "
      "Counter ElapsedTime Fuse Gate HeightMapToNormalMap InterpolateFloat InterpolateRotation InterpolateVec2f "
-     "InterpolateVec3f InterpolateVec4f OnOff OneShot SelectOne TimeCounter Timer Trigger TriggerAny ComputeBoundingBox "
+     "InterpolateVec3f InterpolateVec4f OnOff OneShot SelectOne TimeCounter Timer Trigger TriggerAny "
+     "ComputeBoundingBox "
      "Tesselate TransformVec3f ConvertAll GlobalField SwitchboardOperator Switchboard TimeSensor",
-     ItemClass::ignored, false, nullptr, {}, "engines are not supported; connected fields keep their values"},
+     ItemClass::ignored,
+     false,
+     nullptr,
+     {},
+     "engines are not supported; connected fields keep their values"},
     {"CenterballDragger DirectionalLightDragger DragPointDragger HandleBoxDragger JackDragger PointLightDragger "
      "RotateCylindricalDragger RotateDiscDragger RotateSphericalDragger Scale1Dragger Scale2Dragger "
      "Scale2UniformDragger ScaleUniformDragger SpotLightDragger TabBoxDragger TabPlaneDragger TrackballDragger "
      "TransformBoxDragger TransformerDragger Translate1Dragger Translate2Dragger",
-     ItemClass::ignored, false, nullptr, {}, "draggers are not supported; it is not shown"},
+     ItemClass::ignored,
+     false,
+     nullptr,
+     {},
+     "draggers are not supported; it is not shown"},
 };
 
 }  // namespace

@@ -63,8 +63,7 @@ void apply_points(Converter& converter, const Item& item) {
   const State state = state_of_shape(converter, item);
   const auto start = static_cast<std::size_t>(std::max(item.get<SFInt32>("startIndex"), 0));
   const SFInt32 number = item.get<SFInt32>("numPoints");
-  add_points(converter, item, state, start,
-             number < 0 ? state.points.size() : static_cast<std::size_t>(number));
+  add_points(converter, item, state, start, number < 0 ? state.points.size() : static_cast<std::size_t>(number));
 }
 
 constexpr ItemRow kLineRows[] = {

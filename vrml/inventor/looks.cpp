@@ -31,9 +31,7 @@ bool is_precomputed(const MaterialState& material) {
 
 }  // namespace
 
-std::string Look::key() const {
-  return material + '|' + std::to_string(texture) + '|' + std::to_string(transform);
-}
+std::string Look::key() const { return material + '|' + std::to_string(texture) + '|' + std::to_string(transform); }
 
 Look Looks::of(const State& state, ShapeKind kind, bool varies, std::size_t index) {
   converter_.read(Part::material);
@@ -55,7 +53,10 @@ Look Looks::of(const State& state, ShapeKind kind, bool varies, std::size_t inde
   }
   // Without a Material, colours and textures are not lit (VRML97 4.14.2).
   if (!look.lit && (look.varies || look.texture != 0)) return look;
-  look.material = std::to_string(state.serial(Part::material)) + (look.lit ? 'l' : precomputed ? 'p' : 'u') +
+  look.material = std::to_string(state.serial(Part::material)) +
+                  (look.lit      ? 'l'
+                   : precomputed ? 'p'
+                                 : 'u') +
                   std::to_string(look.index);
   return look;
 }

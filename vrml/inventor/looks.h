@@ -17,9 +17,9 @@ enum class ShapeKind : std::uint8_t { faces, lines, text };
 
 /// Appearance of a shape.
 struct Look {
-  std::string material;  // identity of the Material; empty for none
+  std::string material;                      // identity of the Material; empty for none
   std::uint64_t texture = 0, transform = 0;  // identities; 0 means none
-  std::size_t index = 0;  // index in the lists of the material
+  std::size_t index = 0;                     // index in the lists of the material
   bool lit = true;
   bool varies = false;  // `colors` give the colour of each part
   MFColor colors;

@@ -3,7 +3,6 @@
 
 #include <glm/matrix.hpp>
 
-
 // Nodes that change the transformation.
 namespace gs::vrml::inventor {
 namespace {
@@ -15,9 +14,7 @@ constexpr std::string_view kTransformFields = R"(
   SFRotation scaleOrientation 0 0 1 0
   SFVec3f center 0 0 0)";
 
-void add_fields(Converter& converter, TransformFields fields) {
-  converter.output().add_transform({fields, {}});
-}
+void add_fields(Converter& converter, TransformFields fields) { converter.output().add_transform({fields, {}}); }
 
 void apply_transform(Converter& converter, const Item& item) {
   TransformFields fields;
@@ -75,11 +72,11 @@ void apply_units(Converter& converter, const Item& item) {
     std::string_view name;
     double meters;
   };
-  static constexpr Unit kUnits[] = {{"METERS", 1},          {"CENTIMETERS", 1e-2}, {"MILLIMETERS", 1e-3},
-                                    {"MICROMETERS", 1e-6},  {"MICRONS", 1e-6},     {"NANOMETERS", 1e-9},
-                                    {"ANGSTROMS", 1e-10},   {"KILOMETERS", 1e3},   {"FEET", 0.3048},
-                                    {"INCHES", 0.0254},     {"POINTS", 0.0254 / 72}, {"YARDS", 0.9144},
-                                    {"MILES", 1609.344},    {"NAUTICAL_MILES", 1852}};
+  static constexpr Unit kUnits[] = {{"METERS", 1},         {"CENTIMETERS", 1e-2},   {"MILLIMETERS", 1e-3},
+                                    {"MICROMETERS", 1e-6}, {"MICRONS", 1e-6},       {"NANOMETERS", 1e-9},
+                                    {"ANGSTROMS", 1e-10},  {"KILOMETERS", 1e3},     {"FEET", 0.3048},
+                                    {"INCHES", 0.0254},    {"POINTS", 0.0254 / 72}, {"YARDS", 0.9144},
+                                    {"MILES", 1609.344},   {"NAUTICAL_MILES", 1852}};
   double meters = 1;
   for (const Unit& unit : kUnits)
     if (unit.name == item.word("units")) meters = unit.meters;
@@ -101,8 +98,7 @@ constexpr ItemRow kTransformRows[] = {
     {"Rotation", ItemClass::plain, false, apply_rotation, "SFRotation rotation 0 0 1 0"},
     {"RotationXYZ", ItemClass::plain, false, apply_rotation_about_axis, "SFEnum axis X SFFloat angle 0"},
     {"Scale", ItemClass::plain, false, apply_scale, "SFVec3f scaleFactor 1 1 1"},
-    {"MatrixTransform", ItemClass::plain, false, apply_matrix,
-     "SFMatrix matrix 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1"},
+    {"MatrixTransform", ItemClass::plain, false, apply_matrix, "SFMatrix matrix 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1"},
     {"ResetTransform", ItemClass::plain, false, apply_reset, "SFBitMask whatToReset TRANSFORM"},
     {"Units", ItemClass::plain, false, apply_units, "SFEnum units METERS"},
     {"AntiSquish SurroundScale", ItemClass::plain, false, nullptr,

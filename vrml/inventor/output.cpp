@@ -14,6 +14,16 @@ NodeId Output::begin(std::string_view type, NodeTarget target, SourceLocation lo
   return node.id;
 }
 
+NodeId Output::begin_x3d(std::string_view type, NodeTarget target, SourceLocation location, std::string_view name) {
+  SourceText& text = scene().texts().writing();
+  const Language language = text.language();
+  const int version = text.version();
+  text.set_language(Language::x3d, version);
+  const NodeId node = begin(type, target, location, name);
+  text.set_language(language, version);
+  return node;
+}
+
 NodeId Output::make(std::string_view type, NodeTarget target, SourceLocation location, std::string_view name) {
   const NodeId node = begin(type, target, location, name);
   if (node) end(node);

@@ -12,8 +12,8 @@
 
 namespace gs::vrml::inventor {
 
-/// Writer of VRML97 nodes, with the groups and Transforms that are open. A group becomes a node with its first child. If
-/// transforms were added before, that node is a Transform; children after later transforms are put into further
+/// Writer of VRML97 nodes, with the groups and Transforms that are open. A group becomes a node with its first child.
+/// If transforms were added before, that node is a Transform; children after later transforms are put into further
 /// Transforms. One thread.
 class Output : NonCopyable {
  public:
@@ -23,6 +23,8 @@ class Output : NonCopyable {
 
   /// Makes a node in `target`. Returns null if a limit is reached. After its fields are set, call end().
   NodeId begin(std::string_view type, NodeTarget target, SourceLocation location, std::string_view name = {});
+  /// Makes a node of a type that only X3D has.
+  NodeId begin_x3d(std::string_view type, NodeTarget target, SourceLocation location, std::string_view name = {});
   void end(NodeId node) { sink_.end_node(node); }
   /// Makes a node without fields to set.
   NodeId make(std::string_view type, NodeTarget target, SourceLocation location, std::string_view name = {});
@@ -65,8 +67,8 @@ class Output : NonCopyable {
   [[nodiscard]] glm::dmat4 world_matrix() const;
 
   void add_transform(Operation operation);
-  /// Adds a Transform with this name around the following children of the group, so that events can move it. Returns its
-  /// name, or an empty string if it cannot move: then the transform is added as it is.
+  /// Adds a Transform with this name around the following children of the group, so that events can move it. Returns
+  /// its name, or an empty string if it cannot move: then the transform is added as it is.
   std::string add_moving_transform(const TransformFields& fields, const std::string& name);
   /// Stores the transformation for TransformSeparator, and restores it.
   void save_transforms();
@@ -83,11 +85,11 @@ class Output : NonCopyable {
     std::string name;
     SourceLocation location;
     std::optional<NodeTarget> parent;  // explicit target; otherwise the parent group
-    NodeId node;     // node that receives children
-    NodeId outer;    // node of the whole group, if split_group() has replaced `node`
-    NodeId wrapper;  // Transform for the current transformation
+    NodeId node;                       // node that receives children
+    NodeId outer;                      // node of the whole group, if split_group() has replaced `node`
+    NodeId wrapper;                    // Transform for the current transformation
     std::vector<Operation> operations;
-    std::size_t base = 0;  // operations that `node` itself applies
+    std::size_t base = 0;            // operations that `node` itself applies
     std::vector<std::size_t> saved;  // numbers of operations at the open TransformSeparators
     std::size_t splits = 0;
     bool has_shapes = false;

@@ -161,9 +161,8 @@ void apply_hints(Converter& converter, const Item& item) {
 
 void apply_draw_style(Converter& converter, const Item& item) {
   if (item.is_ignored("style")) return;
-  static constexpr std::pair<std::string_view, DrawStyle> kStyles[] = {{"LINES", DrawStyle::lines},
-                                                                       {"POINTS", DrawStyle::points},
-                                                                       {"INVISIBLE", DrawStyle::invisible}};
+  static constexpr std::pair<std::string_view, DrawStyle> kStyles[] = {
+      {"LINES", DrawStyle::lines}, {"POINTS", DrawStyle::points}, {"INVISIBLE", DrawStyle::invisible}};
   DrawStyle style = DrawStyle::filled;
   for (const auto& [name, value] : kStyles)
     if (item.word("style") == name) style = value;
@@ -208,8 +207,7 @@ void apply_font(Converter& converter, const Item& item) {
     font.style = style_of(item.word("style"));
   else
     font.style = style_of(item.word("name"));
-  const std::string key =
-      "font " + font.family.str() + ' ' + font.style.str() + ' ' + std::to_string(font.size);
+  const std::string key = "font " + font.family.str() + ' ' + font.style.str() + ' ' + std::to_string(font.size);
   converter.write(Part::font, converter.intern(key)).font = font;
 }
 

@@ -144,7 +144,7 @@ ParseOutcome Reader::finish() {
   if (s.refused) return ParseOutcome::refused;
   s.sink.finish();
   return s.full || s.parser.is_truncated() || s.sink.scene().memory().exhausted() ? ParseOutcome::truncated
-                                                                                   : ParseOutcome::complete;
+                                                                                  : ParseOutcome::complete;
 }
 
 }  // namespace gs::vrml::inventor

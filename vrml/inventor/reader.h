@@ -13,8 +13,8 @@ namespace gs::vrml::inventor {
 /// Reader of VRML 1.0 and ASCII Inventor (1.0 to 2.1), which it converts to VRML97 nodes.
 ///
 /// The text may be received in pieces of any size. A node at the top level is converted when its closing brace is
-/// received; most files have only one. After an error the reader continues at the next field or node. Safe for untrusted
-/// text: text, nodes, nesting and repeated uses are limited. One thread.
+/// received; most files have only one. After an error the reader continues at the next field or node. Safe for
+/// untrusted text: text, nodes, nesting and repeated uses are limited. One thread.
 class Reader final : public SceneReader {
  public:
   /// `scene` and `diagnostics` must outlive the reader. Diagnostics contain `scene.file_name()`.

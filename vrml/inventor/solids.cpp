@@ -65,7 +65,8 @@ void add_mesh(Converter& converter, const Item& item, SolidMesh mesh, bool close
   state.serials[static_cast<std::size_t>(Part::normals)] = 0;
   state.hints = {true, closed, true, 0.5F};
   state.serials[static_cast<std::size_t>(Part::hints)] = closed ? 1 : 2;
-  const bool by_part = state.material_binding == Binding::per_part || state.material_binding == Binding::per_part_indexed;
+  const bool by_part =
+      state.material_binding == Binding::per_part || state.material_binding == Binding::per_part_indexed;
   state.material_binding = by_part ? Binding::per_part : Binding::overall;
   add_faces(converter, item, state, mesh.faces, {{}, {}, {}, false});
 }
@@ -102,7 +103,8 @@ void apply_cube(Converter& converter, const Item& item) {
     for (const float y : {-half.y, half.y})
       for (const float x : {-half.x, half.x}) mesh.add(x, y, z);
   // Front, back, left, right, top, bottom.
-  constexpr std::int32_t kFaces[6][4] = {{0, 1, 3, 2}, {5, 4, 6, 7}, {4, 0, 2, 6}, {1, 5, 7, 3}, {2, 3, 7, 6}, {4, 5, 1, 0}};
+  constexpr std::int32_t kFaces[6][4] = {{0, 1, 3, 2}, {5, 4, 6, 7}, {4, 0, 2, 6},
+                                         {1, 5, 7, 3}, {2, 3, 7, 6}, {4, 5, 1, 0}};
   for (const auto& f : kFaces) {
     mesh.face({f[0], f[1], f[2], f[3]});
     ++mesh.part;

@@ -56,7 +56,8 @@ struct TextureState {
 
 /// Function that computes texture coordinates from coordinates.
 struct TextureFunction {
-  bool plane = false;
+  enum class Kind : std::uint8_t { given, plane, environment };
+  Kind kind = Kind::given;
   SFVec3f s{1, 0, 0}, t{0, 1, 0};
 };
 
@@ -94,7 +95,7 @@ struct State {
   DrawStyle draw_style = DrawStyle::filled;
   bool lit = true, textured = true;
   SFVec3f attenuation{0, 0, 1};  // of local lights: square, linear, constant
-  double unit = 1;  // metres; see the node Units
+  double unit = 1;               // metres; see the node Units
   /// Identity of the value of each part. Equal identities mean equal values.
   std::array<std::uint64_t, kParts> serials{};
 

@@ -32,8 +32,8 @@ void apply_texture_transform(Converter& converter, const Item& item) {
   const glm::dmat3 rotation(std::cos(angle), std::sin(angle), 0, -std::sin(angle), std::cos(angle), 0, 0, 0, 1);
   const glm::dmat3 scaling(scale.x, 0, 0, 0, scale.y, 0, 0, 0, 1);
   const auto moved = [](double x, double y) { return glm::dmat3(1, 0, 0, 0, 1, 0, x, y, 1); };
-  const glm::dmat3 matrix = moved(translation.x + center.x, translation.y + center.y) * rotation * scaling *
-                            moved(-center.x, -center.y);
+  const glm::dmat3 matrix =
+      moved(translation.x + center.x, translation.y + center.y) * rotation * scaling * moved(-center.x, -center.y);
   const glm::dmat3 product = converter.state().texture_transform * matrix;
   std::string key = "texture transform";
   for (int column = 0; column < 3; ++column)
@@ -59,10 +59,16 @@ void apply_default_coordinates(Converter& converter, const Item&) {
 
 void apply_plane(Converter& converter, const Item& item) {
   TextureFunction function;
-  function.plane = true;
+  function.kind = TextureFunction::Kind::plane;
   function.s = item.get<SFVec3f>("directionS");
   function.t = item.get<SFVec3f>("directionT");
   set_function(converter, function, item.serial);
+}
+
+void apply_environment_map(Converter& converter, const Item&) {
+  TextureFunction function;
+  function.kind = TextureFunction::Kind::environment;
+  set_function(converter, function, 1);
 }
 
 constexpr ItemRow kTextureRows[] = {
@@ -84,7 +90,8 @@ constexpr ItemRow kTextureRows[] = {
     {"TextureCoordinateDefault", ItemClass::plain, false, apply_default_coordinates, ""},
     {"TextureCoordinatePlane", ItemClass::plain, false, apply_plane,
      "SFVec3f directionS 1 0 0 SFVec3f directionT 0 1 0"},
-    {"TextureCoordinateEnvironment TextureCoordinateSphere TextureCoordinateCylinder TextureCoordinateCube "
+    {"TextureCoordinateEnvironment", ItemClass::plain, false, apply_environment_map, ""},
+    {"TextureCoordinateSphere TextureCoordinateCylinder TextureCoordinateCube "
      "TextureCoordinateObject TextureCoordinateReflectionMap TextureCoordinateNormalMap",
      ItemClass::plain, false, apply_default_coordinates, "SFVec3f directionS 1 0 0",
      "this function of texture coordinates is not supported; the default mapping is used"},

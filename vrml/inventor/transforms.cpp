@@ -21,9 +21,7 @@ bool is_finite(const glm::dmat4& matrix) {
   return true;
 }
 
-bool is_translation(const TransformFields& fields) {
-  return fields.rotation.angle == 0 && fields.scale == kNoScale;
-}
+bool is_translation(const TransformFields& fields) { return fields.rotation.angle == 0 && fields.scale == kNoScale; }
 
 // Rotates the coordinate axes p and q so that the element (p, q) of the symmetric matrix vanishes (Jacobi).
 void rotate_axes(glm::dmat3& symmetric, glm::dmat3& axes, int p, int q) {

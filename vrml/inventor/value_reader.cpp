@@ -18,16 +18,18 @@ struct NamedForm {
 };
 
 constexpr NamedForm kForms[] = {
-    {"Bool", Form::boolean},    {"Enum", Form::word},       {"BitMask", Form::mask},   {"Short", Form::integer},
-    {"UShort", Form::integer},  {"Long", Form::integer},    {"ULong", Form::integer},  {"Int32", Form::integer},
-    {"UInt32", Form::integer},  {"Float", Form::real},      {"Double", Form::real},    {"Time", Form::real},
-    {"String", Form::text},     {"Name", Form::text},       {"Vec2f", Form::real, 2},  {"Vec2d", Form::real, 2},
-    {"Vec2s", Form::real, 2},   {"Vec2i32", Form::real, 2}, {"Vec3f", Form::real, 3},  {"Vec3d", Form::real, 3},
-    {"Vec3s", Form::real, 3},   {"Vec3i32", Form::real, 3}, {"Vec4f", Form::real, 4},  {"Vec4d", Form::real, 4},
+    {"Bool", Form::boolean},    {"Enum", Form::word},         {"BitMask", Form::mask},
+    {"Short", Form::integer},   {"UShort", Form::integer},    {"Long", Form::integer},
+    {"ULong", Form::integer},   {"Int32", Form::integer},     {"UInt32", Form::integer},
+    {"Float", Form::real},      {"Double", Form::real},       {"Time", Form::real},
+    {"String", Form::text},     {"Name", Form::text},         {"Vec2f", Form::real, 2},
+    {"Vec2d", Form::real, 2},   {"Vec2s", Form::real, 2},     {"Vec2i32", Form::real, 2},
+    {"Vec3f", Form::real, 3},   {"Vec3d", Form::real, 3},     {"Vec3s", Form::real, 3},
+    {"Vec3i32", Form::real, 3}, {"Vec4f", Form::real, 4},     {"Vec4d", Form::real, 4},
     {"Color", Form::color, 3},  {"ColorRGBA", Form::real, 4}, {"Rotation", Form::rotation, 4},
-    {"Matrix", Form::real, 16}, {"Plane", Form::real, 4},   {"Box2f", Form::real, 4},  {"Box3f", Form::real, 6},
-    {"Image", Form::image},     {"Node", Form::node},       {"Path", Form::node},      {"Engine", Form::node},
-    {"Trigger", Form::none}};
+    {"Matrix", Form::real, 16}, {"Plane", Form::real, 4},     {"Box2f", Form::real, 4},
+    {"Box3f", Form::real, 6},   {"Image", Form::image},       {"Node", Form::node},
+    {"Path", Form::node},       {"Engine", Form::node},       {"Trigger", Form::none}};
 
 bool is_number_word(std::string_view word) {
   return looks_like_number(word) || word == "nan" || word == "NaN" || word == "inf";

@@ -1,9 +1,9 @@
 #include "vrml/inventor/converter.h"
 #include "vrml/inventor/item_types.h"
-#include "vrml/scene/transformation.h"
 #include "vrml/syntax/numbers/number.h"
 
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -35,19 +35,41 @@ void apply_perspective(Converter& converter, const Item& item) {
   add_viewpoint(converter, item, position, angle);
 }
 
-// Moves the camera far away with a narrow field of view, so that its view has the height of the file at the focal
-// distance.
+// Becomes an OrthoViewpoint of X3D. Its rectangle is a square, because the window decides about the width.
 void apply_orthographic(Converter& converter, const Item& item) {
-  constexpr float kAngle = 0.1F;
   float height = item.get<SFFloat>("height");
   if (!(height > 0)) height = 2;
-  const glm::dvec3 back = rotation_matrix(item.get<SFRotation>("orientation")) * glm::dvec3(0, 0, 1);
-  const double focal = item.get<SFFloat>("focalDistance");
-  const double distance = height / 2 / std::tan(kAngle / 2);
-  const glm::dvec3 position = glm::dvec3(item.get<SFVec3f>("position")) + back * (distance - focal);
-  const glm::dvec4 world = converter.output().world_matrix() * glm::dvec4(position, 1);
-  converter.set_camera({glm::dvec3(world), kAngle, height});
-  add_viewpoint(converter, item, SFVec3f(position), kAngle);
+  Output& output = converter.output();
+  const auto target = output.target();
+  if (!target) return;
+  const SFVec3f position = item.get<SFVec3f>("position");
+  const glm::dvec4 world = output.world_matrix() * glm::dvec4(position, 1);
+  converter.set_camera({glm::dvec3(world), 0, height});
+  const NodeId viewpoint = output.begin_x3d("OrthoViewpoint", *target, item.location, item.name);
+  if (!viewpoint) return;
+  output.set(viewpoint, "position", position);
+  output.set(viewpoint, "orientation", item.get<SFRotation>("orientation"));
+  output.set(viewpoint, "fieldOfView", MFFloat{-height / 2, -height / 2, height / 2, height / 2});
+  if (!item.name.empty()) output.set(viewpoint, "description", SFString(item.name));
+  output.end(viewpoint);
+}
+
+// Becomes a ClipPlane of X3D, which clips the later nodes of its group.
+void apply_clip_plane(Converter& converter, const Item& item) {
+  const MFFloat& plane = item.get<MFFloat>("plane");
+  if (!item.get<SFBool>("on") || plane.size() < 4) return;
+  Output& output = converter.output();
+  output.split_group(item.location);
+  const auto target = output.group_target();
+  if (!target) return;
+  const glm::dmat4 matrix = output.inner_matrix();
+  if (glm::determinant(matrix) == 0) return;
+  const NodeId node = output.begin_x3d("ClipPlane", *target, item.location);
+  if (!node) return;
+  // The file has the normal and its distance from the origin; X3D has the coefficients of the equation.
+  const glm::dvec4 inside = glm::transpose(glm::inverse(matrix)) * glm::dvec4(plane[0], plane[1], plane[2], -plane[3]);
+  output.set(node, "plane", SFVec4f(inside));
+  output.end(node);
 }
 
 void set_light(Output& output, NodeId light, const Item& item) {
@@ -92,8 +114,8 @@ void apply_local_light(Converter& converter, const Item& item) {
     output.set(light, "direction", item.get<SFVec3f>("direction"));
     output.set(light, "cutOffAngle", std::clamp(cut_off, 0.001F, 1.570796F));
     // The light falls with a power of the cosine; VRML97 has a beam of full intensity instead.
-    output.set(light, "beamWidth", drop > 0 ? std::clamp(cut_off * (1 - std::min(drop, 1.0F)), 0.001F, 1.570796F)
-                                            : 1.570796F);
+    output.set(light, "beamWidth",
+               drop > 0 ? std::clamp(cut_off * (1 - std::min(drop, 1.0F)), 0.001F, 1.570796F) : 1.570796F);
   }
   output.end(light);
 }
@@ -141,7 +163,11 @@ void apply_info(Converter& converter, const Item& item) {
     const auto is = [&](std::string_view word) { return name.find(word) != std::string_view::npos; };
     const NodeId node = output.begin("NavigationInfo", *target, item.location);
     if (!node) return;
-    output.set(node, "type", MFString{is("walk") || is("Walk") ? "WALK" : is("fly") || is("Fly") || is("plane") ? "FLY" : "EXAMINE", "ANY"});
+    output.set(node, "type",
+               MFString{is("walk") || is("Walk")                ? "WALK"
+                        : is("fly") || is("Fly") || is("plane") ? "FLY"
+                                                                : "EXAMINE",
+                        "ANY"});
     return output.end(node);
   }
   const NodeId node = output.begin("WorldInfo", *target, item.location);
@@ -157,7 +183,7 @@ void apply_info(Converter& converter, const Item& item) {
 // Copies a VRML97 node, which some programs write into VRML 1.0 files.
 void apply_vrml97(Converter& converter, const Item& item) {
   Output& output = converter.output();
-  const auto target = output.group_target();
+  const auto target = output.target();
   if (!target) return;
   const NodeId node = output.begin(item.type->name, *target, item.location, item.name);
   if (!node) return;
@@ -203,13 +229,14 @@ constexpr ItemRow kViewingRows[] = {
   SFFloat nearDistance 1
   SFFloat farDistance 10
   SFFloat focalDistance 5
-  SFFloat height 2)",
-     "shown in perspective with a narrow angle"},
+  SFFloat height 2)"},
+    {"ClipPlane", ItemClass::plain, false, apply_clip_plane, "SFPlane plane 1 0 0 0 SFBool on TRUE"},
+    {"ClipPlaneManip", ItemClass::kit, false, apply_clip_plane, "SFPlane plane 1 0 0 0 SFBool on TRUE", kHandles},
     {"DirectionalLight", ItemClass::plain, false, apply_directional_light, kDirectionalFields},
     {"PointLight", ItemClass::plain, false, apply_local_light<false>, kPointFields},
     {"SpotLight", ItemClass::plain, false, apply_local_light<true>, kSpotFields},
-    {"DirectionalLightManip ShadowDirectionalLight", ItemClass::kit, false, apply_directional_light,
-     kDirectionalFields, kHandles},
+    {"DirectionalLightManip ShadowDirectionalLight", ItemClass::kit, false, apply_directional_light, kDirectionalFields,
+     kHandles},
     {"PointLightManip", ItemClass::kit, false, apply_local_light<false>, kPointFields, kHandles},
     {"SpotLightManip ShadowSpotLight", ItemClass::kit, false, apply_local_light<true>, kSpotFields, kHandles},
     {"Environment", ItemClass::plain, false, apply_environment, R"(

@@ -8,7 +8,7 @@ namespace {
 
 using x3d::ElementKind;
 
-// Maximum number of nested objects whose members wait for each other.
+// Maximum number of nested objects with members that wait for each other.
 constexpr std::size_t kMaxReplays = 16;
 
 // Reports whether the attribute selects the element, and is no value of a field.
@@ -98,7 +98,7 @@ bool MemberReader::open(Frame frame) {
   return admitted;
 }
 
-// Skips a value whose first token was read.
+// Skips a value after its first token.
 void MemberReader::skip(const Token& value) {
   if (value.kind != TokenKind::open_brace && value.kind != TokenKind::open_bracket) return;
   Frame frame = new_frame(Frame::Kind::skip, value.location);

@@ -36,7 +36,7 @@ struct WaitingMember {
 struct Frame {
   enum class Kind : std::uint8_t {
     document,      // the text
-    choice,        // object with the name of a node as its key: {"Shape": {...}}
+    choice,        // object with the name of a node as its key: { "Shape": {...} }
     choice_list,   // array of such objects
     element,       // object with the attributes and children of an element
     element_list,  // array of such objects of one name

@@ -64,8 +64,7 @@ void Reader::push(std::string_view piece) {
 
 ParseOutcome Reader::finish() {
   State& state = *state_;
-  const std::string rest = state.pieces.take_rest();
-  if (!state.stopped) (void)state.read(rest, true);
+  if (!state.stopped) (void)state.read(state.pieces.rest(), true);
   if (!state.stopped && state.members.depth() > 1) {
     state.sink.problems().error(state.members.open_location(),
                                 "the file ends inside the object or array that begins here");

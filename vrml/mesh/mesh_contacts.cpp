@@ -79,10 +79,10 @@ void append_crossings(const Mesh& mesh, const glm::dvec3& from, const glm::dvec3
     point.point = from + (to - from) * found->part;
     const auto at = [&](std::size_t corner) { return mesh.indices[i + corner]; };
     const double first = 1 - found->u - found->v;
-    point.normal = mesh.normals.empty() ? glm::cross(triangle[1] - triangle[0], triangle[2] - triangle[0])
-                                        : glm::dvec3(mesh.normals[at(0)]) * first +
-                                              glm::dvec3(mesh.normals[at(1)]) * found->u +
-                                              glm::dvec3(mesh.normals[at(2)]) * found->v;
+    point.normal = mesh.normals.empty()
+                       ? glm::cross(triangle[1] - triangle[0], triangle[2] - triangle[0])
+                       : glm::dvec3(mesh.normals[at(0)]) * first + glm::dvec3(mesh.normals[at(1)]) * found->u +
+                             glm::dvec3(mesh.normals[at(2)]) * found->v;
     const double length = glm::length(point.normal);
     if (length > 0) point.normal /= length;
     if (!mesh.texture_coordinates.empty())

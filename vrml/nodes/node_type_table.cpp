@@ -61,8 +61,17 @@ struct Renamed {
   std::string_view node, name, x3d_name;
 };
 constexpr Renamed kRenamed[] = {
-    {"Collision", "collide", "enabled"}, {"LOD", "level", "children"}, {"LoadSensor", "watchList", "children"},
-    {"Switch", "choice", "children"}};
+    {"Collision", "collide", "enabled"},
+    {"ComposedCubeMapTexture", "back", "backTexture"},
+    {"ComposedCubeMapTexture", "bottom", "bottomTexture"},
+    {"ComposedCubeMapTexture", "front", "frontTexture"},
+    {"ComposedCubeMapTexture", "left", "leftTexture"},
+    {"ComposedCubeMapTexture", "right", "rightTexture"},
+    {"ComposedCubeMapTexture", "top", "topTexture"},
+    {"LOD", "level", "children"},
+    {"LoadSensor", "watchList", "children"},
+    {"Switch", "choice", "children"},
+};
 
 void rename_interfaces(NodeType& type) {
   for (const Renamed& renamed : kRenamed)

@@ -3,6 +3,38 @@
 #include "vrml/printing/value_text.h"
 
 namespace gs::vrml {
+namespace {
+
+// Reports whether VRML97 has a field type (clause 5).
+bool is_vrml97_type(FieldType type) {
+  switch (type) {
+    case FieldType::SFBool:
+    case FieldType::SFColor:
+    case FieldType::SFFloat:
+    case FieldType::SFImage:
+    case FieldType::SFInt32:
+    case FieldType::SFNode:
+    case FieldType::SFRotation:
+    case FieldType::SFString:
+    case FieldType::SFTime:
+    case FieldType::SFVec2f:
+    case FieldType::SFVec3f:
+    case FieldType::MFColor:
+    case FieldType::MFFloat:
+    case FieldType::MFInt32:
+    case FieldType::MFNode:
+    case FieldType::MFRotation:
+    case FieldType::MFString:
+    case FieldType::MFTime:
+    case FieldType::MFVec2f:
+    case FieldType::MFVec3f:
+      return true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace
 
 void ClassicPrinter::begin_text(const TextHead& head) {
   if (head.grammar == Grammar::vrml97) {
@@ -37,6 +69,9 @@ void ClassicPrinter::put_use(const NodeType& type, std::string_view name, std::s
 }
 
 void ClassicPrinter::put_access(const InterfaceDeclaration& declaration) {
+  if (translator().language() == Language::vrml97 && !is_vrml97_type(declaration.type))
+    translator().add_loss("the type " + std::string(name_of(declaration.type)) +
+                          " of X3D stays; other VRML97 browsers lack it");
   out() += name_of(declaration.access, translator().language());
   out() += ' ';
   out() += name_of(declaration.type);

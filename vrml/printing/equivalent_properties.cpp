@@ -1,6 +1,11 @@
 #include "vrml/printing/equivalents.h"
 #include "vrml/scene/field_numbers.h"
+#include "vrml/scene/transformation.h"
 
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <string_view>
 #include <type_traits>
@@ -50,6 +55,28 @@ MFNode nodes_in(const SceneGraph& scene, NodeId node, std::initializer_list<std:
 }
 
 }  // namespace
+
+// The view has the height of the rectangle at the distance of the centre of rotation.
+MadeNode viewpoint_of_ortho(const SceneGraph& scene, NodeId node, const NodeType& type) {
+  constexpr float kAngle = 0.1F;
+  const auto& rectangle = scene.get<MFFloat>(node, "fieldOfView");
+  float left = -1, bottom = -1, right = 1, top = 1;
+  if (rectangle.size() >= 4) left = rectangle[0], bottom = rectangle[1], right = rectangle[2], top = rectangle[3];
+  const float size = std::min(std::abs(right - left), std::abs(top - bottom));
+  const SFRotation orientation = scene.get<SFRotation>(node, "orientation");
+  const glm::dmat3 turn = rotation_matrix(orientation);
+  const glm::dvec3 position(scene.get<SFVec3f>(node, "position"));
+  const glm::dvec3 center(scene.get<SFVec3f>(node, "centerOfRotation"));
+  const double distance = size / 2 / std::tan(kAngle / 2) - glm::dot(position - center, turn[2]);
+  const glm::dvec3 middle = position + turn * glm::dvec3((left + right) / 2, (bottom + top) / 2, distance);
+  MadeNode made(type);
+  made.set("position", SFVec3f(middle));
+  made.set("orientation", orientation);
+  made.set("fieldOfView", SFFloat{kAngle});
+  made.set("description", scene.get<SFString>(node, "description"));
+  made.set("jump", scene.get<SFBool>(node, "jump"));
+  return made;
+}
 
 MadeNode color_of_color_rgba(const SceneGraph& scene, NodeId node, const NodeType& type) {
   MadeNode made(type);

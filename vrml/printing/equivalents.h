@@ -24,6 +24,9 @@ namespace gs::vrml {
 [[nodiscard]] MadeNode material_of_unlit(const SceneGraph& scene, NodeId node, const NodeType& type);
 [[nodiscard]] MadeNode material_of_physical(const SceneGraph& scene, NodeId node, const NodeType& type);
 
+/// OrthoViewpoint as a distant Viewpoint with a narrow angle (X3D 23.4.5).
+[[nodiscard]] MadeNode viewpoint_of_ortho(const SceneGraph& scene, NodeId node, const NodeType& type);
+
 // Groups with other names for their children.
 [[nodiscard]] MadeNode group_of_cad_face(const SceneGraph& scene, NodeId node, const NodeType& type);
 [[nodiscard]] MadeNode transform_of_humanoid(const SceneGraph& scene, NodeId node, const NodeType& type);

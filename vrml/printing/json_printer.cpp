@@ -247,7 +247,7 @@ void JsonPrinter::put_connections(const WrittenNode& node) {
 
 // Writes the program of a Script as an array of lines.
 void JsonPrinter::put_program(const WrittenField& field) {
-  std::string_view program = std::get<MFString>(*field.value)[0].view();
+  std::string_view program = trimmed_program(std::get<MFString>(*field.value)[0].view());
   put_key("#", "sourceCode");
   open('[');
   while (true) {

@@ -9,6 +9,7 @@ namespace {
 
 // Maximum depth, higher than in parsed files. Only scenes with unusual USEs reach it.
 constexpr int kMaxDepth = 8000;
+constexpr const char* kLostRoutes = "ROUTEs from or to nodes and events that are left out";
 
 }  // namespace
 
@@ -34,33 +35,46 @@ void ScenePrinter::put_scope(const SceneGraph& scene, const std::vector<Statemen
   if (prototype)
     for (const IsMapping& mapping : prototype->prototype->mappings)
       scope.mappings[mapping.node.index].push_back(&mapping);
-  bool first = true;
-  for (const Statement& statement : statements) put_statement(statement, first);
+  for (const Statement& statement : statements) put_statement(statement);
+  for (const Route& route : std::exchange(scope.waiting_routes, {})) put_statement(route, true);
   if (!around) put_shared_names();
   scope_ = around;
 }
 
-void ScenePrinter::put_statement(const Statement& statement, bool& first) {
-  std::optional<NamedRoute> route;
-  if (statement.kind == Statement::Kind::route) {
-    route = named(statement.route);
-    if (!route) return translator_.add_loss("ROUTEs from or to nodes and events that are left out");
+bool ScenePrinter::is_printed(NodeId id) const {
+  return scope_->printed.contains(id.index) ||
+         (scope_->scene.contains(id) && scope_->scene.node(id).type == &browser_node_type());
+}
+
+// Writes a ROUTE if its nodes were written. Nodes that stand nowhere in the scene, or inside of nodes that are left
+// out, are not. Until the `last` try, the ROUTE waits for them.
+void ScenePrinter::put_statement(const Route& route, bool last) {
+  if (!is_printed(route.from) || !is_printed(route.to)) {
+    if (last)
+      translator_.add_loss(kLostRoutes);
+    else
+      scope_->waiting_routes.push_back(route);
+    return;
   }
+  const std::optional<NamedRoute> names = named(route);
+  if (!names) return translator_.add_loss(kLostRoutes);
+  begin_statement(std::exchange(scope_->is_empty, false), true);
+  put_route(*names);
+  end_statement();
+  output_.drain();
+}
+
+void ScenePrinter::put_statement(const Statement& statement) {
+  if (statement.kind == Statement::Kind::route) return put_statement(statement.route, false);
   if (const NodeId id = statement.node; statement.kind == Statement::Kind::node && scope_->scene.contains(id) &&
                                         !translator_.is_written(scope_->scene, id))
     return translator_.add_left_out(*scope_->scene.node(id).type);
-  begin_statement(std::exchange(first, false), route.has_value());
-  switch (statement.kind) {
-    case Statement::Kind::node:
-      put_child(statement.node, {});
-      break;
-    case Statement::Kind::prototype:
-      if (const NodeType* const native = stood_for(*statement.type)) translator_.add_fallback(*native);
-      put_prototype(*statement.type);
-      break;
-    case Statement::Kind::route:
-      put_route(*route);
-      break;
+  begin_statement(std::exchange(scope_->is_empty, false), false);
+  if (statement.kind == Statement::Kind::node) {
+    put_child(statement.node, {});
+  } else {
+    if (const NodeType* const native = stood_for(*statement.type)) translator_.add_fallback(*native);
+    put_prototype(*statement.type);
   }
   end_statement();
   output_.drain();

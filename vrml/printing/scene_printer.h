@@ -84,10 +84,14 @@ class ScenePrinter : NonCopyable {
     std::unordered_set<std::string> used = {};
     std::unordered_map<std::string, std::size_t> suffixes = {};
     std::unordered_map<std::uint32_t, IsMappings> mappings = {};
+    std::vector<Route> waiting_routes = {};  // ROUTEs of nodes that are not written yet
+    bool is_empty = true;                    // no statement was written yet
   };
 
   void put_scope(const SceneGraph& scene, const std::vector<Statement>& statements, const NodeType* prototype);
-  void put_statement(const Statement& statement, bool& first);
+  void put_statement(const Statement& statement);
+  void put_statement(const Route& route, bool last);
+  [[nodiscard]] bool is_printed(NodeId id) const;
   void count(NodeId root);
   void begin_shared_names();
   void put_shared_names();

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
-#include <unordered_set>
+#include <utility>
+#include <variant>
+#include <vector>
 
 namespace gs::vrml {
 namespace {
@@ -53,31 +55,65 @@ void raise(Levels& levels, std::string_view component, int level) {
   known = std::max(known, level);
 }
 
-// Returns the highest level of each component that the nodes of the file and of its PROTOs need.
-Levels used_levels(const SceneGraph& scene, NodeTranslator& translator) {
-  Levels levels;
-  std::unordered_set<const NodeType*> seen;
-  const NodeType* last = nullptr;
-  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
-    const NodeId id = scene.nodes().id_at(i);
-    if (!scene.contains(id)) continue;
-    const Node& node = scene.node(id);
-    if (node.instance != 0 || node.type == last || !seen.insert(node.type).second) continue;
-    last = node.type;
-    const NodeType* const type = translator.written_type(*node.type);
-    if (!type) continue;
-    if (type->kind == NodeType::Kind::built_in)
-      raise(levels, type->component, type->level);
-    else if (type->kind == NodeType::Kind::script)
-      raise(levels, "Scripting", 1);
-    else if (!type->stands_in)
-      raise(levels, "Core", 2);
+/// Walk over the nodes of a file and of its PROTOs that collects the levels of their components.
+class LevelCollector {
+ public:
+  LevelCollector(const SceneGraph& scene, NodeTranslator& translator)
+      : scene_(scene), translator_(translator), seen_(scene.nodes().count() + 1) {}
+
+  [[nodiscard]] Levels collect() {
+    add(scene_.statements());
+    if (!scene_.x3d().imports.empty() || !scene_.x3d().exports.empty()) raise(levels_, "Networking", 3);
+    return std::move(levels_);
   }
-  if (!scene.x3d().imports.empty() || !scene.x3d().exports.empty()) raise(levels, "Networking", 3);
-  for (const auto& type : scene.types())
-    if (type->kind > NodeType::Kind::script && !type->stands_in) raise(levels, "Core", 2);
-  return levels;
-}
+
+ private:
+  void add(const std::vector<Statement>& statements) {
+    for (const Statement& statement : statements) {
+      if (statement.kind == Statement::Kind::node) add(statement.node);
+      if (statement.kind != Statement::Kind::prototype) continue;
+      add_type(*statement.type);
+      for (const InterfaceDeclaration& declaration : statement.type->interfaces) add(declaration.initial);
+      const auto& prototype = statement.type->prototype;
+      if (prototype && prototype->scene == &scene_) add(prototype->statements);
+    }
+    while (!waiting_.empty()) {
+      const NodeId id = waiting_.back();
+      waiting_.pop_back();
+      const Node& node = scene_.node(id);
+      if (node.type != last_type_) add_type(*node.type);
+      last_type_ = node.type;
+      for (std::size_t i = 0; i < node.type->defaults.size(); ++i) add(node.values[i]);
+    }
+  }
+  void add(NodeId id) {
+    if (!scene_.contains(id) || seen_[id.index]) return;
+    seen_[id.index] = true;
+    waiting_.push_back(id);
+  }
+  void add(const FieldValue& value) {
+    if (const auto* one = std::get_if<SFNode>(&value)) add(*one);
+    if (const auto* many = std::get_if<MFNode>(&value))
+      for (const NodeId each : *many) add(each);
+  }
+  void add_type(const NodeType& type) {
+    const NodeType* const written = translator_.written_type(type);
+    if (!written) return;
+    if (written->kind == NodeType::Kind::built_in)
+      raise(levels_, written->component, written->level);
+    else if (written->kind == NodeType::Kind::script)
+      raise(levels_, "Scripting", 1);
+    else if (!written->stands_in)
+      raise(levels_, "Core", 2);
+  }
+
+  const SceneGraph& scene_;
+  NodeTranslator& translator_;
+  std::vector<bool> seen_;  // by index
+  std::vector<NodeId> waiting_;
+  Levels levels_;
+  const NodeType* last_type_ = nullptr;
+};
 
 }  // namespace
 
@@ -94,7 +130,7 @@ TextHead text_head(const SceneGraph& scene, Grammar grammar, NodeTranslator& tra
   for (const X3DStatements::Unit& unit : statements.units)
     if (unit.category != kAngle) head.units.push_back(unit);
   head.version = scene.language() == Language::x3d ? scene.version() : kFirstX3DVersion;
-  const Levels levels = used_levels(scene, translator);
+  const Levels levels = LevelCollector(scene, translator).collect();
   const auto holds = [&](const Profile& profile) {
     return std::all_of(levels.begin(), levels.end(),
                        [&](const auto& used) { return used.second <= level_in(profile, used.first); });

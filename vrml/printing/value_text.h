@@ -64,7 +64,10 @@ void append_image(TextOutput& output, const PixelImage& image) {
   append_number<kNotation>(out, image.width());
   append_number<kNotation>(out += kBetween, image.height());
   append_number<kNotation>(out += kBetween, image.components());
-  for (const std::uint32_t pixel : image.pixels()) {
+  // Readers of other formats may leave bits beyond those of the components.
+  const std::uint32_t unused = image.components() < 4 ? ~std::uint32_t{0} << 8 * image.components() : 0;
+  for (const std::uint32_t given : image.pixels()) {
+    const std::uint32_t pixel = given & ~unused;
     out += kBetween;
     if constexpr (kNotation == Notation::json) {
       append_number<kNotation>(out, pixel);

@@ -61,6 +61,11 @@ NodeTranslator::Plan NodeTranslator::made_plan(const NodeType& type) const {
     add_script_pairs(type, made);
     return made;
   }
+  if (type.stands_in && language_ == Language::x3d) {
+    // VRML97 has a stand-in for some nodes of X3D.
+    const NodeType* const native = built_in_node_type(language_, type.name);
+    if (native && native->language == Language::x3d) made.type = native;
+  }
   if (type.kind == NodeType::Kind::built_in && type.language != language_) {
     made.type = built_in_node_type(language_, type.name);
     if (!made.type && language_ == Language::vrml97 && type.equivalent) {
@@ -173,11 +178,12 @@ WrittenNode NodeTranslator::written(const SceneGraph& scene, NodeId id, const Is
 WrittenNode NodeTranslator::written(const MadeNode& made) {
   WrittenNode written;
   written.type = &made.type;
-  for (const MadeNode::Field& each : made.fields) {
-    const InterfaceDeclaration& declaration = *each.declaration;
-    if (!each.node && each.value == made.type.defaults[declaration.slot]) continue;
-    written.fields.push_back({&declaration, declaration.name, each.node ? nullptr : &each.value, each.node.get()});
-  }
+  for (const InterfaceDeclaration& declaration : made.type.interfaces)
+    for (const MadeNode::Field& each : made.fields) {
+      if (each.declaration != &declaration) continue;
+      if (!each.node && each.value == made.type.defaults[declaration.slot]) continue;
+      written.fields.push_back({&declaration, declaration.name, each.node ? nullptr : &each.value, each.node.get()});
+    }
   return written;
 }
 

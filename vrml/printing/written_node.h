@@ -43,6 +43,11 @@ struct WrittenNode {
 /// Reports whether the URL of a Script contains the program itself (ISO/IEC 19777-1 4.1; VRML97 C.2.1).
 [[nodiscard]] bool is_program_url(std::string_view url);
 
+/// Returns a program without the blanks at its end, which readers of text in XML and JSON remove.
+[[nodiscard]] inline std::string_view trimmed_program(std::string_view url) {
+  return url.substr(0, url.find_last_not_of(" \t\r\n") + 1);
+}
+
 using IsMappings = std::vector<const IsMapping*>;
 
 /// Translator of nodes into the language of a text. Types and fields that the language lacks are losses. One thread.

@@ -12,13 +12,13 @@ namespace {
 
 constexpr std::string_view kDefaultContainer = "children";
 
-// Returns the text with the line ends of XML (XML 1.0 2.11), which readers make of all line ends.
-std::string with_line_feeds(std::string_view text) {
+// Returns a program with the line ends of XML (XML 1.0 2.11), which readers make of all line ends.
+std::string with_line_feeds(std::string_view program) {
   std::string lines;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text[i] != '\r')
-      lines += text[i];
-    else if (i + 1 == text.size() || text[i + 1] != '\n')
+  for (std::size_t i = 0; i < program.size(); ++i) {
+    if (program[i] != '\r')
+      lines += program[i];
+    else if (i + 1 == program.size() || program[i + 1] != '\n')
       lines += '\n';
   }
   return lines;
@@ -31,7 +31,7 @@ std::optional<std::string> only_program(const WrittenNode& node) {
     const auto* const urls = field.value ? std::get_if<MFString>(field.value) : nullptr;
     if (!urls || field.declares || !field.is.empty() || urls->size() != 1) continue;
     const std::string_view url = (*urls)[0].view();
-    if (is_program_url(url) && is_xml_text(url)) return with_line_feeds(url);
+    if (is_program_url(url) && is_xml_text(url)) return with_line_feeds(trimmed_program(url));
   }
   return std::nullopt;
 }

@@ -74,7 +74,9 @@ T field_value(const Node& node, std::string_view name, T otherwise) {
 }
 glm::dvec3 geo_coordinates(const Node& node, std::string_view name) {
   const glm::dvec3 value = *field_value(node, name, SFVec3d());
-  return std::isfinite(value.x + value.y + value.z) ? value : glm::dvec3(0);
+  constexpr double kMaxCoordinate = 1e12;  // metres or degrees; beyond, the series of UTM are not finite
+  const auto is_usable = [](double x) { return std::abs(x) <= kMaxCoordinate; };
+  return is_usable(value.x) && is_usable(value.y) && is_usable(value.z) ? value : glm::dvec3(0);
 }
 
 }  // namespace
@@ -181,7 +183,10 @@ glm::dvec3 GeoFrame::geodetic_of(const glm::dvec3& point) const {
 
 glm::dvec3 GeoFrame::from_utm(const glm::dvec3& c) const {
   const Mercator series(flattening_, radius_);
-  const double xi = (c.x - (southern_ ? kUtmSouth : 0)) / series.scale, eta = (c.y - kUtmEasting) / series.scale;
+  // Beyond a quarter of the circumference the projection has no meaning, and its series would overflow.
+  const auto bounded = [](double angle) { return std::clamp(angle, -glm::half_pi<double>(), glm::half_pi<double>()); };
+  const double xi = bounded((c.x - (southern_ ? kUtmSouth : 0)) / series.scale);
+  const double eta = bounded((c.y - kUtmEasting) / series.scale);
   double x = xi, y = eta;
   for (int j = 1; j <= 3; ++j) {
     x -= series.inverse[j - 1] * std::sin(2 * j * xi) * std::cosh(2 * j * eta);

@@ -267,6 +267,9 @@ struct NodeType : NonCopyable {
 /// Reports whether a node of this type may stand in a field of an X3D node, by the types that its row lists. Returns
 /// true for fields without a list, and for PROTOs, because their first node is unknown here.
 [[nodiscard]] bool accepts(const InterfaceDeclaration& field, const NodeType& type);
+/// Reports whether other browsers have an interface of this name in a built-in type, but the standards do not: fields
+/// of Castle Game Engine, X_ITE and InstantReality. Also knows the names of its events, `set_x` and `x_changed`.
+[[nodiscard]] bool is_extension_field(const NodeType& type, std::string_view name);
 /// Name of the browser as a node in ROUTEs, as in worlds for Contact.
 inline constexpr std::string_view kBrowserName = "Browser";
 /// Returns the type of the browser as a node. Not in the table.

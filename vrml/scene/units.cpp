@@ -9,27 +9,19 @@ namespace gs::vrml {
 namespace {
 
 // Names of SFFloat and MFFloat fields of built-in nodes with angles.
-constexpr std::string_view kAngles[] = {"beamWidth", "coneInnerAngle", "coneOuterAngle", "creaseAngle", "cutOffAngle",
-                                        "diskAngle", "endAngle",       "fieldOfView",    "groundAngle", "llimit",
-                                        "maxAngle",  "minAngle",       "skyAngle",       "startAngle",  "ulimit"};
-// Names that mean an angle only in nodes of these types.
-constexpr std::pair<std::string_view, std::string_view> kAnglesOfTypes[] = {{"TextureTransform", "rotation"},
-                                                                            {"ConeEmitter", "angle"}};
-
-bool is_named_angle(const NodeType& type, std::string_view field) {
-  // The field of view of an OrthoViewpoint is a rectangle, and that of a GeoViewpoint an angle.
-  if (field == "fieldOfView" && type.name == "OrthoViewpoint") return false;
-  if (std::find(std::begin(kAngles), std::end(kAngles), field) != std::end(kAngles)) return true;
-  return std::any_of(std::begin(kAnglesOfTypes), std::end(kAnglesOfTypes),
-                     [&](const auto& one) { return one.first == type.name && one.second == field; });
-}
+constexpr std::string_view kAngles[] = {"angle",       "beamWidth", "coneInnerAngle", "coneOuterAngle", "creaseAngle",
+                                        "cutOffAngle", "diskAngle", "endAngle",       "fieldOfView",    "groundAngle",
+                                        "llimit",      "maxAngle",  "minAngle",       "rotation",       "skyAngle",
+                                        "startAngle",  "ulimit"};
 
 }  // namespace
 
 bool is_angle(const NodeType& type, const InterfaceDeclaration& field) {
   if (field.type == FieldType::SFRotation || field.type == FieldType::MFRotation) return true;
   if (field.type != FieldType::SFFloat && field.type != FieldType::MFFloat) return false;
-  return type.kind == NodeType::Kind::built_in && is_named_angle(type, field.name);
+  // The field of view of an orthographic viewpoint is a list: a rectangle.
+  if (type.kind != NodeType::Kind::built_in || (field.name == "fieldOfView" && is_multiple(field.type))) return false;
+  return std::find(std::begin(kAngles), std::end(kAngles), field.name) != std::end(kAngles);
 }
 
 void scale_angles(FieldValue& value, double factor) {

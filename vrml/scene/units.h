@@ -11,9 +11,9 @@ namespace gs::vrml {
 /// Multiplies the angles of a value.
 void scale_angles(FieldValue& value, double factor);
 
-/// Scales the content of an Inline whose text has another unit of length than the text of the Inline: a Transform
-/// becomes the only top-level node, with all others as children. Statements of the text do not change. Call it once,
-/// when the content is complete.
+/// Scales the content of an Inline, if its text has another unit of length than the outer text. A Transform becomes
+/// the only top-level node, with all others as children. Statements of the text do not change. Call it once, when the
+/// content is complete.
 void scale_content(SceneGraph& content, double factor);
 
 }  // namespace gs::vrml

@@ -3,7 +3,6 @@
 #include "base/text.h"
 #include "vrml/scene/prototype.h"
 #include "vrml/scene/units.h"
-#include "vrml/syntax/extension_fields.h"
 #include "vrml/syntax/stand_ins.h"
 
 #include <algorithm>

@@ -68,10 +68,13 @@ class SceneSink : NonCopyable {
 
   /// Returns the node type with this name in the current scope (VRML97 4.4.3, 4.8.4); null if there is none.
   [[nodiscard]] const NodeType* find_type(std::string_view name) const;
+  /// Returns the stand-in for a type of other browsers that find_type() does not know; null if there is none. Reports its
+  /// first use.
+  [[nodiscard]] const NodeType* find_stand_in(SourceName name);
   /// Makes a node. The grammar then reads the body and calls end_node(). If the result has no id, the grammar must skip
   /// the body: the type is unknown, or a limit is reached.
   [[nodiscard]] OpenNode begin_node(const NodeHeader& header);
-  /// Names a node whose DEF follows other parts of its body, as in JSON.
+  /// Names a node after other parts of its body, because members of JSON have no order.
   void name_node(const OpenNode& node, SourceName name);
   /// Completes a node: checks its measures, and expands it if it is a PROTO instance.
   void end_node(NodeId id);
@@ -120,7 +123,6 @@ class SceneSink : NonCopyable {
   };
 
   [[nodiscard]] bool in_prototype_body() const { return scopes_.back().prototype && open_interfaces_ == 0; }
-  [[nodiscard]] const NodeType* find_stand_in(SourceName name);
   [[nodiscard]] const NodeType* find_x3d_type(SourceName name);
   [[nodiscard]] bool is_lenient(const NodeType& type) const;
   void check_support(const NodeType& type, SourceLocation location);

@@ -92,10 +92,7 @@ Step ParsedText::read_header() {
   }
   if (starts_with_ignoring_case(header, "#x3d")) return read_x3d_header(line, text);
   if (starts_with_ignoring_case(header, "<")) {
-    refuse(text.find("X3D") != std::string_view::npos
-               ? "an X3D file in XML encoding; expected VRML97 ('#VRML V2.0 utf8')"
-               : "an XML or HTML file; expected VRML97 ('#VRML V2.0 utf8')",
-           top);
+    refuse("an XML or HTML file; expected VRML97 ('#VRML V2.0 utf8') or X3D", top);
   } else if (looks_binary(text, true)) {
     refuse("binary data; a VRML97 file is text that begins with '#VRML V2.0 utf8'");
   } else if (starts_with_ignoring_case(header, "#vrml")) {

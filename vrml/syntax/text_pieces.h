@@ -1,11 +1,12 @@
 #pragma once
 
+#include "base/array.h"
 #include "base/budget.h"
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <memory>
-#include <string>
 #include <string_view>
 #include <utility>
 
@@ -23,33 +24,41 @@ class TextPieces {
   [[nodiscard]] bool push(std::string_view piece, Read&& read) {
     while (!piece.empty()) {
       if (carry_.empty()) {
-        carry_ = piece.substr(read(piece));
+        const std::size_t used = read(piece);
+        append(piece.substr(used));
         piece = {};
       } else {
         const std::size_t old_size = carry_.size();
         const std::size_t joined = std::min(piece.size(), std::max(kJoin, old_size / kRetryGrowth));
-        carry_.append(piece.substr(0, joined));
+        append(piece.substr(0, joined));
         if (carry_.size() < retry_size_) {
           piece.remove_prefix(joined);
           continue;
         }
-        std::string window = std::exchange(carry_, {});
-        const std::size_t used = read(window);
+        const std::size_t used = read(rest());
         piece.remove_prefix(used < old_size ? joined : used - old_size);
-        if (used == 0)
-          carry_ = std::move(window);
-        else if (used < old_size)
-          carry_ = window.substr(used);
+        if (used >= old_size)
+          carry_.clear();
+        else if (used > 0)
+          carry_ = Array<char>(carry_.span().subspan(used));
       }
       retry_size_ = carry_.size() < kEagerRetry ? 0 : carry_.size() + carry_.size() / kRetryGrowth;
       if (carry_.capacity() > share_.amount() && !share_.grow(carry_.capacity() - share_.amount())) return false;
     }
     return true;
   }
-  /// Returns the bytes that are not read, and forgets them.
-  [[nodiscard]] std::string take_rest() { return std::exchange(carry_, {}); }
+  /// Returns the bytes that are not read. They are valid until the next push().
+  [[nodiscard]] std::string_view rest() const {
+    return carry_.empty() ? std::string_view("") : std::string_view(carry_.data(), carry_.size());
+  }
 
  private:
+  void append(std::string_view bytes) {
+    if (bytes.empty()) return;
+    std::memcpy(carry_.prepare(bytes.size()), bytes.data(), bytes.size());
+    carry_.commit(bytes.size());
+  }
+
   // Maximum bytes of an incomplete token that every new piece reads again. A longer token is read again only after
   // 1/kRetryGrowth more was received. Thus a hostile sender of single bytes costs only a bounded multiple of the text.
   static constexpr std::size_t kEagerRetry = 64 * 1024;
@@ -57,7 +66,7 @@ class TextPieces {
   // Maximum bytes of a new piece that are joined to the rest of the previous piece.
   static constexpr std::size_t kJoin = 4096;
 
-  std::string carry_;
+  Array<char> carry_;           // grows by moving pages, not bytes
   Share share_;                 // of `carry_`
   std::size_t retry_size_ = 0;  // size of `carry_` at which it is read again
 };

@@ -143,7 +143,7 @@ void ElementBuilder::begin_node(SourceName element, std::span<const Attribute> a
   frame.skipped = true;
   // Reads a named node instead of skipping it, because a later USE may refer to it.
   if (in_skipped && (name.empty() || !sink_.find_type(type_name.text))) return;
-  const NodeType* const type = type_name.text.empty() ? nullptr : sink_.find_type(type_name.text);
+  const NodeType* type = type_name.text.empty() ? nullptr : sink_.find_type(type_name.text);
   if (type_name.text.empty() && use.empty()) {
     sink_.problems().error(element.location, "a ProtoInstance has no name; skipped");
     return;
@@ -154,8 +154,10 @@ void ElementBuilder::begin_node(SourceName element, std::span<const Attribute> a
       sink_.problems().warn(element.location, "unknown element " + quoted(element.text) + "; skipped with its content");
     return;
   }
+  if (!type && use.empty()) type = sink_.find_stand_in(type_name);
   NodeTarget target;
-  const bool placed = find_target(type, element, container, target);
+  // An unknown node must not replace a node in its field.
+  const bool placed = (type || !use.empty()) && find_target(type, element, container, target);
   if (!use.empty()) {
     if (placed) sink_.use_node({use, element.location}, target);
     return;
@@ -278,6 +280,7 @@ void ElementBuilder::end_node(Frame& frame) {
 }
 
 void ElementBuilder::end() {
+  if (frames_.empty()) return;
   Frame frame = std::move(frames_.back());
   frames_.pop_back();
   if (frame.skipped) return;
@@ -309,7 +312,7 @@ SourceLocation ElementBuilder::open_location() const {
 std::vector<NodeId> ElementBuilder::open_nodes() const {
   std::vector<NodeId> nodes;
   for (const Frame& frame : frames_)
-    if (frame.node.id && frame.kind != ElementKind::field) nodes.push_back(frame.node.id);
+    if (frame.node.id) nodes.push_back(frame.node.id);
   return nodes;
 }
 

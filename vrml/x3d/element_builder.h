@@ -57,7 +57,7 @@ class ElementBuilder {
   /// if the attribute has no value to store; problems are reported. After storing, call value_given().
   [[nodiscard]] FieldValue* value_of(SourceName attribute);
   void value_given();
-  /// Names the innermost node, whose DEF came after other members.
+  /// Names the innermost node after other members.
   void name_node(SourceName name);
   /// Reports whether text is a part of the innermost element: the program of a Script or the source of a shader.
   [[nodiscard]] bool takes_text() const;
@@ -85,7 +85,7 @@ class ElementBuilder {
   struct ScriptParts {
     std::string text;  // program in the element
     SourceLocation text_location;
-    std::vector<Connection> connections;  // IS connections whose interfaces are not declared yet
+    std::vector<Connection> connections;  // IS connections of interfaces that are not declared yet
   };
   /// Open element.
   struct Frame {
@@ -94,7 +94,8 @@ class ElementBuilder {
     bool interface_open = false;  // for prototype: its interface has no end yet
     bool has_body = false;        // for prototype: its body was read
     SourceLocation location;
-    OpenNode node;                                  // for node, instance and fields of a Script
+    OpenNode node;                                  // for node and instance
+    NodeId owner;                                   // for field: its Script
     NodeType* declaring = nullptr;                  // type that `field` elements extend
     std::unique_ptr<InterfaceDeclaration> pending;  // for field; for external_prototype, its url
     const InterfaceDeclaration* field = nullptr;    // for field_value

@@ -128,7 +128,7 @@ void ElementBuilder::begin_field(SourceName element, std::span<const Attribute> 
                       : "the field " + quoted(name) + " has the unknown accessType " + quoted(access) + "; skipped");
   }
   frame.declaring = parent->declaring;
-  frame.node.id = parent->node.id;
+  frame.owner = parent->node.id;
   frame.pending = std::make_unique<InterfaceDeclaration>();
   frame.pending->name = name;
   frame.pending->type = *field_type;
@@ -139,7 +139,7 @@ void ElementBuilder::begin_field(SourceName element, std::span<const Attribute> 
 
 void ElementBuilder::end_field(Frame& frame) {
   if (sink_.may_declare(*frame.declaring, *frame.pending, frame.location))
-    sink_.declare(*frame.declaring, frame.node.id, std::move(*frame.pending));
+    sink_.declare(*frame.declaring, frame.owner, std::move(*frame.pending));
 }
 
 void ElementBuilder::begin_field_value(SourceName element, std::span<const Attribute> attributes, Frame& frame) {

@@ -5,7 +5,6 @@
 #include "vrml/syntax/numbers/number.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <type_traits>
@@ -30,9 +29,9 @@ std::uint32_t count_lines(std::string_view text) {
     std::uint64_t word = 0;
     std::memcpy(&word, text.data(), 8);
     word ^= kFeeds;
-    // The high bit of each byte that is not zero. No carry passes from one byte to the next.
-    const std::uint64_t others = (((word & kLow) + kLow) | word) & ~kLow;
-    lines += 8 - static_cast<std::uint32_t>(std::popcount(others));
+    // The high bit of each byte that is zero. No carry passes from one byte to the next.
+    const std::uint64_t feeds = ~(((word & kLow) + kLow) | word | kLow);
+    lines += static_cast<std::uint32_t>((feeds >> 7) * 0x0101010101010101 >> 56);
   }
   return lines + static_cast<std::uint32_t>(std::count(text.begin(), text.end(), '\n'));
 }

@@ -1,6 +1,7 @@
 #include "vrml/xml/markup.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace gs::vrml::xml {
 namespace {
@@ -9,8 +10,6 @@ namespace {
 constexpr std::size_t kLongValue = 128;
 
 constexpr std::size_t kNone = std::string_view::npos;
-
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
 // Returns the size of the part that ends with `mark`; 0 if it is incomplete.
 std::size_t size_until(std::string_view text, std::size_t from, std::string_view mark) {
@@ -41,16 +40,17 @@ std::size_t doctype_size(std::string_view text) {
 
 }  // namespace
 
-// Returns the size of a tag, and finds its attributes. Returns 0 if the tag is incomplete.
+// Returns the size of a tag, and finds its attributes. Returns 0 if the tag is incomplete; the next call then continues
+// in the value that was open.
 std::size_t MarkupScanner::tag_size(std::string_view text) {
-  attributes_.clear();
-  has_long_values_ = false;
-  if (text[1] == '/') return text.find('>') + 1;
-  const auto is_end_of_name = [](char c) {
-    return is_blank(c) || c == '=' || c == '>' || c == '/' || c == '"' || c == '\'';
-  };
-  std::size_t i = 1;
-  while (i < text.size() && !is_end_of_name(text[i])) ++i;
+  std::size_t i = std::exchange(open_value_, 0);
+  const std::size_t searched = std::exchange(searched_, 0);
+  if (i == 0) {
+    attributes_.clear();
+    has_long_values_ = false;
+    if (text[1] == '/') return text.find('>') + 1;
+    i = 1;
+  }
   while (i < text.size()) {
     const char c = text[i];
     if (c == '>') return i + 1;
@@ -58,8 +58,12 @@ std::size_t MarkupScanner::tag_size(std::string_view text) {
       ++i;
       continue;
     }
-    const std::size_t end = text.find(c, i + 1);
-    if (end == kNone) return 0;
+    const std::size_t end = text.find(c, std::max(i + 1, searched));
+    if (end == kNone) {
+      open_value_ = i;
+      searched_ = text.size();
+      return 0;
+    }
     AttributeSpan span{i + 1, end, false};
     if (end - i > kLongValue) {
       const std::string_view value = text.substr(span.begin, end - span.begin);

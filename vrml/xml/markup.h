@@ -34,7 +34,8 @@ struct Markup {
 /// Splitter of UTF-8 text into markup. It does not check whether the text is well-formed. One thread.
 class MarkupScanner {
  public:
-  /// Returns the part at the start of `text`, which must not be empty.
+  /// Returns the part at the start of `text`, which must not be empty. After need_more, the next text must begin with
+  /// the same bytes.
   [[nodiscard]] Markup next(std::string_view text);
 
   /// Returns the values of the attributes in the last tag, in order.
@@ -49,6 +50,8 @@ class MarkupScanner {
 
   std::vector<AttributeSpan> attributes_;
   bool has_long_values_ = false;
+  std::size_t open_value_ = 0;  // incomplete tag: offset of the quote of its open value; 0 if there is none
+  std::size_t searched_ = 0;    // incomplete tag: bytes without the end of that value
 };
 
 }  // namespace gs::vrml::xml

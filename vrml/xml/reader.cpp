@@ -26,9 +26,8 @@ struct Reader::State {
       : sink(scene, diagnostics),
         values(sink),
         builder(sink),
-        expat(scene.budget(),
-              {[this](std::string_view name, const char** given) { begin(name, given); }, [this] { builder.end(); },
-               [this](std::string_view text) { builder.text(text, markup_location); }}),
+        expat(scene.budget(), {[this](std::string_view name, const char** given) { begin(name, given); },
+                               [this] { end(); }, [this](std::string_view text) { take_text(text); }}),
         pieces(scene.budget()) {}
 
   void feed(std::string_view text);
@@ -39,7 +38,9 @@ struct Reader::State {
   void give(std::string_view text, bool last);
   void fail(const std::string& problem);
   void refuse(const std::string& problem, SourceLocation location);
-  void begin(std::string_view name, const char** attributes);
+  void begin(std::string_view name, const char** given);
+  void end();
+  void take_text(std::string_view text);
   void read_attributes(const char** given);
   void pass(std::string_view text);
   [[nodiscard]] std::string_view valid_text(std::string_view text);
@@ -103,7 +104,7 @@ void Reader::State::read_attributes(const char** given) {
   std::size_t from = located;
   for (std::size_t i = 0; given[2 * i]; ++i) {
     x3d::Attribute attribute{given[2 * i], given[2 * i + 1], at};
-    if (i < spans.size()) {
+    if (!tag.empty() && i < spans.size()) {
       at = x3d::location_in(tag.substr(from), at, tag.data() + spans[i].begin);
       from = spans[i].begin;
       attribute.location = at;
@@ -116,6 +117,7 @@ void Reader::State::read_attributes(const char** given) {
 }
 
 void Reader::State::begin(std::string_view name, const char** given) {
+  if (stopped) return;
   if (builder.depth() > 2 * sink.scene().limits().nesting) {
     fail("more than " + std::to_string(builder.depth()) + " nested elements");
     return expat.stop();
@@ -136,14 +138,24 @@ void Reader::State::begin(std::string_view name, const char** given) {
   }
 }
 
+// After stop(), Expat still reports the end of an empty element.
+void Reader::State::end() {
+  if (!stopped) builder.end();
+}
+
+void Reader::State::take_text(std::string_view text) {
+  if (!stopped && builder.takes_text()) builder.text(text, markup_location);
+}
+
 void Reader::State::take_tag(std::string_view text) {
   tag = text;
   if (scanner.has_long_values()) {
     skeleton.clear();
     scanner.append_skeleton(text, skeleton);
-    return give(skeleton, false);
+    text = skeleton;
   }
   give(text, false);
+  tag = {};
 }
 
 void Reader::State::take(const Markup& markup) {
@@ -199,12 +211,11 @@ void Reader::State::feed(std::string_view text) {
 // Reports an incomplete end of the text.
 void Reader::State::close() {
   if (stopped) return;
-  std::string rest = pieces.take_rest();
-  rest.erase(0, scan(rest));
+  std::string_view rest = pieces.rest();
+  rest.remove_prefix(scan(rest));
   if (stopped) return;
   markup_location = location;
-  tag = {};
-  if (!is_blank(rest)) give(std::string_view(rest).substr(0, kMaxRest), false);
+  if (!is_blank(rest)) give(rest.substr(0, kMaxRest), false);
   if (!stopped && builder.depth() > 0) markup_location = builder.open_location();
   if (!stopped && !expat.parse({}, true))
     fail(builder.depth() > 0 ? "the file ends inside the element that begins here" : "not XML: " + expat.error());

@@ -107,7 +107,9 @@ void SceneHandler::end(const std::optional<std::string>& problem) {
     if (!content_) read_rest(std::exchange(waiting_, {}));
     content_->cut = cut;
     if (!target_.refused()) content_->end(problem.has_value());
-    // Other units than those of the outer text (ISO/IEC 19775-1 4.3.6).
+    // A short file is parsed at its end.
+    if (!target_.refused()) length_unit_ = target_.scene()->x3d().unit("length");
+    // Converts other units than those of the outer text (ISO/IEC 19775-1 4.3.6).
     if (use_.role == Role::inlined && !target_.refused())
       vrml::scale_content(*target_.scene(), length_unit_ / use_.outer->length_unit());
   }

@@ -215,7 +215,8 @@ void CameraControl::bind_viewpoint(std::size_t index) {
 
 void CameraControl::step_viewpoint(int direction) {
   const View* seen = viewports_.view();
-  const std::vector<std::size_t> listed = seen ? listed_viewpoints(seen->list->viewpoints) : std::vector<std::size_t>{};
+  const std::vector<std::size_t> listed =
+      seen ? listed_viewpoints(seen->list->viewpoints, seen->navigation.pose.position) : std::vector<std::size_t>{};
   if (listed.empty()) return;
   const auto place = std::find(listed.begin(), listed.end(), seen->viewpoint.value_or(listed.front()));
   const std::size_t index = place == listed.end() ? 0 : static_cast<std::size_t>(place - listed.begin());

@@ -153,6 +153,7 @@ const render::RenderList& SliceScene::with_slices(const render::RenderList& list
     plane.mesh = plane_mesh(corners);
     plane.world_from_node = *world_from_node;
     plane.material.lit = false;
+    plane.material.diffuse = glm::vec3(1);
     plane.texture = {images_[axis], false, false, glm::mat3(1.0f)};
     render::DrawItem frame;
     frame.mesh = frame_mesh(corners);

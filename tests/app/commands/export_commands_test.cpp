@@ -2,6 +2,7 @@
 #include "app/formats/export/export.h"
 #include "tests/app/commands/vector_commands.h"
 
+#include <filesystem>
 #include <string>
 
 using namespace gs::app;
@@ -35,6 +36,38 @@ TEST_CASE("export: writes every format of the table, and reads it back") {
   CHECK(folder.read("world.wrl").find("\"ball.qnv\"") != std::string::npos);
   CHECK(info(folder.path("world.wrl"))["vectors"] == info(stream)["vectors"]);
   CHECK(run("check " + quoted(folder.path("world.wrl"))).output.empty());
+}
+
+TEST_CASE("export: writes the nodes of a scene or mesh as VRML97 and X3D, and the same bytes after a second way") {
+  const ScratchFolder folder;
+  const std::string scene =
+      folder.write("a.wrl",
+                   "#VRML V2.0 utf8\nDEF S Switch { choice Shape { geometry Sphere { } } whichChoice 0 }\n"
+                   "DEF T TouchSensor { }\nDEF X Script { eventIn SFBool on url \"javascript: function on(v) { }\" }\n"
+                   "ROUTE T.isActive TO X.on\n");
+  const std::string mesh = folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  for (const std::string& in : {scene, mesh})
+    for (const char* extension : {".wrl", ".x3d", ".x3dv", ".x3dj", ".wrz", ".x3dz"}) {
+      const std::string once = folder.path(std::string("once") + extension),
+                        twice = folder.path(std::string("twice") + extension);
+      const Run result = run("export " + quoted(in) + " " + quoted(once));
+      INFO(in << extension << "\n" << result.output);
+      REQUIRE(result.status == kDone);
+      CHECK(result.output.find(" nodes), ") != std::string::npos);
+      REQUIRE(run("export " + quoted(once) + " " + quoted(twice)).status == kDone);
+      CHECK(folder.read(std::string("once") + extension) == folder.read(std::string("twice") + extension));
+      CHECK(run("check " + quoted(once)).output.empty());
+      std::filesystem::remove(once);
+      std::filesystem::remove(twice);
+    }
+  // X3D becomes VRML97 with a note for each node that VRML97 lacks.
+  const std::string x3d = folder.write(
+      "b.x3dv", "#X3D V3.3 utf8\nPROFILE Immersive\nShape { geometry Rectangle2D { } }\nKeySensor { }\n");
+  const Run result = run("export " + quoted(x3d) + " " + quoted(folder.path("b.wrl")));
+  INFO(result.output);
+  CHECK(result.status == kDone);
+  CHECK(result.output.find("note: KeySensor is left out: VRML97 has no such node") != std::string::npos);
+  CHECK(folder.read("b.wrl").find("geometry IndexedFaceSet") != std::string::npos);
 }
 
 TEST_CASE("encode and export overwrite only files of their own kind") {

@@ -28,8 +28,7 @@ std::string zip_with(const std::string& name) {
 TEST_CASE("recognises formats that are not read by their first bytes") {
   const std::string iges = std::string(72, ' ') + "S      1\n";
   const std::pair<std::string, const char*> samples[] = {
-      {"<?xml version='1.0'?>\n<!DOCTYPE X3D PUBLIC \"x\">\n<!-- <a> --><X3D version='3.3'>", "X3D in XML encoding"},
-      {"{ \"X3D\": { \"@version\": \"3.3\"", "X3D in JSON encoding"},
+      {std::string("\xe0\0\0\x01\0\x02", 6), "X3D in binary encoding (Fast Infoset)"},
       {zeros(128) + "DICM", "DICOM"},
       {std::string("II*\0", 4) + zeros(124) + "DICM", "DICOM"},
       {"\x89HDF\r\n\x1a\n", "HDF5 (NetCDF-4, VTKHDF, CGNS)"},

@@ -18,6 +18,8 @@ TEST_CASE("selects the format by the extension, and adds .wrl to unknown ones") 
   CHECK(path_with_format("/a/room") == "/a/room.wrl");
   CHECK(path_with_format("/a/room.v2") == "/a/room.v2.wrl");
   CHECK(path_with_format("/a/room.wrz") == "/a/room.wrz");
+  CHECK(path_with_format("/a/room.x3d") == "/a/room.x3d");
+  CHECK(save_format_list().starts_with(".wrl (VRML97), .x3d (X3D XML), .x3dv (X3D classic), .x3dj (X3D JSON); only"));
   CHECK(path_with_format("/a/room.3dgs.ply") == "/a/room.3dgs.ply");
   CHECK(save_format_list().find(".glb") != std::string::npos);
 }

@@ -39,7 +39,7 @@ TEST_CASE("loads and removes the content of an X3D Inline by its field load") {
   CHECK(said(world).empty());
 }
 
-TEST_CASE("scales an Inline whose text has another unit of length") {
+TEST_CASE("scales an Inline if its text has another unit of length") {
   Site files;
   files.put("world.wrl", kX3d + "UNIT length centimetre 0.01\nInline { url \"box.x3dv\" }");
   files.put("box.x3dv", kX3d + "UNIT length millimetre 0.001\nShape { geometry Box { size 20 20 20 } }\n"

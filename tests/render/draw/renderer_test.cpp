@@ -288,6 +288,7 @@ TEST_CASE("draws lines and points unlit in emissive or Color node colours") {
   add(list, item);
   check_color(pixel(drawing.draw(list), 20, 31), {0, 1, 0});
   list.items[0].material.lit = false;
+  list.items[0].material.diffuse = glm::vec3(1);
   check_color(pixel(drawing.draw(list), 20, 31), {1, 1, 1});
   CHECK(drawing.statistics.triangles == 0);
 

@@ -86,6 +86,20 @@ TEST_CASE("draws points as large as PointProperties say") {
         16);
 }
 
+TEST_CASE("covers each point of PointProperties with the texture") {
+  Drawing drawing;
+  const Image image = drawing.draw(
+      x3d_list("Shape { appearance Appearance { texture PixelTexture { image 2 2 3 0xff0000 0x00ff00 0x0000ff 0xffff00 "
+               "} pointProperties PointProperties { pointSizeScaleFactor 40 } } geometry Polypoint2D { point [ 0.05 "
+               "0.05 ] } }"));
+  // The first row of a PixelTexture is the lower one.
+  CHECK(pixel(image, 22, 42).x > 200);
+  CHECK(pixel(image, 42, 42).y > 200);
+  CHECK(pixel(image, 22, 22).z > 200);
+  CHECK(pixel(image, 42, 22).x > 200);
+  CHECK(pixel(image, 4, 4) == glm::vec3(0));
+}
+
 TEST_CASE("draws hatches of FillProperties with and without the filling") {
   Drawing drawing;
   const auto wall = [&](const std::string& properties) {

@@ -70,7 +70,8 @@ TEST_CASE("holds the position of an AudioClip while it is paused (X3D 8.2.4)") {
 }
 
 TEST_CASE("stops an AudioClip that is disabled, and does not start it (X3D 16.4.1)") {
-  X3DWorld world("DEF A AudioClip { url \"a.wav\" startTime 1001 } DEF Off AudioClip { url \"a.wav\" loop TRUE enabled FALSE }");
+  X3DWorld world(
+      "DEF A AudioClip { url \"a.wav\" startTime 1001 } DEF Off AudioClip { url \"a.wav\" loop TRUE enabled FALSE }");
   world.start();
   CHECK(report_media(world.execution(), world.scene(), world.node("A"), 10));
   world.step(1);

@@ -7,8 +7,9 @@ namespace gs::vrml::traces {
 namespace {
 
 // World with a box at the origin and a picking sensor that a Transform moves.
-std::string sensor_world(const std::string& sensor, const std::string& target = "DEF Target Transform { children "
-                                                                                "Shape { geometry DEF B Box { } } }") {
+std::string sensor_world(const std::string& sensor, const std::string& target =
+                                                        "DEF Target Transform { children "
+                                                        "Shape { geometry DEF B Box { } } }") {
   return target + " DEF Move Transform { translation 5 0 0 children DEF S " + sensor + " }";
 }
 
@@ -27,12 +28,12 @@ TEST_CASE("reports the picked geometry of a LinePickSensor, its points, normals 
   world.step(1);
   CHECK(world.take().empty());
   CHECK_FALSE(world.execution().next_time());
-  CHECK(pick_at(world, 2, {-2.5F, 0, 0}) ==
-        Lines{"2.5 S.isActive TRUE", "2.5 S.pickedGeometry [ B ]", "2.5 S.pickedPoint [ -1 0.5 0 ]",
-              "2.5 S.pickedNormal [ -1 0 0 ]", "2.5 S.pickedTextureCoordinate [ 0.5 0.75 0 ]"});
-  CHECK(pick_at(world, 3, {9, 0, 0}) ==
-        Lines{"3.5 S.isActive FALSE", "3.5 S.pickedGeometry [ ]", "3.5 S.pickedPoint [ ]", "3.5 S.pickedNormal [ ]",
-              "3.5 S.pickedTextureCoordinate [ ]"});
+  CHECK(pick_at(world, 2, {-2.5F, 0, 0}) == Lines{"2.5 S.isActive TRUE", "2.5 S.pickedGeometry [ B ]",
+                                                  "2.5 S.pickedPoint [ -1 0.5 0 ]", "2.5 S.pickedNormal [ -1 0 0 ]",
+                                                  "2.5 S.pickedTextureCoordinate [ 0.5 0.75 0 ]"});
+  CHECK(pick_at(world, 3, {9, 0, 0}) == Lines{"3.5 S.isActive FALSE", "3.5 S.pickedGeometry [ ]",
+                                              "3.5 S.pickedPoint [ ]", "3.5 S.pickedNormal [ ]",
+                                              "3.5 S.pickedTextureCoordinate [ ]"});
   CHECK_FALSE(world.execution().next_time());
 }
 
@@ -49,8 +50,9 @@ TEST_CASE("compares bounding boxes for BOUNDS, and geometries for GEOMETRY (X3D 
 }
 
 TEST_CASE("picks a volume inside of another one (X3D 38.4.5)") {
-  X3DWorld world(sensor_world(
-      "VolumePickSensor { intersectionType \"GEOMETRY\" pickTarget USE Target pickingGeometry Sphere { radius 0.1 } }"));
+  X3DWorld world(
+      sensor_world("VolumePickSensor { intersectionType \"GEOMETRY\" pickTarget USE Target pickingGeometry Sphere { "
+                   "radius 0.1 } }"));
   world.start();
   CHECK(pick_at(world, 1, {0.3F, 0, 0}).size() == 2);
 }
@@ -70,7 +72,8 @@ TEST_CASE("sorts the picked geometries as sortOrder asks (X3D 38.3.1)") {
       "Transform { translation 0.2 0 0 children Shape { geometry DEF Near Box { } } } ] }";
   const auto picked = [&](const std::string& order) {
     X3DWorld world(sensor_world(
-        "PrimitivePickSensor { sortOrder \"" + order + "\" pickTarget USE Target pickingGeometry Sphere { } }", target));
+        "PrimitivePickSensor { sortOrder \"" + order + "\" pickTarget USE Target pickingGeometry Sphere { } }",
+        target));
     world.start();
     return pick_at(world, 1, {0, 0, 0}).back();
   };
@@ -82,8 +85,9 @@ TEST_CASE("sorts the picked geometries as sortOrder asks (X3D 38.3.1)") {
 
 TEST_CASE("matches the object types of a sensor and of a PickableGroup (X3D 38.3.2, 38.4.2)") {
   const auto picks = [&](const std::string& group, const std::string& sensor) {
-    X3DWorld world(sensor_world("PrimitivePickSensor { " + sensor + " pickTarget USE Target pickingGeometry Sphere { } }",
-                                "DEF Target PickableGroup { " + group + " children Shape { geometry DEF B Box { } } }"));
+    X3DWorld world(
+        sensor_world("PrimitivePickSensor { " + sensor + " pickTarget USE Target pickingGeometry Sphere { } }",
+                     "DEF Target PickableGroup { " + group + " children Shape { geometry DEF B Box { } } }"));
     world.start();
     return !pick_at(world, 1, {0, 0, 0}).empty();
   };
@@ -95,6 +99,15 @@ TEST_CASE("matches the object types of a sensor and of a PickableGroup (X3D 38.3
   CHECK_FALSE(picks("objectType [ \"A\" \"B\" ]", "objectType [ \"B\" \"C\" ] matchCriterion \"MATCH_EVERY\""));
   CHECK(picks("objectType [ \"A\" \"B\" ]", "objectType [ \"B\" \"C\" ] matchCriterion \"MATCH_ONLY_ONE\""));
   CHECK_FALSE(picks("objectType [ \"A\" \"B\" ]", "objectType [ \"A\" \"B\" ] matchCriterion \"MATCH_ONLY_ONE\""));
+}
+
+TEST_CASE("picks with each instance of a sensor (X3D 38.3.1)") {
+  X3DWorld world(sensor_world("PrimitivePickSensor { pickTarget USE Target pickingGeometry Sphere { } }") +
+                 " Transform { translation 0 9 0 children USE S }");
+  world.start();
+  CHECK(pick_at(world, 1, {7, 0, 0}).empty());
+  world.send_at(2, "Target.translation", SFVec3f(0, 8, 0));
+  CHECK(world.take_at(2.5, "S.") == Lines{"2.5 S.isActive TRUE", "2.5 S.pickedGeometry [ B ]"});
 }
 
 TEST_CASE("picks nothing with a disabled sensor (X3D 38.3.1)") {

@@ -45,8 +45,7 @@ TEST_CASE("uses given velocities of a spline, for all keys or for both ends (X3D
   X3DWorld all("DEF I SplineScalarInterpolator { key [ 0 1 ] keyValue [ 0 1 ] keyVelocity [ 1 1 ] }");
   all.start();
   CHECK(number_at(all, 0.25F) == Approx(0.25));
-  X3DWorld ends(
-      "DEF I SplineScalarInterpolator { key [ 0 0.5 1 ] keyValue [ 0 1 2 ] keyVelocity [ 1 1 ] }");
+  X3DWorld ends("DEF I SplineScalarInterpolator { key [ 0 0.5 1 ] keyValue [ 0 1 2 ] keyVelocity [ 1 1 ] }");
   ends.start();
   CHECK(number_at(ends, 0.25F) == Approx(0.5));
   X3DWorld normal(
@@ -74,8 +73,7 @@ TEST_CASE("adjusts velocities of a spline for keys at unequal distances (X3D 19.
 }
 
 TEST_CASE("turns smoothly through the keys of a SquadOrientationInterpolator (X3D 19.4.13)") {
-  X3DWorld world(
-      "DEF I SquadOrientationInterpolator { key [ 0 0.5 1 ] keyValue [ 0 1 0 0, 0 1 0 1, 0 1 0 2 ] }");
+  X3DWorld world("DEF I SquadOrientationInterpolator { key [ 0 0.5 1 ] keyValue [ 0 1 0 0, 0 1 0 1, 0 1 0 2 ] }");
   world.start();
   CHECK(value_at(world, 0.5F) == "0 1 0 1");
   CHECK(value_at(world, 0.25F) == "0 1 0 0.5");

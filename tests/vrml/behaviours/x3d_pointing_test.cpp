@@ -43,8 +43,7 @@ TEST_CASE("turns the axes of a PlaneSensor by axisRotation (X3D 20.4.2)") {
   device.move("S", 3, 2);
   const Lines lines = world.take("translation_changed");
   REQUIRE(lines.size() == 1);
-  const InterfaceDeclaration* event =
-      world.scene().node(world.node("P")).type->find_event_out("translation_changed");
+  const InterfaceDeclaration* event = world.scene().node(world.node("P")).type->find_event_out("translation_changed");
   const FieldValue* value = world.execution().cascade().last_value(world.scene(), world.node("P"), *event);
   REQUIRE(value);
   const SFVec3f translation = std::get<SFVec3f>(*value);

@@ -90,7 +90,6 @@ TEST_CASE("keeps the interfaces of VRML97 in the same slots of the X3D type of t
     if (is_extension(type->clause)) continue;
     CAPTURE(type->name);
     CHECK(other.read_as == type->read_as);
-    CHECK(other.behaviour == type->behaviour);
     for (const InterfaceDeclaration& each : type->interfaces) {
       if (each.of_other_browsers) continue;
       const InterfaceDeclaration* same = other.find(each.name);

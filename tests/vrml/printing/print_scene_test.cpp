@@ -100,7 +100,7 @@ TEST_CASE("gives X3D texts the names of X3D") {
   CHECK(xml("LOD { level [ Group { } Group { } ] range 5 }") ==
         "\n    <LOD range='5'>\n      <Group/>\n      <Group/>\n    </LOD>");
   // Defaults differ: VRML97 walks, X3D examines.
-  CHECK(xml("NavigationInfo { }") == "\n    <NavigationInfo type='\"WALK\" \"ANY\"'/>");
+  CHECK(xml("NavigationInfo { }") == "\n    <NavigationInfo type='\"WALK\", \"ANY\"'/>");
   CHECK(xml("NavigationInfo { type [ \"EXAMINE\", \"ANY\" ] }") == "\n    <NavigationInfo/>");
 }
 
@@ -167,7 +167,7 @@ TEST_CASE("writes PROTOs, their connections and their instances") {
       "Group { } ] {\n  Transform { translation IS at children IS parts }\n  DEF L PointLight { set_on IS set_on }\n}\n"
       "EXTERNPROTO Far [ field SFFloat x ] [ \"far.wrl#Far\" ]\n"
       "DEF A Lamp { at 2 0 0 parts [ Shape { } ] }\nUSE A\nShape { geometry Far { x 2 } }";
-  CHECK(nodes_of(printed_scene(*scene_of("#VRML V2.0 utf8\n" + body, 1), {Grammar::x3d_xml}), "<Scene>",
+  CHECK(nodes_of(printed_scene(*scene_of("#VRML V2.0 utf8\n" + body), {Grammar::x3d_xml}), "<Scene>",
                  "\n  </Scene>") == R"(
     <ProtoDeclare name='Lamp'>
       <ProtoInterface>
@@ -175,7 +175,7 @@ TEST_CASE("writes PROTOs, their connections and their instances") {
         <field accessType='initializeOnly' type='MFNode' name='parts'/>
         <field accessType='inputOnly' type='SFBool' name='set_on'/>
         <field accessType='initializeOnly' type='SFNode' name='look'>
-          <Group/>
+          <Group DEF='_Group'/>
         </field>
       </ProtoInterface>
       <ProtoBody>
@@ -185,7 +185,11 @@ TEST_CASE("writes PROTOs, their connections and their instances") {
             <connect nodeField='translation' protoField='at'/>
           </IS>
         </Transform>
-        <PointLight DEF='L'/>
+        <PointLight DEF='L'>
+          <IS>
+            <connect nodeField='on' protoField='set_on'/>
+          </IS>
+        </PointLight>
       </ProtoBody>
     </ProtoDeclare>
     <ExternProtoDeclare name='Far' url='"far.wrl#Far"'>

@@ -54,6 +54,8 @@ TEST_CASE("writes the same text again after reading it, in each encoding") {
 TEST_CASE("writes the same VRML97 text after a way through each encoding of X3D") {
   for (const fs::path& path : worlds()) {
     const std::string text = read_file(path);
+    // X3D has LayerSet, of which VRML97 only has a stand-in.
+    if (path.stem() == "lenient_other_browsers") continue;
     const std::string plain = testing::encoded(text, Grammar::vrml97);
     for (const Grammar grammar : testing::kX3DGrammars) {
       INFO(path.filename().string() << " as " << testing::name_of(grammar));

@@ -15,7 +15,7 @@ std::vector<glm::vec3> corners(const Mesh& mesh) {
   for (const std::uint32_t i : mesh.indices) result.push_back(mesh.positions[i]);
   return result;
 }
-std::vector<Color> corner_colors(const Mesh& mesh) {
+std::vector<Color> colors_of_corners(const Mesh& mesh) {
   check_promises(mesh);
   std::vector<Color> result;
   for (const std::uint32_t i : mesh.indices) result.push_back(mesh.colors[i]);
@@ -95,11 +95,11 @@ TEST_CASE("assigns colours of a TriangleSet per vertex and per triangle") {
   set.points(kSquare).set("index", MFInt32{0, 1, 2, 0, 2, 3});
   SECTION("per vertex") {
     set.colors({kRed, kGreen, kBlue, kRed});
-    CHECK(corner_colors(set.mesh()) == std::vector<Color>{kRed, kGreen, kBlue, kRed, kBlue, kRed});
+    CHECK(colors_of_corners(set.mesh()) == std::vector<Color>{kRed, kGreen, kBlue, kRed, kBlue, kRed});
   }
   SECTION("per triangle") {
     set.colors({kRed, kGreen}).set("colorPerVertex", false);
-    CHECK(corner_colors(set.mesh()) == std::vector<Color>{kRed, kRed, kRed, kGreen, kGreen, kGreen});
+    CHECK(colors_of_corners(set.mesh()) == std::vector<Color>{kRed, kRed, kRed, kGreen, kGreen, kGreen});
   }
 }
 

@@ -37,13 +37,11 @@ struct ReadWorld {
   }
 };
 
-/// Returns the printed world of a VRML97 text without header.
-[[nodiscard]] inline std::string printed_vrml97(std::string_view text) {
-  SceneGraph scene("world");
-  Diagnostics diagnostics;
-  (void)Parser(scene, diagnostics).parse_fragment(text);
-  CHECK(diagnostics.entries().empty());
-  return print(scene);
+/// Returns the printed world of a text in classic encoding without header.
+[[nodiscard]] inline std::string printed_classic(const std::string& text) {
+  const ReadWorld world(Grammar::x3d_classic, "#X3D V3.3 utf8\nPROFILE Immersive\n" + text);
+  CHECK(world.messages() == "");
+  return world.text();
 }
 
 /// Requires that a text gives the same world and messages for each size of its pieces, and that no prefix crashes.

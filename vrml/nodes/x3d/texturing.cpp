@@ -7,13 +7,13 @@ namespace {
 constexpr X3DRow kTexturingX3DRows[] = {
     {"ComposedCubeMapTexture", "CubeMapTexturing", 1, "texture", "X3DEnvironmentTextureNode", Role::texture,
      NodeKind::composed_cube_map_texture, R"(
-  exposedField SFNode     backTexture NULL  # X3DTexture2DNode
-  exposedField SFNode     bottomTexture NULL  # X3DTexture2DNode
+  exposedField SFNode     back NULL  # X3DTexture2DNode
+  exposedField SFNode     bottom NULL  # X3DTexture2DNode
   exposedField SFString   description ""
-  exposedField SFNode     frontTexture NULL  # X3DTexture2DNode
-  exposedField SFNode     leftTexture NULL  # X3DTexture2DNode
-  exposedField SFNode     rightTexture NULL  # X3DTexture2DNode
-  exposedField SFNode     topTexture NULL  # X3DTexture2DNode
+  exposedField SFNode     front NULL  # X3DTexture2DNode
+  exposedField SFNode     left NULL  # X3DTexture2DNode
+  exposedField SFNode     right NULL  # X3DTexture2DNode
+  exposedField SFNode     top NULL  # X3DTexture2DNode
   field        SFNode     textureProperties NULL  # TextureProperties
 )"},
     {"ComposedTexture3D", "Texturing3D", 1, "texture", "X3DTexture3DNode", Role::texture, NodeKind::composed_texture_3d,

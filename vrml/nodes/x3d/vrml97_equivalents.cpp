@@ -28,6 +28,8 @@ constexpr Vrml97Equivalent kEquivalents[] = {
     {"IndexedTriangleSet", "IndexedFaceSet", faces_of_triangle_set},
     {"IndexedTriangleStripSet", "IndexedFaceSet", faces_of_triangle_strip_set},
     {"LineSet", "IndexedLineSet", lines_of_line_set},
+    {"OrthoViewpoint", "Viewpoint", viewpoint_of_ortho,
+     "OrthoViewpoint becomes Viewpoint: the parallel view becomes a narrow perspective"},
     {"PhysicalMaterial", "Material", material_of_physical,
      "PhysicalMaterial becomes Material: metallic, roughness and textures are left out"},
     {"PickableGroup", "Group"},

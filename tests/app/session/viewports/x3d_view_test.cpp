@@ -61,13 +61,12 @@ TEST_CASE("turns about centerOfRotation of the bound Viewpoint (X3D 23.3.1)") {
 }
 
 TEST_CASE("takes the time of a transition from NavigationInfo, and reports its end (X3D 23.4.4)") {
-  const auto document = x3d_document("DEF N NavigationInfo { transitionTime 2 } Viewpoint { } Viewpoint { position 9 0 0 } " +
-                                     kBox);
+  const auto document =
+      x3d_document("DEF N NavigationInfo { transitionTime 2 } Viewpoint { } Viewpoint { position 9 0 0 } " + kBox);
   View view = view_of(document, kSize, {});
   std::size_t completed = 0;
-  document->runtime->execution().cascade().observe([&](const vrml::SentEvent& event) {
-    completed += event.event->name == "transitionComplete" ? 1 : 0;
-  });
+  document->runtime->execution().cascade().observe(
+      [&](const vrml::SentEvent& event) { completed += event.event->name == "transitionComplete" ? 1 : 0; });
   bind_viewpoint(view, 1);
   REQUIRE(view.navigation.transition);
   CHECK(view.navigation.transition->duration == 2);
@@ -82,8 +81,8 @@ TEST_CASE("takes the time of a transition from NavigationInfo, and reports its e
 }
 
 TEST_CASE("moves at once to a Viewpoint with transitionType TELEPORT (X3D 23.4.4)") {
-  const auto document = x3d_document(
-      "NavigationInfo { transitionType \"TELEPORT\" } Viewpoint { } Viewpoint { position 9 0 0 } " + kBox);
+  const auto document =
+      x3d_document("NavigationInfo { transitionType \"TELEPORT\" } Viewpoint { } Viewpoint { position 9 0 0 } " + kBox);
   View view = view_of(document, kSize, {});
   bind_viewpoint(view, 1);
   CHECK_FALSE(view.navigation.transition);
@@ -92,7 +91,8 @@ TEST_CASE("moves at once to a Viewpoint with transitionType TELEPORT (X3D 23.4.4
 
 TEST_CASE("keeps the user's movements at a Viewpoint with retainUserOffsets (X3D 23.3.1)") {
   const auto document = x3d_document(
-      "NavigationInfo { transitionType \"TELEPORT\" } Viewpoint { retainUserOffsets TRUE } Viewpoint { position 9 0 0 } " +
+      "NavigationInfo { transitionType \"TELEPORT\" } Viewpoint { retainUserOffsets TRUE } Viewpoint { position 9 0 0 "
+      "} " +
       kBox);
   View view = view_of(document, kSize, {});
   view.navigation.pose.position.x = 3;
@@ -115,9 +115,38 @@ TEST_CASE("lists the Viewpoints of a ViewpointGroup only if it is displayed (X3D
   CHECK(listed_viewpoints(view.list->viewpoints) == std::vector<std::size_t>{0, 2});
 }
 
+TEST_CASE("lists the Viewpoints of a ViewpointGroup while the viewer is inside of its box (X3D 23.4.7)") {
+  const auto document = x3d_document(
+      "Viewpoint { description \"a\" } Transform { translation 5 0 0 children ViewpointGroup { description \"hall\" "
+      "center 0 1 0 size 2 2 2 children Viewpoint { description \"b\" } } } " +
+      kBox);
+  const View view = view_of(document, kSize, {});
+  const auto& viewpoints = view.list->viewpoints;
+  CHECK(listed_viewpoints(viewpoints, {0, 0, 10}) == std::vector<std::size_t>{0});
+  CHECK(listed_viewpoints(viewpoints, {5.5, 0.5, 0}) == std::vector<std::size_t>{0, 1});
+  CHECK(viewpoint_label(viewpoints[1], 1) == "hall: b");
+}
+
+TEST_CASE("draws between nearDistance and farDistance of the bound Viewpoint (X3D 23.3.1)") {
+  const auto document = x3d_document(
+      "Viewpoint { nearDistance 2 farDistance 50 } Transform { scale 3 3 3 children Viewpoint { farDistance 4 } } "
+      "Viewpoint { } " +
+      kBox);
+  View view = view_of(document, kSize, {});
+  CHECK(view.list->near_distance == 2);
+  CHECK(view.list->far_distance == 50);
+  bind_viewpoint(view, 1);
+  CHECK(follow_world(view));
+  CHECK(view.list->near_distance == 0);
+  CHECK(view.list->far_distance == Approx(12));
+  bind_viewpoint(view, 2);
+  CHECK(follow_world(view));
+  CHECK(view.list->far_distance == 0);
+}
+
 TEST_CASE("shows the whole world at a Viewpoint with viewAll (X3D 23.3.1)") {
-  const auto document = x3d_document("Viewpoint { viewAll TRUE position 0 0 1 } Transform { translation 50 0 0 children " +
-                                     kBox + " } " + kBox);
+  const auto document = x3d_document(
+      "Viewpoint { viewAll TRUE position 0 0 1 } Transform { translation 50 0 0 children " + kBox + " } " + kBox);
   const View view = view_of(document, kSize, {});
   CHECK(render::has_in_view(camera_of(view.navigation.pose), view.list->bounds, kSize.x, kSize.y));
 }

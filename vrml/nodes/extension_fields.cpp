@@ -1,4 +1,4 @@
-#include "vrml/syntax/extension_fields.h"
+#include "vrml/scene/node_type.h"
 
 #include <algorithm>
 #include <iterator>
