@@ -103,20 +103,23 @@ void ScenePrinter::put_shared_names() {
   const auto name_or = [&](NodeId node, std::string_view otherwise) -> std::string_view {
     return scene_.contains(node) ? std::string_view(name_of_node(node)) : otherwise;
   };
+  const auto is_missing = [&](NodeId node) { return node && !is_printed(node); };
   const auto put = [&](auto&& statement) {
     begin_statement(false, true);
     statement();
     end_statement();
   };
   for (const X3DStatements::Import& each : statements.imports)
-    put([&] { put_import({name_or(each.inline_node, each.inline_name), each.exported, each.local}); });
+    if (!is_missing(each.inline_node))
+      put([&] { put_import({name_or(each.inline_node, each.inline_name), each.exported, each.local}); });
   for (const X3DStatements::Export& each : statements.exports)
-    put([&] { put_export({{}, each.exported, name_or(each.node, each.local)}); });
+    if (!is_missing(each.node)) put([&] { put_export({{}, each.exported, name_or(each.node, each.local)}); });
   for (const X3DStatements::ImportedRoute& each : statements.routes)
-    put([&] {
-      put_route({name_or(each.from.node, each.from.name), each.from.event, name_or(each.to.node, each.to.name),
-                 each.to.event});
-    });
+    if (!is_missing(each.from.node) && !is_missing(each.to.node))
+      put([&] {
+        put_route({name_or(each.from.node, each.from.name), each.from.event, name_or(each.to.node, each.to.name),
+                   each.to.event});
+      });
 }
 
 void ScenePrinter::put_body(const NodeType& type) {

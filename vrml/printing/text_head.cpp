@@ -99,8 +99,10 @@ class LevelCollector {
   void add_type(const NodeType& type) {
     const NodeType* const written = translator_.written_type(type);
     if (!written) return;
-    if (written->kind == NodeType::Kind::built_in)
-      raise(levels_, written->component, written->level);
+    // The private type of a shader does not state its component.
+    const NodeType* const native = built_in_node_type(Language::x3d, written->name);
+    if (written->kind == NodeType::Kind::built_in && native)
+      raise(levels_, native->component, native->level);
     else if (written->kind == NodeType::Kind::script)
       raise(levels_, "Scripting", 1);
     else if (!written->stands_in)

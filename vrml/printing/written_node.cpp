@@ -40,6 +40,12 @@ std::optional<MFString> with_scheme(const MFString& urls, std::string_view schem
   return changed;
 }
 
+// Reports whether a built-in type is a private copy for one node, which the node's declarations extend.
+bool is_own_type(const NodeType& type) {
+  const NodeType* const x3d = built_in_node_type(Language::x3d, type.name);
+  return type.kind == NodeType::Kind::built_in && x3d && x3d != &type && built_in_node_type(type.name) != &type;
+}
+
 bool is_url_field(const NodeType& type, const InterfaceDeclaration& declaration) {
   const auto fields = type.url_fields();
   return std::find(fields.begin(), fields.end(), &declaration) != fields.end();
@@ -59,6 +65,10 @@ NodeTranslator::Plan NodeTranslator::made_plan(const NodeType& type) const {
   made.type = &type;
   if (type.kind == NodeType::Kind::script) {
     add_script_pairs(type, made);
+    return made;
+  }
+  if (is_own_type(type)) {
+    add_own_pairs(type, made);
     return made;
   }
   if (type.stands_in && language_ == Language::x3d) {
@@ -101,6 +111,18 @@ void NodeTranslator::add_script_pairs(const NodeType& type, Plan& made) const {
     else
       made.pairs.push_back({&each, &each, is_url_field(type, each), i >= own});
   }
+}
+
+// The private type of a shader has the interfaces of the built-in type first. VRML97 has no shaders.
+void NodeTranslator::add_own_pairs(const NodeType& type, Plan& made) const {
+  if (language_ == Language::vrml97) {
+    made.type = nullptr;
+    return;
+  }
+  const std::size_t standard = built_in_node_type(language_, type.name)->interfaces.size();
+  for (std::size_t i = 0; i < type.interfaces.size(); ++i)
+    made.pairs.push_back(
+        {&type.interfaces[i], &type.interfaces[i], is_url_field(type, type.interfaces[i]), i >= standard});
 }
 
 std::string_view NodeTranslator::written_name(const NodeType& type, const InterfaceDeclaration& declaration) {
@@ -152,6 +174,8 @@ WrittenNode NodeTranslator::written(const SceneGraph& scene, NodeId id, const Is
   if (plan.equivalent && plan.equivalent->make) {
     auto made = std::make_shared<MadeNode>(plan.equivalent->make(scene, id, *plan.type));
     WrittenNode written = NodeTranslator::written(*made);
+    std::erase_if(written.fields,
+                  [&](const WrittenField& field) { return field.value && !holds_written_node(scene, *field.value); });
     written.made = std::move(made);
     return written;
   }

@@ -112,6 +112,7 @@ class NodeTranslator : NonCopyable {
   const Plan& plan(const NodeType& type);
   [[nodiscard]] Plan made_plan(const NodeType& type) const;
   void add_script_pairs(const NodeType& type, Plan& made) const;
+  void add_own_pairs(const NodeType& type, Plan& made) const;
   [[nodiscard]] bool holds_written_node(const SceneGraph& scene, const FieldValue& value);
   [[nodiscard]] const FieldValue& written_value(const Node& node, const Pair& pair, WrittenNode& written) const;
   void report_lost_fields(const Node& node, const Plan& plan);

@@ -44,8 +44,9 @@ Converted converted(const std::string& body) {
 }  // namespace
 
 TEST_CASE("converts X3D names to those of VRML97") {
-  const Converted made = converted("Switch { children [ Group { } ] whichChoice 0 }\nCollision { enabled FALSE }\n"
-                                   "NavigationInfo { }\nLOD { children Group { } }");
+  const Converted made = converted(
+      "Switch { children [ Group { } ] whichChoice 0 }\nCollision { enabled FALSE }\n"
+      "NavigationInfo { }\nLOD { children Group { } }");
   CHECK(made.text ==
         "Switch {\n  choice [\n    Group {}\n  ]\n  whichChoice 0\n}\n\nCollision {\n  collide FALSE\n}\n\n"
         "NavigationInfo {\n  type [ \"EXAMINE\", \"ANY\" ]\n}\n\nLOD {\n  level [\n    Group {}\n  ]\n}\n");
@@ -78,15 +79,15 @@ TEST_CASE("converts sets of triangles and lines to indexed sets with the same Co
   CHECK(index("TriangleFanSet { " + points + "fanCount 4 }") == "0 1 2 -1 0 2 3 -1");
   CHECK(index("TriangleStripSet { " + points + "stripCount 5 }") == "0 1 2 -1 2 1 3 -1 2 3 4 -1");
   CHECK(index("IndexedTriangleFanSet { " + points + "index [ 0 1 2 3 -1 ] }") == "0 1 2 -1 0 2 3 -1");
-  CHECK(index("IndexedTriangleStripSet { " + points + "index [ 0 1 2 3 -1 1 2 3 ] }") ==
-        "0 1 2 -1 2 1 3 -1 1 2 3 -1");
+  CHECK(index("IndexedTriangleStripSet { " + points + "index [ 0 1 2 3 -1 1 2 3 ] }") == "0 1 2 -1 2 1 3 -1 1 2 3 -1");
   CHECK(index("QuadSet { " + points + "}").starts_with("0 1 2 3 -1"));
   CHECK(index("LineSet { " + points + "vertexCount [ 2 3 ] }") == "0 1 -1 2 3 4");
 }
 
 TEST_CASE("converts nodes that have an equivalent, and names the loss") {
   const Converted colors = converted(
-      "Shape { geometry PointSet { color ColorRGBA { color [ 1 0 0 0.5 ] } coord CoordinateDouble { point [ 1 2 3 ] } } }");
+      "Shape { geometry PointSet { color ColorRGBA { color [ 1 0 0 0.5 ] } coord CoordinateDouble { point [ 1 2 3 ] } "
+      "} }");
   CHECK(colors.text.find("color Color {\n      color [ 1 0 0 ]") != std::string::npos);
   CHECK(colors.text.find("coord Coordinate {\n      point [ 1 2 3 ]") != std::string::npos);
   CHECK(colors.has_loss("ColorRGBA becomes Color"));
@@ -113,14 +114,16 @@ TEST_CASE("leaves out nodes and fields that VRML97 lacks, and names them") {
 
 TEST_CASE("keeps the statements of X3D in X3D, and names them in VRML97") {
   const std::string text =
-      "#X3D V4.0 utf8\n\nPROFILE Immersive\nCOMPONENT Networking:3\nUNIT length inch 0.0254\nMETA \"title\" \"a \\\"b\\\"\"\n\n"
+      "#X3D V4.0 utf8\n\nPROFILE Immersive\nCOMPONENT Networking:3\nUNIT length inch 0.0254\nMETA \"title\" \"a "
+      "\\\"b\\\"\"\n\n"
       "DEF I Inline {\n  url [ \"in.x3d\" ]\n}\n\nDEF G Group {}\n\nIMPORT I.Lamp AS L\nEXPORT G AS Room\n"
       "ROUTE L.on TO G.visible\n";
   SceneGraph scene("a.x3dv");
   Diagnostics diagnostics;
   CHECK(parse(text, scene, diagnostics) == ParseOutcome::complete);
   const std::string classic = printed_scene(scene, {Grammar::x3d_classic});
-  CHECK(classic.find("#X3D V4.0 utf8\n\nPROFILE Immersive\nUNIT length inch 0.0254\nMETA \"title\" \"a \\\"b\\\"\"\n") == 0);
+  CHECK(classic.find(
+            "#X3D V4.0 utf8\n\nPROFILE Immersive\nUNIT length inch 0.0254\nMETA \"title\" \"a \\\"b\\\"\"\n") == 0);
   CHECK(classic.find("IMPORT I.Lamp AS L\n") != std::string::npos);
   CHECK(classic.find("EXPORT G AS Room\n") != std::string::npos);
   CHECK(classic.find("ROUTE L.on TO G.visible\n") != std::string::npos);
@@ -130,6 +133,35 @@ TEST_CASE("keeps the statements of X3D in X3D, and names them in VRML97") {
     CHECK(parse(printed_scene(scene, {grammar}), again, second) == ParseOutcome::complete);
     CHECK(printed_scene(again, {Grammar::x3d_classic}) == classic);
   }
+}
+
+TEST_CASE("keeps the declarations of shaders, and drops EXPORTs of nodes that stand nowhere") {
+  SceneGraph scene("a.x3dv");
+  Diagnostics diagnostics;
+  CHECK(parse("#X3D V3.3 utf8\nPROFILE Full\nShape { appearance Appearance { shaders DEF S ComposedShader {\n"
+              "inputOutput SFFloat time 1 parts ShaderPart { url \"a.fs\" } } } }\nDEF C TimeSensor { }\n"
+              "Group { children DEF M Material { } }\nEXPORT M AS Paint\nEXPORT C\n"
+              "ROUTE C.elapsedTime TO S.time\n",
+              scene, diagnostics) == ParseOutcome::complete);
+  for (const Grammar grammar : {Grammar::x3d_classic, Grammar::x3d_xml, Grammar::x3d_json}) {
+    const std::string text = printed_scene(scene, {grammar});
+    SceneGraph again("again");
+    Diagnostics second;
+    CHECK(parse(text, again, second) == ParseOutcome::complete);
+    CHECK(second.errors() == 0);
+    CHECK(printed_scene(again, {grammar}) == text);
+  }
+  const std::string classic = printed_scene(scene, {Grammar::x3d_classic});
+  CHECK(classic.find("inputOutput SFFloat time 1\n") != std::string::npos);
+  CHECK(classic.find("Paint") == std::string::npos);
+  CHECK(classic.find("EXPORT C\n") != std::string::npos);
+}
+
+TEST_CASE("leaves out fields of equivalents with nodes that VRML97 lacks") {
+  const Converted made = converted(
+      "Shape { geometry TriangleSet { coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] } texCoord "
+      "TextureCoordinateGenerator { } } }");
+  CHECK(made.text.find("texCoord") == std::string::npos);
 }
 
 }  // namespace gs::vrml::conversion_test
