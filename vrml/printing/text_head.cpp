@@ -19,7 +19,7 @@ struct Profile {
 };
 
 // Tables B.1, D.1 and E.1 of ISO/IEC 19775-1, the smallest profile first.
-constexpr Profile kProfiles[] = {
+constexpr Profile kWrittenProfiles[] = {
     {"Interchange",
      "Core:1 EnvironmentalEffects:1 Geometry3D:2 Grouping:1 Interpolation:2 Lighting:1 Navigation:1 Networking:1 "
      "Rendering:3 Shape:1 Texturing:2 Time:1 "},
@@ -137,8 +137,8 @@ TextHead text_head(const SceneGraph& scene, Grammar grammar, NodeTranslator& tra
     return std::all_of(levels.begin(), levels.end(),
                        [&](const auto& used) { return used.second <= level_in(profile, used.first); });
   };
-  const auto* const found = std::find_if(std::begin(kProfiles), std::end(kProfiles), holds);
-  const Profile& profile = found == std::end(kProfiles) ? *std::prev(found) : *found;
+  const auto* const found = std::find_if(std::begin(kWrittenProfiles), std::end(kWrittenProfiles), holds);
+  const Profile& profile = found == std::end(kWrittenProfiles) ? *std::prev(found) : *found;
   head.profile = profile.name;
   for (const auto& [name, level] : levels)
     if (level > level_in(profile, name)) head.components.push_back({name, level});
