@@ -195,7 +195,7 @@ void JsonPrinter::put_nodes(const WrittenField& field, std::string_view key, boo
   }
   put_key("-", key);
   open('[');
-  put_children(field, field.name, [&] { put_comma(); });
+  if (has_children(field)) put_children(field, field.name, [&] { put_comma(); });
   close(']');
 }
 

@@ -87,6 +87,14 @@ void append_quoted(std::string& out, std::string_view text) {
   out += '"';
 }
 
+void append_unquoted(std::string& out, std::string_view text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char next = i + 1 < text.size() ? text[i + 1] : '\0';
+    if (text[i] == '\\' && (next == '"' || next == '\\')) out += '\\';
+    out += text[i];
+  }
+}
+
 void append_xml(std::string& out, std::string_view text) {
   visit_characters(
       text,

@@ -34,6 +34,8 @@ void append_number(std::string& out, Number number) {
 
 /// Appends text between quotes of VRML97 (5.12).
 void append_quoted(std::string& out, std::string_view text);
+/// Appends the text of an SFString in an attribute. Doubles backslashes that readers would take for an escape.
+void append_unquoted(std::string& out, std::string_view text);
 /// Appends the text of an attribute in apostrophes. Characters that XML lacks are left out.
 void append_xml(std::string& out, std::string_view text);
 /// Appends a JSON string with its quotes. Broken UTF-8 becomes U+FFFD.
@@ -47,9 +49,8 @@ void append_string(std::string& out, std::string_view text, bool in_list) {
   if constexpr (kNotation == Notation::json) {
     append_json(out, text);
   } else if constexpr (kNotation == Notation::xml) {
-    if (!in_list) return append_xml(out, text);
     std::string quoted;
-    append_quoted(quoted, text);
+    in_list ? append_quoted(quoted, text) : append_unquoted(quoted, text);
     append_xml(out, quoted);
   } else {
     append_quoted(out, text);

@@ -106,7 +106,11 @@ void NodeTranslator::add_script_pairs(const NodeType& type, Plan& made) const {
   const std::size_t own = (of_x3d ? x3d : vrml97).interfaces.size();
   for (std::size_t i = 0; i < type.interfaces.size(); ++i) {
     const InterfaceDeclaration& each = type.interfaces[i];
-    if (i < own && !plain.find(each.name))
+    // A name that a VRML97 Script declares may be that of a field of all X3D Scripts.
+    const InterfaceDeclaration* const standard = i < own ? nullptr : plain.find(each.name);
+    if (standard && standard->type == each.type && (standard->slot >= 0) == (each.slot >= 0))
+      made.pairs.push_back({&each, standard, is_url_field(type, each), false, true});
+    else if (standard || (i < own && !plain.find(each.name)))
       made.lost.push_back(&each);
     else
       made.pairs.push_back({&each, &each, is_url_field(type, each), i >= own});
@@ -189,7 +193,8 @@ WrittenNode NodeTranslator::written(const SceneGraph& scene, NodeId id, const Is
         if (mapping->inner == pair.from) field.is = mapping->outer->name;
     if (field.is.empty() && pair.from->slot >= 0) {
       const FieldValue& value = node.values[pair.from->slot];
-      const bool given = pair.declares || value != plan.type->defaults[pair.to->slot];
+      const FieldValue& usual = pair.is_standard ? pair.to->initial : plan.type->defaults[pair.to->slot];
+      const bool given = pair.declares || value != usual;
       if (!given || (!pair.declares && !holds_written_node(scene, value))) continue;
       field.value = &written_value(node, pair, written);
     }

@@ -100,6 +100,7 @@ class NodeTranslator : NonCopyable {
     const InterfaceDeclaration* from;
     const InterfaceDeclaration* to;
     bool is_url = false, declares = false;
+    bool is_standard = false;  // the Script declares the interface, but all Scripts of the language have it
   };
   /// Translation of one node type.
   struct Plan {

@@ -111,8 +111,7 @@ void ElementBuilder::begin_prototype(SourceName element, std::span<const Attribu
 void ElementBuilder::begin_field(SourceName element, std::span<const Attribute> attributes, Frame& frame) {
   const Frame* const parent = this->parent();
   const bool is_open = parent && (parent->kind != ElementKind::prototype || parent->interface_open);
-  // Shaders have fields like Scripts. They are not supported.
-  frame.skipped = parent && parent->node.id && parent->node.type->ignored;
+  frame.skipped = parent && parent->node.id && parent->node.type->ignored && !parent->declaring;
   if (frame.skipped) return;
   if (!is_open || !parent->declaring || parent->kind == ElementKind::field) return skip_misplaced(element, frame);
   const std::string_view name = value_in(attributes, "name"), type = value_in(attributes, "type"),
@@ -151,6 +150,12 @@ void ElementBuilder::begin_field_value(SourceName element, std::span<const Attri
   else
     frame.field = sink_.find_field(parent->node, {name, element.location});
   frame.skipped = !frame.field;
+  if (!frame.field || !holds_nodes(frame.field->type)) return;
+  // A fieldValue without nodes means no nodes, instead of the default value.
+  if (frame.field->type == FieldType::MFNode)
+    (void)target_in(frames_.back(), *frame.field, element);
+  else
+    *sink_.target_of(parent->node, *frame.field).value = SFNode{};
 }
 
 void ElementBuilder::connect(SourceName element, std::span<const Attribute> attributes, Frame& frame) {

@@ -157,6 +157,15 @@ TEST_CASE("keeps the declarations of shaders, and drops EXPORTs of nodes that st
   CHECK(classic.find("EXPORT C\n") != std::string::npos);
 }
 
+TEST_CASE("writes a field that a Script declares and X3D Scripts have") {
+  SceneGraph scene("a.wrl");
+  Diagnostics diagnostics;
+  (void)parse(
+      "#VRML V2.0 utf8\nScript { field SFString description \"a\" field SFBool load TRUE eventIn SFTime metadata }",
+      scene, diagnostics);
+  CHECK(printed_scene(scene, {Grammar::x3d_classic}).find("Script {\n  description \"a\"\n}\n") != std::string::npos);
+}
+
 TEST_CASE("leaves out fields of equivalents with nodes that VRML97 lacks") {
   const Converted made = converted(
       "Shape { geometry TriangleSet { coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] } texCoord "

@@ -64,4 +64,17 @@ TEST_CASE("writes the same VRML97 text after a way through each encoding of X3D"
   }
 }
 
+TEST_CASE("keeps empty values of instances, backslashes and quotes in each encoding") {
+  const std::string text =
+      "#VRML V2.0 utf8\nPROTO P [ field MFNode some Group { } field SFNode one Group { } field SFString s \"a\" ] { "
+      "Group "
+      "{ } }\nP { some [ ] one NULL s \"\\\"b\\\\\\\"c\\\\n\\\\\" }\nWorldInfo { title \"\\\\\\\\ \" info [ \"\\\"\" "
+      "\"\\\\\" ] }\n";
+  const std::string plain = testing::encoded(text, Grammar::vrml97);
+  for (const Grammar grammar : testing::kX3DGrammars) {
+    INFO(testing::name_of(grammar));
+    CHECK(printed_again(testing::encoded(text, grammar), Grammar::vrml97) == plain);
+  }
+}
+
 }  // namespace gs::vrml::round_trip_test
