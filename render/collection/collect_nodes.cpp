@@ -325,7 +325,7 @@ Material material_of(const NodeView& view) {
   material.shininess = number(view, F::shininess, 0, 1, material.shininess);
   material.transparency = number(view, F::transparency, 0, 1, 0);
   material.lit = view.kind() != NodeKind::unlit_material;
-  if (!material.lit) material.diffuse = material.emissive;
+  if (!material.lit) material.unlit = material.diffuse = material.emissive;
   if (view.kind() == NodeKind::physical_material) {
     // Colours of physical materials are linear.
     material.diffuse = displayed(material.diffuse);

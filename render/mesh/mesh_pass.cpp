@@ -211,7 +211,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   // VRML97 Tables 4.5 and 4.6. Lines and points use the emissive colour (6.24, 6.36).
   DrawState& state = prepared.state;
   if (fog_.on) state.variant |= kFog;
-  set(instance.base_color, !material.lit || shaded ? material.diffuse : material.emissive);
+  set(instance.base_color, !material.lit ? material.unlit : shaded ? material.diffuse : material.emissive);
   instance.alpha = 1 - material.transparency;
   if (shaded && material.lit) {
     state.variant |= kLit | (last_slice_->normals ? kNormals : 0u);

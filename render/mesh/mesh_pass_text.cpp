@@ -49,7 +49,7 @@ bool MeshPass::prepare_text(const DrawItem& item, const glm::vec3& center, float
   if (mesh.primitive != vrml::Mesh::Primitive::triangles || mesh.solid || vertices == 0 || !mesh.colors.empty() ||
       mesh.normals.size() != vertices || mesh.texture_coordinates.size() != vertices)
     return false;
-  glm::vec3 color = !material.lit ? material.diffuse : material.emissive;
+  glm::vec3 color = !material.lit ? material.unlit : material.emissive;
   if (material.lit && mesh.lit) {
     const std::uint32_t lights = lights_.choose(item.directional_lights, center, radius);
     if (!lights_.directional_only(lights)) return false;

@@ -32,7 +32,8 @@ namespace gs::render {
 struct Material {
   glm::vec3 diffuse{0.8f}, emissive{0.0f}, specular{0.0f};
   float ambient_intensity = 0.2f, shininess = 0.2f, transparency = 0.0f;
-  bool lit = true;  // false without Appearance or Material, and for an UnlitMaterial: `diffuse` is shown unlit
+  bool lit = true;         // false without Appearance or Material, and for an UnlitMaterial
+  glm::vec3 unlit{1.0f};   // colour if not lit: that of an UnlitMaterial, or 1 1 1 (VRML97 Table 4.5)
 };
 /// Specular exponent of a material with shininess 1 (VRML97 4.14.4).
 inline constexpr float kShininessScale = 128;
