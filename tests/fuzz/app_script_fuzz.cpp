@@ -86,9 +86,10 @@ void check_nodes(const vrml::SceneGraph& scene) {
 
 /// Ends the program if a ROUTE refers to a removed node, or connects different types.
 void check_routes(const vrml::Execution& execution) {
-  for (const auto& [scene, route] : execution.routes().all()) {
-    require(execution.scenes().has(scene) && scene->contains(route.from) && scene->contains(route.to));
-    require(route.event_out->type == route.event_in->type);
+  for (const auto& placed : execution.routes().all()) {
+    require(execution.scenes().has(placed.scene) && placed.scene->contains(placed.route.from));
+    require(execution.scenes().has(placed.to_scene) && placed.to_scene->contains(placed.route.to));
+    require(placed.route.event_out->type == placed.route.event_in->type);
   }
 }
 
