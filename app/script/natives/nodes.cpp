@@ -176,7 +176,7 @@ std::string document_of(std::string text) {
   if (first == std::string::npos || text[first] != '<') return text;
   for (const char* const root : {"<?", "<!", "<X3D"})
     if (text.compare(first, std::string_view(root).size(), root) == 0) return text;
-  return "<X3D profile='Full' version='3.3'><Scene>" + text + "</Scene></X3D>";
+  return "<X3D profile='Immersive' version='3.3'><Scene>" + text + "</Scene></X3D>";
 }
 
 bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
