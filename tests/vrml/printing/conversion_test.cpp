@@ -140,7 +140,7 @@ TEST_CASE("keeps the declarations of shaders, and drops EXPORTs of nodes that st
   Diagnostics diagnostics;
   CHECK(parse("#X3D V3.3 utf8\nPROFILE Full\nShape { appearance Appearance { shaders DEF S ComposedShader {\n"
               "inputOutput SFFloat time 1 parts ShaderPart { url \"a.fs\" } } } }\nDEF C TimeSensor { }\n"
-              "Group { children DEF M Material { } }\nEXPORT M AS Paint\nEXPORT C\n"
+              "DEF M NoSuchNode { }\nEXPORT M AS Paint\nEXPORT C\n"
               "ROUTE C.elapsedTime TO S.time\n",
               scene, diagnostics) == ParseOutcome::complete);
   for (const Grammar grammar : {Grammar::x3d_classic, Grammar::x3d_xml, Grammar::x3d_json}) {
