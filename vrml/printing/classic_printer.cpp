@@ -115,7 +115,7 @@ void ClassicPrinter::put_field(const WrittenField& field) {
       put_null();
     return;
   }
-  if (std::get<MFNode>(*field.value).empty()) {
+  if (!has_children(field)) {
     out() += "[]";
     return;
   }

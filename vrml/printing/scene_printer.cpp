@@ -103,19 +103,24 @@ void ScenePrinter::put_shared_names() {
   const auto name_or = [&](NodeId node, std::string_view otherwise) -> std::string_view {
     return scene_.contains(node) ? std::string_view(name_of_node(node)) : otherwise;
   };
-  const auto is_missing = [&](NodeId node) { return node && !is_printed(node); };
+  // A name without a node is that of an import, or of a node that the reader skipped.
+  const auto is_imported = [&](std::string_view name) {
+    return std::any_of(statements.imports.begin(), statements.imports.end(),
+                       [&](const X3DStatements::Import& each) { return each.local == name; });
+  };
+  const auto is_known = [&](NodeId node, std::string_view name) { return node ? is_printed(node) : is_imported(name); };
   const auto put = [&](auto&& statement) {
     begin_statement(false, true);
     statement();
     end_statement();
   };
   for (const X3DStatements::Import& each : statements.imports)
-    if (!is_missing(each.inline_node))
+    if (is_printed(each.inline_node))
       put([&] { put_import({name_or(each.inline_node, each.inline_name), each.exported, each.local}); });
   for (const X3DStatements::Export& each : statements.exports)
-    if (!is_missing(each.node)) put([&] { put_export({{}, each.exported, name_or(each.node, each.local)}); });
+    if (is_known(each.node, each.local)) put([&] { put_export({{}, each.exported, name_or(each.node, each.local)}); });
   for (const X3DStatements::ImportedRoute& each : statements.routes)
-    if (!is_missing(each.from.node) && !is_missing(each.to.node))
+    if (is_known(each.from.node, each.from.name) && is_known(each.to.node, each.to.name))
       put([&] {
         put_route({name_or(each.from.node, each.from.name), each.from.event, name_or(each.to.node, each.to.name),
                    each.to.event});

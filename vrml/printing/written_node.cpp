@@ -115,6 +115,14 @@ void NodeTranslator::add_script_pairs(const NodeType& type, Plan& made) const {
     else
       made.pairs.push_back({&each, &each, is_url_field(type, each), i >= own});
   }
+  // Fields of all Scripts come first, in their order.
+  const auto place = [&](const Pair& pair) {
+    const auto found = std::find_if(plain.interfaces.begin(), plain.interfaces.end(),
+                                    [&](const InterfaceDeclaration& each) { return each.name == pair.to->name; });
+    return pair.declares ? plain.interfaces.end() : found;
+  };
+  std::stable_sort(made.pairs.begin(), made.pairs.end(),
+                   [&](const Pair& a, const Pair& b) { return place(a) < place(b); });
 }
 
 // The private type of a shader has the interfaces of the built-in type first. VRML97 has no shaders.

@@ -135,12 +135,12 @@ TEST_CASE("keeps the statements of X3D in X3D, and names them in VRML97") {
   }
 }
 
-TEST_CASE("keeps the declarations of shaders, and EXPORTs") {
+TEST_CASE("keeps the declarations of shaders, and drops EXPORTs of nodes that stand nowhere") {
   SceneGraph scene("a.x3dv");
   Diagnostics diagnostics;
   CHECK(parse("#X3D V3.3 utf8\nPROFILE Full\nShape { appearance Appearance { shaders DEF S ComposedShader {\n"
               "inputOutput SFFloat time 1 parts ShaderPart { url \"a.fs\" } } } }\nDEF C TimeSensor { }\n"
-              "EXPORT C\n"
+              "DEF M NoSuchNode { }\nEXPORT M AS Paint\nEXPORT C\n"
               "ROUTE C.elapsedTime TO S.time\n",
               scene, diagnostics) == ParseOutcome::complete);
   for (const Grammar grammar : {Grammar::x3d_classic, Grammar::x3d_xml, Grammar::x3d_json}) {
@@ -153,6 +153,7 @@ TEST_CASE("keeps the declarations of shaders, and EXPORTs") {
   }
   const std::string classic = printed_scene(scene, {Grammar::x3d_classic});
   CHECK(classic.find("inputOutput SFFloat time 1\n") != std::string::npos);
+  CHECK(classic.find("Paint") == std::string::npos);
   CHECK(classic.find("EXPORT C\n") != std::string::npos);
 }
 

@@ -56,11 +56,9 @@ TEST_CASE("writes the same VRML97 text after a way through each encoding of X3D"
     const std::string text = read_file(path);
     // X3D has LayerSet, of which VRML97 only has a stand-in.
     if (path.stem() == "lenient_other_browsers") continue;
+    // X3D has one scheme for programs.
     std::string plain = testing::encoded(text, Grammar::vrml97);
-    // X3D has one name for the language of programs, which becomes `javascript`.
-    constexpr std::string_view kOther = "\"vrmlscript:";
-    for (std::size_t at = 0; (at = plain.find(kOther, at)) != std::string::npos;)
-      plain.replace(at, kOther.size(), "\"javascript:");
+    for (std::size_t at; (at = plain.find("vrmlscript:")) != std::string::npos;) plain.replace(at, 4, "java");
     for (const Grammar grammar : testing::kX3DGrammars) {
       INFO(path.filename().string() << " as " << testing::name_of(grammar));
       CHECK(printed_again(testing::encoded(text, grammar), Grammar::vrml97) == plain);
