@@ -14,6 +14,7 @@
 #include "vrml/mesh/mesh.h"
 #include "vrml/syntax/parser.h"
 #include "vrml/syntax/printer.h"
+#include "vrml/syntax/scene_reader.h"
 
 #include <chrono>
 #include <cmath>
@@ -48,18 +49,18 @@ void check_scene(const vrml::SceneGraph& scene) {
   (void)render::collect(scene, {}, meshes);
 }
 
-bool run_vrml(std::span<const std::byte> bytes) {
+bool run_vrml(const ContentType& type, std::span<const std::byte> bytes) {
   vrml::SceneGraph scene("fuzz", small_limits());
   Diagnostics diagnostics;
-  vrml::Parser parser(scene, diagnostics);
+  const auto reader = vrml::make_reader(type.grammar, scene, diagnostics);
   if (is_gzip(bytes))
     (void)gunzip(bytes, std::make_shared<Budget>(Limits{.memory = std::size_t{1} << 16}), [&](std::string_view piece) {
-      parser.push(piece);
+      reader->push(piece);
       return true;
     });
   else
-    parser.push(text_of(bytes));
-  (void)parser.finish();
+    reader->push(text_of(bytes));
+  (void)reader->finish();
   check_scene(scene);
   for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i) {
     const vrml::NodeId node = scene.nodes().id_at(i);
@@ -257,7 +258,7 @@ std::vector<FuzzTarget> fuzz_targets() {
     const std::string name = target_name(type.name);
     switch (type.content) {
       case ContentClass::vrml:
-        targets.push_back({name, run_vrml, kMaxBytes});
+        targets.push_back({name, [&type](Bytes bytes) { return run_vrml(type, bytes); }, kMaxBytes});
         break;
       case ContentClass::mesh:
         targets.push_back({name, [&type](Bytes bytes) { return run_mesh(type, bytes); }, kMaxBytes});
