@@ -54,7 +54,14 @@ constexpr X3DRow kCoreX3DRows[] = {
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
 )"},
-    {"LoadSensor", "Networking", 3, "children", "X3DNetworkSensorNode", Role::child | Role::sensor, NodeKind::other, R"(
+    {"LoadSensor",
+     "Networking",
+     3,
+     "children",
+     "X3DNetworkSensorNode",
+     Role::child | Role::sensor,
+     NodeKind::other,
+     R"(
   exposedField MFNode     watchList []  # X3DUrlObject
   exposedField SFString   description ""
   exposedField SFBool     enabled TRUE
@@ -64,7 +71,8 @@ constexpr X3DRow kCoreX3DRows[] = {
   eventOut     SFTime     loadTime
   eventOut     SFFloat    progress
 )",
-     {}, &kLoadSensorBehaviour},
+     {},
+     &kLoadSensorBehaviour},
     {"MetadataBoolean", "Core", 1, "value", "X3DNode X3DMetadataObject", Role::none, NodeKind::other, R"(
   exposedField SFString   name ""
   exposedField SFString   reference ""

@@ -45,7 +45,14 @@ constexpr X3DRow kNavigationX3DRows[] = {
   eventOut     SFInt32    level_changed  # [0,inf)
 )",
      nullptr, &kLodBehaviour},
-    {"Layer", "Layering", 1, "layers", "X3DLayerNode", Role::none, NodeKind::other, R"(
+    {"Layer",
+     "Layering",
+     1,
+     "layers",
+     "X3DLayerNode",
+     Role::none,
+     NodeKind::other,
+     R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
   exposedField MFNode     children []  # X3DChildNode
@@ -53,21 +60,53 @@ constexpr X3DRow kNavigationX3DRows[] = {
   exposedField SFBool     pickable TRUE
   exposedField SFNode     viewport NULL  # X3DViewportNode
   exposedField SFBool     visible TRUE
-)"},
-    {"LayerSet", "Layering", 1, "children", "X3DNode", Role::none, NodeKind::other, R"(
+)",
+     {},
+     nullptr,
+     UrlContent::none,
+     true},
+    {"LayerSet",
+     "Layering",
+     1,
+     "children",
+     "X3DNode",
+     Role::none,
+     NodeKind::other,
+     R"(
   exposedField SFInt32    activeLayer 0  # [0,inf)
   exposedField MFNode     layers []  # X3DLayerNode
   exposedField MFInt32    order [0]  # [0,inf)
-)"},
-    {"Layout", "Layout", 1, "layout", "X3DLayoutNode", Role::child, NodeKind::other, R"(
+)",
+     {},
+     nullptr,
+     UrlContent::none,
+     true},
+    {"Layout",
+     "Layout",
+     1,
+     "layout",
+     "X3DLayoutNode",
+     Role::child,
+     NodeKind::other,
+     R"(
   exposedField MFString   align ["CENTER" "CENTER"]
   exposedField MFFloat    offset [0 0]
   exposedField MFString   offsetUnits ["WORLD" "WORLD"]
   exposedField MFString   scaleMode ["NONE" "NONE"]
   exposedField MFFloat    size [1 1]
   exposedField MFString   sizeUnits ["WORLD" "WORLD"]
-)"},
-    {"LayoutGroup", "Layout", 1, "children", "X3DNode X3DGroupingNode", Role::child | Role::grouping, NodeKind::other,
+)",
+     {},
+     nullptr,
+     UrlContent::none,
+     true},
+    {"LayoutGroup",
+     "Layout",
+     1,
+     "children",
+     "X3DNode X3DGroupingNode",
+     Role::child | Role::grouping,
+     NodeKind::other,
      R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
@@ -78,8 +117,19 @@ constexpr X3DRow kNavigationX3DRows[] = {
   exposedField SFBool     visible TRUE
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
-)"},
-    {"LayoutLayer", "Layout", 1, "layers", "X3DLayerNode", Role::none, NodeKind::other, R"(
+)",
+     {},
+     nullptr,
+     UrlContent::none,
+     true},
+    {"LayoutLayer",
+     "Layout",
+     1,
+     "layers",
+     "X3DLayerNode",
+     Role::none,
+     NodeKind::other,
+     R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
   exposedField MFNode     children []  # X3DChildNode
@@ -88,7 +138,11 @@ constexpr X3DRow kNavigationX3DRows[] = {
   exposedField SFBool     pickable TRUE
   exposedField SFNode     viewport NULL  # X3DViewportNode
   exposedField SFBool     visible TRUE
-)"},
+)",
+     {},
+     nullptr,
+     UrlContent::none,
+     true},
     {"NavigationInfo", "Navigation", 1, "children", "X3DBindableNode", Role::child | Role::bindable, NodeKind::other,
      R"(
   eventIn      SFBool     set_bind
@@ -104,7 +158,8 @@ constexpr X3DRow kNavigationX3DRows[] = {
   eventOut     SFBool     transitionComplete
 )",
      nullptr, &kNavigationInfoBehaviour},
-    {"OrthoViewpoint", "Navigation", 3, "children", "X3DViewpointNode", Role::child | Role::bindable, NodeKind::viewpoint,
+    {"OrthoViewpoint", "Navigation", 3, "children", "X3DViewpointNode", Role::child | Role::bindable,
+     NodeKind::viewpoint,
      R"(
   eventIn      SFBool     set_bind
   exposedField SFVec3f    centerOfRotation 0 0 0
@@ -122,7 +177,14 @@ constexpr X3DRow kNavigationX3DRows[] = {
   eventOut     SFBool     isBound
 )",
      nullptr, &kOrthoViewpointBehaviour},
-    {"ScreenFontStyle", "Layout", 2, "fontStyle", "X3DFontStyleNode", Role::font_style, NodeKind::other, R"(
+    {"ScreenFontStyle",
+     "Layout",
+     2,
+     "fontStyle",
+     "X3DFontStyleNode",
+     Role::font_style,
+     NodeKind::other,
+     R"(
   exposedField MFString   family ["SERIF"]
   exposedField SFBool     horizontal TRUE
   exposedField MFString   justify ["BEGIN"]
@@ -131,8 +193,19 @@ constexpr X3DRow kNavigationX3DRows[] = {
   exposedField SFFloat    pointSize 12.0  # (0,inf)
   exposedField SFFloat    spacing 1.0  # [0,inf)
   exposedField SFBool     topToBottom TRUE
-)"},
-    {"ScreenGroup", "Layout", 2, "children", "X3DGroupingNode", Role::child | Role::grouping, NodeKind::other, R"(
+)",
+     {},
+     nullptr,
+     UrlContent::none,
+     true},
+    {"ScreenGroup",
+     "Layout",
+     2,
+     "children",
+     "X3DGroupingNode",
+     Role::child | Role::grouping,
+     NodeKind::other,
+     R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
   exposedField SFBool     bboxDisplay FALSE
@@ -140,7 +213,11 @@ constexpr X3DRow kNavigationX3DRows[] = {
   exposedField SFBool     visible TRUE
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
-)"},
+)",
+     {},
+     nullptr,
+     UrlContent::none,
+     true},
     {"Viewpoint", "Navigation", 1, "children", "X3DViewpointNode", Role::child | Role::bindable, NodeKind::other, R"(
   eventIn      SFBool     set_bind
   exposedField SFVec3f    centerOfRotation 0 0 0
@@ -166,7 +243,14 @@ constexpr X3DRow kNavigationX3DRows[] = {
   exposedField SFBool     retainUserOffsets FALSE
   exposedField SFVec3f    size 0 0 0
 )"},
-    {"Viewport", "Layering", 1, "viewport", "X3DViewportNode", Role::child | Role::grouping, NodeKind::other, R"(
+    {"Viewport",
+     "Layering",
+     1,
+     "viewport",
+     "X3DViewportNode",
+     Role::child | Role::grouping,
+     NodeKind::other,
+     R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
   exposedField SFBool     bboxDisplay FALSE
@@ -175,7 +259,11 @@ constexpr X3DRow kNavigationX3DRows[] = {
   exposedField SFBool     visible TRUE
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
-)"},
+)",
+     {},
+     nullptr,
+     UrlContent::none,
+     true},
 };
 
 }  // namespace

@@ -5,12 +5,29 @@ namespace gs::vrml {
 namespace {
 
 constexpr X3DRow kParticleSystemsX3DRows[] = {
-    {"BoundedPhysicsModel", "ParticleSystems", 2, "physics", "X3DParticlePhysicsModelNode", Role::none, NodeKind::other,
+    {"BoundedPhysicsModel",
+     "ParticleSystems",
+     2,
+     "physics",
+     "X3DParticlePhysicsModelNode",
+     Role::none,
+     NodeKind::other,
      R"(
   exposedField SFBool     enabled TRUE
   exposedField SFNode     geometry NULL  # X3DGeometryNode
-)"},
-    {"ConeEmitter", "ParticleSystems", 1, "emitter", "X3DParticleEmitterNode", Role::none, NodeKind::other, R"(
+)",
+     {},
+     nullptr,
+     UrlContent::none,
+     true},
+    {"ConeEmitter",
+     "ParticleSystems",
+     1,
+     "emitter",
+     "X3DParticleEmitterNode",
+     Role::none,
+     NodeKind::other,
+     R"(
   exposedField SFFloat    angle 0.7854  # [0,3.1416]
   exposedField SFVec3f    direction 0 1 0  # [-1,1]
   exposedField SFFloat    mass 0  # [0,inf)
@@ -19,21 +36,53 @@ constexpr X3DRow kParticleSystemsX3DRows[] = {
   exposedField SFFloat    speed 0  # [0,inf)
   exposedField SFFloat    surfaceArea 0  # [0,inf)
   exposedField SFFloat    variation 0.25  # [0,inf)
-)"},
-    {"ExplosionEmitter", "ParticleSystems", 1, "emitter", "X3DParticleEmitterNode", Role::none, NodeKind::other, R"(
+)",
+     {},
+     nullptr,
+     UrlContent::none,
+     true},
+    {"ExplosionEmitter",
+     "ParticleSystems",
+     1,
+     "emitter",
+     "X3DParticleEmitterNode",
+     Role::none,
+     NodeKind::other,
+     R"(
   exposedField SFFloat    mass 0  # [0,inf)
   exposedField SFBool     on TRUE
   exposedField SFVec3f    position 0 0 0
   exposedField SFFloat    speed 0  # [0,inf)
   exposedField SFFloat    surfaceArea 0  # [0,inf)
   exposedField SFFloat    variation 0.25  # [0,inf)
-)"},
-    {"ForcePhysicsModel", "ParticleSystems", 1, "physics", "X3DParticlePhysicsModelNode", Role::none, NodeKind::other,
+)",
+     {},
+     nullptr,
+     UrlContent::none,
+     true},
+    {"ForcePhysicsModel",
+     "ParticleSystems",
+     1,
+     "physics",
+     "X3DParticlePhysicsModelNode",
+     Role::none,
+     NodeKind::other,
      R"(
   exposedField SFBool     enabled TRUE
   exposedField SFVec3f    force 0 -9.8 0
-)"},
-    {"ParticleSystem", "ParticleSystems", 2, "children", "X3DShapeNode", Role::child, NodeKind::other, R"(
+)",
+     {},
+     nullptr,
+     UrlContent::none,
+     true},
+    {"ParticleSystem",
+     "ParticleSystems",
+     2,
+     "children",
+     "X3DShapeNode",
+     Role::child,
+     NodeKind::other,
+     R"(
   exposedField SFNode     appearance NULL  # X3DAppearanceNode
   exposedField SFBool     bboxDisplay FALSE
   exposedField SFBool     castShadow TRUE
@@ -55,8 +104,19 @@ constexpr X3DRow kParticleSystemsX3DRows[] = {
   field        SFNode     texCoord NULL  # TextureCoordinate,TextureCoordinateGenerator
   field        MFFloat    texCoordKey []  # [0,inf)
   eventOut     SFBool     isActive
-)"},
-    {"PointEmitter", "ParticleSystems", 1, "emitter", "X3DParticleEmitterNode", Role::none, NodeKind::other, R"(
+)",
+     {},
+     nullptr,
+     UrlContent::none,
+     true},
+    {"PointEmitter",
+     "ParticleSystems",
+     1,
+     "emitter",
+     "X3DParticleEmitterNode",
+     Role::none,
+     NodeKind::other,
+     R"(
   exposedField SFVec3f    direction 0 1 0
   exposedField SFFloat    mass 0  # [0,inf)
   exposedField SFBool     on TRUE
@@ -64,8 +124,19 @@ constexpr X3DRow kParticleSystemsX3DRows[] = {
   exposedField SFFloat    speed 0  # [0,inf)
   exposedField SFFloat    surfaceArea 0  # [0,inf)
   exposedField SFFloat    variation 0.25  # [0,inf)
-)"},
-    {"PolylineEmitter", "ParticleSystems", 1, "emitter", "X3DParticleEmitterNode", Role::none, NodeKind::other, R"(
+)",
+     {},
+     nullptr,
+     UrlContent::none,
+     true},
+    {"PolylineEmitter",
+     "ParticleSystems",
+     1,
+     "emitter",
+     "X3DParticleEmitterNode",
+     Role::none,
+     NodeKind::other,
+     R"(
   eventIn      MFInt32    set_coordIndex  # [-1,inf)
   exposedField SFNode     coord NULL  # X3DCoordinateNode
   exposedField SFVec3f    direction 0 1 0  # [-1,1]
@@ -75,16 +146,38 @@ constexpr X3DRow kParticleSystemsX3DRows[] = {
   exposedField SFFloat    surfaceArea 0  # [0,inf)
   exposedField SFFloat    variation 0.25  # [0,inf)
   field        MFInt32    coordIndex [-1]  # [-1,inf)
-)"},
-    {"SurfaceEmitter", "ParticleSystems", 2, "emitter", "X3DParticleEmitterNode", Role::none, NodeKind::other, R"(
+)",
+     {},
+     nullptr,
+     UrlContent::none,
+     true},
+    {"SurfaceEmitter",
+     "ParticleSystems",
+     2,
+     "emitter",
+     "X3DParticleEmitterNode",
+     Role::none,
+     NodeKind::other,
+     R"(
   exposedField SFFloat    mass 0  # [0,inf)
   exposedField SFBool     on TRUE
   exposedField SFFloat    speed 0  # [0,inf)
   exposedField SFFloat    surfaceArea 0  # [0,inf)
   exposedField SFFloat    variation 0.25  # [0,inf)
   field        SFNode     surface NULL  # X3DGeometryNode
-)"},
-    {"VolumeEmitter", "ParticleSystems", 2, "emitter", "X3DParticleEmitterNode", Role::none, NodeKind::other, R"(
+)",
+     {},
+     nullptr,
+     UrlContent::none,
+     true},
+    {"VolumeEmitter",
+     "ParticleSystems",
+     2,
+     "emitter",
+     "X3DParticleEmitterNode",
+     Role::none,
+     NodeKind::other,
+     R"(
   eventIn      MFInt32    set_coordIndex  # [-1,inf)
   exposedField SFNode     coord NULL  # X3DCoordinateNode
   exposedField SFVec3f    direction 0 1 0  # [-1,1]
@@ -95,15 +188,29 @@ constexpr X3DRow kParticleSystemsX3DRows[] = {
   exposedField SFFloat    variation 0.25  # [0,inf)
   field        MFInt32    coordIndex [-1]  # [-1,inf)
   field        SFBool     internal TRUE
-)"},
-    {"WindPhysicsModel", "ParticleSystems", 1, "physics", "X3DParticlePhysicsModelNode", Role::none, NodeKind::other,
+)",
+     {},
+     nullptr,
+     UrlContent::none,
+     true},
+    {"WindPhysicsModel",
+     "ParticleSystems",
+     1,
+     "physics",
+     "X3DParticlePhysicsModelNode",
+     Role::none,
+     NodeKind::other,
      R"(
   exposedField SFVec3f    direction 1 0 0
   exposedField SFBool     enabled TRUE
   exposedField SFFloat    gustiness 0.1  # [0,inf)
   exposedField SFFloat    speed 0.1  # [0,inf)
   exposedField SFFloat    turbulence 0  # [0,1]
-)"},
+)",
+     {},
+     nullptr,
+     UrlContent::none,
+     true},
 };
 
 }  // namespace
