@@ -66,7 +66,7 @@ constexpr std::array<ModeRow, 20> kModeCode = {{
     {"color.rgb", "color.a"},
 }};
 
-/// Effects of the targets other than stages, in the order of Layer::Target; `t` is the texel.
+/// GLSL code for each Layer::Target, in the order of the enumerators; empty for stages. `t` is the texel.
 constexpr std::array<std::string_view, 9> kTargetCode = {
     "",
     "color = vec4(color.rgb * linear(t.rgb), color.a * t.a);",

@@ -23,7 +23,8 @@ void apply_indexed_faces(Converter& converter, const Item& item) {
   if (!is_default) add_faces(converter, item, state, faces, own);
 }
 
-/// Vertices of a shape without indices: runs of `numVertices` from startIndex on. -1 means all that are left.
+/// Runs of consecutive vertices in a shape without indices, from `startIndex` on. A length of -1 takes all remaining
+/// vertices.
 struct Runs {
   std::size_t next = 0, left = 0;
   /// Returns the length of the next run, limited to the vertices that are left.

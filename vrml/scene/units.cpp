@@ -8,7 +8,7 @@
 namespace gs::vrml {
 namespace {
 
-// Names of SFFloat and MFFloat fields of built-in nodes with angles.
+// Names of built-in SFFloat and MFFloat fields with an angle as value.
 constexpr std::string_view kAngles[] = {"angle",       "beamWidth", "coneInnerAngle", "coneOuterAngle", "creaseAngle",
                                         "cutOffAngle", "diskAngle", "endAngle",       "fieldOfView",    "groundAngle",
                                         "llimit",      "maxAngle",  "minAngle",       "rotation",       "skyAngle",

@@ -87,7 +87,7 @@ Mesh tessellate_nurbs_swept_surface(const SceneGraph& scene, NodeId geometry, co
   });
 }
 
-// The profile turns around the y axis and is scaled by the trajectory, which lies in the x-z plane.
+// Each point of the trajectory, in the x-z plane, turns the profile around the y axis and scales it.
 Mesh tessellate_nurbs_swung_surface(const SceneGraph& scene, NodeId geometry, const MeshOptions&) {
   const std::vector<glm::dvec3> profile = polyline_of(scene, scene.get<SFNode>(geometry, "profileCurve"));
   const std::vector<glm::dvec3> way = polyline_of(scene, scene.get<SFNode>(geometry, "trajectoryCurve"));

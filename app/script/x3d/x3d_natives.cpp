@@ -14,7 +14,7 @@
 #include <utility>
 
 // Access to the nodes, PROTOs and ROUTEs of the text of the running program (ISO/IEC 19775-2 6.4). The first argument
-// of most functions is a node of the text that is meant; null means the text of the program. A program inside a PROTO
+// of most functions selects a text by one of its nodes. Null selects the program's own text. A program inside a PROTO
 // instance sees only the nodes of that instance.
 namespace gs::app::script {
 namespace {
