@@ -52,6 +52,13 @@ void for_words(std::string_view text, const Visit& visit) {
   }
 }
 
+// Returns a name of a joint without case and underscores: HAnim 1.1 has HumanoidRoot, HAnim 2.0 has humanoid_root.
+std::string plain_joint_name(std::string_view name) {
+  std::string plain = lower_case(name);
+  std::erase(plain, '_');
+  return plain;
+}
+
 Channel channel_named(std::string_view name) {
   static constexpr std::pair<std::string_view, Channel> kNames[] = {
       {"Xposition", Channel::x_position}, {"Yposition", Channel::y_position}, {"Zposition", Channel::z_position},
@@ -218,8 +225,9 @@ void attach_motion(Execution& execution, EventNode motion, EventNode humanoid, c
     MotionState::Track& track = state.tracks.emplace_back();
     track.channels = std::move(channels[state.tracks.size() - 1]);
     state.numbers += track.channels.size();
+    const std::string wanted = plain_joint_name(name);
     for (const HumanoidState::Joint& joint : skeleton.joints)
-      if (scene.get<SFString>(joint.node, "name").view() == name)
+      if (plain_joint_name(scene.get<SFString>(joint.node, "name").view()) == wanted)
         track.joint = execution.scenes().member(*world, joint.node);
   });
   execution.timers().look_again(motion);

@@ -88,7 +88,7 @@ TEST_CASE("adds the displacements of a segment to its coordinates") {
 TEST_CASE("plays an HAnimMotion once, or in a loop") {
   const auto text = [](const std::string& loop) {
     return std::string(kArm) + "motions DEF M HAnimMotion { frameDuration 1 loop " + loop +
-           " joints \"upper lower\" channels \"3 Xposition Yposition Zposition 1 Zrotation\" "
+           " joints \"Up_per lower\" channels \"3 Xposition Yposition Zposition 1 Zrotation\" "
            "values [ 0 0 0 0, 1 0 0 90, 2 0 0 0 ] } }";
   };
   World once(text("FALSE"));
