@@ -10,9 +10,9 @@
 #include "bench/shared/open_gl.h"
 #include "render/gl/context.h"
 #include "render/gl/gl.h"
+#include "render/splat/software/splat_kernel.h"
+#include "render/splat/software/splat_raster.h"
 #include "render/splat/splat_gl.h"
-#include "render/splat/splat_kernel.h"
-#include "render/splat/splat_raster.h"
 
 #include <glm/geometric.hpp>
 

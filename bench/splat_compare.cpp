@@ -14,10 +14,10 @@
 #include "render/gl/context.h"
 #include "render/gl/gl.h"
 #include "render/scene/camera.h"
+#include "render/splat/software/splat_kernel.h"
+#include "render/splat/software/splat_raster.h"
 #include "render/splat/splat_gl.h"
-#include "render/splat/splat_kernel.h"
 #include "render/splat/splat_pieces.h"
-#include "render/splat/splat_raster.h"
 #include "tests/render/rays/raycast.h"
 
 #include <glm/glm.hpp>

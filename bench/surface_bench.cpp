@@ -16,8 +16,8 @@
 #include "render/gl/context.h"
 #include "render/scene/camera.h"
 #include "render/scene/surface_mesh.h"
+#include "render/splat/software/splat_raster.h"
 #include "render/splat/splat_pieces.h"
-#include "render/splat/splat_raster.h"
 #include "render/surface/patch_raster.h"
 
 #include <glm/gtc/matrix_inverse.hpp>

@@ -1,6 +1,6 @@
 #include "app/control/json_values.h"
 
-#include "vrml/scene/field_numbers.h"
+#include "vrml/scene/values/field_numbers.h"
 
 #include <cmath>
 #include <limits>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/control/json_text.h"
-#include "vrml/scene/field_value.h"
+#include "vrml/scene/values/field_value.h"
 
 #include <functional>
 #include <optional>

@@ -1,7 +1,7 @@
 #include "app/inspect/field_edits.h"
 
 #include "app/script/run_time_nodes.h"
-#include "vrml/scene/field_numbers.h"
+#include "vrml/scene/values/field_numbers.h"
 
 #include <charconv>
 #include <cmath>

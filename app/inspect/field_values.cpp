@@ -1,7 +1,7 @@
 #include "app/inspect/field_values.h"
 
 #include "base/text.h"
-#include "vrml/scene/field_numbers.h"
+#include "vrml/scene/values/field_numbers.h"
 #include "vrml/syntax/printer.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "vrml/scene/scene_graph.h"
-#include "vrml/syntax/text_edits.h"
+#include "vrml/syntax/edits/text_edits.h"
 
 #include <optional>
 #include <string>

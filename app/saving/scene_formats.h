@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/scene/language.h"
+#include "vrml/scene/x3d/language.h"
 
 #include <span>
 #include <string>

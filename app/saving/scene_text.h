@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/loading/updates/loaded_world.h"
-#include "vrml/scene/language.h"
+#include "vrml/scene/x3d/language.h"
 
 #include <string>
 #include <vector>

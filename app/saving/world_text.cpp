@@ -8,9 +8,9 @@
 #include "net/base/url.h"
 #include "net/files/file.h"
 #include "vrml/scene/prototype.h"
+#include "vrml/syntax/edits/text_edits.h"
 #include "vrml/syntax/parser.h"
 #include "vrml/syntax/printer.h"
-#include "vrml/syntax/text_edits.h"
 
 #include <filesystem>
 #include <map>

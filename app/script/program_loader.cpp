@@ -2,7 +2,7 @@
 
 #include "app/script/natives.h"
 #include "app/script/program_text.h"
-#include "vrml/scene/field_numbers.h"
+#include "vrml/scene/values/field_numbers.h"
 
 #include <js/CallAndConstruct.h>
 #include <js/CompilationAndEvaluation.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/scene/field_value.h"
+#include "vrml/scene/values/field_value.h"
 
 #include <chrono>
 #include <cstddef>
@@ -36,7 +36,7 @@ struct CellCounts {
   std::uint64_t datagrams = 0, lost = 0;  // received and lost datagrams
   std::uint64_t granted = 0, rate = 0;    // bits per second that the server granted, and that it sends after losses
   double loss_events = 0;                 // loss events per datagram; these reduce the rate (RFC 5348)
-  bool missing = false;  // the server has sent everything, but lost data are missing
+  bool missing = false;                   // the server has sent everything, but lost data are missing
 };
 
 /// File or stream of a world, with the progress of its loading.

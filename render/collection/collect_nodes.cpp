@@ -2,8 +2,8 @@
 
 #include "base/finite.h"
 #include "vrml/event_model/behaviour.h"
-#include "vrml/scene/geospatial.h"
-#include "vrml/scene/transformation.h"
+#include "vrml/scene/coordinates/geospatial.h"
+#include "vrml/scene/values/transformation.h"
 
 #include <glm/glm.hpp>
 
@@ -198,8 +198,8 @@ ViewpointState world_viewpoint(const vrml::SceneGraph& scene, const NodeView& vi
 
 void take_distances(RenderList& list, const vrml::Node* bound) {
   const auto of_bound = [&](const ViewpointState& one) { return &one.scene->node(one.node) == bound; };
-  const auto viewpoint = bound ? std::find_if(list.viewpoints.begin(), list.viewpoints.end(), of_bound)
-                               : list.viewpoints.begin();
+  const auto viewpoint =
+      bound ? std::find_if(list.viewpoints.begin(), list.viewpoints.end(), of_bound) : list.viewpoints.begin();
   const bool found = viewpoint != list.viewpoints.end();
   list.near_distance = found ? viewpoint->near_distance : 0;
   list.far_distance = found ? viewpoint->far_distance : 0;

@@ -2,7 +2,7 @@
 
 #include "render/scene/surface_mesh.h"
 #include "vrml/event_model/behaviour.h"
-#include "vrml/scene/transformation.h"
+#include "vrml/scene/values/transformation.h"
 #include "vrml/syntax/stand_ins.h"
 
 #include <glm/glm.hpp>
@@ -395,7 +395,8 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
     case NodeKind::point_light:
     case NodeKind::spot_light:
       // enter() has handled the lights of this group.
-      if (parent.presence.visible && !parent.presence.hidden && !is_listed_light(view)) add_light(view, world, parent.frame, false);
+      if (parent.presence.visible && !parent.presence.hidden && !is_listed_light(view))
+        add_light(view, world, parent.frame, false);
       break;
     case NodeKind::sound:
       if (parent.presence.visible && list_.sounds.size() < kMaxSounds) {

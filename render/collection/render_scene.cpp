@@ -1,6 +1,6 @@
 #include "render/collection/render_scene.h"
 
-#include "vrml/scene/transformation.h"
+#include "vrml/scene/values/transformation.h"
 
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_transform.hpp>

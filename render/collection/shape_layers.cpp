@@ -2,7 +2,7 @@
 
 #include "vrml/scene/meant_node.h"
 #include "vrml/scene/texture_coordinate_nodes.h"
-#include "vrml/scene/transformation.h"
+#include "vrml/scene/values/transformation.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 

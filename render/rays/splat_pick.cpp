@@ -3,7 +3,7 @@
 #include "base/finite.h"
 #include "base/parallel.h"
 #include "qnv/codecs/octree/lod/lod.h"
-#include "render/splat/splat_constants.h"
+#include "render/splat/software/splat_constants.h"
 
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -20,19 +20,19 @@ namespace gs::render {
 namespace {
 
 constexpr std::size_t kPickedRange = 65536;  // vectors per task
-constexpr std::size_t kPickedBlock = 256;  // vectors that are tested together
-constexpr float kDiagonal = 1.7321f;  // diagonal of a cube with edge 1
-constexpr float kBeam = 4;  // half width in pixels of the beam around the ray in which the cut is fine
-constexpr float kMinOpacity = 0.01f;  // minimum opacity of a volume that can be hit
-constexpr float kVolumeReach = 4.5f;  // square of the distance, in spacings, beyond which opacity is negligible
+constexpr std::size_t kPickedBlock = 256;    // vectors that are tested together
+constexpr float kDiagonal = 1.7321f;         // diagonal of a cube with edge 1
+constexpr float kBeam = 4;                   // half width in pixels of the beam around the ray in which the cut is fine
+constexpr float kMinOpacity = 0.01f;         // minimum opacity of a volume that can be hit
+constexpr float kVolumeReach = 4.5f;         // square of the distance, in spacings, beyond which opacity is negligible
 constexpr float kMinDeterminant = 1e-30f;
 
 /// Ray in the space of a geometry.
 struct NodeRay {
   glm::vec3 origin, direction;  // `direction` is one world unit long
   glm::vec3 across, up;         // unit vectors, orthogonal to `direction` and to each other
-  float along = 0;  // `along` * dot(p - origin, direction) is the distance of a point p, in node units
-  float sample = 0;  // in node units: width of a pixel at distance 1
+  float along = 0;              // `along` * dot(p - origin, direction) is the distance of a point p, in node units
+  float sample = 0;             // in node units: width of a pixel at distance 1
   float farthest = 0;
 };
 

@@ -3,7 +3,7 @@
 #include "render/scene/camera.h"
 #include "render/scene/draw_options.h"
 #include "render/scene/render_list.h"
-#include "render/splat/splat_raster.h"
+#include "render/splat/software/splat_raster.h"
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>

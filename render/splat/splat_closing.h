@@ -1,7 +1,7 @@
 #pragma once
 
+#include "render/splat/software/splat_raster.h"
 #include "render/splat/splat_gl.h"
-#include "render/splat/splat_raster.h"
 
 #include <span>
 

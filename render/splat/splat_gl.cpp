@@ -1,6 +1,6 @@
 #include "render/splat/splat_gl.h"
 
-#include "render/splat/splat_constants.h"
+#include "render/splat/software/splat_constants.h"
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>

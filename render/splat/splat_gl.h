@@ -1,8 +1,8 @@
 #pragma once
 
 #include "render/gl/gpu.h"
-#include "render/splat/splat_camera.h"
-#include "render/splat/splat_raster.h"
+#include "render/splat/software/splat_camera.h"
+#include "render/splat/software/splat_raster.h"
 #include "render/splat/splat_store.h"
 
 #include <array>
@@ -20,7 +20,7 @@ namespace gs::render {
 struct SharedSplatPiece {
   std::shared_ptr<const qnv::Splats> splats;
   std::size_t first = 0, count = 0;
-  float growth = 1;  // factor of the splats' areas
+  float growth = 1;                              // factor of the splats' areas
   std::optional<qnv::Rgb8> tint = std::nullopt;  // replaces the colours of the splats
 };
 
@@ -28,9 +28,9 @@ struct SharedSplatPiece {
 /// rectangle are defined.
 struct SplatTextures {
   GLuint normals = 0, depths = 0, colors = 0;  // names of textures; `colors` is 0 if there is a single colour
-  int x = 0, y = 0, width = 0, height = 0;  // rectangle in pixels of the viewport
-  int left = 0, bottom = 0;  // pixel of the viewport at the first texel
-  std::size_t discs = 0;  // splats in view; estimated if there are many
+  int x = 0, y = 0, width = 0, height = 0;     // rectangle in pixels of the viewport
+  int left = 0, bottom = 0;                    // pixel of the viewport at the first texel
+  std::size_t discs = 0;                       // splats in view; estimated if there are many
   std::size_t draw_calls = 0;
 };
 
@@ -105,7 +105,7 @@ class SplatGl {
   static constexpr std::size_t kPiecesARow = 256;  // pieces per row of the texture `pieces`
   /// Instances of one draw call.
   struct Batch {
-    GLuint vectors = 0, cells = 0;  // buffer textures
+    GLuint vectors = 0, cells = 0;     // buffer textures
     std::size_t first = 0, count = 0;  // range of Surface::instances
   };
   struct Rectangle {
@@ -124,7 +124,7 @@ class SplatGl {
     int width = 0, height = 0, samples = 0;  // size in pixels, and samples along the side of a pixel
     bool colored = false, smooth = false;
     Texture nearest, sums, color_sums, slopes, tilts;  // one texel per sample
-    Texture normals, depths, colors;  // one texel per pixel
+    Texture normals, depths, colors;                   // one texel per pixel
     Renderbuffer depth;
     Framebuffer depth_pass, blend_pass, resolve_pass;
   };

@@ -1,7 +1,7 @@
 #include "render/splat/splat_gl.h"
 
 #include "render/gl/shaders.h"
-#include "render/splat/splat_constants.h"
+#include "render/splat/software/splat_constants.h"
 #include "render/splat/splat_shaders.h"
 
 #include <algorithm>
@@ -65,10 +65,10 @@ const SplatGl::Shader* SplatGl::shader(Stage stage, const Kind& kind) {
     if (auto* program = std::get_if<Program>(&made)) {
       entry.program = std::move(*program);
       static constexpr std::array<const char*, uniform_count> kNames{
-          "vectors",  "cells",  "pieces",     "stride",     "color_by_normal", "row_x",         "row_y",      "row_z",
-          "tangents", "middle", "margin",     "near_plane", "sample_size",     "ray_origin",    "ray_right",  "ray_up",
-          "nearest",  "sums",   "color_sums", "slopes",     "tilts",           "normal_matrix", "supersample",
-          "clip_planes", "clip_count"};
+          "vectors",       "cells",       "pieces",      "stride",    "color_by_normal", "row_x",       "row_y",
+          "row_z",         "tangents",    "middle",      "margin",    "near_plane",      "sample_size", "ray_origin",
+          "ray_right",     "ray_up",      "nearest",     "sums",      "color_sums",      "slopes",      "tilts",
+          "normal_matrix", "supersample", "clip_planes", "clip_count"};
       for (std::size_t i = 0; i < uniform_count; ++i)
         entry.at[i] = gl_.GetUniformLocation(entry.program.name(), kNames[i]);
     }

@@ -7,8 +7,8 @@
 #include "render/scene/draw_options.h"
 #include "render/scene/fog.h"
 #include "render/scene/render_list.h"
+#include "render/splat/software/splat_raster.h"
 #include "render/splat/splat_gl.h"
-#include "render/splat/splat_raster.h"
 
 #include <glm/mat4x4.hpp>
 

@@ -2,8 +2,8 @@
 
 #include "qnv/codecs/octree/lod/lod.h"
 #include "render/scene/splat_style.h"
+#include "render/splat/software/splat_raster.h"
 #include "render/splat/splat_gl.h"
-#include "render/splat/splat_raster.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -15,16 +15,16 @@ namespace gs::render {
 
 /// Size and colours of the part of a geometry that a view draws.
 struct CutOptions {
-  std::size_t budget = 0;  // maximum vectors; 0 means unlimited
+  std::size_t budget = 0;        // maximum vectors; 0 means unlimited
   std::size_t most_decoded = 0;  // maximum vectors to decode now; 0 means unlimited
-  float detail = 1;  // streams are refined until voxels have 1 / detail pixels
-  std::uint32_t viewport = 0;  // index of the viewport
+  float detail = 1;              // streams are refined until voxels have 1 / detail pixels
+  std::uint32_t viewport = 0;    // index of the viewport
   ColorBy color_by = ColorBy::own;
 };
 
 struct SplatCut {
   std::vector<SharedSplatPiece> pieces;
-  bool pending = false;  // the next call with this view would give more detail
+  bool pending = false;     // the next call with this view would give more detail
   std::size_t decoded = 0;  // vectors that were decoded for this cut
 };
 

@@ -2,7 +2,7 @@
 
 #include "base/finite.h"
 #include "base/parallel.h"
-#include "render/splat/splat_constants.h"
+#include "render/splat/software/splat_constants.h"
 
 #include <algorithm>
 #include <bit>
@@ -14,7 +14,7 @@ namespace gs::render {
 namespace {
 
 constexpr float kLargestPosition = 1048575, kLargestLength = 65535, kLargestNormal = 8191;  // largest codes
-constexpr std::size_t kUploadDiscs = std::size_t{1} << 20;  // splats per upload
+constexpr std::size_t kUploadDiscs = std::size_t{1} << 20;                                  // splats per upload
 constexpr std::uint32_t kTaskDiscs = 16384;
 constexpr std::size_t kMinRange = 1024;  // minimum splats of a range
 

@@ -1,6 +1,6 @@
 #include "render/surface/patch_kernel.h"
 
-#include "render/splat/splat_lanes.h"
+#include "render/splat/software/splat_lanes.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "qnv/codecs/displaced/tessellation/patch_mesh.h"
-#include "render/splat/splat_kernel.h"
+#include "render/splat/software/splat_kernel.h"
 #include "render/surface/patch_raster.h"
 #include "render/surface/patch_screen.h"
 

@@ -2,7 +2,7 @@
 
 #include "qnv/codecs/displaced/tessellation/surface_cut.h"
 #include "render/scene/splat_style.h"
-#include "render/splat/splat_raster.h"
+#include "render/splat/software/splat_raster.h"
 
 #include <cstddef>
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "render/splat/splat_camera.h"
-#include "render/splat/splat_raster.h"
+#include "render/splat/software/splat_camera.h"
+#include "render/splat/software/splat_raster.h"
 
 #include <glm/glm.hpp>
 
@@ -15,7 +15,7 @@
 namespace gs::render {
 
 inline constexpr int kSubsampleBits = 8, kSubsamples = 1 << kSubsampleBits;  // steps of positions per sample
-inline constexpr int kGuard = 8192;  // coordinates in samples beyond which a triangle is clipped
+inline constexpr int kGuard = 8192;       // coordinates in samples beyond which a triangle is clipped
 inline constexpr int kSmallTriangle = 4;  // maximum width and height, in samples, of triangles that are drawn at once
 
 /// Vertex on the screen. Positions are integers in units of 1 / kSubsamples of a sample, relative to the centre of
@@ -24,7 +24,7 @@ struct alignas(32) ScreenVertex {
   float x, y;
   float inverse;        // 1 / depth; 0 means that the triangle must be clipped
   std::uint32_t color;  // red, green << 8, blue << 16; valid only if vertices have colours
-  glm::vec3 normal;  // normal in node space, times `inverse`
+  glm::vec3 normal;     // normal in node space, times `inverse`
   float unused;
 };
 static_assert(sizeof(ScreenVertex) == 32);
@@ -102,7 +102,7 @@ struct SampleRun {
 
 /// Input and output of one preparation task.
 struct PatchTask {
-  std::size_t first = 0, last = 0;  // range of patches of the cut
+  std::size_t first = 0, last = 0;      // range of patches of the cut
   std::size_t vertices = 0, drawn = 0;  // numbers of vertices and of triangles
   SampleKeys keys;
   SampleNumbers samples, colors;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/splat/splat_raster.h"
+#include "render/splat/software/splat_raster.h"
 
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
@@ -17,7 +17,7 @@ inline constexpr float kVolumeLeastAlpha = 1 / 1024.0f;  // Minimum opacity of a
 struct VolumeLens {
   glm::mat4 camera_from_node;
   glm::mat3 normal_matrix;
-  float scale;  // factor of lengths from node to camera space
+  float scale;               // factor of lengths from node to camera space
   float pixels_x, pixels_y;  // pixels per length 1 at depth 1
   float middle_x, middle_y;  // pixel position of the optical axis, from the lower left corner
   int width, height;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/splat/splat_raster.h"
+#include "render/splat/software/splat_raster.h"
 #include "render/volume/volume_model.h"
 
 #include <glm/mat4x4.hpp>
@@ -17,8 +17,8 @@ struct VolumeItem {
   const qnv::Volume* volume = nullptr;
   const VolumeModel* model = nullptr;  // model of the volume
   glm::mat4 camera_from_node{1.0f};    // any affine matrix
-  std::size_t count = 0;  // number of vectors to draw, from index 0 on; at most model->spacing.size()
-  VolumeOptions options;  // with lights in camera space
+  std::size_t count = 0;               // number of vectors to draw, from index 0 on; at most model->spacing.size()
+  VolumeOptions options;               // with lights in camera space
 };
 
 /// Depths of the existing image, which hide content behind them. Distances along the view axis in camera units, one per
@@ -55,7 +55,7 @@ struct VolumeLayer {
 /// Estimates for the vectors of volumes in a view, from a sample.
 struct VolumeSurvey {
   std::size_t vectors = 0;  // vectors in view that have an opacity
-  double pixels = 0;  // sum of the pixels that their footprints cover
+  double pixels = 0;        // sum of the pixels that their footprints cover
 };
 /// Estimates from about `most` vectors, evenly spread. If there are fewer vectors, the result is exact.
 [[nodiscard]] VolumeSurvey survey_volumes(std::span<const VolumeItem> items, const SplatView& view, std::size_t most);

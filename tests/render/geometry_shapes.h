@@ -1,7 +1,7 @@
 #pragma once
 
 #include "qnv/base/geometry.h"
-#include "render/splat/splat_raster.h"
+#include "render/splat/software/splat_raster.h"
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>

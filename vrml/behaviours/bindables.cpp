@@ -1,6 +1,6 @@
 #include "vrml/events/execution.h"
-#include "vrml/scene/geospatial.h"
-#include "vrml/scene/transformation.h"
+#include "vrml/scene/coordinates/geospatial.h"
+#include "vrml/scene/values/transformation.h"
 
 namespace gs::vrml {
 namespace {

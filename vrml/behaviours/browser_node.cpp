@@ -1,5 +1,5 @@
 #include "vrml/events/execution.h"
-#include "vrml/scene/transformation.h"
+#include "vrml/scene/values/transformation.h"
 
 namespace gs::vrml {
 namespace {

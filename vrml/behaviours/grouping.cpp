@@ -2,8 +2,8 @@
 
 #include "vrml/events/execution.h"
 #include "vrml/events/pointing.h"
-#include "vrml/scene/geospatial.h"
-#include "vrml/scene/transformation.h"
+#include "vrml/scene/coordinates/geospatial.h"
+#include "vrml/scene/values/transformation.h"
 
 #include <glm/glm.hpp>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "vrml/event_model/behaviour.h"
-#include "vrml/scene/field_value.h"
+#include "vrml/scene/values/field_value.h"
 
 #include <glm/mat4x4.hpp>
 

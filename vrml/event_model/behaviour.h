@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/box.h"
-#include "vrml/scene/field_value.h"
+#include "vrml/scene/values/field_value.h"
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
@@ -91,11 +91,11 @@ extern const Behaviour kProximitySensorBehaviour, kVisibilitySensorBehaviour;
 extern const Behaviour kTouchSensorBehaviour, kPlaneSensorBehaviour, kCylinderSensorBehaviour, kSphereSensorBehaviour;
 extern const Behaviour kGroupBehaviour;  // addChildren, removeChildren (4.6.5)
 extern const Behaviour kAnchorBehaviour, kBillboardBehaviour, kCollisionBehaviour;
-extern const Behaviour kInlineBehaviour;    // children_changed
-extern const Behaviour kBrowserBehaviour;   // the browser as a node (vrml/events/world_browser.h)
-extern const Behaviour kBindableBehaviour;  // bindable nodes (4.6.10)
-inline constexpr int kSetBind = 0;          // event index of set_bind in all bindable nodes
-inline constexpr int kFieldOfView = 3;      // event index of fieldOfView in Viewpoint
+extern const Behaviour kInlineBehaviour;       // children_changed
+extern const Behaviour kBrowserBehaviour;      // the browser as a node (vrml/events/world_browser.h)
+extern const Behaviour kBindableBehaviour;     // bindable nodes (4.6.10)
+inline constexpr int kSetBind = 0;             // event index of set_bind in all bindable nodes
+inline constexpr int kFieldOfView = 3;         // event index of fieldOfView in Viewpoint
 inline constexpr int kTransitionComplete = 3;  // event index of transitionComplete in NavigationInfo
 extern const Behaviour kTimeSensorBehaviour;
 extern const Behaviour kAudioClipBehaviour, kMovieTextureBehaviour;  // 6.4, 6.28

@@ -1,7 +1,7 @@
 #include "vrml/event_model/placement.h"
 
 #include "vrml/event_model/behaviour.h"
-#include "vrml/scene/transformation.h"
+#include "vrml/scene/values/transformation.h"
 
 #include <glm/glm.hpp>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/scene/field_value.h"
+#include "vrml/scene/values/field_value.h"
 
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat4x4.hpp>
@@ -73,12 +73,12 @@ struct PointingState {
   std::uint32_t wanted = 0;                     // serial number of the last pointer update that found the sensor
   std::uint32_t enabled_in = 0;                 // serial number of the button press during which it was enabled
   // State of a drag (4.6.7.4), in the coordinate system that the sensor had at activation.
-  bool tracks = false;            // the coordinate system is invertible
-  bool sent = false;              // the drag has sent a value
-  bool disk = false;              // CylinderSensor: uses disk mode instead of cylinder mode
-  bool far_side = false;          // the drag moves the far side of the cylinder or sphere
-  double radius = 0, turned = 0;  // turned: CylinderSensor rotation about Y in radians, with full turns
-  glm::dvec3 start{0};            // hit point on the geometry at activation
+  bool tracks = false;                // the coordinate system is invertible
+  bool sent = false;                  // the drag has sent a value
+  bool disk = false;                  // CylinderSensor: uses disk mode instead of cylinder mode
+  bool far_side = false;              // the drag moves the far side of the cylinder or sphere
+  double radius = 0, turned = 0;      // turned: CylinderSensor rotation about Y in radians, with full turns
+  glm::dvec3 start{0};                // hit point on the geometry at activation
   glm::dmat4 sensor_from_world{1.0};  // after `turn`
   glm::dquat turn{1, 0, 0, 0};        // axisRotation of a sensor of X3D
   bool is_turned = false;             // `turn` is not the identity

@@ -1,7 +1,7 @@
 #include "vrml/events/world_viewer.h"
 
 #include "vrml/events/execution.h"
-#include "vrml/scene/transformation.h"
+#include "vrml/scene/values/transformation.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "vrml/inventor/converter.h"
 #include "vrml/inventor/item_types.h"
-#include "vrml/scene/transformation.h"
+#include "vrml/scene/values/transformation.h"
 
 #include <glm/gtc/quaternion.hpp>
 

@@ -1,6 +1,6 @@
 #include "vrml/inventor/output.h"
 
-#include "vrml/syntax/lexer.h"
+#include "vrml/syntax/tokens/lexer.h"
 
 #include <glm/matrix.hpp>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/scene/field_value.h"
+#include "vrml/scene/values/field_value.h"
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>

@@ -1,6 +1,6 @@
 #include "vrml/inventor/transforms.h"
 
-#include "vrml/scene/transformation.h"
+#include "vrml/scene/values/transformation.h"
 
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>

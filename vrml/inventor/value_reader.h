@@ -1,8 +1,8 @@
 #pragma once
 
 #include "vrml/inventor/item.h"
-#include "vrml/syntax/lexer.h"
 #include "vrml/syntax/scene_sink.h"
+#include "vrml/syntax/tokens/lexer.h"
 
 #include <optional>
 #include <string>

@@ -1,6 +1,6 @@
 #include "vrml/json/list_reader.h"
 
-#include "vrml/scene/field_numbers.h"
+#include "vrml/scene/values/field_numbers.h"
 #include "vrml/syntax/numbers/number.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/syntax/lexer.h"
+#include "vrml/syntax/tokens/lexer.h"
 #include "vrml/x3d/value_text.h"
 
 #include <array>

@@ -1,7 +1,7 @@
 #include "vrml/json/reader.h"
 
 #include "vrml/json/members.h"
-#include "vrml/syntax/text_pieces.h"
+#include "vrml/syntax/tokens/text_pieces.h"
 
 #include <string>
 

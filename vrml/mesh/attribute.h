@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/scene/field_value.h"
+#include "vrml/scene/values/field_value.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -13,10 +13,10 @@ namespace gs::vrml {
 /// Relation between the values of a Color, Normal or TextureCoordinate node and the corners of faces or polylines in a
 /// coordIndex (VRML97 6.23, 6.24).
 enum class Binding : std::uint8_t {
-  none,  // there are no values
-  by_vertex,  // one value per coordinate, chosen by the index in coordIndex
-  by_corner,  // chosen by the attribute's own index, at the same position as in coordIndex
-  by_face,  // one value per face, in order
+  none,           // there are no values
+  by_vertex,      // one value per coordinate, chosen by the index in coordIndex
+  by_corner,      // chosen by the attribute's own index, at the same position as in coordIndex
+  by_face,        // one value per face, in order
   by_face_index,  // one value per face, chosen by the attribute's own index
 };
 

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "base/box.h"
-#include "vrml/scene/field_value.h"
 #include "vrml/scene/scene_graph.h"
+#include "vrml/scene/values/field_value.h"
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -34,21 +34,21 @@ struct Mesh {
   Primitive primitive = Primitive::triangles;
   Array<glm::vec3> positions;
   Array<glm::vec3> normals;              // empty, or one unit vector per position
-  Array<Color> colors;  // empty, or one per position; replace diffuseColor or emissiveColor
-  Array<float> opacities;  // empty, or one per position; replace 1 - transparency (ColorRGBA)
-  Array<float> fog_depths;  // empty, or one per position: the part of the fog, 0 to 1 (FogCoordinate)
+  Array<Color> colors;                   // empty, or one per position; replace diffuseColor or emissiveColor
+  Array<float> opacities;                // empty, or one per position; replace 1 - transparency (ColorRGBA)
+  Array<float> fog_depths;               // empty, or one per position: the part of the fog, 0 to 1 (FogCoordinate)
   Array<glm::vec2> texture_coordinates;  // empty, or one (s, t) per position
   /// All sets of texture coordinates, at most kMaxCoordinateSets. Empty if `texture_coordinates` has all of them.
   std::vector<CoordinateSet> coordinate_sets;
   Array<std::uint32_t> indices;  // 3 per triangle, 2 per line or 1 per point; all < positions.size()
-  bool solid = true;                     // back faces need not be drawn
-  bool lit = true;                       // false for lines and points (VRML97 4.14.2)
-  bool convex = false;  // the faces are on a convex body, so no front face hides another
-  bool limited = false;  // a limit of memory or time removed some or all of the geometry
-  bool translucent = false;  // some opacities are below 1
-  bool pictured = false;  // texture_coordinates refer to the glyph atlas of the TextShaper
-  float font_size = 0;  // size of a Text in node space; 0 if MeshOptions::text_level does not matter
-  Box bounds;  // bounds of the positions in use
+  bool solid = true;             // back faces need not be drawn
+  bool lit = true;               // false for lines and points (VRML97 4.14.2)
+  bool convex = false;           // the faces are on a convex body, so no front face hides another
+  bool limited = false;          // a limit of memory or time removed some or all of the geometry
+  bool translucent = false;      // some opacities are below 1
+  bool pictured = false;         // texture_coordinates refer to the glyph atlas of the TextShaper
+  float font_size = 0;           // size of a Text in node space; 0 if MeshOptions::text_level does not matter
+  Box bounds;                    // bounds of the positions in use
   glm::dvec3 origin{0};  // position of the mesh's space in node space; not 0 for coordinates in double precision
   /// The same surface with fewer triangles, for small sizes on the screen; null if there is none. Its maximum distance
   /// from this mesh is `coarser_error`, relative to the radius of the sphere around `bounds`.

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "vrml/mesh/mesh.h"
-#include "vrml/scene/field_value.h"
+#include "vrml/scene/values/field_value.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -43,7 +43,7 @@ class UsableVertices {
 /// Part of a Coordinate node that one geometry node uses. For Coordinate nodes that are much larger than this part, for
 /// example because many faces USE them.
 struct Compaction {
-  MFInt32 index;  // coordIndex with indices of `kept`; end markers and invalid indices do not change
+  MFInt32 index;                    // coordIndex with indices of `kept`; end markers and invalid indices do not change
   std::vector<std::uint32_t> kept;  // old indices of the used coordinates
 };
 

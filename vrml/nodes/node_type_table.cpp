@@ -1,6 +1,6 @@
 #include "vrml/nodes/families.h"
+#include "vrml/nodes/vrml97_equivalents.h"
 #include "vrml/nodes/x3d/components.h"
-#include "vrml/nodes/x3d/vrml97_equivalents.h"
 #include "vrml/scene/node_type.h"
 #include "vrml/scene/scene_graph.h"
 #include "vrml/syntax/parser.h"

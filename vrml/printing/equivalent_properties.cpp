@@ -1,6 +1,6 @@
 #include "vrml/printing/equivalents.h"
-#include "vrml/scene/field_numbers.h"
-#include "vrml/scene/transformation.h"
+#include "vrml/scene/values/field_numbers.h"
+#include "vrml/scene/values/transformation.h"
 
 #include <glm/geometric.hpp>
 

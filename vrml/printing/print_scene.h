@@ -1,7 +1,7 @@
 #pragma once
 
-#include "vrml/scene/language.h"
 #include "vrml/scene/scene_graph.h"
+#include "vrml/scene/x3d/language.h"
 
 #include <functional>
 #include <optional>

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "vrml/printing/text_output.h"
-#include "vrml/scene/field_numbers.h"
-#include "vrml/scene/field_value.h"
+#include "vrml/scene/values/field_numbers.h"
+#include "vrml/scene/values/field_value.h"
 
 #include <charconv>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include "vrml/scene/node.h"
 #include "vrml/scene/scene_memory.h"
-#include "vrml/scene/value_pool.h"
+#include "vrml/scene/values/value_pool.h"
 
 #include <cassert>
 #include <cstdint>

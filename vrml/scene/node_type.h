@@ -2,8 +2,8 @@
 
 #include "base/diagnostic.h"
 #include "base/noncopyable.h"
-#include "vrml/scene/field_value.h"
-#include "vrml/scene/language.h"
+#include "vrml/scene/values/field_value.h"
+#include "vrml/scene/x3d/language.h"
 
 #include <cstdint>
 #include <deque>
@@ -192,7 +192,7 @@ struct NodeRow {
   std::string_view other_events{};
 };
 
-/// Node of VRML97 that is written for a node that only X3D has (vrml/nodes/x3d/vrml97_equivalents.cpp).
+/// Node of VRML97 that is written for a node that only X3D has (vrml/nodes/vrml97_equivalents.cpp).
 struct Vrml97Equivalent {
   std::string_view x3d_type, type;  // names of both types
   /// Returns the node. Null means that both types have the same fields, except those that only X3D has.
@@ -215,12 +215,12 @@ struct NodeType : NonCopyable {
   Tessellator tessellator;
   const Behaviour* behaviour = nullptr;
   UrlContent url_content = UrlContent::none;
-  Language language = Language::vrml97;    // only for built-in types
-  std::string component;                   // X3D types only: component of the standard
-  int level = 0;                           // X3D types only: level of the component
-  std::string container_field;             // X3D types only: default field of the parent in the XML encoding
-  std::string bases;                       // X3D types only: abstract types that it derives from, separated by blanks
-  bool ignored = false;                    // X3D types only: nodes have no effect; sinks warn about them
+  Language language = Language::vrml97;  // only for built-in types
+  std::string component;                 // X3D types only: component of the standard
+  int level = 0;                         // X3D types only: level of the component
+  std::string container_field;           // X3D types only: default field of the parent in the XML encoding
+  std::string bases;                     // X3D types only: abstract types that it derives from, separated by blanks
+  bool ignored = false;                  // X3D types only: nodes have no effect; sinks warn about them
   const Vrml97Equivalent* equivalent = nullptr;  // X3D types only: null if VRML97 has the type, or no equivalent
   bool stands_in = false;                  // partial substitute for another browser's type (vrml/syntax/stand_ins.h)
   std::vector<int> measures;               // slots of the lengths of a built-in geometry: fields with the range (0,inf)

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "base/noncopyable.h"
-#include "vrml/scene/language.h"
 #include "vrml/scene/node_type.h"
-#include "vrml/scene/x3d_statements.h"
+#include "vrml/scene/x3d/language.h"
+#include "vrml/scene/x3d/x3d_statements.h"
 
 #include <cstdint>
 #include <forward_list>

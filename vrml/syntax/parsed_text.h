@@ -1,8 +1,8 @@
 #pragma once
 
-#include "vrml/syntax/lexer.h"
 #include "vrml/syntax/parser.h"
 #include "vrml/syntax/scene_sink.h"
+#include "vrml/syntax/tokens/lexer.h"
 
 #include <memory>
 #include <optional>

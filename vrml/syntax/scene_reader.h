@@ -2,8 +2,8 @@
 
 #include "base/diagnostic.h"
 #include "base/noncopyable.h"
-#include "vrml/scene/language.h"
 #include "vrml/scene/scene_graph.h"
+#include "vrml/scene/x3d/language.h"
 
 #include <memory>
 #include <string_view>

@@ -1,8 +1,8 @@
 #include "vrml/syntax/scene_sink.h"
 
 #include "base/text.h"
+#include "vrml/scene/coordinates/units.h"
 #include "vrml/scene/prototype.h"
-#include "vrml/scene/units.h"
 #include "vrml/syntax/stand_ins.h"
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 
 #include "base/noncopyable.h"
 #include "vrml/scene/scene_graph.h"
-#include "vrml/syntax/name_table.h"
 #include "vrml/syntax/problems/text_limits.h"
+#include "vrml/syntax/tokens/name_table.h"
 #include "vrml/syntax/x3d_statement_sink.h"
 
 #include <cstdint>
@@ -68,8 +68,8 @@ class SceneSink : NonCopyable {
 
   /// Returns the node type with this name in the current scope (VRML97 4.4.3, 4.8.4); null if there is none.
   [[nodiscard]] const NodeType* find_type(std::string_view name) const;
-  /// Returns the stand-in for a type of other browsers that find_type() does not know; null if there is none. Reports its
-  /// first use.
+  /// Returns the stand-in for a type of other browsers that find_type() does not know; null if there is none. Reports
+  /// its first use.
   [[nodiscard]] const NodeType* find_stand_in(SourceName name);
   /// Makes a node. The grammar then reads the body and calls end_node(). If the result has no id, the grammar must skip
   /// the body: the type is unknown, or a limit is reached.
@@ -145,10 +145,10 @@ class SceneSink : NonCopyable {
   TextLimits limits_;
   X3DStatementSink x3d_{*this};
   std::vector<Scope> scopes_;
-  NodeId made_shape_;                                // last Shape that was made for misplaced nodes
+  NodeId made_shape_;                                             // last Shape that was made for misplaced nodes
   std::unordered_set<const InterfaceDeclaration*> angle_fields_;  // of PROTOs: IS connects them to angles
-  double angle_unit_ = 1;                            // radians per unit of angles in the text
-  std::size_t open_interfaces_ = 0;                  // open PROTO interfaces; their default nodes are live
+  double angle_unit_ = 1;                                         // radians per unit of angles in the text
+  std::size_t open_interfaces_ = 0;                               // open PROTO interfaces; their default nodes are live
   std::unordered_set<std::string_view> said_types_;  // types with a reported problem: declared twice, of X3D, ignored
   std::unordered_map<std::string_view, const NodeType*> stand_ins_;  // stand-ins for the types that the text uses
   std::unordered_set<std::string> said_extensions_;                  // fields of other browsers that were reported

@@ -1,5 +1,5 @@
+#include "vrml/scene/coordinates/units.h"
 #include "vrml/scene/prototype.h"
-#include "vrml/scene/units.h"
 #include "vrml/syntax/scene_sink.h"
 
 #include <memory>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/scene/field_numbers.h"
+#include "vrml/scene/values/field_numbers.h"
 #include "vrml/syntax/parsed_text.h"
 
 #include <array>

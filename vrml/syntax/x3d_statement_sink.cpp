@@ -1,6 +1,6 @@
 #include "vrml/syntax/x3d_statement_sink.h"
 
-#include "vrml/scene/x3d_components.h"
+#include "vrml/scene/x3d/x3d_components.h"
 #include "vrml/syntax/scene_sink.h"
 
 #include <algorithm>

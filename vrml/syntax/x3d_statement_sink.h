@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/noncopyable.h"
-#include "vrml/scene/x3d_statements.h"
+#include "vrml/scene/x3d/x3d_statements.h"
 
 #include <string>
 #include <string_view>

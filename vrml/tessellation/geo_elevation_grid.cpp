@@ -1,6 +1,6 @@
 #include "vrml/mesh/face_set.h"
 #include "vrml/mesh/vertices.h"
-#include "vrml/scene/geospatial.h"
+#include "vrml/scene/coordinates/geospatial.h"
 #include "vrml/tessellation/properties.h"
 #include "vrml/tessellation/tessellators.h"
 

@@ -1,6 +1,6 @@
 #include "vrml/tessellation/properties.h"
 
-#include "vrml/scene/geospatial.h"
+#include "vrml/scene/coordinates/geospatial.h"
 
 #include "vrml/scene/texture_coordinate_nodes.h"
 

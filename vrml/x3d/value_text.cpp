@@ -1,8 +1,8 @@
 #include "vrml/x3d/value_text.h"
 
-#include "vrml/scene/field_numbers.h"
-#include "vrml/syntax/lexer.h"
+#include "vrml/scene/values/field_numbers.h"
 #include "vrml/syntax/numbers/number.h"
+#include "vrml/syntax/tokens/lexer.h"
 
 #include <algorithm>
 #include <cmath>

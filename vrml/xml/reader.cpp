@@ -1,6 +1,6 @@
 #include "vrml/xml/reader.h"
 
-#include "vrml/syntax/text_pieces.h"
+#include "vrml/syntax/tokens/text_pieces.h"
 #include "vrml/x3d/element_builder.h"
 #include "vrml/xml/expat_parser.h"
 #include "vrml/xml/markup.h"

@@ -3,7 +3,7 @@
 #include "app/formats/common/asset.h"
 #include "app/formats/common/upright.h"
 
-#include "vrml/scene/language.h"
+#include "vrml/scene/x3d/language.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -18,7 +18,7 @@ enum class ContentClass : std::uint8_t {
   vrml,    // scene, read while it is received and decompressed
   mesh,    // imported at once as a mesh or a scene
   stream,  // QNV stream, decoded while it is received
-  splats,   // vectors or splats of other programs, imported as vectors
+  splats,  // vectors or splats of other programs, imported as vectors
   volume,  // volume, read from its path slice by slice; its strongest gradients become vectors
 };
 
@@ -31,12 +31,12 @@ struct ContentType {
   ContentClass content = ContentClass::vrml;
   /// Reads a whole file; null for VRML97 and QNV streams, which are read piece by piece.
   Asset (*read)(const ImportSource& source) = nullptr;
-  UpRule up = UpRule::y;         // rule for the up axis, unless the file defines it
-  bool unpacks_itself = false;   // the format contains gzip compression; the importer decompresses
-  bool has_nodes = false;        // mesh: `read` returns a scene, with its own nodes
-  bool in_order = false;         // mesh: may be read triangle by triangle (open_mesh_stream)
-  std::string_view mark = {};    // first bytes of each file of this type; empty if they vary
-  std::string_view remedy = {};  // advice to users, if the type is recognised but not read; else empty
+  UpRule up = UpRule::y;                          // rule for the up axis, unless the file defines it
+  bool unpacks_itself = false;                    // the format contains gzip compression; the importer decompresses
+  bool has_nodes = false;                         // mesh: `read` returns a scene, with its own nodes
+  bool in_order = false;                          // mesh: may be read triangle by triangle (open_mesh_stream)
+  std::string_view mark = {};                     // first bytes of each file of this type; empty if they vary
+  std::string_view remedy = {};                   // advice to users, if the type is recognised but not read; else empty
   vrml::Grammar grammar = vrml::Grammar::vrml97;  // ContentClass::vrml only: reader of the text
 
   /// Returns the error for a file of a type with a `remedy`: "STEP cannot be read; open it in ...".

@@ -2,7 +2,7 @@
 
 #include "app/formats/common/color_key.h"
 #include "app/formats/common/import_context.h"
-#include "vrml/scene/field_value.h"
+#include "vrml/scene/values/field_value.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "qnv/base/geometry.h"
-#include "vrml/scene/language.h"
+#include "vrml/scene/x3d/language.h"
 
 #include <cstddef>
 #include <span>

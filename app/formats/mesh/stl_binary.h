@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/scene/field_value.h"
+#include "vrml/scene/values/field_value.h"
 
 #include <glm/vec3.hpp>
 

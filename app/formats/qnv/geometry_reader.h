@@ -10,8 +10,8 @@
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/octree/lod/lod_source.h"
 #include "qnv/sampling/volume/volume.h"
-#include "vrml/scene/field_value.h"
 #include "vrml/scene/scene_graph.h"
+#include "vrml/scene/values/field_value.h"
 
 #include <condition_variable>
 #include <cstddef>

@@ -2,7 +2,7 @@
 
 #include "app/formats/foreign_types.h"
 #include "app/loading/updates/missing_url.h"
-#include "vrml/scene/units.h"
+#include "vrml/scene/coordinates/units.h"
 
 #include <algorithm>
 #include <chrono>

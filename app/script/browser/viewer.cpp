@@ -1,5 +1,5 @@
 #include "app/script/browser/browser_natives.h"
-#include "vrml/scene/transformation.h"
+#include "vrml/scene/values/transformation.h"
 
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>

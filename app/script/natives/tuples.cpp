@@ -1,6 +1,6 @@
 #include "app/script/natives.h"
 #include "app/script/script_world.h"
-#include "vrml/scene/field_numbers.h"
+#include "vrml/scene/values/field_numbers.h"
 #include "vrml/syntax/printer.h"
 
 #include <js/Array.h>

@@ -2,7 +2,7 @@
 #include "app/script/bounds/field_memory.h"
 #include "app/script/natives.h"
 #include "app/script/script_world.h"
-#include "vrml/scene/field_numbers.h"
+#include "vrml/scene/values/field_numbers.h"
 
 #include <js/Array.h>
 #include <js/CharacterEncoding.h>

@@ -2,7 +2,7 @@
 
 #include "app/script/script_world.h"
 #include "vrml/scene/prototype.h"
-#include "vrml/scene/x3d_components.h"
+#include "vrml/scene/x3d/x3d_components.h"
 
 #include <js/Array.h>
 #include <js/Object.h>

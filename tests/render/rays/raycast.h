@@ -1,8 +1,8 @@
 #pragma once
 
 #include "base/parallel.h"
-#include "render/splat/splat_constants.h"
-#include "render/splat/splat_raster.h"
+#include "render/splat/software/splat_constants.h"
+#include "render/splat/software/splat_raster.h"
 #include "render/volume/volume_model.h"
 
 #include <glm/geometric.hpp>

@@ -1,6 +1,6 @@
 #include "tests/render/rays/raycast.h"
 
-#include "render/splat/splat_constants.h"
+#include "render/splat/software/splat_constants.h"
 #include "tests/render/geometry_shapes.h"
 
 #include <catch2/catch.hpp>

@@ -1,7 +1,7 @@
 #include "tests/vrml/events/trace.h"
 
 #include "vrml/behaviours/browser_events.h"
-#include "vrml/scene/transformation.h"
+#include "vrml/scene/values/transformation.h"
 
 #include <vector>
 

@@ -1,6 +1,6 @@
 #include "tests/vrml/events/trace.h"
-#include "vrml/scene/field_numbers.h"
 #include "vrml/scene/node_type.h"
+#include "vrml/scene/values/field_numbers.h"
 
 #include <string>
 

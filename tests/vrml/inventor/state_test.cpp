@@ -1,5 +1,5 @@
 #include "tests/vrml/inventor/converted.h"
-#include "vrml/scene/transformation.h"
+#include "vrml/scene/values/transformation.h"
 
 #include <sstream>
 

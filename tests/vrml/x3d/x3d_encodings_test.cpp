@@ -1,5 +1,5 @@
 #include "tests/vrml/x3d/read_world.h"
-#include "vrml/scene/x3d_statements.h"
+#include "vrml/scene/x3d/x3d_statements.h"
 
 #include <catch2/catch.hpp>
 

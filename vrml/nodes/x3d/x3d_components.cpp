@@ -1,4 +1,4 @@
-#include "vrml/scene/x3d_components.h"
+#include "vrml/scene/x3d/x3d_components.h"
 
 #include <algorithm>
 #include <iterator>
