@@ -54,15 +54,6 @@ std::string start_of_text(Bytes bytes) {
   return first == std::string::npos ? std::string() : text.substr(first);
 }
 
-bool is_header_line(std::string_view text, std::string_view mark) {
-  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
-  return lower_case(text.substr(0, mark.size())) == mark;
-}
-template <Mark mark>
-bool begins_ignoring_case(Bytes bytes) {
-  return is_header_line(text_of(bytes).substr(0, 64), mark.view());
-}
-
 /// Returns the name of the root element of an XML file, without its prefix. Empty for other files.
 std::string root_element(Bytes bytes) {
   const std::string text = start_of_text(bytes);

@@ -160,8 +160,8 @@ std::variant<std::unique_ptr<Archive>, std::string> Archive::start(const Archive
                                                                           const net::FolderRequest& request) {
     return archive_index(listing, request, make, name);
   };
-  http.missing = [make](const std::string& name, const net::FolderRequest& request) {
-    return scene_link_page(name, request, make);
+  http.missing = [make](const std::string& missing, const net::FolderRequest& request) {
+    return scene_link_page(missing, request, make);
   };
   if (const net::CellServerDriver* cells = archive->cells_.get())
     http.more_metrics = [cells] { return cell_metrics(cells->statistics()); };

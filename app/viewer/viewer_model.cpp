@@ -101,9 +101,8 @@ UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measu
   describe_viewports(model, frame, measures.budget);
   if (auto question = saver_.question())
     model.question = std::move(question);
-  else if (const FolderQuestions::Question* question = session_.questions().folder())
-    model.question = {UiQuestion::Kind::folder, file_label(question->worlds.front()), question->folder,
-                      question->reference};
+  else if (const FolderQuestions::Question* folder = session_.questions().folder())
+    model.question = {UiQuestion::Kind::folder, file_label(folder->worlds.front()), folder->folder, folder->reference};
   else if (const auto network = session_.questions().network())
     model.question = {UiQuestion::Kind::network, file_label(network->world), network->question.url,
                       net::url_for_messages(network->question.file)};

@@ -47,7 +47,7 @@ struct Light {
   float intensity = 1, ambient_intensity = 0, radius = 100, beam_width = 1.570796f, cut_off_angle = 0.785398f;
   /// X3D: true if the light reaches all items, false if it reaches only the items that list it
   /// (DrawItem::directional_lights). Unset means as in VRML97: only directional lights must be listed.
-  std::optional<bool> global;
+  std::optional<bool> global = {};
   [[nodiscard]] bool listed() const { return !global.value_or(kind != Kind::directional); }
 };
 

@@ -23,9 +23,9 @@ struct CompanionFile {
 };
 
 struct ExportOptions {
-  std::string title;                             // title of the object in UTF-8, for formats that store a title
-  std::string stream_url;                        // VRML97: url field of the QNV instance, for browsers with this node
-  std::string name;                              // OBJ: name of the file without folder and extension
+  std::string title = {};                        // title of the object in UTF-8, for formats that store a title
+  std::string stream_url = {};                   // VRML97: url field of the QNV instance, for browsers with this node
+  std::string name = {};                         // OBJ: name of the file without folder and extension
   std::vector<CompanionFile>* beside = nullptr;  // OBJ: gets the material and the texture; null omits both
 };
 
