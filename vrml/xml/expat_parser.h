@@ -36,6 +36,8 @@ class ExpatParser : NonCopyable {
   void stop();
   /// Returns the error of the last parse(), for diagnostics.
   [[nodiscard]] std::string error() const;
+  /// Returns the error of an end tag without start tag, as error() does.
+  [[nodiscard]] static std::string mismatch_error() { return XML_ErrorString(XML_ERROR_TAG_MISMATCH); }
   /// Reports whether parsing ended because there was no memory in the budget.
   [[nodiscard]] bool is_out_of_memory() const;
 

@@ -8,9 +8,9 @@
 
 namespace gs::vrml::xml {
 
-/// Reader of X3D in the XML encoding (ISO/IEC 19776-1): a push parser on top of Expat. Long lists of numbers do not
-/// pass through Expat. External entities and document types are never loaded. After an error, the scene contains
-/// everything before it.
+/// Reader of X3D in the XML encoding (ISO/IEC 19776-1): a push parser on top of Expat. Plain tags and long lists of
+/// numbers do not pass through Expat. External entities and document types are never loaded. After an error, the scene
+/// contains everything before it.
 class Reader final : public SceneReader {
  public:
   /// `scene` and `diagnostics` must outlive the reader.

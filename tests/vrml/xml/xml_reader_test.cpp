@@ -169,6 +169,53 @@ TEST_CASE("shows everything before an error of XML") {
   CHECK(cut.text().find("DEF A Group {}") != std::string::npos);
 }
 
+TEST_CASE("reports tags that are not well-formed, plain or not") {
+  const std::string token =
+      "error not well-formed XML: not well-formed (invalid token); the rest of the file is left out\n";
+  for (const char* const tag :
+       {"<Group DEF 'a'/>", "<Group DEF=a/>", "<Group DEF='a'bboxSize='1 1 1'/>", "<Group DEF='a<b'/>", "<Group / >",
+        "<Group/ DEF='a'>", "< Group/>", "<1Group/>", "<Group DEF='\x01'/>", "<Group =''/>", "<Group></Group x>",
+        "<Group></ Group>", "<Group></Group/>", "<Group><>"}) {
+    CAPTURE(tag);
+    CHECK(messages_of(tag).find(token) != std::string::npos);
+  }
+  const auto fails = [](const std::string& tags, const std::string& problem) {
+    CAPTURE(tags);
+    CHECK(messages_of(tags).find("not well-formed XML: " + problem) != std::string::npos);
+  };
+  fails("<Group DEF='a' bboxSize='1 1 1' DEF='b'/>", "duplicate attribute");
+  fails("<Group DEF='a' DEF='" + std::string(200, 'b') + "'/>", "duplicate attribute");
+  fails("<Group><Shape></Group></Shape>", "mismatched tag");
+  fails("<Group></Group ></Group>", "mismatched tag");
+  fails("<G\xc3\xa9><Shape></G\xc3\xa9>", "mismatched tag");
+  fails("<Group></G\xc3\xa9>", "mismatched tag");
+  fails("<Group DEF='&none;'/>", "undefined entity");
+  fails("<Script>a & <field/></Script>", "not well-formed (invalid token)");
+  std::string many = "<Group";
+  for (int i = 0; i < 40; ++i) many += " class" + std::to_string(i) + "='x'";
+  CHECK(messages_of(many + "/>").find("error") == std::string::npos);
+  fails(many + " class7='y'/>", "duplicate attribute");
+}
+
+TEST_CASE("reads plain tags as other tags") {
+  const std::string value = "'\"one\r\ntwo\" \t\n \"three\"'";
+  const ReadWorld plain(Grammar::x3d_xml, in_scene("<WorldInfo\n\tDEF = 'W'\r\ninfo=" + value + "\n/>"));
+  const ReadWorld other(Grammar::x3d_xml, in_scene("<WorldInfo\n\tDEF = '&#87;'\r\ninfo=" + value + "\n/>"));
+  CHECK(plain.messages().empty());
+  CHECK(plain.text() == other.text());
+  CHECK(plain.text().find("\"one two\"") != std::string::npos);
+  // A default value of the document type declaration, and tags in an entity.
+  const std::string type = "<!DOCTYPE X3D [<!ATTLIST Box size CDATA '3 3 3'><!ENTITY part '<SphereSensor/>'>]>";
+  const ReadWorld typed(Grammar::x3d_xml, type + in_scene("<Shape><Box/></Shape><Script>&part;</Script>"));
+  CHECK(typed.text().find("size 3 3 3") != std::string::npos);
+  CHECK(typed.messages().find("'SphereSensor' has no place here") != std::string::npos);
+  // Positions of values in several lines.
+  CHECK(
+      messages_of("<Group>\n <Transform\n  translation='1 2 3'\n  rotation='0 0\n x 0'/></Group>\n<Group USE='no'/>") ==
+      "5:18: error expected a number for rotation, found 'x'; 0 is used\n"
+      "7:1: error USE of 'no', but no earlier DEF has this name\n");
+}
+
 TEST_CASE("refuses XML that is not X3D") {
   const ReadWorld other(Grammar::x3d_xml, "<html><X3D/></html>"), empty(Grammar::x3d_xml, "");
   CHECK(other.outcome == ParseOutcome::refused);
