@@ -43,6 +43,7 @@ constexpr ExtensionField kFields[] = {
     {"", "kambiShadowsMain"},
     {"OrientationInterpolator", "keyValueQuaternions"},
     {"Text", "maxDisplayChars"},
+    {"Material", "mirror"},
     {"Appearance", "normalMap"},
     {"TextureCoordinateGenerator", "projectedLight"},
     {"", "projectionAngle"},

@@ -69,7 +69,11 @@ constexpr Renamed kRenamed[] = {
     {"ComposedCubeMapTexture", "right", "rightTexture"},
     {"ComposedCubeMapTexture", "top", "topTexture"},
     {"LOD", "level", "children"},
+    {"Layer", "isPickable", "pickable"},
+    {"LayoutLayer", "isPickable", "pickable"},
     {"LoadSensor", "watchList", "children"},
+    {"ParticleSystem", "colorRamp", "color"},
+    {"ParticleSystem", "texCoordRamp", "texCoord"},
     {"Switch", "choice", "children"},
 };
 
@@ -246,6 +250,14 @@ const NodeType* built_in_node_type(Language language, std::string_view name) {
   const auto& names = table(language).by_name;
   const auto found = names.find(name);
   return found == names.end() ? built_in_node_type(name) : found->second;
+}
+
+const NodeType* x3d_extension_of(const NodeType& type) {
+  if (type.kind != NodeType::Kind::built_in || type.language != Language::vrml97 || is_extension(type.clause))
+    return nullptr;
+  const auto& names = table(Language::x3d).by_name;
+  const auto found = names.find(type.name);
+  return found == names.end() || built_in_node_type(type.name) != &type ? nullptr : found->second;
 }
 
 bool accepts(const InterfaceDeclaration& field, const NodeType& type) {

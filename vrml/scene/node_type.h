@@ -264,6 +264,9 @@ struct NodeType : NonCopyable {
 [[nodiscard]] const NodeType* built_in_node_type(Language language, std::string_view name);
 /// Returns the built-in VRML97 type of this kind. If there are several, returns the first one by name.
 [[nodiscard]] const NodeType& built_in_node_type(NodeKind kind);
+/// Returns the X3D type that extends a built-in type of VRML97: it has the same name, and its first slots are those of
+/// the VRML97 type. Null if there is none.
+[[nodiscard]] const NodeType* x3d_extension_of(const NodeType& type);
 /// Reports whether a node of this type may stand in a field of an X3D node, by the types that its row lists. Returns
 /// true for fields without a list, and for PROTOs, because their first node is unknown here.
 [[nodiscard]] bool accepts(const InterfaceDeclaration& field, const NodeType& type);

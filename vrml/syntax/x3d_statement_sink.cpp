@@ -154,15 +154,18 @@ bool X3DStatementSink::take_route(const RouteNames& route) {
 }
 
 void X3DStatementSink::resolve_names() {
-  if (sink_.text_.language() != Language::x3d || sink_.scopes_.back().prototype) return;
+  const SourceText& text = sink_.text_;
+  if (sink_.scopes_.back().prototype || (text.x3d().imports.empty() && text.x3d().exports.empty())) return;
+  // VRML97 has no such statements.
+  const Severity severity = text.language() == Language::x3d ? Severity::error : Severity::warning;
   NameTable& names = sink_.scopes_.back().names;
   std::vector<X3DStatements::Import>& imports = statements().imports;
   for (X3DStatements::Import& import : imports) {
     const NodeId* const node = names.find(import.inline_name);
     if (node && *node) import.inline_node = *node;
     if (!node)
-      sink_.problems_.error(import.location,
-                            "IMPORT names " + quoted(import.inline_name) + ", but no DEF has this name");
+      sink_.problems_.report(severity, import.location,
+                             "IMPORT names " + quoted(import.inline_name) + ", but no DEF has this name");
     if (const NodeId* const own = names.find(import.local); own && *own)
       sink_.problems_.warn(import.location, "the imported name " + quoted(import.local) +
                                                 " is also a DEF name; ROUTEs use the DEF name");
@@ -171,7 +174,8 @@ void X3DStatementSink::resolve_names() {
     const NodeId* const node = names.find(each.local);
     if (node && *node) each.node = *node;
     if (!node && !imported_names_.contains(each.local))
-      sink_.problems_.error(each.location, "EXPORT names " + quoted(each.local) + ", but no DEF has this name");
+      sink_.problems_.report(severity, each.location,
+                             "EXPORT names " + quoted(each.local) + ", but no DEF has this name");
   }
 }
 

@@ -68,13 +68,6 @@ TEST_CASE("keeps the statements of an X3D file with its text") {
   CHECK_FALSE(x3d.exports[1].node);
 }
 
-TEST_CASE("skips the statements of X3D in a VRML97 file with a warning") {
-  const ReadX3d read("DEF I Inline { } IMPORT I.a AS b\nEXPORT I\n", "#VRML V2.0 utf8\n");
-  CHECK(read.diagnostics.errors() == 0);
-  CHECK(read.diagnostics.warnings() == 2);
-  CHECK(read.scene.x3d().imports.empty());
-}
-
 TEST_CASE("declares exposed fields in an X3D Script with the keywords of X3D and VRML97") {
   const ReadX3d read("Script { inputOutput SFFloat x 2 initializeOnly SFBool y TRUE field SFBool z FALSE "
                      "inputOnly SFTime t eventOut SFTime u exposedField SFBool v TRUE }");

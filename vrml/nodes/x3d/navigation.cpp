@@ -57,7 +57,7 @@ constexpr X3DRow kNavigationX3DRows[] = {
   eventIn      MFNode     removeChildren  # X3DChildNode
   exposedField MFNode     children []  # X3DChildNode
   exposedField MFString   objectType ["ALL"]
-  exposedField SFBool     pickable TRUE
+  exposedField SFBool     isPickable TRUE
   exposedField SFNode     viewport NULL  # X3DViewportNode
   exposedField SFBool     visible TRUE
 )",
@@ -135,7 +135,7 @@ constexpr X3DRow kNavigationX3DRows[] = {
   exposedField MFNode     children []  # X3DChildNode
   exposedField SFNode     layout NULL  # X3DLayoutNode
   exposedField MFString   objectType ["ALL"]
-  exposedField SFBool     pickable TRUE
+  exposedField SFBool     isPickable TRUE
   exposedField SFNode     viewport NULL  # X3DViewportNode
   exposedField SFBool     visible TRUE
 )",

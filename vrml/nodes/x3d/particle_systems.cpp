@@ -96,12 +96,12 @@ constexpr X3DRow kParticleSystemsX3DRows[] = {
   exposedField SFBool     visible TRUE
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
-  field        SFNode     color NULL  # X3DColorNode
+  field        SFNode     colorRamp NULL  # X3DColorNode
   field        MFFloat    colorKey []  # [0,inf)
   field        SFNode     emitter NULL  # X3DParticleEmitterNode
   field        SFString   geometryType "QUAD"
   field        MFNode     physics []  # X3DParticlePhysicsModelNode
-  field        SFNode     texCoord NULL  # TextureCoordinate,TextureCoordinateGenerator
+  field        SFNode     texCoordRamp NULL  # TextureCoordinate,TextureCoordinateGenerator
   field        MFFloat    texCoordKey []  # [0,inf)
   eventOut     SFBool     isActive
 )",
