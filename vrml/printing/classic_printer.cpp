@@ -119,6 +119,8 @@ void ClassicPrinter::put_field(const WrittenField& field) {
     out() += "[]";
     return;
   }
+  // A list of one node needs no brackets (VRML97 Annex A.3).
+  if (has_one_child(field)) return put_children(field, field.name, [] {});
   out() += '[';
   add_levels(1);
   put_children(field, field.name, [&] {
