@@ -261,22 +261,24 @@ void SceneSink::place(NodeId node, NodeTarget target) {
   }
 }
 
-bool SceneSink::holds_angle(const NodeType& type, const InterfaceDeclaration& field) const {
-  return is_angle(type, field) || angle_fields_.contains(&field);
+// Returns the factor for the values of a field.
+double SceneSink::unit_of(const NodeType& type, const InterfaceDeclaration& field) const {
+  const auto known = measures_.find(&field);
+  return units_.of(known == measures_.end() ? measure_of(type, field) : known->second);
 }
 
-// Converts the lists of angles that the text gives to a node.
-void SceneSink::convert_angles(Node& node) {
+// Converts the lists that the text gives to a node.
+void SceneSink::convert_lists(Node& node) {
   for (const InterfaceDeclaration& field : node.type->interfaces) {
     const bool given = field.slot >= 0 && field.slot < 64 && (node.fields_set >> field.slot & 1) != 0;
-    if (given && is_multiple(field.type) && holds_angle(*node.type, field))
-      scale_angles(node.values[field.slot], angle_unit_);
+    if (const double unit = given && is_multiple(field.type) ? unit_of(*node.type, field) : 1; unit != 1)
+      scale_measures(node.values[field.slot], unit);
   }
 }
 
 void SceneSink::end_node(NodeId id) {
   --scopes_.back().open_nodes;
-  if (angle_unit_ != 1) convert_angles(scene_.node(id));
+  if (!units_.are_standard()) convert_lists(scene_.node(id));
   check_measures(scene_.node(id), said_measures_, problems_);
   const NodeType& type = *scene_.node(id).type;
   if (!type.prototype) return;
@@ -378,8 +380,8 @@ void SceneSink::field_given(OpenNode& node, const InterfaceDeclaration& field, S
   Node& given = scene_.node(node.id);
   given.fields_set |= bit;
   // Lists may get more values, and are converted at the end of the node.
-  if (angle_unit_ != 1 && !is_multiple(field.type) && holds_angle(*node.type, field))
-    scale_angles(given.values[field.slot], angle_unit_);
+  if (units_.are_standard() || is_multiple(field.type)) return;
+  if (const double unit = unit_of(*node.type, field); unit != 1) scale_measures(given.values[field.slot], unit);
 }
 
 }  // namespace gs::vrml

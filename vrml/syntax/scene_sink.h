@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/noncopyable.h"
+#include "vrml/scene/coordinates/units.h"
 #include "vrml/scene/scene_graph.h"
 #include "vrml/syntax/problems/text_limits.h"
 #include "vrml/syntax/tokens/name_table.h"
@@ -135,9 +136,9 @@ class SceneSink : NonCopyable {
   bool extend(NodeId node, SourceName interface);
   [[nodiscard]] const InterfaceDeclaration* add_script_field(OpenNode& node, SourceName name);
   void renew_declarations();
-  [[nodiscard]] bool holds_angle(const NodeType& type, const InterfaceDeclaration& field) const;
-  void convert_angles(Node& node);
-  void convert_angles_of_prototype(NodeType& type);
+  [[nodiscard]] double unit_of(const NodeType& type, const InterfaceDeclaration& field) const;
+  void convert_lists(Node& node);
+  void convert_prototype(NodeType& type);
   void place(NodeId node, NodeTarget target);
   void place_checked(NodeId node, NodeTarget target, SourceLocation location);
   bool place_in_shape(NodeId node, NodeTarget target);
@@ -152,11 +153,11 @@ class SceneSink : NonCopyable {
   TextLimits limits_;
   X3DStatementSink x3d_{*this};
   std::vector<Scope> scopes_;
-  NodeId made_shape_;                                             // last Shape that was made for misplaced nodes
-  std::unordered_set<const InterfaceDeclaration*> angle_fields_;  // of PROTOs: IS connects them to angles
-  double angle_unit_ = 1;                                         // radians per unit of angles in the text
-  std::size_t routes_before_ = 0;                                 // ROUTEs of the scene before this text
-  std::size_t open_interfaces_ = 0;                               // open PROTO interfaces; their default nodes are live
+  NodeId made_shape_;                                                  // last Shape that was made for misplaced nodes
+  std::unordered_map<const InterfaceDeclaration*, Measure> measures_;  // of PROTO fields that IS connects to measures
+  Units units_;                                                        // of the text
+  std::size_t routes_before_ = 0;                                      // ROUTEs of the scene before this text
+  std::size_t open_interfaces_ = 0;                  // open PROTO interfaces; their default nodes are live
   std::unordered_set<std::string_view> said_types_;  // types with a reported problem: declared twice, of X3D, ignored
   std::unordered_map<std::string_view, const NodeType*> stand_ins_;  // stand-ins for the types that the text uses
   std::unordered_set<std::string> said_extensions_;                  // fields of other browsers that were reported

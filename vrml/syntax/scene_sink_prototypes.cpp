@@ -53,7 +53,8 @@ bool SceneSink::may_declare(const NodeType& type, const InterfaceDeclaration& de
 
 void SceneSink::declare(NodeType& type, NodeId script, InterfaceDeclaration declaration) {
   (void)scene_.memory().charge(sizeof(InterfaceDeclaration));
-  if (angle_unit_ != 1 && is_angle(type, declaration)) scale_angles(declaration.initial, angle_unit_);
+  if (const double unit = units_.of(measure_of(type, declaration)); unit != 1)
+    scale_measures(declaration.initial, unit);
   if (script) {
     scene_.declare(script, type, std::move(declaration));
   } else {
@@ -67,16 +68,20 @@ void SceneSink::begin_body(NodeType& type) {
   scope.interfaces_around = open_interfaces_;
 }
 
-// Converts the default values of fields that IS connects to an angle. declare() has converted the rotations.
-void SceneSink::convert_angles_of_prototype(NodeType& type) {
+// Converts the default values of fields that IS connects to a measure. declare() has converted the rotations.
+void SceneSink::convert_prototype(NodeType& type) {
   for (const IsMapping& mapping : type.prototype->mappings) {
-    if (mapping.outer->slot < 0 || is_angle(type, *mapping.outer) || angle_fields_.contains(mapping.outer)) continue;
-    if (!holds_angle(*scene_.node(mapping.node).type, *mapping.inner)) continue;
-    angle_fields_.insert(mapping.outer);
-    scale_angles(type.defaults[static_cast<std::size_t>(mapping.outer->slot)], angle_unit_);
+    const bool converted = measure_of(type, *mapping.outer) != Measure::none || measures_.contains(mapping.outer);
+    if (mapping.outer->slot < 0 || converted) continue;
+    const auto known = measures_.find(mapping.inner);
+    const Measure measure =
+        known == measures_.end() ? measure_of(*scene_.node(mapping.node).type, *mapping.inner) : known->second;
+    if (measure == Measure::none) continue;
+    measures_.emplace(mapping.outer, measure);
+    scale_measures(type.defaults[static_cast<std::size_t>(mapping.outer->slot)], units_.of(measure));
   }
   for (InterfaceDeclaration& field : type.interfaces)
-    if (angle_fields_.contains(&field)) field.initial = type.defaults[static_cast<std::size_t>(field.slot)];
+    if (measures_.contains(&field)) field.initial = type.defaults[static_cast<std::size_t>(field.slot)];
 }
 
 void SceneSink::end_body() {
@@ -84,7 +89,7 @@ void SceneSink::end_body() {
   NodeType& type = *scopes_.back().prototype;
   scopes_.pop_back();
   type.prototype->complete = true;
-  if (angle_unit_ != 1) convert_angles_of_prototype(type);
+  if (!units_.are_standard()) convert_prototype(type);
   count_instance_nodes(scene_, *type.prototype);
   // The first node of the body determines where instances may stand (VRML97 4.8.3).
   for (const Statement& statement : type.prototype->statements) {
