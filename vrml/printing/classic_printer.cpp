@@ -34,6 +34,15 @@ bool is_vrml97_type(FieldType type) {
   }
 }
 
+// Reports whether a field fits into the line of its node: one value without nodes.
+bool is_short(const WrittenField& field) {
+  constexpr std::size_t kLongest = 40;  // bytes of a text
+  if (field.declares || !field.is.empty() || !field.value || field.has_nodes()) return false;
+  if (const auto* const text = std::get_if<SFString>(field.value)) return text->view().size() <= kLongest;
+  const FieldType type = type_of(*field.value);
+  return !is_multiple(type) && type != FieldType::SFImage;
+}
+
 }  // namespace
 
 void ClassicPrinter::begin_text(const TextHead& head) {
@@ -87,6 +96,13 @@ void ClassicPrinter::put_node(const WrittenNode& node, std::string_view field) {
   }
   out() += node.type->name;
   out() += " {";
+  if (node.fields.size() == 1 && is_short(node.fields[0])) {
+    const WrittenField& only = node.fields[0];
+    put_words({" ", only.name, " "});
+    put_field(only);
+    out() += " }";
+    return;
+  }
   add_levels(1);
   for (const WrittenField& each : node.fields) {
     start_line();
