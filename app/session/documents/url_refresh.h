@@ -22,8 +22,8 @@ class UrlRefresh : NonCopyable {
   /// Drops a node that is removed.
   void forget(const vrml::Node& node) { entries_.erase(&node); }
 
-  /// Returns the nodes whose urls the caller must load again now. A node that still loads waits for its next turn. A
-  /// node whose urls failed is dropped.
+  /// Returns the nodes that must load their urls again now. A node that still loads waits for its next turn. Drops
+  /// nodes with failed urls.
   [[nodiscard]] std::vector<vrml::NodeChange> take_due();
   /// Returns the time of the next turn; nullopt if there is none.
   [[nodiscard]] std::optional<double> next_time() const;

@@ -4,8 +4,8 @@
 
 namespace gs::vrml {
 
-/// Measure whose values are converted while a text with another unit is read (ISO/IEC 19775-1 4.3.6). Lengths are not
-/// among them; see scale_content().
+/// Measure of a field. Values in another unit of a text are converted while it is read (ISO/IEC 19775-1 4.3.6). Lengths
+/// are not converted; see scale_content().
 enum class Measure : std::uint8_t { none, angle, mass, force };
 
 /// Base units per unit of a text: radians, kilograms and newtons.
