@@ -4,7 +4,8 @@
 
 namespace gs::vrml::inventor {
 
-/// Shares equal nodes of a converted file, and removes Groups and Transforms without effect. The picture stays the same.
+/// Shares equal nodes of a converted file, and removes Groups and Transforms without effect. The picture stays the
+/// same.
 ///
 /// Nodes with events, urls or state of their own are not shared, nor are nodes with different DEF names. Nodes that are
 /// no longer used stay in the arena. Does nothing for texts that are read into a running world. Costs time and memory

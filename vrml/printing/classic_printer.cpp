@@ -2,6 +2,8 @@
 
 #include "vrml/printing/value_text.h"
 
+#include <algorithm>
+
 namespace gs::vrml {
 namespace {
 
@@ -96,10 +98,11 @@ void ClassicPrinter::put_node(const WrittenNode& node, std::string_view field) {
   }
   out() += node.type->name;
   out() += " {";
-  if (node.fields.size() == 1 && is_short(node.fields[0])) {
-    const WrittenField& only = node.fields[0];
-    put_words({" ", only.name, " "});
-    put_field(only);
+  if (fits_line(node)) {
+    for (const WrittenField& each : node.fields) {
+      put_words({" ", each.name, " "});
+      put_field(each);
+    }
     out() += " }";
     return;
   }
@@ -120,6 +123,16 @@ void ClassicPrinter::put_node(const WrittenNode& node, std::string_view field) {
   remove_levels(1);
   if (!node.fields.empty()) start_line();
   out() += '}';
+}
+
+// Reports whether a node is written in one line: it has one short value, or few of them beside a USE.
+bool ClassicPrinter::fits_line(const WrittenNode& node) {
+  constexpr std::size_t kMaxFields = 3;
+  const auto is_use = [this](const WrittenField& field) { return has_one_use(field); };
+  const bool any_use = std::any_of(node.fields.begin(), node.fields.end(), is_use);
+  return !node.fields.empty() && node.fields.size() <= (any_use ? kMaxFields : 1) &&
+         std::all_of(node.fields.begin(), node.fields.end(),
+                     [&](const WrittenField& field) { return is_short(field) || is_use(field); });
 }
 
 void ClassicPrinter::put_field(const WrittenField& field) {

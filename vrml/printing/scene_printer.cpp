@@ -191,6 +191,14 @@ bool ScenePrinter::has_one_child(const WrittenField& field) {
                  }) == 1;
 }
 
+bool ScenePrinter::has_one_use(const WrittenField& field) {
+  if (field.made || !field.value) return false;
+  const auto* const one = std::get_if<SFNode>(field.value);
+  const auto* const many = std::get_if<MFNode>(field.value);
+  const NodeId id = one ? *one : many && many->size() == 1 ? (*many)[0] : NodeId{};
+  return id && scope_->printed.contains(id.index);
+}
+
 WrittenField ScenePrinter::default_value(const NodeType& type, const InterfaceDeclaration& declaration,
                                          FieldValue& moved) {
   WrittenField field{&declaration, declaration.name, declaration.slot >= 0 ? &declaration.initial : nullptr};

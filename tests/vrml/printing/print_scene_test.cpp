@@ -90,8 +90,7 @@ TEST_CASE("prints a VRML97 scene in the three encodings of X3D") {
       { "TimeSensor": {
         "@loop": true
       } })");
-  CHECK(classic("Switch { choice Group { } whichChoice 0 }") ==
-        "Switch {\n  children Group {}\n  whichChoice 0\n}\n");
+  CHECK(classic("Switch { choice Group { } whichChoice 0 }") == "Switch {\n  children Group {}\n  whichChoice 0\n}\n");
 }
 
 TEST_CASE("gives X3D texts the names of X3D") {
