@@ -80,11 +80,12 @@ TEST_CASE("bends the normal by a normal map (X3D 12.2.4)") {
   check_color(with("0xDA80DA"), glm::vec3(0.707f), 4);
 }
 
-TEST_CASE("draws a white PhysicalMaterial white in a light of intensity 1, and its colour by metalness") {
+TEST_CASE("reflects 1 / pi of the light from a white PhysicalMaterial, and less if it is a rough metal") {
   Shown shown;
-  check_color(shown.color(square("material PhysicalMaterial { metallic 0 roughness 1 }")), glm::vec3(1), 4);
-  // A rough metal reflects a quarter of the light: linear 0.25 is 0.53 on displays.
-  check_color(shown.color(square("material PhysicalMaterial { metallic 1 roughness 1 }")), glm::vec3(0.533f), 6);
+  // Linear 1 / pi is 0.6 on displays.
+  check_color(shown.color(square("material PhysicalMaterial { metallic 0 roughness 1 }")), glm::vec3(0.6f), 4);
+  // A rough metal reflects a quarter of that.
+  check_color(shown.color(square("material PhysicalMaterial { metallic 1 roughness 1 }")), glm::vec3(0.3125f), 6);
 }
 
 TEST_CASE("shows the colours of the back on back faces (X3D 12.4.8)") {
