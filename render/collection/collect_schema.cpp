@@ -31,7 +31,7 @@ constexpr SchemaRow kSchemaRows[] = {
       "cutOffAngle", "global"}},
     {NodeKind::viewpoint,
      {"position", "orientation", "fieldOfView", "description", "jump", "centerOfRotation", "viewAll",
-      "retainUserOffsets", "nearDistance", "farDistance"}},
+      "retainUserOffsets", "nearDistance", "farDistance", "navigationInfo"}},
     {NodeKind::viewpoint_group, {"children", "displayed", "retainUserOffsets", "description", "center", "size"}},
     {NodeKind::navigation_info,
      {"type", "avatarSize", "speed", "visibilityLimit", "headlight", "transitionType", "transitionTime"}},

@@ -446,6 +446,14 @@ const ClipList& Collector::clip_planes() {
   return clip_planes_;
 }
 
+// Adds the NavigationInfo in a field of a viewpoint (X3D 23.3.1). Without events, only the first viewpoint is bound.
+void Collector::add_navigation_of(const NodeView& viewpoint, const Frame& parent, bool first) {
+  const auto* given = viewpoint.find<vrml::SFNode>(ViewpointFields::navigation_info);
+  if (!given || (!bound_ && !first)) return;
+  const NodeView info = schemas_.view(*parent.scene, *given);
+  if (info.kind() == NodeKind::navigation_info) add_bindable(info, parent.scene->resolve(*given), parent);
+}
+
 void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame& parent) {
   ++others_;
   if (view.kind() == NodeKind::viewpoint) {
@@ -457,6 +465,7 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
     viewpoints.back().node = id;
     if (sources_)
       (parent.main ? sources_->viewpoints : inlined_sources_).push_back({view.node, parent.frame, parent.main});
+    add_navigation_of(view, parent, viewpoints.size() == 1);
     return;
   }
   if (sources_ && sources_->bindables.size() < kMaxViewpoints)

@@ -130,6 +130,7 @@ class Collector {
   void add_scoped(Frame& frame, vrml::NodeId child);
   void add_light(const NodeView& light, const glm::dmat4& world_from_local, std::uint32_t frame, bool listed);
   void add_bindable(const NodeView& view, vrml::NodeId id, const Frame& parent);
+  void add_navigation_of(const NodeView& viewpoint, const Frame& parent, bool first);
   void add_shape(const Frame& parent, vrml::NodeId id, const NodeView& shape);
   bool surface_item(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool pictured, DrawItem& item);
   void add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geometry, DrawItem item, RenderSources::Item source,

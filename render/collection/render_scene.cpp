@@ -230,7 +230,7 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
     case NodeKind::viewpoint_group:
       return Effect::everything;
     case NodeKind::viewpoint:
-      return Effect::viewpoint;
+      return has_changed(change, view, ViewpointFields::navigation_info) ? Effect::everything : Effect::viewpoint;
     case NodeKind::navigation_info:
     case NodeKind::background:
     case NodeKind::fog:

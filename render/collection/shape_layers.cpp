@@ -345,7 +345,7 @@ bool LayerBuilder::set_texture(Layer& layer, NodeId texture) {
       return false;
   }
   layer.sampling = sampling_of(resources_.schemas(), scene_, view);
-  return layer.kind == Layer::Kind::scene_cube || layer.kind == Layer::Kind::cube || layer.image;
+  return layer.kind == Layer::Kind::scene_cube || view.kind() == NodeKind::composed_cube_map_texture || layer.image;
 }
 
 bool LayerBuilder::set_cube_faces(Layer& layer, const vrml::SceneGraph& scene, const NodeView& cube) {

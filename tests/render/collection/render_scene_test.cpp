@@ -395,6 +395,24 @@ TEST_CASE("follows ClipPlanes, styles and visible nodes of X3D") {
   world.check();
 }
 
+TEST_CASE("takes the NavigationInfo in a field of the bound Viewpoint (X3D 23.3.1)") {
+  World world(
+      "NavigationInfo { speed 9 } Viewpoint { navigationInfo DEF Own NavigationInfo { headlight FALSE speed 3 } } "
+      "DEF Second Viewpoint { } Shape { geometry Box { } }",
+      vrml::Language::x3d);
+  CHECK_FALSE(world.list().navigation.headlight);
+  CHECK(world.list().navigation.speed == 3);
+  world.send<vrml::SFFloat>("Own.set_speed", 4.0f);
+  CHECK(world.update());
+  world.check();
+  CHECK(world.list().navigation.speed == 4);
+  world.send<vrml::SFBool>("Second.set_bind", true);
+  CHECK(world.update());
+  world.check();
+  CHECK(world.list().navigation.headlight);
+  CHECK(world.list().navigation.speed == 9);
+}
+
 TEST_CASE("updates the bound Fog") {
   World world(R"(
     DEF Place Transform { children DEF Mist Fog { visibilityRange 30 } }

@@ -38,6 +38,11 @@ TEST_CASE("converts each material binding of an IndexedFaceSet") {
   check_material("PER_VERTEX_INDEXED", "", kColor + "colorIndex [ 0 1 2 -1 0 2 0 -1 ]");
 }
 
+TEST_CASE("keeps the binding if a field is marked as ignored") {
+  check_material("PER_VERTEX ~", "", "");
+  check_material("PER_FACE } MaterialBinding { value OVERALL ~", "", kColor + "colorPerVertex FALSE");
+}
+
 TEST_CASE("converts each normal binding of an IndexedFaceSet") {
   const std::string state = "Coordinate3 { point " + kPoints +
                             " } Material { diffuseColor 1 0 0 } Normal { vector "
