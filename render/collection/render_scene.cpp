@@ -188,12 +188,12 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
       return only(Effect::none, BillboardFields::children);  // the next update of the viewer rotates it
     case NodeKind::group:
       return only(Effect::none, GroupFields::children);
+    case NodeKind::particle_system:
+      return has_changed_nodes(change, node) ? Effect::everything : Effect::none;
     case NodeKind::collision:
     case NodeKind::switch_node:
     case NodeKind::lod:
     case NodeKind::inline_node:
-    case NodeKind::particle_system:
-      return has_changed_nodes(change, node) ? Effect::everything : Effect::none;
     case NodeKind::shape:
     case NodeKind::appearance:
     case NodeKind::cad_face:

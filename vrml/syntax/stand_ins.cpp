@@ -115,7 +115,6 @@ constexpr Row kRows[] = {
     {"MouseSensor", kNothing},
     {"Occlusion", kGroup},
     {"Particles", kNothing},
-    {"ParticleSystem", kNothing},
     {"Polygon", kNoGeometry},
     {"RefractiveMaterial", kMaterial},
     {"Selection", kGroup},

@@ -14,8 +14,17 @@ constexpr double kTick = 1.0 / 30;  // usual length of a tick in seconds
 constexpr double kMaxWork = 1 << 24;
 constexpr std::uint64_t kBirthNumbers = 1, kWindNumbers = 2;  // purposes of random numbers
 
-// Returns the pressure of a wind in newtons per square metre (40.4.10): 10^(2 log10(speed)) * 0.64615.
-float wind_pressure(float speed) { return speed * speed * 0.64615F; }
+constexpr float kMaxAcceleration = 1e9F;
+
+// Returns the pressure of a wind in newtons per square metre (40.4.10): 10^(2 log(speed)) * 0.64615. Like X_ITE, takes
+// the natural logarithm, for which existing worlds are made.
+float wind_pressure(float speed) {
+  return speed > 0 ? std::pow(10.0F, 2 * std::log(std::min(speed, 1e8F))) * 0.64615F : 0;
+}
+
+glm::vec3 limited(const glm::vec3& acceleration) {
+  return glm::clamp(acceleration, glm::vec3(-kMaxAcceleration), glm::vec3(kMaxAcceleration));
+}
 
 }  // namespace
 
@@ -119,13 +128,13 @@ void ParticleSimulation::step() {
 // Particles without mass are treated as having the mass 1.
 glm::vec3 ParticleSimulation::forces(std::vector<Turbulence>& turbulences) const {
   const float mass = settings_.emitter.mass > 0 ? settings_.emitter.mass : 1;
-  glm::vec3 sum = settings_.force / mass;
+  glm::vec3 sum = limited(settings_.force / mass);
   for (std::size_t i = 0; i < settings_.winds.size(); ++i) {
     const ParticleWind& wind = settings_.winds[i];
     ParticleRandom random(seed_, ticks_, (kWindNumbers + i) << 32);
     const float pressure = wind_pressure(random.varied(wind.speed, wind.gustiness));
     const glm::vec3 direction = wind.direction != glm::vec3(0) ? wind.direction : random.direction();
-    const float acceleration = pressure * settings_.emitter.surface_area / mass;
+    const float acceleration = std::min(pressure * settings_.emitter.surface_area / mass, kMaxAcceleration);
     if (wind.turbulence > 0)
       turbulences.push_back({direction, acceleration, wind.turbulence * std::numbers::pi_v<float>});
     else
@@ -143,7 +152,9 @@ void ParticleSimulation::add_births(double begin, double end, const glm::vec3& a
     for (std::size_t i = 0; i < settings_.most; ++i) add(begin, begin, end, acceleration);
     return;
   }
-  for (double time = birth(births_); time < end; time = birth(++births_)) add(time, begin, end, acceleration);
+  // After an extremely long time, doubles cannot count the births of such short lives any more.
+  for (double time = birth(births_); time < end && births_ + 1 > births_; time = birth(++births_))
+    add(time, begin, end, acceleration);
 }
 
 void ParticleSimulation::add(double time, double begin, double end, const glm::vec3& acceleration) {
