@@ -4,6 +4,7 @@
 #include "vrml/scene/values/transformation.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
 namespace gs::render {
@@ -52,8 +53,7 @@ void Collector::add_particles(const Frame& parent, vrml::NodeId id, const NodeVi
   particles.view.texture_coordinates = source.appearance.need_coordinates();
   const vrml::ParticleSimulation* const simulation = scene.particles().of(id);
   const std::size_t most = simulation ? simulation->settings().most : 1;
-  const vrml::NodeId geometry =
-      shape == vrml::ParticleShape::geometry ? geometry_of(scene, system) : vrml::NodeId{};
+  const vrml::NodeId geometry = shape == vrml::ParticleShape::geometry ? geometry_of(scene, system) : vrml::NodeId{};
   if (geometry) {
     source.geometry = &scene.node(geometry);
     if (const auto scale = vrml::scale_of_primitive(scene, geometry)) {
@@ -67,6 +67,10 @@ void Collector::add_particles(const Frame& parent, vrml::NodeId id, const NodeVi
       particles.view.geometry = resources_.mesh_of(scene, geometry, source.appearance.need_coordinates());
     }
   }
+  if (scene.get<vrml::SFInt32>(id, "maxParticles") > static_cast<std::int64_t>(vrml::ParticleSettings::kMaxParticles))
+    resources_.report_limit("more particles than the " + std::to_string(vrml::ParticleSettings::kMaxParticles) +
+                                " that one system may have",
+                            scene, id);
   const std::size_t copied = particles.view.geometry ? particles.view.geometry->indices.size() / 3 : 2;
   if (!fits_float(parent.world_from_local) ||
       !has_room(scene, id, std::min(most * copied, vrml::kMaxParticleIndices / 3)))

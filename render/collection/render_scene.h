@@ -41,7 +41,8 @@ class RenderScene {
   [[nodiscard]] std::shared_ptr<const RenderList> shared_list() const { return list_; }
   /// Reports whether the list depends on the viewer's position.
   [[nodiscard]] bool depends_on_viewer() const {
-    return !sources_.lods.empty() || !sources_.billboards.empty() || !sources_.texts.empty() || !sources_.particles.empty();
+    return !sources_.lods.empty() || !sources_.billboards.empty() || !sources_.texts.empty() ||
+           !sources_.particles.empty();
   }
   /// Returns the number of full collections so far.
   [[nodiscard]] std::size_t gathered() const { return gathered_; }

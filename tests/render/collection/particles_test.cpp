@@ -68,7 +68,8 @@ TEST_CASE("draws the particles of a system without collecting the world again") 
 TEST_CASE("draws equal pictures of particles at equal times") {
   const std::string fire =
       "ParticleSystem { geometryType \"SPRITE\" particleSize 1 1 maxParticles 300 particleLifetime 3"
-      " emitter ConeEmitter { speed 1 angle 0.5 mass 1 surfaceArea 1 } physics WindPhysicsModel { turbulence 0.5 speed 1 }"
+      " emitter ConeEmitter { speed 1 angle 0.5 mass 1 surfaceArea 1 } physics WindPhysicsModel { turbulence 0.5 speed "
+      "1 }"
       " color ColorRGBA { color [ 1 1 0 0.5, 1 0 0 0 ] } colorKey [ 0 3 ] }";
   ParticlePicture often(fire), once(fire);
   for (double time = 0; time < 4; time += 0.11) (void)often.show(time);

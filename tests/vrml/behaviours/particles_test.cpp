@@ -42,7 +42,8 @@ std::vector<ShownParticle> particles_at(const ParticleSettings& settings, double
 bool same_particles(const std::vector<ShownParticle>& a, const std::vector<ShownParticle>& b) {
   if (a.size() != b.size()) return false;
   for (std::size_t i = 0; i < a.size(); ++i)
-    if (a[i].position != b[i].position || a[i].velocity != b[i].velocity || a[i].lifetime != b[i].lifetime) return false;
+    if (a[i].position != b[i].position || a[i].velocity != b[i].velocity || a[i].lifetime != b[i].lifetime)
+      return false;
   return true;
 }
 
@@ -259,7 +260,8 @@ TEST_CASE("sends isActive of a ParticleSystem when it starts and stops") {
 }
 
 TEST_CASE("keeps living particles after createParticles FALSE") {
-  ParticleWorld world("emitter DEF E PointEmitter { speed 1 } particleLifetime 2 geometryType \"POINT\" maxParticles 100");
+  ParticleWorld world(
+      "emitter DEF E PointEmitter { speed 1 } particleLifetime 2 geometryType \"POINT\" maxParticles 100");
   world.start();
   world.step(1);
   const std::size_t before = world.mesh().indices.size();
@@ -276,8 +278,9 @@ TEST_CASE("keeps living particles after createParticles FALSE") {
 
 TEST_CASE("gives particles the geometry of each geometryType") {
   const auto mesh_at = [](const std::string& fields, const ParticleView& view = {}) {
-    ParticleWorld world(fields + " emitter PointEmitter { speed 1 } maxParticles 10 lifetimeVariation 0 "
-                                 "particleLifetime 1 particleSize 0.2 0.4");
+    ParticleWorld world(fields +
+                        " emitter PointEmitter { speed 1 } maxParticles 10 lifetimeVariation 0 "
+                        "particleLifetime 1 particleSize 0.2 0.4");
     world.start();
     world.step(0.55);
     return world.mesh(view);
@@ -345,7 +348,8 @@ TEST_CASE("changes colours and texture coordinates over the life of a particle")
 
 TEST_CASE("follows events of emitters and physics models") {
   ParticleWorld world(
-      "emitter DEF E PointEmitter { on FALSE direction 0 1 0 speed 1 } physics DEF F ForcePhysicsModel { enabled FALSE } "
+      "emitter DEF E PointEmitter { on FALSE direction 0 1 0 speed 1 } physics DEF F ForcePhysicsModel { enabled FALSE "
+      "} "
       "geometryType \"POINT\" particleLifetime 1");
   world.start();
   world.step(3);

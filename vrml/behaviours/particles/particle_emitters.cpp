@@ -29,7 +29,7 @@ NewParticle emit(const ParticleEmitter& emitter, ParticleRandom& random) {
     case ParticleEmitter::Kind::point:
       break;
     case ParticleEmitter::Kind::cone:
-      if (directed) direction = random.direction_within(emitter.direction, emitter.angle);
+      if (directed) direction = DirectionCone(emitter.direction, emitter.angle).direction(random);
       break;
     case ParticleEmitter::Kind::explosion:
       direction = random.direction();

@@ -44,9 +44,7 @@ class RampKeys {
   }
   [[nodiscard]] std::span<const float> keys() const { return keys_; }
   /// Returns the time of a particle in the unit of the keys.
-  [[nodiscard]] float time_of(const ShownParticle& one) const {
-    return fractions_ ? one.age / one.lifetime : one.age;
-  }
+  [[nodiscard]] float time_of(const ShownParticle& one) const { return fractions_ ? one.age / one.lifetime : one.age; }
 
  private:
   std::span<const float> keys_;
@@ -76,7 +74,8 @@ class ColorRamp {
     for (int i = 0; i < kEntries; ++i) {
       const KeyPlace place = find_key(keys, first_ + static_cast<float>(i) / per_second_);
       const ParticleColor a = color_at(place.first), b = color_at(place.second);
-      table_.push_back({between_colors(a.color, b.color, place.part), a.opacity + (b.opacity - a.opacity) * place.part});
+      table_.push_back(
+          {between_colors(a.color, b.color, place.part), a.opacity + (b.opacity - a.opacity) * place.part});
     }
   }
   [[nodiscard]] bool empty() const { return table_.empty(); }

@@ -28,7 +28,8 @@ inline constexpr std::size_t kMaxParticleIndices = std::size_t{3} << 20;
 /// Returns the present particles of a ParticleSystem as one mesh. Returns an empty mesh if the system is not active.
 [[nodiscard]] Mesh particle_mesh(const SceneGraph& scene, NodeId system, const ParticleView& view);
 
-/// Returns a box for the particles of a system: the fields bboxCenter and bboxSize if they are set, or else an estimate.
+/// Returns a box for the particles of a system: the fields bboxCenter and bboxSize if they are set, or else an
+/// estimate.
 [[nodiscard]] Box particle_region(const SceneGraph& scene, NodeId system);
 
 }  // namespace gs::vrml

@@ -16,9 +16,9 @@
 namespace gs::vrml {
 namespace {
 
-constexpr int kSurfaceSegments = 16;       // of curved primitives, around a full circle
-constexpr float kMaxNumber = 1e9F;         // maximum of speeds, forces, sizes and similar values
-constexpr std::size_t kMaxModels = 64;     // maximum physics models of a system
+constexpr int kSurfaceSegments = 16;    // of curved primitives, around a full circle
+constexpr float kMaxNumber = 1e9F;      // maximum of speeds, forces, sizes and similar values
+constexpr std::size_t kMaxModels = 64;  // maximum physics models of a system
 
 template <class T>
 T particle_field(const SceneGraph& scene, NodeId node, std::string_view name, T otherwise) {

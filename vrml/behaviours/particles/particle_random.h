@@ -25,15 +25,14 @@ class ParticleRandom {
   float around() { return 2 * unit() - 1; }
   /// Returns a value that differs from `value` by at most `variation` times `value`, and is at least 0.
   float varied(float value, float variation) { return std::fmax(value * (1 + variation * around()), 0.0F); }
+  /// Returns a point on the part of the unit sphere with z >= `lowest`. All points are equally likely.
+  glm::vec3 on_cap(float lowest) {
+    const float turn = unit() * 2 * std::numbers::pi_v<float>, z = 1 - unit() * (1 - lowest);
+    const float radius = std::sqrt(std::fmax(1 - z * z, 0.0F));
+    return {std::cos(turn) * radius, std::sin(turn) * radius, z};
+  }
   /// Returns a unit vector. All directions are equally likely.
   glm::vec3 direction() { return on_cap(-1); }
-  /// Returns a unit vector that differs from the unit vector `axis` by at most `angle` radians.
-  glm::vec3 direction_within(const glm::vec3& axis, float angle) {
-    const glm::vec3 local = on_cap(std::cos(std::fmin(std::fmax(angle, 0.0F), std::numbers::pi_v<float>)));
-    const glm::vec3 other = std::abs(axis.x) < 0.7F ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
-    const glm::vec3 right = glm::normalize(glm::cross(other, axis));
-    return right * local.x + glm::cross(axis, right) * local.y + axis * local.z;
-  }
 
  private:
   static constexpr std::uint64_t kStep = 0x9E3779B97F4A7C15;
@@ -44,14 +43,27 @@ class ParticleRandom {
     x = (x ^ (x >> 27)) * 0x94D049BB133111EB;
     return x ^ (x >> 31);
   }
-  // Returns a point on the part of the unit sphere with z >= `lowest`.
-  glm::vec3 on_cap(float lowest) {
-    const float turn = unit() * 2 * std::numbers::pi_v<float>, z = 1 - unit() * (1 - lowest);
-    const float radius = std::sqrt(std::fmax(1 - z * z, 0.0F));
-    return {std::cos(turn) * radius, std::sin(turn) * radius, z};
+  std::uint64_t state_;
+};
+
+/// Directions that differ from an axis by at most an angle.
+class DirectionCone {
+ public:
+  /// `axis` is a unit vector; `angle` is in radians.
+  DirectionCone(const glm::vec3& axis, float angle)
+      : axis_(axis), lowest_(std::cos(std::fmin(std::fmax(angle, 0.0F), std::numbers::pi_v<float>))) {
+    right_ = glm::normalize(glm::cross(std::abs(axis.x) < 0.7F ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0), axis));
+    up_ = glm::cross(axis_, right_);
+  }
+  /// Returns a unit vector. All directions of the cone are equally likely.
+  glm::vec3 direction(ParticleRandom& random) const {
+    const glm::vec3 local = random.on_cap(lowest_);
+    return right_ * local.x + up_ * local.y + axis_ * local.z;
   }
 
-  std::uint64_t state_;
+ private:
+  glm::vec3 axis_, right_, up_;
+  float lowest_;
 };
 
 }  // namespace gs::vrml

@@ -107,7 +107,7 @@ void ParticleSimulation::step() {
     for (std::size_t k = 0; k < turbulences_.size(); ++k) {
       const Turbulence& turbulence = turbulences_[k];
       ParticleRandom random(seed_ ^ (ticks_ << 20), one.number, kWindNumbers + k);
-      acceleration += random.direction_within(turbulence.axis, turbulence.angle) * turbulence.acceleration;
+      acceleration += turbulence.directions.direction(random) * turbulence.acceleration;
     }
     one.from = one.to;
     one.to += (one.velocity + acceleration * (seconds / 2)) * seconds;
@@ -136,7 +136,7 @@ glm::vec3 ParticleSimulation::forces(std::vector<Turbulence>& turbulences) const
     const glm::vec3 direction = wind.direction != glm::vec3(0) ? wind.direction : random.direction();
     const float acceleration = std::min(pressure * settings_.emitter.surface_area / mass, kMaxAcceleration);
     if (wind.turbulence > 0)
-      turbulences.push_back({direction, acceleration, wind.turbulence * std::numbers::pi_v<float>});
+      turbulences.push_back({{direction, wind.turbulence * std::numbers::pi_v<float>}, acceleration});
     else
       sum += direction * acceleration;
   }
@@ -228,7 +228,9 @@ Box ParticleSimulation::expected_bounds() const {
   const bool straight = directed && emitter.kind != ParticleEmitter::Kind::cone;
   for (const glm::vec3& corner : {start.lower, start.upper}) {
     if (directed) box.add(corner + emitter.direction * reach);
-    const float around = (straight ? 0 : directed ? reach * std::sin(std::min(emitter.angle, 1.57F)) : reach) +
+    const float around = (straight   ? 0
+                          : directed ? reach * std::sin(std::min(emitter.angle, 1.57F))
+                                     : reach) +
                          std::max(settings_.size.x, settings_.size.y) / 2;
     box.add(corner - glm::vec3(around));
     box.add(corner + glm::vec3(around));

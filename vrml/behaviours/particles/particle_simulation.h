@@ -58,8 +58,8 @@ class ParticleSimulation {
   };
   /// Wind that acts on each particle in another direction.
   struct Turbulence {
-    glm::vec3 axis{0};
-    float acceleration = 0, angle = 0;
+    DirectionCone directions;
+    float acceleration = 0;
   };
 
   [[nodiscard]] double end_of(double tick) const { return grid_ + tick * span_; }
@@ -79,8 +79,8 @@ class ParticleSimulation {
   double now_ = 0;  // seconds since the start, as are all further times
   double busy_until_ = std::numeric_limits<double>::infinity();
   ParticleSettings settings_;
-  // Ticks end at grid_ + n * span_. tick_ ticks of this grid are done, and ticks_ of all grids. last_span_ is the length
-  // of the last tick.
+  // Ticks end at grid_ + n * span_. tick_ ticks of this grid are done, and ticks_ of all grids. last_span_ is the
+  // length of the last tick.
   double grid_ = 0, span_ = 1, tick_ = 0, last_span_ = 1;
   std::uint64_t ticks_ = 0;
   // Births are at birth_origin_ + n * period_; the next one is number births_. Particles are numbered from 0.

@@ -44,13 +44,13 @@ SurfaceTree::SurfaceTree(const Mesh& mesh) : solid_(mesh.solid) {
     Triangle triangle;
     for (std::size_t corner = 0; corner < 3; ++corner)
       triangle.corners[corner] = mesh.positions[mesh.indices[i + corner]] + origin;
-    const glm::vec3 cross = glm::cross(triangle.corners[1] - triangle.corners[0], triangle.corners[2] - triangle.corners[0]);
+    const glm::vec3 cross =
+        glm::cross(triangle.corners[1] - triangle.corners[0], triangle.corners[2] - triangle.corners[0]);
     const float length = glm::length(cross);
     if (!(length > 0) || !std::isfinite(length)) continue;
     for (std::size_t corner = 0; corner < 3; ++corner)
-      triangle.normals[corner] = mesh.normals.empty()
-                                     ? cross / length
-                                     : unit_or(mesh.normals[mesh.indices[i + corner]], cross / length);
+      triangle.normals[corner] =
+          mesh.normals.empty() ? cross / length : unit_or(mesh.normals[mesh.indices[i + corner]], cross / length);
     bounds_.add(box_around_corners(triangle.corners));
     triangles_.push_back(triangle);
   }
@@ -75,7 +75,9 @@ void SurfaceTree::build(std::uint32_t first, std::uint32_t last) {
   if (branch.count <= kLeaf) return;
   const glm::vec3 size = branch.box.size();
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const auto middle_of = [axis](const Triangle& t) { return t.corners[0][axis] + t.corners[1][axis] + t.corners[2][axis]; };
+  const auto middle_of = [axis](const Triangle& t) {
+    return t.corners[0][axis] + t.corners[1][axis] + t.corners[2][axis];
+  };
   const std::uint32_t middle = first + branch.count / 2;
   std::nth_element(triangles_.begin() + first, triangles_.begin() + middle, triangles_.begin() + last,
                    [&](const Triangle& a, const Triangle& b) { return middle_of(a) < middle_of(b); });
@@ -142,8 +144,8 @@ std::optional<SurfaceTree::Hit> SurfaceTree::first_hit(const glm::vec3& from, co
   hit.part = at.part;
   hit.point = from + direction * at.part;
   hit.face = glm::normalize(glm::cross(found->corners[1] - found->corners[0], found->corners[2] - found->corners[0]));
-  hit.normal = unit_or(found->normals[0] * (1 - at.u - at.v) + found->normals[1] * at.u + found->normals[2] * at.v,
-                       hit.face);
+  hit.normal =
+      unit_or(found->normals[0] * (1 - at.u - at.v) + found->normals[1] * at.u + found->normals[2] * at.v, hit.face);
   return hit;
 }
 
