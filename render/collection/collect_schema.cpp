@@ -12,6 +12,7 @@ struct SchemaRow {
 
 constexpr SchemaRow kSchemaRows[] = {
     {NodeKind::shape, {"appearance", "geometry"}},
+    {NodeKind::particle_system, {"appearance", "geometry"}},
     {NodeKind::group, {"children"}},
     {NodeKind::collision, {"children", "collide", "proxy"}},
     {NodeKind::transform, {"children", "center", "rotation", "scale", "scaleOrientation", "translation"}},

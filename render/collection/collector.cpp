@@ -351,6 +351,9 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
     case NodeKind::shape:
       if (!parent.presence.hidden) add_shape(parent, id, view);
       break;
+    case NodeKind::particle_system:
+      if (!parent.presence.hidden) add_particles(parent, id, view);
+      break;
     case NodeKind::cad_face:
       if (const auto* shape = view.find<vrml::SFNode>(CadFaceFields::shape)) enter_one(parent, id, *shape);
       break;

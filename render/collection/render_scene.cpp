@@ -152,6 +152,7 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
       any = any || !moved_frames_.empty();
       move_frames();
       if (!whole && refine_texts()) any = true;
+      if (!whole && move_particles()) any = true;
     }
     // A coordinate system has overflowed and hides its content, so collect again.
     whole = whole || frame_lost_;
@@ -187,6 +188,8 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
       return only(Effect::none, BillboardFields::children);  // the next update of the viewer rotates it
     case NodeKind::group:
       return only(Effect::none, GroupFields::children);
+    case NodeKind::particle_system:
+      return has_changed_nodes(change, node) ? Effect::everything : Effect::none;
     case NodeKind::collision:
     case NodeKind::switch_node:
     case NodeKind::lod:
@@ -353,7 +356,7 @@ void RenderScene::place_item(std::uint32_t i) {
     return;
   }
   item.world_from_node = world_from_node;
-  source.bounds = world_bounds(item.mesh->bounds, world_from_node);
+  source.bounds = world_bounds(source.region.empty() ? item.mesh->bounds : source.region, world_from_node);
   item_moved(i);
 }
 

@@ -41,7 +41,8 @@ class RenderScene {
   [[nodiscard]] std::shared_ptr<const RenderList> shared_list() const { return list_; }
   /// Reports whether the list depends on the viewer's position.
   [[nodiscard]] bool depends_on_viewer() const {
-    return !sources_.lods.empty() || !sources_.billboards.empty() || !sources_.texts.empty();
+    return !sources_.lods.empty() || !sources_.billboards.empty() || !sources_.texts.empty() ||
+           !sources_.particles.empty();
   }
   /// Returns the number of full collections so far.
   [[nodiscard]] std::size_t gathered() const { return gathered_; }
@@ -75,6 +76,7 @@ class RenderScene {
   const Uses& item_uses();
   bool follow_viewer(const glm::dvec3& viewer);
   bool refine_texts();
+  bool move_particles();
   void mark_frame(std::uint32_t frame, const glm::dmat4& parent_from_local);
   void move_frames();
   void place_item(std::uint32_t item);

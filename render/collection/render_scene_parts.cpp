@@ -37,7 +37,7 @@ bool RenderScene::is_face(const vrml::Node* node) const {
 // vanishes.
 bool RenderScene::renew_geometry(std::uint32_t i) {
   DrawItem& item = list_->items[i];
-  if (item.place == kNoPlace || item.surface) return false;
+  if (item.place == kNoPlace || item.surface || !item.touchable) return false;
   const Place& place = list_->places[item.place];
   const NodeView shape = resources_.schemas().view(*place.scene, place.node);
   const vrml::NodeId geometry = geometry_of(*place.scene, shape);
@@ -49,6 +49,23 @@ bool RenderScene::renew_geometry(std::uint32_t i) {
   sources_.items[i].text_level = ShapeResources::kCoarsestText;
   place_item(i);
   return true;
+}
+
+// Shows the present particles, and turns sprites to the viewer. Returns true if any item changed.
+bool RenderScene::move_particles() {
+  bool any = false;
+  for (RenderSources::Particles& particles : sources_.particles) {
+    DrawItem& item = list_->items[particles.item];
+    if (item.place == kNoPlace) continue;
+    const Place& place = list_->places[item.place];
+    if (!renew_particles(item, sources_.items[particles.item], particles, *place.scene, place.node,
+                         list_->world_from_frame[place.frame], viewer_, viewer_up_))
+      continue;
+    place_item(particles.item);
+    if (item.layered) apply_item_appearance(particles.item);
+    any = true;
+  }
+  return any;
 }
 
 void RenderScene::apply_item_appearance(std::uint32_t index) {

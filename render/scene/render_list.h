@@ -95,6 +95,7 @@ struct DrawItem {
   bool visible = true;  // false in the proxy of a Collision (6.8)
   bool collidable = true;  // an obstacle to the viewer
   bool overlay = false;  // fixed to the viewer: drawn in front of all other items
+  bool touchable = true;  // rays hit it; false for particles
   std::shared_ptr<const qnv::Geometry> surface;  // QNV node: an indexed mesh or patches; else null
   float detail = 1;                              // field `detail` of the QNV node, more than 0
 

@@ -123,5 +123,6 @@ inline constexpr int kKeySensorEnabled = 0;  // event index of enabled in KeySen
 extern const Behaviour kKeySensorBehaviour, kStringSensorBehaviour, kTransformSensorBehaviour;
 extern const Behaviour kLinePickSensorBehaviour, kPointPickSensorBehaviour, kPrimitivePickSensorBehaviour,
     kVolumePickSensorBehaviour;
+extern const Behaviour kParticleSystemBehaviour;
 
 }  // namespace gs::vrml

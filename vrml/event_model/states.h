@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <deque>
 #include <limits>
+#include <memory>
 #include <vector>
 
 namespace gs::vrml {
@@ -149,6 +150,14 @@ struct LoadSensorState {
   double began = 0;        // time when it became active
 };
 
+struct RunningParticles;
+
+/// State of a ParticleSystem (X3D 40.4.5).
+struct ParticleState {
+  std::shared_ptr<RunningParticles> running;  // null until the system is enabled
+  bool active = false;
+};
+
 /// Pool of states of one kind. Indices start at 1; indices of removed nodes are used again.
 template <class T>
 class StatePool {
@@ -190,6 +199,8 @@ struct BehaviourStates {
   StatePool<MotionState> motions;
   StatePool<LoadSensorState> loads;
   StatePool<FollowerState> followers;
+  StatePool<ParticleState> particles;
+  bool particles_ahead = false;  // systems that start look as if they had run for a lifetime: for still pictures
 };
 
 }  // namespace gs::vrml

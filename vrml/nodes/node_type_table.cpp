@@ -58,7 +58,7 @@ std::unique_ptr<NodeType> type_of_row(const NodeRow& row) {
 
 /// Interface that has another name in X3D 4 than in VRML97 or X3D 3.
 struct Renamed {
-  std::string_view node, name, x3d_name;
+  std::string_view node, name, x3d_name;  // x3d_name: the other name
 };
 constexpr Renamed kRenamed[] = {
     {"Collision", "collide", "enabled"},
@@ -77,11 +77,21 @@ constexpr Renamed kRenamed[] = {
     {"Switch", "choice", "children"},
 };
 
+/// Interface that has another name in X3D 3 than in X3D 4.
+constexpr Renamed kFormerNames[] = {
+    {"ParticleSystem", "color", "colorRamp"},
+    {"ParticleSystem", "texCoord", "texCoordRamp"},
+};
+
 void rename_interfaces(NodeType& type) {
   for (const Renamed& renamed : kRenamed)
     if (renamed.node == type.name)
       for (InterfaceDeclaration& each : type.interfaces)
         if (each.name == renamed.name) each.x3d_name = renamed.x3d_name;
+  for (const Renamed& renamed : kFormerNames)
+    if (renamed.node == type.name)
+      for (InterfaceDeclaration& each : type.interfaces)
+        if (each.name == renamed.name) each.former_name = renamed.x3d_name;
 }
 
 /// Field of a grouping node with nodes that stand elsewhere in the hierarchy, or outside of it.

@@ -35,6 +35,7 @@ struct InterfaceDeclaration {
   FieldValue initial;              // initial value; only for fields and exposedFields
   std::string range;               // "[0,1]" as the standard writes it; only for built-in nodes. For nodes: accepts()
   std::string x3d_name{};          // name in X3D, if it differs: Switch.choice is `children` in X3D
+  std::string former_name{};       // name before X3D 4, which files may still use
   bool lists = false;              // nodes that stand elsewhere in the hierarchy: HAnimHumanoid.joints
   int slot = -1;                   // index of the stored value in a node; -1 for eventIns and eventOuts
   bool of_other_browsers = false;  // event of a built-in node that the standard does not have (NodeRow::other_events)
@@ -145,6 +146,16 @@ enum class NodeKind : std::uint8_t {
   texture_coordinate_generator,
   texture_coordinate_3d,
   texture_coordinate_4d,
+  particle_system,
+  point_emitter,
+  cone_emitter,
+  explosion_emitter,
+  polyline_emitter,
+  surface_emitter,
+  volume_emitter,
+  force_physics,
+  wind_physics,
+  bounded_physics,
 };
 
 /// Content of the file that the `url` of a node names. It selects the content handler.

@@ -131,7 +131,6 @@ constexpr Row kRows[] = {
     {"MouseSensor", kNothing},
     {"Occlusion", kGroup},
     {"Particles", kNothing},
-    {"ParticleSystem", kNothing},
     {"Polygon", kNoGeometry},
     {"ProjectedTextureCoordinate", kNoCoordinates},
     {"RefractiveMaterial", kMaterial},

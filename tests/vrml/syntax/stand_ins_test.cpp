@@ -12,7 +12,7 @@ TEST_CASE("returns a stand-in PROTO of the requested name") {
   for (const std::string name :
        {"BlaxxunZone", "BspGroup",          "DeviceSensor",        "HUD",        "Layer",       "Layer2D",
         "Layer3D",     "LayerSet",          "Occlusion",           "Particles",  "SharedEvent", "SharedObject",
-        "CullGroup",   "InlineLoadControl", "KambiNavigationInfo", "MenuSensor", "MouseSensor", "ParticleSystem",
+        "CullGroup",   "InlineLoadControl", "KambiNavigationInfo", "MenuSensor", "MouseSensor",
         "SpaceSensor", "Selection"}) {
     INFO(name);
     SceneGraph scene("text.wrl");

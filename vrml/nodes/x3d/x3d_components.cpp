@@ -31,7 +31,7 @@ constexpr X3DComponent kComponents[] = {
     {"NURBS", 4, 4},
     {"Navigation", 3, 3},
     {"Networking", 4, 4},
-    {"ParticleSystems", 3, 0},
+    {"ParticleSystems", 3, 3},
     {"Picking", 3, 3},
     {"PointingDeviceSensor", 1, 1},
     {"Rendering", 5, 5},
@@ -52,7 +52,7 @@ constexpr X3DComponent kComponents[] = {
 constexpr X3DProfile kProfiles[] = {
     {"CADInterchange", ""},
     {"Core", ""},
-    {"Full", "DIS, Layering, Layout, ParticleSystems, RigidBodyPhysics, Shaders, TextureProjection, VolumeRendering"},
+    {"Full", "DIS, Layering, Layout, RigidBodyPhysics, Shaders, TextureProjection, VolumeRendering"},
     {"Immersive", ""},
     {"Interactive", ""},
     {"Interchange", ""},
