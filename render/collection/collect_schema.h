@@ -12,6 +12,9 @@ namespace gs::render {
 using vrml::NodeKind;
 
 // Indexes of the fields of each node type, in their row of the schema table (collect_schema.cpp).
+struct LayerSetFields {
+  enum : int { layers };
+};
 struct GroupFields {
   enum : int { children };
 };

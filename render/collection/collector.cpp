@@ -103,6 +103,7 @@ RenderList Collector::collect(const vrml::SceneGraph& scene) {
       continue;
     }
     const vrml::NodeId id = *top.next++;
+    if (path_.size() == 1 && is_outside_of_layer(scene, id)) continue;
     visit(Frame(top), id);  // a copy, because enter() may reallocate path_
   }
   coarsen_primitives();
@@ -135,7 +136,8 @@ void Collector::enter(Frame frame) {
     (*frame.on_path)[frame.node] = true;
   }
   // A DirectionalLight affects all its siblings, also those before it (VRML97 6.16).
-  for (const vrml::NodeId* child = frame.next; child != frame.end && frame.presence.visible; ++child)
+  const bool is_layer_root = path_.empty() && bound_ && bound_->layer > 0;
+  for (const vrml::NodeId* child = frame.next; child != frame.end && frame.presence.visible && !is_layer_root; ++child)
     add_scoped(frame, *child);
   path_.push_back(frame);
 }
@@ -265,6 +267,20 @@ void Collector::enter_humanoid(const Frame& parent, vrml::NodeId id, const NodeV
   enter_moved(parent, id, &parts, transform_matrix(humanoid), false);
 }
 
+/// Reports whether a root node of the world does not belong to the collected layer.
+bool Collector::is_outside_of_layer(const vrml::SceneGraph& scene, vrml::NodeId root) const {
+  return bound_ && bound_->layer_set && (scene.resolve(root) == bound_->layer_set) != (bound_->layer > 0);
+}
+
+// Enters the collected layer. Without events, and in Inlines, enters all layers as a group.
+void Collector::enter_layers(const Frame& parent, vrml::NodeId id, const NodeView& layer_set) {
+  const auto* layers = layer_set.find<vrml::MFNode>(LayerSetFields::layers);
+  if (bound_ && id == bound_->layer_set && parent.main)
+    enter_choice(parent, id, layers, bound_->layer - 1);
+  else
+    enter_node(parent, id, layers);
+}
+
 void Collector::enter_choice(const Frame& parent, vrml::NodeId id, const vrml::MFNode* choices, std::int64_t which) {
   if (!choices || which < 0 || which >= static_cast<std::int64_t>(choices->size())) return;
   enter_one(parent, id, choices->begin()[which]);
@@ -357,7 +373,12 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
     case NodeKind::cad_face:
       if (const auto* shape = view.find<vrml::SFNode>(CadFaceFields::shape)) enter_one(parent, id, *shape);
       break;
+    case NodeKind::layer_set:
+      enter_layers(parent, id, view);
+      break;
     case NodeKind::group:
+    case NodeKind::layer:
+    case NodeKind::viewport:
       enter_node(parent, id, view.find<vrml::MFNode>(GroupFields::children));
       break;
     case NodeKind::collision:
@@ -484,6 +505,7 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
   if (!counts || std::exchange(have, true)) return;
   if (kind == NodeKind::background) {
     list_.background = world_background(view, parent.world_from_local, resources_.images());
+    list_.has_background = true;
     resources_.add_faces(list_.background, *parent.scene, view);
   } else if (kind == NodeKind::fog) {
     list_.fog = world_fog(view, parent.world_from_local);

@@ -133,6 +133,8 @@ class Collector {
   void enter_collision(const Frame& parent, vrml::NodeId id, const NodeView& collision);
   void leave();
   void visit(const Frame& parent, vrml::NodeId id);
+  void enter_layers(const Frame& parent, vrml::NodeId id, const NodeView& layer_set);
+  [[nodiscard]] bool is_outside_of_layer(const vrml::SceneGraph& scene, vrml::NodeId root) const;
   const LightList& directional_lights();
   const ClipList& clip_planes();
   void add_box(const vrml::Node& node, const glm::dmat4& world_from_local, std::size_t first_item, std::uint32_t place,

@@ -56,6 +56,7 @@ RenderScene::RenderScene(const vrml::SceneGraph& scene, const Images& images, co
     : scene_(scene),
       images_(images),
       geometries_(geometries),
+      meshes_(meshes),
       resources_(images, meshes, scene.budget()),
       list_(std::make_shared<RenderList>()) {}
 
@@ -66,6 +67,9 @@ void RenderScene::gather(const BoundNodes& bound, const dvec3& viewer) {
   *list_ =
       Collector(resources_, viewer_, geometries_, &bound_, scene_.budget(), &sources_, pixels_per_radian_, viewer_up_)
           .collect(scene_);
+  list_->boundary = bound_.boundary;
+  list_->pickable = bound_.pickable;
+  gather_layers();
   ++gathered_;
   begin_generation();
   list_->changes = next_change();
@@ -139,6 +143,8 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
     const bool rebound = bound.background != bound_.background || bound.navigation_info != bound_.navigation_info ||
                          bound.fog != bound_.fog;
     const bool other_viewpoint = bound.viewpoint != bound_.viewpoint;
+    whole = bound.layer != bound_.layer || bound.layer_set != bound_.layer_set || bound.boundary != bound_.boundary || bound.pickable != bound_.pickable ||
+            bound.others != bound_.others;
     bound_ = bound;
     if (rebound) renew_bindables(), any = true;
     if (other_viewpoint || any) {
@@ -148,12 +154,13 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
     }
     viewer_ = usable(viewer);
     if (depends_on_viewer()) {
-      whole = !follow_viewer(viewer_);
+      whole = !follow_viewer(viewer_) || whole;
       any = any || !moved_frames_.empty();
       move_frames();
       if (!whole && refine_texts()) any = true;
       if (!whole && move_particles()) any = true;
     }
+    if (!whole && update_layers(changes)) any = true;
     // A coordinate system has overflowed and hides its content, so collect again.
     whole = whole || frame_lost_;
   }
@@ -190,6 +197,9 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
       return only(Effect::none, GroupFields::children);
     case NodeKind::particle_system:
       return has_changed_nodes(change, node) ? Effect::everything : Effect::none;
+    case NodeKind::layer_set:
+    case NodeKind::layer:
+    case NodeKind::viewport:
     case NodeKind::collision:
     case NodeKind::switch_node:
     case NodeKind::lod:

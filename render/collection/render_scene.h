@@ -87,6 +87,10 @@ class RenderScene {
   void renew_scoped(const std::function<bool(const RenderSources::Local&)>& is_changed);
   void renew_viewpoint(std::uint32_t viewpoint);
   void renew_bindables();
+  [[nodiscard]] BoundNodes nodes_of(const BoundLayer& layer) const;
+  void gather_layers();
+  bool update_layers(std::span<const vrml::NodeChange> changes);
+  void list_layers();
   [[nodiscard]] bool is_face(const vrml::Node* node) const;
   void set_background(const RenderSources::Local& local, const NodeView& view);
   void begin_generation();
@@ -97,6 +101,7 @@ class RenderScene {
   const vrml::SceneGraph& scene_;
   const Images& images_;
   const Geometries& geometries_;
+  MeshCache& meshes_;
   ShapeResources resources_;
   std::shared_ptr<RenderList> list_;
   RenderSources sources_;
@@ -105,6 +110,7 @@ class RenderScene {
   glm::dvec3 viewer_up_{0, 1, 0};
   float pixels_per_radian_ = kUsualPixelsPerRadian;
   std::size_t gathered_ = 0;
+  std::vector<std::unique_ptr<RenderScene>> layers_;  // of BoundNodes::others
   Uses frame_uses_, item_uses_;  // sorted by node; built at first use
   bool frame_uses_known_ = false, item_uses_known_ = false;
   std::vector<std::uint32_t> moved_frames_;

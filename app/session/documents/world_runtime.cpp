@@ -279,8 +279,39 @@ render::BoundNodes WorldRuntime::bound() const {
     const vrml::NodeChange bound = execution_.stacks().bound(vrml::built_in_node_type(kind));
     return bound.scene ? &bound.scene->node(bound.node) : nullptr;
   };
-  return {node_of(NodeKind::viewpoint), node_of(NodeKind::navigation_info), node_of(NodeKind::background),
-          node_of(NodeKind::fog)};
+  render::BoundNodes nodes{node_of(NodeKind::viewpoint), node_of(NodeKind::navigation_info),
+                           node_of(NodeKind::background), node_of(NodeKind::fog)};
+  if (const std::optional<vrml::LayerSet> set = execution_.stacks().layers()) add_layers(*set, nodes);
+  return nodes;
+}
+
+// Adds the layers of a LayerSet to the bound nodes of the active layer. If `order` omits the active layer, it is drawn
+// behind all others: users must see where they navigate.
+void WorldRuntime::add_layers(const vrml::LayerSet& set, render::BoundNodes& nodes) const {
+  using vrml::NodeKind;
+  const vrml::SceneGraph& world = *world_.scene;
+  const auto id_of = [&](int layer) {
+    return layer == 0 ? vrml::NodeId{} : set.layers[static_cast<std::size_t>(layer) - 1];
+  };
+  nodes.layer_set = set.node;
+  nodes.layer = set.active;
+  nodes.boundary = vrml::clip_boundary_of(world, id_of(set.active));
+  nodes.pickable = vrml::is_pickable(world, id_of(set.active));
+  bool in_front = std::find(set.order.begin(), set.order.end(), set.active) == set.order.end();
+  for (const int layer : set.order) {
+    if (layer == set.active) {
+      in_front = true;
+      continue;
+    }
+    const auto node_of = [&](NodeKind kind) -> const vrml::Node* {
+      const vrml::NodeChange bound = execution_.stacks().bound(vrml::built_in_node_type(kind), layer);
+      return bound.scene ? &bound.scene->node(bound.node) : nullptr;
+    };
+    nodes.others.push_back({node_of(NodeKind::viewpoint), node_of(NodeKind::navigation_info),
+                            node_of(NodeKind::background), node_of(NodeKind::fog), layer,
+                            vrml::clip_boundary_of(world, id_of(layer)), in_front,
+                            vrml::is_pickable(world, id_of(layer)), vrml::is_layout_layer(world, id_of(layer))});
+  }
 }
 
 }  // namespace gs::app

@@ -81,6 +81,7 @@ class WorldRuntime : NonCopyable {
   [[nodiscard]] vrml::Execution& execution() { return execution_; }
 
  private:
+  void add_layers(const vrml::LayerSet& set, render::BoundNodes& nodes) const;
   bool take_changes();
   void note_loaded();
   void note_load(const ResourceUpdates::Place& place, bool loaded);

@@ -45,13 +45,7 @@ constexpr X3DRow kNavigationX3DRows[] = {
   eventOut     SFInt32    level_changed  # [0,inf)
 )",
      nullptr, &kLodBehaviour},
-    {"Layer",
-     "Layering",
-     1,
-     "layers",
-     "X3DLayerNode",
-     Role::none,
-     NodeKind::other,
+    {"Layer", "Layering", 1, "layers", "X3DLayerNode", Role::grouping, NodeKind::layer,
      R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
@@ -61,26 +55,14 @@ constexpr X3DRow kNavigationX3DRows[] = {
   exposedField SFNode     viewport NULL  # X3DViewportNode
   exposedField SFBool     visible TRUE
 )",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
-    {"LayerSet",
-     "Layering",
-     1,
-     "children",
-     "X3DNode",
-     Role::none,
-     NodeKind::other,
+     nullptr, &kGroupBehaviour},
+    {"LayerSet", "Layering", 1, "children", "X3DNode", Role::grouping, NodeKind::layer_set,
      R"(
   exposedField SFInt32    activeLayer 0  # [0,inf)
   exposedField MFNode     layers []  # X3DLayerNode
   exposedField MFInt32    order [0]  # [0,inf)
 )",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+     nullptr, &kLayerSetBehaviour},
     {"Layout",
      "Layout",
      1,
@@ -122,13 +104,7 @@ constexpr X3DRow kNavigationX3DRows[] = {
      nullptr,
      UrlContent::none,
      true},
-    {"LayoutLayer",
-     "Layout",
-     1,
-     "layers",
-     "X3DLayerNode",
-     Role::none,
-     NodeKind::other,
+    {"LayoutLayer", "Layout", 1, "layers", "X3DLayerNode", Role::grouping, NodeKind::layer,
      R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
@@ -139,10 +115,7 @@ constexpr X3DRow kNavigationX3DRows[] = {
   exposedField SFNode     viewport NULL  # X3DViewportNode
   exposedField SFBool     visible TRUE
 )",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+     nullptr, &kGroupBehaviour},
     {"NavigationInfo", "Navigation", 1, "children", "X3DBindableNode", Role::child | Role::bindable, NodeKind::other,
      R"(
   eventIn      SFBool     set_bind
@@ -243,13 +216,7 @@ constexpr X3DRow kNavigationX3DRows[] = {
   exposedField SFBool     retainUserOffsets FALSE
   exposedField SFVec3f    size 0 0 0
 )"},
-    {"Viewport",
-     "Layering",
-     1,
-     "viewport",
-     "X3DViewportNode",
-     Role::child | Role::grouping,
-     NodeKind::other,
+    {"Viewport", "Layering", 1, "viewport", "X3DViewportNode", Role::child | Role::grouping, NodeKind::viewport,
      R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
@@ -260,10 +227,7 @@ constexpr X3DRow kNavigationX3DRows[] = {
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
 )",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+     nullptr, &kGroupBehaviour},
 };
 
 }  // namespace

@@ -25,7 +25,7 @@ constexpr X3DComponent kComponents[] = {
     {"HAnim", 3, 3},
     {"Interpolation", 5, 5},
     {"KeyDeviceSensor", 2, 2},
-    {"Layering", 2, 0},
+    {"Layering", 2, 2},
     {"Layout", 2, 0},
     {"Lighting", 3, 3},
     {"NURBS", 4, 4},
@@ -52,7 +52,7 @@ constexpr X3DComponent kComponents[] = {
 constexpr X3DProfile kProfiles[] = {
     {"CADInterchange", ""},
     {"Core", ""},
-    {"Full", "DIS, Layering, Layout, RigidBodyPhysics, Shaders, TextureProjection, VolumeRendering"},
+    {"Full", "DIS, Layout, RigidBodyPhysics, Shaders, TextureProjection, VolumeRendering"},
     {"Immersive", ""},
     {"Interactive", ""},
     {"Interchange", ""},
