@@ -43,6 +43,7 @@ struct RenderSources {
     vrml::ParticleView view;
     const void* simulation = nullptr;
     double moment = 0;
+    std::shared_ptr<Share> share;  // part of the budget for the mesh
   };
   struct Local {  // Source of a light, Viewpoint, NavigationInfo, Background or Fog.
     const vrml::Node* node = nullptr;

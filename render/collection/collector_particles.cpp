@@ -34,7 +34,11 @@ bool renew_particles(DrawItem& item, RenderSources::Item& source, RenderSources:
   particles.view.viewer = local_viewer;
   particles.view.up = local_up;
   const bool was_empty = item.mesh && item.mesh->empty();
-  auto mesh = std::make_shared<const vrml::Mesh>(vrml::particle_mesh(scene, system, particles.view));
+  auto mesh = std::make_shared<vrml::Mesh>(vrml::particle_mesh(scene, system, particles.view));
+  if (!particles.share) particles.share = std::make_shared<Share>(scene.budget(), Resource::meshes);
+  const std::uint64_t cost = mesh->cost();
+  particles.share->shrink_to(cost);
+  if (cost > particles.share->amount() && !particles.share->grow(cost - particles.share->amount())) *mesh = {};
   source.region.add(mesh->bounds);
   if (was_empty && mesh->empty()) return false;
   item.mesh = std::move(mesh);

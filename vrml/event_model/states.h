@@ -137,6 +137,7 @@ struct MotionState {
   };
   std::vector<Track> tracks;
   std::uint32_t humanoid = 0;  // EventNode
+  std::size_t number = 0;      // place in the motions of the humanoid
   std::size_t numbers = 0;     // of a frame
   double start = -1;           // time of the first frame; below 0 before it
 };

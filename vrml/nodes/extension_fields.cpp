@@ -31,6 +31,7 @@ constexpr ExtensionField kFields[] = {
     {"", "effects"},
     {"ImageTexture", "flipVertically"},
     {"MovieTexture", "flipVertically"},
+    {"FontStyle", "format"},
     {"Viewpoint", "gravityTransform"},
     {"Viewpoint", "gravityUp"},
     {"TextureProperties", "guiTexture"},

@@ -305,6 +305,18 @@ TEST_CASE("gives particles the geometry of each geometryType") {
   CHECK(mesh_at("geometryType \"GEOMETRY\"", view).indices.size() == 6 * quads.indices.size());
 }
 
+TEST_CASE("limits the copies of geometries with many unused points") {
+  ParticleWorld world("geometryType \"GEOMETRY\" emitter ExplosionEmitter { speed 1 } maxParticles 100000");
+  world.start();
+  world.step(1);
+  Mesh geometry;
+  geometry.positions.resize(kMaxParticleIndices / 4);
+  geometry.indices = {0, 1, 2};
+  ParticleView view;
+  view.geometry = std::make_shared<const Mesh>(std::move(geometry));
+  CHECK(world.mesh(view).indices.size() == 3 * 4);
+}
+
 TEST_CASE("turns sprites to the viewer") {
   ParticleWorld world("geometryType \"SPRITE\" emitter PointEmitter { speed 0 } particleSize 1 1 maxParticles 1");
   world.start();

@@ -237,8 +237,9 @@ void repeat(Array<T>& to, const Array<T>& from, std::size_t times) {
 // Adds a copy of a geometry for each particle.
 void add_copies(Mesh& mesh, std::span<const ShownParticle> particles, const ColorRamp& ramp, const Mesh& geometry,
                 const glm::vec3& scale) {
-  particles = particles.first(std::min(particles.size(), kMaxParticleIndices / geometry.indices.size()));
   const std::size_t vertices = geometry.positions.size();
+  particles =
+      particles.first(std::min(particles.size(), kMaxParticleIndices / std::max(geometry.indices.size(), vertices)));
   mesh.primitive = geometry.primitive;
   mesh.solid = geometry.solid;
   mesh.lit = geometry.lit;

@@ -22,7 +22,7 @@ struct ParticleView {
   glm::vec3 scale{1};                    // scale of `geometry`
 };
 
-/// Maximum indices of the mesh. The newest particles that do not fit are left out.
+/// Maximum indices and vertices of the mesh. The newest particles that do not fit are left out.
 inline constexpr std::size_t kMaxParticleIndices = std::size_t{3} << 20;
 
 /// Returns the present particles of a ParticleSystem as one mesh. Returns an empty mesh if the system is not active.

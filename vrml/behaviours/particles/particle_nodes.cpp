@@ -247,7 +247,7 @@ std::shared_ptr<const ParticleLines> ParticleNodes::lines(const SceneGraph& scen
   if (kept.digest == digest.value()) return kept.object;
   kept = {digest.value(), nullptr};
   const std::vector<glm::vec3> points = points_of_emitter(scene, emitter);
-  if (!afford(points.size())) return nullptr;
+  if (!afford(points.size() + particle_field<MFInt32>(scene, emitter, "coordIndex", {}).size())) return nullptr;
   auto made = std::make_shared<ParticleLines>();
   double length = 0;
   for_runs(scene, emitter, points, [&](const std::vector<std::uint32_t>& run) {

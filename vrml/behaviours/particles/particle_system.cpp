@@ -68,8 +68,9 @@ void run_particles(Execution& execution, EventNode node) {
       return execution.budget().spend(elements) && execution.budget().afford(elements * kBytes);
     });
     // An old and a new particle may exist at the same time.
-    constexpr std::size_t kBytes = 192;
-    if (!execution.nodes().afford_most(node, settings.most * kBytes) || !execution.budget().spend(settings.most))
+    constexpr std::size_t kBytes = 192, kWork = 16;
+    if (!execution.nodes().afford_most(node, settings.most * kBytes) ||
+        !execution.budget().spend(settings.most * kWork))
       settings.most = 0;
   }
   const bool active = enabled && settings.emitter.kind != ParticleEmitter::Kind::none;
