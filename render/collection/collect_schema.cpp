@@ -17,6 +17,7 @@ constexpr SchemaRow kSchemaRows[] = {
     {NodeKind::layer_set, {"layers"}},
     {NodeKind::layer, {"children"}},
     {NodeKind::viewport, {"children"}},
+    {NodeKind::screen_group, {"children"}},
     {NodeKind::collision, {"children", "collide", "proxy"}},
     {NodeKind::transform, {"children", "center", "rotation", "scale", "scaleOrientation", "translation"}},
     {NodeKind::geo_group, {"children"}},

@@ -55,8 +55,19 @@ struct LightFields {
   };
 };
 struct ViewpointFields {
-  enum : int { position, orientation, field_of_view, description, jump, center_of_rotation, view_all, retain_offsets,
-               near_distance, far_distance, navigation_info };
+  enum : int {
+    position,
+    orientation,
+    field_of_view,
+    description,
+    jump,
+    center_of_rotation,
+    view_all,
+    retain_offsets,
+    near_distance,
+    far_distance,
+    navigation_info
+  };
 };
 struct ViewpointGroupFields {
   enum : int { children, displayed, retain_offsets, description, center, size };

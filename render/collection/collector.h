@@ -69,9 +69,11 @@ struct RenderSources {
   std::vector<std::uint32_t> billboards;  // indexes of frames
   std::vector<std::uint32_t> texts;       // indexes of items
   std::vector<Particles> particles;
-  std::vector<Unshown> unshown;           // may contain a node more than once
-  bool complete = true;                   // false if the world has more coordinate systems than the list can store
+  std::vector<Unshown> unshown;  // may contain a node more than once
+  bool complete = true;          // false if the world has more coordinate systems than the list can store
 };
+
+inline constexpr std::size_t kMaxViewpoints = 10'000;  // also limits bindable nodes and ViewpointGroups
 
 /// Traverses a scene and collects its visible content, as collect() describes.
 class Collector {
@@ -169,7 +171,7 @@ class Collector {
   std::vector<ViewpointState> inlined_viewpoints_;
   std::vector<RenderSources::Local> inlined_sources_;
   std::vector<ViewpointState> viewpoint_groups_{1};  // values for the Viewpoints of each ViewpointGroup; 0 is no group
-  std::size_t others_ = 0;  // number of viewpoints, bindable nodes and LODs so far
+  std::size_t others_ = 0;                           // number of viewpoints, bindable nodes and LODs so far
   bool have_navigation_ = false, have_background_ = false, have_fog_ = false;
   std::vector<Frame> path_;
   std::unordered_map<const vrml::SceneGraph*, std::vector<bool>> open_nodes_;

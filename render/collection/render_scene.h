@@ -111,7 +111,7 @@ class RenderScene {
   float pixels_per_radian_ = kUsualPixelsPerRadian;
   std::size_t gathered_ = 0;
   std::vector<std::unique_ptr<RenderScene>> layers_;  // of BoundNodes::others
-  Uses frame_uses_, item_uses_;  // sorted by node; built at first use
+  Uses frame_uses_, item_uses_;                       // sorted by node; built at first use
   bool frame_uses_known_ = false, item_uses_known_ = false;
   std::vector<std::uint32_t> moved_frames_;
   std::vector<bool> frame_moved_;

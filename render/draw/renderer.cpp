@@ -391,7 +391,8 @@ void add_to(FrameStatistics& sum, const FrameStatistics& layer) {
 
 // Draws a world. If it has layers, draws them from back to front, each in its part of the picture.
 FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& camera, const DrawOptions& options) {
-  if (list.layers.empty() && list.boundary == kWholePicture) return draw_layer(list, camera, options, false);
+  if (list.layers.empty() && list.boundary == kWholePicture && list.drawn)
+    return draw_layer(list, camera, options, false);
   FrameStatistics statistics;
   bool drawn = false;
   const auto draw_one = [&](const RenderList& one, const Camera& lens, const DrawOptions& of_layer) {
@@ -403,13 +404,14 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& c
     add_to(statistics, draw_layer(one, part->camera, part->options, !first || !whole));
   };
   for (const bool in_front : {false, true}) {
-    if (in_front) draw_one(list, camera, options);
+    if (in_front && list.drawn) draw_one(list, camera, options);
     for (std::size_t i = 0; i < list.layers.size(); ++i) {
       const RenderLayer& layer = list.layers[i];
       if (layer.in_front == in_front)
         draw_one(*layer.list, lens_of(layer, camera, options), options_of(layer, i, options));
     }
   }
+  if (!drawn) (void)draw_layer(RenderList(), camera, options, false);
   return statistics;
 }
 

@@ -204,6 +204,7 @@ struct BoundNodes {
   int layer = 0;                                // number of the layer to collect
   vrml::ClipBoundary boundary = kWholePicture;  // part of the picture that it fills
   bool pickable = true;                         // X3D 35.4.1: pointing devices act on it
+  bool drawn = true;                            // false if LayerSet.order omits it, or it is not visible
   std::vector<BoundLayer> others{};             // the other drawn layers, from back to front
 };
 
@@ -265,6 +266,7 @@ struct RenderList {
   bool overlays = false;                                        // some items are overlays
   vrml::ClipBoundary boundary = kWholePicture;                  // part of the picture that the list fills
   bool pickable = true;                                         // pointing devices act on the list
+  bool drawn = true;                                            // false if only `layers` are drawn
   std::vector<RenderLayer> layers;                              // other layers of the world, from back to front
   std::vector<LimitReport> limit_reports;                       // at most one entry per reason
   std::vector<Place> places;                                    // paths of all content, parents before children

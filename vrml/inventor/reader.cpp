@@ -116,7 +116,7 @@ void Reader::push(std::string_view piece) {
   State& s = *state_;
   if (s.refused || s.full) return;
   if (!s.share.grow(piece.size())) {
-    s.sink.problems().error({}, s.sink.scene().budget()->refusal(Resource::files) + "; the rest is left out");
+    s.sink.problems().error({}, s.sink.scene().budget()->refusal(Resource::files) + "; skipped the rest");
     s.full = true;
     return;
   }

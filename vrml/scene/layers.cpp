@@ -56,6 +56,11 @@ const T* value_of(const Node& node, std::string_view field) {
   return found && found->slot >= 0 ? std::get_if<T>(&node.values[found->slot]) : nullptr;
 }
 
+bool flag_of(const SceneGraph& world, NodeId layer, std::string_view field) {
+  const auto* given = world.contains(layer) ? value_of<SFBool>(world.node(layer), field) : nullptr;
+  return !given || *given;
+}
+
 }  // namespace
 
 std::optional<LayerSet> layer_set_of(const SceneGraph& world) {
@@ -103,10 +108,9 @@ ClipBoundary clip_boundary_of(const SceneGraph& world, NodeId layer) {
   return boundary[0] < boundary[1] && boundary[2] < boundary[3] ? boundary : kWhole;
 }
 
-bool is_pickable(const SceneGraph& world, NodeId layer) {
-  const auto* given = world.contains(layer) ? value_of<SFBool>(world.node(layer), "pickable") : nullptr;
-  return !given || *given;
-}
+bool is_pickable(const SceneGraph& world, NodeId layer) { return flag_of(world, layer, "pickable"); }
+
+bool is_visible(const SceneGraph& world, NodeId layer) { return flag_of(world, layer, "visible"); }
 
 bool is_layout_layer(const SceneGraph& world, NodeId layer) {
   return world.contains(layer) && world.node(layer).type->find_field("layout") != nullptr;

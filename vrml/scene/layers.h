@@ -32,6 +32,8 @@ using ClipBoundary = std::array<double, 4>;
 [[nodiscard]] ClipBoundary clip_boundary_of(const SceneGraph& world, NodeId layer);
 /// Returns the field `pickable` of a layer (35.3.1); true if the layer is missing.
 [[nodiscard]] bool is_pickable(const SceneGraph& world, NodeId layer);
+/// Returns the field `visible` of a layer (35.3.1); true if the layer is missing.
+[[nodiscard]] bool is_visible(const SceneGraph& world, NodeId layer);
 /// Reports whether a layer is a LayoutLayer (36.4.3).
 [[nodiscard]] bool is_layout_layer(const SceneGraph& world, NodeId layer);
 

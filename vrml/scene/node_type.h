@@ -98,6 +98,7 @@ enum class NodeKind : std::uint8_t {
   layer_set,
   layer,
   viewport,
+  screen_group,
   navigation_info,
   background,
   fog,

@@ -204,7 +204,7 @@ OpenNode SceneSink::begin_node(const NodeHeader& header) {
   node.id = scene_.create(*node.type, location);
   if (!node.id) {
     if (!scene_.memory().exhausted() && limits_.is_first_excess())
-      problems_.error(location, "more than " + std::to_string(scene_.limits().nodes) + " nodes; the rest is left out");
+      problems_.error(location, "more than " + std::to_string(scene_.limits().nodes) + " nodes; skipped the rest");
     return {};
   }
   check_support(*node.type, location);

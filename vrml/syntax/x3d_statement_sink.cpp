@@ -102,7 +102,7 @@ void X3DStatementSink::import_node(SourceName inline_name, std::string_view expo
   if (imports.size() >= kMaxImports) {
     if (sink_.limits_.is_first_excess())
       sink_.problems_.error(inline_name.location,
-                            "more than " + std::to_string(kMaxImports) + " IMPORTs; the rest is left out");
+                            "more than " + std::to_string(kMaxImports) + " IMPORTs; skipped the rest");
     return;
   }
   if (!admit(inline_name.text.size() + exported.size() + local.size())) return;
@@ -147,7 +147,7 @@ bool X3DStatementSink::take_route(const RouteNames& route) {
   if (statements().routes.size() >= kMaxImports) {
     if (sink_.limits_.is_first_excess())
       sink_.problems_.error(route.location, "more than " + std::to_string(kMaxImports) +
-                                                " ROUTEs with imported nodes; the rest is left out");
+                                                " ROUTEs with imported nodes; skipped the rest");
     return true;
   }
   // A skipped node was reported where it is.

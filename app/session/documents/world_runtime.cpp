@@ -285,8 +285,7 @@ render::BoundNodes WorldRuntime::bound() const {
   return nodes;
 }
 
-// Adds the layers of a LayerSet to the bound nodes of the active layer. If `order` omits the active layer, it is drawn
-// behind all others: users must see where they navigate.
+// Adds the layers of a LayerSet to the bound nodes of the active layer. Layers that `order` omits are not drawn.
 void WorldRuntime::add_layers(const vrml::LayerSet& set, render::BoundNodes& nodes) const {
   using vrml::NodeKind;
   const vrml::SceneGraph& world = *world_.scene;
@@ -297,10 +296,12 @@ void WorldRuntime::add_layers(const vrml::LayerSet& set, render::BoundNodes& nod
   nodes.layer = set.active;
   nodes.boundary = vrml::clip_boundary_of(world, id_of(set.active));
   nodes.pickable = vrml::is_pickable(world, id_of(set.active));
-  bool in_front = std::find(set.order.begin(), set.order.end(), set.active) == set.order.end();
+  nodes.drawn = false;
+  bool in_front = false;
   for (const int layer : set.order) {
+    if (!vrml::is_visible(world, id_of(layer))) continue;
     if (layer == set.active) {
-      in_front = true;
+      in_front = nodes.drawn = true;
       continue;
     }
     const auto node_of = [&](NodeKind kind) -> const vrml::Node* {

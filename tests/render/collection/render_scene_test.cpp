@@ -440,4 +440,16 @@ TEST_CASE("updates the bound Fog") {
   CHECK(world.gathered() == 1);
 }
 
+TEST_CASE("scales a ScreenGroup so that a unit is as long as a pixel, wherever the viewer is (X3D 36.4.6)") {
+  World world("Transform { scale 2 2 2 children ScreenGroup { children Shape { geometry Box { size 2 2 2 } } } }",
+              vrml::Language::x3d);
+  const auto unit = [&] { return glm::length(glm::dvec3(world.list().items.at(0).world_from_node[0])); };
+  CHECK(unit() == Approx(10.0 / kUsualPixelsPerRadian));
+  world.move_to({0, 30, 40});
+  CHECK(world.update());
+  CHECK(unit() == Approx(50.0 / kUsualPixelsPerRadian));
+  CHECK(world.gathered() == 1);
+  world.check();
+}
+
 }  // namespace gs::render::render_scene_test

@@ -58,6 +58,17 @@ TEST_CASE("draws a layer that is nearer in its own space behind a layer in front
   CHECK(pixel(drawing.draw(active, camera_at({0, 0, 10})), 30, 30) == glm::vec3(0, 255, 0));
 }
 
+TEST_CASE("draws only the other layers if the active layer is not drawn (X3D 35.4.2)") {
+  Drawing drawing;
+  RenderList active = *filled({1, 0, 0}, kWholePicture);
+  active.drawn = false;
+  CHECK(pixel(drawing.draw(active, camera_at({0, 0, 10})), 30, 30) == glm::vec3(0));
+  active.layers.push_back(layer_of(filled({0, 1, 0}, {0, 0.5, 0, 1}), false));
+  const Image image = drawing.draw(active, camera_at({0, 0, 10}));
+  CHECK(pixel(image, 4, 30) == glm::vec3(0, 255, 0));
+  CHECK(pixel(image, 60, 30) == glm::vec3(0));
+}
+
 TEST_CASE("draws the tiles of a picture with layers like the whole picture") {
   RenderList active = *filled({1, 0, 0}, {0, 0.75, 0, 1}, 3);
   active.layers.push_back(layer_of(filled({0, 1, 0}, {0.25, 1, 0.25, 0.75}, 2), true));

@@ -62,7 +62,7 @@ TEST_CASE("converts each normal binding of an IndexedFaceSet") {
   // Normals of another shape.
   const Converted few(kVrml1 + "Coordinate3 { point " + kPoints + " } Normal { vector 0 0 1 } IndexedFaceSet { " +
                       kFaces + "}");
-  CHECK(few.says("fewer normals"));
+  CHECK(few.says("too few normals"));
 }
 
 TEST_CASE("converts ShapeHints, texture coordinates and textures") {

@@ -13,10 +13,8 @@ TEST_CASE("returns a stand-in PROTO of the requested name") {
                                  "BspGroup",
                                  "DeviceSensor",
                                  "HUD",
-                                 "Layer",
                                  "Layer2D",
                                  "Layer3D",
-                                 "LayerSet",
                                  "Occlusion",
                                  "Particles",
                                  "SharedEvent",
@@ -112,7 +110,7 @@ TEST_CASE("fixes only the HUD stand-in to the viewer") {
   SceneGraph scene("main.wrl");
   REQUIRE(stand_in(scene, "HUD"));
   CHECK(is_overlay(*stand_in(scene, "HUD")));
-  CHECK_FALSE(is_overlay(*stand_in(scene, "Layer")));
+  CHECK_FALSE(is_overlay(*stand_in(scene, "Layer3D")));
   NodeType own;  // a type of the world with the same name
   own.name = "HUD";
   CHECK_FALSE(is_overlay(own));

@@ -82,13 +82,7 @@ constexpr X3DRow kNavigationX3DRows[] = {
      nullptr,
      UrlContent::none,
      true},
-    {"LayoutGroup",
-     "Layout",
-     1,
-     "children",
-     "X3DNode X3DGroupingNode",
-     Role::child | Role::grouping,
-     NodeKind::other,
+    {"LayoutGroup", "Layout", 1, "children", "X3DNode X3DGroupingNode", Role::child | Role::grouping, NodeKind::group,
      R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
@@ -100,10 +94,7 @@ constexpr X3DRow kNavigationX3DRows[] = {
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
 )",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+     nullptr, &kGroupBehaviour},
     {"LayoutLayer", "Layout", 1, "layers", "X3DLayerNode", Role::grouping, NodeKind::layer,
      R"(
   eventIn      MFNode     addChildren  # X3DChildNode
@@ -171,13 +162,7 @@ constexpr X3DRow kNavigationX3DRows[] = {
      nullptr,
      UrlContent::none,
      true},
-    {"ScreenGroup",
-     "Layout",
-     2,
-     "children",
-     "X3DGroupingNode",
-     Role::child | Role::grouping,
-     NodeKind::other,
+    {"ScreenGroup", "Layout", 2, "children", "X3DGroupingNode", Role::child | Role::grouping, NodeKind::screen_group,
      R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
@@ -187,10 +172,7 @@ constexpr X3DRow kNavigationX3DRows[] = {
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
 )",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+     nullptr, &kGroupBehaviour},
     {"Viewpoint", "Navigation", 1, "children", "X3DViewpointNode", Role::child | Role::bindable, NodeKind::other, R"(
   eventIn      SFBool     set_bind
   exposedField SFVec3f    centerOfRotation 0 0 0
