@@ -37,11 +37,6 @@ constexpr std::string_view kOverlay = R"( [
   ROUTE Viewer.position_changed TO Frame.set_translation
   ROUTE Viewer.orientation_changed TO Frame.set_rotation
 })";
-constexpr std::string_view kLayers = R"( [
-  exposedField MFNode layers []
-] {
-  Group { children IS layers }
-})";
 // Nodes for shared worlds and devices, which are not visible.
 constexpr std::string_view kNothing = " [ ] { WorldInfo { } }";
 
