@@ -3,11 +3,13 @@
 
 LIST names worlds below --worlds, one per line (default: scripts/compare_worlds.txt). OUT (default: build/compare) gets
 figures.tsv, the pictures and sheet-N.png. All browsers get the same file. If a world has no Viewpoint or Background, a
-copy gets a Viewpoint that frames it, or a black Background; links next to the copy lead to the files of its folder. Needs
+copy gets a Viewpoint that frames it, or a black Background; links next to the copy lead to the files of its folder. The
+worlds can be VRML97, X3D in XML or classic VRML, VRML 1.0 or Inventor; worlds of the last two get only a camera. Needs
 python3-numpy and python3-pil of Debian. The other browsers need the script peer-snapshot.sh next to the worlds (or
 --peer-snapshot) and its requirements.
 """
 import argparse
+import gzip
 import json
 import math
 import os
@@ -38,18 +40,17 @@ def arguments():
     return parser.parse_args()
 
 
-def framing(box):
-    """Returns position and orientation of a Viewpoint that sees all of a box, from above and from the right."""
+def framing(box, back=(0.5, 0.4, 1.0)):
+    """Returns position and orientation of a camera that sees all of a box. `back` leads from the box to the camera."""
     lower, upper = numpy.array(box["lower"]), numpy.array(box["upper"])
     centre, radius = (lower + upper) / 2, max(float(numpy.linalg.norm(upper - lower)) / 2, 1e-6)
-    back = numpy.array([0.5, 0.4, 1.0])
-    back /= numpy.linalg.norm(back)
+    back = numpy.array(back) / numpy.linalg.norm(back)
     right = numpy.cross([0, 1, 0], back)
     right /= numpy.linalg.norm(right)
     matrix = numpy.column_stack([right, numpy.cross(back, right), back])
     angle = math.acos((numpy.trace(matrix) - 1) / 2)
     axis = numpy.array([matrix[2, 1] - matrix[1, 2], matrix[0, 2] - matrix[2, 0], matrix[1, 0] - matrix[0, 1]])
-    axis /= numpy.linalg.norm(axis)
+    axis = axis / numpy.linalg.norm(axis) if angle > 1e-6 else numpy.array([0.0, 0.0, 1.0])
     position = centre + back * (radius / math.sin(FIELD_OF_VIEW / 2) * 1.02)
     return " ".join(f"{v:.9g}" for v in position), " ".join(f"{v:.9g}" for v in [*axis, angle])
 
@@ -61,29 +62,75 @@ def links_to(folder, to):
         subprocess.run(["cp", "-rs", folder, to], check=True)
 
 
+CAMERAS = rb"(Viewpoint|GeoViewpoint|OrthoViewpoint|ViewpointGroup|PerspectiveCamera|OrthographicCamera)"
+BACKGROUNDS = rb"(Background|TextureBackground|LayerSet)"
+
+
+def grammar_of(text):
+    """Returns the grammar of a world: "vrml1", "xml", "classic" or "vrml97"."""
+    if re.match(rb"#(VRML V1|Inventor)", text):
+        return "vrml1"
+    if text.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):
+        return "xml"
+    return "classic" if text.startswith(b"#X3D") else "vrml97"
+
+
+def has_node(text, grammar, types):
+    """Reports whether a world has a node of one of the types."""
+    pattern = rb"<%s\b" if grammar == "xml" else rb"\b%s\s*\{"
+    return re.search(pattern % types, text)
+
+
+def insert(text, grammar, added):
+    """Returns the text with nodes inserted before its first node."""
+    if grammar == "xml":
+        end = re.search(rb"<Scene\b[^>]*>", text).end()
+        return text[:end] + added + text[end:]
+    if grammar == "vrml1":
+        header, _, rest = text.partition(b"\n")
+        return header + b"\nSeparator {\n" + added + rest + b"\n}\n"
+    # Statements of the head of classic VRML come before all nodes (ISO/IEC 19776-2, 4.3.1).
+    head = rb"#[^\n]*\n|\s+|(PROFILE|COMPONENT|META|UNIT)\b[^\n]*\n" if grammar == "classic" else rb"#[^\n]*\n"
+    end = 0
+    while match := re.compile(head).match(text, end):
+        end = match.end()
+        if grammar == "vrml97":
+            break
+    return text[:end] + added + text[end:]
+
+
 def completed(options, world):
     """Returns the path of the world with a Viewpoint and a Background, because browsers have different defaults."""
     source = os.path.join(options.worlds, world)
     with open(source, "rb") as file:
         text = file.read()
-    bare = re.sub(rb"#[^\n]*", b"", text)
+    if text.startswith(b"\x1f\x8b"):
+        text = gzip.decompress(text)
+    grammar = grammar_of(text)
+    bare = text if grammar == "xml" else re.sub(rb"#[^\n]*", b"", text)
     added = b""
-    if not re.search(rb"\bViewpoint\s*\{", bare):
+    if not has_node(bare, grammar, CAMERAS):
         facts = subprocess.run([options.program, "info", "--json", source], capture_output=True, check=False).stdout
         box = json.loads(facts).get("box")
-        position, orientation = framing(box) if box else ("0 0 10", "0 0 1 0")
-        added += f"Viewpoint {{ position {position} orientation {orientation} }}\n".encode()
-    if not re.search(rb"\bBackground\s*\{", bare):
-        added += b"Background { skyColor 0 0 0 }\n"
+        back = (0, 0, 1) if grammar == "vrml1" else (0.5, 0.4, 1.0)
+        position, orientation = framing(box, back) if box else ("0 0 10", "0 0 1 0")
+        size = float(numpy.linalg.norm(numpy.array(box["upper"]) - numpy.array(box["lower"]))) if box else 10.0
+        if grammar == "xml":
+            added += f"<Viewpoint position='{position}' orientation='{orientation}'/>".encode()
+        else:
+            # Coin clips between the distances 1 and 10 if a camera of VRML 1.0 has none of the fields of Inventor.
+            node = f"PerspectiveCamera {{ nearDistance {size / 100:.9g} farDistance {size * 10:.9g}" if grammar == "vrml1" else "Viewpoint {"
+            added += f"{node} position {position} orientation {orientation} }}\n".encode()
+    if grammar != "vrml1" and not has_node(bare, grammar, BACKGROUNDS):
+        added += b"<Background skyColor='0 0 0'/>" if grammar == "xml" else b"Background { skyColor 0 0 0 }\n"
     if not added:
         return source
     tree = os.path.join(options.out, "worlds")
     links_to(os.path.join(options.worlds, world.split("/")[0]), os.path.join(tree, world.split("/")[0]))
-    changed = os.path.join(tree, world)[:-4] + "-completed.wrl"
-    header, _, rest = text.partition(b"\n")
-    with open(changed, "wb") as file:
-        file.write(header + b"\n" + added + rest)
-    return changed
+    stem, extension = os.path.splitext(os.path.join(tree, world))
+    with open(stem + "-completed" + extension, "wb") as file:
+        file.write(insert(text, grammar, added))
+    return stem + "-completed" + extension
 
 
 def draw(options, path, world, name):

@@ -183,6 +183,8 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
   limit_drawing(options.timeout_seconds);
   WaveFile sound;
   if (!options.sound.empty()) simulation.hear([&](std::span<const float> pairs) { sound.add(pairs); });
+  // A still picture of the start shows particles, fire and smoke for example, as they are after a while.
+  simulation.execution().states().particles_ahead = options.time == 0;
   simulation.run(options.time);
   if (const int status = write_sound(options, sound); status != kDone) return status;
   tell_of_simulation(options, named, simulation);

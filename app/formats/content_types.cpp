@@ -62,7 +62,7 @@ Asset read_gltf(const ImportSource& source) {
   }
   if (!whole || scene->memory().exhausted())
     source.diagnostics.add(
-        {Severity::error, source.path, {}, source.budget->refusal(Resource::nodes) + "; the rest is left out"});
+        {Severity::error, source.path, {}, source.budget->refusal(Resource::nodes) + "; skipped the rest"});
   return SceneAsset(std::move(scene));
 }
 

@@ -45,7 +45,8 @@ struct ScriptRequest {
 /// Properties of the browser that Scripts can read.
 struct BrowserState {
   std::string world_url;
-  double speed = 0, frame_rate = 0;  // metres/s; pictures/s
+  double speed = 0;         // metres/s
+  double frame_rate = 100;  // pictures/s; 100 until it is measured (VRML97 4.12.10.3)
 };
 
 /// Runner of ECMAScript programs (VRML97 Annex C) for an Execution, with SpiderMonkey. vrml::Limits bounds the time and

@@ -392,7 +392,7 @@ bool StreamReader::read_chunk(const OnChunk& on_chunk, const OnDamaged& on_damag
   // Bounds the work for checksums of bytes that look like chunks everywhere, as in hostile streams.
   wasted_ += plausible ? length : 0;
   if (wasted_ > kMaxWasted + 16 * (offset_ + at_)) {
-    problem(offset_ + at_, "too much of the stream is damaged; the rest is left out");
+    problem(offset_ + at_, "too much of the stream is damaged; skipped the rest");
     refused_ = true;
     return false;
   }

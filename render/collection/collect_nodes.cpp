@@ -104,6 +104,11 @@ dmat4 billboard_matrix(const NodeView& billboard, const dvec3& viewer, const dve
   return vrml::billboard_matrix(vector(billboard, BillboardFields::axis_of_rotation, glm::vec3(0, 1, 0)), viewer, up);
 }
 
+dmat4 screen_matrix(const dvec3& viewer, float pixels_per_radian) {
+  const double scale = glm::length(viewer) / static_cast<double>(pixels_per_radian);
+  return scale > 0 && std::isfinite(scale) ? glm::scale(dmat4(1), dvec3(scale)) : dmat4(1);
+}
+
 int lod_level(const NodeView& lod, const dvec3& viewer) {
   const auto* levels = lod.find<vrml::MFNode>(LodFields::level);
   const auto* ranges = lod.find<vrml::MFFloat>(LodFields::range);

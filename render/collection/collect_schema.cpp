@@ -12,7 +12,12 @@ struct SchemaRow {
 
 constexpr SchemaRow kSchemaRows[] = {
     {NodeKind::shape, {"appearance", "geometry"}},
+    {NodeKind::particle_system, {"appearance", "geometry"}},
     {NodeKind::group, {"children"}},
+    {NodeKind::layer_set, {"layers"}},
+    {NodeKind::layer, {"children"}},
+    {NodeKind::viewport, {"children"}},
+    {NodeKind::screen_group, {"children"}},
     {NodeKind::collision, {"children", "collide", "proxy"}},
     {NodeKind::transform, {"children", "center", "rotation", "scale", "scaleOrientation", "translation"}},
     {NodeKind::geo_group, {"children"}},
@@ -31,7 +36,7 @@ constexpr SchemaRow kSchemaRows[] = {
       "cutOffAngle", "global"}},
     {NodeKind::viewpoint,
      {"position", "orientation", "fieldOfView", "description", "jump", "centerOfRotation", "viewAll",
-      "retainUserOffsets", "nearDistance", "farDistance"}},
+      "retainUserOffsets", "nearDistance", "farDistance", "navigationInfo"}},
     {NodeKind::viewpoint_group, {"children", "displayed", "retainUserOffsets", "description", "center", "size"}},
     {NodeKind::navigation_info,
      {"type", "avatarSize", "speed", "visibilityLimit", "headlight", "transitionType", "transitionTime"}},

@@ -12,6 +12,9 @@ namespace gs::render {
 using vrml::NodeKind;
 
 // Indexes of the fields of each node type, in their row of the schema table (collect_schema.cpp).
+struct LayerSetFields {
+  enum : int { layers };
+};
 struct GroupFields {
   enum : int { children };
 };
@@ -52,8 +55,19 @@ struct LightFields {
   };
 };
 struct ViewpointFields {
-  enum : int { position, orientation, field_of_view, description, jump, center_of_rotation, view_all, retain_offsets,
-               near_distance, far_distance };
+  enum : int {
+    position,
+    orientation,
+    field_of_view,
+    description,
+    jump,
+    center_of_rotation,
+    view_all,
+    retain_offsets,
+    near_distance,
+    far_distance,
+    navigation_info
+  };
 };
 struct ViewpointGroupFields {
   enum : int { children, displayed, retain_offsets, description, center, size };

@@ -22,7 +22,6 @@ using glm::dvec3;
 
 constexpr std::size_t kMaxLights = 60'000;  // DrawItem stores indexes of lights in 16 bits
 constexpr std::size_t kMaxScoped = 60'000;  // ClipPlanes, and LocalFogs: DrawItem stores indexes in 16 bits
-constexpr std::size_t kMaxViewpoints = 10'000;
 constexpr std::size_t kMaxSounds = 10'000;
 constexpr std::size_t kMaxDepth = 100'000;
 constexpr std::size_t kMaxPlaces = std::size_t{1} << 20;  // also limits coordinate systems; further content has no path
@@ -103,6 +102,7 @@ RenderList Collector::collect(const vrml::SceneGraph& scene) {
       continue;
     }
     const vrml::NodeId id = *top.next++;
+    if (path_.size() == 1 && is_outside_of_layer(scene, id)) continue;
     visit(Frame(top), id);  // a copy, because enter() may reallocate path_
   }
   coarsen_primitives();
@@ -135,7 +135,8 @@ void Collector::enter(Frame frame) {
     (*frame.on_path)[frame.node] = true;
   }
   // A DirectionalLight affects all its siblings, also those before it (VRML97 6.16).
-  for (const vrml::NodeId* child = frame.next; child != frame.end && frame.presence.visible; ++child)
+  const bool is_layer_root = path_.empty() && bound_ && bound_->layer > 0;
+  for (const vrml::NodeId* child = frame.next; child != frame.end && frame.presence.visible && !is_layer_root; ++child)
     add_scoped(frame, *child);
   path_.push_back(frame);
 }
@@ -220,111 +221,6 @@ Collector::Frame Collector::frame_below(const Frame& parent, vrml::NodeId id, st
   return frame;
 }
 
-void Collector::enter_node(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children) {
-  if (children && !children->empty()) enter(frame_below(parent, id, children->span()));
-}
-
-void Collector::enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children, const dmat4& local,
-                            bool billboard) {
-  if (!children || children->empty()) return;
-  const dmat4 world_from_local = parent.world_from_local * local;
-  if (!fits_float(world_from_local)) {
-    if (sources_) sources_->unshown.push_back({&parent.scene->node(id), parent.scene});
-    return;
-  }
-  Frame frame = frame_below(parent, id, children->span());
-  frame.world_from_local = world_from_local;
-  // Above the limit of coordinate systems, content has no path. Each change then collects everything again.
-  if (frame.place != kNoPlace) {
-    frame.frame = frame.frames_before;
-    list_.places[frame.place].frame = frame.frame;
-    list_.world_from_frame.push_back(world_from_local);
-    if (sources_) {
-      RenderSources::Frame source;
-      source.node = &parent.scene->node(id);
-      source.parent = parent.frame;
-      source.first_item = static_cast<std::uint32_t>(list_.items.size());
-      source.first_splat = static_cast<std::uint32_t>(list_.splats.size());
-      source.first_light = static_cast<std::uint32_t>(list_.lights.size());
-      source.parent_from_local = local;
-      sources_->frames.push_back(source);
-      if (billboard) sources_->billboards.push_back(frame.frame);
-    }
-  } else if (sources_) {
-    sources_->complete = false;
-  }
-  enter(frame);
-}
-
-// Enters the skeleton and the skin of an HAnimHumanoid as one list.
-void Collector::enter_humanoid(const Frame& parent, vrml::NodeId id, const NodeView& humanoid) {
-  vrml::MFNode& parts = joined_.emplace_back();
-  for (const int field : {HumanoidFields::skeleton, HumanoidFields::skin})
-    if (const auto* list = humanoid.find<vrml::MFNode>(field))
-      for (const vrml::NodeId part : *list) parts.push_back(part);
-  enter_moved(parent, id, &parts, transform_matrix(humanoid), false);
-}
-
-void Collector::enter_choice(const Frame& parent, vrml::NodeId id, const vrml::MFNode* choices, std::int64_t which) {
-  if (!choices || which < 0 || which >= static_cast<std::int64_t>(choices->size())) return;
-  enter_one(parent, id, choices->begin()[which]);
-}
-
-/// Enters a group with only one child, `child`.
-void Collector::enter_one(const Frame& parent, vrml::NodeId id, const vrml::NodeId& child) {
-  enter(frame_below(parent, id, std::span(&child, 1)));
-}
-
-// Enters a Collision. With a proxy, the children are visible but not collidable, and the proxy is collidable but
-// invisible (6.8).
-void Collector::enter_collision(const Frame& parent, vrml::NodeId id, const NodeView& collision) {
-  const auto* children = collision.find<vrml::MFNode>(CollisionFields::children);
-  const auto* proxy = collision.find<vrml::SFNode>(CollisionFields::proxy);
-  Frame inside = parent;
-  if (!collision.get(CollisionFields::collide, true)) {
-    inside.presence.collidable = false;
-    enter_node(inside, id, children);
-    return;
-  }
-  if (!proxy || !parent.scene->resolve(*proxy)) {
-    enter_node(inside, id, children);
-    return;
-  }
-  // Enter the proxy first: the frame that is entered last, with the children, is visited first.
-  inside.presence.visible = false;
-  enter_one(inside, id, *proxy);
-  inside.presence = parent.presence;
-  inside.presence.collidable = false;
-  enter_node(inside, id, children);
-}
-
-// Enters a ViewpointGroup (X3D 23.4.7).
-void Collector::enter_viewpoint_group(const Frame& parent, vrml::NodeId id, const NodeView& group) {
-  if (viewpoint_groups_.size() >= kMaxViewpoints) return;
-  ViewpointState state = viewpoint_groups_[parent.presence.viewpoint_group];
-  add_group(state, group, parent.world_from_local);
-  Frame inside = parent;
-  inside.presence.viewpoint_group = static_cast<std::uint32_t>(viewpoint_groups_.size());
-  viewpoint_groups_.push_back(std::move(state));
-  enter_node(inside, id, group.find<vrml::MFNode>(ViewpointGroupFields::children));
-}
-
-void Collector::enter_inline(const Frame& parent, vrml::NodeId id) {
-  const vrml::SceneGraph* inlined = parent.scene->inlines().of(id);
-  if (!inlined || inlined->roots().empty()) return;
-  const auto [open, fresh] = open_nodes_.try_emplace(inlined);
-  if (fresh) {
-    open->second.resize(inlined->nodes().count() + 1);
-    list_.scenes.push_back(parent.scene->inlines().all().at(id.index));
-  }
-  Frame frame = frame_below(parent, id, {inlined->roots().begin(), inlined->roots().end()});
-  frame.scene = inlined;
-  frame.on_path = &open->second;
-  frame.node = 0;
-  frame.main = false;
-  enter(frame);
-}
-
 dvec3 Collector::viewer_in(const dmat4& world_from_local) const {
   return vrml::viewer_in_local(viewer_, world_from_local);
 }
@@ -351,10 +247,18 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
     case NodeKind::shape:
       if (!parent.presence.hidden) add_shape(parent, id, view);
       break;
+    case NodeKind::particle_system:
+      if (!parent.presence.hidden) add_particles(parent, id, view);
+      break;
     case NodeKind::cad_face:
       if (const auto* shape = view.find<vrml::SFNode>(CadFaceFields::shape)) enter_one(parent, id, *shape);
       break;
+    case NodeKind::layer_set:
+      enter_layers(parent, id, view);
+      break;
     case NodeKind::group:
+    case NodeKind::layer:
+    case NodeKind::viewport:
       enter_node(parent, id, view.find<vrml::MFNode>(GroupFields::children));
       break;
     case NodeKind::collision:
@@ -376,6 +280,10 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
     case NodeKind::billboard:
       enter_moved(parent, id, view.find<vrml::MFNode>(BillboardFields::children),
                   billboard_matrix(view, viewer_in(world), vrml::direction_in_local(viewer_up_, world)), true);
+      break;
+    case NodeKind::screen_group:
+      enter_moved(parent, id, view.find<vrml::MFNode>(GroupFields::children),
+                  screen_matrix(viewer_in(world), pixels_per_radian_), true);
       break;
     case NodeKind::switch_node:
       enter_choice(parent, id, view.find<vrml::MFNode>(SwitchFields::choice),
@@ -446,6 +354,14 @@ const ClipList& Collector::clip_planes() {
   return clip_planes_;
 }
 
+// Adds the NavigationInfo in a field of a viewpoint (X3D 23.3.1). Without events, only the first viewpoint is bound.
+void Collector::add_navigation_of(const NodeView& viewpoint, const Frame& parent, bool first) {
+  const auto* given = viewpoint.find<vrml::SFNode>(ViewpointFields::navigation_info);
+  if (!given || (!bound_ && !first)) return;
+  const NodeView info = schemas_.view(*parent.scene, *given);
+  if (info.kind() == NodeKind::navigation_info) add_bindable(info, parent.scene->resolve(*given), parent);
+}
+
 void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame& parent) {
   ++others_;
   if (view.kind() == NodeKind::viewpoint) {
@@ -457,6 +373,7 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
     viewpoints.back().node = id;
     if (sources_)
       (parent.main ? sources_->viewpoints : inlined_sources_).push_back({view.node, parent.frame, parent.main});
+    add_navigation_of(view, parent, viewpoints.size() == 1);
     return;
   }
   if (sources_ && sources_->bindables.size() < kMaxViewpoints)
@@ -472,6 +389,7 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
   if (!counts || std::exchange(have, true)) return;
   if (kind == NodeKind::background) {
     list_.background = world_background(view, parent.world_from_local, resources_.images());
+    list_.has_background = true;
     resources_.add_faces(list_.background, *parent.scene, view);
   } else if (kind == NodeKind::fog) {
     list_.fog = world_fog(view, parent.world_from_local);

@@ -2,6 +2,7 @@
 
 #include "render/collection/shape_resources.h"
 #include "render/scene/render_list.h"
+#include "vrml/behaviours/particles/particle_mesh.h"
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
@@ -33,7 +34,16 @@ struct RenderSources {
     ShapeResources::AppearanceNodes appearance;
     glm::vec3 scale{1.0f};  // scale of a shared default primitive
     WideBox bounds;         // in world space
+    Box region;             // of a particle system, in node space: box of all its particles so far; else empty
     std::uint8_t text_level = 0;
+  };
+  struct Particles {  // Item with the particles of a ParticleSystem, and the state for which its mesh was made.
+    std::uint32_t item = 0;
+    bool sprites = false;  // the mesh depends on the viewer
+    vrml::ParticleView view;
+    const void* simulation = nullptr;
+    double moment = 0;
+    std::shared_ptr<Share> share;  // part of the budget for the mesh
   };
   struct Local {  // Source of a light, Viewpoint, NavigationInfo, Background or Fog.
     const vrml::Node* node = nullptr;
@@ -58,9 +68,12 @@ struct RenderSources {
   std::vector<Lod> lods;
   std::vector<std::uint32_t> billboards;  // indexes of frames
   std::vector<std::uint32_t> texts;       // indexes of items
-  std::vector<Unshown> unshown;           // may contain a node more than once
-  bool complete = true;                   // false if the world has more coordinate systems than the list can store
+  std::vector<Particles> particles;
+  std::vector<Unshown> unshown;  // may contain a node more than once
+  bool complete = true;          // false if the world has more coordinate systems than the list can store
 };
+
+inline constexpr std::size_t kMaxViewpoints = 10'000;  // also limits bindable nodes and ViewpointGroups
 
 /// Traverses a scene and collects its visible content, as collect() describes.
 class Collector {
@@ -123,6 +136,8 @@ class Collector {
   void enter_collision(const Frame& parent, vrml::NodeId id, const NodeView& collision);
   void leave();
   void visit(const Frame& parent, vrml::NodeId id);
+  void enter_layers(const Frame& parent, vrml::NodeId id, const NodeView& layer_set);
+  [[nodiscard]] bool is_outside_of_layer(const vrml::SceneGraph& scene, vrml::NodeId root) const;
   const LightList& directional_lights();
   const ClipList& clip_planes();
   void add_box(const vrml::Node& node, const glm::dmat4& world_from_local, std::size_t first_item, std::uint32_t place,
@@ -130,7 +145,9 @@ class Collector {
   void add_scoped(Frame& frame, vrml::NodeId child);
   void add_light(const NodeView& light, const glm::dmat4& world_from_local, std::uint32_t frame, bool listed);
   void add_bindable(const NodeView& view, vrml::NodeId id, const Frame& parent);
+  void add_navigation_of(const NodeView& viewpoint, const Frame& parent, bool first);
   void add_shape(const Frame& parent, vrml::NodeId id, const NodeView& shape);
+  void add_particles(const Frame& parent, vrml::NodeId id, const NodeView& system);
   bool surface_item(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool pictured, DrawItem& item);
   void add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geometry, DrawItem item, RenderSources::Item source,
                 const glm::dmat4& world_from_node);
@@ -154,7 +171,7 @@ class Collector {
   std::vector<ViewpointState> inlined_viewpoints_;
   std::vector<RenderSources::Local> inlined_sources_;
   std::vector<ViewpointState> viewpoint_groups_{1};  // values for the Viewpoints of each ViewpointGroup; 0 is no group
-  std::size_t others_ = 0;  // number of viewpoints, bindable nodes and LODs so far
+  std::size_t others_ = 0;                           // number of viewpoints, bindable nodes and LODs so far
   bool have_navigation_ = false, have_background_ = false, have_fog_ = false;
   std::vector<Frame> path_;
   std::unordered_map<const vrml::SceneGraph*, std::vector<bool>> open_nodes_;
@@ -178,6 +195,11 @@ class Collector {
   std::unordered_map<const vrml::Mesh*, Primitives> primitives_;
 };
 
+/// Makes the mesh of a particle system again for a viewer in world space, if its particles or the viewer have changed.
+/// Returns true if the item has changed. `world` is the coordinate system of the node `system`.
+bool renew_particles(DrawItem& item, RenderSources::Item& source, RenderSources::Particles& particles,
+                     const vrml::SceneGraph& scene, vrml::NodeId system, const glm::dmat4& world,
+                     const glm::dvec3& viewer, const glm::dvec3& up);
 /// Reports whether all elements are finite and within the range of float.
 [[nodiscard]] bool fits_float(const glm::dmat4& matrix);
 /// Returns the matrix from positions of a mesh, relative to its origin, to world space.

@@ -97,7 +97,7 @@ void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geom
   item.clip_planes = clip_planes();
   item.local_fog = parent.presence.local_fog;
   item.place = add_place(parent, id);
-  source.bounds = world_bounds(item.mesh->bounds, world_from_node);
+  source.bounds = world_bounds(source.region.empty() ? item.mesh->bounds : source.region, world_from_node);
   if (item.mesh->font_size > 0) {
     const std::size_t level = text_level(*item.mesh, item.world_from_node, source.bounds, viewer_, pixels_per_radian_,
                                          sources_ && !source.appearance.textured());
@@ -115,7 +115,7 @@ void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geom
   item.overlay = parent.presence.overlay;
   item.visible = parent.presence.visible;
   // Text, lines and points do not collide (VRML97 6.8, 6.47).
-  item.collidable = parent.presence.collidable && !item.overlay && item.mesh->font_size == 0 &&
+  item.collidable = parent.presence.collidable && item.touchable && !item.overlay && item.mesh->font_size == 0 &&
                     item.mesh->primitive == vrml::Mesh::Primitive::triangles;
   list_.overlays = list_.overlays || item.overlay;
   if (item.visible && !item.overlay && !source.bounds.empty()) list_.bounds.add(source.bounds);

@@ -56,6 +56,7 @@ RenderScene::RenderScene(const vrml::SceneGraph& scene, const Images& images, co
     : scene_(scene),
       images_(images),
       geometries_(geometries),
+      meshes_(meshes),
       resources_(images, meshes, scene.budget()),
       list_(std::make_shared<RenderList>()) {}
 
@@ -66,6 +67,10 @@ void RenderScene::gather(const BoundNodes& bound, const dvec3& viewer) {
   *list_ =
       Collector(resources_, viewer_, geometries_, &bound_, scene_.budget(), &sources_, pixels_per_radian_, viewer_up_)
           .collect(scene_);
+  list_->boundary = bound_.boundary;
+  list_->pickable = bound_.pickable && bound_.drawn;
+  list_->drawn = bound_.drawn;
+  gather_layers();
   ++gathered_;
   begin_generation();
   list_->changes = next_change();
@@ -139,6 +144,8 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
     const bool rebound = bound.background != bound_.background || bound.navigation_info != bound_.navigation_info ||
                          bound.fog != bound_.fog;
     const bool other_viewpoint = bound.viewpoint != bound_.viewpoint;
+    whole = bound.layer != bound_.layer || bound.layer_set != bound_.layer_set || bound.boundary != bound_.boundary ||
+            bound.pickable != bound_.pickable || bound.drawn != bound_.drawn || bound.others != bound_.others;
     bound_ = bound;
     if (rebound) renew_bindables(), any = true;
     if (other_viewpoint || any) {
@@ -148,11 +155,13 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
     }
     viewer_ = usable(viewer);
     if (depends_on_viewer()) {
-      whole = !follow_viewer(viewer_);
+      whole = !follow_viewer(viewer_) || whole;
       any = any || !moved_frames_.empty();
       move_frames();
       if (!whole && refine_texts()) any = true;
+      if (!whole && move_particles()) any = true;
     }
+    if (!whole && update_layers(changes)) any = true;
     // A coordinate system has overflowed and hides its content, so collect again.
     whole = whole || frame_lost_;
   }
@@ -183,10 +192,17 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
     case NodeKind::humanoid:
       if (has_changed(change, view, HumanoidFields::skin)) return Effect::everything;
       return only(Effect::frame, HumanoidFields::skeleton);
+    case NodeKind::screen_group:
+      return only(Effect::none, GroupFields::children);
     case NodeKind::billboard:
       return only(Effect::none, BillboardFields::children);  // the next update of the viewer rotates it
     case NodeKind::group:
       return only(Effect::none, GroupFields::children);
+    case NodeKind::particle_system:
+      return has_changed_nodes(change, node) ? Effect::everything : Effect::none;
+    case NodeKind::layer_set:
+    case NodeKind::layer:
+    case NodeKind::viewport:
     case NodeKind::collision:
     case NodeKind::switch_node:
     case NodeKind::lod:
@@ -230,7 +246,7 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
     case NodeKind::viewpoint_group:
       return Effect::everything;
     case NodeKind::viewpoint:
-      return Effect::viewpoint;
+      return has_changed(change, view, ViewpointFields::navigation_info) ? Effect::everything : Effect::viewpoint;
     case NodeKind::navigation_info:
     case NodeKind::background:
     case NodeKind::fog:
@@ -353,7 +369,7 @@ void RenderScene::place_item(std::uint32_t i) {
     return;
   }
   item.world_from_node = world_from_node;
-  source.bounds = world_bounds(item.mesh->bounds, world_from_node);
+  source.bounds = world_bounds(source.region.empty() ? item.mesh->bounds : source.region, world_from_node);
   item_moved(i);
 }
 
@@ -367,7 +383,7 @@ void RenderScene::place_splat(std::uint32_t i) {
   splat_moved_ = true;
 }
 
-// Updates LODs and Billboards for a new viewer position. Returns false if an LOD selects another level.
+// Updates LODs, Billboards and ScreenGroups for a new viewer position. Returns false if an LOD selects another level.
 bool RenderScene::follow_viewer(const dvec3& viewer) {
   for (const RenderSources::Lod& lod : sources_.lods) {
     const NodeView view{lod.node, &resources_.schemas().of(*lod.node->type)};
@@ -377,8 +393,10 @@ bool RenderScene::follow_viewer(const dvec3& viewer) {
     const RenderSources::Frame& source = sources_.frames[frame];
     const NodeView view{source.node, &resources_.schemas().of(*source.node->type)};
     const dmat4& parent = list_->world_from_frame[source.parent];
-    const dmat4 matrix =
-        billboard_matrix(view, vrml::viewer_in_local(viewer, parent), vrml::direction_in_local(viewer_up_, parent));
+    const dvec3 viewer_there = vrml::viewer_in_local(viewer, parent);
+    const dmat4 matrix = view.kind() == NodeKind::screen_group
+                             ? screen_matrix(viewer_there, pixels_per_radian_)
+                             : billboard_matrix(view, viewer_there, vrml::direction_in_local(viewer_up_, parent));
     if (matrix != source.parent_from_local) mark_frame(frame, matrix);
   }
   return true;

@@ -41,7 +41,8 @@ class RenderScene {
   [[nodiscard]] std::shared_ptr<const RenderList> shared_list() const { return list_; }
   /// Reports whether the list depends on the viewer's position.
   [[nodiscard]] bool depends_on_viewer() const {
-    return !sources_.lods.empty() || !sources_.billboards.empty() || !sources_.texts.empty();
+    return !sources_.lods.empty() || !sources_.billboards.empty() || !sources_.texts.empty() ||
+           !sources_.particles.empty();
   }
   /// Returns the number of full collections so far.
   [[nodiscard]] std::size_t gathered() const { return gathered_; }
@@ -75,6 +76,7 @@ class RenderScene {
   const Uses& item_uses();
   bool follow_viewer(const glm::dvec3& viewer);
   bool refine_texts();
+  bool move_particles();
   void mark_frame(std::uint32_t frame, const glm::dmat4& parent_from_local);
   void move_frames();
   void place_item(std::uint32_t item);
@@ -85,6 +87,10 @@ class RenderScene {
   void renew_scoped(const std::function<bool(const RenderSources::Local&)>& is_changed);
   void renew_viewpoint(std::uint32_t viewpoint);
   void renew_bindables();
+  [[nodiscard]] BoundNodes nodes_of(const BoundLayer& layer) const;
+  void gather_layers();
+  bool update_layers(std::span<const vrml::NodeChange> changes);
+  void list_layers();
   [[nodiscard]] bool is_face(const vrml::Node* node) const;
   void set_background(const RenderSources::Local& local, const NodeView& view);
   void begin_generation();
@@ -95,6 +101,7 @@ class RenderScene {
   const vrml::SceneGraph& scene_;
   const Images& images_;
   const Geometries& geometries_;
+  MeshCache& meshes_;
   ShapeResources resources_;
   std::shared_ptr<RenderList> list_;
   RenderSources sources_;
@@ -103,7 +110,8 @@ class RenderScene {
   glm::dvec3 viewer_up_{0, 1, 0};
   float pixels_per_radian_ = kUsualPixelsPerRadian;
   std::size_t gathered_ = 0;
-  Uses frame_uses_, item_uses_;  // sorted by node; built at first use
+  std::vector<std::unique_ptr<RenderScene>> layers_;  // of BoundNodes::others
+  Uses frame_uses_, item_uses_;                       // sorted by node; built at first use
   bool frame_uses_known_ = false, item_uses_known_ = false;
   std::vector<std::uint32_t> moved_frames_;
   std::vector<bool> frame_moved_;

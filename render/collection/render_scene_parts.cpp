@@ -37,7 +37,7 @@ bool RenderScene::is_face(const vrml::Node* node) const {
 // vanishes.
 bool RenderScene::renew_geometry(std::uint32_t i) {
   DrawItem& item = list_->items[i];
-  if (item.place == kNoPlace || item.surface) return false;
+  if (item.place == kNoPlace || item.surface || !item.touchable) return false;
   const Place& place = list_->places[item.place];
   const NodeView shape = resources_.schemas().view(*place.scene, place.node);
   const vrml::NodeId geometry = geometry_of(*place.scene, shape);
@@ -49,6 +49,23 @@ bool RenderScene::renew_geometry(std::uint32_t i) {
   sources_.items[i].text_level = ShapeResources::kCoarsestText;
   place_item(i);
   return true;
+}
+
+// Shows the present particles, and turns sprites to the viewer. Returns true if any item changed.
+bool RenderScene::move_particles() {
+  bool any = false;
+  for (RenderSources::Particles& particles : sources_.particles) {
+    DrawItem& item = list_->items[particles.item];
+    if (item.place == kNoPlace) continue;
+    const Place& place = list_->places[item.place];
+    if (!renew_particles(item, sources_.items[particles.item], particles, *place.scene, place.node,
+                         list_->world_from_frame[place.frame], viewer_, viewer_up_))
+      continue;
+    place_item(particles.item);
+    if (item.layered) apply_item_appearance(particles.item);
+    any = true;
+  }
+  return any;
 }
 
 void RenderScene::apply_item_appearance(std::uint32_t index) {
@@ -111,16 +128,69 @@ void RenderScene::set_background(const RenderSources::Local& local, const NodeVi
 
 void RenderScene::renew_bindables() {
   list_->background = {};
+  list_->has_background = false;
   list_->navigation = {};
   list_->fog = {};
   bool background = false, navigation = false, fog = false;
   for (const RenderSources::Local& local : sources_.bindables) {
     const NodeView view{local.node, &resources_.schemas().of(*local.node->type)};
-    if (local.node == bound_.background && !std::exchange(background, true)) set_background(local, view);
+    if (local.node == bound_.background && !std::exchange(background, true)) {
+      set_background(local, view);
+      list_->has_background = true;
+    }
     if (local.node == bound_.fog && !std::exchange(fog, true))
       list_->fog = world_fog(view, list_->world_from_frame[local.frame]);
     if (local.node == bound_.navigation_info && !std::exchange(navigation, true))
       list_->navigation = navigation_state(view);
+  }
+}
+
+BoundNodes RenderScene::nodes_of(const BoundLayer& layer) const {
+  BoundNodes nodes{layer.viewpoint, layer.navigation_info, layer.background, layer.fog};
+  nodes.layer_set = bound_.layer_set;
+  nodes.layer = layer.layer;
+  nodes.boundary = layer.boundary;
+  nodes.pickable = layer.pickable;
+  return nodes;
+}
+
+// Collects the other drawn layers of the world, each for the viewer at its Viewpoint.
+void RenderScene::gather_layers() {
+  layers_.clear();
+  for (const BoundLayer& layer : bound_.others) {
+    layers_.push_back(std::make_unique<RenderScene>(scene_, images_, geometries_, meshes_));
+    layers_.back()->gather(nodes_of(layer), {0, 0, 10});
+  }
+  list_layers();
+}
+
+/// Applies changes to the other drawn layers. Returns true if one has changed.
+bool RenderScene::update_layers(std::span<const vrml::NodeChange> changes) {
+  bool any = false;
+  for (std::size_t i = 0; i < layers_.size(); ++i) {
+    const glm::dvec3 viewer(list_->layers[i].camera.world_from_camera[3]);
+    if (layers_[i]->update(changes, nodes_of(bound_.others[i]), viewer)) any = true;
+  }
+  if (any) list_layers();
+  return any;
+}
+
+// Lists the other layers with the lenses of their bound Viewpoints.
+void RenderScene::list_layers() {
+  list_->layers.clear();
+  for (std::size_t i = 0; i < layers_.size(); ++i) {
+    RenderLayer layer{layers_[i]->shared_list(), bound_.others[i].in_front, {}, {}};
+    layer.camera.world_from_camera[3] = {0, 0, 10, 1};
+    const vrml::Node* const bound = bound_.others[i].viewpoint;
+    if (bound_.others[i].parallel && !bound) layer.extent = glm::dvec2(2);  // defaults of OrthoViewpoint
+    for (const ViewpointState& viewpoint : layer.list->viewpoints) {
+      if (!bound || &viewpoint.scene->node(viewpoint.node) != bound) continue;
+      layer.camera.world_from_camera = viewpoint.world_from_camera;
+      layer.camera.field_of_view = viewpoint.field_of_view;
+      layer.extent = viewpoint.extent;
+      break;
+    }
+    list_->layers.push_back(std::move(layer));
   }
 }
 

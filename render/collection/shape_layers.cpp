@@ -1,5 +1,7 @@
 #include "render/collection/shape_layers.h"
 
+#include "render/collection/node_fields.h"
+#include "render/collection/texture_sampling.h"
 #include "vrml/scene/meant_node.h"
 #include "vrml/scene/texture_coordinate_nodes.h"
 #include "vrml/scene/values/transformation.h"
@@ -20,18 +22,6 @@ using Coordinates = TextureLayer::Coordinates;
 using Target = TextureLayer::Target;
 using vrml::NodeId;
 
-/// Returns the value of a field; null if the type has no such field.
-template <class T>
-const T* field(const vrml::Node& node, std::string_view name) {
-  const vrml::InterfaceDeclaration* declaration = node.type->find_field(name);
-  return declaration ? std::get_if<T>(&node.values[declaration->slot]) : nullptr;
-}
-
-float number(const vrml::Node& node, std::string_view name, float low, float high, float otherwise) {
-  const auto* value = field<vrml::SFFloat>(node, name);
-  return value && std::isfinite(*value) ? std::clamp(*value, low, high) : otherwise;
-}
-
 glm::vec3 color(const vrml::Node& node, std::string_view name, const glm::vec3& otherwise) {
   const auto* value = field<vrml::SFColor>(node, name);
   if (!value || !std::isfinite(value->r + value->g + value->b)) return otherwise;
@@ -41,20 +31,6 @@ glm::vec3 color(const vrml::Node& node, std::string_view name, const glm::vec3& 
 bool has_node(const vrml::SceneGraph& scene, const vrml::Node& node, std::string_view name) {
   const auto* value = field<vrml::SFNode>(node, name);
   return value && scene.resolve(*value);
-}
-
-/// Row of a table that maps names of the standard to values.
-template <class E>
-struct Named {
-  std::string_view name;
-  E value;
-};
-
-template <class E, std::size_t n>
-E named(const std::array<Named<E>, n>& table, std::string_view name, E otherwise) {
-  for (const Named<E>& row : table)
-    if (row.name == name) return row.value;
-  return otherwise;
 }
 
 // X3D Table 18.3.
@@ -345,7 +321,7 @@ bool LayerBuilder::set_texture(Layer& layer, NodeId texture) {
       return false;
   }
   layer.sampling = sampling_of(resources_.schemas(), scene_, view);
-  return layer.kind == Layer::Kind::scene_cube || layer.kind == Layer::Kind::cube || layer.image;
+  return layer.kind == Layer::Kind::scene_cube || view.kind() == NodeKind::composed_cube_map_texture || layer.image;
 }
 
 bool LayerBuilder::set_cube_faces(Layer& layer, const vrml::SceneGraph& scene, const NodeView& cube) {
@@ -451,54 +427,6 @@ glm::mat4 LayerBuilder::matrix_of(NodeId transform) const {
 std::string_view LayerBuilder::text_in(NodeId node, std::string_view name) const {
   const auto* text = field<vrml::SFString>(scene_.node(node), name);
   return text ? text->view() : std::string_view();
-}
-
-bool has_properties(const vrml::SceneGraph& scene, const NodeView& texture) {
-  const auto* given = texture.find<vrml::SFNode>(TextureFields::properties);
-  return given && scene.resolve_as(*given, NodeKind::texture_properties);
-}
-
-Sampling sampling_of(Schemas& schemas, const vrml::SceneGraph& scene, const NodeView& texture) {
-  using Edge = Sampling::Edge;
-  using Filter = Sampling::Filter;
-  static constexpr std::array<Named<Edge>, 4> kEdges = {{
-      {"CLAMP", Edge::clamp},
-      {"CLAMP_TO_EDGE", Edge::clamp},
-      {"CLAMP_TO_BOUNDARY", Edge::border},
-      {"MIRRORED_REPEAT", Edge::mirror},
-  }};
-  static constexpr std::array<Named<Filter>, 7> kSmaller = {{
-      {"AVG_PIXEL", Filter::linear},
-      {"NEAREST_PIXEL", Filter::nearest},
-      {"FASTEST", Filter::nearest},
-      {"NEAREST_PIXEL_NEAREST_MIPMAP", Filter::nearest_mipmap_nearest},
-      {"NEAREST_PIXEL_AVG_MIPMAP", Filter::nearest_mipmap_nearest},
-      {"AVG_PIXEL_AVG_MIPMAP", Filter::linear_mipmap_linear},
-      {"NICEST", Filter::linear_mipmap_linear},
-  }};
-  static constexpr std::array<Named<bool>, 2> kLarger = {{{"NEAREST_PIXEL", false}, {"FASTEST", false}}};
-  Sampling sampling;
-  const auto edge = [&](int repeat) { return texture.get(repeat, true) ? Edge::repeat : Edge::clamp; };
-  sampling.s = edge(TextureFields::repeat_s);
-  sampling.t = edge(TextureFields::repeat_t);
-  sampling.r = edge(TextureFields::repeat_r);
-  const auto* given = texture.find<vrml::SFNode>(TextureFields::properties);
-  const NodeView view = given ? schemas.view(scene, *given) : NodeView{};
-  if (view.kind() != NodeKind::texture_properties) return sampling;
-  const vrml::Node& node = *view.node;
-  const auto text = [&](std::string_view name) {
-    const auto* value = field<vrml::SFString>(node, name);
-    return value ? value->view() : std::string_view();
-  };
-  sampling.s = named(kEdges, text("boundaryModeS"), Edge::repeat);
-  sampling.t = named(kEdges, text("boundaryModeT"), Edge::repeat);
-  sampling.r = named(kEdges, text("boundaryModeR"), Edge::repeat);
-  sampling.smaller = named(kSmaller, text("minificationFilter"), Filter::linear_mipmap_linear);
-  sampling.smooth = named(kLarger, text("magnificationFilter"), true);
-  if (const auto* border = field<vrml::SFColorRGBA>(node, "borderColor"))
-    sampling.border = {border->r, border->g, border->b, border->a};
-  sampling.anisotropy = number(node, "anisotropicDegree", 1, 64, 1);
-  return sampling;
 }
 
 }  // namespace gs::render

@@ -319,10 +319,109 @@ void Renderer::resolve(int width, int height) {
   gl.BindFramebuffer(GL_FRAMEBUFFER, target.resolved.name());
 }
 
-FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& wanted, const DrawOptions& options) {
+namespace {
+
+/// Part of a picture that a layer fills, and the camera for it.
+struct LayerPart {
+  Camera camera;
+  DrawOptions options;
+};
+
+/// Returns the drawn part of a layer with this clipBoundary (X3D 35.4.4); nullopt if it has no pixel. `options` are
+/// those of the picture; `camera` is the layer's, with the drawn part of the picture.
+std::optional<LayerPart> part_of(const vrml::ClipBoundary& boundary, const Camera& camera, const DrawOptions& options) {
+  LayerPart layer{camera, options};
+  const auto cut = [](double lower, double upper, double& low, double& high, int& at, int& pixels) {
+    // The layer, and the drawn part of the picture, from -1 to 1 over the whole picture.
+    const double first = 2 * lower - 1, last = 2 * upper - 1, scale = pixels / (high - low);
+    const double begin = std::max(first, low), end = std::min(last, high);
+    const int from = static_cast<int>(std::lround((begin - low) * scale)),
+              to = static_cast<int>(std::lround((end - low) * scale));
+    if (!(begin < end) || from >= to) return false;
+    low = (begin - first) / (last - first) * 2 - 1;
+    high = (end - first) / (last - first) * 2 - 1;
+    at += from;
+    pixels = to - from;
+    return true;
+  };
+  PicturePart& part = layer.camera.part;
+  if (!cut(boundary[0], boundary[1], part.left, part.right, layer.options.x, layer.options.width) ||
+      !cut(boundary[2], boundary[3], part.bottom, part.top, layer.options.y, layer.options.height))
+    return std::nullopt;
+  return layer;
+}
+
+/// Returns the camera of a layer, for the part of the picture that `camera` draws.
+Camera lens_of(const RenderLayer& layer, const Camera& camera, const DrawOptions& options) {
+  Camera lens = layer.camera;
+  lens.part = camera.part;
+  if (layer.extent.x > 0) {
+    const vrml::ClipBoundary& boundary = layer.list->boundary;
+    const glm::dvec2 whole(whole_size(camera, glm::vec2(options.width, options.height)));
+    const glm::dvec2 size(whole.x * (boundary[1] - boundary[0]), whole.y * (boundary[3] - boundary[2]));
+    const double smaller = std::min(size.x, size.y);
+    lens.height = std::max(layer.extent.x * smaller / size.x, layer.extent.y * smaller / size.y);
+  }
+  return lens;
+}
+
+/// Returns the options for a layer that is not active.
+DrawOptions options_of(const RenderLayer& layer, std::size_t index, const DrawOptions& options) {
+  constexpr std::uint32_t kViewports = 1u << 16;  // more than a window has: each layer has a level of detail of its own
+  DrawOptions result = options;
+  result.headlight = layer.list->navigation.headlight;
+  result.headlight_towards = {0, 0, 1};
+  result.viewport += kViewports * (static_cast<std::uint32_t>(index) + 1);
+  result.guides = nullptr;
+  result.unit = 1;
+  return result;
+}
+
+void add_to(FrameStatistics& sum, const FrameStatistics& layer) {
+  sum.triangles += layer.triangles;
+  sum.items += layer.items;
+  sum.draw_calls += layer.draw_calls;
+  sum.vectors += layer.vectors;
+  if (layer.vectors > 0) sum.splats = layer.splats;
+  sum.pending = sum.pending || layer.pending;
+  sum.given_up = sum.given_up || layer.given_up;
+}
+
+}  // namespace
+
+// Draws a world. If it has layers, draws them from back to front, each in its part of the picture.
+FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& camera, const DrawOptions& options) {
+  if (list.layers.empty() && list.boundary == kWholePicture && list.drawn)
+    return draw_layer(list, camera, options, false);
+  FrameStatistics statistics;
+  bool drawn = false;
+  const auto draw_one = [&](const RenderList& one, const Camera& lens, const DrawOptions& of_layer) {
+    const std::optional<LayerPart> part = part_of(one.boundary, lens, of_layer);
+    if (!part || statistics.given_up) return;
+    const bool first = !std::exchange(drawn, true),
+               whole = part->options.width == options.width && part->options.height == options.height;
+    if (first && !whole) (void)draw_layer(RenderList(), lens, options, false);  // the background around the layer
+    add_to(statistics, draw_layer(one, part->camera, part->options, !first || !whole));
+  };
+  for (const bool in_front : {false, true}) {
+    if (in_front && list.drawn) draw_one(list, camera, options);
+    for (std::size_t i = 0; i < list.layers.size(); ++i) {
+      const RenderLayer& layer = list.layers[i];
+      if (layer.in_front == in_front)
+        draw_one(*layer.list, lens_of(layer, camera, options), options_of(layer, i, options));
+    }
+  }
+  if (!drawn) (void)draw_layer(RenderList(), camera, options, false);
+  return statistics;
+}
+
+/// Draws one list. If `in_front`, what is drawn before stays visible behind it, unless a Background is bound in its
+/// layer.
+FrameStatistics Renderer::draw_layer(const RenderList& list, const Camera& wanted, const DrawOptions& options,
+                                     bool in_front) {
   FrameStatistics statistics;
   state_->cubes->draw(list, options, *state_->meshes, [&](const Camera& face, const DrawOptions& of_face) {
-    (void)draw_in_target(list, face, of_face);
+    (void)draw_layer(list, face, of_face, false);
   });
   WideBox bounds = list.bounds;
   if (options.guides) bounds.add(options.guides->bounds);
@@ -364,9 +463,10 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& w
   sky.far_plane = camera.far_plane;
   const Projection sky_lens =
       projection(sky, static_cast<float>(options.width), static_cast<float>(options.height), reversed);
-  if (options.backdrop && !options.background)
+  const bool shows_behind = in_front && (!list.has_background || options.background);
+  if (!shows_behind && options.backdrop && !options.background)
     state_->background->draw_backdrop(camera.part, options);
-  else
+  else if (!shows_behind)
     state_->background->draw(list.background, glm::mat3(camera.world_from_camera), sky_lens, options.background);
   gl.DepthMask(GL_TRUE);
   state_->surfaces->prepare(list, camera, lens, options);

@@ -48,6 +48,7 @@ class Renderer {
   struct State;
   bool bind_target(int width, int height, int samples);
   FrameStatistics draw_in_target(const RenderList& list, const Camera& camera, const DrawOptions& options);
+  FrameStatistics draw_layer(const RenderList& list, const Camera& camera, const DrawOptions& options, bool in_front);
   bool draw_off_screen(const RenderList& list, const Camera& camera, const DrawOptions& local,
                        FrameStatistics* statistics);
   void resolve(int width, int height);

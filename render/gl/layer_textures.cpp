@@ -82,6 +82,31 @@ Alpha alpha_of_rgba(const Image& rgba) {
   return result;
 }
 
+bool is_panorama(const Image& image) { return image.width >= 4 && image.width == 2 * std::uint64_t{image.height}; }
+
+/// Returns a face of a cube, an index of OpenGL, of a panorama. The columns of a panorama are longitudes, its rows
+/// latitudes. Its centre lies in the direction +Z, and +X lies to the right of it.
+Image face_of_panorama(const Image& image, std::size_t face, std::uint32_t side) {
+  constexpr double kPi = 3.14159265358979323846;
+  Image result{side, side, 4, {}};
+  result.pixels.resize(std::size_t{side} * side * 4);
+  std::uint8_t* to = result.pixels.data();
+  for (std::uint32_t row = 0; row < side; ++row)
+    for (std::uint32_t column = 0; column < side; ++column) {
+      const double s = 2 * (column + 0.5) / side - 1, t = 2 * (row + 0.5) / side - 1;
+      const std::array<std::array<double, 3>, 6> directions = {
+          {{1, -t, -s}, {-1, -t, s}, {s, 1, t}, {s, -1, -t}, {s, -t, 1}, {-s, -t, -1}}};
+      const auto& [x, y, mirrored_z] = directions[face];
+      const double u = 0.5 + std::atan2(x, -mirrored_z) / (2 * kPi),
+                   v = std::acos(y / std::hypot(x, y, mirrored_z)) / kPi;
+      const auto at = [](double part, std::uint32_t size) {
+        return std::min(static_cast<std::uint32_t>(std::max(part, 0.0) * size), size - 1);
+      };
+      for (const std::uint8_t part : rgba_at(image, at(u, image.width), at(v, image.height))) *to++ = part;
+    }
+  return result;
+}
+
 }  // namespace
 
 TextureStore::Alpha LayerTextures::prepare(const TextureLayer& layer) {
@@ -190,20 +215,20 @@ LayerTextures::Cube* LayerTextures::cube(const TextureLayer& layer) {
     return known->get();
   }
   (*known)->version = version;
-  upload(images, **known);
+  upload(images, layer.image != nullptr, **known);
   return known->get();
 }
 
-void LayerTextures::upload(const std::array<const Image*, 6>& faces, Cube& to) {
+void LayerTextures::upload(const std::array<const Image*, 6>& faces, bool whole, Cube& to) {
   const PhaseScope phase(gl_.phases, Phase::upload);
   constexpr std::uint32_t kMaxSide = 2048;
   const std::uint32_t most = std::min(kMaxSide, static_cast<std::uint32_t>(gl_.max_texture_size));
   std::uint32_t side = 1;
-  const bool whole = std::all_of(faces.begin(), faces.end(), [&](const Image* image) { return image == faces[0]; });
+  const bool panorama = whole && faces[0] && is_panorama(*faces[0]);
   for (std::size_t i = 0; i < 6; ++i) {
     if (!faces[kCubeFaces[i]]) continue;
     const Region region = region_of(*faces[kCubeFaces[i]], i, whole);
-    side = std::max(side, std::min(most, std::max(region.width, region.height)));
+    side = std::max(side, std::min(most, panorama ? region.width / 4 : std::max(region.width, region.height)));
   }
   to.alpha = Alpha::none;
   to.texture = make_texture(gl_);
@@ -212,7 +237,7 @@ void LayerTextures::upload(const std::array<const Image*, 6>& faces, Cube& to) {
   for (std::size_t i = 0; i < 6; ++i) {
     const Image* image = faces[kCubeFaces[i]];
     Image face{side, side, 4, std::vector<std::uint8_t>(std::size_t{side} * side * 4, 0)};
-    if (image) face = square(*image, region_of(*image, i, whole), side);
+    if (image) face = panorama ? face_of_panorama(*image, i, side) : square(*image, region_of(*image, i, whole), side);
     if (const Alpha alpha = alpha_of_rgba(face); image && alpha != Alpha::none && to.alpha != Alpha::blended)
       to.alpha = alpha;
     const auto target = static_cast<GLenum>(GL_TEXTURE_CUBE_MAP_POSITIVE_X + i);

@@ -50,7 +50,8 @@ class LayerTextures {
   Volume& volume(const std::shared_ptr<const Image>& image);
   Cube* cube(const TextureLayer& layer);
   void upload(const Image& image, Volume& to);
-  void upload(const std::array<const Image*, 6>& faces, Cube& to);
+  /// Uploads the faces of a cube. If `whole`, all of them lie in one image.
+  void upload(const std::array<const Image*, 6>& faces, bool whole, Cube& to);
 
   const Gl& gl_;
   TextureStore& images_;

@@ -3,9 +3,9 @@
 // GLSL of layered materials (render/scene/layered_material.h). layered_program.cpp adds the code of the layers.
 namespace gs::render {
 
-/// Physical reflection (X3D 4 17.2.2.6, glTF 2.0 Appendix B) for kLightingShader. An irradiance of 1 is a light of
-/// intensity 1 that makes a white diffuse surface white. `specular.rgb` is the reflectance at normal incidence, `w` the
-/// roughness.
+/// Physical reflection (X3D 4 17.2.2.6, glTF 2.0 Appendix B) for kLightingShader. A light of intensity 1 is an irradiance
+/// of 1, of which a white diffuse surface reflects 1 / pi to the viewer. `specular.rgb` is the reflectance at normal
+/// incidence, `w` the roughness.
 inline constexpr char kPhysicalShader[] = R"glsl(
 vec3 physical(vec3 n, vec3 l, vec3 to_viewer, vec3 diffuse, vec4 specular) {
   float n_l = max(dot(n, l), 0.0), n_v = max(dot(n, to_viewer), 1e-4);
@@ -18,7 +18,8 @@ vec3 physical(vec3 n, vec3 l, vec3 to_viewer, vec3 diffuse, vec4 specular) {
   float visibility = 0.5 / max(n_l * sqrt(n_v * n_v * (1.0 - square) + square) +
                                n_v * sqrt(n_l * n_l * (1.0 - square) + square), 1e-5);
   vec3 fresnel = specular.rgb + (1.0 - specular.rgb) * pow(1.0 - v_h, 5.0);
-  return n_l * (diffuse * (1.0 - fresnel) + fresnel * (distribution * visibility));
+  const float kOneByPi = 0.318309886;
+  return n_l * kOneByPi * (diffuse * (1.0 - fresnel) + fresnel * (distribution * visibility));
 }
 )glsl";
 

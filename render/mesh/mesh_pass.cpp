@@ -114,7 +114,8 @@ MeshPass::VariantProgram* MeshPass::program(unsigned variant) {
       vertex = kStyleVertexShader;
       fragment += kStyleFragmentShader;
     }
-    auto made = make_program(gl_, text, vertex + kMeshAttributesShader + kMeshVertexShader, fragment + kMeshFragmentShader);
+    auto made =
+        make_program(gl_, text, vertex + kMeshAttributesShader + kMeshVertexShader, fragment + kMeshFragmentShader);
     if (auto* error = std::get_if<ContextError>(&made)) {
       last_error_ = std::move(error->message);
     } else {
@@ -197,9 +198,9 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   const Material& material = item.material;
   const bool surface = last_slice_->primitive == GL_TRIANGLES;
   // A pattern of lines uses the place of the specular exponent.
-  const bool shaded =
-      item.mesh->lit &&
-      (surface || (last_slice_->normals && !(item.style && item.mesh->primitive == vrml::Mesh::Primitive::lines)));
+  const bool patterned = item.style && item.style->line_pattern != ShapeStyle::kSolidLine &&
+                         item.mesh->primitive == vrml::Mesh::Primitive::lines;
+  const bool shaded = item.mesh->lit && (surface || (last_slice_->normals && !patterned));
   const TextureStore::Entry* texture = nullptr;
   if ((*mesh_seen)->pictured) {
     if (!find_glyphs()) return;

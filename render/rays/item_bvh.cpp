@@ -23,7 +23,8 @@ bool is_finite(const glm::dmat4& m) {
 /// Returns the item's box in world space, enlarged for rounding errors. Returns an empty box if the item cannot be hit.
 Box world_box(const DrawItem& item) {
   Box box;
-  if (!item.mesh || item.mesh->empty() || item.mesh->primitive != vrml::Mesh::Primitive::triangles) return box;
+  if (!item.touchable || !item.mesh || item.mesh->empty()) return box;
+  if (item.mesh->primitive != vrml::Mesh::Primitive::triangles) return box;
   const Box& bounds = item.mesh->bounds;
   const glm::dmat4& matrix = item.world_from_node;
   if (bounds.empty() || !is_finite(matrix)) return box;
@@ -45,9 +46,9 @@ bool is_sought(const DrawItem& item, Sought sought) {
     case Sought::met:
       return item.collidable && !item.overlay;  // overlays move with the viewer, so they are never obstacles
     case Sought::overlay:
-      return item.visible && item.overlay;
+      return item.visible && item.overlay && item.touchable;
     default:
-      return item.visible;
+      return item.visible && item.touchable;
   }
 }
 

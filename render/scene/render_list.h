@@ -3,12 +3,14 @@
 #include "base/array.h"
 #include "qnv/base/geometry.h"
 #include "render/image/image.h"
+#include "render/scene/camera.h"
 #include "render/scene/fog.h"
 #include "render/scene/layered_material.h"
 #include "render/scene/mesh_cache.h"
 #include "render/scene/shape_style.h"
 #include "render/scene/world_bounds.h"
 #include "vrml/mesh/mesh.h"
+#include "vrml/scene/layers.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <glm/mat3x3.hpp>
@@ -32,8 +34,8 @@ namespace gs::render {
 struct Material {
   glm::vec3 diffuse{0.8f}, emissive{0.0f}, specular{0.0f};
   float ambient_intensity = 0.2f, shininess = 0.2f, transparency = 0.0f;
-  bool lit = true;         // false without Appearance or Material, and for an UnlitMaterial
-  glm::vec3 unlit{1.0f};   // colour if not lit: that of an UnlitMaterial, or 1 1 1 (VRML97 Table 4.5)
+  bool lit = true;        // false without Appearance or Material, and for an UnlitMaterial
+  glm::vec3 unlit{1.0f};  // colour if not lit: that of an UnlitMaterial, or 1 1 1 (VRML97 Table 4.5)
 };
 /// Specular exponent of a material with shininess 1 (VRML97 4.14.4).
 inline constexpr float kShininessScale = 128;
@@ -64,8 +66,8 @@ inline constexpr std::uint16_t kNoLocalFog = UINT16_MAX;
 struct TextureUse {
   std::shared_ptr<const Image> image;
   bool repeat_s = true, repeat_t = true;
-  glm::mat3 transform{1.0f};         // from texture coordinates of the mesh to texture space (VRML97 6.49)
-  bool modulates = false;            // X3D 4: the texture always modulates the colour and the alpha of the material
+  glm::mat3 transform{1.0f};           // from texture coordinates of the mesh to texture space (VRML97 6.49)
+  bool modulates = false;              // X3D 4: the texture always modulates the colour and the alpha of the material
   std::optional<Sampling> sampling{};  // X3D TextureProperties; replaces repeat_s and repeat_t
 };
 
@@ -87,14 +89,15 @@ struct DrawItem {
   TextureUse texture;
   /// Replaces `texture`, if set; `material` has its colours, and their closest equivalents in VRML97.
   std::shared_ptr<const LayeredMaterial> layered;
-  LightList directional_lights;  // lights of the enclosing groups (6.16)
+  LightList directional_lights;                  // lights of the enclosing groups (6.16)
   ClipList clip_planes;                          // ClipPlanes of the enclosing groups
   std::shared_ptr<const ShapeStyle> style;       // null for the default style
   std::uint16_t local_fog = kNoLocalFog;         // LocalFog of the innermost group that has one
-  std::uint32_t place = kNoPlace;  // path of the Shape: index in RenderList::places
-  bool visible = true;  // false in the proxy of a Collision (6.8)
-  bool collidable = true;  // an obstacle to the viewer
-  bool overlay = false;  // fixed to the viewer: drawn in front of all other items
+  std::uint32_t place = kNoPlace;                // path of the Shape: index in RenderList::places
+  bool visible = true;                           // false in the proxy of a Collision (6.8)
+  bool collidable = true;                        // an obstacle to the viewer
+  bool overlay = false;                          // fixed to the viewer: drawn in front of all other items
+  bool touchable = true;                         // rays hit it; false for particles
   std::shared_ptr<const qnv::Geometry> surface;  // QNV node: an indexed mesh or patches; else null
   float detail = 1;                              // field `detail` of the QNV node, more than 0
 
@@ -118,6 +121,8 @@ struct SplatItem {
   ClipList clip_planes;
   std::uint32_t place = kNoPlace;  // path of the Shape: index in RenderList::places
 };
+
+inline constexpr vrml::ClipBoundary kWholePicture{0, 1, 0, 1};
 
 /// Background (VRML97 6.5). Colours of the sky begin at the zenith, those of the ground at the nadir. Angles are in
 /// radians.
@@ -150,14 +155,14 @@ struct ViewpointState {
   double scale = 1;
   bool jump = true;  // binding moves the viewer to the Viewpoint
   // Fields of X3D (ISO/IEC 19775-1 clause 23).
-  glm::dvec2 extent{0};     // OrthoViewpoint: size of the view rectangle in world units; 0 means a perspective view
+  glm::dvec2 extent{0};  // OrthoViewpoint: size of the view rectangle in world units; 0 means a perspective view
   std::optional<glm::dvec3> center_of_rotation;  // world space; nullopt for Viewpoints of VRML97
-  float near_distance = 0, far_distance = 0;  // world units; 0 means that the program chooses
-  bool view_all = false;        // the initial pose shows the whole world
-  bool retains_offset = false;  // binding keeps the movements that the user made at this Viewpoint
-  bool listed = true;           // false below a ViewpointGroup with displayed FALSE
-  bool group_retains_offset = false;  // a ViewpointGroup above has retainUserOffsets TRUE
-  std::string group;            // descriptions of the ViewpointGroups above, outermost first, each followed by ": "
+  float near_distance = 0, far_distance = 0;     // world units; 0 means that the program chooses
+  bool view_all = false;                         // the initial pose shows the whole world
+  bool retains_offset = false;                   // binding keeps the movements that the user made at this Viewpoint
+  bool listed = true;                            // false below a ViewpointGroup with displayed FALSE
+  bool group_retains_offset = false;             // a ViewpointGroup above has retainUserOffsets TRUE
+  std::string group;  // descriptions of the ViewpointGroups above, outermost first, each followed by ": "
   std::vector<ViewpointRegion> regions;  // of the ViewpointGroups above
 };
 
@@ -180,9 +185,37 @@ struct NavigationState {
   friend bool operator==(const NavigationState&, const NavigationState&) = default;
 };
 
-/// Bound nodes, of the world or of Inlines (4.6.10). Null if no node of the type is bound.
+/// Layer that is drawn behind or in front of the active one (X3D 35.2.2), with its bound nodes.
+struct BoundLayer {
+  const vrml::Node *viewpoint = nullptr, *navigation_info = nullptr, *background = nullptr, *fog = nullptr;
+  int layer = 0;                                // its number
+  vrml::ClipBoundary boundary = kWholePicture;  // part of the picture that it fills
+  bool in_front = false;                        // of the active layer
+  bool pickable = true;                         // X3D 35.4.1
+  bool parallel = false;                        // LayoutLayer: parallel projection without a Viewpoint (36.4.3)
+  friend bool operator==(const BoundLayer&, const BoundLayer&) = default;
+};
+
+/// Bound nodes, of the world or of Inlines (4.6.10). Null if no node of the type is bound. In a world with a LayerSet,
+/// these are the nodes of the layer to collect.
 struct BoundNodes {
   const vrml::Node *viewpoint = nullptr, *navigation_info = nullptr, *background = nullptr, *fog = nullptr;
+  vrml::NodeId layer_set{};                     // the null id for a world without a LayerSet
+  int layer = 0;                                // number of the layer to collect
+  vrml::ClipBoundary boundary = kWholePicture;  // part of the picture that it fills
+  bool pickable = true;                         // X3D 35.4.1: pointing devices act on it
+  bool drawn = true;                            // false if LayerSet.order omits it, or it is not visible
+  std::vector<BoundLayer> others{};             // the other drawn layers, from back to front
+};
+
+struct RenderList;
+
+/// Layer of a world that is drawn behind or in front of the active layer, with the lens of its own Viewpoint.
+struct RenderLayer {
+  std::shared_ptr<const RenderList> list;
+  bool in_front = false;
+  Camera camera;         // its `height` is not set
+  glm::dvec2 extent{0};  // OrthoViewpoint: size of the view rectangle in world units; 0 means a perspective view
 };
 
 /// Pixels per radian at the centre of a typical image: 768 rows for 45 degrees.
@@ -222,14 +255,19 @@ struct RenderList {
   std::vector<glm::dvec4> clip_planes;
   std::vector<Fog> local_fogs;
   float near_distance = 0, far_distance = 0;  // of the bound Viewpoint; 0 means that the program chooses
-  std::vector<ViewpointState> viewpoints;  // in file order; the first is bound at the start
+  std::vector<ViewpointState> viewpoints;     // in file order; the first is bound at the start
   std::vector<SoundPlace> sounds;
   Background background;
+  bool has_background = false;  // true if a Background is bound
   NavigationState navigation;
   bool has_navigation = false;  // true if a NavigationInfo is bound; false for the defaults of the standard
   Fog fog;
   WideBox bounds;                                               // box of all items except overlays, in world space
   bool overlays = false;                                        // some items are overlays
+  vrml::ClipBoundary boundary = kWholePicture;                  // part of the picture that the list fills
+  bool pickable = true;                                         // pointing devices act on the list
+  bool drawn = true;                                            // false if only `layers` are drawn
+  std::vector<RenderLayer> layers;                              // other layers of the world, from back to front
   std::vector<LimitReport> limit_reports;                       // at most one entry per reason
   std::vector<Place> places;                                    // paths of all content, parents before children
   std::vector<glm::dmat4> world_from_frame;                     // coordinate systems of `places`

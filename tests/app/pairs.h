@@ -8,10 +8,12 @@
 #include "tests/net/memory_network.h"
 #include "tests/render/drawing.h"
 #include "tests/vrml/encodings.h"
+#include "tests/vrml/vrml1_text.h"
 #include "vrml/mesh/mesh.h"
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstddef>
@@ -19,6 +21,7 @@
 #include <cstdlib>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -47,7 +50,9 @@ class Studio {
       net::MemoryResource resource;
       const bool world = name.ends_with(".wrl");
       const std::string vrml97 = "#VRML V2.0 utf8\n" + text;
-      if (world && grammar != vrml::Grammar::vrml97)
+      if (world && text.starts_with('#'))
+        resource.bytes = gs::test::bytes_of(text);
+      else if (world && grammar != vrml::Grammar::vrml97)
         resource.bytes = gs::test::bytes_of(vrml::testing::encoded(vrml97, grammar));
       else
         resource.bytes = gs::test::bytes_of(world ? vrml97 : text);
@@ -63,14 +68,27 @@ class Studio {
       list = loading.collect(glm::vec3(camera.world_from_camera[3]));  // collects the parts that depend on the viewer's
                                                                        // position
     }
-    drawing_.options.headlight = list.navigation.headlight;
+    drawing_.options.headlight = list.navigation.headlight && !dark_;
     const LoadedWorld world = loading.take();
     for (const auto& diagnostic : world.diagnostics.entries()) FAIL(diagnostic.text());
     return drawing_.draw(list, camera);
   }
   [[nodiscard]] render::Image picture(const std::string& text) { return picture(Files{{"main.wrl", text}}); }
+  /// Draws worlds in VRML 1.0, which cannot switch the headlight off. `dark` does so.
+  [[nodiscard]] render::Image old_picture(const Files& files, bool dark) {
+    dark_ = dark;
+    ++old_worlds_;
+    render::Image image = picture(files);
+    dark_ = false;
+    return image;
+  }
+
+  /// Returns the number of worlds that were drawn in VRML 1.0.
+  [[nodiscard]] std::size_t old_worlds() const { return old_worlds_; }
 
  private:
+  std::size_t old_worlds_ = 0;
+  bool dark_ = false;  // draws without the headlight
   render::testing::Drawing drawing_;
 };
 
@@ -122,6 +140,33 @@ inline void check_encodings(Studio& studio, const Files& files, const render::Im
   }
 }
 
+/// Returns worlds without the ambient intensity of lights, which VRML 1.0 lacks.
+inline Files without_ambient_lights(Files files) {
+  const std::string ambient = " ambientIntensity 0.4 }";
+  for (auto& [name, text] : files)
+    for (std::size_t at = text.find(ambient); at != std::string::npos; at = text.find(ambient, at))
+      text.replace(at, ambient.size(), " }");
+  return files;
+}
+
+/// Checks that a world has the same picture in VRML 1.0 if it can be expressed there. Returns false if it cannot.
+inline bool check_vrml1(Studio& studio, const Files& given, std::size_t edge_pixels) {
+  const Files files = without_ambient_lights(given);
+  Files old = files;
+  for (auto& [name, text] : old) {
+    if (!name.ends_with(".wrl")) continue;
+    const std::optional<std::string> written = vrml::testing::Vrml1Writer::write("#VRML V2.0 utf8\n" + text);
+    if (!written) return false;
+    text = *written;
+  }
+  INFO(old["main.wrl"]);
+  const bool dark = files.at("main.wrl").find("headlight FALSE") != std::string::npos;
+  const PictureDifference difference = compare_pictures(studio.picture(files), studio.old_picture(old, dark));
+  INFO("VRML 1.0 differs by up to " << difference.most);
+  CHECK(difference.pixels <= edge_pixels);
+  return true;
+}
+
 /// Checks that two worlds look alike except for some pixels at edges, where rounding decides. Checks the first one in
 /// each encoding of X3D, too.
 inline void check_alike(Studio& studio, const std::string& what, const Files& a, const Files& b,
@@ -133,6 +178,8 @@ inline void check_alike(Studio& studio, const std::string& what, const Files& a,
   INFO("differ by up to " << difference.most);
   CHECK(difference.pixels <= edge_pixels);
   check_encodings(studio, a, first);
+  constexpr std::size_t kEdgePixels = 12;
+  for (const Files* const files : {&a, &b}) (void)check_vrml1(studio, *files, std::max(edge_pixels, kEdgePixels));
 }
 inline void check_alike(Studio& studio, const std::string& what, const std::string& a, const std::string& b,
                         std::size_t edge_pixels = 12) {

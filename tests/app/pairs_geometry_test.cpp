@@ -52,6 +52,7 @@ void check_alike_in_some_fineness(Studio& studio, const std::string& what, const
   for (const int segments : render::ShapeResources::kSegments)
     least = std::min(least, compare_pictures(first, studio.picture(b(segments))).pixels);
   CHECK(least <= 12);
+  (void)check_vrml1(studio, Files{{"main.wrl", a}}, 12);
 }
 
 const char* const kGeometries[] = {
@@ -77,6 +78,7 @@ TEST_CASE("draws every geometry like the IndexedFaceSet of its triangles (VRML97
   for (const std::string geometry : kGeometries)
     check_alike_in_some_fineness(studio, geometry, kScene + shape(geometry),
                                  [&](int segments) { return kScene + shape(faces_of(mesh_of(geometry, segments))); });
+  CHECK(studio.old_worlds() >= 4);
 }
 
 TEST_CASE("draws equal pictures of equal shapes by different geometry nodes") {
@@ -117,6 +119,7 @@ TEST_CASE("draws equal pictures of equal shapes by different geometry nodes") {
       shape("Extrusion { spine [ 0 -1 0, 0.3 0 0, 0 1 0 ] crossSection [ 0.5 0.5, 0.5 -0.5, -0.5 -0.5, 0.5 0.5 ] }"),
       shape("Extrusion { spine [ 0 -1 0, 0 -1 0, 0.3 0 0, 0.3 0 0, 0 1 0 ] crossSection [ 0.5 0.5, 0.5 -0.5, 0.5 -0.5, "
             "-0.5 -0.5, 0.5 0.5, 0.5 0.5 ] }"));
+  CHECK(studio.old_worlds() >= 4);
 }
 
 TEST_CASE("draws equal pictures of faces in any notation (VRML97 6.23)") {
@@ -164,6 +167,7 @@ TEST_CASE("draws equal pictures of faces in any notation (VRML97 6.23)") {
         "texCoord TextureCoordinate { point [ 0 0, 0 1, 1 1, 1 0 ] }",
         "coord Coordinate { point [ -1 -1 0, 1 -1 0, 1 1 0, -1 1 0 ] } coordIndex [ 0 1 2 3 ] "
         "texCoord TextureCoordinate { point [ 0 0, 1 0, 1 1, 0 1 ] }");
+  CHECK(studio.old_worlds() >= 22);
 }
 
 TEST_CASE("draws equal pictures of lines and points in any notation (VRML97 6.24, 6.36)") {
@@ -177,6 +181,7 @@ TEST_CASE("draws equal pictures of lines and points in any notation (VRML97 6.24
     const render::Image first = studio.picture(kScene + a), second = studio.picture(kScene + b);
     CHECK(shown_pixels(first) > 10);
     CHECK(compare_pictures(first, second).pixels <= 4);
+    for (const std::string* const world : {&a, &b}) (void)check_vrml1(studio, Files{{"main.wrl", kScene + *world}}, 4);
   };
   alike("polylines in one node and two", lines("coordIndex [ 0 1 2 -1 3 4 5 ]"),
         lines("coordIndex [ 0 1 2 ]") + lines("coordIndex [ 3 4 5 ]"));
@@ -192,6 +197,7 @@ TEST_CASE("draws equal pictures of lines and points in any notation (VRML97 6.24
         shape("PointSet { coord Coordinate { point [ -1 -1 0, 1 -1 0, 1 1 0, -1 1 0 ] } color Color { color [ 1 0 0, 1 "
               "0 0, 1 0 0, 1 0 0 ] } }"),
         shape("PointSet { coord Coordinate { point [ -1 -1 0, 1 -1 0, 1 1 0, -1 1 0 ] } }", glowing("1 0 0")));
+  CHECK(studio.old_worlds() >= 10);
 }
 
 }  // namespace gs::app::pairs_geometry_test

@@ -74,6 +74,7 @@ TEST_CASE("draws equal pictures wherever a light is written (VRML97 4.6.6, 6.16,
   alike("a beam wider than the cut-off",
         "SpotLight { location 1 2 3 direction -0.3 -0.6 -0.8 cutOffAngle 0.4 beamWidth 1.5 }" + ball,
         "SpotLight { location 1 2 3 direction -0.3 -0.6 -0.8 cutOffAngle 0.4 beamWidth 0.4 }" + ball);
+  CHECK(studio.old_worlds() >= 15);
 }
 
 TEST_CASE("draws the headlight like an equal DirectionalLight (VRML97 6.29)") {
@@ -85,6 +86,7 @@ TEST_CASE("draws the headlight like an equal DirectionalLight (VRML97 6.29)") {
               "NavigationInfo { headlight FALSE } Viewpoint { position 4 0 0 orientation 0 1 0 1.5707963 } "
               "DirectionalLight { direction -1 0 0 }" +
                   shapes);
+  CHECK(studio.old_worlds() >= 4);
 }
 
 TEST_CASE("takes colours from the sources of the lighting tables (VRML97 4.14, Tables 4.5 and 4.6)") {
@@ -141,6 +143,7 @@ TEST_CASE("takes colours from the sources of the lighting tables (VRML97 4.14, T
         before_wall(shape(material("diffuseColor " + half + "1 " + quarter + " transparency 0.5"))));
   alike("an empty PixelTexture", shape(material(rest + "diffuseColor 0.8 0.6 0.4") + "texture PixelTexture { }"),
         shape(material(rest + "diffuseColor 0.8 0.6 0.4")));
+  CHECK(studio.old_worlds() >= 32);
 }
 
 TEST_CASE("draws equal pictures by texture coordinates and by TextureTransform (VRML97 6.22, 6.33, 6.48, 6.49)") {
@@ -212,6 +215,7 @@ TEST_CASE("draws equal pictures by texture coordinates and by TextureTransform (
         view + shape("texture PixelTexture { " + kColors + " } textureTransform TextureTransform { translation 2 -3 }",
                      geometry),
         40);
+  CHECK(studio.old_worlds() >= 28);
 }
 
 TEST_CASE("draws equal pictures for any order of transparent shapes and faces (VRML97 4.14)") {
@@ -278,6 +282,7 @@ TEST_CASE("draws equal pictures for any order of transparent shapes and faces (V
   const std::uint8_t* middle = panes.pixels.data() + (std::size_t{32} * panes.width + 32) * panes.components;
   CHECK(middle[0] == Approx(128).margin(1.5));
   CHECK(middle[2] == Approx(128 * 127 / 255.0).margin(1.5));
+  CHECK(studio.old_worlds() >= 18);
 }
 
 }  // namespace gs::app::pairs_look_test

@@ -46,6 +46,7 @@ TEST_CASE("draws the children of all grouping nodes (VRML97 4.6.5)") {
       "Switch { whichChoice -1 choice Shape { geometry Box { size 5 5 5 } } } Switch { whichChoice 4 choice "
       "Shape { geometry Box { size 5 5 5 } } } LOD { }";
   check_alike(studio, "nothing chosen", kView + ball + nothing + kBlock, plain, 0);
+  CHECK(studio.old_worlds() >= 24);
 }
 
 TEST_CASE("ignores wrong bounding boxes (VRML97 4.6.4)") {
@@ -59,7 +60,9 @@ TEST_CASE("ignores wrong bounding boxes (VRML97 4.6.4)") {
       const std::string inside = group == "Inline" ? " url \"in.wrl\" }" : " children [ " + ball + " ] }";
       const Files files{{"main.wrl", kView + group + " { " + box + inside + kBlock}, {"in.wrl", ball}};
       CHECK(compare_pictures(plain, studio.picture(files)).pixels == 0);
+      (void)check_vrml1(studio, files, 12);
     }
+  CHECK(studio.old_worlds() >= 15);
 }
 
 TEST_CASE("draws equal pictures for joined and for separate transformations (VRML97 6.52)") {
@@ -89,6 +92,7 @@ TEST_CASE("draws equal pictures for joined and for separate transformations (VRM
         wedge + "0 0 0.5, 1 0 0, 0 1.5 0, -0.4 -0.9 -0.25" + faces);
   alike("mirrored", moved("scale -1 1 1", wedge + "0 0 1, 1 0 0, 0 1 0, -0.4 -0.3 -0.5" + faces),
         wedge + "0 0 1, 0 1 0, -1 0 0, 0.4 -0.3 -0.5" + " ] } coordIndex [ 0 1 2 -1 0 3 1 -1 1 3 2 -1 2 3 0 -1 ] } }");
+  CHECK(studio.old_worlds() >= 10);
 }
 
 TEST_CASE("draws the same view from Viewpoints alone and in a group (VRML97 6.53)") {
@@ -102,6 +106,7 @@ TEST_CASE("draws the same view from Viewpoints alone and in a group (VRML97 6.53
                   " orientation 0 1 0 0.5 }" + kBlock);
   check_alike(studio, "scaled", light + moved("scale 2 2 2", "Viewpoint { position 0 0 2 }") + kBlock,
               light + "Viewpoint { position 0 0 4 }" + kBlock);
+  CHECK(studio.old_worlds() >= 6);
 }
 
 TEST_CASE("draws Billboards like shapes that are turned by hand (VRML97 6.6)") {
@@ -119,6 +124,7 @@ TEST_CASE("draws Billboards like shapes that are turned by hand (VRML97 6.6)") {
   check_alike(studio, "in a turned group",
               light + side + moved("rotation 0 1 0 1.3", "Billboard { children " + kBlock + " }"),
               light + side + moved("rotation 0 1 0 0.78539816", kBlock));
+  CHECK(studio.old_worlds() >= 4);
 }
 
 TEST_CASE("draws USE like a copy (VRML97 4.6.2)") {
@@ -143,6 +149,7 @@ TEST_CASE("draws USE like a copy (VRML97 4.6.2)") {
   check_alike(studio, "of a group",
               kView + "DEF S Group { children [ " + kBlock + kBall + " ] }" + moved("translation 1.3 0 0", "USE S"),
               kView + kBlock + kBall + moved("translation 1.3 0 0", kBlock + kBall), 0);
+  CHECK(studio.old_worlds() >= 12);
 }
 
 TEST_CASE("draws Inlines, PROTOs and EXTERNPROTOs like their content (VRML97 4.8, 4.9, 6.25)") {
@@ -200,6 +207,7 @@ TEST_CASE("draws Inlines, PROTOs and EXTERNPROTOs like their content (VRML97 4.8
                   "PointLight { location 1 1 3 color 1 0 0 } Shape { appearance Appearance { material Material { "
                   "shininess 0.5 specularColor 1 1 1 } } geometry Sphere { } }",
               0);
+  CHECK(studio.old_worlds() >= 16);
 }
 
 }  // namespace gs::app::pairs_structure_test

@@ -80,11 +80,12 @@ TEST_CASE("bends the normal by a normal map (X3D 12.2.4)") {
   check_color(with("0xDA80DA"), glm::vec3(0.707f), 4);
 }
 
-TEST_CASE("draws a white PhysicalMaterial white in a light of intensity 1, and its colour by metalness") {
+TEST_CASE("reflects 1 / pi of the light from a white PhysicalMaterial, and less if it is a rough metal") {
   Shown shown;
-  check_color(shown.color(square("material PhysicalMaterial { metallic 0 roughness 1 }")), glm::vec3(1), 4);
-  // A rough metal reflects a quarter of the light: linear 0.25 is 0.53 on displays.
-  check_color(shown.color(square("material PhysicalMaterial { metallic 1 roughness 1 }")), glm::vec3(0.533f), 6);
+  // Linear 1 / pi is 0.6 on displays.
+  check_color(shown.color(square("material PhysicalMaterial { metallic 0 roughness 1 }")), glm::vec3(0.6f), 4);
+  // A rough metal reflects a quarter of that.
+  check_color(shown.color(square("material PhysicalMaterial { metallic 1 roughness 1 }")), glm::vec3(0.3125f), 6);
 }
 
 TEST_CASE("shows the colours of the back on back faces (X3D 12.4.8)") {
@@ -143,6 +144,36 @@ TEST_CASE("reflects the faces of a cube map in their directions (X3D 34.4.1)") {
   check_color(direction("1 0 0"), {1, 1, 0});
   check_color(direction("0 1 0"), {0, 1, 1});
   check_color(direction("0 -1 0"), {1, 0, 1});
+}
+
+TEST_CASE("shows a panorama of an ImageCubeMapTexture in its directions, and no texture without an image") {
+  Shown shown;
+  const auto body = [](const std::string& v) {
+    return square("material UnlitMaterial { emissiveColor 1 1 1 } texture ImageCubeMapTexture { url \"sky.png\" }",
+                  "IndexedFaceSet { coord Coordinate { point [ -1 -1 0 1 -1 0 0 1 0 ] } coordIndex [ 0 1 2 -1 ] "
+                  "texCoord TextureCoordinate3D { point [ " +
+                      v + " " + v + " " + v + " ] } }");
+  };
+  check_color(shown.color(body("0 0 1")), {1, 1, 1});
+  // Columns from the direction -Z: blue, yellow in -X, red in +Z, green in +X, blue.
+  auto sky = std::make_shared<Image>(Image{8, 4, 3, {}});
+  for (int row = 0; row < 4; ++row)
+    for (const int column : {0, 1, 1, 2, 2, 3, 3, 0}) {
+      constexpr std::uint8_t kColors[4][3] = {{0, 0, 255}, {255, 255, 0}, {255, 0, 0}, {0, 255, 0}};
+      sky->pixels.insert(sky->pixels.end(), kColors[column], kColors[column] + 3);
+    }
+  const auto with_sky = [&](const std::string& v) {
+    const auto scene = x3d_scene(body(v));
+    Images images;
+    const auto appearance = scene->get<vrml::SFNode>(scene->roots()[0], "appearance");
+    images[&scene->node(scene->get<vrml::SFNode>(appearance, "texture"))] = sky;
+    MeshCache meshes;
+    return pixel(shown.drawing.draw(collect(*scene, images, meshes), camera_at({0, 0, 3})), 32, 32);
+  };
+  check_color(with_sky("0 0 1"), {1, 0, 0});
+  check_color(with_sky("1 0 0"), {0, 1, 0});
+  check_color(with_sky("0 0 -1"), {0, 0, 1});
+  check_color(with_sky("-1 0 0"), {1, 1, 0});
 }
 
 TEST_CASE("draws the scene around a GeneratedCubeMapTexture (X3D 34.4.2)") {

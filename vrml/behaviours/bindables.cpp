@@ -39,22 +39,24 @@ void tell_bound(Execution& execution, EventNode node, bool bound) {
 bool set_bind(Execution& execution, EventNode node, int event, const FieldValue& value) {
   if (event != BindableEvents::set_bind) return true;
   const NodeType& type = execution.nodes().type_of(node);
-  const EventNode before = execution.stacks().top_of(type);
+  const int layer = execution.stacks().layer_of(node);
+  const EventNode before = execution.stacks().top_of(type, layer);
   const bool to_top = std::get<SFBool>(value);
   if (to_top && before == node) return false;
   execution.stacks().bind(node, to_top);
-  const EventNode after = execution.stacks().top_of(type);
+  const EventNode after = execution.stacks().top_of(type, layer);
   if (before == after) return false;
   if (before != 0) tell_bound(execution, before, false);
   if (after != 0) tell_bound(execution, after, true);
   if (before != 0) bind_navigation(execution, before, false);
   if (after != 0) bind_navigation(execution, after, true);
-  if (type.behaviour->parent_from_local) execution.viewer().jump();
+  if (type.behaviour->parent_from_local && layer == execution.stacks().active_layer()) execution.viewer().jump();
   return false;
 }
 
 void tell_late(Execution& execution, EventNode node) {
-  const bool bound = execution.stacks().top_of(execution.nodes().type_of(node)) == node;
+  const BindableStacks& stacks = execution.stacks();
+  const bool bound = stacks.top_of(execution.nodes().type_of(node), stacks.layer_of(node)) == node;
   if (execution.get<SFBool>(node, BindableEvents::is_bound) != bound) tell_bound(execution, node, bound);
 }
 

@@ -123,6 +123,12 @@ void lod_time(Execution& execution, EventNode node) {
   execution.send(node, GroupingEvents::level_changed, SFInt32{level});
 }
 
+// Handles a change of activeLayer: the user now navigates in another layer, from the Viewpoint of that layer.
+bool change_active_layer(Execution& execution, EventNode, int, const FieldValue&) {
+  execution.viewer().jump();
+  return true;
+}
+
 }  // namespace
 
 bool change_children(Execution& execution, EventNode node, int event, const FieldValue& value) {
@@ -193,6 +199,7 @@ const Behaviour kLodBehaviour = {
     .on_time = lod_time,
     .watches_routes = true,
 };
+const Behaviour kLayerSetBehaviour = {{"activeLayer"}, nullptr, change_active_layer, nullptr};
 const Behaviour kGroupBehaviour = {{"addChildren", "removeChildren", "children"}, nullptr, change_children, nullptr};
 
 }  // namespace gs::vrml

@@ -89,6 +89,7 @@ extern const Behaviour kGeoLocationBehaviour, kGeoTransformBehaviour, kGeoViewpo
     kGeoPositionInterpolatorBehaviour;
 extern const Behaviour kProximitySensorBehaviour, kVisibilitySensorBehaviour;
 extern const Behaviour kTouchSensorBehaviour, kPlaneSensorBehaviour, kCylinderSensorBehaviour, kSphereSensorBehaviour;
+extern const Behaviour kLayerSetBehaviour;  // activeLayer (X3D 35.4.2)
 extern const Behaviour kGroupBehaviour;  // addChildren, removeChildren (4.6.5)
 extern const Behaviour kAnchorBehaviour, kBillboardBehaviour, kCollisionBehaviour;
 extern const Behaviour kInlineBehaviour;       // children_changed
@@ -123,5 +124,6 @@ inline constexpr int kKeySensorEnabled = 0;  // event index of enabled in KeySen
 extern const Behaviour kKeySensorBehaviour, kStringSensorBehaviour, kTransformSensorBehaviour;
 extern const Behaviour kLinePickSensorBehaviour, kPointPickSensorBehaviour, kPrimitivePickSensorBehaviour,
     kVolumePickSensorBehaviour;
+extern const Behaviour kParticleSystemBehaviour;
 
 }  // namespace gs::vrml

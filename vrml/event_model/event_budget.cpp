@@ -29,7 +29,7 @@ bool EventBudget::spend(std::size_t elements) {
     work_ += elements;
     return true;
   }
-  if (problem_.empty()) problem_ = "the events of one timestamp exceed the limit of work; the rest is left out";
+  if (problem_.empty()) problem_ = "the events of one timestamp exceed the limit of work; skipped the rest";
   return false;
 }
 

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <deque>
 #include <limits>
+#include <memory>
 #include <vector>
 
 namespace gs::vrml {
@@ -136,6 +137,7 @@ struct MotionState {
   };
   std::vector<Track> tracks;
   std::uint32_t humanoid = 0;  // EventNode
+  std::size_t number = 0;      // place in the motions of the humanoid
   std::size_t numbers = 0;     // of a frame
   double start = -1;           // time of the first frame; below 0 before it
 };
@@ -147,6 +149,14 @@ struct LoadSensorState {
   bool timed_out = false;  // timeOut passed; nothing is sent until all watched nodes are loaded
   float fraction = 0;      // last value of progress
   double began = 0;        // time when it became active
+};
+
+struct RunningParticles;
+
+/// State of a ParticleSystem (X3D 40.4.5).
+struct ParticleState {
+  std::shared_ptr<RunningParticles> running;  // null until the system is enabled
+  bool active = false;
 };
 
 /// Pool of states of one kind. Indices start at 1; indices of removed nodes are used again.
@@ -190,6 +200,8 @@ struct BehaviourStates {
   StatePool<MotionState> motions;
   StatePool<LoadSensorState> loads;
   StatePool<FollowerState> followers;
+  StatePool<ParticleState> particles;
+  bool particles_ahead = false;  // systems that start look as if they had run for a lifetime: for still pictures
 };
 
 }  // namespace gs::vrml

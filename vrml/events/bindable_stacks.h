@@ -2,18 +2,21 @@
 
 #include "vrml/events/change_list.h"
 #include "vrml/events/world_scenes.h"
+#include "vrml/scene/layers.h"
 
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace gs::vrml {
 
-/// Stacks of bindable nodes (VRML97 4.6.10), one per NodeKind: all types of viewpoints share one stack. A stack is a linked list of nodes, so that any node can be
-/// removed in O(1). Part of Execution.
+/// Stacks of bindable nodes (VRML97 4.6.10), one per NodeKind and layer (X3D 35.2.2): all types of viewpoints share one
+/// stack. A stack is a linked list of nodes, so that any node can be removed in O(1). Part of Execution.
 class BindableStacks {
  public:
   struct Stack {
     const NodeType* type;  // one of the types of its kind
+    int layer = 0;         // number of the layer; 0 for nodes outside of layers
     EventNode top = 0;
   };
 
@@ -21,10 +24,18 @@ class BindableStacks {
 
   /// If `to_top`, moves the node to the top of its type's stack; otherwise removes it from the stack.
   void bind(EventNode node, bool to_top);
-  /// Returns the bound node of a type; 0 if no node is bound.
-  [[nodiscard]] EventNode top_of(const NodeType& type) const;
-  /// Returns the bound node of a type. Its scene is null if no node is bound.
-  [[nodiscard]] NodeChange bound(const NodeType& type) const;
+  /// Returns the bound node of a type in the active layer; 0 if no node is bound.
+  [[nodiscard]] EventNode top_of(const NodeType& type) const { return top_of(type, active_layer()); }
+  [[nodiscard]] EventNode top_of(const NodeType& type, int layer) const;
+  /// Returns the bound node of a type in the active layer. Its scene is null if no node is bound.
+  [[nodiscard]] NodeChange bound(const NodeType& type) const { return bound(type, active_layer()); }
+  [[nodiscard]] NodeChange bound(const NodeType& type, int layer) const;
+  /// Returns the layers of the world, as its LayerSet has them now; nullopt for a world without a LayerSet.
+  [[nodiscard]] std::optional<LayerSet> layers() const;
+  /// Returns the number of the layer in which the user navigates; 0 for a world without a LayerSet.
+  [[nodiscard]] int active_layer() const;
+  /// Returns the number of the layer that contains a node.
+  [[nodiscard]] int layer_of(EventNode node) const;
   /// Reports whether a bindable node is on its type's stack. The scene and the node may have been removed.
   [[nodiscard]] bool contains(const SceneGraph* scene, NodeId node) const;
   [[nodiscard]] std::span<const Stack> all() const { return stacks_; }
@@ -44,11 +55,12 @@ class BindableStacks {
   void unbind_left();
 
  private:
-  Stack& stack_of(const NodeType& type);
+  Stack& stack_of(const NodeType& type, int layer);
   void bind_first_nodes(SceneState& state, bool of_fresh_types);
 
   Execution& execution_;
   std::vector<Stack> stacks_;
+  NodeId layer_set_;  // node in the root scene; the null id for a world without a LayerSet
   bool nodes_leave_ = false;
 };
 

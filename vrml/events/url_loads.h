@@ -33,6 +33,11 @@ class UrlLoads {
   /// Drops the note of a node that is removed.
   void forget(const Node& node) { states_.erase(&node); }
 
+  /// Returns the state of a node.
+  [[nodiscard]] UrlLoad state_of(const Node& node) const {
+    const auto found = states_.find(&node);
+    return found == states_.end() ? UrlLoad::pending : found->second;
+  }
   /// Returns the states of nodes. PROTO instances count as their first node. Ignores nodes without urls, and nodes that
   /// must not be loaded.
   [[nodiscard]] Counts count(const SceneGraph& scene, const MFNode& nodes) const;

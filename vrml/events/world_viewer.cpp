@@ -23,8 +23,9 @@ void WorldViewer::jump() {
 
 glm::dmat4 WorldViewer::pose() {
   if (world_from_viewer_) return *world_from_viewer_;
+  const int active = execution_.stacks().active_layer();
   for (const BindableStacks::Stack& stack : execution_.stacks().all()) {
-    if (stack.top == 0 || !stack.type->behaviour->parent_from_local) continue;
+    if (stack.top == 0 || stack.layer != active || !stack.type->behaviour->parent_from_local) continue;
     const EventMember& top = execution_.nodes()[stack.top];
     glm::dmat4 matrix = execution_.nodes().behaviour_of(stack.top).parent_from_local(*top.scene, *top.node);
     // A Billboard above the Viewpoint would turn towards itself. It counts as not rotated.
@@ -47,8 +48,9 @@ Frustum WorldViewer::frustum() const {
   if (world_from_viewer_ && frustum_) return *frustum_;
   constexpr double kDefault = 0.785398, kWidest = 3.13;
   double angle = kDefault;
+  const int active = execution_.stacks().active_layer();
   for (const BindableStacks::Stack& stack : execution_.stacks().all())
-    if (stack.top != 0 && stack.type->behaviour->parent_from_local &&
+    if (stack.top != 0 && stack.layer == active && stack.type->behaviour->parent_from_local &&
         execution_.nodes().has_event(stack.top, kFieldOfView))
       if (const auto* given = std::get_if<SFFloat>(&execution_.nodes().value_of(stack.top, kFieldOfView)))
         angle = *given;  // an OrthoViewpoint has a rectangle instead

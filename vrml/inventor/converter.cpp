@@ -32,7 +32,7 @@ void Converter::visit(const Item& item) {
   if (++visits_ > max_visits_) {
     if (!std::exchange(said_work_, true))
       sink_.problems().error(
-          item.location, "nodes are used more than " + std::to_string(max_visits_) + " times; the rest is left out");
+          item.location, "node uses exceed the limit of " + std::to_string(max_visits_) + "; skipped the remaining nodes");
     return;
   }
   if (visits_ % 256 == 0 && !may_go_on(item.location)) {
@@ -42,8 +42,8 @@ void Converter::visit(const Item& item) {
   }
   if (depth_ >= sink_.scene().limits().nesting) {
     if (!std::exchange(said_depth_, true))
-      sink_.problems().error(item.location, "nodes are used at a depth of more than " + std::to_string(depth_) +
-                                                "; the deeper part is left out");
+      sink_.problems().error(item.location, "nodes are nested deeper than the limit of " + std::to_string(depth_) +
+                                                "; skipped the deeper nodes");
     return;
   }
   ++depth_;

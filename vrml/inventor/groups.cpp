@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <vector>
 
 // Grouping nodes, levels of detail, files and links.
 namespace gs::vrml::inventor {
@@ -92,13 +94,16 @@ void apply_file(Converter& converter, const Item& item) {
   output.note_shape();
 }
 
+/// Places of copies. With several lists, the copies of each list are one copy for the list before it.
+using Places = std::vector<std::vector<Operation>>;
+
 // Adds the children once per matrix. The first copy is converted, the others use it.
-void add_copies(Converter& converter, const Item& item, const std::vector<Operation>& places) {
+void add_copies(Converter& converter, const Item& item, std::span<const std::vector<Operation>> places) {
   Output& output = converter.output();
   const auto target = output.target();
   if (!target) return;
   NodeId content;
-  for (const Operation& place : places) {
+  for (const Operation& place : places.front()) {
     if (!converter.may_go_on(item.location)) return;
     const NodeId node = output.begin("Transform", *target, item.location);
     if (!node) return;
@@ -115,7 +120,10 @@ void add_copies(Converter& converter, const Item& item, const std::vector<Operat
     }
     converter.push_state();
     content = output.open_group_in(output.field(node, "children"), "Group", item.location);
-    if (content) converter.visit_children(item);
+    if (content && places.size() > 1)
+      add_copies(converter, item, places.subspan(1));
+    else if (content)
+      converter.visit_children(item);
     output.close_group();
     converter.pop_state();
     if (!content) return;
@@ -141,15 +149,17 @@ void apply_array(Converter& converter, const Item& item) {
   const float shift = origin == "CENTER" ? 0.5F : origin == "LAST" ? 1.0F : 0.0F;
   SFVec3f first(0);
   for (int i = 0; i < 3; ++i) first -= steps[i] * (shift * static_cast<float>(numbers[i] - 1));
-  std::vector<Operation> places;
-  for (std::int64_t k = 0; k < numbers[2]; ++k)
-    for (std::int64_t j = 0; j < numbers[1]; ++j)
-      for (std::int64_t i = 0; i < numbers[0]; ++i) {
-        Operation place;
-        place.fields.translation = first + steps[0] * static_cast<float>(i) + steps[1] * static_cast<float>(j) +
-                                   steps[2] * static_cast<float>(k);
-        places.push_back(place);
-      }
+  Places places;
+  for (const int axis : {2, 1, 0}) {
+    if (numbers[axis] == 1 && (axis > 0 || !places.empty())) continue;
+    std::vector<Operation>& line = places.emplace_back();
+    for (std::int64_t i = 0; i < numbers[axis]; ++i) {
+      Operation place;
+      place.fields.translation = steps[axis] * static_cast<float>(i);
+      if (places.size() == 1) place.fields.translation += first;
+      line.push_back(place);
+    }
+  }
   add_copies(converter, item, places);
 }
 
@@ -158,7 +168,7 @@ void apply_multiple_copy(Converter& converter, const Item& item) {
   std::vector<Operation> places;
   for (std::size_t i = 0; i + 16 <= numbers.size() && places.size() < kMaxCopies; i += 16)
     places.push_back({{}, matrix_of(numbers, i)});
-  add_copies(converter, item, places);
+  add_copies(converter, item, std::span(&places, 1));
 }
 
 constexpr std::string_view kSeparatorFields = R"(

@@ -46,7 +46,7 @@ bool ItemParser::charge(std::size_t bytes, SourceLocation location) {
   if (share_.grow(bytes) && !sink_.scene().memory().exhausted()) return true;
   stopped_ = true;
   if (!sink_.limits().is_exhausted(location))
-    sink_.problems().error(location, sink_.scene().budget()->refusal(Resource::nodes) + "; the rest is left out");
+    sink_.problems().error(location, sink_.scene().budget()->refusal(Resource::nodes) + "; skipped the rest");
   return false;
 }
 
@@ -198,7 +198,7 @@ void ItemParser::parse_member(Item& item, const Token& name, std::size_t depth, 
     ItemPtr child = parse_node(name, depth + 1);
     if (!child || !charge(sizeof(ItemPtr), name.location)) return;
     if (item.type->kind == ItemClass::plain || item.type->kind == ItemClass::shape)
-      report_once(name.location, item.type->name + " cannot have children; they are left out", Severity::error);
+      report_once(name.location, item.type->name + " cannot have children; skipped them", Severity::error);
     item.children.push_back(std::move(child));
     return;
   }

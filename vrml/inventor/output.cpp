@@ -115,7 +115,7 @@ void Output::set_transform(NodeId node, std::span<const Operation> operations) {
   const TransformFields fields = merge(operations, inexact);
   if (inexact)
     sink_.problems().warn_once(said_inexact_, scene().node(node).location,
-                               "a matrix is not affine or flattens; approximated");
+                               "matrix has no exact Transform; approximated");
   const TransformFields none;
   if (fields.translation != none.translation) set(node, "translation", fields.translation);
   if (fields.center != none.center) set(node, "center", fields.center);

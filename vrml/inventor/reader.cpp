@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "vrml/inventor/converter.h"
 #include "vrml/inventor/item_parser.h"
+#include "vrml/inventor/sharing.h"
 
 #include <algorithm>
 #include <optional>
@@ -115,7 +116,7 @@ void Reader::push(std::string_view piece) {
   State& s = *state_;
   if (s.refused || s.full) return;
   if (!s.share.grow(piece.size())) {
-    s.sink.problems().error({}, s.sink.scene().budget()->refusal(Resource::files) + "; the rest is left out");
+    s.sink.problems().error({}, s.sink.scene().budget()->refusal(Resource::files) + "; skipped the rest");
     s.full = true;
     return;
   }
@@ -143,6 +144,7 @@ ParseOutcome Reader::finish() {
   if (!s.refused && !s.full && s.read_header(true)) s.read(s.text, true);
   if (s.refused) return ParseOutcome::refused;
   s.sink.finish();
+  share_equal_nodes(s.sink.scene());
   return s.full || s.parser.is_truncated() || s.sink.scene().memory().exhausted() ? ParseOutcome::truncated
                                                                                   : ParseOutcome::complete;
 }

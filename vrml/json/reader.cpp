@@ -57,7 +57,7 @@ void Reader::push(std::string_view piece) {
   if (state.stopped) return;
   if (state.pieces.push(piece, [&](std::string_view window) { return state.read(window, false); })) return;
   state.sink.problems().error(state.members.lexer().location(), state.sink.scene().budget()->refusal(Resource::nodes) +
-                                                                    "; the rest of the file is left out");
+                                                                    "; skipped the rest of the file");
   state.stopped = true;
   state.outcome = ParseOutcome::truncated;
 }

@@ -58,7 +58,7 @@ std::unique_ptr<NodeType> type_of_row(const NodeRow& row) {
 
 /// Interface that has another name in X3D 4 than in VRML97 or X3D 3.
 struct Renamed {
-  std::string_view node, name, x3d_name;
+  std::string_view node, name, x3d_name;  // x3d_name: the other name
 };
 constexpr Renamed kRenamed[] = {
     {"Collision", "collide", "enabled"},
@@ -69,8 +69,18 @@ constexpr Renamed kRenamed[] = {
     {"ComposedCubeMapTexture", "right", "rightTexture"},
     {"ComposedCubeMapTexture", "top", "topTexture"},
     {"LOD", "level", "children"},
+    {"Layer", "isPickable", "pickable"},
+    {"LayoutLayer", "isPickable", "pickable"},
     {"LoadSensor", "watchList", "children"},
+    {"ParticleSystem", "colorRamp", "color"},
+    {"ParticleSystem", "texCoordRamp", "texCoord"},
     {"Switch", "choice", "children"},
+};
+
+/// Interface that has another name in X3D 3 than in X3D 4.
+constexpr Renamed kFormerNames[] = {
+    {"ParticleSystem", "color", "colorRamp"},
+    {"ParticleSystem", "texCoord", "texCoordRamp"},
 };
 
 void rename_interfaces(NodeType& type) {
@@ -78,6 +88,10 @@ void rename_interfaces(NodeType& type) {
     if (renamed.node == type.name)
       for (InterfaceDeclaration& each : type.interfaces)
         if (each.name == renamed.name) each.x3d_name = renamed.x3d_name;
+  for (const Renamed& renamed : kFormerNames)
+    if (renamed.node == type.name)
+      for (InterfaceDeclaration& each : type.interfaces)
+        if (each.name == renamed.name) each.former_name = renamed.x3d_name;
 }
 
 /// Field of a grouping node with nodes that stand elsewhere in the hierarchy, or outside of it.
@@ -246,6 +260,14 @@ const NodeType* built_in_node_type(Language language, std::string_view name) {
   const auto& names = table(language).by_name;
   const auto found = names.find(name);
   return found == names.end() ? built_in_node_type(name) : found->second;
+}
+
+const NodeType* x3d_extension_of(const NodeType& type) {
+  if (type.kind != NodeType::Kind::built_in || type.language != Language::vrml97 || is_extension(type.clause))
+    return nullptr;
+  const auto& names = table(Language::x3d).by_name;
+  const auto found = names.find(type.name);
+  return found == names.end() || built_in_node_type(type.name) != &type ? nullptr : found->second;
 }
 
 bool accepts(const InterfaceDeclaration& field, const NodeType& type) {

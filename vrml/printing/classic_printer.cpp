@@ -2,6 +2,8 @@
 
 #include "vrml/printing/value_text.h"
 
+#include <algorithm>
+
 namespace gs::vrml {
 namespace {
 
@@ -32,6 +34,15 @@ bool is_vrml97_type(FieldType type) {
     default:
       return false;
   }
+}
+
+// Reports whether a field fits into the line of its node: one value without nodes.
+bool is_short(const WrittenField& field) {
+  constexpr std::size_t kLongest = 40;  // bytes of a text
+  if (field.declares || !field.is.empty() || !field.value || field.has_nodes()) return false;
+  if (const auto* const text = std::get_if<SFString>(field.value)) return text->view().size() <= kLongest;
+  const FieldType type = type_of(*field.value);
+  return !is_multiple(type) && type != FieldType::SFImage;
 }
 
 }  // namespace
@@ -87,6 +98,14 @@ void ClassicPrinter::put_node(const WrittenNode& node, std::string_view field) {
   }
   out() += node.type->name;
   out() += " {";
+  if (fits_line(node)) {
+    for (const WrittenField& each : node.fields) {
+      put_words({" ", each.name, " "});
+      put_field(each);
+    }
+    out() += " }";
+    return;
+  }
   add_levels(1);
   for (const WrittenField& each : node.fields) {
     start_line();
@@ -106,6 +125,16 @@ void ClassicPrinter::put_node(const WrittenNode& node, std::string_view field) {
   out() += '}';
 }
 
+// Reports whether a node is written in one line: it has one short value, or few of them beside a USE.
+bool ClassicPrinter::fits_line(const WrittenNode& node) {
+  constexpr std::size_t kMaxFields = 3;
+  const auto is_use = [this](const WrittenField& field) { return has_one_use(field); };
+  const bool any_use = std::any_of(node.fields.begin(), node.fields.end(), is_use);
+  return !node.fields.empty() && node.fields.size() <= (any_use ? kMaxFields : 1) &&
+         std::all_of(node.fields.begin(), node.fields.end(),
+                     [&](const WrittenField& field) { return is_short(field) || is_use(field); });
+}
+
 void ClassicPrinter::put_field(const WrittenField& field) {
   if (!field.has_nodes()) return append_value<Notation::classic>(output(), *field.value, levels());
   if (field.made || std::holds_alternative<SFNode>(*field.value)) {
@@ -119,6 +148,8 @@ void ClassicPrinter::put_field(const WrittenField& field) {
     out() += "[]";
     return;
   }
+  // A list of one node needs no brackets (VRML97 Annex A.3).
+  if (has_one_child(field)) return put_children(field, field.name, [] {});
   out() += '[';
   add_levels(1);
   put_children(field, field.name, [&] {

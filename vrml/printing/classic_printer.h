@@ -26,6 +26,7 @@ class ClassicPrinter final : public ScenePrinter {
   void put_export(const SharedName& shared) override;
 
  private:
+  [[nodiscard]] bool fits_line(const WrittenNode& node);
   void put_words(std::initializer_list<std::string_view> words);
   void put_field(const WrittenField& field);
   void put_access(const InterfaceDeclaration& declaration);

@@ -184,6 +184,21 @@ bool ScenePrinter::has_children(const WrittenField& field) {
   return std::any_of(many.begin(), many.end(), is_put);
 }
 
+bool ScenePrinter::has_one_child(const WrittenField& field) {
+  const auto* const many = field.made ? nullptr : std::get_if<MFNode>(field.value);
+  return many && std::count_if(many->begin(), many->end(), [&](NodeId id) {
+                   return scope_->scene.contains(id) && translator_.is_written(scope_->scene, id);
+                 }) == 1;
+}
+
+bool ScenePrinter::has_one_use(const WrittenField& field) {
+  if (field.made || !field.value) return false;
+  const auto* const one = std::get_if<SFNode>(field.value);
+  const auto* const many = std::get_if<MFNode>(field.value);
+  const NodeId id = one ? *one : many && many->size() == 1 ? (*many)[0] : NodeId{};
+  return id && scope_->printed.contains(id.index);
+}
+
 WrittenField ScenePrinter::default_value(const NodeType& type, const InterfaceDeclaration& declaration,
                                          FieldValue& moved) {
   WrittenField field{&declaration, declaration.name, declaration.slot >= 0 ? &declaration.initial : nullptr};

@@ -69,6 +69,10 @@ class ScenePrinter : NonCopyable {
   void put_children(const WrittenField& field, std::string_view name, const Put& put);
   /// Reports whether a field has a node that the text contains.
   [[nodiscard]] bool has_children(const WrittenField& field);
+  /// Reports whether the text contains exactly one node of a list.
+  [[nodiscard]] bool has_one_child(const WrittenField& field);
+  /// Reports whether a field has exactly one node, and its text is a USE.
+  [[nodiscard]] bool has_one_use(const WrittenField& field);
   /// Returns the default value of a declaration of a PROTO. `moved` stores the value if it differs.
   [[nodiscard]] WrittenField default_value(const NodeType& type, const InterfaceDeclaration& declaration,
                                            FieldValue& moved);

@@ -34,7 +34,7 @@ constexpr Profile kWrittenProfiles[] = {
 };
 
 constexpr int kFirstX3DVersion = 33;
-constexpr std::string_view kAngle = "angle";
+constexpr std::string_view kLength = "length";
 
 using Levels = std::map<std::string, int, std::less<>>;
 
@@ -125,12 +125,12 @@ TextHead text_head(const SceneGraph& scene, Grammar grammar, NodeTranslator& tra
   if (translator.language() == Language::vrml97) {
     for (const X3DStatements::Meta& meta : statements.metas) translator.add_loss("META " + meta.name + " is left out");
     for (const X3DStatements::Unit& unit : statements.units)
-      if (unit.category != kAngle) translator.add_loss("UNIT " + unit.category + ' ' + unit.name + " is left out");
+      if (unit.category == kLength) translator.add_loss("UNIT " + unit.category + ' ' + unit.name + " is left out");
     return head;
   }
   head.metas = statements.metas;
   for (const X3DStatements::Unit& unit : statements.units)
-    if (unit.category != kAngle) head.units.push_back(unit);
+    if (unit.category == kLength) head.units.push_back(unit);
   head.version = scene.language() == Language::x3d ? scene.version() : kFirstX3DVersion;
   const Levels levels = LevelCollector(scene, translator).collect();
   const auto holds = [&](const Profile& profile) {

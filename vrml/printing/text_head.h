@@ -16,7 +16,7 @@ struct TextHead {
   std::string profile = {};                               // X3D only
   std::vector<X3DStatements::Component> components = {};  // X3D only: components that the profile lacks, sorted by name
 
-  std::vector<X3DStatements::Unit> units = {};  // without the unit of angles, because values are in radians
+  std::vector<X3DStatements::Unit> units = {};  // only of lengths, because other values are in base units
   std::vector<X3DStatements::Meta> metas = {};
 
   /// Returns the version as in headers: "3.3".

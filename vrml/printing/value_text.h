@@ -22,11 +22,14 @@ enum class Notation : std::uint8_t { classic, xml, json };
 inline constexpr std::size_t kLineWidth = 100;
 
 /// Appends the shortest text that gives the same number. JSON has no infinite numbers; they become the largest one.
+/// The sign of NaN differs between processors and is left out.
 template <Notation kNotation, class Number>
 void append_number(std::string& out, Number number) {
   if constexpr (kNotation == Notation::json && std::is_floating_point_v<Number>)
     if (!std::isfinite(number))
       number = std::isnan(number) ? Number{0} : std::copysign(std::numeric_limits<Number>::max(), number);
+  if constexpr (std::is_floating_point_v<Number>)
+    if (std::isnan(number)) number = std::numeric_limits<Number>::quiet_NaN();
   char digits[64];
   const auto result = std::to_chars(digits, digits + sizeof digits, number);
   out.append(digits, result.ptr);

@@ -48,7 +48,7 @@ void XmlPrinter::put_attribute(std::string_view name, std::string_view text) {
   out() += "='";
   append_xml(out(), text);
   out() += '\'';
-  if (!is_xml_text(text)) translator().add_loss("a text has characters that XML lacks; they are left out");
+  if (!is_xml_text(text)) translator().add_loss("XML does not allow some characters of a text; left them out");
 }
 
 void XmlPrinter::put_value(std::string_view name, const FieldValue& value) {

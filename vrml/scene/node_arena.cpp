@@ -114,6 +114,24 @@ void NodeArena::add_value(Node& n) {
   new (n.values + count) FieldValue(n.type->defaults.back());
 }
 
+bool NodeArena::extend(NodeId id, const NodeType& type) {
+  Node& n = (*this)[id];
+  const std::size_t used = n.type->defaults.size(), count = type.defaults.size();
+  assert(used <= count);
+  if (count > n.value_capacity) {
+    if (!values_.has_freed(count) && !memory_.draw(count * sizeof(FieldValue))) return false;
+    FieldValue* values = values_.take(count);
+    std::uninitialized_move_n(n.values, used, values);
+    values_.free(n.values, used, n.value_capacity);
+    n.values = values;
+    n.value_capacity = static_cast<std::uint32_t>(count);
+  }
+  std::uninitialized_copy(type.defaults.begin() + static_cast<std::ptrdiff_t>(used), type.defaults.end(),
+                          n.values + used);
+  n.type = &type;
+  return true;
+}
+
 const SourceText& NodeArena::text_of(NodeId id, int slot) const {
   const auto found = value_texts_.find(slot_key(id, slot));
   return found == value_texts_.end() ? *(*this)[id].text : *found->second;

@@ -57,6 +57,9 @@ class NodeArena {
   void free(NodeId id, std::vector<NodeId>& more);
   /// Appends the default value of the last slot of its type to a node.
   void add_value(Node& node);
+  /// Gives a node a type that begins with the slots of its own type. The values stay; values of further slots are the
+  /// defaults of `type`. Moves the values. Returns false if there is no memory.
+  [[nodiscard]] bool extend(NodeId id, const NodeType& type);
 
   /// Returns the text in which the value of a slot was written. This is the text of the node, unless IS passed the
   /// value on (VRML97 4.8.2). The base of relative URLs and access rights depend on this text.

@@ -51,7 +51,9 @@ const InterfaceDeclaration* NodeType::find(std::string_view wanted) const {
     if (keys_[i] == key && interfaces[i].name == wanted) return &interfaces[i];
   if (language == Language::x3d)
     for (const InterfaceDeclaration& each : interfaces)
-      if (!each.x3d_name.empty() && each.x3d_name == wanted) return &each;
+      if ((!each.x3d_name.empty() && each.x3d_name == wanted) ||
+          (!each.former_name.empty() && each.former_name == wanted))
+        return &each;
   return nullptr;
 }
 

@@ -35,6 +35,7 @@ struct InterfaceDeclaration {
   FieldValue initial;              // initial value; only for fields and exposedFields
   std::string range;               // "[0,1]" as the standard writes it; only for built-in nodes. For nodes: accepts()
   std::string x3d_name{};          // name in X3D, if it differs: Switch.choice is `children` in X3D
+  std::string former_name{};       // name before X3D 4, which files may still use
   bool lists = false;              // nodes that stand elsewhere in the hierarchy: HAnimHumanoid.joints
   int slot = -1;                   // index of the stored value in a node; -1 for eventIns and eventOuts
   bool of_other_browsers = false;  // event of a built-in node that the standard does not have (NodeRow::other_events)
@@ -94,6 +95,10 @@ enum class NodeKind : std::uint8_t {
   spot_light,
   viewpoint,
   viewpoint_group,
+  layer_set,
+  layer,
+  viewport,
+  screen_group,
   navigation_info,
   background,
   fog,
@@ -145,6 +150,16 @@ enum class NodeKind : std::uint8_t {
   texture_coordinate_generator,
   texture_coordinate_3d,
   texture_coordinate_4d,
+  particle_system,
+  point_emitter,
+  cone_emitter,
+  explosion_emitter,
+  polyline_emitter,
+  surface_emitter,
+  volume_emitter,
+  force_physics,
+  wind_physics,
+  bounded_physics,
 };
 
 /// Content of the file that the `url` of a node names. It selects the content handler.
@@ -264,6 +279,9 @@ struct NodeType : NonCopyable {
 [[nodiscard]] const NodeType* built_in_node_type(Language language, std::string_view name);
 /// Returns the built-in VRML97 type of this kind. If there are several, returns the first one by name.
 [[nodiscard]] const NodeType& built_in_node_type(NodeKind kind);
+/// Returns the X3D type that extends a built-in type of VRML97: it has the same name, and its first slots are those of
+/// the VRML97 type. Null if there is none.
+[[nodiscard]] const NodeType* x3d_extension_of(const NodeType& type);
 /// Reports whether a node of this type may stand in a field of an X3D node, by the types that its row lists. Returns
 /// true for fields without a list, and for PROTOs, because their first node is unknown here.
 [[nodiscard]] bool accepts(const InterfaceDeclaration& field, const NodeType& type);

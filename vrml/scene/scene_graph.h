@@ -3,6 +3,7 @@
 #include "base/budget.h"
 #include "base/diagnostic.h"
 #include "vrml/scene/node_arena.h"
+#include "vrml/scene/particle_clouds.h"
 #include "vrml/scene/scene_memory.h"
 #include "vrml/scene/scene_texts.h"
 
@@ -115,6 +116,8 @@ class SceneGraph : public SourceText {
   [[nodiscard]] const std::vector<Route>& routes() const { return routes_; }
   [[nodiscard]] InlineContents& inlines() { return inlines_; }
   [[nodiscard]] const InlineContents& inlines() const { return inlines_; }
+  /// Returns the particles of the active ParticleSystems. They are no content of the scene.
+  [[nodiscard]] ParticleClouds& particles() const { return *particles_; }
   [[nodiscard]] SceneTexts& texts() { return texts_; }
   [[nodiscard]] const SceneTexts& texts() const { return texts_; }
   [[nodiscard]] SceneMemory& memory() { return memory_; }
@@ -131,6 +134,7 @@ class SceneGraph : public SourceText {
   std::uint64_t serial_;
   std::vector<Route> routes_;
   InlineContents inlines_;
+  std::unique_ptr<ParticleClouds> particles_ = std::make_unique<ParticleClouds>();
 };
 
 /// Guard: during its lifetime, new nodes belong to the run-time text with this index, or to the file (0).

@@ -125,7 +125,11 @@ NodeType& make_script_type(const NodeType& type, SceneGraph& scene, SourceText& 
 }  // namespace
 
 SceneSink::SceneSink(SceneGraph& scene, Diagnostics& diagnostics)
-    : scene_(scene), text_(scene.texts().writing()), problems_(text_, diagnostics), limits_(scene, problems_) {
+    : scene_(scene),
+      text_(scene.texts().writing()),
+      problems_(text_, diagnostics),
+      limits_(scene, problems_),
+      routes_before_(scene.routes().size()) {
   scopes_.emplace_back();
 }
 
@@ -200,7 +204,7 @@ OpenNode SceneSink::begin_node(const NodeHeader& header) {
   node.id = scene_.create(*node.type, location);
   if (!node.id) {
     if (!scene_.memory().exhausted() && limits_.is_first_excess())
-      problems_.error(location, "more than " + std::to_string(scene_.limits().nodes) + " nodes; the rest is left out");
+      problems_.error(location, "more than " + std::to_string(scene_.limits().nodes) + " nodes; skipped the rest");
     return {};
   }
   check_support(*node.type, location);
@@ -257,22 +261,24 @@ void SceneSink::place(NodeId node, NodeTarget target) {
   }
 }
 
-bool SceneSink::holds_angle(const NodeType& type, const InterfaceDeclaration& field) const {
-  return is_angle(type, field) || angle_fields_.contains(&field);
+// Returns the factor for the values of a field.
+double SceneSink::unit_of(const NodeType& type, const InterfaceDeclaration& field) const {
+  const auto known = measures_.find(&field);
+  return units_.of(known == measures_.end() ? measure_of(type, field) : known->second);
 }
 
-// Converts the lists of angles that the text gives to a node.
-void SceneSink::convert_angles(Node& node) {
+// Converts the lists that the text gives to a node.
+void SceneSink::convert_lists(Node& node) {
   for (const InterfaceDeclaration& field : node.type->interfaces) {
     const bool given = field.slot >= 0 && field.slot < 64 && (node.fields_set >> field.slot & 1) != 0;
-    if (given && is_multiple(field.type) && holds_angle(*node.type, field))
-      scale_angles(node.values[field.slot], angle_unit_);
+    if (const double unit = given && is_multiple(field.type) ? unit_of(*node.type, field) : 1; unit != 1)
+      scale_measures(node.values[field.slot], unit);
   }
 }
 
 void SceneSink::end_node(NodeId id) {
   --scopes_.back().open_nodes;
-  if (angle_unit_ != 1) convert_angles(scene_.node(id));
+  if (!units_.are_standard()) convert_lists(scene_.node(id));
   check_measures(scene_.node(id), said_measures_, problems_);
   const NodeType& type = *scene_.node(id).type;
   if (!type.prototype) return;
@@ -307,13 +313,51 @@ bool SceneSink::take_extension(const NodeType& type, SourceName name) {
 // Reports whether unknown interfaces of nodes of this type are ignored without an error: those of stand-ins, and of
 // nodes of X3D in VRML97 texts, where the node may be the extension of another browser.
 bool SceneSink::is_lenient(const NodeType& type) const {
-  return type.stands_in || (type.language == Language::x3d && text_.language() == Language::vrml97);
+  return type.stands_in ||
+         (type.language == Language::x3d && text_.language() == Language::vrml97 && !built_in_node_type(type.name));
 }
 
-const InterfaceDeclaration* SceneSink::find_field(const OpenNode& node, SourceName name) {
+// Returns the X3D type that extends the type of a node in a VRML97 text, if it has this field or event.
+const NodeType* SceneSink::x3d_type_with(NodeId node, std::string_view interface) const {
+  if (text_.language() != Language::vrml97) return nullptr;
+  const NodeType* const x3d = x3d_extension_of(*scene_.node(node).type);
+  const bool known = x3d && (x3d->find(interface) || x3d->find_event_in(interface) || x3d->find_event_out(interface));
+  return known ? x3d : nullptr;
+}
+
+// Gives a node in a VRML97 text the X3D type of its name if that type has the field or event. The values of its VRML97
+// fields stay, also the default values. Reports each type and name once. Returns false if nothing changes.
+bool SceneSink::extend(NodeId node, SourceName interface) {
+  const NodeType* const x3d = x3d_type_with(node, interface.text);
+  if (!x3d || !scene_.nodes().extend(node, *x3d)) return false;
+  scopes_.back().has_extended = true;
+  if (said_extensions_.insert(x3d->name + '.' + std::string(interface.text)).second)
+    problems_.warn(interface.location,
+                   quoted(interface.text) + " of " + x3d->name + " is of X3D, not of VRML97; read as in X3D");
+  return true;
+}
+
+// Adds a field that all Scripts of X3D have to a Script in a VRML97 text. Returns null if X3D has no such field.
+const InterfaceDeclaration* SceneSink::add_script_field(OpenNode& node, SourceName name) {
+  if (text_.language() != Language::vrml97 || node.type->kind != NodeType::Kind::script) return nullptr;
+  const NodeType* const x3d = built_in_node_type(Language::x3d, node.type->name);
+  const InterfaceDeclaration* const field = x3d ? x3d->find_field(name.text) : nullptr;
+  if (!field || !node.own_type) return nullptr;
+  declare(*node.own_type, node.id, *field);
+  if (said_extensions_.insert(x3d->name + '.' + std::string(name.text)).second)
+    problems_.warn(name.location, quoted(name.text) + " of " + x3d->name + " is of X3D, not of VRML97; read as in X3D");
+  return node.own_type->find_field(name.text);
+}
+
+const InterfaceDeclaration* SceneSink::find_field(OpenNode& node, SourceName name) {
+  const InterfaceDeclaration* declaration = node.type->find_field(name.text);
+  if (declaration || is_lenient(*node.type)) return declaration;
+  if (const NodeType* const x3d = x3d_type_with(node.id, name.text); x3d && x3d->find_field(name.text))
+    if (extend(node.id, name)) node.type = x3d;
+  declaration = node.type->find_field(name.text);
+  if (!declaration) declaration = add_script_field(node, name);
   const NodeType& type = *node.type;
-  const InterfaceDeclaration* const declaration = type.find_field(name.text);
-  if (declaration || is_lenient(type) || take_extension(type, name)) return declaration;
+  if (declaration || take_extension(type, name)) return declaration;
   const bool event = type.find_event_in(name.text) || type.find_event_out(name.text);
   problems_.error(name.location,
                   event ? quoted(name.text) + " of " + type.name + " is an event and takes no value; skipped"
@@ -336,8 +380,8 @@ void SceneSink::field_given(OpenNode& node, const InterfaceDeclaration& field, S
   Node& given = scene_.node(node.id);
   given.fields_set |= bit;
   // Lists may get more values, and are converted at the end of the node.
-  if (angle_unit_ != 1 && !is_multiple(field.type) && holds_angle(*node.type, field))
-    scale_angles(given.values[field.slot], angle_unit_);
+  if (units_.are_standard() || is_multiple(field.type)) return;
+  if (const double unit = unit_of(*node.type, field); unit != 1) scale_measures(given.values[field.slot], unit);
 }
 
 }  // namespace gs::vrml

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/noncopyable.h"
+#include "vrml/scene/coordinates/units.h"
 #include "vrml/scene/scene_graph.h"
 #include "vrml/syntax/problems/text_limits.h"
 #include "vrml/syntax/tokens/name_table.h"
@@ -82,14 +83,15 @@ class SceneSink : NonCopyable {
   void use_node(SourceName name, NodeTarget target);
 
   /// Returns the field or exposedField with this name. If the node has none, reports it and returns null.
-  [[nodiscard]] const InterfaceDeclaration* find_field(const OpenNode& node, SourceName name);
+  /// May give a node of VRML97 the X3D type of its name (SceneSink::extend).
+  [[nodiscard]] const InterfaceDeclaration* find_field(OpenNode& node, SourceName name);
   /// Returns the storage for the value of a field. It becomes invalid with the next declare() for this node. Nodes must
   /// be added to it with begin_node() or use_node().
   [[nodiscard]] NodeTarget target_of(const OpenNode& node, const InterfaceDeclaration& field);
   /// Marks that the text gives a value to the field. Reports fields with several values.
   void field_given(OpenNode& node, const InterfaceDeclaration& field, SourceName name);
   /// Connects a field or event of the node with IS to an interface of the PROTO (VRML97 4.8.2).
-  void connect(const OpenNode& node, SourceName inner, SourceName outer);
+  void connect(OpenNode& node, SourceName inner, SourceName outer);
 
   /// Begins the interface of a PROTO or EXTERNPROTO. After end_interface(), the grammar must call begin_body() and
   /// end_body() for a PROTO, or end_external() for an EXTERNPROTO. Only a broken declaration ends without them.
@@ -120,6 +122,7 @@ class SceneSink : NonCopyable {
     NodeType* prototype = nullptr;  // PROTO with this body; null for the file
     std::size_t open_nodes = 0;
     std::size_t interfaces_around = 0;  // number of open interfaces at the start of the scope
+    bool has_extended = false;          // extend() has changed the type of a node
   };
 
   [[nodiscard]] bool in_prototype_body() const { return scopes_.back().prototype && open_interfaces_ == 0; }
@@ -129,13 +132,18 @@ class SceneSink : NonCopyable {
   [[nodiscard]] std::vector<Statement>& statement_list();
   void skip_unknown(const NodeHeader& header);
   [[nodiscard]] bool take_extension(const NodeType& type, SourceName name);
-  [[nodiscard]] bool holds_angle(const NodeType& type, const InterfaceDeclaration& field) const;
-  void convert_angles(Node& node);
-  void convert_angles_of_prototype(NodeType& type);
+  [[nodiscard]] const NodeType* x3d_type_with(NodeId node, std::string_view interface) const;
+  bool extend(NodeId node, SourceName interface);
+  [[nodiscard]] const InterfaceDeclaration* add_script_field(OpenNode& node, SourceName name);
+  void renew_declarations();
+  [[nodiscard]] double unit_of(const NodeType& type, const InterfaceDeclaration& field) const;
+  void convert_lists(Node& node);
+  void convert_prototype(NodeType& type);
   void place(NodeId node, NodeTarget target);
   void place_checked(NodeId node, NodeTarget target, SourceLocation location);
   bool place_in_shape(NodeId node, NodeTarget target);
   void add_type(NodeType& type);
+  [[nodiscard]] bool extends_nodes(const RouteNames& wanted, NodeId from, NodeId to) const;
   void connect_route(const RouteNames& wanted, NodeId from, NodeId to);
   void make_browser(SourceLocation location);
 
@@ -145,10 +153,11 @@ class SceneSink : NonCopyable {
   TextLimits limits_;
   X3DStatementSink x3d_{*this};
   std::vector<Scope> scopes_;
-  NodeId made_shape_;                                             // last Shape that was made for misplaced nodes
-  std::unordered_set<const InterfaceDeclaration*> angle_fields_;  // of PROTOs: IS connects them to angles
-  double angle_unit_ = 1;                                         // radians per unit of angles in the text
-  std::size_t open_interfaces_ = 0;                               // open PROTO interfaces; their default nodes are live
+  NodeId made_shape_;                                                  // last Shape that was made for misplaced nodes
+  std::unordered_map<const InterfaceDeclaration*, Measure> measures_;  // of PROTO fields that IS connects to measures
+  Units units_;                                                        // of the text
+  std::size_t routes_before_ = 0;                                      // ROUTEs of the scene before this text
+  std::size_t open_interfaces_ = 0;                  // open PROTO interfaces; their default nodes are live
   std::unordered_set<std::string_view> said_types_;  // types with a reported problem: declared twice, of X3D, ignored
   std::unordered_map<std::string_view, const NodeType*> stand_ins_;  // stand-ins for the types that the text uses
   std::unordered_set<std::string> said_extensions_;                  // fields of other browsers that were reported

@@ -2,6 +2,7 @@
 #include "vrml/scene/prototype.h"
 #include "vrml/syntax/scene_sink.h"
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
@@ -52,7 +53,8 @@ bool SceneSink::may_declare(const NodeType& type, const InterfaceDeclaration& de
 
 void SceneSink::declare(NodeType& type, NodeId script, InterfaceDeclaration declaration) {
   (void)scene_.memory().charge(sizeof(InterfaceDeclaration));
-  if (angle_unit_ != 1 && is_angle(type, declaration)) scale_angles(declaration.initial, angle_unit_);
+  if (const double unit = units_.of(measure_of(type, declaration)); unit != 1)
+    scale_measures(declaration.initial, unit);
   if (script) {
     scene_.declare(script, type, std::move(declaration));
   } else {
@@ -66,16 +68,20 @@ void SceneSink::begin_body(NodeType& type) {
   scope.interfaces_around = open_interfaces_;
 }
 
-// Converts the default values of fields that IS connects to an angle. declare() has converted the rotations.
-void SceneSink::convert_angles_of_prototype(NodeType& type) {
+// Converts the default values of fields that IS connects to a measure. declare() has converted the rotations.
+void SceneSink::convert_prototype(NodeType& type) {
   for (const IsMapping& mapping : type.prototype->mappings) {
-    if (mapping.outer->slot < 0 || is_angle(type, *mapping.outer) || angle_fields_.contains(mapping.outer)) continue;
-    if (!holds_angle(*scene_.node(mapping.node).type, *mapping.inner)) continue;
-    angle_fields_.insert(mapping.outer);
-    scale_angles(type.defaults[static_cast<std::size_t>(mapping.outer->slot)], angle_unit_);
+    const bool converted = measure_of(type, *mapping.outer) != Measure::none || measures_.contains(mapping.outer);
+    if (mapping.outer->slot < 0 || converted) continue;
+    const auto known = measures_.find(mapping.inner);
+    const Measure measure =
+        known == measures_.end() ? measure_of(*scene_.node(mapping.node).type, *mapping.inner) : known->second;
+    if (measure == Measure::none) continue;
+    measures_.emplace(mapping.outer, measure);
+    scale_measures(type.defaults[static_cast<std::size_t>(mapping.outer->slot)], units_.of(measure));
   }
   for (InterfaceDeclaration& field : type.interfaces)
-    if (angle_fields_.contains(&field)) field.initial = type.defaults[static_cast<std::size_t>(field.slot)];
+    if (measures_.contains(&field)) field.initial = type.defaults[static_cast<std::size_t>(field.slot)];
 }
 
 void SceneSink::end_body() {
@@ -83,7 +89,7 @@ void SceneSink::end_body() {
   NodeType& type = *scopes_.back().prototype;
   scopes_.pop_back();
   type.prototype->complete = true;
-  if (angle_unit_ != 1) convert_angles_of_prototype(type);
+  if (!units_.are_standard()) convert_prototype(type);
   count_instance_nodes(scene_, *type.prototype);
   // The first node of the body determines where instances may stand (VRML97 4.8.3).
   for (const Statement& statement : type.prototype->statements) {
@@ -120,16 +126,20 @@ void SceneSink::add_type(NodeType& type) {
   list.insert(position, {Statement::Kind::prototype, {}, &type, {}});
 }
 
-void SceneSink::connect(const OpenNode& node, SourceName inner_name, SourceName outer_name) {
+void SceneSink::connect(OpenNode& node, SourceName inner_name, SourceName outer_name) {
   if (!in_prototype_body()) {
     problems_.error(inner_name.location, "IS outside of a PROTO body");
     return;
   }
+  const auto inner_of = [&](const NodeType& type) {
+    const InterfaceDeclaration* found = type.find(inner_name.text);
+    if (!found) found = type.find_event_in(inner_name.text);
+    return found ? found : type.find_event_out(inner_name.text);
+  };
+  if (!inner_of(*node.type) && extend(node.id, inner_name)) node.type = scene_.node(node.id).type;
   const NodeType& type = *node.type;
   const NodeType& prototype = *scopes_.back().prototype;
-  const InterfaceDeclaration* inner = type.find(inner_name.text);
-  if (!inner) inner = type.find_event_in(inner_name.text);
-  if (!inner) inner = type.find_event_out(inner_name.text);
+  const InterfaceDeclaration* const inner = inner_of(type);
   const InterfaceDeclaration* const outer = prototype.find(outer_name.text);
   if (!inner && (is_lenient(type) || type.ignored || take_extension(type, inner_name))) return;
   if (!inner || !outer) {
@@ -158,7 +168,8 @@ void SceneSink::add_route(const RouteNames& route) {
   Scope& scope = scopes_.back();
   const NodeId* const from = scope.names.find(route.from);
   const NodeId* const to = scope.names.find(route.to);
-  if (from && to) {
+  // Types of open nodes must not change, because the grammar reads into their values.
+  if (from && to && (scope.open_nodes == 0 || !extends_nodes(route, *from, *to))) {
     connect_route(route, *from, *to);
     return;
   }
@@ -183,6 +194,31 @@ void SceneSink::finish() {
                       "ROUTE names '" + (!from ? route.from : route.to) + "', but no DEF has this name");
     }
   }
+  renew_declarations();
+}
+
+// Lets IS and ROUTEs of this scope refer to the types that extend() has given to their nodes.
+void SceneSink::renew_declarations() {
+  if (!std::exchange(scopes_.back().has_extended, false)) return;
+  const auto renew = [&](NodeId node, const InterfaceDeclaration*& used) {
+    const NodeType* const type = scene_.contains(node) ? scene_.node(node).type : nullptr;
+    if (!type || type->kind != NodeType::Kind::built_in || type->language != Language::x3d) return;
+    const auto& own = type->interfaces;
+    if (std::any_of(own.begin(), own.end(), [&](const auto& each) { return &each == used; })) return;
+    if (const InterfaceDeclaration* const found = type->find(used->name)) used = found;
+  };
+  const auto renew_route = [&](Route& route) {
+    renew(route.from, route.event_out);
+    renew(route.to, route.event_in);
+  };
+  for (Statement& statement : statement_list())
+    if (statement.kind == Statement::Kind::route) renew_route(statement.route);
+  if (NodeType* const prototype = scopes_.back().prototype) {
+    for (IsMapping& mapping : prototype->prototype->mappings) renew(mapping.node, mapping.inner);
+  } else {
+    std::vector<Route>& routes = scene_.routes();
+    for (std::size_t i = std::min(routes_before_, routes.size()); i < routes.size(); ++i) renew_route(routes[i]);
+  }
 }
 
 // Makes the browser as a node of this scope, for its ROUTEs. The node is no part of the scene's hierarchy.
@@ -195,8 +231,27 @@ void SceneSink::make_browser(SourceLocation location) {
   scope.names.insert(scene_.node(made).name) = made;
 }
 
+// Reports whether a ROUTE needs an event that only the X3D type of one of its nodes has.
+bool SceneSink::extends_nodes(const RouteNames& wanted, NodeId from, NodeId to) const {
+  if (!from || !to || text_.language() != Language::vrml97) return false;
+  const auto* const out = scene_.node(from).type->find_event_out(wanted.event_out);
+  const auto* const in = scene_.node(to).type->find_event_in(wanted.event_in);
+  if (!out || !in)
+    return (!out && x3d_type_with(from, wanted.event_out)) || (!in && x3d_type_with(to, wanted.event_in));
+  // X3D gives the eventOut level_changed of an LOD another type.
+  const NodeType* const x3d = out->type != in->type ? x3d_type_with(from, wanted.event_out) : nullptr;
+  const auto* const own = x3d ? x3d->find_event_out(wanted.event_out) : nullptr;
+  return own && own->type == in->type;
+}
+
 void SceneSink::connect_route(const RouteNames& wanted, NodeId from, NodeId to) {
   if (!from || !to) return;  // one of the nodes was skipped and reported
+  if (extends_nodes(wanted, from, to)) {
+    const bool has_in = scene_.node(to).type->find_event_in(wanted.event_in) != nullptr;
+    const auto* const out = scene_.node(from).type->find_event_out(wanted.event_out);
+    if (!out || has_in) extend(from, {wanted.event_out, wanted.location});
+    if (!has_in) extend(to, {wanted.event_in, wanted.location});
+  }
   Route route{from, to, nullptr, nullptr};
   const NodeType& from_type = *scene_.node(from).type;
   const NodeType& to_type = *scene_.node(to).type;

@@ -37,11 +37,6 @@ constexpr std::string_view kOverlay = R"( [
   ROUTE Viewer.position_changed TO Frame.set_translation
   ROUTE Viewer.orientation_changed TO Frame.set_rotation
 })";
-constexpr std::string_view kLayers = R"( [
-  exposedField MFNode layers []
-] {
-  Group { children IS layers }
-})";
 // Nodes for shared worlds and devices, which are not visible.
 constexpr std::string_view kNothing = " [ ] { WorldInfo { } }";
 
@@ -84,6 +79,18 @@ constexpr std::string_view kMaterial = R"( [
 // Geometry nodes of other standards, which are not visible.
 constexpr std::string_view kNoGeometry = " [ ] { PointSet { } }";
 
+// Coordinates that another browser computes.
+constexpr std::string_view kNoCoordinates = " [ ] { TextureCoordinate { } }";
+
+// Metadata with the name of a draft of X3D.
+constexpr std::string_view kMetadataBool = R"( [
+  exposedField SFString name ""
+  exposedField SFString reference ""
+  exposedField MFBool value []
+] {
+  MetadataBoolean { name IS name reference IS reference value IS value }
+})";
+
 // Surface with contours (Amendment 1), which are not cut out; see meant_node().
 constexpr std::string_view kTrimmedSurface = R"( [
   eventIn MFNode addTrimmingContour
@@ -102,26 +109,31 @@ struct Row {
 constexpr Row kRows[] = {
     {"BlaxxunZone", kNothing},
     {"BspGroup", kGroup},
+    {"ColorSetInterpolator", kNothing},
     {"CullGroup", kGroup},
     {"DeviceSensor", kNothing},
     {"HUD", kOverlay, true},
+    {"IndexedPolygons", kNoGeometry},
     {"InlineLoadControl", kInline},
+    {"KambiInline", kInline},
     {"KambiNavigationInfo", kNavigationInfo},
-    {"Layer", kGroup},
     {"Layer2D", kGroup},
     {"Layer3D", kGroup},
-    {"LayerSet", kLayers},
+    {"Logger", kNothing},
     {"MenuSensor", kNothing},
+    {"MetadataBool", kMetadataBool},
     {"MouseSensor", kNothing},
     {"Occlusion", kGroup},
     {"Particles", kNothing},
-    {"ParticleSystem", kNothing},
     {"Polygon", kNoGeometry},
+    {"ProjectedTextureCoordinate", kNoCoordinates},
     {"RefractiveMaterial", kMaterial},
     {"Selection", kGroup},
     {"SharedEvent", kNothing},
     {"SharedObject", kNothing},
+    {"SimpleBackground", kNothing},
     {"SpaceSensor", kNothing},
+    {"Teapot", kNoGeometry},
     {"Text2D", kNoGeometry},
     {"TrimmedSurface", kTrimmedSurface, false, Role::geometry},
 };

@@ -82,10 +82,21 @@ Step StatementParser::statement(const Token& keyword, bool& was_statement) {
   if (keyword.text == "EXTERNPROTO") return prototype_head(true);
   if (text_.language() == Language::x3d) return x3d_statement(keyword, was_statement);
   for (std::size_t i = 0; i < kOtherStatements.size(); ++i)
-    if (keyword.text == kOtherStatements[i] && !text_.sink.find_type(keyword.text))
-      return other_statement(keyword, said_statements_[i]);
+    if (keyword.text == kOtherStatements[i] && !text_.sink.find_type(keyword.text)) {
+      const bool shares_nodes = keyword.text == "IMPORT" || keyword.text == "EXPORT";
+      return shares_nodes ? sharing_statement(keyword, said_statements_[i])
+                          : other_statement(keyword, said_statements_[i]);
+    }
   was_statement = false;
   return Step::done;
+}
+
+// Parses IMPORT or EXPORT of X3D in a file with a VRML97 header. Reports each of them once.
+Step StatementParser::sharing_statement(const Token& keyword, bool& said) {
+  const Step step = keyword.text == "IMPORT" ? import_statement(keyword) : export_statement(keyword);
+  if (step == Step::done)
+    text_.problems.warn_once(said, keyword.location, describe(keyword) + " is a statement of X3D; read as in X3D");
+  return step;
 }
 
 // Skips a statement of X3D or of an old browser up to the end of the line. Some files with a VRML97 header contain such

@@ -23,6 +23,7 @@ class StatementParser {
   Step statement_step();
   Step statement(const Token& keyword, bool& was_statement);
   Step other_statement(const Token& keyword, bool& said);
+  Step sharing_statement(const Token& keyword, bool& said);
   Step node_head(Token token, NodeTarget target);
   Step node_list_step();
   Step route_statement(SourceLocation location);

@@ -176,7 +176,7 @@ Step StatementParser::interface_declaration(AccessType access, NodeType& type, b
   }
   if (!text_.sink.may_declare(type, *pending, name.location)) {
     kept_values_.push_back(std::move(pending));  // keeps the value, because more of it may be received
-    return Step::done;
+    return is ? is_mapping(name) : Step::done;
   }
   text_.frames[index].pending = std::move(pending);
   if (is) {

@@ -87,7 +87,9 @@ void X3DStatementSink::set_unit(SourceName category, std::string_view name, doub
     return;
   }
   units.push_back({std::string(category.text), std::string(name), factor});
-  if (category.text == "angle") sink_.angle_unit_ = factor;
+  if (category.text == "angle") sink_.units_.angle = factor;
+  if (category.text == "mass") sink_.units_.mass = factor;
+  if (category.text == "force") sink_.units_.force = factor;
 }
 
 void X3DStatementSink::import_node(SourceName inline_name, std::string_view exported, std::string_view local) {
@@ -100,7 +102,7 @@ void X3DStatementSink::import_node(SourceName inline_name, std::string_view expo
   if (imports.size() >= kMaxImports) {
     if (sink_.limits_.is_first_excess())
       sink_.problems_.error(inline_name.location,
-                            "more than " + std::to_string(kMaxImports) + " IMPORTs; the rest is left out");
+                            "more than " + std::to_string(kMaxImports) + " IMPORTs; skipped the rest");
     return;
   }
   if (!admit(inline_name.text.size() + exported.size() + local.size())) return;
@@ -145,7 +147,7 @@ bool X3DStatementSink::take_route(const RouteNames& route) {
   if (statements().routes.size() >= kMaxImports) {
     if (sink_.limits_.is_first_excess())
       sink_.problems_.error(route.location, "more than " + std::to_string(kMaxImports) +
-                                                " ROUTEs with imported nodes; the rest is left out");
+                                                " ROUTEs with imported nodes; skipped the rest");
     return true;
   }
   // A skipped node was reported where it is.
@@ -154,15 +156,18 @@ bool X3DStatementSink::take_route(const RouteNames& route) {
 }
 
 void X3DStatementSink::resolve_names() {
-  if (sink_.text_.language() != Language::x3d || sink_.scopes_.back().prototype) return;
+  const SourceText& text = sink_.text_;
+  if (sink_.scopes_.back().prototype || (text.x3d().imports.empty() && text.x3d().exports.empty())) return;
+  // VRML97 has no such statements.
+  const Severity severity = text.language() == Language::x3d ? Severity::error : Severity::warning;
   NameTable& names = sink_.scopes_.back().names;
   std::vector<X3DStatements::Import>& imports = statements().imports;
   for (X3DStatements::Import& import : imports) {
     const NodeId* const node = names.find(import.inline_name);
     if (node && *node) import.inline_node = *node;
     if (!node)
-      sink_.problems_.error(import.location,
-                            "IMPORT names " + quoted(import.inline_name) + ", but no DEF has this name");
+      sink_.problems_.report(severity, import.location,
+                             "IMPORT names " + quoted(import.inline_name) + ", but no DEF has this name");
     if (const NodeId* const own = names.find(import.local); own && *own)
       sink_.problems_.warn(import.location, "the imported name " + quoted(import.local) +
                                                 " is also a DEF name; ROUTEs use the DEF name");
@@ -171,7 +176,8 @@ void X3DStatementSink::resolve_names() {
     const NodeId* const node = names.find(each.local);
     if (node && *node) each.node = *node;
     if (!node && !imported_names_.contains(each.local))
-      sink_.problems_.error(each.location, "EXPORT names " + quoted(each.local) + ", but no DEF has this name");
+      sink_.problems_.report(severity, each.location,
+                             "EXPORT names " + quoted(each.local) + ", but no DEF has this name");
   }
 }
 

@@ -27,7 +27,7 @@ class X3DStatementSink : NonCopyable {
   /// Adds a component. Reports a component that is unknown, unsupported, or only supported at a lower level.
   void add_component(SourceName name, int level);
   void add_meta(std::string_view name, std::string_view content, SourceLocation location);
-  /// Sets a unit. Values that follow are converted (see convert_angles), or scaled by the Inlines of the text (length).
+  /// Sets a unit. Values that follow are converted (see Measure), or scaled by the Inlines of the text (length).
   void set_unit(SourceName category, std::string_view name, double factor);
   /// Adds an IMPORT. `inline_name` is the DEF name of an Inline, which may follow later. An empty `local` means
   /// `exported`.

@@ -102,7 +102,7 @@ SFVec3f nurbs_point(const NurbsAxis& axis, const MFVec3f& points, const MFFloat&
   glm::dvec4 sum(0);
   for (std::size_t k = 0; k < axis.order(); ++k) {
     const double weight = weight_of(weights, axis.points(), at.first + k);
-    sum += glm::dvec4(glm::dvec3(points[at.first + k]) * weight, weight) * at.value[k];
+    sum += glm::dvec4(glm::dvec3(points[at.first + k]), weight) * at.value[k];
   }
   return glm::vec3(glm::dvec3(sum) / sum.w);
 }

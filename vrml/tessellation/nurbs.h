@@ -52,8 +52,8 @@ class NurbsAxis {
   std::vector<double> knots_;  // points_ + order_ knots, not decreasing
 };
 
-/// Evaluates a curve at `place`, 0 to 1. Weights <= 0 count as 1. All weights count as 1 if their number differs from
-/// the number of points.
+/// Evaluates a curve at `place`, 0 to 1. Points are homogeneous: (w x, w y, w z) for the weight w. Weights <= 0 count
+/// as 1. All weights count as 1 if their number differs from the number of points.
 [[nodiscard]] SFVec3f nurbs_point(const NurbsAxis& axis, const MFVec3f& points, const MFFloat& weights, double place);
 
 }  // namespace gs::vrml

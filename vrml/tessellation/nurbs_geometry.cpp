@@ -4,6 +4,7 @@
 #include "vrml/tessellation/tessellators.h"
 #include "vrml/tessellation/trimming.h"
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <cmath>
@@ -37,8 +38,17 @@ std::optional<NurbsSurface> texture_surface(const SceneGraph& scene, NodeId geom
   return surface.with_points(points_of(scene, geometry, "texCoord"));
 }
 
-glm::vec3 surface_normal(const NurbsSurface::Place& place, bool ccw) {
-  const glm::dvec3 up = glm::cross(place.along_u, place.along_v);
+// Returns the normal of a surface at the parameters u and v, or a zero vector where it has none. At a pole, where an
+// edge of the surface shrinks to a point, one derivative is only rounding; the normal beside the pole replaces it.
+glm::vec3 surface_normal(const NurbsSurface& surface, const NurbsSurface::Place& place, double u, double v, bool ccw) {
+  constexpr double kSmall = 1e-3, kAside = 1e-3;
+  glm::dvec3 up = glm::cross(place.along_u, place.along_v);
+  const double scale = glm::length(place.along_u) + glm::length(place.along_v);
+  const bool on_edge = u == 0 || u == 1 || v == 0 || v == 1;
+  if (on_edge && glm::length(up) <= kSmall * scale * scale) {
+    const NurbsSurface::Place beside = surface.at(glm::mix(u, 0.5, kAside), glm::mix(v, 0.5, kAside));
+    up = glm::cross(beside.along_u, beside.along_v);
+  }
   const double length = glm::length(up);
   return length > 0 ? glm::vec3(up / length * (ccw ? 1.0 : -1.0)) : glm::vec3(0);
 }
@@ -103,7 +113,7 @@ Mesh trimmed_mesh(const SceneGraph& scene, NodeId geometry, const NurbsSurface& 
       const NurbsSurface::Place place = surface.at(corner.x, corner.y);
       faces.coord_index.push_back(static_cast<std::int32_t>(faces.points.size()));
       faces.points.push_back(glm::vec3(place.point));
-      normals.push_back(surface_normal(place, true));
+      normals.push_back(surface_normal(surface, place, corner.x, corner.y, true));
       if (options.texture_coordinates)
         coordinates.push_back(glm::vec2(picture ? glm::dvec2(picture->at(corner.x, corner.y).point) : corner));
     }
@@ -145,9 +155,11 @@ Mesh tessellate_nurbs_surface(const SceneGraph& scene, NodeId geometry, const Me
   MFVec3f normals;
   glm::vec3* point = faces.points.prepare(count);
   glm::vec3* normal = normals.prepare(count);
-  surface->sample(steps.columns, steps.rows, [&](std::size_t, std::size_t, const NurbsSurface::Place& place) {
+  surface->sample(steps.columns, steps.rows, [&](std::size_t i, std::size_t j, const NurbsSurface::Place& place) {
+    const double u = static_cast<double>(i) / static_cast<double>(steps.columns),
+                 v = static_cast<double>(j) / static_cast<double>(steps.rows);
     *point++ = glm::vec3(place.point);
-    *normal++ = surface_normal(place, faces.ccw);
+    *normal++ = surface_normal(*surface, place, u, v, faces.ccw);
   });
   faces.points.commit(count);
   normals.commit(count);

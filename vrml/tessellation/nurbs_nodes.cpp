@@ -30,14 +30,14 @@ std::vector<glm::dvec3> points_of_value(const FieldValue& value) {
   return points;
 }
 
-// Returns control points with their weights. Weights <= 0 count as 1, and all of them if their number differs.
+// Returns control points with their weights. Points are homogeneous: files contain (w x, w y, w z). Weights <= 0 count
+// as 1, and all of them if their number differs.
 std::vector<glm::dvec4> weighted(const std::vector<glm::dvec3>& points, const std::vector<double>& weights) {
   std::vector<glm::dvec4> result;
   result.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const bool given = weights.size() == points.size() && weights[i] > 0 && std::isfinite(weights[i]);
-    const double weight = given ? weights[i] : 1;
-    result.emplace_back(points[i] * weight, weight);
+    result.emplace_back(points[i], given ? weights[i] : 1);
   }
   return result;
 }
@@ -47,11 +47,17 @@ struct ClosableAxis {
   std::optional<NurbsAxis> axis;
   std::size_t own = 0;  // number of different points; point i of the axis is point i % own
 };
+// Reports whether knots make a curve begin at its first and end at its last point.
+bool are_clamped(const std::vector<double>& knots, std::size_t points, std::size_t order) {
+  return knots.size() == points + order && knots.front() == knots[order - 1] && knots[points] == knots.back() &&
+         knots.front() < knots.back();
+}
+
 // Makes an axis. If `closed` and the first and last point are equal, the axis joins itself smoothly: it gets uniform
-// knots that reach neither end.
+// knots that reach neither end. Clamped knots remain, because they close the curve already, as those of a circle do.
 ClosableAxis make_axis(std::size_t points, std::int32_t order, const std::vector<double>& knots, bool closed) {
   const auto size = static_cast<std::size_t>(std::clamp(order, 2, NurbsAxis::kMaximumOrder));
-  if (!closed || points < size + 1 || order != static_cast<std::int32_t>(size))
+  if (!closed || points < size + 1 || order != static_cast<std::int32_t>(size) || are_clamped(knots, points, size))
     return {NurbsAxis::make(points, order, std::span<const double>(knots)), points};
   const std::size_t own = points - 1, repeated = own + size - 1;
   std::vector<double> uniform(repeated + size);

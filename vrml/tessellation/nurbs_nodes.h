@@ -54,8 +54,8 @@ class NurbsSurface {
   /// uClosed and vClosed. Returns nullopt if the node does not define a valid surface.
   [[nodiscard]] static std::optional<NurbsSurface> make(const SceneGraph& scene, NodeId node);
 
-  /// Returns the surface that has other points with the axes and weights of this one. Returns nullopt if there are too
-  /// few points.
+  /// Returns the surface that has other points with the axes and weights of this one. These points are not homogeneous.
+  /// Returns nullopt if there are too few points.
   [[nodiscard]] std::optional<NurbsSurface> with_points(const std::vector<glm::dvec3>& points) const;
   /// Evaluates the surface at one place, 0 to 1 in both directions.
   [[nodiscard]] Place at(double u, double v) const;

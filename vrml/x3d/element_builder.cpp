@@ -179,7 +179,7 @@ void ElementBuilder::name_node(SourceName name) {
 
 // Returns the field of an attribute. Files contain attributes of pages and of other browsers, which get one warning
 // each.
-const InterfaceDeclaration* ElementBuilder::find_field(const Frame& frame, SourceName attribute) {
+const InterfaceDeclaration* ElementBuilder::find_field(Frame& frame, SourceName attribute) {
   constexpr std::size_t kMaxNames = 1000;
   const NodeType& type = *frame.node.type;
   const InterfaceDeclaration* const field = type.find_field(attribute.text);

@@ -113,7 +113,7 @@ class ElementBuilder {
   void end_node(Frame& frame);
   void end_prototype(Frame& frame);
   void end_field(Frame& frame);
-  [[nodiscard]] const InterfaceDeclaration* find_field(const Frame& frame, SourceName attribute);
+  [[nodiscard]] const InterfaceDeclaration* find_field(Frame& frame, SourceName attribute);
   [[nodiscard]] bool find_target(const NodeType* type, SourceName element, std::string_view container,
                                  NodeTarget& target);
   [[nodiscard]] NodeTarget target_in(Frame& parent, const InterfaceDeclaration& field, SourceName element);

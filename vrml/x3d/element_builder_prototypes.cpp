@@ -142,7 +142,7 @@ void ElementBuilder::end_field(Frame& frame) {
 }
 
 void ElementBuilder::begin_field_value(SourceName element, std::span<const Attribute> attributes, Frame& frame) {
-  const Frame* const parent = this->parent();
+  Frame* const parent = this->parent();
   if (!parent || !parent->node.id || parent->kind == ElementKind::field) return skip_misplaced(element, frame);
   const std::string_view name = value_in(attributes, "name");
   if (name.empty())

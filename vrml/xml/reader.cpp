@@ -99,9 +99,9 @@ void Reader::State::fail(const std::string& problem) {
   outcome = ParseOutcome::truncated;
   if (expat.is_out_of_memory())
     sink.problems().error(markup_location,
-                          sink.scene().budget()->refusal(Resource::nodes) + "; the rest of the file is left out");
+                          sink.scene().budget()->refusal(Resource::nodes) + "; skipped the rest of the file");
   else
-    sink.problems().error(markup_location, problem + "; the rest of the file is left out");
+    sink.problems().error(markup_location, problem + "; skipped the rest of the file");
 }
 
 // Moves `location` past a text.
@@ -173,7 +173,7 @@ void Reader::State::begin(std::string_view name) {
   const SourceName element{without_prefix(name), markup_location};
   if (builder.depth() == 0 && x3d::kind_of(element.text) != x3d::ElementKind::x3d &&
       x3d::kind_of(element.text) != x3d::ElementKind::scene) {
-    refuse("an XML file with the root element " + quoted(name) + "; expected X3D", markup_location);
+    refuse("root element is " + quoted(name) + "; expected X3D", markup_location);
     return expat.stop();
   }
   builder.begin(element, attributes);

@@ -121,7 +121,7 @@ bool TextDecoder::detect(std::string_view& bytes, bool last) {
     const bool declares = std::string_view("<?xml").starts_with(head);
     const std::size_t end = start.find("?>", first);
     if (declares && end == std::string_view::npos && may_continue) return false;
-    if (declares) read_declaration(start.substr(first, std::min(end, kMaxDeclaration)));
+    if (declares) read_declaration(start.substr(first, end == std::string_view::npos ? end : end - first));
   }
   bytes.remove_prefix(mark);
   return true;

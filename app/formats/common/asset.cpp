@@ -63,7 +63,7 @@ std::unique_ptr<vrml::SceneGraph> scene_of(MeshAsset mesh, const std::string& pa
   }
   if (mesh.color_key) add_color_key(builder, *mesh.color_key);
   if (scene->memory().exhausted() && !mesh.cut_short)
-    diagnostics.add({Severity::error, path, {}, budget->refusal(Resource::nodes) + "; the rest is left out"});
+    diagnostics.add({Severity::error, path, {}, budget->refusal(Resource::nodes) + "; skipped the rest"});
   return scene;
 }
 

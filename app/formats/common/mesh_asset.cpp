@@ -45,7 +45,7 @@ void MeshBuilder::add_part(Geometry geometry, std::size_t look, std::string_view
 void MeshBuilder::cut_short() {
   if (!budget()->stopped()) {
     asset_.cut_short = true;
-    fail(budget()->refusal(Resource::nodes) + "; the rest is left out");
+    fail(budget()->refusal(Resource::nodes) + "; skipped the rest");
   }
   // The arrays of unfinished parts are gone.
   std::uint64_t kept = 0;

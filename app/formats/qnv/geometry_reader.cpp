@@ -31,7 +31,7 @@ constexpr std::uint64_t kMaxGradients = std::uint64_t{1} << 24;
 // sorted.
 constexpr std::uint64_t kHeldBytes = 64, kLevelBytes = 96, kGradientBytes = 90;
 constexpr std::chrono::milliseconds kCancelWait{50};
-constexpr const char* kLate = "the time limit for loading was reached; the rest of the file is left out";
+constexpr const char* kLate = "the time limit for loading was reached; skipped the rest of the file";
 
 class GeometryFileReader {
  public:

@@ -37,7 +37,7 @@ void OutlineReader::end(const std::string& file, bool whole) {
                             "byte " + std::to_string(problem.offset) + ": " + problem.message);
   if (outlines_.full())
     loading_.results.report(Severity::error, file, {},
-                            loading_.budget->refusal(Resource::nodes) + "; the rest of the polygons is left out");
+                            loading_.budget->refusal(Resource::nodes) + "; skipped the rest of the polygons");
   const std::size_t refused = decoder_.refused_records();
   if (refused > 0)
     loading_.results.report(Severity::warning, file, {}, std::to_string(refused) + " damaged polygons are left out");

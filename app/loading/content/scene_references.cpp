@@ -92,6 +92,7 @@ void SceneReferences::ask_for(Reference reference, const vrml::Node* node, std::
   fetch->candidates = std::move(reference.places);
   fetch->from = std::move(reference.from);
   fetch->reference = std::move(reference.first);
+  fetch->refresh = reference.refresh;
   fetch->node = node;
   fetch->handler = std::move(handler);
   context_.loading.fetcher.fetch(std::move(fetch), urgency);
@@ -189,7 +190,7 @@ void SceneReferences::visit_images(NodeId id) {
 // Fetches an image unless another texture has it. With `again`, fetches a missing image again.
 void SceneReferences::ask_for_image(const UrlRequest& request, Reference reference, bool again) {
   auto& shared = context_.images[fetch_key(reference.places, reference.from)];
-  const bool fresh = !shared || shared->is_spent() || (again && shared->has_none());
+  const bool fresh = !shared || shared->is_spent() || (again && shared->has_none()) || request.refresh;
   if (fresh) shared = std::make_shared<ImageHandler>(context_.loading, request);
   shared->add(request.place);
   if (fresh) ask_for(std::move(reference), request.node, shared, Urgency::texture);
@@ -291,6 +292,7 @@ void SceneReferences::load(const UrlRequest& request) {
   if (request.prototype) return handler_.prototypes().load(request);
   LoadResults& results = context_.loading.results;
   Reference reference = refer(request.urls, request.source, request.fetched);
+  reference.refresh = request.refresh;
   const ResourceUpdates::Place& at = request.place;
   if (request.as_text) {
     if (reference.places.empty()) return results.add(ResourceUpdates::Text{at, std::nullopt, {}, {}});

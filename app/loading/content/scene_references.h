@@ -26,7 +26,8 @@ class SceneReferences {
   struct Reference {
     std::vector<net::Url> places;
     net::Origin from;
-    std::string first;  // first URL as written in the text
+    std::string first;     // first URL as written in the text
+    bool refresh = false;  // UrlRequest::refresh
   };
 
   SceneReferences(SceneHandler& handler, SceneContext& context) : handler_(handler), context_(context) {}

@@ -21,6 +21,7 @@ struct Fetch {
   net::Origin from;  // origin of the text that contains the reference
   std::string given_path;  // path of a file, spelled as by the user
   int priority = 0;
+  bool refresh = false;  // asks the server even if the cache has the resource
   const vrml::Node* node = nullptr;  // node that refers to the resource; null for no node or several
   std::shared_ptr<ContentHandler> handler;
   std::uint64_t max_bytes = kNoLimit;  // maximum number of bytes; the others are omitted on purpose

@@ -42,7 +42,7 @@ bool Fetcher::step(std::chrono::milliseconds wait) {
   if (!is_done() && !fetches_.empty() && ended_.size() < fetches_.size() && loading_.limit.over())
     stop("the time limit for loading was reached; the missing parts are left out");
   if (phase_ == Phase::too_many_files)
-    stop("refers to more than " + std::to_string(loading_.budget->limits().files) + " files; the rest is left out");
+    stop("refers to more than " + std::to_string(loading_.budget->limits().files) + " files; skipped the rest");
   if (is_done() && !has_streams()) return false;
   busy = network_.step() || busy;
   busy = cells_.step() || busy;

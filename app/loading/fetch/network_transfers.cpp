@@ -77,6 +77,7 @@ void NetworkTransfers::ask(Fetch& fetch, std::vector<net::ByteRange> ranges) {
   request.max_bytes = std::min(fetch.max_bytes, request.max_bytes);
   request.ranges = std::move(ranges);
   request.validator = fetch.validator;
+  if (fetch.refresh) request.cache = net::CacheUse::reload;
   fetch.request = loader().request(std::move(request));
   by_request_[fetch.request.value] = &fetch;
 }

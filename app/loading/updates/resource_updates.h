@@ -106,6 +106,7 @@ struct UrlRequest {
   std::shared_ptr<const vrml::TextSource> source;  // source of the text that contains the URLs
   bool fetched = false;  // true if that text was read from a URL at run time
   bool computed = false;  // true if a Script may have computed the URLs
+  bool refresh = false;   // loads the same URLs again, even if they were read before
   std::string type, file;  // type of the node and file of its text, for messages
   SourceLocation location;
 };

@@ -14,7 +14,7 @@ class FolderQuestions {
  public:
   struct Question {
     std::string folder;
-    std::string reference;  // first reference into the folder, as written in the world
+    std::string reference;            // first reference into the folder, as written in the world
     std::vector<std::string> worlds;  // paths of the worlds that refer to the folder; at least one
   };
 

@@ -20,7 +20,7 @@ namespace gs::app {
 /// As a URL, a link is "ghostspace:" before another URL. "ghostspace://" may replace "ghostspace:http://".
 struct SceneLink {
   std::string url;         // http, https or cells
-  std::string viewpoint;  // name of the initial Viewpoint; empty means the first one
+  std::string viewpoint;   // name of the initial Viewpoint; empty means the first one
   std::size_t budget = 0;  // vector budget; 0 means that the link sets none
 };
 

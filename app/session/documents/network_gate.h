@@ -14,7 +14,7 @@ namespace gs::app {
 /// Question to the user whether the Scripts of a world may use the network, although they have read a private file.
 struct NetworkQuestion {
   std::string file;  // URL of a private file that a Script has read
-  std::string url;  // first URL that the gate held back
+  std::string url;   // first URL that the gate held back
 };
 
 /// Gate for network requests of a world's Scripts. It closes when a Script has read a private file, and holds requests

@@ -92,6 +92,7 @@ void RunTimeRequests::request_text(ScriptRequest&& one, bool computed) {
                      source,
                      is_fetched,
                      computed,
+                     false,
                      node.type->name,
                      node.text->file_name(),
                      one.location};
@@ -140,30 +141,44 @@ void RunTimeRequests::note_changes(std::span<const vrml::NodeChange> changes) {
     const auto has_changed = [&](int slot) { return (change.slots >> std::min(slot, 63) & 1) != 0; };
     // A change of `load` loads all urls, or removes their content.
     const vrml::InterfaceDeclaration* const load = vrml::load_field(*node.type);
-    const bool loads = vrml::may_load(node);
     const bool reload = load && has_changed(load->slot);
     const auto fields = node.type->url_fields();
     for (std::size_t i = 0; i < fields.size(); ++i) {
-      const int slot = fields[i]->slot;
-      if ((!reload && !has_changed(slot)) || url_requests_.size() >= kMaxRequests) continue;
+      if (!reload && !has_changed(fields[i]->slot)) continue;
       if (node.type->url_content == vrml::UrlContent::vectors && take_own_vectors(world_, *change.scene, change.node))
         continue;
-      if (loads) execution_.loads().note(node, vrml::UrlLoad::pending);
-      const vrml::SourceText& text = change.scene->nodes().text_of(change.node, slot);
-      url_requests_.push_back({{change.scene, change.node, i, ++url_numbers_[{&node, i}]},
-                               &node,
-                               node.type->url_content,
-                               false,
-                               nullptr,
-                               loads ? *std::get_if<vrml::MFString>(&node.values[slot]) : vrml::MFString(),
-                               text.source(),
-                               was_fetched(text),
-                               is_computed(*change.scene, change.node, slot),
-                               node.type->name,
-                               text.file_name(),
-                               node.location});
+      request_url(change, i, false);
     }
   }
+}
+
+void RunTimeRequests::refresh(std::span<const vrml::NodeChange> nodes) {
+  for (const vrml::NodeChange& one : nodes)
+    for (std::size_t i = 0, count = one.scene->node(one.node).type->url_fields().size(); i < count; ++i)
+      request_url(one, i, true);
+}
+
+// Requests the content of a url field, or of no URL if `load` is FALSE. `field` is an index of NodeType::url_fields().
+void RunTimeRequests::request_url(const vrml::NodeChange& change, std::size_t field, bool refresh) {
+  if (url_requests_.size() >= kMaxRequests) return;
+  const vrml::Node& node = change.scene->node(change.node);
+  const int slot = node.type->url_fields()[field]->slot;
+  const bool loads = vrml::may_load(node);
+  if (loads) execution_.loads().note(node, vrml::UrlLoad::pending);
+  const vrml::SourceText& text = change.scene->nodes().text_of(change.node, slot);
+  url_requests_.push_back({{change.scene, change.node, field, ++url_numbers_[{&node, field}]},
+                           &node,
+                           node.type->url_content,
+                           false,
+                           nullptr,
+                           loads ? *std::get_if<vrml::MFString>(&node.values[slot]) : vrml::MFString(),
+                           text.source(),
+                           was_fetched(text),
+                           is_computed(*change.scene, change.node, slot),
+                           refresh,
+                           node.type->name,
+                           text.file_name(),
+                           node.location});
 }
 
 // Requests the body of an EXTERNPROTO that is declared in a text that was read at run time. The loader itself fetches
@@ -187,6 +202,7 @@ void RunTimeRequests::request_prototype(vrml::SceneGraph& scene, vrml::NodeId in
                            text.source(),
                            was_fetched(text),
                            text.is_computed(),
+                           false,
                            node.type->name,
                            text.file_name(),
                            node.type->location});

@@ -24,6 +24,8 @@ class RunTimeRequests {
 
   /// Requests the content of changed url fields, and the bodies of EXTERNPROTOs of new nodes.
   void note_changes(std::span<const vrml::NodeChange> changes);
+  /// Requests the content of the url fields of nodes again.
+  void refresh(std::span<const vrml::NodeChange> nodes);
   /// Returns the urls that were set since the last call.
   [[nodiscard]] std::vector<UrlRequest> take_url_requests();
   /// Returns the requests of Scripts that the session must fulfil.
@@ -54,6 +56,7 @@ class RunTimeRequests {
   void forget_scene(const vrml::SceneGraph& scene);
 
  private:
+  void request_url(const vrml::NodeChange& change, std::size_t field, bool refresh);
   void request_texts();
   void request_text(ScriptRequest&& one, bool computed);
   void request_prototype(vrml::SceneGraph& scene, vrml::NodeId instance);

@@ -14,11 +14,11 @@ class SeriesList {
  public:
   struct Series {
     std::vector<std::string> files;  // paths in the order of their numbers; at least one
-    std::size_t wanted = 0;  // index of the file that is shown or being read for display
+    std::size_t wanted = 0;          // index of the file that is shown or being read for display
     std::size_t shown = 0;
     bool playing = false;
     double rate = 25;  // files per second
-    double due = 0;  // time from which `wanted` may be shown
+    double due = 0;    // time from which `wanted` may be shown
   };
 
   /// Returns the path of the file to read for a name. For a name that is no series, returns the name itself. The first

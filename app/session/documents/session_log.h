@@ -18,7 +18,7 @@ class SessionLog {
   struct File {
     std::string path;
     Diagnostics diagnostics;  // of the last reading of the file
-    std::size_t told = 0;  // number of `diagnostics` that take_untold() has returned
+    std::size_t told = 0;     // number of `diagnostics` that take_untold() has returned
   };
 
   /// Replaces all diagnostics of a file.

@@ -12,7 +12,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kWait{50};  // max wait in a step, so that progress is visible
+constexpr std::chrono::milliseconds kWait{50};          // max wait in a step, so that progress is visible
 constexpr std::chrono::milliseconds kStreamWait{1000};  // max wait while only streams load; requests end it
 constexpr std::chrono::milliseconds kBetweenLists{80};
 constexpr std::chrono::milliseconds kInitialBatchDelay{

@@ -30,8 +30,8 @@ class WorldReader : NonCopyable {
     /// Preview or complete document, if there is a new one, else null. A complete document without a scene means that
     /// the world could not be opened.
     std::shared_ptr<Document> document;
-    ResourceUpdates updates;  // updates for the running world
-    bool over = false;  // loading has finished; only bytes of streams and results of request() may follow
+    ResourceUpdates updates;    // updates for the running world
+    bool over = false;          // loading has finished; only bytes of streams and results of request() may follow
     bool streams_grew = false;  // bytes of streams were received
     LoadingState state;
   };
@@ -71,7 +71,7 @@ class WorldReader : NonCopyable {
   std::atomic<Stage> stage_ = Stage::running;
   std::mutex mutex_;
   News news_;                                                               // guarded by mutex_
-  WorldLoading* loading_ = nullptr;  // guarded by mutex_; for waking it
+  WorldLoading* loading_ = nullptr;                                         // guarded by mutex_; for waking it
   std::optional<std::unordered_map<const vrml::Node*, float>> importance_;  // guarded by mutex_; not passed on yet
   std::unordered_set<const vrml::Node*> wanted_;                            // guarded by mutex_
   std::vector<UrlRequest> requests_;                                        // guarded by mutex_

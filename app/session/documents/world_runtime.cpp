@@ -55,6 +55,8 @@ void WorldRuntime::start(double now) {
   started_ = true;
   programs_.start();
   execution_.start(now);
+  for (const vrml::SceneState& state : execution_.scenes().states())
+    if (state.scene) refresh_.note_scene(*state.scene);
   progress_ = std::exchange(world_.progress, {});
   durations_ = std::exchange(world_.durations, {});
   for (const MediaDuration& one : durations_) movies_.open(one);
@@ -66,9 +68,16 @@ void WorldRuntime::start(double now) {
 bool WorldRuntime::step(double now) {
   programs_.begin_step(now);
   execution_.step(now);
+  requests_.refresh(refresh_.take_due());
   tell_progress();
   tell_durations();
   return take_changes();
+}
+
+std::optional<double> WorldRuntime::next_time() const {
+  if (!progress_.empty() || !durations_.empty() || movies_.running()) return execution_.now();
+  const std::optional<double> event = execution_.next_time(), refresh = refresh_.next_time();
+  return event && refresh ? std::min(*event, *refresh) : event ? event : refresh;
 }
 
 bool WorldRuntime::send(const vrml::SceneGraph& scene, vrml::NodeId node, std::string_view event_in,
@@ -103,6 +112,7 @@ void WorldRuntime::show_content(ResourceUpdates::Content&& update) {
   execution_.lifetime().remove_content(scene, update.place.node);
   if (!update.content) return;
   meshes_.take(std::move(update.meshes));
+  refresh_.note_scene(*update.content);
   scene.inlines().attach(update.place.node, std::move(update.content));
   execution_.scenes().attach(scene);
   execution_.imports().report(world_.diagnostics);
@@ -179,6 +189,7 @@ void WorldRuntime::forget(vrml::SceneGraph& scene, vrml::NodeId node) {
       world_.images.erase({&one, i});
     requests_.forget_node(one);
     execution_.loads().forget(one);
+    refresh_.forget(one);
     world_.geometries.erase(&one);
     world_.media.erase(&one);
     movies_.forget(one);
@@ -217,6 +228,9 @@ void WorldRuntime::add_changes(std::vector<vrml::NodeChange> changes) {
 bool WorldRuntime::take_changes() {
   const auto changes = execution_.changes().take();
   requests_.note_changes(changes);
+  for (const vrml::NodeChange& change : changes)
+    if (change.scene->node(change.node).type->url_content != vrml::UrlContent::none)
+      refresh_.note(*change.scene, change.node);
   if (std::exchange(replaced_, execution_.lifetime().replaced()) != execution_.lifetime().replaced()) {
     batches_.clear();
     ++version_;  // without a batch for this version, all lists are collected from scratch
@@ -265,8 +279,40 @@ render::BoundNodes WorldRuntime::bound() const {
     const vrml::NodeChange bound = execution_.stacks().bound(vrml::built_in_node_type(kind));
     return bound.scene ? &bound.scene->node(bound.node) : nullptr;
   };
-  return {node_of(NodeKind::viewpoint), node_of(NodeKind::navigation_info), node_of(NodeKind::background),
-          node_of(NodeKind::fog)};
+  render::BoundNodes nodes{node_of(NodeKind::viewpoint), node_of(NodeKind::navigation_info),
+                           node_of(NodeKind::background), node_of(NodeKind::fog)};
+  if (const std::optional<vrml::LayerSet> set = execution_.stacks().layers()) add_layers(*set, nodes);
+  return nodes;
+}
+
+// Adds the layers of a LayerSet to the bound nodes of the active layer. Layers that `order` omits are not drawn.
+void WorldRuntime::add_layers(const vrml::LayerSet& set, render::BoundNodes& nodes) const {
+  using vrml::NodeKind;
+  const vrml::SceneGraph& world = *world_.scene;
+  const auto id_of = [&](int layer) {
+    return layer == 0 ? vrml::NodeId{} : set.layers[static_cast<std::size_t>(layer) - 1];
+  };
+  nodes.layer_set = set.node;
+  nodes.layer = set.active;
+  nodes.boundary = vrml::clip_boundary_of(world, id_of(set.active));
+  nodes.pickable = vrml::is_pickable(world, id_of(set.active));
+  nodes.drawn = false;
+  bool in_front = false;
+  for (const int layer : set.order) {
+    if (!vrml::is_visible(world, id_of(layer))) continue;
+    if (layer == set.active) {
+      in_front = nodes.drawn = true;
+      continue;
+    }
+    const auto node_of = [&](NodeKind kind) -> const vrml::Node* {
+      const vrml::NodeChange bound = execution_.stacks().bound(vrml::built_in_node_type(kind), layer);
+      return bound.scene ? &bound.scene->node(bound.node) : nullptr;
+    };
+    nodes.others.push_back({node_of(NodeKind::viewpoint), node_of(NodeKind::navigation_info),
+                            node_of(NodeKind::background), node_of(NodeKind::fog), layer,
+                            vrml::clip_boundary_of(world, id_of(layer)), in_front,
+                            vrml::is_pickable(world, id_of(layer)), vrml::is_layout_layer(world, id_of(layer))});
+  }
 }
 
 }  // namespace gs::app

@@ -3,6 +3,7 @@
 #include "app/loading/updates/loaded_world.h"
 #include "app/loading/updates/resource_updates.h"
 #include "app/session/documents/run_time_requests.h"
+#include "app/session/documents/url_refresh.h"
 #include "app/session/documents/world_movies.h"
 #include "app/session/documents/world_programs.h"
 #include "app/session/rays/world_rays.h"
@@ -67,9 +68,7 @@ class WorldRuntime : NonCopyable {
   /// arrive().
   [[nodiscard]] std::vector<UrlRequest> take_url_requests();
   /// Returns the time of the next event; see Execution::next_time().
-  [[nodiscard]] std::optional<double> next_time() const {
-    return progress_.empty() && durations_.empty() && !movies_.running() ? execution_.next_time() : execution_.now();
-  }
+  [[nodiscard]] std::optional<double> next_time() const;
 
   /// Returns a render scene for a viewer at `viewer`, in world space. If `own`, no other view shares it.
   [[nodiscard]] std::shared_ptr<RuntimeScene> look(const glm::dvec3& viewer, bool own);
@@ -82,6 +81,7 @@ class WorldRuntime : NonCopyable {
   [[nodiscard]] vrml::Execution& execution() { return execution_; }
 
  private:
+  void add_layers(const vrml::LayerSet& set, render::BoundNodes& nodes) const;
   bool take_changes();
   void note_loaded();
   void note_load(const ResourceUpdates::Place& place, bool loaded);
@@ -99,6 +99,7 @@ class WorldRuntime : NonCopyable {
   WorldPrograms programs_{world_, execution_};
   RunTimeRequests requests_{world_, execution_, programs_};
   WorldMovies movies_{world_, execution_};
+  UrlRefresh refresh_{execution_};
   WorldRays rays_{world_, meshes_, execution_, [this] { return bound(); }};
   bool started_ = false;
   std::deque<std::vector<vrml::NodeChange>> batches_;  // changes of the last versions, newest last

@@ -9,6 +9,25 @@
 
 namespace gs::app {
 
+// Returns the layer of a world that the pointer meets: the front one that it hits; while a sensor has grabbed the
+// pointer, the layer of that sensor.
+LayerSight Pointing::sight_of(const View& seen, const Viewport& place) {
+  const std::vector<LayerSight> sights = layer_sights(*seen.list, seen.navigation.pose, place);
+  LayerSight behind{LayerSight::kActive, seen.list.get(), seen.navigation.pose, place};
+  const bool held = seen.document->runtime && seen.document->runtime->execution().pointing().pointed_at().active;
+  for (std::size_t i = 0; i < sights.size(); ++i) {
+    const LayerSight& sight = sights[i];
+    if (held ? sight.index != held_layer_ : !sight.place.contains(pointer_)) continue;
+    behind = sight;
+    if (held || i + 1 == sights.size()) break;
+    const glm::vec2 size = sight.place.size();
+    const Ray ray = ray_through(sight.pose, sight.place.inside(pointer_), size);
+    if (picker_.pick(*sight.list, ray, pick_options(seen, size))) break;
+  }
+  held_layer_ = behind.index;
+  return behind;
+}
+
 // Points at the world of a viewport. Returns true if a sensor has grabbed the pointer; then dragging must not move the
 // viewer.
 bool Pointing::point_at_world(std::size_t pane, bool down) {
@@ -19,8 +38,9 @@ bool Pointing::point_at_world(std::size_t pane, bool down) {
   const Viewport place = viewports_.place_of(pane);
   (void)seen->document->runtime->step(step_.now);
   (void)follow_world(*seen);
-  (void)point(execution, picker_, *seen->list, sight_line(seen->navigation.pose, place.inside(pointer_), place.size()),
-              down, pick_options(*seen, place.size()));
+  const LayerSight sight = sight_of(*seen, place);
+  (void)point(execution, picker_, *sight.list, sight_line(sight.pose, sight.place.inside(pointer_), sight.place.size()),
+              down, pick_options(*seen, sight.place.size()));
   pane_ = pane;
   links_.follow_anchors(pane);
   return execution.pointing().pointed_at().active;
@@ -91,11 +111,14 @@ std::optional<Pointing::Picked> Pointing::pick_at(const glm::vec2& pixel) {
     if (!rectangles[i].contains(pixel)) continue;
     View* seen = viewports_.panes().at(sight[i]).view();
     if (!seen) return std::nullopt;
-    const glm::vec2 size = rectangles[i].size();
-    const Ray ray = ray_through(seen->navigation.pose, rectangles[i].inside(pixel), size);
-    const std::optional<Hit> hit = picker_.pick(*seen->list, ray, pick_options(*seen, size));
-    if (!hit) return std::nullopt;
-    return Picked{sight[i], path_of(*seen->list, *hit)};
+    for (const LayerSight& layer : layer_sights(*seen->list, seen->navigation.pose, rectangles[i])) {
+      if (!layer.place.contains(pixel)) continue;
+      const glm::vec2 size = layer.place.size();
+      const Ray ray = ray_through(layer.pose, layer.place.inside(pixel), size);
+      if (const std::optional<Hit> hit = picker_.pick(*layer.list, ray, pick_options(*seen, size)))
+        return Picked{sight[i], path_of(*layer.list, *hit)};
+    }
+    return std::nullopt;
   }
   return std::nullopt;
 }

@@ -3,6 +3,7 @@
 #include "app/session/opening/link_follower.h"
 #include "app/session/viewports/session_viewports.h"
 #include "app/session/viewports/step.h"
+#include "app/view/layer_sights.h"
 #include "app/view/picking.h"
 
 #include <glm/vec2.hpp>
@@ -67,6 +68,7 @@ class Pointing {
 
  private:
   bool point_at_world(std::size_t pane, bool down);
+  LayerSight sight_of(const View& seen, const Viewport& place);
   void point_at_held_sensor(bool down);
   void repeat();
 
@@ -76,9 +78,10 @@ class Pointing {
   SensorGeometries sensor_geometries_;
   LinkFollower& links_;
   std::optional<std::size_t> pane_;  // viewport that has the pointer over its world
-  glm::vec2 pointer_{0};  // position in framebuffer pixels
-  bool moved_ = false;  // the viewer moved since the sensors were updated
+  glm::vec2 pointer_{0};             // position in framebuffer pixels
+  bool moved_ = false;               // the viewer moved since the sensors were updated
   bool sensor_has_pointer_ = false;
+  std::size_t held_layer_ = LayerSight::kActive;  // layer of the sensor that has grabbed the pointer
   struct HeldSensor {
     vrml::NodePlace sensor;
     render::SightLine line;

@@ -127,7 +127,7 @@ TEST_CASE("keeps terminal controls out of file names, contents and URLs that it 
     CHECK(shown.ends_with("done\n"));
     CHECK(is_plain(shown));
   }
-  CHECK(on_terminal(program() + " print " + quoted(title)).find("title \"\\x1b[2J\"\n") != std::string::npos);
+  CHECK(on_terminal(program() + " print " + quoted(title)).find("title \"\\x1b[2J\"") != std::string::npos);
 }
 
 TEST_CASE("reports in every command that its output could not be written, and fails") {

@@ -18,6 +18,10 @@ TEST_CASE("Browser: reports name, version, viewer speed, frame rate and the worl
   CHECK(world.printed() == Lines{"GhostSpacetrue", "2.5 60 file:///a/b.wrl"});
 }
 
+TEST_CASE("Browser: reports 100 pictures a second before the first picture (4.12.10.3)") {
+  CHECK(value("Browser.getCurrentFrameRate() + ' ' + Browser.getCurrentSpeed()") == "100 0");
+}
+
 TEST_CASE("Browser: passes loadURL and setDescription to the caller (4.12.10)") {
   World world(
       "DEF S Script { url \"javascript: function initialize() { Browser.loadURL(new MFString('a.wrl#V', 'b.wrl'), "

@@ -96,6 +96,39 @@ TEST_CASE("shows the new image of an ImageTexture on set_url (6.22)") {
   CHECK(world.shades() == Shades{-1, -1});
 }
 
+TEST_CASE("loads urls again after each autoRefresh, up to its time limit (X3D 9.3.2)") {
+  Site files = site();
+  files.put("world.wrl",
+            "#X3D V4.0 utf8\nPROFILE Full\nInline { url \"part.wrl\" autoRefresh 10 autoRefreshTimeLimit 25 } "
+            "Shape { geometry Box { } appearance Appearance { texture ImageTexture { url \"dark.pgm\" "
+            "autoRefresh 10 } } } Group { }");
+  files.put("part.wrl", kHeader + "Shape { geometry Box { } }");
+  World world(files);
+  CHECK(world.items() == 2);
+  files.put("part.wrl", kHeader + "Shape { geometry Box { } } Shape { geometry Cone { } }");
+  files.put("dark.pgm", picture(90));
+  const auto refresh_at = [&](double time) {
+    world.runtime->step(world.time = time);
+    auto requests = world.runtime->take_url_requests();
+    const std::size_t count = requests.size();
+    world.loading.request(std::move(requests));
+    while (!world.loading.done()) {
+      (void)world.loading.step(std::chrono::milliseconds(1000));
+      world.runtime->arrive(world.loading.take_updates());
+    }
+    world.runtime->arrive(world.loading.take_updates());
+    return count;
+  };
+  CHECK(refresh_at(1005) == 0);
+  CHECK(world.runtime->next_time().value_or(0) == 1010);
+  CHECK(refresh_at(1010) == 2);
+  CHECK(world.items() == 3);
+  CHECK(world.shades().back() == 90);
+  CHECK(refresh_at(1015) == 0);
+  CHECK(refresh_at(1020) == 2);
+  CHECK(refresh_at(1030) == 1);  // the time of the Inline is over
+}
+
 TEST_CASE("sets the faces of a Background one by one (6.5)") {
   Site files = site();
   files.put("world.wrl", kHeader + "Background { frontUrl \"dark.pgm\" backUrl \"light.pgm\" }");

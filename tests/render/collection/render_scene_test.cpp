@@ -395,6 +395,24 @@ TEST_CASE("follows ClipPlanes, styles and visible nodes of X3D") {
   world.check();
 }
 
+TEST_CASE("takes the NavigationInfo in a field of the bound Viewpoint (X3D 23.3.1)") {
+  World world(
+      "NavigationInfo { speed 9 } Viewpoint { navigationInfo DEF Own NavigationInfo { headlight FALSE speed 3 } } "
+      "DEF Second Viewpoint { } Shape { geometry Box { } }",
+      vrml::Language::x3d);
+  CHECK_FALSE(world.list().navigation.headlight);
+  CHECK(world.list().navigation.speed == 3);
+  world.send<vrml::SFFloat>("Own.set_speed", 4.0f);
+  CHECK(world.update());
+  world.check();
+  CHECK(world.list().navigation.speed == 4);
+  world.send<vrml::SFBool>("Second.set_bind", true);
+  CHECK(world.update());
+  world.check();
+  CHECK(world.list().navigation.headlight);
+  CHECK(world.list().navigation.speed == 9);
+}
+
 TEST_CASE("updates the bound Fog") {
   World world(R"(
     DEF Place Transform { children DEF Mist Fog { visibilityRange 30 } }
@@ -420,6 +438,18 @@ TEST_CASE("updates the bound Fog") {
   CHECK(world.update());
   CHECK(world.list().fog.visibility_range == 0);
   CHECK(world.gathered() == 1);
+}
+
+TEST_CASE("scales a ScreenGroup so that a unit is as long as a pixel, wherever the viewer is (X3D 36.4.6)") {
+  World world("Transform { scale 2 2 2 children ScreenGroup { children Shape { geometry Box { size 2 2 2 } } } }",
+              vrml::Language::x3d);
+  const auto unit = [&] { return glm::length(glm::dvec3(world.list().items.at(0).world_from_node[0])); };
+  CHECK(unit() == Approx(10.0 / kUsualPixelsPerRadian));
+  world.move_to({0, 30, 40});
+  CHECK(world.update());
+  CHECK(unit() == Approx(50.0 / kUsualPixelsPerRadian));
+  CHECK(world.gathered() == 1);
+  world.check();
 }
 
 }  // namespace gs::render::render_scene_test

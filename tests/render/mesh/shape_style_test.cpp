@@ -58,6 +58,15 @@ TEST_CASE("draws lines as wide as LineProperties say") {
   CHECK(lines("lineProperties LineProperties { linewidthScaleFactor 5 applied FALSE }") == 64);
 }
 
+TEST_CASE("lights wide lines with normals (X3D 11.4)") {
+  Drawing drawing;
+  const auto list = x3d_list(
+      "Shape { appearance Appearance { material Material { diffuseColor 1 0.5 0 } lineProperties LineProperties { "
+      "linewidthScaleFactor 9 } } geometry LineSet { vertexCount 2 normal Normal { vector [ 0 0 1 0 0 1 ] } coord "
+      "Coordinate { point [ -4 0 0 4 0 0 ] } } }");
+  check_color(at_center(drawing.draw(list, camera_at({0, 0, 10}))), {1, 0.5f, 0}, 3);
+}
+
 TEST_CASE("draws the dashes of a line type") {
   Drawing drawing;
   const auto lines = [&](const std::string& type) {

@@ -38,6 +38,11 @@ TEST_CASE("converts each material binding of an IndexedFaceSet") {
   check_material("PER_VERTEX_INDEXED", "", kColor + "colorIndex [ 0 1 2 -1 0 2 0 -1 ]");
 }
 
+TEST_CASE("keeps the binding if a field is marked as ignored") {
+  check_material("PER_VERTEX ~", "", "");
+  check_material("PER_FACE } MaterialBinding { value OVERALL ~", "", kColor + "colorPerVertex FALSE");
+}
+
 TEST_CASE("converts each normal binding of an IndexedFaceSet") {
   const std::string state = "Coordinate3 { point " + kPoints +
                             " } Material { diffuseColor 1 0 0 } Normal { vector "
@@ -57,7 +62,7 @@ TEST_CASE("converts each normal binding of an IndexedFaceSet") {
   // Normals of another shape.
   const Converted few(kVrml1 + "Coordinate3 { point " + kPoints + " } Normal { vector 0 0 1 } IndexedFaceSet { " +
                       kFaces + "}");
-  CHECK(few.says("fewer normals"));
+  CHECK(few.says("too few normals"));
 }
 
 TEST_CASE("converts ShapeHints, texture coordinates and textures") {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vrml/inventor/sharing.h"
 #include "vrml/syntax/parser.h"
 #include "vrml/syntax/printer.h"
 #include "vrml/syntax/scene_reader.h"
@@ -61,7 +62,8 @@ inline const std::string kInventor = "#Inventor V2.1 ascii\n";
 /// Checks that a text converts to the same scene as a text of VRML97.
 inline void check_converts(const std::string& text, const std::string& vrml97) {
   const Converted converted(text);
-  const Converted expected("#VRML V2.0 utf8\n" + vrml97);
+  Converted expected("#VRML V2.0 utf8\n" + vrml97);
+  inventor::share_equal_nodes(expected.scene);
   INFO(text);
   INFO(converted.messages());
   CHECK(expected.messages().empty());

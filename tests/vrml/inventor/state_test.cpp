@@ -61,7 +61,7 @@ TEST_CASE("decomposes matrices, with shear and mirrors") {
 
 TEST_CASE("reports a matrix that no Transform can express") {
   CHECK(Converted(kInventor + "Separator { MatrixTransform { matrix 1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1 } Cube { } }")
-            .says("not affine"));
+            .says("matrix has no exact Transform"));
 }
 
 TEST_CASE("shares equal materials, coordinates and appearances") {
@@ -98,7 +98,7 @@ TEST_CASE("limits the work of nested uses") {
     separators += "DEF " + name + " Separator { " + before + " " + before + " }\n";
   }
   const Converted many(groups + "Cube { }");
-  CHECK(many.says("times; the rest is left out"));
+  CHECK(many.says("skipped the remaining nodes"));
   const Converted shared(separators);
   CHECK(shared.messages().empty());
   CHECK(shared.scene.nodes().count() < 300);

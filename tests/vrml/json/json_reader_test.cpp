@@ -68,7 +68,7 @@ TEST_CASE("reads PROTO, Scripts and ROUTEs of X3D in JSON") {
   CHECK(world.messages().empty());
   const std::string text = world.text();
   CHECK(text.find("diffuseColor IS c") != std::string::npos);
-  CHECK(text.find("DEF I P {\n  c 0 0 1\n}") != std::string::npos);
+  CHECK(text.find("DEF I P { c 0 0 1 }") != std::string::npos);
   CHECK(text.find("url [ \"ecmascript:\nfunction in(v) { print(1 < 2); }\" ]") != std::string::npos);
   CHECK(text.find("ROUTE TS.isActive TO X.in") != std::string::npos);
   CHECK(text.find("title \"caf\xc3\xa9 \xf0\x9f\x98\x80\"") != std::string::npos);

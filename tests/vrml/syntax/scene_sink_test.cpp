@@ -139,7 +139,7 @@ TEST_CASE("applies the limits of a world to a second grammar") {
   Limits few;
   few.nodes = 3;
   const Pair counted(vrml97, expressions, few);
-  CHECK(counted.vrml97.messages() == "1: error more than 3 nodes; the rest is left out\n");
+  CHECK(counted.vrml97.messages() == "1: error more than 3 nodes; skipped the rest\n");
   CHECK(counted.expressions.messages() == counted.vrml97.messages());
   CHECK(print(counted.expressions.scene) == print(counted.vrml97.scene));
 
@@ -147,5 +147,5 @@ TEST_CASE("applies the limits of a world to a second grammar") {
   flat.nesting = 4;  // this grammar counts a field and its node as one level
   World world(flat);
   gs::vrml::test::SceneReader(world.scene, world.diagnostics).read(expressions);
-  CHECK(world.messages() == "1: error nested deeper than 4 levels; deeper content is left out\n");
+  CHECK(world.messages() == "1: error nested deeper than 4 levels; skipped the deeper content\n");
 }

@@ -9,11 +9,27 @@
 namespace gs::vrml::traces {
 
 TEST_CASE("returns a stand-in PROTO of the requested name") {
-  for (const std::string name :
-       {"BlaxxunZone", "BspGroup",          "DeviceSensor",        "HUD",        "Layer",       "Layer2D",
-        "Layer3D",     "LayerSet",          "Occlusion",           "Particles",  "SharedEvent", "SharedObject",
-        "CullGroup",   "InlineLoadControl", "KambiNavigationInfo", "MenuSensor", "MouseSensor", "ParticleSystem",
-        "SpaceSensor", "Selection"}) {
+  for (const std::string name : {"BlaxxunZone",
+                                 "BspGroup",
+                                 "DeviceSensor",
+                                 "HUD",
+                                 "Layer2D",
+                                 "Layer3D",
+                                 "Occlusion",
+                                 "Particles",
+                                 "SharedEvent",
+                                 "SharedObject",
+                                 "CullGroup",
+                                 "InlineLoadControl",
+                                 "KambiNavigationInfo",
+                                 "MenuSensor",
+                                 "MouseSensor",
+                                 "SpaceSensor",
+                                 "Selection",
+                                 "SimpleBackground",
+                                 "KambiInline",
+                                 "Logger",
+                                 "ColorSetInterpolator"}) {
     INFO(name);
     SceneGraph scene("text.wrl");
     const NodeType* type = stand_in(scene, name);
@@ -27,11 +43,12 @@ TEST_CASE("returns a stand-in PROTO of the requested name") {
   SceneGraph scene("text.wrl");
   REQUIRE(stand_in(scene, "RefractiveMaterial"));
   CHECK(has(stand_in(scene, "RefractiveMaterial")->role, Role::material));
-  for (const std::string name : {"Polygon", "TrimmedSurface"}) {
+  for (const std::string name : {"Polygon", "TrimmedSurface", "IndexedPolygons", "Teapot"}) {
     INFO(name);
     REQUIRE(stand_in(scene, name));
     CHECK(has(stand_in(scene, name)->role, Role::geometry));
   }
+  CHECK(stand_in(scene, "MetadataBool"));
   CHECK(stand_in(scene, "Nobody") == nullptr);
   CHECK(stand_in(scene, "Rectangle2D") == nullptr);  // a node of X3D
   CHECK(stand_in(scene, "") == nullptr);
@@ -93,7 +110,7 @@ TEST_CASE("fixes only the HUD stand-in to the viewer") {
   SceneGraph scene("main.wrl");
   REQUIRE(stand_in(scene, "HUD"));
   CHECK(is_overlay(*stand_in(scene, "HUD")));
-  CHECK_FALSE(is_overlay(*stand_in(scene, "Layer")));
+  CHECK_FALSE(is_overlay(*stand_in(scene, "Layer3D")));
   NodeType own;  // a type of the world with the same name
   own.name = "HUD";
   CHECK_FALSE(is_overlay(own));

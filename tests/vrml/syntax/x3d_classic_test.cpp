@@ -68,16 +68,10 @@ TEST_CASE("keeps the statements of an X3D file with its text") {
   CHECK_FALSE(x3d.exports[1].node);
 }
 
-TEST_CASE("skips the statements of X3D in a VRML97 file with a warning") {
-  const ReadX3d read("DEF I Inline { } IMPORT I.a AS b\nEXPORT I\n", "#VRML V2.0 utf8\n");
-  CHECK(read.diagnostics.errors() == 0);
-  CHECK(read.diagnostics.warnings() == 2);
-  CHECK(read.scene.x3d().imports.empty());
-}
-
 TEST_CASE("declares exposed fields in an X3D Script with the keywords of X3D and VRML97") {
-  const ReadX3d read("Script { inputOutput SFFloat x 2 initializeOnly SFBool y TRUE field SFBool z FALSE "
-                     "inputOnly SFTime t eventOut SFTime u exposedField SFBool v TRUE }");
+  const ReadX3d read(
+      "Script { inputOutput SFFloat x 2 initializeOnly SFBool y TRUE field SFBool z FALSE "
+      "inputOnly SFTime t eventOut SFTime u exposedField SFBool v TRUE }");
   CHECK(read.said().empty());
   const NodeType& type = *read.scene.node(read.root()).type;
   REQUIRE(type.find("x"));
@@ -113,7 +107,8 @@ TEST_CASE("converts angles of an X3D file with another unit to radians") {
 TEST_CASE("converts angles of PROTO fields that IS connects to an angle") {
   const ReadX3d read(
       "UNIT angle degree 0.017453292519943295\n"
-      "PROTO P [ initializeOnly SFFloat angle 90 initializeOnly SFFloat size 90 initializeOnly SFRotation r 0 1 0 90 ] {"
+      "PROTO P [ initializeOnly SFFloat angle 90 initializeOnly SFFloat size 90 initializeOnly SFRotation r 0 1 0 90 ] "
+      "{"
       "  Transform { rotation IS r children [\n"
       "    SpotLight { cutOffAngle IS angle radius IS size } ] } }\n"
       "PROTO Q [ initializeOnly SFFloat outer 60 ] { P { angle IS outer } }\n"
@@ -129,6 +124,25 @@ TEST_CASE("converts angles of PROTO fields that IS connects to an angle") {
   CHECK(read.scene.get<SFFloat>(light_of(read.root(1)), "cutOffAngle") == Approx(0.78539816));
   CHECK(read.scene.get<SFRotation>(read.scene.resolve(read.root(1)), "rotation").angle == Approx(3.1415927));
   CHECK(read.scene.get<SFFloat>(light_of(read.root(2)), "cutOffAngle") == Approx(1.0471976));
+}
+
+TEST_CASE("converts masses and forces of an X3D file with other units to kilograms and newtons") {
+  const ReadX3d read(
+      "UNIT mass gram 0.001\nUNIT force kilonewton 1000\n"
+      "PROTO P [ initializeOnly SFFloat weight 500 ] { PointEmitter { mass IS weight } }\n"
+      "ParticleSystem { emitter PointEmitter { mass 250 speed 3 } physics ForcePhysicsModel { force 1 2 3 } }\n"
+      "ParticleSystem { emitter P { } }\nRigidBody { mass 4000 forces [ 1 0 0, 0 2 0 ] }");
+  CHECK(read.diagnostics.errors() == 0);
+  const auto emitter = [&](std::size_t i) {
+    return read.scene.resolve(read.scene.get<SFNode>(read.root(i), "emitter"));
+  };
+  CHECK(read.scene.get<SFFloat>(emitter(0), "mass") == Approx(0.25));
+  CHECK(read.scene.get<SFFloat>(emitter(0), "speed") == 3);
+  const NodeId model = read.scene.get<MFNode>(read.root(0), "physics")[0];
+  CHECK(read.scene.get<SFVec3f>(model, "force") == SFVec3f{1000, 2000, 3000});
+  CHECK(read.scene.get<SFFloat>(emitter(1), "mass") == Approx(0.5));
+  CHECK(read.scene.get<SFFloat>(read.root(2), "mass") == Approx(4));
+  CHECK(read.scene.get<MFVec3f>(read.root(2), "forces")[1] == SFVec3f{0, 2000, 0});
 }
 
 TEST_CASE("reads X3D and VRML97 texts of programs in the language of their header") {

@@ -31,8 +31,9 @@ const float kHalfRoot = std::sqrt(0.5F);
 GeometryScene quarter_cylinder() {
   GeometryScene scene("NurbsSurface");
   scene.set<SFInt32>("uDimension", 3).set<SFInt32>("vDimension", 2).set<SFInt32>("vOrder", 2);
-  scene.set("controlPoint", MFVec3f{{0, 0, 1}, {1, 0, 1}, {1, 0, 0}, {0, 2, 1}, {1, 2, 1}, {1, 2, 0}});
-  scene.set("weight", MFFloat{1, kHalfRoot, 1, 1, kHalfRoot, 1});
+  const float w = kHalfRoot;  // control points are (w x, w y, w z)
+  scene.set("controlPoint", MFVec3f{{0, 0, 1}, {w, 0, w}, {1, 0, 0}, {0, 2, 1}, {w, 2 * w, w}, {1, 2, 0}});
+  scene.set("weight", MFFloat{1, w, 1, 1, w, 1});
   scene.set("uKnot", MFFloat{0, 0, 0, 1, 1, 1}).set("vKnot", MFFloat{5, 5, 7, 7});
   scene.set<SFInt32>("uTessellation", 8).set<SFInt32>("vTessellation", 3);
   return scene;
@@ -113,7 +114,8 @@ TEST_CASE("divides a NURBS axis into as many pieces as tessellation demands") {
 
 TEST_CASE("makes a circle of a parabola by the weights of a NurbsCurve") {
   GeometryScene scene("NurbsCurve");
-  scene.set("controlPoint", MFVec3f{{1, 0, 0}, {1, 1, 0}, {0, 1, 0}}).set("knot", MFFloat{0, 0, 0, 1, 1, 1});
+  scene.set("controlPoint", MFVec3f{{1, 0, 0}, {kHalfRoot, kHalfRoot, 0}, {0, 1, 0}})
+      .set("knot", MFFloat{0, 0, 0, 1, 1, 1});
   scene.set("weight", MFFloat{1, kHalfRoot, 1}).set<SFInt32>("tessellation", 10);
   const Mesh mesh = scene.mesh();
   check_promises(mesh);
@@ -127,7 +129,7 @@ TEST_CASE("makes a circle of a parabola by the weights of a NurbsCurve") {
   CHECK(near(mesh.positions[10], {0, 1, 0}));
   // Without weights, with too few weights, or with weights of 0 or less, the curve is the parabola.
   for (const MFFloat& weights : {MFFloat{}, MFFloat{1, kHalfRoot}, MFFloat{-1, 0, kNaN}})
-    CHECK(near(scene.set("weight", weights).mesh().positions[5], {0.75F, 0.75F, 0}));
+    CHECK(near(scene.set("weight", weights).mesh().positions[5], {0.25F + kHalfRoot / 2, 0.25F + kHalfRoot / 2, 0}));
 }
 
 TEST_CASE("makes a quarter of a cylinder with its normals of a NurbsSurface") {
@@ -153,6 +155,19 @@ TEST_CASE("makes a quarter of a cylinder with its normals of a NurbsSurface") {
   CHECK_FALSE(mesh.solid);
   CHECK(near(mesh.normals[0], {0, 0, -1}));
   CHECK(normals_on_front(mesh));
+}
+
+TEST_CASE("gives the tip of a cone of NURBS normals of its sides") {
+  GeometryScene scene = quarter_cylinder();
+  const float w = kHalfRoot, rounded = w * 2 * 1.000001F;  // the rounding of a file
+  scene.set("controlPoint", MFVec3f{{0, 0, 1}, {w, 0, w}, {1, 0, 0}, {0, 2, 0}, {0, rounded, 0}, {0, 2, 0}});
+  const Mesh mesh = scene.mesh();
+  check_promises(mesh);
+  REQUIRE(mesh.normals.size() == 9 * 4);
+  for (std::size_t i = 0; i < 9; ++i) {
+    const glm::vec3 foot = mesh.positions[i], side = glm::normalize(glm::vec3(2 * foot.x, 1, 2 * foot.z));
+    CHECK(glm::distance(mesh.normals[27 + i], side) < 0.01F);
+  }
 }
 
 TEST_CASE("takes texture coordinates of a NurbsSurface from its control points or a NurbsTextureSurface") {

@@ -63,7 +63,8 @@ TEST_CASE("tessellates a NurbsPatchSurface like the NurbsSurface of VRML97 Amend
 TEST_CASE("draws a NurbsTrimmedSurface inside its contours, by the even-odd rule", "[x3d]") {
   const Mesh whole = NurbsScene("NurbsTrimmedSurface { " + kFlatPatch + "}").mesh();
   CHECK(mesh_area(whole) == Approx(4));
-  const Mesh inside = NurbsScene("NurbsTrimmedSurface { " + kFlatPatch + "trimmingContour [ " + kContour + " ] }").mesh();
+  const Mesh inside =
+      NurbsScene("NurbsTrimmedSurface { " + kFlatPatch + "trimmingContour [ " + kContour + " ] }").mesh();
   check_promises(inside);
   CHECK(mesh_area(inside) == Approx(1));
   CHECK(inside.bounds.lower.x == Approx(0.5));
@@ -95,10 +96,11 @@ TEST_CASE("trims by contours outside of the surface, of two corners and with equ
 }
 
 TEST_CASE("swings a profile around the y axis in a NurbsSwungSurface", "[x3d]") {
-  // A square of control points with these weights is a circle of radius 3.
+  // A square of control points (w x, w y) with these weights is a circle of radius 3.
   const std::string circle =
       "NurbsCurve2D { order 3 knot [ 0 0 0 1 1 2 2 3 3 4 4 4 ] weight [ 1 0.70710678 1 0.70710678 1 0.70710678 1 "
-      "0.70710678 1 ] controlPoint [ 3 0, 3 3, 0 3, -3 3, -3 0, -3 -3, 0 -3, 3 -3, 3 0 ] }";
+      "0.70710678 1 ] controlPoint [ 3 0, 2.12132034 2.12132034, 0 3, -2.12132034 2.12132034, -3 0, "
+      "-2.12132034 -2.12132034, 0 -3, 2.12132034 -2.12132034, 3 0 ] }";
   const Mesh tube = NurbsScene(
                         "NurbsSwungSurface { profileCurve ContourPolyline2D { controlPoint [ 1 0, 1 2 ] } "
                         "trajectoryCurve " +
@@ -133,6 +135,17 @@ TEST_CASE("joins the ends of a closed NurbsCurve smoothly", "[x3d]") {
   };
   CHECK(turn_at_seam("TRUE") > 0.98F);
   CHECK(turn_at_seam("FALSE") < 0.1F);
+}
+
+TEST_CASE("keeps the knots of a closed circle of NURBS", "[x3d]") {
+  const Mesh circle = NurbsScene(
+                          "NurbsCurve { closed TRUE tessellation 32 knot [ 0 0 0 1 1 2 2 3 3 4 4 4 ] weight [ 1 "
+                          "0.70710678 1 0.70710678 1 0.70710678 1 0.70710678 1 ] controlPoint CoordinateDouble { point "
+                          "[ 1 0 0, 0.70710678 0.70710678 0, 0 1 0, -0.70710678 0.70710678 0, -1 0 0, -0.70710678 "
+                          "-0.70710678 0, 0 -1 0, 0.70710678 -0.70710678 0, 1 0 0 ] } }")
+                          .mesh();
+  REQUIRE(circle.positions.size() == 33);
+  for (const glm::vec3& point : circle.positions) CHECK(glm::length(point) == Approx(1).epsilon(1e-5));
 }
 
 TEST_CASE("draws nothing for NURBS geometries without valid control points", "[x3d]") {

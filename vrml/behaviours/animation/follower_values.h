@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vrml/behaviours/animation/interpolation.h"
 #include "vrml/behaviours/animation/rotations.h"
 #include "vrml/event_model/states.h"
 
@@ -14,7 +15,7 @@ namespace gs::vrml {
 
 /// Straight paths, for numbers and vectors.
 struct StraightSpace {
-  static constexpr bool is_rotation = false;
+  static constexpr bool is_rotation = false, is_color = false;
 };
 
 struct ScalarSpace : StraightSpace {
@@ -22,15 +23,27 @@ struct ScalarSpace : StraightSpace {
   static SFFloat value_of(const FollowerValues& values) { return static_cast<SFFloat>(values[0].x); }
 };
 
-/// Colours as red, green and blue.
+/// Colours as hue, saturation and value, like those of a ColorInterpolator. The hue takes the shorter way.
 struct ColorSpace : StraightSpace {
+  static constexpr bool is_color = true;
+  static constexpr double kTurn = 6;  // hues of the colour circle
+
   static FollowerValues values_of(const FieldValue& value) {
-    const SFColor& color = std::get<SFColor>(value);
-    return {glm::dvec4(color.r, color.g, color.b, 0)};
+    const Hsv color = hsv_of(std::get<SFColor>(value));
+    return {glm::dvec4(color.hue, color.saturation, color.value, 0)};
   }
   static SFColor value_of(const FollowerValues& values) {
-    const glm::vec4 color(glm::clamp(values[0], 0.0, 1.0));
-    return {color.r, color.g, color.b};
+    const glm::dvec4& v = values[0];
+    const double hue = v.x - kTurn * std::floor(v.x / kTurn);
+    return color_of({hue < kTurn ? hue : 0, std::clamp(v.y, 0.0, 1.0), std::clamp(v.z, 0.0, 1.0)});
+  }
+  static bool has_hue(const glm::dvec4& color) { return color.y > 0 && color.z > 0; }
+  /// Adds `part` of the change from one colour to another. A colour without hue gets the hue of the other colour.
+  static void add_change(glm::dvec4& color, const glm::dvec4& from, const glm::dvec4& to, double part) {
+    double turn = has_hue(from) && has_hue(to) ? to.x - from.x : 0;
+    turn -= kTurn * std::round(turn / kTurn);
+    if (has_hue(to) && !has_hue(from) && !has_hue(color)) color.x = to.x;
+    color += glm::dvec4(turn, to.y - from.y, to.z - from.z, 0) * part;
   }
 };
 
@@ -61,7 +74,7 @@ struct ListSpace : StraightSpace {
 
 /// Orientations as unit quaternions.
 struct OrientationSpace {
-  static constexpr bool is_rotation = true;
+  static constexpr bool is_rotation = true, is_color = false;
   static glm::dquat quaternion(const glm::dvec4& v) { return {v.w, v.x, v.y, v.z}; }
   static glm::dvec4 four(const glm::dquat& q) { return {q.x, q.y, q.z, q.w}; }
 
@@ -87,6 +100,8 @@ void add_change(FollowerValues& values, const FollowerValues& from, const Follow
     if constexpr (Space::is_rotation) {
       const glm::dquat change = glm::conjugate(Space::quaternion(from[i])) * Space::quaternion(to[i]);
       values[i] = Space::four(glm::normalize(Space::quaternion(values[i]) * Space::part_of(change, part)));
+    } else if constexpr (Space::is_color) {
+      Space::add_change(values[i], from[i], to[i], part);
     } else {
       values[i] += (to[i] - from[i]) * part;
     }
@@ -105,6 +120,10 @@ template <class Space>
   double largest = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     double one = glm::length(a[i] - b[i]);
+    if constexpr (Space::is_color) {
+      const SFColor first = Space::value_of({a[i]}), second = Space::value_of({b[i]});
+      one = glm::length(glm::dvec3(first.r, first.g, first.b) - glm::dvec3(second.r, second.g, second.b));
+    }
     if constexpr (Space::is_rotation) one = 2 * std::acos(std::clamp(std::abs(glm::dot(a[i], b[i])), 0.0, 1.0));
     if (!(one <= largest)) largest = std::isfinite(one) ? one : 0;
   }

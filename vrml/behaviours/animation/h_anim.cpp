@@ -16,7 +16,7 @@ namespace gs::vrml {
 namespace {
 
 struct HumanoidEvents {
-  enum : int { skin_coord, skin_normal, skeleton, joints, segments, skin_binding_coords, motions };
+  enum : int { skin_coord, skin_normal, skeleton, joints, segments, skin_binding_coords, motions, motions_enabled };
 };
 struct JointEvents {
   // The first ones are those of change_children().
@@ -172,11 +172,21 @@ void read_humanoid(Execution& execution, EventNode node) {
   SkeletonReader(execution, node, state).read(execution.get<MFNode>(node, HumanoidEvents::skeleton));
   read_binding(execution, node, state);
   const WorldNode world = humanoid_world(execution, node);
+  const MFNode& motions = execution.get<MFNode>(node, HumanoidEvents::motions);
+  for (std::size_t i = 0; i < motions.size(); ++i)
+    if (const NodeId id = world.scene->resolve(motions[i]);
+        id && world.scene->node(id).type->behaviour == &kMotionBehaviour)
+      if (const EventNode member = execution.scenes().member(*world.state, id))
+        attach_motion(execution, member, node, i, state);
+}
+
+// Starts or ends motions after a change of motionsEnabled.
+void look_at_motions(Execution& execution, EventNode node) {
+  const WorldNode world = humanoid_world(execution, node);
   for (const NodeId motion : execution.get<MFNode>(node, HumanoidEvents::motions))
     if (const NodeId id = world.scene->resolve(motion);
         id && world.scene->node(id).type->behaviour == &kMotionBehaviour)
-      if (const EventNode member = execution.scenes().member(*world.state, id))
-        attach_motion(execution, member, node, state);
+      if (const EventNode member = execution.scenes().member(*world.state, id)) execution.timers().look_again(member);
 }
 
 void begin_humanoid(Execution& execution, EventNode node) {
@@ -187,6 +197,7 @@ void begin_humanoid(Execution& execution, EventNode node) {
 
 bool humanoid_event(Execution& execution, EventNode node, int event, const FieldValue&) {
   if (event == HumanoidEvents::skeleton || event == HumanoidEvents::joints) execution.timers().look_again(node);
+  if (event == HumanoidEvents::motions_enabled) look_at_motions(execution, node);
   return true;
 }
 
@@ -291,7 +302,8 @@ void set_field(Execution& execution, EventNode node, const InterfaceDeclaration&
 }
 
 const Behaviour kHumanoidBehaviour = {
-    .events = {"skinCoord", "skinNormal", "skeleton", "joints", "segments", "skinBindingCoords", "motions"},
+    .events = {"skinCoord", "skinNormal", "skeleton", "joints", "segments", "skinBindingCoords", "motions",
+               "motionsEnabled"},
     .initialize = begin_humanoid,
     .on_event = humanoid_event,
     .on_time = move_skin,

@@ -12,6 +12,7 @@ namespace gs::vrml {
 void set_field(Execution& execution, EventNode node, const InterfaceDeclaration& field, FieldValue value);
 
 /// Connects an HAnimMotion to the joints of its humanoid, by their names.
-void attach_motion(Execution& execution, EventNode motion, EventNode humanoid, const HumanoidState& skeleton);
+void attach_motion(Execution& execution, EventNode motion, EventNode humanoid, std::size_t number,
+                   const HumanoidState& skeleton);
 
 }  // namespace gs::vrml

@@ -141,11 +141,19 @@ void end_motion(Execution& execution, EventNode node) {
   execution.states().motions.give_back(execution.nodes().state_of(node));
 }
 
+// Reports whether the humanoid allows the motion (HAnimHumanoid, motionsEnabled). Without a value it does.
+bool is_allowed(Execution& execution, const MotionState& state) {
+  if (state.humanoid == 0 || execution.nodes().is_removed(state.humanoid)) return true;
+  const auto allowed = motion_field<MFBool>(execution, state.humanoid, "motionsEnabled");
+  return state.number >= allowed.size() || allowed[state.number];
+}
+
 void play(Execution& execution, EventNode node) {
   MotionState& state = motion_state(execution, node);
   const FrameRange range = range_of(execution, node, state);
   const auto duration = motion_field<SFTime>(execution, node, "frameDuration");
-  const bool plays = execution.get<SFBool>(node, MotionEvents::enabled) && range.count > 0 && duration > 0;
+  const bool plays = execution.get<SFBool>(node, MotionEvents::enabled) && is_allowed(execution, state) &&
+                     range.count > 0 && duration > 0;
   execution.timers().run(node, plays);
   if (!plays) {
     state.start = -1;
@@ -211,11 +219,13 @@ bool motion_event(Execution& execution, EventNode node, int event, const FieldVa
 
 }  // namespace
 
-void attach_motion(Execution& execution, EventNode motion, EventNode humanoid, const HumanoidState& skeleton) {
+void attach_motion(Execution& execution, EventNode motion, EventNode humanoid, std::size_t number,
+                   const HumanoidState& skeleton) {
   begin_motion(execution, motion);
   MotionState& state = motion_state(execution, motion);
   state = {};
   state.humanoid = humanoid;
+  state.number = number;
   SceneGraph& scene = *execution.nodes()[humanoid].scene;
   SceneState* const world = execution.scenes().find(&scene);
   std::vector<std::vector<Channel>> channels =

@@ -10,9 +10,19 @@
 namespace gs::vrml {
 namespace {
 
-struct Hsv {
-  double hue = 0, saturation = 0, value = 0;  // hue in sixths of the colour circle, [0,6)
-};
+glm::dvec4 four_of(const glm::dquat& q) { return {q.x, q.y, q.z, q.w}; }
+
+// Interpolates along the unit sphere from `a` to `b`, both unit vectors. `cosine` is the cosine of the angle between
+// them.
+template <class Vector>
+Vector along_arc(const Vector& a, const Vector& b, double cosine, double part) {
+  constexpr double kNearlyOne = 0.9999999;
+  if (cosine > kNearlyOne) return glm::normalize(a + (b - a) * part);
+  const double angle = std::acos(std::clamp(cosine, -1.0, 1.0));
+  return a * (std::sin((1 - part) * angle) / std::sin(angle)) + b * (std::sin(part * angle) / std::sin(angle));
+}
+
+}  // namespace
 
 Hsv hsv_of(const SFColor& c) {
   const double r = c.r, g = c.g, b = c.b;
@@ -38,20 +48,6 @@ SFColor color_of(const Hsv& c) {
   if (sector == 4) return color(t, p, c.value);
   return color(c.value, p, q);
 }
-
-glm::dvec4 four_of(const glm::dquat& q) { return {q.x, q.y, q.z, q.w}; }
-
-// Interpolates along the unit sphere from `a` to `b`, both unit vectors. `cosine` is the cosine of the angle between
-// them.
-template <class Vector>
-Vector along_arc(const Vector& a, const Vector& b, double cosine, double part) {
-  constexpr double kNearlyOne = 0.9999999;
-  if (cosine > kNearlyOne) return glm::normalize(a + (b - a) * part);
-  const double angle = std::acos(std::clamp(cosine, -1.0, 1.0));
-  return a * (std::sin((1 - part) * angle) / std::sin(angle)) + b * (std::sin(part * angle) / std::sin(angle));
-}
-
-}  // namespace
 
 KeyPlace find_key(std::span<const float> keys, float fraction) {
   const auto above = std::upper_bound(keys.begin(), keys.end(), fraction);

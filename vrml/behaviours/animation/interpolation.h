@@ -7,6 +7,13 @@
 
 namespace gs::vrml {
 
+/// Colour as hue, saturation and value.
+struct Hsv {
+  double hue = 0, saturation = 0, value = 0;  // hue in sixths of the colour circle, [0,6)
+};
+[[nodiscard]] Hsv hsv_of(const SFColor& color);
+[[nodiscard]] SFColor color_of(const Hsv& color);
+
 /// Position of a fraction between two keys (VRML97 4.6.8): indices of the two key values, and the weight of the second
 /// value in [0,1). If `part` is 0, the result is exactly the value of `first`.
 struct KeyPlace {

@@ -40,7 +40,7 @@ void set_normals(Converter& converter, const Item& item, const State& state, Nod
   const Binding binding = own.indexed ? state.normal_binding : without_index(state.normal_binding);
   const auto index = attribute_index(faces, binding, own.normal, state.normals.size(), false);
   if (!index)
-    return converter.warn_once(item.location, "there are fewer normals than the shape uses; computed instead");
+    return converter.warn_once(item.location, "too few normals for the shape; computed normals instead");
   set_property(converter, geometry, "normal", "Normal", "vector", state.normals, serial_of(state, Part::normals));
   if (!index->per_vertex) converter.output().set(geometry, "normalPerVertex", false);
   if (!index->index.empty()) converter.output().set(geometry, "normalIndex", index->index);

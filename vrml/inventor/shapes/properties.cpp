@@ -94,11 +94,13 @@ void apply_packed_color(Converter& converter, const Item& item) {
 }
 
 void apply_material_binding(Converter& converter, const Item& item) {
+  if (item.is_ignored("value")) return;
   const Binding binding = binding_named(item.word("value"), Binding::overall);
   converter.write(Part::material_binding, 1 + static_cast<std::uint64_t>(binding)).material_binding = binding;
 }
 
 void apply_normal_binding(Converter& converter, const Item& item) {
+  if (item.is_ignored("value")) return;
   const Binding binding = binding_named(item.word("value"), Binding::per_vertex_indexed);
   converter.write(Part::normal_binding, 1 + static_cast<std::uint64_t>(binding)).normal_binding = binding;
 }

@@ -14,12 +14,19 @@ constexpr std::int32_t kSegments = 24;
 
 /// Faces of a solid, for styles and parts that the VRML97 node cannot express.
 struct SolidMesh {
+  float size = 1;  // the largest coordinate
   MFVec3f points;
   FaceList faces;
   std::int32_t part = 0;
 
+  /// Rounds a coordinate to five decimals of the size, so that its text is short.
+  [[nodiscard]] float rounded(float coordinate) const {
+    constexpr double kSteps = 1e5;
+    return static_cast<float>(std::round(coordinate / double{size} * kSteps) * size / kSteps + 0.0);
+  }
   std::int32_t add(float x, float y, float z) {
-    points.push_back({x, y, z});
+    const bool rounds = size > 0 && std::isfinite(size);
+    points.push_back(rounds ? SFVec3f(rounded(x), rounded(y), rounded(z)) : SFVec3f(x, y, z));
     return static_cast<std::int32_t>(points.size()) - 1;
   }
   void face(std::initializer_list<std::int32_t> corners) {
@@ -39,6 +46,13 @@ struct SolidMesh {
     for (std::int32_t i = 0; i < kSegments; ++i) {
       const std::int32_t next = (i + 1) % kSegments;
       face({lower + i, lower + next, upper + next, upper + i});
+    }
+  }
+  /// Adds triangles between a ring and a point above or below it.
+  void cap(std::int32_t ring, std::int32_t apex, bool above) {
+    for (std::int32_t i = 0; i < kSegments; ++i) {
+      const std::int32_t a = ring + i, b = ring + (i + 1) % kSegments;
+      above ? face({a, b, apex}) : face({b, a, apex});
     }
   }
   void disc(std::int32_t first, bool up) {
@@ -99,6 +113,7 @@ void apply_cube(Converter& converter, const Item& item) {
   }
   SolidMesh mesh;
   const SFVec3f half = size * 0.5F;
+  mesh.size = std::max({half.x, half.y, half.z});
   for (const float z : {half.z, -half.z})
     for (const float y : {-half.y, half.y})
       for (const float x : {-half.x, half.x}) mesh.add(x, y, z);
@@ -122,13 +137,19 @@ void apply_sphere(Converter& converter, const Item& item) {
   }
   constexpr std::int32_t kBands = kSegments / 2;
   SolidMesh mesh;
+  mesh.size = radius;
+  const std::int32_t south = mesh.add(0, -radius, 0), north = mesh.add(0, radius, 0);
   std::int32_t below = -1;
-  for (std::int32_t i = 0; i <= kBands; ++i) {
+  for (std::int32_t i = 1; i < kBands; ++i) {
     const float angle = std::numbers::pi_v<float> * (static_cast<float>(i) / static_cast<float>(kBands) - 0.5F);
     const std::int32_t ring = mesh.ring(radius * std::cos(angle), radius * std::sin(angle));
-    if (below >= 0) mesh.band(below, ring);
+    if (below >= 0)
+      mesh.band(below, ring);
+    else
+      mesh.cap(ring, south, false);
     below = ring;
   }
+  mesh.cap(below, north, true);
   add_mesh(converter, item, std::move(mesh), true);
 }
 
@@ -154,6 +175,7 @@ void apply_cylinder(Converter& converter, const Item& item) {
     return;
   }
   SolidMesh mesh;
+  mesh.size = std::max(radius, height / 2);
   const std::int32_t lower = mesh.ring(radius, -height / 2), upper = mesh.ring(radius, height / 2);
   if (sides) mesh.band(lower, upper);
   ++mesh.part;
@@ -184,9 +206,9 @@ void apply_cone(Converter& converter, const Item& item) {
     return;
   }
   SolidMesh mesh;
+  mesh.size = std::max(radius, height / 2);
   const std::int32_t lower = mesh.ring(radius, -height / 2), apex = mesh.add(0, height / 2, 0);
-  if (sides)
-    for (std::int32_t i = 0; i < kSegments; ++i) mesh.face({lower + i, lower + (i + 1) % kSegments, apex});
+  if (sides) mesh.cap(lower, apex, true);
   ++mesh.part;
   if (bottom) mesh.disc(lower, false);
   add_mesh(converter, item, std::move(mesh), closed);

@@ -165,7 +165,7 @@ constexpr ItemRow kTextRows[] = {
      "MFString string \"\" SFFloat spacing 1 SFEnum justification LEFT SFBitMask parts FRONT"},
     {"Text2", ItemClass::shape, false, apply_screen_text,
      "MFString string \"\" SFFloat spacing 1 SFEnum justification LEFT",
-     "text of constant size on the screen is not supported; it has a size in the world"},
+     "text of constant screen size is not supported; converted to text of fixed world size"},
     {"NurbsSurface IndexedNurbsSurface", ItemClass::shape, false, apply_nurbs_surface, kSurfaceFields},
     {"NurbsCurve IndexedNurbsCurve", ItemClass::shape, false, apply_nurbs_curve, kCurveFields},
 };

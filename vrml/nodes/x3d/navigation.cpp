@@ -45,42 +45,24 @@ constexpr X3DRow kNavigationX3DRows[] = {
   eventOut     SFInt32    level_changed  # [0,inf)
 )",
      nullptr, &kLodBehaviour},
-    {"Layer",
-     "Layering",
-     1,
-     "layers",
-     "X3DLayerNode",
-     Role::none,
-     NodeKind::other,
+    {"Layer", "Layering", 1, "layers", "X3DLayerNode", Role::grouping, NodeKind::layer,
      R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
   exposedField MFNode     children []  # X3DChildNode
   exposedField MFString   objectType ["ALL"]
-  exposedField SFBool     pickable TRUE
+  exposedField SFBool     isPickable TRUE
   exposedField SFNode     viewport NULL  # X3DViewportNode
   exposedField SFBool     visible TRUE
 )",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
-    {"LayerSet",
-     "Layering",
-     1,
-     "children",
-     "X3DNode",
-     Role::none,
-     NodeKind::other,
+     nullptr, &kGroupBehaviour},
+    {"LayerSet", "Layering", 1, "children", "X3DNode", Role::grouping, NodeKind::layer_set,
      R"(
   exposedField SFInt32    activeLayer 0  # [0,inf)
   exposedField MFNode     layers []  # X3DLayerNode
   exposedField MFInt32    order [0]  # [0,inf)
 )",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+     nullptr, &kLayerSetBehaviour},
     {"Layout",
      "Layout",
      1,
@@ -100,13 +82,7 @@ constexpr X3DRow kNavigationX3DRows[] = {
      nullptr,
      UrlContent::none,
      true},
-    {"LayoutGroup",
-     "Layout",
-     1,
-     "children",
-     "X3DNode X3DGroupingNode",
-     Role::child | Role::grouping,
-     NodeKind::other,
+    {"LayoutGroup", "Layout", 1, "children", "X3DNode X3DGroupingNode", Role::child | Role::grouping, NodeKind::group,
      R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
@@ -118,31 +94,19 @@ constexpr X3DRow kNavigationX3DRows[] = {
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
 )",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
-    {"LayoutLayer",
-     "Layout",
-     1,
-     "layers",
-     "X3DLayerNode",
-     Role::none,
-     NodeKind::other,
+     nullptr, &kGroupBehaviour},
+    {"LayoutLayer", "Layout", 1, "layers", "X3DLayerNode", Role::grouping, NodeKind::layer,
      R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
   exposedField MFNode     children []  # X3DChildNode
   exposedField SFNode     layout NULL  # X3DLayoutNode
   exposedField MFString   objectType ["ALL"]
-  exposedField SFBool     pickable TRUE
+  exposedField SFBool     isPickable TRUE
   exposedField SFNode     viewport NULL  # X3DViewportNode
   exposedField SFBool     visible TRUE
 )",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+     nullptr, &kGroupBehaviour},
     {"NavigationInfo", "Navigation", 1, "children", "X3DBindableNode", Role::child | Role::bindable, NodeKind::other,
      R"(
   eventIn      SFBool     set_bind
@@ -198,13 +162,7 @@ constexpr X3DRow kNavigationX3DRows[] = {
      nullptr,
      UrlContent::none,
      true},
-    {"ScreenGroup",
-     "Layout",
-     2,
-     "children",
-     "X3DGroupingNode",
-     Role::child | Role::grouping,
-     NodeKind::other,
+    {"ScreenGroup", "Layout", 2, "children", "X3DGroupingNode", Role::child | Role::grouping, NodeKind::screen_group,
      R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
@@ -214,10 +172,7 @@ constexpr X3DRow kNavigationX3DRows[] = {
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
 )",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+     nullptr, &kGroupBehaviour},
     {"Viewpoint", "Navigation", 1, "children", "X3DViewpointNode", Role::child | Role::bindable, NodeKind::other, R"(
   eventIn      SFBool     set_bind
   exposedField SFVec3f    centerOfRotation 0 0 0
@@ -243,13 +198,7 @@ constexpr X3DRow kNavigationX3DRows[] = {
   exposedField SFBool     retainUserOffsets FALSE
   exposedField SFVec3f    size 0 0 0
 )"},
-    {"Viewport",
-     "Layering",
-     1,
-     "viewport",
-     "X3DViewportNode",
-     Role::child | Role::grouping,
-     NodeKind::other,
+    {"Viewport", "Layering", 1, "viewport", "X3DViewportNode", Role::child | Role::grouping, NodeKind::viewport,
      R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
@@ -260,10 +209,7 @@ constexpr X3DRow kNavigationX3DRows[] = {
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
 )",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+     nullptr, &kGroupBehaviour},
 };
 
 }  // namespace

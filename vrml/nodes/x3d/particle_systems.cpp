@@ -1,3 +1,4 @@
+#include "vrml/event_model/behaviour.h"
 #include "vrml/nodes/x3d/components.h"
 
 // Rows of the X3D component ParticleSystems (ISO/IEC 19775-1).
@@ -11,22 +12,18 @@ constexpr X3DRow kParticleSystemsX3DRows[] = {
      "physics",
      "X3DParticlePhysicsModelNode",
      Role::none,
-     NodeKind::other,
+     NodeKind::bounded_physics,
      R"(
   exposedField SFBool     enabled TRUE
   exposedField SFNode     geometry NULL  # X3DGeometryNode
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
     {"ConeEmitter",
      "ParticleSystems",
      1,
      "emitter",
      "X3DParticleEmitterNode",
      Role::none,
-     NodeKind::other,
+     NodeKind::cone_emitter,
      R"(
   exposedField SFFloat    angle 0.7854  # [0,3.1416]
   exposedField SFVec3f    direction 0 1 0  # [-1,1]
@@ -36,18 +33,14 @@ constexpr X3DRow kParticleSystemsX3DRows[] = {
   exposedField SFFloat    speed 0  # [0,inf)
   exposedField SFFloat    surfaceArea 0  # [0,inf)
   exposedField SFFloat    variation 0.25  # [0,inf)
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
     {"ExplosionEmitter",
      "ParticleSystems",
      1,
      "emitter",
      "X3DParticleEmitterNode",
      Role::none,
-     NodeKind::other,
+     NodeKind::explosion_emitter,
      R"(
   exposedField SFFloat    mass 0  # [0,inf)
   exposedField SFBool     on TRUE
@@ -55,33 +48,25 @@ constexpr X3DRow kParticleSystemsX3DRows[] = {
   exposedField SFFloat    speed 0  # [0,inf)
   exposedField SFFloat    surfaceArea 0  # [0,inf)
   exposedField SFFloat    variation 0.25  # [0,inf)
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
     {"ForcePhysicsModel",
      "ParticleSystems",
      1,
      "physics",
      "X3DParticlePhysicsModelNode",
      Role::none,
-     NodeKind::other,
+     NodeKind::force_physics,
      R"(
   exposedField SFBool     enabled TRUE
   exposedField SFVec3f    force 0 -9.8 0
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
     {"ParticleSystem",
      "ParticleSystems",
      2,
      "children",
      "X3DShapeNode",
      Role::child,
-     NodeKind::other,
+     NodeKind::particle_system,
      R"(
   exposedField SFNode     appearance NULL  # X3DAppearanceNode
   exposedField SFBool     bboxDisplay FALSE
@@ -96,26 +81,24 @@ constexpr X3DRow kParticleSystemsX3DRows[] = {
   exposedField SFBool     visible TRUE
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
-  field        SFNode     color NULL  # X3DColorNode
+  field        SFNode     colorRamp NULL  # X3DColorNode
   field        MFFloat    colorKey []  # [0,inf)
   field        SFNode     emitter NULL  # X3DParticleEmitterNode
   field        SFString   geometryType "QUAD"
   field        MFNode     physics []  # X3DParticlePhysicsModelNode
-  field        SFNode     texCoord NULL  # TextureCoordinate,TextureCoordinateGenerator
+  field        SFNode     texCoordRamp NULL  # TextureCoordinate,TextureCoordinateGenerator
   field        MFFloat    texCoordKey []  # [0,inf)
   eventOut     SFBool     isActive
 )",
      {},
-     nullptr,
-     UrlContent::none,
-     true},
+     &kParticleSystemBehaviour},
     {"PointEmitter",
      "ParticleSystems",
      1,
      "emitter",
      "X3DParticleEmitterNode",
      Role::none,
-     NodeKind::other,
+     NodeKind::point_emitter,
      R"(
   exposedField SFVec3f    direction 0 1 0
   exposedField SFFloat    mass 0  # [0,inf)
@@ -124,18 +107,14 @@ constexpr X3DRow kParticleSystemsX3DRows[] = {
   exposedField SFFloat    speed 0  # [0,inf)
   exposedField SFFloat    surfaceArea 0  # [0,inf)
   exposedField SFFloat    variation 0.25  # [0,inf)
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
     {"PolylineEmitter",
      "ParticleSystems",
      1,
      "emitter",
      "X3DParticleEmitterNode",
      Role::none,
-     NodeKind::other,
+     NodeKind::polyline_emitter,
      R"(
   eventIn      MFInt32    set_coordIndex  # [-1,inf)
   exposedField SFNode     coord NULL  # X3DCoordinateNode
@@ -146,18 +125,14 @@ constexpr X3DRow kParticleSystemsX3DRows[] = {
   exposedField SFFloat    surfaceArea 0  # [0,inf)
   exposedField SFFloat    variation 0.25  # [0,inf)
   field        MFInt32    coordIndex [-1]  # [-1,inf)
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
     {"SurfaceEmitter",
      "ParticleSystems",
      2,
      "emitter",
      "X3DParticleEmitterNode",
      Role::none,
-     NodeKind::other,
+     NodeKind::surface_emitter,
      R"(
   exposedField SFFloat    mass 0  # [0,inf)
   exposedField SFBool     on TRUE
@@ -165,18 +140,14 @@ constexpr X3DRow kParticleSystemsX3DRows[] = {
   exposedField SFFloat    surfaceArea 0  # [0,inf)
   exposedField SFFloat    variation 0.25  # [0,inf)
   field        SFNode     surface NULL  # X3DGeometryNode
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
     {"VolumeEmitter",
      "ParticleSystems",
      2,
      "emitter",
      "X3DParticleEmitterNode",
      Role::none,
-     NodeKind::other,
+     NodeKind::volume_emitter,
      R"(
   eventIn      MFInt32    set_coordIndex  # [-1,inf)
   exposedField SFNode     coord NULL  # X3DCoordinateNode
@@ -188,29 +159,21 @@ constexpr X3DRow kParticleSystemsX3DRows[] = {
   exposedField SFFloat    variation 0.25  # [0,inf)
   field        MFInt32    coordIndex [-1]  # [-1,inf)
   field        SFBool     internal TRUE
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
     {"WindPhysicsModel",
      "ParticleSystems",
      1,
      "physics",
      "X3DParticlePhysicsModelNode",
      Role::none,
-     NodeKind::other,
+     NodeKind::wind_physics,
      R"(
   exposedField SFVec3f    direction 1 0 0
   exposedField SFBool     enabled TRUE
   exposedField SFFloat    gustiness 0.1  # [0,inf)
   exposedField SFFloat    speed 0.1  # [0,inf)
   exposedField SFFloat    turbulence 0  # [0,1]
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
 };
 
 }  // namespace

@@ -11,7 +11,7 @@ bool TextLimits::is_first_excess() { return !std::exchange(exceeded_, true); }
 bool TextLimits::is_exhausted(SourceLocation location) {
   if (!scene_.memory().exhausted()) return false;
   if (!std::exchange(exhausted_, true))
-    problems_.error(location, scene_.budget()->refusal(Resource::nodes) + "; the rest of the file is left out");
+    problems_.error(location, scene_.budget()->refusal(Resource::nodes) + "; skipped the rest of the file");
   return true;
 }
 
@@ -19,7 +19,7 @@ bool TextLimits::admits_depth(std::size_t depth, SourceLocation location) {
   if (depth < scene_.limits().nesting) return true;
   if (is_first_excess())
     problems_.error(location, "nested deeper than " + std::to_string(scene_.limits().nesting) +
-                                  " levels; deeper content is left out");
+                                  " levels; skipped the deeper content");
   return false;
 }
 

@@ -98,12 +98,26 @@ TEST_CASE("follows orientations, colours and lists of points (X3D 39.4)") {
   X3DWorld color("DEF F ColorChaser { duration 2 initialValue 0 0 0 initialDestination 0 0 0 }");
   color.start();
   color.send_at(1, "F.set_destination", SFColor{1, 0.5F, 0});
-  CHECK(color.take_at(2, "value_changed") == Lines{"2 F.value_changed 0.5 0.25 0"});
+  CHECK(color.take_at(2, "value_changed") == Lines{"2 F.value_changed 0.5 0.375 0.25"});
   X3DWorld list("DEF F CoordinateChaser { duration 2 initialValue [ 0 0 0 ] initialDestination [ 0 0 0 ] }");
   list.start();
   list.send_at(1, "F.set_destination", MFVec3f{SFVec3f(2, 0, 0), SFVec3f(0, 0, 6)});
   CHECK(list.take_at(2, "value_changed") == Lines{"2 F.value_changed [ 1 0 0, 0 0 6 ]"});
   CHECK(list.take_at(3, "value_changed") == Lines{"3 F.value_changed [ 2 0 0, 0 0 6 ]"});
+}
+
+TEST_CASE("moves colours of followers in HSV, with the hue on the shorter way (X3D 39.4)") {
+  X3DWorld chaser("DEF F ColorChaser { duration 2 initialValue 1 0 0 initialDestination 1 0 0 }");
+  chaser.start();
+  chaser.send_at(1, "F.set_destination", SFColor{0, 0, 1});
+  CHECK(chaser.take_at(2, "value_changed") == Lines{"2 F.value_changed 1 0 1"});
+  chaser.step(2.5);
+  CHECK(chaser.take_at(3.5, "value_changed").back() == "3.5 F.value_changed 0 0 1");
+  X3DWorld damper("DEF F ColorDamper { tau 1 order 1 tolerance 0.01 initialValue 1 0 0 initialDestination 1 0 0 }");
+  damper.start();
+  damper.send_at(1, "F.set_destination", SFColor{0, 1, 0});
+  CHECK(damper.take_at(1 + std::log(2.0), "value_changed").back().find(" F.value_changed 1 1 0") != std::string::npos);
+  CHECK(damper.take_at(20, "value_changed").back() == "20 F.value_changed 0 1 0");
 }
 
 TEST_CASE("keeps a chaser bounded when each step sends a destination (X3D 39.3.1)") {

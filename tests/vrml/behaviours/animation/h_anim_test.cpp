@@ -107,6 +107,19 @@ TEST_CASE("plays an HAnimMotion once, or in a loop") {
   CHECK(loops.scene().get<SFInt32>(loops.node("M"), "frameIndex") == 1);
 }
 
+TEST_CASE("plays only the motions that motionsEnabled allows") {
+  World world(
+      std::string(kArm) +
+      "motionsEnabled FALSE motions DEF M HAnimMotion { frameDuration 1 joints \"upper\" channels \"3 Xposition "
+      "Yposition Zposition\" values [ 1 0 0, 1 0 0, 2 0 0 ] } }");
+  world.start(0);
+  world.step(1.5);
+  CHECK(world.scene().get<SFVec3f>(world.node("Upper"), "translation") == SFVec3f(0, 0, 0));
+  world.send_at(2, "H.set_motionsEnabled", MFBool{true});
+  world.step(3.5);
+  CHECK(world.scene().get<SFVec3f>(world.node("Upper"), "translation") == SFVec3f(1, 0, 0));
+}
+
 TEST_CASE("accepts humanoids without skin, with broken motions and with joints in a cycle") {
   for (const char* text :
        {"HAnimHumanoid { }", "HAnimHumanoid { skeleton HAnimJoint { } motions HAnimMotion { } }",

@@ -1,0 +1,131 @@
+#include "render/collection/collector.h"
+#include "vrml/event_model/behaviour.h"
+
+#include <span>
+#include <utility>
+
+// The part of the Collector that enters grouping nodes.
+namespace gs::render {
+
+using glm::dmat4;
+
+void Collector::enter_node(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children) {
+  if (children && !children->empty()) enter(frame_below(parent, id, children->span()));
+}
+
+void Collector::enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children, const dmat4& local,
+                            bool billboard) {
+  if (!children || children->empty()) return;
+  const dmat4 world_from_local = parent.world_from_local * local;
+  if (!fits_float(world_from_local)) {
+    if (sources_) sources_->unshown.push_back({&parent.scene->node(id), parent.scene});
+    return;
+  }
+  Frame frame = frame_below(parent, id, children->span());
+  frame.world_from_local = world_from_local;
+  // Above the limit of coordinate systems, content has no path. Each change then collects everything again.
+  if (frame.place != kNoPlace) {
+    frame.frame = frame.frames_before;
+    list_.places[frame.place].frame = frame.frame;
+    list_.world_from_frame.push_back(world_from_local);
+    if (sources_) {
+      RenderSources::Frame source;
+      source.node = &parent.scene->node(id);
+      source.parent = parent.frame;
+      source.first_item = static_cast<std::uint32_t>(list_.items.size());
+      source.first_splat = static_cast<std::uint32_t>(list_.splats.size());
+      source.first_light = static_cast<std::uint32_t>(list_.lights.size());
+      source.parent_from_local = local;
+      sources_->frames.push_back(source);
+      if (billboard) sources_->billboards.push_back(frame.frame);
+    }
+  } else if (sources_) {
+    sources_->complete = false;
+  }
+  enter(frame);
+}
+
+// Enters the skeleton and the skin of an HAnimHumanoid as one list.
+void Collector::enter_humanoid(const Frame& parent, vrml::NodeId id, const NodeView& humanoid) {
+  vrml::MFNode& parts = joined_.emplace_back();
+  for (const int field : {HumanoidFields::skeleton, HumanoidFields::skin})
+    if (const auto* list = humanoid.find<vrml::MFNode>(field))
+      for (const vrml::NodeId part : *list) parts.push_back(part);
+  enter_moved(parent, id, &parts, transform_matrix(humanoid), false);
+}
+
+/// Reports whether a root node of the world does not belong to the collected layer.
+bool Collector::is_outside_of_layer(const vrml::SceneGraph& scene, vrml::NodeId root) const {
+  return bound_ && bound_->layer_set && (scene.resolve(root) == bound_->layer_set) != (bound_->layer > 0);
+}
+
+// Enters the collected layer. Without events, and in Inlines, enters all layers as a group.
+void Collector::enter_layers(const Frame& parent, vrml::NodeId id, const NodeView& layer_set) {
+  const auto* layers = layer_set.find<vrml::MFNode>(LayerSetFields::layers);
+  if (bound_ && id == bound_->layer_set && parent.main)
+    enter_choice(parent, id, layers, bound_->layer - 1);
+  else
+    enter_node(parent, id, layers);
+}
+
+void Collector::enter_choice(const Frame& parent, vrml::NodeId id, const vrml::MFNode* choices, std::int64_t which) {
+  if (!choices || which < 0 || which >= static_cast<std::int64_t>(choices->size())) return;
+  enter_one(parent, id, choices->begin()[which]);
+}
+
+/// Enters a group with only one child, `child`.
+void Collector::enter_one(const Frame& parent, vrml::NodeId id, const vrml::NodeId& child) {
+  enter(frame_below(parent, id, std::span(&child, 1)));
+}
+
+// Enters a Collision. With a proxy, the children are visible but not collidable, and the proxy is collidable but
+// invisible (6.8).
+void Collector::enter_collision(const Frame& parent, vrml::NodeId id, const NodeView& collision) {
+  const auto* children = collision.find<vrml::MFNode>(CollisionFields::children);
+  const auto* proxy = collision.find<vrml::SFNode>(CollisionFields::proxy);
+  Frame inside = parent;
+  if (!collision.get(CollisionFields::collide, true)) {
+    inside.presence.collidable = false;
+    enter_node(inside, id, children);
+    return;
+  }
+  if (!proxy || !parent.scene->resolve(*proxy)) {
+    enter_node(inside, id, children);
+    return;
+  }
+  // Enter the proxy first: the frame that is entered last, with the children, is visited first.
+  inside.presence.visible = false;
+  enter_one(inside, id, *proxy);
+  inside.presence = parent.presence;
+  inside.presence.collidable = false;
+  enter_node(inside, id, children);
+}
+
+// Enters a ViewpointGroup (X3D 23.4.7).
+void Collector::enter_viewpoint_group(const Frame& parent, vrml::NodeId id, const NodeView& group) {
+  if (viewpoint_groups_.size() >= kMaxViewpoints) return;
+  ViewpointState state = viewpoint_groups_[parent.presence.viewpoint_group];
+  add_group(state, group, parent.world_from_local);
+  Frame inside = parent;
+  inside.presence.viewpoint_group = static_cast<std::uint32_t>(viewpoint_groups_.size());
+  viewpoint_groups_.push_back(std::move(state));
+  enter_node(inside, id, group.find<vrml::MFNode>(ViewpointGroupFields::children));
+}
+
+void Collector::enter_inline(const Frame& parent, vrml::NodeId id) {
+  const vrml::SceneGraph* inlined = parent.scene->inlines().of(id);
+  if (!inlined || inlined->roots().empty()) return;
+  const auto [open, fresh] = open_nodes_.try_emplace(inlined);
+  if (fresh) {
+    open->second.resize(inlined->nodes().count() + 1);
+    list_.scenes.push_back(parent.scene->inlines().all().at(id.index));
+  }
+  Frame frame = frame_below(parent, id, {inlined->roots().begin(), inlined->roots().end()});
+  frame.scene = inlined;
+  frame.on_path = &open->second;
+  frame.node = 0;
+  frame.main = false;
+  enter(frame);
+}
+
+}  // namespace gs::render

@@ -1,0 +1,119 @@
+#include "vrml/scene/layers.h"
+
+#include <algorithm>
+#include <unordered_map>
+#include <utility>
+
+namespace gs::vrml {
+namespace {
+
+constexpr std::size_t kMaxLayers = 256;
+
+/// Search for a node below a layer, through PROTO instances and Inlines.
+class LayerSearch {
+ public:
+  LayerSearch(const SceneGraph& scene, NodeId node) : scene_(scene), node_(node) {}
+
+  /// Reports whether the node is at `top` or below it, unless an earlier call has visited it.
+  bool finds_below(const SceneGraph& world, NodeId top) {
+    pending_.emplace_back(&world, top);
+    while (!pending_.empty()) {
+      const auto [scene, id] = pending_.back();
+      pending_.pop_back();
+      if (!scene->contains(id)) continue;
+      if (scene == &scene_ && id == node_) return true;
+      std::vector<bool>& seen = seen_[scene];
+      seen.resize(scene->nodes().count() + 1);
+      if (seen[id.index]) continue;
+      seen[id.index] = true;
+      add_below(*scene, id);
+    }
+    return false;
+  }
+
+ private:
+  void add_below(const SceneGraph& scene, NodeId id) {
+    const Node& node = scene.node(id);
+    for (const NodeId inner : node.expansion) pending_.emplace_back(&scene, inner);
+    for (std::size_t i = 0; i < node.type->defaults.size(); ++i) {
+      if (const auto* one = std::get_if<SFNode>(&node.values[i])) pending_.emplace_back(&scene, *one);
+      if (const auto* many = std::get_if<MFNode>(&node.values[i]))
+        for (const NodeId inner : *many) pending_.emplace_back(&scene, inner);
+    }
+    if (const SceneGraph* const inlined = scene.inlines().of(id))
+      for (const NodeId root : inlined->roots()) pending_.emplace_back(inlined, root);
+  }
+
+  const SceneGraph& scene_;
+  NodeId node_;
+  std::vector<std::pair<const SceneGraph*, NodeId>> pending_;
+  std::unordered_map<const SceneGraph*, std::vector<bool>> seen_;
+};
+
+template <class T>
+const T* value_of(const Node& node, std::string_view field) {
+  const InterfaceDeclaration* const found = node.type->find_field(field);
+  return found && found->slot >= 0 ? std::get_if<T>(&node.values[found->slot]) : nullptr;
+}
+
+bool flag_of(const SceneGraph& world, NodeId layer, std::string_view field) {
+  const auto* given = world.contains(layer) ? value_of<SFBool>(world.node(layer), field) : nullptr;
+  return !given || *given;
+}
+
+}  // namespace
+
+std::optional<LayerSet> layer_set_of(const SceneGraph& world) {
+  for (const NodeId root : world.roots()) {
+    const NodeId id = world.resolve(root);
+    if (!id || world.node(id).type->read_as != NodeKind::layer_set) continue;
+    const Node& node = world.node(id);
+    LayerSet set;
+    set.node = id;
+    if (const auto* layers = value_of<MFNode>(node, "layers"))
+      for (std::size_t i = 0; i < std::min(layers->size(), kMaxLayers); ++i)
+        set.layers.push_back(world.resolve(layers->begin()[i]));
+    const auto exists = [&](int layer) { return layer >= 0 && layer <= static_cast<int>(set.layers.size()); };
+    if (const auto* active = value_of<SFInt32>(node, "activeLayer"); active && exists(*active)) set.active = *active;
+    if (const auto* order = value_of<MFInt32>(node, "order"))
+      for (const SFInt32 layer : *order)
+        if (exists(layer) && std::find(set.order.begin(), set.order.end(), layer) == set.order.end())
+          set.order.push_back(layer);
+    return set;
+  }
+  return std::nullopt;
+}
+
+int layer_of(const SceneGraph& world, const LayerSet& set, const SceneGraph& scene, NodeId node) {
+  LayerSearch search(scene, node);
+  for (std::size_t i = 0; i < set.layers.size(); ++i)
+    if (search.finds_below(world, set.layers[i])) return static_cast<int>(i) + 1;
+  return 0;
+}
+
+ClipBoundary clip_boundary_of(const SceneGraph& world, NodeId layer) {
+  constexpr ClipBoundary kWhole{0, 1, 0, 1};
+  if (!world.contains(layer)) return kWhole;
+  const auto* viewport = value_of<SFNode>(world.node(layer), "viewport");
+  const NodeId id = viewport ? world.resolve(*viewport) : NodeId{};
+  if (!id) return kWhole;
+  const auto* given = value_of<MFFloat>(world.node(id), "clipBoundary");
+  if (!given || given->size() < kWhole.size()) return kWhole;
+  ClipBoundary boundary{};
+  for (std::size_t i = 0; i < boundary.size(); ++i) {
+    const double at = given->begin()[i];
+    if (!(at >= 0 && at <= 1)) return kWhole;
+    boundary[i] = at;
+  }
+  return boundary[0] < boundary[1] && boundary[2] < boundary[3] ? boundary : kWhole;
+}
+
+bool is_pickable(const SceneGraph& world, NodeId layer) { return flag_of(world, layer, "pickable"); }
+
+bool is_visible(const SceneGraph& world, NodeId layer) { return flag_of(world, layer, "visible"); }
+
+bool is_layout_layer(const SceneGraph& world, NodeId layer) {
+  return world.contains(layer) && world.node(layer).type->find_field("layout") != nullptr;
+}
+
+}  // namespace gs::vrml
