@@ -174,7 +174,7 @@ TEST_CASE("shows everything before an error of XML") {
 
 TEST_CASE("reports tags that are not well-formed, plain or not") {
   const std::string token =
-      "error not well-formed XML: not well-formed (invalid token); the rest of the file is left out\n";
+      "error not well-formed XML: not well-formed (invalid token); skipped the rest of the file\n";
   for (const char* const tag :
        {"<Group DEF 'a'/>", "<Group DEF=a/>", "<Group DEF='a'bboxSize='1 1 1'/>", "<Group DEF='a<b'/>", "<Group / >",
         "<Group/ DEF='a'>", "< Group/>", "<1Group/>", "<Group DEF='\x01'/>", "<Group =''/>", "<Group></Group x>",
