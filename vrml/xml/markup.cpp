@@ -83,7 +83,7 @@ std::size_t MarkupScanner::end_tag_size(std::string_view text) {
   return end + 1;
 }
 
-// Passes the value whose quote is at `at`. Returns false if its end is missing; the next call of tag_size() then
+// Passes the value behind the quote at `at`. Returns false if its end is missing; the next call of tag_size() then
 // continues there.
 bool MarkupScanner::pass_value(std::string_view text, std::size_t& at) {
   const char quote = text[at];
