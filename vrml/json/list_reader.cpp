@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <span>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -32,6 +34,50 @@ std::size_t arity_of(const FieldValue& value) {
 }
 
 }  // namespace
+
+bool ListReader::read_short(FieldValue& into, Lexer& lexer) {
+  const char* const end = lexer.window_end();
+  const auto read = [&]<class T>(T& value) {
+    if constexpr (NumberElement<ElementOf<T>>) {
+      using Element = ElementOf<T>;
+      using Number = typename ElementNumbers<Element>::Number;
+      constexpr std::size_t kArity = ElementNumbers<Element>::kCount;
+      constexpr bool kIsList = requires { value.push_back(Element{}); };
+      if constexpr (!std::is_same_v<Number, double>) {
+        alignas(16) Number buffer[kIsList ? kShortRun : kArity];
+        NumberRun run;
+        if constexpr (std::is_same_v<Number, float>)
+          run = parse_floats(lexer.unread(), end, buffer, std::size(buffer));
+        else
+          run = parse_integers(lexer.unread(), end, buffer, std::size(buffer));
+        const bool fits = kIsList ? run.count % kArity == 0 : run.count == kArity;
+        if (!fits || run.next == end || *run.next != ']') return false;
+        lexer.advance(run.next + 1, run.lines, run.line_start);
+        const auto* const elements = reinterpret_cast<const Element*>(buffer);
+        if constexpr (kIsList)
+          value = T(std::span<const Element>(elements, run.count / kArity));
+        else
+          value = *elements;
+        return true;
+      }
+    }
+    return false;
+  };
+  if (!std::visit(read, into)) return false;
+  std::size_t charged = 0;
+  sink_.limits().charge_growth(into, charged, true);
+  return true;
+}
+
+bool ListReader::read_plain_word(std::string_view word, FieldValue& into) {
+  if (auto* const number = std::get_if<SFFloat>(&into)) return parse_number(word, *number);
+  if (auto* const number = std::get_if<SFInt32>(&into)) return parse_number(word, *number);
+  if (auto* const flag = std::get_if<SFBool>(&into); flag && (word == "true" || word == "false")) {
+    *flag = word == "true";
+    return true;
+  }
+  return false;
+}
 
 void ListReader::begin(FieldValue& into, std::string_view name, SourceLocation location) {
   into_ = &into;

@@ -13,6 +13,7 @@ namespace gs::vrml::json {
 /// Decodes a JSON string from the text between its quotes. Reads bytes that are not UTF-8 as Latin-1, and then sets
 /// `was_latin1`. Keeps unknown escapes.
 [[nodiscard]] std::string decode_string(std::string_view raw, bool has_escapes, bool& was_latin1);
+[[nodiscard]] bool is_ascii(std::string_view text);
 
 /// Reader of the elements of a JSON array into a field value. Numbers go from the text straight into the value. The
 /// value contains all received elements at once. One thread.
@@ -20,6 +21,12 @@ class ListReader {
  public:
   /// Both must outlive the reader.
   ListReader(SceneSink& sink, x3d::ValueReader& values) : sink_(sink), values_(values) {}
+
+  /// Reads a complete list of numbers in plain form after its opening bracket, if the lexer's window contains it and
+  /// its bracket. Else returns false and reads nothing. It reads the same as the functions below.
+  [[nodiscard]] bool read_short(FieldValue& into, Lexer& lexer);
+  /// Reads a value that is one number or `true` or `false`, in plain form. Returns false for other values.
+  [[nodiscard]] static bool read_plain_word(std::string_view word, FieldValue& into);
 
   /// Begins a list. `into` has the type of the field and must not move until end(). `name` is copied.
   void begin(FieldValue& into, std::string_view name, SourceLocation location);

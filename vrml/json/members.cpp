@@ -26,21 +26,35 @@ bool is_control(ElementKind element, std::string_view name) {
   }
 }
 
-Frame new_frame(Frame::Kind kind, SourceLocation start, std::string_view name = {}, std::string_view container = {}) {
-  Frame frame;
-  frame.kind = kind;
-  frame.start = start;
-  frame.name = name;
-  frame.container = container;
-  return frame;
-}
-
 bool is_scalar(const Token& token) { return token.kind == TokenKind::string || token.kind == TokenKind::word; }
 
 }  // namespace
 
+Frame& FrameStack::push(Frame::Kind kind, SourceLocation start, std::string_view name, std::string_view container) {
+  if (size_ == frames_.size()) frames_.emplace_back();
+  Frame& frame = frames_[size_++];
+  frame.kind = kind;
+  frame.start = start;
+  frame.name = name;
+  frame.container = container;
+  frame.element = ElementKind::node;
+  frame.begun = frame.has_interface = frame.is_recorded = false;
+  frame.depth = 0;
+  return frame;
+}
+
+void FrameStack::pop_back() {
+  constexpr std::size_t kMaxKept = 256;  // bytes of a name, and attributes
+  Frame& frame = frames_[--size_];
+  for (std::string* const text : {&frame.name, &frame.container})
+    if (text->capacity() > kMaxKept) *text = {};
+  frame.attributes.clear();
+  if (frame.attributes.capacity() > kMaxKept) frame.attributes = {};
+  frame.waiting = {};
+}
+
 MemberReader::MemberReader(SceneSink& sink) : sink_(sink), values_(sink), builder_(sink), list_(sink, values_) {
-  frames_.emplace_back();
+  frames_.push(Frame::Kind::document, {});
 }
 
 Progress MemberReader::step() {
@@ -70,12 +84,13 @@ void MemberReader::unexpected(const Token& token, std::string_view wanted) {
   sink_.problems().error(token.location, "expected " + std::string(wanted) + ", found " + found);
 }
 
-std::string MemberReader::text_of(const Token& token) {
-  if (token.kind != TokenKind::string) return std::string(token.text);
+// Returns the text of a token, which is valid as long as the token and `storage`.
+std::string_view MemberReader::text_of(const Token& token, std::string& storage) {
+  if (token.kind != TokenKind::string || (!token.has_escapes && is_ascii(token.text))) return token.text;
   bool latin1 = false;
-  std::string text = decode_string(token.text, token.has_escapes, latin1);
+  storage = decode_string(token.text, token.has_escapes, latin1);
   if (latin1) sink_.problems().warn_once(said_latin1_, token.location, "a string is not UTF-8; read as Latin-1");
-  return text;
+  return storage;
 }
 
 bool MemberReader::pass_colon() {
@@ -85,25 +100,20 @@ bool MemberReader::pass_colon() {
   return true;
 }
 
-// Opens an object or array after its bracket. Skips it if it is too deep.
-bool MemberReader::open(Frame frame) {
+// Opens an object or array after its bracket. Skips it if it is too deep, and then returns null.
+Frame* MemberReader::open(Frame::Kind kind, SourceLocation start, std::string_view name, std::string_view container) {
   // An X3D node takes three levels: its object, its name and its field.
   const bool admitted = frames_.size() < 4 * sink_.scene().limits().nesting ||
-                        sink_.limits().admits_depth(sink_.scene().limits().nesting, frame.start);
-  if (!admitted) {
-    frame = new_frame(Frame::Kind::skip, frame.start);
-    frame.depth = 1;
-  }
-  frames_.push_back(std::move(frame));
-  return admitted;
+                        sink_.limits().admits_depth(sink_.scene().limits().nesting, start);
+  if (admitted) return &frames_.push(kind, start, name, container);
+  frames_.push(Frame::Kind::skip, start).depth = 1;
+  return nullptr;
 }
 
 // Skips a value after its first token.
 void MemberReader::skip(const Token& value) {
   if (value.kind != TokenKind::open_brace && value.kind != TokenKind::open_bracket) return;
-  Frame frame = new_frame(Frame::Kind::skip, value.location);
-  frame.depth = 1;
-  frames_.push_back(std::move(frame));
+  frames_.push(Frame::Kind::skip, value.location).depth = 1;
 }
 
 Progress MemberReader::document_step() {
@@ -111,7 +121,7 @@ Progress MemberReader::document_step() {
   if (token.kind == TokenKind::need_more) return Progress::need_more;
   if (token.kind == TokenKind::end) return Progress::finished;
   if (token.kind == TokenKind::open_brace) {
-    (void)open(new_frame(Frame::Kind::choice, token.location));
+    open(Frame::Kind::choice, token.location);
     return Progress::done;
   }
   unexpected(token, "'{'");
@@ -132,10 +142,10 @@ Progress MemberReader::choice_step() {
     skip(key);
     return Progress::done;
   }
-  const std::string name = text_of(key);
   if (!pass_colon()) return Progress::need_more;
   const Token value = lexer_.next();
   if (value.kind == TokenKind::need_more) return Progress::need_more;
+  const std::string_view name = text_of(key, key_text_);
   if (value.kind == TokenKind::open_brace && !name.empty() && name[0] != '#' && name[0] != '@' && name[0] != '-')
     open_element(name, frames_.back().container, key.location);
   else
@@ -152,9 +162,9 @@ Progress MemberReader::list_step() {
     frames_.pop_back();
   } else if (token.kind == TokenKind::open_brace) {
     if (frame.kind == Frame::Kind::element_list)
-      open_element(std::string(frame.name), std::string(frame.container), token.location);
+      open_element(frame.name, frame.container, token.location);
     else
-      (void)open(new_frame(Frame::Kind::choice, token.location, {}, frame.container));
+      open(Frame::Kind::choice, token.location, {}, frame.container);
   } else {
     if (token.kind != TokenKind::word && token.kind != TokenKind::string) unexpected(token, "'{' or ']'");
     skip(token);
@@ -163,29 +173,31 @@ Progress MemberReader::list_step() {
 }
 
 void MemberReader::open_element(std::string_view name, std::string_view container, SourceLocation start) {
-  Frame frame = new_frame(Frame::Kind::element, start, name);
-  frame.element = x3d::kind_of(name);
-  if (!container.empty()) frame.attributes.push_back({"containerField", std::string(container), start});
-  (void)open(std::move(frame));
+  Frame* const frame = open(Frame::Kind::element, start, name);
+  if (!frame) return;
+  frame->element = x3d::kind_of(name);
+  if (!container.empty()) frame->attributes.push_back({"containerField", std::string(container), start});
 }
 
 // Tells the builder about the innermost element, if it does not know it yet.
 void MemberReader::begin_element() {
   Frame& frame = frames_.back();
   if (std::exchange(frame.begun, true)) return;
-  std::vector<x3d::Attribute> attributes;
+  attributes_.clear();
   for (const StoredAttribute& stored : frame.attributes)
-    attributes.push_back({stored.name, stored.value, stored.location});
-  builder_.begin({frame.name, frame.start}, attributes);
+    attributes_.push_back({stored.name, stored.value, stored.location});
+  builder_.begin({frame.name, frame.start}, attributes_);
   frame.attributes.clear();
 }
 
 void MemberReader::end_element() {
   begin_element();
-  std::vector<WaitingMember> waiting = std::exchange(frames_.back().waiting, {});
-  std::stable_partition(waiting.begin(), waiting.end(),
-                        [](const WaitingMember& member) { return member.key != "ProtoBody"; });
-  for (const WaitingMember& member : waiting) replay(member);
+  if (!frames_.back().waiting.empty()) {
+    std::vector<WaitingMember> waiting = std::exchange(frames_.back().waiting, {});
+    std::stable_partition(waiting.begin(), waiting.end(),
+                          [](const WaitingMember& member) { return member.key != "ProtoBody"; });
+    for (const WaitingMember& member : waiting) replay(member);
+  }
   builder_.end();
   frames_.pop_back();
 }
@@ -219,32 +231,33 @@ Progress MemberReader::element_step() {
     end_element();
     return Progress::done;
   }
-  const std::string name = text_of(key);
+  const std::string_view name = text_of(key, key_text_);
   if (!name.empty()) member(name, key.location, value);
   return Progress::done;
 }
 
 // Reads a member of an element. The first token of its value was read.
-void MemberReader::member(const std::string& key, SourceLocation location, const Token& value) {
+void MemberReader::member(std::string_view key, SourceLocation location, const Token& value) {
   if (must_wait(frames_.back(), key)) return wait(key, location, value);
   const bool is_object = value.kind == TokenKind::open_brace, is_list = value.kind == TokenKind::open_bracket;
-  if (key[0] == '@') return attribute(std::string_view(key).substr(1), location, value);
+  if (key[0] == '@') return attribute(key.substr(1), location, value);
   if (key[0] == '#') {
     if (key != "#sourceCode" && key != "#sourceText") return skip(value);
     begin_element();
-    if (value.kind == TokenKind::string && builder_.takes_text()) builder_.text(text_of(value), value.location);
+    if (value.kind == TokenKind::string && builder_.takes_text())
+      builder_.text(text_of(value, value_text_), value.location);
     if (!is_list) return skip(value);
-    (void)open(new_frame(Frame::Kind::lines, value.location));
+    open(Frame::Kind::lines, value.location);
     return;
   }
   if (!is_object && !is_list) return;
   begin_element();
-  const std::string name(key[0] == '-' ? key.substr(1) : key);
+  const std::string_view name = key[0] == '-' ? key.substr(1) : key;
   if (frames_.back().element == ElementKind::prototype && name == "ProtoInterface") frames_.back().has_interface = true;
   if (key[0] == '-') {
-    (void)open(new_frame(is_list ? Frame::Kind::choice_list : Frame::Kind::choice, value.location, {}, name));
+    open(is_list ? Frame::Kind::choice_list : Frame::Kind::choice, value.location, {}, name);
   } else if (is_list) {
-    (void)open(new_frame(Frame::Kind::element_list, value.location, name));
+    open(Frame::Kind::element_list, value.location, name);
   } else {
     open_element(name, {}, value.location);
   }
@@ -256,9 +269,9 @@ void MemberReader::attribute(std::string_view name, SourceLocation location, con
     if (!is_scalar(value)) return skip(value);
     if (!frame.begun) {
       (void)sink_.scene().memory().charge(sizeof(StoredAttribute) + value.text.size());
-      frame.attributes.push_back({std::string(name), text_of(value), value.location});
+      frame.attributes.push_back({std::string(name), std::string(text_of(value, value_text_)), value.location});
     } else if (name == "DEF") {
-      builder_.name_node({text_of(value), value.location});
+      builder_.name_node({text_of(value, value_text_), value.location});
     }
     return;
   }
@@ -267,9 +280,11 @@ void MemberReader::attribute(std::string_view name, SourceLocation location, con
   FieldValue* const into = builder_.value_of(field);
   if (!into || (value.kind == TokenKind::word && value.text == "null")) return skip(value);
   if (value.kind == TokenKind::open_bracket) {
-    Frame list = new_frame(Frame::Kind::values, value.location);
-    list.depth = 1;
-    if (open(std::move(list))) list_.begin(*into, name, value.location);
+    if (list_.read_short(*into, lexer_)) return builder_.value_given();
+    if (Frame* const list = open(Frame::Kind::values, value.location)) {
+      list->depth = 1;
+      list_.begin(*into, name, value.location);
+    }
     return;
   }
   if (!is_scalar(value)) {
@@ -277,14 +292,14 @@ void MemberReader::attribute(std::string_view name, SourceLocation location, con
     return skip(value);
   }
   if (value.kind == TokenKind::string && !std::holds_alternative<MFString>(*into)) {
-    const std::string text = text_of(value);
+    const std::string_view text = text_of(value, value_text_);
     if (std::holds_alternative<SFString>(*into))
       *into = values_.string_of(text, value.location);
     else
       values_.read({text, value.location, name}, *into);
-  } else {
+  } else if (value.kind != TokenKind::word || !ListReader::read_plain_word(value.text, *into)) {
     list_.begin(*into, name, value.location);
-    value.kind == TokenKind::string ? list_.read_string(text_of(value), value.location)
+    value.kind == TokenKind::string ? list_.read_string(text_of(value, value_text_), value.location)
                                     : list_.read_word(value.text, value.location);
     list_.end(value.location);
   }
@@ -304,7 +319,7 @@ Progress MemberReader::values_step() {
     case TokenKind::unterminated_string:
       return Progress::finished;
     case TokenKind::string:
-      list_.read_string(text_of(token), token.location);
+      list_.read_string(text_of(token, value_text_), token.location);
       break;
     case TokenKind::word:
       list_.read_word(token.text, token.location);
@@ -340,7 +355,7 @@ Progress MemberReader::lines_step() {
   if (token.kind == TokenKind::close_bracket)
     frames_.pop_back();
   else if (token.kind == TokenKind::string && builder_.takes_text())
-    builder_.text(text_of(token) + "\n", token.location);
+    builder_.text(std::string(text_of(token, value_text_)) + "\n", token.location);
   else
     skip(token);
   return Progress::done;
@@ -352,7 +367,7 @@ Progress MemberReader::skip_step() {
   if (token.kind == TokenKind::need_more) return Progress::need_more;
   Frame& frame = frames_.back();
   if (frame.is_recorded) {
-    std::string& text = frames_[frames_.size() - 2].waiting.back().text;
+    std::string& text = frames_.parent().waiting.back().text;
     const auto size = static_cast<std::size_t>(lexer_.unread() - start);
     (void)sink_.scene().memory().charge(size);
     if (!sink_.scene().memory().exhausted()) text.append(start, size);
@@ -387,8 +402,8 @@ bool MemberReader::must_wait(const Frame& frame, std::string_view key) const {
 }
 
 // Stores a member until the end of its element.
-void MemberReader::wait(const std::string& key, SourceLocation location, const Token& value) {
-  WaitingMember member{key, {}, location};
+void MemberReader::wait(std::string_view key, SourceLocation location, const Token& value) {
+  WaitingMember member{std::string(key), {}, location};
   const bool is_string = value.kind == TokenKind::string;
   member.text = is_string ? '"' + std::string(value.text) + '"' : std::string(value.text);
   (void)sink_.scene().memory().charge(sizeof(WaitingMember) + member.text.size());
@@ -411,7 +426,7 @@ void MemberReader::replay(const WaitingMember& waiting) {
   member(waiting.key, waiting.location, value);
   while (frames_.size() > depth && step() == Progress::done && !sink_.scene().memory().exhausted()) {
   }
-  frames_.resize(std::min(frames_.size(), depth));
+  while (frames_.size() > depth) frames_.pop_back();
   --replays_;
   std::swap(lexer_, lexer);
 }

@@ -1,9 +1,10 @@
 #pragma once
 
 #include "vrml/json/list_reader.h"
+#include "vrml/scene/stable_vector.h"
 #include "vrml/x3d/element_builder.h"
 
-#include <deque>
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -57,6 +58,23 @@ struct Frame {
   bool is_recorded = false;    // skip: the text belongs to the last waiting member of the frame below
 };
 
+/// Stack of frames. It keeps closed frames, and the memory of their names, for the next ones.
+class FrameStack {
+ public:
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] Frame& back() { return frames_[size_ - 1]; }
+  [[nodiscard]] const Frame& back() const { return frames_[size_ - 1]; }
+  /// Returns the frame around the innermost one.
+  [[nodiscard]] Frame& parent() { return frames_[size_ - 2]; }
+  /// Adds a frame. Other frames do not move.
+  Frame& push(Frame::Kind kind, SourceLocation start, std::string_view name = {}, std::string_view container = {});
+  void pop_back();
+
+ private:
+  StableVector<Frame, 4> frames_;
+  std::size_t size_ = 0;
+};
+
 /// Reader of the members of X3D objects. It keeps the stack of open objects and arrays.
 class MemberReader {
  public:
@@ -82,15 +100,15 @@ class MemberReader {
 
   /// Reads the colon after a key. Returns false if more bytes are needed.
   [[nodiscard]] bool pass_colon();
-  [[nodiscard]] std::string text_of(const Token& token);
-  [[nodiscard]] bool open(Frame frame);
+  [[nodiscard]] std::string_view text_of(const Token& token, std::string& storage);
+  Frame* open(Frame::Kind kind, SourceLocation start, std::string_view name = {}, std::string_view container = {});
   void open_element(std::string_view name, std::string_view container, SourceLocation start);
   void begin_element();
   void end_element();
-  void member(const std::string& key, SourceLocation location, const Token& value);
+  void member(std::string_view key, SourceLocation location, const Token& value);
   void attribute(std::string_view name, SourceLocation location, const Token& value);
   [[nodiscard]] bool must_wait(const Frame& frame, std::string_view key) const;
-  void wait(const std::string& key, SourceLocation location, const Token& value);
+  void wait(std::string_view key, SourceLocation location, const Token& value);
   void replay(const WaitingMember& member);
   void skip(const Token& value);
   void unexpected(const Token& token, std::string_view wanted);
@@ -100,8 +118,10 @@ class MemberReader {
   x3d::ElementBuilder builder_;
   ListReader list_;
   Lexer lexer_;
-  std::vector<Frame> frames_;
-  std::size_t replays_ = 0;  // number of nested replays
+  FrameStack frames_;
+  std::vector<x3d::Attribute> attributes_;  // of the element that begins
+  std::string key_text_, value_text_;       // decoded strings
+  std::size_t replays_ = 0;                 // number of nested replays
   bool said_unexpected_ = false, said_latin1_ = false;
 };
 

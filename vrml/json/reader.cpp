@@ -56,8 +56,8 @@ void Reader::push(std::string_view piece) {
   State& state = *state_;
   if (state.stopped) return;
   if (state.pieces.push(piece, [&](std::string_view window) { return state.read(window, false); })) return;
-  state.sink.problems().error(state.members.lexer().location(), state.sink.scene().budget()->refusal(Resource::nodes) +
-                                                                    "; skipped the rest of the file");
+  state.sink.problems().error(state.members.lexer().location(),
+                              state.sink.scene().budget()->refusal(Resource::nodes) + "; skipped the rest of the file");
   state.stopped = true;
   state.outcome = ParseOutcome::truncated;
 }

@@ -54,6 +54,12 @@ std::size_t append_unit(std::string_view text, std::string& out) {
 
 }  // namespace
 
+bool is_ascii(std::string_view text) {
+  unsigned char bits = 0;
+  for (const char c : text) bits |= static_cast<unsigned char>(c);
+  return bits < 0x80;
+}
+
 std::string decode_string(std::string_view raw, bool has_escapes, bool& was_latin1) {
   std::string text = vrml::decode_string(raw, false, was_latin1);
   if (!has_escapes) return text;

@@ -47,6 +47,7 @@ std::unique_ptr<NodeType> type_of_row(const NodeRow& row) {
   assert(good && "a row of the node table does not parse");
   (void)good;
   if (has(row.role, Role::script)) type->kind = NodeType::Kind::script;
+  type->is_programmable = type->kind == NodeType::Kind::script;
   read_ranges(row.interface_text, *type);
   const std::size_t standard = type->interfaces.size();
   const bool good_events = parse_interface(row.other_events, *type);
@@ -139,6 +140,7 @@ std::unique_ptr<NodeType> type_of_x3d_row(const X3DRow& row, const NodeRow* vrml
   type->level = row.level;
   type->container_field = row.container_field;
   type->bases = row.bases;
+  type->is_programmable |= type->bases.find("X3DProgrammableShaderObject") != std::string::npos;
   type->ignored = row.ignored;
   rename_interfaces(*type);
   NodeType own;

@@ -20,8 +20,8 @@ const NodeType& removed_type() {
 NodeArena::NodeArena(SceneMemory& memory) : memory_(memory) { nodes_.emplace_back(); }
 
 NodeArena::~NodeArena() {
-  for (Node& n : nodes_)
-    if (n.values) std::destroy_n(n.values, n.type->defaults.size());
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+    if (nodes_[i].values) std::destroy_n(nodes_[i].values, nodes_[i].type->defaults.size());
 }
 
 std::uint32_t NodeArena::next_generation() {
@@ -61,7 +61,7 @@ NodeId NodeArena::create(std::uint32_t index, const NodeType& type, const Source
   if (count != 0) {
     if (!values_.has_freed(count) && !memory_.draw(count * sizeof(FieldValue))) return {};
     values = values_.take(count);
-    std::uninitialized_copy(type.defaults.begin(), type.defaults.end(), values);
+    for (std::size_t i = 0; i < count; ++i) construct_copy(type.defaults[i], values + i);
   }
   Node& made = nodes_[index];
   made.type = &type;

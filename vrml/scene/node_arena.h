@@ -2,11 +2,11 @@
 
 #include "vrml/scene/node.h"
 #include "vrml/scene/scene_memory.h"
+#include "vrml/scene/stable_vector.h"
 #include "vrml/scene/values/value_pool.h"
 
 #include <cassert>
 #include <cstdint>
-#include <deque>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -71,7 +71,7 @@ class NodeArena {
 
   SceneMemory& memory_;
   ValuePool values_;
-  std::deque<Node> nodes_;  // index 0 is unused, because it is NULL
+  StableVector<Node> nodes_;  // index 0 is unused, because it is NULL
   std::uint32_t generation_ = 0, generations_left_ = 0;
   std::uint64_t revision_ = 0;
   std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> free_indices_;  // first indices by length of their run

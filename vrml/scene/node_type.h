@@ -235,6 +235,7 @@ struct NodeType : NonCopyable {
   int level = 0;                         // X3D types only: level of the component
   std::string container_field;           // X3D types only: default field of the parent in the XML encoding
   std::string bases;                     // X3D types only: abstract types that it derives from, separated by blanks
+  bool is_programmable = false;          // Script or shader: bodies of nodes may declare interfaces
   bool ignored = false;                  // X3D types only: nodes have no effect; sinks warn about them
   const Vrml97Equivalent* equivalent = nullptr;  // X3D types only: null if VRML97 has the type, or no equivalent
   bool stands_in = false;                  // partial substitute for another browser's type (vrml/syntax/stand_ins.h)

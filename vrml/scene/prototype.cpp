@@ -59,7 +59,7 @@ class Copier {
     copy.text = original.text;
     copy.fields_set = original.fields_set;
     for (std::size_t i = 0; i < original.type->defaults.size(); ++i) {
-      copy.values[i] = original.values[i];
+      assign(original.values[i], copy.values[i]);
       rewrite(copy.values[i]);
     }
   }

@@ -4,6 +4,7 @@
 #include "vrml/scene/coordinates/units.h"
 #include "vrml/scene/prototype.h"
 #include "vrml/syntax/stand_ins.h"
+#include "vrml/syntax/tokens/name_map.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,22 +20,22 @@ namespace {
 // Returns the role that a node in the field `field` of a built-in node must have (VRML97 4.6.3, 4.6.5). No role means
 // that any node is allowed.
 Role role_for(std::string_view field) {
-  static constexpr std::pair<std::string_view, Role> kRoles[] = {{"children", Role::child},
-                                                                 {"choice", Role::child},
-                                                                 {"level", Role::child},
-                                                                 {"proxy", Role::child},
-                                                                 {"geometry", Role::geometry},
-                                                                 {"appearance", Role::appearance},
-                                                                 {"material", Role::material},
-                                                                 {"texture", Role::texture},
-                                                                 {"textureTransform", Role::texture_transform},
-                                                                 {"coord", Role::geometric_property},
-                                                                 {"color", Role::geometric_property},
-                                                                 {"normal", Role::geometric_property},
-                                                                 {"texCoord", Role::geometric_property},
-                                                                 {"fontStyle", Role::font_style},
-                                                                 {"source", Role::sound_source}};
-  return value_named(kRoles, field).value_or(Role::none);
+  static constexpr NameMap kRoles({std::pair<std::string_view, Role>{"children", Role::child},
+                                   {"choice", Role::child},
+                                   {"level", Role::child},
+                                   {"proxy", Role::child},
+                                   {"geometry", Role::geometry},
+                                   {"appearance", Role::appearance},
+                                   {"material", Role::material},
+                                   {"texture", Role::texture},
+                                   {"textureTransform", Role::texture_transform},
+                                   {"coord", Role::geometric_property},
+                                   {"color", Role::geometric_property},
+                                   {"normal", Role::geometric_property},
+                                   {"texCoord", Role::geometric_property},
+                                   {"fontStyle", Role::font_style},
+                                   {"source", Role::sound_source}});
+  return kRoles.find(field, Role::none);
 }
 
 bool fits(const NodeType& type, std::string_view field) {
@@ -63,8 +64,8 @@ bool may_contain(const NodeType& type, std::string_view field) {
   return has(wanted, Role::appearance) && (has(type.role, Role::material) || has(type.role, Role::texture));
 }
 
-void check_role(const NodeType& type, SourceLocation location, std::string_view field, TextProblems& problems) {
-  if (fits(type, field)) return;
+// Reports a node that does not fit into its field.
+void report_role(const NodeType& type, SourceLocation location, std::string_view field, TextProblems& problems) {
   const bool vowel = std::string_view("AEIO").find(type.name.front()) != std::string_view::npos;
   std::string problem =
       (vowel ? "an " : "a ") + type.name + " is not allowed in '" + std::string(field) + "' (VRML97 4.6)";
@@ -96,11 +97,6 @@ void check_measures(const Node& node, std::unordered_set<std::uint64_t>& said, T
   }
 }
 
-// Reports whether the body of a node may declare interfaces: of a Script, or of a shader of X3D.
-bool declares_interfaces(const NodeType& type) {
-  return type.kind == NodeType::Kind::script || type.bases.find("X3DProgrammableShaderObject") != std::string::npos;
-}
-
 // Makes the type of one Script. Each Script has a separate interface, which its body extends.
 NodeType& make_script_type(const NodeType& type, SceneGraph& scene, SourceText& text) {
   auto own = std::make_unique<NodeType>();
@@ -116,6 +112,7 @@ NodeType& make_script_type(const NodeType& type, SceneGraph& scene, SourceText& 
   own->level = type.level;
   own->container_field = type.container_field;
   own->bases = type.bases;
+  own->is_programmable = type.is_programmable;
   own->ignored = type.ignored;
   (void)scene.memory().charge(sizeof(NodeType) + type.interfaces.size() * sizeof(InterfaceDeclaration));
   for (const InterfaceDeclaration& declaration : type.interfaces) own->declare(declaration);
@@ -133,7 +130,14 @@ SceneSink::SceneSink(SceneGraph& scene, Diagnostics& diagnostics)
   scopes_.emplace_back();
 }
 
-const NodeType* SceneSink::find_type(std::string_view name) const {
+const NodeType* SceneSink::find_type(std::string_view name) {
+  if (const NodeType* const recent = recent_types_.find(text_.language(), name)) return recent;
+  const NodeType* const found = search_type(name);
+  if (found) recent_types_.add(*found);
+  return found;
+}
+
+const NodeType* SceneSink::search_type(std::string_view name) const {
   for (auto scope = scopes_.rbegin(); scope != scopes_.rend(); ++scope) {
     const auto found = scope->types.find(name);
     if (found == scope->types.end()) continue;
@@ -200,7 +204,7 @@ OpenNode SceneSink::begin_node(const NodeHeader& header) {
     skip_unknown(header);
     return {};
   }
-  if (declares_interfaces(*node.type)) node.type = node.own_type = &make_script_type(*node.type, scene_, text_);
+  if (node.type->is_programmable) node.type = node.own_type = &make_script_type(*node.type, scene_, text_);
   node.id = scene_.create(*node.type, location);
   if (!node.id) {
     if (!scene_.memory().exhausted() && limits_.is_first_excess())
@@ -226,7 +230,8 @@ void SceneSink::name_node(const OpenNode& node, SourceName name) {
 void SceneSink::place_checked(NodeId node, NodeTarget target, SourceLocation location) {
   if (target.field.empty()) return place(node, target);
   const NodeType& type = *scene_.node(node).type;
-  check_role(type, location, target.field, problems_);
+  if (fits(type, target.field)) return place(node, target);
+  report_role(type, location, target.field, problems_);
   if (!needs_shape(type, target.field) || !place_in_shape(node, target)) place(node, target);
 }
 

@@ -5,6 +5,7 @@
 #include "vrml/scene/scene_graph.h"
 #include "vrml/syntax/problems/text_limits.h"
 #include "vrml/syntax/tokens/name_table.h"
+#include "vrml/syntax/tokens/recent_types.h"
 #include "vrml/syntax/x3d_statement_sink.h"
 
 #include <cstdint>
@@ -68,7 +69,7 @@ class SceneSink : NonCopyable {
   [[nodiscard]] X3DStatementSink& statements() { return x3d_; }
 
   /// Returns the node type with this name in the current scope (VRML97 4.4.3, 4.8.4); null if there is none.
-  [[nodiscard]] const NodeType* find_type(std::string_view name) const;
+  [[nodiscard]] const NodeType* find_type(std::string_view name);
   /// Returns the stand-in for a type of other browsers that find_type() does not know; null if there is none. Reports
   /// its first use.
   [[nodiscard]] const NodeType* find_stand_in(SourceName name);
@@ -126,6 +127,7 @@ class SceneSink : NonCopyable {
   };
 
   [[nodiscard]] bool in_prototype_body() const { return scopes_.back().prototype && open_interfaces_ == 0; }
+  [[nodiscard]] const NodeType* search_type(std::string_view name) const;
   [[nodiscard]] const NodeType* find_x3d_type(SourceName name);
   [[nodiscard]] bool is_lenient(const NodeType& type) const;
   void check_support(const NodeType& type, SourceLocation location);
@@ -153,6 +155,7 @@ class SceneSink : NonCopyable {
   TextLimits limits_;
   X3DStatementSink x3d_{*this};
   std::vector<Scope> scopes_;
+  RecentTypes recent_types_;                                           // of find_type() in the current scope
   NodeId made_shape_;                                                  // last Shape that was made for misplaced nodes
   std::unordered_map<const InterfaceDeclaration*, Measure> measures_;  // of PROTO fields that IS connects to measures
   Units units_;                                                        // of the text

@@ -88,6 +88,7 @@ void SceneSink::end_body() {
   finish();
   NodeType& type = *scopes_.back().prototype;
   scopes_.pop_back();
+  recent_types_.clear();
   type.prototype->complete = true;
   if (!units_.are_standard()) convert_prototype(type);
   count_instance_nodes(scene_, *type.prototype);
@@ -118,6 +119,7 @@ void SceneSink::add_type(NodeType& type) {
                                          : '\'' + type.name + "' is a built-in node") +
                                       " (VRML97 4.8); this PROTO is used from here on");
   known = &type;
+  recent_types_.clear();
   std::vector<Statement>& list = statement_list();
   auto position = list.end();
   if (scope.open_nodes > 0 || open_interfaces_ > scope.interfaces_around)

@@ -1,7 +1,6 @@
 #include "vrml/x3d/element_builder.h"
 
-#include "base/text.h"
-#include "vrml/x3d/node_place.h"
+#include "vrml/syntax/tokens/name_map.h"
 
 #include <algorithm>
 #include <utility>
@@ -15,8 +14,8 @@ constexpr int kLatestVersion = 40;  // of texts that state none
 }  // namespace
 
 ElementKind kind_of(std::string_view element) {
-  static constexpr std::pair<std::string_view, ElementKind> kKinds[] = {
-      {"X3D", ElementKind::x3d},
+  static constexpr NameMap kKinds({
+      std::pair<std::string_view, ElementKind>{"X3D", ElementKind::x3d},
       {"Scene", ElementKind::scene},
       {"ROUTE", ElementKind::route},
       {"field", ElementKind::field},
@@ -38,8 +37,8 @@ ElementKind kind_of(std::string_view element) {
       {"X3d", ElementKind::x3d},
       {"x3d", ElementKind::x3d},
       {"scene", ElementKind::scene},
-  };
-  return value_named(kKinds, element).value_or(ElementKind::node);
+  });
+  return kKinds.find(element, ElementKind::node);
 }
 
 ElementBuilder::ElementBuilder(SceneSink& sink) : sink_(sink) {
@@ -125,7 +124,7 @@ bool ElementBuilder::find_target(const NodeType* type, SourceName element, std::
       return true;
     case ElementKind::node:
     case ElementKind::instance: {
-      const InterfaceDeclaration* const field = place_of(*parent.node.type, type, container);
+      const InterfaceDeclaration* const field = places_.find(*parent.node.type, type, container);
       if (field) target = target_in(parent, *field, element);
       return field != nullptr;
     }
@@ -215,13 +214,17 @@ FieldValue* ElementBuilder::value_of(SourceName attribute) {
     default:
       return nullptr;
   }
-  static constexpr std::string_view kOther[] = {"DEF", "USE", "containerField"};
-  static constexpr std::string_view kOfPages[] = {"class", "id", "style", "xmlns"};
-  const auto is_in = [&](const auto& names) {
-    return std::find(std::begin(names), std::end(names), attribute.text) != std::end(names);
-  };
-  if (is_in(kOther) || attribute.text.find(':') != std::string_view::npos) return nullptr;
-  if (is_in(kOfPages) && !frame.node.type->find_field(attribute.text)) return nullptr;
+  enum class Meaning : std::uint8_t { field, of_element, of_pages };
+  static constexpr NameMap kMeanings({std::pair<std::string_view, Meaning>{"DEF", Meaning::of_element},
+                                      {"USE", Meaning::of_element},
+                                      {"containerField", Meaning::of_element},
+                                      {"class", Meaning::of_pages},
+                                      {"id", Meaning::of_pages},
+                                      {"style", Meaning::of_pages},
+                                      {"xmlns", Meaning::of_pages}});
+  const Meaning meaning = kMeanings.find(attribute.text, Meaning::field);
+  if (meaning == Meaning::of_element || attribute.text.find(':') != std::string_view::npos) return nullptr;
+  if (meaning == Meaning::of_pages && !frame.node.type->find_field(attribute.text)) return nullptr;
   given_ = find_field(frame, attribute);
   return given_ ? without_nodes(sink_.target_of(frame.node, *given_).value) : nullptr;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "vrml/x3d/node_place.h"
 #include "vrml/x3d/value_text.h"
 
 #include <memory>
@@ -123,6 +124,7 @@ class ElementBuilder {
 
   SceneSink& sink_;
   std::vector<Frame> frames_;
+  RecentPlaces places_;
   FieldValue discarded_ = MFNode{};              // nodes without a place
   const InterfaceDeclaration* given_ = nullptr;  // field of the last value_of()
   SourceName given_name_;

@@ -3,6 +3,7 @@
 #include "vrml/scene/prototype.h"
 #include "vrml/scene/scene_graph.h"
 
+#include <cstdint>
 #include <string>
 #include <utility>
 
@@ -75,6 +76,19 @@ const InterfaceDeclaration* place_of(const NodeType& parent, const NodeType* typ
     if (type->bases.find("X3DMetadataObject") != std::string::npos) return node_field(parent, "metadata");
   }
   return given ? given : usual ? usual : node_field(parent, "children");
+}
+
+const InterfaceDeclaration* RecentPlaces::find(const NodeType& parent, const NodeType* type,
+                                               std::string_view container) {
+  constexpr std::size_t kMaxContainer = 32;
+  if (!type || container.size() > kMaxContainer || type->kind != NodeType::Kind::built_in ||
+      parent.kind != NodeType::Kind::built_in || parent.is_programmable)
+    return place_of(parent, type, container);
+  const auto key = reinterpret_cast<std::uintptr_t>(&parent) * 31 + reinterpret_cast<std::uintptr_t>(type);
+  Place& place = places_[((key ^ key >> 9) / alignof(NodeType) + container.size()) % places_.size()];
+  if (place.parent != &parent || place.type != type || place.container != container)
+    place = {&parent, type, std::string(container), place_of(parent, type, container)};
+  return place.field;
 }
 
 }  // namespace gs::vrml::x3d

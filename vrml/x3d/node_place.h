@@ -2,6 +2,8 @@
 
 #include "vrml/scene/node_type.h"
 
+#include <array>
+#include <string>
 #include <string_view>
 
 namespace gs::vrml::x3d {
@@ -15,5 +17,23 @@ namespace gs::vrml::x3d {
 /// none.
 [[nodiscard]] const InterfaceDeclaration* place_of(const NodeType& parent, const NodeType* type,
                                                    std::string_view container);
+
+/// Results of place_of() that were found last. One thread.
+class RecentPlaces {
+ public:
+  /// Returns the result of place_of().
+  [[nodiscard]] const InterfaceDeclaration* find(const NodeType& parent, const NodeType* type,
+                                                 std::string_view container);
+
+ private:
+  /// Field for nodes of a built-in type in nodes of a built-in type. Such types never change.
+  struct Place {
+    const NodeType* parent = nullptr;
+    const NodeType* type = nullptr;
+    std::string container;
+    const InterfaceDeclaration* field = nullptr;
+  };
+  std::array<Place, 64> places_{};
+};
 
 }  // namespace gs::vrml::x3d

@@ -21,7 +21,17 @@ constexpr std::size_t kLongRun = 16 * 1024;  // elements
 
 bool is_separator(char c) { return c == ' ' || c == ',' || c == '\n' || c == '\t' || c == '\r'; }
 
-// Counts line feeds. Long lists pass through it, so that it examines eight bytes at once.
+NumberRun fast_run(const char* begin, const char* end, float* out, std::size_t count) {
+  return parse_floats(begin, end, out, count);
+}
+NumberRun fast_run(const char* begin, const char* end, std::int32_t* out, std::size_t count) {
+  return parse_integers(begin, end, out, count);
+}
+NumberRun fast_run(const char* begin, const char*, const double*, std::size_t) { return {begin, 0, 0, nullptr}; }
+
+}  // namespace
+
+// Examines eight bytes at once, because long lists pass through it.
 std::uint32_t count_lines(std::string_view text) {
   constexpr std::uint64_t kFeeds = 0x0a0a0a0a0a0a0a0a, kLow = 0x7f7f7f7f7f7f7f7f;
   std::uint32_t lines = 0;
@@ -35,16 +45,6 @@ std::uint32_t count_lines(std::string_view text) {
   }
   return lines + static_cast<std::uint32_t>(std::count(text.begin(), text.end(), '\n'));
 }
-
-NumberRun fast_run(const char* begin, const char* end, float* out, std::size_t count) {
-  return parse_floats(begin, end, out, count);
-}
-NumberRun fast_run(const char* begin, const char* end, std::int32_t* out, std::size_t count) {
-  return parse_integers(begin, end, out, count);
-}
-NumberRun fast_run(const char* begin, const char*, const double*, std::size_t) { return {begin, 0, 0, nullptr}; }
-
-}  // namespace
 
 SourceLocation location_in(std::string_view text, SourceLocation start, const char* p) {
   const auto before = text.substr(0, static_cast<std::size_t>(p - text.data()));

@@ -58,6 +58,9 @@ class ValueReader {
   bool said_boolean_ = false, said_latin1_ = false, said_integer_ = false;
 };
 
+/// Returns the number of line feeds in a text.
+[[nodiscard]] std::uint32_t count_lines(std::string_view text);
+
 /// Returns the position of `p` in a text that begins at `start`.
 [[nodiscard]] SourceLocation location_in(std::string_view text, SourceLocation start, const char* p);
 

@@ -1,5 +1,7 @@
 #include "vrml/xml/markup.h"
 
+#include "vrml/x3d/value_text.h"
+
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -83,30 +85,55 @@ std::size_t MarkupScanner::end_tag_size(std::string_view text) {
   return end + 1;
 }
 
+// Returns the end of a long value; `from` is a position in it. Returns kNone if the end is missing. Examines a block of
+// bytes several times while it is in the processor's cache.
+std::size_t MarkupScanner::end_of_long_value(std::string_view text, std::size_t from, char quote) {
+  constexpr std::size_t kBlock = 4096;
+  for (std::size_t at = from; at < text.size(); at += kBlock) {
+    std::string_view block = text.substr(at, kBlock);
+    const std::size_t end = block.find(quote);
+    block = block.substr(0, end);
+    attribute_.is_long = attribute_.is_long && block.find('&') == kNone && block.find('<') == kNone;
+    if (block.find('\n') != kNone) {
+      attribute_.lines += x3d::count_lines(block);
+      attribute_.line_start = at + block.rfind('\n') + 1;
+    }
+    if (end != kNone) return at + end;
+  }
+  return kNone;
+}
+
 // Passes the value behind the quote at `at`. Returns false if its end is missing; the next call of tag_size() then
 // continues there.
 bool MarkupScanner::pass_value(std::string_view text, std::size_t& at) {
   const char quote = text[at];
-  const std::size_t searched = std::exchange(searched_, 0), begin = at + 1;
-  const std::size_t short_end = std::min(text.size(), begin + kLongValue);
+  const std::size_t begin = at + 1, short_end = std::min(text.size(), begin + kLongValue);
+  std::size_t end = std::max(begin, std::exchange(searched_, 0));
   unsigned classes = 0;
-  std::size_t end = begin;
-  for (; end < short_end && text[end] != quote; ++end) classes |= tag_class(text[end]);
-  if (end == short_end) end = text.find(quote, std::max(end, searched));
-  if (end == kNone) {
+  if (end == begin) {
+    for (; end < short_end && text[end] != quote; ++end) classes |= tag_class(text[end]);
+    if (end == begin + kLongValue) {
+      attribute_.is_long = true;
+      attribute_.lines = 0;
+      end = end_of_long_value(text, begin, quote);
+      if (end == kNone) searched_ = text.size();
+    }
+  } else {
+    end = end_of_long_value(text, end, quote);
+    if (end == kNone) searched_ = text.size();
+  }
+  if (end == kNone || end == text.size()) {
     open_value_ = at;
-    searched_ = text.size();
     return false;
   }
   AttributeSpan span = attribute_;
   span.begin = begin;
   span.end = end;
   if (end - begin >= kLongValue) {
-    const std::string_view value = text.substr(begin, end - begin);
-    span.is_long = value.find('&') == kNone && value.find('<') == kNone;
     has_long_values_ |= span.is_long;
     is_plain_ &= span.is_long;
   } else {
+    span.is_long = false;
     span.has_breaks = (classes & line_break) != 0;
     is_plain_ &= (classes & not_plain) == 0;
   }

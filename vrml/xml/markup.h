@@ -23,6 +23,8 @@ struct AttributeSpan {
   std::size_t begin = 0, end = 0;            // offsets in the tag, without the quotes
   std::size_t name_begin = 0, name_end = 0;  // offsets of the name; only in plain tags
   bool is_long = false;                      // a long value without markup, which the reader parses itself
+  std::size_t line_start = 0;                // long value: offset after its last line feed
+  std::uint32_t lines = 0;                   // long value: number of line feeds
   bool has_breaks = false;                   // a short value with tabs or line breaks, which XML replaces by blanks
 };
 
@@ -62,6 +64,7 @@ class MarkupScanner {
   void read_name(std::string_view text, std::size_t begin);
   [[nodiscard]] bool pass_plain(std::string_view text, std::size_t& at);
   [[nodiscard]] bool pass_value(std::string_view text, std::size_t& at);
+  [[nodiscard]] std::size_t end_of_long_value(std::string_view text, std::size_t from, char quote);
   void check_names(std::string_view tag);
 
   std::vector<AttributeSpan> attributes_;

@@ -33,6 +33,15 @@ std::string_view append_without_breaks(std::string_view value, std::string& out)
   return std::string_view(out).substr(begin);
 }
 
+// Moves the position in a tag, as location and offset, from the start of a value to its end if it is long.
+void pass_long_value(const AttributeSpan& span, SourceLocation& location, std::size_t& offset) {
+  if (!span.is_long) return;
+  location.line += span.lines;
+  location.column = static_cast<std::uint32_t>(span.lines > 0 ? span.end - span.line_start + 1
+                                                              : location.column + (span.end - span.begin));
+  offset = span.end;
+}
+
 }  // namespace
 
 struct Reader::State {
@@ -130,9 +139,9 @@ void Reader::State::read_attributes(const char** given) {
   for (std::size_t i = 0; given[2 * i]; ++i) {
     x3d::Attribute attribute{given[2 * i], given[2 * i + 1], at};
     if (!tag.empty() && i < spans.size()) {
-      at = x3d::location_in(tag.substr(from), at, tag.data() + spans[i].begin);
+      attribute.location = at = x3d::location_in(tag.substr(from), at, tag.data() + spans[i].begin);
       from = spans[i].begin;
-      attribute.location = at;
+      pass_long_value(spans[i], at, from);
       if (spans[i].is_long) attribute.value = tag.substr(spans[i].begin, spans[i].end - spans[i].begin);
     }
     attributes.push_back(attribute);
@@ -145,7 +154,7 @@ void Reader::State::read_attributes(const char** given) {
 void Reader::State::read_plain_attributes() {
   attributes.clear();
   without_breaks.clear();
-  is_one_line = tag.find('\n') == std::string_view::npos;
+  is_one_line = !scanner.has_long_values() && tag.find('\n') == std::string_view::npos;
   std::size_t broken = 0;  // bytes of the values with line breaks
   for (const AttributeSpan& span : scanner.attributes()) broken += span.has_breaks ? span.end - span.begin : 0;
   without_breaks.reserve(broken);
@@ -156,9 +165,9 @@ void Reader::State::read_plain_attributes() {
     if (is_one_line) {
       attribute.location = {location.line, location.column + static_cast<std::uint32_t>(span.begin)};
     } else {
-      location = x3d::location_in(tag.substr(located), location, tag.data() + span.begin);
+      attribute.location = location = x3d::location_in(tag.substr(located), location, tag.data() + span.begin);
       located = span.begin;
-      attribute.location = location;
+      pass_long_value(span, location, located);
     }
     if (span.has_breaks) attribute.value = append_without_breaks(attribute.value, without_breaks);
     attributes.push_back(attribute);

@@ -37,6 +37,16 @@ std::size_t utf8_length(const unsigned char* p, const unsigned char* end) {
   return 0;
 }
 
+// Moves `p` past spaces. Most blanks are indentations.
+void pass_spaces(const char*& p, const char* end) {
+  constexpr std::uint64_t kSpaces = 0x2020202020202020;
+  for (std::uint64_t word = 0; end - p >= 8; p += 8) {
+    std::memcpy(&word, p, 8);
+    if (word != kSpaces) break;
+  }
+  while (p != end && *p == ' ') ++p;
+}
+
 bool is_utf8(std::string_view text) {
   const auto* p = reinterpret_cast<const unsigned char*>(text.data());
   const auto* end = p + text.size();
@@ -83,6 +93,7 @@ Lexer::Blank Lexer::skip_blanks() {
     const char c = *next_;
     if (c == '\n') {
       new_line(++next_);
+      pass_spaces(next_, end_);
     } else if (c == '\r') {
       if (next_ + 1 == end_ && !last_) return Blank::need_more;
       ++next_;
@@ -94,6 +105,7 @@ Lexer::Blank Lexer::skip_blanks() {
       next_ = p;
     } else if (lexical_class(c) == blank) {
       ++next_;
+      pass_spaces(next_, end_);
     } else if (c == '/' && block_comments_) {
       if (next_ + 1 == end_ && !last_) return Blank::need_more;
       if (!begins_block_comment(next_)) return Blank::passed;
