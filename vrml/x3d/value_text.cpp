@@ -61,7 +61,16 @@ void unescape(std::string_view raw, std::string& out) {
   }
 }
 
-SourceLocation ValueReader::location_of(const char* p) const { return location_in(value_->text, value_->location, p); }
+// Counts from the last position, because lists may contain millions of words that need one.
+SourceLocation ValueReader::location_of(const char* p) {
+  if (p < located_) {
+    located_ = value_->text.data();
+    location_ = value_->location;
+  }
+  location_ = location_in({located_, static_cast<std::size_t>(p - located_)}, location_, p);
+  located_ = p;
+  return location_;
+}
 
 void ValueReader::skip_separators() {
   while (next_ < end_ && is_separator(*next_)) ++next_;
@@ -267,6 +276,8 @@ void ValueReader::read(const ValueText& value, FieldValue& into) {
   value_ = &value;
   next_ = value.text.data();
   end_ = next_ + value.text.size();
+  located_ = next_;
+  location_ = value.location;
   said_number_ = false;
   charged_ = 0;
   std::visit(

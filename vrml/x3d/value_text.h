@@ -46,12 +46,14 @@ class ValueReader {
   [[nodiscard]] std::string_view next_word();
   void skip_separators();
   void check_end();
-  [[nodiscard]] SourceLocation location_of(const char* p) const;
+  [[nodiscard]] SourceLocation location_of(const char* p);
 
   SceneSink& sink_;
   const ValueText* value_ = nullptr;  // value that is read
   const char* next_ = nullptr;
   const char* end_ = nullptr;
+  const char* located_ = nullptr;  // position of `location_`: the last that was asked for
+  SourceLocation location_;
   std::string scratch_;
   std::size_t charged_ = 0;   // bytes of this value that were charged to the budget
   bool said_number_ = false;  // a problem of a number in this value was reported
