@@ -131,6 +131,21 @@ Number ValueReader::slow_number(std::string_view word) {
   return 0;
 }
 
+// Reads a short text of at most `count` plain numbers to its end, as read_numbers() does. Returns their count; 0 for
+// other texts, of which it reads nothing. The copy ends with a separator, so that the bulk readers take all numbers.
+template <class Number>
+std::size_t ValueReader::read_short(Number* out, std::size_t count) {
+  char copy[96];
+  const auto size = static_cast<std::size_t>(end_ - next_);
+  if (size >= sizeof copy) return 0;
+  std::memcpy(copy, next_, size);
+  copy[size] = ' ';
+  const NumberRun run = fast_run(copy, copy + size + 1, out, count);
+  if (!std::all_of(run.next, static_cast<const char*>(copy) + size, is_separator)) return 0;
+  if (run.count > 0) next_ = end_;
+  return run.count;
+}
+
 // Reads up to `count` numbers. Returns a smaller count at the end of the text.
 template <class Number>
 std::size_t ValueReader::read_numbers(Number* out, std::size_t count) {
@@ -152,7 +167,8 @@ void ValueReader::read_element(T& element) {
   using Number = typename ElementNumbers<T>::Number;
   constexpr std::size_t kCount = ElementNumbers<T>::kCount;
   Number numbers[kCount];
-  const std::size_t count = read_numbers(numbers, kCount);
+  std::size_t count = read_short(numbers, kCount);
+  if (count == 0) count = read_numbers(numbers, kCount);
   if (count == kCount) {
     std::copy_n(numbers, kCount, numbers_of(element));
     return check_end();
@@ -172,7 +188,8 @@ void ValueReader::read_list(Array<T>& list, FieldValue& whole) {
   constexpr std::size_t kCount = ElementNumbers<T>::kCount;
   static_assert(kShortRun % kCount == 0);
   alignas(16) Number buffer[kShortRun];
-  std::size_t count = read_numbers(buffer, kShortRun);
+  std::size_t count = read_short(buffer, kShortRun);
+  if (count == 0) count = read_numbers(buffer, kShortRun);
   list.append(std::span<const T>(reinterpret_cast<const T*>(buffer), count / kCount));
   bool full = count == kShortRun;
   while (full && !sink_.scene().memory().exhausted()) {

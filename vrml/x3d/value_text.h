@@ -40,6 +40,8 @@ class ValueReader {
   template <class Number>
   [[nodiscard]] std::size_t read_numbers(Number* out, std::size_t count);
   template <class Number>
+  [[nodiscard]] std::size_t read_short(Number* out, std::size_t count);
+  template <class Number>
   [[nodiscard]] Number slow_number(std::string_view word);
   [[nodiscard]] bool read_image(SFImage& image);
   void read_strings(MFString& strings);
