@@ -51,13 +51,13 @@ class LayerSearch {
 };
 
 template <class T>
-const T* value_of(const Node& node, std::string_view field) {
+const T* layer_field(const Node& node, std::string_view field) {
   const InterfaceDeclaration* const found = node.type->find_field(field);
   return found && found->slot >= 0 ? std::get_if<T>(&node.values[found->slot]) : nullptr;
 }
 
-bool flag_of(const SceneGraph& world, NodeId layer, std::string_view field) {
-  const auto* given = world.contains(layer) ? value_of<SFBool>(world.node(layer), field) : nullptr;
+bool layer_flag(const SceneGraph& world, NodeId layer, std::string_view field) {
+  const auto* given = world.contains(layer) ? layer_field<SFBool>(world.node(layer), field) : nullptr;
   return !given || *given;
 }
 
@@ -70,12 +70,12 @@ std::optional<LayerSet> layer_set_of(const SceneGraph& world) {
     const Node& node = world.node(id);
     LayerSet set;
     set.node = id;
-    if (const auto* layers = value_of<MFNode>(node, "layers"))
+    if (const auto* layers = layer_field<MFNode>(node, "layers"))
       for (std::size_t i = 0; i < std::min(layers->size(), kMaxLayers); ++i)
         set.layers.push_back(world.resolve(layers->begin()[i]));
     const auto exists = [&](int layer) { return layer >= 0 && layer <= static_cast<int>(set.layers.size()); };
-    if (const auto* active = value_of<SFInt32>(node, "activeLayer"); active && exists(*active)) set.active = *active;
-    if (const auto* order = value_of<MFInt32>(node, "order"))
+    if (const auto* active = layer_field<SFInt32>(node, "activeLayer"); active && exists(*active)) set.active = *active;
+    if (const auto* order = layer_field<MFInt32>(node, "order"))
       for (const SFInt32 layer : *order)
         if (exists(layer) && std::find(set.order.begin(), set.order.end(), layer) == set.order.end())
           set.order.push_back(layer);
@@ -94,10 +94,10 @@ int layer_of(const SceneGraph& world, const LayerSet& set, const SceneGraph& sce
 ClipBoundary clip_boundary_of(const SceneGraph& world, NodeId layer) {
   constexpr ClipBoundary kWhole{0, 1, 0, 1};
   if (!world.contains(layer)) return kWhole;
-  const auto* viewport = value_of<SFNode>(world.node(layer), "viewport");
+  const auto* viewport = layer_field<SFNode>(world.node(layer), "viewport");
   const NodeId id = viewport ? world.resolve(*viewport) : NodeId{};
   if (!id) return kWhole;
-  const auto* given = value_of<MFFloat>(world.node(id), "clipBoundary");
+  const auto* given = layer_field<MFFloat>(world.node(id), "clipBoundary");
   if (!given || given->size() < kWhole.size()) return kWhole;
   ClipBoundary boundary{};
   for (std::size_t i = 0; i < boundary.size(); ++i) {
@@ -108,9 +108,9 @@ ClipBoundary clip_boundary_of(const SceneGraph& world, NodeId layer) {
   return boundary[0] < boundary[1] && boundary[2] < boundary[3] ? boundary : kWhole;
 }
 
-bool is_pickable(const SceneGraph& world, NodeId layer) { return flag_of(world, layer, "pickable"); }
+bool is_pickable(const SceneGraph& world, NodeId layer) { return layer_flag(world, layer, "pickable"); }
 
-bool is_visible(const SceneGraph& world, NodeId layer) { return flag_of(world, layer, "visible"); }
+bool is_visible(const SceneGraph& world, NodeId layer) { return layer_flag(world, layer, "visible"); }
 
 bool is_layout_layer(const SceneGraph& world, NodeId layer) {
   return world.contains(layer) && world.node(layer).type->find_field("layout") != nullptr;

@@ -103,7 +103,7 @@ std::size_t MarkupScanner::end_of_long_value(std::string_view text, std::size_t 
   return kNone;
 }
 
-// Passes the value with its opening quote at `at`. Returns false if its end is missing; the next call of tag_size() then
+// Passes the value behind the quote at `at`. Returns false if its end is missing; the next call of tag_size() then
 // continues there.
 bool MarkupScanner::pass_value(std::string_view text, std::size_t& at) {
   const char quote = text[at];

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kTick = 1.0 / 30;  // usual length of a tick in seconds
 // Maximum number of particles times ticks within a lifetime. Larger systems get longer ticks.
-constexpr double kMaxWork = 1 << 24;
+constexpr double kMaxParticleWork = 1 << 24;
 constexpr std::uint64_t kBirthNumbers = 1, kWindNumbers = 2;  // purposes of random numbers
 
 constexpr float kMaxAcceleration = 1e9F;
@@ -50,7 +50,7 @@ void ParticleSimulation::begin_births(double first) {
 void ParticleSimulation::choose_span() {
   span_ = std::min(kTick, std::max<double>(settings_.lifetime, ParticleSettings::kShortestLife) / 4);
   const double many = static_cast<double>(std::max(settings_.most, particles_.size()));
-  span_ = std::max(span_, std::exp2(std::ceil(std::log2(many * longest_ / kMaxWork / span_ + 1e-9))) * span_);
+  span_ = std::max(span_, std::exp2(std::ceil(std::log2(many * longest_ / kMaxParticleWork / span_ + 1e-9))) * span_);
 }
 
 void ParticleSimulation::change(const ParticleSettings& settings) {

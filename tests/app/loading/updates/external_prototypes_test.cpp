@@ -193,7 +193,7 @@ TEST_CASE("has stand-ins for nodes of Blaxxun and Cosmo worlds, with and without
   const ScratchFolder folder;
   const std::string box =
       "Shape { appearance Appearance { material Material { emissiveColor 1 0 0 } } geometry Box { } }";
-  for (const std::string type : {"Occlusion", "BspGroup", "HUD", "Layer", "Layer2D", "Layer3D"}) {
+  for (const std::string type : {"Occlusion", "BspGroup", "HUD", "Layer2D", "Layer3D"}) {
     const std::string body = type + " { enabled FALSE children " + box + " }\n";
     const Shown declared = show(folder.write(
         "a.wrl", kHeader + "EXTERNPROTO " + type +
