@@ -29,6 +29,15 @@ if [ ! "$cache/complete" -nt "$build/bench/bench_inputs" ]; then
   "$build/bench/bench_inputs" "$cache"
   touch "$cache/complete"
 fi
+# The same worlds in X3D.
+x3d=("$cache/grid1m.x3d" "$cache/grid1m.x3dj")
+for world in nodes20k proto5k routes10k; do
+  for ending in x3d x3dj; do
+    file=$cache/$world.$ending
+    [ "$file" -nt "$cache/complete" ] || "$ghostspace" export "$cache/$world.wrl" "$file" >&2
+    x3d+=("$file")
+  done
+done
 worlds=(grid100k grid1m grid4m nodes20k proto5k routes10k)
 files=("${worlds[@]/%/.wrl}")
 files=("${files[@]/#/$cache/}")
@@ -119,7 +128,7 @@ echo "$(nproc) x ${processor:-unknown processor}, $(g++ --version | head -1), co
 echo
 echo "## The parser beside the bare loop, median of $runs"
 echo
-"$build/bench/parse_bench" --markdown --runs "$runs" "${files[@]}" "$cache/grid1m.x3d" "$cache/grid1m.x3dj"
+"$build/bench/parse_bench" --markdown --runs "$runs" "${files[@]}" "${x3d[@]}"
 echo
 if [ ${#painters[@]} -gt 1 ] && command -v Xvfb >/dev/null; then
   # Xvfb chooses a free display number and writes it to a file.

@@ -1,6 +1,7 @@
 #include "vrml/json/members.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace gs::vrml::json {
@@ -26,6 +27,14 @@ bool is_control(ElementKind element, std::string_view name) {
   }
 }
 
+// Returns the bit of an attribute that other members of an element may wait for; 0 for others.
+std::uint8_t bit_of(std::string_view attribute) {
+  constexpr std::string_view kNames[] = {"name", "type", "accessType", "USE"};
+  for (unsigned i = 0; i < std::size(kNames); ++i)
+    if (attribute == kNames[i]) return static_cast<std::uint8_t>(1u << i);
+  return 0;
+}
+
 bool is_scalar(const Token& token) { return token.kind == TokenKind::string || token.kind == TokenKind::word; }
 
 }  // namespace
@@ -40,6 +49,7 @@ Frame& FrameStack::push(Frame::Kind kind, SourceLocation start, std::string_view
   frame.element = ElementKind::node;
   frame.begun = frame.has_interface = frame.is_recorded = false;
   frame.depth = 0;
+  frame.given = 0;
   return frame;
 }
 
@@ -269,6 +279,7 @@ void MemberReader::attribute(std::string_view name, SourceLocation location, con
     if (!is_scalar(value)) return skip(value);
     if (!frame.begun) {
       (void)sink_.scene().memory().charge(sizeof(StoredAttribute) + value.text.size());
+      frame.given |= bit_of(name);
       frame.attributes.push_back({std::string(name), std::string(text_of(value, value_text_)), value.location});
     } else if (name == "DEF") {
       builder_.name_node({text_of(value, value_text_), value.location});
@@ -382,10 +393,7 @@ Progress MemberReader::skip_step() {
 // Reports whether a member needs members that were not read yet.
 bool MemberReader::must_wait(const Frame& frame, std::string_view key) const {
   if (replays_ >= kMaxReplays || key[0] == '#') return false;
-  const auto has = [&](std::string_view name) {
-    return frame.begun || std::any_of(frame.attributes.begin(), frame.attributes.end(),
-                                      [&](const StoredAttribute& stored) { return stored.name == name; });
-  };
+  const auto has = [&](std::string_view name) { return frame.begun || (frame.given & bit_of(name)) != 0; };
   const bool is_control_member = key[0] == '@' && is_control(frame.element, key.substr(1));
   switch (frame.element) {
     case ElementKind::field:

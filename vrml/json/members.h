@@ -52,6 +52,7 @@ struct Frame {
   std::vector<StoredAttribute> attributes;  // element that has not begun: its attributes
   std::vector<WaitingMember> waiting;       // element: members that wait for its end
   x3d::ElementKind element = x3d::ElementKind::node;
+  std::uint8_t given = 0;      // element that has not begun: bits of its attributes, see bit_of() in members.cpp
   bool begun = false;          // element: the builder knows it
   bool has_interface = false;  // element of a PROTO: its interface was read
   std::size_t depth = 0;       // skip and values: number of open brackets

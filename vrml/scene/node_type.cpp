@@ -2,10 +2,14 @@
 
 #include "vrml/scene/scene_graph.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace gs::vrml {
 namespace {
+
+// Number of interfaces from which on a table finds them. Built-in types have fewer.
+constexpr std::size_t kManyInterfaces = 64;
 
 constexpr std::string_view kSetPrefix = "set_";
 constexpr std::string_view kChangedSuffix = "_changed";
@@ -35,6 +39,10 @@ void NodeType::declare(InterfaceDeclaration declaration) {
   }
   keys_.push_back(digest(declaration.name));
   interfaces.push_back(std::move(declaration));
+  if (interfaces.size() < kManyInterfaces) return;
+  if (by_name_.empty())
+    for (const InterfaceDeclaration& each : interfaces) by_name_.emplace(each.name, &each);
+  by_name_.emplace(interfaces.back().name, &interfaces.back());
 }
 
 std::vector<const InterfaceDeclaration*> NodeType::url_fields() const {
@@ -45,15 +53,27 @@ std::vector<const InterfaceDeclaration*> NodeType::url_fields() const {
   return fields;
 }
 
-const InterfaceDeclaration* NodeType::find(std::string_view wanted) const {
+const InterfaceDeclaration* NodeType::search(std::string_view wanted) const {
+  if (!by_name_.empty()) {
+    const auto found = by_name_.find(wanted);
+    return found == by_name_.end() ? nullptr : found->second;
+  }
   const std::uint32_t key = digest(wanted);
   for (std::size_t i = 0; i < keys_.size(); ++i)
     if (keys_[i] == key && interfaces[i].name == wanted) return &interfaces[i];
-  if (language == Language::x3d)
-    for (const InterfaceDeclaration& each : interfaces)
-      if ((!each.x3d_name.empty() && each.x3d_name == wanted) ||
-          (!each.former_name.empty() && each.former_name == wanted))
-        return &each;
+  return nullptr;
+}
+
+const InterfaceDeclaration* NodeType::find(std::string_view wanted) const {
+  const InterfaceDeclaration* const found = search(wanted);
+  if (found || language != Language::x3d) return found;
+  // Only interfaces of the node table have other names. They precede those that a node declares.
+  for (std::size_t i = 0; i < std::min(interfaces.size(), kManyInterfaces); ++i) {
+    const InterfaceDeclaration& each = interfaces[i];
+    if ((!each.x3d_name.empty() && each.x3d_name == wanted) ||
+        (!each.former_name.empty() && each.former_name == wanted))
+      return &each;
+  }
   return nullptr;
 }
 

@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 namespace gs::vrml {
@@ -267,7 +268,10 @@ struct NodeType : NonCopyable {
   [[nodiscard]] const InterfaceDeclaration* find_event_in(std::string_view name) const;
 
  private:
+  [[nodiscard]] const InterfaceDeclaration* search(std::string_view name) const;
+
   std::vector<std::uint32_t> keys_;  // short hash of each name, so that searches seldom compare texts
+  std::unordered_map<std::string_view, const InterfaceDeclaration*> by_name_;  // only of types with many interfaces
 };
 
 /// Returns the table of built-in node types of VRML97 or of X3D, sorted by name. The first call builds it; it never

@@ -61,7 +61,16 @@ void unescape(std::string_view raw, std::string& out) {
   }
 }
 
-SourceLocation ValueReader::location_of(const char* p) const { return location_in(value_->text, value_->location, p); }
+// Counts from the last position, because lists may contain millions of words that need one.
+SourceLocation ValueReader::location_of(const char* p) {
+  if (p < located_) {
+    located_ = value_->text.data();
+    location_ = value_->location;
+  }
+  location_ = location_in({located_, static_cast<std::size_t>(p - located_)}, location_, p);
+  located_ = p;
+  return location_;
+}
 
 void ValueReader::skip_separators() {
   while (next_ < end_ && is_separator(*next_)) ++next_;
@@ -122,6 +131,21 @@ Number ValueReader::slow_number(std::string_view word) {
   return 0;
 }
 
+// Reads a short text of at most `count` plain numbers to its end, as read_numbers() does. Returns their count; 0 for
+// other texts, of which it reads nothing. The copy ends with a separator, so that the bulk readers take all numbers.
+template <class Number>
+std::size_t ValueReader::read_short(Number* out, std::size_t count) {
+  char copy[96];
+  const auto size = static_cast<std::size_t>(end_ - next_);
+  if (size >= sizeof copy) return 0;
+  std::memcpy(copy, next_, size);
+  copy[size] = ' ';
+  const NumberRun run = fast_run(copy, copy + size + 1, out, count);
+  if (!std::all_of(run.next, static_cast<const char*>(copy) + size, is_separator)) return 0;
+  if (run.count > 0) next_ = end_;
+  return run.count;
+}
+
 // Reads up to `count` numbers. Returns a smaller count at the end of the text.
 template <class Number>
 std::size_t ValueReader::read_numbers(Number* out, std::size_t count) {
@@ -143,7 +167,8 @@ void ValueReader::read_element(T& element) {
   using Number = typename ElementNumbers<T>::Number;
   constexpr std::size_t kCount = ElementNumbers<T>::kCount;
   Number numbers[kCount];
-  const std::size_t count = read_numbers(numbers, kCount);
+  std::size_t count = read_short(numbers, kCount);
+  if (count == 0) count = read_numbers(numbers, kCount);
   if (count == kCount) {
     std::copy_n(numbers, kCount, numbers_of(element));
     return check_end();
@@ -163,7 +188,8 @@ void ValueReader::read_list(Array<T>& list, FieldValue& whole) {
   constexpr std::size_t kCount = ElementNumbers<T>::kCount;
   static_assert(kShortRun % kCount == 0);
   alignas(16) Number buffer[kShortRun];
-  std::size_t count = read_numbers(buffer, kShortRun);
+  std::size_t count = read_short(buffer, kShortRun);
+  if (count == 0) count = read_numbers(buffer, kShortRun);
   list.append(std::span<const T>(reinterpret_cast<const T*>(buffer), count / kCount));
   bool full = count == kShortRun;
   while (full && !sink_.scene().memory().exhausted()) {
@@ -267,6 +293,8 @@ void ValueReader::read(const ValueText& value, FieldValue& into) {
   value_ = &value;
   next_ = value.text.data();
   end_ = next_ + value.text.size();
+  located_ = next_;
+  location_ = value.location;
   said_number_ = false;
   charged_ = 0;
   std::visit(

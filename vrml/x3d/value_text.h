@@ -40,18 +40,22 @@ class ValueReader {
   template <class Number>
   [[nodiscard]] std::size_t read_numbers(Number* out, std::size_t count);
   template <class Number>
+  [[nodiscard]] std::size_t read_short(Number* out, std::size_t count);
+  template <class Number>
   [[nodiscard]] Number slow_number(std::string_view word);
   [[nodiscard]] bool read_image(SFImage& image);
   void read_strings(MFString& strings);
   [[nodiscard]] std::string_view next_word();
   void skip_separators();
   void check_end();
-  [[nodiscard]] SourceLocation location_of(const char* p) const;
+  [[nodiscard]] SourceLocation location_of(const char* p);
 
   SceneSink& sink_;
   const ValueText* value_ = nullptr;  // value that is read
   const char* next_ = nullptr;
   const char* end_ = nullptr;
+  const char* located_ = nullptr;  // position of `location_`: the last that was asked for
+  SourceLocation location_;
   std::string scratch_;
   std::size_t charged_ = 0;   // bytes of this value that were charged to the budget
   bool said_number_ = false;  // a problem of a number in this value was reported
