@@ -140,7 +140,7 @@ void apply_array(Converter& converter, const Item& item) {
     steps[i] = item.get<SFVec3f>("separation" + digit);
     total *= numbers[i];
     if (total > static_cast<std::int64_t>(kMaxCopies)) {
-      converter.warn_once(item.location, "an Array with more than 100,000 elements; only the first ones are shown");
+      converter.warn_once(item.location, "Array exceeds the limit of 100,000 elements; skipped the rest");
       numbers[i] = std::max<std::int64_t>(1, numbers[i] * static_cast<std::int64_t>(kMaxCopies) / total);
       total = static_cast<std::int64_t>(kMaxCopies);
     }

@@ -130,7 +130,8 @@ void apply_environment(Converter& converter, const Item& item) {
   const NodeId fog = output.begin("Fog", *target, item.location, item.name);
   if (!fog) return;
   const float visibility = item.get<SFFloat>("fogVisibility");
-  if (visibility <= 0) converter.warn_once(item.location, "fog that ends at the far plane is not supported; no fog");
+  if (visibility <= 0)
+    converter.warn_once(item.location, "fog that ends at the far plane is not supported; drawn without fog");
   output.set(fog, "color", item.get<SFColor>("fogColor"));
   output.set(fog, "fogType", SFString(type == "HAZE" ? "LINEAR" : "EXPONENTIAL"));
   output.set(fog, "visibilityRange", std::max(visibility, 0.0F));

@@ -96,8 +96,8 @@ void ScenePrinter::begin_shared_names() {
 void ScenePrinter::put_shared_names() {
   const X3DStatements& statements = scene_.x3d();
   if (translator_.language() == Language::vrml97) {
-    if (!statements.imports.empty()) translator_.add_loss("IMPORT is left out, and ROUTEs of imported nodes");
-    if (!statements.exports.empty()) translator_.add_loss("EXPORT is left out");
+    if (!statements.imports.empty()) translator_.add_loss("IMPORTs and ROUTEs of imported nodes are left out");
+    if (!statements.exports.empty()) translator_.add_loss("EXPORTs are left out");
     return;
   }
   const auto name_or = [&](NodeId node, std::string_view otherwise) -> std::string_view {
