@@ -94,7 +94,7 @@ void apply_file(Converter& converter, const Item& item) {
   output.note_shape();
 }
 
-/// Places of copies. With several lists, the copies of each list are one copy for the list before it.
+/// Transforms of copies. With several lists, each list copies all copies of the next list together.
 using Places = std::vector<std::vector<Operation>>;
 
 // Adds the children once per matrix. The first copy is converted, the others use it.

@@ -35,7 +35,7 @@ void apply_perspective(Converter& converter, const Item& item) {
   add_viewpoint(converter, item, position, angle);
 }
 
-// Becomes an OrthoViewpoint of X3D. Its rectangle is a square, because the window decides about the width.
+// Becomes an OrthoViewpoint of X3D. Its rectangle is a square, because the window determines the width.
 void apply_orthographic(Converter& converter, const Item& item) {
   float height = item.get<SFFloat>("height");
   if (!(height > 0)) height = 2;
@@ -106,7 +106,7 @@ void apply_local_light(Converter& converter, const Item& item) {
   set_light(output, light, item);
   output.set(light, "location", item.get<SFVec3f>("location"));
   output.set(light, "radius", kFar);
-  // The environment has the attenuation from the square to the constant.
+  // The environment gives the square factor first; VRML97 gives the constant factor first.
   const SFVec3f& squares = converter.attenuation();
   if (squares != SFVec3f(0, 0, 1)) output.set(light, "attenuation", SFVec3f{squares.z, squares.y, squares.x});
   if constexpr (spot) {

@@ -152,7 +152,7 @@ bool X3DStatementSink::take_route(const RouteNames& route) {
           route.location, "more than " + std::to_string(kMaxImports) + " ROUTEs with imported nodes; skipped the rest");
     return true;
   }
-  // A skipped node was reported where it is.
+  // Skipped nodes were reported already.
   if (!skipped && admit(sizeof taken)) statements().routes.push_back(std::move(taken));
   return true;
 }
