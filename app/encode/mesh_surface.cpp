@@ -35,7 +35,7 @@ class LimitReports {
   }
   void report(const std::string& path, Diagnostics& diagnostics) const {
     for (const auto& [why, count] : parts_) {
-      const std::string others = count > 1 ? ", as " + std::to_string(count - 1) + " more" : "";
+      const std::string others = count > 1 ? " (and " + std::to_string(count - 1) + " more)" : "";
       diagnostics.add({Severity::error, path, {}, why + "; left out" + others});
     }
   }

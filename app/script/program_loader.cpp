@@ -109,7 +109,7 @@ bool ProgramLoader::start(Program& program) {
       ++program.next_url;
       if (start_text(program, held.text, file, at_place)) return true;
     } else if (held.kind == ProgramPlace::Kind::java) {
-      messages_.report(Severity::warning, program, "a Java program, which is not run");
+      messages_.report(Severity::warning, program, "Java programs are not supported; skipped");
       ++program.next_url;
     } else if (held.kind == ProgramPlace::Kind::file) {
       ScriptRequest wanted = next_files(program, urls);
@@ -123,7 +123,7 @@ bool ProgramLoader::start(Program& program) {
     } else {
       if (!held.text.empty())
         messages_.report(Severity::warning, program,
-                         "a program in '" + std::string(held.text.substr(0, 40)) + "', which is not run");
+                         "programs in '" + std::string(held.text.substr(0, 40)) + "' are not supported; skipped");
       ++program.next_url;
     }
   }

@@ -98,8 +98,8 @@ void check_programs(const vrml::SceneGraph& scene, Diagnostics& diagnostics) {
       const ProgramPlace held = program_place((*list)[k].view());
       const std::string label = node.name.empty() ? "Script" : "Script " + std::string(node.name);
       if (held.kind == ProgramPlace::Kind::java)
-        diagnostics.add(
-            {Severity::warning, node.text->file_name(), node.location, label + ": a Java program, which is not run"});
+        diagnostics.add({Severity::warning, node.text->file_name(), node.location,
+                         label + ": Java programs are not supported; skipped"});
       if (held.kind != ProgramPlace::Kind::held) continue;
       SourceLocation at = node.location;
       if (node.type->url_places.size() == list->size()) {

@@ -1,8 +1,9 @@
 #include "render/draw/renderer.h"
 
-#include "base/parallel.h"
 #include "render/collection/collector.h"
 #include "render/draw/cube_pass.h"
+#include "render/draw/layer_parts.h"
+#include "render/draw/off_screen.h"
 #include "render/gl/gpu.h"
 #include "render/mesh/background_pass.h"
 #include "render/mesh/mesh_pass.h"
@@ -12,168 +13,18 @@
 #include "render/volume/volume_pass.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <map>
 #include <utility>
 
 namespace gs::render {
-
-/// Off-screen framebuffer, possibly multisampled; `resolved` then has one sample per pixel. Its depth buffer is float
-/// if OpenGL supports glClipControl.
-struct OffscreenTarget {
-  int width = 0, height = 0, samples = 0;  // requested values; the driver may give fewer samples
-  Renderbuffer color, depth, resolved_color;
-  Framebuffer framebuffer, resolved;
-};
-
-/// Last complete image of a viewport, with one sample per pixel.
-struct FormerPicture {
-  int width = 0, height = 0;
-  Renderbuffer color;
-  Framebuffer framebuffer;
-};
-
 namespace {
 
 // Maximum bytes of an off-screen image. Larger images get fewer samples.
 constexpr std::size_t kMaxFramebufferBytes = std::size_t{1} << 30;
 constexpr std::size_t kBytesPerSample = 8;  // colour and depth
-constexpr int kPixelSide = 2;               // with pixels as samples: number of samples along the side of a pixel
 constexpr float kMaxCoarseness = 16;
-constexpr std::size_t kLightsOfManyPixels = 8;  // with more lights, additional pixels take too long
-
-void attach(const Gl& gl, const Renderbuffer& buffer, GLenum format, GLenum attachment, int samples, int width,
-            int height) {
-  gl.BindRenderbuffer(GL_RENDERBUFFER, buffer.name());
-  gl.RenderbufferStorageMultisample(GL_RENDERBUFFER, samples, format, width, height);
-  gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, buffer.name());
-}
-
-/// Makes a target. Its framebuffer is empty if the driver cannot make it.
-OffscreenTarget make_target(const Gl& gl, int width, int height, int samples) {
-  const GLenum depth = gl.ClipControl ? GL_DEPTH_COMPONENT32F : GL_DEPTH_COMPONENT24;
-  take_errors(gl);
-  OffscreenTarget target{width, height, samples, {}, {}, {}, {}, {}};
-  const auto complete = [&] {
-    return gl.CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE && gl.GetError() == GL_NO_ERROR;
-  };
-  target.color = make_renderbuffer(gl);
-  target.depth = make_renderbuffer(gl);
-  target.framebuffer = make_framebuffer(gl);
-  gl.BindFramebuffer(GL_FRAMEBUFFER, target.framebuffer.name());
-  const int multiple = samples > 1 ? samples : 0;
-  attach(gl, target.color, GL_RGBA8, GL_COLOR_ATTACHMENT0, multiple, width, height);
-  attach(gl, target.depth, depth, GL_DEPTH_ATTACHMENT, multiple, width, height);
-  if (!complete()) return {};
-  if (multiple == 0) return target;
-  target.resolved_color = make_renderbuffer(gl);
-  target.resolved = make_framebuffer(gl);
-  gl.BindFramebuffer(GL_FRAMEBUFFER, target.resolved.name());
-  attach(gl, target.resolved_color, GL_RGBA8, GL_COLOR_ATTACHMENT0, 0, width, height);
-  if (!complete()) return {};
-  return target;
-}
-
-/// Makes a framebuffer for an image. Its framebuffer is empty if the driver cannot make it.
-FormerPicture make_picture(const Gl& gl, int width, int height) {
-  take_errors(gl);
-  FormerPicture picture{width, height, make_renderbuffer(gl), make_framebuffer(gl)};
-  gl.BindFramebuffer(GL_FRAMEBUFFER, picture.framebuffer.name());
-  attach(gl, picture.color, GL_RGBA8, GL_COLOR_ATTACHMENT0, 0, width, height);
-  if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE || gl.GetError() != GL_NO_ERROR) return {};
-  return picture;
-}
-
-/// Reports whether the CPU rasterizes a surface or splats of the list. Sets `nothing_else` if the CPU draws everything
-/// that has edges; then OpenGL needs no multisampling.
-bool draws_layers(const Gl& gl, const RenderList& list, const DrawOptions& options, bool& nothing_else) {
-  const bool discs_by_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl.software);
-  // OpenGL draws triangles that are only outlines or points.
-  const bool by_gl = discs_by_gl || options.display != DisplayMode::surface;
-  bool any = !list.splats.empty();
-  nothing_else = !discs_by_gl && !options.guides;
-  for (const DrawItem& item : list.items) {
-    const bool layer = item.patches() && !item.overlay && !by_gl;
-    any = any || layer;
-    nothing_else = nothing_else && (layer || !item.visible);
-  }
-  for (const SplatItem& item : list.splats)
-    nothing_else = nothing_else && item.geometry && !item.geometry->as<qnv::Volume>();
-  nothing_else = nothing_else && any;
-  return any;
-}
-
-/// Returns options for off-screen drawing. If `reduced`, software drivers draw four times the pixels, which are
-/// averaged later: multisampling takes three times as long. Does not reduce CPU-rasterized surfaces, which have their
-/// own sampling.
-DrawOptions for_target(const Gl& gl, const RenderList& list, const DrawOptions& options, bool reduced) {
-  DrawOptions local = options;
-  local.x = local.y = 0;
-  const int most = gl.max_renderbuffer_size / kPixelSide;
-  bool nothing_else = false;
-  const bool layers = draws_layers(gl, list, options, nothing_else);
-  if (nothing_else) local.target_samples = 1;
-  if (reduced && gl.software && std::min(options.samples, gl.max_samples) == kPixelSide * kPixelSide && !layers &&
-      list.lights.size() <= kLightsOfManyPixels && options.width <= most && options.height <= most) {
-    local.width *= kPixelSide;
-    local.height *= kPixelSide;
-    local.samples = 1;
-    local.pixel_side = kPixelSide;
-  }
-  return local;
-}
-
-/// Writes the mean of a square of 2x2 RGBA pixels as one RGB pixel. Adds two components at a time.
-void put_mean(const std::uint8_t* above, const std::uint8_t* below, std::uint8_t* to) {
-  static_assert(std::endian::native == std::endian::little);
-  constexpr std::uint32_t kEven = 0x00FF00FF, kHalf = 0x00020002;
-  std::array<std::uint32_t, 4> pixels;
-  std::memcpy(pixels.data(), above, 8);
-  std::memcpy(pixels.data() + 2, below, 8);
-  std::uint32_t even = kHalf, odd = kHalf;
-  for (const std::uint32_t pixel : pixels) {
-    even += pixel & kEven;
-    odd += pixel >> 8 & kEven;
-  }
-  const std::uint32_t mean = (even >> 2 & kEven) | (odd >> 2 & kEven) << 8;
-  std::memcpy(to, &mean, 3);
-}
-
-/// Reads the bound framebuffer through a pixel buffer, top row first. Each pixel of the result is the mean of `side` x
-/// `side` pixels.
-Image read_back(const Gl& gl, int width, int height, int side) {
-  const auto columns = static_cast<std::size_t>(width / side), rows = static_cast<std::size_t>(height / side);
-  const std::size_t stride = static_cast<std::size_t>(width) * 4, square = static_cast<std::size_t>(side);
-  Image image{static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(rows), 3, {}};
-  image.pixels.resize(columns * rows * 3);
-  const auto reduce_row = [&](const std::uint8_t* from, std::uint8_t* to) {
-    if (square == 2) {
-      for (std::size_t x = 0; x < columns; ++x, from += 8, to += 3) put_mean(from, from + stride, to);
-    } else {
-      for (std::size_t x = 0; x < columns; ++x, from += 4)
-        for (std::size_t c = 0; c < 3; ++c) *to++ = from[c];
-    }
-  };
-  // Read one band at a time: a buffer for all pixels would be a second copy. Read four bytes per pixel, because drivers
-  // would have to convert three.
-  constexpr std::size_t kBand = 128, kRows = 32;  // rows of the image per band, and rows per task
-  std::vector<std::uint8_t> pixels(stride * square * std::min(kBand, rows));
-  gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
-  for (std::size_t first = 0; first < rows; first += kBand) {
-    const std::size_t end = std::min(rows, first + kBand);
-    gl.ReadPixels(0, static_cast<GLint>((rows - end) * square), width, static_cast<GLsizei>((end - first) * square),
-                  GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
-    (void)parallel_for((end - first + kRows - 1) / kRows, [&](std::size_t task) {
-      for (std::size_t y = first + task * kRows; y < std::min(end, first + (task + 1) * kRows); ++y)
-        reduce_row(pixels.data() + (end - 1 - y) * square * stride, image.pixels.data() + y * columns * 3);
-    });
-  }
-  return image;
-}
 
 }  // namespace
 
@@ -318,76 +169,6 @@ void Renderer::resolve(int width, int height) {
   gl.BlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
   gl.BindFramebuffer(GL_FRAMEBUFFER, target.resolved.name());
 }
-
-namespace {
-
-/// Part of a picture that a layer fills, and the camera for it.
-struct LayerPart {
-  Camera camera;
-  DrawOptions options;
-};
-
-/// Returns the drawn part of a layer with this clipBoundary (X3D 35.4.4); nullopt if it has no pixel. `options` are
-/// those of the picture; `camera` is the layer's, with the drawn part of the picture.
-std::optional<LayerPart> part_of(const vrml::ClipBoundary& boundary, const Camera& camera, const DrawOptions& options) {
-  LayerPart layer{camera, options};
-  const auto cut = [](double lower, double upper, double& low, double& high, int& at, int& pixels) {
-    // The layer, and the drawn part of the picture, from -1 to 1 over the whole picture.
-    const double first = 2 * lower - 1, last = 2 * upper - 1, scale = pixels / (high - low);
-    const double begin = std::max(first, low), end = std::min(last, high);
-    const int from = static_cast<int>(std::lround((begin - low) * scale)),
-              to = static_cast<int>(std::lround((end - low) * scale));
-    if (!(begin < end) || from >= to) return false;
-    low = (begin - first) / (last - first) * 2 - 1;
-    high = (end - first) / (last - first) * 2 - 1;
-    at += from;
-    pixels = to - from;
-    return true;
-  };
-  PicturePart& part = layer.camera.part;
-  if (!cut(boundary[0], boundary[1], part.left, part.right, layer.options.x, layer.options.width) ||
-      !cut(boundary[2], boundary[3], part.bottom, part.top, layer.options.y, layer.options.height))
-    return std::nullopt;
-  return layer;
-}
-
-/// Returns the camera of a layer, for the part of the picture that `camera` draws.
-Camera lens_of(const RenderLayer& layer, const Camera& camera, const DrawOptions& options) {
-  Camera lens = layer.camera;
-  lens.part = camera.part;
-  if (layer.extent.x > 0) {
-    const vrml::ClipBoundary& boundary = layer.list->boundary;
-    const glm::dvec2 whole(whole_size(camera, glm::vec2(options.width, options.height)));
-    const glm::dvec2 size(whole.x * (boundary[1] - boundary[0]), whole.y * (boundary[3] - boundary[2]));
-    const double smaller = std::min(size.x, size.y);
-    lens.height = std::max(layer.extent.x * smaller / size.x, layer.extent.y * smaller / size.y);
-  }
-  return lens;
-}
-
-/// Returns the options for a layer that is not active.
-DrawOptions options_of(const RenderLayer& layer, std::size_t index, const DrawOptions& options) {
-  constexpr std::uint32_t kViewports = 1u << 16;  // more than a window has: each layer has a level of detail of its own
-  DrawOptions result = options;
-  result.headlight = layer.list->navigation.headlight;
-  result.headlight_towards = {0, 0, 1};
-  result.viewport += kViewports * (static_cast<std::uint32_t>(index) + 1);
-  result.guides = nullptr;
-  result.unit = 1;
-  return result;
-}
-
-void add_to(FrameStatistics& sum, const FrameStatistics& layer) {
-  sum.triangles += layer.triangles;
-  sum.items += layer.items;
-  sum.draw_calls += layer.draw_calls;
-  sum.vectors += layer.vectors;
-  if (layer.vectors > 0) sum.splats = layer.splats;
-  sum.pending = sum.pending || layer.pending;
-  sum.given_up = sum.given_up || layer.given_up;
-}
-
-}  // namespace
 
 // Draws a world. If it has layers, draws them from back to front, each in its part of the picture.
 FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& camera, const DrawOptions& options) {

@@ -94,7 +94,7 @@ void apply_file(Converter& converter, const Item& item) {
   output.note_shape();
 }
 
-/// Places of copies. With several lists, the copies of each list are one copy for the list before it.
+/// Transforms of copies. With several lists, each list copies all copies of the next list together.
 using Places = std::vector<std::vector<Operation>>;
 
 // Adds the children once per matrix. The first copy is converted, the others use it.
@@ -140,7 +140,7 @@ void apply_array(Converter& converter, const Item& item) {
     steps[i] = item.get<SFVec3f>("separation" + digit);
     total *= numbers[i];
     if (total > static_cast<std::int64_t>(kMaxCopies)) {
-      converter.warn_once(item.location, "an Array with more than 100,000 elements; only the first ones are shown");
+      converter.warn_once(item.location, "Array exceeds the limit of 100,000 elements; skipped the rest");
       numbers[i] = std::max<std::int64_t>(1, numbers[i] * static_cast<std::int64_t>(kMaxCopies) / total);
       total = static_cast<std::int64_t>(kMaxCopies);
     }

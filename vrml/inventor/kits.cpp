@@ -62,7 +62,7 @@ void visit_parts(Converter& converter, const Item& item) {
 // Draws the container of a list of parts.
 void apply_list_part(Converter& converter, const Item& item) { visit_parts(converter, item); }
 
-constexpr std::string_view kUnseen = "not supported; it has no effect";
+constexpr std::string_view kUnseen = "not supported; ignored";
 
 constexpr ItemRow kKitRows[] = {
     {"SeparatorKit ShapeKit SceneKit WrapperKit InteractionKit", ItemClass::kit, true, visit_parts},
@@ -120,7 +120,7 @@ constexpr ItemRow kOtherRows[] = {
      false,
      nullptr,
      {},
-     "draggers are not supported; it is not shown"},
+     "draggers are not supported; skipped"},
 };
 
 }  // namespace

@@ -104,8 +104,9 @@ void Looks::add_material(NodeId appearance, const Look& look, const State& state
   output.set(node, "transparency", transparency);
   output.end(node);
   if (look.varies && (material.transparency.size() > 1 || (material.emissive.size() > 1 && look.lit)))
-    converter_.warn_once(location,
-                         "lists of transparency or emissiveColor beside diffuseColor; only the first value is used");
+    converter_.warn_once(
+        location,
+        "lists of transparency or emissiveColor are not supported beside diffuseColor; used the first values");
   materials_.emplace(look.material, node);
 }
 
@@ -145,7 +146,7 @@ void Looks::add_texture(NodeId appearance, const Look& look, const State& state,
     const double scale_t = determinant / scale_s;
     const double angle = std::atan2(-row_s.y, row_s.x);
     if (std::abs(glm::dot(row_s, row_t)) > 1e-4 * scale_s * glm::length(row_t))
-      converter_.warn_once(location, "a Texture2Transform turns and scales unevenly; approximated");
+      converter_.warn_once(location, "Texture2Transform rotates and scales unevenly; approximated");
     const glm::dmat2 linear{glm::dvec2(m[0]), glm::dvec2(m[1])};
     const glm::dvec2 translation = glm::inverse(linear) * glm::dvec2(m[2]);
     output.set(node, "scale", SFVec2f(static_cast<float>(scale_s), static_cast<float>(scale_t)));

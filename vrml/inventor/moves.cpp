@@ -104,7 +104,7 @@ constexpr ItemRow kTransformRows[] = {
     {"AntiSquish SurroundScale", ItemClass::plain, false, nullptr,
      "SFEnum sizing AVERAGE_DIMENSION SFBool recalcAlways TRUE SFInt32 numNodesUpToContainer 0 SFInt32 "
      "numNodesUpToReset 0",
-     "not supported; it has no effect"},
+     "not supported; ignored"},
 };
 
 }  // namespace

@@ -68,13 +68,13 @@ class Output : NonCopyable {
 
   void add_transform(Operation operation);
   /// Adds a Transform with this name around the following children of the group, so that events can move it. Returns
-  /// its name, or an empty string if it cannot move: then the transform is added as it is.
+  /// its name, or an empty string if it cannot move; the transform is then added unchanged.
   std::string add_moving_transform(const TransformFields& fields, const std::string& name);
   /// Stores the transformation for TransformSeparator, and restores it.
   void save_transforms();
   void restore_transforms();
 
-  /// Puts the children from here on into a nested group, if the group has visible children already.
+  /// Puts all later children into a nested group if the group already has visible children.
   void split_group(SourceLocation location);
   [[nodiscard]] bool has_shapes() const { return groups_.back().has_shapes; }
   void note_shape() { groups_.back().has_shapes = true; }

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kHeaderWindow = 256;
 
-/// Scanner that finds the ends of nodes at the top level. Knows only braces, strings and comments, in the way of Lexer.
+/// Scanner that finds the ends of nodes at the top level. Recognizes only braces, strings and comments, as Lexer does.
 class RootScanner {
  public:
   /// Scans the text from the end of the last scan on. Returns the size of the text up to the next end of a node at the

@@ -93,7 +93,7 @@ class Sharing {
  private:
   enum class State : std::uint8_t { unseen, open, done };
   struct Info {
-    NodeId result;  // node that stands for this one
+    NodeId result;  // node that replaces this one
     std::uint32_t uses = 0;
     State state = State::unseen;
     bool fixed = false;      // has ROUTEs
@@ -145,7 +145,7 @@ class Sharing {
       if (statement.kind == Statement::Kind::node) statement.node = info(statement.node).result;
   }
 
-  // Reports whether a node may stand in several places without a change of its meaning.
+  // Reports whether several uses of one node mean the same as copies of it.
   [[nodiscard]] bool may_share(const Node& node) const {
     constexpr Role kOwnState =
         Role::bindable | Role::sensor | Role::interpolator | Role::time_dependent | Role::sound_source | Role::script;
@@ -205,8 +205,8 @@ class Sharing {
     return std::equal(first.values, first.values + first.type->defaults.size(), second.values);
   }
 
-  // Puts the children of a plain Group into the only group around it. Gives each use of a node without values a node of
-  // its own, because a name and a USE would be longer.
+  // Replaces the only child of a group by its children if it is a plain Group. Gives each use of a node without values
+  // a node of its own, because a name and a USE would be longer.
   void tidy(NodeId id) {
     if (scene_.node(id).type == group_ || scene_.node(id).type == transform_) {
       const MFNode& children = children_of(id);

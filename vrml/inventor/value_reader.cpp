@@ -195,7 +195,7 @@ void ValueReader::read_list(Array<T>& list, FieldValue& into, std::size_t wanted
       if (!bracketed && have == 0 && list.size() >= wanted) {
         if (wanted == 0 || !number_follows()) break;
         sink_.problems().warn_once(said_unbracketed_, lexer_.location(),
-                                   "several values of " + std::string(name_) + " without brackets; accepted");
+                                   "several values of " + std::string(name_) + " have no brackets; accepted");
       }
       continue;
     }
@@ -214,7 +214,7 @@ void ValueReader::read_list(Array<T>& list, FieldValue& into, std::size_t wanted
     }
   }
   if (have > 0 && !list.empty()) {
-    sink_.problems().warn(lexer_.location(), "the last value of " + std::string(name_) + " is not complete; left out");
+    sink_.problems().warn(lexer_.location(), "the last value of " + std::string(name_) + " is incomplete; skipped it");
   }
   list.shrink_to_fit();
   sink_.limits().charge_growth(into, charged, true);
@@ -278,7 +278,7 @@ void ValueReader::read_numbers(const ValueType& type, FieldValue& into) {
 
 String ValueReader::text(const Token& token) {
   if (token.kind == TokenKind::word)
-    sink_.problems().warn_once(said_bare_, token.location, "a string without quotes; accepted");
+    sink_.problems().warn_once(said_bare_, token.location, "string has no quotes; accepted");
   if (!sink_.limits().admits_string(token.text.size(), token.location)) return {};
   bool latin1 = false;
   std::string decoded = decode_string(token.text, token.has_escapes, latin1);

@@ -35,7 +35,7 @@ void apply_perspective(Converter& converter, const Item& item) {
   add_viewpoint(converter, item, position, angle);
 }
 
-// Becomes an OrthoViewpoint of X3D. Its rectangle is a square, because the window decides about the width.
+// Becomes an OrthoViewpoint of X3D. Its rectangle is a square, because the window determines the width.
 void apply_orthographic(Converter& converter, const Item& item) {
   float height = item.get<SFFloat>("height");
   if (!(height > 0)) height = 2;
@@ -106,7 +106,7 @@ void apply_local_light(Converter& converter, const Item& item) {
   set_light(output, light, item);
   output.set(light, "location", item.get<SFVec3f>("location"));
   output.set(light, "radius", kFar);
-  // The environment has the attenuation from the square to the constant.
+  // The environment gives the square factor first; VRML97 gives the constant factor first.
   const SFVec3f& squares = converter.attenuation();
   if (squares != SFVec3f(0, 0, 1)) output.set(light, "attenuation", SFVec3f{squares.z, squares.y, squares.x});
   if constexpr (spot) {
@@ -130,7 +130,8 @@ void apply_environment(Converter& converter, const Item& item) {
   const NodeId fog = output.begin("Fog", *target, item.location, item.name);
   if (!fog) return;
   const float visibility = item.get<SFFloat>("fogVisibility");
-  if (visibility <= 0) converter.warn_once(item.location, "fog that ends at the far plane is not supported; no fog");
+  if (visibility <= 0)
+    converter.warn_once(item.location, "fog that ends at the far plane is not supported; drawn without fog");
   output.set(fog, "color", item.get<SFColor>("fogColor"));
   output.set(fog, "fogType", SFString(type == "HAZE" ? "LINEAR" : "EXPONENTIAL"));
   output.set(fog, "visibilityRange", std::max(visibility, 0.0F));

@@ -39,7 +39,8 @@ constexpr Vrml97Equivalent kEquivalents[] = {
     {"TriangleFanSet", "IndexedFaceSet", faces_of_triangle_fan_set},
     {"TriangleSet", "IndexedFaceSet", faces_of_triangle_set},
     {"TriangleStripSet", "IndexedFaceSet", faces_of_triangle_strip_set},
-    {"TwoSidedMaterial", "Material", nullptr, "TwoSidedMaterial becomes Material: the look of the back is left out"},
+    {"TwoSidedMaterial", "Material", nullptr,
+     "TwoSidedMaterial becomes Material: the colours of back faces are left out"},
     {"UnlitMaterial", "Material", material_of_unlit},
     {"ViewpointGroup", "Group"},
 };

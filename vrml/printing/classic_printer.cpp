@@ -82,7 +82,7 @@ void ClassicPrinter::put_use(const NodeType& type, std::string_view name, std::s
 void ClassicPrinter::put_access(const InterfaceDeclaration& declaration) {
   if (translator().language() == Language::vrml97 && !is_vrml97_type(declaration.type))
     translator().add_loss("the type " + std::string(name_of(declaration.type)) +
-                          " of X3D stays; other VRML97 browsers lack it");
+                          " of X3D is kept; other VRML97 browsers do not support it");
   out() += name_of(declaration.access, translator().language());
   out() += ' ';
   out() += name_of(declaration.type);

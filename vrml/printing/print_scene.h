@@ -25,7 +25,7 @@ struct PrintOptions {
 /// differ from their defaults, and ROUTEs, in the order of the file. Nodes of the other language get its names
 /// (Switch.choice is `children` in X3D). Nodes that only X3D has become their equivalents in VRML97, or are left out.
 ///
-/// Printing the text that was read again gives the same text. Passes the text in pieces of about one megabyte; `write`
+/// Reading the text and printing it again gives the same text. Passes the text in pieces of about one megabyte; `write`
 /// returns false to stop. Returns the properties that the text lacks, as messages for the user.
 std::vector<std::string> print_scene(const SceneGraph& scene, const PrintOptions& options,
                                      const std::function<bool(std::string_view)>& write);

@@ -46,8 +46,8 @@ bool ScenePrinter::is_printed(NodeId id) const {
          (scope_->scene.contains(id) && scope_->scene.node(id).type == &browser_node_type());
 }
 
-// Writes a ROUTE if its nodes were written. Nodes that stand nowhere in the scene, or inside of nodes that are left
-// out, are not. Until the `last` try, the ROUTE waits for them.
+// Writes a ROUTE if both of its nodes were written; otherwise the ROUTE waits until the `last` try. The text never
+// contains nodes outside of the scene, or inside of omitted nodes.
 void ScenePrinter::put_statement(const Route& route, bool last) {
   if (!is_printed(route.from) || !is_printed(route.to)) {
     if (last)
@@ -92,12 +92,12 @@ void ScenePrinter::begin_shared_names() {
     for (const NodeId node : {each.from.node, each.to.node}) scope_->needs_name.insert(node.index);
 }
 
-// Writes IMPORT and EXPORT statements, and the ROUTEs of imported nodes, behind all nodes.
+// Writes IMPORT and EXPORT statements, and the ROUTEs of imported nodes, after all nodes.
 void ScenePrinter::put_shared_names() {
   const X3DStatements& statements = scene_.x3d();
   if (translator_.language() == Language::vrml97) {
-    if (!statements.imports.empty()) translator_.add_loss("IMPORT is left out, and ROUTEs of imported nodes");
-    if (!statements.exports.empty()) translator_.add_loss("EXPORT is left out");
+    if (!statements.imports.empty()) translator_.add_loss("IMPORTs and ROUTEs of imported nodes are left out");
+    if (!statements.exports.empty()) translator_.add_loss("EXPORTs are left out");
     return;
   }
   const auto name_or = [&](NodeId node, std::string_view otherwise) -> std::string_view {

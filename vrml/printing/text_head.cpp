@@ -15,7 +15,7 @@ namespace {
 /// Profile with its components and their levels.
 struct Profile {
   std::string_view name;
-  std::string_view components;  // "NAME:LEVEL" with a blank behind each
+  std::string_view components;  // "NAME:LEVEL" each followed by a blank
 };
 
 // Tables B.1, D.1 and E.1 of ISO/IEC 19775-1, the smallest profile first.

@@ -22,7 +22,7 @@ enum class Notation : std::uint8_t { classic, xml, json };
 inline constexpr std::size_t kLineWidth = 100;
 
 /// Appends the shortest text that gives the same number. JSON has no infinite numbers; they become the largest one.
-/// The sign of NaN differs between processors and is left out.
+/// Omits the sign of NaN, which differs between processors.
 template <Notation kNotation, class Number>
 void append_number(std::string& out, Number number) {
   if constexpr (kNotation == Notation::json && std::is_floating_point_v<Number>)
@@ -39,7 +39,7 @@ void append_number(std::string& out, Number number) {
 void append_quoted(std::string& out, std::string_view text);
 /// Appends the text of an SFString in an attribute. Doubles backslashes that readers would take for an escape.
 void append_unquoted(std::string& out, std::string_view text);
-/// Appends the text of an attribute in apostrophes. Characters that XML lacks are left out.
+/// Appends the text of an attribute in apostrophes. Omits characters that XML does not allow.
 void append_xml(std::string& out, std::string_view text);
 /// Appends a JSON string with its quotes. Broken UTF-8 becomes U+FFFD.
 void append_json(std::string& out, std::string_view text);

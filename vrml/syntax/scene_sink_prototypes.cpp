@@ -115,9 +115,9 @@ void SceneSink::add_type(NodeType& type) {
   const NodeType*& known = scopes_.back().types[type.name];
   const bool taken = known || (built_in && !is_extension(built_in->clause));
   if (taken && said_types_.insert(type.name).second)
-    problems_.warn(type.location, (known ? "a second declaration of '" + type.name + '\''
-                                         : '\'' + type.name + "' is a built-in node") +
-                                      " (VRML97 4.8); this PROTO is used from here on");
+    problems_.warn(type.location,
+                   (known ? '\'' + type.name + "' is already declared" : '\'' + type.name + "' is a built-in node") +
+                       " (VRML97 4.8); this PROTO is used from here on");
   known = &type;
   recent_types_.clear();
   std::vector<Statement>& list = statement_list();

@@ -202,7 +202,7 @@ Step StatementParser::node_list_step() {
     if (was_statement) {
       if (read == Step::done)
         text_.problems.warn_once(said_route_in_list_, token.location,
-                                 std::string(token.text) + " inside a list of nodes; moved before the node");
+                                 std::string(token.text) + " is not allowed in a list of nodes; moved before the node");
       return read;
     }
     if (is_id(token.text)) return node_head(token, {text_.frames.back().into, text_.frames.back().name});

@@ -216,7 +216,7 @@ Step StatementParser::skip_step() {
   };
   const auto complain = [&] {
     if (frame.value_unexpected && !std::exchange(said_external_value_, true))
-      text_.problems.warn(token.location, "an EXTERNPROTO declares no values; skipped");
+      text_.problems.warn(token.location, "interfaces of EXTERNPROTO take no values; skipped the value");
   };
   switch (token.kind) {
     case TokenKind::open_brace:

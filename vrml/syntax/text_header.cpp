@@ -46,7 +46,7 @@ std::string normalised(std::string_view line) {
 Step ParsedText::read_x3d_header(std::string_view line, std::string_view text) {
   const SourceLocation top{1, 1};
   if (looks_binary(text, false)) {
-    refuse("a binary file behind an X3D header; expected UTF-8 text");
+    refuse("content after the X3D header is binary; expected UTF-8 text");
     return Step::finished;
   }
   const auto is_digit = [&](std::size_t at) { return at < line.size() && line[at] >= '0' && line[at] <= '9'; };
@@ -84,7 +84,7 @@ Step ParsedText::read_header() {
   const SourceLocation top{1, 1};
   if (starts_with_ignoring_case(header, "#vrml v2.0 utf8")) {
     if (looks_binary(text, false)) {
-      refuse("a binary file behind a VRML97 header; expected UTF-8 text");
+      refuse("content after the VRML97 header is binary; expected UTF-8 text");
       return Step::finished;
     }
     if (line.substr(0, 15) != "#VRML V2.0 utf8") problems.warn(top, "the header differs from '#VRML V2.0 utf8'");
@@ -92,9 +92,9 @@ Step ParsedText::read_header() {
   }
   if (starts_with_ignoring_case(header, "#x3d")) return read_x3d_header(line, text);
   if (starts_with_ignoring_case(header, "<")) {
-    refuse("an XML or HTML file; expected VRML97 ('#VRML V2.0 utf8') or X3D", top);
+    refuse("the file is XML or HTML; expected VRML97 ('#VRML V2.0 utf8') or X3D", top);
   } else if (looks_binary(text, true)) {
-    refuse("binary data; a VRML97 file is text that begins with '#VRML V2.0 utf8'");
+    refuse("the file is binary; expected text that begins with '#VRML V2.0 utf8'");
   } else if (starts_with_ignoring_case(header, "#vrml")) {
     problems.warn(top,
                   "expected '#VRML V2.0 utf8', found " + describe({TokenKind::word, line, top}) + "; read as VRML97");

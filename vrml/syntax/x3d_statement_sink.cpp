@@ -39,7 +39,8 @@ void X3DStatementSink::set_profile(SourceName name) {
   statements().profile = name.text;
   const X3DProfile* const profile = x3d_profile_named(name.text);
   if (!profile) {
-    sink_.problems_.warn(name.location, "unknown profile " + quoted(name.text) + "; the nodes that are known are used");
+    sink_.problems_.warn(name.location,
+                         "unknown profile " + quoted(name.text) + "; skipped only nodes of unknown types");
   } else if (!profile->missing.empty()) {
     sink_.problems_.report(Severity::note, name.location,
                            "profile " + std::string(profile->name) +
@@ -83,7 +84,8 @@ void X3DStatementSink::set_unit(SourceName category, std::string_view name, doub
   std::vector<X3DStatements::Unit>& units = statements().units;
   const auto same = [&](const X3DStatements::Unit& unit) { return unit.category == category.text; };
   if (std::any_of(units.begin(), units.end(), same)) {
-    sink_.problems_.warn(category.location, "a second UNIT " + quoted(category.text) + " is ignored");
+    sink_.problems_.warn(category.location,
+                         "UNIT " + quoted(category.text) + " is given twice; ignored the second one");
     return;
   }
   units.push_back({std::string(category.text), std::string(name), factor});
@@ -146,11 +148,11 @@ bool X3DStatementSink::take_route(const RouteNames& route) {
   if (!found || !imported) return false;
   if (statements().routes.size() >= kMaxImports) {
     if (sink_.limits_.is_first_excess())
-      sink_.problems_.error(route.location, "more than " + std::to_string(kMaxImports) +
-                                                " ROUTEs with imported nodes; skipped the rest");
+      sink_.problems_.error(
+          route.location, "more than " + std::to_string(kMaxImports) + " ROUTEs with imported nodes; skipped the rest");
     return true;
   }
-  // A skipped node was reported where it is.
+  // Skipped nodes were reported already.
   if (!skipped && admit(sizeof taken)) statements().routes.push_back(std::move(taken));
   return true;
 }

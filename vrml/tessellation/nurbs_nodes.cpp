@@ -42,7 +42,7 @@ std::vector<glm::dvec4> weighted(const std::vector<glm::dvec3>& points, const st
   return result;
 }
 
-/// Axis for `points` control points. A closed axis repeats the first points behind the last one.
+/// Axis for `points` control points. A closed axis repeats the first points after the last one.
 struct ClosableAxis {
   std::optional<NurbsAxis> axis;
   std::size_t own = 0;  // number of different points; point i of the axis is point i % own

@@ -45,7 +45,7 @@ void ElementBuilder::begin_statement(SourceName element, std::span<const Attribu
       return statements.add_component(named(value("name")), level);
     }
     case ElementKind::meta:
-      // Elements of pages may lack the name.
+      // Elements in web pages may lack the name.
       return statements.add_meta(first("name", "http-equiv"), value("content"), element.location);
     case ElementKind::unit: {
       double factor = 0;

@@ -102,7 +102,7 @@ bool ValueReader::boolean_of(std::string_view word, SourceLocation location, boo
   return yes;
 }
 
-// Parses a number that the bulk readers leave: at the end of the text, hexadecimal, or invalid.
+// Parses a number that the bulk readers cannot parse: at the end of the text, hexadecimal, or invalid.
 template <class Number>
 Number ValueReader::slow_number(std::string_view word) {
   Number number{};
@@ -121,7 +121,7 @@ Number ValueReader::slow_number(std::string_view word) {
     }
   } else {
     if (parse_number(word, integer)) return static_cast<Number>(integer);
-    // Programs write floats of C, as in "1.5f".
+    // Some exporters write floats of C, such as "1.5f".
     if (const std::size_t length = number_length(word); length > 0 && length + 1 == word.size())
       if (parse_number(word.substr(0, length), real)) return static_cast<Number>(real);
   }
@@ -246,7 +246,7 @@ bool ValueReader::read_image(SFImage& image) {
   return true;
 }
 
-// Reads strings in double quotes. Text without quotes is one string, as many files have it.
+// Reads strings in double quotes. Many files omit the quotes; such text is one string.
 void ValueReader::read_strings(MFString& strings) {
   skip_separators();
   if (next_ < end_ && *next_ != '"') {

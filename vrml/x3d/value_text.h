@@ -22,13 +22,13 @@ class ValueReader {
   /// `sink` must outlive the reader.
   explicit ValueReader(SceneSink& sink) : sink_(sink) {}
 
-  /// Reads the complete text of a value. `into` has the type of the field, which is not a node. Reports errors; the
-  /// value then stays as it is, or has fewer elements.
+  /// Reads the complete text of a value. `into` has the type of the field, which is not a node. After an error,
+  /// which it reports, the value is unchanged or has fewer elements.
   void read(const ValueText& value, FieldValue& into);
 
   /// Converts UTF-8 or Latin-1 to a string, and charges it to the budget.
   [[nodiscard]] String string_of(std::string_view text, SourceLocation location);
-  /// Reports whether the word means true, and false in `is_boolean` if it is no boolean. Reports words that are not
+  /// Reports whether the word means true. Sets `is_boolean` to false if it is no boolean. Reports words that are not
   /// `true` or `false`.
   [[nodiscard]] bool boolean_of(std::string_view word, SourceLocation location, bool& is_boolean);
 

@@ -13,8 +13,7 @@ namespace {
 constexpr float kMaxAmplification = 10;
 constexpr unsigned long long kFreeExpansion = 1u << 20;  // bytes
 
-// Share that pays for the memory of the parser that runs in this thread. Expat's functions for memory have no argument
-// for it.
+// Budget share of the parser that runs on this thread. Expat's allocation functions take no argument for it.
 thread_local Share* paying = nullptr;
 
 struct Paying {

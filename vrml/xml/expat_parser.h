@@ -22,7 +22,7 @@ namespace gs::vrml::xml {
 class ExpatParser : NonCopyable {
  public:
   struct Handlers {
-    /// Receives the name of a start tag, and its attributes: names and values by turns, then null.
+    /// Receives the name of a start tag, and its attributes: alternating names and values, then null.
     std::function<void(std::string_view name, const char** attributes)> begin;
     std::function<void()> end;
     std::function<void(std::string_view text)> text;
@@ -36,9 +36,9 @@ class ExpatParser : NonCopyable {
   void stop();
   /// Returns the error of the last parse(), for diagnostics.
   [[nodiscard]] std::string error() const;
-  /// Returns the error of an end tag without start tag, as error() does.
+  /// Returns the error of an end tag without a start tag, in the words of error().
   [[nodiscard]] static std::string mismatch_error() { return XML_ErrorString(XML_ERROR_TAG_MISMATCH); }
-  /// Reports whether parsing ended because there was no memory in the budget.
+  /// Reports whether parsing ended because the budget has no memory left.
   [[nodiscard]] bool is_out_of_memory() const;
 
  private:

@@ -9,7 +9,7 @@
 namespace gs::vrml::xml {
 namespace {
 
-// Minimum length of a value that the XML parser does not see.
+// Minimum length of a value that bypasses Expat.
 constexpr std::size_t kLongValue = 128;
 
 // Maximum length of the element's name, and maximum number of attributes, in a plain tag.

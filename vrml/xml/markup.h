@@ -37,7 +37,7 @@ struct Markup {
 
 /// Splitter of UTF-8 text into markup. It does not check whether the text is well-formed, except for plain tags.
 ///
-/// A plain tag is well-formed (XML 1.0, productions 40 to 44), as far as one tag tells. It has only ASCII characters
+/// A plain tag is well-formed (XML 1.0, productions 40 to 44), as far as one tag can show. It has only ASCII characters
 /// outside of its long values, no references, and no attribute twice. Most tags of scenes are plain. One thread.
 class MarkupScanner {
  public:

@@ -7,8 +7,8 @@
 
 namespace gs::vrml::xml {
 
-/// Stack of open elements. Expat sees only some of them, and checks the end tags of these. The names of the others are
-/// here. One thread.
+/// Stack of open elements. Expat checks the end tags of the elements that it has seen. The stack has the names of the
+/// others. One thread.
 class OpenElements {
  public:
   [[nodiscard]] bool empty() const { return starts_.empty(); }

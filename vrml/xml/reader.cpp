@@ -242,8 +242,7 @@ void Reader::State::take_end(std::string_view text) {
   if (!stopped) fail("not well-formed XML: " + ExpatParser::mismatch_error());
 }
 
-// Expat reads the root element and each tag that is not plain. So it checks everything that one tag cannot tell, and
-// the references.
+// Passes the root element and each tag that is not plain to Expat, which checks references and the context of tags.
 void Reader::State::take_tag(std::string_view text) {
   const bool is_end = MarkupScanner::is_end_tag(text);
   if (!elements.empty() && !all_in_expat) {
@@ -296,7 +295,7 @@ void Reader::State::take(const Markup& markup) {
   pass(markup.text.substr(located));
 }
 
-// Passes the blanks before markup, which mean nothing. Returns their number; 0 before text.
+// Skips the insignificant blanks before markup. Returns their number, or 0 if text follows.
 std::size_t Reader::State::pass_blanks(std::string_view text) {
   std::size_t size = 0, line_start = 0;
   std::uint32_t lines = 0;

@@ -24,7 +24,7 @@ class TextDecoder {
   [[nodiscard]] std::string_view decode(std::string_view bytes, bool last);
 
   [[nodiscard]] Encoding encoding() const { return encoding_; }
-  /// Returns the name of an encoding that is not supported and read as UTF-8. Empty if there is none.
+  /// Returns the name of an encoding that is not supported and read as UTF-8. Returns an empty name if there is none.
   [[nodiscard]] const std::string& unknown_encoding() const { return unknown_; }
 
  private:

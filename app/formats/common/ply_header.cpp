@@ -78,7 +78,7 @@ Problem read_element(TextCursor words, PlyHeader& header) {
 }
 
 Problem read_property(TextCursor words, PlyHeader& header) {
-  if (header.elements.empty()) return "a property before the first element";
+  if (header.elements.empty()) return "property precedes the first element";
   PlyProperty property;
   std::string_view type = words.word();
   if (type == "list") {

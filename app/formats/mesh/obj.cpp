@@ -272,7 +272,7 @@ class ObjImporter {
     key_.has_normals = has_normals;
     PartKey key = key_;
     if (parts_.size() >= kMaxParts && !parts_.contains(key)) {
-      if (!full_) builder_.warn("more than " + std::to_string(kMaxParts) + " groups; the rest is merged");
+      if (!full_) builder_.warn("more than " + std::to_string(kMaxParts) + " groups; merged the rest");
       full_ = true;
       key.group = key.material = 0;
     }

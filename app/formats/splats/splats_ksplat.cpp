@@ -49,13 +49,13 @@ std::variant<Section, std::string> read_section(std::span<const std::byte> bytes
   if (mode > 0 && (center_bytes < kCenterBytes || section.bucket_size == 0))
     return "a section without centres of buckets; expected 12 bytes each";
   if (mode > 0 && (section.full_buckets > buckets || section.partial_buckets > buckets - section.full_buckets))
-    return "a section with more full and partial buckets than buckets";
+    return "full and partial buckets of a section exceed its buckets";
   // Each factor has at most 32 bits, so the products cannot overflow.
   section.sizes = start;
   section.centers = start + section.partial_buckets * 4;
   section.data = section.centers + buckets * center_bytes;
   section.end = section.data + most * section.splat_bytes;
-  if (section.splats > most) return "a section with more splats than its capacity";
+  if (section.splats > most) return "splats of a section exceed its capacity";
   if (section.data + section.splats * section.splat_bytes > bytes.size() || section.data < start)
     return "the file ends too early: a section of " + std::to_string(section.splats) + " splats exceeds it";
   // Buckets finds a centre by its index and needs this stride.

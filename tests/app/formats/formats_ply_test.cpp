@@ -222,7 +222,7 @@ TEST_CASE("reports broken headers with their position and the expected text") {
         "test:2:1: error: unknown format 'binary'; expected ascii, binary_little_endian or binary_big_endian\n");
   CHECK(ply("ply\nformat ascii 1.0\nelement vertex -3\n").messages() ==
         "test:3:1: error: expected: element NAME COUNT\n");
-  CHECK(ply("ply\nproperty float x\n").messages() == "test:2:1: error: a property before the first element\n");
+  CHECK(ply("ply\nproperty float x\n").messages() == "test:2:1: error: property precedes the first element\n");
   CHECK(ply("ply\nformat ascii 1.0\nelement v 1\nproperty list float int x\n").diagnostics.errors() == 1);
   CHECK(ply("ply\nend_header\n").diagnostics.errors() == 1);
   CHECK(ply("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n").messages() ==

@@ -116,14 +116,14 @@ TEST_CASE("accepts one value for a list, and arrays for lists") {
 TEST_CASE("reports a Java program once, and runs the world on") {
   World world("DEF S Script { url \"Applet.class\" } DEF T Script { url \"javascript: print('on');\" }");
   world.start();
-  CHECK(world.problems() == Lines{"text.wrl:2:7: warning: Script S: a Java program, which is not run"});
+  CHECK(world.problems() == Lines{"text.wrl:2:7: warning: Script S: Java programs are not supported; skipped"});
   CHECK(world.printed() == Lines{"on"});
 }
 
 TEST_CASE("reports a program in another browser's language, and tries the next url") {
   World world("DEF S Script { url [ \"castlescript: x\" \"javascript: print('on');\" ] }");
   world.start();
-  CHECK(world.problems() == Lines{"text.wrl:2:7: warning: Script S: a program in 'castlescript', which is not run"});
+  CHECK(world.problems() == Lines{"text.wrl:2:7: warning: Script S: programs in 'castlescript' are not supported; skipped"});
   CHECK(world.printed() == Lines{"on"});
 }
 

@@ -86,7 +86,7 @@ TEST_CASE("creates particles up to maxParticles with varied lifetimes") {
   CHECK(particles_at(none, 5).empty());
 }
 
-TEST_CASE("shows equal particles at equal times, whatever was shown before") {
+TEST_CASE("shows equal particles at equal times, independent of earlier frames") {
   ParticleSettings settings = particle_settings(EmitterKind::cone);
   settings.emitter.angle = 1;
   settings.emitter.surface_area = 1;

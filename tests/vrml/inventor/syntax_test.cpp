@@ -39,7 +39,7 @@ TEST_CASE("reads connections, ignored fields, own fields, nodekits and unknown n
   CHECK(text.find("transparency") == std::string::npos);  // ignored
   CHECK(world.outcome == ParseOutcome::complete);
   CHECK(world.diagnostics.errors() == 1);  // USE Root+0
-  for (const char* words : {"connections of fields", "'Unknown'", "a string without quotes", "USE of 'Root+0'"}) {
+  for (const char* words : {"connections of fields", "'Unknown'", "string has no quotes", "USE of 'Root+0'"}) {
     INFO(words);
     CHECK(world.says(words));
   }

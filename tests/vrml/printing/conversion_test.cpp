@@ -135,7 +135,7 @@ TEST_CASE("keeps the statements of X3D in X3D, and names them in VRML97") {
   }
 }
 
-TEST_CASE("keeps the declarations of shaders, and drops EXPORTs of nodes that stand nowhere") {
+TEST_CASE("keeps the declarations of shaders, and drops EXPORTs of nodes outside of the scene") {
   SceneGraph scene("a.x3dv");
   Diagnostics diagnostics;
   CHECK(parse("#X3D V3.3 utf8\nPROFILE Full\nShape { appearance Appearance { shaders DEF S ComposedShader {\n"

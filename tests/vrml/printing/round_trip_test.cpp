@@ -51,7 +51,7 @@ TEST_CASE("writes the same text again after reading it, in each encoding") {
   }
 }
 
-TEST_CASE("writes the same VRML97 text after a way through each encoding of X3D") {
+TEST_CASE("writes the same VRML97 text after a round trip through each encoding of X3D") {
   for (const fs::path& path : worlds()) {
     const std::string text = read_file(path);
     // X3D has LayerSet, of which VRML97 only has a stand-in.

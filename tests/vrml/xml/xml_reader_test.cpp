@@ -67,7 +67,7 @@ TEST_CASE("reads nodes and fields of X3D in XML") {
               "\"BOLD\" } } }");
 }
 
-TEST_CASE("puts nodes without or with a wrong containerField into the field that takes them") {
+TEST_CASE("puts nodes with a missing or wrong containerField into the field that takes them") {
   check_equal("<Collision><Shape containerField='proxy'/><Group/></Collision>",
               "Collision { proxy Shape {} children Group {} }");
   check_equal("<Shape><Appearance containerField='children'/><Sphere/></Shape>",
@@ -200,7 +200,7 @@ TEST_CASE("reports tags that are not well-formed, plain or not") {
   fails(many + " class7='y'/>", "duplicate attribute");
 }
 
-TEST_CASE("reads plain tags as other tags") {
+TEST_CASE("reads plain tags with the results of other tags") {
   const std::string value = "'\"one\r\ntwo\" \t\n \"three\"'";
   const ReadWorld plain(Grammar::x3d_xml, in_scene("<WorldInfo\n\tDEF = 'W'\r\ninfo=" + value + "\n/>"));
   const ReadWorld other(Grammar::x3d_xml, in_scene("<WorldInfo\n\tDEF = '&#87;'\r\ninfo=" + value + "\n/>"));

@@ -69,7 +69,7 @@ bool sequencer_event(Execution& execution, EventNode node, int event, const Fiel
     if (count == 0) return false;
     index = find_key(keys.span().first(count), std::get<SFFloat>(value)).first;
   } else {
-    // After the last value follows the first one.
+    // The first value follows the last one.
     if (!std::get<SFBool>(value) || values.empty()) return false;
     const std::size_t count = values.size(), now = std::min<std::size_t>(last, count);
     index = event == SequencerEvents::next ? now % count : (now == 0 ? count - 1 : (now + count - 2) % count);

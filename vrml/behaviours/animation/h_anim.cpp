@@ -29,7 +29,7 @@ struct DisplacerEvents {
   enum : int { coord_index, displacements, weight };
 };
 
-/// Node of a world, and its place there.
+/// Node of a world, and its position there.
 struct WorldNode {
   SceneGraph* scene = nullptr;
   SceneState* state = nullptr;
@@ -122,7 +122,7 @@ class SkeletonReader {
   }
 
  private:
-  // Makes changes of a part known to the humanoid.
+  // Registers a part, so that its changes reach the humanoid.
   void watch(NodeId id) {
     if (!id) return;
     const Behaviour* const behaviour = world_.scene->node(id).type->behaviour;
@@ -234,7 +234,7 @@ void move_skin(Execution& execution, EventNode node) {
       weights[at] += weight;
     }
   }
-  // Points without a joint keep their place. Weights that do not sum to 1 are normalized.
+  // Points without a joint stay in place. Weights that do not sum to 1 are normalized.
   for (std::size_t i = 0; i < points.size(); ++i) {
     const bool moved = weights[i] > 0;
     points[i] = moved ? points[i] / weights[i] : state.points[i];
@@ -252,7 +252,7 @@ void end_humanoid(Execution& execution, EventNode node) {
   execution.states().humanoids.give_back(execution.nodes().state_of(node));
 }
 
-// Tells the humanoid, if a joint of a skeleton has changed.
+// Notifies the humanoid if a joint of a skeleton has changed.
 bool joint_event(Execution& execution, EventNode node, int event, const FieldValue& value) {
   const EventNode humanoid = execution.nodes().state_of(node);
   if (humanoid != 0 && !execution.nodes().is_removed(humanoid)) execution.timers().look_again(humanoid);
@@ -264,7 +264,7 @@ bool displacer_event(Execution& execution, EventNode node, int, const FieldValue
   return true;
 }
 
-// A segment keeps the coordinates without displacements in a state of its own.
+// Stores the coordinates of a segment before displacement.
 void begin_segment(Execution& execution, EventNode node) {
   const WorldNode world = humanoid_world(execution, node);
   const MFNode& displacers = execution.get<MFNode>(node, SegmentEvents::displacers);

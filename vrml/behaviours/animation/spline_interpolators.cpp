@@ -165,7 +165,7 @@ struct Ease {
 };
 
 // Returns the fraction between two keys, which starts and ends slowly. `out` and `in` are the parts of the interval
-// with growing and with falling speed.
+// with increasing and with decreasing speed.
 double eased(double u, double out, double in) {
   const double sum = out + in;
   if (!(sum >= 0) || !std::isfinite(sum)) return u;

@@ -39,8 +39,7 @@ void set_normals(Converter& converter, const Item& item, const State& state, Nod
   if (state.normals.empty()) return;
   const Binding binding = own.indexed ? state.normal_binding : without_index(state.normal_binding);
   const auto index = attribute_index(faces, binding, own.normal, state.normals.size(), false);
-  if (!index)
-    return converter.warn_once(item.location, "too few normals for the shape; computed normals instead");
+  if (!index) return converter.warn_once(item.location, "too few normals for the shape; computed normals instead");
   set_property(converter, geometry, "normal", "Normal", "vector", state.normals, serial_of(state, Part::normals));
   if (!index->per_vertex) converter.output().set(geometry, "normalPerVertex", false);
   if (!index->index.empty()) converter.output().set(geometry, "normalIndex", index->index);
@@ -79,7 +78,7 @@ void set_texture_coordinates(Converter& converter, const Item& item, const State
   const auto index = attribute_index(faces, binding, own.texture, state.texture_points.size(), false);
   if (!index)
     return converter.warn_once(item.location,
-                               "there are fewer texture coordinates than the shape uses; computed instead");
+                               "too few texture coordinates for the shape; computed texture coordinates instead");
   set_property(converter, geometry, "texCoord", "TextureCoordinate", "point", state.texture_points,
                serial_of(state, Part::texture_coordinates));
   if (!index->index.empty()) converter.output().set(geometry, "texCoordIndex", index->index);

@@ -51,7 +51,7 @@ void apply_text(Converter& converter, const Item& item) {
   output.end(text);
 }
 
-// Text with a constant size in pixels. Chooses a size in the world that looks alike from the camera.
+// Converts text of constant size in pixels. Chooses the world size that looks equal from the camera.
 void apply_screen_text(Converter& converter, const Item& item) {
   constexpr double kWindowHeight = 600;
   converter.read(Part::draw_style);

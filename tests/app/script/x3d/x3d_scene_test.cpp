@@ -8,7 +8,7 @@ using scripts::run_x3d;
 using scripts::x3d_value;
 using scripts::X3DWorld;
 
-TEST_CASE("sends inputOutput fields, and knows them as x and x_changed") {
+TEST_CASE("sends inputOutput fields, and accepts their names x and x_changed") {
   X3DWorld world(
       "DEF S Script { inputOnly SFFloat go inputOutput SFFloat size 1 outputOnly SFFloat out url \"ecmascript:"
       "function go(value, time) { print(value + ' ' + time); size_changed = value; out = 2 * size; }"
@@ -38,7 +38,7 @@ TEST_CASE("calls prepareEvents() once in each step before all events, and shutdo
   CHECK(world.printed() == Lines{"end"});
 }
 
-TEST_CASE("has the properties of the Browser object") {
+TEST_CASE("provides the properties of the Browser object") {
   CHECK(x3d_value("Browser.name") == "GhostSpace");
   CHECK(x3d_value("typeof Browser.version + typeof Browser.currentSpeed + typeof Browser.currentFrameRate") ==
         "stringnumbernumber");

@@ -30,7 +30,7 @@ TEST_CASE("interpolates between 2D points and lists of 2D points (X3D 19.4.3, 19
   CHECK(value_at(list, 2) == "[ 2 4, 3 5 ]");
 }
 
-TEST_CASE("passes the keys of a spline, and is smooth between them (X3D 19.4.12)") {
+TEST_CASE("interpolates smoothly through the keys of a spline (X3D 19.4.12)") {
   X3DWorld world("DEF I SplineScalarInterpolator { key [ 0 0.25 0.5 0.75 1 ] keyValue [ 0 1 2 3 4 ] }");
   world.start();
   CHECK(value_at(world, 0) == "0");

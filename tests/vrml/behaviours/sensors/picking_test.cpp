@@ -66,7 +66,7 @@ TEST_CASE("reports the points of a PointPickSensor that are inside of a geometry
         Lines{"1.5 S.isActive TRUE", "1.5 S.pickedGeometry [ B ]", "1.5 S.pickedPoint [ 0 0 0, 0.25 0 0 ]"});
 }
 
-TEST_CASE("sorts the picked geometries as sortOrder asks (X3D 38.3.1)") {
+TEST_CASE("sorts the picked geometries by sortOrder (X3D 38.3.1)") {
   const std::string target =
       "DEF Target Group { children [ Transform { translation 0.6 0 0 children Shape { geometry DEF Far Box { } } } "
       "Transform { translation 0.2 0 0 children Shape { geometry DEF Near Box { } } } ] }";

@@ -20,7 +20,7 @@ TEST_CASE("sends isOver from drag sensors (X3D 20.3.1)") {
   }
 }
 
-TEST_CASE("tells the description of a sensor under the pointer (X3D 20.3.1)") {
+TEST_CASE("reports the description of a sensor under the pointer (X3D 20.3.1)") {
   X3DWorld world("Group { children [ DEF S Shape { } TouchSensor { description \"door\" } ] }");
   world.start();
   PointingDevice device(world);
