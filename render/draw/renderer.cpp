@@ -196,7 +196,7 @@ FrameStatistics Renderer::draw_in_target(const RenderList& list, const Camera& c
   return statistics;
 }
 
-/// Draws one list. If `in_front`, what is drawn before stays visible behind it, unless a Background is bound in its
+/// Draws one list. If `in_front`, the layers drawn before remain visible behind it, unless a Background is bound in its
 /// layer.
 FrameStatistics Renderer::draw_layer(const RenderList& list, const Camera& wanted, const DrawOptions& options,
                                      bool in_front) {

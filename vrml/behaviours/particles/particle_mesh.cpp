@@ -31,8 +31,8 @@ const T* property_field(const SceneGraph& scene, NodeId system, std::string_view
   return node ? system_field<T>(scene, node, name) : nullptr;
 }
 
-/// Keys of a ramp over the life of a particle. The standard has seconds. Keys up to 1 of longer lives are fractions of
-/// the lifetime, as in X_ITE and in worlds for it.
+/// Keys of a ramp over the life of a particle. The standard counts them in seconds. If the lifetime exceeds 1 s and no
+/// key exceeds 1, the keys are fractions of the lifetime, as in X_ITE.
 class RampKeys {
  public:
   RampKeys(const SceneGraph& scene, NodeId system, std::string_view field, std::size_t values) {
