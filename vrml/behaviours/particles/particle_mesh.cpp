@@ -31,8 +31,8 @@ const T* property_field(const SceneGraph& scene, NodeId system, std::string_view
   return node ? system_field<T>(scene, node, name) : nullptr;
 }
 
-/// Keys of a ramp over the life of a particle. The standard counts them in seconds. If the lifetime exceeds 1 s and no
-/// key exceeds 1, the keys are fractions of the lifetime, as in X_ITE.
+/// Keys of a ramp over the life of a particle. The standard counts them in seconds. Keys up to 1 are fractions of the
+/// lifetime if it is longer than 1 s or shorter than the last key, as in X_ITE.
 class RampKeys {
  public:
   RampKeys(const SceneGraph& scene, NodeId system, std::string_view field, std::size_t values) {
