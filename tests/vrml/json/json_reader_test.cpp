@@ -100,6 +100,12 @@ TEST_CASE("tolerates habits of X3D in JSON") {
         "2:82: error expected a number for translation, found 'x'; 0 is used\n");
 }
 
+TEST_CASE("clamps large numbers of integer fields in JSON to 32 bits") {
+  const ReadWorld world(Grammar::x3d_json, in_scene(R"({"Switch":{"@whichChoice":1e300}},{"Switch":{"@whichChoice":-1e300}},
+    {"Switch":{"@whichChoice":4294967295}})"));
+  CHECK(world.text() == printed_classic("Switch { whichChoice 2147483647 } Switch { whichChoice -2147483648 } Switch {}"));
+}
+
 TEST_CASE("reports JSON that ends too early or is not X3D") {
   const ReadWorld cut(Grammar::x3d_json, R"({"X3D":{"Scene":{"-children":[{"Group":{"@DEF":"A"}},{"Shape":{"-geo)");
   CHECK(cut.outcome == ParseOutcome::truncated);

@@ -2,6 +2,8 @@
 
 #include "vrml/scene/values/field_value.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <type_traits>
 
 namespace gs::vrml {
@@ -53,12 +55,18 @@ template <NumberElement T>
 [[nodiscard]] typename ElementNumbers<T>::Number* numbers_of(T& element) {
   return const_cast<typename ElementNumbers<T>::Number*>(numbers_of(std::as_const(element)));
 }
-/// Returns the element with these numbers, converted to its precision.
+/// Returns the element with these numbers, converted to its precision. Integers are clamped to 32 bits; NaN becomes the
+/// least one.
 template <NumberElement T>
 [[nodiscard]] T element_from(const double* from) {
   using Number = typename ElementNumbers<T>::Number;
   T element{};
-  for (int i = 0; i < ElementNumbers<T>::kCount; ++i) numbers_of(element)[i] = static_cast<Number>(from[i]);
+  for (int i = 0; i < ElementNumbers<T>::kCount; ++i) {
+    double number = from[i];
+    if constexpr (std::is_same_v<Number, std::int32_t>)
+      number = std::min(std::max(-2147483648.0, number), 2147483647.0);
+    numbers_of(element)[i] = static_cast<Number>(number);
+  }
   return element;
 }
 
