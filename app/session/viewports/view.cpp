@@ -378,6 +378,15 @@ render::Sight sight_of(const View& view, const render::Camera& camera) {
   return sight;
 }
 
+void lay_out(const View& view, const render::Camera& camera, const glm::vec2& size) {
+  if (!view.scene || !view.document || !view.document->runtime) return;
+  if (!view.scene->scene.depends_on_viewer() && view.list->layers.empty()) return;
+  render::Sight sight = sight_of(view, camera);
+  sight.pixels = glm::dvec2(size);
+  view.scene->scene.set_sight(sight);
+  (void)view.document->runtime->show(*view.scene, glm::dvec3(camera.world_from_camera[3]));
+}
+
 bool follow_world(View& view) {
   if (!view.scene || !view.document || !view.document->runtime) return false;
   report_arrival(view);

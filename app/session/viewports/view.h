@@ -105,6 +105,9 @@ void fit_home(View& view, const glm::vec2& viewport);
 
 /// Returns what content in units of the picture depends on, for a camera in the viewport of a view.
 [[nodiscard]] render::Sight sight_of(const View& view, const render::Camera& camera);
+/// Places content in units of the picture for a picture of another size or from another camera, until the next call of
+/// follow_world() or lay_out().
+void lay_out(const View& view, const render::Camera& camera, const glm::vec2& size);
 /// Updates the render list of a view to the running world and the viewer. The viewer moves with its Viewpoint (VRML97
 /// 6.53). In a world without a Viewpoint, the camera re-frames the scene within limits until the user first moves.
 /// Returns true if the picture changed. Call on the thread of the world.

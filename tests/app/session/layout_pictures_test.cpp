@@ -39,6 +39,7 @@ class Picture {
     simulation_->run(0.2);
     draw();
   }
+  [[nodiscard]] const View& view() { return simulation_->look(); }
   /// Returns the colour of a pixel; `x` and `y` count from the lower left corner.
   [[nodiscard]] std::array<int, 3> at(int x, int y) const {
     const auto row = static_cast<std::size_t>(size_.y - 1 - y);
@@ -160,6 +161,19 @@ TEST_CASE("draws Text with a ScreenFontStyle with the same height in pixels at a
   CHECK(std::abs(height("Viewpoint { position 1 2 70 }", {160, 96}, render::kUsualPixelsPerPoint) - usual) <= 1);
   CHECK(std::abs(height("OrthoViewpoint { }", {200, 180}, render::kUsualPixelsPerPoint) - usual) <= 1);
   CHECK(std::abs(height("Viewpoint { }", {200, 180}, 2 * render::kUsualPixelsPerPoint) - 2 * usual) <= 2);
+}
+
+TEST_CASE("places Layouts for a saved picture of another size, and then for the viewport again") {
+  Picture picture(kBar, {160, 96});
+  const View& view = picture.view();
+  const auto width = [&] { return view.list->layers.at(0).list->items.at(0).world_from_node[0].x; };
+  const double before = width();
+  CHECK(before == Approx(80 * 2.0 / 96));
+  const render::Camera camera = camera_of(view.navigation.pose);
+  lay_out(view, camera, {400, 100});
+  CHECK(width() == Approx(200 * 2.0 / 100));
+  lay_out(view, camera, view.size);
+  CHECK(width() == before);
 }
 
 }  // namespace gs::app::layout_pictures_test
