@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """window_check.py [-k FOLDER]: uses the window with mouse and keyboard under Xvfb, and checks the results over --control.
 Steps: open, split, move, drag a PlaneSensor, follow an Anchor, go back, edit a node and save the world, edit a transfer
-function, draw a slice through a volume, save a picture and a turntable, move the viewer by keys of a Script, use the
-start page, close an error message and slide with the middle button. Prints one line per step. Exits with 1 if a step
+function, draw a slice through a volume, save a picture and a turntable, move the viewer by keys of a Script, press
+buttons of a LayoutLayer in two viewports, use the start page, close an error message and slide with the middle button. Prints one line per step. Exits with 1 if a step
 failed.
 -k: keeps pictures of the window in FOLDER.
 
@@ -52,6 +52,24 @@ DEF S Script { eventIn SFNode key url "javascript:
     Browser.setNavigationMode('NONE');
   }" }
 ROUTE Browser.event_changed TO S.key
+"""
+
+
+LAYERS = """#X3D V3.3 utf8
+PROFILE Immersive
+COMPONENT Layering : 1
+COMPONENT Layout : 2
+LayerSet { order [ 0 1 ] layers LayoutLayer {
+  layout Layout { align [ "RIGHT" "BOTTOM" ] sizeUnits "PIXEL" size [ 120 40 ] }
+  children [
+    DEF T TouchSensor { }
+    Shape { appearance Appearance { material Material { diffuseColor 0 0 0 emissiveColor 1 0 0 } }
+      geometry Rectangle2D { size 1 1 } } ] } }
+Shape { geometry Sphere { radius 3 } appearance Appearance { material Material { diffuseColor 0.1 0.4 0.8 } } }
+DEF S Script { inputOnly SFTime touched outputOnly SFInt32 count url "ecmascript:
+  var touches = 0;
+  function touched() { count = ++touches; }" }
+ROUTE T.touchTime TO S.touched
 """
 
 
@@ -344,6 +362,28 @@ def run(check):
         if not near(check.world.getViewer()["position"], (0, 0, 8)):
             raise Failed("the user moves, although the Script has set the mode NONE")
 
+    def layers():
+        check.open(check.file("layers.x3dv", LAYERS))
+        node = check.world.getNode(node="S")["node"]
+
+        def pressed(x, touches):
+            # The button is 120 x 40 pixels large, in the lower right corner of each viewport.
+            if color_at(check, (x - 118, HEIGHT - 38)) != color_at(check, (x - 6, HEIGHT - 6)):
+                raise Failed(f"the button does not end at {x}")
+            if color_at(check, (x - 122, HEIGHT - 38)) == color_at(check, (x - 118, HEIGHT - 38)):
+                raise Failed(f"the button does not begin at {x - 120}")
+            check.click((x - 60, HEIGHT - 20))
+            wait("the button is pressed", lambda: check.world.getValue(node=node, event="count") == touches)
+
+        pressed(WIDTH, 1)
+        check.key("ctrl+shift+Right")
+        wait("there are two viewports", lambda: len(check.world.getViewports()) == 2)
+        time.sleep(1)
+        pressed(WIDTH, 2)
+        pressed(WIDTH // 2, 3)
+        check.key("ctrl+w")
+        wait("there is one again", lambda: len(check.world.getViewports()) == 1)
+
     def starts():
         check.open(first)
         time.sleep(4)  # the thumbnail is made when the picture rests
@@ -398,9 +438,17 @@ def run(check):
     check.step("a picture is saved", keeps)
     check.step("a turntable is saved, as pictures and as a movie", turns)
     check.step("a Script gets keys, and moves the viewer", steers)
+    check.step("buttons of a LayoutLayer are pressed in two viewports", layers)
     check.step("the start page opens a recent file", starts)
     check.step("a file of an unknown format is refused, and Esc closes the message", refuses)
     check.step("the middle button slides the viewer", slides_by_middle_button)
+
+
+def color_at(check, place):
+    """Returns the colour of a pixel of the window."""
+    crop = f"1x1+{place[0]}+{place[1]}"
+    return subprocess.run(["import", "-window", "root", "-crop", crop, "+repage", "-depth", "8", "rgb:-"],
+                          env=check.environment, check=True, capture_output=True).stdout
 
 
 def window_picture(check):

@@ -61,8 +61,7 @@ class AnimatedWorld {
     scene.draw = picture_draw(options_, simulation_->look());
     scene.unit = simulation_->look().scale;
     // Collect the render list last: levels of detail and billboards depend on the camera.
-    const render::RenderList& shown =
-        simulation_->look_from(glm::dvec3(camera.world_from_camera[3]), glm::dvec3(camera.world_from_camera[1]));
+    const render::RenderList& shown = simulation_->look_from(camera);
     scene.list = &shown;
     if (!show_) {
       show_ = std::make_unique<VolumeShow>();

@@ -194,8 +194,7 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
   const render::DrawOptions draw = picture_draw(options, simulation.look());
   const double unit = simulation.look().scale;
   // The camera is final only here. Levels of detail and billboards depend on it.
-  const render::RenderList& list =
-      simulation.look_from(glm::dvec3(camera.world_from_camera[3]), glm::dvec3(camera.world_from_camera[1]));
+  const render::RenderList& list = simulation.look_from(camera);
   if (options.display != render::DisplayMode::surface && !has_faces(list))
     complain("%s: warning: splats and volumes have no faces; --display has no effect", file.c_str());
   Diagnostics limits;

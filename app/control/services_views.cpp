@@ -120,7 +120,10 @@ bool snapshot(ServiceCall& call) {
     return false;
   }
   (void)follow_world(*call.view);
+  const render::Camera camera = camera_of(call.view->navigation.pose);
+  lay_out(*call.view, camera, glm::vec2(*width, *height));
   const auto made = call.control.painter()(*call.view, static_cast<int>(*width), static_cast<int>(*height));
+  lay_out(*call.view, camera, call.view->size);
   if (const auto* why = std::get_if<std::string>(&made)) {
     call.problem = *why;
     return false;

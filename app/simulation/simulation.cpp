@@ -168,10 +168,10 @@ void Simulation::stand_at(const render::Camera& camera) {
   (void)document_->runtime->step(world.now());
 }
 
-const render::RenderList& Simulation::look_from(const glm::dvec3& viewer, const glm::dvec3& up) {
+const render::RenderList& Simulation::look_from(const render::Camera& camera) {
   const View& seen = look();
-  seen.scene->scene.set_viewer_up(up);
-  (void)document_->runtime->show(*seen.scene, viewer);
+  seen.scene->scene.set_sight(sight_of(seen, camera));
+  (void)document_->runtime->show(*seen.scene, glm::dvec3(camera.world_from_camera[3]));
   return *seen.list;
 }
 

@@ -75,8 +75,8 @@ class Simulation {
   /// Moves the viewer to the camera of a picture. Updates sensors and objects that follow the viewer, at the present
   /// time. Does nothing if the viewer is already there.
   void stand_at(const render::Camera& camera);
-  /// Returns the render list as seen from another position of the viewer.
-  const render::RenderList& look_from(const glm::dvec3& viewer, const glm::dvec3& up = {0, 1, 0});
+  /// Returns the render list as a camera sees it.
+  const render::RenderList& look_from(const render::Camera& camera);
 
  private:
   /// Planned action: an event for a node, a new Viewpoint, an action on a sensor or the viewer, or a window event.

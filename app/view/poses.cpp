@@ -166,9 +166,7 @@ Pose with_parallel_rays(Pose pose, bool parallel, double distance) {
 }
 
 double height_that_shows(const glm::dvec2& extent, const glm::vec2& viewport) {
-  const glm::dvec2 size = viewport.x > 0 && viewport.y > 0 ? glm::dvec2(viewport) : glm::dvec2(1);
-  const double smaller = std::min(size.x, size.y);
-  return std::max(extent.x * smaller / size.x, extent.y * smaller / size.y);
+  return render::height_for(extent, glm::dvec2(viewport));
 }
 
 float pixel_along_ray(const Pose& pose, const glm::vec2& size) {
@@ -182,6 +180,11 @@ render::Camera viewpoint_camera(const render::RenderList& list, const vrml::Node
   auto viewpoint = std::find_if(list.viewpoints.begin(), list.viewpoints.end(),
                                 [&](const auto& candidate) { return &candidate.scene->node(candidate.node) == bound; });
   if (viewpoint == list.viewpoints.end()) viewpoint = list.viewpoints.begin();
+  if (viewpoint == list.viewpoints.end() && list.default_extent.x > 0) {
+    camera.world_from_camera[3] = {0, 0, 10, 1};
+    camera.height = height_that_shows(list.default_extent, size);
+    return camera;
+  }
   if (viewpoint == list.viewpoints.end())
     return render::first_camera(list.bounds, camera.field_of_view, size.x, size.y);
   camera.world_from_camera = viewpoint->world_from_camera;

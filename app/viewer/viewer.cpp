@@ -21,6 +21,7 @@ constexpr double kLoadingWait = 0.25;  // seconds between pictures of the moving
 ViewerControllerOptions controller_options(const ViewerOptions& options, float scale) {
   ViewerControllerOptions result;
   result.session = options.session;
+  if (scale > 0) result.session.style.pixels_per_point = render::kUsualPixelsPerPoint * double{scale};
   result.folders = options.folders;
   result.not_kept = options.not_kept;
   result.scale = scale;

@@ -301,8 +301,12 @@ glm::ivec2 ViewerTools::size_of(const Viewport& place) const {
 }
 
 void ViewerTools::take_picture(const View& seen, const Viewport& place, const Tell& tell) {
+  const render::Camera camera = camera_of(seen.navigation.pose);
+  // A larger picture of the window has the same layout.
+  if (!wish_.of_window) lay_out(seen, camera, glm::vec2(wish_.size));
   const PictureScene scene = scene_of(kMaxViewports, seen, size_of(place), wish_.request);
   auto picture = paint_png(renderer_, scene, wish_.request);
+  if (!wish_.of_window) lay_out(seen, camera, seen.size);
   if (const auto* problem = std::get_if<std::string>(&picture))
     return tell("Cannot save the picture: " + *problem, true);
   std::error_code error;
@@ -387,12 +391,15 @@ bool ViewerTools::go_on(const View* seen, const Tell& tell) {
   if (!seen || job.of.lock() != seen->document) {
     problem = "another file was opened";
   } else if (job.next < job.steps.size()) {
-    PictureScene scene = scene_of(kMaxViewports, *seen, job.size, job.request);
     const AnimationStep& step = job.steps[job.next];
-    scene.camera = step.from && *step.from + 1 < job.tour.size()
-                       ? camera_between(job.tour[*step.from], job.tour[*step.from + 1], step.part)
-                       : turned_camera(job.camera, job.center, job.up, step.turned);
+    const render::Camera camera = step.from && *step.from + 1 < job.tour.size()
+                                      ? camera_between(job.tour[*step.from], job.tour[*step.from + 1], step.part)
+                                      : turned_camera(job.camera, job.center, job.up, step.turned);
+    lay_out(*seen, camera, glm::vec2(job.size));
+    PictureScene scene = scene_of(kMaxViewports, *seen, job.size, job.request);
+    scene.camera = camera;
     auto picture = paint_image(renderer_, scene, job.request);
+    lay_out(*seen, camera_of(seen->navigation.pose), seen->size);
     if (auto* wrong = std::get_if<std::string>(&picture))
       problem = std::move(*wrong);
     else

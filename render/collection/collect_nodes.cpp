@@ -47,23 +47,6 @@ glm::vec3 vector(const NodeView& view, int field, const glm::vec3& otherwise) {
   return value && finite(*value) ? *value : otherwise;
 }
 
-/// Returns the rotation nearest to a matrix: without scale, shear and mirroring.
-dmat3 rotation_part(const dmat4& matrix) {
-  dvec3 x(matrix[0]), y(matrix[1]), z(matrix[2]);
-  const auto usable = [](double length) { return length > kTiny * kTiny && std::isfinite(length); };
-  const double x_length = glm::length(x);
-  if (!usable(x_length)) return dmat3(1);
-  x /= x_length;
-  const double y_length = glm::length(y);
-  if (!usable(y_length)) return dmat3(1);
-  y /= y_length;
-  y -= x * glm::dot(x, y);
-  if (glm::length(y) < kTiny) return dmat3(1);
-  y = glm::normalize(y);
-  z = glm::cross(x, y);
-  return {x, y, z};
-}
-
 std::string bounded_text(std::string_view text) {
   if (text.size() <= kMaxText) return std::string(text);
   std::size_t end = kMaxText;
@@ -93,6 +76,22 @@ void rings(const NodeView& view, int color_field, int angle_field, float largest
 
 }  // namespace
 
+dmat3 rotation_part(const dmat4& matrix) {
+  dvec3 x(matrix[0]), y(matrix[1]), z(matrix[2]);
+  const auto usable = [](double length) { return length > kTiny * kTiny && std::isfinite(length); };
+  const double x_length = glm::length(x);
+  if (!usable(x_length)) return dmat3(1);
+  x /= x_length;
+  const double y_length = glm::length(y);
+  if (!usable(y_length)) return dmat3(1);
+  y /= y_length;
+  y -= x * glm::dot(x, y);
+  if (glm::length(y) < kTiny) return dmat3(1);
+  y = glm::normalize(y);
+  z = glm::cross(x, y);
+  return {x, y, z};
+}
+
 dmat4 transform_matrix(const NodeView& view) {
   using F = TransformFields;
   return vrml::transform_matrix(vector(view, F::translation, glm::vec3(0)), vector(view, F::center, glm::vec3(0)),
@@ -102,11 +101,6 @@ dmat4 transform_matrix(const NodeView& view) {
 
 dmat4 billboard_matrix(const NodeView& billboard, const dvec3& viewer, const dvec3& up) {
   return vrml::billboard_matrix(vector(billboard, BillboardFields::axis_of_rotation, glm::vec3(0, 1, 0)), viewer, up);
-}
-
-dmat4 screen_matrix(const dvec3& viewer, float pixels_per_radian) {
-  const double scale = glm::length(viewer) / static_cast<double>(pixels_per_radian);
-  return scale > 0 && std::isfinite(scale) ? glm::scale(dmat4(1), dvec3(scale)) : dmat4(1);
 }
 
 int lod_level(const NodeView& lod, const dvec3& viewer) {

@@ -3,6 +3,7 @@
 #include "render/collection/collect_schema.h"
 #include "render/scene/render_list.h"
 
+#include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
@@ -13,13 +14,12 @@
 // values that are not finite by the defaults.
 namespace gs::render {
 
+/// Returns the rotation nearest to a matrix: without scale, shear and mirroring.
+[[nodiscard]] glm::dmat3 rotation_part(const glm::dmat4& matrix);
 /// Returns parent_from_local of a Transform (VRML97 6.52).
 [[nodiscard]] glm::dmat4 transform_matrix(const NodeView& transform);
 /// Returns parent_from_local of a Billboard (6.6). `viewer` and `up` are in the space of its parent.
 [[nodiscard]] glm::dmat4 billboard_matrix(const NodeView& billboard, const glm::dvec3& viewer, const glm::dvec3& up);
-/// Returns parent_from_local of a ScreenGroup (X3D 36.4.6): a scale by which a unit is as long as a pixel. `viewer` is
-/// in the space of its parent. Exact at the image centre, in perspective.
-[[nodiscard]] glm::dmat4 screen_matrix(const glm::dvec3& viewer, float pixels_per_radian);
 /// Returns the index of the visible level of an LOD (6.26). Returns -1 if it has no levels. `viewer` is in the LOD's
 /// space.
 [[nodiscard]] int lod_level(const NodeView& lod, const glm::dvec3& viewer);

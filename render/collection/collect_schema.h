@@ -18,6 +18,12 @@ struct LayerSetFields {
 struct GroupFields {
   enum : int { children };
 };
+struct LayoutGroupFields : GroupFields {
+  enum : int { layout = children + 1, viewport };
+};
+struct LayoutFields {
+  enum : int { align, offset, offset_units, scale_mode, size, size_units };
+};
 struct CollisionFields {
   enum : int { children, collide, proxy };
 };

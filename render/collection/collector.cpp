@@ -24,8 +24,7 @@ constexpr std::size_t kMaxLights = 60'000;  // DrawItem stores indexes of lights
 constexpr std::size_t kMaxScoped = 60'000;  // ClipPlanes, and LocalFogs: DrawItem stores indexes in 16 bits
 constexpr std::size_t kMaxSounds = 10'000;
 constexpr std::size_t kMaxDepth = 100'000;
-constexpr std::size_t kMaxPlaces = std::size_t{1} << 20;  // also limits coordinate systems; further content has no path
-constexpr std::size_t kBetweenLooks = 1024;               // visits between two checks for cancellation
+constexpr std::size_t kBetweenLooks = 1024;  // visits between two checks for cancellation
 
 /// Reports whether a PROTO of the node is a stand-in with content that is fixed to the viewer.
 bool begins_overlay(const vrml::SceneGraph& scene, vrml::NodeId id) {
@@ -106,6 +105,10 @@ RenderList Collector::collect(const vrml::SceneGraph& scene) {
     visit(Frame(top), id);  // a copy, because enter() may reallocate path_
   }
   coarsen_primitives();
+  if (sources_) {
+    sources_->layouts = std::move(layouts_);
+    sources_->clips = std::move(clips_);
+  }
   for (ViewpointState& viewpoint : inlined_viewpoints_) list_.viewpoints.push_back(std::move(viewpoint));
   take_distances(list_, bound_ ? bound_->viewpoint : nullptr);
   if (sources_)
@@ -181,6 +184,7 @@ void Collector::leave() {
     // The group draws nothing, so remove its paths. Hostile worlds have millions of such groups.
     list_.places.resize(top.places_before);
     list_.world_from_frame.resize(top.frames_before);
+    while (!layouts_.empty() && layouts_.back().frame >= top.frames_before) layouts_.pop_back();
     if (sources_) {
       sources_->frames.resize(top.frames_before);
       while (!sources_->billboards.empty() && sources_->billboards.back() >= top.frames_before)
@@ -261,6 +265,10 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
     case NodeKind::viewport:
       enter_node(parent, id, view.find<vrml::MFNode>(GroupFields::children));
       break;
+    case NodeKind::layout_group:
+    case NodeKind::layout_layer:
+      enter_layout(parent, id, view);
+      break;
     case NodeKind::collision:
       enter_collision(parent, id, view);
       break;
@@ -279,11 +287,12 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
       break;
     case NodeKind::billboard:
       enter_moved(parent, id, view.find<vrml::MFNode>(BillboardFields::children),
-                  billboard_matrix(view, viewer_in(world), vrml::direction_in_local(viewer_up_, world)), true);
+                  billboard_matrix(view, viewer_in(world), vrml::direction_in_local(sight_.orientation[1], world)),
+                  true);
       break;
     case NodeKind::screen_group:
       enter_moved(parent, id, view.find<vrml::MFNode>(GroupFields::children),
-                  screen_matrix(viewer_in(world), pixels_per_radian_), true);
+                  screens_.of(parent.presence.overlay).in_pixels(world, 1), true);
       break;
     case NodeKind::switch_node:
       enter_choice(parent, id, view.find<vrml::MFNode>(SwitchFields::choice),
@@ -345,11 +354,16 @@ const LightList& Collector::directional_lights() {
   return directional_lights_;
 }
 
-// Returns the active ClipPlanes. If there are too many, returns the outermost ones.
-const ClipList& Collector::clip_planes() {
-  if (std::exchange(clips_changed_, false)) {
-    const std::size_t count = std::min(active_clips_.size(), kMaxClipPlanes);
-    clip_planes_ = ClipList(std::span<const std::uint16_t>(active_clips_).first(count));
+// Returns the planes of the Viewport, and the active ClipPlanes. If there are too many, returns the outermost ones.
+const ClipList& Collector::clip_planes(const Presence& presence) {
+  const bool moved = std::exchange(clip_of_planes_, presence.clip) != presence.clip;
+  if (std::exchange(clips_changed_, false) || moved) {
+    std::vector<std::uint16_t> planes;
+    for (std::uint16_t edge = 0; edge < 4 && presence.clip != kNoPlace; ++edge)
+      planes.push_back(static_cast<std::uint16_t>(clips_[presence.clip].first_plane + edge));
+    const std::size_t count = std::min(active_clips_.size(), kMaxClipPlanes - planes.size());
+    planes.insert(planes.end(), active_clips_.begin(), active_clips_.begin() + static_cast<std::ptrdiff_t>(count));
+    clip_planes_ = ClipList(std::span<const std::uint16_t>(planes));
   }
   return clip_planes_;
 }
@@ -397,6 +411,14 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
     list_.navigation = navigation_state(view);
     list_.has_navigation = true;
   }
+}
+
+RenderList collect(const vrml::SceneGraph& scene, const Images& images, MeshCache& meshes, const glm::dvec3& viewer,
+                   const Geometries& geometries, const BoundNodes* bound, const Sight& sight) {
+  const bool usable = std::isfinite(viewer.x) && std::isfinite(viewer.y) && std::isfinite(viewer.z);
+  ShapeResources resources(images, meshes, scene.budget());
+  return Collector(resources, usable ? viewer : glm::dvec3(0, 0, 10), geometries, bound, scene.budget(), nullptr, sight)
+      .collect(scene);
 }
 
 }  // namespace gs::render

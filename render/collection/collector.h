@@ -1,5 +1,6 @@
 #pragma once
 
+#include "render/collection/screen.h"
 #include "render/collection/shape_resources.h"
 #include "render/scene/render_list.h"
 #include "vrml/behaviours/particles/particle_mesh.h"
@@ -28,6 +29,7 @@ struct RenderSources {
     std::uint32_t parent = 0, end = 0;  // `end`: index after the last frame inside this frame
     std::uint32_t first_item = 0, end_item = 0, first_splat = 0, end_splat = 0, first_light = 0, end_light = 0;
     glm::dmat4 parent_from_local{1.0};
+    bool overlay = false;  // its content is fixed to the viewer
   };
   struct Item {
     const vrml::Node* geometry = nullptr;
@@ -61,7 +63,28 @@ struct RenderSources {
     int level = -1;
   };
 
+  struct Layout {  // LayoutGroup or LayoutLayer with a Layout. Outer ones stand before inner ones.
+    const vrml::Node* node = nullptr;  // the Layout
+    std::uint32_t frame = 0;
+    std::uint32_t outer = kNoPlace;  // index of the Layout around it
+    std::uint32_t depth = 0;         // number of Layouts around it
+    Screen::Anchor anchor = Screen::Anchor::layout;
+    glm::dvec2 size{0};  // pixels of its rectangle
+  };
+  struct BoxItem {  // Item that shows the box of a node with bboxDisplay TRUE
+    std::uint32_t item = 0;
+    std::uint32_t first = 0;  // the box contains the items from `first` up to `item`
+  };
+  struct Clip {                    // Viewport of a LayoutGroup
+    std::uint32_t first_plane = 0;  // of four, in the order of ClipBoundary
+    vrml::ClipBoundary part{};     // part of the whole picture, inside of the Viewports around it
+    bool overlay = false;
+  };
+
   std::vector<Frame> frames;
+  std::vector<Layout> layouts;
+  std::vector<Clip> clips;
+  std::vector<BoxItem> boxes;  // inner boxes stand before outer ones
   std::vector<Item> items, splats;
   std::vector<Local> lights, viewpoints, bindables;  // lights and viewpoints are in the order of the list
   std::vector<Local> clip_planes, local_fogs;        // in the order of the list
@@ -73,15 +96,27 @@ struct RenderSources {
   bool complete = true;          // false if the world has more coordinate systems than the list can store
 };
 
+/// Maximum paths and coordinate systems; further content has no path.
+inline constexpr std::size_t kMaxPlaces = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxViewpoints = 10'000;  // also limits bindable nodes and ViewpointGroups
+
+/// Pictures of the content of a layer, and of its overlays, which are always in perspective.
+struct Screens {
+  Screens(const glm::dvec3& viewer, const Sight& sight, const vrml::ClipBoundary& boundary);
+  Screen content, overlays;
+  [[nodiscard]] const Screen& of(bool overlay) const { return overlay ? overlays : content; }
+  /// Returns the place of a Layout. `values` are its fields, and `parent` is the coordinate system around it.
+  [[nodiscard]] Screen::Placement place(const RenderSources::Layout& layout, const LayoutValues& values,
+                                        std::span<const RenderSources::Layout> all, bool overlay,
+                                        const glm::dmat4& parent) const;
+};
 
 /// Traverses a scene and collects its visible content, as collect() describes.
 class Collector {
  public:
   /// Prepares a traversal. `sources` receives the source nodes; it may be null.
   Collector(ShapeResources& resources, const glm::dvec3& viewer, const Geometries& geometries, const BoundNodes* bound,
-            std::shared_ptr<Budget> budget, RenderSources* sources, float pixels_per_radian = kUsualPixelsPerRadian,
-            const glm::dvec3& viewer_up = {0, 1, 0})
+            std::shared_ptr<Budget> budget, RenderSources* sources, const Sight& sight = {})
       : resources_(resources),
         schemas_(resources.schemas()),
         viewer_(viewer),
@@ -89,8 +124,8 @@ class Collector {
         bound_(bound),
         sources_(sources),
         budget_(std::move(budget)),
-        pixels_per_radian_(pixels_per_radian),
-        viewer_up_(viewer_up) {}
+        sight_(sight),
+        screens_(viewer, sight, bound ? bound->boundary : kWholePicture) {}
 
   RenderList collect(const vrml::SceneGraph& scene);
 
@@ -102,6 +137,9 @@ class Collector {
     bool collidable = true;  // false in a Collision with collide FALSE (6.8)
     bool hidden = false;     // in a group with `visible` FALSE: neither visible nor collidable (X3D 10.2.1)
     std::uint16_t local_fog = kNoLocalFog;
+    std::uint32_t layout = kNoPlace;    // index in layouts_ of the innermost Layout; kNoPlace means none
+    std::uint32_t clip = kNoPlace;      // index in clips_ of the innermost Viewport of a LayoutGroup
+    bool in_layout_layer = false;
     std::uint32_t viewpoint_group = 0;  // index in viewpoint_groups_ of the innermost ViewpointGroup; 0 means none
   };
   /// Grouping node on the current path, or the root nodes of a scene.
@@ -129,6 +167,9 @@ class Collector {
   void enter_node(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children);
   void enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children, const glm::dmat4& local,
                    bool billboard);
+  void enter_layout(const Frame& parent, vrml::NodeId id, const NodeView& group);
+  void clip_to_viewport(Presence& presence, const vrml::SceneGraph& scene, vrml::NodeId group);
+  void begin_frame(Frame& frame, const Frame& parent, const vrml::Node& node, const glm::dmat4& local, bool billboard);
   void enter_humanoid(const Frame& parent, vrml::NodeId id, const NodeView& humanoid);
   void enter_choice(const Frame& parent, vrml::NodeId id, const vrml::MFNode* choices, std::int64_t which);
   void enter_one(const Frame& parent, vrml::NodeId id, const vrml::NodeId& child);
@@ -139,7 +180,7 @@ class Collector {
   void enter_layers(const Frame& parent, vrml::NodeId id, const NodeView& layer_set);
   [[nodiscard]] bool is_outside_of_layer(const vrml::SceneGraph& scene, vrml::NodeId root) const;
   const LightList& directional_lights();
-  const ClipList& clip_planes();
+  const ClipList& clip_planes(const Presence& presence);
   void add_box(const vrml::Node& node, const glm::dmat4& world_from_local, std::size_t first_item, std::uint32_t place,
                const Presence& presence);
   void add_scoped(Frame& frame, vrml::NodeId child);
@@ -147,6 +188,8 @@ class Collector {
   void add_bindable(const NodeView& view, vrml::NodeId id, const Frame& parent);
   void add_navigation_of(const NodeView& viewpoint, const Frame& parent, bool first);
   void add_shape(const Frame& parent, vrml::NodeId id, const NodeView& shape);
+  void add_screen_text(const Frame& parent, vrml::NodeId id, vrml::NodeId geometry, DrawItem item,
+                       const RenderSources::Item& source);
   void add_particles(const Frame& parent, vrml::NodeId id, const NodeView& system);
   bool surface_item(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool pictured, DrawItem& item);
   void add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geometry, DrawItem item, RenderSources::Item source,
@@ -181,11 +224,14 @@ class Collector {
   std::vector<std::uint16_t> active_clips_;
   ClipList clip_planes_;         // the active ClipPlanes of the current group; the items of a group share this list
   bool clips_changed_ = false;   // active_clips_ has changed after clip_planes_ was made
+  std::uint32_t clip_of_planes_ = kNoPlace;  // Presence::clip of clip_planes_
+  std::vector<RenderSources::Layout> layouts_;
+  std::vector<RenderSources::Clip> clips_;
   bool lights_changed_ = false;  // active_lights_ has changed after directional_lights_ was made
   std::size_t visits_ = 0;
   std::shared_ptr<Budget> budget_;
-  float pixels_per_radian_;
-  glm::dvec3 viewer_up_;
+  Sight sight_;
+  Screens screens_;
   std::size_t triangles_ = 0;  // triangles of all items; primitives count with their coarsest mesh
   // Items of one primitive, by its finest mesh.
   struct Primitives {
@@ -200,6 +246,11 @@ class Collector {
 bool renew_particles(DrawItem& item, RenderSources::Item& source, RenderSources::Particles& particles,
                      const vrml::SceneGraph& scene, vrml::NodeId system, const glm::dmat4& world,
                      const glm::dvec3& viewer, const glm::dvec3& up);
+/// Returns the box of the items from `first` up to `end` in a coordinate system.
+[[nodiscard]] Box box_of_items(const RenderList& list, std::size_t first, std::size_t end,
+                               const glm::dmat4& world_from_local);
+/// Returns a mesh with the twelve edges of a box.
+[[nodiscard]] std::shared_ptr<const vrml::Mesh> edges_of(const Box& box);
 /// Reports whether all elements are finite and within the range of float.
 [[nodiscard]] bool fits_float(const glm::dmat4& matrix);
 /// Returns the matrix from positions of a mesh, relative to its origin, to world space.

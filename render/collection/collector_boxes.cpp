@@ -16,7 +16,8 @@ T field_of(const vrml::Node& node, const char* name, T otherwise) {
   return value ? *value : otherwise;
 }
 
-/// Returns the twelve edges of a box.
+}  // namespace
+
 std::shared_ptr<const vrml::Mesh> edges_of(const Box& box) {
   vrml::Mesh mesh;
   mesh.primitive = vrml::Mesh::Primitive::lines;
@@ -34,10 +35,19 @@ std::shared_ptr<const vrml::Mesh> edges_of(const Box& box) {
   return std::make_shared<const vrml::Mesh>(std::move(mesh));
 }
 
-}  // namespace
+Box box_of_items(const RenderList& list, std::size_t first, std::size_t end, const glm::dmat4& world_from_local) {
+  Box box;
+  const glm::dmat4 local_from_world = glm::inverse(world_from_local);
+  for (std::size_t i = first; i < end; ++i) {
+    const WideBox bounds = world_bounds(list.items[i].mesh->bounds, local_from_world * list.items[i].world_from_node);
+    if (bounds.empty()) continue;
+    box.add(glm::vec3(bounds.lower));
+    box.add(glm::vec3(bounds.upper));
+  }
+  return box;
+}
 
-/// Adds the box of a node: the one that the node declares, or else the box of the items from `first_item` on at this
-/// time.
+/// Adds the box of a node: the one that the node declares, or else the box of the items from `first_item` on.
 void Collector::add_box(const vrml::Node& node, const glm::dmat4& world_from_local, std::size_t first_item,
                         std::uint32_t place, const Presence& presence) {
   if (list_.items.size() >= budget_->limit(Resource::items) || !presence.visible) return;
@@ -48,21 +58,17 @@ void Collector::add_box(const vrml::Node& node, const glm::dmat4& world_from_loc
     box.add(center - size * 0.5f);
     box.add(center + size * 0.5f);
   } else {
-    const glm::dmat4 local_from_world = glm::inverse(world_from_local);
-    for (std::size_t i = first_item; i < list_.items.size(); ++i) {
-      const WideBox bounds =
-          world_bounds(list_.items[i].mesh->bounds, local_from_world * list_.items[i].world_from_node);
-      if (bounds.empty()) continue;
-      box.add(glm::vec3(bounds.lower));
-      box.add(glm::vec3(bounds.upper));
-    }
+    box = box_of_items(list_, first_item, list_.items.size(), world_from_local);
+    if (sources_ && !box.empty() && place != kNoPlace)
+      sources_->boxes.push_back(
+          {static_cast<std::uint32_t>(list_.items.size()), static_cast<std::uint32_t>(first_item)});
   }
   if (box.empty()) return;
   DrawItem item;
   item.mesh = edges_of(box);
   item.world_from_node = world_from_local;
   item.material.emissive = {1, 1, 0};
-  item.clip_planes = clip_planes();
+  item.clip_planes = clip_planes(presence);
   item.local_fog = presence.local_fog;
   item.place = place;
   item.collidable = false;

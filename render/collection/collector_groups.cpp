@@ -1,6 +1,7 @@
 #include "render/collection/collector.h"
 #include "vrml/event_model/behaviour.h"
 
+#include <algorithm>
 #include <span>
 #include <utility>
 
@@ -8,6 +9,23 @@
 namespace gs::render {
 
 using glm::dmat4;
+
+Screens::Screens(const glm::dvec3& viewer, const Sight& sight, const vrml::ClipBoundary& boundary)
+    : content(viewer, sight, boundary),
+      overlays(
+          viewer,
+          [&] {
+            Sight perspective = sight;
+            perspective.height = 0;
+            return perspective;
+          }(),
+          boundary) {}
+
+Screen::Placement Screens::place(const RenderSources::Layout& layout, const LayoutValues& values,
+                                 std::span<const RenderSources::Layout> all, bool overlay, const dmat4& parent) const {
+  const Screen& screen = of(overlay);
+  return screen.place(values, layout.anchor, layout.outer == kNoPlace ? screen.size() : all[layout.outer].size, parent);
+}
 
 void Collector::enter_node(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children) {
   if (children && !children->empty()) enter(frame_below(parent, id, children->span()));
@@ -25,24 +43,30 @@ void Collector::enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MF
   frame.world_from_local = world_from_local;
   // Above the limit of coordinate systems, content has no path. Each change then collects everything again.
   if (frame.place != kNoPlace) {
-    frame.frame = frame.frames_before;
+    begin_frame(frame, parent, parent.scene->node(id), local, billboard);
     list_.places[frame.place].frame = frame.frame;
-    list_.world_from_frame.push_back(world_from_local);
-    if (sources_) {
-      RenderSources::Frame source;
-      source.node = &parent.scene->node(id);
-      source.parent = parent.frame;
-      source.first_item = static_cast<std::uint32_t>(list_.items.size());
-      source.first_splat = static_cast<std::uint32_t>(list_.splats.size());
-      source.first_light = static_cast<std::uint32_t>(list_.lights.size());
-      source.parent_from_local = local;
-      sources_->frames.push_back(source);
-      if (billboard) sources_->billboards.push_back(frame.frame);
-    }
   } else if (sources_) {
     sources_->complete = false;
   }
   enter(frame);
+}
+
+// Begins the coordinate system of a node; `local` is parent_from_local. The caller sets its end.
+void Collector::begin_frame(Frame& frame, const Frame& parent, const vrml::Node& node, const dmat4& local,
+                            bool billboard) {
+  frame.frame = static_cast<std::uint32_t>(list_.world_from_frame.size());
+  list_.world_from_frame.push_back(frame.world_from_local);
+  if (!sources_) return;
+  RenderSources::Frame source;
+  source.node = &node;
+  source.parent = parent.frame;
+  source.first_item = static_cast<std::uint32_t>(list_.items.size());
+  source.first_splat = static_cast<std::uint32_t>(list_.splats.size());
+  source.first_light = static_cast<std::uint32_t>(list_.lights.size());
+  source.parent_from_local = local;
+  source.overlay = parent.presence.overlay;
+  sources_->frames.push_back(source);
+  if (billboard) sources_->billboards.push_back(frame.frame);
 }
 
 // Enters the skeleton and the skin of an HAnimHumanoid as one list.
@@ -76,6 +100,57 @@ void Collector::enter_choice(const Frame& parent, vrml::NodeId id, const vrml::M
 /// Enters a group with only one child, `child`.
 void Collector::enter_one(const Frame& parent, vrml::NodeId id, const vrml::NodeId& child) {
   enter(frame_below(parent, id, std::span(&child, 1)));
+}
+
+// Enters a LayoutGroup or LayoutLayer (X3D 36.4.2, 36.4.3).
+void Collector::enter_layout(const Frame& parent, vrml::NodeId id, const NodeView& group) {
+  using Anchor = Screen::Anchor;
+  constexpr std::uint32_t kMaxDepthOfLayouts = 64;  // each level moves all content below it again
+  constexpr std::size_t kMaxLayouts = 10'000;
+  const auto* children = group.find<vrml::MFNode>(LayoutGroupFields::children);
+  const auto* given = group.find<vrml::SFNode>(LayoutGroupFields::layout);
+  const NodeView layout = given ? schemas_.view(*parent.scene, *given) : NodeView{};
+  Frame inside = parent;
+  Presence& presence = inside.presence;
+  const bool in_layer = presence.in_layout_layer || group.kind() == NodeKind::layout_layer;
+  presence.in_layout_layer = in_layer;
+  RenderSources::Layout made;
+  made.node = layout.node;
+  made.frame = static_cast<std::uint32_t>(list_.world_from_frame.size());
+  made.outer = presence.layout;
+  made.anchor = made.outer != kNoPlace ? Anchor::layout : in_layer ? Anchor::layer : Anchor::viewer;
+  made.depth = made.outer != kNoPlace ? layouts_[made.outer].depth + 1 : 0;
+  const bool placed = layout.kind() == NodeKind::layout && made.depth < kMaxDepthOfLayouts &&
+                      layouts_.size() < kMaxLayouts && children && !children->empty();
+  if (placed && made.anchor == Anchor::viewer) presence.overlay = true;
+  if (group.kind() == NodeKind::layout_group) clip_to_viewport(presence, *parent.scene, id);
+  if (!placed) return enter_node(inside, id, children);
+  const Screen::Placement place =
+      screens_.place(made, layout_values(layout), layouts_, presence.overlay, parent.world_from_local);
+  made.size = place.size;
+  presence.layout = static_cast<std::uint32_t>(layouts_.size());
+  const bool fits = fits_float(parent.world_from_local * place.parent_from_local);
+  if (fits) layouts_.push_back(made);
+  enter_moved(inside, id, children, place.parent_from_local, false);
+}
+
+// Clips the content of a LayoutGroup to the part of the picture that its Viewport covers (X3D 35.4.4), inside of those
+// around it.
+void Collector::clip_to_viewport(Presence& presence, const vrml::SceneGraph& scene, vrml::NodeId group) {
+  constexpr std::size_t kMaxPlanes = 60'000;  // DrawItem stores indexes in 16 bits
+  vrml::ClipBoundary part = vrml::clip_boundary_of(scene, group);
+  if (part == kWholePicture || list_.clip_planes.size() + part.size() > kMaxPlanes) return;
+  if (presence.clip != kNoPlace) {
+    const vrml::ClipBoundary& around = clips_[presence.clip].part;
+    for (std::size_t edge = 0; edge < part.size(); ++edge)
+      part[edge] = edge % 2 == 0 ? std::max(part[edge], around[edge]) : std::min(part[edge], around[edge]);
+  }
+  presence.clip = static_cast<std::uint32_t>(clips_.size());
+  clips_.push_back({static_cast<std::uint32_t>(list_.clip_planes.size()), part, presence.overlay});
+  for (const glm::dvec4& plane : screens_.of(presence.overlay).planes(part)) {
+    list_.clip_planes.push_back(plane);
+    if (sources_) sources_->clip_planes.push_back({});
+  }
 }
 
 // Enters a Collision. With a proxy, the children are visible but not collidable, and the proxy is collidable but

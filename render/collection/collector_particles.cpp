@@ -79,7 +79,7 @@ void Collector::add_particles(const Frame& parent, vrml::NodeId id, const NodeVi
   if (!fits_float(parent.world_from_local) ||
       !has_room(scene, id, std::min(most * copied, vrml::kMaxParticleIndices / 3)))
     return;
-  (void)renew_particles(item, source, particles, scene, id, parent.world_from_local, viewer_, viewer_up_);
+  (void)renew_particles(item, source, particles, scene, id, parent.world_from_local, viewer_, sight_.orientation[1]);
   item.touchable = false;
   particles.item = static_cast<std::uint32_t>(list_.items.size());
   add_item(parent, id, geometry, std::move(item), source, parent.world_from_local);

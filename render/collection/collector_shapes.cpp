@@ -78,7 +78,34 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
     const std::size_t corners = item.mesh->primitive == vrml::Mesh::Primitive::triangles ? 3 : 1;
     if (!has_room(*parent.scene, geometry, item.mesh->indices.size() / corners)) return;
   }
+  if (item.mesh->in_points) return add_screen_text(parent, id, geometry, std::move(item), source);
   add_item(parent, id, geometry, std::move(item), source, world_from_node);
+}
+
+// Adds a Text with a ScreenFontStyle, in a coordinate system with points of the screen as units (X3D 36.4.5).
+void Collector::add_screen_text(const Frame& parent, vrml::NodeId id, vrml::NodeId geometry, DrawItem item,
+                                const RenderSources::Item& source) {
+  const Screen& screen = screens_.of(parent.presence.overlay);
+  const dmat4 local = screen.in_pixels(parent.world_from_local, screen.pixels_per_point());
+  Frame frame = parent;
+  frame.world_from_local = parent.world_from_local * local;
+  if (!fits_float(frame.world_from_local)) {
+    if (sources_) sources_->unshown.push_back({source.geometry, parent.scene});
+    return;
+  }
+  const std::size_t number = list_.world_from_frame.size();
+  if (number < kMaxPlaces)
+    begin_frame(frame, parent, parent.scene->node(id), local, true);
+  else if (sources_)
+    sources_->complete = false;
+  const dmat4 world_from_node = world_from_mesh(frame.world_from_local, *item.mesh);
+  add_item(frame, id, geometry, std::move(item), source, world_from_node);
+  if (!sources_ || frame.frame != number) return;
+  RenderSources::Frame& made = sources_->frames[number];
+  made.end = static_cast<std::uint32_t>(number + 1);
+  made.end_item = static_cast<std::uint32_t>(list_.items.size());
+  made.end_splat = made.first_splat;
+  made.end_light = made.first_light;
 }
 
 /// Prepares the part of a QNV surface with a texture if `pictured`, otherwise the part without a texture.
@@ -94,12 +121,12 @@ void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geom
                          RenderSources::Item source, const dmat4& world_from_node) {
   item.world_from_node = world_from_node;
   item.directional_lights = directional_lights();
-  item.clip_planes = clip_planes();
+  item.clip_planes = clip_planes(parent.presence);
   item.local_fog = parent.presence.local_fog;
   item.place = add_place(parent, id);
   source.bounds = world_bounds(source.region.empty() ? item.mesh->bounds : source.region, world_from_node);
   if (item.mesh->font_size > 0) {
-    const std::size_t level = text_level(*item.mesh, item.world_from_node, source.bounds, viewer_, pixels_per_radian_,
+    const std::size_t level = text_level(*item.mesh, item.world_from_node, source.bounds, viewer_, sight_,
                                          sources_ && !source.appearance.textured());
     auto [mesh, made] = resources_.text_mesh_of(*parent.scene, geometry, source.appearance.need_coordinates(), level);
     source.text_level = ShapeResources::kCoarsestText;
@@ -143,7 +170,7 @@ void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem&
   item.material = item.own_color ? Material{} : shape.material;
   item.detail = detail;
   item.directional_lights = directional_lights();
-  item.clip_planes = clip_planes();
+  item.clip_planes = clip_planes(parent.presence);
   item.place = add_place(parent, id);
   const Box& box = splats->description().box;
   RenderSources::Item kept = source;

@@ -64,12 +64,11 @@ void RenderScene::gather(const BoundNodes& bound, const dvec3& viewer) {
   bound_ = bound;
   viewer_ = usable(viewer);
   resources_.forget_refiners();
-  *list_ =
-      Collector(resources_, viewer_, geometries_, &bound_, scene_.budget(), &sources_, pixels_per_radian_, viewer_up_)
-          .collect(scene_);
+  *list_ = Collector(resources_, viewer_, geometries_, &bound_, scene_.budget(), &sources_, sight_).collect(scene_);
   list_->boundary = bound_.boundary;
   list_->pickable = bound_.pickable && bound_.drawn;
   list_->drawn = bound_.drawn;
+  if (bound_.parallel && !bound_.viewpoint) list_->default_extent = kLayoutExtent;
   gather_layers();
   ++gathered_;
   begin_generation();
@@ -85,7 +84,7 @@ void RenderScene::gather(const BoundNodes& bound, const dvec3& viewer) {
     if (fills_bounds(i)) block_bounds_[i / kBoundsBlock].add(sources_.items[i].bounds);
   stale_blocks_.clear();
   block_stale_.assign(blocks, false);
-  frame_lost_ = splat_moved_ = false;
+  frame_lost_ = splat_moved_ = boxes_stale_ = false;
 }
 
 bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundNodes& bound, const dvec3& viewer) {
@@ -145,7 +144,9 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
                          bound.fog != bound_.fog;
     const bool other_viewpoint = bound.viewpoint != bound_.viewpoint;
     whole = bound.layer != bound_.layer || bound.layer_set != bound_.layer_set || bound.boundary != bound_.boundary ||
-            bound.pickable != bound_.pickable || bound.drawn != bound_.drawn || bound.others != bound_.others;
+            bound.pickable != bound_.pickable || bound.drawn != bound_.drawn || bound.others != bound_.others ||
+            bound.parallel != bound_.parallel ||
+            (bound.parallel && (bound.viewpoint != nullptr) != (bound_.viewpoint != nullptr));
     bound_ = bound;
     if (rebound) renew_bindables(), any = true;
     if (other_viewpoint || any) {
@@ -155,12 +156,14 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
     }
     viewer_ = usable(viewer);
     if (depends_on_viewer()) {
+      picture_moved_ = false;
       whole = !follow_viewer(viewer_) || whole;
-      any = any || !moved_frames_.empty();
+      any = any || picture_moved_ || !moved_frames_.empty();
       move_frames();
       if (!whole && refine_texts()) any = true;
       if (!whole && move_particles()) any = true;
     }
+    if (!whole && follow_boxes()) any = true;
     if (!whole && update_layers(changes)) any = true;
     // A coordinate system has overflowed and hides its content, so collect again.
     whole = whole || frame_lost_;
@@ -200,8 +203,12 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
       return only(Effect::none, GroupFields::children);
     case NodeKind::particle_system:
       return has_changed_nodes(change, node) ? Effect::everything : Effect::none;
+    case NodeKind::layout:
+      return Effect::none;  // the next update of the viewer places it
     case NodeKind::layer_set:
     case NodeKind::layer:
+    case NodeKind::layout_layer:
+    case NodeKind::layout_group:
     case NodeKind::viewport:
     case NodeKind::collision:
     case NodeKind::switch_node:
@@ -383,47 +390,6 @@ void RenderScene::place_splat(std::uint32_t i) {
   splat_moved_ = true;
 }
 
-// Updates LODs, Billboards and ScreenGroups for a new viewer position. Returns false if an LOD selects another level.
-bool RenderScene::follow_viewer(const dvec3& viewer) {
-  for (const RenderSources::Lod& lod : sources_.lods) {
-    const NodeView view{lod.node, &resources_.schemas().of(*lod.node->type)};
-    if (lod_level(view, vrml::viewer_in_local(viewer, list_->world_from_frame[lod.frame])) != lod.level) return false;
-  }
-  for (const std::uint32_t frame : sources_.billboards) {
-    const RenderSources::Frame& source = sources_.frames[frame];
-    const NodeView view{source.node, &resources_.schemas().of(*source.node->type)};
-    const dmat4& parent = list_->world_from_frame[source.parent];
-    const dvec3 viewer_there = vrml::viewer_in_local(viewer, parent);
-    const dmat4 matrix = view.kind() == NodeKind::screen_group
-                             ? screen_matrix(viewer_there, pixels_per_radian_)
-                             : billboard_matrix(view, viewer_there, vrml::direction_in_local(viewer_up_, parent));
-    if (matrix != source.parent_from_local) mark_frame(frame, matrix);
-  }
-  return true;
-}
-
-// Re-tessellates texts for their size in the image. Returns true if any text changed.
-bool RenderScene::refine_texts() {
-  bool any = false;
-  for (const std::uint32_t i : sources_.texts) {
-    DrawItem& item = list_->items[i];
-    RenderSources::Item& source = sources_.items[i];
-    const std::size_t level = text_level(*item.mesh, item.world_from_node, source.bounds, viewer_, pixels_per_radian_,
-                                         !source.appearance.textured());
-    if (level == source.text_level || item.place == kNoPlace) continue;
-    const Place& place = list_->places[item.place];
-    const NodeView shape = resources_.schemas().view(*place.scene, place.node);
-    const vrml::NodeId geometry = geometry_of(*place.scene, shape);
-    item.mesh = nullptr;  // release the mesh, so that the cache may free an unused level
-    auto [mesh, made] = resources_.text_mesh_of(*place.scene, geometry, source.appearance.need_coordinates(), level);
-    any = any || made != source.text_level;
-    item.mesh = std::move(mesh);
-    source.text_level = made;
-    place_item(i);
-  }
-  return any;
-}
-
 // ---- Bounds of all items
 
 // Assigns a new generation.
@@ -438,6 +404,7 @@ void RenderScene::item_moved(std::uint32_t item) {
   constexpr std::size_t kLongest = 64;  // maximum length of `moved`, per item
   if (list_->moved.size() >= kLongest * list_->items.size()) begin_generation();
   list_->moved.push_back(item);
+  boxes_stale_ = true;
   const std::uint32_t block = item / kBoundsBlock;
   if (block_stale_[block]) return;
   block_stale_[block] = true;

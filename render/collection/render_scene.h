@@ -31,18 +31,15 @@ class RenderScene {
   /// list changed. Call forget_changed() on the cache first.
   bool update(std::span<const vrml::NodeChange> changes, const BoundNodes& bound, const glm::dvec3& viewer);
 
-  /// Sets the pixels per radian at the image centre, which determine the detail of Text.
-  void set_pixels_per_radian(float pixels) { pixels_per_radian_ = pixels; }
-
-  /// Sets the viewer's up direction in world space for the next `gather` or `update`.
-  void set_viewer_up(const glm::dvec3& up) { viewer_up_ = up; }
+  /// Sets the viewer's orientation, lens and picture for the next `gather` or `update`.
+  void set_sight(const Sight& sight) { sight_ = sight; }
 
   [[nodiscard]] const RenderList& list() const { return *list_; }
   [[nodiscard]] std::shared_ptr<const RenderList> shared_list() const { return list_; }
   /// Reports whether the list depends on the viewer's position.
   [[nodiscard]] bool depends_on_viewer() const {
     return !sources_.lods.empty() || !sources_.billboards.empty() || !sources_.texts.empty() ||
-           !sources_.particles.empty();
+           !sources_.particles.empty() || !sources_.layouts.empty() || !sources_.clips.empty();
   }
   /// Returns the number of full collections so far.
   [[nodiscard]] std::size_t gathered() const { return gathered_; }
@@ -75,6 +72,8 @@ class RenderScene {
   const Uses& frame_uses();
   const Uses& item_uses();
   bool follow_viewer(const glm::dvec3& viewer);
+  void follow_picture(const Screens& screens);
+  bool follow_boxes();
   bool refine_texts();
   bool move_particles();
   void mark_frame(std::uint32_t frame, const glm::dmat4& parent_from_local);
@@ -90,7 +89,8 @@ class RenderScene {
   [[nodiscard]] BoundNodes nodes_of(const BoundLayer& layer) const;
   void gather_layers();
   bool update_layers(std::span<const vrml::NodeChange> changes);
-  void list_layers();
+  [[nodiscard]] RenderLayer lens_of_layer(std::size_t index) const;
+  [[nodiscard]] bool show_layer(std::size_t index, std::span<const vrml::NodeChange> changes);
   [[nodiscard]] bool is_face(const vrml::Node* node) const;
   void set_background(const RenderSources::Local& local, const NodeView& view);
   void begin_generation();
@@ -107,8 +107,7 @@ class RenderScene {
   RenderSources sources_;
   BoundNodes bound_;
   glm::dvec3 viewer_{0, 0, 10};
-  glm::dvec3 viewer_up_{0, 1, 0};
-  float pixels_per_radian_ = kUsualPixelsPerRadian;
+  Sight sight_;
   std::size_t gathered_ = 0;
   std::vector<std::unique_ptr<RenderScene>> layers_;  // of BoundNodes::others
   Uses frame_uses_, item_uses_;                       // sorted by node; built at first use
@@ -119,6 +118,8 @@ class RenderScene {
   std::vector<std::uint32_t> stale_blocks_;
   std::vector<bool> block_stale_;
   bool splat_moved_ = false;
+  bool boxes_stale_ = false;    // items have moved after the boxes of bboxDisplay were made
+  bool picture_moved_ = false;  // a Layout or the plane of a Viewport has moved with the viewer
   bool frame_lost_ = false;  // a coordinate system has overflowed, which hides its content
 };
 

@@ -1,12 +1,16 @@
 #include "render/collection/render_scene.h"
 
 #include "render/scene/surface_mesh.h"
+#include "vrml/scene/values/transformation.h"
 
 #include <algorithm>
 #include <utility>
 
 // Part of RenderScene that updates single parts of the list.
 namespace gs::render {
+
+using glm::dmat4;
+using glm::dvec3;
 
 std::vector<const vrml::Node*> inner_nodes(const vrml::SceneGraph& scene, const vrml::Node& node) {
   constexpr std::size_t kMaxNodes = 64;
@@ -21,6 +25,98 @@ std::vector<const vrml::Node*> inner_nodes(const vrml::SceneGraph& scene, const 
       for (const vrml::NodeId id : *several) add(id);
   }
   return nodes;
+}
+
+// ---- Content that depends on the viewer
+
+// Updates LODs, Billboards and content in units of the picture for a new viewer. Returns false if an LOD selects
+// another level.
+bool RenderScene::follow_viewer(const dvec3& viewer) {
+  for (const RenderSources::Lod& lod : sources_.lods) {
+    const NodeView view{lod.node, &resources_.schemas().of(*lod.node->type)};
+    if (lod_level(view, vrml::viewer_in_local(viewer, list_->world_from_frame[lod.frame])) != lod.level) return false;
+  }
+  const Screens screens(viewer, sight_, bound_.boundary);
+  if (!sources_.layouts.empty() || !sources_.clips.empty()) follow_picture(screens);
+  for (const std::uint32_t frame : sources_.billboards) {
+    const RenderSources::Frame& source = sources_.frames[frame];
+    const NodeView view{source.node, &resources_.schemas().of(*source.node->type)};
+    const dmat4& parent = list_->world_from_frame[source.parent];
+    const Screen& screen = screens.of(source.overlay);
+    const dmat4 matrix = view.kind() == NodeKind::screen_group ? screen.in_pixels(parent, 1)
+                         : view.kind() == NodeKind::shape
+                             ? screen.in_pixels(parent, screen.pixels_per_point())
+                             : billboard_matrix(view, vrml::viewer_in_local(viewer, parent),
+                                                vrml::direction_in_local(sight_.orientation[1], parent));
+    if (matrix != source.parent_from_local) mark_frame(frame, matrix);
+  }
+  return true;
+}
+
+// Places Layouts and the planes of their Viewports again. Outer Layouts move before inner ones are placed.
+void RenderScene::follow_picture(const Screens& screens) {
+  for (RenderSources::Layout& layout : sources_.layouts) {
+    const RenderSources::Frame& source = sources_.frames[layout.frame];
+    const NodeView view{layout.node, &resources_.schemas().of(*layout.node->type)};
+    const Screen::Placement place = screens.place(layout, layout_values(view), sources_.layouts, source.overlay,
+                                                  list_->world_from_frame[source.parent]);
+    layout.size = place.size;
+    if (place.parent_from_local == source.parent_from_local) continue;
+    mark_frame(layout.frame, place.parent_from_local);
+    move_frames();
+    picture_moved_ = true;
+  }
+  for (const RenderSources::Clip& clip : sources_.clips) {
+    const auto planes = screens.of(clip.overlay).planes(clip.part);
+    const auto kept = list_->clip_planes.begin() + clip.first_plane;
+    if (std::equal(planes.begin(), planes.end(), kept)) continue;
+    std::copy(planes.begin(), planes.end(), kept);
+    picture_moved_ = true;
+  }
+}
+
+// Re-tessellates texts for their size in the image. Returns true if any text changed.
+bool RenderScene::refine_texts() {
+  bool any = false;
+  for (const std::uint32_t i : sources_.texts) {
+    DrawItem& item = list_->items[i];
+    RenderSources::Item& source = sources_.items[i];
+    const std::size_t level =
+        text_level(*item.mesh, item.world_from_node, source.bounds, viewer_, sight_, !source.appearance.textured());
+    if (level == source.text_level || item.place == kNoPlace) continue;
+    const Place& place = list_->places[item.place];
+    const NodeView shape = resources_.schemas().view(*place.scene, place.node);
+    const vrml::NodeId geometry = geometry_of(*place.scene, shape);
+    item.mesh = nullptr;  // release the mesh, so that the cache may free an unused level
+    auto [mesh, made] = resources_.text_mesh_of(*place.scene, geometry, source.appearance.need_coordinates(), level);
+    any = any || made != source.text_level;
+    item.mesh = std::move(mesh);
+    source.text_level = made;
+    place_item(i);
+  }
+  return any;
+}
+
+// ---- Single parts
+
+// Fits the boxes of bboxDisplay to their content (X3D 10.2.2). Returns true if one has changed.
+bool RenderScene::follow_boxes() {
+  constexpr std::size_t kMaxItems = 1'000'000;  // in all boxes; nested boxes contain an item repeatedly
+  if (!std::exchange(boxes_stale_, false)) return false;
+  bool any = false;
+  std::size_t items = 0;
+  for (const RenderSources::BoxItem& one : sources_.boxes) {
+    items += one.item - one.first;
+    if (items > kMaxItems) break;
+    DrawItem& item = list_->items[one.item];
+    const Box box = box_of_items(*list_, one.first, one.item, item.world_from_node);
+    if (box.empty() || (box.lower == item.mesh->bounds.lower && box.upper == item.mesh->bounds.upper)) continue;
+    item.mesh = edges_of(box);
+    place_item(one.item);
+    any = true;
+  }
+  boxes_stale_ = false;
+  return any;
 }
 
 /// Reports whether a node is a texture of the bound TextureBackground.
@@ -43,7 +139,7 @@ bool RenderScene::renew_geometry(std::uint32_t i) {
   const vrml::NodeId geometry = geometry_of(*place.scene, shape);
   if (!geometry || vrml::scale_of_primitive(*place.scene, geometry)) return false;
   auto mesh = resources_.mesh_of(*place.scene, geometry, sources_.items[i].appearance.need_coordinates());
-  if (!mesh || mesh->empty()) return false;
+  if (!mesh || mesh->empty() || mesh->in_points != item.mesh->in_points) return false;
   item.mesh = std::move(mesh);
   if (item.layered) apply_item_appearance(i);
   sources_.items[i].text_level = ShapeResources::kCoarsestText;
@@ -59,7 +155,7 @@ bool RenderScene::move_particles() {
     if (item.place == kNoPlace) continue;
     const Place& place = list_->places[item.place];
     if (!renew_particles(item, sources_.items[particles.item], particles, *place.scene, place.node,
-                         list_->world_from_frame[place.frame], viewer_, viewer_up_))
+                         list_->world_from_frame[place.frame], viewer_, sight_.orientation[1]))
       continue;
     place_item(particles.item);
     if (item.layered) apply_item_appearance(particles.item);
@@ -103,7 +199,7 @@ void RenderScene::renew_scoped(const std::function<bool(const RenderSources::Loc
     return NodeView{local.node, &resources_.schemas().of(*local.node->type)};
   };
   for (std::size_t i = 0; i < sources_.clip_planes.size(); ++i)
-    if (const RenderSources::Local& local = sources_.clip_planes[i]; is_changed(local))
+    if (const RenderSources::Local& local = sources_.clip_planes[i]; local.node && is_changed(local))
       list_->clip_planes[i] = world_clip_plane(view_of(local), list_->world_from_frame[local.frame]);
   for (std::size_t i = 0; i < sources_.local_fogs.size(); ++i)
     if (const RenderSources::Local& local = sources_.local_fogs[i]; is_changed(local))
@@ -157,41 +253,60 @@ BoundNodes RenderScene::nodes_of(const BoundLayer& layer) const {
 // Collects the other drawn layers of the world, each for the viewer at its Viewpoint.
 void RenderScene::gather_layers() {
   layers_.clear();
-  for (const BoundLayer& layer : bound_.others) {
+  list_->layers.clear();
+  for (std::size_t i = 0; i < bound_.others.size(); ++i) {
     layers_.push_back(std::make_unique<RenderScene>(scene_, images_, geometries_, meshes_));
-    layers_.back()->gather(nodes_of(layer), {0, 0, 10});
+    layers_.back()->gather(nodes_of(bound_.others[i]), {0, 0, 10});
+    list_->layers.push_back(lens_of_layer(i));
+    (void)show_layer(i, {});
   }
-  list_layers();
 }
 
 /// Applies changes to the other drawn layers. Returns true if one has changed.
 bool RenderScene::update_layers(std::span<const vrml::NodeChange> changes) {
   bool any = false;
-  for (std::size_t i = 0; i < layers_.size(); ++i) {
-    const glm::dvec3 viewer(list_->layers[i].camera.world_from_camera[3]);
-    if (layers_[i]->update(changes, nodes_of(bound_.others[i]), viewer)) any = true;
-  }
-  if (any) list_layers();
+  for (std::size_t i = 0; i < layers_.size(); ++i) any = show_layer(i, changes) || any;
   return any;
 }
 
-// Lists the other layers with the lenses of their bound Viewpoints.
-void RenderScene::list_layers() {
-  list_->layers.clear();
-  for (std::size_t i = 0; i < layers_.size(); ++i) {
-    RenderLayer layer{layers_[i]->shared_list(), bound_.others[i].in_front, {}, {}};
-    layer.camera.world_from_camera[3] = {0, 0, 10, 1};
-    const vrml::Node* const bound = bound_.others[i].viewpoint;
-    if (bound_.others[i].parallel && !bound) layer.extent = glm::dvec2(2);  // defaults of OrthoViewpoint
-    for (const ViewpointState& viewpoint : layer.list->viewpoints) {
-      if (!bound || &viewpoint.scene->node(viewpoint.node) != bound) continue;
-      layer.camera.world_from_camera = viewpoint.world_from_camera;
-      layer.camera.field_of_view = viewpoint.field_of_view;
-      layer.extent = viewpoint.extent;
-      break;
-    }
-    list_->layers.push_back(std::move(layer));
+/// Updates a layer for its lens. If its Viewpoint has moved, updates it again.
+bool RenderScene::show_layer(std::size_t index, std::span<const vrml::NodeChange> changes) {
+  RenderLayer& layer = list_->layers[index];
+  const auto update = [&](std::span<const vrml::NodeChange> of_layer) {
+    Sight sight = sight_;
+    sight.orientation = glm::dmat3(layer.camera.world_from_camera);
+    sight.field_of_view = layer.camera.field_of_view;
+    const vrml::ClipBoundary& part = bound_.others[index].boundary;
+    sight.height =
+        layer.extent.x > 0
+            ? height_for(layer.extent, {sight.pixels.x * (part[1] - part[0]), sight.pixels.y * (part[3] - part[2])})
+            : 0;
+    layers_[index]->set_sight(sight);
+    return layers_[index]->update(of_layer, nodes_of(bound_.others[index]), layer.camera.world_from_camera[3]);
+  };
+  const bool changed = update(changes);
+  if (!changed) return false;
+  RenderLayer lens = lens_of_layer(index);
+  const bool moved = lens.camera != layer.camera || lens.extent != layer.extent;
+  layer = std::move(lens);
+  if (moved) (void)update({});
+  return true;
+}
+
+/// Returns a layer with the lens of its bound Viewpoint.
+RenderLayer RenderScene::lens_of_layer(std::size_t index) const {
+  const BoundLayer& bound = bound_.others[index];
+  RenderLayer layer{layers_[index]->shared_list(), bound.in_front, {}, {}};
+  layer.camera.world_from_camera[3] = {0, 0, 10, 1};
+  if (bound.parallel && !bound.viewpoint) layer.extent = kLayoutExtent;
+  for (const ViewpointState& viewpoint : layer.list->viewpoints) {
+    if (!bound.viewpoint || &viewpoint.scene->node(viewpoint.node) != bound.viewpoint) continue;
+    layer.camera.world_from_camera = viewpoint.world_from_camera;
+    layer.camera.field_of_view = viewpoint.field_of_view;
+    layer.extent = viewpoint.extent;
+    break;
   }
+  return layer;
 }
 
 }  // namespace gs::render

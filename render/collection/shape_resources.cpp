@@ -312,14 +312,16 @@ void ShapeResources::make_mesh(MeshCache::Entry& entry, const vrml::SceneGraph& 
 }
 
 std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node, const WideBox& bounds,
-                       const glm::dvec3& viewer, float pixels_per_radian, bool pictures) {
+                       const glm::dvec3& viewer, const Sight& sight, bool pictures) {
   constexpr double kMaxPixels = 0.4;  // maximum deviation of outlines, in pixels
   constexpr double kMinLetters = 4;   // pixels per em below which small letters are unreadable
   const glm::dmat3 matrix(world_from_node);
   const double size = text.font_size * std::max(glm::length(matrix[0]), glm::length(matrix[1]));
   const glm::dvec3 nearest = bounds.empty() ? glm::dvec3(world_from_node[3])
                                             : glm::clamp(viewer, glm::dvec3(bounds.lower), glm::dvec3(bounds.upper));
-  const double distance = glm::length(viewer - nearest), pixels = size * pixels_per_radian;
+  const bool parallel = sight.height > 0;
+  const double distance = parallel ? 1 : glm::length(viewer - nearest),
+               pixels = size * (parallel ? 1 / pixel_length(sight, 1) : double{pixels_per_radian(sight)});
   if (pixels <= kMinLetters * distance) return vrml::kTextBars;
   // Up to this size, a pixel of the glyph atlas is at most as large as a sample.
   constexpr double kMaxOfPictures = GlyphSheet::kPixelsPerEm / 2.0;

@@ -116,8 +116,8 @@ class ShapeResources {
 
 /// Returns the level of detail of a text, an index in vrml::kTextTolerances, at which no corners of outlines are
 /// visible. Depends on the font size at the nearest point of `bounds`, the text's box in world space.
-/// `pixels_per_radian` is that of the image centre. `pictures` permits the glyph atlas for small text.
+/// `viewer` and `sight` are those of the picture. `pictures` permits the glyph atlas for small text.
 [[nodiscard]] std::size_t text_level(const vrml::Mesh& text, const glm::dmat4& world_from_node, const WideBox& bounds,
-                                     const glm::dvec3& viewer, float pixels_per_radian, bool pictures);
+                                     const glm::dvec3& viewer, const Sight& sight, bool pictures);
 
 }  // namespace gs::render

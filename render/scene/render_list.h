@@ -8,6 +8,7 @@
 #include "render/scene/layered_material.h"
 #include "render/scene/mesh_cache.h"
 #include "render/scene/shape_style.h"
+#include "render/scene/sight.h"
 #include "render/scene/world_bounds.h"
 #include "vrml/mesh/mesh.h"
 #include "vrml/scene/layers.h"
@@ -123,6 +124,8 @@ struct SplatItem {
 };
 
 inline constexpr vrml::ClipBoundary kWholePicture{0, 1, 0, 1};
+/// Rectangle that a LayoutLayer without a Viewpoint shows: that of an OrthoViewpoint with default values.
+inline constexpr glm::dvec2 kLayoutExtent{2};
 
 /// Background (VRML97 6.5). Colours of the sky begin at the zenith, those of the ground at the nadir. Angles are in
 /// radians.
@@ -203,6 +206,7 @@ struct BoundNodes {
   vrml::NodeId layer_set{};                     // the null id for a world without a LayerSet
   int layer = 0;                                // number of the layer to collect
   vrml::ClipBoundary boundary = kWholePicture;  // part of the picture that it fills
+  bool parallel = false;                        // LayoutLayer: parallel projection without a Viewpoint (36.4.3)
   bool pickable = true;                         // X3D 35.4.1: pointing devices act on it
   bool drawn = true;                            // false if LayerSet.order omits it, or it is not visible
   std::vector<BoundLayer> others{};             // the other drawn layers, from back to front
@@ -267,6 +271,7 @@ struct RenderList {
   vrml::ClipBoundary boundary = kWholePicture;                  // part of the picture that the list fills
   bool pickable = true;                                         // pointing devices act on the list
   bool drawn = true;                                            // false if only `layers` are drawn
+  glm::dvec2 default_extent{0};                                 // LayoutLayer without a Viewpoint: kLayoutExtent
   std::vector<RenderLayer> layers;                              // other layers of the world, from back to front
   std::vector<LimitReport> limit_reports;                       // at most one entry per reason
   std::vector<Place> places;                                    // paths of all content, parents before children
@@ -282,9 +287,10 @@ struct RenderList {
 /// mesh memory, and `limit_reports` reports omissions. Many primitives get coarser meshes. Stops early if the budget is
 /// cancelled. `viewer` is the camera position in world space, for LOD. Geometry nodes in `geometries` become splats or
 /// surfaces. `bound` selects NavigationInfo, Background and Fog; null means the first ones outside Inlines.
-/// `pixels_per_radian` determines the detail of Text.
+/// `sight` determines the detail of Text and the place of content in
+/// units of the picture.
 [[nodiscard]] RenderList collect(const vrml::SceneGraph& scene, const Images& images, MeshCache& meshes,
                                  const glm::dvec3& viewer = glm::dvec3(0, 0, 10), const Geometries& geometries = {},
-                                 const BoundNodes* bound = nullptr, float pixels_per_radian = kUsualPixelsPerRadian);
+                                 const BoundNodes* bound = nullptr, const Sight& sight = {});
 
 }  // namespace gs::render

@@ -2,6 +2,9 @@
 #include "vrml/scene/coordinates/geospatial.h"
 #include "vrml/scene/values/transformation.h"
 
+#include <algorithm>
+#include <vector>
+
 namespace gs::vrml {
 namespace {
 
@@ -38,25 +41,41 @@ void tell_bound(Execution& execution, EventNode node, bool bound) {
 // change.
 bool set_bind(Execution& execution, EventNode node, int event, const FieldValue& value) {
   if (event != BindableEvents::set_bind) return true;
-  const NodeType& type = execution.nodes().type_of(node);
-  const int layer = execution.stacks().layer_of(node);
-  const EventNode before = execution.stacks().top_of(type, layer);
-  const bool to_top = std::get<SFBool>(value);
-  if (to_top && before == node) return false;
-  execution.stacks().bind(node, to_top);
-  const EventNode after = execution.stacks().top_of(type, layer);
-  if (before == after) return false;
-  if (before != 0) tell_bound(execution, before, false);
-  if (after != 0) tell_bound(execution, after, true);
-  if (before != 0) bind_navigation(execution, before, false);
-  if (after != 0) bind_navigation(execution, after, true);
-  if (type.behaviour->parent_from_local && layer == execution.stacks().active_layer()) execution.viewer().jump();
+  BindableStacks& stacks = execution.stacks();
+  const std::vector<BindableStacks::Change> changes = stacks.bind(node, std::get<SFBool>(value));
+  if (changes.empty()) return false;
+  const auto is_among = [&](EventNode one, std::size_t end, EventNode BindableStacks::Change::*side) {
+    return std::any_of(changes.begin(), changes.begin() + static_cast<std::ptrdiff_t>(end),
+                       [&](const auto& change) { return change.*side == one; });
+  };
+  // A node in several layers is bound while it is the top of one of its stacks.
+  std::vector<EventNode> ended, begun;
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    const EventNode before = changes[i].before, after = changes[i].after;
+    if (before != 0 && !stacks.is_bound(before) && !is_among(before, i, &BindableStacks::Change::before))
+      ended.push_back(before);
+    const bool elsewhere = std::any_of(stacks.all().begin(), stacks.all().end(), [&](const auto& stack) {
+      return stack.top == after && std::none_of(changes.begin(), changes.end(), [&](const auto& change) {
+               return change.layer == stack.layer && change.after == after;
+             });
+    });
+    if (after != 0 && !elsewhere && !is_among(after, changes.size(), &BindableStacks::Change::before) &&
+        !is_among(after, i, &BindableStacks::Change::after))
+      begun.push_back(after);
+  }
+  for (const EventNode one : ended) tell_bound(execution, one, false);
+  for (const EventNode one : begun) tell_bound(execution, one, true);
+  for (const EventNode one : ended) bind_navigation(execution, one, false);
+  for (const EventNode one : begun) bind_navigation(execution, one, true);
+  const int active = stacks.active_layer();
+  if (execution.nodes().behaviour_of(node).parent_from_local &&
+      std::any_of(changes.begin(), changes.end(), [&](const auto& change) { return change.layer == active; }))
+    execution.viewer().jump();
   return false;
 }
 
 void tell_late(Execution& execution, EventNode node) {
-  const BindableStacks& stacks = execution.stacks();
-  const bool bound = stacks.top_of(execution.nodes().type_of(node), stacks.layer_of(node)) == node;
+  const bool bound = execution.stacks().is_bound(node);
   if (execution.get<SFBool>(node, BindableEvents::is_bound) != bound) tell_bound(execution, node, bound);
 }
 

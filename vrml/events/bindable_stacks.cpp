@@ -30,12 +30,16 @@ int BindableStacks::active_layer() const {
   return set ? set->active : 0;
 }
 
-int BindableStacks::layer_of(EventNode node) const {
-  if (!layer_set_) return 0;
+std::vector<int> BindableStacks::layers_of(EventNode node) const {
+  if (!layer_set_) return {0};
   const std::optional<LayerSet> set = layers();
   const EventMember& at = execution_.nodes()[node];
-  if (!set || !execution_.budget().spend(execution_.placement().visits())) return 0;
-  return vrml::layer_of(execution_.scenes().root(), *set, *at.scene, at.id);
+  if (!set || !execution_.budget().spend(execution_.placement().visits())) return {0};
+  return vrml::layers_of(execution_.scenes().root(), *set, *at.scene, at.id);
+}
+
+bool BindableStacks::is_bound(EventNode node) const {
+  return std::any_of(stacks_.begin(), stacks_.end(), [&](const Stack& stack) { return stack.top == node; });
 }
 
 NodeChange BindableStacks::bound(const NodeType& type, int layer) const {
@@ -51,31 +55,45 @@ bool BindableStacks::contains(const SceneGraph* scene, NodeId node) const {
   return member != 0 && execution_.nodes()[member].on_stack;
 }
 
-void BindableStacks::bind(EventNode node, bool to_top) {
-  EventNodes& nodes = execution_.nodes();
-  EventMember& at = nodes[node];
-  if (at.on_stack) {
-    if (at.bound_above != 0) nodes[at.bound_above].bound_below = at.bound_below;
-    if (at.bound_below != 0) nodes[at.bound_below].bound_above = at.bound_above;
-    for (Stack& left : stacks_)  // the node may have moved to another layer
-      if (left.top == node) left.top = at.bound_below;
+void BindableStacks::unlink(Stack& stack, EventNode node) {
+  const auto found = stack.links.find(node);
+  if (found == stack.links.end()) return;
+  const Stack::Link link = found->second;
+  stack.links.erase(found);
+  if (link.above != 0) stack.links[link.above].below = link.below;
+  if (link.below != 0) stack.links[link.below].above = link.above;
+  if (stack.top == node) stack.top = link.below;
+}
+
+std::vector<BindableStacks::Change> BindableStacks::bind(EventNode node, bool to_top) {
+  EventMember& at = execution_.nodes()[node];
+  const NodeType& type = execution_.nodes().type_of(node);
+  const std::vector<int> layers = to_top ? layers_of(node) : std::vector<int>();
+  for (const int layer : layers) (void)stack_of(type, layer);
+  std::vector<Change> changes;
+  for (Stack& stack : stacks_) {
+    const bool stays =
+        stack.type->read_as == type.read_as && std::find(layers.begin(), layers.end(), stack.layer) != layers.end();
+    const EventNode before = stack.top;
+    if (stays && before == node) continue;
+    unlink(stack, node);  // the node may also have left the layer
+    if (stays) {
+      stack.links[node] = {stack.top, 0};
+      if (stack.top != 0) stack.links[stack.top].above = node;
+      stack.top = node;
+    }
+    if (stack.top != before) changes.push_back({stack.layer, before, stack.top});
   }
   if (!at.on_stack || !to_top) at.placed = false;
   at.on_stack = to_top;
-  at.bound_above = 0;
-  at.bound_below = 0;
-  if (!to_top) return;
-  Stack& stack = stack_of(nodes.type_of(node), layer_of(node));
-  at.bound_below = stack.top;
-  if (stack.top != 0) nodes[stack.top].bound_above = node;
-  stack.top = node;
+  return changes;
 }
 
 std::vector<EventNode> BindableStacks::nodes() {
   std::vector<EventNode> found;
   for (const Stack& stack : stacks_)
     for (EventNode node = stack.top; node != 0 && execution_.budget().spend(EventBudget::kDelivery);
-         node = execution_.nodes()[node].bound_below)
+         node = stack.links.at(node).below)
       found.push_back(node);
   std::reverse(found.begin(), found.end());
   return found;
@@ -116,10 +134,11 @@ void BindableStacks::bind_first_nodes(SceneState& state, bool of_fresh_types) {
     layer_set_ = set->node;
   else
     layer_set_ = {};
-  std::vector<bool> seen(scene.nodes().count() + 1);
-  std::vector<const NodeType*> known;
+  constexpr int kUnseen = -1;
+  std::vector<int> seen(scene.nodes().count() + 1, kUnseen);  // number of the layer that has visited the node last
+  std::vector<std::pair<const NodeType*, int>> known;
   for (const Stack& stack : stacks_)
-    if (of_fresh_types) known.push_back(stack.type);
+    if (of_fresh_types) known.emplace_back(stack.type, stack.layer);
   struct Range {
     const NodeId* next;
     const NodeId* end;
@@ -132,12 +151,15 @@ void BindableStacks::bind_first_nodes(SceneState& state, bool of_fresh_types) {
       continue;
     }
     const NodeId id = scene.resolve(*path.back().next++);
-    if (!id || seen[id.index]) continue;
-    seen[id.index] = true;
-    const Node& node = scene.node(id);
     const int layer = path.back().layer;
-    const bool is_known = std::any_of(known.begin(), known.end(),
-                                      [&](const NodeType* type) { return type->read_as == node.type->read_as; });
+    if (!id || seen[id.index] == layer) continue;
+    // With USE, several layers may share a large part of the world.
+    if (seen[id.index] != kUnseen && !execution_.budget().spend(EventBudget::kDelivery)) continue;
+    seen[id.index] = layer;
+    const Node& node = scene.node(id);
+    const bool is_known = std::any_of(known.begin(), known.end(), [&](const auto& stack) {
+      return stack.first->read_as == node.type->read_as && stack.second == layer;
+    });
     if (has(node.type->role, Role::bindable) && node.type->behaviour && !is_known &&
         !(of_fresh_types && node.owner != 0)) {
       const EventNode bindable = execution_.scenes().member(state, id);

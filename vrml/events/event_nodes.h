@@ -27,7 +27,6 @@ struct EventMember {
   // Data of RouteTable.
   std::uint32_t first_in = 0;  // first connection to this node; 0 means none
   // Data of BindableStacks.
-  std::uint32_t bound_below = 0, bound_above = 0;  // next lower and next higher node on the stack
   bool on_stack = false;
   bool placed = false;  // on a stack, and found in the transformation hierarchy since then
   // Data of TimerQueue.

@@ -47,6 +47,7 @@ struct Mesh {
   bool limited = false;          // a limit of memory or time removed some or all of the geometry
   bool translucent = false;      // some opacities are below 1
   bool pictured = false;         // texture_coordinates refer to the glyph atlas of the TextShaper
+  bool in_points = false;        // Text with a ScreenFontStyle: a unit is a point of the screen (X3D 36.4.5)
   float font_size = 0;           // size of a Text in node space; 0 if MeshOptions::text_level does not matter
   Box bounds;                    // bounds of the positions in use
   glm::dvec3 origin{0};  // position of the mesh's space in node space; not 0 for coordinates in double precision

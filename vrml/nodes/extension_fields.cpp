@@ -56,7 +56,6 @@ constexpr ExtensionField kFields[] = {
     {"Circle2D", "radiusY"},
     {"", "receiveShadows"},
     {"Shape", "render"},
-    {"ScreenFontStyle", "style"},
     {"ParticleSystem", "scale"},
     {"ParticleSystem", "scaleKey"},
     {"ParticleSystem", "scaleRamp"},

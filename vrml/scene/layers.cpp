@@ -9,45 +9,76 @@ namespace {
 
 constexpr std::size_t kMaxLayers = 256;
 
-/// Search for a node below a layer, through PROTO instances and Inlines.
+/// Search for a node below layers, through PROTO instances and Inlines. Visits each node once for all layers.
 class LayerSearch {
  public:
   LayerSearch(const SceneGraph& scene, NodeId node) : scene_(scene), node_(node) {}
 
-  /// Reports whether the node is at `top` or below it, unless an earlier call has visited it.
+  /// Reports whether the node is at `top` or below it.
   bool finds_below(const SceneGraph& world, NodeId top) {
-    pending_.emplace_back(&world, top);
+    if (!world.contains(top)) return false;
+    pending_.push_back({&world, top, false});
     while (!pending_.empty()) {
-      const auto [scene, id] = pending_.back();
-      pending_.pop_back();
-      if (!scene->contains(id)) continue;
-      if (scene == &scene_ && id == node_) return true;
-      std::vector<bool>& seen = seen_[scene];
-      seen.resize(scene->nodes().count() + 1);
-      if (seen[id.index]) continue;
-      seen[id.index] = true;
-      add_below(*scene, id);
+      Step& step = pending_.back();
+      const auto [scene, id, entered] = step;
+      State& state = state_of(*scene, id);
+      if (entered) {
+        bool found = false;
+        for_each_below(*scene, id, [&](const SceneGraph& inner_scene, NodeId inner) {
+          found = found || state_of(inner_scene, inner) == State::found;
+        });
+        state_of(*scene, id) = found ? State::found : State::absent;
+        pending_.pop_back();
+      } else if (state != State::unknown) {
+        pending_.pop_back();  // known, or a cycle
+      } else if (scene == &scene_ && id == node_) {
+        state = State::found;
+        pending_.pop_back();
+      } else {
+        state = State::open;
+        step.entered = true;
+        for_each_below(*scene, id, [&](const SceneGraph& inner_scene, NodeId inner) {
+          pending_.push_back({&inner_scene, inner, false});
+        });
+      }
     }
-    return false;
+    return state_of(world, top) == State::found;
   }
 
  private:
-  void add_below(const SceneGraph& scene, NodeId id) {
+  enum class State : std::uint8_t { unknown, open, absent, found };
+  struct Step {
+    const SceneGraph* scene;
+    NodeId node;
+    bool entered;
+  };
+
+  State& state_of(const SceneGraph& scene, NodeId id) {
+    std::vector<State>& states = states_[&scene];
+    if (states.empty()) states.resize(scene.nodes().count() + 1);
+    return states[id.index];
+  }
+
+  template <class Function>
+  static void for_each_below(const SceneGraph& scene, NodeId id, Function&& function) {
     const Node& node = scene.node(id);
-    for (const NodeId inner : node.expansion) pending_.emplace_back(&scene, inner);
+    const auto add = [&](const SceneGraph& of, NodeId inner) {
+      if (of.contains(inner)) function(of, inner);
+    };
+    for (const NodeId inner : node.expansion) add(scene, inner);
     for (std::size_t i = 0; i < node.type->defaults.size(); ++i) {
-      if (const auto* one = std::get_if<SFNode>(&node.values[i])) pending_.emplace_back(&scene, *one);
+      if (const auto* one = std::get_if<SFNode>(&node.values[i])) add(scene, *one);
       if (const auto* many = std::get_if<MFNode>(&node.values[i]))
-        for (const NodeId inner : *many) pending_.emplace_back(&scene, inner);
+        for (const NodeId inner : *many) add(scene, inner);
     }
     if (const SceneGraph* const inlined = scene.inlines().of(id))
-      for (const NodeId root : inlined->roots()) pending_.emplace_back(inlined, root);
+      for (const NodeId root : inlined->roots()) add(*inlined, root);
   }
 
   const SceneGraph& scene_;
   NodeId node_;
-  std::vector<std::pair<const SceneGraph*, NodeId>> pending_;
-  std::unordered_map<const SceneGraph*, std::vector<bool>> seen_;
+  std::vector<Step> pending_;
+  std::unordered_map<const SceneGraph*, std::vector<State>> states_;
 };
 
 template <class T>
@@ -84,11 +115,15 @@ std::optional<LayerSet> layer_set_of(const SceneGraph& world) {
   return std::nullopt;
 }
 
-int layer_of(const SceneGraph& world, const LayerSet& set, const SceneGraph& scene, NodeId node) {
+std::vector<int> layers_of(const SceneGraph& world, const LayerSet& set, const SceneGraph& scene, NodeId node) {
   LayerSearch search(scene, node);
+  std::vector<int> found;
+  for (const NodeId root : world.roots())
+    if (found.empty() && world.resolve(root) != set.node && search.finds_below(world, root)) found.push_back(0);
   for (std::size_t i = 0; i < set.layers.size(); ++i)
-    if (search.finds_below(world, set.layers[i])) return static_cast<int>(i) + 1;
-  return 0;
+    if (search.finds_below(world, set.layers[i])) found.push_back(static_cast<int>(i) + 1);
+  if (found.empty()) found.push_back(0);
+  return found;
 }
 
 ClipBoundary clip_boundary_of(const SceneGraph& world, NodeId layer) {

@@ -22,13 +22,14 @@ struct LayerSet {
 /// is none. Takes time in proportion to the number of root nodes.
 [[nodiscard]] std::optional<LayerSet> layer_set_of(const SceneGraph& world);
 
-/// Returns the number of the layer that contains a node: the first one if there are several, and 0 for nodes outside
-/// of layers. `scene` is the world or the scene of one of its Inlines. Visits at most all nodes of the world once.
-[[nodiscard]] int layer_of(const SceneGraph& world, const LayerSet& set, const SceneGraph& scene, NodeId node);
+/// Returns the numbers of the layers that contain a node, in increasing order; only 0 for a node outside of the world.
+/// `scene` is the world or the scene of one of its Inlines. Visits each node of the world at most once.
+[[nodiscard]] std::vector<int> layers_of(const SceneGraph& world, const LayerSet& set, const SceneGraph& scene,
+                                         NodeId node);
 
 /// Part of a window that a Viewport covers (35.4.4): left, right, bottom and top from 0 to 1.
 using ClipBoundary = std::array<double, 4>;
-/// Returns the clipBoundary of the viewport of a layer; the whole window for other values.
+/// Returns the clipBoundary of the viewport of a layer or LayoutGroup; the whole window for other values.
 [[nodiscard]] ClipBoundary clip_boundary_of(const SceneGraph& world, NodeId layer);
 /// Returns the field `pickable` of a layer (35.3.1); true if the layer is missing.
 [[nodiscard]] bool is_pickable(const SceneGraph& world, NodeId layer);

@@ -20,6 +20,7 @@ struct FontStyle {
   bool horizontal = true, left_to_right = true, top_to_bottom = true;
   Alignment major = Alignment::begin, minor = Alignment::first;
   double size = 1, spacing = 1;
+  bool in_points = false;  // ScreenFontStyle: the size is in points of the screen (X3D 36.4.5)
 };
 
 Alignment alignment(const MFString& justify, std::size_t place, Alignment otherwise) {
@@ -53,7 +54,9 @@ FontStyle font_style_of(const SceneGraph& scene, NodeId geometry) {
   const MFString& justify = scene.get<MFString>(node, "justify");
   style.major = alignment(justify, 0, Alignment::begin);
   style.minor = alignment(justify, 1, Alignment::first);
-  const float size = scene.get<SFFloat>(node, "size"), spacing = scene.get<SFFloat>(node, "spacing");
+  style.in_points = scene.node(node).type->find_field("pointSize") != nullptr;
+  const float size = scene.get<SFFloat>(node, style.in_points ? "pointSize" : "size"),
+              spacing = scene.get<SFFloat>(node, "spacing");
   if (size > 0 && std::isfinite(size)) style.size = size;
   if (std::isfinite(spacing)) style.spacing = std::max(spacing, 0.0f);
   return style;
@@ -210,6 +213,7 @@ Mesh tessellate_text(const SceneGraph& scene, NodeId geometry, const MeshOptions
   std::fill_n(normal, points, glm::vec3(0, 0, 1));
   mesh.normals.commit(points);
   mesh.font_size = static_cast<float>(style.size);
+  mesh.in_points = style.in_points;
   return mesh;
 }
 

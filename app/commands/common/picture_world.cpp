@@ -30,6 +30,8 @@ ViewStyle view_style(const PictureOptions& options) {
   style.up = options.up.value_or(UpAxis::automatic);
   style.parallel = options.orthographic;
   style.display = options.display;
+  constexpr double kPointsPerInch = 72;
+  if (options.picture.dots_per_inch > 0) style.pixels_per_point = options.picture.dots_per_inch / kPointsPerInch;
   return style;
 }
 

@@ -92,9 +92,12 @@ std::optional<Opened> open_world_input(const LoadingOptions& options, const std:
   if (!surface->world.scene) return std::nullopt;
   title = surface->world.title;
   // Vectors can be viewed from any distance, so tessellate text as finely as for the largest pictures.
-  constexpr float kPixelsPerRadian = 20'000;
+  constexpr double kFiner = 22;  // than a usual picture: 20,000 pixels per radian
+  render::Sight sight;
+  sight.pixels *= kFiner;
+  sight.pixels_per_point *= kFiner;
   surface->list = render::collect(*surface->world.scene, surface->world.images, surface->meshes, glm::vec3(0, 0, 10),
-                                  surface->world.geometries, nullptr, kPixelsPerRadian);
+                                  surface->world.geometries, nullptr, sight);
   Diagnostics limits;
   report_limits(surface->list, limits);
   print_diagnostics(limits);

@@ -296,6 +296,7 @@ void WorldRuntime::add_layers(const vrml::LayerSet& set, render::BoundNodes& nod
   nodes.layer = set.active;
   nodes.boundary = vrml::clip_boundary_of(world, id_of(set.active));
   nodes.pickable = vrml::is_pickable(world, id_of(set.active));
+  nodes.parallel = vrml::is_layout_layer(world, id_of(set.active));
   nodes.drawn = false;
   bool in_front = false;
   for (const int layer : set.order) {

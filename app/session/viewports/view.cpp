@@ -147,9 +147,14 @@ void follow_navigation_info(View& view) {
 
 /// Sets the home pose to a view of all of `whole`.
 void choose_home(View& view, const WideBox& whole, const glm::vec2& viewport) {
-  view.home = seen_as_chosen(view, first_pose(whole, viewport, upright_of(view)));
   view.home_size = viewport;
   view.framed = whole;
+  if (view.list->default_extent.x > 0) {
+    view.home = Pose();
+    view.home.height = height_that_shows(view.list->default_extent, viewport);
+  } else {
+    view.home = seen_as_chosen(view, first_pose(whole, viewport, upright_of(view)));
+  }
 }
 
 /// Re-frames a world without a Viewpoint after objects have moved out of the picture. The new picture contains the
@@ -160,7 +165,7 @@ void follow_growth(View& view) {
   /// margin as a fraction of the diagonal, in addition to half of the growth, so that not every step re-frames
   constexpr float kAir = 0.05f;
   const WideBox& now = view.list->bounds;
-  if (view.viewpoint || !view.list->viewpoints.empty() || view.home_size.x <= 0 || !usable(now) || !at_home(view) ||
+  if (view.viewpoint || !view.list->viewpoints.empty() || view.list->default_extent.x > 0 || view.home_size.x <= 0 || !usable(now) || !at_home(view) ||
       render::has_in_view(camera_of(view.home), now, view.home_size.x, view.home_size.y))
     return;
   // Do not move the camera while the user drags an object.
@@ -262,6 +267,7 @@ View view_of(std::shared_ptr<Document> document, const glm::vec2& viewport, std:
   View view;
   view.document = document;
   view.style = style;
+  view.size = viewport;
   view.color_bar = document->world.color_key.has_value();  // colours that stand for values need their colour bar
   view.list = document->list;
   if (document->runtime) {
@@ -346,6 +352,7 @@ bool at_home(const View& view) {
 }
 
 void fit_home(View& view, const glm::vec2& viewport) {
+  view.size = viewport;
   if (!view.list || view.home_size == viewport) return;
   const bool unmoved = at_home(view);
   if (view.viewpoint) {
@@ -361,12 +368,29 @@ void fit_home(View& view, const glm::vec2& viewport) {
   if (unmoved) view.navigation.pose = view.home;
 }
 
+render::Sight sight_of(const View& view, const render::Camera& camera) {
+  render::Sight sight;
+  sight.orientation = glm::dmat3(camera.world_from_camera);
+  sight.field_of_view = camera.field_of_view;
+  sight.height = camera.height;
+  if (view.size.x > 0 && view.size.y > 0) sight.pixels = glm::dvec2(view.size);
+  sight.pixels_per_point = view.style.pixels_per_point;
+  return sight;
+}
+
+void lay_out(const View& view, const render::Camera& camera, const glm::vec2& size) {
+  if (!view.scene || !view.document || !view.document->runtime) return;
+  if (!view.scene->scene.depends_on_viewer() && view.list->layers.empty()) return;
+  render::Sight sight = sight_of(view, camera);
+  sight.pixels = glm::dvec2(size);
+  view.scene->scene.set_sight(sight);
+  (void)view.document->runtime->show(*view.scene, glm::dvec3(camera.world_from_camera[3]));
+}
+
 bool follow_world(View& view) {
   if (!view.scene || !view.document || !view.document->runtime) return false;
   report_arrival(view);
-  view.scene->scene.set_pixels_per_radian(
-      render::pixels_per_radian(view.navigation.pose.field_of_view, view.home_size.x, view.home_size.y));
-  view.scene->scene.set_viewer_up(view.navigation.pose.up());
+  view.scene->scene.set_sight(sight_of(view, camera_of(view.navigation.pose)));
   const bool changed = view.document->runtime->show(*view.scene, view.navigation.pose.position);
   if (!changed) return false;
   follow_navigation_info(view);

@@ -5,6 +5,7 @@
 #include "app/view/pose_history.h"
 #include "app/view/values/slices.h"
 #include "render/scene/draw_options.h"
+#include "render/scene/sight.h"
 #include "render/scene/splat_style.h"
 
 #include <glm/vec2.hpp>
@@ -26,6 +27,7 @@ struct ViewStyle {
   bool backdrop = false;  // draw a gradient behind files other than VRML97 worlds
   bool axes = false;  // draw axes in a corner; clicking one turns the view
   bool grid = false;  // draw a grid on the ground
+  double pixels_per_point = render::kUsualPixelsPerPoint;  // of the screen or paper; the user cannot change it
 
   bool operator==(const ViewStyle&) const = default;
 };
@@ -41,6 +43,7 @@ struct View {
   Navigation navigation;
   Pose home;  // pose of the bound Viewpoint, or of the initial view
   glm::vec2 home_size{0};  // viewport size in pixels for which the initial view was chosen
+  glm::vec2 size{0};       // size of the viewport in pixels
   WideBox framed;  // bounds that the initial view frames
   float first_size = 0;  // diagonal of the bounds in the first initial view
   std::optional<std::size_t> viewpoint;  // index of the viewer's Viewpoint, even after the viewer has moved away
@@ -100,6 +103,11 @@ void fit_home(View& view, const glm::vec2& viewport);
 /// sees the whole world.
 [[nodiscard]] View grown(const View& before, std::shared_ptr<Document> document, const glm::vec2& viewport);
 
+/// Returns what content in units of the picture depends on, for a camera in the viewport of a view.
+[[nodiscard]] render::Sight sight_of(const View& view, const render::Camera& camera);
+/// Places content in units of the picture for a picture of another size or from another camera, until the next call of
+/// follow_world() or lay_out().
+void lay_out(const View& view, const render::Camera& camera, const glm::vec2& size);
 /// Updates the render list of a view to the running world and the viewer. The viewer moves with its Viewpoint (VRML97
 /// 6.53). In a world without a Viewpoint, the camera re-frames the scene within limits until the user first moves.
 /// Returns true if the picture changed. Call on the thread of the world.

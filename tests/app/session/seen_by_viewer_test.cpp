@@ -31,8 +31,7 @@ class Eye {
     simulation.run(seconds);
     const render::Camera camera = from ? *from : simulation.camera();
     simulation.stand_at(camera);
-    const render::RenderList& list =
-        simulation.look_from(glm::vec3(camera.world_from_camera[3]), glm::vec3(camera.world_from_camera[1]));
+    const render::RenderList& list = simulation.look_from(camera);
     drawing_.options.headlight = list.navigation.headlight;
     return drawing_.draw(list, camera);
   }

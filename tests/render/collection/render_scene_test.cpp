@@ -444,12 +444,35 @@ TEST_CASE("scales a ScreenGroup so that a unit is as long as a pixel, wherever t
   World world("Transform { scale 2 2 2 children ScreenGroup { children Shape { geometry Box { size 2 2 2 } } } }",
               vrml::Language::x3d);
   const auto unit = [&] { return glm::length(glm::dvec3(world.list().items.at(0).world_from_node[0])); };
-  CHECK(unit() == Approx(10.0 / kUsualPixelsPerRadian));
+  CHECK(unit() == Approx(pixel_length({}, 10)));
   world.move_to({0, 30, 40});
   CHECK(world.update());
-  CHECK(unit() == Approx(50.0 / kUsualPixelsPerRadian));
+  CHECK(unit() == Approx(pixel_length({}, 40)));
   CHECK(world.gathered() == 1);
   world.check();
+}
+
+TEST_CASE("fits the box of a node with bboxDisplay to its content while that moves (X3D 10.2.2)") {
+  World world(
+      "Group { bboxDisplay TRUE children [ Shape { geometry Box { } } DEF Inner Transform { bboxDisplay TRUE children "
+      "DEF T Transform { children Shape { geometry Box { } } } } ] }",
+      vrml::Language::x3d);
+  REQUIRE(world.list().items.size() == 4);
+  const auto box = [&](std::size_t i) { return world.list().items.at(i).mesh->bounds; };
+  CHECK(box(2).upper == glm::vec3(1));
+  CHECK(box(3).upper == glm::vec3(1));
+  world.send<vrml::SFVec3f>("T.set_translation", {3, 0, 0});
+  CHECK(world.update());
+  CHECK(box(2).lower == glm::vec3(2, -1, -1));
+  CHECK(box(2).upper == glm::vec3(4, 1, 1));
+  CHECK(box(3).lower == glm::vec3(-1));
+  CHECK(box(3).upper == glm::vec3(4, 1, 1));
+  world.send<vrml::SFVec3f>("Inner.set_translation", {0, 5, 0});
+  CHECK(world.update());
+  CHECK(box(2).upper == glm::vec3(4, 1, 1));
+  CHECK(box(3).upper == glm::vec3(4, 6, 1));
+  CHECK(world.gathered() == 1);
+  CHECK_FALSE(world.update());
 }
 
 }  // namespace gs::render::render_scene_test

@@ -2,6 +2,7 @@
 
 #include "vrml/scene/layers.h"
 
+#include <string>
 #include <vector>
 
 // Tests of layers, and of the bindable nodes in them (X3D 35.2.2).
@@ -61,6 +62,65 @@ TEST_CASE("binds nodes only in the stack of their layer, and moves the viewer on
   world.send_at(3, "S.activeLayer", SFInt32{0});
   CHECK(world.execution().stacks().active_layer() == 0);
   CHECK(world.execution().viewer().pose()[3].z == 10);
+}
+
+TEST_CASE("gives equal traces for a layer whether or not nodes are bound in another one (X3D 35.2.2)") {
+  const std::string first = "DEF A Viewpoint { position 0 0 1 } DEF B Viewpoint { position 0 0 2 } ",
+                    second = "DEF C Viewpoint { position 0 0 3 } DEF D Viewpoint { position 0 0 4 } ";
+  const auto trace = [&](bool other_acts) {
+    X3DWorld world("LayerSet { activeLayer 1 order [ 1 2 ] layers [ Layer { children [ " + first +
+                   "] } Layer { children [ " + second + "] } ] }");
+    world.start();
+    world.send_at(1, "B.set_bind", SFBool{true});
+    if (other_acts) world.send_at(2, "D.set_bind", SFBool{true});
+    if (other_acts) world.send_at(2, "C.set_bind", SFBool{false});
+    world.send_at(3, "B.set_bind", SFBool{false});
+    Lines lines;
+    for (const std::string& line : world.take("isBound"))
+      if (line.find(" A.") != std::string::npos || line.find(" B.") != std::string::npos) lines.push_back(line);
+    CHECK(world.execution().viewer().pose()[3].z == 1);
+    return lines;
+  };
+  const Lines alone = trace(false);
+  CHECK(alone ==
+        Lines{"0 A.isBound TRUE", "1 A.isBound FALSE", "1 B.isBound TRUE", "3 B.isBound FALSE", "3 A.isBound TRUE"});
+  CHECK(trace(true) == alone);
+}
+
+TEST_CASE("binds a node that is in two layers on the stack of each (X3D 35.2.2)") {
+  X3DWorld world(
+      "LayerSet { activeLayer 2 order [ 1 2 ] layers [ Layer { children DEF A Viewpoint { position 0 0 1 } } "
+      "Layer { children [ USE A DEF B Viewpoint { position 0 0 2 } ] } ] }");
+  world.start();
+  const auto top = [&](int layer) {
+    return world.execution().stacks().bound(built_in_node_type(NodeKind::viewpoint), layer).node;
+  };
+  CHECK(world.take("isBound") == Lines{"0 A.isBound TRUE"});
+  CHECK(top(1) == world.node("A"));
+  CHECK(top(2) == world.node("A"));
+  CHECK(world.execution().viewer().pose()[3].z == 1);
+  world.send_at(1, "B.set_bind", SFBool{true});
+  CHECK(world.take("isBound") == Lines{"1 B.isBound TRUE"});  // A stays bound in layer 1
+  CHECK(top(1) == world.node("A"));
+  CHECK(top(2) == world.node("B"));
+  world.send_at(2, "A.set_bind", SFBool{true});
+  CHECK(world.take("isBound") == Lines{"2 B.isBound FALSE"});
+  world.send_at(3, "A.set_bind", SFBool{false});
+  CHECK(world.take("isBound") == Lines{"3 A.isBound FALSE", "3 B.isBound TRUE"});
+  CHECK_FALSE(top(1));
+  CHECK(top(2) == world.node("B"));
+}
+
+TEST_CASE("binds new types in each layer, even if another layer has bound one") {
+  X3DWorld world(
+      "LayerSet { activeLayer 2 order [ 1 2 ] layers [ Layer { children Fog { } } "
+      "Layer { children DEF P Group { } } ] }");
+  world.start();
+  SceneGraph& scene = world.scene();
+  const NodeId fog = scene.create(*built_in_node_type("Fog"));
+  scene.set<MFNode>(world.node("P"), "children", MFNode{fog});
+  world.execution().stacks().bind_new_types();
+  CHECK(world.execution().stacks().bound(built_in_node_type(NodeKind::fog), 2).node == fog);
 }
 
 }  // namespace gs::vrml::traces

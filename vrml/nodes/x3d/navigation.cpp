@@ -69,7 +69,7 @@ constexpr X3DRow kNavigationX3DRows[] = {
      "layout",
      "X3DLayoutNode",
      Role::child,
-     NodeKind::other,
+     NodeKind::layout,
      R"(
   exposedField MFString   align ["CENTER" "CENTER"]
   exposedField MFFloat    offset [0 0]
@@ -77,12 +77,9 @@ constexpr X3DRow kNavigationX3DRows[] = {
   exposedField MFString   scaleMode ["NONE" "NONE"]
   exposedField MFFloat    size [1 1]
   exposedField MFString   sizeUnits ["WORLD" "WORLD"]
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
-    {"LayoutGroup", "Layout", 1, "children", "X3DNode X3DGroupingNode", Role::child | Role::grouping, NodeKind::group,
+)"},
+    {"LayoutGroup", "Layout", 1, "children", "X3DNode X3DGroupingNode",
+     Role::child | Role::grouping | Role::viewer_dependent, NodeKind::layout_group,
      R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
@@ -95,7 +92,7 @@ constexpr X3DRow kNavigationX3DRows[] = {
   field        SFVec3f    bboxSize -1 -1 -1
 )",
      nullptr, &kGroupBehaviour},
-    {"LayoutLayer", "Layout", 1, "layers", "X3DLayerNode", Role::grouping, NodeKind::layer,
+    {"LayoutLayer", "Layout", 1, "layers", "X3DLayerNode", Role::grouping | Role::viewer_dependent, NodeKind::layout_layer,
      R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode
@@ -147,7 +144,7 @@ constexpr X3DRow kNavigationX3DRows[] = {
      "fontStyle",
      "X3DFontStyleNode",
      Role::font_style,
-     NodeKind::other,
+     NodeKind::font_style,
      R"(
   exposedField MFString   family ["SERIF"]
   exposedField SFBool     horizontal TRUE
@@ -156,13 +153,11 @@ constexpr X3DRow kNavigationX3DRows[] = {
   exposedField SFBool     leftToRight TRUE
   exposedField SFFloat    pointSize 12.0  # (0,inf)
   exposedField SFFloat    spacing 1.0  # [0,inf)
+  exposedField SFString   style "PLAIN"
   exposedField SFBool     topToBottom TRUE
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
-    {"ScreenGroup", "Layout", 2, "children", "X3DGroupingNode", Role::child | Role::grouping, NodeKind::screen_group,
+)"},
+    {"ScreenGroup", "Layout", 2, "children", "X3DGroupingNode", Role::child | Role::grouping | Role::viewer_dependent,
+     NodeKind::screen_group,
      R"(
   eventIn      MFNode     addChildren  # X3DChildNode
   eventIn      MFNode     removeChildren  # X3DChildNode

@@ -26,7 +26,7 @@ constexpr X3DComponent kComponents[] = {
     {"Interpolation", 5, 5},
     {"KeyDeviceSensor", 2, 2},
     {"Layering", 2, 2},
-    {"Layout", 2, 0},
+    {"Layout", 2, 2},
     {"Lighting", 3, 3},
     {"NURBS", 4, 4},
     {"Navigation", 3, 3},
@@ -52,7 +52,7 @@ constexpr X3DComponent kComponents[] = {
 constexpr X3DProfile kProfiles[] = {
     {"CADInterchange", ""},
     {"Core", ""},
-    {"Full", "DIS, Layout, RigidBodyPhysics, Shaders, TextureProjection, VolumeRendering"},
+    {"Full", "DIS, RigidBodyPhysics, Shaders, TextureProjection, VolumeRendering"},
     {"Immersive", ""},
     {"Interactive", ""},
     {"Interchange", ""},
