@@ -33,7 +33,8 @@ bool draws_layers(const Gl& gl, const RenderList& list, const DrawOptions& optio
   nothing_else = !discs_by_gl && !options.guides;
   for (const DrawItem& item : list.items) {
     const bool layer = item.patches() && !item.overlay && !by_gl;
-    any = any || layer || item.volume;  // rays through a volume cost more than its edges
+    // Rays through a volume cost more than its edges are worth, except those of isosurfaces in a single picture.
+    any = any || layer || (item.volume && (options.go_on || !item.volume->iso_surfaces));
     nothing_else = nothing_else && (layer || !item.visible);
   }
   for (const SplatItem& item : list.splats)

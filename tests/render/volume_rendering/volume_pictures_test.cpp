@@ -246,6 +246,36 @@ TEST_CASE("draws a volume around the viewer, a mirrored one, and its part behind
   CHECK(pixel(image, 32, 24).x < 50);
 }
 
+TEST_CASE("draws a volume in bands that can be cancelled") {
+  Pictures pictures;
+  const auto scene = x3d_scene("VolumeData { " + even_volume(255) + "}");
+  MeshCache meshes;
+  const RenderList list = collect(*scene, {}, meshes);
+  pictures.drawing.options.height = 200;
+  int calls = 0;
+  pictures.drawing.options.go_on = [&] { return ++calls > 0; };
+  check_color(pixel(pictures.drawing.draw(list, camera_at({0, 0, 6})), 32, 100), glm::vec3(1));
+  CHECK(calls >= 4);
+  CHECK_FALSE(pictures.drawing.statistics.given_up);
+  pictures.drawing.options.go_on = [] { return false; };
+  (void)pictures.drawing.draw(list, camera_at({0, 0, 6}));
+  CHECK(pictures.drawing.statistics.given_up);
+}
+
+TEST_CASE("draws volumes in the part of a picture that a layer fills") {
+  Pictures pictures;
+  const auto scene = x3d_scene("VolumeData { " + even_volume(128) + "} Shape { geometry Sphere { radius 0.3 } }");
+  MeshCache meshes;
+  RenderList list = collect(*scene, {}, meshes);
+  list.boundary = {0.5f, 1, 0.5f, 1};
+  const Image image = pictures.drawing.draw(list, camera_at({0, 0, 6}));
+  const float v = 128 / 255.0f;
+  // The middle of the part shows the white ball behind 0.7 voxels.
+  const float seen = 1 - std::pow(1 - v, 0.7f);
+  check_color(pixel(image, 48, 16), glm::vec3(v * seen + 1 - seen), 4);
+  check_color(pixel(image, 16, 48), glm::vec3(0));
+}
+
 TEST_CASE("hides volumes in fog, and changes the picture with the style") {
   Pictures pictures;
   check_color(pictures.middle("Fog { color 0 1 0 visibilityRange 2 } VolumeData { " + even_volume(255) + "}"),
