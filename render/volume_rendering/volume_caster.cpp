@@ -20,7 +20,8 @@ namespace {
 
 constexpr GLuint kDepthUnit = 0, kFirstUnit = 1;
 constexpr GLuint kMaxUnits = 16;  // OpenGL guarantees so many
-constexpr int kBand = 48;         // rows of pixels between two calls of `go_on`
+constexpr std::size_t kMostShaders = 64;
+constexpr int kBand = 48;  // rows of pixels between two calls of `go_on`
 constexpr std::string_view kLightDefines = "#define LOCAL_LIGHTS\n#define SPECULAR\n#define LIT\n";
 
 /// Returns the matrix from box coordinates, 0 to 1, to the box from -0.5 to 0.5 of an item.
@@ -35,6 +36,7 @@ void VolumeCaster::begin(const View& view, std::vector<Cast>& casts) {
   depths_copied_ = false;
   textures_.forget_unused();
   std::erase_if(prepared_, [](const auto& entry) { return entry.second.look.expired(); });
+  if (shaders_.size() > kMostShaders) shaders_.clear();  // events can request any number of combinations
   if (casts.empty()) return;
   std::stable_sort(casts.begin(), casts.end(), [](const Cast& a, const Cast& b) { return a.depth > b.depth; });
   lights_.begin(view.list->lights, view.viewer_from_world, *view.options);
