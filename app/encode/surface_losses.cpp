@@ -36,9 +36,13 @@ class LossList {
 }  // namespace
 
 std::vector<std::string> surface_losses(const render::RenderList& list) {
-  std::size_t transparent = 0, glowing = 0, thin = 0;
+  std::size_t transparent = 0, glowing = 0, thin = 0, volumes = list.splats.size();
   std::set<const render::Image*> known, seen_through;
   for (const render::DrawItem& item : list.items) {
+    if (item.volume) {
+      ++volumes;
+      continue;
+    }
     if (!has_surface(item)) {
       thin += item.mesh && !item.mesh->positions.empty() ? 1 : 0;
       continue;
@@ -53,7 +57,7 @@ std::vector<std::string> surface_losses(const render::RenderList& list) {
   losses.add(seen_through.size(), "texture", "loses its transparent parts", "lose their transparent parts");
   losses.add(glowing, "Shape", "with emissiveColor no longer glows", "with emissiveColor no longer glow");
   losses.add(thin, "Shape", "of lines or points is left out", "of lines or points are left out");
-  losses.add(list.splats.size(), "Shape", "of splats or voxels is left out", "of splats or voxels are left out");
+  losses.add(volumes, "Shape", "of splats or voxels is left out", "of splats or voxels are left out");
   losses.add_left_out(list.lights.size(), "light");
   losses.add_left_out(list.sounds.size(), "sound");
   losses.add_left_out(list.viewpoints.size(), "Viewpoint");

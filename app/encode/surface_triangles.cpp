@@ -225,7 +225,8 @@ class Emitter {
 }  // namespace
 
 bool has_surface(const render::DrawItem& item) {
-  return item.mesh && item.mesh->primitive == vrml::Mesh::Primitive::triangles && !item.mesh->indices.empty();
+  return item.mesh && !item.volume && item.mesh->primitive == vrml::Mesh::Primitive::triangles &&
+         !item.mesh->indices.empty();
 }
 
 bool shows_picture(const render::DrawItem& item) {

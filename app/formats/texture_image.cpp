@@ -46,8 +46,11 @@ std::variant<Texture, render::ImageError> decode_texture(std::span<const std::by
   Texture texture;
   if (image.reduction > 1)
     texture.note =
-        "is shown as " + size_of(image.width, image.height) + " pixels, " + std::to_string(image.reduction) +
-        " times smaller in each direction: " +
+        "is shown as " +
+        (image.slices > 1 && !image.cube ? size_of(image.width, image.height / image.slices) + "x" +
+                                               std::to_string(image.slices) + " voxels, "
+                                         : size_of(image.width, image.height) + " pixels, ") +
+        std::to_string(image.reduction) + " times smaller in each direction: " +
         (image_limits.kept_pixels < budget->limits().texture_pixels
              ? budget->refusal(Resource::pixels)
              : "more than the limit for one texture, " + std::to_string(budget->limits().texture_pixels) + " pixels");

@@ -254,6 +254,11 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
     case NodeKind::particle_system:
       if (!parent.presence.hidden) add_particles(parent, id, view);
       break;
+    case NodeKind::volume_data:
+    case NodeKind::segmented_volume:
+    case NodeKind::iso_surface_volume:
+      if (!parent.presence.hidden) add_volume(parent, id);
+      break;
     case NodeKind::cad_face:
       if (const auto* shape = view.find<vrml::SFNode>(CadFaceFields::shape)) enter_one(parent, id, *shape);
       break;

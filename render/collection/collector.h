@@ -47,6 +47,10 @@ struct RenderSources {
     double moment = 0;
     std::shared_ptr<Share> share;  // part of the budget for the mesh
   };
+  struct Volume {  // Item with a volume of X3D, and the nodes that determine its look.
+    std::uint32_t item = 0;
+    std::vector<const vrml::Node*> nodes;
+  };
   struct Local {  // Source of a light, Viewpoint, NavigationInfo, Background or Fog.
     const vrml::Node* node = nullptr;
     std::uint32_t frame = 0;
@@ -92,6 +96,7 @@ struct RenderSources {
   std::vector<std::uint32_t> billboards;  // indexes of frames
   std::vector<std::uint32_t> texts;       // indexes of items
   std::vector<Particles> particles;
+  std::vector<Volume> volumes;  // by item
   std::vector<Unshown> unshown;  // may contain a node more than once
   bool complete = true;          // false if the world has more coordinate systems than the list can store
 };
@@ -191,6 +196,7 @@ class Collector {
   void add_screen_text(const Frame& parent, vrml::NodeId id, vrml::NodeId geometry, DrawItem item,
                        const RenderSources::Item& source);
   void add_particles(const Frame& parent, vrml::NodeId id, const NodeView& system);
+  void add_volume(const Frame& parent, vrml::NodeId id);
   bool surface_item(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool pictured, DrawItem& item);
   void add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geometry, DrawItem item, RenderSources::Item source,
                 const glm::dmat4& world_from_node);
@@ -251,6 +257,10 @@ bool renew_particles(DrawItem& item, RenderSources::Item& source, RenderSources:
                                const glm::dmat4& world_from_local);
 /// Returns a mesh with the twelve edges of a box.
 [[nodiscard]] std::shared_ptr<const vrml::Mesh> edges_of(const Box& box);
+/// Makes the look of a volume data node of X3D (clause 41), and sets the scale of its box. Returns false if the node
+/// draws nothing in its state.
+bool renew_volume(ShapeResources& resources, DrawItem& item, RenderSources::Item& source,
+                  RenderSources::Volume& volume, const vrml::SceneGraph& scene, vrml::NodeId id);
 /// Reports whether all elements are finite and within the range of float.
 [[nodiscard]] bool fits_float(const glm::dmat4& matrix);
 /// Returns the matrix from positions of a mesh, relative to its origin, to world space.

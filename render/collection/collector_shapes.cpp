@@ -141,9 +141,9 @@ void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geom
   if (item.layered) resources_.fit_layers(item, source.scale);
   item.overlay = parent.presence.overlay;
   item.visible = parent.presence.visible;
-  // Text, lines and points do not collide (VRML97 6.8, 6.47).
-  item.collidable = parent.presence.collidable && item.touchable && !item.overlay && item.mesh->font_size == 0 &&
-                    item.mesh->primitive == vrml::Mesh::Primitive::triangles;
+  // Text, lines and points do not collide (VRML97 6.8, 6.47), nor do volumes.
+  item.collidable = parent.presence.collidable && item.touchable && !item.overlay && !item.volume &&
+                    item.mesh->font_size == 0 && item.mesh->primitive == vrml::Mesh::Primitive::triangles;
   list_.overlays = list_.overlays || item.overlay;
   if (item.visible && !item.overlay && !source.bounds.empty()) list_.bounds.add(source.bounds);
   const std::uint32_t place = item.place;

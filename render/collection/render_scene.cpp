@@ -112,7 +112,12 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
           whole = whole || use.index == kUnshown || (effect == Effect::geometry && (use.index & kSplat) != 0) ||
                   (effect == Effect::geometry && !renew_geometry(use.index));
           if (whole) break;
-          if (effect == Effect::apply_appearance) apply_item_appearance(use.index);
+          if (effect == Effect::apply_appearance && (use.index & kSplat) == 0 && list_->items[use.index].volume) {
+            whole = !renew_volume_item(use.index);
+            if (whole) break;
+          } else if (effect == Effect::apply_appearance) {
+            apply_item_appearance(use.index);
+          }
           any = true;
         }
         break;
@@ -222,6 +227,19 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
       return only(Effect::scoped, ClipPlaneFields::enabled);
     case NodeKind::local_fog:
       return only(Effect::scoped, LocalFogFields::enabled);
+    case NodeKind::volume_data:
+    case NodeKind::segmented_volume:
+    case NodeKind::iso_surface_volume:
+    case NodeKind::opacity_map_style:
+    case NodeKind::boundary_style:
+    case NodeKind::edge_style:
+    case NodeKind::tone_mapped_style:
+    case NodeKind::silhouette_style:
+    case NodeKind::cartoon_style:
+    case NodeKind::shaded_style:
+    case NodeKind::composed_style:
+    case NodeKind::blended_style:
+    case NodeKind::projection_style:
     case NodeKind::line_properties:
     case NodeKind::fill_properties:
     case NodeKind::point_properties:
@@ -322,6 +340,8 @@ const RenderScene::Uses& RenderScene::item_uses() {
   for (std::uint32_t i = 0; i < sources_.splats.size(); ++i)
     add_all(sources_.splats[i], list_->splats[i].place, i | kSplat);
   for (const RenderSources::Unshown& unshown : sources_.unshown) add_geometry(unshown.node, unshown.scene, kUnshown);
+  for (const RenderSources::Volume& volume : sources_.volumes)
+    for (const vrml::Node* node : volume.nodes) add(node, volume.item);
   std::sort(item_uses_.begin(), item_uses_.end());
   return item_uses_;
 }

@@ -82,6 +82,7 @@ class RenderScene {
   void place_splat(std::uint32_t splat);
   bool renew_geometry(std::uint32_t item);
   void apply_item_appearance(std::uint32_t item);
+  bool renew_volume_item(std::uint32_t item);
   void renew_light(std::uint32_t light);
   void renew_scoped(const std::function<bool(const RenderSources::Local&)>& is_changed);
   void renew_viewpoint(std::uint32_t viewpoint);

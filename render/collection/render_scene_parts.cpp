@@ -187,6 +187,20 @@ void RenderScene::apply_item_appearance(std::uint32_t index) {
   item.material = item.own_color ? Material{} : dressed.material;
 }
 
+// Makes the look of a volume again. Returns false if the volume vanishes.
+bool RenderScene::renew_volume_item(std::uint32_t index) {
+  DrawItem& item = list_->items[index];
+  if (item.place == kNoPlace) return false;
+  const Place& place = list_->places[item.place];
+  const auto found = std::lower_bound(
+      sources_.volumes.begin(), sources_.volumes.end(), index,
+      [](const RenderSources::Volume& volume, std::uint32_t wanted) { return volume.item < wanted; });
+  if (found == sources_.volumes.end() || found->item != index) return false;
+  if (!renew_volume(resources_, item, sources_.items[index], *found, *place.scene, place.node)) return false;
+  place_item(index);
+  return true;
+}
+
 void RenderScene::renew_light(std::uint32_t i) {
   const RenderSources::Local& local = sources_.lights[i];
   list_->lights[i] =

@@ -91,6 +91,7 @@ class ShapeResources {
   [[nodiscard]] std::shared_ptr<const ShapeStyle> style_use(const vrml::SceneGraph& scene, vrml::NodeId appearance);
   TextureUse texture_use(const vrml::SceneGraph& scene, const vrml::ShapeParts& parts);
   friend class LayerBuilder;
+  friend class VolumeLookBuilder;
   std::shared_ptr<const LayeredMaterial> keep(LayeredMaterial material);
   std::shared_ptr<const Image> volume_of_pixels(const vrml::SceneGraph& scene, vrml::NodeId texture);
   std::shared_ptr<const Image> volume_of_textures(const vrml::SceneGraph& scene, vrml::NodeId texture);

@@ -23,8 +23,8 @@ void attach(const Gl& gl, const Renderbuffer& buffer, GLenum format, GLenum atta
   gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, buffer.name());
 }
 
-/// Reports whether the CPU rasterizes a surface or splats of the list. Sets `nothing_else` if the CPU draws everything
-/// that has edges; then OpenGL needs no multisampling.
+/// Reports whether additional pixels cost much: the CPU rasterizes a surface or splats of the list, or it has volumes.
+/// Sets `nothing_else` if the CPU draws everything that has edges; then OpenGL needs no multisampling.
 bool draws_layers(const Gl& gl, const RenderList& list, const DrawOptions& options, bool& nothing_else) {
   const bool discs_by_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl.software);
   // OpenGL draws triangles that are only outlines or points.
@@ -33,7 +33,8 @@ bool draws_layers(const Gl& gl, const RenderList& list, const DrawOptions& optio
   nothing_else = !discs_by_gl && !options.guides;
   for (const DrawItem& item : list.items) {
     const bool layer = item.patches() && !item.overlay && !by_gl;
-    any = any || layer;
+    // Rays through a volume cost more than its edges are worth, except those of isosurfaces in a single picture.
+    any = any || layer || (item.volume && (options.go_on || !item.volume->iso_surfaces));
     nothing_else = nothing_else && (layer || !item.visible);
   }
   for (const SplatItem& item : list.splats)

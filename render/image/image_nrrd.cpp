@@ -4,6 +4,7 @@
 #include "render/image/image_codecs.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -95,60 +96,100 @@ std::vector<double> samples_of_text(std::string_view text, bool hexadecimal, std
   return samples;
 }
 
-std::vector<double> samples_of_bytes(std::span<const std::byte> bytes, NrrdType type, bool big, std::size_t count) {
-  const std::size_t size = nrrd_bytes_of(type);
-  count = std::min(count, bytes.size() / size);
-  std::vector<double> samples(count);
-  for (std::size_t i = 0; i < count; ++i) {
+/// Samples of a file: numbers of a text, or bytes. There are fewer than the header says if the data ends early.
+struct NrrdSamples {
+  std::vector<double> numbers;
+  std::vector<std::byte> unpacked;
+  std::span<const std::byte> bytes;  // of the file, or `unpacked`
+  NrrdType type = NrrdType::f32;
+  bool is_text = false, big = false;
+
+  [[nodiscard]] std::size_t count() const {
+    return is_text ? numbers.size() : bytes.size() / nrrd_bytes_of(type);
+  }
+  [[nodiscard]] double at(std::size_t i) const {
+    if (is_text) return numbers[i];
+    if (type == NrrdType::u8) return static_cast<double>(bytes[i]);
+    const std::size_t size = nrrd_bytes_of(type);
     std::uint32_t word = 0;
     for (std::size_t k = 0; k < size; ++k)
       word |= std::uint32_t{static_cast<std::uint8_t>(bytes[i * size + (big ? size - 1 - k : k)])} << (8 * k);
     float number = 0;
     if (type == NrrdType::f32) std::memcpy(&number, &word, sizeof number);
-    samples[i] = type == NrrdType::f32   ? double{number}
-                 : type == NrrdType::i8  ? static_cast<std::int8_t>(word)
-                 : type == NrrdType::i16 ? static_cast<std::int16_t>(word)
-                                         : static_cast<double>(word);
+    return type == NrrdType::f32   ? double{number}
+           : type == NrrdType::i8  ? static_cast<std::int8_t>(word)
+           : type == NrrdType::i16 ? static_cast<std::int16_t>(word)
+                                   : static_cast<double>(word);
   }
+};
+
+/// Scale of samples to bytes: unsigned bytes stay as they are, others reach from their smallest to their largest value.
+struct ByteScale {
+  double low = 0, factor = 1;
+  ByteScale(const NrrdSamples& samples, std::size_t count) {
+    if (samples.type == NrrdType::u8) return;
+    double high = -HUGE_VAL;
+    low = HUGE_VAL;
+    for (std::size_t i = 0; i < count; ++i)
+      if (const double sample = samples.at(i); std::isfinite(sample))
+        low = std::min(low, sample), high = std::max(high, sample);
+    factor = high > low ? 255 / (high - low) : 0;
+  }
+  [[nodiscard]] std::uint8_t operator()(double sample) const {
+    return std::isfinite(sample) ? static_cast<std::uint8_t>(std::clamp((sample - low) * factor, 0.0, 255.0)) : 0;
+  }
+};
+
+/// Finds the samples of the data. Returns an error for an unknown encoding, or if they need too much memory.
+std::variant<NrrdSamples, ImageError> samples_of(std::span<const std::byte> data, const NrrdHeader& header,
+                                                 NrrdType type, std::size_t count, std::size_t working_bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(data.data()), data.size());
+  const std::string& encoding = header.encoding;
+  NrrdSamples samples;
+  samples.type = type;
+  samples.big = header.endian == "big";
+  const std::size_t most = count * nrrd_bytes_of(type);
+  const bool hexadecimal = encoding == "hex", packed = encoding == "gzip" || encoding == "gz";
+  samples.is_text = hexadecimal || encoding == "ascii" || encoding == "text" || encoding == "txt";
+  if ((samples.is_text ? count * sizeof(double) : packed ? most : 0) > working_bytes)
+    return ImageError{"NRRD of " + std::to_string(count) + " samples; expected at most " +
+                      std::to_string(working_bytes) + " bytes of them"};
+  if (samples.is_text) {
+    samples.numbers = samples_of_text(text, hexadecimal, count);
+    return samples;
+  }
+  if (!packed && encoding != "raw")
+    return ImageError{"NRRD encoding '" + encoding + "'; expected raw, ascii, hex or gzip"};
+  samples.bytes = data.first(std::min(data.size(), most));
+  if (!packed) return samples;
+  (void)gunzip(data, std::make_shared<Budget>(), [&](std::string_view piece) {
+    const auto* first = reinterpret_cast<const std::byte*>(piece.data());
+    samples.unpacked.insert(samples.unpacked.end(), first,
+                            first + std::min(piece.size(), most - samples.unpacked.size()));
+    return samples.unpacked.size() < most;
+  });
+  samples.bytes = samples.unpacked;
   return samples;
 }
 
-/// Scales samples to bytes: unsigned bytes as they are, others from their smallest to their largest value.
-std::vector<std::uint8_t> bytes_from(const std::vector<double>& samples, NrrdType type) {
-  double low = 0, high = 255;
-  if (type != NrrdType::u8) {
-    low = HUGE_VAL, high = -HUGE_VAL;
-    for (const double sample : samples)
-      if (std::isfinite(sample)) low = std::min(low, sample), high = std::max(high, sample);
+/// Writes the components of a reduced voxel: means over a cube of `side` voxels from `at` on. Missing samples are 0.
+void put_voxel(const NrrdSamples& samples, const ByteScale& scale, const std::array<std::uint64_t, 3>& sizes,
+               std::uint64_t components, const std::array<std::uint64_t, 3>& at, std::uint64_t side,
+               std::vector<std::uint8_t>& to) {
+  const std::size_t available = samples.count();
+  std::array<std::uint64_t, 3> end{};
+  for (std::size_t i = 0; i < 3; ++i) end[i] = std::min(at[i] + side, sizes[i]);
+  for (std::uint64_t c = 0; c < components; ++c) {
+    std::uint64_t sum = 0, number = 0;
+    for (std::uint64_t z = at[2]; z < end[2]; ++z)
+      for (std::uint64_t y = at[1]; y < end[1]; ++y)
+        for (std::uint64_t x = at[0]; x < end[0]; ++x) {
+          const std::uint64_t sample = ((z * sizes[1] + y) * sizes[0] + x) * components + c;
+          sum += sample < available ? scale(samples.at(sample)) : 0;
+          ++number;
+        }
+    to.push_back(static_cast<std::uint8_t>(sum / std::max<std::uint64_t>(number, 1)));
   }
-  const double scale = high > low ? 255 / (high - low) : 0;
-  std::vector<std::uint8_t> result;
-  result.reserve(samples.size());
-  for (const double sample : samples)
-    result.push_back(std::isfinite(sample) ? static_cast<std::uint8_t>(std::clamp((sample - low) * scale, 0.0, 255.0))
-                                           : 0);
-  return result;
-}
-
-/// Returns the samples, fewer than `count` if the data ends early. The error names an unknown encoding.
-std::variant<std::vector<double>, ImageError> samples_of(std::span<const std::byte> data, const NrrdHeader& header,
-                                                         NrrdType type, std::size_t count) {
-  const std::string_view text(reinterpret_cast<const char*>(data.data()), data.size());
-  const std::string& encoding = header.encoding;
-  if (encoding == "ascii" || encoding == "text" || encoding == "txt") return samples_of_text(text, false, count);
-  if (encoding == "hex") return samples_of_text(text, true, count);
-  const bool big = header.endian == "big";
-  if (encoding == "raw") return samples_of_bytes(data, type, big, count);
-  if (encoding != "gzip" && encoding != "gz")
-    return ImageError{"NRRD encoding '" + encoding + "'; expected raw, ascii, hex or gzip"};
-  std::vector<std::byte> unpacked;
-  const std::size_t most = count * nrrd_bytes_of(type);
-  (void)gunzip(data, std::make_shared<Budget>(), [&](std::string_view piece) {
-    const auto* first = reinterpret_cast<const std::byte*>(piece.data());
-    unpacked.insert(unpacked.end(), first, first + std::min(piece.size(), most - unpacked.size()));
-    return unpacked.size() < most;
-  });
-  return samples_of_bytes(unpacked, type, big, count);
 }
 
 }  // namespace
@@ -170,27 +211,34 @@ DecodedImage decode_nrrd(std::span<const std::byte> bytes, const ImageLimits& li
   for (std::size_t i = first; i < sizes.size(); ++i)
     if (sizes[i] < 1 || sizes[i] > kMaxSide)
       return ImageError{"NRRD with a side of " + std::to_string(sizes[i]) + "; expected 1 to 4096"};
-  const std::uint64_t width = sizes[first], height = sizes[first + 1], depth = sizes[first + 2];
-  const std::uint64_t voxels = width * height * depth, count = voxels * components;
-  if (voxels > limits.kept_pixels || count * (sizeof(double) + 2) > limits.working_bytes)
+  const std::array<std::uint64_t, 3> whole{sizes[first], sizes[first + 1], sizes[first + 2]};
+  const std::uint64_t voxels = whole[0] * whole[1] * whole[2], count = voxels * components;
+  if (voxels > limits.file_pixels)
     return ImageError{"NRRD of " + std::to_string(voxels) + " voxels; expected at most " +
-                      std::to_string(limits.kept_pixels)};
-  auto samples = samples_of(bytes.subspan(header.end), header, type, count);
-  if (auto* error = std::get_if<ImageError>(&samples)) return std::move(*error);
-  std::vector<std::uint8_t> values = bytes_from(std::get<0>(samples), type);
-  values.resize(count);  // missing samples are black
-  Image image{static_cast<std::uint32_t>(width),
-              static_cast<std::uint32_t>(height * depth),
+                      std::to_string(limits.file_pixels)};
+  // Larger volumes are reduced by a whole number in each direction.
+  std::uint64_t side = 1;
+  const auto kept = [&](std::size_t i) { return (whole[i] + side - 1) / side; };
+  while (side < kMaxSide && kept(0) * kept(1) * kept(2) > std::max<std::size_t>(limits.kept_pixels, 1)) ++side;
+  auto found = samples_of(bytes.subspan(header.end), header, type, count, limits.working_bytes);
+  if (auto* error = std::get_if<ImageError>(&found)) return std::move(*error);
+  NrrdSamples& samples = std::get<0>(found);
+  if (!samples.unpacked.empty()) samples.bytes = samples.unpacked;  // the vector has moved
+  const ByteScale scale(samples, std::min<std::size_t>(samples.count(), count));
+  Image image{static_cast<std::uint32_t>(kept(0)),
+              static_cast<std::uint32_t>(kept(1) * kept(2)),
               static_cast<std::uint32_t>(components),
               {}};
-  image.slices = static_cast<std::uint32_t>(depth);
-  image.pixels.reserve(count);
+  image.slices = static_cast<std::uint32_t>(kept(2));
+  image.reduction = static_cast<std::uint32_t>(side);
+  image.pixels.reserve(kept(0) * kept(1) * kept(2) * components);
   // The first row of a slice is at t = 0, the bottom.
-  for (std::uint64_t z = 0; z < depth; ++z)
-    for (std::uint64_t row = height; row-- > 0;) {
-      const auto from = values.begin() + static_cast<std::ptrdiff_t>((z * height + row) * width * components);
-      image.pixels.insert(image.pixels.end(), from, from + static_cast<std::ptrdiff_t>(width * components));
-    }
+  for (std::uint64_t z = 0; z < kept(2); ++z) {
+    if (limits.stopped && limits.stopped()) return ImageError{"cancelled"};
+    for (std::uint64_t row = kept(1); row-- > 0;)
+      for (std::uint64_t x = 0; x < kept(0); ++x)
+        put_voxel(samples, scale, whole, components, {x * side, row * side, z * side}, side, image.pixels);
+  }
   return image;
 }
 

@@ -173,7 +173,10 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   const Sphere sphere = bounding_sphere(item.mesh->bounds, origin, instance.camera_from_node);
   const float depth = view.back - sphere.center.z;
   if (!in_view(sphere.center, sphere.radius, view)) return;
-
+  if (item.volume) {
+    casts_.push_back({&item, sphere.center, sphere.radius, depth});
+    return;
+  }
   const bool styled = has_style(item);
   if (item.mesh->pictured && !styled && prepare_text(item, sphere.center, sphere.radius, origin, prepared)) return;
   const std::shared_ptr<const vrml::Mesh>* mesh_seen = &item.mesh;
@@ -300,6 +303,7 @@ bool MeshPass::prepare(const RenderList& list, const View& view, bool overlays, 
   binding_numbers_.clear();
   layered_numbers_.clear();
   styles_.assign(1, {});
+  casts_.clear();
   filled_.clear();
   glyphs_ = nullptr;
   last_mesh_ = nullptr;
@@ -418,7 +422,8 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
     statistics.given_up = true;
     return;
   }
-  if (instances_.empty()) {
+  const bool casts = begin_volumes(list, camera, projection, options);
+  if (instances_.empty() && !casts) {
     between();
     return;
   }
@@ -446,8 +451,10 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
   gl_.PolygonOffset(projection.reversed ? -2 : 2, projection.reversed ? -2 : 2);
   const bool edges = options.display == DisplayMode::edges;
   if (marked || edges) gl_.Enable(GL_POLYGON_OFFSET_FILL);
-  if (options.display == DisplayMode::wireframe) gl_.PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
-  if (options.display == DisplayMode::points) gl_.PolygonMode(GL_FRONT_AND_BACK, GL_POINT);
+  const GLenum polygon_mode = options.display == DisplayMode::wireframe ? GL_LINE
+                              : options.display == DisplayMode::points  ? GL_POINT
+                                                                        : GL_FILL;
+  gl_.PolygonMode(GL_FRONT_AND_BACK, polygon_mode);
   DrawPacer pacer(gl_, options.go_on,
                   static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height));
   draw_batches(projection, statistics, pacer);
@@ -458,23 +465,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
   if (!pacer.given_up()) {
     gl_.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     between();
-    if (options.display == DisplayMode::wireframe) gl_.PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
-    if (options.display == DisplayMode::points) gl_.PolygonMode(GL_FRONT_AND_BACK, GL_POINT);
-  }
-  anything_applied_ = false;
-  meshes_.forget_binding();
-  gl_.Enable(GL_DEPTH_TEST);
-  gl_.DepthFunc(projection.reversed ? GL_GEQUAL : GL_LEQUAL);
-  if (!transparent_.empty() && !pacer.given_up()) {
-    gl_.Enable(GL_BLEND);
-    gl_.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-    gl_.DepthMask(GL_FALSE);
-    if (marked) gl_.Enable(GL_POLYGON_OFFSET_FILL);
-    batch(transparent_, opaque_.size());
-    draw_batches(projection, statistics, pacer);
-    end_style();
-    gl_.DepthMask(GL_TRUE);
-    gl_.Disable(GL_BLEND);
+    draw_transparent(projection, polygon_mode, statistics, pacer, marked);
   }
   gl_.Disable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   gl_.Disable(GL_POLYGON_OFFSET_FILL);

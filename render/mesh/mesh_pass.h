@@ -13,6 +13,7 @@
 #include "render/scene/fog.h"
 #include "render/scene/render_list.h"
 #include "render/surface/surface_pass.h"
+#include "render/volume_rendering/volume_caster.h"
 
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
@@ -24,6 +25,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <variant>
@@ -210,8 +212,12 @@ class MeshPass {
   void end_style();
   void sort_triangles();
   void draw_edges(const Projection& projection, DrawPacer& pacer);
-  void batch(const std::vector<SortKey>& order, std::size_t first_instance);
+  void batch(std::span<const SortKey> order, std::size_t first_instance);
   void draw_batches(const Projection& projection, FrameStatistics& statistics, DrawPacer& pacer);
+  void draw_transparent(const Projection& projection, GLenum polygon_mode, FrameStatistics& statistics,
+                        DrawPacer& pacer, bool marked);
+  bool begin_volumes(const RenderList& list, const Camera& camera, const Projection& projection,
+                     const DrawOptions& options);
   void draw_first(const MeshStore::Slice& mesh, std::size_t& first, std::size_t& count, std::size_t primitives,
                   DrawPacer& pacer);
   void draw_slices(const MeshStore::Slice& mesh, std::size_t primitives, std::size_t first, std::size_t count,
@@ -223,6 +229,7 @@ class MeshPass {
   TextureStore textures_;
   LightSets lights_;
   LayerTextures layer_textures_{gl_, textures_};
+  std::optional<VolumeCaster> volumes_;  // made at first use
   std::unordered_map<unsigned, VariantProgram> programs_;
   std::unordered_map<std::string, VariantProgram> layered_programs_;
   std::string last_error_;
@@ -244,6 +251,7 @@ class MeshPass {
   std::vector<TextureBinding> texture_bindings_;
   std::map<std::pair<const LayeredMaterial*, std::size_t>, std::uint32_t> layered_numbers_;  // in texture_bindings_
   std::vector<StyleBinding> styles_;
+  std::vector<VolumeCaster::Cast> casts_;  // volumes of the frame
   std::unordered_multimap<std::uint32_t, std::uint32_t> binding_numbers_;  // by TextureStore::Entry::order
   struct Filled {                                                          // Sphere of an opaque item, for layer_of().
     glm::vec3 center;

@@ -71,7 +71,7 @@ std::uint32_t MeshPass::layer_of(const glm::vec3& center, float radius, const Pa
   return layer;
 }
 
-void MeshPass::batch(const std::vector<SortKey>& order, std::size_t first_instance) {
+void MeshPass::batch(std::span<const SortKey> order, std::size_t first_instance) {
   batches_.clear();
   for (std::size_t begin = 0; begin < order.size();) {
     const SortKey& first = order[begin];
@@ -169,6 +169,56 @@ void MeshPass::draw_batches(const Projection& projection, FrameStatistics& stati
     ++statistics.draw_calls;
     if (corners == 3) statistics.triangles += primitives * count;
   }
+}
+
+/// Prepares the volumes of the frame. Returns false if there are none.
+bool MeshPass::begin_volumes(const RenderList& list, const Camera& camera, const Projection& projection,
+                             const DrawOptions& options) {
+  if (casts_.empty()) return false;
+  if (!volumes_) volumes_.emplace(gl_);
+  volumes_->begin({&list, camera_from_world_, world_from_camera_, projection, camera.near_plane, &options}, casts_);
+  return true;
+}
+
+/// Draws transparent meshes and volumes together, from back to front.
+void MeshPass::draw_transparent(const Projection& projection, GLenum polygon_mode, FrameStatistics& statistics,
+                                DrawPacer& pacer, bool marked) {
+  const std::span<const SortKey> all(transparent_);
+  std::size_t done = 0;
+  const auto draw_up_to = [&](std::size_t end) {
+    if (end == done) return;
+    gl_.PolygonMode(GL_FRONT_AND_BACK, polygon_mode);
+    gl_.Enable(GL_DEPTH_TEST);
+    gl_.DepthFunc(projection.reversed ? GL_GEQUAL : GL_LEQUAL);
+    gl_.Enable(GL_BLEND);
+    gl_.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    gl_.DepthMask(GL_FALSE);
+    if (marked) gl_.Enable(GL_POLYGON_OFFSET_FILL);
+    anything_applied_ = false;
+    meshes_.forget_binding();
+    batch(all.subspan(done, end - done), opaque_.size() + done);
+    draw_batches(projection, statistics, pacer);
+    end_style();
+    gl_.Disable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+    gl_.Disable(GL_POLYGON_OFFSET_FILL);
+    gl_.DepthMask(GL_TRUE);
+    gl_.Disable(GL_BLEND);
+    done = end;
+  };
+  for (const VolumeCaster::Cast& cast : casts_) {
+    std::size_t end = done;
+    while (end < all.size() && all[end].depth > cast.depth) ++end;
+    draw_up_to(end);
+    if (pacer.given_up()) return;
+    gl_.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    if (!volumes_->draw(cast)) {
+      statistics.given_up = true;
+      return;
+    }
+    ++statistics.items;
+    ++statistics.draw_calls;
+  }
+  draw_up_to(all.size());
 }
 
 /// Darkens the edges of the triangles that were drawn before.

@@ -90,6 +90,7 @@ void MeshCache::take(MeshCache&& other) {
   meshes.merge(other.meshes);
   pixel_images.merge(other.pixel_images);
   volumes.merge(other.volumes);
+  casts.merge(other.casts);
   scene_cubes.merge(other.scene_cubes);
   primitives.merge(other.primitives);
   other.clear();

@@ -65,6 +65,12 @@ struct MeshCache {
     Share share;
   };
   std::unordered_map<const vrml::Node*, VolumeEntry> volumes;
+  /// Part of the budget for the renderer's copies of a volume of X3D: values and gradients.
+  struct CastEntry {
+    std::weak_ptr<const Image> image;
+    Share share;
+  };
+  std::unordered_map<const Image*, CastEntry> casts;
   std::unordered_map<const vrml::Node*, std::shared_ptr<SceneCube>> scene_cubes;  // by GeneratedCubeMapTexture
   /// Meshes of Boxes, Cones, Cylinders and Spheres with default sizes, by type, flags and level of detail. Thousands of
   /// primitives share one mesh, with different scales, and so one draw call.

@@ -9,6 +9,7 @@
 #include "render/scene/mesh_cache.h"
 #include "render/scene/shape_style.h"
 #include "render/scene/sight.h"
+#include "render/scene/volume_look.h"
 #include "render/scene/world_bounds.h"
 #include "vrml/mesh/mesh.h"
 #include "vrml/scene/layers.h"
@@ -101,6 +102,8 @@ struct DrawItem {
   bool touchable = true;                         // rays hit it; false for particles
   std::shared_ptr<const qnv::Geometry> surface;  // QNV node: an indexed mesh or patches; else null
   float detail = 1;                              // field `detail` of the QNV node, more than 0
+  /// Volume of X3D that fills the box of `mesh`, which is then not drawn; else null.
+  std::shared_ptr<const VolumeLook> volume;
 
   /// Returns the patches of which each view draws a cut instead of `mesh`; nullptr if there are none.
   [[nodiscard]] const qnv::SurfacePatches* patches() const {

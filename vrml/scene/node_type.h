@@ -164,6 +164,19 @@ enum class NodeKind : std::uint8_t {
   force_physics,
   wind_physics,
   bounded_physics,
+  volume_data,
+  segmented_volume,
+  iso_surface_volume,
+  opacity_map_style,
+  boundary_style,
+  edge_style,
+  tone_mapped_style,
+  silhouette_style,
+  cartoon_style,
+  shaded_style,
+  composed_style,
+  blended_style,
+  projection_style,
 };
 
 /// Content of the file that the `url` of a node names. It selects the content handler.

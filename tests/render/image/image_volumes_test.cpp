@@ -113,6 +113,21 @@ TEST_CASE("decodes components and 16-bit samples of NRRD") {
   CHECK(deep.pixels == std::vector<std::uint8_t>{0, 127, 255});
 }
 
+TEST_CASE("reduces NRRD volumes above the limit of voxels to means") {
+  std::string data = "NRRD0001\ntype: uchar\nsizes: 4 3 2\nencoding: raw\n\n";
+  for (int i = 0; i < 24; ++i) data += static_cast<char>(i * 10);
+  ImageLimits limits;
+  limits.kept_pixels = 4;
+  const auto result = decode_image(std::as_bytes(std::span(data)), limits);
+  const Image* image = std::get_if<Image>(&result);
+  REQUIRE(image);
+  CHECK(image->reduction == 2);
+  CHECK(image->slices == 1);
+  CHECK(image->width == 2);
+  // The upper row has one row of voxels, the lower one two.
+  CHECK(image->pixels == std::vector<std::uint8_t>{145, 165, 85, 105});
+}
+
 TEST_CASE("rejects NRRD headers that it does not know") {
   for (const std::string text :
        {"NRRD0001\n\n", "NRRD0001\ntype: block\nsizes: 1 1 1\n\n", "NRRD0001\ntype: uchar\nsizes: 1\n\n",

@@ -11,7 +11,7 @@ constexpr X3DRow kVolumeRenderingX3DRows[] = {
      "renderStyle",
      "X3DComposableVolumeRenderStyleNode",
      Role::none,
-     NodeKind::other,
+     NodeKind::blended_style,
      R"(
   exposedField SFBool     enabled TRUE
   exposedField SFNode     renderStyle NULL  # X3DComposableVolumeRenderStyleNode
@@ -22,85 +22,65 @@ constexpr X3DRow kVolumeRenderingX3DRows[] = {
   exposedField SFString   weightFunction2 "CONSTANT"
   exposedField SFNode     weightTransferFunction1 NULL  # X3DTexture2DNode
   exposedField SFNode     weightTransferFunction2 NULL  # X3DTexture2DNode
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
     {"BoundaryEnhancementVolumeStyle",
      "VolumeRendering",
      2,
      "renderStyle",
      "X3DComposableVolumeRenderStyleNode",
      Role::none,
-     NodeKind::other,
+     NodeKind::boundary_style,
      R"(
   exposedField SFFloat    boundaryOpacity 0.9  # [0,1]
   exposedField SFBool     enabled TRUE
   exposedField SFFloat    opacityFactor 2  # [0,inf)
   exposedField SFFloat    retainedOpacity 0.2  # [0,1]
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
     {"CartoonVolumeStyle",
      "VolumeRendering",
      3,
      "renderStyle",
      "X3DComposableVolumeRenderStyleNode",
      Role::none,
-     NodeKind::other,
+     NodeKind::cartoon_style,
      R"(
   exposedField SFInt32    colorSteps 4  # [1,64]
   exposedField SFBool     enabled TRUE
   exposedField SFColorRGBA orthogonalColor 1 1 1 1  # [0,1]
   exposedField SFColorRGBA parallelColor 0 0 0 1  # [0,1]
   exposedField SFNode     surfaceNormals NULL  # X3DTexture3DNode
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
     {"ComposedVolumeStyle",
      "VolumeRendering",
      3,
      "renderStyle",
      "X3DComposableVolumeRenderStyleNode",
      Role::none,
-     NodeKind::other,
+     NodeKind::composed_style,
      R"(
   exposedField SFBool     enabled TRUE
   exposedField MFNode     renderStyle []  # X3DComposableVolumeRenderStyleNode
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
     {"EdgeEnhancementVolumeStyle",
      "VolumeRendering",
      2,
      "renderStyle",
      "X3DComposableVolumeRenderStyleNode",
      Role::none,
-     NodeKind::other,
+     NodeKind::edge_style,
      R"(
   exposedField SFColorRGBA edgeColor 0 0 0 1  # [0,1]
   exposedField SFBool     enabled TRUE
   exposedField SFFloat    gradientThreshold 0.4  # [0,3.1416]
   exposedField SFNode     surfaceNormals NULL  # X3DTexture3DNode
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
     {"IsoSurfaceVolumeData",
      "VolumeRendering",
      2,
      "children",
      "X3DVolumeDataNode",
      Role::child,
-     NodeKind::other,
+     NodeKind::iso_surface_volume,
      R"(
   exposedField SFBool     bboxDisplay FALSE
   exposedField SFFloat    contourStepSize 0
@@ -113,49 +93,37 @@ constexpr X3DRow kVolumeRenderingX3DRows[] = {
   exposedField SFNode     voxels NULL  # X3DTexture3DNode
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
     {"OpacityMapVolumeStyle",
      "VolumeRendering",
      1,
      "renderStyle",
      "X3DComposableVolumeRenderStyleNode",
      Role::none,
-     NodeKind::other,
+     NodeKind::opacity_map_style,
      R"(
   exposedField SFBool     enabled TRUE
   exposedField SFNode     transferFunction NULL  # X3DTexture2DNode,X3DTexture3DNode
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
     {"ProjectionVolumeStyle",
      "VolumeRendering",
      2,
      "renderStyle",
      "X3DVolumeRenderStyleNode",
      Role::none,
-     NodeKind::other,
+     NodeKind::projection_style,
      R"(
   exposedField SFBool     enabled TRUE
   exposedField SFFloat    intensityThreshold 0  # [0,1]
   exposedField SFString   type "MAX"
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
     {"SegmentedVolumeData",
      "VolumeRendering",
      2,
      "children",
      "X3DVolumeDataNode",
      Role::child,
-     NodeKind::other,
+     NodeKind::segmented_volume,
      R"(
   exposedField SFBool     bboxDisplay FALSE
   exposedField SFVec3f    dimensions 1 1 1  # (0,inf)
@@ -166,18 +134,14 @@ constexpr X3DRow kVolumeRenderingX3DRows[] = {
   exposedField SFNode     voxels NULL  # X3DTexture3DNode
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
     {"ShadedVolumeStyle",
      "VolumeRendering",
      3,
      "renderStyle",
      "X3DComposableVolumeRenderStyleNode",
      Role::none,
-     NodeKind::other,
+     NodeKind::shaded_style,
      R"(
   exposedField SFBool     enabled TRUE
   exposedField SFBool     lighting FALSE
@@ -185,53 +149,41 @@ constexpr X3DRow kVolumeRenderingX3DRows[] = {
   exposedField SFBool     shadows FALSE
   exposedField SFNode     surfaceNormals NULL  # X3DTexture3DNode
   field        SFString   phaseFunction "Henyey-Greenstein"
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
     {"SilhouetteEnhancementVolumeStyle",
      "VolumeRendering",
      2,
      "renderStyle",
      "X3DComposableVolumeRenderStyleNode",
      Role::none,
-     NodeKind::other,
+     NodeKind::silhouette_style,
      R"(
   exposedField SFBool     enabled TRUE
   exposedField SFFloat    silhouetteBoundaryOpacity 0  # [0,1]
   exposedField SFFloat    silhouetteRetainedOpacity 1  # [0,1]
   exposedField SFFloat    silhouetteSharpness 0.5  # [0,inf)
   exposedField SFNode     surfaceNormals NULL  # X3DTexture3DNode
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
     {"ToneMappedVolumeStyle",
      "VolumeRendering",
      2,
      "renderStyle",
      "X3DComposableVolumeRenderStyleNode",
      Role::none,
-     NodeKind::other,
+     NodeKind::tone_mapped_style,
      R"(
   exposedField SFColorRGBA coolColor 0 0 1 0  # [0,1]
   exposedField SFBool     enabled TRUE
   exposedField SFNode     surfaceNormals NULL  # X3DTexture3DNode
   exposedField SFColorRGBA warmColor 1 1 0 0  # [0,1]
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
     {"VolumeData",
      "VolumeRendering",
      1,
      "children",
      "X3DVolumeDataNode",
      Role::child,
-     NodeKind::other,
+     NodeKind::volume_data,
      R"(
   exposedField SFBool     bboxDisplay FALSE
   exposedField SFVec3f    dimensions 1 1 1  # (0,inf)
@@ -240,11 +192,7 @@ constexpr X3DRow kVolumeRenderingX3DRows[] = {
   exposedField SFNode     voxels NULL  # X3DTexture3DNode
   field        SFVec3f    bboxCenter 0 0 0
   field        SFVec3f    bboxSize -1 -1 -1
-)",
-     {},
-     nullptr,
-     UrlContent::none,
-     true},
+)"},
 };
 
 }  // namespace

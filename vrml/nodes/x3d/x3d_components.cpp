@@ -46,13 +46,13 @@ constexpr X3DComponent kComponents[] = {
     {"Texturing", 4, 4},
     {"Texturing3D", 2, 2},
     {"Time", 2, 2},
-    {"VolumeRendering", 4, 0},
+    {"VolumeRendering", 4, 4},
 };
 
 constexpr X3DProfile kProfiles[] = {
     {"CADInterchange", ""},
     {"Core", ""},
-    {"Full", "DIS, RigidBodyPhysics, Shaders, TextureProjection, VolumeRendering"},
+    {"Full", "DIS, RigidBodyPhysics, Shaders, TextureProjection"},
     {"Immersive", ""},
     {"Interactive", ""},
     {"Interchange", ""},
