@@ -78,6 +78,9 @@ void held_nodes(const vrml::Execution& world, const NodeAt& at, std::vector<Held
   }
   if (!node.expansion.empty())
     held.push_back({HeldNodes::kBody, "body", at.scene, node.expansion.span(), node.expansion.size() > 1});
+  const vrml::GeoTiles* const tiles = at.scene->inlines().tiles_of(at.id);
+  if (const vrml::MFNode* const shown = tiles ? tiles->shown() : nullptr)
+    held.push_back({HeldNodes::kContent, "content", at.scene, shown->span(), true});
   if (const vrml::SceneGraph* const content = at.scene->inlines().of(at.id);
       content && world.scenes().has(content) && !content->roots().empty())
     held.push_back({HeldNodes::kContent, "content", content, content->roots().span(), true});

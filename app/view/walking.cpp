@@ -14,14 +14,15 @@ namespace {
 using glm::dvec3;
 using render::WorldTriangle;
 
-constexpr double kGravity = 9.81 / 1.6;  // eye heights/s^2; eye heights are used because worlds have different units
-constexpr double kTerminal = 40;  // eye heights/s; max speed of falling
-constexpr double kLagTime = 0.08;  // seconds; time constant with which the view follows a step (63 %)
-constexpr double kMinLag = 1e-4;  // eye heights; a smaller lag is removed at once
-constexpr double kTolerance = 1e-3;  // radii; allowed penetration
-constexpr double kSteepestGround = 0.5;  // min cosine of the slope on which the viewer can stand
-constexpr int kRounds = 8;  // max iterations to leave obstacles
-constexpr double kLongestWalk = 0.25;  // seconds; longer times are shortened to this
+constexpr double kGravity = 9.81 / 1.6;    // eye heights/s^2; eye heights are used because worlds have different units
+constexpr double kLongestFreeLine = 1e12;  // metres; longer ways are cut
+constexpr double kTerminal = 40;           // eye heights/s; max speed of falling
+constexpr double kLagTime = 0.08;          // seconds; time constant with which the view follows a step (63 %)
+constexpr double kMinLag = 1e-4;           // eye heights; a smaller lag is removed at once
+constexpr double kTolerance = 1e-3;        // radii; allowed penetration
+constexpr double kSteepestGround = 0.5;    // min cosine of the slope on which the viewer can stand
+constexpr int kRounds = 8;                 // max iterations to leave obstacles
+constexpr double kLongestWalk = 0.25;      // seconds; longer times are shortened to this
 
 /// Returns the point closest to `p` on the segment from `a` to `b`.
 dvec3 nearest_on_line(const dvec3& a, const dvec3& b, const dvec3& p) {
@@ -193,6 +194,16 @@ Walk walk(const Walk& from, const Avatar& avatar, const Obstacles& obstacles, co
   seconds = std::min(seconds, kLongestWalk);
   const dvec3 flat = avatar.gravity ? way - avatar.up * glm::dot(way, avatar.up) : way;
   const double piece = avatar.radius * 0.5, length = glm::length(flat);
+  // Skips the first part of a way that has too many pieces, as above a globe, if nothing stands on the whole line.
+  if (const double most = piece * kMaxPieces * 0.99; length > most && length < kLongestFreeLine) {
+    const dvec3 ahead = flat / length;
+    const auto hit = obstacles.distance(from.eye, ahead);
+    if (!hit || *hit > length + avatar.radius) {
+      Walk near_end = from;
+      near_end.eye += ahead * (length - most);
+      return walk(near_end, avatar, obstacles, way - ahead * (length - most), seconds);
+    }
+  }
   const int pieces =
       std::clamp(static_cast<int>(std::ceil(std::min(length / piece, 1e6))), length > 0 ? 1 : 0, kMaxPieces);
   const double gone = std::min(length, pieces * piece);

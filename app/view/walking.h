@@ -46,7 +46,8 @@ struct Walk {
 /// Moves the body by `way` in `seconds` (VRML97 4.13.4, 6.29). It slides along obstacles, climbs steps up to
 /// `avatar.step`, follows the ground, and falls onto it. If the body starts inside an obstacle, for example at a
 /// Viewpoint in a wall, it can leave but not go deeper. Long ways are divided into pieces of half a radius, so that the
-/// result hardly depends on the frame rate; pieces beyond kMaxPieces are dropped. Pure, apart from `obstacles`. Safe
+/// result hardly depends on the frame rate; pieces beyond kMaxPieces are dropped, unless
+/// the line is free. Pure, apart from `obstacles`. Safe
 /// for any numbers.
 [[nodiscard]] Walk walk(const Walk& from, const Avatar& avatar, const Obstacles& obstacles, const glm::dvec3& way,
                         double seconds);

@@ -183,6 +183,11 @@ ViewpointState world_viewpoint(const vrml::SceneGraph& scene, const NodeView& vi
     const dvec3 place(world_from_node * glm::dvec4(*center, 1));
     if (finite(place)) state.center_of_rotation = place;
   }
+  if (is_geo) {
+    state.ground = vrml::geo_ground(scene, *view.node, given_world);
+    if (const auto center = vrml::geo_viewpoint_center(scene, *view.node))
+      state.center_of_rotation = dvec3(given_world * glm::dvec4(*center, 1));
+  }
   const auto distance = [&](int field) {
     const auto given = static_cast<float>(view.get(field, -1.0F) * state.scale);
     return given > 0 && finite(given) ? given : 0;

@@ -284,9 +284,12 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
       enter_moved(parent, id, view.find<vrml::MFNode>(GroupFields::children),
                   node.type->behaviour->parent_from_local(*parent.scene, node), false);
       break;
-    case NodeKind::geo_lod:
-      enter_node(parent, id, view.find<vrml::MFNode>(GroupFields::children));
+    case NodeKind::geo_lod: {
+      const vrml::GeoTiles* const tiles = parent.scene->inlines().tiles_of(id);
+      const vrml::MFNode* const shown = tiles ? tiles->shown() : nullptr;
+      enter_node(parent, id, shown ? shown : view.find<vrml::MFNode>(GroupFields::children));
       break;
+    }
     case NodeKind::humanoid:
       enter_humanoid(parent, id, view);
       break;

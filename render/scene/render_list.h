@@ -12,6 +12,7 @@
 #include "render/scene/volume_look.h"
 #include "render/scene/world_bounds.h"
 #include "vrml/mesh/mesh.h"
+#include "vrml/scene/coordinates/geospatial.h"
 #include "vrml/scene/layers.h"
 #include "vrml/scene/scene_graph.h"
 
@@ -159,6 +160,7 @@ struct ViewpointState {
   // Up direction and length of a metre in the Viewpoint's coordinate system, without its orientation (6.29).
   glm::dvec3 up{0, 1, 0};
   double scale = 1;
+  std::optional<vrml::GeoGround> ground;  // of a GeoViewpoint
   bool jump = true;  // binding moves the viewer to the Viewpoint
   // Fields of X3D (ISO/IEC 19775-1 clause 23).
   glm::dvec2 extent{0};  // OrthoViewpoint: size of the view rectangle in world units; 0 means a perspective view

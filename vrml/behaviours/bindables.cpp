@@ -100,7 +100,8 @@ const Behaviour kOrthoViewpointBehaviour = {{"set_bind", "isBound", "bindTime", 
                                             tell_late,
                                             viewer_of<struct Parallel>};
 const Behaviour kGeoViewpointBehaviour = {
-    {"set_bind", "isBound", "bindTime", "fieldOfView"}, nullptr, set_bind, tell_late, geo_viewpoint_matrix};
+    {"set_bind", "isBound", "bindTime", "fieldOfView", "navigationInfo"}, nullptr, set_bind, tell_late,
+    geo_viewpoint_matrix};
 const Behaviour kNavigationInfoBehaviour = {
     {"set_bind", "isBound", "bindTime", "transitionComplete"}, nullptr, set_bind, tell_late};
 const Behaviour kBindableBehaviour = {{"set_bind", "isBound", "bindTime"}, nullptr, set_bind, tell_late};

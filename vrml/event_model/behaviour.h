@@ -49,7 +49,7 @@ struct Behaviour {
   /// Pointing-device sensors only (4.6.7.3, vrml/events/pointing.h); null for all other types.
   const PointingSensor* pointing = nullptr;
   /// For sensors of the viewer's position (6.38): returns the centre of the sensed region, in local coordinates.
-  glm::dvec3 (*sensed_place)(const Execution& execution, EventNode node) = nullptr;
+  glm::dvec3 (*sensed_place)(Execution& execution, EventNode node) = nullptr;
   /// For sensors of the viewer's position: returns a box in world space. While the viewer's path stays outside, on_time
   /// sends nothing. Returns nullopt if on_time must be called in each step.
   std::optional<WideBox> (*idle_box)(Execution& execution, EventNode node) = nullptr;
@@ -86,11 +86,11 @@ extern const Behaviour kTransformBehaviour;
 extern const Behaviour kHumanoidBehaviour, kJointBehaviour, kSegmentBehaviour, kDisplacerBehaviour, kMotionBehaviour;
 extern const Behaviour kViewpointBehaviour;
 extern const Behaviour kGeoLocationBehaviour, kGeoTransformBehaviour, kGeoViewpointBehaviour,
-    kGeoPositionInterpolatorBehaviour;
+    kGeoPositionInterpolatorBehaviour, kGeoProximitySensorBehaviour, kGeoTouchSensorBehaviour, kGeoLodBehaviour;
 extern const Behaviour kProximitySensorBehaviour, kVisibilitySensorBehaviour;
 extern const Behaviour kTouchSensorBehaviour, kPlaneSensorBehaviour, kCylinderSensorBehaviour, kSphereSensorBehaviour;
 extern const Behaviour kLayerSetBehaviour;  // activeLayer (X3D 35.4.2)
-extern const Behaviour kGroupBehaviour;  // addChildren, removeChildren (4.6.5)
+extern const Behaviour kGroupBehaviour;     // addChildren, removeChildren (4.6.5)
 extern const Behaviour kAnchorBehaviour, kBillboardBehaviour, kCollisionBehaviour;
 extern const Behaviour kInlineBehaviour;       // children_changed
 extern const Behaviour kBrowserBehaviour;      // the browser as a node (vrml/events/world_browser.h)

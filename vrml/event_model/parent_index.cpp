@@ -68,6 +68,10 @@ void ParentIndex::list_children(Place place) {
   for (const InterfaceDeclaration& field : node.type->interfaces)
     if (field.type == FieldType::MFNode && field.slot >= 0 && !field.lists)
       add(*std::get_if<MFNode>(&node.values[field.slot]));
+  if (const GeoTiles* const tiles = graph.inlines().tiles_of(graph.nodes().id_at(place.node))) {
+    add(tiles->root);
+    add(tiles->children);
+  }
 }
 
 // Indexes a node and all nodes below it, up to nodes that are known.

@@ -72,8 +72,13 @@ class NodeLifetime::Marking {
       for (const NodeId node : *nodes) mark(node);
   }
 
-  void mark_values(const Node& node, EventNode member) {
+  void mark_values(NodeId id, EventNode member) {
+    const Node& node = scene_.node(id);
     for (std::size_t i = 0; i < node.type->defaults.size(); ++i) mark(node.values[i]);
+    if (const GeoTiles* const tiles = scene_.inlines().tiles_of(id)) {
+      for (const NodeId tile : tiles->root) mark(tile);
+      for (const NodeId tile : tiles->children) mark(tile);
+    }
     if (member == 0) return;
     for (std::size_t i = 0; i < nodes_.schema_of(member).outs.size(); ++i) mark(nodes_.out_value(member, i));
   }
@@ -96,7 +101,7 @@ class NodeLifetime::Marking {
     if (!state_.files_hold) return mark(FieldValue(scene_.roots()));
     for (const EventNode member : lifetime_.referring_)
       if (const EventMember& at = nodes_[member]; at.scene == &scene_ && of_file(*at.node))
-        mark_values(*at.node, member);
+        mark_values(at.id, member);
     // Marks nodes that are held through ROUTEs to or from nodes of the file.
     for (const NodeId id : state_.at_run_time) {
       const EventNode member = scene_.contains(id) ? state_.member_of(id) : 0;
@@ -113,7 +118,7 @@ class NodeLifetime::Marking {
   void follow(NodeId id) {
     const Node& node = scene_.node(id);
     const EventNode member = state_.member_of(id);
-    mark_values(node, member);
+    mark_values(id, member);
     for (const NodeId inner : node.expansion) mark(inner);
     if (node.expansion_first != 0 && !node.in_prototype_body)
       for (std::uint32_t i = 0; i < node.type->prototype->nodes.size(); ++i)

@@ -111,6 +111,9 @@ void PlacedShapes::visit_node(const SceneGraph& scene, NodeId id, std::uint32_t 
   const glm::dmat4 inside = made.world_from_inside;
   if (const SceneGraph* const content = scene.inlines().of(id))
     return visit(*content, content->roots(), place, inside, depth + 1);
+  const GeoTiles* const tiles = scene.inlines().tiles_of(id);
+  if (const MFNode* const shown = tiles ? tiles->shown() : nullptr)
+    return visit(scene, *shown, place, inside, depth + 1);
   const FieldValue* const choice = field_of(node, "whichChoice");
   const auto* const which = choice ? std::get_if<SFInt32>(choice) : nullptr;
   const bool first_only = node.type->read_as == NodeKind::lod;

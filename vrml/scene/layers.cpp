@@ -71,6 +71,9 @@ class LayerSearch {
       if (const auto* many = std::get_if<MFNode>(&node.values[i]))
         for (const NodeId inner : *many) add(scene, inner);
     }
+    if (const GeoTiles* const tiles = scene.inlines().tiles_of(id))
+      for (const MFNode& part : {tiles->root, tiles->children})
+        for (const NodeId tile : part) pending_.emplace_back(&scene, tile);
     if (const SceneGraph* const inlined = scene.inlines().of(id))
       for (const NodeId root : inlined->roots()) add(*inlined, root);
   }

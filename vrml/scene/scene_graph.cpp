@@ -86,7 +86,7 @@ void SceneGraph::remove(std::span<const NodeId> ids) {
 
 // Frees a node. Appends the nodes that must be freed with it to `more`.
 void SceneGraph::free_node(NodeId id, std::vector<NodeId>& more) {
-  inlines_.attach(id, nullptr);
+  inlines_.forget(id);
   nodes_.free(id, more);
 }
 

@@ -22,7 +22,18 @@ namespace gs::vrml {
 
 class SceneGraph;
 
-/// Contents of the Inline nodes of a scene. Each content has a separate name scope (VRML97 4.4.3). One thread.
+/// Inlines that stand for the urls of a GeoLOD (X3D 25.3.4). They belong to its text, but no field refers to them.
+struct GeoTiles {
+  MFNode root;           // Inline of rootUrl; empty if there is none
+  MFNode children;       // Inlines of child1Url to child4Url; empty before the viewer is in range for the first time
+  bool refined = false;  // the children are shown instead of the root
+
+  /// Returns the shown tiles. Null means that the GeoLOD shows its rootNode.
+  [[nodiscard]] const MFNode* shown() const { return refined ? &children : root.empty() ? nullptr : &root; }
+};
+
+/// Contents of the Inline nodes of a scene, and the Inlines of its GeoLODs. Each content has a separate name scope
+/// (VRML97 4.4.3). One thread.
 class InlineContents {
  public:
   /// Sets the content of an Inline node. Null removes the content.
@@ -39,9 +50,22 @@ class InlineContents {
   }
   /// Returns the contents by the index of their Inline node.
   [[nodiscard]] const std::unordered_map<std::uint32_t, std::shared_ptr<SceneGraph>>& all() const { return contents_; }
+  /// Returns the tiles of a GeoLOD; makes an empty set at first.
+  [[nodiscard]] GeoTiles& tiles(NodeId lod) { return tiles_[lod.index]; }
+  /// Returns the tiles of a GeoLOD; null for other nodes, and before it has tiles.
+  [[nodiscard]] const GeoTiles* tiles_of(NodeId lod) const {
+    const auto found = tiles_.empty() ? tiles_.end() : tiles_.find(lod.index);
+    return found == tiles_.end() ? nullptr : &found->second;
+  }
+  /// Removes the content and the tiles of a node that is freed.
+  void forget(NodeId node) {
+    contents_.erase(node.index);
+    tiles_.erase(node.index);
+  }
 
  private:
   std::unordered_map<std::uint32_t, std::shared_ptr<SceneGraph>> contents_;
+  std::unordered_map<std::uint32_t, GeoTiles> tiles_;  // by index of the GeoLOD
 };
 
 /// World or a part of it: its nodes, PROTOs, ROUTEs and Inlines, and the text of its file.

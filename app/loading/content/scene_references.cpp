@@ -10,6 +10,7 @@
 #include "app/loading/content/text_handler.h"
 #include "app/script/script_runner.h"
 #include "net/base/schemes.h"
+#include "vrml/scene/coordinates/geo_tiles.h"
 #include "vrml/scene/prototype.h"
 
 #include <algorithm>
@@ -127,6 +128,8 @@ void SceneReferences::visit(NodeId id) {
   if (!vrml::may_load(node)) return;
   switch (node.type->url_content) {
     case vrml::UrlContent::none:
+      // The caller visits the new Inline too.
+      if (node.type->read_as == vrml::NodeKind::geo_lod) (void)vrml::make_root_tile(scene(), id);
       return;
     case vrml::UrlContent::scene:
       return visit_inline(id);

@@ -57,6 +57,10 @@ class Surveyor {
     if (wanted_.contains(&node)) keep(&node, size_of(*place.scene, id, matrix));
     if (const vrml::SceneGraph* inlined = place.scene->inlines().of(id))
       push_all(*inlined, inlined->roots(), matrix, place.depth + 1);
+    if (const vrml::GeoTiles* tiles = place.scene->inlines().tiles_of(id)) {
+      push_all(*place.scene, tiles->root, matrix, place.depth + 1);
+      push_all(*place.scene, tiles->children, matrix, place.depth + 1);
+    }
     for (int slot = 0; slot < static_cast<int>(node.type->defaults.size()); ++slot) {
       if (const auto* many = std::get_if<vrml::MFNode>(&node.values[slot]))
         push_all(*place.scene, *many, matrix, place.depth + 1);

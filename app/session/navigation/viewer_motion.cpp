@@ -2,6 +2,8 @@
 
 #include "vrml/behaviours/browser_events.h"
 
+#include <glm/gtc/quaternion.hpp>
+
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -11,6 +13,41 @@ namespace {
 
 constexpr std::size_t kMaxMet = 20'000;                       // max triangles near a moving viewer
 constexpr std::size_t kMaxRemembered = std::size_t{1} << 24;  // max triangles that the picker stores
+
+// Returns the ellipsoid below the viewer of a view that moves over it; null without a GeoViewpoint.
+const vrml::GeoGround* ground_of(const View& seen) {
+  const NavigationMode mode = seen.navigation.mode;
+  if (!seen.viewpoint || *seen.viewpoint >= seen.list->viewpoints.size() ||
+      (mode != NavigationMode::fly && mode != NavigationMode::walk))
+    return nullptr;
+  const auto& ground = seen.list->viewpoints[*seen.viewpoint].ground;
+  return ground ? &*ground : nullptr;
+}
+
+// Returns the state after a step. Above an ellipsoid, the speed grows with the elevation (X3D 25.3.11).
+Navigation step_over(const View& seen, const NavigationInput& input, float seconds) {
+  const vrml::GeoGround* const ground = ground_of(seen);
+  if (!ground) return app::step(seen.navigation, input, seconds);
+  Navigation scaled = seen.navigation;
+  scaled.speed = static_cast<float>(scaled.speed * ground->speed(scaled.pose.position));
+  Navigation next = app::step(scaled, input, seconds);
+  next.speed = seen.navigation.speed;
+  return next;
+}
+
+// Turns the viewer after a movement over an ellipsoid, so that the horizon stays level.
+void turn_with_ground(View& seen, const glm::dvec3& from) {
+  Navigation& navigation = seen.navigation;
+  const vrml::GeoGround* const ground = ground_of(seen);
+  if (!ground || seen.style.up != UpAxis::automatic || from == navigation.pose.position || navigation.transition)
+    return;
+  const glm::dvec3 before = ground->up(from), after = ground->up(navigation.pose.position);
+  const double cosine = glm::dot(before, after);
+  if (!(cosine > 0)) return;
+  const glm::dquat turn = glm::normalize(glm::dquat(1 + cosine, glm::cross(before, after)));
+  navigation.pose.orientation = glm::normalize(glm::quat(turn * glm::dquat(navigation.pose.orientation)));
+  navigation.up = glm::vec3(after);
+}
 
 }  // namespace
 
@@ -60,7 +97,8 @@ std::vector<std::size_t> ViewerMotion::advance(float seconds, bool look) {
       viewports_.lead(sight[i]);
       seen->history.interrupt();
     }
-    move(*seen, app::step(seen->navigation, input, seconds), panes.loading(sight[i]), seconds);
+    move(*seen, step_over(*seen, input, seconds), panes.loading(sight[i]), seconds);
+    turn_with_ground(*seen, before.position);
     const Pose& after = seen->navigation.pose;
     if (before.position == after.position && before.orientation == after.orientation && before.height == after.height)
       continue;

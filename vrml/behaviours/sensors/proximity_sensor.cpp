@@ -1,6 +1,9 @@
+#include "base/finite.h"
 #include "vrml/behaviours/animation/rotations.h"
+#include "vrml/behaviours/sensors/viewer_box.h"
 #include "vrml/event_model/states.h"
 #include "vrml/events/execution.h"
+#include "vrml/scene/coordinates/geospatial.h"
 
 #include <glm/glm.hpp>
 
@@ -13,8 +16,28 @@ namespace gs::vrml {
 namespace {
 
 struct Proximity {
-  enum : int { center, size, enabled, is_active, position, orientation, enter_time, exit_time, center_of_rotation };
+  enum : int {
+    center,
+    size,
+    enabled,
+    is_active,
+    position,
+    orientation,
+    enter_time,
+    exit_time,
+    center_of_rotation,
+    geo_coord  // of GeoProximitySensor
+  };
 };
+
+// Returns the centre of the box in local coordinates. The centre of a GeoProximitySensor has geospatial coordinates;
+// its field `center` is an offset from there (X3D 25.3.8).
+glm::dvec3 center_of(Execution& execution, EventNode node) {
+  const EventNodes& nodes = execution.nodes();
+  if (!nodes.has_event(node, Proximity::geo_coord)) return glm::dvec3(execution.get<SFVec3f>(node, Proximity::center));
+  const EventMember& at = nodes[node];
+  return geo_position(*at.scene, *at.node, "geoCenter") + *execution.get<SFVec3d>(node, Proximity::center);
+}
 
 // Makes the columns of a matrix orthonormal. Returns false if a column has no direction.
 bool orthonormal(glm::dmat3& m) {
@@ -66,7 +89,7 @@ glm::dmat4 moved_to(glm::dmat4 matrix, const glm::dvec3& place) {
 // now.
 Look look_at(Execution& execution, EventNode node, ProximityState& state) {
   const glm::dvec3 size(execution.get<SFVec3f>(node, Proximity::size));
-  const glm::dvec3 center(execution.get<SFVec3f>(node, Proximity::center));
+  const glm::dvec3 center = center_of(execution, node);
   const glm::dmat4 viewer = execution.viewer().pose();
   const double now = execution.now();
   const bool way_known = state.looked && state.viewer.jumps == execution.viewer().jumps() && state.viewer.time < now &&
@@ -105,6 +128,16 @@ Look look_at(Execution& execution, EventNode node, ProximityState& state) {
   return look;
 }
 
+// Sends the geospatial coordinates of the viewer from a GeoProximitySensor.
+void send_coordinates(Execution& execution, EventNode node, const glm::dmat4& sensor_from_viewer, bool always) {
+  if (!execution.nodes().has_event(node, Proximity::geo_coord)) return;
+  const EventMember& at = execution.nodes()[node];
+  const SFVec3d coordinates(GeoFrame::of(*at.scene, *at.node).coordinates(glm::dvec3(sensor_from_viewer[3])));
+  if (!finite(*coordinates)) return;
+  if (always || !(coordinates == execution.get<SFVec3d>(node, Proximity::geo_coord)))
+    execution.send(node, Proximity::geo_coord, coordinates);
+}
+
 // Sends position and orientation if they have changed, or if `always` is set, as on entry and exit.
 void send_place(Execution& execution, EventNode node, const glm::dmat4& sensor_from_viewer, bool always) {
   const SFVec3f position(sensor_from_viewer[3]);
@@ -114,6 +147,7 @@ void send_place(Execution& execution, EventNode node, const glm::dmat4& sensor_f
   const SFRotation orientation = orthonormal(turned) ? rotation_of(glm::quat_cast(turned)) : SFRotation{};
   if (always || orientation != execution.get<SFRotation>(node, Proximity::orientation))
     execution.send(node, Proximity::orientation, orientation);
+  send_coordinates(execution, node, sensor_from_viewer, always);
   // centerOfRotation_changed (X3D 22.4.1)
   const std::optional<glm::dvec3> turns_about = execution.viewer().center();
   if (!turns_about || !execution.nodes().has_event(node, Proximity::center_of_rotation)) return;
@@ -181,16 +215,34 @@ void proximity_begins(Execution& execution, EventNode node) {
   execution.timers().look_again(node);
 }
 
-// Returns the union of the boxes of all instances, in world space. Only an enabled sensor that the viewer is outside of
-// may rest. A sensor below a Billboard turns with the viewer. If a matrix is almost singular, the box is too inexact.
+// Only an enabled sensor that the viewer is outside of may rest.
 std::optional<WideBox> proximity_idle_box(Execution& execution, EventNode node) {
-  constexpr double kMaxCondition = 1e6;
   const std::uint32_t place = execution.nodes().state_of(node);
   if (place == 0 || execution.get<SFBool>(node, Proximity::is_active)) return {};
   const ProximityState& state = execution.states().proximities[place];
   if (!state.looked || state.passed) return {};
-  const glm::dvec3 half = glm::dvec3(execution.get<SFVec3f>(node, Proximity::size)) * 0.5;
-  const glm::dvec3 center(execution.get<SFVec3f>(node, Proximity::center));
+  return world_box_of(execution, node, center_of(execution, node),
+                      glm::dvec3(execution.get<SFVec3f>(node, Proximity::size)) * 0.5);
+}
+
+void proximity_after_idle(Execution& execution, EventNode node, const ViewerMoment& last) {
+  execution.states().proximities[execution.nodes().state_of(node)].viewer = last;
+}
+
+bool proximity_event(Execution& execution, EventNode node, int, const FieldValue&) {
+  execution.timers().look_again(node);
+  return true;
+}
+
+void proximity_ends(Execution& execution, EventNode node) {
+  execution.states().proximities.give_back(execution.nodes().state_of(node));
+}
+
+}  // namespace
+
+std::optional<WideBox> world_box_of(Execution& execution, EventNode node, const glm::dvec3& center,
+                                    const glm::dvec3& half) {
+  constexpr double kMaxCondition = 1e6;
   WideBox box;
   const auto places = execution.viewer().places_of(node);
   if (execution.placement().below_billboard()) return {};
@@ -211,29 +263,27 @@ std::optional<WideBox> proximity_idle_box(Execution& execution, EventNode node) 
   return box;
 }
 
-void proximity_after_idle(Execution& execution, EventNode node, const ViewerMoment& last) {
-  execution.states().proximities[execution.nodes().state_of(node)].viewer = last;
-}
-
-bool proximity_event(Execution& execution, EventNode node, int, const FieldValue&) {
-  execution.timers().look_again(node);
-  return true;
-}
-
-}  // namespace
-
 const Behaviour kProximitySensorBehaviour = {
     .events = {"center", "size", "enabled", "isActive", "position_changed", "orientation_changed", "enterTime",
                "exitTime", "centerOfRotation_changed"},
     .initialize = proximity_begins,
     .on_event = proximity_event,
     .on_time = proximity_time,
-    .sensed_place = [](const Execution& execution,
-                       EventNode node) { return glm::dvec3(execution.get<SFVec3f>(node, Proximity::center)); },
+    .sensed_place = center_of,
     .idle_box = proximity_idle_box,
     .after_idle = proximity_after_idle,
-    .on_remove = [](Execution& execution,
-                    EventNode node) { execution.states().proximities.give_back(execution.nodes().state_of(node)); },
+    .on_remove = proximity_ends,
+};
+const Behaviour kGeoProximitySensorBehaviour = {
+    .events = {"center", "size", "enabled", "isActive", "position_changed", "orientation_changed", "enterTime",
+               "exitTime", "centerOfRotation_changed", "geoCoord_changed", "geoCenter"},
+    .initialize = proximity_begins,
+    .on_event = proximity_event,
+    .on_time = proximity_time,
+    .sensed_place = center_of,
+    .idle_box = proximity_idle_box,
+    .after_idle = proximity_after_idle,
+    .on_remove = proximity_ends,
 };
 
 }  // namespace gs::vrml

@@ -1,4 +1,6 @@
+#include "base/finite.h"
 #include "vrml/behaviours/sensors/pointing_sensors.h"
+#include "vrml/scene/coordinates/geospatial.h"
 
 #include <glm/glm.hpp>
 
@@ -14,20 +16,25 @@ struct Touch {
     hit_point,
     hit_normal,
     hit_tex_coord,
-    description
+    description,
+    hit_geo_coord  // of GeoTouchSensor
   };
 };
 
 // Sends the hit point in the coordinate system of the sensor (6.51). If that system is singular, does not send
-// undefined values.
+// undefined values. A GeoTouchSensor also sends its geospatial coordinates (X3D 25.3.10).
 void touch_hover(Execution& execution, EventNode node, const Bearing& bearing, const glm::dmat4& world_from_sensor) {
-  const SFVec3f point(glm::inverse(world_from_sensor) * glm::dvec4(bearing.point, 1));
-  send_finite(execution, node, Touch::hit_point, point);
+  const glm::dvec3 point(glm::inverse(world_from_sensor) * glm::dvec4(bearing.point, 1));
+  send_finite(execution, node, Touch::hit_point, SFVec3f(point));
   // Normals transform by the inverse transpose of the matrix for points.
   const glm::dvec3 normal = glm::transpose(glm::dmat3(world_from_sensor)) * bearing.normal;
   const SFVec3f direction(normal / glm::length(normal));
   send_finite(execution, node, Touch::hit_normal, direction);
   send_finite(execution, node, Touch::hit_tex_coord, SFVec2f(bearing.texture_coordinate));
+  if (!execution.nodes().has_event(node, Touch::hit_geo_coord)) return;
+  const EventMember& at = execution.nodes()[node];
+  const glm::dvec3 coordinates = GeoFrame::of(*at.scene, *at.node).coordinates(point);
+  if (finite(coordinates)) execution.send(node, Touch::hit_geo_coord, SFVec3d(coordinates));
 }
 
 constexpr PointingSensor kTouchSensor = {
@@ -54,6 +61,14 @@ void pointing_sensor_time(Execution& execution, EventNode node) { execution.poin
 const Behaviour kTouchSensorBehaviour = {
     .events = {"enabled", "isOver", "isActive", "touchTime", "hitPoint_changed", "hitNormal_changed",
                "hitTexCoord_changed", "description"},
+    .on_event = pointing_sensor_event,
+    .on_time = pointing_sensor_time,
+    .pointing = &kTouchSensor,
+};
+
+const Behaviour kGeoTouchSensorBehaviour = {
+    .events = {"enabled", "isOver", "isActive", "touchTime", "hitPoint_changed", "hitNormal_changed",
+               "hitTexCoord_changed", "description", "hitGeoCoord_changed"},
     .on_event = pointing_sensor_event,
     .on_time = pointing_sensor_time,
     .pointing = &kTouchSensor,

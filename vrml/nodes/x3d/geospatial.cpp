@@ -59,7 +59,9 @@ constexpr X3DRow kGeospatialX3DRows[] = {
   field        MFString   rootUrl []
   eventOut     MFNode     children  # X3DChildNode
   eventOut     SFInt32    level_changed  # [0,1]
-)"},
+)",
+     {},
+     &kGeoLodBehaviour},
     {"GeoLocation",
      "Geospatial",
      1,
@@ -137,9 +139,7 @@ constexpr X3DRow kGeospatialX3DRows[] = {
   eventOut     SFVec3f    position_changed
 )",
      {},
-     nullptr,
-     UrlContent::none,
-     true},
+     &kGeoProximitySensorBehaviour},
     {"GeoTouchSensor",
      "Geospatial",
      1,
@@ -161,7 +161,7 @@ constexpr X3DRow kGeospatialX3DRows[] = {
   eventOut     SFTime     touchTime
 )",
      {},
-     &kTouchSensorBehaviour},
+     &kGeoTouchSensorBehaviour},
     {"GeoTransform",
      "Geospatial",
      2,

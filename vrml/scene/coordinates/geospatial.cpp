@@ -124,6 +124,10 @@ glm::dvec3 GeoFrame::coordinates(const glm::dvec3& position) const {
   return from_geocentric(glm::transpose(world_from_ecef_) * position + origin_);
 }
 
+double GeoFrame::elevation(const glm::dvec3& position) const {
+  return geodetic_of(glm::transpose(world_from_ecef_) * position + origin_).z;
+}
+
 glm::dmat3 GeoFrame::axes(const glm::dvec3& position) const {
   const glm::dvec3 geodetic = geodetic_of(glm::transpose(world_from_ecef_) * position + origin_);
   const double latitude = geodetic.x, longitude = geodetic.y;
@@ -212,6 +216,10 @@ glm::dvec3 GeoFrame::to_utm(const glm::dvec3& geodetic) const {
   return {northing * series.scale + (southern_ ? kUtmSouth : 0), easting * series.scale + kUtmEasting, geodetic.z};
 }
 
+glm::dvec3 geo_position(const SceneGraph& scene, const Node& node, std::string_view field) {
+  return GeoFrame::of(scene, node).position(geo_coordinates(node, field));
+}
+
 glm::dmat4 geo_location_matrix(const SceneGraph& scene, const Node& node) {
   return GeoFrame::of(scene, node).location(geo_coordinates(node, "geoCoords"));
 }
@@ -231,6 +239,28 @@ glm::dmat4 geo_viewpoint_axes(const SceneGraph& scene, const Node& node) {
 
 glm::dmat4 geo_viewpoint_matrix(const SceneGraph& scene, const Node& node) {
   return geo_viewpoint_axes(scene, node) * glm::dmat4(rotation_matrix(field_value(node, "orientation", SFRotation())));
+}
+
+std::optional<glm::dvec3> geo_viewpoint_center(const SceneGraph& scene, const Node& node) {
+  if (geo_coordinates(node, "centerOfRotation") == glm::dvec3(0)) return std::nullopt;
+  return geo_position(scene, node, "centerOfRotation");
+}
+
+glm::dvec3 GeoGround::up(const glm::dvec3& position) const {
+  const glm::dvec3 local(local_from_world * glm::dvec4(position, 1));
+  return glm::normalize(glm::inverse(glm::dmat3(local_from_world)) * frame.axes(local)[1]);
+}
+
+double GeoGround::speed(const glm::dvec3& position) const {
+  constexpr double kPart = 0.1, kMaxFactor = 1e9;
+  const double elevation = frame.elevation(glm::dvec3(local_from_world * glm::dvec4(position, 1)));
+  const double factor = std::max(1.0, kPart * elevation) * speed_factor;
+  return std::isfinite(factor) ? std::clamp(factor, 0.0, kMaxFactor) : 1;
+}
+
+GeoGround geo_ground(const SceneGraph& scene, const Node& viewpoint, const glm::dmat4& world_from_local) {
+  return {GeoFrame::of(scene, viewpoint), double{field_value(viewpoint, "speedFactor", SFFloat(1))},
+          glm::inverse(world_from_local)};
 }
 
 }  // namespace gs::vrml

@@ -6,6 +6,10 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
 namespace gs::vrml {
 
 /// Spatial reference frame of a geospatial node (ISO/IEC 19775-1 25.2): its coordinate system, its ellipsoid and its
@@ -21,6 +25,8 @@ class GeoFrame {
   [[nodiscard]] glm::dvec3 position(const glm::dvec3& coordinates) const;
   /// Returns the coordinates of a position.
   [[nodiscard]] glm::dvec3 coordinates(const glm::dvec3& position) const;
+  /// Returns the height of a position above the ellipsoid in metres.
+  [[nodiscard]] double elevation(const glm::dvec3& position) const;
   /// Returns the axes at a position: x to the east, y up, z to the south.
   [[nodiscard]] glm::dmat3 axes(const glm::dvec3& position) const;
   /// Returns the transform from the axes at some coordinates to the world.
@@ -48,6 +54,8 @@ class GeoFrame {
   glm::dmat3 world_from_ecef_{1.0};  // rotation of a GeoOrigin with rotateYUp
 };
 
+/// Returns the position of the coordinates in an SFVec3d field of a geospatial node.
+[[nodiscard]] glm::dvec3 geo_position(const SceneGraph& scene, const Node& node, std::string_view field);
 /// Returns parent_from_local of a GeoLocation.
 [[nodiscard]] glm::dmat4 geo_location_matrix(const SceneGraph& scene, const Node& node);
 /// Returns parent_from_local of a GeoTransform.
@@ -56,5 +64,22 @@ class GeoFrame {
 [[nodiscard]] glm::dmat4 geo_viewpoint_axes(const SceneGraph& scene, const Node& node);
 /// Returns the pose of a GeoViewpoint: parent_from_camera.
 [[nodiscard]] glm::dmat4 geo_viewpoint_matrix(const SceneGraph& scene, const Node& node);
+/// Returns the position of centerOfRotation of a GeoViewpoint; nullopt for its default, which lies far from all scenes.
+[[nodiscard]] std::optional<glm::dvec3> geo_viewpoint_center(const SceneGraph& scene, const Node& node);
+
+/// Ellipsoid below the viewer of a GeoViewpoint (X3D 25.3.11). It determines the up direction and the speed.
+struct GeoGround {
+  GeoFrame frame;
+  double speed_factor = 1;
+  glm::dmat4 local_from_world{1.0};  // coordinate system of the GeoViewpoint
+
+  /// Returns the up direction at a position, as a unit vector. Both are in world space.
+  [[nodiscard]] glm::dvec3 up(const glm::dvec3& position) const;
+  /// Returns the factor on the speed of NavigationInfo at a position in world space: speedFactor, times a tenth of the
+  /// elevation above 10 m.
+  [[nodiscard]] double speed(const glm::dvec3& position) const;
+};
+/// Returns the ellipsoid of a GeoViewpoint at a place in the hierarchy.
+[[nodiscard]] GeoGround geo_ground(const SceneGraph& scene, const Node& viewpoint, const glm::dmat4& world_from_local);
 
 }  // namespace gs::vrml
