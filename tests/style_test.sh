@@ -62,6 +62,8 @@ report "What is printed goes through app/base/console.cpp, which keeps controls 
 report "Non-ASCII source:" "$(sources app vrml qnv net render base tests bench | xargs -r grep -nP '[^\x00-\x7F]')"
 report "Header without #pragma once:" \
   "$(sources app vrml qnv net render base | grep '\.h$' | xargs -r grep -L '#pragma once')"
+report "Names in anonymous namespaces clash in unity builds of their room:" \
+  "$(sources app vrml qnv net render base tests | grep -E '\.cpp$' | grep -v '^tests/fuzz/' | xargs awk -f tests/style_names.awk | sort)"
 report "CTest cuts the name of a test at a semicolon:" "$(grep -rnE 'TEST_CASE\("[^"]*;' tests --include='*.cpp')"
 
 # Prints paths in backticks that do not exist, as DOCUMENT:LINE: PATH. Checks a path if its first part is a folder of the root or of
@@ -95,6 +97,12 @@ row="| short | $(printf 'word %.0s' {1..41})|"
 found=$( (awk -f tests/style_prose.awk <<<"$sample"; awk -v tables=1 -f tests/style_prose.awk <<<"$row") | counts | tr '\n' ';')
 [ "$found" = 'cell root 1;likewise root 1;opening root 2;result root 1;title root 1;who root 1;' ] ||
   report "tests/style_prose.awk does not find the violations of its samples, but:" "$found"
+samples=$(mktemp -d)
+printf 'namespace gs {\nnamespace {\nconstexpr int kA = 1, kB[] = {kC};\nint f(int x) {\n}\n}  // namespace\nconstexpr int kD = 1;\n' >"$samples/a.cpp"
+sed 's/kB/kE/; s/^int/template <int>\nint/' "$samples/a.cpp" >"$samples/b.cpp"
+found=$(awk -f tests/style_names.awk "$samples"/?.cpp | cut -d : -f 1)
+rm -r "$samples"
+[ "$found" = ' gs kA' ] || report "tests/style_names.awk does not find the name of its samples, but:" "$found"
 report "Too many violations of writing rules (docs/style.md; tests/style_test.sh --list RULE ROOM shows them):" \
   "$(violations | counts | awk 'NR == FNR { if ($0 !~ /^#/) ceiling[$1 " " $2] = $3; next }
     $3 > ceiling[$1 " " $2] + 0 { print $1, $2 ": " $3 " violations; the ceiling is " ceiling[$1 " " $2] + 0 }' tests/style_ceilings.txt -)"

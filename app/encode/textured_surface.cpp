@@ -26,7 +26,7 @@ using render::DrawItem;
 using render::Image;
 
 // In pixels: margin around each tile, for mipmaps; size of a tile with a single colour.
-constexpr std::uint32_t kMargin = 8, kSolid = 16;
+constexpr std::uint32_t kMargin = 8, kSolidMargin = 16;
 // Limits of the atlas: repetitions of a repeated texture, and pixels per axis.
 constexpr float kMaxRepeats = 8;
 constexpr std::uint32_t kMaxPixels = 4096;
@@ -190,7 +190,7 @@ std::optional<Image> painted(PictureGatherer& gathered, qnv::TexturedSurface& su
   double pixels = 0;
   std::uint32_t widest = 0;
   for (TextureTile& tile : tiles) {
-    glm::vec2 size(kSolid);
+    glm::vec2 size(kSolidMargin);
     if (tile.image) {
       // Outside a texture without repetition, the border colour continues, so coordinates may exceed 0..1.
       const glm::vec2 shown = tile.upper - tile.lower;
@@ -233,7 +233,7 @@ std::optional<Image> painted(PictureGatherer& gathered, qnv::TexturedSurface& su
     const glm::vec2 corner(static_cast<float>(tile.x + kMargin),
                            static_cast<float>(image.height - tile.y - tile.height + kMargin));
     for (glm::vec2& p : surface.coordinates[t]) {
-      glm::vec2 at(0.5f * kSolid);
+      glm::vec2 at(0.5f * kSolidMargin);
       if (tile.image)
         at = p * glm::vec2(static_cast<float>(tile.image->width), static_cast<float>(tile.image->height)) -
              first_pixel(tile);

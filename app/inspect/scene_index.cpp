@@ -7,7 +7,7 @@ namespace gs::app {
 namespace {
 
 constexpr double kBetween = 2;                         // min seconds between two rebuilds of the index
-constexpr std::size_t kMaxDepth = 100'000;             // max depth of the tree; texts have a far lower limit
+constexpr std::size_t kMaxTreeDepth = 100'000;             // max depth of the tree; texts have a far lower limit
 constexpr std::size_t kMaxScenes = 0xffff;             // max number of scenes, because an entry stores 16 bits
 constexpr std::size_t kDrawn = std::size_t{64} << 10;  // number of entries for which memory is charged at a time
 
@@ -121,7 +121,7 @@ std::size_t SceneIndex::walk(std::size_t work) {
     }
     const auto element = static_cast<std::uint32_t>(top.element++);
     const NodeAt node{group.scene, group.nodes[element]};
-    if (!node.id || !enter(node, top.entry, group.place, element) || depth_ >= kMaxDepth) continue;
+    if (!node.id || !enter(node, top.entry, group.place, element) || depth_ >= kMaxTreeDepth) continue;
     const auto entry = static_cast<std::uint32_t>(entries_.size() - 1);
     if (way_.size() <= depth_) way_.resize(depth_ + 1);
     Standing& below = way_[depth_++];

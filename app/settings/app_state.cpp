@@ -10,8 +10,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kMaxText = 8192, kMaxBookmarks = 1000, kMaxSessionFiles = 100, kMaxPanels = 100;
-constexpr int kMaxPixels = 32768;
+constexpr std::size_t kMaxStateText = 8192, kMaxBookmarks = 1000, kMaxSessionFiles = 100, kMaxPanels = 100;
+constexpr int kMaxWindowPixels = 32768;
 
 std::string printed(const json& value) { return value.dump(2, ' ', false, json::error_handler_t::replace) + "\n"; }
 
@@ -28,7 +28,7 @@ std::string string_in(const json& object, const char* name) {
   if (!value.is_string()) return {};
   std::string text = value.get<std::string>();
   // Drop texts with line ends or zero bytes, which this program never writes.
-  return text.size() > kMaxText || text.find_first_of(std::string("\n\r\0", 3)) != std::string::npos ? std::string()
+  return text.size() > kMaxStateText || text.find_first_of(std::string("\n\r\0", 3)) != std::string::npos ? std::string()
                                                                                                      : text;
 }
 
@@ -57,7 +57,7 @@ std::vector<std::string> strings_in(const json& list, std::size_t most) {
 }  // namespace
 
 void note_recent(AppState& state, const std::string& place) {
-  if (place.empty() || place.size() > kMaxText) return;
+  if (place.empty() || place.size() > kMaxStateText) return;
   std::erase(state.recent, place);
   state.recent.insert(state.recent.begin(), place);
   if (state.recent.size() > AppState::kMaxRecent) state.recent.resize(AppState::kMaxRecent);
@@ -78,17 +78,17 @@ std::optional<AppState> read_memory(std::string_view text) {
   AppState state;
   state.recent = strings_in(member(whole, "recent"), AppState::kMaxRecent);
   const json& window = member(whole, "window");
-  state.width = static_cast<int>(number_in_json(member(window, "width"), 64, kMaxPixels));
-  state.height = static_cast<int>(number_in_json(member(window, "height"), 64, kMaxPixels));
+  state.width = static_cast<int>(number_in_json(member(window, "width"), 64, kMaxWindowPixels));
+  state.height = static_cast<int>(number_in_json(member(window, "height"), 64, kMaxWindowPixels));
   if (const json& place = member(window, "place"); place.is_array() && place.size() == 2) {
     const auto good = [](const json& one) {
-      return one.is_number_integer() && std::abs(one.get<double>()) <= kMaxPixels;
+      return one.is_number_integer() && std::abs(one.get<double>()) <= kMaxWindowPixels;
     };
     if (good(place[0]) && good(place[1])) state.place = {place[0].get<int>(), place[1].get<int>()};
   }
   if (const json& areas = member(whole, "areas"); areas.is_array())
     for (std::size_t i = 0; i < std::min(areas.size(), state.areas.size()); ++i)
-      state.areas[i] = number_in_json(areas[i], 1, kMaxPixels);
+      state.areas[i] = number_in_json(areas[i], 1, kMaxWindowPixels);
   if (const json& panels = member(whole, "panels"); panels.is_array())
     for (const json& one : panels) {
       PanelMemory panel{string_in(one, "panel"), string_in(one, "side"), flag_in(one, "open"), flag_in(one, "front")};

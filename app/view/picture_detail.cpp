@@ -7,12 +7,12 @@ namespace gs::app {
 namespace {
 
 constexpr double kSamplesCost = 2.7;   // usual ratio of the times with four samples and with one
-constexpr double kMargin = 0.9;        // pictures of the next finer level must take less than this fraction of the goal
+constexpr double kFinerMargin = 0.9;        // pictures of the next finer level must take less than this fraction of the goal
 constexpr double kFarTooLong = 3;      // multiple of the goal; one picture above it suffices to choose a coarser level
 constexpr double kWorth = 1.1;         // min ratio of times that makes a coarser level useful
 constexpr double kWeight = 0.3;        // weight of a new time in the mean
 constexpr int kSlow = 3, kSteady = 8;  // pictures before a coarser and before a finer level is chosen
-constexpr int kRest = 150;             // pictures before a coarser level is tried again after one that saved no time
+constexpr int kRestPictures = 150;             // pictures before a coarser level is tried again after one that saved no time
 constexpr std::size_t kHalving = 4;    // levels that a cancelled picture loses: more than half of its pixels
 constexpr std::size_t kLast = PictureDetail::kQualities.size() - 1;
 /// coarsest level for pictures that are late but complete; only cancelled pictures need a coarser one
@@ -43,7 +43,7 @@ void PictureDetail::learn() {
   for (std::size_t level = low + 1; level <= high; ++level) growth_[level] = std::max(step, 1.0);
   const bool useless = former_ < level_ && finer < kWorth * coarser;
   if (useless) choose(former_);
-  if (useless) resting_ = kRest;
+  if (useless) resting_ = kRestPictures;
   former_ = level_;
 }
 
@@ -68,7 +68,7 @@ void PictureDetail::note(std::size_t level, bool given_up, double seconds) {
   }
   if (level == 0 || pictures_ < kSteady) return;
   const double growth = growth_[level] > 0 ? growth_[level] : usual_cost(level - 1) / usual_cost(level);
-  if (mean_ * growth < kMargin * kGoal) choose(level - 1);
+  if (mean_ * growth < kFinerMargin * kGoal) choose(level - 1);
 }
 
 }  // namespace gs::app

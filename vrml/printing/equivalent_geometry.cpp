@@ -9,33 +9,33 @@
 namespace gs::vrml {
 namespace {
 
-const FieldValue* value_of(const SceneGraph& scene, NodeId node, std::string_view field) {
+const FieldValue* given_value(const SceneGraph& scene, NodeId node, std::string_view field) {
   const InterfaceDeclaration* const declaration = scene.node(node).type->find_field(field);
   return declaration ? &scene.node(node).values[declaration->slot] : nullptr;
 }
 
 template <class T>
 T value_or(const SceneGraph& scene, NodeId node, std::string_view field, T otherwise) {
-  const FieldValue* const value = value_of(scene, node, field);
+  const FieldValue* const value = given_value(scene, node, field);
   const T* const found = value ? std::get_if<T>(value) : nullptr;
   return found ? *found : otherwise;
 }
 
 // Copies a field that both types have.
 void copy(const SceneGraph& scene, NodeId node, std::string_view field, MadeNode& made) {
-  if (const FieldValue* const value = value_of(scene, node, field)) made.set(field, *value);
+  if (const FieldValue* const value = given_value(scene, node, field)) made.set(field, *value);
 }
 
 // Returns the number of points of a Coordinate or CoordinateDouble.
 std::size_t point_count(const SceneGraph& scene, NodeId geometry) {
   const NodeId coordinate = scene.resolve(value_or<SFNode>(scene, geometry, "coord", {}));
-  const FieldValue* const points = scene.contains(coordinate) ? value_of(scene, coordinate, "point") : nullptr;
+  const FieldValue* const points = scene.contains(coordinate) ? given_value(scene, coordinate, "point") : nullptr;
   return points ? element_count(*points) : 0;
 }
 
 // Returns the index of a set of triangles, or the numbers of its points in order.
 MFInt32 vertices_of(const SceneGraph& scene, NodeId geometry) {
-  if (const FieldValue* const index = value_of(scene, geometry, "index")) return std::get<MFInt32>(*index);
+  if (const FieldValue* const index = given_value(scene, geometry, "index")) return std::get<MFInt32>(*index);
   MFInt32 vertices;
   const std::size_t count = point_count(scene, geometry);
   for (std::size_t i = 0; i < count; ++i) vertices.push_back(static_cast<std::int32_t>(i));
@@ -46,7 +46,7 @@ MFInt32 vertices_of(const SceneGraph& scene, NodeId geometry) {
 std::vector<std::vector<std::int32_t>> runs_of(const SceneGraph& scene, NodeId geometry, std::string_view counts) {
   std::vector<std::vector<std::int32_t>> runs;
   const MFInt32 vertices = vertices_of(scene, geometry);
-  const FieldValue* const lengths = value_of(scene, geometry, counts);
+  const FieldValue* const lengths = given_value(scene, geometry, counts);
   if (!lengths) {
     runs.emplace_back();
     for (const std::int32_t vertex : vertices) {

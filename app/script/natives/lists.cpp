@@ -28,7 +28,7 @@ namespace {
 using vrml::FieldType;
 using vrml::FieldValue;
 
-constexpr std::size_t kParentSlot = 0, kPlaceSlot = 1;
+constexpr std::size_t kListParentSlot = 0, kListPlaceSlot = 1;
 constexpr std::uint32_t kMaxElements = 1U << 26, kMaxNodes = 1U << 20;
 constexpr std::size_t kMaxPrinted = std::size_t{1} << 20;  // max elements of a list that is converted to text
 
@@ -198,7 +198,7 @@ class ListHandler final : public LiveProxyHandler {
       return true;
     }
     keep(box);
-    const JS::Value& parent = js::GetProxyReservedSlot(proxy, kParentSlot);
+    const JS::Value& parent = js::GetProxyReservedSlot(proxy, kListParentSlot);
     if (!parent.isObject() || std::exchange(box.changed, true)) return true;
     return world_of(context).calls().changed().add(context, proxy);
   }
@@ -280,7 +280,7 @@ bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
   return true;
 }
 
-bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
+bool list_to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   ListBox* const box = args.thisv().isObject() ? list_of(&args.thisv().toObject()) : nullptr;
   if (!box) return fail(context, "called on a value that is not a list");
@@ -303,7 +303,7 @@ bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   return make_string(context, text, args.rval());
 }
 
-const JSFunctionSpec kMethods[] = {JS_FN("toString", to_text, 0, 0), JS_FS_END};
+const JSFunctionSpec kListMethods[] = {JS_FN("toString", list_to_text, 0, 0), JS_FS_END};
 
 template <int kIndex>
 bool define(JSContext* context, JS::HandleObject library, JS::HandleObject array_prototype,
@@ -312,7 +312,7 @@ bool define(JSContext* context, JS::HandleObject library, JS::HandleObject array
   JS::RootedObject prototype(context, JS_NewObjectWithGivenProto(context, nullptr, array_prototype));
   JSFunction* const function = JS_NewFunction(context, construct<kIndex>, 0, JSFUN_CONSTRUCTOR, name);
   JS::RootedObject constructor(context, function ? JS_GetFunctionObject(function) : nullptr);
-  if (!prototype || !constructor || !JS_DefineFunctions(context, prototype, kMethods)) return false;
+  if (!prototype || !constructor || !JS_DefineFunctions(context, prototype, kListMethods)) return false;
   if (!JS_LinkConstructorAndPrototype(context, constructor, prototype)) return false;
   prototypes[static_cast<std::size_t>(type_at(kIndex))] = prototype;
   return JS_DefineProperty(context, library, name, constructor, 0);
@@ -356,8 +356,8 @@ JSObject* make_list(JSContext* context, ListBox box, Source source) {
   JSObject* const made = js::NewProxyObject(context, &kListHandler, place, library.prototype(type));
   if (!made) return nullptr;
   ListBox& kept = *own.release();
-  js::SetProxyReservedSlot(made, kParentSlot, parent ? JS::ObjectValue(*parent) : JS::UndefinedValue());
-  js::SetProxyReservedSlot(made, kPlaceSlot, JS::Int32Value(static_cast<std::int32_t>(source.place)));
+  js::SetProxyReservedSlot(made, kListParentSlot, parent ? JS::ObjectValue(*parent) : JS::UndefinedValue());
+  js::SetProxyReservedSlot(made, kListPlaceSlot, JS::Int32Value(static_cast<std::int32_t>(source.place)));
   keep(kept);
   if (!kept.program) count(kept, static_cast<std::ptrdiff_t>(bytes_of(kept.value)));
   return made;
@@ -406,12 +406,12 @@ void forget_program_of_list(ListBox& box) {
 bool flush_list(JSContext* context, JS::HandleObject list) {
   ListBox& box = *list_of(list);
   if (!std::exchange(box.changed, false)) return true;
-  const JS::Value parent = js::GetProxyReservedSlot(list, kParentSlot);
+  const JS::Value parent = js::GetProxyReservedSlot(list, kListParentSlot);
   if (!parent.isObject()) return true;
   JS::RootedObject source(context, &parent.toObject());
   JS::RootedValue value(context, JS::ObjectValue(*list));
-  return write_back(context, source, static_cast<std::uint32_t>(js::GetProxyReservedSlot(list, kPlaceSlot).toInt32()),
-                    value);
+  return write_back(context, source,
+                    static_cast<std::uint32_t>(js::GetProxyReservedSlot(list, kListPlaceSlot).toInt32()), value);
 }
 
 }  // namespace gs::app::script

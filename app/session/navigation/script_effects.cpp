@@ -29,11 +29,11 @@ std::optional<NavigationMode> mode_named(std::string_view name) {
 }
 
 /// Key of which the code of Windows differs from the code here.
-struct KeyRow {
+struct KeyCodeRow {
   Key key;
   int code;
 };
-constexpr KeyRow kKeyCodes[] = {
+constexpr KeyCodeRow kKeyCodes[] = {
     {Key::escape, 27}, {Key::enter, 13},   {Key::tab, 9},        {Key::left, 37}, {Key::right, 39}, {Key::up, 38},
     {Key::down, 40},   {Key::page_up, 33}, {Key::page_down, 34}, {Key::home, 36}, {Key::end, 35},   {Key::f1, 112},
     {Key::f2, 113},    {Key::f3, 114},     {Key::f4, 115},       {Key::f5, 116},  {Key::f6, 117},   {Key::f11, 122},
@@ -43,7 +43,7 @@ constexpr KeyRow kKeyCodes[] = {
 // Returns the key code of Windows; 0 if it is unknown.
 int code_of(const WindowEvent& event) {
   const auto* const row =
-      std::find_if(std::begin(kKeyCodes), std::end(kKeyCodes), [&](const KeyRow& one) { return one.key == event.key; });
+      std::find_if(std::begin(kKeyCodes), std::end(kKeyCodes), [&](const KeyCodeRow& one) { return one.key == event.key; });
   if (row != std::end(kKeyCodes)) return row->code;
   constexpr int kAscii = 128;
   const int code = event.key == Key::unknown ? event.code : static_cast<int>(event.key);

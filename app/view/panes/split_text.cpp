@@ -11,7 +11,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::string_view kSigns = "|/+";  // by SplitAxis
-constexpr std::size_t kMaxDepth = kMaxViewports;
+constexpr std::size_t kMaxSplitDepth = kMaxViewports;
 constexpr double kMinWeight = 1e-3, kMaxWeight = 1e3;
 
 std::string weight_text(double weight) {
@@ -74,7 +74,7 @@ struct SplitReader {
     return weight(part);
   }
   bool parts(SplitPart& part, std::size_t depth) {
-    if (depth > kMaxDepth) return fail("too many nested brackets");
+    if (depth > kMaxSplitDepth) return fail("too many nested brackets");
     std::vector<SplitPart> all(1);
     if (!one(all.back(), depth)) return false;
     const char sign = next();

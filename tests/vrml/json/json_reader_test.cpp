@@ -14,23 +14,25 @@ using gs::vrml::test::ReadWorld;
 
 namespace {
 
-std::string in_scene(const std::string& nodes) {
+std::string json_in_scene(const std::string& nodes) {
   return R"({"X3D":{"encoding":"UTF-8","@profile":"Immersive","@version":"3.3","JSON schema":"x",
 "head":{"#comment":"none"},"Scene":{"-children":[)" +
          nodes + "]}}}";
 }
 
 // Requires that JSON and classic encoding give one world, without messages.
-void check_equal(const std::string& nodes, const std::string& classic) {
-  const ReadWorld world(Grammar::x3d_json, in_scene(nodes));
+void json_check_equal(const std::string& nodes, const std::string& classic) {
+  const ReadWorld world(Grammar::x3d_json, json_in_scene(nodes));
   CHECK(world.messages() == "");
   CHECK(world.outcome == ParseOutcome::complete);
   CHECK(world.text() == printed_classic(classic));
 }
 
-std::string messages_of(const std::string& nodes) { return ReadWorld(Grammar::x3d_json, in_scene(nodes)).messages(); }
+std::string json_messages_of(const std::string& nodes) {
+  return ReadWorld(Grammar::x3d_json, json_in_scene(nodes)).messages();
+}
 
-const std::string kManyConstructs = in_scene(R"(
+const std::string kManyMembers = json_in_scene(R"(
 {"WorldInfo":{"@title":"caf\u00e9 \ud83d\ude00","@info":["one","two \"q\"\n"]}}, {"#comment":"no {node}"},
 {"Transform":{"@DEF":"T","@translation":[1,2.5e0,-3],"-children":[{"Shape":{"-geometry":{"Box":{"@size":[1,1,2]}}}}]}},
 {"Shape":{"-geometry":{"IndexedFaceSet":{"@coordIndex":[0,1,2,-1],"@solid":false,
@@ -50,21 +52,22 @@ const std::string kManyConstructs = in_scene(R"(
 }  // namespace
 
 TEST_CASE("reads nodes and fields of X3D in JSON") {
-  check_equal(R"({"Transform":{"@DEF":"T","@translation":[1,2,3],"-children":[{"Shape":{"@DEF":"S","-geometry":
+  json_check_equal(
+      R"({"Transform":{"@DEF":"T","@translation":[1,2,3],"-children":[{"Shape":{"@DEF":"S","-geometry":
     {"Box":{"@size":[1,1,2]}}}},{"Shape":{"@USE":"S"}}]}})",
-              "DEF T Transform { translation 1 2 3 children [ DEF S Shape { geometry Box { size 1 1 2 } } USE S ] }");
-  check_equal(
+      "DEF T Transform { translation 1 2 3 children [ DEF S Shape { geometry Box { size 1 1 2 } } USE S ] }");
+  json_check_equal(
       R"({"Switch":{"@whichChoice":1,"-children":[{"Group":{}},{"Group":{}}]}},{"NavigationInfo":{"@type":["FLY","ANY"],"@headlight":false}})",
       R"(Switch { whichChoice 1 choice [ Group {} Group {} ] } NavigationInfo { type [ "FLY" "ANY" ] headlight FALSE })");
-  check_equal(
+  json_check_equal(
       R"({"Shape":{"-appearance":{"Appearance":{"-texture":{"PixelTexture":{"@image":[2,1,3,16711680,4294967295]}}}}}})",
       "Shape { appearance Appearance { texture PixelTexture { image 2 1 3 0xff0000 0xffffff } } }");
-  check_equal(R"({"Viewpoint":{"@description":"a \"b\" \\ \/ \u0041","@position":[0,0,5]}})",
-              "Viewpoint { description \"a \\\"b\\\" \\\\ / A\" position 0 0 5 }");
+  json_check_equal(R"({"Viewpoint":{"@description":"a \"b\" \\ \/ \u0041","@position":[0,0,5]}})",
+                   "Viewpoint { description \"a \\\"b\\\" \\\\ / A\" position 0 0 5 }");
 }
 
 TEST_CASE("reads PROTO, Scripts and ROUTEs of X3D in JSON") {
-  const ReadWorld world(Grammar::x3d_json, kManyConstructs);
+  const ReadWorld world(Grammar::x3d_json, kManyMembers);
   CHECK(world.messages().empty());
   const std::string text = world.text();
   CHECK(text.find("diffuseColor IS c") != std::string::npos);
@@ -75,28 +78,28 @@ TEST_CASE("reads PROTO, Scripts and ROUTEs of X3D in JSON") {
   CHECK(text.find("point [ 0 0 0, 1 0 0, 1 1 0 ]") != std::string::npos);
 }
 
-TEST_CASE("reads JSON in pieces of any size") { test::check_pieces(Grammar::x3d_json, kManyConstructs); }
+TEST_CASE("reads JSON in pieces of any size") { test::check_pieces(Grammar::x3d_json, kManyMembers); }
 
 TEST_CASE("reads members of JSON in any order") {
-  check_equal(
+  json_check_equal(
       R"({"Transform":{"-children":[{"Group":{}}],"@translation":[1,2,3],"@DEF":"T"}},{"Transform":{"@USE":"T"}})",
       "DEF T Transform { translation 1 2 3 children Group {} } USE T");
-  check_equal(R"({"ProtoDeclare":{
+  json_check_equal(R"({"ProtoDeclare":{
       "ProtoBody":{"-children":[{"Transform":{"IS":{"connect":[{"@protoField":"t","@nodeField":"translation"}]}}}]},
       "ProtoInterface":{"field":[{"@value":[1,2,3],"@type":"SFVec3f","@name":"t","@accessType":"inputOutput"}]},
       "@name":"P"}},
     {"ProtoInstance":{"fieldValue":[{"@value":[4,5,6],"@name":"t"}],"@name":"P"}})",
-              "PROTO P [ exposedField SFVec3f t 1 2 3 ] { Transform { translation IS t } } P { t 4 5 6 }");
+                   "PROTO P [ exposedField SFVec3f t 1 2 3 ] { Transform { translation IS t } } P { t 4 5 6 }");
 }
 
 TEST_CASE("tolerates habits of X3D in JSON") {
-  check_equal(R"({"Transform":{"@translation":"1 2 3","@scale":[["2",2],[2]],}})",
-              "Transform { translation 1 2 3 scale 2 2 2 }");
-  check_equal(R"({"Shape":{"-geometry":null,"@bboxSize":null,"unknown":1}})", "Shape {}");
-  check_equal(R"({"Inline":{"@url":"a.wrl"}})", "Inline { url \"a.wrl\" }");
-  CHECK(messages_of(R"({"Transform":{"@translation":[1,2]}})") ==
+  json_check_equal(R"({"Transform":{"@translation":"1 2 3","@scale":[["2",2],[2]],}})",
+                   "Transform { translation 1 2 3 scale 2 2 2 }");
+  json_check_equal(R"({"Shape":{"-geometry":null,"@bboxSize":null,"unknown":1}})", "Shape {}");
+  json_check_equal(R"({"Inline":{"@url":"a.wrl"}})", "Inline { url \"a.wrl\" }");
+  CHECK(json_messages_of(R"({"Transform":{"@translation":[1,2]}})") ==
         "2:79: error translation has 2 numbers; expected 3\n");
-  CHECK(messages_of(R"({"Transform":{"@translation":[1,x,2]}})") ==
+  CHECK(json_messages_of(R"({"Transform":{"@translation":[1,x,2]}})") ==
         "2:82: error expected a number for translation, found 'x'; 0 is used\n");
 }
 
