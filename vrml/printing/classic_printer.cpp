@@ -128,7 +128,7 @@ void ClassicPrinter::put_node(const WrittenNode& node, std::string_view field) {
 // Reports whether a node is written in one line: it has one short value, or few of them beside a USE.
 bool ClassicPrinter::fits_line(const WrittenNode& node) {
   constexpr std::size_t kMaxFields = 3;
-  const auto is_use = [this](const WrittenField& field) { return has_one_use(field); };
+  const auto is_use = [this](const WrittenField& field) { return scope().has_one_use(field); };
   const bool any_use = std::any_of(node.fields.begin(), node.fields.end(), is_use);
   return !node.fields.empty() && node.fields.size() <= (any_use ? kMaxFields : 1) &&
          std::all_of(node.fields.begin(), node.fields.end(),
@@ -138,18 +138,18 @@ bool ClassicPrinter::fits_line(const WrittenNode& node) {
 void ClassicPrinter::put_field(const WrittenField& field) {
   if (!field.has_nodes()) return append_value<Notation::classic>(output(), *field.value, levels());
   if (field.made || std::holds_alternative<SFNode>(*field.value)) {
-    if (field.made || has_children(field))
+    if (field.made || scope().has_children(field))
       put_children(field, field.name, [] {});
     else
       put_null();
     return;
   }
-  if (!has_children(field)) {
+  if (!scope().has_children(field)) {
     out() += "[]";
     return;
   }
   // A list of one node needs no brackets (VRML97 Annex A.3).
-  if (has_one_child(field)) return put_children(field, field.name, [] {});
+  if (scope().has_one_child(field)) return put_children(field, field.name, [] {});
   out() += '[';
   add_levels(1);
   put_children(field, field.name, [&] {

@@ -187,7 +187,7 @@ void JsonPrinter::put_node(const WrittenNode& node, std::string_view field) {
 // Writes nodes as a member "-key": an array, or one object.
 void JsonPrinter::put_nodes(const WrittenField& field, std::string_view key, bool is_list) {
   if (!is_list) {
-    if (!has_children(field)) return;
+    if (!scope().has_children(field)) return;
     put_key("-", key);
     put_children(field, field.name, [] {});
     empty_ = false;
@@ -195,7 +195,7 @@ void JsonPrinter::put_nodes(const WrittenField& field, std::string_view key, boo
   }
   put_key("-", key);
   open('[');
-  if (has_children(field)) put_children(field, field.name, [&] { put_comma(); });
+  if (scope().has_children(field)) put_children(field, field.name, [&] { put_comma(); });
   close(']');
 }
 

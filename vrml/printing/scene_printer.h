@@ -5,14 +5,12 @@
 #include "vrml/printing/text_head.h"
 #include "vrml/printing/text_output.h"
 #include "vrml/printing/written_node.h"
+#include "vrml/printing/written_scope.h"
 #include "vrml/scene/scene_graph.h"
 
-#include <cstdint>
-#include <optional>
+#include <cstddef>
 #include <string>
 #include <string_view>
-#include <unordered_map>
-#include <unordered_set>
 #include <variant>
 #include <vector>
 
@@ -30,10 +28,6 @@ class ScenePrinter : NonCopyable {
   void print(const TextHead& head);
 
  protected:
-  /// ROUTE, with names.
-  struct NamedRoute {
-    std::string_view from, event_out, to, event_in;
-  };
   /// IMPORT inline_name.exported AS local (X3D 4.4.6.2), and EXPORT local AS exported, which has no Inline.
   struct SharedName {
     std::string_view inline_name, exported, local;
@@ -57,6 +51,8 @@ class ScenePrinter : NonCopyable {
   [[nodiscard]] std::string& out() { return output_.text; }
   [[nodiscard]] TextOutput& output() { return output_; }
   [[nodiscard]] NodeTranslator& translator() { return translator_; }
+  /// Returns the scope of the present statement.
+  [[nodiscard]] const WrittenScope& scope() const { return *scope_; }
   [[nodiscard]] std::size_t levels() const { return levels_; }
   void add_levels(std::size_t count) { levels_ += count; }
   void remove_levels(std::size_t count) { levels_ -= count; }
@@ -67,12 +63,6 @@ class ScenePrinter : NonCopyable {
   /// Calls `put` before each node of a field that the text contains, and writes the node.
   template <class Put>
   void put_children(const WrittenField& field, std::string_view name, const Put& put);
-  /// Reports whether a field has a node that the text contains.
-  [[nodiscard]] bool has_children(const WrittenField& field);
-  /// Reports whether the text contains exactly one node of a list.
-  [[nodiscard]] bool has_one_child(const WrittenField& field);
-  /// Reports whether a field has exactly one node, and its text is a USE.
-  [[nodiscard]] bool has_one_use(const WrittenField& field);
   /// Returns the default value of a declaration of a PROTO. `moved` stores the value if it differs.
   [[nodiscard]] WrittenField default_value(const NodeType& type, const InterfaceDeclaration& declaration,
                                            FieldValue& moved);
@@ -80,32 +70,17 @@ class ScenePrinter : NonCopyable {
   void put_body(const NodeType& type);
 
  private:
-  /// Name scope (VRML97 4.4.3): the file, or the body of a PROTO.
-  struct Scope {
-    const SceneGraph& scene;
-    std::unordered_set<std::uint32_t> seen = {}, printed = {}, needs_name = {};
-    std::unordered_map<std::uint32_t, std::string> names = {};
-    std::unordered_set<std::string> used = {};
-    std::unordered_map<std::string, std::size_t> suffixes = {};
-    std::unordered_map<std::uint32_t, IsMappings> mappings = {};
-    std::vector<Route> waiting_routes = {};  // ROUTEs of nodes that are not written yet
-    bool is_empty = true;                    // no statement was written yet
-  };
-
   void put_scope(const SceneGraph& scene, const std::vector<Statement>& statements, const NodeType* prototype);
   void put_statement(const Statement& statement);
   void put_statement(const Route& route, bool last);
-  [[nodiscard]] bool is_printed(NodeId id) const;
-  void count(NodeId root);
-  void begin_shared_names();
   void put_shared_names();
-  [[nodiscard]] const std::string& name_of_node(NodeId id);
-  [[nodiscard]] std::optional<NamedRoute> named(const Route& route);
 
   const SceneGraph& scene_;
   NodeTranslator& translator_;
   TextOutput& output_;
-  Scope* scope_ = nullptr;
+  WrittenScope* scope_ = nullptr;
+  bool is_empty_ = true;               // no statement of the scope was written yet
+  std::vector<Route> waiting_routes_;  // ROUTEs of the scope with nodes that are not written yet
   std::size_t levels_ = 0;
   int depth_ = 0;
 };
@@ -118,8 +93,8 @@ void ScenePrinter::put_children(const WrittenField& field, std::string_view name
     return;
   }
   const auto put_one = [&](NodeId id) {
-    if (scope_->scene.contains(id) && !translator_.is_written(scope_->scene, id))
-      return translator_.add_left_out(*scope_->scene.node(id).type);
+    if (scope_->scene().contains(id) && !translator_.is_written(scope_->scene(), id))
+      return translator_.add_left_out(*scope_->scene().node(id).type);
     put();
     put_child(id, name);
   };
@@ -127,7 +102,7 @@ void ScenePrinter::put_children(const WrittenField& field, std::string_view name
     put_one(*one);
   } else {
     for (const NodeId id : std::get<MFNode>(*field.value))
-      if (scope_->scene.contains(id)) put_one(id);
+      if (scope_->scene().contains(id)) put_one(id);
   }
 }
 

@@ -190,7 +190,7 @@ void XmlPrinter::put_declaration(std::string_view element, const WrittenField& f
   }
   put_attribute("name", field.name);
   if (field.is_plain()) put_value("value", *field.value);
-  if (!field.is.empty() || !field.has_nodes() || !has_children(field)) {
+  if (!field.is.empty() || !field.has_nodes() || !scope().has_children(field)) {
     out() += "/>";
     return;
   }
