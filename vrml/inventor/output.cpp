@@ -181,7 +181,7 @@ bool Output::add_script(const std::string& name, const std::string& code, std::i
     declaration.access = event.access;
     declaration.type = event.type;
     declaration.name = event.name;
-    sink_.declare(*script.own_type, script.id, std::move(declaration));
+    sink_.prototypes().declare(*script.own_type, script.id, std::move(declaration));
   }
   if (sink_.limits().admits_string(code.size(), location)) set(script.id, "url", MFString{String(code)});
   sink_.end_node(script.id);

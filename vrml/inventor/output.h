@@ -46,7 +46,7 @@ class Output : NonCopyable {
   /// Adds a Script with this program. Returns false if a limit is reached.
   bool add_script(const std::string& name, const std::string& code, std::initializer_list<Event> events,
                   NodeTarget target, SourceLocation location);
-  void route(const RouteNames& names) { sink_.add_route(names); }
+  void route(const RouteNames& names) { sink_.routes().add(names); }
 
   /// Opens a group. It becomes a node with its first child, or at once with open_group_in().
   void open_group(std::string_view name, SourceLocation location);

@@ -1,9 +1,46 @@
 #include "vrml/syntax/parsed_text.h"
 
+#include <algorithm>
+#include <cctype>
 #include <string>
 #include <utility>
 
 namespace gs::vrml {
+namespace {
+
+constexpr std::size_t kHeaderWindow = 1024;
+
+bool starts_with_ignoring_case(std::string_view text, std::string_view prefix) {
+  return text.size() >= prefix.size() && std::equal(prefix.begin(), prefix.end(), text.begin(), [](char a, char b) {
+           return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+         });
+}
+
+// Reports whether text looks like binary data. If `nul_tells`, a single NUL byte suffices, because no header identifies
+// the text.
+bool looks_binary(std::string_view text, bool nul_tells) {
+  std::size_t odd = 0;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte == 0 && nul_tells) return true;
+    if (byte < 0x20 && c != '\t' && c != '\n' && c != '\r' && c != '\f' && c != '\v') ++odd;
+  }
+  return odd * 20 > text.size();
+}
+
+// Returns a header line in lower case, with single blanks.
+std::string normalised(std::string_view line) {
+  std::string out;
+  for (const char c : line) {
+    const bool is_blank = c == ' ' || c == '\t';
+    if (is_blank && (out.empty() || out.back() == ' ')) continue;
+    out += is_blank ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  while (!out.empty() && out.back() == ' ') out.pop_back();
+  return out;
+}
+
+}  // namespace
 
 std::string describe(const Token& token) {
   switch (token.kind) {
@@ -101,13 +138,13 @@ void ParsedText::end_node() {
 void ParsedText::finish_pending() {
   Frame& frame = frames.back();
   if (!frame.pending) return;
-  sink.declare(*frame.declaring, frame.node.id, std::move(*frame.pending));
+  sink.prototypes().declare(*frame.declaring, frame.node.id, std::move(*frame.pending));
   frame.pending.reset();
 }
 
 void ParsedText::end_body() {
   frames.pop_back();
-  sink.end_body();
+  sink.prototypes().end_body();
 }
 
 void ParsedText::begin_x3d(int version, SourceLocation location) {
@@ -163,7 +200,7 @@ ParseOutcome ParsedText::close() {
         end_node();
         continue;
       }
-      if (frame.kind == Frame::Kind::prototype_interface) sink.end_interface();
+      if (frame.kind == Frame::Kind::prototype_interface) sink.prototypes().end_interface();
       if (frame.kind == Frame::Kind::prototype_body) {
         end_body();
         continue;
@@ -176,6 +213,86 @@ ParseOutcome ParsedText::close() {
     refuse("the file has no content; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
   if (outcome != ParseOutcome::refused && end_reported) outcome = ParseOutcome::truncated;
   return outcome;
+}
+
+// ---- First line of a file, which identifies its format
+
+// Reads `#X3D Vn.n utf8`, which other words may follow (ISO/IEC 19776-2 4.2.1).
+Step ParsedText::read_x3d_header(std::string_view line, std::string_view text) {
+  const SourceLocation top{1, 1};
+  if (looks_binary(text, false)) {
+    refuse("content after the X3D header is binary; expected UTF-8 text");
+    return Step::finished;
+  }
+  const auto is_digit = [&](std::size_t at) { return at < line.size() && line[at] >= '0' && line[at] <= '9'; };
+  const bool exact = line.starts_with("#X3D V") && is_digit(6) && line.substr(7, 1) == "." && is_digit(8) &&
+                     line.substr(9, 5) == " utf8" && (line.size() == 14 || line[14] == ' ' || line[14] == '\t');
+  constexpr int kLikely = 33;
+  int version = kLikely;
+  for (std::size_t i = 4; i + 2 < line.size(); ++i)
+    if (is_digit(i) && line[i + 1] == '.' && is_digit(i + 2)) {
+      version = (line[i] - '0') * 10 + (line[i + 2] - '0');
+      break;
+    }
+  if (!exact)
+    problems.warn(top, "expected '#X3D V3.3 utf8' or another version, found " + describe({TokenKind::word, line, top}) +
+                           "; read as X3D");
+  begin_x3d(version, top);
+  return Step::done;
+}
+
+Step ParsedText::read_header() {
+  const char* begin = lexer.unread();
+  const char* end = lexer.window_end();
+  if (end - begin >= 3 && std::string_view(begin, 3) == "\xef\xbb\xbf") begin += 3;
+  const std::string_view text(begin, std::min<std::size_t>(static_cast<std::size_t>(end - begin), kHeaderWindow));
+  // Waits until kHeaderWindow bytes are available, so that the result does not depend on the sizes of the pieces.
+  if (text.size() < kHeaderWindow && !lexer.is_last_window()) return Step::need_more;
+  header_read = true;
+  if (text.empty()) {
+    refuse("the file is empty; expected VRML97 text, '#VRML V2.0 utf8' on its first line");
+    return Step::finished;
+  }
+  lexer.advance(begin, 0, nullptr);
+  const std::string_view line = text.substr(0, text.find_first_of("\r\n"));
+  const std::string header = normalised(line);
+  const SourceLocation top{1, 1};
+  if (starts_with_ignoring_case(header, "#vrml v2.0 utf8")) {
+    if (looks_binary(text, false)) {
+      refuse("content after the VRML97 header is binary; expected UTF-8 text");
+      return Step::finished;
+    }
+    if (line.substr(0, 15) != "#VRML V2.0 utf8") problems.warn(top, "the header differs from '#VRML V2.0 utf8'");
+    return Step::done;
+  }
+  if (starts_with_ignoring_case(header, "#x3d")) return read_x3d_header(line, text);
+  if (starts_with_ignoring_case(header, "<")) {
+    refuse("the file is XML or HTML; expected VRML97 ('#VRML V2.0 utf8') or X3D", top);
+  } else if (looks_binary(text, true)) {
+    refuse("the file is binary; expected text that begins with '#VRML V2.0 utf8'");
+  } else if (starts_with_ignoring_case(header, "#vrml")) {
+    problems.warn(top,
+                  "expected '#VRML V2.0 utf8', found " + describe({TokenKind::word, line, top}) + "; read as VRML97");
+  } else {
+    headerless = true;
+    constexpr int kLikely = 33;
+    if (headerless_language == Language::x3d) begin_x3d(kLikely, top);
+  }
+  return outcome == ParseOutcome::refused ? Step::finished : Step::done;
+}
+
+void ParsedText::read_fragment_header(std::string_view text) {
+  header_read = true;
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\n' || text.front() == '\r' || text.front() == '\t'))
+    text.remove_prefix(1);
+  if (starts_with_ignoring_case(text, "#vrml")) {
+    constexpr int kVrml97 = 20;
+    written.set_language(Language::vrml97, kVrml97);
+  } else if (starts_with_ignoring_case(text, "#x3d")) {
+    (void)read_x3d_header(text.substr(0, text.find_first_of("\r\n")), {});
+  } else if (language() == Language::x3d) {
+    lexer.allow_block_comments();
+  }
 }
 
 }  // namespace gs::vrml

@@ -260,20 +260,18 @@ void SceneSink::place(NodeId node, NodeTarget target) {
       *std::get_if<SFNode>(target.value) = node;
     }
   } else if (scopes_.back().prototype) {
-    statement_list().push_back({Statement::Kind::node, node, nullptr, {}});
+    scopes_.back().statements(text_).push_back({Statement::Kind::node, node, nullptr, {}});
   } else {
     text_.add_root(node);
   }
 }
 
-// Returns the factor for the values of a field.
-double SceneSink::unit_of(const NodeType& type, const InterfaceDeclaration& field) const {
-  const auto known = measures_.find(&field);
-  return units_.of(known == measures_.end() ? measure_of(type, field) : known->second);
+double SceneSink::Measures::unit_of(const NodeType& type, const InterfaceDeclaration& field) const {
+  const auto known = of_fields.find(&field);
+  return units.of(known == of_fields.end() ? measure_of(type, field) : known->second);
 }
 
-// Converts the lists that the text gives to a node.
-void SceneSink::convert_lists(Node& node) {
+void SceneSink::Measures::convert_lists(Node& node) const {
   for (const InterfaceDeclaration& field : node.type->interfaces) {
     const bool given = field.slot >= 0 && field.slot < 64 && (node.fields_set >> field.slot & 1) != 0;
     if (const double unit = given && is_multiple(field.type) ? unit_of(*node.type, field) : 1; unit != 1)
@@ -283,7 +281,7 @@ void SceneSink::convert_lists(Node& node) {
 
 void SceneSink::end_node(NodeId id) {
   --scopes_.back().open_nodes;
-  if (!units_.are_standard()) convert_lists(scene_.node(id));
+  if (!measures_.units.are_standard()) measures_.convert_lists(scene_.node(id));
   check_measures(scene_.node(id), said_measures_, problems_);
   const NodeType& type = *scene_.node(id).type;
   if (!type.prototype) return;
@@ -348,7 +346,7 @@ const InterfaceDeclaration* SceneSink::add_script_field(OpenNode& node, SourceNa
   const NodeType* const x3d = built_in_node_type(Language::x3d, node.type->name);
   const InterfaceDeclaration* const field = x3d ? x3d->find_field(name.text) : nullptr;
   if (!field || !node.own_type) return nullptr;
-  declare(*node.own_type, node.id, *field);
+  prototypes_.declare(*node.own_type, node.id, *field);
   if (said_extensions_.insert(x3d->name + '.' + std::string(name.text)).second)
     problems_.warn(name.location, quoted(name.text) + " of " + x3d->name + " is of X3D, not of VRML97; read as in X3D");
   return node.own_type->find_field(name.text);
@@ -385,8 +383,18 @@ void SceneSink::field_given(OpenNode& node, const InterfaceDeclaration& field, S
   Node& given = scene_.node(node.id);
   given.fields_set |= bit;
   // Lists may get more values, and are converted at the end of the node.
-  if (units_.are_standard() || is_multiple(field.type)) return;
-  if (const double unit = unit_of(*node.type, field); unit != 1) scale_measures(given.values[field.slot], unit);
+  if (measures_.units.are_standard() || is_multiple(field.type)) return;
+  if (const double unit = measures_.unit_of(*node.type, field); unit != 1)
+    scale_measures(given.values[field.slot], unit);
+}
+
+std::vector<Statement>& SceneSink::Scope::statements(SourceText& text) {
+  return prototype ? prototype->prototype->statements : text.statements();
+}
+
+void SceneSink::finish() {
+  x3d_.resolve_names();
+  routes_.finish();
 }
 
 }  // namespace gs::vrml

@@ -4,6 +4,8 @@
 #include "vrml/scene/coordinates/units.h"
 #include "vrml/scene/scene_graph.h"
 #include "vrml/syntax/problems/text_limits.h"
+#include "vrml/syntax/prototype_sink.h"
+#include "vrml/syntax/route_sink.h"
 #include "vrml/syntax/tokens/name_table.h"
 #include "vrml/syntax/tokens/recent_types.h"
 #include "vrml/syntax/x3d_statement_sink.h"
@@ -45,12 +47,6 @@ struct OpenNode {
   std::uint64_t fields_given = 0;  // one bit per slot below 64 with a value in the text
 };
 
-/// ROUTE from.event_out TO to.event_in, with names instead of nodes.
-struct RouteNames {
-  std::string from, event_out, to, event_in;
-  SourceLocation location;
-};
-
 /// Builder of a scene for the grammars of all encodings: nodes, DEF and USE, fields, PROTO, EXTERNPROTO, IS and ROUTE.
 ///
 /// A grammar reads text and values, and stores its stack of open constructs. The sink resolves names and types, checks
@@ -67,6 +63,10 @@ class SceneSink : NonCopyable {
   [[nodiscard]] TextLimits& limits() { return limits_; }
   /// Returns the part for PROFILE, COMPONENT, META, UNIT, IMPORT and EXPORT of X3D.
   [[nodiscard]] X3DStatementSink& statements() { return x3d_; }
+  /// Returns the part for PROTO, EXTERNPROTO, IS and the interfaces of Scripts.
+  [[nodiscard]] PrototypeSink& prototypes() { return prototypes_; }
+  /// Returns the part for ROUTEs.
+  [[nodiscard]] RouteSink& routes() { return routes_; }
 
   /// Returns the node type with this name in the current scope (VRML97 4.4.3, 4.8.4); null if there is none.
   [[nodiscard]] const NodeType* find_type(std::string_view name);
@@ -91,30 +91,13 @@ class SceneSink : NonCopyable {
   [[nodiscard]] NodeTarget target_of(const OpenNode& node, const InterfaceDeclaration& field);
   /// Marks that the text gives a value to the field. Reports fields with several values.
   void field_given(OpenNode& node, const InterfaceDeclaration& field, SourceName name);
-  /// Connects a field or event of the node with IS to an interface of the PROTO (VRML97 4.8.2).
-  void connect(OpenNode& node, SourceName inner, SourceName outer);
-
-  /// Begins the interface of a PROTO or EXTERNPROTO. After end_interface(), the grammar must call begin_body() and
-  /// end_body() for a PROTO, or end_external() for an EXTERNPROTO. Only a broken declaration ends without them.
-  [[nodiscard]] NodeType& begin_prototype(SourceName name, bool external);
-  /// Reports whether a PROTO, EXTERNPROTO or Script may declare this interface. A second declaration of a name is not
-  /// allowed.
-  [[nodiscard]] bool may_declare(const NodeType& type, const InterfaceDeclaration& declaration,
-                                 SourceLocation location);
-  /// Adds a declaration to a PROTO or EXTERNPROTO, or to the type of the Script `script`.
-  void declare(NodeType& type, NodeId script, InterfaceDeclaration declaration);
-  void end_interface() { --open_interfaces_; }
-  void begin_body(NodeType& type);
-  void end_body();
-  void end_external(NodeType& type, MFString url);
-
-  /// Adds a ROUTE. If one of its nodes is not defined yet, the ROUTE waits until the end of the scope.
-  void add_route(const RouteNames& route);
   /// Adds the ROUTEs that wait for the end of the scope. The grammar calls it once, at the end of the text.
   void finish();
 
  private:
   friend class X3DStatementSink;
+  friend class PrototypeSink;
+  friend class RouteSink;
   /// Name scope (VRML97 4.4.3): the file, or the body of a PROTO.
   struct Scope {
     NameTable names;  // nodes by DEF name; null for a skipped node
@@ -124,6 +107,17 @@ class SceneSink : NonCopyable {
     std::size_t open_nodes = 0;
     std::size_t interfaces_around = 0;  // number of open interfaces at the start of the scope
     bool has_extended = false;          // extend() has changed the type of a node
+    /// Returns the statements of the scope; `text` is the text of the file.
+    [[nodiscard]] std::vector<Statement>& statements(SourceText& text);
+  };
+  /// Units of the text, and the measures of its fields.
+  struct Measures {
+    Units units;
+    std::unordered_map<const InterfaceDeclaration*, Measure> of_fields;  // PROTO fields that IS connects to measures
+    /// Returns the factor for the values of a field.
+    [[nodiscard]] double unit_of(const NodeType& type, const InterfaceDeclaration& field) const;
+    /// Converts the lists that the text gives to a node.
+    void convert_lists(Node& node) const;
   };
 
   [[nodiscard]] bool in_prototype_body() const { return scopes_.back().prototype && open_interfaces_ == 0; }
@@ -131,35 +125,27 @@ class SceneSink : NonCopyable {
   [[nodiscard]] const NodeType* find_x3d_type(SourceName name);
   [[nodiscard]] bool is_lenient(const NodeType& type) const;
   void check_support(const NodeType& type, SourceLocation location);
-  [[nodiscard]] std::vector<Statement>& statement_list();
   void skip_unknown(const NodeHeader& header);
   [[nodiscard]] bool take_extension(const NodeType& type, SourceName name);
   [[nodiscard]] const NodeType* x3d_type_with(NodeId node, std::string_view interface) const;
   bool extend(NodeId node, SourceName interface);
   [[nodiscard]] const InterfaceDeclaration* add_script_field(OpenNode& node, SourceName name);
-  void renew_declarations();
-  [[nodiscard]] double unit_of(const NodeType& type, const InterfaceDeclaration& field) const;
-  void convert_lists(Node& node);
-  void convert_prototype(NodeType& type);
   void place(NodeId node, NodeTarget target);
   void place_checked(NodeId node, NodeTarget target, SourceLocation location);
   bool place_in_shape(NodeId node, NodeTarget target);
-  void add_type(NodeType& type);
-  [[nodiscard]] bool extends_nodes(const RouteNames& wanted, NodeId from, NodeId to) const;
-  void connect_route(const RouteNames& wanted, NodeId from, NodeId to);
-  void make_browser(SourceLocation location);
 
   SceneGraph& scene_;
   SourceText& text_;  // text that is read: the scene's file or a run-time text
   TextProblems problems_;
   TextLimits limits_;
   X3DStatementSink x3d_{*this};
+  PrototypeSink prototypes_{*this};
+  RouteSink routes_{*this};
   std::vector<Scope> scopes_;
-  RecentTypes recent_types_;                                           // of find_type() in the current scope
-  NodeId made_shape_;                                                  // last Shape that was made for misplaced nodes
-  std::unordered_map<const InterfaceDeclaration*, Measure> measures_;  // of PROTO fields that IS connects to measures
-  Units units_;                                                        // of the text
-  std::size_t routes_before_ = 0;                                      // ROUTEs of the scene before this text
+  RecentTypes recent_types_;  // of find_type() in the current scope
+  NodeId made_shape_;         // last Shape that was made for misplaced nodes
+  Measures measures_;
+  std::size_t routes_before_ = 0;                    // ROUTEs of the scene before this text
   std::size_t open_interfaces_ = 0;                  // open PROTO interfaces; their default nodes are live
   std::unordered_set<std::string_view> said_types_;  // types with a reported problem: declared twice, of X3D, ignored
   std::unordered_map<std::string_view, const NodeType*> stand_ins_;  // stand-ins for the types that the text uses

@@ -259,7 +259,7 @@ Step StatementParser::route_statement(SourceLocation location) {
     text_.problems.error(location, "expected ROUTE node.eventOut TO node.eventIn");
     return Step::done;
   }
-  text_.sink.add_route(route);
+  text_.sink.routes().add(route);
   return Step::done;
 }
 

@@ -123,7 +123,7 @@ Step StatementParser::is_mapping(const Token& name) {
     text_.unexpected(outer_name, "a name after IS");
     return Step::done;
   }
-  text_.sink.connect(text_.frames.back().node, name_in(name), name_in(outer_name));
+  text_.sink.prototypes().connect(text_.frames.back().node, name_in(name), name_in(outer_name));
   return Step::done;
 }
 
@@ -174,7 +174,7 @@ Step StatementParser::interface_declaration(AccessType access, NodeType& type, b
     const Step step = value(*field_type, pending->initial, pending->name, {});
     if (step == Step::need_more) return step;
   }
-  if (!text_.sink.may_declare(type, *pending, name.location)) {
+  if (!text_.sink.prototypes().may_declare(type, *pending, name.location)) {
     kept_values_.push_back(std::move(pending));  // keeps the value, because more of it may be received
     return is ? is_mapping(name) : Step::done;
   }

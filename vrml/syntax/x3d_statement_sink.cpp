@@ -89,9 +89,9 @@ void X3DStatementSink::set_unit(SourceName category, std::string_view name, doub
     return;
   }
   units.push_back({std::string(category.text), std::string(name), factor});
-  if (category.text == "angle") sink_.units_.angle = factor;
-  if (category.text == "mass") sink_.units_.mass = factor;
-  if (category.text == "force") sink_.units_.force = factor;
+  if (category.text == "angle") sink_.measures_.units.angle = factor;
+  if (category.text == "mass") sink_.measures_.units.mass = factor;
+  if (category.text == "force") sink_.measures_.units.force = factor;
 }
 
 void X3DStatementSink::import_node(SourceName inline_name, std::string_view exported, std::string_view local) {

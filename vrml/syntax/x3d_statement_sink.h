@@ -37,6 +37,7 @@ class X3DStatementSink : NonCopyable {
 
  private:
   friend class SceneSink;
+  friend class RouteSink;
   [[nodiscard]] X3DStatements& statements();
   [[nodiscard]] bool admit(std::size_t bytes);
   [[nodiscard]] bool is_imported(std::string_view name) const { return imported_names_.contains(std::string(name)); }

@@ -277,7 +277,7 @@ void ElementBuilder::end_node(Frame& frame) {
   if (frame.script) {
     add_text_url(frame);
     for (const Connection& one : frame.script->connections)
-      sink_.connect(frame.node, {one.inner, one.location}, {one.outer, one.location});
+      sink_.prototypes().connect(frame.node, {one.inner, one.location}, {one.outer, one.location});
   }
   sink_.end_node(frame.node.id);
 }
@@ -297,7 +297,7 @@ void ElementBuilder::end() {
     case ElementKind::external_prototype:
       return end_prototype(frame);
     case ElementKind::prototype_body:
-      return sink_.end_body();
+      return sink_.prototypes().end_body();
     default:
       return;
   }

@@ -30,8 +30,8 @@ void ElementBuilder::begin_statement(SourceName element, std::span<const Attribu
   X3DStatementSink& statements = sink_.statements();
   switch (frame.kind) {
     case ElementKind::route:
-      return sink_.add_route({std::string(value("fromNode")), std::string(value("fromField")),
-                              std::string(value("toNode")), std::string(value("toField")), element.location});
+      return sink_.routes().add({std::string(value("fromNode")), std::string(value("fromField")),
+                                 std::string(value("toNode")), std::string(value("toField")), element.location});
     case ElementKind::x3d: {
       double version = 0;
       if (parse_number(value("version"), version) && version >= 3 && version < 10)
@@ -77,7 +77,7 @@ void ElementBuilder::begin_prototype(SourceName element, std::span<const Attribu
                                       "the element " + quoted(element.text) + " has no name; skipped");
       }
       const bool external = frame.kind == ElementKind::external_prototype;
-      frame.declaring = &sink_.begin_prototype({name, element.location}, external);
+      frame.declaring = &sink_.prototypes().begin_prototype({name, element.location}, external);
       frame.interface_open = true;
       if (external) {
         frame.pending = std::make_unique<InterfaceDeclaration>();
@@ -93,9 +93,9 @@ void ElementBuilder::begin_prototype(SourceName element, std::span<const Attribu
     case ElementKind::prototype_body:
       if (!parent || parent->kind != ElementKind::prototype || !parent->interface_open)
         return skip_misplaced(element, frame);
-      sink_.end_interface();
+      sink_.prototypes().end_interface();
       parent->interface_open = false;
-      return sink_.begin_body(*parent->declaring);
+      return sink_.prototypes().begin_body(*parent->declaring);
     case ElementKind::field:
       return begin_field(element, attributes, frame);
     case ElementKind::field_value:
@@ -137,8 +137,8 @@ void ElementBuilder::begin_field(SourceName element, std::span<const Attribute> 
 }
 
 void ElementBuilder::end_field(Frame& frame) {
-  if (sink_.may_declare(*frame.declaring, *frame.pending, frame.location))
-    sink_.declare(*frame.declaring, frame.owner, std::move(*frame.pending));
+  if (sink_.prototypes().may_declare(*frame.declaring, *frame.pending, frame.location))
+    sink_.prototypes().declare(*frame.declaring, frame.owner, std::move(*frame.pending));
 }
 
 void ElementBuilder::begin_field_value(SourceName element, std::span<const Attribute> attributes, Frame& frame) {
@@ -169,16 +169,17 @@ void ElementBuilder::connect(SourceName element, std::span<const Attribute> attr
     node->script->connections.push_back({std::string(inner), std::string(outer), element.location});
     return;
   }
-  sink_.connect(node->node, {inner, element.location}, {outer, element.location});
+  sink_.prototypes().connect(node->node, {inner, element.location}, {outer, element.location});
 }
 
 void ElementBuilder::end_prototype(Frame& frame) {
-  if (frame.interface_open) sink_.end_interface();
+  if (frame.interface_open) sink_.prototypes().end_interface();
   if (frame.kind == ElementKind::external_prototype)
-    return sink_.end_external(*frame.declaring, std::move(*std::get_if<MFString>(&frame.pending->initial)));
+    return sink_.prototypes().end_external(*frame.declaring,
+                                           std::move(*std::get_if<MFString>(&frame.pending->initial)));
   if (!frame.interface_open) return;
-  sink_.begin_body(*frame.declaring);
-  sink_.end_body();
+  sink_.prototypes().begin_body(*frame.declaring);
+  sink_.prototypes().end_body();
 }
 
 }  // namespace gs::vrml::x3d

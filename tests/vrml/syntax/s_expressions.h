@@ -87,7 +87,7 @@ class SceneReader {
     if (head == "proto" || head == "externproto") return read_prototype(form.list, head == "externproto", depth);
     if (head != "route") return read_node(form, {}, depth);
     const auto name = [&](std::size_t i) { return std::string(form.list.at(i).atom.text); };
-    sink_.add_route({name(1), name(2), name(3), name(4), form.head().location});
+    sink_.routes().add({name(1), name(2), name(3), name(4), form.head().location});
   }
 
   void read_node(const Form& form, NodeTarget target, std::size_t depth) {
@@ -103,7 +103,7 @@ class SceneReader {
 
   void read_field(OpenNode& node, const Forms& forms, std::size_t depth) {
     const SourceName name = forms.at(0).atom;
-    if (name.text == "is") return sink_.connect(node, forms.at(1).atom, forms.at(2).atom);
+    if (name.text == "is") return sink_.prototypes().connect(node, forms.at(1).atom, forms.at(2).atom);
     if (node.own_type && access_named(name.text)) return read_declaration(*node.own_type, node.id, forms, depth);
     const InterfaceDeclaration* const field = sink_.find_field(node, name);
     if (!field) return;
@@ -112,17 +112,17 @@ class SceneReader {
   }
 
   void read_prototype(const Forms& forms, bool external, std::size_t depth) {
-    NodeType& type = sink_.begin_prototype(forms.at(1).atom, external);
+    NodeType& type = sink_.prototypes().begin_prototype(forms.at(1).atom, external);
     for (const Form& declaration : forms.at(2).list) read_declaration(type, {}, declaration.list, depth);
-    sink_.end_interface();
+    sink_.prototypes().end_interface();
     if (external) {
       FieldValue url = MFString{};
       read_value(FieldType::MFString, {&url, {}}, forms, 3, depth);
-      return sink_.end_external(type, std::get<MFString>(url));
+      return sink_.prototypes().end_external(type, std::get<MFString>(url));
     }
-    sink_.begin_body(type);
+    sink_.prototypes().begin_body(type);
     for (std::size_t i = 3; i < forms.size(); ++i) read_statement(forms[i], depth + 1);
-    sink_.end_body();
+    sink_.prototypes().end_body();
   }
 
   void read_declaration(NodeType& type, NodeId script, const Forms& forms, std::size_t depth) {
@@ -134,8 +134,8 @@ class SceneReader {
       declaration.initial = initial_value(declaration.type);
       read_value(declaration.type, {&declaration.initial, {}}, forms, 3, depth);
     }
-    if (sink_.may_declare(type, declaration, forms[2].atom.location))
-      sink_.declare(type, script, std::move(declaration));
+    if (sink_.prototypes().may_declare(type, declaration, forms[2].atom.location))
+      sink_.prototypes().declare(type, script, std::move(declaration));
   }
 
   void read_value(FieldType type, NodeTarget target, const Forms& forms, std::size_t first, std::size_t depth) {
