@@ -216,24 +216,27 @@ define("X3DScene", X3DScene);
 function route(from, out, to, into) {
   return new X3DRoute({sourceNode: from, sourceField: out, destinationNode: to, destinationField: into});
 }
-// Returns a context with a list of nodes, or of the text that has these `facts` of $x3d_context().
-function context(Class, facts, list) {
+// Returns a context with a list of nodes, or with the children of the Group `holder`, or of the text that has these
+// `facts` of $x3d_context().
+function context(Class, facts, list, holder) {
   const made = new Class();
-  hidden.set(made, {facts: facts, list: list, names: new Map(), imports: new Map(), exported: new Map(),
+  hidden.set(made, {facts: facts, list: list, holder: holder, names: new Map(), imports: new Map(), exported: new Map(),
     metas: new Map()});
   return Object.freeze(made);
 }
 function nodeOf(context) {
-  const list = hidden.get(context).list;
+  const data = hidden.get(context), list = data.holder ? data.holder.children : data.list;
   return list && list.length > 0 ? list[0] : null;
 }
 function rootsOf(context) {
   const data = hidden.get(context);
-  return data.list || $x3d_roots(null);
+  return data.holder ? data.holder.children : data.list || $x3d_roots(null);
 }
 function setRoots(context, nodes) {
   const data = hidden.get(context);
-  if (data.list) {
+  if (data.holder) {
+    data.holder.children = new MFNode(...nodes);
+  } else if (data.list) {
     data.list.length = 0;
     for (let i = 0; i < nodes.length; ++i) data.list[i] = nodes[i];
   } else if (!$x3d_setRoots(nodes)) {
@@ -266,11 +269,19 @@ const methods = {
   createX3DFromString(text) { return sceneOf(plain.createVrmlFromString(text)); },
   createScene() { return sceneOf([]); },
   createX3DFromURL(url, node, field) {
-    if (!node) throw new Error("createX3DFromURL expects a node and a field, because a program cannot wait for a file");
-    plain.createVrmlFromURL(url, node, String(field));
+    if (node) return plain.createVrmlFromURL(url, node, String(field));
+    // A program cannot wait for a file: the scene stays empty until the file is loaded into this Group.
+    const holder = plain.createVrmlFromString("Group { }")[0];
+    plain.createVrmlFromURL(url, holder, "addChildren");
+    return context(X3DScene, $x3d_context(holder), null, holder);
   },
   createX3DFromStream() { throw new Error("createX3DFromStream is not supported"); },
-  importDocument() { throw new Error("importDocument is not supported: there is no document"); },
+  importDocument(document) {
+    const top = document && (document.documentElement || document);
+    const text = typeof document == "string" ? document : top && top.outerHTML;
+    if (!text) throw new Error("importDocument expects a document, or the text of one");
+    return sceneOf(plain.createVrmlFromString(String(text)));
+  },
   importJS(json) { return sceneOf(plain.createVrmlFromString(typeof json == "string" ? json : JSON.stringify(json))); },
   getRenderingProperty(name) {
     if (!(name in rendering)) throw new Error("unknown rendering property '" + name + "'");

@@ -75,6 +75,21 @@ TEST_CASE("createVrmlFromURL reads a file on behalf of the Script's file, and ru
   CHECK(run(options) == std::vector<std::string>{"2", "inside"});
 }
 
+TEST_CASE("fills the scene that createX3DFromURL returns without a node when the file is loaded (X3D 19777-1)") {
+  LoadOptions options = site();
+  put(options, "world.wrl",
+      "#X3D V3.3 utf8\nPROFILE Immersive\nDEF C TimeSensor { loop TRUE cycleInterval 0.2 } DEF G Group { } "
+      "DEF S Script { directOutput TRUE inputOnly SFTime t initializeOnly SFNode g USE G url \"ecmascript: var s, done; "
+      "function initialize() { s = Browser.createX3DFromURL(new MFString('part.x3dv')); print(s.rootNodes.length); } "
+      "function t() { if (done || s.rootNodes.length == 0) return; done = true; g.children = s.rootNodes; "
+      "print(s.rootNodes[0].getNodeTypeName() + ' ' + g.children.length + ' ' + s.getNamedNode('B').radius); }\" } "
+      "ROUTE C.cycleTime TO S.t");
+  put(options, "part.x3dv",
+      "#X3D V3.3 utf8\nPROFILE Immersive\nShape { geometry DEF B Sphere { radius 3 } } Script { url \"ecmascript: "
+      "print('inside');\" }");
+  CHECK(run(options, 2) == std::vector<std::string>{"0", "inside", "Shape 2 3"});
+}
+
 TEST_CASE("logs printed text of programs, shows descriptions, and opens no pages by itself") {
   LoadOptions options = site();
   put(options, "world.wrl",

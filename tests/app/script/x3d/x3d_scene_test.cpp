@@ -38,6 +38,14 @@ TEST_CASE("calls prepareEvents() once in each step before all events, and shutdo
   CHECK(world.printed() == Lines{"end"});
 }
 
+TEST_CASE("imports X3D documents from text, and objects with the text of an element") {
+  const std::string document = "`<X3D version='3.3' profile='Core'><Scene><Group DEF='G'/></Scene></X3D>`";
+  CHECK(x3d_value("Browser.importDocument(" + document + ").rootNodes[0].getNodeTypeName()") == "Group");
+  CHECK(x3d_value("Browser.importDocument({documentElement: {outerHTML: " + document + "}}).rootNodes.length") == "1");
+  CHECK(x3d_value("(function () { try { Browser.importDocument(null); } catch (e) { return e.message; } })()") ==
+        "importDocument expects a document, or the text of one");
+}
+
 TEST_CASE("provides the properties of the Browser object") {
   CHECK(x3d_value("Browser.name") == "GhostSpace");
   CHECK(x3d_value("typeof Browser.version + typeof Browser.currentSpeed + typeof Browser.currentFrameRate") ==
