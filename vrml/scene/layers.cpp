@@ -73,7 +73,7 @@ class LayerSearch {
     }
     if (const GeoTiles* const tiles = scene.inlines().tiles_of(id))
       for (const MFNode& part : {tiles->root, tiles->children})
-        for (const NodeId tile : part) pending_.emplace_back(&scene, tile);
+        for (const NodeId tile : part) add(scene, tile);
     if (const SceneGraph* const inlined = scene.inlines().of(id))
       for (const NodeId root : inlined->roots()) add(*inlined, root);
   }

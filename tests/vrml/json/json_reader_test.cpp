@@ -104,7 +104,7 @@ TEST_CASE("tolerates habits of X3D in JSON") {
 }
 
 TEST_CASE("clamps large numbers of integer fields in JSON to 32 bits") {
-  const ReadWorld world(Grammar::x3d_json, in_scene(R"({"Switch":{"@whichChoice":1e300}},{"Switch":{"@whichChoice":-1e300}},
+  const ReadWorld world(Grammar::x3d_json, json_in_scene(R"({"Switch":{"@whichChoice":1e300}},{"Switch":{"@whichChoice":-1e300}},
     {"Switch":{"@whichChoice":4294967295}})"));
   CHECK(world.text() == printed_classic("Switch { whichChoice 2147483647 } Switch { whichChoice -2147483648 } Switch {}"));
 }
