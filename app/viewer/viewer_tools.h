@@ -7,7 +7,7 @@
 #include "app/session/session.h"
 #include "app/view/ground_grid.h"
 #include "app/view/picking.h"
-#include "app/view/ruler.h"
+#include "app/view/values/ruler.h"
 #include "app/view/values/slice_drag.h"
 #include "app/view/values/slice_scene.h"
 #include "app/viewer/viewer.h"

@@ -3,7 +3,7 @@
 #include "base/noncopyable.h"
 #include "vrml/inventor/item.h"
 #include "vrml/inventor/looks.h"
-#include "vrml/inventor/output.h"
+#include "vrml/inventor/output/output.h"
 #include "vrml/inventor/state.h"
 
 #include <optional>

@@ -4,7 +4,7 @@
 #include "base/text.h"
 #include "vrml/inventor/converter.h"
 #include "vrml/inventor/item_parser.h"
-#include "vrml/inventor/sharing.h"
+#include "vrml/inventor/output/sharing.h"
 
 #include <algorithm>
 #include <optional>

@@ -2,8 +2,8 @@
 
 #include "app/loading/updates/loaded_world.h"
 #include "app/loading/updates/resource_updates.h"
+#include "app/loading/updates/url_refresh.h"
 #include "app/session/documents/run_time_requests.h"
-#include "app/session/documents/url_refresh.h"
 #include "app/session/documents/world_movies.h"
 #include "app/session/documents/world_programs.h"
 #include "app/session/rays/world_rays.h"

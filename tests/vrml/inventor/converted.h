@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vrml/inventor/sharing.h"
+#include "vrml/inventor/output/sharing.h"
 #include "vrml/syntax/parser.h"
 #include "vrml/syntax/printer.h"
 #include "vrml/syntax/scene_reader.h"

@@ -1,4 +1,4 @@
-#include "app/session/documents/url_refresh.h"
+#include "app/loading/updates/url_refresh.h"
 
 #include <algorithm>
 

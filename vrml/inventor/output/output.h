@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/noncopyable.h"
-#include "vrml/inventor/transforms.h"
+#include "vrml/inventor/output/transforms.h"
 #include "vrml/syntax/scene_sink.h"
 
 #include <initializer_list>

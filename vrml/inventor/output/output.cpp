@@ -1,4 +1,4 @@
-#include "vrml/inventor/output.h"
+#include "vrml/inventor/output/output.h"
 
 #include "vrml/syntax/tokens/lexer.h"
 

@@ -1,4 +1,4 @@
-#include "vrml/inventor/sharing.h"
+#include "vrml/inventor/output/sharing.h"
 
 #include <algorithm>
 #include <string_view>

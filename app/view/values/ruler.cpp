@@ -1,4 +1,4 @@
-#include "app/view/ruler.h"
+#include "app/view/values/ruler.h"
 
 #include <glm/geometric.hpp>
 

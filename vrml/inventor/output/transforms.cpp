@@ -1,4 +1,4 @@
-#include "vrml/inventor/transforms.h"
+#include "vrml/inventor/output/transforms.h"
 
 #include "vrml/scene/values/transformation.h"
 
