@@ -50,6 +50,17 @@ std::optional<std::string> check_encode(const EncodeCommand& options) {
     return "--keep-mesh needs --method auto or displaced; other methods have no mesh";
   if (options.exact_bits > 0 && (options.vectors > 0 || options.fraction > 0 || options.max_bytes_given))
     return "--keep-mesh excludes --vectors, --fraction and --max-bytes, because the size of the mesh is fixed";
+  const qnv::ValueTolerance& tolerance = options.value_tolerance;
+  if (tolerance.lossless && tolerance.error) return "--lossless and --error exclude each other; expected one of them";
+  if ((tolerance.lossless || tolerance.error) &&
+      ((method != EncodeMethod::automatic && method != EncodeMethod::values) || options.vectors > 0 ||
+       options.fraction > 0 || options.isovalue))
+    return "--error and --lossless need the values of a volume; leave out --vectors, --fraction, --isovalue and "
+           "--method";
+  if ((tolerance.lossless || tolerance.error) && options.max_bytes_given)
+    return "--max-bytes excludes --error and --lossless, because either decides where the stream ends";
+  if (method == EncodeMethod::values && (options.vectors > 0 || options.fraction > 0))
+    return "--method values excludes --vectors and --fraction, which select gradients";
   if (outlines) {
     if (options.vectors > 0 || options.fraction > 0) return "--method outlines excludes --vectors and --fraction";
     const std::string& out = options.files.back();

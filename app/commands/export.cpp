@@ -13,6 +13,7 @@
 #include "net/files/file.h"
 #include "qnv/container/container.h"
 #include "qnv/sampling/order/order.h"
+#include "qnv/sampling/volume/volume_values.h"
 
 #include <algorithm>
 #include <chrono>
@@ -68,8 +69,7 @@ std::string url_between(const std::string& out, const std::string& in) {
 }
 
 // Writes a stream of outlines as a world that any browser shows.
-int export_outlines(vrml::SceneGraph& scene, const std::string& in, const std::string& out,
-                    const SceneFormat& format) {
+int export_outlines(vrml::SceneGraph& scene, const std::string& in, const std::string& out, const SceneFormat& format) {
   // Only the browser sets the field `complete`. Worlds must not contain it.
   for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i)
     if (const vrml::NodeId id = scene.resolve_as(scene.nodes().id_at(i), vrml::NodeKind::outline_group))
@@ -95,15 +95,42 @@ struct WrittenFile {
 // Returns the geometry of an input. Formats with triangles get those of the input, without the losses of a stream.
 std::variant<qnv::Geometry, qnv::EncodeError> converted(const ExportCommand& options, const ExportFormat& format,
                                                         OpenedInput input, ProgressBar& progress) {
+  if (auto* volume = std::get_if<qnv::VolumeSource>(&input.content);
+      volume && (format.keeps & kNeedsValues) != 0 && !options.isovalue) {
+    auto values = std::make_shared<qnv::VolumeValues>();
+    values->stored = volume->layout.type;
+    values->slope = volume->layout.slope;
+    values->intercept = volume->layout.intercept;
+    values->missing = volume->layout.missing;
+    values->exact = true;
+    values->source = std::move(*volume);
+    qnv::Volume made;
+    made.values = std::move(values);
+    return qnv::Geometry(std::move(made));
+  }
   if ((format.keeps & kKeepsTriangles) != 0 && options.vectors == 0)
     if (auto mesh = mesh_of_input(options, input, progress)) return std::move(*mesh);
   return geometry_of_input(options, std::move(input), progress);
+}
+
+std::string shortest_text(float value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", static_cast<double>(value));
+  return text;
 }
 
 // Returns the content of a written file, in the words of users.
 std::string contents_of(const ExportFormat& format, const qnv::Geometry& geometry,
                         const std::vector<CompanionFile>& beside) {
   const auto* mesh = (format.keeps & kKeepsTriangles) != 0 ? geometry.as<qnv::IndexedMesh>() : nullptr;
+  if ((format.keeps & kNeedsValues) != 0) {
+    const auto& values = *geometry.as<qnv::Volume>()->values;
+    const auto& [x, y, z] = values.source.layout.dimensions;
+    const std::string error = values.exact   ? "exact"
+                              : values.error ? "within " + shortest_text(*values.error)
+                                             : "of a part of the stream";
+    return std::to_string(x) + " x " + std::to_string(y) + " x " + std::to_string(z) + " voxels, " + error;
+  }
   std::string text = mesh && !mesh->triangles.empty() ? counted(mesh->size(), "vertex", "vertices") + ", " +
                                                             counted(mesh->triangles.size() / 3, "triangle", "triangles")
                                                       : counted(geometry.size(), "splat", "splats");
@@ -119,6 +146,8 @@ std::optional<std::string> check_export(const ExportCommand& options) {
   if (!format && !options.vrml97 && scene_format_of(out)) return std::nullopt;  // .wrz, .x3dz, ...
   if (format && (format->keeps & kNeedsTriangles) != 0 && options.vectors > 0)
     return std::string(format->extension) + " holds triangles only; --vectors excludes it";
+  if (format && (format->keeps & kNeedsValues) != 0 && (options.vectors > 0 || options.isovalue))
+    return std::string(format->extension) + " holds the values of a volume; --vectors and --isovalue exclude it";
   if (format) return std::nullopt;
   return options.vrml97 ? "expected OUT.wrl with --vrml97, not '" + out + "'"
                         : "unknown extension of '" + out + "'; expected one of: " + export_format_list();
@@ -152,7 +181,7 @@ int run_export(const ExportCommand& options) {
   auto& geometry = std::get<qnv::Geometry>(made);
   for (const auto& [key, value] : geometry.description().metadata)
     if (key == "title" && !value.empty()) export_options.title = value;
-  if (options.vectors > 0 && geometry.size() > options.vectors)
+  if (options.vectors > 0 && (format.keeps & kNeedsValues) == 0 && geometry.size() > options.vectors)
     geometry = thinned(geometry, options.vectors, options, progress.whole());
   for (std::string& loss : export_losses(format, geometry)) losses.push_back(std::move(loss));
   if (auto* mesh = geometry.as<qnv::IndexedMesh>(); mesh && mesh->picture && (format.keeps & kKeepsTexture) == 0)

@@ -14,9 +14,11 @@
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/outlines/outline_stream.h"
 #include "qnv/codecs/payloads.h"
+#include "qnv/codecs/values/cluster.h"
 #include "qnv/codecs/voxels/voxels.h"
 #include "qnv/reader/stream_decoder.h"
 #include "qnv/sampling/volume/volume_slices.h"
+#include "qnv/sampling/volume/volume_values.h"
 
 #include <algorithm>
 #include <chrono>
@@ -75,9 +77,12 @@ struct Level {
 };
 
 // Sums up the chunks of a stream per level. Counts vectors only in chunks of records, which store their number.
-std::map<int, Level> levels_of(std::span<const std::byte> bytes) {
+std::map<int, Level> levels_of(const qnv::StreamHeader& stream, std::span<const std::byte> bytes) {
   std::map<int, Level> levels;
   qnv::StreamReader reader;
+  std::optional<qnv::values::BlockLayout> blocks;
+  if (stream.payload == qnv::Payload::values)
+    blocks.emplace(stream.grid.dimensions, qnv::values::level_count(stream.grid.dimensions));
   (void)reader.push(bytes, [&](qnv::ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
     int level = -1;
     std::size_t vectors = 0;
@@ -92,6 +97,9 @@ std::map<int, Level> levels_of(std::span<const std::byte> bytes) {
     } else if (type == qnv::ChunkType::voxels) {
       const auto read = qnv::read_volume_cluster_header(payload);
       if (const auto* header = std::get_if<qnv::ClusterHeader>(&read)) level = header->level + header->levels;
+    } else if (type == qnv::ChunkType::values) {
+      const auto cluster = qnv::values::parse_cluster(payload);
+      if (cluster && blocks && cluster->block < blocks->count()) level = blocks->place(cluster->block).level - 1;
     } else if (type == qnv::ChunkType::records && payload.size() >= qnv::kRecordsHeaderBytes) {
       level = std::to_integer<int>(payload.front());
       vectors = (payload.size() - qnv::kRecordsHeaderBytes) / qnv::kRecordBytes;
@@ -105,11 +113,30 @@ std::map<int, Level> levels_of(std::span<const std::byte> bytes) {
   return levels;
 }
 
+const char* name_of(qnv::VoxelType type) {
+  static constexpr const char* kNames[] = {"u8", "i8", "u16", "i16", "u32", "i32", "f32", "f64"};
+  return kNames[static_cast<std::size_t>(type)];
+}
+
+// Adds the grid of a stream of values, and the error of the received part.
+void put_values(JsonValue& facts, const qnv::StreamHeader& header, const qnv::Geometry& geometry) {
+  const auto& [x, y, z] = header.grid.dimensions;
+  facts.put("dimensions", JsonValue::list({x, y, z}));
+  facts.put("type_of_voxels", name_of(header.grid.stored));
+  const auto* volume = geometry.as<qnv::Volume>();
+  if (!volume || !volume->values) return;
+  const qnv::VolumeValues& values = *volume->values;
+  facts.put("level_of_values", values.level);
+  facts.put("exact", values.exact);
+  if (values.error) facts.put("error", *values.error);
+  if (values.rms) facts.put("error_rms", *values.rms);
+}
+
 void put_levels(JsonValue& facts, const qnv::StreamHeader& header, const qnv::VectorView& shown,
                 std::span<const std::byte> bytes) {
   const bool voxels = header.payload == qnv::Payload::voxels, octree = voxels || header.payload == qnv::Payload::packed;
   const bool layers = header.payload == qnv::Payload::records;
-  std::map<int, Level> levels = levels_of(bytes);
+  std::map<int, Level> levels = levels_of(header, bytes);
   const auto level_of = [&](const qnv::Cell& cell) {
     if (!voxels) return static_cast<int>(std::lround(std::log2(header.cube.edge / cell.edge)));
     int level = header.lattice.depth;
@@ -212,15 +239,11 @@ bool describe_stream(JsonValue& facts, std::span<const std::byte> bytes, const s
     const auto& [x, y, z] = header->lattice.dimensions;
     facts.put("dimensions", JsonValue::list({x, y, z}));
   }
+  if (header->payload == qnv::Payload::values) put_values(facts, *header, geometry);
   put_levels(facts, *header, geometry, bytes);
   put_metadata(facts, header->description.metadata);
   if (!problems.empty()) facts.put("problems", std::move(problems));
   return true;
-}
-
-const char* name_of(qnv::VoxelType type) {
-  static constexpr const char* kNames[] = {"u8", "i8", "u16", "i16", "u32", "i32", "f32", "f64"};
-  return kNames[static_cast<std::size_t>(type)];
 }
 
 void describe_volume(JsonValue& facts, const qnv::VolumeSource& volume, Clock::time_point deadline) {
@@ -271,7 +294,8 @@ void put_x3d(JsonValue& facts, const vrml::SceneGraph& scene) {
   // Several METAs may have one name.
   std::vector<std::pair<std::string, std::string>> metadata;
   for (const vrml::X3DStatements::Meta& one : x3d.metas) {
-    const auto same = std::find_if(metadata.begin(), metadata.end(), [&](const auto& m) { return m.first == one.name; });
+    const auto same =
+        std::find_if(metadata.begin(), metadata.end(), [&](const auto& m) { return m.first == one.name; });
     if (same == metadata.end())
       metadata.emplace_back(one.name, one.content);
     else

@@ -4,6 +4,7 @@
 #include "app/view/values/color_maps.h"
 #include "app/view/values/transfer_file.h"
 #include "net/files/file.h"
+#include "qnv/sampling/volume/volume_values.h"
 
 #include <algorithm>
 #include <cmath>
@@ -41,7 +42,7 @@ bool has_volume_values(const std::string& path) {
 }
 
 void show_image(const VolumeGrid& grid, std::size_t axis, VolumeSlices& slices) {
-  constexpr std::size_t kOutliers = 200;  // one value of so many is an outlier, on each side
+  constexpr std::size_t kOutliers = 200;         // one value of so many is an outlier, on each side
   constexpr std::uint64_t kSampled = 1'000'000;  // max values that determine the colours
   slices.shown = {};
   slices.shown[axis] = true;
@@ -89,7 +90,9 @@ std::optional<std::string> VolumeShow::prepare(const VolumeWishes& wishes, const
                                                const WorldBudget& budget) {
   wishes_ = wishes;
   const qnv::Description* const volume = first_volume(list);
-  const auto image = volume && wishes.slices.empty() && has_volume_values(path) ? image_axis(*volume) : std::nullopt;
+  const auto streamed = streamed_values(list);
+  const auto image =
+      volume && wishes.slices.empty() && (streamed || has_volume_values(path)) ? image_axis(*volume) : std::nullopt;
   if (!wishes.any() && !image) return std::nullopt;
   if (!volume && key && wishes.transfer.empty() && wishes.slices.empty()) {
     surface_bar_ = color_bar_of(*key);
@@ -106,7 +109,8 @@ std::optional<std::string> VolumeShow::prepare(const VolumeWishes& wishes, const
   }
   slices_ = wishes.slice_look;
   if (wishes.slices.empty() && !image) return std::nullopt;
-  auto grid = VolumeGrid::read(path, nullptr, budget);
+  auto grid = streamed ? VolumeGrid::take(streamed->source, nullptr, budget, VolumeGrid::kMaxVoxels)
+                       : VolumeGrid::read(path, nullptr, budget);
   if (auto* problem = std::get_if<std::string>(&grid)) return "slices: " + *problem;
   grid_ = std::move(std::get<std::shared_ptr<const VolumeGrid>>(grid));
   for (const SliceWish& wish : wishes.slices) gs::app::apply(wish, grid_->dimensions(), slices_);

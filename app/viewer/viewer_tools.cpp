@@ -10,6 +10,7 @@
 #include "app/view/values/transfer_file.h"
 #include "base/text.h"
 #include "net/files/file.h"
+#include "qnv/sampling/volume/volume_values.h"
 
 #include <glm/geometric.hpp>
 
@@ -61,7 +62,19 @@ ViewerTools::Values& ViewerTools::values_of(const View& view) {
     values = {};
     values.of = view.document;
     const std::string path = view.document->world.path;
-    values.coming = std::async(std::launch::async, [path, this] { return VolumeGrid::read(path, &stop_); });
+    values.streamed = streamed_values(*view.list);
+    values.coming = std::async(std::launch::async, [path, streamed = values.streamed, this] {
+      return streamed ? VolumeGrid::take(streamed->source, &stop_, own_budget(), VolumeGrid::kMaxVoxels)
+                      : VolumeGrid::read(path, &stop_);
+    });
+  } else if (!values.coming.valid()) {
+    // The values of a stream become better while it arrives.
+    if (auto newer = streamed_values(*view.list); newer && newer != values.streamed) {
+      values.streamed = std::move(newer);
+      values.coming = std::async(std::launch::async, [streamed = values.streamed, this] {
+        return VolumeGrid::take(streamed->source, &stop_, own_budget(), VolumeGrid::kMaxVoxels);
+      });
+    }
   }
   (void)take(values);
   return values;
@@ -177,7 +190,8 @@ void ViewerTools::show_as_wished(View& seen, const Tell& tell) {
       else
         seen.look.transfer = std::move(std::get<Transfer>(transfer));
     }
-    known->all = wishes.slices.empty() && !(image && has_volume_values(seen.document->world.path));
+    const bool has_values = streamed_values(*seen.list) || has_volume_values(seen.document->world.path);
+    known->all = wishes.slices.empty() && !(image && has_values);
     if (!known->all) seen.slices = wishes.slice_look;
   }
   if (known->all) return;
@@ -252,9 +266,10 @@ void ViewerTools::describe(UiTools& tools, const View* seen, const Viewport& pla
   tools.tour = toured_.lock() == seen->document ? tour_.size() : 0;
   describe_slices(tools, *seen, place);
   const qnv::Description* const volume = first_volume(*seen->list);
-  if (volume && asked_.lock() != seen->document) {
+  const bool is_stream = streamed_values(*seen->list) != nullptr;
+  if (volume && (asked_.lock() != seen->document || (is_stream && !asked_is_volume_))) {
     asked_ = seen->document;
-    asked_is_volume_ = has_volume_values(seen->document->world.path);
+    asked_is_volume_ = is_stream || has_volume_values(seen->document->world.path);
   }
   tools.has_file = volume && asked_is_volume_;
   const bool waits = std::any_of(wished_.begin(), wished_.end(),

@@ -60,6 +60,7 @@ class ViewerTools : NonCopyable {
   struct Values {
     std::future<std::variant<std::shared_ptr<const VolumeGrid>, std::string>> coming;
     std::shared_ptr<const VolumeGrid> grid;
+    std::shared_ptr<const qnv::VolumeValues> streamed;  // of the stream, or null for a file
     std::string problem;
     std::weak_ptr<Document> of;
   };

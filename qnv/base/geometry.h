@@ -21,6 +21,7 @@ namespace gs::qnv {
 class ChunkRequests;
 class LodStream;
 class PatchSurface;
+struct VolumeValues;
 
 /// Octree cube that a vector represents.
 struct Cell {
@@ -45,7 +46,7 @@ struct SurfacePicture {
 /// Properties that every geometry has.
 struct GeometryBase {
   Description description;
-  Rgb8 color;  // of vectors without their own
+  Rgb8 color;                                 // of vectors without their own
   std::shared_ptr<ChunkRequests> requests{};  // requests of views for more of the stream, or null
 };
 
@@ -104,8 +105,9 @@ struct OctreeSplats : GeometryBase {
 /// Gradient vectors of a volume.
 struct Volume : VectorArrays {
   using VectorArrays::VectorArrays;
-  std::vector<std::uint8_t> classes;  // one per vector: values, 0..255 over description.value_range; or empty
-  std::vector<Cell> cells;            // one per vector if these came from an octree, else empty
+  std::vector<std::uint8_t> classes;           // one per vector: values, 0..255 over description.value_range; or empty
+  std::vector<Cell> cells;                     // one per vector if these came from an octree, else empty
+  std::shared_ptr<const VolumeValues> values;  // decoded values that the vectors come from, or null
 };
 
 /// Type of the content of a geometry.

@@ -7,6 +7,7 @@
 #include "qnv/codecs/records/encode/encode_vectors.h"
 #include "qnv/codecs/records/record.h"
 #include "qnv/codecs/records/records_payload.h"
+#include "qnv/codecs/values/encode/values_stream.h"
 
 #include <algorithm>
 #include <array>
@@ -45,6 +46,11 @@ Suitability choose_outlines(const EncodeSource& source, const EncodeRequest&) {
 
 Suitability choose_voxels(const EncodeSource& source, const EncodeRequest&) {
   return std::holds_alternative<VolumeVectors>(source) ? Suitability{1, "the source is a volume"} : Suitability{};
+}
+
+Suitability choose_values(const EncodeSource& source, const EncodeRequest&) {
+  const bool values = std::holds_alternative<std::reference_wrapper<const VolumeSource>>(source);
+  return values ? Suitability{1, "the source is the values of a volume"} : Suitability{};
 }
 
 Encoded encode_packed(const EncodeSource& source, EncodeOptions options, Progress* progress) {
@@ -87,6 +93,12 @@ Encoded encode_volume_vectors(const EncodeSource& source, EncodeOptions options,
   return encode_voxels(*volume, options, progress);
 }
 
+Encoded encode_volume_values(const EncodeSource& source, EncodeOptions options, Progress* progress) {
+  const auto* volume = std::get_if<std::reference_wrapper<const VolumeSource>>(&source);
+  if (!volume) return EncodeError{"a values stream needs a volume; expected its values"};
+  return encode_values(volume->get(), options, progress);
+}
+
 /// Returns a list of chunk types, padded by repeating the last one.
 constexpr ChunkTypes types(std::initializer_list<ChunkType> told) {
   ChunkTypes all{};
@@ -97,10 +109,9 @@ constexpr ChunkTypes only(ChunkType type) { return types({type}); }
 
 bool is_progressive(const StreamHeader& header) { return progressive::is_front(header.base); }
 
-constexpr std::array<PayloadRow, 6> kRows = {{
-    {Payload::records, "records", PayloadReader::vectors, RequestOrder::stream, nullptr,
-     only(ChunkType::records), kRecordsHeaderBytes, kRecordBytes, 1200 / kRecordBytes, choose_records, encode_records,
-     make_records_decoder},
+constexpr std::array<PayloadRow, 7> kRows = {{
+    {Payload::records, "records", PayloadReader::vectors, RequestOrder::stream, nullptr, only(ChunkType::records),
+     kRecordsHeaderBytes, kRecordBytes, 1200 / kRecordBytes, choose_records, encode_records, make_records_decoder},
     {Payload::packed, "packed", PayloadReader::levels, RequestOrder::visible_first, nullptr,
      types({ChunkType::packed, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
             ChunkType::picture, ChunkType::normals}),
@@ -117,6 +128,9 @@ constexpr std::array<PayloadRow, 6> kRows = {{
      0, 0, 0, choose_displaced, encode_base_and_displacements, make_displaced_decoder},
     {Payload::voxels, "voxels", PayloadReader::vectors, RequestOrder::stream, nullptr, only(ChunkType::voxels), 0, 0, 0,
      choose_voxels, encode_volume_vectors, make_voxels_decoder},
+    {Payload::values, "values", PayloadReader::vectors, RequestOrder::visible_first, nullptr,
+     types({ChunkType::values, ChunkType::gaps, ChunkType::remainders}), 0, 0, 0, choose_values, encode_volume_values,
+     make_values_decoder},
 }};
 
 // Checks the order of the table: ascending payload numbers, which may have gaps. Among rows with the same number, only

@@ -7,6 +7,7 @@
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/codecs/voxels/encode/encode_voxels.h"
 #include "qnv/container/container.h"
+#include "qnv/sampling/volume/volume.h"
 
 #include <array>
 #include <cstddef>
@@ -23,14 +24,14 @@ namespace gs::qnv {
 
 /// Class that decodes a payload for drawing.
 enum class PayloadReader : std::uint8_t {
-  vectors,  // StreamDecoder: decodes all vectors
-  levels,  // LodStream: decodes the vectors that each view needs
+  vectors,   // StreamDecoder: decodes all vectors
+  levels,    // LodStream: decodes the vectors that each view needs
   polygons,  // OutlineDecoder: decodes polygons
 };
 
 /// Order in which views request the chunks of a stream.
 enum class RequestOrder : std::uint8_t {
-  stream,  // order of the stream: the decoder needs it, or each chunk changes the whole geometry
+  stream,         // order of the stream: the decoder needs it, or each chunk changes the whole geometry
   visible_first,  // chunks in any view first: each chunk changes only the part of the geometry in its box
 };
 
@@ -41,12 +42,12 @@ struct OutlineSource {
   const OutlineEncodeOptions& options;
 };
 /// Input of an encoder.
-using EncodeSource =
-    std::variant<std::reference_wrapper<const TriangleSource>, VectorView, OutlineSource, VolumeVectors>;
+using EncodeSource = std::variant<std::reference_wrapper<const TriangleSource>, VectorView, OutlineSource,
+                                  VolumeVectors, std::reference_wrapper<const VolumeSource>>;
 
 /// Result of a payload's test of a request without a chosen payload.
 struct Suitability {
-  int rank = 0;  // the payload with the highest rank is tried first; 0 means never
+  int rank = 0;          // the payload with the highest rank is tried first; 0 means never
   std::string_view why;  // completes "chosen because"
 };
 
@@ -62,9 +63,9 @@ struct PayloadRow {
   /// Reports whether a stream belongs to this row. If nullptr, the row gets all streams with its number that no other
   /// row accepts.
   bool (*sniff)(const StreamHeader& header);
-  ChunkTypes chunks;  // padded by repeating the last type
-  std::size_t head_bytes;  // size of the header of a chunk's payload, which must be received completely
-  std::size_t record_bytes;  // size of a record after that header; each is usable alone; 0 means that only
+  ChunkTypes chunks;           // padded by repeating the last type
+  std::size_t head_bytes;      // size of the header of a chunk's payload, which must be received completely
+  std::size_t record_bytes;    // size of a record after that header; each is usable alone; 0 means that only
                                // whole chunks are usable
   std::size_t packet_records;  // number of records in one packet, which are lost together
   /// Reports how well the payload suits a source. If nullptr, only the encoder of another payload may choose this one.

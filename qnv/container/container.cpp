@@ -26,7 +26,8 @@ enum Tag : std::uint16_t {
   kOutlines = 4,
   kBase = 5,
   kLattice = 6,
-  kOrigin = 7
+  kOrigin = 7,
+  kGrid = 8
 };
 enum HeaderFlag : std::uint16_t { kTwoSided = 1, kColored = 2, kMeshed = 4 };
 
@@ -63,7 +64,7 @@ bool all_finite(std::initializer_list<float> values) {
 bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version) {
   bool origin = version == kVersionWithoutOrigin;
   bool outlines = header.payload != Payload::outlines, lattice = header.payload != Payload::voxels;
-  bool base = header.payload != Payload::displaced;
+  bool base = header.payload != Payload::displaced, grid = header.payload != Payload::values;
   while (read.left() >= 6) {
     const auto tag = read.integer<std::uint16_t>();
     ByteReader section(read.bytes(read.integer<std::uint32_t>()));
@@ -101,6 +102,11 @@ bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version
       if (!decoded) return false;
       header.lattice = *decoded;
       lattice = true;
+    } else if (tag == kGrid && !grid) {
+      auto decoded = decode_value_grid(section.bytes(section.left()));
+      if (!decoded) return false;
+      header.grid = std::move(*decoded);
+      grid = true;
     } else if (tag == kOrigin && !origin) {
       if (section.left() < 3 * sizeof(double)) return false;
       for (int i = 0; i < 3; ++i) header.description.origin[i] = section.f64();
@@ -110,7 +116,7 @@ bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version
     }
     // Skips sections that later versions define.
   }
-  return outlines && base && lattice && origin;
+  return outlines && base && lattice && grid && origin;
 }
 
 }  // namespace
@@ -160,6 +166,7 @@ std::vector<std::byte> encode_header(const StreamHeader& header) {
   if (header.payload == Payload::outlines) put_section(out, kOutlines, encode_outline_header(header.outlines));
   if (header.payload == Payload::displaced) put_section(out, kBase, header.base);
   if (header.payload == Payload::voxels) put_section(out, kLattice, encode_voxel_lattice(header.lattice));
+  if (header.payload == Payload::values) put_section(out, kGrid, encode_value_grid(header.grid));
   for (const auto& [key, value] : d.metadata) {
     data.clear();
     for (const char c : key + '\0' + value) data.push_back(static_cast<std::byte>(c));
@@ -205,15 +212,16 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
   std::fill_n(copy.begin() + kChecksumAt, 4, std::byte{0});
   if (checksum(0, copy) != sum) return StreamProblem{kChecksumAt, "the header is damaged; its checksum is wrong"};
   if (kind > 1) return StreamProblem{10, "holds vectors of kind " + std::to_string(kind) + "; expected 0 or 1"};
-  const bool voxels = payload == static_cast<std::uint8_t>(Payload::voxels);
-  if (payload > 4) return StreamProblem{11, "holds payload " + std::to_string(payload) + "; expected 0 to 4"};
-  if (kind == 0 && voxels) return StreamProblem{11, "holds voxels of a surface; expected a volume"};
-  if (kind == 1 && payload == 1)
-    return StreamProblem{11, "holds a packed volume; expected records or voxels, or a surface"};
-  if (kind == 1 && payload == 3)
-    return StreamProblem{11, "holds a displaced volume; expected records or voxels, or a surface"};
-  if (kind == 1 && payload == 2)
-    return StreamProblem{11, "holds outlines of a volume; expected records or voxels, or a surface"};
+  constexpr std::array<const char*, 6> kNames{"records", "packed", "outlines", "displaced", "voxels", "values"};
+  constexpr std::array<bool, 6> kOfSurface{true, true, true, true, false, false};
+  constexpr std::array<bool, 6> kOfVolume{true, false, false, false, true, true};
+  if (payload >= kNames.size())
+    return StreamProblem{11, "holds payload " + std::to_string(payload) + "; expected 0 to 5"};
+  if (kind == 0 && !kOfSurface[payload])
+    return StreamProblem{11, std::string("holds ") + kNames[payload] + " of a surface; expected a volume"};
+  if (kind == 1 && !kOfVolume[payload])
+    return StreamProblem{11, std::string("holds a volume with the payload ") + kNames[payload] +
+                                 "; expected records, voxels or values, or a surface"};
   if (version != kVersionWithoutOrigin && payload == 2)
     return StreamProblem{8, "is of version 2 and has outlines, which have their own lattices; expected version 1"};
   StreamHeader header;
@@ -248,6 +256,7 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
   if (!read_sections(sections, header, version))
     return StreamProblem{kFixedHeaderBytes, std::string("the header's section of ") +
                                                 (header.payload == Payload::voxels      ? "the lattice"
+                                                 : header.payload == Payload::values    ? "the grid"
                                                  : header.payload == Payload::displaced ? "the base"
                                                  : header.payload == Payload::outlines  ? "outlines"
                                                                                         : "the origin") +

@@ -3,6 +3,7 @@
 #include "qnv/base/description.h"
 #include "qnv/base/voxels.h"
 #include "qnv/container/outline_header.h"
+#include "qnv/container/value_grid.h"
 #include "qnv/container/voxel_lattice.h"
 
 #include <cstddef>
@@ -29,7 +30,7 @@ constexpr std::size_t kChunkHeaderBytes = 10, kDirectoryEntryBytes = 32;
 constexpr std::size_t kMaxDirectoryEntries = std::size_t{1} << 22, kMaxProblems = 100;
 
 /// Encoding of a stream's geometry.
-enum class Payload : std::uint8_t { records = 0, packed = 1, outlines = 2, displaced = 3, voxels = 4 };
+enum class Payload : std::uint8_t { records = 0, packed = 1, outlines = 2, displaced = 3, voxels = 4, values = 5 };
 /// Type of a chunk.
 enum class ChunkType : std::uint8_t {
   records = 0,
@@ -46,11 +47,14 @@ enum class ChunkType : std::uint8_t {
   cover = 11,
   picture = 12,
   normals = 13,
+  values = 14,
+  gaps = 15,
+  remainders = 16,
   directory = 254
 };
 /// Reports whether this version has a chunk type. Readers skip other chunks.
 [[nodiscard]] constexpr bool is_known(std::uint8_t type) {
-  return type <= static_cast<std::uint8_t>(ChunkType::normals) ||
+  return type <= static_cast<std::uint8_t>(ChunkType::remainders) ||
          type == static_cast<std::uint8_t>(ChunkType::directory);
 }
 
@@ -60,23 +64,24 @@ struct StreamHeader {
   Payload payload = Payload::packed;
   bool colored = false;         // each vector has its own colour
   bool meshed = false;          // packed: the exact mesh follows the octree
-  Rgb8 color;  // colour of all vectors if not `colored`
-  std::uint64_t vectors = 0;  // number at full detail
-  std::uint32_t chunks = 0;  // number without the directory; 0 if unknown when the header was written
+  Rgb8 color;                   // colour of all vectors if not `colored`
+  std::uint64_t vectors = 0;    // number at full detail
+  std::uint32_t chunks = 0;     // number without the directory; 0 if unknown when the header was written
   std::uint64_t directory = 0;  // byte offset in the stream; 0 means none
-  Cube cube;  // packed: cube that the octree divides
-  std::vector<Rgb8> palette;  // records of a surface: colour of each index C; at most 256
+  Cube cube;                    // packed: cube that the octree divides
+  std::vector<Rgb8> palette;    // records of a surface: colour of each index C; at most 256
   OutlineHeader outlines;       // outlines only
   std::vector<std::byte> base;  // displaced: encoded first stage (displaced/surface.h)
   VoxelLattice lattice;         // voxels only
+  ValueGrid grid;               // values only
 };
 
 /// Directory entry of a chunk.
 struct DirectoryEntry {
   std::uint64_t offset = 0;  // byte offset of the chunk header
   std::uint32_t bytes = 0;   // including the chunk header
-  /// packed and voxels: level of the voxels; displaced: level of the vertices; records: layer; outlines: 0; inner
-  /// polygons: 1
+  /// packed and voxels: level of the voxels; values: levels above the volume; displaced: level of the vertices;
+  /// records: layer; outlines: 0; inner polygons: 1
   std::uint8_t level = 0;
   std::uint32_t parent = 0;  // packed and voxels: index of the chunk that it refines; 0xffffffff means none
   std::uint32_t vectors = 0;
@@ -153,7 +158,7 @@ class StreamReader {
 
   std::optional<StreamHeader> header_;
   std::vector<std::byte> waiting_;
-  std::size_t at_ = 0;  // index in waiting_ of the next byte to read
+  std::size_t at_ = 0;        // index in waiting_ of the next byte to read
   std::uint64_t offset_ = 0;  // offset in the stream of waiting_[0]
   std::uint64_t wasted_ = 0;  // number of bytes checked in chunks with a wrong checksum
   bool refused_ = false, lost_ = false, ended_ = false;

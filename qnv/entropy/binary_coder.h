@@ -103,7 +103,14 @@ class BinaryDecoder {
   }
   std::uint32_t get_bits(int bits) {
     std::uint32_t value = 0;
-    for (int i = 0; i < bits; ++i) value = value << 1 | (decide(range_ >> 1) ? 1u : 0u);
+    for (int i = 0; i < bits; ++i) {
+      const std::uint32_t bound = range_ >> 1;
+      const std::uint32_t zero = code_ < bound ? 0 : ~0u;  // without a branch: these bits are not predictable
+      code_ -= bound & zero;
+      range_ = bound + ((range_ - bound - bound) & zero);
+      normalise();
+      value = value << 1 | (zero + 1);
+    }
     return value;
   }
 
@@ -123,11 +130,14 @@ class BinaryDecoder {
       code_ -= bound;
       range_ -= bound;
     }
+    normalise();
+    return bit;
+  }
+  void normalise() {
     while (range_ < 1u << 24) {
       code_ = code_ << 8 | next();
       range_ <<= 8;
     }
-    return bit;
   }
   std::uint32_t next() {
     const std::size_t at = at_++;

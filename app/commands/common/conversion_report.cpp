@@ -41,6 +41,14 @@ StreamContents contents_of(const qnv::EncodedStream& stream, const OpenedInput& 
   if (voxels)
     vectors =
         counted(stream.header.vectors, "of ", "of ") + counted(qnv::voxel_count(volume->layout), "voxel", "voxels");
+  if (payload == "values") {
+    const std::vector<qnv::ValueError>& errors = stream.header.grid.errors;
+    char error[48] = "exact";
+    if (!errors.empty() && errors.back().most > 0)
+      std::snprintf(error, sizeof error, "within %.4g", static_cast<double>(errors.back().most));
+    contents.geometry = "values of " + counted(qnv::voxel_count(volume->layout), "voxel", "voxels") + ", " + error;
+    return contents;
+  }
   if (payload == "records")
     contents.geometry = "records of " + vectors;
   else if (payload == "displaced" || payload == "progressive")

@@ -7,6 +7,7 @@
 #include "app/picture/picture_request.h"
 #include "app/picture/volume_show.h"
 #include "app/view/pose.h"
+#include "qnv/codecs/shared/encode_options.h"
 #include "render/scene/draw_options.h"
 
 #include <glm/vec2.hpp>
@@ -51,7 +52,7 @@ struct UpOption {
 };
 
 /// Encoding of a stream in the words of users (`--method`).
-enum class EncodeMethod : std::uint8_t { automatic, displaced, octree, records, outlines };
+enum class EncodeMethod : std::uint8_t { automatic, displaced, octree, records, outlines, values };
 
 /// Options of commands that convert an input to vectors.
 struct ConversionOptions : InputOptions, UpOption {
@@ -59,8 +60,9 @@ struct ConversionOptions : InputOptions, UpOption {
   double fraction = 0;      // fraction of the vectors; 0 means that the option is not given
   std::optional<double> isovalue;
   EncodeMethod method = EncodeMethod::automatic;
-  bool methods_differ = false;  // true if the options name several methods
-  int exact_bits = -1;          // bits of the exact mesh in the tail; 0 means no tail, -1 decides by size
+  bool methods_differ = false;          // true if the options name several methods
+  int exact_bits = -1;                  // bits of the exact mesh in the tail; 0 means no tail, -1 decides by size
+  qnv::ValueTolerance value_tolerance;  // values of a volume
   std::uint64_t seed = 1;
 };
 

@@ -323,6 +323,8 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
     if (const auto changed = input.file ? input.file->changed() : std::nullopt) return EncodeError{*changed};
     return encoded;
   }
+  if (options.method == EncodeMethod::values && !std::holds_alternative<qnv::VolumeSource>(input.content))
+    return EncodeError{"--method values applies to volumes only; leave it out"};
   if (options.method == EncodeMethod::displaced || options.exact_bits > 0)
     return EncodeError{std::string(options.exact_bits > 0 ? "--keep-mesh" : "--method displaced") +
                        " applies to surfaces of triangles only; leave it out"};
@@ -333,6 +335,14 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
     return encode(vectors, {requested_payload(options), std::move(encode_options)}, progress);
   }
   const auto& volume = std::get<qnv::VolumeSource>(input.content);
+  const bool selects_gradients = options.vectors > 0 || options.fraction > 0;
+  if (options.method == EncodeMethod::values || (options.method == EncodeMethod::automatic && !selects_gradients)) {
+    if (volume.layout.type == qnv::VoxelType::f64)
+      complain("ghostspace: warning: %s: values of float64 are stored as float32", path.c_str());
+    encode_options.metadata = metadata_of(options, input, path, volume.layout.metadata);
+    encode_options.tolerance = options.value_tolerance;
+    return encode(std::cref(volume), {qnv::Payload::values, std::move(encode_options)}, progress);
+  }
   auto found = gradients(volume, options, progress);
   if (auto* problem = std::get_if<EncodeError>(&found)) return std::move(*problem);
   encode_options.metadata = metadata_of(options, input, path, volume.layout.metadata);

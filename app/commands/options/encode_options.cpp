@@ -31,13 +31,14 @@ struct MethodName {
 };
 constexpr MethodName kMethods[] = {
     {"auto", EncodeMethod::automatic},  {"displaced", EncodeMethod::displaced}, {"octree", EncodeMethod::octree},
-    {"records", EncodeMethod::records}, {"outlines", EncodeMethod::outlines},   {"packed", EncodeMethod::octree},
+    {"records", EncodeMethod::records}, {"outlines", EncodeMethod::outlines},   {"values", EncodeMethod::values},
+    {"packed", EncodeMethod::octree},
 };
 
 Problem set_method_by_name(ConversionOptions& options, const std::string& value) {
   for (const MethodName& row : kMethods)
     if (row.name == value) return set_method(options, row.method);
-  return "expected auto, displaced, octree, records or outlines";
+  return "expected auto, displaced, octree, records, outlines or values";
 }
 
 template <EncodeMethod method>
@@ -67,6 +68,22 @@ Problem set_fraction(ConversionOptions& options, const std::string& value) {
   return read_share(value, options.fraction) && options.fraction > 0
              ? Problem{}
              : "expected a share from 0 to 1, or a percentage such as 30%";
+}
+
+Problem set_error(ConversionOptions& options, const std::string& value) {
+  qnv::ValueTolerance& tolerance = options.value_tolerance;
+  double error = 0;
+  tolerance.of_range = value.ends_with('%');
+  const std::string number = tolerance.of_range ? value.substr(0, value.size() - 1) : value;
+  if (!read(number, error) || !std::isfinite(error) || error < 0 || (tolerance.of_range && error > 100))
+    return "expected a number of at least 0 in the unit of the values, or a percentage of their range such as 0.1%";
+  tolerance.error = tolerance.of_range ? error / 100 : error;
+  return {};
+}
+
+Problem set_lossless(ConversionOptions& options, const std::string&) {
+  options.value_tolerance.lossless = true;
+  return {};
 }
 
 Problem set_isovalue(ConversionOptions& options, const std::string& value) {
@@ -125,10 +142,17 @@ constexpr OptionRow kEncodeOptions[] = {
      with<set_fraction>},
     {"--isovalue", "V", "", "extract the surface of a volume at this value instead of its gradients", "encode export ",
      with<set_isovalue>},
-    {"--method", "auto|displaced|octree|records|outlines", "auto",
+    {"--error", "SIZE", "half a step of a display with 12 bits",
+     "values of a volume: permit this error for every voxel, in the unit of the values or as a percentage of their "
+     "range (12, or 0.1%)",
+     "encode ", with<set_error>},
+    {"--lossless", "", "", "values of a volume: restore the stored voxels bit for bit; float64 is stored as float32",
+     "encode ", with<set_lossless>},
+    {"--method", "auto|displaced|octree|records|outlines|values", "auto",
      "encode a base mesh with displacements (displaced, usual for smooth surfaces), an octree of splats (octree, usual "
      "for surfaces of many small parts, and for points in a quarter of the bytes), records of 8 bytes (records, usual "
-     "for splats and points), or outline groups with their outlines first (outlines; OUT may be .wrl, .wrz or .qnv)",
+     "for splats and points), outline groups with their outlines first (outlines; OUT may be .wrl, .wrz or .qnv), or "
+     "the values of a volume (values, usual for volumes unless --vectors or --fraction selects gradients)",
      "encode ", with<set_method_by_name>},
     {"--keep-mesh", "none|exact|BITS", "for up to 300,000 triangles",
      "end the stream of a surface with its original mesh, which export writes. Vertices have 2^BITS positions along "

@@ -82,6 +82,7 @@ enum ExportKeeps : unsigned {
   kKeepsTexture = 4,
   kKeepsShine = 8,
   kNeedsTriangles = 16,  // the format holds nothing else
+  kNeedsValues = 32,     // the format holds the values of a volume
 };
 
 /// Export format.

@@ -1,4 +1,5 @@
 #include "app/formats/export/export.h"
+#include "app/formats/export/export_volume.h"
 #include "qnv/base/shine.h"
 
 #include <algorithm>
@@ -23,6 +24,11 @@ constexpr ExportFormat kExportFormats[] = {
      export_vrml97_points, kKeepsColors},
     {"vrml97-patches", ".patches.wrl", "VRML97 for any browser: a square for each vector", export_vrml97_patches,
      kKeepsColors},
+    {"nrrd", ".nrrd", "NRRD: the values of a volume", export_nrrd, kNeedsValues},
+    {"vti", ".vti", "VTK ImageData: the values of a volume", export_vti, kNeedsValues},
+    {"nifti", ".nii", "NIfTI-1: the values of a volume", export_nifti, kNeedsValues},
+    {"nifti-gz", ".nii.gz", "NIfTI-1 with gzip: the values of a volume", export_nifti_gz, kNeedsValues},
+    {"fits", ".fits", "FITS: the values of a volume", export_fits, kNeedsValues},
     {"x3d", ".x3d", "X3D XML: as .wrl", export_x3d_points, kKeepsColors},
     {"x3dv", ".x3dv", "X3D classic VRML: as .wrl", export_x3dv_points, kKeepsColors},
     {"x3dj", ".x3dj", "X3D JSON: as .wrl", export_x3dj_points, kKeepsColors},
@@ -43,6 +49,7 @@ std::vector<std::string> export_losses(const ExportFormat& format, const qnv::Ge
   const auto* mesh = geometry.as<qnv::IndexedMesh>();
   const auto* volume = geometry.as<qnv::Volume>();
   const qnv::VectorView vectors(geometry);
+  if ((format.keeps & kNeedsValues) != 0) return losses;
   const auto lacks = [&](ExportKeeps property) { return (format.keeps & property) == 0; };
   if (mesh && !mesh->triangles.empty() && lacks(kKeepsTriangles))
     losses.push_back(std::to_string(mesh->triangles.size() / 3) +

@@ -113,6 +113,12 @@ render::Image slice_image(const VolumeGrid& grid, const VolumeSlices& slices, st
   return opaque;
 }
 
+std::shared_ptr<const qnv::VolumeValues> streamed_values(const render::RenderList& list) {
+  for (const render::SplatItem& item : list.splats)
+    if (const auto* volume = item.geometry ? item.geometry->as<qnv::Volume>() : nullptr) return volume->values;
+  return nullptr;
+}
+
 std::optional<glm::dmat4> world_from_volume(const render::RenderList& list) {
   for (const render::SplatItem& item : list.splats)
     if (item.geometry && item.geometry->as<qnv::Volume>()) return item.world_from_node;

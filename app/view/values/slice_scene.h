@@ -39,6 +39,9 @@ class SliceScene {
   render::RenderList list_;
 };
 
+/// Returns the values of the first volume in the list, if its stream has them; else null.
+[[nodiscard]] std::shared_ptr<const qnv::VolumeValues> streamed_values(const render::RenderList& list);
+
 /// Returns the transformation from the space of the first volume in the list to world space; nullopt if the list has no
 /// volume.
 [[nodiscard]] std::optional<glm::dmat4> world_from_volume(const render::RenderList& list);

@@ -14,7 +14,7 @@ namespace gs::qnv {
 /// Numbers of chunks that a decoder received, by result.
 struct DecodeCount {
   std::size_t refused = 0, taken = 0;  // unusable chunks; chunks that changed the geometry
-  bool full = false;  // the maximum number of vectors was reached, and data was dropped
+  bool full = false;                   // the maximum number of vectors was reached, and data was dropped
 
   DecodeCount& operator+=(const DecodeCount& other) {
     refused += other.refused;
@@ -26,15 +26,15 @@ struct DecodeCount {
 
 /// Progress of the mesh that a stream ends with or grows to.
 struct MeshProgress {
-  std::size_t bytes = 0, received = 0;  // of an exact mesh; `bytes` is 0 until received
+  std::size_t bytes = 0, received = 0;                  // of an exact mesh; `bytes` is 0 until received
   std::size_t texture_bytes = 0, texture_received = 0;  // of its texture; `texture_bytes` is 0 until received
-  std::size_t vertices = 0;  // number received of a growing mesh
+  std::size_t vertices = 0;                             // number received of a growing mesh
   std::size_t triangles = 0, all_triangles = 0;         // of an exact mesh; `all_triangles` is set if `partly`
-  int bits = 0;  // log2 of the lattice positions per axis; 0 until received
+  int bits = 0;                                         // log2 of the lattice positions per axis; 0 until received
   bool partly = false;                                  // received triangles replace a part of the surface
-  bool whole = false;  // all triangles are drawn; their positions may still be refined
-  bool growing = false;  // a progressive mesh is drawn
-  bool final = false;  // the mesh is complete and exact
+  bool whole = false;                                   // all triangles are drawn; their positions may still be refined
+  bool growing = false;                                 // a progressive mesh is drawn
+  bool final = false;                                   // the mesh is complete and exact
 
   [[nodiscard]] bool shown() const { return partly || whole || growing; }
 };
@@ -65,6 +65,7 @@ class Decoder : NonCopyable {
 [[nodiscard]] std::unique_ptr<Decoder> make_displaced_decoder(const StreamHeader& header, std::size_t most_vectors);
 [[nodiscard]] std::unique_ptr<Decoder> make_octree_decoder(const StreamHeader& header, std::size_t most_vectors);
 [[nodiscard]] std::unique_ptr<Decoder> make_progressive_decoder(const StreamHeader& header, std::size_t most_vectors);
+[[nodiscard]] std::unique_ptr<Decoder> make_values_decoder(const StreamHeader& header, std::size_t most_vectors);
 [[nodiscard]] std::unique_ptr<Decoder> make_voxels_decoder(const StreamHeader& header, std::size_t most_vectors);
 
 }  // namespace gs::qnv

@@ -27,8 +27,8 @@ using TriangleSource = std::function<bool(const TriangleSink&)>;
 struct TexturedSurface {
   std::vector<Triangle> triangles;
   std::vector<std::array<glm::vec2, 3>> coordinates;  // s, t (VRML97 4.6.11) of each triangle's corners
-  std::uint32_t width = 1, height = 1;  // size of the texture, pixels
-  std::vector<PictureFile> picture;  // texture files, coarse to fine; at most exact::kMaxPictureFiles
+  std::uint32_t width = 1, height = 1;                // size of the texture, pixels
+  std::vector<PictureFile> picture;                   // texture files, coarse to fine; at most exact::kMaxPictureFiles
   bool repeat_s = true, repeat_t = true;
 };
 
@@ -38,17 +38,26 @@ inline constexpr int kExactWherePays = -1;
 /// Maximum number of triangles for which kExactWherePays adds an exact tail.
 inline constexpr std::size_t kMaxChosenTriangles = 300'000;
 
+/// Error of the values that a stream may have. Without a limit, the encoder permits half a step of a display with 12
+/// bits over the range of the values.
+struct ValueTolerance {
+  std::optional<double> error;  // maximum for every voxel, in the unit of the values
+  bool of_range = false;        // `error` is a share of the range of the values
+  bool lossless = false;        // restores the stored voxels bit for bit
+};
+
 struct EncodeOptions {
-  std::size_t vectors = 0;  // approximate number at full detail; 0 means automatic
+  std::size_t vectors = 0;    // approximate number at full detail; 0 means automatic
   std::size_t max_bytes = 0;  // maximum size of the stream; 0 means unlimited
-  std::uint64_t seed = 1;  // of the pseudo-random order of records
+  std::uint64_t seed = 1;     // of the pseudo-random order of records
   bool two_sided = false;
-  bool only_if_suited = false;  // displaced: fails with EncodeError::unsuited if an octree is better
+  bool only_if_suited = false;     // displaced: fails with EncodeError::unsuited if an octree is better
   std::size_t most_triangles = 0;  // displaced: maximum number; larger surfaces are thinned; 0 means unlimited
-  int exact_bits = 0;  // displaced: bits per axis of an exact tail, 8 to 20; 0 means no tail; or
-                       // kExactWherePays
+  int exact_bits = 0;              // displaced: bits per axis of an exact tail, 8 to 20; 0 means no tail; or
+                                   // kExactWherePays
   const TexturedSurface* textured = nullptr;  // displaced: source of the exact tail, or null; must outlive the call
-  glm::dvec3 origin{0};  // origin of triangles (Description::origin); vectors have their own
+  ValueTolerance tolerance;                   // values
+  glm::dvec3 origin{0};                       // origin of triangles (Description::origin); vectors have their own
   std::vector<std::pair<std::string, std::string>> metadata;
   unsigned threads = 0;
 };
@@ -56,7 +65,7 @@ struct EncodeOptions {
 /// Request for a stream, independent of the source.
 struct EncodeRequest {
   std::optional<Payload> payload;  // if nullopt, encode() chooses by the source
-  EncodeOptions options;  // encode() ignores `only_if_suited`
+  EncodeOptions options;           // encode() ignores `only_if_suited`
 };
 
 /// Memory per triangle during the encoding of a displaced surface, in bytes.

@@ -13,6 +13,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 namespace gs::qnv {
@@ -64,7 +65,7 @@ class CountsPool {
 
 /// Minimum length of the vectors in the result.
 struct Cut {
-  Key lowest = 1;  // key of the minimum; shorter vectors are dropped
+  Key lowest = 1;                    // key of the minimum; shorter vectors are dropped
   std::uint64_t ties = kMaxVectors;  // maximum number of vectors with exactly that length; keeps the first voxels
 };
 
@@ -81,6 +82,7 @@ class GradientEncoder {
     start("measuring");
     if (const auto problem = measure()) return *problem;
     if (!(all_.least <= all_.most)) return VolumeError{"every voxel of the volume is missing; expected values"};
+    if (options_.range) std::tie(all_.least, all_.most) = *options_.range;
     FoundVectors found;
     if (wanted_ > 0) {
       if (const auto problem = find_cut()) return *problem;

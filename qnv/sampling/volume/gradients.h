@@ -6,6 +6,8 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -18,20 +20,20 @@ struct GradientOptions {
   double fraction = 0.09;
   /// Maximum number of vectors; at most 2^31.
   std::uint64_t vectors = std::uint64_t{1} << 31;
-  unsigned threads = 0;  // 0 means one per core
+  unsigned threads = 0;                            // 0 means one per core
+  std::optional<std::pair<float, float>> range{};  // values of classes 0 and 255; nullopt means the range of the volume
 };
 
 /// Returns the gradient vectors of a volume (paper, section 2.1), longest first; vectors of equal length are in the
 /// order of their voxels. The result does not depend on the number of threads.
 /// The position of a vector is the centre of its voxel, its direction that of the gradient (towards higher values), and
 /// its weight the length of the gradient (value per world unit). Its class is the value of the voxel, 0..255 from the
-/// minimum to the maximum. Gradients are central differences in world space; they are one-sided next to borders and
-/// missing voxels. Missing voxels and zero gradients have no vector.
-/// The description has the volume's metadata, the box of the voxels' centres, the shortest axis and default_transfer().
-/// Its total is the sum of all lengths, including omitted vectors. Reads the volume two or three times, slice by slice.
-/// Needs memory for a few slices and the result. Returns an error for an invalid layout or invalid options, if the
-/// source fails, for a volume without values, or if cancelled. Progress counts slices. Any thread. Safe for untrusted
-/// values.
+/// minimum to the maximum of the range. Gradients are central differences in world space; they are one-sided next to
+/// borders and missing voxels. Missing voxels and zero gradients have no vector. The description has the volume's
+/// metadata, the box of the voxels' centres, the shortest axis and default_transfer(). Its total is the sum of all
+/// lengths, including omitted vectors. Reads the volume two or three times, slice by slice. Needs memory for a few
+/// slices and the result. Returns an error for an invalid layout or invalid options, if the source fails, for a volume
+/// without values, or if cancelled. Progress counts slices. Any thread. Safe for untrusted values.
 [[nodiscard]] std::variant<Volume, VolumeError> gradient_vectors(const VolumeSource& source,
                                                                  const GradientOptions& options,
                                                                  Progress* progress = nullptr);

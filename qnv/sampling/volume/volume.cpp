@@ -120,6 +120,26 @@ bool may_miss(const VolumeLayout& layout) {
          layout.slope != 1 || layout.intercept != 0;
 }
 
+void stored_numbers(const VolumeLayout& layout, std::span<const std::byte> stored, std::span<double> numbers) {
+  const std::size_t count = std::min(numbers.size(), stored.size() / size_of(layout.type));
+  std::fill(numbers.begin() + static_cast<std::ptrdiff_t>(count), numbers.end(),
+            std::numeric_limits<double>::quiet_NaN());
+  const bool swap = layout.big_endian != (std::endian::native == std::endian::big);
+  constexpr double most = std::numeric_limits<float>::max();
+  const double missing = layout.missing.value_or(std::numeric_limits<double>::quiet_NaN());
+  with_nth_type<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, float, double>(
+      static_cast<std::size_t>(layout.type), [&]<class T>(T) {
+        for (std::size_t i = 0; i < count; ++i) {
+          T number;
+          std::memcpy(&number, stored.data() + i * sizeof(T), sizeof(T));
+          const auto exact = static_cast<double>(swap ? swapped(number) : number);
+          const double value = exact * layout.slope + layout.intercept;
+          const bool there = exact != missing && value >= -most && value <= most;
+          numbers[i] = there ? exact : std::numeric_limits<double>::quiet_NaN();
+        }
+      });
+}
+
 void values_of(const VolumeLayout& layout, std::span<const std::byte> stored, std::span<float> values) {
   const std::size_t count = std::min(values.size(), stored.size() / size_of(layout.type));
   std::fill(values.begin() + static_cast<std::ptrdiff_t>(count), values.end(), kMissing);

@@ -41,6 +41,10 @@ inline constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
 /// stored voxel become kMissing. Any thread.
 void values_of(const VolumeLayout& layout, std::span<const std::byte> stored, std::span<float> values);
 
+/// Converts stored voxels to numbers without slope and intercept. NaNs, and voxels that values_of() makes missing,
+/// become NaN. Otherwise like values_of().
+void stored_numbers(const VolumeLayout& layout, std::span<const std::byte> stored, std::span<double> numbers);
+
 /// Reads slice z into slice_voxels() values. The layout must be valid. Returns false if the source fails or z is out of
 /// range. `scratch` is a reusable buffer.
 [[nodiscard]] bool read_slice(const VolumeSource& source, std::uint32_t z, std::vector<std::byte>& scratch,

@@ -13,6 +13,7 @@
 
 namespace {
 
+using namespace gs;
 using namespace gs::test;
 using namespace gs::app;
 using gs::qnv::Kind;

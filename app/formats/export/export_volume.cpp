@@ -1,0 +1,265 @@
+#include "app/formats/export/export_volume.h"
+
+#include "app/formats/export/volume_values_writer.h"
+#include "base/bytes.h"
+#include "qnv/sampling/volume/volume_slices.h"
+
+#include <zlib.h>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <utility>
+
+namespace gs::app {
+namespace {
+
+using qnv::VoxelType;
+
+/// Names and codes of a voxel type in the formats.
+struct TypeName {
+  const char *nrrd, *vtk;
+  std::int16_t nifti;
+  int fits;
+};
+constexpr std::array<TypeName, 8> kTypeNames{{{"uint8", "UInt8", 2, 8},
+                                              {"int8", "Int8", 256, 0},
+                                              {"uint16", "UInt16", 512, 0},
+                                              {"int16", "Int16", 4, 16},
+                                              {"uint32", "UInt32", 768, 0},
+                                              {"int32", "Int32", 8, 32},
+                                              {"float", "Float32", 16, -32},
+                                              {"double", "Float64", 64, -64}}};
+const TypeName& names_of(VoxelType type) { return kTypeNames[static_cast<std::size_t>(type)]; }
+
+std::string shortest(double value) {
+  std::array<char, 32> text;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return {text.data(), end};
+}
+
+// Number of the metadata, or the usual unit of lengths.
+std::string metadata_of(const qnv::VolumeLayout& layout, std::string_view key) {
+  for (const auto& [name, value] : layout.metadata)
+    if (name == key) return value;
+  return {};
+}
+
+bool one_line(const std::string& text) {
+  return std::ranges::none_of(text, [](char c) { return static_cast<unsigned char>(c) < 32; });
+}
+
+std::vector<std::byte> joined(const std::string& head, std::span<const std::byte> bytes, const std::string& tail = {}) {
+  std::vector<std::byte> all;
+  all.reserve(head.size() + bytes.size() + tail.size());
+  for (const char c : head) all.push_back(static_cast<std::byte>(c));
+  all.insert(all.end(), bytes.begin(), bytes.end());
+  for (const char c : tail) all.push_back(static_cast<std::byte>(c));
+  return all;
+}
+
+Exported nifti_bytes(const qnv::Geometry& geometry, const ExportOptions& options) {
+  auto made = voxels_to_write(geometry, {});
+  if (auto* problem = std::get_if<std::string>(&made)) return std::move(*problem);
+  const auto& [layout, bytes] = std::get<WrittenVoxels>(made);
+  if (std::ranges::any_of(layout.dimensions, [](std::uint32_t n) { return n > 32767; }))
+    return std::string("NIfTI-1 holds at most 32767 voxels per axis; expected .nrrd or .vti");
+  std::vector<std::byte> out;
+  ByteWriter write(out);
+  const auto zeros = [&](std::size_t count) { out.resize(out.size() + count, std::byte{0}); };
+  const auto text = [&](const std::string& value, std::size_t size) {
+    for (std::size_t i = 0; i < size; ++i)
+      out.push_back(static_cast<std::byte>(i + 1 < size && i < value.size() ? value[i] : '\0'));
+  };
+  write.integer(std::int32_t{348});
+  zeros(36);
+  for (const int n : {3, static_cast<int>(layout.dimensions[0]), static_cast<int>(layout.dimensions[1]),
+                      static_cast<int>(layout.dimensions[2]), 1, 1, 1, 1})
+    write.integer(static_cast<std::int16_t>(n));
+  zeros(14);  // intent
+  write.integer(names_of(layout.type).nifti);
+  write.integer(static_cast<std::int16_t>(8 * qnv::size_of(layout.type)));
+  zeros(2);
+  write.f32(1);
+  for (const glm::vec3& axis : layout.axes) write.f32(glm::length(axis));
+  zeros(16);
+  constexpr float kDataOffset = 352;
+  write.f32(kDataOffset);
+  write.f32(static_cast<float>(layout.slope));
+  write.f32(static_cast<float>(layout.intercept));
+  zeros(3);
+  write.integer(static_cast<std::uint8_t>(metadata_of(layout, "units") == "mm" ? 2 : 0));
+  zeros(24);
+  text(options.title, 80);
+  zeros(24);
+  write.integer(std::int16_t{0});
+  write.integer(std::int16_t{1});  // the affine transformation holds
+  zeros(24);
+  const glm::dvec3 origin = layout.base + layout.origin;
+  for (int row = 0; row < 3; ++row) {
+    for (const glm::vec3& axis : layout.axes) write.f32(axis[row]);
+    write.f32(static_cast<float>(origin[row]));
+  }
+  zeros(16);
+  for (const char c : {'n', '+', '1', '\0'}) out.push_back(static_cast<std::byte>(c));
+  zeros(4);
+  out.insert(out.end(), bytes.begin(), bytes.end());
+  return out;
+}
+
+// One card of a FITS header (4.1).
+std::string card(const std::string& keyword, const std::string& value, bool text = false) {
+  std::string line = keyword;
+  line.resize(8, ' ');
+  line += "= ";
+  if (text) {
+    std::string quoted = "'";
+    for (const char c : value)
+      if (quoted.size() < 66 && c >= ' ' && c <= '~') quoted += c == '\'' ? std::string("''") : std::string(1, c);
+    quoted.resize(std::max<std::size_t>(quoted.size(), 9), ' ');
+    line += quoted + "'";
+  } else {
+    line += std::string(value.size() < 20 ? 20 - value.size() : 0, ' ') + value;
+  }
+  line.resize(80, ' ');
+  return line;
+}
+
+// Number of FITS, which has an upper-case exponent and a decimal point.
+std::string fits_number(double value) {
+  std::string text = shortest(value);
+  std::ranges::replace(text, 'e', 'E');
+  if (text.find_first_of(".E") == std::string::npos) text += ".";
+  return text;
+}
+
+}  // namespace
+
+Exported export_nrrd(const qnv::Geometry& geometry, const ExportOptions& options) {
+  auto made = voxels_to_write(geometry, {.scaled = false});
+  if (auto* problem = std::get_if<std::string>(&made)) return std::move(*problem);
+  const auto& [layout, bytes] = std::get<WrittenVoxels>(made);
+  const auto vector = [](const glm::dvec3& v) {
+    return "(" + shortest(v.x) + "," + shortest(v.y) + "," + shortest(v.z) + ")";
+  };
+  std::string head = "NRRD0004\n";
+  if (!options.title.empty() && one_line(options.title)) head += "content: " + options.title + "\n";
+  head += std::string("type: ") + names_of(layout.type).nrrd + "\ndimension: 3\nspace dimension: 3\nsizes:";
+  for (const std::uint32_t n : layout.dimensions) head += " " + std::to_string(n);
+  head += "\nspace directions:";
+  for (const glm::vec3& axis : layout.axes) {
+    std::array<std::string, 3> parts;
+    for (int i = 0; i < 3; ++i) {
+      std::array<char, 32> text;
+      parts[static_cast<std::size_t>(i)] =
+          std::string(text.data(), std::to_chars(text.data(), text.data() + text.size(), axis[i]).ptr);
+    }
+    head += " (" + parts[0] + "," + parts[1] + "," + parts[2] + ")";
+  }
+  head += "\nspace origin: " + vector(layout.base + layout.origin) + "\nkinds: domain domain domain\n";
+  if (const std::string units = metadata_of(layout, "units");
+      !units.empty() && one_line(units) && units.find('"') == std::string::npos)
+    head += "space units: \"" + units + "\" \"" + units + "\" \"" + units + "\"\n";
+  if (qnv::size_of(layout.type) > 1) head += "endian: little\n";
+  return joined(head + "encoding: raw\n\n", bytes);
+}
+
+Exported export_vti(const qnv::Geometry& geometry, const ExportOptions&) {
+  auto made = voxels_to_write(geometry, {.scaled = false});
+  if (auto* problem = std::get_if<std::string>(&made)) return std::move(*problem);
+  const auto& [layout, bytes] = std::get<WrittenVoxels>(made);
+  std::array<glm::dvec3, 3> directions;
+  std::string spacing, direction, extent;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double length = glm::length(glm::dvec3(layout.axes[i]));
+    directions[i] = glm::dvec3(layout.axes[i]) / length;
+    spacing += (i > 0 ? " " : "") + shortest(length);
+    extent += (i > 0 ? " 0 " : "0 ") + std::to_string(layout.dimensions[i] - 1);
+  }
+  for (std::size_t i = 0; i < 3; ++i)
+    if (std::abs(glm::dot(directions[i], directions[(i + 1) % 3])) > 1e-4)
+      return std::string("the axes are not at right angles, which .vti needs; expected .nrrd or .nii");
+  for (int row = 0; row < 3; ++row)
+    for (std::size_t i = 0; i < 3; ++i) direction += (direction.empty() ? "" : " ") + shortest(directions[i][row]);
+  const glm::dvec3 origin = layout.base + layout.origin;
+  const std::string head =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+      "header_type=\"UInt64\">\n<ImageData WholeExtent=\"" +
+      extent + "\" Origin=\"" + shortest(origin.x) + " " + shortest(origin.y) + " " + shortest(origin.z) +
+      "\" Spacing=\"" + spacing + "\" Direction=\"" + direction + "\">\n<Piece Extent=\"" + extent +
+      "\">\n<PointData Scalars=\"values\">\n<DataArray type=\"" + names_of(layout.type).vtk +
+      "\" Name=\"values\" format=\"appended\" offset=\"0\"/>\n</PointData>\n</Piece>\n</ImageData>\n"
+      "<AppendedData encoding=\"raw\">\n_";
+  std::vector<std::byte> sized;
+  ByteWriter(sized).integer(static_cast<std::uint64_t>(bytes.size()));
+  sized.insert(sized.end(), bytes.begin(), bytes.end());
+  return joined(head, sized, "\n</AppendedData>\n</VTKFile>\n");
+}
+
+Exported export_nifti(const qnv::Geometry& geometry, const ExportOptions& options) {
+  return nifti_bytes(geometry, options);
+}
+
+Exported export_nifti_gz(const qnv::Geometry& geometry, const ExportOptions& options) {
+  Exported plain = nifti_bytes(geometry, options);
+  auto* bytes = std::get_if<std::vector<std::byte>>(&plain);
+  if (!bytes) return plain;
+  z_stream stream{};
+  constexpr int kGzip = 15 + 16, kMemory = 8;
+  if (deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, kGzip, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
+    return std::string("not enough memory to compress");
+  std::vector<std::byte> out;
+  std::array<std::byte, 1 << 16> piece;
+  std::size_t taken = 0;
+  int status = Z_OK;
+  while (status == Z_OK) {
+    if (stream.avail_in == 0) {
+      const std::size_t next = std::min<std::size_t>(bytes->size() - taken, std::numeric_limits<uInt>::max());
+      stream.next_in = reinterpret_cast<Bytef*>(bytes->data() + taken);
+      stream.avail_in = static_cast<uInt>(next);
+      taken += next;
+    }
+    stream.next_out = reinterpret_cast<Bytef*>(piece.data());
+    stream.avail_out = static_cast<uInt>(piece.size());
+    status = deflate(&stream, taken == bytes->size() ? Z_FINISH : Z_NO_FLUSH);
+    out.insert(out.end(), piece.begin(), piece.end() - stream.avail_out);
+  }
+  deflateEnd(&stream);
+  if (status != Z_STREAM_END) return std::string("the volume cannot be compressed");
+  return out;
+}
+
+Exported export_fits(const qnv::Geometry& geometry, const ExportOptions& options) {
+  auto made = voxels_to_write(geometry, {.big_endian = true, .only_signed = true});
+  if (auto* problem = std::get_if<std::string>(&made)) return std::move(*problem);
+  auto& [layout, bytes] = std::get<WrittenVoxels>(made);
+  constexpr std::size_t kBlock = 2880;
+  std::string head =
+      card("SIMPLE", "T") + card("BITPIX", std::to_string(names_of(layout.type).fits)) + card("NAXIS", "3");
+  for (std::size_t i = 0; i < 3; ++i)
+    head += card("NAXIS" + std::to_string(i + 1), std::to_string(layout.dimensions[i]));
+  if (layout.slope != 1 || layout.intercept != 0)
+    head += card("BSCALE", fits_number(layout.slope)) + card("BZERO", fits_number(layout.intercept));
+  if (layout.missing && layout.type != VoxelType::f32 && layout.type != VoxelType::f64)
+    head += card("BLANK", shortest(std::round(*layout.missing)));
+  const glm::dvec3 origin = layout.base + layout.origin;
+  for (int i = 0; i < 3; ++i) {
+    const std::string n = std::to_string(i + 1);
+    head += card("CRPIX" + n, "1.") + card("CRVAL" + n, fits_number(origin[i])) +
+            card("CDELT" + n, fits_number(glm::length(layout.axes[static_cast<std::size_t>(i)])));
+  }
+  if (const std::string unit = metadata_of(layout, "sample units"); !unit.empty()) head += card("BUNIT", unit, true);
+  if (!options.title.empty()) head += card("OBJECT", options.title, true);
+  std::string end = "END";
+  end.resize(80, ' ');
+  head += end;
+  head.resize((head.size() + kBlock - 1) / kBlock * kBlock, ' ');
+  bytes.resize((bytes.size() + kBlock - 1) / kBlock * kBlock, std::byte{0});
+  return joined(head, bytes);
+}
+
+}  // namespace gs::app

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "app/formats/export/export.h"
+
+namespace gs::app {
+
+// Export the values of a volume (qnv::Volume::values) with the type of its source. Values that are not exact are
+// rounded to that type. The values must have level 0. Each function returns a message if the geometry has no values.
+
+/// Exports NRRD 4 (Teem), raw. Values with slope and intercept become float32, because NRRD has neither.
+[[nodiscard]] Exported export_nrrd(const qnv::Geometry& geometry, const ExportOptions& options = {});
+/// Exports VTK XML ImageData with raw appended data. Values with slope and intercept become float32. Refuses axes that
+/// are not at right angles.
+[[nodiscard]] Exported export_vti(const qnv::Geometry& geometry, const ExportOptions& options = {});
+/// Export NIfTI-1, plain and compressed by gzip. Refuses more than 32767 voxels per axis.
+[[nodiscard]] Exported export_nifti(const qnv::Geometry& geometry, const ExportOptions& options = {});
+[[nodiscard]] Exported export_nifti_gz(const qnv::Geometry& geometry, const ExportOptions& options = {});
+/// Exports FITS 4.0. Unsigned integers are stored with an offset (4.4.2.5), missing voxels as BLANK or NaN.
+[[nodiscard]] Exported export_fits(const qnv::Geometry& geometry, const ExportOptions& options = {});
+
+}  // namespace gs::app

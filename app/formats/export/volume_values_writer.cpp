@@ -1,0 +1,117 @@
+#include "app/formats/export/volume_values_writer.h"
+
+#include "base/nth_type.h"
+#include "qnv/sampling/volume/volume_slices.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <type_traits>
+
+namespace gs::app {
+namespace {
+
+using qnv::VoxelType;
+
+bool is_float(VoxelType type) { return type == VoxelType::f32 || type == VoxelType::f64; }
+
+template <class Take>
+void with_type(VoxelType type, Take&& take) {
+  with_nth_type<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, float, double>(
+      static_cast<std::size_t>(type), take);
+}
+
+// Type with the other sign, and the number that maps the old type to it.
+struct Moved {
+  VoxelType type;
+  double offset = 0;
+};
+Moved moved(VoxelType type) {
+  if (type == VoxelType::u16) return {VoxelType::i16, 32768};
+  if (type == VoxelType::u32) return {VoxelType::i32, 2147483648.0};
+  if (type == VoxelType::i8) return {VoxelType::u8, -128};
+  return {type, 0};
+}
+
+/// Writes numbers of one type.
+class NumberWriter {
+ public:
+  NumberWriter(VoxelType type, bool big_endian, double missing)
+      : type_(type), swap_(big_endian != (std::endian::native == std::endian::big)), missing_(missing) {}
+
+  void operator()(std::span<const double> numbers, std::byte* to) const {
+    with_type(type_, [&]<class T>(T) {
+      for (std::size_t i = 0; i < numbers.size(); ++i) {
+        const double number = numbers[i] == numbers[i] ? numbers[i] : missing_;
+        T written;
+        if constexpr (std::is_floating_point_v<T>)
+          written = static_cast<T>(number);
+        else
+          written = static_cast<T>(std::clamp(std::round(number), static_cast<double>(std::numeric_limits<T>::min()),
+                                              static_cast<double>(std::numeric_limits<T>::max())));
+        std::memcpy(to + i * sizeof(T), &written, sizeof(T));
+        if (swap_) std::reverse(to + i * sizeof(T), to + (i + 1) * sizeof(T));
+      }
+    });
+  }
+
+ private:
+  VoxelType type_;
+  bool swap_;
+  double missing_;
+};
+
+}  // namespace
+
+std::variant<WrittenVoxels, std::string> voxels_to_write(const qnv::Geometry& geometry, const VoxelForm& form) {
+  const auto* volume = geometry.as<qnv::Volume>();
+  const qnv::VolumeValues* values = volume ? volume->values.get() : nullptr;
+  if (!values) return std::string("the input has no values of voxels; expected a volume, or a stream of its values");
+  if (values->level > 0)
+    return std::string("the stream ends before its finest values; expected the whole stream, or more memory");
+  const qnv::VolumeLayout& from = values->source.layout;
+  if (const auto problem = qnv::check(from)) return problem->message;
+  WrittenVoxels written{from, {}};
+  qnv::VolumeLayout& to = written.layout;
+  to.type = values->stored;
+  to.slope = values->slope;
+  to.intercept = values->intercept;
+  to.missing = values->missing;
+  to.big_endian = form.big_endian;
+  const bool scales = to.slope != 1 || to.intercept != 0;
+  if (scales && !form.scaled) {
+    to.type = VoxelType::f32;
+    to.slope = 1;
+    to.intercept = 0;
+    to.missing.reset();
+  }
+  double offset = 0;
+  if (form.only_signed) {
+    const Moved other = moved(to.type);
+    to.type = other.type;
+    offset = other.offset;
+    to.intercept += to.slope * offset;
+    if (to.missing) *to.missing -= offset;
+  }
+  const double missing = is_float(to.type) ? std::numeric_limits<double>::quiet_NaN() : to.missing.value_or(0);
+  const bool same = from.slope == values->slope && from.intercept == values->intercept && !(scales && !form.scaled);
+  const NumberWriter write(to.type, form.big_endian, missing);
+  const std::size_t slice = qnv::slice_voxels(from), size = qnv::size_of(to.type);
+  std::vector<std::byte> stored(slice * qnv::size_of(from.type));
+  std::vector<double> numbers(slice);
+  written.bytes.resize(slice * from.dimensions[2] * size);
+  for (std::uint32_t z = 0; z < from.dimensions[2]; ++z) {
+    if (!values->source.read(z, stored)) return "slice " + std::to_string(z) + " cannot be read";
+    qnv::stored_numbers(from, stored, numbers);
+    for (double& number : numbers) {
+      if (!same) number = (number * from.slope + from.intercept - (to.intercept - to.slope * offset)) / to.slope;
+      number -= offset;
+    }
+    write(numbers, written.bytes.data() + z * slice * size);
+  }
+  return written;
+}
+
+}  // namespace gs::app

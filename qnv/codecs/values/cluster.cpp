@@ -1,0 +1,41 @@
+#include "qnv/codecs/values/cluster.h"
+
+#include "qnv/codecs/values/wide_number.h"
+
+#include <algorithm>
+
+namespace gs::qnv::values {
+
+std::vector<std::byte> pack(const Cluster& cluster) {
+  std::vector<std::byte> out;
+  put_wide_number(out, cluster.block);
+  put_wide_number(out, cluster.index);
+  put_wide_number(out, cluster.steps);
+  if (cluster.index == 0) out.push_back(static_cast<std::byte>(cluster.plane));
+  out.insert(out.end(), cluster.bytes.begin(), cluster.bytes.end());
+  return out;
+}
+
+std::optional<Cluster> parse_cluster(std::span<const std::byte> payload) {
+  if (payload.size() > kMaxClusterBytes) return std::nullopt;
+  const auto block = take_wide_number(payload);
+  const auto index = take_wide_number(payload);
+  const auto steps = take_wide_number(payload);
+  constexpr std::uint64_t kMost = 0xffffffff;
+  if (!block || !index || !steps || *steps == 0 || std::max({*block, *index, *steps}) > kMost) return std::nullopt;
+  Cluster cluster{static_cast<std::uint32_t>(*block),
+                  static_cast<std::uint32_t>(*index),
+                  static_cast<std::uint32_t>(*steps),
+                  0,
+                  {}};
+  if (*index == 0) {
+    if (payload.empty()) return std::nullopt;
+    cluster.plane = std::to_integer<std::uint8_t>(payload.front());
+    payload = payload.subspan(1);
+  }
+  if (cluster.plane > kHighestPlane) return std::nullopt;
+  cluster.bytes.assign(payload.begin(), payload.end());
+  return cluster;
+}
+
+}  // namespace gs::qnv::values

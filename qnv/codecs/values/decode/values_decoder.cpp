@@ -1,0 +1,105 @@
+#include "qnv/codecs/values/decode/values_decoder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace gs::qnv::values {
+
+namespace {
+
+// Maximum number of clusters that wait for earlier ones, in one block and in all.
+constexpr std::size_t kMostWaiting = 256, kMostWaitingInAll = std::size_t{1} << 16;
+// A level is shown when one of this many blocks has data.
+constexpr std::uint32_t kShownPart = 16;
+
+}  // namespace
+
+bool valid(Extent extent) {
+  std::uint64_t samples = 1;
+  for (const std::uint32_t n : extent) {
+    if (n == 0 || n > kMostSamples) return false;
+    samples *= n;
+    if (samples > kMostSamples) return false;
+  }
+  return true;
+}
+
+double level_gain(Extent extent, int level) {
+  constexpr double kLowGain = 1.230174104914001;  // of one step along one axis
+  int steps = 0;
+  for (int i = 0; i < level; ++i)
+    for (const std::uint32_t n : low_extent(extent, i)) steps += n > 1 ? 1 : 0;
+  return std::pow(kLowGain, steps);
+}
+
+ValuesDecoder::ValuesDecoder(Extent extent, int finest, std::size_t most_blocks)
+    : extent_(extent),
+      levels_(level_count(extent)),
+      finest_(std::clamp(finest, 0, levels_)),
+      layout_(extent, levels_),
+      most_blocks_(most_blocks) {
+  begun_.assign(static_cast<std::size_t>(std::max(levels_, 1)) + 1, 0);
+}
+
+void ValuesDecoder::decode(State& state, const Cluster& cluster, const BlockPlace& place) {
+  if (!state.block) {
+    state.block = std::make_unique<Block>(place);
+    state.block->start(cluster.plane);
+    ++begun_[static_cast<std::size_t>(place.level)];
+  }
+  BinaryDecoder decoder(cluster.bytes);
+  state.block->decode(decoder, cluster.steps, scratch_);
+  ++state.next;
+}
+
+Added ValuesDecoder::add(const Cluster& cluster) {
+  if (cluster.block >= layout_.count() || cluster.plane > kHighestPlane) return Added::refused;
+  const BlockPlace place = layout_.place(cluster.block);
+  // The coarsest level has the low band, too.
+  if (place.level <= finest_ && place.level < levels_) return Added::dropped;
+  if (states_.size() >= most_blocks_ && !states_.contains(cluster.block)) return Added::dropped;
+  State& state = states_[cluster.block];
+  if (cluster.index < state.next || state.waiting.contains(cluster.index)) return Added::repeated;
+  if (cluster.index > state.next) {
+    if (state.waiting.size() >= kMostWaiting || waiting_ >= kMostWaitingInAll) return Added::refused;
+    state.waiting.emplace(cluster.index, cluster);
+    ++waiting_;
+    return Added::waits;
+  }
+  decode(state, cluster, place);
+  while (!state.waiting.empty() && state.waiting.begin()->first == state.next) {
+    const auto node = state.waiting.extract(state.waiting.begin());
+    --waiting_;
+    decode(state, node.mapped(), place);
+  }
+  return Added::taken;
+}
+
+int ValuesDecoder::level() const {
+  for (int level = 1; level <= levels_; ++level) {
+    const auto at = static_cast<std::size_t>(level);
+    if (begun_[at] > 0 && std::uint64_t{begun_[at]} * kShownPart >= layout_.count_of(level))
+      return std::max(level - 1, finest_);
+  }
+  return levels_;
+}
+
+std::vector<std::int32_t> ValuesDecoder::samples(int level) const {
+  level = std::clamp(level, 0, levels_);
+  // The bands of a level lie at the strides of the whole volume; coarser levels need only their own part of it.
+  const Extent part = low_extent(extent_, level);
+  std::vector<std::int32_t> volume(sample_count(part), 0);
+  for (const auto& [number, state] : states_) {
+    if (!state.block) continue;
+    const int of = state.block->level();
+    if (of > level)
+      state.block->write(volume, part);
+    else if (of == levels_)
+      state.block->write_low(volume, part);  // the coarsest level has the low band, too
+  }
+  restore(volume, part, levels_ - level);
+  return volume;
+}
+
+}  // namespace gs::qnv::values

@@ -1,0 +1,55 @@
+#pragma once
+
+#include "qnv/codecs/values/block.h"
+#include "qnv/codecs/values/cluster.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <vector>
+
+namespace gs::qnv::values {
+
+/// Reports whether a volume of this extent is supported: no axis is empty, and at most kMostSamples samples.
+[[nodiscard]] bool valid(Extent extent);
+
+/// Result of adding a cluster.
+enum class Added : std::uint8_t { taken, waits, repeated, refused, dropped };
+
+/// Decoder of the clusters of one volume, in any order. A cluster waits until those before it in its block are
+/// received. Safe for untrusted clusters. One thread at a time.
+class ValuesDecoder {
+ public:
+  /// Drops clusters of levels below `finest`, and of further blocks after `most_blocks`. `extent` must be valid.
+  explicit ValuesDecoder(Extent extent, int finest = 0, std::size_t most_blocks = std::size_t{1} << 22);
+
+  Added add(const Cluster& cluster);
+  [[nodiscard]] int levels() const { return levels_; }
+  /// Returns the finest level of which many blocks have data, and that is not dropped: 0 means the volume.
+  [[nodiscard]] int level() const;
+  /// Returns the samples of low_extent(extent, level), x first. The samples of level n are larger by level_gain(n).
+  [[nodiscard]] std::vector<std::int32_t> samples(int level = 0) const;
+
+ private:
+  struct State {
+    std::unique_ptr<Block> block;
+    std::uint32_t next = 0;  // index of the next cluster
+    std::map<std::uint32_t, Cluster> waiting;
+  };
+  void decode(State& state, const Cluster& cluster, const BlockPlace& place);
+
+  Extent extent_;
+  int levels_, finest_;
+  BlockLayout layout_;
+  std::map<std::uint32_t, State> states_;
+  std::vector<std::uint32_t> begun_;  // number of blocks with data, by BlockPlace::level
+  std::size_t waiting_ = 0;           // clusters
+  std::size_t most_blocks_;
+  BlockScratch scratch_;
+};
+
+/// Returns the factor by which samples of a level exceed those of the volume.
+[[nodiscard]] double level_gain(Extent extent, int level);
+
+}  // namespace gs::qnv::values

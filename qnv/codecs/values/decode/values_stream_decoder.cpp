@@ -1,0 +1,244 @@
+#include "qnv/codecs/shared/decoder.h"
+#include "qnv/codecs/values/cube_runs.h"
+#include "qnv/codecs/values/decode/values_decoder.h"
+#include "qnv/codecs/values/stored_code.h"
+#include "qnv/codecs/values/values_vectors.h"
+#include "qnv/sampling/volume/gradients.h"
+#include "qnv/sampling/volume/volume_values.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace gs::qnv {
+namespace {
+
+using values::Extent;
+
+constexpr std::int32_t kMissingSample = std::numeric_limits<std::int32_t>::min();
+// Samples that are decoded for each permitted vector: a tenth of the samples are drawn as vectors.
+constexpr std::uint64_t kSamplesPerVector = 8;
+// A block has at least this many samples, except in thin volumes.
+constexpr std::uint64_t kBlockSamples = 512;
+
+/// Numbers of a decoded volume, 4 bytes each. `Number` is std::int32_t or float.
+template <class Number>
+VolumeSource source_of(VolumeLayout layout, std::vector<Number> numbers) {
+  const auto data = std::make_shared<const std::vector<Number>>(std::move(numbers));
+  const std::size_t slice = std::size_t{layout.dimensions[0]} * layout.dimensions[1];
+  return {std::move(layout), [data, slice](std::uint32_t z, std::span<std::byte> to) {
+            if ((z + std::size_t{1}) * slice > data->size() || to.size() != slice * sizeof(Number)) return false;
+            std::memcpy(to.data(), data->data() + z * slice, to.size());
+            return true;
+          }};
+}
+
+/// Decoder of the values payload. Its geometry are the gradient vectors of the decoded values, and the values.
+class ValuesStreamDecoder final : public Decoder {
+ public:
+  ValuesStreamDecoder(const StreamHeader& header, std::size_t most_vectors)
+      : grid_(header.grid),
+        most_vectors_(most_vectors),
+        most_samples_(std::max<std::uint64_t>(kSamplesPerVector * most_vectors, 4096)),
+        finest_(finest_level()),
+        decoder_(grid_.dimensions, finest_, static_cast<std::size_t>(most_samples_ / kBlockSamples + 64)) {}
+
+  void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange>) override {
+    const values::Added added = type == ChunkType::values ? add_cluster(payload)
+                                : type == ChunkType::gaps ? add_gaps(payload)
+                                                          : add_remainders(payload);
+    if (added == values::Added::refused) ++count_.refused;
+    if (added == values::Added::dropped) count_.full = true;
+    if (added == values::Added::taken || added == values::Added::waits) ++received_;
+    if (added == values::Added::taken) {
+      ++count_.taken;
+      values_.reset();
+    }
+    in_order_ = in_order_ && (added == values::Added::taken || added == values::Added::repeated);
+  }
+  [[nodiscard]] DecodeCount count() const override { return count_; }
+  [[nodiscard]] std::size_t vectors() const override {
+    const double all =
+        static_cast<double>(values::sample_count(values::low_extent(grid_.dimensions, decoder_.level())));
+    return std::min(most_vectors_, static_cast<std::size_t>(kShownFraction * all));
+  }
+  [[nodiscard]] Geometry geometry(GeometryBase base) const override {
+    Description& about = base.description;
+    auto values = values_ ? values_ : decoded(about);
+    GradientOptions options;
+    options.fraction = kShownFraction;
+    options.vectors = std::min<std::uint64_t>(most_vectors_, options.vectors);
+    options.range = about.value_range;
+    auto found = gradient_vectors(values->source, options);
+    auto* const volume = std::get_if<Volume>(&found);
+    Volume shown = volume ? std::move(*volume) : Volume(GeometryBase{});
+    if (volume) {
+      about.spacing = shown.description.spacing;
+      about.total = shown.description.total;
+    }
+    static_cast<GeometryBase&>(shown) = std::move(base);
+    shown.values = std::move(values);
+    return shown;
+  }
+  [[nodiscard]] Geometry geometry_to_draw(GeometryBase base) override {
+    if (!values_) values_ = decoded(base.description);
+    return geometry(std::move(base));
+  }
+
+ private:
+  [[nodiscard]] int finest_level() const {
+    int level = 0;
+    while (level < 31 && samples_of(level) > most_samples_) ++level;
+    return level;
+  }
+  [[nodiscard]] std::uint64_t samples_of(int level) const {
+    const Extent part = values::low_extent(grid_.dimensions, level);
+    return std::uint64_t{part[0]} * part[1] * part[2];
+  }
+
+  values::Added add_cluster(std::span<const std::byte> payload) {
+    const auto cluster = values::parse_cluster(payload);
+    return cluster ? decoder_.add(*cluster) : values::Added::refused;
+  }
+
+  // Counts the cubes of a run. Valid runs do not overlap; this limits the work of others.
+  bool count_cubes(const values::CubeRun& run, std::uint64_t& cubes) const {
+    const Extent all = values::cube_extent(grid_.dimensions);
+    cubes += run.count;
+    return cubes <= 2 * (std::uint64_t{all[0]} * all[1] * all[2]);
+  }
+
+  values::Added add_gaps(std::span<const std::byte> payload) {
+    if (!grid_.gaps) return values::Added::refused;
+    if (finest_ > 0) return values::Added::dropped;
+    const auto run = values::parse_run(payload);
+    if (!run || !count_cubes(*run, gap_cubes_)) return values::Added::refused;
+    if (missing_.empty()) missing_.assign(static_cast<std::size_t>(samples_of(0)), 0);
+    return values::decode_gaps(*run, grid_.dimensions, missing_) ? values::Added::taken : values::Added::refused;
+  }
+
+  values::Added add_remainders(std::span<const std::byte> payload) {
+    if (!grid_.exact && grid_.correction == 0) return values::Added::refused;
+    if (finest_ > 0) return values::Added::dropped;
+    const auto run = values::parse_run(payload);
+    if (!run || !count_cubes(*run, remainder_cubes_)) return values::Added::refused;
+    if (remainders_.empty()) remainders_.assign(static_cast<std::size_t>(samples_of(0)), 0);
+    return values::decode_remainders(*run, grid_.dimensions, remainders_) ? values::Added::taken
+                                                                          : values::Added::refused;
+  }
+
+  /// Reports whether all chunks were received, so that the last error holds. Repeated ones may be missing.
+  [[nodiscard]] bool complete() const {
+    return !grid_.errors.empty() && received_ >= grid_.errors.back().chunks && count_.refused == 0;
+  }
+
+  [[nodiscard]] std::shared_ptr<const VolumeValues> decoded(const Description& about) const {
+    auto values = std::make_shared<VolumeValues>();
+    values->level = decoder_.level();
+    values->stored = grid_.stored;
+    values->slope = grid_.slope;
+    values->intercept = grid_.intercept;
+    values->missing = grid_.missing;
+    VolumeLayout layout;
+    layout.dimensions = values::low_extent(grid_.dimensions, values->level);
+    for (std::size_t a = 0; a < 3; ++a) {
+      // An axis of one voxel stays as it is.
+      int steps = 0;
+      while (steps < values->level && values::low_extent(grid_.dimensions, steps)[a] > 1) ++steps;
+      layout.axes[a] = grid_.axes[a] * std::ldexp(1.0f, steps);
+    }
+    layout.origin = grid_.origin;
+    layout.base = about.origin;
+    layout.metadata = about.metadata;
+    layout.slope = grid_.unit / values::level_gain(grid_.dimensions, values->level);
+    layout.intercept = grid_.zero;
+    layout.type = VoxelType::i32;
+    layout.big_endian = std::endian::native == std::endian::big;
+    std::vector<std::int32_t> samples = decoder_.samples(values->level);
+    values->bytes = samples.size() * sizeof(std::int32_t);
+    note_error(*values);
+    const bool gaps = !missing_.empty() && values->level == 0;
+    if (values->exact && grid_.exact) {
+      values->source = exact_source(std::move(layout), samples);
+      return values;
+    }
+    // Corrections refer to the samples after all chunks.
+    if (grid_.correction != 0 && !remainders_.empty() && values->level == 0 && complete())
+      for (std::size_t i = 0; i < samples.size(); ++i)
+        samples[i] =
+            static_cast<std::int32_t>(static_cast<std::uint32_t>(samples[i]) + remainders_[i] * grid_.correction);
+    if (gaps) {
+      layout.missing = kMissingSample;
+      for (std::size_t i = 0; i < samples.size(); ++i)
+        if (missing_[i] != 0) samples[i] = kMissingSample;
+    }
+    values->source = source_of(std::move(layout), std::move(samples));
+    return values;
+  }
+
+  void note_error(VolumeValues& values) const {
+    const std::vector<ValueError>& errors = grid_.errors;
+    if (values.level == 0 && complete()) {
+      values.error = errors.back().most;
+      values.rms = errors.back().rms;
+      values.exact = errors.back().most == 0;
+      return;
+    }
+    // An error holds for the chunks from the start; later ones without a gap only improve it.
+    if (!in_order_) return;
+    for (const ValueError& error : errors)
+      if (error.chunks <= received_) {
+        values.error = error.most;
+        values.rms = error.rms;
+      }
+  }
+
+  // Returns the stored voxels, which the remainders restore.
+  [[nodiscard]] VolumeSource exact_source(VolumeLayout layout, std::span<const std::int32_t> samples) const {
+    const values::StoredCodes codes(grid_);
+    layout.slope = grid_.slope;
+    layout.intercept = grid_.intercept;
+    const auto code = [&](std::size_t i) { return codes(samples[i]) + (remainders_.empty() ? 0 : remainders_[i]); };
+    const auto gap = [&](std::size_t i) { return !missing_.empty() && missing_[i] != 0; };
+    if (!values::is_integer(grid_.stored)) {
+      layout.type = VoxelType::f32;
+      std::vector<float> numbers(samples.size());
+      for (std::size_t i = 0; i < numbers.size(); ++i)
+        numbers[i] = gap(i) ? std::numeric_limits<float>::quiet_NaN() : values::number_of_code(code(i));
+      return source_of(std::move(layout), std::move(numbers));
+    }
+    layout.type = grid_.stored == VoxelType::u32 ? VoxelType::u32 : VoxelType::i32;
+    std::vector<std::int32_t> numbers(samples.size());
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      numbers[i] = gap(i) ? kMissingSample : static_cast<std::int32_t>(code(i));
+    if (!missing_.empty())
+      layout.missing = layout.type == VoxelType::u32 ? 2147483648.0 : static_cast<double>(kMissingSample);
+    return source_of(std::move(layout), std::move(numbers));
+  }
+
+  const ValueGrid grid_;
+  const std::size_t most_vectors_;
+  const std::uint64_t most_samples_;
+  const int finest_;
+  values::ValuesDecoder decoder_;
+  std::vector<std::uint8_t> missing_;
+  std::vector<std::uint32_t> remainders_;
+  std::uint64_t gap_cubes_ = 0, remainder_cubes_ = 0;
+  std::uint32_t received_ = 0;
+  bool in_order_ = true;  // no chunk was lost or refused so far
+  DecodeCount count_;
+  std::shared_ptr<const VolumeValues> values_;  // null after a change
+};
+
+}  // namespace
+
+std::unique_ptr<Decoder> make_values_decoder(const StreamHeader& header, std::size_t most_vectors) {
+  return std::make_unique<ValuesStreamDecoder>(header, most_vectors);
+}
+
+}  // namespace gs::qnv

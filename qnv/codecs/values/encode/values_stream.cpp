@@ -1,0 +1,164 @@
+#include "qnv/codecs/values/encode/values_stream.h"
+
+#include "qnv/codecs/shared/stream_writer.h"
+#include "qnv/codecs/values/cube_runs.h"
+#include "qnv/codecs/values/encode/encode_values.h"
+#include "qnv/codecs/values/encode/sampled_volume.h"
+#include "qnv/codecs/values/stored_code.h"
+#include "qnv/codecs/values/values_vectors.h"
+#include "qnv/sampling/volume/gradients.h"
+#include "qnv/sampling/volume/volume_slices.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace gs::qnv {
+namespace {
+
+using values::SampledVolume;
+
+// Number of times that a cluster comes. Its loss costs its box, and the first clusters of coarse blocks are worth the
+// most. The repetitions are about 2 % of the bytes.
+constexpr int kMostCopies = 4;
+int copies_of(int level, std::uint32_t index, int coarsest) {
+  if (level == coarsest) return index == 0 ? kMostCopies : 2;
+  if (level >= 3) return 2;
+  return level == 2 && index == 0 ? 2 : 1;
+}
+
+Description describe(const VolumeSource& source, const SampledVolume& volume, const EncodeOptions& options) {
+  const VolumeLayout& layout = source.layout;
+  Description about;
+  about.two_sided = true;
+  about.origin = layout.base;
+  about.box = voxel_box(layout);
+  about.spacing = std::min({glm::length(layout.axes[0]), glm::length(layout.axes[1]), glm::length(layout.axes[2])});
+  about.value_range = volume.value_range;
+  about.transfer = default_transfer(volume.value_range.first, volume.value_range.second);
+  about.metadata = options.metadata;
+  for (const auto& pair : layout.metadata) {
+    const auto same = [&](const auto& other) { return other.first == pair.first; };
+    if (std::ranges::none_of(about.metadata, same)) about.metadata.push_back(pair);
+  }
+  return about;
+}
+
+OutgoingChunk chunk_of(ChunkType type, std::vector<std::byte> payload, const Box& box) {
+  OutgoingChunk chunk;
+  chunk.type = type;
+  chunk.payload = std::move(payload);
+  chunk.entry.parent = 0xffffffff;
+  chunk.entry.box = box;
+  return chunk;
+}
+
+// Box of voxels from `first`, with the reach of the wavelets.
+Box box_of(const VolumeLayout& layout, const values::Extent& first, const values::Extent& size, int level) {
+  const double reach = std::ldexp(4.0, std::max(level - 1, 0));
+  std::array<std::array<double, 2>, 3> ends{};
+  for (std::size_t a = 0; a < 3; ++a)
+    ends[a] = {std::max(0.0, first[a] - reach),
+               std::min(layout.dimensions[a] - 1.0, static_cast<double>(first[a]) + size[a] + reach)};
+  Box box;
+  for (unsigned c = 0; c < 8; ++c)
+    box.add(voxel_position(layout, ends[0][c & 1], ends[1][c >> 1 & 1], ends[2][c >> 2]));
+  return box;
+}
+
+Box box_of_run(const VolumeLayout& layout, const values::CubeRun& run) {
+  const values::Extent cubes = values::cube_extent(layout.dimensions);
+  const std::uint64_t slice = std::uint64_t{cubes[0]} * cubes[1];
+  const auto first = static_cast<std::uint32_t>(run.first / slice),
+             last = static_cast<std::uint32_t>((run.first + run.count - 1) / slice);
+  return box_of(layout, {0, 0, first * values::kCubeEdge},
+                {layout.dimensions[0], layout.dimensions[1], (last - first + 1) * values::kCubeEdge}, 0);
+}
+
+}  // namespace
+
+std::variant<EncodedStream, EncodeError> encode_values(const VolumeSource& source, const EncodeOptions& options,
+                                                       Progress* progress) {
+  auto sampled = values::sample_volume(source, options.tolerance, progress);
+  if (auto* problem = std::get_if<EncodeError>(&sampled)) return std::move(*problem);
+  auto& volume = std::get<SampledVolume>(sampled);
+  const VolumeLayout& layout = source.layout;
+  StreamHeader header;
+  header.kind = Kind::volume;
+  header.payload = Payload::values;
+  header.description = describe(source, volume, options);
+  header.cube = Cube::around(header.description.box);
+  header.grid = std::move(volume.grid);
+  if (!sound(header.grid))
+    return EncodeError{"the voxels are too many, too large or too far apart; expected at most 2^31 voxels"};
+
+  std::vector<OutgoingChunk> chunks;
+  if (header.grid.gaps)
+    for (const values::CubeRun& run : values::encode_gaps(volume.missing, layout.dimensions))
+      chunks.push_back(chunk_of(ChunkType::gaps, pack(run), box_of_run(layout, run)));
+  const std::size_t before = chunks.size();
+  values::ValuesLimit limit{volume.most_error, 0};
+  if (options.max_bytes != 0) {
+    std::size_t used = encode_header(header).size() + 12 * ValueGrid::kMaxValueErrors;
+    for (const OutgoingChunk& chunk : chunks) used += chunk.payload.size() + kChunkHeaderBytes + kDirectoryEntryBytes;
+    limit.max_bytes = options.max_bytes > used ? options.max_bytes - used : 1;
+  }
+  auto encoded = values::encode_values(volume.samples, layout.dimensions, limit, options.threads, progress);
+  if (!encoded) return EncodeError{"cancelled"};
+  const int coarsest = std::max(values::level_count(layout.dimensions), 1);
+  const values::BlockLayout blocks(layout.dimensions, values::level_count(layout.dimensions));
+  for (const values::Cluster& cluster : encoded->clusters) {
+    const values::BlockPlace place = blocks.place(cluster.block);
+    OutgoingChunk chunk =
+        chunk_of(ChunkType::values, pack(cluster), box_of(layout, place.first, place.size, place.level));
+    chunk.entry.level = static_cast<std::uint8_t>(place.level);
+    if (cluster.index == 0 && place.level == 1)
+      chunk.entry.vectors =
+          static_cast<std::uint32_t>(kShownFraction * static_cast<double>(values::sample_count(place.size)));
+    chunks.push_back(std::move(chunk));
+  }
+  for (ValueError error : encoded->errors) {
+    const auto unit = static_cast<float>(std::abs(header.grid.unit));
+    error.chunks += static_cast<std::uint32_t>(before);
+    error.most = error.most * unit + volume.rounding;
+    error.rms = std::hypot(error.rms * unit, volume.rounding / std::sqrt(3.0f));
+    header.grid.errors.push_back(error);
+  }
+  std::vector<std::uint32_t>& remainders = header.grid.exact ? volume.codes : encoded->corrections;
+  if (header.grid.exact) {
+    const values::StoredCodes codes(header.grid);
+    for (std::size_t i = 0; i < remainders.size(); ++i)
+      remainders[i] = header.grid.gaps && volume.missing[i] != 0 ? 0 : remainders[i] - codes(volume.samples[i]);
+    header.grid.errors.back().most = volume.rounding;
+  } else if (!remainders.empty()) {
+    header.grid.correction = values::correction_step(volume.most_error);
+    for (std::size_t i = 0; i < volume.missing.size(); ++i)
+      if (volume.missing[i] != 0) remainders[i] = 0;
+  }
+  if (!remainders.empty()) {
+    for (const values::CubeRun& run : values::encode_remainders(remainders, layout.dimensions))
+      chunks.push_back(chunk_of(ChunkType::remainders, pack(run), box_of_run(layout, run)));
+    const auto end = static_cast<std::uint32_t>(chunks.size());
+    if (!header.grid.exact)
+      header.grid.errors.back().chunks = end;
+    else if (header.grid.errors.back().chunks < end)
+      header.grid.errors.push_back({end, 0, 0});
+  }
+  for (int copy = 1; copy < kMostCopies; ++copy)
+    for (std::size_t i = 0; i < encoded->clusters.size(); ++i)
+      if (copies_of(chunks[before + i].entry.level, encoded->clusters[i].index, coarsest) > copy) {
+        OutgoingChunk repeated = chunks[before + i];
+        repeated.entry.vectors = 0;
+        chunks.push_back(std::move(repeated));
+      }
+  EncodedStream stream = write_stream(std::move(header), std::move(chunks), options.max_bytes);
+  if (options.max_bytes != 0 && stream.bytes.size() > options.max_bytes)
+    return EncodeError{"a stream of the coarsest values has " + std::to_string(stream.bytes.size()) +
+                       " bytes; expected at most " + std::to_string(options.max_bytes)};
+  return stream;
+}
+
+}  // namespace gs::qnv

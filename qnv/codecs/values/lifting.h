@@ -1,0 +1,27 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace gs::qnv::values {
+
+/// Number of samples per axis, x first.
+using Extent = std::array<std::uint32_t, 3>;
+
+/// Returns the extent of the low band after `level` steps. Odd axes round up.
+[[nodiscard]] Extent low_extent(Extent extent, int level);
+/// Returns the number of steps of a volume: until no axis has more than 16 samples.
+[[nodiscard]] int level_count(Extent extent);
+[[nodiscard]] std::size_t sample_count(Extent extent);
+
+// CDF 9/7 by integer lifting, without the final scaling: reversible, and equal on all machines. Arithmetic wraps at 32
+// bits, so that every input is restored exactly. FORMAT.md, "Values", defines the steps.
+
+/// Transforms the whole volume in place. Low bands come first on every axis.
+void transform(std::span<std::int32_t> samples, Extent extent, int levels);
+/// Reverts steps from `levels` down to `to`: the samples of low_extent(extent, to), at the strides of `extent`.
+void restore(std::span<std::int32_t> samples, Extent extent, int levels, int to = 0);
+
+}  // namespace gs::qnv::values

@@ -1,0 +1,148 @@
+// Tests of encode, export, info and pictures of volumes, as a user runs them.
+#include "app/formats/volume/volume.h"
+#include "qnv/sampling/volume/volume_slices.h"
+#include "render/image/image.h"
+#include "tests/app/commands/vector_commands.h"
+
+#include <glm/geometric.hpp>
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <variant>
+#include <vector>
+
+using namespace gs;
+using namespace gs::app;
+using namespace gs::test;
+
+namespace {
+
+constexpr std::uint32_t kEdge = 24;
+
+// Soft ball in NRRD, with axes at right angles.
+template <class T>
+std::string nrrd_ball(const char* type, double height, const std::string& more = {}) {
+  std::string text = std::string("NRRD0004\ntype: ") + type +
+                     "\ndimension: 3\nspace dimension: 3\nsizes: 24 24 24\nspace directions: (0.5,0,0) (0,0,2) "
+                     "(0,-1,0)\nspace origin: (1,2,3)\nendian: little\nencoding: raw\n" +
+                     more + "\n";
+  for (std::uint32_t z = 0; z < kEdge; ++z)
+    for (std::uint32_t y = 0; y < kEdge; ++y)
+      for (std::uint32_t x = 0; x < kEdge; ++x) {
+        const double u = x / 11.5 - 1, v = y / 11.5 - 1, w = z / 11.5 - 1, r = u * u + v * v + w * w;
+        const T value = static_cast<T>(r > 0.8 ? 0 : height * (1 - r));
+        text.append(reinterpret_cast<const char*>(&value), sizeof value);
+      }
+  return text;
+}
+
+struct ReadVolume {
+  explicit ReadVolume(const std::string& path) {
+    auto opened = open_volume(path);
+    const auto* problem = std::get_if<std::string>(&opened);
+    INFO((problem ? *problem : path));
+    REQUIRE_FALSE(problem);
+    source = std::move(std::get<qnv::VolumeSource>(opened));
+    std::vector<std::byte> scratch;
+    values.resize(qnv::voxel_count(source.layout));
+    const std::size_t slice = qnv::slice_voxels(source.layout);
+    for (std::uint32_t z = 0; z < source.layout.dimensions[2]; ++z)
+      REQUIRE(qnv::read_slice(source, z, scratch, std::span(values).subspan(z * slice, slice)));
+  }
+  [[nodiscard]] glm::dvec3 origin() const { return source.layout.base + source.layout.origin; }
+  qnv::VolumeSource source;
+  std::vector<float> values;
+};
+
+}  // namespace
+
+TEST_CASE("encode: keeps the values of a volume, and export writes them in every format") {
+  const ScratchFolder folder;
+  const std::string stream = folder.path("a.qnv");
+  for (const std::string& given : {nrrd_ball<std::uint8_t>("uint8", 250), nrrd_ball<std::uint16_t>("uint16", 60'000),
+                                   nrrd_ball<std::int16_t>("int16", -30'000), nrrd_ball<std::uint32_t>("uint32", 4e9),
+                                   nrrd_ball<std::int8_t>("int8", -120), nrrd_ball<float>("float", 0.01)}) {
+    const std::string volume = folder.write("a.nrrd", given);
+    const Run encoded = run("encode --lossless " + quoted(volume) + " " + quoted(stream));
+    INFO(encoded.output);
+    REQUIRE(encoded.status == kDone);
+    CHECK(encoded.output.find("values of 13,824 voxels, exact") != std::string::npos);
+    const ReadVolume truth(volume);
+    for (const char* extension : {"nrrd", "vti", "nii", "nii.gz", "fits"}) {
+      const std::string out = folder.path(std::string("out.") + extension);
+      const Run exported = run("export " + quoted(stream) + " " + quoted(out));
+      INFO(exported.output);
+      REQUIRE(exported.status == kDone);
+      CHECK(exported.output.find("(24 x 24 x 24 voxels, exact)") != std::string::npos);
+      const ReadVolume back(out);
+      CHECK(back.values == truth.values);
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        CHECK(glm::length(back.source.layout.axes[axis]) == Approx(glm::length(truth.source.layout.axes[axis])));
+      if (extension == std::string("fits")) continue;  // its axes are those of the image
+      CHECK(back.source.layout.axes == truth.source.layout.axes);
+      CHECK(glm::distance(back.origin(), truth.origin()) < 1e-6);
+    }
+  }
+  // A volume file converts without a stream, too.
+  const std::string out = folder.path("direct.nii.gz");
+  REQUIRE(run("export " + quoted(folder.path("a.nrrd")) + " " + quoted(out)).status == kDone);
+  CHECK(ReadVolume(out).values == ReadVolume(folder.path("a.nrrd")).values);
+}
+
+TEST_CASE("encode: --error limits the difference of every voxel, and info states it") {
+  const ScratchFolder folder;
+  const std::string volume = folder.write("a.nrrd", nrrd_ball<std::uint16_t>("uint16", 3000)),
+                    stream = folder.path("a.qnv"), out = folder.path("out.nrrd");
+  for (const char* error : {"40", "1%"}) {
+    REQUIRE(run(std::string("encode --error ") + error + " " + quoted(volume) + " " + quoted(stream)).status == kDone);
+    const nlohmann::json facts = info(stream);
+    CHECK(facts["payload"] == "values");
+    CHECK(facts["exact"] == false);
+    CHECK(facts["level_of_values"] == 0);
+    CHECK(facts["error"].get<double>() <= 40);
+    CHECK(facts["error"].get<double>() > 2);
+    REQUIRE(run("export " + quoted(stream) + " " + quoted(out)).status == kDone);
+    const ReadVolume truth(volume), back(out);
+    double most = 0;
+    for (std::size_t i = 0; i < truth.values.size(); ++i)
+      most = std::max(most, static_cast<double>(std::abs(truth.values[i] - back.values[i])));
+    CHECK(most <= facts["error"].get<double>());
+  }
+  for (const char* wrong :
+       {"--error -1", "--error 120%", "--error x", "--error 1 --lossless", "--lossless --max-bytes 10k",
+        "--error 1 --method records", "--method values --vectors 9"}) {
+    INFO(wrong);
+    CHECK(run(std::string("encode ") + wrong + " " + quoted(volume) + " " + quoted(stream)).status == kUsage);
+  }
+  CHECK(run("encode --method values " + quoted(folder.write("b.wrl", kBall)) + " " + quoted(stream)).status == kFailed);
+}
+
+TEST_CASE("export: refuses values of streams that have none") {
+  const ScratchFolder folder;
+  const std::string volume = folder.write("a.nrrd", nrrd_ball<std::uint8_t>("uint8", 250)),
+                    stream = folder.path("a.qnv");
+  REQUIRE(run("encode --method records " + quoted(volume) + " " + quoted(stream)).status == kDone);
+  const Run result = run("export " + quoted(stream) + " " + quoted(folder.path("out.nrrd")));
+  CHECK(result.status == kFailed);
+  CHECK(result.output.find("the input has no values of voxels; expected a volume, or a stream of its values") !=
+        std::string::npos);
+}
+
+TEST_CASE("snapshot: shows slices of a stream of values like those of the volume") {
+  const ScratchFolder folder;
+  const std::string volume = folder.write("a.nrrd", nrrd_ball<std::uint8_t>("uint8", 250)),
+                    stream = folder.path("a.qnv");
+  REQUIRE(run("encode " + quoted(volume) + " " + quoted(stream)).status == kDone);
+  const auto picture = [&](const std::string& file, const std::string& name) {
+    const std::string out = folder.path(name);
+    REQUIRE(run("--snapshot " + quoted(out) + " --size 96x96 --slice z=50% --slices-alone " + quoted(file)).status ==
+            kDone);
+    return folder.read(name);
+  };
+  const std::string of_volume = picture(volume, "a.png"), of_stream = picture(stream, "b.png");
+  CHECK(of_volume.size() > 500);
+  CHECK(of_volume == of_stream);
+}

@@ -1,0 +1,351 @@
+"""Decodes a stream of values, from FORMAT.md alone. Prints the samples, with "-" for missing voxels.
+
+    python3 values_decode.py STREAM [BYTES]
+
+With BYTES, decodes only the first ones.
+"""
+import struct
+import sys
+import zlib
+
+MASK = 0xFFFFFFFF
+
+
+def wrapped(v):
+    v &= MASK
+    return v - (1 << 32) if v >> 31 else v
+
+
+class Estimate:
+    def __init__(self, start=32768):
+        self.f = self.s = start
+        self.n = 0
+
+
+class Range:
+    def __init__(self, data):
+        self.data, self.at, self.range, self.code = data, 0, MASK, 0
+        for _ in range(4):
+            self.code = self.code << 8 | self.next()
+
+    def next(self):
+        self.at += 1
+        return self.data[self.at - 1] if self.at <= len(self.data) else 0
+
+    def exhausted(self):
+        return self.at > len(self.data) + 8
+
+    def decide(self, bound):
+        yes = self.code < bound
+        if yes:
+            self.range = bound
+        else:
+            self.code -= bound
+            self.range -= bound
+        while self.range < 1 << 24:
+            self.code = (self.code << 8 | self.next()) & MASK
+            self.range = self.range << 8 & MASK
+        return yes
+
+    def plain(self):
+        return self.decide(self.range >> 1)
+
+    def bits(self, count):
+        value = 0
+        for _ in range(count):
+            value = value * 2 + self.plain()
+        return value
+
+    def get(self, e):
+        p = min(max((e.f + e.s) >> 1, 48), 65488)
+        yes = self.decide(self.range * p >> 16)
+        q = 2 if e.n < 3 else 3 if e.n < 8 else 4
+        r = 2 if e.n < 3 else 3 if e.n < 8 else 4 if e.n < 18 else 5 if e.n < 40 else 7
+        target = 65535 if yes else 0
+        e.f += (target - e.f) >> q
+        e.s += (target - e.s) >> r
+        e.n = min(e.n + 1, 47)
+        return yes
+
+
+def number(data, at):
+    value, shift = 0, 0
+    while True:
+        value |= (data[at] & 127) << shift
+        shift += 7
+        at += 1
+        if data[at - 1] < 128:
+            return value, at
+
+
+def halves(extent, level):
+    for _ in range(level):
+        extent = [(n + 1) // 2 for n in extent]
+    return extent
+
+
+class Block:
+    FIRST = [0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 19, 24, 32, 42]
+
+    def __init__(self, level, parts):
+        self.level, self.parts, self.cubes, self.plane, self.cube, self.next = level, parts, [], 0, 0, 0
+        for b, (first, size, high) in enumerate(parts):
+            counts = [(n + 3) // 4 for n in size]
+            for z in range(counts[2]):
+                for y in range(counts[1]):
+                    for x in range(counts[0]):
+                        self.cubes.append((b, (x, y, z), counts))
+        self.index = {(b, at): i for i, (b, at, _) in enumerate(self.cubes)}
+        self.active, self.known = set(), {}
+        self.values = [dict() for _ in parts]  # (x, y, z): [magnitude, negative]
+        self.actives = [Estimate(min(9000 + 5500 * (c // 3) + 6000 * (c % 3), 58000)) for c in range(15)]
+        self.lines = [Estimate(6000) for _ in range(4)]
+        self.ones = [[Estimate(min(1700 + 2300 * c, 34000)) for c in range(16)] for _ in range(4)]
+        self.more = [Estimate(26000 + 900 * c) for c in range(4)]
+
+    def size(self, b, x, y, z):
+        found = self.values[b].get((x, y, z))
+        return min(4, found[0] >> self.plane) if found else 0
+
+    def sum(self, b, x, y, z):
+        total = 0
+        for dz in (-1, 0, 1):
+            for dy in (-1, 0, 1):
+                for dx in (-1, 0, 1):
+                    far = abs(dx) + abs(dy) + abs(dz)
+                    if far in (1, 2):
+                        total += (3 - far) * self.size(b, x + dx, y + dy, z + dz)
+        return total
+
+    def step(self, coder):
+        b, at, counts = self.cubes[self.cube]
+        first, size, high = self.parts[b]
+        if self.cube not in self.active:
+            a = 0
+            for axis in range(3):
+                for side in (-1, 1):
+                    beside = list(at)
+                    beside[axis] += side
+                    a += self.index.get((b, tuple(beside)), -1) in self.active
+            before = 0
+            if b > 0 and [(n + 3) // 4 for n in self.parts[b - 1][1]] == counts:
+                before = 2 if self.index[(b - 1, at)] in self.active else 1
+            if coder.get(self.actives[3 * min(4, a) + before]):
+                self.active.add(self.cube)
+        if self.cube in self.active:
+            lower = [4 * n for n in at]
+            upper = [min(4 * n + 4, s) for n, s in zip(at, size)]
+            for z in range(lower[2], upper[2]):
+                for y in range(lower[1], upper[1]):
+                    self.line(coder, b, high, range(lower[0], upper[0]), y, z)
+            self.known[self.cube] = self.plane
+        self.cube += 1
+        if self.cube == len(self.cubes):
+            self.cube, self.plane = 0, self.plane - 1
+
+    def line(self, coder, b, high, xs, y, z):
+        values, p = self.values[b], self.plane
+        expects = False
+        if len(xs) == 4 and not any((x, y, z) in values for x in xs) and not any(self.sum(b, x, y, z) for x in xs):
+            if not coder.get(self.lines[high]):
+                return
+            expects = True
+        for x in xs:
+            s = self.sum(b, x, y, z)
+            value = values.get((x, y, z))
+            if value is None:
+                c = max(i for i in range(16) if self.FIRST[i] <= s)
+                if (expects and x == xs[-1]) or coder.get(self.ones[high][c]):
+                    values[(x, y, z)] = [1 << p, coder.plain()]
+                    expects = False
+            elif coder.get(self.more[min(3, s >> 3)]) if value[0] >> p == 2 else coder.plain():
+                value[0] |= 1 << p
+
+    def write(self, volume):
+        for b, (first, _, _) in enumerate(self.parts):
+            for (x, y, z), (magnitude, negative) in self.values[b].items():
+                cube = self.index[(b, (x // 4, y // 4, z // 4))]
+                p = self.known[cube]
+                v = magnitude + ((3 << p) >> 3) if p > 0 else magnitude
+                volume[(first[0] + x, first[1] + y, first[2] + z)] = -v if negative else v
+
+
+def blocks_of(extent, levels):
+    blocks = []
+    for level in range(max(levels, 1), 0, -1):
+        whole = halves(extent, level - 1)
+        low = halves(extent, level) if levels else whole
+        bands = range(1) if not levels else range(0 if level == levels else 1, 8)
+        for k in range((low[2] + 15) // 16):
+            for j in range((low[1] + 15) // 16):
+                for i in range((low[0] + 15) // 16):
+                    parts = []
+                    for band in bands:
+                        high = [band >> a & 1 for a in range(3)]
+                        n = [whole[a] - low[a] if high[a] else low[a] for a in range(3)]
+                        at = [16 * i, 16 * j, 16 * k]
+                        if all(at[a] < n[a] for a in range(3)):
+                            parts.append(([at[a] + high[a] * low[a] for a in range(3)],
+                                          [min(16, n[a] - at[a]) for a in range(3)], sum(high)))
+                    blocks.append(Block(level, parts))
+    return blocks
+
+
+def lift(a, b, f):
+    s = wrapped(a + b)
+    return wrapped(wrapped(f * (s >> 14)) + (wrapped(f * (s & 16383) + 8192) >> 14))
+
+
+def inverse_line(line):
+    n = len(line)
+    low = (n + 1) // 2
+    s = [0] * n
+    s[0::2], s[1::2] = line[:low], line[low:]
+    for f, odd in ((7266, 0), (14465, 1), (-868, 0), (-25987, 1)):
+        for i in range(odd, n, 2):
+            before = s[i - 1] if i > 0 else s[1]
+            after = s[i + 1] if i + 1 < n else s[n - 2]
+            s[i] = wrapped(s[i] - lift(before, after, f))
+    return s
+
+
+def inverse(volume, extent, levels):
+    for level in range(levels - 1, -1, -1):
+        part = halves(extent, level)
+        for axis in (2, 1, 0):
+            if part[axis] < 2:
+                continue
+            u, v = [a for a in range(3) if a != axis]
+            for j in range(part[v]):
+                for i in range(part[u]):
+                    places = []
+                    for k in range(part[axis]):
+                        at = [0, 0, 0]
+                        at[axis], at[u], at[v] = k, i, j
+                        places.append(tuple(at))
+                    for place, value in zip(places, inverse_line([volume[p] for p in places])):
+                        volume[place] = value
+
+
+def voxels_of_run(payload, extent):
+    first, at = number(payload, 0)
+    count, at = number(payload, at)
+    cubes = [(n + 3) // 4 for n in extent]
+    boxes = []
+    for i in range(first, first + count):
+        x, y, z = i % cubes[0], i // cubes[0] % cubes[1], i // cubes[0] // cubes[1]
+        boxes.append([(a, b, c) for c in range(4 * z, min(4 * z + 4, extent[2]))
+                      for b in range(4 * y, min(4 * y + 4, extent[1]))
+                      for a in range(4 * x, min(4 * x + 4, extent[0]))])
+    return boxes, Range(payload[at:])
+
+
+def gaps(payload, extent, missing):
+    boxes, coder = voxels_of_run(payload, extent)
+    same, full = [Estimate() for _ in range(3)], [Estimate() for _ in range(3)]
+    voxel = [Estimate() for _ in range(8)]
+    before = 0
+    for box in boxes:
+        mixed = coder.get(same[before])
+        whole = not mixed and coder.get(full[before])
+        inside = set()
+        for x, y, z in box:
+            if mixed:
+                near = [(x - 1, y, z) in inside, (x, y - 1, z) in inside, (x, y, z - 1) in inside]
+                gone = coder.get(voxel[near[0] + 2 * near[1] + 4 * near[2]])
+            else:
+                gone = whole
+            if gone:
+                inside.add((x, y, z))
+        missing |= inside
+        before = 2 if mixed else 1 if whole else 0
+
+
+def remainders(payload, extent, found):
+    boxes, coder = voxels_of_run(payload, extent)
+    zero = [Estimate() for _ in range(12)]
+    length = [[Estimate() for _ in range(32)] for _ in range(12)]
+    before = 0
+    for box in boxes:
+        for place in box:
+            c = min(11, before // 3)
+            if coder.get(zero[c]):
+                before = value = 0
+            else:
+                node = 1
+                for _ in range(5):
+                    node = 2 * node + coder.get(length[c][node])
+                before = (node & 31) + 1
+                value = 1 << (before - 1) | coder.bits(before - 1)
+            found[place] = (value >> 1) ^ -(value & 1)
+
+
+def main():
+    data = open(sys.argv[1], "rb").read()
+    if data[:8] != b"\x89QNV\r\n\x1a\n" or data[11] != 5:
+        sys.exit("no stream of values")
+    (length,) = struct.unpack_from("<I", data, 12)
+    at = 108
+    while at + 6 <= length:
+        tag, size = struct.unpack_from("<HI", data, at)
+        if tag == 8:
+            grid = data[at + 6:at + 6 + size]
+        at += 6 + size
+    extent = list(struct.unpack_from("<3I", grid, 0))
+    kind, flags = grid[72], grid[73]
+    (step,) = struct.unpack_from("<I", grid, 76)
+    slope, intercept, unit, zero = struct.unpack_from("<4d", grid, 80)
+    levels = 0
+    while max(halves(extent, levels)) > 16:
+        levels += 1
+    blocks = blocks_of(extent, levels)
+    missing, found, at = set(), {}, length
+    data = data[:int(sys.argv[2])] if len(sys.argv) > 2 else data
+    complete = len(sys.argv) <= 2
+    while at + 10 <= len(data):
+        mark, size, chunk, _, checksum = struct.unpack_from("<HHBBI", data, at)
+        payload = data[at + 10:at + 10 + size]
+        if len(payload) < size:
+            break
+        if mark != 0x4351 or zlib.crc32(data[at:at + 6] + payload) != checksum:
+            sys.exit("a damaged chunk at byte %d" % at)
+        at += 10 + size
+        if chunk == 15:
+            gaps(payload, extent, missing)
+        elif chunk == 16:
+            remainders(payload, extent, found)
+        elif chunk == 14:
+            n, p = number(payload, 0)
+            index, p = number(payload, p)
+            steps, p = number(payload, p)
+            block = blocks[n]
+            if index == 0:
+                block.plane, p = payload[p], p + 1
+            if index != block.next:
+                sys.exit("a cluster is missing")
+            block.next += 1
+            coder = Range(payload[p:])
+            for _ in range(steps):
+                if coder.exhausted() or block.plane < 0:
+                    break
+                block.step(coder)
+    places = [(x, y, z) for z in range(extent[2]) for y in range(extent[1]) for x in range(extent[0])]
+    volume = dict.fromkeys(places, 0)
+    for block in blocks:
+        block.write(volume)
+    inverse(volume, extent, levels)
+    for place in places:
+        value = volume[place]
+        if complete and step:
+            value = wrapped(value + found.get(place, 0) * step)
+        if complete and flags & 2:
+            if kind < 6:
+                value = round((zero - intercept) / slope) + round(unit / slope) * value
+            else:
+                (bits,) = struct.unpack("<I", struct.pack("<f", zero + unit * value))
+                value = ~bits & MASK if bits >> 31 else bits | 1 << 31
+            value = (value + found.get(place, 0)) & MASK
+        print("-" if place in missing else value)
+
+
+main()
