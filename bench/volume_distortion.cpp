@@ -1,13 +1,15 @@
-// Compares bytes with picture errors of volumes: QNV (volume payload, records) and zfp, gzip'd slices and JPEG XL
-// slices.
+// Compares bytes with errors of pictures and of values of volumes: QNV (values, voxels, records) and zfp, gzip'd slices
+// and JPEG XL slices.
 //
 //   volume_distortion VOLUME... [--pictures FOLDER] [--streams-alone]
 //
-// Prints a Markdown table per volume: for every budget PSNR (dB) and SSIM against pictures of all records (the longest
-// 9 % of the gradients) from three sides, 800x600, headlight, drawn by render/volume. A budget of a QNV stream is a
-// prefix of one stream. Other formats need their own file per budget, the best of several pyramid levels, steps and
-// parts of the gradients. Needs zfp, cjxl and djxl (Debian: zfp, libjxl-tools) in the PATH; without them their columns
-// are empty. `--pictures` writes pictures of prefixes of 4, 15, 60 and 600 kB.
+// Prints two Markdown tables per volume. The first has for every budget PSNR (dB) and SSIM against pictures of all
+// records (the longest 9 % of the gradients) from three sides, 800x600, headlight, drawn by render/volume. A budget of
+// a QNV stream is a prefix of one stream. Other formats need their own file per budget, the best of several pyramid
+// levels, steps and parts of the gradients. Needs zfp, cjxl and djxl (Debian: zfp, libjxl-tools) in the PATH; without
+// them their columns are empty. The second table has the PSNR (dB) of the values over their range; coarser levels are
+// interpolated.
+// `--pictures` writes pictures of prefixes of 4, 15, 60 and 600 kB.
 #include "app/formats/volume/volume.h"
 #include "bench/shared/curve_table.h"
 #include "bench/shared/picture_error.h"
@@ -15,6 +17,7 @@
 #include "qnv/reader/stream_decoder.h"
 #include "qnv/sampling/volume/gradients.h"
 #include "qnv/sampling/volume/volume_slices.h"
+#include "qnv/sampling/volume/volume_values.h"
 #include "render/scene/camera.h"
 #include "render/volume/volume_raster.h"
 
@@ -33,6 +36,7 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -44,7 +48,8 @@ using bench::PictureError;
 
 constexpr std::array<std::size_t, 9> kBudgets{4000, 8000, 15'000, 32'000, 60'000, 125'000, 250'000, 600'000, 1'000'000};
 constexpr std::array<std::array<float, 2>, 3> kViews{{{0, 0}, {120, -20}, {240, 30}}};
-constexpr std::array<const char*, 5> kCodecs{"voxels", "records", "zfp", "gzip slices", "JPEG XL slices"};
+constexpr std::array<const char*, 6> kCodecs{"values", "voxels", "records", "zfp", "gzip slices", "JPEG XL slices"};
+constexpr std::size_t kValues = 0, kVoxels = 1, kRecords = 2, kZfp = 3, kGzip = 4, kJxl = 5;
 constexpr double kFraction = 0.09;
 
 /// Values of a volume in memory.
@@ -104,6 +109,50 @@ Grid halved(const Grid& fine) {
         grid.values.push_back(sum / 8);
       }
   return grid;
+}
+
+/// Returns the value of a grid at a position in units of its voxels, interpolated and clamped to the grid.
+double interpolated(const Grid& grid, std::array<double, 3> at) {
+  const auto& n = grid.layout.dimensions;
+  std::array<std::size_t, 3> low{}, high{};
+  std::array<double, 3> part{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    at[a] = std::clamp(at[a], 0.0, n[a] - 1.0);
+    low[a] = static_cast<std::size_t>(at[a]);
+    high[a] = std::min<std::size_t>(low[a] + 1, n[a] - 1);
+    part[a] = at[a] - static_cast<double>(low[a]);
+  }
+  double sum = 0;
+  for (unsigned c = 0; c < 8; ++c) {
+    double weight = 1;
+    std::array<std::size_t, 3> corner{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const bool upper = (c >> a & 1) != 0;
+      corner[a] = upper ? high[a] : low[a];
+      weight *= upper ? part[a] : 1 - part[a];
+    }
+    sum += weight * static_cast<double>(grid.values[(corner[2] * n[1] + corner[1]) * n[0] + corner[0]]);
+  }
+  return sum;
+}
+
+/// Returns the PSNR of the values of a grid. Its voxels are `step` voxels of the original apart, and the first one is
+/// at `offset`.
+double value_psnr(const Grid& original, const Grid& grid, double step, double offset) {
+  const auto& n = original.layout.dimensions;
+  const auto [least, most] = original.range();
+  double sum = 0;
+  std::size_t i = 0;
+  for (std::size_t z = 0; z < n[2]; ++z)
+    for (std::size_t y = 0; y < n[1]; ++y)
+      for (std::size_t x = 0; x < n[0]; ++x, ++i) {
+        const auto place = [&](std::size_t v) { return (static_cast<double>(v) - offset) / step; };
+        const double value = step == 1 && offset == 0 ? static_cast<double>(grid.values[i])
+                                                      : interpolated(grid, {place(x), place(y), place(z)});
+        sum += std::pow(value - static_cast<double>(original.values[i]), 2);
+      }
+  const double range = static_cast<double>(most) - static_cast<double>(least);
+  return sum > 0 ? 10 * std::log10(range * range * static_cast<double>(i) / sum) : 99;
 }
 
 qnv::Volume volume_of(const qnv::StreamDecoder& decoder) {
@@ -192,6 +241,24 @@ void keep_best(Curve& curve, std::size_t bytes, const PictureError& error) {
     if (bytes <= budget && (!curve.contains(budget) || error.psnr > curve[budget].error.psnr))
       curve[budget] = {bytes, error};
 }
+/// PSNR of values by budget.
+using ValueCurve = std::map<std::size_t, double>;
+void keep_best(ValueCurve& curve, std::size_t bytes, double psnr) {
+  for (const std::size_t budget : kBudgets)
+    if (bytes <= budget) curve[budget] = std::max(curve[budget], psnr);
+}
+
+/// Grid to encode, a level of the original.
+struct LevelGrid {
+  const Grid& original;
+  Grid grid;
+  int level = 0;
+  [[nodiscard]] double psnr(const Grid& decoded) const {
+    const double step = std::ldexp(1.0, level);
+    return value_psnr(original, decoded, step, (step - 1) / 2);
+  }
+};
+
 bool of_use(std::size_t bytes) { return bytes <= kBudgets.back(); }
 
 void write(const std::string& path, const void* data, std::size_t bytes) {
@@ -204,7 +271,9 @@ std::string read(const std::string& path) {
 bool run(const std::string& command) { return std::system((command + " >/dev/null 2>&1").c_str()) == 0; }
 
 // Measures zfp. `tolerance` is relative to the range.
-void measure_zfp(const Painter& painter, const Grid& grid, const std::string& base, double tolerance, Curve& curve) {
+void measure_zfp(const Painter& painter, const LevelGrid& level, const std::string& base, double tolerance,
+                 Curve& curve, ValueCurve& values) {
+  const Grid& grid = level.grid;
   const auto [least, most] = grid.range();
   const auto& n = grid.layout.dimensions;
   char shape[160];
@@ -219,6 +288,7 @@ void measure_zfp(const Painter& painter, const Grid& grid, const std::string& ba
   if (text.size() != back.values.size() * sizeof(float)) return;
   std::memcpy(back.values.data(), text.data(), text.size());
   keep_best(curve, bytes, painter.error(back));
+  keep_best(values, bytes, level.psnr(back));
 }
 
 // Measures deflated slices. Uses values or differences to the previous value, whichever is smaller.
@@ -244,7 +314,9 @@ void measure_gzip(const Painter& painter, const Grid& grid, int values, Curve& c
 }
 
 // Measures JPEG XL: all slices side by side in one grey image with 8 bits per pixel.
-void measure_jxl(const Painter& painter, const Grid& grid, const std::string& base, double distance, Curve& curve) {
+void measure_jxl(const Painter& painter, const LevelGrid& level, const std::string& base, double distance, Curve& curve,
+                 ValueCurve& values) {
+  const Grid& grid = level.grid;
   const auto [least, most] = grid.range();
   const auto& n = grid.layout.dimensions;
   const auto columns = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(n[2]))));
@@ -277,6 +349,7 @@ void measure_jxl(const Painter& painter, const Grid& grid, const std::string& ba
   Grid back{grid.layout, grid.values};
   each([&](std::size_t i, unsigned char& p) { back.values[i] = least + static_cast<float>(p) / 255 * (most - least); });
   keep_best(curve, bytes, painter.error(back));
+  keep_best(values, bytes, level.psnr(back));
 }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -288,6 +361,31 @@ void measure_stream(const Painter& painter, std::span<const std::byte> stream, C
     qnv::StreamDecoder decoder;
     (void)decoder.push(stream.first(std::min(budget, stream.size())));
     curve[budget] = {std::min(budget, stream.size()), painter.error(volume_of(decoder))};
+  }
+}
+
+/// Measures the values of prefixes of a values stream.
+void measure_values(const Grid& original, std::span<const std::byte> stream, ValueCurve& curve) {
+  for (const std::size_t budget : kBudgets) {
+    qnv::StreamDecoder decoder;
+    (void)decoder.push(stream.first(std::min(budget, stream.size())));
+    const qnv::Volume volume = volume_of(decoder);
+    if (!volume.values) continue;
+    const Grid grid = read_grid(volume.values->source);
+    curve[budget] = value_psnr(original, grid, std::ldexp(1.0, volume.values->level), 0);
+  }
+}
+
+void print_values(const ValueCurve& values, const ValueCurve& zfp, const ValueCurve& jxl) {
+  std::printf("| bytes | values | zfp | JPEG XL slices |\n| ---: | ---: | ---: | ---: |\n");
+  for (const std::size_t budget : kBudgets) {
+    std::printf("| %zu |", budget);
+    for (const ValueCurve* curve : {&values, &zfp, &jxl})
+      if (const auto found = curve->find(budget); found != curve->end() && found->second > 0)
+        std::printf(" %.1f |", found->second);
+      else
+        std::printf(" |");
+    std::printf("\n");
   }
 }
 
@@ -306,9 +404,13 @@ bool measure(const std::string& path, const std::string& folder, bool others) {
   const auto voxels = qnv::row_of(qnv::Payload::voxels).encode(vectors, {}, nullptr);
   const double encoding = seconds_since(start);
   const auto records = qnv::row_of(qnv::Payload::records).encode(vectors, {}, nullptr);
+  const auto values_start = std::chrono::steady_clock::now();
+  const auto values = qnv::row_of(qnv::Payload::values).encode(std::cref(*source), {}, nullptr);
+  const double values_encoding = seconds_since(values_start);
+  const auto* of_values = std::get_if<qnv::EncodedStream>(&values);
   const auto* stream = std::get_if<qnv::EncodedStream>(&voxels);
   const auto* other = std::get_if<qnv::EncodedStream>(&records);
-  if (!stream || !other) return false;
+  if (!stream || !other || !of_values) return false;
   qnv::StreamDecoder decoder;
   (void)decoder.push(other->bytes);
   const Painter painter(volume_of(decoder));
@@ -324,28 +426,38 @@ bool measure(const std::string& path, const std::string& folder, bool others) {
       name.c_str(), volume->size(), stream->bytes.size(),
       8 * static_cast<double>(stream->bytes.size()) / static_cast<double>(volume->size()), end.psnr, end.ssim,
       other->bytes.size(), encoding, decoding, static_cast<double>(volume->size()) / decoding / 1e6);
+  std::printf("values %zu bytes, %.2f bits a voxel, encoding %.2f s: %.1f M voxels/s.\n\n", of_values->bytes.size(),
+              8 * static_cast<double>(of_values->bytes.size()) / static_cast<double>(grid.values.size()),
+              values_encoding, static_cast<double>(grid.values.size()) / values_encoding / 1e6);
   std::fflush(stdout);
   std::array<Curve, kCodecs.size()> curves;
-  measure_stream(painter, stream->bytes, curves[0]);
-  measure_stream(painter, other->bytes, curves[1]);
+  ValueCurve of_stream, of_zfp, of_jxl;
+  measure_stream(painter, of_values->bytes, curves[kValues]);
+  measure_values(grid, of_values->bytes, of_stream);
+  measure_stream(painter, stream->bytes, curves[kVoxels]);
+  measure_stream(painter, other->bytes, curves[kRecords]);
   const std::string base =
       (std::filesystem::temp_directory_path() / ("volume_distortion." + std::to_string(getpid()))).string();
-  Grid level = grid;
-  if (!others) level.values.clear();
-  for (int k = 0; k < 5 && level.values.size() > 500; ++k, level = halved(level)) {
-    for (const double tolerance : {0.5, 0.2, 0.08, 0.03}) measure_zfp(painter, level, base, tolerance, curves[2]);
-    for (const int values : {256, 48, 12, 5}) measure_gzip(painter, level, values, curves[3]);
-    for (const double distance : {25.0, 12.0, 6.0, 2.5}) measure_jxl(painter, level, base, distance, curves[4]);
+  LevelGrid level{grid, grid, 0};
+  if (!others) level.grid.values.clear();
+  for (; level.level < 5 && level.grid.values.size() > 500; ++level.level, level.grid = halved(level.grid)) {
+    for (const double tolerance : {0.5, 0.2, 0.08, 0.03, 0.01})
+      measure_zfp(painter, level, base, tolerance, curves[kZfp], of_zfp);
+    for (const int steps : {256, 48, 12, 5}) measure_gzip(painter, level.grid, steps, curves[kGzip]);
+    for (const double distance : {25.0, 12.0, 6.0, 2.5, 1.0})
+      measure_jxl(painter, level, base, distance, curves[kJxl], of_jxl);
   }
   for (const char* ending : {".f32", ".zfp", ".out", ".pgm", ".jxl", ".out.pgm"})
     std::filesystem::remove(base + ending);
   bench::print_curve_table(kCodecs, kBudgets, curves);
   std::printf("\n");
+  print_values(of_stream, of_zfp, of_jxl);
+  std::printf("\n");
   std::fflush(stdout);
   if (folder.empty()) return true;
   for (const std::size_t bytes : {4000, 15'000, 60'000, 600'000}) {
     qnv::StreamDecoder part;
-    (void)part.push(std::span(stream->bytes).first(std::min<std::size_t>(bytes, stream->bytes.size())));
+    (void)part.push(std::span(of_values->bytes).first(std::min<std::size_t>(bytes, of_values->bytes.size())));
     const auto pictures = painter.pictures(volume_of(part));
     for (std::size_t i = 0; i < pictures.size(); ++i) {
       const std::string to = folder + "/" + name + "." + std::to_string(bytes) + "." + std::to_string(i) + ".ppm";

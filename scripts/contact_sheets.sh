@@ -32,9 +32,10 @@ Transform {
 }
 WORLD
 pictures=()
-for fraction in 0.012 0.035 0.091; do
-  "$ghostspace" encode "$data/volumes/cthead/CThead.nhdr" "$work/head.qnv" --fraction $fraction >/dev/null
-  "$ghostspace" --snapshot "$work/head.$fraction.png" --size 400x400 --orbit 40,10 --background 0,0,0 "$work/head.wrl"
-  pictures+=("$work/head.$fraction.png")
+"$ghostspace" encode "$data/volumes/cthead/CThead.nhdr" "$work/whole.qnv" >/dev/null
+for bytes in 4000 15000 60000 100000000; do
+  head -c $bytes "$work/whole.qnv" >"$work/head.qnv"
+  "$ghostspace" --snapshot "$work/head.$bytes.png" --size 400x400 --orbit 40,10 --background 0,0,0 "$work/head.wrl"
+  pictures+=("$work/head.$bytes.png")
 done
-"$sheet" 3 "$out/cthead.png" "${pictures[@]}"
+"$sheet" 4 "$out/cthead.png" "${pictures[@]}"

@@ -314,6 +314,8 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
   encode_options.vectors = options.vectors;
   if (options.max_bytes_given) encode_options.max_bytes = options.max_bytes;
   if (options.isovalue && !std::holds_alternative<qnv::VolumeSource>(input.content)) return not_a_volume(path);
+  if (options.method == EncodeMethod::values && !std::holds_alternative<qnv::VolumeSource>(input.content))
+    return EncodeError{"--method values applies to volumes only; leave it out"};
   if (const auto surface = input_surface(input, options.isovalue, progress)) {
     const auto* volume = std::get_if<qnv::VolumeSource>(&input.content);
     if (volume && options.fraction > 0)
@@ -323,8 +325,6 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
     if (const auto changed = input.file ? input.file->changed() : std::nullopt) return EncodeError{*changed};
     return encoded;
   }
-  if (options.method == EncodeMethod::values && !std::holds_alternative<qnv::VolumeSource>(input.content))
-    return EncodeError{"--method values applies to volumes only; leave it out"};
   if (options.method == EncodeMethod::displaced || options.exact_bits > 0)
     return EncodeError{std::string(options.exact_bits > 0 ? "--keep-mesh" : "--method displaced") +
                        " applies to surfaces of triangles only; leave it out"};

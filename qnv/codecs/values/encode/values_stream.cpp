@@ -22,12 +22,12 @@ namespace {
 using values::SampledVolume;
 
 // Number of times that a cluster comes. Its loss costs its box, and the first clusters of coarse blocks are worth the
-// most. The repetitions are about 2 % of the bytes.
+// most. The repetitions are about 2 % of the bytes of a lossless stream.
 constexpr int kMostCopies = 4;
 int copies_of(int level, std::uint32_t index, int coarsest) {
-  if (level == coarsest) return index == 0 ? kMostCopies : 2;
-  if (level >= 3) return 2;
-  return level == 2 && index == 0 ? 2 : 1;
+  if (index == 0 && level == coarsest) return kMostCopies;
+  const bool early = index < (level == coarsest ? 8u : level >= 3 ? 2u : level == 2 ? 1u : 0u);
+  return early ? 2 : 1;
 }
 
 Description describe(const VolumeSource& source, const SampledVolume& volume, const EncodeOptions& options) {

@@ -29,13 +29,13 @@ glm::vec3 unit_direction(int u, int v) {
 }
 
 OctahedralPoint point_of(const glm::vec3& direction) {
-  constexpr double kFine = 1 << 20;
+  constexpr double kFineUnits = 1 << 20;
   const double norm = std::abs(static_cast<double>(direction.x)) + std::abs(static_cast<double>(direction.y)) +
                       std::abs(static_cast<double>(direction.z));
   if (!(norm > 0)) return {0, 0};
   std::array<int, 3> whole{};
   for (int i = 0; i < 3; ++i)
-    whole[static_cast<unsigned>(i)] = static_cast<int>(std::lround(static_cast<double>(direction[i]) / norm * kFine));
+    whole[static_cast<unsigned>(i)] = static_cast<int>(std::lround(static_cast<double>(direction[i]) / norm * kFineUnits));
   return octahedral_of(whole);
 }
 
