@@ -3,8 +3,8 @@
 //
 //   volume_distortion VOLUME... [--pictures FOLDER] [--streams-alone]
 //
-// Prints two Markdown tables per volume. The first has for every budget PSNR (dB) and SSIM against pictures of all
-// records (the longest 9 % of the gradients) from three sides, 800x600, headlight, drawn by render/volume. A budget of
+// Prints two Markdown tables per volume. The first has for every budget PSNR (dB) and SSIM against pictures of the
+// longest 9 % of the gradients from three sides, 800x600, headlight, drawn by render/volume. A budget of
 // a QNV stream is a prefix of one stream. Other formats need their own file per budget, the best of several pyramid
 // levels, steps and parts of the gradients. Needs zfp, cjxl and djxl (Debian: zfp, libjxl-tools) in the PATH; without
 // them their columns are empty. The second table has the PSNR (dB) of the values over their range; coarser levels are
@@ -411,9 +411,7 @@ bool measure(const std::string& path, const std::string& folder, bool others) {
   const auto* stream = std::get_if<qnv::EncodedStream>(&voxels);
   const auto* other = std::get_if<qnv::EncodedStream>(&records);
   if (!stream || !other || !of_values) return false;
-  qnv::StreamDecoder decoder;
-  (void)decoder.push(other->bytes);
-  const Painter painter(volume_of(decoder));
+  const Painter painter(*volume);
   const std::clock_t before = std::clock();
   qnv::StreamDecoder whole;
   (void)whole.push(stream->bytes);

@@ -128,7 +128,7 @@ constexpr std::array<PayloadRow, 7> kRows = {{
      0, 0, 0, choose_displaced, encode_base_and_displacements, make_displaced_decoder},
     {Payload::voxels, "voxels", PayloadReader::vectors, RequestOrder::stream, nullptr, only(ChunkType::voxels), 0, 0, 0,
      choose_voxels, encode_volume_vectors, make_voxels_decoder},
-    {Payload::values, "values", PayloadReader::vectors, RequestOrder::visible_first, nullptr,
+    {Payload::values, "values", PayloadReader::vectors, RequestOrder::stream, nullptr,
      types({ChunkType::values, ChunkType::gaps, ChunkType::remainders}), 0, 0, 0, choose_values, encode_volume_values,
      make_values_decoder},
 }};

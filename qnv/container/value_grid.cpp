@@ -83,7 +83,7 @@ std::optional<ValueGrid> decode_value_grid(std::span<const std::byte> section) {
   grid.exact = (flags & kExact) != 0;
   for (double* number : {&grid.slope, &grid.intercept, &grid.unit, &grid.zero}) *number = read.f64();
   if (const double missing = read.f64(); std::isfinite(missing)) grid.missing = missing;
-  if (!read.good() || stored > static_cast<std::uint8_t>(VoxelType::f64) || components != 1 ||
+  if (!read.good() || stored > static_cast<std::uint8_t>(VoxelType::f32) || components != 1 ||
       (grid.exact && grid.correction != 0))
     return std::nullopt;
   grid.stored = static_cast<VoxelType>(stored);

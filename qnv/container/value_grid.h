@@ -33,7 +33,7 @@ struct ValueGrid {
   double slope = 1, intercept = 0;    // of the source: value = stored * slope + intercept
   std::optional<double> missing;      // stored number of the source that marks missing voxels
   double unit = 1, zero = 0;
-  bool gaps = false;               // chunks of gaps tell which voxels are missing
+  bool gaps = false;               // chunks of gaps mark the missing voxels
   bool exact = false;              // chunks of remainders restore the stored voxels bit for bit
   std::uint32_t correction = 0;    // samples per step of a remainder; 0 means that remainders count stored voxels
   std::vector<ValueError> errors;  // ascending chunks; at most kMaxValueErrors

@@ -142,9 +142,9 @@ constexpr OptionRow kEncodeOptions[] = {
      with<set_fraction>},
     {"--isovalue", "V", "", "extract the surface of a volume at this value instead of its gradients", "encode export ",
      with<set_isovalue>},
-    {"--error", "SIZE", "half a step of a display with 12 bits",
-     "values of a volume: permit this error for every voxel, in the unit of the values or as a percentage of their "
-     "range (12, or 0.1%)",
+    {"--error", "SIZE", "1/8192 of the range",
+     "maximum error of each voxel of a volume: in the unit of the values (12), or as a percentage of their range "
+     "(0.1%)",
      "encode ", with<set_error>},
     {"--lossless", "", "", "values of a volume: restore the stored voxels bit for bit; float64 is stored as float32",
      "encode ", with<set_lossless>},

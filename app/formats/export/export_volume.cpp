@@ -42,7 +42,7 @@ std::string shortest(double value) {
   return {text.data(), end};
 }
 
-// Number of the metadata, or the usual unit of lengths.
+// Returns the metadata value of a key, or an empty string if the key is absent.
 std::string metadata_of(const qnv::VolumeLayout& layout, std::string_view key) {
   for (const auto& [name, value] : layout.metadata)
     if (name == key) return value;
@@ -229,12 +229,12 @@ Exported export_nifti_gz(const qnv::Geometry& geometry, const ExportOptions& opt
     out.insert(out.end(), piece.begin(), piece.end() - stream.avail_out);
   }
   deflateEnd(&stream);
-  if (status != Z_STREAM_END) return std::string("the volume cannot be compressed");
+  if (status != Z_STREAM_END) return std::string("gzip failed to compress the volume; expected .nii instead");
   return out;
 }
 
 Exported export_fits(const qnv::Geometry& geometry, const ExportOptions& options) {
-  auto made = voxels_to_write(geometry, {.big_endian = true, .only_signed = true});
+  auto made = voxels_to_write(geometry, {.big_endian = true, .fits_types = true});
   if (auto* problem = std::get_if<std::string>(&made)) return std::move(*problem);
   auto& [layout, bytes] = std::get<WrittenVoxels>(made);
   constexpr std::size_t kBlock = 2880;

@@ -12,10 +12,12 @@ namespace gs::app {
 /// Exports VTK XML ImageData with raw appended data. Values with slope and intercept become float32. Refuses axes that
 /// are not at right angles.
 [[nodiscard]] Exported export_vti(const qnv::Geometry& geometry, const ExportOptions& options = {});
-/// Export NIfTI-1, plain and compressed by gzip. Refuses more than 32767 voxels per axis.
+/// Exports NIfTI-1. Refuses more than 32767 voxels per axis.
 [[nodiscard]] Exported export_nifti(const qnv::Geometry& geometry, const ExportOptions& options = {});
+/// Exports NIfTI-1 compressed by gzip. Refuses more than 32767 voxels per axis.
 [[nodiscard]] Exported export_nifti_gz(const qnv::Geometry& geometry, const ExportOptions& options = {});
-/// Exports FITS 4.0. Unsigned integers are stored with an offset (4.4.2.5), missing voxels as BLANK or NaN.
+/// Exports FITS 4.0. Unsigned integers are stored with an offset (4.4.2.5), missing voxels as BLANK or NaN. Axis
+/// directions are lost.
 [[nodiscard]] Exported export_fits(const qnv::Geometry& geometry, const ExportOptions& options = {});
 
 }  // namespace gs::app

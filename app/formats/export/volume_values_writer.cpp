@@ -70,7 +70,7 @@ std::variant<WrittenVoxels, std::string> voxels_to_write(const qnv::Geometry& ge
   const qnv::VolumeValues* values = volume ? volume->values.get() : nullptr;
   if (!values) return std::string("the input has no values of voxels; expected a volume, or a stream of its values");
   if (values->level > 0)
-    return std::string("the stream ends before its finest values; expected the whole stream, or more memory");
+    return std::string("only coarse values could be decoded; expected the whole stream, or a higher memory limit");
   const qnv::VolumeLayout& from = values->source.layout;
   if (const auto problem = qnv::check(from)) return problem->message;
   WrittenVoxels written{from, {}};
@@ -88,7 +88,7 @@ std::variant<WrittenVoxels, std::string> voxels_to_write(const qnv::Geometry& ge
     to.missing.reset();
   }
   double offset = 0;
-  if (form.only_signed) {
+  if (form.fits_types) {
     const Moved other = moved(to.type);
     to.type = other.type;
     offset = other.offset;

@@ -21,7 +21,7 @@ struct WrittenVoxels {
 struct VoxelForm {
   bool scaled = true;  // the format has slope and intercept; otherwise scaled values become float32
   bool big_endian = false;
-  bool only_signed = false;  // unsigned 16 and 32 bits are moved by half of their range, and so are signed 8 bits
+  bool fits_types = false;  // FITS has u8, i16 and i32; other integers are shifted by half of their range
 };
 
 /// Converts the values of a geometry. Returns a message if it has none, or not the finest ones, or if they cannot be

@@ -25,7 +25,7 @@ struct Estimate {
     return std::clamp<std::uint32_t>((std::uint32_t{fast} + slow) >> 1, 48, 65536 - 48);
   }
   void learn(bool bit) {
-    // Both estimates begin with the mean of the first decisions.
+    // Early decisions change both estimates fast; later ones change `slow` less.
     const int quick = kQuick[seen], late = kLate[seen];
     const std::int32_t target = bit ? 65535 : 0;
     fast = static_cast<std::uint16_t>(fast + ((target - fast) >> quick));
@@ -78,7 +78,7 @@ class Block {
     double gain = 0;  // reduction of the squared error of the volume
   };
   /// Encodes steps until the plane ends after at least `plane_bytes`, or until `most_bytes`, or until `last_plane` is
-  /// coded. The last step adds at most kMaxStepBytes.
+  /// coded. The last step may exceed that limit by less than kMaxClusterBytes - kClusterEnd.
   Encoded encode(BinaryEncoder& encoder, std::size_t plane_bytes, std::size_t most_bytes, int last_plane,
                  BlockScratch& scratch);
   /// Decodes `steps` steps, or fewer if the bytes are exhausted or the block is exact.

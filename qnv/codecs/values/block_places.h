@@ -20,7 +20,7 @@ struct BandPart {
 
 /// Box of space at one level: the same part of each band of the level.
 struct BlockPlace {
-  int level = 0;           // steps to the full volume, plus 1: level 1 is the finest
+  int level = 0;           // number of inverse steps from its bands to the full volume; 1 is the finest
   Extent first{}, size{};  // box in the samples of the volume
   std::uint32_t band_count = 0;
   std::array<BandPart, 8> bands{};

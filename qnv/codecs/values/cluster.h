@@ -16,16 +16,18 @@ inline constexpr std::size_t kMaxClusterBytes = 1200, kClusterEnd = 1060;
 
 /// Coded steps of one block. A block's clusters are decoded in order; clusters of other blocks do not matter.
 struct Cluster {
-  std::uint32_t block = 0;       // index into block_places()
+  std::uint32_t block = 0;       // number of the block in BlockLayout
   std::uint32_t index = 0;       // position in the block, from 0
   std::uint32_t steps = 0;       // number of cubes
   std::uint8_t plane = 0;        // of the first step of the block; only cluster 0 has it
   std::vector<std::byte> bytes;  // of a BinaryEncoder, which each cluster restarts; models continue
 };
 
-/// Limit of the samples' sizes: coefficients then have at most 31 bits. Limit of a volume's size.
+/// Highest bit plane of a coefficient.
 inline constexpr std::uint8_t kHighestPlane = 30;
+/// Maximum magnitude of a sample. Coefficients then fit into planes 0 to kHighestPlane.
 inline constexpr std::int32_t kMostSample = 1 << 26;
+/// Maximum number of samples of a volume.
 inline constexpr std::size_t kMostSamples = std::size_t{1} << 31;
 
 /// Returns a cluster as the payload of a chunk, and back. Parsing is safe for untrusted bytes.

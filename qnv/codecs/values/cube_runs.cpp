@@ -41,7 +41,7 @@ void each_voxel(const CubeBox& box, Extent extent, Visit&& visit) {
         visit((z * kCubeEdge + y) * kCubeEdge + x, box.first + (z * std::size_t{extent[1]} + y) * extent[0] + x);
 }
 
-/// Coder of the voxels of a run: an encoder or a decoder.
+/// Encodes `bit`, or decodes one. Updates the estimate and returns the bit.
 template <class Coder>
 bool code(Coder& coder, Estimate& model, bool bit) {
   if constexpr (std::is_same_v<Coder, BinaryEncoder>)

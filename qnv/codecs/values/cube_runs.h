@@ -10,9 +10,9 @@
 
 namespace gs::qnv::values {
 
-// Data of voxels that no transform touches: gaps, and remainders of exact values. Both go through the volume by cubes
-// of kCubeEdge voxels per axis, x first. A run of cubes is one chunk, which is decoded alone. FORMAT.md, "Gaps" and
-// "Remainders".
+// Per-voxel data outside of the transform: gaps, and remainders of exact or corrected values. Both visit the volume in
+// cubes of kCubeEdge voxels per axis, x first. A run of cubes is one chunk, which is decoded alone. FORMAT.md, "Gaps"
+// and "Remainders".
 
 /// Run of cubes as the payload of a chunk.
 struct CubeRun {

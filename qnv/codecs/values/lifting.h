@@ -17,7 +17,7 @@ using Extent = std::array<std::uint32_t, 3>;
 [[nodiscard]] std::size_t sample_count(Extent extent);
 
 // CDF 9/7 by integer lifting, without the final scaling: reversible, and equal on all machines. Arithmetic wraps at 32
-// bits, so that every input is restored exactly. FORMAT.md, "Values", defines the steps.
+// bits, so that every input is restored exactly. FORMAT.md, "Values payload", defines the steps.
 
 /// Transforms the whole volume in place. Low bands come first on every axis.
 void transform(std::span<std::int32_t> samples, Extent extent, int levels);

@@ -12,7 +12,7 @@ namespace gs::qnv::values {
 
 [[nodiscard]] constexpr bool is_integer(VoxelType type) { return type != VoxelType::f32 && type != VoxelType::f64; }
 
-/// Returns an integer in the order of the float32 numbers, without gaps.
+/// Returns an integer in the order of the float32 numbers; neighbours are consecutive.
 [[nodiscard]] inline std::uint32_t code_of(float number) {
   const auto bits = std::bit_cast<std::uint32_t>(number);
   return (bits >> 31) != 0 ? ~bits : bits | 0x80000000u;

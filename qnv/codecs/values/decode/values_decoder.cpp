@@ -10,8 +10,10 @@ namespace {
 
 // Maximum number of clusters that wait for earlier ones, in one block and in all.
 constexpr std::size_t kMostWaiting = 256, kMostWaitingInAll = std::size_t{1} << 16;
-// A level is shown when one of this many blocks has data.
+// A level is shown when one of this many blocks has data, or when it costs little time: it has at most this many
+// samples, or this many for each received byte. Levels finer than the data interpolate, which gives better pictures.
 constexpr std::uint32_t kShownPart = 16;
+constexpr std::uint64_t kQuickSamples = std::uint64_t{1} << 21, kSamplesPerByte = 512;
 
 }  // namespace
 
@@ -50,6 +52,7 @@ void ValuesDecoder::decode(State& state, const Cluster& cluster, const BlockPlac
   }
   BinaryDecoder decoder(cluster.bytes);
   state.block->decode(decoder, cluster.steps, scratch_);
+  bytes_ += cluster.bytes.size();
   ++state.next;
 }
 
@@ -77,10 +80,12 @@ Added ValuesDecoder::add(const Cluster& cluster) {
 }
 
 int ValuesDecoder::level() const {
-  for (int level = 1; level <= levels_; ++level) {
-    const auto at = static_cast<std::size_t>(level);
-    if (begun_[at] > 0 && std::uint64_t{begun_[at]} * kShownPart >= layout_.count_of(level))
-      return std::max(level - 1, finest_);
+  for (int level = finest_; level < levels_; ++level) {
+    const Extent part = low_extent(extent_, level);
+    const std::uint64_t samples = std::uint64_t{part[0]} * part[1] * part[2];
+    if (samples <= std::max(kQuickSamples, kSamplesPerByte * bytes_)) return level;
+    const std::uint64_t begun = begun_[static_cast<std::size_t>(level) + 1];
+    if (begun > 0 && begun * kShownPart >= layout_.count_of(level + 1)) return level;
   }
   return levels_;
 }

@@ -21,12 +21,14 @@ enum class Added : std::uint8_t { taken, waits, repeated, refused, dropped };
 /// received. Safe for untrusted clusters. One thread at a time.
 class ValuesDecoder {
  public:
-  /// Drops clusters of levels below `finest`, and of further blocks after `most_blocks`. `extent` must be valid.
+  /// Drops clusters that only refine samples beyond level `finest`. After `most_blocks` blocks, drops clusters of new
+  /// blocks. `extent` must be valid.
   explicit ValuesDecoder(Extent extent, int finest = 0, std::size_t most_blocks = std::size_t{1} << 22);
 
   Added add(const Cluster& cluster);
   [[nodiscard]] int levels() const { return levels_; }
-  /// Returns the finest level of which many blocks have data, and that is not dropped: 0 means the volume.
+  /// Returns the level to show: the finest one that is not dropped, and has data or takes little time. 0 means the
+  /// volume.
   [[nodiscard]] int level() const;
   /// Returns the samples of low_extent(extent, level), x first. The samples of level n are larger by level_gain(n).
   [[nodiscard]] std::vector<std::int32_t> samples(int level = 0) const;
@@ -44,6 +46,7 @@ class ValuesDecoder {
   BlockLayout layout_;
   std::map<std::uint32_t, State> states_;
   std::vector<std::uint32_t> begun_;  // number of blocks with data, by BlockPlace::level
+  std::uint64_t bytes_ = 0;           // of decoded clusters
   std::size_t waiting_ = 0;           // clusters
   std::size_t most_blocks_;
   BlockScratch scratch_;

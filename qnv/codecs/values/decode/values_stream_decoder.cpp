@@ -21,9 +21,9 @@ namespace {
 using values::Extent;
 
 constexpr std::int32_t kMissingSample = std::numeric_limits<std::int32_t>::min();
-// Samples that are decoded for each permitted vector: a tenth of the samples are drawn as vectors.
+// Maximum number of decoded samples per permitted vector. About 9 % of the samples become vectors.
 constexpr std::uint64_t kSamplesPerVector = 8;
-// A block has at least this many samples, except in thin volumes.
+// Assumed samples per block, which limits the number of blocks. Border blocks may have fewer.
 constexpr std::uint64_t kBlockSamples = 512;
 
 /// Numbers of a decoded volume, 4 bytes each. `Number` is std::int32_t or float.
@@ -106,7 +106,8 @@ class ValuesStreamDecoder final : public Decoder {
     return cluster ? decoder_.add(*cluster) : values::Added::refused;
   }
 
-  // Counts the cubes of a run. Valid runs do not overlap; this limits the work of others.
+  // Counts the cubes of all runs. Returns false above twice the cubes of the volume. Valid runs do not overlap; the
+  // limit bounds the work for invalid streams.
   bool count_cubes(const values::CubeRun& run, std::uint64_t& cubes) const {
     const Extent all = values::cube_extent(grid_.dimensions);
     cubes += run.count;
@@ -189,7 +190,7 @@ class ValuesStreamDecoder final : public Decoder {
       values.exact = errors.back().most == 0;
       return;
     }
-    // An error holds for the chunks from the start; later ones without a gap only improve it.
+    // An entry holds if its chunks were received in order. Further chunks in order only reduce the error.
     if (!in_order_) return;
     for (const ValueError& error : errors)
       if (error.chunks <= received_) {

@@ -20,8 +20,8 @@ constexpr std::size_t kPlaneClusterBytes = 500;
 constexpr std::size_t kChunkCost = kChunkHeaderBytes + kDirectoryEntryBytes;
 // Sizes at which errors are measured: this many bytes, and each time this factor more.
 constexpr std::size_t kFirstMeasured = 4000, kMeasuredFactor = 4;
-// Clusters of a stream with a permitted error end when the root mean square of the errors is this part of it: then the
-// clusters and the corrections of single samples together have the fewest bytes.
+// With a permitted error, clusters end at this ratio of the RMS error to it. It minimises the bytes of clusters and
+// corrections together.
 constexpr double kRmsOfError = 0.4;
 
 struct RankedCluster {
@@ -68,7 +68,8 @@ std::vector<RankedCluster> encode_block(const BlockPlace& place, std::uint32_t n
 
 /// Returns the clusters of all blocks in the order of their slopes, at most `max_bytes`.
 std::vector<RankedCluster> ranked(std::vector<std::vector<RankedCluster>> blocks, std::size_t max_bytes) {
-  using Candidate = std::pair<double, std::size_t>;  // slope; block, the first one last
+  using Candidate =
+      std::pair<double, std::size_t>;  // slope; block count minus block number, so that ties choose the lower block
   std::priority_queue<Candidate> candidates;
   std::vector<std::size_t> next(blocks.size(), 0);
   for (std::size_t i = 0; i < blocks.size(); ++i)
@@ -135,8 +136,8 @@ class ErrorMeter {
   std::size_t added_ = 0;
 };
 
-/// Returns the number of clusters after which the root of the mean square is `rms`, by the gains of the clusters.
-/// Returns nullopt if all clusters are too few.
+/// Returns the number of clusters that reduces the RMS error to `rms`, estimated from their gains. Returns nullopt if
+/// all clusters leave a larger error.
 std::optional<std::size_t> clusters_for(std::span<const RankedCluster> order, double rms, std::size_t samples,
                                         double uncoded) {
   double rest = uncoded;

@@ -13,7 +13,7 @@
 
 namespace gs::qnv::values {
 
-/// End of a stream.
+/// Limits at which a stream ends: an error or a size.
 struct ValuesLimit {
   std::uint32_t most_error = 0;  // maximum for every sample; 0 means lossless. Without effect if `max_bytes` is given
   std::size_t max_bytes = 0;     // of all chunks with their directory entries; 0 means unlimited
@@ -24,8 +24,7 @@ struct EncodedValues {
   std::vector<Cluster> clusters;
   /// Measured errors of samples, in steps: after about 4, 16, 64, ... kB, and at the end.
   std::vector<ValueError> errors;
-  /// Numbers of correction steps that each sample needs after all clusters to keep the permitted error; empty if none
-  /// does.
+  /// Signed number of correction steps per sample, as two's complement. Empty if no sample needs one.
   std::vector<std::uint32_t> corrections;
 };
 

@@ -53,7 +53,8 @@ double permitted_error(const ValueTolerance& tolerance, double range) {
   return kDefaultShare * range;
 }
 
-// Sets the samples of an integer volume: the stored numbers, or multiples of a power of two if they are too large.
+// Sets grid and limits of an integer volume. A sample counts steps above the minimum. The step is 1, or a power of two
+// if the range exceeds kMostSample.
 void scale_integers(const StoredRange& range, double permitted, SampledVolume& volume) {
   ValueGrid& grid = volume.grid;
   double step = 1;
@@ -67,10 +68,10 @@ void scale_integers(const StoredRange& range, double permitted, SampledVolume& v
   volume.most_error = static_cast<std::uint32_t>(std::clamp(std::floor(samples + 1e-9), 0.0, double{kMostSample}));
 }
 
-// Sets the samples of a float volume: multiples of a power of two above the least number.
+// Sets grid and limits of a float volume. A sample counts steps of a power of two above the minimum.
 void scale_floats(const StoredRange& range, double permitted, SampledVolume& volume) {
   ValueGrid& grid = volume.grid;
-  // Values are the stored numbers from here on, because exact multiples need a power of two.
+  // The step is a power of two in stored numbers, so that its multiples are exact.
   const double size = range.most - range.least;
   const double stored_error = permitted / std::abs(grid.slope);
   int exponent = std::ilogb(size > 0 ? size : 1) + 1 - kExactBits;

@@ -21,9 +21,9 @@ namespace {
 
 using values::SampledVolume;
 
-// Number of times that a cluster comes. Its loss costs its box, and the first clusters of coarse blocks are worth the
-// most. The repetitions are about 2 % of the bytes of a lossless stream.
 constexpr int kMostCopies = 4;
+// Returns how often the stream contains a cluster. A lost cluster makes its block unusable from there on, and early
+// clusters of coarse blocks affect most voxels. Repetitions take about 2 % of a lossless stream.
 int copies_of(int level, std::uint32_t index, int coarsest) {
   if (index == 0 && level == coarsest) return kMostCopies;
   const bool early = index < (level == coarsest ? 8u : level >= 3 ? 2u : level == 2 ? 1u : 0u);

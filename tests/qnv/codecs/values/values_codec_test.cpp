@@ -128,7 +128,7 @@ TEST_CASE("values: Measured errors of prefixes are those of a decoder") {
   }
 }
 
-TEST_CASE("values: Every prefix of clusters decodes, and improves on an eighth of it") {
+TEST_CASE("values: has no larger error at any prefix than at an eighth of it") {
   const Extent extent{48, 40, 36};
   const auto samples = ball_values(extent);
   const auto encoded = values::encode_values(samples, extent, {});
@@ -180,7 +180,7 @@ TEST_CASE("values: A lost cluster changes only a neighbourhood of its box") {
   CHECK(same);
 }
 
-TEST_CASE("values: Coarse levels approximate the mean of the samples") {
+TEST_CASE("values: scales a constant volume by level_gain() at level 1") {
   const Extent extent{64, 64, 64};
   const std::vector<std::int32_t> samples(values::sample_count(extent), 1000);
   const auto encoded = values::encode_values(samples, extent, {});
@@ -193,7 +193,7 @@ TEST_CASE("values: Coarse levels approximate the mean of the samples") {
     CHECK(value == Approx(1000 * values::level_gain(extent, 1)).epsilon(0.01));
 }
 
-TEST_CASE("values: Coarse samples are a subset of the decoding of all levels") {
+TEST_CASE("values: decodes the same coarse samples when finer clusters are dropped") {
   const Extent extent{70, 33, 50};
   const auto encoded = values::encode_values(ball_values(extent), extent, {});
   REQUIRE(encoded);
