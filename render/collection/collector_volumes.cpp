@@ -17,7 +17,7 @@ namespace gs::render {
 namespace {
 
 using vrml::NodeId;
-using Kind = VolumeStep::Kind;
+using StepKind = VolumeStep::Kind;
 using Weight = VolumeStep::Weight;
 
 constexpr std::size_t kMaxVisits = 256;     // nodes of one look; styles may be USEd in styles
@@ -260,33 +260,33 @@ class VolumeLookBuilder {
     };
     switch (style.kind()) {
       case NodeKind::opacity_map_style:
-        step.kind = Kind::opacity_map;
+        step.kind = StepKind::opacity_map;
         step.tables[0] = table_in(node, "transferFunction");
         return true;
       case NodeKind::boundary_style:
-        step.kind = Kind::boundary;
+        step.kind = StepKind::boundary;
         step.values = {
             {float_in("retainedOpacity", 0.2f), float_in("boundaryOpacity", 0.9f), float_in("opacityFactor", 2), 0}};
         break;
       case NodeKind::edge_style:
-        step.kind = Kind::edge;
+        step.kind = StepKind::edge;
         step.values = {color_in(node, "edgeColor"), glm::vec4(std::cos(float_in("gradientThreshold", 0.4f, 3.1416f)))};
         break;
       case NodeKind::tone_mapped_style:
-        step.kind = Kind::tone;
+        step.kind = StepKind::tone;
         step.values = {color_in(node, "warmColor"), color_in(node, "coolColor")};
         break;
       case NodeKind::silhouette_style:
-        step.kind = Kind::silhouette;
+        step.kind = StepKind::silhouette;
         step.values = {{float_in("silhouetteRetainedOpacity", 1), float_in("silhouetteBoundaryOpacity", 0),
                         float_in("silhouetteSharpness", 0.5f), 0}};
         break;
       case NodeKind::cartoon_style:
-        step.kind = Kind::cartoon;
+        step.kind = StepKind::cartoon;
         step.values = cartoon_colors(node);
         break;
       case NodeKind::shaded_style:
-        step.kind = Kind::shaded;
+        step.kind = StepKind::shaded;
         set_shading(node, step);
         break;
       case NodeKind::blended_style:
@@ -316,7 +316,7 @@ class VolumeLookBuilder {
   }
 
   bool set_blend(const vrml::Node& node, VolumeStep& step, std::size_t depth) {
-    step.kind = Kind::blend;
+    step.kind = StepKind::blend;
     step.values = {{number(node, "weightConstant1", 0, 1, 0.5f), number(node, "weightConstant2", 0, 1, 0.5f), 0, 0}};
     step.weights = {named(kWeightNames, text_in(node, "weightFunction1"), Weight::constant),
                     named(kWeightNames, text_in(node, "weightFunction2"), Weight::constant)};

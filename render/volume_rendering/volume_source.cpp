@@ -9,40 +9,40 @@
 namespace gs::render {
 namespace {
 
-using Kind = VolumeStep::Kind;
+using StepKind = VolumeStep::Kind;
 using Weight = VolumeStep::Weight;
 
 /// Code of a style. `$` is the number of the step, `@` the number of components of the voxels. Variables: `c`, colour
 /// and opacity, input and output; `raw`, the components of the voxel; `n`, the unit normal in camera space and the
 /// gradient per voxel; `to_viewer`; `place`, in camera space. `facing` is |n . V|, or 1 without a normal.
 struct StyleRow {
-  Kind kind;
+  StepKind kind;
   bool normal, lights;
   std::string_view code;
 };
 constexpr std::array<StyleRow, 8> kStyles = {{
     // 41.4.7; without a transfer function, the default.
-    {Kind::opacity_map, false, false, "c = color_of(raw, @);"},
+    {StepKind::opacity_map, false, false, "c = color_of(raw, @);"},
     // 41.4.2: values[0] is retainedOpacity, boundaryOpacity, opacityFactor.
-    {Kind::boundary, true, false,
+    {StepKind::boundary, true, false,
      "c.a = min(c.a * (values_$[0].x + values_$[0].y * pow(max(n.w, 1e-6), values_$[0].z)), 1.0);"},
     // 41.4.5: edgeColor; values[1].x is the cosine of gradientThreshold.
-    {Kind::edge, true, false, "if (facing < values_$[1].x) c.rgb = mix(values_$[0].rgb, c.rgb, facing);"},
+    {StepKind::edge, true, false, "if (facing < values_$[1].x) c.rgb = mix(values_$[0].rgb, c.rgb, facing);"},
     // 41.4.12: warmColor, coolColor.
-    {Kind::tone, true, true, "c.rgb = toned(n.xyz, place, values_$[0].rgb, values_$[1].rgb);"},
+    {StepKind::tone, true, true, "c.rgb = toned(n.xyz, place, values_$[0].rgb, values_$[1].rgb);"},
     // 41.4.11: silhouetteRetainedOpacity, silhouetteBoundaryOpacity, silhouetteSharpness.
-    {Kind::silhouette, true, false,
+    {StepKind::silhouette, true, false,
      "c.a = min(c.a * (values_$[0].x + values_$[0].y * pow(max(1.0 - facing, 1e-6), values_$[0].z)), 1.0);"},
     // 41.4.3: the colours by ascending angle between the normal and the direction to the viewer.
-    {Kind::cartoon, true, false,
+    {StepKind::cartoon, true, false,
      "float ahead_$ = dot(n.xyz, to_viewer); if (ahead_$ <= 0.0) return vec4(0.0);"
      " c.rgb = values_$[min(int(acos(min(ahead_$, 1.0)) * 0.636619772 * float(COUNT_$)), COUNT_$ - 1)].rgb;"},
     // 41.4.10: diffuse colour and transparency, emissive colour and ambientIntensity, specular colour and exponent.
-    {Kind::shaded, true, true, ""},
-    {Kind::blend, false, false, ""},  // 41.4.1: values[0] is both constants
+    {StepKind::shaded, true, true, ""},
+    {StepKind::blend, false, false, ""},  // 41.4.1: values[0] is both constants
 }};
 
-const StyleRow& row_of(Kind kind) { return kStyles[static_cast<std::size_t>(kind)]; }
+const StyleRow& row_of(StepKind kind) { return kStyles[static_cast<std::size_t>(kind)]; }
 
 /// Replaces each `$` by the number of a step, and each `@` by a number of components.
 std::string numbered_code(std::string_view code, std::size_t number, std::size_t components = 1) {
@@ -52,9 +52,9 @@ std::string numbered_code(std::string_view code, std::size_t number, std::size_t
   return text;
 }
 
-bool has_lights(const VolumeStep& step) { return step.kind == Kind::shaded ? step.lit : row_of(step.kind).lights; }
+bool has_lights(const VolumeStep& step) { return step.kind == StepKind::shaded ? step.lit : row_of(step.kind).lights; }
 
-bool has_normal(const VolumeStep& step) { return step.kind == Kind::shaded ? step.lit : row_of(step.kind).normal; }
+bool has_normal(const VolumeStep& step) { return step.kind == StepKind::shaded ? step.lit : row_of(step.kind).normal; }
 
 /// Returns GLSL of a weight, an index in the tables of the step (X3D Tables 41.3 and 41.4).
 std::string weight_code(const VolumeStep& step, std::size_t which) {
@@ -94,7 +94,7 @@ class SourceWriter {
       const std::size_t number = next_++;
       declare(step, number);
       // Styles only scale an opacity. So an invisible voxel stays invisible, except in blends.
-      if (!opaque && step.kind != Kind::opacity_map && !has_blend(steps)) {
+      if (!opaque && step.kind != StepKind::opacity_map && !has_blend(steps)) {
         body += "  if (c.a <= 0.0) return vec4(0.0);\n";
         opaque = true;
       }
@@ -115,7 +115,7 @@ class SourceWriter {
 
  private:
   static bool has_blend(const std::vector<VolumeStep>& steps) {
-    return std::any_of(steps.begin(), steps.end(), [](const VolumeStep& step) { return step.kind == Kind::blend; });
+    return std::any_of(steps.begin(), steps.end(), [](const VolumeStep& step) { return step.kind == StepKind::blend; });
   }
 
   void declare(const VolumeStep& step, std::size_t number) {
@@ -133,10 +133,10 @@ class SourceWriter {
   }
 
   std::string code_of(const VolumeStep& step, std::size_t number) {
-    if (step.kind == Kind::shaded) return shaded_code(step);
-    if (step.kind == Kind::opacity_map && step.tables[0])
+    if (step.kind == StepKind::shaded) return shaded_code(step);
+    if (step.kind == StepKind::opacity_map && step.tables[0])
       return step.tables[0]->slices > 1 ? "c = texture(table_$_0, raw.xyz);" : "c = texture(table_$_0, raw.xy);";
-    if (step.kind != Kind::blend || !step.voxels) return std::string(row_of(step.kind).code);
+    if (step.kind != StepKind::blend || !step.voxels) return std::string(row_of(step.kind).code);
     const std::string name = "second_" + std::to_string(number);
     chain(name, step.inner, numbered_code("gradients_$", number), step.voxels->components);
     const std::string components = std::to_string(step.voxels->components);
