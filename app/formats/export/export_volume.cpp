@@ -21,20 +21,20 @@ namespace {
 using qnv::VoxelType;
 
 /// Names and codes of a voxel type in the formats.
-struct TypeName {
+struct VoxelTypeName {
   const char *nrrd, *vtk;
   std::int16_t nifti;
   int fits;
 };
-constexpr std::array<TypeName, 8> kTypeNames{{{"uint8", "UInt8", 2, 8},
-                                              {"int8", "Int8", 256, 0},
-                                              {"uint16", "UInt16", 512, 0},
-                                              {"int16", "Int16", 4, 16},
-                                              {"uint32", "UInt32", 768, 0},
-                                              {"int32", "Int32", 8, 32},
-                                              {"float", "Float32", 16, -32},
-                                              {"double", "Float64", 64, -64}}};
-const TypeName& names_of(VoxelType type) { return kTypeNames[static_cast<std::size_t>(type)]; }
+constexpr std::array<VoxelTypeName, 8> kVoxelTypeNames{{{"uint8", "UInt8", 2, 8},
+                                                        {"int8", "Int8", 256, 0},
+                                                        {"uint16", "UInt16", 512, 0},
+                                                        {"int16", "Int16", 4, 16},
+                                                        {"uint32", "UInt32", 768, 0},
+                                                        {"int32", "Int32", 8, 32},
+                                                        {"float", "Float32", 16, -32},
+                                                        {"double", "Float64", 64, -64}}};
+const VoxelTypeName& names_of(VoxelType type) { return kVoxelTypeNames[static_cast<std::size_t>(type)]; }
 
 std::string shortest(double value) {
   std::array<char, 32> text;
@@ -43,13 +43,13 @@ std::string shortest(double value) {
 }
 
 // Returns the metadata value of a key, or an empty string if the key is absent.
-std::string metadata_of(const qnv::VolumeLayout& layout, std::string_view key) {
+std::string metadata_value(const qnv::VolumeLayout& layout, std::string_view key) {
   for (const auto& [name, value] : layout.metadata)
     if (name == key) return value;
   return {};
 }
 
-bool one_line(const std::string& text) {
+bool fits_one_line(const std::string& text) {
   return std::ranges::none_of(text, [](char c) { return static_cast<unsigned char>(c) < 32; });
 }
 
@@ -92,7 +92,7 @@ Exported nifti_bytes(const qnv::Geometry& geometry, const ExportOptions& options
   write.f32(static_cast<float>(layout.slope));
   write.f32(static_cast<float>(layout.intercept));
   zeros(3);
-  write.integer(static_cast<std::uint8_t>(metadata_of(layout, "units") == "mm" ? 2 : 0));
+  write.integer(static_cast<std::uint8_t>(metadata_value(layout, "units") == "mm" ? 2 : 0));
   zeros(24);
   text(options.title, 80);
   zeros(24);
@@ -147,7 +147,7 @@ Exported export_nrrd(const qnv::Geometry& geometry, const ExportOptions& options
     return "(" + shortest(v.x) + "," + shortest(v.y) + "," + shortest(v.z) + ")";
   };
   std::string head = "NRRD0004\n";
-  if (!options.title.empty() && one_line(options.title)) head += "content: " + options.title + "\n";
+  if (!options.title.empty() && fits_one_line(options.title)) head += "content: " + options.title + "\n";
   head += std::string("type: ") + names_of(layout.type).nrrd + "\ndimension: 3\nspace dimension: 3\nsizes:";
   for (const std::uint32_t n : layout.dimensions) head += " " + std::to_string(n);
   head += "\nspace directions:";
@@ -161,8 +161,8 @@ Exported export_nrrd(const qnv::Geometry& geometry, const ExportOptions& options
     head += " (" + parts[0] + "," + parts[1] + "," + parts[2] + ")";
   }
   head += "\nspace origin: " + vector(layout.base + layout.origin) + "\nkinds: domain domain domain\n";
-  if (const std::string units = metadata_of(layout, "units");
-      !units.empty() && one_line(units) && units.find('"') == std::string::npos)
+  if (const std::string units = metadata_value(layout, "units");
+      !units.empty() && fits_one_line(units) && units.find('"') == std::string::npos)
     head += "space units: \"" + units + "\" \"" + units + "\" \"" + units + "\"\n";
   if (qnv::size_of(layout.type) > 1) head += "endian: little\n";
   return joined(head + "encoding: raw\n\n", bytes);
@@ -252,7 +252,7 @@ Exported export_fits(const qnv::Geometry& geometry, const ExportOptions& options
     head += card("CRPIX" + n, "1.") + card("CRVAL" + n, fits_number(origin[i])) +
             card("CDELT" + n, fits_number(glm::length(layout.axes[static_cast<std::size_t>(i)])));
   }
-  if (const std::string unit = metadata_of(layout, "sample units"); !unit.empty()) head += card("BUNIT", unit, true);
+  if (const std::string unit = metadata_value(layout, "sample units"); !unit.empty()) head += card("BUNIT", unit, true);
   if (!options.title.empty()) head += card("OBJECT", options.title, true);
   std::string end = "END";
   end.resize(80, ' ');

@@ -78,7 +78,7 @@ TEST_CASE("reads PROTO, Scripts and ROUTEs of X3D in JSON") {
   CHECK(text.find("point [ 0 0 0, 1 0 0, 1 1 0 ]") != std::string::npos);
 }
 
-TEST_CASE("reads JSON in pieces of any size") { test::check_pieces(Grammar::x3d_json, kManyMembers); }
+TEST_CASE("reads JSON in pieces of any size") { gs::vrml::test::check_pieces(Grammar::x3d_json, kManyMembers); }
 
 TEST_CASE("reads members of JSON in any order") {
   json_check_equal(
@@ -104,9 +104,11 @@ TEST_CASE("tolerates habits of X3D in JSON") {
 }
 
 TEST_CASE("clamps large numbers of integer fields in JSON to 32 bits") {
-  const ReadWorld world(Grammar::x3d_json, json_in_scene(R"({"Switch":{"@whichChoice":1e300}},{"Switch":{"@whichChoice":-1e300}},
+  const ReadWorld world(Grammar::x3d_json,
+                        json_in_scene(R"({"Switch":{"@whichChoice":1e300}},{"Switch":{"@whichChoice":-1e300}},
     {"Switch":{"@whichChoice":4294967295}})"));
-  CHECK(world.text() == printed_classic("Switch { whichChoice 2147483647 } Switch { whichChoice -2147483648 } Switch {}"));
+  CHECK(world.text() ==
+        printed_classic("Switch { whichChoice 2147483647 } Switch { whichChoice -2147483648 } Switch {}"));
 }
 
 TEST_CASE("reports JSON that ends too early or is not X3D") {

@@ -110,7 +110,7 @@ TEST_CASE("reads Scripts and ROUTEs of X3D in XML") {
   CHECK(late.text().find("inputOnly SFFloat b IS a") != std::string::npos);
 }
 
-TEST_CASE("reads XML in pieces of any size") { test::check_pieces(Grammar::x3d_xml, kManyConstructs); }
+TEST_CASE("reads XML in pieces of any size") { gs::vrml::test::check_pieces(Grammar::x3d_xml, kManyConstructs); }
 
 TEST_CASE("tolerates habits of X3D files") {
   CHECK(messages_of("<Viewpoint jump='TRUE'/>") == "2:64: warning expected true or false, found 'TRUE'\n");

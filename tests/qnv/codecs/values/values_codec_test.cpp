@@ -12,8 +12,7 @@
 #include <vector>
 
 namespace gs::qnv {
-
-namespace {
+namespace values_codec_test {
 
 using values::Cluster;
 using values::EncodedValues;
@@ -53,8 +52,6 @@ std::vector<std::int32_t> decoded_values(Extent extent, const std::vector<Cluste
   for (const Cluster& cluster : clusters) decoder.add(cluster);
   return decoder.samples();
 }
-
-}  // namespace
 
 TEST_CASE("values: A complete stream restores every sample of volumes of any extent") {
   for (const Extent extent :
@@ -296,4 +293,5 @@ TEST_CASE("values: Unsupported extents are refused") {
   CHECK_FALSE(values::valid(Extent{0x80000000, 0x80000000, 4}));
 }
 
+}  // namespace values_codec_test
 }  // namespace gs::qnv
