@@ -13,7 +13,7 @@ constexpr std::size_t kMostWaiting = 256, kMostWaitingInAll = std::size_t{1} << 
 // A level is shown when one of this many blocks has data, or when it costs little time: it has at most this many
 // samples, or this many for each received byte. Levels finer than the data interpolate, which gives better pictures.
 constexpr std::uint32_t kShownPart = 16;
-constexpr std::uint64_t kQuickSamples = std::uint64_t{1} << 21, kSamplesPerByte = 512;
+constexpr std::uint64_t kQuickSamples = std::uint64_t{1} << 21, kSamplesPerByte = 640;
 
 }  // namespace
 
