@@ -164,7 +164,7 @@ TEST_CASE("values: covers the volume at every prefix, with decreasing error") {
   const VolumeSource source = ball_of<std::uint16_t>(oblique(60, 50, 40), 3000, VoxelType::u16);
   const std::vector<float> truth = values_in(source);
   const EncodedStream stream = stream_of(source);
-  double before = 1e9;
+  double before = std::numeric_limits<double>::max();
   for (std::size_t bytes = encode_header(stream.header).size(); bytes < stream.bytes.size(); bytes += 1777) {
     const Shown shown(std::span(stream.bytes).first(bytes));
     REQUIRE(voxel_box(shown.values->source.layout).lower.x >= voxel_box(source.layout).lower.x - 1e-3f);
