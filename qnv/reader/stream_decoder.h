@@ -36,7 +36,7 @@ class StreamDecoder {
   [[nodiscard]] std::size_t refused_chunks() const { return refused_chunks_ + count().refused; }
   /// Reports whether chunks were dropped because of `most_vectors`.
   [[nodiscard]] bool full() const { return count().full; }
-  /// Returns the number of vectors of geometry().
+  /// Returns the number of vectors of geometry(), or the most that it may have if their number depends on values.
   [[nodiscard]] std::size_t vectors() const { return decoder_ ? decoder_->vectors() : 0; }
   /// Returns a number that changes whenever geometry() would.
   [[nodiscard]] std::uint64_t revision() const { return count().taken; }

@@ -57,7 +57,9 @@ void decode(std::span<const std::byte> bytes) {
   const Geometry geometry = whole.geometry(), other_geometry = pieces.geometry();
   const VectorView vectors(geometry), other(other_geometry);
   check_sound(geometry);
-  require(vectors.size() == whole.vectors() && vectors.size() <= kMaxVectors);
+  const bool of_values = whole.header() && whole.header()->payload == Payload::values;
+  require(vectors.size() <= whole.vectors() && (of_values || vectors.size() == whole.vectors()));
+  require(vectors.size() <= kMaxVectors);
   require(std::ranges::equal(vectors.positions, other.positions) && std::ranges::equal(vectors.weights, other.weights));
   require(whole.problems().size() == pieces.problems().size());
 }

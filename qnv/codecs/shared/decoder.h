@@ -51,7 +51,7 @@ class Decoder : NonCopyable {
   /// ignore incomplete payloads.
   virtual void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) = 0;
   [[nodiscard]] virtual DecodeCount count() const = 0;
-  /// Returns the number of vectors of geometry().
+  /// Returns the number of vectors of geometry(), or the most that it may have if their number depends on values.
   [[nodiscard]] virtual std::size_t vectors() const = 0;
   /// Returns everything received, at its finest detail, with the properties `base`.
   [[nodiscard]] virtual Geometry geometry(GeometryBase base) const = 0;

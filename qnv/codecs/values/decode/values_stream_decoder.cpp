@@ -65,7 +65,7 @@ class ValuesStreamDecoder final : public Decoder {
   [[nodiscard]] std::size_t vectors() const override {
     const double all =
         static_cast<double>(values::sample_count(values::low_extent(grid_.dimensions, decoder_.level())));
-    return std::min(most_vectors_, static_cast<std::size_t>(kShownFraction * all));
+    return std::min(most_vectors_, static_cast<std::size_t>(std::ceil(kShownFraction * all)));
   }
   [[nodiscard]] Geometry geometry(GeometryBase base) const override {
     Description& about = base.description;
