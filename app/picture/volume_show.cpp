@@ -109,7 +109,7 @@ std::optional<std::string> VolumeShow::prepare(const VolumeWishes& wishes, const
   }
   slices_ = wishes.slice_look;
   if (wishes.slices.empty() && !image) return std::nullopt;
-  auto grid = streamed ? VolumeGrid::take(streamed->source, nullptr, budget, VolumeGrid::kMaxVoxels)
+  auto grid = streamed ? VolumeGrid::take(streamed->source, nullptr, budget, VolumeGrid::kMaxVoxels, streamed->range)
                        : VolumeGrid::read(path, nullptr, budget);
   if (auto* problem = std::get_if<std::string>(&grid)) return "slices: " + *problem;
   grid_ = std::move(std::get<std::shared_ptr<const VolumeGrid>>(grid));

@@ -64,15 +64,16 @@ ViewerTools::Values& ViewerTools::values_of(const View& view) {
     const std::string path = view.document->world.path;
     values.streamed = streamed_values(*view.list);
     values.coming = std::async(std::launch::async, [path, streamed = values.streamed, this] {
-      return streamed ? VolumeGrid::take(streamed->source, &stop_, own_budget(), VolumeGrid::kMaxVoxels)
-                      : VolumeGrid::read(path, &stop_);
+      return streamed
+                 ? VolumeGrid::take(streamed->source, &stop_, own_budget(), VolumeGrid::kMaxVoxels, streamed->range)
+                 : VolumeGrid::read(path, &stop_);
     });
   } else if (!values.coming.valid()) {
     // The values of a stream become better while it arrives.
     if (auto newer = streamed_values(*view.list); newer && newer != values.streamed) {
       values.streamed = std::move(newer);
       values.coming = std::async(std::launch::async, [streamed = values.streamed, this] {
-        return VolumeGrid::take(streamed->source, &stop_, own_budget(), VolumeGrid::kMaxVoxels);
+        return VolumeGrid::take(streamed->source, &stop_, own_budget(), VolumeGrid::kMaxVoxels, streamed->range);
       });
     }
   }

@@ -29,10 +29,9 @@ std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::read(co
   return taken;
 }
 
-std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::take(const qnv::VolumeSource& source,
-                                                                              const std::atomic<bool>* stop,
-                                                                              const WorldBudget& budget,
-                                                                              std::uint64_t most_voxels) {
+std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::take(
+    const qnv::VolumeSource& source, const std::atomic<bool>* stop, const WorldBudget& budget,
+    std::uint64_t most_voxels, const std::optional<std::pair<float, float>>& range) {
   if (const auto problem = qnv::check(source.layout)) return problem->message;
   std::shared_ptr<VolumeGrid> grid(new VolumeGrid);
   grid->layout_ = source.layout;
@@ -70,7 +69,7 @@ std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::take(co
       }
   }
   if (!(least <= most)) return "the volume has no values";
-  grid->range_ = {least, most};
+  grid->range_ = range.value_or(std::pair(least, most));
   return std::shared_ptr<const VolumeGrid>(std::move(grid));
 }
 

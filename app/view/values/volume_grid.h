@@ -28,17 +28,17 @@ class VolumeGrid {
   [[nodiscard]] static std::variant<std::shared_ptr<const VolumeGrid>, std::string> read(
       const std::string& path, const std::atomic<bool>* stop = nullptr, const WorldBudget& budget = own_budget(),
       std::uint64_t most_voxels = kMaxVoxels);
-  /// Reads the values from a source; otherwise like read().
+  /// Reads the values from a source; otherwise like read(). If `range` is given, value_range() returns it.
   [[nodiscard]] static std::variant<std::shared_ptr<const VolumeGrid>, std::string> take(
       const qnv::VolumeSource& source, const std::atomic<bool>* stop, const WorldBudget& budget,
-      std::uint64_t most_voxels);
+      std::uint64_t most_voxels, const std::optional<std::pair<float, float>>& range = {});
 
   /// Returns the dimensions of the volume in the file, in voxels.
   [[nodiscard]] const std::array<std::uint32_t, 3>& dimensions() const { return layout_.dimensions; }
   [[nodiscard]] const qnv::VolumeLayout& layout() const { return layout_; }
   /// Returns the distance between stored voxels in voxels of the file; 1 means that all are stored.
   [[nodiscard]] std::uint32_t step() const { return step_; }
-  /// Returns the minimum and the maximum value.
+  /// Returns the minimum and the maximum value, or the given ones.
   [[nodiscard]] std::pair<float, float> value_range() const { return range_; }
 
   /// Converts a position in the space of the file to voxel coordinates, in which 0 is the centre of the first voxel.

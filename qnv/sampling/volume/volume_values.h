@@ -4,12 +4,14 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 namespace gs::qnv {
 
 /// Decoded values of a volume, from which its vectors come. Any thread may read them at any time.
 struct VolumeValues {
   VolumeSource source;                // owns its data
+  std::pair<float, float> range{0, 1};  // of the whole volume, which a prefix may exceed
   int level = 0;                      // voxels are 2^level voxels of the whole volume apart
   std::optional<float> error;         // maximum for every voxel, in the unit of the values; nullopt if it is unknown
   std::optional<float> rms;           // root mean square of the errors

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <limits>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -145,4 +145,21 @@ TEST_CASE("snapshot: shows slices of a stream of values like those of the volume
   const std::string of_volume = picture(volume, "a.png"), of_stream = picture(stream, "b.png");
   CHECK(of_volume.size() > 500);
   CHECK(of_volume == of_stream);
+  // The colours of a prefix are those of the whole range, whatever its own values are.
+  const std::string whole = folder.read("a.qnv");
+  const std::string part = folder.write("part.qnv", whole.substr(0, whole.size() / 4));
+  REQUIRE(
+      run("--snapshot " + quoted(folder.path("c.png")) + " --size 96x96 --slice z=50% --slices-alone " + quoted(part))
+          .status != kUsage);
+  const auto decoded = [&](const std::string& name) {
+    const std::string bytes = folder.read(name);
+    auto image = render::decode_image(std::as_bytes(std::span(bytes)));
+    REQUIRE(std::holds_alternative<render::Image>(image));
+    return std::get<render::Image>(std::move(image));
+  };
+  const render::Image a = decoded("a.png"), c = decoded("c.png");
+  REQUIRE(a.pixels.size() == c.pixels.size());
+  double sum = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) sum += std::abs(int{a.pixels[i]} - int{c.pixels[i]});
+  CHECK(sum / static_cast<double>(a.pixels.size()) < 6);
 }

@@ -141,6 +141,7 @@ class ValuesStreamDecoder final : public Decoder {
   [[nodiscard]] std::shared_ptr<const VolumeValues> decoded(const Description& about) const {
     auto values = std::make_shared<VolumeValues>();
     values->level = decoder_.level();
+    values->range = about.value_range;
     values->stored = grid_.stored;
     values->slope = grid_.slope;
     values->intercept = grid_.intercept;
