@@ -191,6 +191,17 @@ const InterfaceDeclaration* ElementBuilder::find_field(Frame& frame, SourceName 
   return nullptr;
 }
 
+namespace {
+
+// Returns the name of a field that equals `text`. It lives as long as the field, while `text` may end with its piece.
+std::string_view own_name(const InterfaceDeclaration& field, std::string_view text) {
+  for (const std::string* name : {&field.x3d_name, &field.former_name})
+    if (*name == text) return *name;
+  return field.name;
+}
+
+}  // namespace
+
 FieldValue* ElementBuilder::value_of(SourceName attribute) {
   given_ = nullptr;
   if (frames_.empty() || frames_.back().skipped) return nullptr;
@@ -208,6 +219,7 @@ FieldValue* ElementBuilder::value_of(SourceName attribute) {
     case ElementKind::field_value:
       if (attribute.text != "value" || !frame.field) return nullptr;
       given_ = frame.field;
+      given_name_.text = "value";
       return without_nodes(sink_.target_of(frames_[frames_.size() - 2].node, *frame.field).value);
     case ElementKind::node:
       break;
@@ -226,6 +238,7 @@ FieldValue* ElementBuilder::value_of(SourceName attribute) {
   if (meaning == Meaning::of_element || attribute.text.find(':') != std::string_view::npos) return nullptr;
   if (meaning == Meaning::of_pages && !frame.node.type->find_field(attribute.text)) return nullptr;
   given_ = find_field(frame, attribute);
+  if (given_) given_name_.text = own_name(*given_, attribute.text);
   return given_ ? without_nodes(sink_.target_of(frame.node, *given_).value) : nullptr;
 }
 

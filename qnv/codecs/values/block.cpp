@@ -328,7 +328,7 @@ Block::Encoded Block::encode(BinaryEncoder& encoder, std::size_t plane_bytes, st
 }
 
 void Block::decode(BinaryDecoder& decoder, std::uint32_t steps, BlockScratch& scratch) {
-  if (plane_ < 0) return;
+  if (plane_ < 0 || cubes_.empty()) return;
   DecodingSide side{decoder};
   fill_sizes(scratch.sizes);
   for (std::uint32_t i = 0; i < steps && !side.coder.exhausted(); ++i) {

@@ -6,8 +6,10 @@ namespace gs::qnv {
 
 std::uint32_t VolumeWindow::batch() const {
   constexpr std::size_t kVoxels = std::size_t{1} << 21;
-  constexpr std::size_t kMax = 64;
-  return static_cast<std::uint32_t>(std::clamp<std::size_t>(kVoxels / slice_voxels(source_.layout), 1, kMax));
+  // Slices of a few voxels go in larger batches, because each batch starts threads.
+  constexpr std::size_t kMax = 64, kSmallBatch = std::size_t{1} << 16;
+  return static_cast<std::uint32_t>(std::clamp<std::size_t>(
+      kVoxels / slice_voxels(source_.layout), 1, std::max(kMax, kSmallBatch / slice_voxels(source_.layout))));
 }
 
 bool VolumeWindow::move_to(std::int64_t first, std::int64_t last) {

@@ -103,6 +103,11 @@ TEST_CASE("tolerates habits of X3D in JSON") {
         "2:82: error expected a number for translation, found 'x'; 0 is used\n");
 }
 
+TEST_CASE("names a field that JSON gives twice, even if its name was in an earlier piece") {
+  gs::vrml::test::check_pieces(Grammar::x3d_json,
+                               json_in_scene(R"({"Transform":{"@translation":[1,2,3],"@translation":[4,5,6]}})"));
+}
+
 TEST_CASE("clamps large numbers of integer fields in JSON to 32 bits") {
   const ReadWorld world(Grammar::x3d_json,
                         json_in_scene(R"({"Switch":{"@whichChoice":1e300}},{"Switch":{"@whichChoice":-1e300}},

@@ -58,6 +58,9 @@ inline void check_pieces(Grammar grammar, std::string_view text) {
     if (outcome != whole.outcome || print(scene) != whole.text() ||
         diagnostics.entries().size() != whole.diagnostics.entries().size())
       FAIL("a split after " << split << " bytes gives another world");
+    for (std::size_t i = 0; i < diagnostics.entries().size(); ++i)
+      if (diagnostics.entries()[i].message != whole.diagnostics.entries()[i].message)
+        FAIL("a split after " << split << " bytes gives another message");
     const ReadWorld prefix(grammar, text.substr(0, split));
     CHECK(prefix.outcome != ParseOutcome::complete);
   }

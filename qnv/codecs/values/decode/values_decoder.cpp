@@ -59,6 +59,7 @@ void ValuesDecoder::decode(State& state, const Cluster& cluster, const BlockPlac
 Added ValuesDecoder::add(const Cluster& cluster) {
   if (cluster.block >= layout_.count() || cluster.plane > kHighestPlane) return Added::refused;
   const BlockPlace place = layout_.place(cluster.block);
+  if (place.band_count == 0) return Added::refused;
   // The coarsest level has the low band, too.
   if (place.level <= finest_ && place.level < levels_) return Added::dropped;
   if (states_.size() >= most_blocks_ && !states_.contains(cluster.block)) return Added::dropped;

@@ -254,6 +254,20 @@ TEST_CASE("values: Gaps and remainders of runs are restored") {
   CHECK_FALSE(values::parse_run(std::vector<std::byte>{std::byte{0}, std::byte{0}}));
 }
 
+TEST_CASE("values: Clusters of blocks without coefficients are refused") {
+  // At level 1, the only block beyond x = 16 of the low band has no part of any high band.
+  const Extent extent{33, 1, 1};
+  const values::BlockLayout layout(extent, values::level_count(extent));
+  std::size_t empty = 0;
+  for (std::uint64_t i = 0; i < layout.count(); ++i) {
+    if (layout.place(i).band_count > 0) continue;
+    ++empty;
+    ValuesDecoder decoder(extent);
+    CHECK(decoder.add({static_cast<std::uint32_t>(i), 0, 5, 3, {std::byte{1}}}) == values::Added::refused);
+  }
+  CHECK(empty == 1);
+}
+
 TEST_CASE("values: Damaged clusters are refused or decode to something") {
   const Extent extent{40, 36, 30};
   const auto encoded = values::encode_values(ball_values(extent), extent, {});
