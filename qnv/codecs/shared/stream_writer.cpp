@@ -13,6 +13,15 @@ std::size_t payload_budget(const StreamHeader& header, std::size_t max_bytes) {
   return std::max<std::size_t>(1, left * kTypical / (kTypical + kChunkHeaderBytes + kDirectoryEntryBytes));
 }
 
+void add_metadata(const std::vector<std::pair<std::string, std::string>>& metadata, Description& about) {
+  std::vector<std::pair<std::string, std::string>> all = metadata;
+  for (const auto& pair : about.metadata) {
+    const auto same = [&](const auto& other) { return other.first == pair.first; };
+    if (std::ranges::none_of(all, same)) all.push_back(pair);
+  }
+  about.metadata = std::move(all);
+}
+
 EncodedStream write_stream(StreamHeader header, std::vector<OutgoingChunk> chunks, std::size_t max_bytes) {
   std::size_t bytes = encode_header(header).size(), last = 0;
   for (; last < chunks.size(); ++last) {

@@ -5,6 +5,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace gs::qnv {
@@ -19,6 +21,9 @@ struct OutgoingChunk {
 
 /// Returns the number of payload bytes that fit into a stream of at most `max_bytes`, if chunks have about 1,200 bytes.
 [[nodiscard]] std::size_t payload_budget(const StreamHeader& header, std::size_t max_bytes);
+
+/// Puts `metadata` before those of the description, and drops the pairs of the description with the same keys.
+void add_metadata(const std::vector<std::pair<std::string, std::string>>& metadata, Description& about);
 
 /// Writes the header, the chunks in the given order, and the directory. If the stream exceeds `max_bytes` (0 means
 /// unlimited), drops chunks from the end, but never the first. Sets the header's number of vectors.

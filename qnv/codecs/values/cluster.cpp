@@ -1,6 +1,6 @@
 #include "qnv/codecs/values/cluster.h"
 
-#include "qnv/codecs/values/wide_number.h"
+#include "qnv/base/short_number.h"
 
 #include <algorithm>
 
@@ -8,9 +8,9 @@ namespace gs::qnv::values {
 
 std::vector<std::byte> pack(const Cluster& cluster) {
   std::vector<std::byte> out;
-  put_wide_number(out, cluster.block);
-  put_wide_number(out, cluster.index);
-  put_wide_number(out, cluster.steps);
+  put_number(out, cluster.block);
+  put_number(out, cluster.index);
+  put_number(out, cluster.steps);
   if (cluster.index == 0) out.push_back(static_cast<std::byte>(cluster.plane));
   out.insert(out.end(), cluster.bytes.begin(), cluster.bytes.end());
   return out;

@@ -1,8 +1,8 @@
 #include "qnv/codecs/values/cube_runs.h"
 
+#include "qnv/base/short_number.h"
 #include "qnv/codecs/values/block.h"
 #include "qnv/codecs/values/cluster.h"
-#include "qnv/codecs/values/wide_number.h"
 
 #include <algorithm>
 #include <array>
@@ -39,6 +39,13 @@ void each_voxel(const CubeBox& box, Extent extent, Visit&& visit) {
     for (std::uint32_t y = 0; y < box.size[1]; ++y)
       for (std::uint32_t x = 0; x < box.size[0]; ++x)
         visit((z * kCubeEdge + y) * kCubeEdge + x, box.first + (z * std::size_t{extent[1]} + y) * extent[0] + x);
+}
+
+template <class Numbers>
+bool all_zero(const CubeBox& box, Extent extent, const Numbers& numbers) {
+  bool any = false;
+  each_voxel(box, extent, [&](std::uint32_t, std::size_t i) { any = any || numbers[i] != 0; });
+  return !any;
 }
 
 /// Encodes `bit`, or decodes one. Updates the estimate and returns the bit.
@@ -164,12 +171,7 @@ Extent cube_extent(Extent extent) {
 
 std::vector<CubeRun> encode_gaps(std::span<std::uint8_t> missing, Extent extent) {
   return encode_runs<GapModels>(
-      extent,
-      [&](const CubeBox& box) {
-        bool any = false;
-        each_voxel(box, extent, [&](std::uint32_t, std::size_t i) { any = any || missing[i] != 0; });
-        return !any;
-      },
+      extent, [&](const CubeBox& box) { return all_zero(box, extent, missing); },
       [&](GapModels& models, BinaryEncoder& encoder, const CubeBox& box) {
         models.code_cube(encoder, box, extent, missing);
       });
@@ -183,12 +185,7 @@ bool decode_gaps(const CubeRun& run, Extent extent, std::span<std::uint8_t> miss
 
 std::vector<CubeRun> encode_remainders(std::span<const std::uint32_t> remainders, Extent extent) {
   return encode_runs<RemainderModels>(
-      extent,
-      [&](const CubeBox& box) {
-        bool any = false;
-        each_voxel(box, extent, [&](std::uint32_t, std::size_t i) { any = any || remainders[i] != 0; });
-        return !any;
-      },
+      extent, [&](const CubeBox& box) { return all_zero(box, extent, remainders); },
       [&](RemainderModels& models, BinaryEncoder& encoder, const CubeBox& box) {
         each_voxel(box, extent, [&](std::uint32_t, std::size_t i) {
           (void)models.code_number(encoder, zigzag(static_cast<std::int32_t>(remainders[i])));
@@ -207,8 +204,8 @@ bool decode_remainders(const CubeRun& run, Extent extent, std::span<std::uint32_
 
 std::vector<std::byte> pack(const CubeRun& run) {
   std::vector<std::byte> out;
-  put_wide_number(out, run.first);
-  put_wide_number(out, run.count);
+  put_number(out, run.first);
+  put_number(out, run.count);
   out.insert(out.end(), run.bytes.begin(), run.bytes.end());
   return out;
 }

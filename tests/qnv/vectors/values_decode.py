@@ -1,12 +1,11 @@
 """Decodes a stream of values, from FORMAT.md alone. Prints the samples, with "-" for missing voxels.
 
-    python3 values_decode.py STREAM [BYTES]
-
-With BYTES, decodes only the first ones.
+    python3 values_decode.py STREAM
 """
 import struct
 import sys
-import zlib
+
+from streams import chunks
 
 MASK = 0xFFFFFFFF
 
@@ -299,36 +298,28 @@ def main():
     while max(halves(extent, levels)) > 16:
         levels += 1
     blocks = blocks_of(extent, levels)
-    missing, found, at = set(), {}, length
-    data = data[:int(sys.argv[2])] if len(sys.argv) > 2 else data
-    complete = len(sys.argv) <= 2
-    while at + 10 <= len(data):
-        mark, size, chunk, _, checksum = struct.unpack_from("<HHBBI", data, at)
-        payload = data[at + 10:at + 10 + size]
-        if len(payload) < size:
-            break
-        if mark != 0x4351 or zlib.crc32(data[at:at + 6] + payload) != checksum:
-            sys.exit("a damaged chunk at byte %d" % at)
-        at += 10 + size
-        if chunk == 15:
-            gaps(payload, extent, missing)
-        elif chunk == 16:
-            remainders(payload, extent, found)
-        elif chunk == 14:
-            n, p = number(payload, 0)
-            index, p = number(payload, p)
-            steps, p = number(payload, p)
-            block = blocks[n]
-            if index == 0:
-                block.plane, p = payload[p], p + 1
-            if index != block.next:
-                sys.exit("a cluster is missing")
-            block.next += 1
-            coder = Range(payload[p:])
-            for _ in range(steps):
-                if coder.exhausted() or block.plane < 0:
-                    break
-                block.step(coder)
+    missing, found = set(), {}
+    for payload in chunks(data, length, 15):
+        gaps(payload, extent, missing)
+    for payload in chunks(data, length, 16):
+        remainders(payload, extent, found)
+    for payload in chunks(data, length, 14):
+        n, p = number(payload, 0)
+        index, p = number(payload, p)
+        steps, p = number(payload, p)
+        block = blocks[n]
+        if index < block.next:
+            continue  # repeated
+        if index == 0:
+            block.plane, p = payload[p], p + 1
+        if index != block.next:
+            sys.exit("a cluster is missing")
+        block.next += 1
+        coder = Range(payload[p:])
+        for _ in range(steps):
+            if coder.exhausted() or block.plane < 0:
+                break
+            block.step(coder)
     places = [(x, y, z) for z in range(extent[2]) for y in range(extent[1]) for x in range(extent[0])]
     volume = dict.fromkeys(places, 0)
     for block in blocks:
@@ -336,9 +327,9 @@ def main():
     inverse(volume, extent, levels)
     for place in places:
         value = volume[place]
-        if complete and step:
+        if step:
             value = wrapped(value + found.get(place, 0) * step)
-        if complete and flags & 2:
+        if flags & 2:
             if kind < 6:
                 value = round((zero - intercept) / slope) + round(unit / slope) * value
             else:

@@ -39,11 +39,8 @@ Description describe(const VolumeSource& source, const SampledVolume& volume, co
   about.spacing = std::min({glm::length(layout.axes[0]), glm::length(layout.axes[1]), glm::length(layout.axes[2])});
   about.value_range = volume.value_range;
   about.transfer = default_transfer(volume.value_range.first, volume.value_range.second);
-  about.metadata = options.metadata;
-  for (const auto& pair : layout.metadata) {
-    const auto same = [&](const auto& other) { return other.first == pair.first; };
-    if (std::ranges::none_of(about.metadata, same)) about.metadata.push_back(pair);
-  }
+  about.metadata = layout.metadata;
+  add_metadata(options.metadata, about);
   return about;
 }
 

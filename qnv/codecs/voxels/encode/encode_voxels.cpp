@@ -111,15 +111,6 @@ std::vector<float> depths_of(const Description& about) {
   return depths;
 }
 
-void add_metadata(const EncodeOptions& options, Description& about) {
-  std::vector<std::pair<std::string, std::string>> all = options.metadata;
-  for (const auto& pair : about.metadata) {
-    const auto same = [&](const auto& other) { return other.first == pair.first; };
-    if (std::none_of(all.begin(), all.end(), same)) all.push_back(pair);
-  }
-  about.metadata = std::move(all);
-}
-
 }  // namespace
 
 std::variant<EncodedStream, EncodeError> encode_voxels(const VolumeVectors& volume, const EncodeOptions& options,
@@ -139,7 +130,7 @@ std::variant<EncodedStream, EncodeError> encode_voxels(const VolumeVectors& volu
   std::vector<LatticeVector> vectors = on_lattice(volume, header.lattice);
   if (vectors.empty()) return EncodeError{"the vectors are not at the centres of voxels"};
   header.description = given.description;
-  add_metadata(options, header.description);
+  add_metadata(options.metadata, header.description);
   header.description.total = 0;
   header.description.box = voxel_box(volume.layout);
   for (const LatticeVector& vector : vectors) header.description.total += static_cast<double>(vector.magnitude);
