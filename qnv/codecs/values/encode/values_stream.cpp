@@ -23,7 +23,7 @@ using values::SampledVolume;
 
 constexpr int kMostCopies = 4;
 // Returns how often the stream contains a cluster. A lost cluster makes its block unusable from there on, and early
-// clusters of coarse blocks affect most voxels. Repetitions take about 2 % of a lossless stream.
+// clusters of coarse blocks affect most voxels. Repetitions take about 1 % of a lossless stream.
 int copies_of(int level, std::uint32_t index, int coarsest) {
   if (index == 0 && level == coarsest) return kMostCopies;
   const bool early = index < (level == coarsest ? 8u : level >= 3 ? 2u : level == 2 ? 1u : 0u);
