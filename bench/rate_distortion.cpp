@@ -8,6 +8,7 @@
 // the best of several simplifications and quantisations. Needs draco_encoder and draco_decoder in the PATH.
 #include "app/encode/surface_triangles.h"
 #include "app/loading/world_loader.h"
+#include "bench/shared/curve_plot.h"
 #include "bench/shared/curve_table.h"
 #include "bench/shared/mesh_files.h"
 #include "bench/shared/picture_error.h"
@@ -151,32 +152,18 @@ void measure_meshes(Studio& studio, const render::RenderList& full, const std::v
 
 void plot(const std::string& path, const std::vector<std::pair<std::string, Curves>>& models) {
   constexpr std::array<const char*, 6> kColors{"#009944", "#004422", "#0066cc", "#66a3e0", "#cc3300", "#999999"};
-  std::ofstream out(path);
-  const int width = 420, height = 300, columns = 2;
-  const int rows = static_cast<int>((models.size() + columns - 1) / columns);
-  out << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << width * columns << "\" height=\"" << height * rows
-      << "\" font-family=\"sans-serif\" font-size=\"11\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
-  for (std::size_t m = 0; m < models.size(); ++m) {
-    const int left = static_cast<int>(m) % columns * width + 45, top = static_cast<int>(m) / columns * height + 25;
-    const auto x = [&](double bytes) { return left + (std::log10(bytes) - 3) / 3.3 * (width - 65); };
-    const auto y = [&](double psnr) { return top + (1 - (psnr - 15) / 35) * (height - 60); };
-    out << "<text x=\"" << left << "\" y=\"" << top - 8 << "\" font-weight=\"bold\">" << models[m].first << "</text>\n";
-    for (int decibel = 15; decibel <= 50; decibel += 5)
-      out << "<line x1=\"" << x(1e3) << "\" x2=\"" << x(2e6) << "\" y1=\"" << y(decibel) << "\" y2=\"" << y(decibel)
-          << "\" stroke=\"#ddd\"/><text x=\"" << left - 5 << "\" y=\"" << y(decibel) + 4 << "\" text-anchor=\"end\">"
-          << decibel << "</text>\n";
-    for (const double bytes : {1e3, 1e4, 1e5, 1e6})
-      out << "<text x=\"" << x(bytes) << "\" y=\"" << y(15) + 15 << "\" text-anchor=\"middle\">" << bytes / 1000
-          << " kB</text>\n";
-    for (std::size_t c = 0; c < kCodecs.size(); ++c) {
-      out << "<polyline fill=\"none\" stroke-width=\"2\" stroke=\"" << kColors[c] << "\" points=\"";
-      for (const auto& [budget, measured] : models[m].second[c])
-        out << x(static_cast<double>(budget)) << ',' << y(std::clamp(measured.error.psnr, 15.0, 50.0)) << ' ';
-      out << "\"/>\n<text x=\"" << x(2.2e5) << "\" y=\"" << y(31 - 3.0 * static_cast<double>(c)) << "\" fill=\""
-          << kColors[c] << "\">" << kCodecs[c] << "</text>\n";
+  std::vector<bench::PlotCodec> codecs;
+  for (std::size_t c = 0; c < kCodecs.size(); ++c) codecs.push_back({kCodecs[c], kColors[c]});
+  std::vector<bench::PlotPanel> panels;
+  for (const auto& [name, curves] : models) {
+    bench::PlotPanel& panel = panels.emplace_back();
+    panel.title = name;
+    for (const Curve& curve : curves) {
+      auto& plotted = panel.curves.emplace_back();
+      for (const auto& [budget, measured] : curve) plotted[budget] = measured.error.psnr;
     }
   }
-  out << "</svg>\n";
+  bench::write_plot(path, codecs, panels, {15, 50});
 }
 
 /// Prints distances from the model to displaced streams, with and without the exact mesh, and to Draco's files.

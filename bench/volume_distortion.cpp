@@ -1,7 +1,7 @@
-// Compares bytes with errors of pictures and of values of volumes: QNV (values, voxels, records) and zfp, gzip'd slices
+// Compares bytes with errors of pictures and of values of volumes: QNV (values, records) and zfp, gzip'd slices
 // and JPEG XL slices.
 //
-//   volume_distortion VOLUME... [--pictures FOLDER] [--streams-alone]
+//   volume_distortion VOLUME... [--pictures FOLDER] [--svg PLOT.svg] [--streams-alone]
 //
 // Prints two Markdown tables per volume. The first has for every budget PSNR (dB) and SSIM against pictures of the
 // longest 9 % of the gradients from three sides, 800x600, headlight, drawn by render/volume. A budget of
@@ -9,8 +9,9 @@
 // levels, steps and parts of the gradients. Needs zfp, cjxl and djxl (Debian: zfp, libjxl-tools) in the PATH; without
 // them their columns are empty. The second table has the PSNR (dB) of the values over their range; coarser levels are
 // interpolated.
-// `--pictures` writes pictures of prefixes of 4, 15, 60 and 600 kB.
+// `--pictures` writes pictures of prefixes of 4, 15, 60 and 600 kB; `--svg` plots both tables of each volume.
 #include "app/formats/volume/volume.h"
+#include "bench/shared/curve_plot.h"
 #include "bench/shared/curve_table.h"
 #include "bench/shared/picture_error.h"
 #include "qnv/codecs/payloads.h"
@@ -33,7 +34,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -48,8 +48,8 @@ using bench::PictureError;
 
 constexpr std::array<std::size_t, 9> kBudgets{4000, 8000, 15'000, 32'000, 60'000, 125'000, 250'000, 600'000, 1'000'000};
 constexpr std::array<std::array<float, 2>, 3> kViews{{{0, 0}, {120, -20}, {240, 30}}};
-constexpr std::array<const char*, 6> kCodecs{"values", "voxels", "records", "zfp", "gzip slices", "JPEG XL slices"};
-constexpr std::size_t kValues = 0, kVoxels = 1, kRecords = 2, kZfp = 3, kGzip = 4, kJxl = 5;
+constexpr std::array<const char*, 5> kCodecs{"values", "records", "zfp", "gzip slices", "JPEG XL slices"};
+constexpr std::size_t kValues = 0, kRecords = 1, kZfp = 2, kGzip = 3, kJxl = 4;
 constexpr double kFraction = 0.09;
 
 /// Values of a volume in memory.
@@ -389,7 +389,23 @@ void print_values(const ValueCurve& values, const ValueCurve& zfp, const ValueCu
   }
 }
 
-bool measure(const std::string& path, const std::string& folder, bool others) {
+/// Adds the diagrams of a volume: pictures and values.
+void plot(const std::string& name, const std::array<Curve, kCodecs.size()>& curves, const ValueCurve& values,
+          const ValueCurve& zfp, const ValueCurve& jxl, std::vector<bench::PlotPanel>& panels) {
+  bench::PlotPanel pictures{name + ", pictures", {}}, numbers{name + ", values", {}};
+  for (const Curve& curve : curves) {
+    auto& plotted = pictures.curves.emplace_back();
+    for (const auto& [budget, measured] : curve) plotted[budget] = measured.error.psnr;
+  }
+  numbers.curves.resize(kCodecs.size());
+  numbers.curves[kValues] = values;
+  numbers.curves[kZfp] = zfp;
+  numbers.curves[kJxl] = jxl;
+  panels.push_back(std::move(pictures));
+  panels.push_back(std::move(numbers));
+}
+
+bool measure(const std::string& path, const std::string& folder, bool others, std::vector<bench::PlotPanel>& panels) {
   const auto opened = app::open_volume(path);
   const auto* source = std::get_if<qnv::VolumeSource>(&opened);
   if (!source) return false;
@@ -399,40 +415,26 @@ bool measure(const std::string& path, const std::string& folder, bool others) {
   const auto found = qnv::gradient_vectors(*source, gradients);
   const auto* volume = std::get_if<qnv::Volume>(&found);
   if (!volume) return false;
-  const qnv::VolumeVectors vectors{*volume, source->layout};
+  const auto records = qnv::row_of(qnv::Payload::records).encode(qnv::VectorView(*volume), {}, nullptr);
   const auto start = std::chrono::steady_clock::now();
-  const auto voxels = qnv::row_of(qnv::Payload::voxels).encode(vectors, {}, nullptr);
-  const double encoding = seconds_since(start);
-  const auto records = qnv::row_of(qnv::Payload::records).encode(vectors, {}, nullptr);
-  const auto values_start = std::chrono::steady_clock::now();
   const auto values = qnv::row_of(qnv::Payload::values).encode(std::cref(*source), {}, nullptr);
-  const double values_encoding = seconds_since(values_start);
-  const auto* of_values = std::get_if<qnv::EncodedStream>(&values);
-  const auto* stream = std::get_if<qnv::EncodedStream>(&voxels);
+  const double encoding = seconds_since(start);
+  const auto* stream = std::get_if<qnv::EncodedStream>(&values);
   const auto* other = std::get_if<qnv::EncodedStream>(&records);
-  if (!stream || !other || !of_values) return false;
+  if (!stream || !other) return false;
   const Painter painter(*volume);
-  const std::clock_t before = std::clock();
-  qnv::StreamDecoder whole;
-  (void)whole.push(stream->bytes);
-  const double decoding = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
-  const PictureError end = painter.error(volume_of(whole));
   const std::string name = std::filesystem::path(path).filename().string();
+  const auto voxels = static_cast<double>(grid.values.size());
   std::printf(
-      "### %s (%zu vectors)\n\nvoxels %zu bytes, %.2f bits a vector, %.1f dB / %.3f; records %zu bytes. Encoding "
-      "%.2f s, decoding %.2f s of the processor: %.1f M vectors/s.\n\n",
-      name.c_str(), volume->size(), stream->bytes.size(),
-      8 * static_cast<double>(stream->bytes.size()) / static_cast<double>(volume->size()), end.psnr, end.ssim,
-      other->bytes.size(), encoding, decoding, static_cast<double>(volume->size()) / decoding / 1e6);
-  std::printf("values %zu bytes, %.2f bits a voxel, encoding %.2f s: %.1f M voxels/s.\n\n", of_values->bytes.size(),
-              8 * static_cast<double>(of_values->bytes.size()) / static_cast<double>(grid.values.size()),
-              values_encoding, static_cast<double>(grid.values.size()) / values_encoding / 1e6);
+      "### %s (%zu vectors)\n\nvalues %zu bytes, %.2f bits a voxel, encoding %.2f s: %.1f M voxels/s; records %zu "
+      "bytes.\n\n",
+      name.c_str(), volume->size(), stream->bytes.size(), 8 * static_cast<double>(stream->bytes.size()) / voxels,
+      encoding, voxels / encoding / 1e6, other->bytes.size());
   std::fflush(stdout);
   std::array<Curve, kCodecs.size()> curves;
   ValueCurve of_stream, of_zfp, of_jxl;
-  measure_stream(painter, of_values->bytes, curves[kValues]);
-  measure_values(grid, of_values->bytes, of_stream);
-  measure_stream(painter, stream->bytes, curves[kVoxels]);
+  measure_stream(painter, stream->bytes, curves[kValues]);
+  measure_values(grid, stream->bytes, of_stream);
   measure_stream(painter, other->bytes, curves[kRecords]);
   const std::string base =
       (std::filesystem::temp_directory_path() / ("volume_distortion." + std::to_string(getpid()))).string();
@@ -450,12 +452,13 @@ bool measure(const std::string& path, const std::string& folder, bool others) {
   bench::print_curve_table(kCodecs, kBudgets, curves);
   std::printf("\n");
   print_values(of_stream, of_zfp, of_jxl);
+  plot(name, curves, of_stream, of_zfp, of_jxl, panels);
   std::printf("\n");
   std::fflush(stdout);
   if (folder.empty()) return true;
   for (const std::size_t bytes : {4000, 15'000, 60'000, 600'000}) {
     qnv::StreamDecoder part;
-    (void)part.push(std::span(of_values->bytes).first(std::min<std::size_t>(bytes, of_values->bytes.size())));
+    (void)part.push(std::span(stream->bytes).first(std::min<std::size_t>(bytes, stream->bytes.size())));
     const auto pictures = painter.pictures(volume_of(part));
     for (std::size_t i = 0; i < pictures.size(); ++i) {
       const std::string to = folder + "/" + name + "." + std::to_string(bytes) + "." + std::to_string(i) + ".ppm";
@@ -472,24 +475,32 @@ bool measure(const std::string& path, const std::string& folder, bool others) {
 
 int main(int count, char** arguments) {
   std::vector<std::string> files;
-  std::string folder;
+  std::string folder, svg;
   bool others = true;
   for (int i = 1; i < count; ++i) {
     if (std::string(arguments[i]) == "--pictures" && i + 1 < count)
       folder = arguments[++i];
+    else if (std::string(arguments[i]) == "--svg" && i + 1 < count)
+      svg = arguments[++i];
     else if (std::string(arguments[i]) == "--streams-alone")
       others = false;
     else
       files.emplace_back(arguments[i]);
   }
   if (files.empty()) {
-    std::fprintf(stderr, "usage: volume_distortion VOLUME... [--pictures FOLDER] [--streams-alone]\n");
+    std::fprintf(stderr, "usage: volume_distortion VOLUME... [--pictures FOLDER] [--svg PLOT.svg] [--streams-alone]\n");
     return 2;
   }
+  std::vector<bench::PlotPanel> panels;
   for (const std::string& file : files)
-    if (!measure(file, folder, others)) {
+    if (!measure(file, folder, others, panels)) {
       std::fprintf(stderr, "volume_distortion: %s cannot be measured\n", file.c_str());
       return 1;
     }
+  if (svg.empty()) return 0;
+  constexpr std::array<const char*, kCodecs.size()> kColors{"#009944", "#66a3e0", "#cc3300", "#999999", "#0066cc"};
+  std::vector<bench::PlotCodec> codecs;
+  for (std::size_t c = 0; c < kCodecs.size(); ++c) codecs.push_back({kCodecs[c], kColors[c]});
+  bench::write_plot(svg, codecs, panels, {15, 70});
   return 0;
 }

@@ -15,7 +15,6 @@
 #include "qnv/codecs/outlines/outline_stream.h"
 #include "qnv/codecs/payloads.h"
 #include "qnv/codecs/values/cluster.h"
-#include "qnv/codecs/voxels/voxels.h"
 #include "qnv/reader/stream_decoder.h"
 #include "qnv/sampling/volume/volume_slices.h"
 #include "qnv/sampling/volume/volume_values.h"
@@ -94,9 +93,6 @@ std::map<int, Level> levels_of(const qnv::StreamHeader& stream, std::span<const 
       if (header) level = header->kind == qnv::displaced::ClusterHeader::Kind::base ? 0 : header->level;
     } else if (type == qnv::ChunkType::piece) {
       level = 0;
-    } else if (type == qnv::ChunkType::voxels) {
-      const auto read = qnv::read_volume_cluster_header(payload);
-      if (const auto* header = std::get_if<qnv::ClusterHeader>(&read)) level = header->level + header->levels;
     } else if (type == qnv::ChunkType::values) {
       const auto cluster = qnv::values::parse_cluster(payload);
       if (cluster && blocks && cluster->block < blocks->count()) level = blocks->place(cluster->block).level - 1;
@@ -134,19 +130,15 @@ void put_values(JsonValue& facts, const qnv::StreamHeader& header, const qnv::Ge
 
 void put_levels(JsonValue& facts, const qnv::StreamHeader& header, const qnv::VectorView& shown,
                 std::span<const std::byte> bytes) {
-  const bool voxels = header.payload == qnv::Payload::voxels, octree = voxels || header.payload == qnv::Payload::packed;
-  const bool layers = header.payload == qnv::Payload::records;
+  const bool octree = header.payload == qnv::Payload::packed, layers = header.payload == qnv::Payload::records;
   std::map<int, Level> levels = levels_of(header, bytes);
   const auto level_of = [&](const qnv::Cell& cell) {
-    if (!voxels) return static_cast<int>(std::lround(std::log2(header.cube.edge / cell.edge)));
-    int level = header.lattice.depth;
-    while (level > 0 && header.lattice.reach(level) < cell.edge) --level;
-    return level;
+    return static_cast<int>(std::lround(std::log2(header.cube.edge / cell.edge)));
   };
   // For octrees, count the voxels that no finer voxels have replaced.
   if (octree)
     for (const qnv::Cell& cell : shown.cells)
-      if (voxels || cell.edge > 0) ++levels[level_of(cell)].vectors;
+      if (cell.edge > 0) ++levels[level_of(cell)].vectors;
   JsonValue list = JsonValue::list();
   for (const auto& [level, l] : levels) {
     JsonValue fact = JsonValue::named({{layers ? "layer" : "level", level}, {"chunks", l.chunks}, {"bytes", l.bytes}});
@@ -235,10 +227,6 @@ bool describe_stream(JsonValue& facts, std::span<const std::byte> bytes, const s
     facts.put("progressive",
               JsonValue::named(
                   {{"bits", mesh.bits}, {"vertices", mesh.vertices}, {"triangles", triangles}, {"whole", mesh.final}}));
-  if (header->payload == qnv::Payload::voxels) {
-    const auto& [x, y, z] = header->lattice.dimensions;
-    facts.put("dimensions", JsonValue::list({x, y, z}));
-  }
   if (header->payload == qnv::Payload::values) put_values(facts, *header, geometry);
   put_levels(facts, *header, geometry, bytes);
   put_metadata(facts, header->description.metadata);

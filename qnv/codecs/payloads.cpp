@@ -44,10 +44,6 @@ Suitability choose_outlines(const EncodeSource& source, const EncodeRequest&) {
   return std::holds_alternative<OutlineSource>(source) ? Suitability{1, "the source is polygons"} : Suitability{};
 }
 
-Suitability choose_voxels(const EncodeSource& source, const EncodeRequest&) {
-  return std::holds_alternative<VolumeVectors>(source) ? Suitability{1, "the source is a volume"} : Suitability{};
-}
-
 Suitability choose_values(const EncodeSource& source, const EncodeRequest&) {
   const bool values = std::holds_alternative<std::reference_wrapper<const VolumeSource>>(source);
   return values ? Suitability{1, "the source is the values of a volume"} : Suitability{};
@@ -64,8 +60,6 @@ Encoded encode_records(const EncodeSource& source, EncodeOptions options, Progre
   if (const TriangleSource* triangles = triangles_of(source))
     return encode_surface_records(*triangles, options, progress);
   if (const auto* vectors = std::get_if<VectorView>(&source)) return encode_vectors(*vectors, options, progress);
-  if (const auto* volume = std::get_if<VolumeVectors>(&source))
-    return encode_vectors(volume->vectors, options, progress);
   return EncodeError{"a records stream needs a surface or vectors; outline groups are not supported"};
 }
 
@@ -87,12 +81,6 @@ Encoded encode_growing(const EncodeSource& source, EncodeOptions options, Progre
   return encode_progressive(*triangles, options, progress);
 }
 
-Encoded encode_volume_vectors(const EncodeSource& source, EncodeOptions options, Progress* progress) {
-  const auto* volume = std::get_if<VolumeVectors>(&source);
-  if (!volume) return EncodeError{"a voxels stream needs a volume; expected its vectors and its layout"};
-  return encode_voxels(*volume, options, progress);
-}
-
 Encoded encode_volume_values(const EncodeSource& source, EncodeOptions options, Progress* progress) {
   const auto* volume = std::get_if<std::reference_wrapper<const VolumeSource>>(&source);
   if (!volume) return EncodeError{"a values stream needs a volume; expected its values"};
@@ -109,7 +97,7 @@ constexpr ChunkTypes only(ChunkType type) { return types({type}); }
 
 bool is_progressive(const StreamHeader& header) { return progressive::is_front(header.base); }
 
-constexpr std::array<PayloadRow, 7> kRows = {{
+constexpr std::array<PayloadRow, 6> kRows = {{
     {Payload::records, "records", PayloadReader::vectors, RequestOrder::stream, nullptr, only(ChunkType::records),
      kRecordsHeaderBytes, kRecordBytes, 1200 / kRecordBytes, choose_records, encode_records, make_records_decoder},
     {Payload::packed, "packed", PayloadReader::levels, RequestOrder::visible_first, nullptr,
@@ -126,8 +114,6 @@ constexpr std::array<PayloadRow, 7> kRows = {{
      types({ChunkType::displaced, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
             ChunkType::cover, ChunkType::picture, ChunkType::normals}),
      0, 0, 0, choose_displaced, encode_base_and_displacements, make_displaced_decoder},
-    {Payload::voxels, "voxels", PayloadReader::vectors, RequestOrder::stream, nullptr, only(ChunkType::voxels), 0, 0, 0,
-     choose_voxels, encode_volume_vectors, make_voxels_decoder},
     {Payload::values, "values", PayloadReader::vectors, RequestOrder::stream, nullptr,
      types({ChunkType::values, ChunkType::gaps, ChunkType::remainders}), 0, 0, 0, choose_values, encode_volume_values,
      make_values_decoder},

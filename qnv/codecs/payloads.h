@@ -5,7 +5,6 @@
 #include "qnv/codecs/outlines/outline_stream.h"
 #include "qnv/codecs/shared/decoder.h"
 #include "qnv/codecs/shared/encode_options.h"
-#include "qnv/codecs/voxels/encode/encode_voxels.h"
 #include "qnv/container/container.h"
 #include "qnv/sampling/volume/volume.h"
 
@@ -43,7 +42,7 @@ struct OutlineSource {
 };
 /// Input of an encoder.
 using EncodeSource = std::variant<std::reference_wrapper<const TriangleSource>, VectorView, OutlineSource,
-                                  VolumeVectors, std::reference_wrapper<const VolumeSource>>;
+                                  std::reference_wrapper<const VolumeSource>>;
 
 /// Result of a payload's test of a request without a chosen payload.
 struct Suitability {

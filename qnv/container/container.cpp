@@ -25,7 +25,6 @@ enum Tag : std::uint16_t {
   kMetadata = 3,
   kOutlines = 4,
   kBase = 5,
-  kLattice = 6,
   kOrigin = 7,
   kGrid = 8
 };
@@ -59,11 +58,11 @@ bool all_finite(std::initializer_list<float> values) {
   return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
 }
 
-/// Reads all sections. Returns false if a required section is missing or invalid: the outlines, base or lattice section
+/// Reads all sections. Returns false if a required section is missing or invalid: the outlines, base or grid section
 /// of the payload, or the origin section in version 2.
 bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version) {
   bool origin = version == kVersionWithoutOrigin;
-  bool outlines = header.payload != Payload::outlines, lattice = header.payload != Payload::voxels;
+  bool outlines = header.payload != Payload::outlines;
   bool base = header.payload != Payload::displaced, grid = header.payload != Payload::values;
   while (read.left() >= 6) {
     const auto tag = read.integer<std::uint16_t>();
@@ -97,11 +96,6 @@ bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version
       const auto bytes = section.bytes(section.left());
       header.base.assign(bytes.begin(), bytes.end());
       base = true;
-    } else if (tag == kLattice && !lattice) {
-      const auto decoded = decode_voxel_lattice(section.bytes(section.left()));
-      if (!decoded) return false;
-      header.lattice = *decoded;
-      lattice = true;
     } else if (tag == kGrid && !grid) {
       auto decoded = decode_value_grid(section.bytes(section.left()));
       if (!decoded) return false;
@@ -116,7 +110,7 @@ bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version
     }
     // Skips sections that later versions define.
   }
-  return outlines && base && lattice && grid && origin;
+  return outlines && base && grid && origin;
 }
 
 }  // namespace
@@ -165,7 +159,6 @@ std::vector<std::byte> encode_header(const StreamHeader& header) {
   }
   if (header.payload == Payload::outlines) put_section(out, kOutlines, encode_outline_header(header.outlines));
   if (header.payload == Payload::displaced) put_section(out, kBase, header.base);
-  if (header.payload == Payload::voxels) put_section(out, kLattice, encode_voxel_lattice(header.lattice));
   if (header.payload == Payload::values) put_section(out, kGrid, encode_value_grid(header.grid));
   for (const auto& [key, value] : d.metadata) {
     data.clear();
@@ -212,11 +205,11 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
   std::fill_n(copy.begin() + kChecksumAt, 4, std::byte{0});
   if (checksum(0, copy) != sum) return StreamProblem{kChecksumAt, "the header is damaged; its checksum is wrong"};
   if (kind > 1) return StreamProblem{10, "holds vectors of kind " + std::to_string(kind) + "; expected 0 or 1"};
-  constexpr std::array<const char*, 6> kNames{"records", "packed", "outlines", "displaced", "voxels", "values"};
+  constexpr std::array<const char*, 6> kNames{"records", "packed", "outlines", "displaced", "", "values"};
   constexpr std::array<bool, 6> kOfSurface{true, true, true, true, false, false};
-  constexpr std::array<bool, 6> kOfVolume{true, false, false, false, true, true};
-  if (payload >= kNames.size())
-    return StreamProblem{11, "holds payload " + std::to_string(payload) + "; expected 0 to 5"};
+  constexpr std::array<bool, 6> kOfVolume{true, false, false, false, false, true};
+  if (payload >= kNames.size() || *kNames[payload] == '\0')
+    return StreamProblem{11, "holds payload " + std::to_string(payload) + "; expected 0 to 3, or 5"};
   if (kind == 0 && !kOfSurface[payload])
     return StreamProblem{11, std::string("holds ") + kNames[payload] + " of a surface; expected a volume"};
   if (kind == 1 && !kOfVolume[payload])
@@ -255,8 +248,7 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
   ByteReader sections(bytes.subspan(kFixedHeaderBytes, header_bytes - kFixedHeaderBytes));
   if (!read_sections(sections, header, version))
     return StreamProblem{kFixedHeaderBytes, std::string("the header's section of ") +
-                                                (header.payload == Payload::voxels      ? "the lattice"
-                                                 : header.payload == Payload::values    ? "the grid"
+                                                (header.payload == Payload::values      ? "the grid"
                                                  : header.payload == Payload::displaced ? "the base"
                                                  : header.payload == Payload::outlines  ? "outlines"
                                                                                         : "the origin") +

@@ -4,7 +4,6 @@
 #include "qnv/base/voxels.h"
 #include "qnv/container/outline_header.h"
 #include "qnv/container/value_grid.h"
-#include "qnv/container/voxel_lattice.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -30,7 +29,7 @@ constexpr std::size_t kChunkHeaderBytes = 10, kDirectoryEntryBytes = 32;
 constexpr std::size_t kMaxDirectoryEntries = std::size_t{1} << 22, kMaxProblems = 100;
 
 /// Encoding of a stream's geometry.
-enum class Payload : std::uint8_t { records = 0, packed = 1, outlines = 2, displaced = 3, voxels = 4, values = 5 };
+enum class Payload : std::uint8_t { records = 0, packed = 1, outlines = 2, displaced = 3, values = 5 };
 /// Type of a chunk.
 enum class ChunkType : std::uint8_t {
   records = 0,
@@ -38,7 +37,6 @@ enum class ChunkType : std::uint8_t {
   outlines = 2,
   inner = 3,
   displaced = 4,
-  voxels = 5,
   exact = 6,
   piece = 7,
   shading = 8,
@@ -54,7 +52,8 @@ enum class ChunkType : std::uint8_t {
 };
 /// Reports whether this version has a chunk type. Readers skip other chunks.
 [[nodiscard]] constexpr bool is_known(std::uint8_t type) {
-  return type <= static_cast<std::uint8_t>(ChunkType::remainders) ||
+  constexpr std::uint8_t kReserved = 5;
+  return (type <= static_cast<std::uint8_t>(ChunkType::remainders) && type != kReserved) ||
          type == static_cast<std::uint8_t>(ChunkType::directory);
 }
 
@@ -72,7 +71,6 @@ struct StreamHeader {
   std::vector<Rgb8> palette;    // records of a surface: colour of each index C; at most 256
   OutlineHeader outlines;       // outlines only
   std::vector<std::byte> base;  // displaced: encoded first stage (displaced/surface.h)
-  VoxelLattice lattice;         // voxels only
   ValueGrid grid;               // values only
 };
 
@@ -80,10 +78,10 @@ struct StreamHeader {
 struct DirectoryEntry {
   std::uint64_t offset = 0;  // byte offset of the chunk header
   std::uint32_t bytes = 0;   // including the chunk header
-  /// packed and voxels: level of the voxels; values: levels above the volume; displaced: level of the vertices;
+  /// packed: level of the voxels; values: levels above the volume; displaced: level of the vertices;
   /// records: layer; outlines: 0; inner polygons: 1
   std::uint8_t level = 0;
-  std::uint32_t parent = 0;  // packed and voxels: index of the chunk that it refines; 0xffffffff means none
+  std::uint32_t parent = 0;  // packed: index of the chunk that it refines; 0xffffffff means none
   std::uint32_t vectors = 0;
   Box box;  // bounds, rounded outwards to 1/65535 of the stream's box
   friend bool operator==(const DirectoryEntry&, const DirectoryEntry&) = default;

@@ -189,10 +189,10 @@ std::size_t part_of(double fraction, std::size_t count) {
 // JPEG quality of textures in streams with an exact mesh.
 constexpr int kExactTextureQuality = 95;
 
-// Returns the payload that the options name. The octree of a volume is its own payload, which is chosen by itself.
-std::optional<qnv::Payload> requested_payload(const ConversionOptions& options, bool volume = false) {
+// Returns the payload that the options name.
+std::optional<qnv::Payload> requested_payload(const ConversionOptions& options) {
   if (options.method == EncodeMethod::records) return qnv::Payload::records;
-  if (options.method == EncodeMethod::octree && !volume) return qnv::Payload::packed;
+  if (options.method == EncodeMethod::octree) return qnv::Payload::packed;
   if (options.method == EncodeMethod::displaced) return qnv::Payload::displaced;
   return std::nullopt;
 }
@@ -328,6 +328,8 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
   if (options.method == EncodeMethod::displaced || options.exact_bits > 0)
     return EncodeError{std::string(options.exact_bits > 0 ? "--keep-mesh" : "--method displaced") +
                        " applies to surfaces of triangles only; leave it out"};
+  if (options.method == EncodeMethod::octree && std::holds_alternative<qnv::VolumeSource>(input.content))
+    return EncodeError{"--method octree applies to surfaces and points only; leave it out, or use --method records"};
   if (const auto* geometry = std::get_if<qnv::Geometry>(&input.content)) {
     encode_options.metadata = metadata_of(options, input, path, geometry->description().metadata);
     const qnv::VectorView vectors(*geometry);
@@ -348,8 +350,7 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
   encode_options.metadata = metadata_of(options, input, path, volume.layout.metadata);
   encode_options.vectors = 0;
   const auto& vectors = std::get<qnv::Volume>(found);
-  return encode(qnv::VolumeVectors{vectors, volume.layout},
-                {requested_payload(options, true), std::move(encode_options)}, progress);
+  return encode(qnv::VectorView(vectors), {requested_payload(options), std::move(encode_options)}, progress);
 }
 
 std::optional<std::variant<qnv::Geometry, EncodeError>> mesh_of_input(const ConversionOptions& options,

@@ -1,7 +1,7 @@
 #include "qnv/codecs/encode.h"
 
 #include "tests/qnv/codecs/displaced/displaced_shapes.h"
-#include "tests/qnv/voxel_volumes.h"
+#include "tests/qnv/soft_ball.h"
 
 #include <catch2/catch.hpp>
 
@@ -67,20 +67,18 @@ TEST_CASE("encodes an octree without an exact mesh for a number of vectors") {
   CHECK(!made.stream.header.meshed);
 }
 
-TEST_CASE("chooses records for vectors and voxels for volumes") {
+TEST_CASE("chooses records for vectors and values for volumes") {
   const SoftBall ball(12);
-  CHECK(made_of(EncodeSource(ball.vectors()), {}).payload->name == "voxels");
+  CHECK(made_of(EncodeSource(std::cref(ball.source)), {}).payload->name == "values");
   CHECK(made_of(EncodeSource(VectorView(ball.geometry)), {}).payload->name == "records");
-  EncodeRequest request;
-  request.payload = Payload::records;
-  CHECK(made_of(EncodeSource(ball.vectors()), request).payload->name == "records");
 }
 
 TEST_CASE("rejects a payload that cannot be made of the source") {
   const SoftBall ball(12);
   EncodeRequest request;
   request.payload = Payload::displaced;
-  CHECK(std::holds_alternative<EncodeError>(encode(EncodeSource(ball.vectors()), request)));
+  CHECK(std::holds_alternative<EncodeError>(encode(EncodeSource(VectorView(ball.geometry)), request)));
+  CHECK(std::holds_alternative<EncodeError>(encode(EncodeSource(std::cref(ball.source)), request)));
 }
 
 TEST_CASE("uses textures only for streams with an exact mesh") {

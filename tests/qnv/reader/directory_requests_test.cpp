@@ -85,7 +85,7 @@ TEST_CASE("requests the chunks in view first") {
 }
 
 TEST_CASE("keeps the order of a progressive stream for every view") {
-  for (const Payload payload : {Payload::records, Payload::voxels})
+  for (const Payload payload : {Payload::records, Payload::values})
     CHECK(row_of(payload).requests == RequestOrder::stream);
 
   const Triangles ball = sphere(60);

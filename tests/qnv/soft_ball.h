@@ -1,18 +1,15 @@
 #pragma once
 
-#include "qnv/codecs/voxels/encode/encode_voxels.h"
-#include "qnv/container/container.h"
 #include "qnv/sampling/volume/gradients.h"
 #include "tests/qnv/volume_sources.h"
 
 #include <cmath>
 #include <cstdint>
-#include <span>
 #include <utility>
 #include <variant>
 #include <vector>
 
-/// Volumes and their streams, for tests.
+/// Volume for tests.
 namespace gs::qnv {
 
 /// Soft ball with a plate inside, on an oblique lattice of n^3 voxels, with the longest quarter of its gradients.
@@ -33,21 +30,6 @@ struct SoftBall {
     auto found = gradient_vectors(source, options);
     geometry = std::move(std::get<Volume>(found));
   }
-  [[nodiscard]] VolumeVectors vectors() const { return {geometry, source.layout}; }
-  [[nodiscard]] EncodedStream stream(const EncodeOptions& options = {}) const {
-    auto encoded = encode_voxels(vectors(), options);
-    return std::move(std::get<EncodedStream>(encoded));
-  }
 };
-
-/// Returns the payloads of a stream's clusters, in order.
-inline std::vector<std::vector<std::byte>> clusters_of(std::span<const std::byte> stream) {
-  std::vector<std::vector<std::byte>> payloads;
-  StreamReader reader;
-  (void)reader.push(stream, [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
-    if (type == ChunkType::voxels) payloads.emplace_back(payload.begin(), payload.end());
-  });
-  return payloads;
-}
 
 }  // namespace gs::qnv
