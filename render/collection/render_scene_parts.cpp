@@ -12,21 +12,6 @@ namespace gs::render {
 using glm::dmat4;
 using glm::dvec3;
 
-std::vector<const vrml::Node*> inner_nodes(const vrml::SceneGraph& scene, const vrml::Node& node) {
-  constexpr std::size_t kMaxNodes = 64;
-  std::vector<const vrml::Node*> nodes;
-  const auto add = [&](vrml::NodeId id) {
-    id = scene.resolve(id);
-    if (id && nodes.size() < kMaxNodes) nodes.push_back(&scene.node(id));
-  };
-  for (std::size_t i = 0; i < node.type->defaults.size(); ++i) {
-    if (const auto* one = std::get_if<vrml::SFNode>(&node.values[i])) add(*one);
-    if (const auto* several = std::get_if<vrml::MFNode>(&node.values[i]))
-      for (const vrml::NodeId id : *several) add(id);
-  }
-  return nodes;
-}
-
 // ---- Content that depends on the viewer
 
 // Updates LODs, Billboards and content in units of the picture for a new viewer. Returns false if an LOD selects
@@ -119,16 +104,6 @@ bool RenderScene::follow_boxes() {
   return any;
 }
 
-/// Reports whether a node is a texture of the bound TextureBackground.
-bool RenderScene::is_face(const vrml::Node* node) const {
-  if (!bound_.background || bound_.background->type->language != vrml::Language::x3d) return false;
-  return std::any_of(sources_.bindables.begin(), sources_.bindables.end(), [&](const RenderSources::Local& local) {
-    if (local.node != bound_.background || !local.scene) return false;
-    const auto faces = inner_nodes(*local.scene, *local.node);
-    return std::find(faces.begin(), faces.end(), node) != faces.end();
-  });
-}
-
 // Updates the geometry of an item. Returns false if everything must be collected again because content appears or
 // vanishes.
 bool RenderScene::renew_geometry(std::uint32_t i) {
@@ -165,8 +140,8 @@ bool RenderScene::move_particles() {
 }
 
 void RenderScene::apply_item_appearance(std::uint32_t index) {
-  const bool splat = (index & kSplat) != 0;
-  const std::uint32_t place_index = splat ? list_->splats[index & ~kSplat].place : list_->items[index].place;
+  const bool splat = (index & NodeUse::kSplat) != 0;
+  const std::uint32_t place_index = splat ? list_->splats[index & ~NodeUse::kSplat].place : list_->items[index].place;
   if (place_index == kNoPlace) return;
   const Place& place = list_->places[place_index];
   const NodeView shape = resources_.schemas().view(*place.scene, place.node);
@@ -182,7 +157,7 @@ void RenderScene::apply_item_appearance(std::uint32_t index) {
   }
   DrawItem dressed;
   resources_.apply_appearance(dressed, *place.scene, shape);
-  SplatItem& item = list_->splats[index & ~kSplat];
+  SplatItem& item = list_->splats[index & ~NodeUse::kSplat];
   item.own_color = !dressed.material.lit;
   item.material = item.own_color ? Material{} : dressed.material;
 }
