@@ -1,4 +1,4 @@
-#include "render/mesh/mesh_pass.h"
+#include "render/mesh/item_styles.h"
 
 #include <glm/glm.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -7,7 +7,6 @@
 #include <bit>
 #include <cmath>
 
-// Part of MeshPass for ClipPlanes, line, point and fill properties, and local fog.
 namespace gs::render {
 namespace {
 
@@ -22,7 +21,7 @@ glm::vec4 plane_in_camera(const glm::dvec4& plane, const glm::dmat4& camera_from
 
 }  // namespace
 
-MeshPass::StyleUniforms::StyleUniforms(const Gl& gl, GLuint program)
+StyleUniforms::StyleUniforms(const Gl& gl, GLuint program)
     : clip_planes(gl.GetUniformLocation(program, "clip_planes")),
       point_size(gl.GetUniformLocation(program, "point_size")),
       point_attenuation(gl.GetUniformLocation(program, "point_attenuation")),
@@ -32,57 +31,51 @@ MeshPass::StyleUniforms::StyleUniforms(const Gl& gl, GLuint program)
       pixel_side(gl.GetUniformLocation(program, "pixel_side")),
       sprite(gl.GetUniformLocation(program, "sprite")) {}
 
-/// Returns the line widths per unit of node space at a depth, for patterns of lines.
-float MeshPass::pattern_scale(const DrawItem& item, const Instance& instance, float depth, const View& view) {
-  float scale = 0;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 3; ++column)
-      scale += instance.camera_from_node[row][column] * instance.camera_from_node[row][column];
-  const float width = item.style ? std::max(item.style->line_width, 1.0f) : 1;
-  return std::sqrt(scale / 3) * view.pixels / (std::max(depth, 1e-6f) * width);
+void ItemStyles::begin_frame(const Frame& frame) {
+  frame_ = frame;
+  bindings_.assign(1, {});
 }
 
-bool MeshPass::has_style(const DrawItem& item) const {
+bool ItemStyles::has_style(const DrawItem& item) {
   return !item.clip_planes.empty() || item.style || item.local_fog != kNoLocalFog;
 }
 
-/// Returns the number of the item's style in this frame. A frame with too many styles uses the last one again.
-std::uint32_t MeshPass::style_number(const DrawItem& item, GLenum primitive) {
+// A frame with too many styles uses the last one again.
+std::uint32_t ItemStyles::number_of(const DrawItem& item, GLenum primitive) {
   constexpr std::size_t kCompared = 64;  // number of last styles that are compared
-  const std::size_t first = styles_.size() > kCompared ? styles_.size() - kCompared : 0;
-  for (std::size_t i = styles_.size(); i-- > first;) {
-    const StyleBinding& known = styles_[i];
+  const std::size_t first = bindings_.size() > kCompared ? bindings_.size() - kCompared : 0;
+  for (std::size_t i = bindings_.size(); i-- > first;) {
+    const Binding& known = bindings_[i];
     if (i > 0 && known.clip_planes.shares_with(item.clip_planes) && known.shape == item.style &&
         known.local_fog == item.local_fog && known.primitive == primitive)
       return static_cast<std::uint32_t>(i);
   }
-  if (styles_.size() >= kMaxStyles) return kMaxStyles - 1;
-  StyleBinding made;
+  if (bindings_.size() >= kMaxStyles) return kMaxStyles - 1;
+  Binding made;
   made.clip_planes = item.clip_planes;
   made.shape = item.style;
   made.local_fog = item.local_fog;
   made.primitive = primitive;
   made.camera_planes.fill({0, 0, 0, 1});
   for (const std::uint16_t plane : item.clip_planes)
-    if (made.planes < kMaxClipPlanes && plane < list_->clip_planes.size())
-      made.camera_planes[made.planes++] = plane_in_camera(list_->clip_planes[plane], camera_from_world_);
-  made.fog = item.local_fog < list_->local_fogs.size()
-                 ? camera_fog(list_->local_fogs[item.local_fog], world_from_camera_)
-                 : fog_;
-  styles_.push_back(std::move(made));
-  return static_cast<std::uint32_t>(styles_.size() - 1);
+    if (made.planes < kMaxClipPlanes && plane < frame_.list->clip_planes.size())
+      made.camera_planes[made.planes++] = plane_in_camera(frame_.list->clip_planes[plane], frame_.camera_from_world);
+  made.fog = item.local_fog < frame_.list->local_fogs.size()
+                 ? camera_fog(frame_.list->local_fogs[item.local_fog], frame_.world_from_camera)
+                 : frame_.fog;
+  bindings_.push_back(std::move(made));
+  return static_cast<std::uint32_t>(bindings_.size() - 1);
 }
 
-/// Sets the uniforms and the state of a style for the current program.
-void MeshPass::apply_style(const VariantProgram& shader, const StyleBinding& style) {
-  const auto& at = shader.style;
+void ItemStyles::apply(std::uint32_t number, const StyleUniforms& at, const FogUniforms& fog) {
+  const Binding& style = bindings_[number];
   static const ShapeStyle kUsual;
   const ShapeStyle& shape = style.shape ? *style.shape : kUsual;
   constexpr float kUsualPoint = 2;
   gl_.Uniform4fv(at.clip_planes, static_cast<GLsizei>(kMaxClipPlanes), glm::value_ptr(style.camera_planes[0]));
   const glm::vec4 size = shape.sized_points ? glm::vec4(shape.point_size, shape.smallest_point, shape.largest_point, 0)
                                             : glm::vec4(kUsualPoint, kUsualPoint, kUsualPoint, 0);
-  const glm::vec4 samples = size * pixel_side_;
+  const glm::vec4 samples = size * frame_.pixel_side;
   gl_.Uniform4fv(at.point_size, 1, glm::value_ptr(samples));
   gl_.Uniform3fv(at.point_attenuation, 1, glm::value_ptr(shape.point_attenuation));
   gl_.Uniform1i(at.line_pattern,
@@ -96,23 +89,22 @@ void MeshPass::apply_style(const VariantProgram& shader, const StyleBinding& sty
     std::transform(rows.begin(), rows.end(), bits.begin(), [](std::uint32_t row) { return std::bit_cast<GLint>(row); });
     gl_.Uniform1iv(at.hatch, static_cast<GLsizei>(bits.size()), bits.data());
   }
-  gl_.Uniform1f(at.pixel_side, pixel_side_);
+  gl_.Uniform1f(at.pixel_side, frame_.pixel_side);
   if (at.sprite >= 0) gl_.Uniform1i(at.sprite, style.primitive == GL_POINTS ? 1 : 0);
-  if (style.fog.on) shader.fog.set(gl_, style.fog);
-  gl_.LineWidth(std::max(shape.line_width, 1.0f) * pixel_side_);
+  if (style.fog.on) fog.set(gl_, style.fog);
+  gl_.LineWidth(std::max(shape.line_width, 1.0f) * frame_.pixel_side);
   gl_.Enable(GL_PROGRAM_POINT_SIZE);
   for (std::size_t i = 0; i < kMaxClipPlanes; ++i)
     (i < style.planes ? gl_.Enable : gl_.Disable)(static_cast<GLenum>(GL_CLIP_DISTANCE0 + i));
-  styled_ = true;
+  applied_ = true;
 }
 
-/// Restores the state that apply_style() changed.
-void MeshPass::end_style() {
-  if (!styled_) return;
-  styled_ = false;
+void ItemStyles::end() {
+  if (!applied_) return;
+  applied_ = false;
   for (std::size_t i = 0; i < kMaxClipPlanes; ++i) gl_.Disable(static_cast<GLenum>(GL_CLIP_DISTANCE0 + i));
   gl_.Disable(GL_PROGRAM_POINT_SIZE);
-  gl_.LineWidth(pixel_side_);
+  gl_.LineWidth(frame_.pixel_side);
 }
 
 }  // namespace gs::render
