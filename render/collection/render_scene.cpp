@@ -28,6 +28,13 @@ bool has_changed_nodes(const vrml::NodeChange& change, const vrml::Node& node) {
   return false;
 }
 
+/// Assigns a new generation to a list.
+void begin_generation(RenderList& list) {
+  static std::atomic<std::uint64_t> last{0};
+  list.generation = ++last;
+  list.moved.clear();
+}
+
 /// Reports whether a node is a texture of the bound TextureBackground.
 bool is_face(const RenderSources& sources, const vrml::Node* background, const vrml::Node* node) {
   if (!background || background->type->language != vrml::Language::x3d) return false;
@@ -63,9 +70,9 @@ RenderScene::RenderScene(const vrml::SceneGraph& scene, const Images& images, co
     : scene_(scene),
       images_(images),
       geometries_(geometries),
-      meshes_(meshes),
       resources_(images, meshes, scene.budget()),
-      list_(std::make_shared<RenderList>()) {}
+      list_(std::make_shared<RenderList>()),
+      layers_(scene, images, geometries, meshes) {}
 
 void RenderScene::gather(const BoundNodes& bound, const dvec3& viewer) {
   bound_ = bound;
@@ -76,9 +83,9 @@ void RenderScene::gather(const BoundNodes& bound, const dvec3& viewer) {
   list_->pickable = bound_.pickable && bound_.drawn;
   list_->drawn = bound_.drawn;
   if (bound_.parallel && !bound_.viewpoint) list_->default_extent = kLayoutExtent;
-  gather_layers();
+  layers_.gather(bound_, sight_, list_->layers);
   ++gathered_;
-  begin_generation();
+  begin_generation(*list_);
   list_->changes = next_change();
   uses_.forget();
   moved_frames_.clear();
@@ -115,7 +122,8 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
                   (effect == Effect::geometry && (use.index & NodeUse::kSplat) != 0) ||
                   (effect == Effect::geometry && !renew_geometry(use.index));
           if (whole) break;
-          if (effect == Effect::apply_appearance && (use.index & NodeUse::kSplat) == 0 && list_->items[use.index].volume) {
+          if (effect == Effect::apply_appearance && (use.index & NodeUse::kSplat) == 0 &&
+              list_->items[use.index].volume) {
             whole = !renew_volume_item(use.index);
             if (whole) break;
           } else if (effect == Effect::apply_appearance) {
@@ -172,7 +180,7 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
       if (!whole && move_particles()) any = true;
     }
     if (!whole && follow_boxes()) any = true;
-    if (!whole && update_layers(changes)) any = true;
+    if (!whole && layers_.update(changes, bound_, sight_, list_->layers)) any = true;
     // A coordinate system has overflowed and hides its content, so collect again.
     whole = whole || frame_lost_;
   }
@@ -353,17 +361,10 @@ void RenderScene::place_splat(std::uint32_t i) {
 
 // ---- Bounds of all items
 
-// Assigns a new generation.
-void RenderScene::begin_generation() {
-  static std::atomic<std::uint64_t> last{0};
-  list_->generation = ++last;
-  list_->moved.clear();
-}
-
 void RenderScene::item_moved(std::uint32_t item) {
   // If items move all the time, begin a new generation now and then, before `moved` becomes too long.
   constexpr std::size_t kLongest = 64;  // maximum length of `moved`, per item
-  if (list_->moved.size() >= kLongest * list_->items.size()) begin_generation();
+  if (list_->moved.size() >= kLongest * list_->items.size()) begin_generation(*list_);
   list_->moved.push_back(item);
   boxes_stale_ = true;
   bounds_.note_change(item);

@@ -2,6 +2,7 @@
 
 #include "render/collection/collector.h"
 #include "render/collection/node_uses.h"
+#include "render/collection/scene_layers.h"
 #include "render/collection/shape_resources.h"
 #include "render/scene/block_bounds.h"
 #include "render/scene/render_list.h"
@@ -76,13 +77,7 @@ class RenderScene {
   void renew_scoped(const std::function<bool(const RenderSources::Local&)>& is_changed);
   void renew_viewpoint(std::uint32_t viewpoint);
   void renew_bindables();
-  [[nodiscard]] BoundNodes nodes_of(const BoundLayer& layer) const;
-  void gather_layers();
-  bool update_layers(std::span<const vrml::NodeChange> changes);
-  [[nodiscard]] RenderLayer lens_of_layer(std::size_t index) const;
-  [[nodiscard]] bool show_layer(std::size_t index, std::span<const vrml::NodeChange> changes);
   void set_background(const RenderSources::Local& local, const NodeView& view);
-  void begin_generation();
   void item_moved(std::uint32_t item);
   [[nodiscard]] const WideBox* bounds_of(std::size_t item) const;
   void sum_bounds();
@@ -90,7 +85,6 @@ class RenderScene {
   const vrml::SceneGraph& scene_;
   const Images& images_;
   const Geometries& geometries_;
-  MeshCache& meshes_;
   ShapeResources resources_;
   std::shared_ptr<RenderList> list_;
   RenderSources sources_;
@@ -98,7 +92,7 @@ class RenderScene {
   glm::dvec3 viewer_{0, 0, 10};
   Sight sight_;
   std::size_t gathered_ = 0;
-  std::vector<std::unique_ptr<RenderScene>> layers_;  // of BoundNodes::others
+  SceneLayers layers_;
   NodeUses uses_;
   std::vector<std::uint32_t> moved_frames_;
   std::vector<bool> frame_moved_;
@@ -106,7 +100,7 @@ class RenderScene {
   bool splat_moved_ = false;
   bool boxes_stale_ = false;    // items have moved after the boxes of bboxDisplay were made
   bool picture_moved_ = false;  // a Layout or the plane of a Viewport has moved with the viewer
-  bool frame_lost_ = false;  // a coordinate system has overflowed, which hides its content
+  bool frame_lost_ = false;     // a coordinate system has overflowed, which hides its content
 };
 
 /// Reports changes of nodes to the cache. Call it once for all RenderScenes that share the cache.

@@ -5,8 +5,8 @@
 #include "render/gl/layer_textures.h"
 #include "render/gl/light_sets.h"
 #include "render/gl/texture_store.h"
-#include "render/mesh/draw_pacer.h"
 #include "render/mesh/coincident_items.h"
+#include "render/mesh/draw_pacer.h"
 #include "render/mesh/item_styles.h"
 #include "render/mesh/mesh_store.h"
 #include "render/mesh/visible_items.h"
@@ -244,7 +244,7 @@ class MeshPass {
   std::vector<std::pair<float, std::uint32_t>> triangle_depths_;
   std::vector<TextureBinding> texture_bindings_;
   std::map<std::pair<const LayeredMaterial*, std::size_t>, std::uint32_t> layered_numbers_;  // in texture_bindings_
-  std::vector<VolumeCaster::Cast> casts_;  // volumes of the frame
+  std::vector<VolumeCaster::Cast> casts_;                                                    // volumes of the frame
   std::unordered_multimap<std::uint32_t, std::uint32_t> binding_numbers_;  // by TextureStore::Entry::order
   CoincidentItems coincident_;
   std::shared_ptr<const Image> glyph_picture_;
