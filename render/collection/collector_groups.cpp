@@ -78,11 +78,6 @@ void Collector::enter_humanoid(const Frame& parent, vrml::NodeId id, const NodeV
   enter_moved(parent, id, &parts, transform_matrix(humanoid), false);
 }
 
-/// Reports whether a root node of the world does not belong to the collected layer.
-bool Collector::is_outside_of_layer(const vrml::SceneGraph& scene, vrml::NodeId root) const {
-  return bound_ && bound_->layer_set && (scene.resolve(root) == bound_->layer_set) != (bound_->layer > 0);
-}
-
 // Enters the collected layer. Without events, and in Inlines, enters all layers as a group.
 void Collector::enter_layers(const Frame& parent, vrml::NodeId id, const NodeView& layer_set) {
   const auto* layers = layer_set.find<vrml::MFNode>(LayerSetFields::layers);
@@ -94,12 +89,7 @@ void Collector::enter_layers(const Frame& parent, vrml::NodeId id, const NodeVie
 
 void Collector::enter_choice(const Frame& parent, vrml::NodeId id, const vrml::MFNode* choices, std::int64_t which) {
   if (!choices || which < 0 || which >= static_cast<std::int64_t>(choices->size())) return;
-  enter_one(parent, id, choices->begin()[which]);
-}
-
-/// Enters a group with only one child, `child`.
-void Collector::enter_one(const Frame& parent, vrml::NodeId id, const vrml::NodeId& child) {
-  enter(frame_below(parent, id, std::span(&child, 1)));
+  enter(frame_below(parent, id, std::span(choices->begin() + which, 1)));
 }
 
 // Enters a LayoutGroup or LayoutLayer (X3D 36.4.2, 36.4.3).
@@ -170,7 +160,7 @@ void Collector::enter_collision(const Frame& parent, vrml::NodeId id, const Node
   }
   // Enter the proxy first: the frame that is entered last, with the children, is visited first.
   inside.presence.visible = false;
-  enter_one(inside, id, *proxy);
+  enter(frame_below(inside, id, std::span(proxy, 1)));
   inside.presence = parent.presence;
   inside.presence.collidable = false;
   enter_node(inside, id, children);

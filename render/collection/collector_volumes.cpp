@@ -428,7 +428,7 @@ void Collector::add_volume(const Frame& parent, NodeId id) {
     if (sources_) sources_->unshown.push_back({&scene.node(id), &scene});
     return;
   }
-  if (!has_room(scene, id, item.mesh->indices.size() / 3)) return;
+  if (!room_.take_item(list_, item.mesh->indices.size() / 3, scene, id)) return;
   volume.item = static_cast<std::uint32_t>(list_.items.size());
   add_item(parent, id, {}, std::move(item), source, world_from_box);
   if (sources_) sources_->volumes.push_back(std::move(volume));
