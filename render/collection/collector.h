@@ -1,9 +1,9 @@
 #pragma once
 
+#include "render/collection/nodes/screen.h"
 #include "render/collection/picture_room.h"
 #include "render/collection/scoped_nodes.h"
-#include "render/collection/screen.h"
-#include "render/collection/shape_resources.h"
+#include "render/collection/shapes/shape_resources.h"
 #include "render/scene/render_list.h"
 #include "vrml/behaviours/particles/particle_mesh.h"
 

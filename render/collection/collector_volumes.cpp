@@ -1,8 +1,8 @@
 // Part of Collector for VolumeData, SegmentedVolumeData and IsoSurfaceVolumeData (X3D clause 41).
 #include "render/collection/collector.h"
-#include "render/collection/node_fields.h"
+#include "render/collection/nodes/node_fields.h"
+#include "render/collection/nodes/texture_sampling.h"
 #include "render/collection/render_scene.h"
-#include "render/collection/texture_sampling.h"
 #include "vrml/behaviours/animation/interpolation.h"
 
 #include <glm/glm.hpp>

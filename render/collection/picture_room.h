@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/collection/shape_resources.h"
+#include "render/collection/shapes/shape_resources.h"
 #include "render/scene/render_list.h"
 
 #include <array>

@@ -3,7 +3,7 @@
 #include "render/collection/collector.h"
 #include "render/collection/node_uses.h"
 #include "render/collection/scene_layers.h"
-#include "render/collection/shape_resources.h"
+#include "render/collection/shapes/shape_resources.h"
 #include "render/scene/block_bounds.h"
 #include "render/scene/render_list.h"
 #include "vrml/events/execution.h"

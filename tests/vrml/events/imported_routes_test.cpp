@@ -37,12 +37,12 @@ struct InlineWorld {
   void send(const SFVec3f& translation) {
     const NodeId from = root->roots()[1];
     REQUIRE(execution.send(*root, from, *root->node(from).type->find("translation"), translation));
-    execution.begin_update();
+    execution.cascade().begin_update();
   }
   [[nodiscard]] SFVec3f received() const { return root->get<SFVec3f>(root->roots()[2], "translation"); }
   [[nodiscard]] std::string said() {
     Diagnostics diagnostics;
-    execution.imports().report(diagnostics);
+    execution.routes().imports().report(diagnostics);
     std::string text;
     for (const Diagnostic& diagnostic : diagnostics.entries()) text += diagnostic.text() + "\n";
     return text;
@@ -56,13 +56,13 @@ TEST_CASE("routes events to and from the exported node of an Inline") {
   world.execution.start(1000);
   world.send({1, 2, 3});
   CHECK(world.received() == SFVec3f(0));
-  CHECK_FALSE(world.execution.imports().find(*world.root, "M").scene);
+  CHECK_FALSE(world.execution.routes().imports().find(*world.root, "M").scene);
   const auto inner = x3d_scene("DEF T Transform { } EXPORT T AS Mover");
   world.attach(inner);
   world.send({4, 5, 6});
   CHECK(inner->get<SFVec3f>(inner->roots()[0], "translation") == SFVec3f(4, 5, 6));
   CHECK(world.received() == SFVec3f(4, 5, 6));
-  const ImportedNode found = world.execution.imports().find(*world.root, "M");
+  const ImportedNode found = world.execution.routes().imports().find(*world.root, "M");
   CHECK(found.scene == inner.get());
   CHECK(found.node == inner->roots()[0]);
   CHECK(world.execution.routes().all().size() == 2);
@@ -119,7 +119,7 @@ TEST_CASE("does not send nodes to another file") {
   root->inlines().attach(root->roots()[0], inner);
   execution.scenes().attach(*root);
   Diagnostics diagnostics;
-  execution.imports().report(diagnostics);
+  execution.routes().imports().report(diagnostics);
   REQUIRE(diagnostics.entries().size() == 1);
   CHECK(diagnostics.entries()[0].text() ==
         "root.x3dv:4:1: error: ROUTE from MFNode 'children_changed' to MFNode 'set_children'; nodes cannot be sent to "

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/collection/collect_schema.h"
+#include "render/collection/nodes/collect_schema.h"
 #include "render/scene/render_list.h"
 
 #include <glm/mat3x3.hpp>

@@ -46,11 +46,11 @@ void KeyDevice::send(const KeyStroke& stroke) {
 
 void KeyDevice::deliver(const KeyStroke& stroke) {
   if (!is_sensed()) return;
-  execution_.begin_update();
+  execution_.cascade().begin_update();
   for (const EventNode node : nodes_)
     if (execution_.get<SFBool>(node, kKeySensorEnabled) && execution_.budget().spend(EventBudget::kDelivery))
       execution_.nodes().behaviour_of(node).on_key(execution_, node, stroke);
-  execution_.end_update();
+  execution_.cascade().drain();
 }
 
 void KeyDevice::release_all() {

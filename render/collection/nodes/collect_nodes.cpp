@@ -1,4 +1,4 @@
-#include "render/collection/collect_nodes.h"
+#include "render/collection/nodes/collect_nodes.h"
 
 #include "base/finite.h"
 #include "vrml/event_model/behaviour.h"

@@ -27,7 +27,7 @@ void ChangeList::mark(EventNode node, std::int32_t slot) {
   }
   execution_.shapes().note_change(at.node);
   const Behaviour* const behaviour = at.node->type->behaviour;
-  if (behaviour && behaviour->parent_from_local) execution_.idle().node_moved(*at.node);
+  if (behaviour && behaviour->parent_from_local) execution_.viewer().idle().node_moved(*at.node);
   if (holds_nodes(type_of(value))) execution_.lifetime().note_referring(node);
   change_of(node).slots |= std::uint64_t{1} << std::min(slot, kLastBit);
 }

@@ -1,4 +1,4 @@
-#include "render/collection/collect_schema.h"
+#include "render/collection/nodes/collect_schema.h"
 
 #include "vrml/scene/meant_node.h"
 

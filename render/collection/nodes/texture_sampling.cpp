@@ -1,6 +1,6 @@
-#include "render/collection/texture_sampling.h"
+#include "render/collection/nodes/texture_sampling.h"
 
-#include "render/collection/node_fields.h"
+#include "render/collection/nodes/node_fields.h"
 
 #include <array>
 

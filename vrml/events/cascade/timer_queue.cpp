@@ -22,7 +22,7 @@ void TimerQueue::take_woken() {
   const auto earlier = [&](EventNode a, EventNode b) {
     return execution_.nodes()[a].rank < execution_.nodes()[b].rank;
   };
-  std::vector<EventNode> woken = execution_.idle().take_woken();
+  std::vector<EventNode> woken = execution_.viewer().idle().take_woken();
   if (woken.empty()) return;
   std::sort(woken.begin(), woken.end(), earlier);
   const auto old = static_cast<std::ptrdiff_t>(running_.size());
@@ -31,12 +31,12 @@ void TimerQueue::take_woken() {
 }
 
 void TimerQueue::look_again(EventNode node) {
-  execution_.idle().wake(node);
+  execution_.viewer().idle().wake(node);
   if (!std::exchange(execution_.nodes()[node].looking, true)) looking_.push_back(node);
 }
 
 void TimerQueue::look_again_at_running() {
-  execution_.idle().wake_all();
+  execution_.viewer().idle().wake_all();
   take_woken();
   for (const EventNode node : running_)
     if (execution_.nodes()[node].running) look_again(node);
@@ -68,7 +68,7 @@ void TimerQueue::begin_step(double now) {
     --live_alarms_;
     look_again(alarm.node);
   }
-  execution_.idle().begin_step();
+  execution_.viewer().idle().begin_step();
   take_woken();
   // Nodes that start running during these calls are appended to the list. They have been called already.
   const std::size_t count = running_.size();
@@ -77,7 +77,7 @@ void TimerQueue::begin_step(double now) {
     const EventNode node = running_[i];
     if (nodes[node].running) nodes.behaviour_of(node).on_time(execution_, node);
     nodes[node].listed = nodes[node].running;
-    if (nodes[node].running && !execution_.idle().take(node)) running_[kept++] = node;
+    if (nodes[node].running && !execution_.viewer().idle().take(node)) running_[kept++] = node;
   }
   running_.erase(running_.begin() + static_cast<std::ptrdiff_t>(kept),
                  running_.begin() + static_cast<std::ptrdiff_t>(count));
@@ -94,8 +94,9 @@ void TimerQueue::call_waiting() {
 }
 
 bool TimerQueue::has_running() const {
-  return !execution_.idle().empty() || std::any_of(running_.begin(), running_.end(),
-                     [&](EventNode node) { return execution_.nodes()[node].running; });
+  return !execution_.viewer().idle().empty() || std::any_of(running_.begin(), running_.end(), [&](EventNode node) {
+    return execution_.nodes()[node].running;
+  });
 }
 
 std::optional<double> TimerQueue::next_alarm() const {
@@ -104,14 +105,14 @@ std::optional<double> TimerQueue::next_alarm() const {
 
 void TimerQueue::remove(EventNode node) {
   if (execution_.nodes()[node].alarm != 0) --live_alarms_;
-  execution_.idle().remove(node);
+  execution_.viewer().idle().remove(node);
 }
 
 void TimerQueue::forget_removed() {
   const auto is_removed = [&](EventNode node) { return execution_.nodes().is_removed(node); };
   std::erase_if(running_, is_removed);
   std::erase_if(looking_, is_removed);
-  execution_.idle().forget_removed();
+  execution_.viewer().idle().forget_removed();
 }
 
 }  // namespace gs::vrml

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/collection/collect_nodes.h"
+#include "render/collection/nodes/collect_nodes.h"
 #include "render/scene/render_list.h"
 #include "vrml/mesh/text_shaper.h"
 #include "vrml/scene/meant_node.h"

@@ -1,4 +1,4 @@
-#include "render/collection/shape_resources.h"
+#include "render/collection/shapes/shape_resources.h"
 
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_transform.hpp>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/collection/collect_schema.h"
+#include "render/collection/nodes/collect_schema.h"
 #include "render/scene/sight.h"
 #include "vrml/scene/layers.h"
 

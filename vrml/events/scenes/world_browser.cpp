@@ -117,7 +117,7 @@ void WorldBrowser::send_changes() {
   const auto aspect = static_cast<float>(view_.size.y > 0 ? view_.size.x / view_.size.y : 0);
   const auto send = [&](EventNode node, int event, const auto& value) {
     using T = std::decay_t<decltype(value)>;
-    if (execution_.is_listened_to(node, event) && !(execution_.get<T>(node, event) == value))
+    if (execution_.routes().is_listened_to(node, event) && !(execution_.get<T>(node, event) == value))
       execution_.send(node, event, T(value));
   };
   for (const EventNode node : nodes_) {
@@ -144,9 +144,9 @@ bool WorldBrowser::send_input(const BrowserInput& input) {
   if (!wants(input.kind)) return false;
   std::vector<std::pair<SceneGraph*, NodeId>> events;
   for (const EventNode node : nodes_) {
-    if (!execution_.is_listened_to(node, BrowserEvents::event_changed)) continue;
+    if (!execution_.routes().is_listened_to(node, BrowserEvents::event_changed)) continue;
     SceneGraph& scene = *execution_.nodes()[node].scene;
-    if (events.empty()) execution_.begin_update();
+    if (events.empty()) execution_.cascade().begin_update();
     if (!execution_.budget().spend(EventBudget::kDelivery)) break;
     const NodeId event = event_node_in(scene);
     if (!event) continue;
@@ -168,7 +168,7 @@ bool WorldBrowser::send_input(const BrowserInput& input) {
   }
   if (events.empty()) return false;
   input_sent_ = true;
-  execution_.end_update();
+  execution_.cascade().drain();
   return std::any_of(events.begin(), events.end(), [&](const auto& one) {
     const auto& [scene, event] = one;
     return execution_.scenes().has(scene) && scene->contains(event) &&

@@ -1,7 +1,7 @@
-#include "render/collection/shape_layers.h"
+#include "render/collection/shapes/shape_layers.h"
 
-#include "render/collection/node_fields.h"
-#include "render/collection/texture_sampling.h"
+#include "render/collection/nodes/node_fields.h"
+#include "render/collection/nodes/texture_sampling.h"
 #include "vrml/scene/meant_node.h"
 #include "vrml/scene/texture_coordinate_nodes.h"
 #include "vrml/scene/values/transformation.h"

@@ -1,4 +1,4 @@
-#include "render/collection/sound_state.h"
+#include "render/collection/nodes/sound_state.h"
 
 #include <glm/glm.hpp>
 

@@ -1,7 +1,7 @@
-#include "render/collection/shape_resources.h"
+#include "render/collection/shapes/shape_resources.h"
 
-#include "render/collection/shape_layers.h"
-#include "render/collection/texture_sampling.h"
+#include "render/collection/nodes/texture_sampling.h"
+#include "render/collection/shapes/shape_layers.h"
 #include "render/scene/late_meshes.h"
 #include "render/text/glyph_sheet.h"
 #include "render/text/system_fonts.h"

@@ -23,7 +23,8 @@ bool receives(const InterfaceDeclaration& declaration) {
 }  // namespace
 
 bool RouteTable::find_ends(SceneGraph& from_scene, SceneGraph& to_scene, const Route& route, Ends& ends) {
-  if (!from_scene.contains(route.from) || !to_scene.contains(route.to) || !route.event_out || !route.event_in) return false;
+  if (!from_scene.contains(route.from) || !to_scene.contains(route.to) || !route.event_out || !route.event_in)
+    return false;
   if (route.event_out->type != route.event_in->type || !sends(*route.event_out) || !receives(*route.event_in))
     return false;
   if (&from_scene != &to_scene && holds_nodes(route.event_in->type)) return false;
@@ -70,6 +71,12 @@ bool RouteTable::remove(SceneGraph& scene, const Route& route) {
   if (found == routes_.end()) return false;
   disconnect(found->second);
   return true;
+}
+
+bool RouteTable::is_listened_to(EventNode node, int event) const {
+  EventNodes& nodes = execution_.nodes();
+  return nodes.has_event(node, event) &&
+         nodes.slot(node, nodes.schema_of(node).events[static_cast<std::size_t>(event)]).first != 0;
 }
 
 std::vector<PlacedRoute> RouteTable::all() const {

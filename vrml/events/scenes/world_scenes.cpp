@@ -79,7 +79,7 @@ void WorldScenes::attach_all(std::vector<std::size_t> order) {
   execution_.pointing().forget();
   for (std::size_t i = 0; i < order.size(); ++i) {
     if (!states_[order[i]].lives) execution_.placement().forget();
-    execution_.imports().note_scene(*states_[order[i]].scene, !states_[order[i]].lives);
+    execution_.routes().imports().note_scene(*states_[order[i]].scene, !states_[order[i]].lives);
     attach_scene(states_[order[i]]);
     const SceneGraph& scene = *states_[order[i]].scene;
     std::vector<std::uint32_t> inlines;
@@ -91,7 +91,7 @@ void WorldScenes::attach_all(std::vector<std::size_t> order) {
       note_content(scene, scene.nodes().id_at(node));
     }
   }
-  execution_.imports().connect();
+  execution_.routes().imports().connect();
 }
 
 // Lets an Inline send children_changed for its new content, if another node listens.

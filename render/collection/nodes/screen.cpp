@@ -1,6 +1,6 @@
-#include "render/collection/screen.h"
+#include "render/collection/nodes/screen.h"
 
-#include "render/collection/collect_nodes.h"
+#include "render/collection/nodes/collect_nodes.h"
 
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_transform.hpp>
