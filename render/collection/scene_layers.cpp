@@ -37,6 +37,7 @@ RenderLayer with_lens(const BoundLayer& bound, std::shared_ptr<const RenderList>
 SceneLayers::SceneLayers(const vrml::SceneGraph& scene, const Images& images, const Geometries& geometries,
                          MeshCache& meshes)
     : scene_(scene), images_(images), geometries_(geometries), meshes_(meshes) {}
+SceneLayers::SceneLayers(SceneLayers&& other) noexcept = default;
 SceneLayers::~SceneLayers() = default;
 
 void SceneLayers::gather(const BoundNodes& bound, const Sight& sight, std::vector<RenderLayer>& listed) {

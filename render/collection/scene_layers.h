@@ -1,6 +1,5 @@
 #pragma once
 
-#include "base/noncopyable.h"
 #include "render/collection/collector.h"
 #include "vrml/events/change_list.h"
 
@@ -15,9 +14,10 @@ class RenderScene;
 
 /// Drawn layers of a world besides the active one (X3D clause 35). Each has a RenderScene for the viewer at its
 /// Viewpoint.
-class SceneLayers : NonCopyable {
+class SceneLayers {
  public:
   SceneLayers(const vrml::SceneGraph& scene, const Images& images, const Geometries& geometries, MeshCache& meshes);
+  SceneLayers(SceneLayers&& other) noexcept;
   ~SceneLayers();
 
   /// Collects the layers of `bound`, and lists them.
