@@ -68,14 +68,16 @@ void BindableStacks::unlink(Stack& stack, EventNode node) {
 std::vector<BindableStacks::Change> BindableStacks::bind(EventNode node, bool to_top) {
   EventMember& at = execution_.nodes()[node];
   const NodeType& type = execution_.nodes().type_of(node);
-  const std::vector<int> layers = to_top ? layers_of(node) : std::vector<int>();
-  for (const int layer : layers) (void)stack_of(type, layer);
+  const bool leaves = !to_top && std::exchange(leaves_layers_, false);
+  const std::vector<int> layers = to_top || leaves ? layers_of(node) : std::vector<int>();
+  for (const int layer : layers)
+    if (to_top) (void)stack_of(type, layer);
   std::vector<Change> changes;
   for (Stack& stack : stacks_) {
     const bool stays =
         stack.type->read_as == type.read_as && std::find(layers.begin(), layers.end(), stack.layer) != layers.end();
     const EventNode before = stack.top;
-    if (stays && before == node) continue;
+    if (stays && (before == node || leaves)) continue;
     unlink(stack, node);  // the node may also have left the layer
     if (stays) {
       stack.links[node] = {stack.top, 0};
@@ -84,6 +86,7 @@ std::vector<BindableStacks::Change> BindableStacks::bind(EventNode node, bool to
     }
     if (stack.top != before) changes.push_back({stack.layer, before, stack.top});
   }
+  if (leaves) return changes;  // it was placed, and is on the stack of another layer
   if (!at.on_stack || !to_top) at.placed = false;
   at.on_stack = to_top;
   return changes;
@@ -114,10 +117,29 @@ void BindableStacks::nodes_leave() {
 
 void BindableStacks::unbind_left() {
   if (!std::exchange(nodes_leave_, false)) return;
-  for (const EventNode node : nodes())
-    if (execution_.nodes()[node].placed && execution_.viewer().places_of(node).empty() &&
-        execution_.placement().whole())
+  for (const EventNode node : nodes()) {
+    if (!execution_.nodes()[node].placed) continue;
+    if (!execution_.viewer().places_of(node).empty())
+      leave_layers(node);
+    else if (execution_.placement().whole())
       unbind(node);
+  }
+}
+
+// Unbinds a node of the world in the layers that it has left.
+void BindableStacks::leave_layers(EventNode node) {
+  if (!layer_set_ || !execution_.budget().spend(execution_.placement().visits())) return;
+  const std::vector<int> layers = layers_of(node);
+  const bool has_left = std::any_of(stacks_.begin(), stacks_.end(), [&](const Stack& stack) {
+    return stack.links.contains(node) && std::find(layers.begin(), layers.end(), stack.layer) == layers.end();
+  });
+  const bool stays = std::any_of(stacks_.begin(), stacks_.end(), [&](const Stack& stack) {
+    return stack.links.contains(node) && std::find(layers.begin(), layers.end(), stack.layer) != layers.end();
+  });
+  if (!has_left) return;
+  leaves_layers_ = stays;
+  unbind(node);
+  leaves_layers_ = false;
 }
 
 void BindableStacks::bind_new_types() {
