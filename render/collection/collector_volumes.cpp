@@ -300,6 +300,7 @@ class VolumeLookBuilder {
 
   void set_shading(const vrml::Node& node, VolumeStep& step) {
     step.lit = flag_in(node, "lighting", false);
+    step.shadows = flag_in(node, "shadows", false);
     step.scatters = text_in(node, "phaseFunction") == "Henyey-Greenstein";
     step.values.assign(3, glm::vec4(0));
     const NodeView given = node_in(node, "material");
