@@ -15,14 +15,16 @@ constexpr int kMaxChain = 32;
 
 void ImportedRoutes::note_scene(const SceneGraph& scene, bool is_new) {
   const X3DStatements& statements = scene.x3d();
-  dirty_ = dirty_ || is_new || !statements.exports.empty() || !statements.routes.empty();
+  dirty_ = dirty_ || is_new || !statements.exports.empty() || !statements.routes.empty() ||
+           !scene.inlines().instance_routes().empty();
 }
 
 void ImportedRoutes::connect() {
   if (!std::exchange(dirty_, false)) return;
   std::vector<SceneGraph*> scenes;
   for (const SceneState& state : execution_.scenes().states())
-    if (state.scene && !state.scene->x3d().routes.empty()) scenes.push_back(state.scene);
+    if (state.scene && !(state.scene->x3d().routes.empty() && state.scene->inlines().instance_routes().empty()))
+      scenes.push_back(state.scene);
   for (SceneGraph* const scene : scenes) connect_routes(*scene);
   names_.clear();
 }
@@ -52,12 +54,18 @@ ImportedNode ImportedRoutes::find(SceneGraph& scene, std::string_view imported, 
   const auto found = names.imports.find(imported);
   if (found == names.imports.end() || depth > kMaxChain) return {};
   const X3DStatements::Import& import = *found->second;
-  SceneGraph* const content = scene.inlines().of(scene.resolve(import.inline_node));
+  return find_in(scene, import.inline_node, import.exported, import.location, depth);
+}
+
+// Finds a node that the content of an Inline exports. `location` is that of the statement that names it.
+ImportedNode ImportedRoutes::find_in(SceneGraph& scene, NodeId inline_node, std::string_view exported,
+                                     SourceLocation location, int depth) {
+  SceneGraph* const content = scene.inlines().of(scene.resolve(inline_node));
   if (!content || !execution_.scenes().has(content)) return {};
-  const ImportedNode node = find_exported(*content, import.exported, depth + 1);
-  if (!node.scene && !names_of(*content).exports.contains(import.exported))
-    note_problem(scene, Severity::warning, import.location,
-                 "IMPORT names '" + import.exported + "', but " + content->file_name() + " does not EXPORT it");
+  const ImportedNode node = find_exported(*content, exported, depth + 1);
+  if (!node.scene && !names_of(*content).exports.contains(exported))
+    note_problem(scene, Severity::warning, location,
+                 "IMPORT names '" + std::string(exported) + "', but " + content->file_name() + " does not EXPORT it");
   return node;
 }
 
@@ -73,11 +81,21 @@ ImportedNode ImportedRoutes::find_exported(SceneGraph& scene, std::string_view e
 void ImportedRoutes::connect_routes(SceneGraph& scene) {
   const std::vector<X3DStatements::ImportedRoute>& routes = scene.x3d().routes;
   for (const X3DStatements::ImportedRoute& route : routes) connect_route(scene, route);
+  std::vector<X3DStatements::ImportedRoute>& of_instances = scene.inlines().instance_routes();
+  std::erase_if(of_instances, [&](const X3DStatements::ImportedRoute& route) {
+    const auto exists = [&](const X3DStatements::RouteEnd& end) {
+      return scene.contains(end.node ? end.node : end.inline_node);
+    };
+    return !exists(route.from) || !exists(route.to);  // a program has removed the instance
+  });
+  for (const X3DStatements::ImportedRoute& route : of_instances) connect_route(scene, route);
 }
 
 void ImportedRoutes::connect_route(SceneGraph& scene, const X3DStatements::ImportedRoute& route) {
   const auto end_of = [&](const X3DStatements::RouteEnd& end) {
-    return end.node ? ImportedNode{&scene, end.node} : find(scene, end.name, 0);
+    if (end.node) return ImportedNode{&scene, end.node};
+    if (end.inline_node) return find_in(scene, end.inline_node, end.name, route.location, 0);
+    return find(scene, end.name, 0);
   };
   const ImportedNode from = end_of(route.from), to = end_of(route.to);
   if (!from.scene || !to.scene || !from.scene->contains(from.node) || !to.scene->contains(to.node)) return;
