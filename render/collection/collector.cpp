@@ -2,6 +2,7 @@
 
 #include "render/scene/surface_mesh.h"
 #include "vrml/event_model/behaviour.h"
+#include "vrml/scene/imported_use.h"
 #include "vrml/scene/values/transformation.h"
 #include "vrml/syntax/stand_ins.h"
 
@@ -242,6 +243,7 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
     inside.presence.hidden = true;
   }
   const Frame& parent = begins || hides ? inside : given;
+  if (node.type == &vrml::imported_use_type()) return enter_inline(parent, id);
   const dmat4& world = parent.world_from_local;
   switch (view.kind()) {
     case NodeKind::shape:
@@ -263,10 +265,20 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
       enter_layers(parent, id, view);
       break;
     case NodeKind::group:
+      if (const auto* shown = view.find_at<vrml::MFBool>(view.schema->visible)) {
+        enter_parts(parent, id, view.find<vrml::MFNode>(GroupFields::children), *shown);
+        break;
+      }
+      [[fallthrough]];
     case NodeKind::layer:
-    case NodeKind::viewport:
       enter_node(parent, id, view.find<vrml::MFNode>(GroupFields::children));
       break;
+    case NodeKind::viewport: {
+      Frame clipped = parent;
+      clip_to(clipped.presence, vrml::clip_boundary_of_viewport(*parent.scene, id));
+      enter_node(clipped, id, view.find<vrml::MFNode>(GroupFields::children));
+      break;
+    }
     case NodeKind::layout_group:
     case NodeKind::layout_layer:
       enter_layout(parent, id, view);

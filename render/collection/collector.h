@@ -174,8 +174,9 @@ class Collector {
   void enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children, const glm::dmat4& local,
                    bool billboard);
   void enter_layout(const Frame& parent, vrml::NodeId id, const NodeView& group);
-  void clip_to_viewport(Presence& presence, const vrml::SceneGraph& scene, vrml::NodeId group);
+  void clip_to(Presence& presence, vrml::ClipBoundary part);
   void begin_frame(Frame& frame, const Frame& parent, const vrml::Node& node, const glm::dmat4& local, bool billboard);
+  void enter_parts(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children, const vrml::MFBool& shown);
   void enter_humanoid(const Frame& parent, vrml::NodeId id, const NodeView& humanoid);
   void enter_choice(const Frame& parent, vrml::NodeId id, const vrml::MFNode* choices, std::int64_t which);
   void enter_inline(const Frame& parent, vrml::NodeId id);

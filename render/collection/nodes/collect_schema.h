@@ -165,6 +165,11 @@ struct NodeView {
     return value ? *value : otherwise;
   }
   /// Returns the value of an SFBool. Returns `otherwise` if the slot is -1.
+  /// Returns the value in a slot if it has this type; otherwise null.
+  template <class T>
+  [[nodiscard]] const T* find_at(int slot) const {
+    return slot < 0 ? nullptr : std::get_if<T>(&node->values[slot]);
+  }
   [[nodiscard]] bool flag(int slot, bool otherwise) const {
     const auto* value = slot < 0 ? nullptr : std::get_if<vrml::SFBool>(&node->values[slot]);
     return value ? *value : otherwise;
