@@ -244,7 +244,13 @@ const NodeType& browser_event_type() {
 }
 
 const NodeType& imported_use_type() {
-  static const std::unique_ptr<NodeType> the_type = type_of_row(browser_rows()[2]);
+  static const std::unique_ptr<NodeType> the_type = [] {
+    auto type = type_of_row(browser_rows()[2]);
+    type->language = Language::x3d;
+    type->component = "Networking";
+    type->level = 3;
+    return type;
+  }();
   return *the_type;
 }
 
