@@ -201,13 +201,13 @@ bool ServiceCall::send(std::vector<ClientEvent>&& events) {
 
 bool ServiceCall::deliver(std::vector<ClientEvent>&& events) {
   vrml::Execution& execution = document->runtime->execution();
-  execution.begin_update();
+  execution.cascade().begin_update();
   std::size_t sent = 0;
   for (ClientEvent& event : events) {
     if (!execution.scenes().has(event.node.scene)) continue;
     if (execution.cascade().post(*event.node.scene, event.node.id, *event.event_in, std::move(event.value))) ++sent;
   }
-  execution.end_update();
+  execution.cascade().drain();
   changes = true;
   if (sent == events.size()) return true;
   problem = std::to_string(events.size() - sent) + " of " + std::to_string(events.size()) +

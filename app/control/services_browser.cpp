@@ -150,13 +150,13 @@ bool replace_world(ServiceCall& call) {
   const auto nodes = call.nodes(0);
   if (!nodes) return false;
   vrml::Execution& execution = call.document->runtime->execution();
-  execution.begin_update();
+  execution.cascade().begin_update();
   vrml::SceneGraph& scene = nodes->first ? *nodes->first : *call.document->world.scene;
   if (!execution.lifetime().replace_world(scene, nodes->second)) {
     call.problem = "expected nodes of the world";
     return false;
   }
-  execution.end_update();
+  execution.cascade().drain();
   call.changes = true;
   return true;
 }

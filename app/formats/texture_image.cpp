@@ -34,12 +34,15 @@ std::variant<Texture, render::ImageError> decode_texture(std::span<const std::by
   if (image_limits.kept_pixels < kMinPixels) return render::ImageError{budget->refusal(Resource::pixels)};
   auto decoded = render::decode_image(bytes, image_limits);
   if (auto* error = std::get_if<render::ImageError>(&decoded)) return std::move(*error);
+  return hold_texture(std::move(std::get<render::Image>(decoded)), budget);
+}
+
+std::variant<Texture, render::ImageError> hold_texture(render::Image given, const WorldBudget& budget) {
   struct Held {
     render::Image image;
     Share share;
   };
-  auto held =
-      std::make_shared<Held>(Held{std::move(std::get<render::Image>(decoded)), Share(budget, Resource::pixels)});
+  auto held = std::make_shared<Held>(Held{std::move(given), Share(budget, Resource::pixels)});
   const render::Image& image = held->image;
   const std::uint64_t cost = image.pixels.size() + kCopyBytes * image.width * image.height;
   if (!held->share.grow(cost)) return render::ImageError{budget->refusal(Resource::pixels)};
@@ -47,11 +50,11 @@ std::variant<Texture, render::ImageError> decode_texture(std::span<const std::by
   if (image.reduction > 1)
     texture.note =
         "is shown as " +
-        (image.slices > 1 && !image.cube ? size_of(image.width, image.height / image.slices) + "x" +
-                                               std::to_string(image.slices) + " voxels, "
-                                         : size_of(image.width, image.height) + " pixels, ") +
+        (image.slices > 1 && !image.cube
+             ? size_of(image.width, image.height / image.slices) + "x" + std::to_string(image.slices) + " voxels, "
+             : size_of(image.width, image.height) + " pixels, ") +
         std::to_string(image.reduction) + " times smaller in each direction: " +
-        (image_limits.kept_pixels < budget->limits().texture_pixels
+        (texture_limits(budget).kept_pixels < budget->limits().texture_pixels
              ? budget->refusal(Resource::pixels)
              : "more than the limit for one texture, " + std::to_string(budget->limits().texture_pixels) + " pixels");
   texture.image = {held, &held->image};

@@ -21,6 +21,9 @@ struct Texture {
 /// of kept pixels is 0.
 [[nodiscard]] render::ImageLimits texture_limits(const WorldBudget& budget);
 
+/// Draws the memory of an image from the pixel budget. Describes a reduced size in `note`.
+[[nodiscard]] std::variant<Texture, render::ImageError> hold_texture(render::Image image, const WorldBudget& budget);
+
 /// Decodes a texture image. Scales a large image down while decoding, if the remaining pixel budget requires that. Safe
 /// for untrusted bytes.
 [[nodiscard]] std::variant<Texture, render::ImageError> decode_texture(std::span<const std::byte> bytes,

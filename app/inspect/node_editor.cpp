@@ -87,7 +87,7 @@ NodeAt NodeEditor::script() const {
 
 bool NodeEditor::deliver(WorldEdits& edits) {
   if (edits_.empty()) return false;
-  world_->begin_update();
+  world_->cascade().begin_update();
   for (Edit& one : std::exchange(edits_, {})) {
     if (!is_in(*world_, one.node)) continue;
     const vrml::InterfaceDeclaration* const field =
@@ -100,7 +100,7 @@ bool NodeEditor::deliver(WorldEdits& edits) {
     if (world_->cascade().post(*one.node.scene, one.node.id, *one.event_in, std::move(one.value)) && changes)
       edits.note(std::move(edit));
   }
-  world_->end_update();
+  world_->cascade().drain();
   return true;
 }
 
@@ -109,9 +109,9 @@ bool NodeEditor::step(WorldEdits& edits, int direction) {
   if (!edit) return false;
   if (!world_ || !is_in(*world_, {edit->scene, edit->node})) return true;
   end_gesture();
-  world_->begin_update();
+  world_->cascade().begin_update();
   (void)world_->cascade().post(*edit->scene, edit->node, *edit->event_in, direction < 0 ? edit->before : edit->after);
-  world_->end_update();
+  world_->cascade().drain();
   return true;
 }
 

@@ -42,10 +42,10 @@ void send_again(Session& session, const StreamList::Row& row) {
         const vrml::Node& node = scenes[i]->nodes().at(place);
         const vrml::NodeId id = scenes[i]->nodes().id_at(place);
         if (&node != row.load.node || !scenes[i]->contains(id)) continue;
-        execution.begin_update();
+        execution.cascade().begin_update();
         for (const vrml::InterfaceDeclaration* const url : node.type->url_fields())
           (void)execution.cascade().post(*scenes[i], id, *url, node.values[url->slot]);
-        execution.end_update();
+        execution.cascade().drain();
         return;
       }
     }

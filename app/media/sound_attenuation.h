@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/collection/sound_state.h"
+#include "render/collection/nodes/sound_state.h"
 
 #include <glm/mat4x4.hpp>
 
@@ -11,7 +11,7 @@ namespace gs::app {
 
 /// Gains of a Sound for one viewer, each >= 0.
 struct Heard {
-  double level = 0;  // gain by intensity and distance; 0 outside the outer ellipsoid
+  double level = 0;            // gain by intensity and distance; 0 outside the outer ellipsoid
   double left = 0, right = 0;  // gains of the channels: `level` with panning
 };
 

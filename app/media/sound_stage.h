@@ -2,7 +2,7 @@
 
 #include "app/media/mixer.h"
 #include "app/media/sound_attenuation.h"
-#include "render/collection/collect_schema.h"
+#include "render/collection/nodes/collect_schema.h"
 #include "render/scene/render_list.h"
 #include "vrml/events/execution.h"
 

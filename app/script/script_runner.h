@@ -85,7 +85,7 @@ class ScriptRunner : public vrml::ScriptHost {
     bool failed = false;
   };
   /// Runs a line of code in the name of a Script, with the names of its program and the limits of programs. Errors do
-  /// not count as faults of the program. Call after Execution::begin_update(); Execution::end_update() processes the
+  /// not count as faults of the program. Call after EventCascade::begin_update(); EventCascade::drain() processes the
   /// events that the line sends.
   [[nodiscard]] virtual Evaluation evaluate(const vrml::SceneGraph& scene, vrml::NodeId script,
                                             const std::string& line) = 0;

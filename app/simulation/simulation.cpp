@@ -150,8 +150,7 @@ render::Camera Simulation::camera() {
   // Use the Viewpoint's own matrix, which is more exact than a pose.
   const bool exact = seen.viewpoint && !seen.style.parallel && *seen.viewpoint < seen.list->viewpoints.size() &&
                      !seen.list->viewpoints[*seen.viewpoint].view_all;
-  if (at_home(seen) && exact)
-    return viewpoint_camera(*seen.list, seen.bound, seen.home_size);
+  if (at_home(seen) && exact) return viewpoint_camera(*seen.list, seen.bound, seen.home_size);
   return camera_of(seen.navigation.pose);
 }
 
@@ -164,7 +163,7 @@ void Simulation::stand_at(const render::Camera& camera) {
     there = there && glm::distance(before[i], after[i]) <= kSame * std::max(glm::length(after[i]), 1.0);
   if (there || sensors_of(world.scenes().root(), false).empty()) return;
   world.viewer().set(after);
-  world.begin_update();
+  world.cascade().begin_update();
   (void)document_->runtime->step(world.now());
 }
 
@@ -260,7 +259,7 @@ void Simulation::run(double seconds, const std::function<bool()>& go_on) {
     act(0);
     if (begins_elsewhere_) {
       // The event time of sensors does not change here; only objects that follow the viewer are updated again.
-      execution().begin_update();
+      execution().cascade().begin_update();
       step(0, false);
     }
     fetch();

@@ -45,7 +45,8 @@ std::optional<Hit> Picker::pick(const render::RenderList& list, const render::Si
   };
   // Test overlays first, because they are drawn on top of everything.
   if (list.overlays)
-    if (const auto hit = items_.nearest(list, line, options.max_triangles, render::Sought::overlay, options.pixel))
+    if (const auto hit = items_.nearest(list, options.overlay_line.value_or(line), options.max_triangles,
+                                        render::Sought::overlay, options.pixel))
       return surface_hit(*hit);
   if (const auto hit = items_.nearest(list, line, options.max_triangles, render::Sought::seen, options.pixel))
     nearest = surface_hit(*hit);
@@ -209,13 +210,23 @@ render::SightLine sight_line(const Pose& pose, const glm::dvec2& pointer, const 
   return {pose.position, glm::normalize(direction)};
 }
 
+std::optional<render::SightLine> overlay_line(const Pose& pose, const glm::dvec2& pointer, const glm::dvec2& size) {
+  if (!(pose.height > 0)) return std::nullopt;
+  Pose perspective = pose;
+  perspective.height = 0;
+  return sight_line(perspective, pointer, size);
+}
+
 std::optional<Hit> point(vrml::Execution& world, Picker& picker, const render::RenderList& list,
                          const render::SightLine& line, bool down, const PickOptions& options) {
   vrml::Pointer pointer;
   pointer.down = down;
-  pointer.bearing.origin = line.origin;
-  pointer.bearing.direction = line.direction;
   const std::optional<Hit> hit = picker.pick(list, line, options);
+  const bool on_overlay = world.pointing().pointed_at().active ? options.holds_overlay
+                                                               : hit && !hit->splat && list.items[hit->item].overlay;
+  const render::SightLine& used = on_overlay && options.overlay_line ? *options.overlay_line : line;
+  pointer.bearing.origin = used.origin;
+  pointer.bearing.direction = used.direction;
   std::vector<vrml::PathStep> path;
   if (hit) {
     path = path_of(list, *hit);

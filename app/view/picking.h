@@ -17,8 +17,8 @@ namespace gs::app {
 
 /// Point at which a ray hits the world.
 struct Hit {
-  float distance = 0;  // metres from the origin of the ray
-  std::size_t item = 0;  // index in RenderList::items, if `splat` is nullopt
+  float distance = 0;                // metres from the origin of the ray
+  std::size_t item = 0;              // index in RenderList::items, if `splat` is nullopt
   std::optional<std::size_t> splat;  // index in RenderList::splats; nullopt if a triangle was hit
   // World space; see render::SurfaceHit. For a hit without a surface normal, `normal` points to the origin of the ray.
   glm::dvec3 point{0}, normal{0};
@@ -32,6 +32,8 @@ struct PickOptions {
   float pixel = 0.001f;                              // width of a pixel at distance 1
   render::SplatStyle splat_style;                    // style with which the splats are drawn
   std::size_t max_triangles = std::size_t{1} << 24;  // max triangles in the cache
+  std::optional<render::SightLine> overlay_line{};   // line for overlays; nullopt: the same as for other items
+  bool holds_overlay = false;                        // a sensor of an overlay has grabbed the pointer
 };
 
 /// Search for the object under the pointer. Use on the drawing thread. Caches search data for meshes and volumes as
@@ -94,6 +96,11 @@ class SensorGeometries {
 /// Returns the half-line through `pointer`, which is in pixels from the upper left of a viewport of `size` pixels. Like
 /// ray_through(), but in double precision.
 [[nodiscard]] render::SightLine sight_line(const Pose& pose, const glm::dvec2& pointer, const glm::dvec2& size);
+
+/// Returns the half-line through `pointer` for overlays, which are drawn in perspective also if the pose has a parallel
+/// projection. Returns nullopt for a pose in perspective.
+[[nodiscard]] std::optional<render::SightLine> overlay_line(const Pose& pose, const glm::dvec2& pointer,
+                                                            const glm::dvec2& size);
 
 /// Passes the pointer's line and its button state to the sensors of a world, at the present timestamp (VRML97 4.6.7.3).
 /// `list` must be updated to the present state of the world. Returns the hit.

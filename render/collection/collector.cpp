@@ -2,6 +2,7 @@
 
 #include "render/scene/surface_mesh.h"
 #include "vrml/event_model/behaviour.h"
+#include "vrml/scene/imported_use.h"
 #include "vrml/scene/values/transformation.h"
 #include "vrml/syntax/stand_ins.h"
 
@@ -53,6 +54,16 @@ bool is_listed_light(const NodeView& view) {
   }
 }
 
+/// Returns the number of parts that a list draws or is lit by.
+std::size_t content_of(const RenderList& list) {
+  return list.items.size() + list.splats.size() + list.lights.size() + list.clip_planes.size() + list.local_fogs.size();
+}
+
+/// Reports whether a root node of the world does not belong to the collected layer.
+bool is_outside_of_layer(const BoundNodes* bound, const vrml::SceneGraph& scene, vrml::NodeId root) {
+  return bound && bound->layer_set && (scene.resolve(root) == bound->layer_set) != (bound->layer > 0);
+}
+
 }  // namespace
 
 bool fits_float(const dmat4& m) {
@@ -82,7 +93,7 @@ RenderList Collector::collect(const vrml::SceneGraph& scene) {
     *sources_ = {};
     sources_->frames.emplace_back();
   }
-  Frame roots{&scene, &open, 0, scene.roots().begin(), scene.roots().end(), dmat4(1), 0, true};
+  Frame roots{&scene, &open, 0, scene.roots().begin(), scene.roots().end(), dmat4(1), {}, true};
   roots.content_before = SIZE_MAX;  // never remove the coordinate system of the world
   enter(roots);
   bool stopped = false;
@@ -101,10 +112,10 @@ RenderList Collector::collect(const vrml::SceneGraph& scene) {
       continue;
     }
     const vrml::NodeId id = *top.next++;
-    if (path_.size() == 1 && is_outside_of_layer(scene, id)) continue;
+    if (path_.size() == 1 && is_outside_of_layer(bound_, scene, id)) continue;
     visit(Frame(top), id);  // a copy, because enter() may reallocate path_
   }
-  coarsen_primitives();
+  room_.coarsen_primitives(list_);
   if (sources_) {
     sources_->layouts = std::move(layouts_);
     sources_->clips = std::move(clips_);
@@ -118,11 +129,6 @@ RenderList Collector::collect(const vrml::SceneGraph& scene) {
   return std::move(list_);
 }
 
-std::size_t Collector::content() const {
-  return list_.items.size() + list_.splats.size() + list_.lights.size() + list_.clip_planes.size() +
-         list_.local_fogs.size() + others_;
-}
-
 std::uint32_t Collector::add_place(const Frame& parent, vrml::NodeId id) {
   if (list_.places.size() >= kMaxPlaces || list_.world_from_frame.size() >= kMaxPlaces) return kNoPlace;
   list_.places.push_back({parent.scene, id, parent.place, parent.frame});
@@ -131,8 +137,7 @@ std::uint32_t Collector::add_place(const Frame& parent, vrml::NodeId id) {
 
 void Collector::enter(Frame frame) {
   if (path_.size() >= kMaxDepth) return;
-  frame.lights_outside = active_lights_.size();
-  frame.clips_outside = active_clips_.size();
+  frame.outside = scoped_.mark();
   if (frame.node) {
     frame.opened = !(*frame.on_path)[frame.node];  // if false, an outer frame will clear the mark
     (*frame.on_path)[frame.node] = true;
@@ -156,8 +161,7 @@ void Collector::add_scoped(Frame& frame, vrml::NodeId child) {
       break;
     case NodeKind::clip_plane:
       if (!view.get(ClipPlaneFields::enabled, true) || list_.clip_planes.size() >= kMaxScoped) break;
-      active_clips_.push_back(static_cast<std::uint16_t>(list_.clip_planes.size()));
-      clips_changed_ = true;
+      scoped_.add_plane(list_.clip_planes.size());
       list_.clip_planes.push_back(world_clip_plane(view, frame.world_from_local));
       if (sources_) sources_->clip_planes.push_back({view.node, frame.frame});
       break;
@@ -176,11 +180,8 @@ void Collector::leave() {
   const Frame& top = path_.back();
   if (top.opened) (*top.on_path)[top.node] = false;
   if (top.boxed) add_box(*top.boxed, top.world_from_local, top.first_item, top.place, top.presence);
-  lights_changed_ = lights_changed_ || active_lights_.size() != top.lights_outside;
-  active_lights_.resize(top.lights_outside);
-  clips_changed_ = clips_changed_ || active_clips_.size() != top.clips_outside;
-  active_clips_.resize(top.clips_outside);
-  if (content() == top.content_before) {
+  scoped_.return_to(top.outside);
+  if (content_of(list_) + others_ == top.content_before) {
     // The group draws nothing, so remove its paths. Hostile worlds have millions of such groups.
     list_.places.resize(top.places_before);
     list_.world_from_frame.resize(top.frames_before);
@@ -208,13 +209,13 @@ Collector::Frame Collector::frame_below(const Frame& parent, vrml::NodeId id, st
               children.data(),
               children.data() + children.size(),
               parent.world_from_local,
-              0,
+              {},
               parent.main};
   frame.frame = parent.frame;
   frame.presence = parent.presence;
   frame.places_before = static_cast<std::uint32_t>(list_.places.size());
   frame.frames_before = static_cast<std::uint32_t>(list_.world_from_frame.size());
-  frame.content_before = content();
+  frame.content_before = content_of(list_) + others_;
   frame.place = add_place(parent, id);
   frame.first_item = list_.items.size();
   const vrml::Node& node = parent.scene->node(id);
@@ -223,10 +224,6 @@ Collector::Frame Collector::frame_below(const Frame& parent, vrml::NodeId id, st
     if (view.flag(view.schema->box_display, false)) frame.boxed = &node;
   }
   return frame;
-}
-
-dvec3 Collector::viewer_in(const dmat4& world_from_local) const {
-  return vrml::viewer_in_local(viewer_, world_from_local);
 }
 
 void Collector::visit(const Frame& given, vrml::NodeId id) {
@@ -246,6 +243,7 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
     inside.presence.hidden = true;
   }
   const Frame& parent = begins || hides ? inside : given;
+  if (node.type == &vrml::imported_use_type()) return enter_inline(parent, id);
   const dmat4& world = parent.world_from_local;
   switch (view.kind()) {
     case NodeKind::shape:
@@ -260,16 +258,27 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
       if (!parent.presence.hidden) add_volume(parent, id);
       break;
     case NodeKind::cad_face:
-      if (const auto* shape = view.find<vrml::SFNode>(CadFaceFields::shape)) enter_one(parent, id, *shape);
+      if (const auto* shape = view.find<vrml::SFNode>(CadFaceFields::shape))
+        enter(frame_below(parent, id, std::span(shape, 1)));
       break;
     case NodeKind::layer_set:
       enter_layers(parent, id, view);
       break;
     case NodeKind::group:
+      if (const auto* shown = view.find_at<vrml::MFBool>(view.schema->visible)) {
+        enter_parts(parent, id, view.find<vrml::MFNode>(GroupFields::children), *shown);
+        break;
+      }
+      [[fallthrough]];
     case NodeKind::layer:
-    case NodeKind::viewport:
       enter_node(parent, id, view.find<vrml::MFNode>(GroupFields::children));
       break;
+    case NodeKind::viewport: {
+      Frame clipped = parent;
+      clip_to(clipped.presence, vrml::clip_boundary_of_viewport(*parent.scene, id));
+      enter_node(clipped, id, view.find<vrml::MFNode>(GroupFields::children));
+      break;
+    }
     case NodeKind::layout_group:
     case NodeKind::layout_layer:
       enter_layout(parent, id, view);
@@ -295,7 +304,8 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
       break;
     case NodeKind::billboard:
       enter_moved(parent, id, view.find<vrml::MFNode>(BillboardFields::children),
-                  billboard_matrix(view, viewer_in(world), vrml::direction_in_local(sight_.orientation[1], world)),
+                  billboard_matrix(view, vrml::viewer_in_local(viewer_, world),
+                                   vrml::direction_in_local(sight_.orientation[1], world)),
                   true);
       break;
     case NodeKind::screen_group:
@@ -307,7 +317,7 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
                    view.get<vrml::SFInt32>(SwitchFields::which_choice, -1));
       break;
     case NodeKind::lod: {
-      const int level = lod_level(view, viewer_in(world));
+      const int level = lod_level(view, vrml::viewer_in_local(viewer_, world));
       ++others_;
       if (sources_) sources_->lods.push_back({&node, parent.frame, level});
       enter_choice(parent, id, view.find<vrml::MFNode>(LodFields::level), level);
@@ -345,43 +355,15 @@ void Collector::visit(const Frame& given, vrml::NodeId id) {
 
 void Collector::add_light(const NodeView& light, const dmat4& world_from_local, std::uint32_t frame, bool listed) {
   if (!light.get(LightFields::on, true) || list_.lights.size() >= kMaxLights) return;
-  if (listed) {
-    active_lights_.push_back(static_cast<std::uint16_t>(list_.lights.size()));
-    lights_changed_ = true;
-  }
+  if (listed) scoped_.add_light(list_.lights.size());
   list_.lights.push_back(world_light(light, world_from_local));
   if (sources_) sources_->lights.push_back({light.node, frame});
 }
 
-// Returns the active directional lights. If there are too many, returns the innermost lights.
-const LightList& Collector::directional_lights() {
-  if (std::exchange(lights_changed_, false)) {
-    const std::size_t count = std::min(active_lights_.size(), kMaxLightsOfAnItem);
-    directional_lights_ = LightList(std::span<const std::uint16_t>(active_lights_).last(count));
-  }
-  return directional_lights_;
-}
-
-// Returns the planes of the Viewport, and the active ClipPlanes. If there are too many, returns the outermost ones.
+// Returns the planes of the innermost Viewport, and the active ClipPlanes.
 const ClipList& Collector::clip_planes(const Presence& presence) {
-  const bool moved = std::exchange(clip_of_planes_, presence.clip) != presence.clip;
-  if (std::exchange(clips_changed_, false) || moved) {
-    std::vector<std::uint16_t> planes;
-    for (std::uint16_t edge = 0; edge < 4 && presence.clip != kNoPlace; ++edge)
-      planes.push_back(static_cast<std::uint16_t>(clips_[presence.clip].first_plane + edge));
-    const std::size_t count = std::min(active_clips_.size(), kMaxClipPlanes - planes.size());
-    planes.insert(planes.end(), active_clips_.begin(), active_clips_.begin() + static_cast<std::ptrdiff_t>(count));
-    clip_planes_ = ClipList(std::span<const std::uint16_t>(planes));
-  }
-  return clip_planes_;
-}
-
-// Adds the NavigationInfo in a field of a viewpoint (X3D 23.3.1). Without events, only the first viewpoint is bound.
-void Collector::add_navigation_of(const NodeView& viewpoint, const Frame& parent, bool first) {
-  const auto* given = viewpoint.find<vrml::SFNode>(ViewpointFields::navigation_info);
-  if (!given || (!bound_ && !first)) return;
-  const NodeView info = schemas_.view(*parent.scene, *given);
-  if (info.kind() == NodeKind::navigation_info) add_bindable(info, parent.scene->resolve(*given), parent);
+  if (presence.clip == kNoPlace) return scoped_.planes(std::nullopt);
+  return scoped_.planes(clips_[presence.clip].first_plane);
 }
 
 void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame& parent) {
@@ -395,7 +377,11 @@ void Collector::add_bindable(const NodeView& view, vrml::NodeId id, const Frame&
     viewpoints.back().node = id;
     if (sources_)
       (parent.main ? sources_->viewpoints : inlined_sources_).push_back({view.node, parent.frame, parent.main});
-    add_navigation_of(view, parent, viewpoints.size() == 1);
+    // A viewpoint may have a NavigationInfo (X3D 23.3.1). Without events, only the first viewpoint is bound.
+    const auto* info = view.find<vrml::SFNode>(ViewpointFields::navigation_info);
+    if (!info || (!bound_ && viewpoints.size() > 1)) return;
+    const NodeView given = schemas_.view(*parent.scene, *info);
+    if (given.kind() == NodeKind::navigation_info) add_bindable(given, parent.scene->resolve(*info), parent);
     return;
   }
   if (sources_ && sources_->bindables.size() < kMaxViewpoints)

@@ -1,14 +1,15 @@
 #pragma once
 
-#include "render/collection/screen.h"
-#include "render/collection/shape_resources.h"
+#include "render/collection/nodes/screen.h"
+#include "render/collection/picture_room.h"
+#include "render/collection/scoped_nodes.h"
+#include "render/collection/shapes/shape_resources.h"
 #include "render/scene/render_list.h"
 #include "vrml/behaviours/particles/particle_mesh.h"
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -67,7 +68,7 @@ struct RenderSources {
     int level = -1;
   };
 
-  struct Layout {  // LayoutGroup or LayoutLayer with a Layout. Outer ones stand before inner ones.
+  struct Layout {                      // LayoutGroup or LayoutLayer with a Layout. Outer ones stand before inner ones.
     const vrml::Node* node = nullptr;  // the Layout
     std::uint32_t frame = 0;
     std::uint32_t outer = kNoPlace;  // index of the Layout around it
@@ -79,9 +80,9 @@ struct RenderSources {
     std::uint32_t item = 0;
     std::uint32_t first = 0;  // the box contains the items from `first` up to `item`
   };
-  struct Clip {                    // Viewport of a LayoutGroup
+  struct Clip {                     // Viewport of a LayoutGroup
     std::uint32_t first_plane = 0;  // of four, in the order of ClipBoundary
-    vrml::ClipBoundary part{};     // part of the whole picture, inside of the Viewports around it
+    vrml::ClipBoundary part{};      // part of the whole picture, inside of the Viewports around it
     bool overlay = false;
   };
 
@@ -96,7 +97,7 @@ struct RenderSources {
   std::vector<std::uint32_t> billboards;  // indexes of frames
   std::vector<std::uint32_t> texts;       // indexes of items
   std::vector<Particles> particles;
-  std::vector<Volume> volumes;  // by item
+  std::vector<Volume> volumes;   // by item
   std::vector<Unshown> unshown;  // may contain a node more than once
   bool complete = true;          // false if the world has more coordinate systems than the list can store
 };
@@ -128,9 +129,10 @@ class Collector {
         geometries_(geometries),
         bound_(bound),
         sources_(sources),
-        budget_(std::move(budget)),
+        budget_(budget),
         sight_(sight),
-        screens_(viewer, sight, bound ? bound->boundary : kWholePicture) {}
+        screens_(viewer, sight, bound ? bound->boundary : kWholePicture),
+        room_(resources, std::move(budget)) {}
 
   RenderList collect(const vrml::SceneGraph& scene);
 
@@ -142,8 +144,8 @@ class Collector {
     bool collidable = true;  // false in a Collision with collide FALSE (6.8)
     bool hidden = false;     // in a group with `visible` FALSE: neither visible nor collidable (X3D 10.2.1)
     std::uint16_t local_fog = kNoLocalFog;
-    std::uint32_t layout = kNoPlace;    // index in layouts_ of the innermost Layout; kNoPlace means none
-    std::uint32_t clip = kNoPlace;      // index in clips_ of the innermost Viewport of a LayoutGroup
+    std::uint32_t layout = kNoPlace;  // index in layouts_ of the innermost Layout; kNoPlace means none
+    std::uint32_t clip = kNoPlace;    // index in clips_ of the innermost Viewport of a LayoutGroup
     bool in_layout_layer = false;
     std::uint32_t viewpoint_group = 0;  // index in viewpoint_groups_ of the innermost ViewpointGroup; 0 means none
   };
@@ -155,10 +157,9 @@ class Collector {
     const vrml::NodeId* next;
     const vrml::NodeId* end;
     glm::dmat4 world_from_local;
-    std::size_t lights_outside;  // number of active_lights_ before this group
-    bool main;                   // true if not inside of an Inline
+    ScopedNodes::Mark outside;  // active nodes before this group
+    bool main;                  // true if not inside of an Inline
     Presence presence{};
-    std::size_t clips_outside = 0;      // number of active_clips_ before this group
     const vrml::Node* boxed = nullptr;  // node of this group, if its box is displayed
     std::size_t first_item = 0;         // number of items before this group
     bool opened = false;                // this frame has set on_path for its node
@@ -173,40 +174,31 @@ class Collector {
   void enter_moved(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children, const glm::dmat4& local,
                    bool billboard);
   void enter_layout(const Frame& parent, vrml::NodeId id, const NodeView& group);
-  void clip_to_viewport(Presence& presence, const vrml::SceneGraph& scene, vrml::NodeId group);
+  void clip_to(Presence& presence, vrml::ClipBoundary part);
   void begin_frame(Frame& frame, const Frame& parent, const vrml::Node& node, const glm::dmat4& local, bool billboard);
+  void enter_parts(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children, const vrml::MFBool& shown);
   void enter_humanoid(const Frame& parent, vrml::NodeId id, const NodeView& humanoid);
   void enter_choice(const Frame& parent, vrml::NodeId id, const vrml::MFNode* choices, std::int64_t which);
-  void enter_one(const Frame& parent, vrml::NodeId id, const vrml::NodeId& child);
   void enter_inline(const Frame& parent, vrml::NodeId id);
   void enter_collision(const Frame& parent, vrml::NodeId id, const NodeView& collision);
   void leave();
   void visit(const Frame& parent, vrml::NodeId id);
   void enter_layers(const Frame& parent, vrml::NodeId id, const NodeView& layer_set);
-  [[nodiscard]] bool is_outside_of_layer(const vrml::SceneGraph& scene, vrml::NodeId root) const;
-  const LightList& directional_lights();
-  const ClipList& clip_planes(const Presence& presence);
+  [[nodiscard]] const ClipList& clip_planes(const Presence& presence);
   void add_box(const vrml::Node& node, const glm::dmat4& world_from_local, std::size_t first_item, std::uint32_t place,
                const Presence& presence);
   void add_scoped(Frame& frame, vrml::NodeId child);
   void add_light(const NodeView& light, const glm::dmat4& world_from_local, std::uint32_t frame, bool listed);
   void add_bindable(const NodeView& view, vrml::NodeId id, const Frame& parent);
-  void add_navigation_of(const NodeView& viewpoint, const Frame& parent, bool first);
   void add_shape(const Frame& parent, vrml::NodeId id, const NodeView& shape);
   void add_screen_text(const Frame& parent, vrml::NodeId id, vrml::NodeId geometry, DrawItem item,
                        const RenderSources::Item& source);
   void add_particles(const Frame& parent, vrml::NodeId id, const NodeView& system);
   void add_volume(const Frame& parent, vrml::NodeId id);
-  bool surface_item(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool pictured, DrawItem& item);
   void add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geometry, DrawItem item, RenderSources::Item source,
                 const glm::dmat4& world_from_node);
   void add_splats(const Frame& parent, vrml::NodeId id, const DrawItem& shape,
                   const std::shared_ptr<const qnv::Geometry>& splats, float detail, const RenderSources::Item& source);
-  bool has_room(const vrml::SceneGraph& scene, vrml::NodeId geometry, std::size_t triangles);
-  bool charge_triangles(std::size_t count);
-  void coarsen_primitives();
-  [[nodiscard]] glm::dvec3 viewer_in(const glm::dmat4& world_from_local) const;
-  [[nodiscard]] std::size_t content() const;
   std::uint32_t add_place(const Frame& parent, vrml::NodeId id);
   void enter_viewpoint_group(const Frame& parent, vrml::NodeId id, const NodeView& group);
 
@@ -225,26 +217,14 @@ class Collector {
   std::vector<Frame> path_;
   std::unordered_map<const vrml::SceneGraph*, std::vector<bool>> open_nodes_;
   std::deque<vrml::MFNode> joined_;  // children of nodes with several lists of them; frames refer to these lists
-  std::vector<std::uint16_t> active_lights_;
-  LightList directional_lights_;  // indexes of the active directional lights; the items of a group share this list
-  std::vector<std::uint16_t> active_clips_;
-  ClipList clip_planes_;         // the active ClipPlanes of the current group; the items of a group share this list
-  bool clips_changed_ = false;   // active_clips_ has changed after clip_planes_ was made
-  std::uint32_t clip_of_planes_ = kNoPlace;  // Presence::clip of clip_planes_
+  ScopedNodes scoped_;
   std::vector<RenderSources::Layout> layouts_;
   std::vector<RenderSources::Clip> clips_;
-  bool lights_changed_ = false;  // active_lights_ has changed after directional_lights_ was made
   std::size_t visits_ = 0;
   std::shared_ptr<Budget> budget_;
   Sight sight_;
   Screens screens_;
-  std::size_t triangles_ = 0;  // triangles of all items; primitives count with their coarsest mesh
-  // Items of one primitive, by its finest mesh.
-  struct Primitives {
-    std::array<std::shared_ptr<const vrml::Mesh>, ShapeResources::kSegments.size()> meshes;
-    std::size_t count = 0;
-  };
-  std::unordered_map<const vrml::Mesh*, Primitives> primitives_;
+  PictureRoom room_;
 };
 
 /// Makes the mesh of a particle system again for a viewer in world space, if its particles or the viewer have changed.
@@ -259,8 +239,8 @@ bool renew_particles(DrawItem& item, RenderSources::Item& source, RenderSources:
 [[nodiscard]] std::shared_ptr<const vrml::Mesh> edges_of(const Box& box);
 /// Makes the look of a volume data node of X3D (clause 41), and sets the scale of its box. Returns false if the node
 /// draws nothing in its state.
-bool renew_volume(ShapeResources& resources, DrawItem& item, RenderSources::Item& source,
-                  RenderSources::Volume& volume, const vrml::SceneGraph& scene, vrml::NodeId id);
+bool renew_volume(ShapeResources& resources, DrawItem& item, RenderSources::Item& source, RenderSources::Volume& volume,
+                  const vrml::SceneGraph& scene, vrml::NodeId id);
 /// Reports whether all elements are finite and within the range of float.
 [[nodiscard]] bool fits_float(const glm::dmat4& matrix);
 /// Returns the matrix from positions of a mesh, relative to its origin, to world space.

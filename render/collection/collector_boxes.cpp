@@ -50,7 +50,7 @@ Box box_of_items(const RenderList& list, std::size_t first, std::size_t end, con
 /// Adds the box of a node: the one that the node declares, or else the box of the items from `first_item` on.
 void Collector::add_box(const vrml::Node& node, const glm::dmat4& world_from_local, std::size_t first_item,
                         std::uint32_t place, const Presence& presence) {
-  if (list_.items.size() >= budget_->limit(Resource::items) || !presence.visible) return;
+  if (!room_.has_item(list_) || !presence.visible) return;
   Box box;
   const auto size = field_of(node, "bboxSize", vrml::SFVec3f(-1)),
              center = field_of(node, "bboxCenter", vrml::SFVec3f(0));

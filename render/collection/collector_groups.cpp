@@ -1,5 +1,6 @@
 #include "render/collection/collector.h"
 #include "vrml/event_model/behaviour.h"
+#include "vrml/scene/imported_use.h"
 
 #include <algorithm>
 #include <span>
@@ -69,6 +70,20 @@ void Collector::begin_frame(Frame& frame, const Frame& parent, const vrml::Node&
   if (billboard) sources_->billboards.push_back(frame.frame);
 }
 
+// Enters the children of a CADLayer of X3D 3, which shows each child or not (ISO/IEC 19775-1:2013 32.4.3). Children
+// without a value are shown.
+void Collector::enter_parts(const Frame& parent, vrml::NodeId id, const vrml::MFNode* children,
+                            const vrml::MFBool& shown) {
+  if (!children) return;
+  vrml::MFNode &seen = joined_.emplace_back(), &hidden = joined_.emplace_back();
+  for (std::size_t i = 0; i < children->size(); ++i)
+    (i < shown.size() && !shown[i] ? hidden : seen).push_back((*children)[i]);
+  Frame inside = parent;
+  inside.presence.hidden = true;
+  enter_node(inside, id, &hidden);
+  enter_node(parent, id, &seen);
+}
+
 // Enters the skeleton and the skin of an HAnimHumanoid as one list.
 void Collector::enter_humanoid(const Frame& parent, vrml::NodeId id, const NodeView& humanoid) {
   vrml::MFNode& parts = joined_.emplace_back();
@@ -76,11 +91,6 @@ void Collector::enter_humanoid(const Frame& parent, vrml::NodeId id, const NodeV
     if (const auto* list = humanoid.find<vrml::MFNode>(field))
       for (const vrml::NodeId part : *list) parts.push_back(part);
   enter_moved(parent, id, &parts, transform_matrix(humanoid), false);
-}
-
-/// Reports whether a root node of the world does not belong to the collected layer.
-bool Collector::is_outside_of_layer(const vrml::SceneGraph& scene, vrml::NodeId root) const {
-  return bound_ && bound_->layer_set && (scene.resolve(root) == bound_->layer_set) != (bound_->layer > 0);
 }
 
 // Enters the collected layer. Without events, and in Inlines, enters all layers as a group.
@@ -94,12 +104,7 @@ void Collector::enter_layers(const Frame& parent, vrml::NodeId id, const NodeVie
 
 void Collector::enter_choice(const Frame& parent, vrml::NodeId id, const vrml::MFNode* choices, std::int64_t which) {
   if (!choices || which < 0 || which >= static_cast<std::int64_t>(choices->size())) return;
-  enter_one(parent, id, choices->begin()[which]);
-}
-
-/// Enters a group with only one child, `child`.
-void Collector::enter_one(const Frame& parent, vrml::NodeId id, const vrml::NodeId& child) {
-  enter(frame_below(parent, id, std::span(&child, 1)));
+  enter(frame_below(parent, id, std::span(choices->begin() + which, 1)));
 }
 
 // Enters a LayoutGroup or LayoutLayer (X3D 36.4.2, 36.4.3).
@@ -123,7 +128,7 @@ void Collector::enter_layout(const Frame& parent, vrml::NodeId id, const NodeVie
   const bool placed = layout.kind() == NodeKind::layout && made.depth < kMaxDepthOfLayouts &&
                       layouts_.size() < kMaxLayouts && children && !children->empty();
   if (placed && made.anchor == Anchor::viewer) presence.overlay = true;
-  if (group.kind() == NodeKind::layout_group) clip_to_viewport(presence, *parent.scene, id);
+  if (group.kind() == NodeKind::layout_group) clip_to(presence, vrml::clip_boundary_of(*parent.scene, id));
   if (!placed) return enter_node(inside, id, children);
   const Screen::Placement place =
       screens_.place(made, layout_values(layout), layouts_, presence.overlay, parent.world_from_local);
@@ -134,11 +139,9 @@ void Collector::enter_layout(const Frame& parent, vrml::NodeId id, const NodeVie
   enter_moved(inside, id, children, place.parent_from_local, false);
 }
 
-// Clips the content of a LayoutGroup to the part of the picture that its Viewport covers (X3D 35.4.4), inside of those
-// around it.
-void Collector::clip_to_viewport(Presence& presence, const vrml::SceneGraph& scene, vrml::NodeId group) {
+// Clips content to the part of the picture that a Viewport covers (X3D 35.4.4), inside of those around it.
+void Collector::clip_to(Presence& presence, vrml::ClipBoundary part) {
   constexpr std::size_t kMaxPlanes = 60'000;  // DrawItem stores indexes in 16 bits
-  vrml::ClipBoundary part = vrml::clip_boundary_of(scene, group);
   if (part == kWholePicture || list_.clip_planes.size() + part.size() > kMaxPlanes) return;
   if (presence.clip != kNoPlace) {
     const vrml::ClipBoundary& around = clips_[presence.clip].part;
@@ -170,7 +173,7 @@ void Collector::enter_collision(const Frame& parent, vrml::NodeId id, const Node
   }
   // Enter the proxy first: the frame that is entered last, with the children, is visited first.
   inside.presence.visible = false;
-  enter_one(inside, id, *proxy);
+  enter(frame_below(inside, id, std::span(proxy, 1)));
   inside.presence = parent.presence;
   inside.presence.collidable = false;
   enter_node(inside, id, children);
@@ -187,16 +190,28 @@ void Collector::enter_viewpoint_group(const Frame& parent, vrml::NodeId id, cons
   enter_node(inside, id, group.find<vrml::MFNode>(ViewpointGroupFields::children));
 }
 
+// Enters the content of an Inline. Of a node that stands for an imported node, enters only that node.
 void Collector::enter_inline(const Frame& parent, vrml::NodeId id) {
-  const vrml::SceneGraph* inlined = parent.scene->inlines().of(id);
-  if (!inlined || inlined->roots().empty()) return;
-  const auto [open, fresh] = open_nodes_.try_emplace(inlined);
+  std::shared_ptr<vrml::SceneGraph> inlined;
+  std::span<const vrml::NodeId> roots;
+  if (parent.scene->node(id).type == &vrml::imported_use_type()) {
+    const vrml::ExportedNode used =
+        vrml::find_imported(*parent.scene, parent.scene->get<vrml::SFString>(id, "name").view());
+    inlined = used.scene;
+    if (inlined) roots = joined_.emplace_back(vrml::MFNode{used.node}).span();
+  } else if (const auto found = parent.scene->inlines().all().find(id.index);
+             found != parent.scene->inlines().all().end()) {
+    inlined = found->second;
+    if (inlined) roots = {inlined->roots().begin(), inlined->roots().end()};
+  }
+  if (roots.empty()) return;
+  const auto [open, fresh] = open_nodes_.try_emplace(inlined.get());
   if (fresh) {
     open->second.resize(inlined->nodes().count() + 1);
-    list_.scenes.push_back(parent.scene->inlines().all().at(id.index));
+    list_.scenes.push_back(inlined);
   }
-  Frame frame = frame_below(parent, id, {inlined->roots().begin(), inlined->roots().end()});
-  frame.scene = inlined;
+  Frame frame = frame_below(parent, id, roots);
+  frame.scene = inlined.get();
   frame.on_path = &open->second;
   frame.node = 0;
   frame.main = false;

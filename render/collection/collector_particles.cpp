@@ -77,7 +77,7 @@ void Collector::add_particles(const Frame& parent, vrml::NodeId id, const NodeVi
                             scene, id);
   const std::size_t copied = particles.view.geometry ? particles.view.geometry->indices.size() / 3 : 2;
   if (!fits_float(parent.world_from_local) ||
-      !has_room(scene, id, std::min(most * copied, vrml::kMaxParticleIndices / 3)))
+      !room_.take_item(list_, std::min(most * copied, vrml::kMaxParticleIndices / 3), scene, id))
     return;
   (void)renew_particles(item, source, particles, scene, id, parent.world_from_local, viewer_, sight_.orientation[1]);
   item.touchable = false;

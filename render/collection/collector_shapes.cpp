@@ -14,8 +14,13 @@ namespace {
 using glm::dmat4;
 using glm::dvec3;
 
-// Above this number of triangles, primitives get the finest mesh that still fits, or the coarsest.
-constexpr std::size_t kManyTriangles = std::size_t{1} << 24;
+/// Prepares the part of a QNV surface with a texture if `pictured`, otherwise the part without a texture.
+void prepare_surface(ShapeResources& resources, const vrml::Node& geometry, bool pictured, DrawItem& item) {
+  item.mesh = resources.surface_mesh(item.surface, pictured);
+  dress_surface(item);
+  const auto* mesh = item.surface->as<qnv::IndexedMesh>();
+  if (pictured && mesh) item.texture = resources.surface_texture(geometry, *mesh);
+}
 
 }  // namespace
 
@@ -53,20 +58,17 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
     const bool pictured = mesh && !mesh->texture_coordinates.empty();
     if (pictured && mesh->first_textured() > 0) {
       DrawItem other = item;
-      if (!surface_item(*parent.scene, geometry, false, other)) return;
+      prepare_surface(resources_, *source.geometry, false, other);
+      if (!room_.take_item(list_, other.mesh->indices.size() / 3, *parent.scene, geometry)) return;
       add_item(parent, id, geometry, std::move(other), source, world_from_node);
     }
-    if (!surface_item(*parent.scene, geometry, pictured, item)) return;
+    prepare_surface(resources_, *source.geometry, pictured, item);
+    if (!room_.take_item(list_, item.mesh->indices.size() / 3, *parent.scene, geometry)) return;
   } else if (const auto scale = vrml::scale_of_primitive(*parent.scene, geometry)) {
     item.mesh = resources_.primitive(*parent.scene, geometry, 0);
     source.scale = *scale;
     world_from_node = glm::scale(world_from_node, dvec3(*scale));
-    Primitives& all = primitives_[item.mesh.get()];
-    for (std::size_t i = 0; all.count == 0 && i < all.meshes.size(); ++i)
-      all.meshes[i] = resources_.primitive(*parent.scene, geometry, i);
-    const vrml::Mesh& coarsest = *all.meshes[ShapeResources::kCoarsestPrimitive];
-    if (!fits_float(world_from_node) || !has_room(*parent.scene, geometry, coarsest.indices.size() / 3)) return;
-    ++all.count;
+    if (!fits_float(world_from_node) || !room_.take_primitive(list_, item.mesh, *parent.scene, geometry)) return;
   } else {
     // The texture may not be loaded yet, so test the node, not the image.
     item.mesh = resources_.mesh_of(*parent.scene, geometry, source.appearance.need_coordinates());
@@ -76,7 +78,7 @@ void Collector::add_shape(const Frame& parent, vrml::NodeId id, const NodeView& 
       return;
     }
     const std::size_t corners = item.mesh->primitive == vrml::Mesh::Primitive::triangles ? 3 : 1;
-    if (!has_room(*parent.scene, geometry, item.mesh->indices.size() / corners)) return;
+    if (!room_.take_item(list_, item.mesh->indices.size() / corners, *parent.scene, geometry)) return;
   }
   if (item.mesh->in_points) return add_screen_text(parent, id, geometry, std::move(item), source);
   add_item(parent, id, geometry, std::move(item), source, world_from_node);
@@ -108,19 +110,10 @@ void Collector::add_screen_text(const Frame& parent, vrml::NodeId id, vrml::Node
   made.end_light = made.first_light;
 }
 
-/// Prepares the part of a QNV surface with a texture if `pictured`, otherwise the part without a texture.
-bool Collector::surface_item(const vrml::SceneGraph& scene, vrml::NodeId geometry, bool pictured, DrawItem& item) {
-  item.mesh = resources_.surface_mesh(item.surface, pictured);
-  dress_surface(item);
-  const auto* mesh = item.surface->as<qnv::IndexedMesh>();
-  if (pictured && mesh) item.texture = resources_.surface_texture(scene.node(geometry), *mesh);
-  return has_room(scene, geometry, item.mesh->indices.size() / 3);
-}
-
 void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geometry, DrawItem item,
                          RenderSources::Item source, const dmat4& world_from_node) {
   item.world_from_node = world_from_node;
-  item.directional_lights = directional_lights();
+  item.directional_lights = scoped_.lights();
   item.clip_planes = clip_planes(parent.presence);
   item.local_fog = parent.presence.local_fog;
   item.place = add_place(parent, id);
@@ -131,7 +124,7 @@ void Collector::add_item(const Frame& parent, vrml::NodeId id, vrml::NodeId geom
     auto [mesh, made] = resources_.text_mesh_of(*parent.scene, geometry, source.appearance.need_coordinates(), level);
     source.text_level = ShapeResources::kCoarsestText;
     // If the image has no room for the finer mesh, keep the coarsest.
-    if (mesh == item.mesh || charge_triangles(mesh->indices.size() / 3)) {
+    if (mesh == item.mesh || room_.take_triangles(mesh->indices.size() / 3)) {
       item.mesh = std::move(mesh);
       source.bounds = world_bounds(item.mesh->bounds, world_from_node);
       source.text_level = made;
@@ -169,7 +162,7 @@ void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem&
   item.own_color = !shape.material.lit;
   item.material = item.own_color ? Material{} : shape.material;
   item.detail = detail;
-  item.directional_lights = directional_lights();
+  item.directional_lights = scoped_.lights();
   item.clip_planes = clip_planes(parent.presence);
   item.place = add_place(parent, id);
   const Box& box = splats->description().box;
@@ -178,40 +171,6 @@ void Collector::add_splats(const Frame& parent, vrml::NodeId id, const DrawItem&
   if (!kept.bounds.empty()) list_.bounds.add(kept.bounds);
   list_.splats.push_back(std::move(item));
   if (sources_) sources_->splats.push_back(kept);
-}
-
-// Checks the limits. With USE and PROTO, a small file can describe 2^n objects.
-bool Collector::has_room(const vrml::SceneGraph& scene, vrml::NodeId geometry, std::size_t triangles) {
-  const std::size_t items = budget_->limit(Resource::items);
-  if (list_.items.size() >= items) {
-    resources_.report_limit(budget_->refusal(Resource::items), scene, geometry);
-    return false;
-  }
-  if (!charge_triangles(triangles)) {
-    resources_.report_limit(budget_->refusal(Resource::triangles), scene, geometry);
-    return false;
-  }
-  return true;
-}
-
-bool Collector::charge_triangles(std::size_t count) {
-  const std::size_t most = budget_->limit(Resource::triangles);
-  if (count > most - std::min(most, triangles_)) return false;
-  triangles_ += count;
-  return true;
-}
-
-void Collector::coarsen_primitives() {
-  std::size_t fineness = 0;
-  for (; fineness < ShapeResources::kCoarsestPrimitive; ++fineness) {
-    std::size_t triangles = 0;
-    for (const auto& [finest, all] : primitives_) triangles += all.count * (all.meshes[fineness]->indices.size() / 3);
-    if (triangles <= kManyTriangles) break;
-  }
-  if (fineness == 0) return;
-  for (DrawItem& item : list_.items)
-    if (const auto known = primitives_.find(item.mesh.get()); known != primitives_.end())
-      item.mesh = known->second.meshes[fineness];
 }
 
 }  // namespace gs::render

@@ -1,8 +1,8 @@
 // Part of Collector for VolumeData, SegmentedVolumeData and IsoSurfaceVolumeData (X3D clause 41).
 #include "render/collection/collector.h"
-#include "render/collection/node_fields.h"
+#include "render/collection/nodes/node_fields.h"
+#include "render/collection/nodes/texture_sampling.h"
 #include "render/collection/render_scene.h"
-#include "render/collection/texture_sampling.h"
 #include "vrml/behaviours/animation/interpolation.h"
 
 #include <glm/glm.hpp>
@@ -300,6 +300,7 @@ class VolumeLookBuilder {
 
   void set_shading(const vrml::Node& node, VolumeStep& step) {
     step.lit = flag_in(node, "lighting", false);
+    step.shadows = flag_in(node, "shadows", false);
     step.scatters = text_in(node, "phaseFunction") == "Henyey-Greenstein";
     step.values.assign(3, glm::vec4(0));
     const NodeView given = node_in(node, "material");
@@ -428,7 +429,7 @@ void Collector::add_volume(const Frame& parent, NodeId id) {
     if (sources_) sources_->unshown.push_back({&scene.node(id), &scene});
     return;
   }
-  if (!has_room(scene, id, item.mesh->indices.size() / 3)) return;
+  if (!room_.take_item(list_, item.mesh->indices.size() / 3, scene, id)) return;
   volume.item = static_cast<std::uint32_t>(list_.items.size());
   add_item(parent, id, {}, std::move(item), source, world_from_box);
   if (sources_) sources_->volumes.push_back(std::move(volume));

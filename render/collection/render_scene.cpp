@@ -15,9 +15,6 @@ namespace {
 using glm::dmat4;
 using glm::dvec3;
 
-constexpr std::uint32_t kBoundsBlock = 256;
-constexpr std::uint32_t kUnshown = UINT32_MAX;  // Use::index of a node that draws nothing so far
-
 dvec3 usable(const dvec3& viewer) {
   return std::isfinite(viewer.x) && std::isfinite(viewer.y) && std::isfinite(viewer.z) ? viewer : dvec3(0, 0, 10);
 }
@@ -29,6 +26,23 @@ bool has_changed_nodes(const vrml::NodeChange& change, const vrml::Node& node) {
     if ((change.slots >> std::min<std::size_t>(i, 63) & 1) != 0 && vrml::holds_nodes(vrml::type_of(node.values[i])))
       return true;
   return false;
+}
+
+/// Assigns a new generation to a list.
+void begin_generation(RenderList& list) {
+  static std::atomic<std::uint64_t> last{0};
+  list.generation = ++last;
+  list.moved.clear();
+}
+
+/// Reports whether a node is a texture of the bound TextureBackground.
+bool is_face(const RenderSources& sources, const vrml::Node* background, const vrml::Node* node) {
+  if (!background || background->type->language != vrml::Language::x3d) return false;
+  return std::any_of(sources.bindables.begin(), sources.bindables.end(), [&](const RenderSources::Local& local) {
+    if (local.node != background || !local.scene) return false;
+    const auto faces = inner_nodes(*local.scene, *local.node);
+    return std::find(faces.begin(), faces.end(), node) != faces.end();
+  });
 }
 
 /// Reports whether a change concerns this field of the node.
@@ -56,9 +70,9 @@ RenderScene::RenderScene(const vrml::SceneGraph& scene, const Images& images, co
     : scene_(scene),
       images_(images),
       geometries_(geometries),
-      meshes_(meshes),
       resources_(images, meshes, scene.budget()),
-      list_(std::make_shared<RenderList>()) {}
+      list_(std::make_shared<RenderList>()),
+      layers_(scene, images, geometries, meshes) {}
 
 void RenderScene::gather(const BoundNodes& bound, const dvec3& viewer) {
   bound_ = bound;
@@ -69,21 +83,16 @@ void RenderScene::gather(const BoundNodes& bound, const dvec3& viewer) {
   list_->pickable = bound_.pickable && bound_.drawn;
   list_->drawn = bound_.drawn;
   if (bound_.parallel && !bound_.viewpoint) list_->default_extent = kLayoutExtent;
-  gather_layers();
+  layers_.gather(bound_, sight_, list_->layers);
   ++gathered_;
-  begin_generation();
+  begin_generation(*list_);
   list_->changes = next_change();
-  frame_uses_known_ = item_uses_known_ = false;
-  frame_uses_.clear();
-  item_uses_.clear();
+  uses_.forget();
   moved_frames_.clear();
   frame_moved_.assign(sources_.frames.size(), false);
-  const std::size_t blocks = (list_->items.size() + kBoundsBlock - 1) / kBoundsBlock;
-  block_bounds_.assign(blocks, {});
+  bounds_.reset(list_->items.size());
   for (std::size_t i = 0; i < sources_.items.size(); ++i)
-    if (fills_bounds(i)) block_bounds_[i / kBoundsBlock].add(sources_.items[i].bounds);
-  stale_blocks_.clear();
-  block_stale_.assign(blocks, false);
+    if (const WideBox* bounds = bounds_of(i)) bounds_.add(i, *bounds);
   frame_lost_ = splat_moved_ = boxes_stale_ = false;
 }
 
@@ -99,20 +108,22 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
     if (whole) break;
     switch (effect) {
       case Effect::frame:
-        for (const Use& use : uses_of(frame_uses(), &node)) {
-          whole = whole || use.index == kUnshown;
-          if (use.index != kUnshown && sources_.frames[use.index].node)
+        for (const NodeUse& use : uses_.of_frame(&node, sources_)) {
+          whole = whole || use.index == NodeUse::kUnshown;
+          if (use.index != NodeUse::kUnshown && sources_.frames[use.index].node)
             mark_frame(use.index, transform_matrix({&node, &resources_.schemas().of(*node.type)}));
         }
         break;
       case Effect::apply_appearance:
       case Effect::geometry:
-        if (is_face(&node)) renew_bindables(), any = true;
-        for (const Use& use : uses_of(item_uses(), &node)) {
-          whole = whole || use.index == kUnshown || (effect == Effect::geometry && (use.index & kSplat) != 0) ||
+        if (is_face(sources_, bound_.background, &node)) renew_bindables(), any = true;
+        for (const NodeUse& use : uses_.of_item(&node, *list_, sources_)) {
+          whole = whole || use.index == NodeUse::kUnshown ||
+                  (effect == Effect::geometry && (use.index & NodeUse::kSplat) != 0) ||
                   (effect == Effect::geometry && !renew_geometry(use.index));
           if (whole) break;
-          if (effect == Effect::apply_appearance && (use.index & kSplat) == 0 && list_->items[use.index].volume) {
+          if (effect == Effect::apply_appearance && (use.index & NodeUse::kSplat) == 0 &&
+              list_->items[use.index].volume) {
             whole = !renew_volume_item(use.index);
             if (whole) break;
           } else if (effect == Effect::apply_appearance) {
@@ -169,7 +180,7 @@ bool RenderScene::update(std::span<const vrml::NodeChange> changes, const BoundN
       if (!whole && move_particles()) any = true;
     }
     if (!whole && follow_boxes()) any = true;
-    if (!whole && update_layers(changes)) any = true;
+    if (!whole && layers_.update(changes, bound_, sight_, list_->layers)) any = true;
     // A coordinate system has overflowed and hides its content, so collect again.
     whole = whole || frame_lost_;
   }
@@ -284,68 +295,6 @@ RenderScene::Effect RenderScene::effect_of(const vrml::NodeChange& change, const
   return vrml::has(node.type->role, kGeometryParts) ? Effect::geometry : Effect::none;
 }
 
-// ---- Nodes on which the list depends
-
-std::span<const RenderScene::Use> RenderScene::uses_of(const Uses& uses, const vrml::Node* node) {
-  const auto [first, last] = std::equal_range(uses.begin(), uses.end(), Use{node, 0},
-                                              [](const Use& a, const Use& b) { return std::less<>()(a.node, b.node); });
-  return {first, last};
-}
-
-const RenderScene::Uses& RenderScene::frame_uses() {
-  if (frame_uses_known_) return frame_uses_;
-  frame_uses_known_ = true;
-  for (std::uint32_t i = 1; i < sources_.frames.size(); ++i) frame_uses_.push_back({sources_.frames[i].node, i});
-  for (const RenderSources::Unshown& unshown : sources_.unshown) frame_uses_.push_back({unshown.node, kUnshown});
-  std::sort(frame_uses_.begin(), frame_uses_.end());
-  return frame_uses_;
-}
-
-const RenderScene::Uses& RenderScene::item_uses() {
-  if (item_uses_known_) return item_uses_;
-  item_uses_known_ = true;
-  const auto add = [&](const vrml::Node* node, std::uint32_t index) {
-    if (node) item_uses_.push_back({node, index});
-  };
-  // A geometry depends on the nodes in its fields: coordinates, colours, a FontStyle.
-  const auto add_geometry = [&](const vrml::Node* geometry, const vrml::SceneGraph* scene, std::uint32_t index) {
-    add(geometry, index);
-    if (!geometry || !scene) return;
-    for (std::size_t i = 0; i < geometry->type->defaults.size(); ++i)
-      if (const auto* property = std::get_if<vrml::SFNode>(&geometry->values[i]))
-        if (const vrml::NodeId id = scene->resolve(*property)) add(&scene->node(id), index);
-  };
-  // Nodes of X3D refer to further nodes: textures, TextureProperties, generators of coordinates.
-  const auto add_inner = [&](const vrml::Node* node, const vrml::SceneGraph& scene, std::uint32_t index) {
-    if (!node || node->type->language != vrml::Language::x3d) return;
-    for (const vrml::Node* inner : inner_nodes(scene, *node)) {
-      add(inner, index);
-      for (const vrml::Node* innermost : inner_nodes(scene, *inner)) add(innermost, index);
-    }
-  };
-  const auto add_all = [&](const RenderSources::Item& source, std::uint32_t place, std::uint32_t index) {
-    add(source.appearance.material, index);
-    add(source.appearance.texture, index);
-    add(source.appearance.texture_transform, index);
-    add(source.appearance.line, index);
-    add(source.appearance.fill, index);
-    add(source.appearance.point, index);
-    if (const vrml::SceneGraph* scene = place == kNoPlace ? nullptr : list_->places[place].scene)
-      for (const vrml::Node* node : {source.appearance.appearance, source.appearance.material,
-                                     source.appearance.texture, source.appearance.texture_transform, source.geometry})
-        add_inner(node, *scene, index);
-    add_geometry(source.geometry, place == kNoPlace ? nullptr : list_->places[place].scene, index);
-  };
-  for (std::uint32_t i = 0; i < sources_.items.size(); ++i) add_all(sources_.items[i], list_->items[i].place, i);
-  for (std::uint32_t i = 0; i < sources_.splats.size(); ++i)
-    add_all(sources_.splats[i], list_->splats[i].place, i | kSplat);
-  for (const RenderSources::Unshown& unshown : sources_.unshown) add_geometry(unshown.node, unshown.scene, kUnshown);
-  for (const RenderSources::Volume& volume : sources_.volumes)
-    for (const vrml::Node* node : volume.nodes) add(node, volume.item);
-  std::sort(item_uses_.begin(), item_uses_.end());
-  return item_uses_;
-}
-
 // ---- Coordinate systems
 
 void RenderScene::mark_frame(std::uint32_t frame, const dmat4& parent_from_local) {
@@ -412,44 +361,27 @@ void RenderScene::place_splat(std::uint32_t i) {
 
 // ---- Bounds of all items
 
-// Assigns a new generation.
-void RenderScene::begin_generation() {
-  static std::atomic<std::uint64_t> last{0};
-  list_->generation = ++last;
-  list_->moved.clear();
-}
-
 void RenderScene::item_moved(std::uint32_t item) {
   // If items move all the time, begin a new generation now and then, before `moved` becomes too long.
   constexpr std::size_t kLongest = 64;  // maximum length of `moved`, per item
-  if (list_->moved.size() >= kLongest * list_->items.size()) begin_generation();
+  if (list_->moved.size() >= kLongest * list_->items.size()) begin_generation(*list_);
   list_->moved.push_back(item);
   boxes_stale_ = true;
-  const std::uint32_t block = item / kBoundsBlock;
-  if (block_stale_[block]) return;
-  block_stale_[block] = true;
-  stale_blocks_.push_back(block);
+  bounds_.note_change(item);
 }
 
-bool RenderScene::fills_bounds(std::size_t item) const {
+// Returns the bounds of an item if they count for the bounds of the list; otherwise null.
+const WideBox* RenderScene::bounds_of(std::size_t item) const {
   const DrawItem& drawn = list_->items[item];
-  return drawn.visible && !drawn.overlay && !sources_.items[item].bounds.empty();
+  const WideBox& bounds = sources_.items[item].bounds;
+  return drawn.visible && !drawn.overlay && !bounds.empty() ? &bounds : nullptr;
 }
 
 void RenderScene::sum_bounds() {
-  if (stale_blocks_.empty() && !splat_moved_) return;
-  for (const std::uint32_t block : stale_blocks_) {
-    block_stale_[block] = false;
-    WideBox& sum = block_bounds_[block] = {};
-    const std::size_t end = std::min<std::size_t>(sources_.items.size(), (std::size_t{block} + 1) * kBoundsBlock);
-    for (std::size_t i = std::size_t{block} * kBoundsBlock; i < end; ++i)
-      if (fills_bounds(i)) sum.add(sources_.items[i].bounds);
-  }
-  stale_blocks_.clear();
+  if (!bounds_.has_changes() && !splat_moved_) return;
+  bounds_.renew([&](std::size_t item) { return bounds_of(item); });
   splat_moved_ = false;
-  list_->bounds = {};
-  for (const WideBox& block : block_bounds_)
-    if (!block.empty()) list_->bounds.add(block);
+  list_->bounds = bounds_.sum();
   for (const RenderSources::Item& splat : sources_.splats)
     if (!splat.bounds.empty()) list_->bounds.add(splat.bounds);
 }

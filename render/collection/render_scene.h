@@ -1,7 +1,10 @@
 #pragma once
 
 #include "render/collection/collector.h"
-#include "render/collection/shape_resources.h"
+#include "render/collection/node_uses.h"
+#include "render/collection/scene_layers.h"
+#include "render/collection/shapes/shape_resources.h"
+#include "render/scene/block_bounds.h"
 #include "render/scene/render_list.h"
 #include "vrml/events/execution.h"
 
@@ -45,16 +48,6 @@ class RenderScene {
   [[nodiscard]] std::size_t gathered() const { return gathered_; }
 
  private:
-  /// Part of the list that depends on a node, for the tables below.
-  struct Use {
-    const vrml::Node* node;
-    std::uint32_t index;
-    friend bool operator<(const Use& a, const Use& b) {
-      return a.node != b.node ? std::less<>()(a.node, b.node) : a.index < b.index;
-    }
-  };
-  using Uses = std::vector<Use>;
-  static constexpr std::uint32_t kSplat = std::uint32_t{1} << 31;  // bit of Use::index: set for splat items
   enum class Effect : std::uint8_t {
     none,
     frame,
@@ -68,9 +61,6 @@ class RenderScene {
   };
 
   [[nodiscard]] Effect effect_of(const vrml::NodeChange& change, const vrml::Node& node);
-  [[nodiscard]] static std::span<const Use> uses_of(const Uses& uses, const vrml::Node* node);
-  const Uses& frame_uses();
-  const Uses& item_uses();
   bool follow_viewer(const glm::dvec3& viewer);
   void follow_picture(const Screens& screens);
   bool follow_boxes();
@@ -87,22 +77,14 @@ class RenderScene {
   void renew_scoped(const std::function<bool(const RenderSources::Local&)>& is_changed);
   void renew_viewpoint(std::uint32_t viewpoint);
   void renew_bindables();
-  [[nodiscard]] BoundNodes nodes_of(const BoundLayer& layer) const;
-  void gather_layers();
-  bool update_layers(std::span<const vrml::NodeChange> changes);
-  [[nodiscard]] RenderLayer lens_of_layer(std::size_t index) const;
-  [[nodiscard]] bool show_layer(std::size_t index, std::span<const vrml::NodeChange> changes);
-  [[nodiscard]] bool is_face(const vrml::Node* node) const;
   void set_background(const RenderSources::Local& local, const NodeView& view);
-  void begin_generation();
   void item_moved(std::uint32_t item);
-  [[nodiscard]] bool fills_bounds(std::size_t item) const;
+  [[nodiscard]] const WideBox* bounds_of(std::size_t item) const;
   void sum_bounds();
 
   const vrml::SceneGraph& scene_;
   const Images& images_;
   const Geometries& geometries_;
-  MeshCache& meshes_;
   ShapeResources resources_;
   std::shared_ptr<RenderList> list_;
   RenderSources sources_;
@@ -110,22 +92,16 @@ class RenderScene {
   glm::dvec3 viewer_{0, 0, 10};
   Sight sight_;
   std::size_t gathered_ = 0;
-  std::vector<std::unique_ptr<RenderScene>> layers_;  // of BoundNodes::others
-  Uses frame_uses_, item_uses_;                       // sorted by node; built at first use
-  bool frame_uses_known_ = false, item_uses_known_ = false;
+  SceneLayers layers_;
+  NodeUses uses_;
   std::vector<std::uint32_t> moved_frames_;
   std::vector<bool> frame_moved_;
-  std::vector<WideBox> block_bounds_;  // bounds of kBoundsBlock successive items each
-  std::vector<std::uint32_t> stale_blocks_;
-  std::vector<bool> block_stale_;
+  BlockBounds bounds_;  // of the items
   bool splat_moved_ = false;
   bool boxes_stale_ = false;    // items have moved after the boxes of bboxDisplay were made
   bool picture_moved_ = false;  // a Layout or the plane of a Viewport has moved with the viewer
-  bool frame_lost_ = false;  // a coordinate system has overflowed, which hides its content
+  bool frame_lost_ = false;     // a coordinate system has overflowed, which hides its content
 };
-
-/// Returns the first nodes in the fields of a node.
-[[nodiscard]] std::vector<const vrml::Node*> inner_nodes(const vrml::SceneGraph& scene, const vrml::Node& node);
 
 /// Reports changes of nodes to the cache. Call it once for all RenderScenes that share the cache.
 void forget_changed(MeshCache& meshes, std::span<const vrml::NodeChange> changes);

@@ -12,21 +12,6 @@ namespace gs::render {
 using glm::dmat4;
 using glm::dvec3;
 
-std::vector<const vrml::Node*> inner_nodes(const vrml::SceneGraph& scene, const vrml::Node& node) {
-  constexpr std::size_t kMaxNodes = 64;
-  std::vector<const vrml::Node*> nodes;
-  const auto add = [&](vrml::NodeId id) {
-    id = scene.resolve(id);
-    if (id && nodes.size() < kMaxNodes) nodes.push_back(&scene.node(id));
-  };
-  for (std::size_t i = 0; i < node.type->defaults.size(); ++i) {
-    if (const auto* one = std::get_if<vrml::SFNode>(&node.values[i])) add(*one);
-    if (const auto* several = std::get_if<vrml::MFNode>(&node.values[i]))
-      for (const vrml::NodeId id : *several) add(id);
-  }
-  return nodes;
-}
-
 // ---- Content that depends on the viewer
 
 // Updates LODs, Billboards and content in units of the picture for a new viewer. Returns false if an LOD selects
@@ -119,16 +104,6 @@ bool RenderScene::follow_boxes() {
   return any;
 }
 
-/// Reports whether a node is a texture of the bound TextureBackground.
-bool RenderScene::is_face(const vrml::Node* node) const {
-  if (!bound_.background || bound_.background->type->language != vrml::Language::x3d) return false;
-  return std::any_of(sources_.bindables.begin(), sources_.bindables.end(), [&](const RenderSources::Local& local) {
-    if (local.node != bound_.background || !local.scene) return false;
-    const auto faces = inner_nodes(*local.scene, *local.node);
-    return std::find(faces.begin(), faces.end(), node) != faces.end();
-  });
-}
-
 // Updates the geometry of an item. Returns false if everything must be collected again because content appears or
 // vanishes.
 bool RenderScene::renew_geometry(std::uint32_t i) {
@@ -165,8 +140,8 @@ bool RenderScene::move_particles() {
 }
 
 void RenderScene::apply_item_appearance(std::uint32_t index) {
-  const bool splat = (index & kSplat) != 0;
-  const std::uint32_t place_index = splat ? list_->splats[index & ~kSplat].place : list_->items[index].place;
+  const bool splat = (index & NodeUse::kSplat) != 0;
+  const std::uint32_t place_index = splat ? list_->splats[index & ~NodeUse::kSplat].place : list_->items[index].place;
   if (place_index == kNoPlace) return;
   const Place& place = list_->places[place_index];
   const NodeView shape = resources_.schemas().view(*place.scene, place.node);
@@ -182,7 +157,7 @@ void RenderScene::apply_item_appearance(std::uint32_t index) {
   }
   DrawItem dressed;
   resources_.apply_appearance(dressed, *place.scene, shape);
-  SplatItem& item = list_->splats[index & ~kSplat];
+  SplatItem& item = list_->splats[index & ~NodeUse::kSplat];
   item.own_color = !dressed.material.lit;
   item.material = item.own_color ? Material{} : dressed.material;
 }
@@ -192,9 +167,9 @@ bool RenderScene::renew_volume_item(std::uint32_t index) {
   DrawItem& item = list_->items[index];
   if (item.place == kNoPlace) return false;
   const Place& place = list_->places[item.place];
-  const auto found = std::lower_bound(
-      sources_.volumes.begin(), sources_.volumes.end(), index,
-      [](const RenderSources::Volume& volume, std::uint32_t wanted) { return volume.item < wanted; });
+  const auto found =
+      std::lower_bound(sources_.volumes.begin(), sources_.volumes.end(), index,
+                       [](const RenderSources::Volume& volume, std::uint32_t wanted) { return volume.item < wanted; });
   if (found == sources_.volumes.end() || found->item != index) return false;
   if (!renew_volume(resources_, item, sources_.items[index], *found, *place.scene, place.node)) return false;
   place_item(index);
@@ -253,74 +228,6 @@ void RenderScene::renew_bindables() {
     if (local.node == bound_.navigation_info && !std::exchange(navigation, true))
       list_->navigation = navigation_state(view);
   }
-}
-
-BoundNodes RenderScene::nodes_of(const BoundLayer& layer) const {
-  BoundNodes nodes{layer.viewpoint, layer.navigation_info, layer.background, layer.fog};
-  nodes.layer_set = bound_.layer_set;
-  nodes.layer = layer.layer;
-  nodes.boundary = layer.boundary;
-  nodes.pickable = layer.pickable;
-  return nodes;
-}
-
-// Collects the other drawn layers of the world, each for the viewer at its Viewpoint.
-void RenderScene::gather_layers() {
-  layers_.clear();
-  list_->layers.clear();
-  for (std::size_t i = 0; i < bound_.others.size(); ++i) {
-    layers_.push_back(std::make_unique<RenderScene>(scene_, images_, geometries_, meshes_));
-    layers_.back()->gather(nodes_of(bound_.others[i]), {0, 0, 10});
-    list_->layers.push_back(lens_of_layer(i));
-    (void)show_layer(i, {});
-  }
-}
-
-/// Applies changes to the other drawn layers. Returns true if one has changed.
-bool RenderScene::update_layers(std::span<const vrml::NodeChange> changes) {
-  bool any = false;
-  for (std::size_t i = 0; i < layers_.size(); ++i) any = show_layer(i, changes) || any;
-  return any;
-}
-
-/// Updates a layer for its lens. If its Viewpoint has moved, updates it again.
-bool RenderScene::show_layer(std::size_t index, std::span<const vrml::NodeChange> changes) {
-  RenderLayer& layer = list_->layers[index];
-  const auto update = [&](std::span<const vrml::NodeChange> of_layer) {
-    Sight sight = sight_;
-    sight.orientation = glm::dmat3(layer.camera.world_from_camera);
-    sight.field_of_view = layer.camera.field_of_view;
-    const vrml::ClipBoundary& part = bound_.others[index].boundary;
-    sight.height =
-        layer.extent.x > 0
-            ? height_for(layer.extent, {sight.pixels.x * (part[1] - part[0]), sight.pixels.y * (part[3] - part[2])})
-            : 0;
-    layers_[index]->set_sight(sight);
-    return layers_[index]->update(of_layer, nodes_of(bound_.others[index]), layer.camera.world_from_camera[3]);
-  };
-  const bool changed = update(changes);
-  if (!changed) return false;
-  RenderLayer lens = lens_of_layer(index);
-  const bool moved = lens.camera != layer.camera || lens.extent != layer.extent;
-  layer = std::move(lens);
-  if (moved) (void)update({});
-  return true;
-}
-
-/// Returns a layer with the lens of its bound Viewpoint.
-RenderLayer RenderScene::lens_of_layer(std::size_t index) const {
-  const BoundLayer& bound = bound_.others[index];
-  RenderLayer layer{layers_[index]->shared_list(), bound.in_front, {}, {}};
-  layer.camera.world_from_camera[3] = {0, 0, 10, 1};
-  if (bound.parallel && !bound.viewpoint) layer.extent = kLayoutExtent;
-  for (const ViewpointState& viewpoint : layer.list->viewpoints) {
-    if (!bound.viewpoint || &viewpoint.scene->node(viewpoint.node) != bound.viewpoint) continue;
-    layer.camera.world_from_camera = viewpoint.world_from_camera;
-    layer.camera.field_of_view = viewpoint.field_of_view;
-    layer.extent = viewpoint.extent;
-    break;
-  }
-  return layer;
 }
 
 }  // namespace gs::render

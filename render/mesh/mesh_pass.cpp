@@ -120,8 +120,7 @@ MeshPass::VariantProgram* MeshPass::program(unsigned variant) {
       last_error_ = std::move(error->message);
     } else {
       entry.program = std::move(std::get<Program>(made));
-      find_uniforms(entry);
-      if (variant & kStyle) entry.style = StyleUniforms(gl_, entry.program.name());
+      entry.find_uniforms(gl_, (variant & kStyle) != 0);
     }
   }
   if (!entry.program) return nullptr;
@@ -151,17 +150,24 @@ std::uint32_t MeshPass::texture_number(const TextureUse& use, const TextureStore
   return number;
 }
 
-/// Returns false if a sphere in camera space is outside of the view. A sphere with negative radius always counts as
-/// inside.
-bool MeshPass::in_view(const glm::vec3& center, float radius, const View& view) {
-  const float depth = view.back - center.z;
+bool MeshPass::View::contains(const glm::vec3& sphere, float radius) const {
+  const float depth = back - sphere.z;
   if (radius < 0) return std::isfinite(depth);
   radius *= 1.0001f;  // margin for rounding errors
-  return depth + radius >= view.near_plane && depth - radius <= view.far_plane &&
-         (depth * (view.center.x - view.tangents.x) - center.x) * view.low.x <= radius &&
-         (depth * (view.center.y - view.tangents.y) - center.y) * view.low.y <= radius &&
-         (center.x - depth * (view.center.x + view.tangents.x)) * view.high.x <= radius &&
-         (center.y - depth * (view.center.y + view.tangents.y)) * view.high.y <= radius;
+  return depth + radius >= near_plane && depth - radius <= far_plane &&
+         (depth * (center.x - tangents.x) - sphere.x) * low.x <= radius &&
+         (depth * (center.y - tangents.y) - sphere.y) * low.y <= radius &&
+         (sphere.x - depth * (center.x + tangents.x)) * high.x <= radius &&
+         (sphere.y - depth * (center.y + tangents.y)) * high.y <= radius;
+}
+
+float MeshPass::View::pattern_scale(const DrawItem& item, const Instance& instance, float depth) const {
+  float scale = 0;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+      scale += instance.camera_from_node[row][column] * instance.camera_from_node[row][column];
+  const float width = item.style ? std::max(item.style->line_width, 1.0f) : 1;
+  return std::sqrt(scale / 3) * pixels / (std::max(depth, 1e-6f) * width);
 }
 
 void MeshPass::prepare_item(const DrawItem& item, const View& view) {
@@ -172,12 +178,12 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   compose(view.camera_from_world, item.world_from_node, origin, instance.camera_from_node);
   const Sphere sphere = bounding_sphere(item.mesh->bounds, origin, instance.camera_from_node);
   const float depth = view.back - sphere.center.z;
-  if (!in_view(sphere.center, sphere.radius, view)) return;
+  if (!view.contains(sphere.center, sphere.radius)) return;
   if (item.volume) {
     casts_.push_back({&item, sphere.center, sphere.radius, depth});
     return;
   }
-  const bool styled = has_style(item);
+  const bool styled = ItemStyles::has_style(item);
   if (item.mesh->pictured && !styled && prepare_text(item, sphere.center, sphere.radius, origin, prepared)) return;
   const std::shared_ptr<const vrml::Mesh>* mesh_seen = &item.mesh;
   if (item.patches()) {
@@ -236,9 +242,9 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   if (styled || (last_slice_->fog_depths && fog_.on)) {
     if (item.style && surface && !item.style->filled && !item.style->hatched) return;
     state.variant |= kStyle;
-    state.style = style_number(item, last_slice_->primitive);
-    if (styles_[state.style].fog.on) state.variant |= kFog;
-    if (!shaded) instance.shininess = pattern_scale(item, instance, std::max(depth, sphere.radius * 0.25f), view);
+    state.style = styles_.number_of(item, last_slice_->primitive);
+    if (styles_.has_fog(state.style)) state.variant |= kFog;
+    if (!shaded) instance.shininess = view.pattern_scale(item, instance, std::max(depth, sphere.radius * 0.25f));
   }
   bool transparent = instance.alpha < 1 || item.mesh->translucent;
   if (item.mesh->pictured) {
@@ -260,7 +266,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   state.cull = surface && item.mesh->solid && !view.open;
   state.mirrored = surface && mirrors(instance.camera_from_node);
   const std::uint64_t mesh = std::uint64_t{last_slice_->page} << 32 | last_slice_->order;
-  const std::uint32_t layer = transparent ? 0 : layer_of(sphere.center, sphere.radius, state.packed());
+  const std::uint32_t layer = transparent ? 0 : coincident_.layer_of(sphere.center, sphere.radius, state.packed());
   (transparent ? transparent_ : opaque_)
       .push_back({layer, state.packed(), mesh, depth, static_cast<std::uint32_t>(prepared_.size())});
   prepared_.push_back(prepared);
@@ -276,23 +282,20 @@ bool MeshPass::worth_own_program(unsigned variant, float radius, float depth, co
   return view.cancellable && frame_ > kFirstFrames && radius > kLarge * view.tangents.y * std::abs(depth);
 }
 
-/// Returns the variant bits of all lit items, including invisible items, so that no program must be built when the
-/// viewer turns.
-unsigned MeshPass::variant_of_all(const RenderList& list) {
+unsigned MeshPass::ItemsVariant::of(const RenderList& list) {
   unsigned lights = 0;
   for (const Light& light : list.lights)
     if (light.ambient_intensity > 0) lights |= kEmissive;
-  if (list.generation != 0 && list.generation == variant_generation_ && list.dressed == variant_dressed_)
-    return lights | items_variant_;
-  items_variant_ = 0;
+  if (list.generation != 0 && list.generation == generation_ && list.dressed == dressed_) return lights | bits_;
+  bits_ = 0;
   for (const DrawItem& item : list.items) {
     if (!item.material.lit) continue;
-    if (item.material.specular != glm::vec3(0)) items_variant_ |= kSpecular;
-    if (item.material.emissive != glm::vec3(0)) items_variant_ |= kEmissive;
+    if (item.material.specular != glm::vec3(0)) bits_ |= kSpecular;
+    if (item.material.emissive != glm::vec3(0)) bits_ |= kEmissive;
   }
-  variant_generation_ = list.generation;
-  variant_dressed_ = list.dressed;
-  return lights | items_variant_;
+  generation_ = list.generation;
+  dressed_ = list.dressed;
+  return lights | bits_;
 }
 
 bool MeshPass::prepare(const RenderList& list, const View& view, bool overlays, const std::function<bool()>& go_on) {
@@ -302,13 +305,12 @@ bool MeshPass::prepare(const RenderList& list, const View& view, bool overlays, 
   texture_bindings_.assign(1, {});
   binding_numbers_.clear();
   layered_numbers_.clear();
-  styles_.assign(1, {});
   casts_.clear();
-  filled_.clear();
+  coincident_.clear();
   glyphs_ = nullptr;
   last_mesh_ = nullptr;
   last_slice_ = nullptr;
-  frame_variant_ = variant_of_all(list);
+  frame_variant_ = items_variant_.of(list);
   glm::dmat4 camera_from_world = view.camera_from_world;
   camera_from_world[3].z -= double{view.back};
   const auto* found =
@@ -353,9 +355,9 @@ void MeshPass::apply(const DrawState& state, const Projection& projection) {
     }
   }
   if (state.variant & kStyle) {
-    if (switched || state.style != applied_.style) apply_style(shader, styles_[state.style]);
+    if (switched || state.style != applied_.style) styles_.apply(state.style, shader.style, shader.fog);
   } else {
-    end_style();
+    styles_.end();
   }
   if ((state.variant & kLit) &&
       (all || state.lights != applied_.lights || !(applied_.variant & kLit) || (switched && shader.lights.many >= 0)))
@@ -409,11 +411,10 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
   view.far_plane = camera.far_plane;
   view.pixels = static_cast<float>(options.height) / (2 * view.tangents.y * static_cast<float>(options.pixel_side));
 
-  list_ = &list;
-  camera_from_world_ = view.camera_from_world;
   world_from_camera_ = glm::mat3(camera.world_from_camera);
-  pixel_side_ = static_cast<float>(options.pixel_side);
   fog_ = camera_fog(list.fog, world_from_camera_);
+  styles_.begin_frame(
+      {&list, view.camera_from_world, world_from_camera_, fog_, static_cast<float>(options.pixel_side)});
   lights_.begin(list.lights, view.camera_from_world, options);
   GLint samples = 0;  // samples per pixel of the bound target
   gl_.GetIntegerv(GL_SAMPLES, &samples);
@@ -422,8 +423,12 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
     statistics.given_up = true;
     return;
   }
-  const bool casts = begin_volumes(list, camera, projection, options);
-  if (instances_.empty() && !casts) {
+  if (!casts_.empty()) {
+    if (!volumes_) volumes_.emplace(gl_);
+    volumes_->begin({&list, view.camera_from_world, world_from_camera_, projection, camera.near_plane, &options},
+                    casts_);
+  }
+  if (instances_.empty() && casts_.empty()) {
     between();
     return;
   }
@@ -458,7 +463,7 @@ void MeshPass::draw(const RenderList& list, const Camera& camera, const Projecti
   DrawPacer pacer(gl_, options.go_on,
                   static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height));
   draw_batches(projection, statistics, pacer);
-  end_style();
+  styles_.end();
   gl_.Disable(GL_POLYGON_OFFSET_FILL);
   gl_.Disable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   if (edges && !pacer.given_up()) draw_edges(projection, pacer);

@@ -5,7 +5,9 @@
 #include "render/gl/layer_textures.h"
 #include "render/gl/light_sets.h"
 #include "render/gl/texture_store.h"
+#include "render/mesh/coincident_items.h"
 #include "render/mesh/draw_pacer.h"
+#include "render/mesh/item_styles.h"
 #include "render/mesh/mesh_store.h"
 #include "render/mesh/visible_items.h"
 #include "render/scene/camera.h"
@@ -87,12 +89,8 @@ class MeshPass {
     std::vector<OfLayer> layers;
     GLint world_from_camera = -1, factor = -1, amounts = -1, metal_roughness = -1, mesh_origin = -1;
     GLint back_main = -1, back_emissive = -1, back_specular = -1, back_metal_roughness = -1;
-  };
-  struct StyleUniforms {
-    GLint clip_planes = -1, point_size = -1, point_attenuation = -1, line_pattern = -1, hatch = -1, hatch_color = -1,
-          pixel_side = -1, sprite = -1;
-    StyleUniforms() = default;
-    StyleUniforms(const Gl& gl, GLuint program);
+    /// Finds the uniforms of a program with this number of layers. Makes it the current program.
+    void find(const Gl& gl, GLuint program, std::size_t layer_count);
   };
   struct VariantProgram {
     Program program;
@@ -103,18 +101,21 @@ class MeshPass {
     LightUniforms lights;
     LayeredUniforms layered;
     StyleUniforms style;
+    /// Finds the uniforms that all programs have, and those of the style shaders if `styled`.
+    void find_uniforms(const Gl& gl, bool styled);
   };
-  /// ClipPlanes, style and LocalFog that items share. Index 0 means none of them.
-  struct StyleBinding {
-    ClipList clip_planes;
-    std::shared_ptr<const ShapeStyle> shape;
-    std::uint16_t local_fog = kNoLocalFog;
-    GLenum primitive = GL_TRIANGLES;
-    std::size_t planes = 0;
-    std::array<glm::vec4, kMaxClipPlanes> camera_planes;
-    CameraFog fog;
+  /// Variant bits that the lit items of a list need. Computed again only after changes of the items.
+  class ItemsVariant {
+   public:
+    /// Returns the bits of all lit items, including invisible items, so that no program must be built when the viewer
+    /// turns.
+    [[nodiscard]] unsigned of(const RenderList& list);
+
+   private:
+    std::uint64_t generation_ = 0, dressed_ = 0;  // state of the list when bits_ was computed
+    unsigned bits_ = 0;
   };
-  using PackedState = std::array<std::uint64_t, 2>;
+  using PackedState = CoincidentItems::State;
   /// Texture with its parameters in this frame. Index 0 means no texture.
   struct TextureBinding {
     const TextureStore::Entry* entry = nullptr;
@@ -147,7 +148,7 @@ class MeshPass {
     std::size_t sorted = kUnsorted;  // start of the item's triangles in sorted_indices_, where they are sorted
   };
   struct SortKey {
-    std::uint32_t layer;  // items with a lower layer are drawn first; see layer_of()
+    std::uint32_t layer;  // items with a lower layer are drawn first
     PackedState state;
     std::uint64_t mesh;
     float depth;  // depth of the item's centre: metres in front of the camera
@@ -175,6 +176,11 @@ class MeshPass {
     float pixels;  // pixels per metre at distance 1
     const SurfacePass* surfaces;
     bool cancellable;  // the picture belongs to a window, which can cancel it
+    /// Returns false if a sphere in camera space is outside of the view. A sphere with negative radius always counts as
+    /// inside.
+    [[nodiscard]] bool contains(const glm::vec3& sphere, float radius) const;
+    /// Returns the line widths per unit of node space at a depth, for patterns of lines.
+    [[nodiscard]] float pattern_scale(const DrawItem& item, const Instance& instance, float depth) const;
   };
 
   explicit MeshPass(const Gl& gl);
@@ -183,18 +189,14 @@ class MeshPass {
   /// Returns the program of a state, as program(); that of a LayeredMaterial also depends on the texture binding.
   VariantProgram* program_of(const DrawState& state);
   VariantProgram* layered_program(unsigned variant, TextureBinding& binding);
-  void find_uniforms(VariantProgram& program) const;
   [[nodiscard]] std::uint32_t layered_number(const DrawItem& item, std::size_t sets);
   void prepare_layers(const DrawItem& item, Prepared& prepared, bool& transparent);
   void apply_layers(const TextureBinding& binding, const VariantProgram& program);
   void unbind_layers();
-  void find_layer_uniforms(VariantProgram& program, std::size_t layers);
   [[nodiscard]] bool is_hidden(const DrawItem& item) const;
   /// Prepares the items and uploads their meshes. Returns false if `go_on` cancelled this. Uploaded meshes remain.
   [[nodiscard]] bool prepare(const RenderList& list, const View& view, bool overlays,
                              const std::function<bool()>& go_on);
-  [[nodiscard]] unsigned variant_of_all(const RenderList& list);
-  [[nodiscard]] static bool in_view(const glm::vec3& center, float radius, const View& view);
   void prepare_item(const DrawItem& item, const View& view);
   [[nodiscard]] bool prepare_text(const DrawItem& item, const glm::vec3& center, float radius, const glm::vec3& origin,
                                   Prepared& prepared);
@@ -202,22 +204,13 @@ class MeshPass {
   void merge_texts();
   void add_text(const Prepared& prepared);
   [[nodiscard]] bool worth_own_program(unsigned variant, float radius, float depth, const View& view) const;
-  [[nodiscard]] std::uint32_t layer_of(const glm::vec3& center, float radius, const PackedState& state);
   [[nodiscard]] std::uint32_t texture_number(const TextureUse& use, const TextureStore::Entry& entry);
-  [[nodiscard]] bool has_style(const DrawItem& item) const;
-  [[nodiscard]] std::uint32_t style_number(const DrawItem& item, GLenum primitive);
-  [[nodiscard]] static float pattern_scale(const DrawItem& item, const Instance& instance, float depth,
-                                           const View& view);
-  void apply_style(const VariantProgram& shader, const StyleBinding& style);
-  void end_style();
   void sort_triangles();
   void draw_edges(const Projection& projection, DrawPacer& pacer);
   void batch(std::span<const SortKey> order, std::size_t first_instance);
   void draw_batches(const Projection& projection, FrameStatistics& statistics, DrawPacer& pacer);
   void draw_transparent(const Projection& projection, GLenum polygon_mode, FrameStatistics& statistics,
                         DrawPacer& pacer, bool marked);
-  bool begin_volumes(const RenderList& list, const Camera& camera, const Projection& projection,
-                     const DrawOptions& options);
   void draw_first(const MeshStore::Slice& mesh, std::size_t& first, std::size_t& count, std::size_t primitives,
                   DrawPacer& pacer);
   void draw_slices(const MeshStore::Slice& mesh, std::size_t primitives, std::size_t first, std::size_t count,
@@ -229,6 +222,7 @@ class MeshPass {
   TextureStore textures_;
   LightSets lights_;
   LayerTextures layer_textures_{gl_, textures_};
+  ItemStyles styles_{gl_};
   std::optional<VolumeCaster> volumes_;  // made at first use
   std::unordered_map<unsigned, VariantProgram> programs_;
   std::unordered_map<std::string, VariantProgram> layered_programs_;
@@ -250,31 +244,19 @@ class MeshPass {
   std::vector<std::pair<float, std::uint32_t>> triangle_depths_;
   std::vector<TextureBinding> texture_bindings_;
   std::map<std::pair<const LayeredMaterial*, std::size_t>, std::uint32_t> layered_numbers_;  // in texture_bindings_
-  std::vector<StyleBinding> styles_;
-  std::vector<VolumeCaster::Cast> casts_;  // volumes of the frame
+  std::vector<VolumeCaster::Cast> casts_;                                                    // volumes of the frame
   std::unordered_multimap<std::uint32_t, std::uint32_t> binding_numbers_;  // by TextureStore::Entry::order
-  struct Filled {                                                          // Sphere of an opaque item, for layer_of().
-    glm::vec3 center;
-    float radius;
-    PackedState state;
-    std::uint32_t layer;
-  };
-  std::unordered_multimap<std::uint64_t, Filled> filled_;  // by a hash of centre and radius
+  CoincidentItems coincident_;
   std::shared_ptr<const Image> glyph_picture_;
   const TextureStore::Entry* glyphs_ = nullptr;  // texture of the glyphs; null before its first use
   bool several_samples_ = false;
   const vrml::Mesh* last_mesh_ = nullptr;
   const MeshStore::Slice* last_slice_ = nullptr;
   unsigned frame_variant_ = 0;  // bits of all lit items of the frame; makes items share programs
-  std::uint64_t variant_generation_ = 0, variant_dressed_ = 0;  // state of the list when items_variant_ was computed
-  unsigned items_variant_ = 0;
+  ItemsVariant items_variant_;
   VisibleItems visible_;
   CameraFog fog_;
-  const RenderList* list_ = nullptr;  // list of the current frame
-  glm::dmat4 camera_from_world_{1.0};
   glm::mat3 world_from_camera_{1.0f};
-  float pixel_side_ = 1;
-  bool styled_ = false;           // apply_style() changed the state of OpenGL
   std::size_t bound_layers_ = 0;  // number of texture units that layers of this frame have used
   const SceneCube* hidden_cube_ = nullptr;
   unsigned last_variant_ = 0;

@@ -3,7 +3,6 @@
 #include <glm/glm.hpp>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -47,28 +46,6 @@ void MeshPass::sort_triangles() {
     for (const auto& [depth, t] : triangle_depths_)
       sorted_indices_.insert(sorted_indices_.end(), index + 3 * std::size_t{t}, index + 3 * std::size_t{t} + 3);
   }
-}
-
-/// Returns the drawing layer of an item: later layers are drawn later. Of coincident faces, the last in the file must
-/// be visible. So an item gets a later layer than earlier items with an equal sphere and another state. Equal depths
-/// pass the depth test.
-std::uint32_t MeshPass::layer_of(const glm::vec3& center, float radius, const PackedState& state) {
-  constexpr std::uint32_t kMaxLayers = 8;
-  const auto bits = [](float value) { return std::uint64_t{std::bit_cast<std::uint32_t>(value)}; };
-  const std::uint64_t key =
-      (bits(center.x) * 0x9E3779B97F4A7C15u ^ bits(center.y) << 32 ^ bits(center.z)) * 0xC2B2AE3D27D4EB4Fu ^
-      bits(radius);
-  std::uint32_t layer = 0;
-  const auto [first, last] = filled_.equal_range(key);
-  for (auto other = first; other != last; ++other)
-    if (other->second.center == center && other->second.radius == radius)
-      layer = std::max(layer, other->second.layer + (other->second.state == state ? 0 : 1));
-  layer = std::min(layer, kMaxLayers);
-  // One entry per layer and state is sufficient.
-  for (auto other = first; other != last; ++other)
-    if (other->second.layer == layer && other->second.state == state && other->second.center == center) return layer;
-  filled_.insert({key, {center, radius, state, layer}});
-  return layer;
 }
 
 void MeshPass::batch(std::span<const SortKey> order, std::size_t first_instance) {
@@ -171,15 +148,6 @@ void MeshPass::draw_batches(const Projection& projection, FrameStatistics& stati
   }
 }
 
-/// Prepares the volumes of the frame. Returns false if there are none.
-bool MeshPass::begin_volumes(const RenderList& list, const Camera& camera, const Projection& projection,
-                             const DrawOptions& options) {
-  if (casts_.empty()) return false;
-  if (!volumes_) volumes_.emplace(gl_);
-  volumes_->begin({&list, camera_from_world_, world_from_camera_, projection, camera.near_plane, &options}, casts_);
-  return true;
-}
-
 /// Draws transparent meshes and volumes together, from back to front.
 void MeshPass::draw_transparent(const Projection& projection, GLenum polygon_mode, FrameStatistics& statistics,
                                 DrawPacer& pacer, bool marked) {
@@ -198,7 +166,7 @@ void MeshPass::draw_transparent(const Projection& projection, GLenum polygon_mod
     meshes_.forget_binding();
     batch(all.subspan(done, end - done), opaque_.size() + done);
     draw_batches(projection, statistics, pacer);
-    end_style();
+    styles_.end();
     gl_.Disable(GL_SAMPLE_ALPHA_TO_COVERAGE);
     gl_.Disable(GL_POLYGON_OFFSET_FILL);
     gl_.DepthMask(GL_TRUE);
@@ -234,7 +202,7 @@ void MeshPass::draw_edges(const Projection& projection, DrawPacer& pacer) {
   const std::size_t primitives = std::exchange(primitives_, 0);
   FrameStatistics of_edges;
   draw_batches(projection, of_edges, pacer);
-  end_style();
+  styles_.end();
   primitives_ = primitives;
   gl_.DepthMask(GL_TRUE);
   gl_.Disable(GL_BLEND);

@@ -40,14 +40,15 @@ MeshPass::VariantProgram* MeshPass::program_of(const DrawState& state) {
                                          : program(state.variant);
 }
 
-void MeshPass::find_uniforms(VariantProgram& entry) const {
-  const GLuint name = entry.program.name();
-  entry.clip_from_camera = gl_.GetUniformLocation(name, "clip_from_camera");
-  entry.texture_transform = gl_.GetUniformLocation(name, "texture_transform");
-  entry.replaces = gl_.GetUniformLocation(name, "replaces");
-  entry.eye_back = gl_.GetUniformLocation(name, "eye_back");
-  entry.fog = FogUniforms(gl_, name);
-  entry.lights = LightUniforms(gl_, name);
+void MeshPass::VariantProgram::find_uniforms(const Gl& gl, bool styled) {
+  const GLuint name = program.name();
+  clip_from_camera = gl.GetUniformLocation(name, "clip_from_camera");
+  texture_transform = gl.GetUniformLocation(name, "texture_transform");
+  replaces = gl.GetUniformLocation(name, "replaces");
+  eye_back = gl.GetUniformLocation(name, "eye_back");
+  fog = FogUniforms(gl, name);
+  lights = LightUniforms(gl, name);
+  if (styled) style = StyleUniforms(gl, program.name());
 }
 
 MeshPass::VariantProgram* MeshPass::layered_program(unsigned variant, TextureBinding& binding) {
@@ -92,31 +93,28 @@ MeshPass::VariantProgram* MeshPass::layered_program(unsigned variant, TextureBin
     return nullptr;
   }
   entry.program = std::move(std::get<Program>(made));
-  find_uniforms(entry);
-  if (variant & kStyle) entry.style = StyleUniforms(gl_, entry.program.name());
-  find_layer_uniforms(entry, material.layers.size());
+  entry.find_uniforms(gl_, (variant & kStyle) != 0);
+  entry.layered.find(gl_, entry.program.name(), material.layers.size());
+  anything_applied_ = false;
   return &entry;
 }
 
-void MeshPass::find_layer_uniforms(VariantProgram& program, std::size_t layers) {
-  const GLuint name = program.program.name();
-  const auto find = [&](const std::string& uniform) { return gl_.GetUniformLocation(name, uniform.c_str()); };
-  LayeredUniforms& uniforms = program.layered;
-  uniforms.world_from_camera = find("world_from_camera");
-  uniforms.factor = find("factor");
-  uniforms.amounts = find("amounts");
-  uniforms.metal_roughness = find("metal_roughness");
-  uniforms.mesh_origin = find("mesh_origin");
-  uniforms.back_main = find("back_main");
-  uniforms.back_emissive = find("back_emissive");
-  uniforms.back_specular = find("back_specular");
-  uniforms.back_metal_roughness = find("back_metal_roughness");
-  gl_.UseProgram(name);
-  anything_applied_ = false;
-  for (std::size_t i = 0; i < layers; ++i) {
+void MeshPass::LayeredUniforms::find(const Gl& gl, GLuint program, std::size_t layer_count) {
+  const auto place_of = [&](const std::string& uniform) { return gl.GetUniformLocation(program, uniform.c_str()); };
+  world_from_camera = place_of("world_from_camera");
+  factor = place_of("factor");
+  amounts = place_of("amounts");
+  metal_roughness = place_of("metal_roughness");
+  mesh_origin = place_of("mesh_origin");
+  back_main = place_of("back_main");
+  back_emissive = place_of("back_emissive");
+  back_specular = place_of("back_specular");
+  back_metal_roughness = place_of("back_metal_roughness");
+  gl.UseProgram(program);
+  for (std::size_t i = 0; i < layer_count; ++i) {
     const std::string number = std::to_string(i);
-    gl_.Uniform1i(find("layer_" + number), static_cast<GLint>(unit_of(i)));
-    uniforms.layers.push_back({find("transform_" + number), find("generator_" + number)});
+    gl.Uniform1i(place_of("layer_" + number), static_cast<GLint>(unit_of(i)));
+    layers.push_back({place_of("transform_" + number), place_of("generator_" + number)});
   }
 }
 

@@ -64,7 +64,7 @@ bool MeshPass::prepare_text(const DrawItem& item, const glm::vec3& center, float
   for (int i = 0; i < 3; ++i) prepared.instance.base_color[i] = color[i];
   prepared.mesh = &mesh;
   prepared.origin = origin;
-  const std::uint32_t layer = layer_of(center, radius, state.packed());
+  const std::uint32_t layer = coincident_.layer_of(center, radius, state.packed());
   opaque_.push_back({layer, state.packed(), kMergedMesh, -center.z, static_cast<std::uint32_t>(prepared_.size())});
   prepared_.push_back(prepared);
   return true;

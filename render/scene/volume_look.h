@@ -24,6 +24,7 @@ struct VolumeStep {
   bool lit = false;                      // shaded: lights shade the voxel
   bool has_material = false;             // shaded: `values` hold the material, else voxels have their colour
   bool scatters = false;                 // shaded: voxels without a surface scatter light by the phase function
+  bool shadows = false;                  // shaded: voxels between a voxel and a light weaken the light
   std::array<Weight, 2> weights{};       // blend
   std::vector<glm::vec4> values;         // parameters; volume_source.cpp lists them for each kind
   std::shared_ptr<const Image> normals;  // surfaceNormals; null means gradients

@@ -29,6 +29,7 @@ void main() {
 /// - COMPONENTS of the voxels; GRADIENTS: texture with gradients, GIVEN_GRADIENTS: of normals that the world gives;
 /// - SEGMENTS; SURFACES: number of isosurfaces; LIT: kLightingShader precedes;
 /// - PROJECTION with MAXIMUM, MINIMUM or AVERAGE, and THRESHOLD;
+/// - SHADOWS: a function opacity_at() follows;
 /// - FOG: kFogShader precedes; BLOCKS: texture with the occupied blocks.
 inline constexpr char kVolumeRayInputs[] = R"glsl(
 in vec3 exit_place, exit_viewer;
@@ -102,6 +103,32 @@ vec3 direction_to(Light light, vec3 place) {
   vec3 l = light.location_local.xyz - light.location_local.w * place;
   return l * inversesqrt(max(dot(l, l), 1e-30));
 }
+#ifdef SHADOWS
+uniform mat3 box_from_viewer;  // of directions
+// Returns the opacity of a voxel for the shadows of the style with this number.
+float opacity_at(int number, vec3 p);
+// Returns the part of a light that reaches a place: the voxels between them weaken it.
+float reaching(Light light, int number, vec3 p, vec3 place) {
+  const float kMostSamples = 48.0;
+  vec3 dir = box_from_viewer * direction_to(light, place);
+  vec3 borders = (step(vec3(0.0), dir) - p) / dir;
+  float far = min(min(abs(dir.x) > 1e-9 ? borders.x : 1e9, abs(dir.y) > 1e-9 ? borders.y : 1e9),
+                  abs(dir.z) > 1e-9 ? borders.z : 1e9);
+  if (light.location_local.w > 0.0) far = min(far, length(light.location_local.xyz - place));
+  vec3 voxels_of_dir = abs(dir) * voxel_count;
+  float along = max(max(max(voxels_of_dir.x, voxels_of_dir.y), voxels_of_dir.z), 1e-9);
+  float near = 1.5 / along;  // a surface does not shade itself
+  if (far <= near) return 1.0;
+  float count = clamp(ceil((far - near) * along), 1.0, kMostSamples);
+  float size = (far - near) / count, thickness = size * length(dir * dimensions) / voxel_length;
+  float left = 1.0;
+  for (float i = 0.5; i < count && left > 0.01; i += 1.0) {
+    float a = clamp(opacity_at(number, p + dir * (near + i * size)), 0.0, 1.0);
+    left *= pow(1.0 - a, thickness);
+  }
+  return left;
+}
+#endif
 // X3D 41.4.12.
 vec3 toned(vec3 n, vec3 place, vec3 warm, vec3 cool) {
   vec3 sum = vec3(0.0);
@@ -111,7 +138,9 @@ vec3 toned(vec3 n, vec3 place, vec3 warm, vec3 cool) {
 }
 // X3D 41.4.10. Voxels in places of equal values have no normal: they scatter light by the phase function of Henyey and
 // Greenstein, normalised to the mean 1.
-vec3 shaded(vec4 n, vec3 place, vec3 to_viewer, vec3 diffuse, vec4 emissive_ambient, vec4 specular, float scatters) {
+// `shadow` is the number of a style with shadows; -1 means none.
+vec3 shaded(vec4 n, vec3 place, vec3 to_viewer, vec3 diffuse, vec4 emissive_ambient, vec4 specular, float scatters,
+            int shadow, vec3 p) {
 #ifdef SURFACES
   if (dot(n.xyz, to_viewer) < 0.0) n.xyz = -n.xyz;  // both sides of a surface are lit
   float surface = 1.0;
@@ -120,15 +149,20 @@ vec3 shaded(vec4 n, vec3 place, vec3 to_viewer, vec3 diffuse, vec4 emissive_ambi
 #endif
   const float g = 0.2;
   vec3 ambient = diffuse * emissive_ambient.w, sum = vec3(0.0);
+  const vec4 dull = vec4(0.0, 0.0, 0.0, 1.0);
   for (int i = 0; i < min(light_count, kMostLights); ++i) {
     Light light = light_at(i);
     vec3 lit = reflected(light, n.xyz, place, to_viewer, diffuse, ambient, specular);
     if (scatters > 0.0 && surface < 1.0) {
       vec3 l = direction_to(light, place);
       float phase = (1.0 - g * g) * pow(1.0 + g * g - 2.0 * g * dot(-l, to_viewer), -1.5);
-      const vec4 dull = vec4(0.0, 0.0, 0.0, 1.0);
       lit = mix(reflected(light, l, place, to_viewer, diffuse * phase, ambient, dull), lit, surface);
     }
+#ifdef SHADOWS
+    if (shadow >= 0)
+      lit = mix(reflected(light, n.xyz, place, to_viewer, vec3(0.0), ambient, dull), lit,
+                reaching(light, shadow, p, place));
+#endif
     sum += lit;
   }
   return clamp(sum + emissive_ambient.rgb, 0.0, 1.0);

@@ -166,6 +166,8 @@ void VolumeCaster::set_volume(Shader& shader, const DrawItem& item, const VoxelT
   const glm::mat3 from_gradient = scaled(-(normal_from_box * by_count)), from_local = scaled(normal_from_box * by_size);
   gl_.UniformMatrix3fv(place(shader, "normal_from_gradient"), 1, GL_FALSE, glm::value_ptr(from_gradient));
   gl_.UniformMatrix3fv(place(shader, "normal_from_local"), 1, GL_FALSE, glm::value_ptr(from_local));
+  const glm::mat3 directions(box_from_viewer);
+  gl_.UniformMatrix3fv(place(shader, "box_from_viewer"), 1, GL_FALSE, glm::value_ptr(directions));
   std::array<GLint, VolumeLook::kSegments / 32> hidden{};
   std::transform(look.hidden_segments.begin(), look.hidden_segments.end(), hidden.begin(),
                  [](std::uint32_t bits) { return static_cast<GLint>(bits); });

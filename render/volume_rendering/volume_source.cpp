@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string_view>
+#include <utility>
 
 // Volume rendering styles of X3D 41.4 as GLSL.
 namespace gs::render {
@@ -67,12 +69,13 @@ std::string weight_code(const VolumeStep& step, std::size_t which) {
   return which == 0 ? "texture(table_$_0, vec2(c.a, d.a)).r" : "texture(table_$_1, vec2(d.a, c.a)).r";
 }
 
-std::string shaded_code(const VolumeStep& step) {
+// `shadow` is the number of the case of opacity_at() for shadows; nullopt if no voxel shades another one.
+std::string shaded_code(const VolumeStep& step, std::optional<std::size_t> shadow) {
   const std::string_view diffuse = step.has_material ? "values_$[0].rgb" : "c.rgb";
   std::string code = "c = vec4(";
   if (step.lit) {
     code.append("shaded(n, place, to_viewer, ").append(diffuse).append(", values_$[1], values_$[2], ");
-    code.append(step.scatters ? "1.0)" : "0.0)");
+    code.append(step.scatters ? "1.0, " : "0.0, ").append(shadow ? std::to_string(*shadow) : "-1").append(", p)");
   } else {
     code.append(diffuse);
   }
@@ -82,7 +85,8 @@ std::string shaded_code(const VolumeStep& step) {
 /// Writer of the functions of a look. Numbers the steps.
 class SourceWriter {
  public:
-  explicit SourceWriter(VolumeSource& source) : source_(source) {}
+  /// If `shadows`, voxels shade others where their style asks for it.
+  SourceWriter(VolumeSource& source, bool shadows) : source_(source), shadows_(shadows) {}
 
   /// Writes the function `name` of a chain: vec4 name(vec4 c, vec4 raw, vec3 p, vec3 place, vec3 to_viewer).
   /// `gradients` is the texture with the gradients of its volume.
@@ -90,9 +94,17 @@ class SourceWriter {
              std::size_t components) {
     std::string body;
     bool known_normal = false, opaque = false;
+    const bool is_inner = std::exchange(in_chain_, true);
+    std::string opacity;  // code of the transfer functions so far, for shadows
     for (const VolumeStep& step : steps) {
       const std::size_t number = next_++;
       declare(step, number);
+      std::optional<std::size_t> shadow;
+      if (shadows_ && !is_inner && step.kind == StepKind::shaded && step.lit && step.shadows) {
+        shadow = number;
+        shadow_cases_ +=
+            numbered_code("  if (number == $) { " + opacity + " return c.a * (1.0 - values_$[0].w); }\n", number);
+      }
       // Styles only scale an opacity. So an invisible voxel stays invisible, except in blends.
       if (!opaque && step.kind != StepKind::opacity_map && !has_blend(steps)) {
         body += "  if (c.a <= 0.0) return vec4(0.0);\n";
@@ -107,10 +119,21 @@ class SourceWriter {
         }
       }
       source_.lights = source_.lights || has_lights(step);
-      body += "  " + numbered_code(code_of(step, number), number, components) + "\n";
+      const std::string code = step.kind == StepKind::shaded ? shaded_code(step, shadow) : code_of(step, number);
+      body += "  " + numbered_code(code, number, components) + "\n";
+      if (step.kind == StepKind::opacity_map) opacity += numbered_code(code, number, components) + " ";
     }
+    in_chain_ = is_inner;
     source_.code += "vec4 " + name + "(vec4 c, vec4 raw, vec3 p, vec3 place, vec3 to_viewer) {\n";
     source_.code += "  vec4 n = vec4(0.0);\n  float facing = 1.0;\n" + body + "  return c;\n}\n";
+  }
+  /// Writes opacity_at() if a style has shadows. Call it after all chains.
+  void shadows() {
+    if (shadow_cases_.empty()) return;
+    source_.defines += "#define SHADOWS\n";
+    source_.code +=
+        "float opacity_at(int number, vec3 p) {\n  vec4 raw = voxel_at(p);\n  vec4 c = color_of(raw, COMPONENTS);\n" +
+        shadow_cases_ + "  return 0.0;\n}\n";
   }
 
  private:
@@ -133,7 +156,6 @@ class SourceWriter {
   }
 
   std::string code_of(const VolumeStep& step, std::size_t number) {
-    if (step.kind == StepKind::shaded) return shaded_code(step);
     if (step.kind == StepKind::opacity_map && step.tables[0])
       return step.tables[0]->slices > 1 ? "c = texture(table_$_0, raw.xyz);" : "c = texture(table_$_0, raw.xy);";
     if (step.kind != StepKind::blend || !step.voxels) return std::string(row_of(step.kind).code);
@@ -147,7 +169,9 @@ class SourceWriter {
   }
 
   VolumeSource& source_;
+  bool shadows_, in_chain_ = false;
   std::size_t next_ = 0;
+  std::string shadow_cases_;
 };
 
 void add_steps(const std::vector<VolumeStep>& steps, std::vector<const VolumeStep*>& to) {
@@ -179,10 +203,11 @@ bool needs_gradients(const VolumeLook& look) {
 
 VolumeSource volume_source(const VolumeLook& look) {
   VolumeSource source;
-  SourceWriter writer(source);
+  SourceWriter writer(source, !look.iso_surfaces);
   const std::uint32_t components = look.voxels ? look.voxels->components : 1;
   for (std::size_t i = 0; i < look.chains.size(); ++i)
     writer.chain("chain_" + std::to_string(i), look.chains[i].steps, "gradients", components);
+  writer.shadows();
   // Selects the chain of a voxel. `projected` is set if the voxel takes part in the projection.
   source.code += "vec4 chain(int which, vec4 c, vec4 raw, vec3 p, vec3 place, vec3 to_viewer, out bool projected) {\n";
   source.code += "  projected = false;\n";

@@ -112,13 +112,16 @@ struct Import {
 
   std::string_view type;
   app::ReadFile read_file;
+  bool for_x3d = false;
 };
 
 inline Imported imported(const Import& import, std::span<const std::byte> bytes) {
   Imported result;
   const std::string path = "test";
   const WorldBudget budget = result.scene->budget();
-  app::Asset asset = type_named(import.type).read({bytes, path, import.read_file, budget, result.diagnostics});
+  app::ImportSource source{bytes, path, import.read_file, budget, result.diagnostics};
+  source.for_x3d = import.for_x3d;
+  app::Asset asset = type_named(import.type).read(source);
   if (auto* scene = std::get_if<app::SceneAsset>(&asset)) result.scene = std::move(scene->scene);
   if (auto* mesh = std::get_if<app::MeshAsset>(&asset))
     result.scene = app::scene_of(std::move(*mesh), path, budget, result.diagnostics);

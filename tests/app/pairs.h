@@ -2,7 +2,7 @@
 #pragma once
 
 #include "app/loading/world_loading.h"
-#include "render/collection/shape_resources.h"
+#include "render/collection/shapes/shape_resources.h"
 #include "render/scene/camera.h"
 #include "tests/app/formats_helpers.h"
 #include "tests/net/memory_network.h"

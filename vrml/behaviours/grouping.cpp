@@ -61,7 +61,7 @@ bool content_of(Execution& execution, EventNode node, FieldValue& value) {
 void tell_content(Execution& execution, EventNode node) {
   constexpr int kChildrenChanged = 0;
   constexpr std::uint32_t kTold = 1;
-  if (execution.nodes().state_of(node) == kTold || !execution.is_listened_to(node, kChildrenChanged)) return;
+  if (execution.nodes().state_of(node) == kTold || !execution.routes().is_listened_to(node, kChildrenChanged)) return;
   FieldValue value;
   (void)content_of(execution, node, value);
   if (std::get<MFNode>(value).empty()) return;
@@ -112,7 +112,7 @@ int level_of(Execution& execution, EventNode node) {
 
 // Sends level_changed of a LOD of X3D while another node listens.
 void lod_time(Execution& execution, EventNode node) {
-  const bool listened = execution.is_listened_to(node, GroupingEvents::level_changed);
+  const bool listened = execution.routes().is_listened_to(node, GroupingEvents::level_changed);
   execution.timers().run(node, listened);
   if (!listened || !execution.budget().spend(EventBudget::kDelivery)) return;
   const int level = level_of(execution, node);

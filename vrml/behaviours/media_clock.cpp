@@ -136,8 +136,8 @@ void media_stop(Execution& execution, EventNode node, MediaState& state, const M
 // Sends mediaTime and elapsedTime in each step of the active period, if another node listens.
 void tell_media_time(Execution& execution, EventNode node, const MediaState& state) {
   const bool plays = state.active && !state.pause.paused;
-  const bool tells = plays && execution.is_listened_to(node, Media::media_time);
-  const bool counts = plays && execution.is_listened_to(node, Media::elapsed_time);
+  const bool tells = plays && execution.routes().is_listened_to(node, Media::media_time);
+  const bool counts = plays && execution.routes().is_listened_to(node, Media::elapsed_time);
   execution.timers().run(node, tells || counts);
   if (counts) send_elapsed(execution, node, kMediaPauseEvents, state.pause, execution.now());
   if (!tells || execution.has_sent(node, Media::media_time)) return;

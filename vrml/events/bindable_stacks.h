@@ -64,19 +64,21 @@ class BindableStacks {
   /// Unbinds a node, as set_bind FALSE does.
   void unbind(EventNode node);
   /// Announces that nodes leave a grouping node. After the cascade, unbind_left() unbinds the nodes that left the
-  /// hierarchy.
+  /// hierarchy, and those that left a layer in this layer.
   void nodes_leave();
   void unbind_left();
 
  private:
   Stack& stack_of(const NodeType& type, int layer);
   static void unlink(Stack& stack, EventNode node);
+  void leave_layers(EventNode node);
   void bind_first_nodes(SceneState& state, bool of_fresh_types);
 
   Execution& execution_;
   std::vector<Stack> stacks_;
   NodeId layer_set_;  // node in the root scene; the null id for a world without a LayerSet
   bool nodes_leave_ = false;
+  bool leaves_layers_ = false;  // bind() removes the node only from the stacks of the layers that it has left
 };
 
 }  // namespace gs::vrml

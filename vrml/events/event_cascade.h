@@ -38,7 +38,8 @@ class EventCascade {
   [[nodiscard]] std::uint64_t stamp() const { return stamp_; }
   /// Begins the timestamp `now`, or the last timestamp if `now` is earlier. `first` marks the first step of the world.
   void begin(double now, bool first = false);
-  /// Begins a new timestamp: the next larger double.
+  /// Begins a new timestamp for the next events from outside: the next larger double. Each eventOut may then send again
+  /// (4.10.4). Running nodes get the new time in the next step.
   void begin_update();
   /// Delivers the events sent so far, and all events that result from them. Then ends the cascade.
   void drain();
@@ -51,7 +52,7 @@ class EventCascade {
   /// Delivers an event from outside the world, and all resulting events; see Execution::send.
   bool send(const SceneGraph& scene, NodeId node, const InterfaceDeclaration& event_in, const FieldValue& value);
   /// Queues an event for a node of this world. If the caller is a running program, the event is delivered in this
-  /// cascade, after the events already sent. Otherwise Execution::end_update() delivers the event. Returns false like
+  /// cascade, after the events already sent. Otherwise EventCascade::drain() delivers the event. Returns false like
   /// send().
   bool post(const SceneGraph& scene, NodeId node, const InterfaceDeclaration& event_in, FieldValue value);
   /// Returns storage for a value, which the caller writes to send it. Returns null if the eventOut has sent an event

@@ -7,12 +7,10 @@ Execution::Execution(SceneGraph& root)
       scenes_(*this, root),
       nodes_(*this),
       routes_(*this),
-      imports_(*this),
       cascade_(*this),
       changes_(*this),
       stacks_(*this),
       timers_(*this),
-      idle_(*this),
       lifetime_(*this),
       scripts_(*this),
       placement_(root),
@@ -47,11 +45,6 @@ std::optional<double> Execution::next_time() const {
   if (timers_.has_running() || pointing_.waits() || lifetime_.waits() || scripts_.waits() || browser_.waits())
     return now();
   return timers_.next_alarm();
-}
-
-bool Execution::is_listened_to(EventNode node, int event) {
-  return nodes_.has_event(node, event) &&
-         nodes_.slot(node, nodes_.schema_of(node).events[static_cast<std::size_t>(event)]).first != 0;
 }
 
 bool Execution::has_sent(EventNode node, int event) const {

@@ -8,8 +8,6 @@
 #include "vrml/events/change_list.h"
 #include "vrml/events/event_cascade.h"
 #include "vrml/events/event_nodes.h"
-#include "vrml/events/idle_sensors.h"
-#include "vrml/events/imported_routes.h"
 #include "vrml/events/key_device.h"
 #include "vrml/events/node_lifetime.h"
 #include "vrml/events/placed_shapes.h"
@@ -53,11 +51,6 @@ class Execution : NonCopyable {
   bool send(const SceneGraph& scene, NodeId node, const InterfaceDeclaration& event_in, const FieldValue& value) {
     return cascade_.send(scene, node, event_in, value);
   }
-  /// Begins a new timestamp for the next events from outside: the next larger double. Each eventOut may then send again
-  /// (4.10.4). Running nodes get the new time in the next step.
-  void begin_update() { cascade_.begin_update(); }
-  /// Delivers the events posted since begin_update() as one cascade; see EventCascade::post.
-  void end_update() { cascade_.drain(); }
 
   [[nodiscard]] EventBudget& budget() { return budget_; }
   [[nodiscard]] WorldScenes& scenes() { return scenes_; }
@@ -65,13 +58,11 @@ class Execution : NonCopyable {
   [[nodiscard]] EventNodes& nodes() { return nodes_; }
   [[nodiscard]] RouteTable& routes() { return routes_; }
   [[nodiscard]] const RouteTable& routes() const { return routes_; }
-  [[nodiscard]] ImportedRoutes& imports() { return imports_; }
   [[nodiscard]] EventCascade& cascade() { return cascade_; }
   [[nodiscard]] ChangeList& changes() { return changes_; }
   [[nodiscard]] BindableStacks& stacks() { return stacks_; }
   [[nodiscard]] const BindableStacks& stacks() const { return stacks_; }
   [[nodiscard]] TimerQueue& timers() { return timers_; }
-  [[nodiscard]] IdleSensors& idle() { return idle_; }
   [[nodiscard]] NodeLifetime& lifetime() { return lifetime_; }
   [[nodiscard]] ScriptQueue& scripts() { return scripts_; }
   [[nodiscard]] Placement& placement() { return placement_; }
@@ -92,8 +83,6 @@ class Execution : NonCopyable {
   }
   /// Reports whether the event was sent with the present timestamp.
   [[nodiscard]] bool has_sent(EventNode node, int event) const;
-  /// Reports whether a ROUTE or IS leads from the event to another node.
-  [[nodiscard]] bool is_listened_to(EventNode node, int event);
   /// Sends an event from an eventOut, or sets an exposedField and sends its value.
   template <class T>
   void send(EventNode node, int event, T value) {
@@ -105,12 +94,10 @@ class Execution : NonCopyable {
   WorldScenes scenes_;
   EventNodes nodes_;
   RouteTable routes_;
-  ImportedRoutes imports_;
   EventCascade cascade_;
   ChangeList changes_;
   BindableStacks stacks_;
   TimerQueue timers_;
-  IdleSensors idle_;
   NodeLifetime lifetime_;
   ScriptQueue scripts_;
   Placement placement_;

@@ -46,6 +46,8 @@ class ImportedRoutes {
   const Names& names_of(const SceneGraph& scene);
   [[nodiscard]] ImportedNode find(SceneGraph& scene, std::string_view imported, int depth);
   [[nodiscard]] ImportedNode find_exported(SceneGraph& scene, std::string_view exported, int depth);
+  [[nodiscard]] ImportedNode find_in(SceneGraph& scene, NodeId inline_node, std::string_view exported,
+                                     SourceLocation location, int depth);
   void connect_routes(SceneGraph& scene);
   void connect_route(SceneGraph& scene, const X3DStatements::ImportedRoute& route);
   void note_problem(const SceneGraph& scene, Severity severity, SourceLocation location, std::string message);

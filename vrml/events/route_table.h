@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vrml/events/event_nodes.h"
+#include "vrml/events/imported_routes.h"
 #include "vrml/scene/scene_graph.h"
 
 #include <cstdint>
@@ -35,7 +36,7 @@ class RouteTable {
     Way way = Way::route;
   };
 
-  explicit RouteTable(Execution& execution) : execution_(execution) {}
+  explicit RouteTable(Execution& execution) : execution_(execution), imports_(execution) {}
 
   /// Adds a ROUTE, which does not appear in SceneGraph::routes. Returns false if the ROUTE exists already, or if the
   /// budget is exhausted. Also returns false if the ROUTE does not connect nodes of one scene with equal types.
@@ -46,6 +47,10 @@ class RouteTable {
   bool remove(SceneGraph& scene, const Route& route);
   /// Returns all ROUTEs of files, PROTO instances, Inlines and programs, in the order in which they were created.
   [[nodiscard]] std::vector<PlacedRoute> all() const;
+  /// Reports whether a ROUTE or IS leads from an event to another node. `event` is an index in Behaviour::events.
+  [[nodiscard]] bool is_listened_to(EventNode node, int event) const;
+  /// Returns the ROUTEs with imported nodes.
+  [[nodiscard]] ImportedRoutes& imports() { return imports_; }
   /// Returns a counter that increases whenever a ROUTE is added or removed.
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
@@ -72,6 +77,7 @@ class RouteTable {
   void disconnect(std::uint32_t connection);
 
   Execution& execution_;
+  ImportedRoutes imports_;
   std::vector<Connection> connections_{1};  // index 0 is unused
   std::vector<std::uint32_t> free_connections_, removed_connections_;
   std::unordered_map<std::uint64_t, std::uint32_t> routes_;  // connections, by source slot and target slot

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "vrml/event_model/behaviour.h"
+#include "vrml/events/idle_sensors.h"
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
@@ -20,7 +21,7 @@ struct Frustum {
 /// Execution.
 class WorldViewer {
  public:
-  explicit WorldViewer(Execution& execution) : execution_(execution) {}
+  explicit WorldViewer(Execution& execution) : execution_(execution), idle_(execution) {}
 
   /// Sets the viewer: world_from_viewer, without scale. Before the first call, the bound Viewpoint is the viewer. If
   /// `sees` is empty, fieldOfView of the bound Viewpoint and the aspect ratio give the frustum.
@@ -42,11 +43,14 @@ class WorldViewer {
   /// Reports that the viewer jumps: now, or with the next set() if set() is in use. The viewer does not pass positions
   /// in between. Running nodes are evaluated once more with this timestamp (6.53).
   void jump();
+  /// Returns the sensors that rest while the viewer is outside of their boxes.
+  [[nodiscard]] IdleSensors& idle() { return idle_; }
   /// Returns the number of jumps so far.
   [[nodiscard]] std::uint32_t jumps() const { return jumps_; }
 
  private:
   Execution& execution_;
+  IdleSensors idle_;
   std::optional<glm::dmat4> world_from_viewer_;
   std::optional<Frustum> frustum_;
   std::optional<glm::dvec3> center_;

@@ -6,7 +6,8 @@ namespace {
 
 constexpr std::string_view kContactClause = "Contact";
 
-// Rows of the browser as a node, and of its events. Worlds for Contact use the browser in ROUTEs and addRoute.
+// Rows of the browser as a node, and of its events. Worlds for Contact use the browser in ROUTEs and addRoute. The last
+// row is imported_use_type().
 constexpr NodeRow kBrowserRows[] = {
     {"Browser", kContactClause, Role::none, NodeKind::other, R"(
   exposedField SFInt32    eventMask           0
@@ -29,6 +30,9 @@ constexpr NodeRow kBrowserRows[] = {
   exposedField SFVec2f    position     0 0
   exposedField SFBool     cancelBubble FALSE
   exposedField SFBool     returnValue  TRUE
+)"},
+    {"ImportedNode", kContactClause, Role::child, NodeKind::other, R"(
+  field        SFString   name         ""
 )"},
 };
 

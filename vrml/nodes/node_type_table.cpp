@@ -1,6 +1,7 @@
 #include "vrml/nodes/families.h"
 #include "vrml/nodes/vrml97_equivalents.h"
 #include "vrml/nodes/x3d/components.h"
+#include "vrml/scene/imported_use.h"
 #include "vrml/scene/node_type.h"
 #include "vrml/scene/scene_graph.h"
 #include "vrml/syntax/parser.h"
@@ -242,6 +243,17 @@ const NodeType& browser_event_type() {
   return *the_type;
 }
 
+const NodeType& imported_use_type() {
+  static const std::unique_ptr<NodeType> the_type = [] {
+    auto type = type_of_row(browser_rows()[2]);
+    type->language = Language::x3d;
+    type->component = "Networking";
+    type->level = 3;
+    return type;
+  }();
+  return *the_type;
+}
+
 const NodeType* stood_for(const NodeType& prototype) {
   const NodeType* native = built_in_node_type(prototype.name);
   if (!native || !is_extension(native->clause) || native->url_content == UrlContent::vectors) return nullptr;
@@ -264,6 +276,16 @@ const NodeType* built_in_node_type(Language language, std::string_view name) {
   return found == names.end() ? built_in_node_type(name) : found->second;
 }
 
+const NodeType* former_x3d_type(std::string_view name) {
+  static const std::vector<std::unique_ptr<NodeType>> all = [] {
+    std::vector<std::unique_ptr<NodeType>> types;
+    for (const X3DRow& row : x3d_former_rows()) types.push_back(type_of_x3d_row(row, nullptr));
+    return types;
+  }();
+  const auto found = std::find_if(all.begin(), all.end(), [&](const auto& type) { return type->name == name; });
+  return found == all.end() ? nullptr : found->get();
+}
+
 const NodeType* x3d_extension_of(const NodeType& type) {
   if (type.kind != NodeType::Kind::built_in || type.language != Language::vrml97 || is_extension(type.clause))
     return nullptr;
@@ -284,5 +306,7 @@ bool accepts(const InterfaceDeclaration& field, const NodeType& type) {
 }
 
 const NodeType& built_in_node_type(NodeKind kind) { return *table().by_kind.at(kind); }
+
+const NodeType& x3d_node_type(NodeKind kind) { return *table(Language::x3d).by_kind.at(kind); }
 
 }  // namespace gs::vrml

@@ -1,5 +1,7 @@
 #include "vrml/printing/scene_printer.h"
 
+#include "vrml/scene/imported_use.h"
+
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -9,6 +11,13 @@ namespace {
 
 // Maximum depth, higher than in parsed files. Only scenes with unusual USEs reach it.
 constexpr int kMaxDepth = 8000;
+bool has_imported_use(const SceneGraph& scene) {
+  if (scene.x3d().imports.empty()) return false;
+  for (std::uint32_t i = 1; i <= scene.nodes().count(); ++i)
+    if (scene.nodes().at(i).type == &imported_use_type()) return true;
+  return false;
+}
+
 constexpr const char* kLostRoutes = "ROUTEs from or to nodes and events that are left out";
 
 }  // namespace
@@ -26,11 +35,16 @@ void ScenePrinter::put_scope(const SceneGraph& scene, const std::vector<Statemen
   WrittenScope* const around = std::exchange(scope_, &scope);
   const bool empty_around = std::exchange(is_empty_, true);
   std::vector<Route> routes_around = std::exchange(waiting_routes_, {});
-  if (!around) scope.count(scene_.x3d());
+  const X3DStatements* const shared = prototype ? prototype->prototype->shared.get() : &scene_.x3d();
+  if (shared) scope.count(*shared);
+  // A USE of an imported node follows its IMPORT.
+  const bool early = !prototype && has_imported_use(scene);
+  if (early) put_imports(*shared, true);
   for (const Statement& statement : statements) scope.count(statement);
   for (const Statement& statement : statements) put_statement(statement);
   for (const Route& route : std::exchange(waiting_routes_, {})) put_statement(route, true);
-  if (!around) put_shared_names();
+  if (shared && !early) put_imports(*shared, false);
+  if (shared) put_shared_names(*shared);
   scope_ = around;
   is_empty_ = empty_around;
   waiting_routes_ = std::move(routes_around);
@@ -70,16 +84,28 @@ void ScenePrinter::put_statement(const Statement& statement) {
   output_.drain();
 }
 
-// Writes IMPORT and EXPORT statements, and the ROUTEs of imported nodes, after all nodes.
-void ScenePrinter::put_shared_names() {
-  const X3DStatements& statements = scene_.x3d();
+// Writes IMPORT statements: after all nodes, or `early`, before them.
+void ScenePrinter::put_imports(const X3DStatements& statements, bool early) {
+  if (translator_.language() == Language::vrml97) return;
+  for (const X3DStatements::Import& each : statements.imports) {
+    const bool known = scope_->scene().contains(each.inline_node);
+    if (early ? !known : !scope_->is_printed(each.inline_node)) continue;
+    begin_statement(early && std::exchange(is_empty_, false), true);
+    put_import(
+        {known ? std::string_view(scope_->name_of(each.inline_node)) : each.inline_name, each.exported, each.local});
+    end_statement();
+  }
+}
+
+// Writes EXPORT statements, and the ROUTEs of imported nodes, after all nodes.
+void ScenePrinter::put_shared_names(const X3DStatements& statements) {
   if (translator_.language() == Language::vrml97) {
     if (!statements.imports.empty()) translator_.add_loss("IMPORTs and ROUTEs of imported nodes are left out");
     if (!statements.exports.empty()) translator_.add_loss("EXPORTs are left out");
     return;
   }
   const auto name_or = [&](NodeId node, std::string_view otherwise) -> std::string_view {
-    return scene_.contains(node) ? std::string_view(scope_->name_of(node)) : otherwise;
+    return scope_->scene().contains(node) ? std::string_view(scope_->name_of(node)) : otherwise;
   };
   // A name without a node is that of an import, or of a node that the reader skipped.
   const auto is_imported = [&](std::string_view name) {
@@ -94,9 +120,6 @@ void ScenePrinter::put_shared_names() {
     statement();
     end_statement();
   };
-  for (const X3DStatements::Import& each : statements.imports)
-    if (scope_->is_printed(each.inline_node))
-      put([&] { put_import({name_or(each.inline_node, each.inline_name), each.exported, each.local}); });
   for (const X3DStatements::Export& each : statements.exports)
     if (is_known(each.node, each.local)) put([&] { put_export({{}, each.exported, name_or(each.node, each.local)}); });
   for (const X3DStatements::ImportedRoute& each : statements.routes)
@@ -113,6 +136,11 @@ void ScenePrinter::put_body(const NodeType& type) {
 
 void ScenePrinter::put_child(NodeId id, std::string_view field) {
   if (!scope_->scene().contains(id) || depth_ > kMaxDepth) return put_null();
+  if (scope_->scene().node(id).type == &imported_use_type()) {
+    if (translator_.language() == Language::vrml97) return put_null();
+    const SFString name = scope_->scene().get<SFString>(id, "name");
+    return put_use(built_in_node_type(NodeKind::group), name.view(), field);
+  }
   if (!scope_->begin_node(id))
     return put_use(*translator_.written_type(*scope_->scene().node(id).type), scope_->name_of(id), field);
   const WrittenNode written = scope_->written(id);

@@ -73,7 +73,8 @@ class ScenePrinter : NonCopyable {
   void put_scope(const SceneGraph& scene, const std::vector<Statement>& statements, const NodeType* prototype);
   void put_statement(const Statement& statement);
   void put_statement(const Route& route, bool last);
-  void put_shared_names();
+  void put_imports(const X3DStatements& statements, bool early);
+  void put_shared_names(const X3DStatements& statements);
 
   const SceneGraph& scene_;
   NodeTranslator& translator_;

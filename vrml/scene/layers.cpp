@@ -130,12 +130,14 @@ std::vector<int> layers_of(const SceneGraph& world, const LayerSet& set, const S
 }
 
 ClipBoundary clip_boundary_of(const SceneGraph& world, NodeId layer) {
+  const auto* viewport = world.contains(layer) ? layer_field<SFNode>(world.node(layer), "viewport") : nullptr;
+  return clip_boundary_of_viewport(world, viewport ? world.resolve(*viewport) : NodeId{});
+}
+
+ClipBoundary clip_boundary_of_viewport(const SceneGraph& world, NodeId viewport) {
   constexpr ClipBoundary kWhole{0, 1, 0, 1};
-  if (!world.contains(layer)) return kWhole;
-  const auto* viewport = layer_field<SFNode>(world.node(layer), "viewport");
-  const NodeId id = viewport ? world.resolve(*viewport) : NodeId{};
-  if (!id) return kWhole;
-  const auto* given = layer_field<MFFloat>(world.node(id), "clipBoundary");
+  if (!world.contains(viewport)) return kWhole;
+  const auto* given = layer_field<MFFloat>(world.node(viewport), "clipBoundary");
   if (!given || given->size() < kWhole.size()) return kWhole;
   ClipBoundary boundary{};
   for (std::size_t i = 0; i < boundary.size(); ++i) {

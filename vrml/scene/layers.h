@@ -31,6 +31,8 @@ struct LayerSet {
 using ClipBoundary = std::array<double, 4>;
 /// Returns the clipBoundary of the viewport of a layer or LayoutGroup; the whole window for other values.
 [[nodiscard]] ClipBoundary clip_boundary_of(const SceneGraph& world, NodeId layer);
+/// Returns the clipBoundary of a Viewport.
+[[nodiscard]] ClipBoundary clip_boundary_of_viewport(const SceneGraph& world, NodeId viewport);
 /// Returns the field `pickable` of a layer (35.3.1); true if the layer is missing.
 [[nodiscard]] bool is_pickable(const SceneGraph& world, NodeId layer);
 /// Returns the field `visible` of a layer (35.3.1); true if the layer is missing.

@@ -2,8 +2,10 @@
 
 #include "vrml/scene/node_type.h"
 #include "vrml/scene/source_text.h"
+#include "vrml/scene/x3d/x3d_statements.h"
 
 #include <cstdint>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -12,18 +14,18 @@ namespace gs::vrml {
 /// Node: its type, and one value for each slot of the type.
 struct Node {
   const NodeType* type = nullptr;
-  FieldValue* values = nullptr;  // type->defaults.size() values, which the scene owns
-  std::string_view name;  // DEF name or empty; the text owns the bytes
+  FieldValue* values = nullptr;      // type->defaults.size() values, which the scene owns
+  std::string_view name;             // DEF name or empty; the text owns the bytes
   const SourceText* text = nullptr;  // text in which the node was written; for a copy, the text of the PROTO's body
   SourceLocation location;
   std::uint32_t value_capacity = 0;
-  std::uint32_t generation = 0;  // generation of its NodeId
-  std::uint64_t fields_set = 0;  // EXTERNPROTO instances: one bit per slot below 64 with an explicit value
+  std::uint32_t generation = 0;    // generation of its NodeId
+  std::uint64_t fields_set = 0;    // EXTERNPROTO instances: one bit per slot below 64 with an explicit value
   bool in_prototype_body = false;  // belongs to the declaration of a PROTO, not to the world
-  bool recycled = false;  // another node had its index before
+  bool recycled = false;           // another node had its index before
   bool strings_set = false;        // an event has set an MFString field
-  std::uint32_t owner = 0;  // index of the run-time text that it was made for; 0 means the file
-  MFNode expansion;  // PROTO instances: copies of the body's nodes; the first one represents the instance
+  std::uint32_t owner = 0;         // index of the run-time text that it was made for; 0 means the file
+  MFNode expansion;                // PROTO instances: copies of the body's nodes; the first one represents the instance
   /// PROTO instances: index of the copy of Prototype::nodes[0]; the other copies follow. Nodes in the body of a PROTO:
   /// index in Prototype::nodes.
   std::uint32_t expansion_first = 0;
@@ -54,9 +56,10 @@ struct Prototype {
   std::vector<Statement> statements;
   std::vector<NodeId> nodes;  // all nodes in the order of creation; see SceneGraph::put_in_body
   std::vector<IsMapping> mappings;
-  const SceneGraph* scene = nullptr;  // scene with these nodes in its arena
-  const SourceText* text = nullptr;   // text that declares the PROTO
-  bool complete = false;              // the closing brace was read
+  std::shared_ptr<X3DStatements> shared{};  // IMPORTs of the body, and ROUTEs of imported nodes; null if there are none
+  const SceneGraph* scene = nullptr;        // scene with these nodes in its arena
+  const SourceText* text = nullptr;         // text that declares the PROTO
+  bool complete = false;                    // the closing brace was read
   // Number of nodes and bytes of one instance, including nested instances. Set if complete.
   std::uint64_t instance_nodes = 0, instance_bytes = 0;
   std::uint64_t body_bytes = 0;  // bytes without nested instances

@@ -298,8 +298,12 @@ struct NodeType : NonCopyable {
 /// Returns the built-in type with this name in a text of this language: in X3D, a type of X3D, or a type that only
 /// VRML97 and GhostSpace have. Null if there is none.
 [[nodiscard]] const NodeType* built_in_node_type(Language language, std::string_view name);
+/// Returns the type that X3D 3 has under a name, if X3D 4 gave it other fields; otherwise null.
+[[nodiscard]] const NodeType* former_x3d_type(std::string_view name);
 /// Returns the built-in VRML97 type of this kind. If there are several, returns the first one by name.
 [[nodiscard]] const NodeType& built_in_node_type(NodeKind kind);
+/// Returns the built-in X3D type of this kind. If there are several, returns the first one by name.
+[[nodiscard]] const NodeType& x3d_node_type(NodeKind kind);
 /// Returns the X3D type that extends a built-in type of VRML97: it has the same name, and its first slots are those of
 /// the VRML97 type. Null if there is none.
 [[nodiscard]] const NodeType* x3d_extension_of(const NodeType& type);

@@ -104,6 +104,31 @@ class Copier {
   std::vector<NodeId> waiting_, made_;
 };
 
+// Adds the ROUTEs of an instance from and to nodes that the content of its Inlines exports.
+void add_imported_routes(SceneGraph& scene, const Prototype& prototype, Copier& copier) {
+  using End = X3DStatements::RouteEnd;
+  if (!prototype.shared) return;
+  std::unordered_map<std::string_view, const X3DStatements::Import*> imports;
+  for (const X3DStatements::Import& each : prototype.shared->imports) imports.try_emplace(each.local, &each);
+  for (const X3DStatements::ImportedRoute& route : prototype.shared->routes) {
+    X3DStatements::ImportedRoute made = route;
+    if (!scene.memory().charge(sizeof made + made.from.name.size() + made.to.name.size())) return;
+    bool complete = true;
+    for (End* const end : {&made.from, &made.to}) {
+      if (end->node) {
+        end->node = copier.of(end->node);
+        continue;
+      }
+      const auto found = imports.find(end->name);
+      complete = complete && found != imports.end() && found->second->inline_node;
+      if (!complete) break;
+      end->inline_node = copier.of(found->second->inline_node);
+      end->name = found->second->exported;
+    }
+    if (complete) scene.inlines().instance_routes().push_back(std::move(made));
+  }
+}
+
 // Expands one instance. Appends the instances inside it, and those among imported nodes, to `inner`.
 bool instantiate_one(SceneGraph& scene, NodeId instance, std::vector<NodeId>& inner) {
   const NodeType& type = *scene.node(instance).type;
@@ -137,6 +162,7 @@ bool instantiate_one(SceneGraph& scene, NodeId instance, std::vector<NodeId>& in
       scene.routes().push_back({copier.of(statement.route.from), copier.of(statement.route.to),
                                 statement.route.event_out, statement.route.event_in});
   }
+  add_imported_routes(scene, prototype, copier);
   scene.node(instance).expansion = expansion;
   scene.node(instance).expansion_first = first;
   const auto add_inner = [&](NodeId made) {

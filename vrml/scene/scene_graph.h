@@ -57,6 +57,9 @@ class InlineContents {
     const auto found = tiles_.empty() ? tiles_.end() : tiles_.find(lod.index);
     return found == tiles_.end() ? nullptr : &found->second;
   }
+  /// Returns the ROUTEs of PROTO instances from or to nodes that the content of their Inlines exports.
+  [[nodiscard]] std::vector<X3DStatements::ImportedRoute>& instance_routes() { return instance_routes_; }
+  [[nodiscard]] const std::vector<X3DStatements::ImportedRoute>& instance_routes() const { return instance_routes_; }
   /// Removes the content and the tiles of a node that is freed.
   void forget(NodeId node) {
     contents_.erase(node.index);
@@ -66,6 +69,7 @@ class InlineContents {
  private:
   std::unordered_map<std::uint32_t, std::shared_ptr<SceneGraph>> contents_;
   std::unordered_map<std::uint32_t, GeoTiles> tiles_;  // by index of the GeoLOD
+  std::vector<X3DStatements::ImportedRoute> instance_routes_;
 };
 
 /// World or a part of it: its nodes, PROTOs, ROUTEs and Inlines, and the text of its file.

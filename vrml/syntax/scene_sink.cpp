@@ -1,5 +1,7 @@
 #include "vrml/syntax/scene_sink.h"
 
+#include "vrml/scene/imported_use.h"
+
 #include "base/text.h"
 #include "vrml/scene/coordinates/units.h"
 #include "vrml/scene/prototype.h"
@@ -144,13 +146,18 @@ const NodeType* SceneSink::search_type(std::string_view name) const {
     const NodeType* native = stood_for(*found->second);
     return native ? native : found->second;
   }
-  return built_in_node_type(text_.language(), name);
+  constexpr int kX3D4 = 40;
+  const bool former = text_.language() == Language::x3d && text_.version() < kX3D4;
+  const NodeType* const type = former ? former_x3d_type(name) : nullptr;
+  return type ? type : built_in_node_type(text_.language(), name);
 }
 
 // Returns the X3D type with this name, for a VRML97 text.
 const NodeType* SceneSink::find_x3d_type(SourceName name) {
   if (text_.language() == Language::x3d) return nullptr;
-  const NodeType* const type = built_in_node_type(Language::x3d, name.text);
+  // Files with a VRML97 header are older than X3D 4.
+  const NodeType* type = former_x3d_type(name.text);
+  if (!type) type = built_in_node_type(Language::x3d, name.text);
   if (type && said_types_.insert(type->name).second)
     problems_.warn(name.location, quoted(name.text) + " is a node of X3D, not of VRML97; read as in X3D");
   return type;
@@ -295,13 +302,27 @@ void SceneSink::end_node(NodeId id) {
 void SceneSink::use_node(SourceName name, NodeTarget target) {
   const NodeId* const found = scopes_.back().names.find(name.text);
   if (!found && x3d_.is_imported(name.text)) {
-    problems_.error(name.location,
-                    "USE of " + quoted(name.text) + ", a node of another file; only ROUTEs may use imported nodes");
+    use_imported(name, target);
   } else if (!found) {
     problems_.error(name.location, "USE of " + quoted(name.text) + ", but no earlier DEF has this name");
   } else if (*found) {
     place_checked(*found, target, name.location);
   }
+}
+
+// Places a node that stands for an imported node, because the Inline may not be loaded yet. This is possible only
+// between the children of a group, because the type of the imported node is unknown.
+void SceneSink::use_imported(SourceName name, NodeTarget target) {
+  const bool is_child = target.field.empty() || role_for(target.field) == Role::child;
+  if (!is_child || scopes_.back().prototype) {
+    problems_.error(name.location, "USE of " + quoted(name.text) +
+                                       ", a node of another file; only ROUTEs and groups may use imported nodes");
+    return;
+  }
+  const NodeId made = scene_.create(imported_use_type(), name.location);
+  if (!made) return;
+  scene_.set<SFString>(made, "name", SFString(name.text));
+  place(made, target);
 }
 
 // Reports a field or event of other browsers once. Returns false for other names.

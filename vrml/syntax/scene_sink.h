@@ -103,6 +103,7 @@ class SceneSink : NonCopyable {
     NameTable names;  // nodes by DEF name; null for a skipped node
     std::unordered_map<std::string_view, const NodeType*> types;
     std::vector<RouteNames> waiting_routes;
+    std::unordered_set<std::string> imported_names;
     NodeType* prototype = nullptr;  // PROTO with this body; null for the file
     std::size_t open_nodes = 0;
     std::size_t interfaces_around = 0;  // number of open interfaces at the start of the scope
@@ -128,6 +129,7 @@ class SceneSink : NonCopyable {
   void skip_unknown(const NodeHeader& header);
   [[nodiscard]] bool take_extension(const NodeType& type, SourceName name);
   [[nodiscard]] const NodeType* x3d_type_with(NodeId node, std::string_view interface) const;
+  void use_imported(SourceName name, NodeTarget target);
   bool extend(NodeId node, SourceName interface);
   [[nodiscard]] const InterfaceDeclaration* add_script_field(OpenNode& node, SourceName name);
   void place(NodeId node, NodeTarget target);

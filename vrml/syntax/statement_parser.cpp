@@ -47,6 +47,10 @@ Step StatementParser::statement_step() {
       if (step == Step::done) text_.anything_read = true, text_.rubbish = std::exchange(statement_failed_, false);
       return step;
     }
+    if (token.text == "NULL" && text_.anything_read && !text_.sink.find_type(token.text)) {
+      text_.problems.warn_once(said_null_, token.location, "NULL is no statement; skipped");
+      return Step::done;
+    }
     // It is a node if an opening brace or a node keyword follows.
     if (token.text == "DEF" || token.text == "USE" || is_id(token.text)) {
       if (text_.headerless && !text_.anything_read && token.text != "DEF" && !text_.sink.find_type(token.text)) {

@@ -62,7 +62,7 @@ class StatementParser {
   FieldValue discarded_ = MFNode{};                                 // storage for named nodes that no field can take
   std::array<bool, kOtherStatements.size()> said_statements_{};
   bool statement_failed_ = false;  // an unusable token in a statement of X3D was reported; reading continues there
-  bool said_external_value_ = false, said_route_in_list_ = false;
+  bool said_external_value_ = false, said_route_in_list_ = false, said_null_ = false;
 };
 
 }  // namespace gs::vrml

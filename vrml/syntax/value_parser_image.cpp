@@ -29,7 +29,8 @@ Step ValueParser::image_head(FieldValue& into, Token token, std::string_view nam
   }
   const double pixels = head[0] * head[1];
   SFImage image;
-  if (pixels > 0 && head[2] > 0)
+  // Without components, some files have pixels and others have not. In a list, numbers belong to the next image.
+  if (pixels > 0 && (head[2] > 0 || &into != &image_))
     for (const double n : head) image.words.push_back(static_cast<std::uint32_t>(n));
   into = image;
   if (image.words.empty()) return Step::done;
@@ -63,6 +64,10 @@ Step ValueParser::image_step() {
     const bool is_number =
         token.kind == TokenKind::word &&
         (parse_number(token.text, number) || (parse_number(token.text, large) && large >= 0 && large < 4294967296.0));
+    if (!is_number && components == 0) {
+      text_.lexer.go_back(before);
+      break;
+    }
     if (!is_number) {
       text_.problems.error(token.location, std::to_string(frame.pixels_left) +
                                                " pixels of an image are missing; expected a pixel, found " +
@@ -77,6 +82,7 @@ Step ValueParser::image_step() {
     }
     words.push_back((large > 0 ? static_cast<std::uint32_t>(large) : static_cast<std::uint32_t>(number)) & mask);
   }
+  if (components == 0) words.clear();
   words.shrink_to_fit();
   text_.sink.limits().charge_growth(*frame.into, frame.charged, true);
   text_.frames.pop_back();

@@ -20,6 +20,17 @@ constexpr int kFirstVersion = 30, kLastVersion = 40;
 
 X3DStatements& X3DStatementSink::statements() { return sink_.text_.x3d(); }
 
+X3DStatements& X3DStatementSink::shared() {
+  NodeType* const type = sink_.scopes_.back().prototype;
+  if (!type) return statements();
+  if (!type->prototype->shared) type->prototype->shared = std::make_shared<X3DStatements>();
+  return *type->prototype->shared;
+}
+
+bool X3DStatementSink::is_imported(std::string_view name) const {
+  return sink_.scopes_.back().imported_names.contains(std::string(name));
+}
+
 bool X3DStatementSink::admit(std::size_t bytes) {
   constexpr std::size_t kEntry = 128;
   return sink_.scene_.memory().charge(bytes + kEntry);
@@ -96,11 +107,7 @@ void X3DStatementSink::set_unit(SourceName category, std::string_view name, doub
 
 void X3DStatementSink::import_node(SourceName inline_name, std::string_view exported, std::string_view local) {
   if (local.empty()) local = exported;
-  if (sink_.scopes_.back().prototype) {
-    sink_.problems_.warn_once(said_prototype_, inline_name.location, "IMPORT in a PROTO body has no effect");
-    return;
-  }
-  std::vector<X3DStatements::Import>& imports = statements().imports;
+  std::vector<X3DStatements::Import>& imports = shared().imports;
   if (imports.size() >= kMaxImports) {
     if (sink_.limits_.is_first_excess())
       sink_.problems_.error(inline_name.location,
@@ -108,7 +115,7 @@ void X3DStatementSink::import_node(SourceName inline_name, std::string_view expo
     return;
   }
   if (!admit(inline_name.text.size() + exported.size() + local.size())) return;
-  if (!imported_names_.emplace(local).second) {
+  if (!sink_.scopes_.back().imported_names.emplace(local).second) {
     sink_.problems_.error(inline_name.location, quoted(local) + " is imported twice; the first one is used");
     return;
   }
@@ -128,7 +135,7 @@ void X3DStatementSink::export_node(SourceName local, std::string_view exported) 
 
 bool X3DStatementSink::take_route(const RouteNames& route) {
   SceneSink::Scope& scope = sink_.scopes_.back();
-  if (scope.prototype || imported_names_.empty()) return false;
+  if (scope.imported_names.empty()) return false;
   X3DStatements::ImportedRoute taken;
   taken.location = route.location;
   bool imported = false, skipped = false;
@@ -140,30 +147,31 @@ bool X3DStatementSink::take_route(const RouteNames& route) {
       skipped = skipped || !*node;
       return true;
     }
-    const bool known = imported_names_.contains(name);
+    const bool known = scope.imported_names.contains(name);
     imported = imported || known;
     return known;
   };
   const bool found = find(route.from, route.event_out, taken.from) & find(route.to, route.event_in, taken.to);
   if (!found || !imported) return false;
-  if (statements().routes.size() >= kMaxImports) {
+  if (shared().routes.size() >= kMaxImports) {
     if (sink_.limits_.is_first_excess())
       sink_.problems_.error(
           route.location, "more than " + std::to_string(kMaxImports) + " ROUTEs with imported nodes; skipped the rest");
     return true;
   }
   // Skipped nodes were reported already.
-  if (!skipped && admit(sizeof taken)) statements().routes.push_back(std::move(taken));
+  if (!skipped && admit(sizeof taken)) shared().routes.push_back(std::move(taken));
   return true;
 }
 
 void X3DStatementSink::resolve_names() {
   const SourceText& text = sink_.text_;
-  if (sink_.scopes_.back().prototype || (text.x3d().imports.empty() && text.x3d().exports.empty())) return;
+  const SceneSink::Scope& scope = sink_.scopes_.back();
+  if (scope.imported_names.empty() && (scope.prototype || text.x3d().exports.empty())) return;
   // VRML97 has no such statements.
   const Severity severity = text.language() == Language::x3d ? Severity::error : Severity::warning;
   NameTable& names = sink_.scopes_.back().names;
-  std::vector<X3DStatements::Import>& imports = statements().imports;
+  std::vector<X3DStatements::Import>& imports = shared().imports;
   for (X3DStatements::Import& import : imports) {
     const NodeId* const node = names.find(import.inline_name);
     if (node && *node) import.inline_node = *node;
@@ -174,10 +182,11 @@ void X3DStatementSink::resolve_names() {
       sink_.problems_.warn(import.location, "the imported name " + quoted(import.local) +
                                                 " is also a DEF name; ROUTEs use the DEF name");
   }
+  if (scope.prototype) return;  // an EXPORT there has no effect
   for (X3DStatements::Export& each : statements().exports) {
     const NodeId* const node = names.find(each.local);
     if (node && *node) each.node = *node;
-    if (!node && !imported_names_.contains(each.local))
+    if (!node && !scope.imported_names.contains(each.local))
       sink_.problems_.report(severity, each.location,
                              "EXPORT names " + quoted(each.local) + ", but no DEF has this name");
   }

@@ -5,7 +5,6 @@
 
 #include <string>
 #include <string_view>
-#include <unordered_set>
 
 namespace gs::vrml {
 
@@ -40,14 +39,15 @@ class X3DStatementSink : NonCopyable {
   friend class RouteSink;
   [[nodiscard]] X3DStatements& statements();
   [[nodiscard]] bool admit(std::size_t bytes);
-  [[nodiscard]] bool is_imported(std::string_view name) const { return imported_names_.contains(std::string(name)); }
+  [[nodiscard]] bool is_imported(std::string_view name) const;
+  /// Returns the statements of the scope: of the text, or of the PROTO with this body.
+  [[nodiscard]] X3DStatements& shared();
   /// Takes a ROUTE if one of its nodes is imported. Returns false if none is.
   [[nodiscard]] bool take_route(const RouteNames& route);
   /// Finds the nodes of IMPORT and EXPORT statements. Called at the end of the text.
   void resolve_names();
 
   SceneSink& sink_;
-  std::unordered_set<std::string> imported_names_;
   bool said_prototype_ = false;
 };
 

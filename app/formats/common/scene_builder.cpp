@@ -40,8 +40,8 @@ SceneBuilder::~SceneBuilder() {
   if (bytes > 0) (void)scene_.memory().charge(static_cast<std::size_t>(bytes));
 }
 
-NodeId SceneBuilder::make(vrml::NodeKind kind) {
-  const NodeId node = scene_.create(vrml::built_in_node_type(kind));
+NodeId SceneBuilder::make(const vrml::NodeType& type) {
+  const NodeId node = scene_.create(type);
   if (!node && !full_) {
     full_ = true;
     fail("too many nodes: the rest is left out");

@@ -23,7 +23,8 @@ class SceneBuilder : public ImportContext, NonCopyable {
   [[nodiscard]] vrml::SceneGraph& scene() { return scene_; }
 
   /// Creates a node. At the node limit, returns null and adds a diagnostic the first time.
-  vrml::NodeId make(vrml::NodeKind kind);
+  vrml::NodeId make(vrml::NodeKind kind) { return make(vrml::built_in_node_type(kind)); }
+  vrml::NodeId make(const vrml::NodeType& type);
   template <class T>
   void set(vrml::NodeId node, std::string_view field, T value) {
     if (node) scene_.set<T>(node, field, std::move(value));

@@ -46,6 +46,32 @@ glm::vec2 vector_of(const tinygltf::Value& object, const std::string& key, glm::
   return {finite_float(value.Get(0).GetNumberAsDouble()), finite_float(value.Get(1).GetNumberAsDouble())};
 }
 
+/// Returns the texture and coordinates of a TextureInfo, NormalTextureInfo or OcclusionTextureInfo.
+template <class Info>
+GltfMap map_of(const Info& info) {
+  GltfMap map{info.index, info.texCoord, {}};
+  const auto extension = info.extensions.find("KHR_texture_transform");
+  if (extension == info.extensions.end() || !extension->second.IsObject()) return map;
+  const tinygltf::Value& value = extension->second;
+  GltfTextureTransform transform;
+  transform.offset = vector_of(value, "offset", transform.offset);
+  transform.scale = vector_of(value, "scale", transform.scale);
+  transform.rotation = finite_float(number_of(value, "rotation", 0));
+  if (value.Has("texCoord") && value.Get("texCoord").IsInt()) map.set = value.Get("texCoord").Get<int>();
+  map.transform = transform;
+  return map;
+}
+
+/// Returns the texture that determines the coordinates of a physical material.
+GltfMap first_map(const tinygltf::Material& material) {
+  const auto& pbr = material.pbrMetallicRoughness;
+  for (const GltfMap& map :
+       {map_of(pbr.baseColorTexture), map_of(material.normalTexture), map_of(pbr.metallicRoughnessTexture),
+        map_of(material.emissiveTexture), map_of(material.occlusionTexture)})
+    if (map.texture >= 0) return map;
+  return {};
+}
+
 /// Appends base64 (RFC 4648 4).
 void append_base64(std::string& to, std::span<const unsigned char> bytes) {
   constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -91,23 +117,20 @@ const tinygltf::Material* GltfMaterials::find(int material) const {
 
 GltfSurface GltfMaterials::surface(int index) const {
   const tinygltf::Material& material = *find(index);
-  const tinygltf::TextureInfo& texture = material.pbrMetallicRoughness.baseColorTexture;
+  const GltfMap map =
+      is_physical(material) ? first_map(material) : map_of(material.pbrMetallicRoughness.baseColorTexture);
   GltfSurface surface;
   surface.double_sided = material.doubleSided;
-  surface.textured = texture.index >= 0;
-  surface.texture_set = texture.texCoord;
+  surface.textured = map.texture >= 0;
+  surface.has_base = material.pbrMetallicRoughness.baseColorTexture.index >= 0;
+  surface.texture_set = map.set;
+  surface.transform = map.transform;
   surface.factor = base_color(material);
-  const auto extension = texture.extensions.find("KHR_texture_transform");
-  if (extension != texture.extensions.end() && extension->second.IsObject()) {
-    const tinygltf::Value& value = extension->second;
-    GltfTextureTransform transform;
-    transform.offset = vector_of(value, "offset", transform.offset);
-    transform.scale = vector_of(value, "scale", transform.scale);
-    transform.rotation = finite_float(number_of(value, "rotation", 0));
-    if (value.Has("texCoord") && value.Get("texCoord").IsInt()) surface.texture_set = value.Get("texCoord").Get<int>();
-    surface.transform = transform;
-  }
   return surface;
+}
+
+bool GltfMaterials::is_physical(const tinygltf::Material& material) const {
+  return builder_.scene().language() == vrml::Language::x3d && !material.extensions.contains("KHR_materials_unlit");
 }
 
 vrml::NodeId GltfMaterials::appearance(int index, bool glows) {
@@ -115,7 +138,7 @@ vrml::NodeId GltfMaterials::appearance(int index, bool glows) {
   const auto [entry, added] = appearances_.try_emplace({known ? index : -1, glows});
   if (!added) return entry->second;
   const tinygltf::Material& material = *find(index);
-  entry->second = builder_.appearance(look(material, glows));
+  entry->second = is_physical(material) && !glows ? physical(material) : builder_.appearance(look(material, glows));
   builder_.name(entry->second, material.name);
   return entry->second;
 }
@@ -139,18 +162,62 @@ Look GltfMaterials::look(const tinygltf::Material& material, bool glows) {
                              part(material.emissiveFactor, 2, 0)});
   look.transparency = transparency(material);
   const bool unlit = material.extensions.contains("KHR_materials_unlit");
-  add_texture(pbr.baseColorTexture, look);
+  add_texture(pbr.baseColorTexture.index, look);
   if (unlit && !look.texture_url.empty()) look.lit = false;
   return unlit || glows ? glowing(look) : look;
 }
 
-void GltfMaterials::add_texture(const tinygltf::TextureInfo& info, Look& look) {
-  if (info.index < 0) return;
-  if (static_cast<std::size_t>(info.index) >= model_.textures.size()) {
-    builder_.fail("texture " + std::to_string(info.index) + " does not exist");
+// Returns an X3D Appearance with a PhysicalMaterial, which has the parameters and maps of glTF.
+vrml::NodeId GltfMaterials::physical(const tinygltf::Material& material) {
+  using vrml::NodeKind;
+  const auto& pbr = material.pbrMetallicRoughness;
+  const vrml::NodeId made = builder_.make(vrml::x3d_node_type(NodeKind::physical_material));
+  builder_.set(made, "baseColor", display(base_color(material)));
+  builder_.set(made, "metallic", std::clamp(finite_float(pbr.metallicFactor), 0.0f, 1.0f));
+  builder_.set(made, "roughness", std::clamp(finite_float(pbr.roughnessFactor), 0.0f, 1.0f));
+  builder_.set(made, "emissiveColor",
+               display({part(material.emissiveFactor, 0, 0), part(material.emissiveFactor, 1, 0),
+                        part(material.emissiveFactor, 2, 0)}));
+  builder_.set(made, "normalScale", std::max(finite_float(material.normalTexture.scale), 0.0f));
+  builder_.set(made, "occlusionStrength", std::clamp(finite_float(material.occlusionTexture.strength), 0.0f, 1.0f));
+  if (material.alphaMode != "OPAQUE") builder_.set(made, "transparency", 1 - part(pbr.baseColorFactor, 3, 1));
+  const GltfMap first = first_map(material);
+  add_map(made, "baseTexture", map_of(pbr.baseColorTexture), first);
+  add_map(made, "metallicRoughnessTexture", map_of(pbr.metallicRoughnessTexture), first);
+  add_map(made, "normalTexture", map_of(material.normalTexture), first);
+  add_map(made, "occlusionTexture", map_of(material.occlusionTexture), first);
+  add_map(made, "emissiveTexture", map_of(material.emissiveTexture), first);
+  const vrml::NodeId appearance = builder_.make(vrml::x3d_node_type(NodeKind::appearance));
+  builder_.set(appearance, "material", made);
+  builder_.set(appearance, "alphaMode", vrml::String(material.alphaMode));
+  builder_.set(appearance, "alphaCutoff", std::clamp(finite_float(material.alphaCutoff), 0.0f, 1.0f));
+  return appearance;
+}
+
+// Adds a texture to a material. A Shape has the texture coordinates of the first texture only.
+void GltfMaterials::add_map(vrml::NodeId material, std::string_view field, const GltfMap& map, const GltfMap& first) {
+  if (map.texture < 0) return;
+  if (map.set != first.set || map.transform != first.transform) {
+    builder_.note("the " + std::string(field) + " with texture coordinates of its own is left out");
     return;
   }
-  const tinygltf::Texture& texture = model_.textures[static_cast<std::size_t>(info.index)];
+  Look look;
+  add_texture(map.texture, look);
+  if (look.texture_url.empty()) return;
+  const vrml::NodeId texture = builder_.make(vrml::NodeKind::image_texture);
+  builder_.set(texture, "url", vrml::MFString{look.texture_url});
+  builder_.set(texture, "repeatS", look.repeat_s);
+  builder_.set(texture, "repeatT", look.repeat_t);
+  builder_.set(material, field, texture);
+}
+
+void GltfMaterials::add_texture(int index, Look& look) {
+  if (index < 0) return;
+  if (static_cast<std::size_t>(index) >= model_.textures.size()) {
+    builder_.fail("texture " + std::to_string(index) + " does not exist");
+    return;
+  }
+  const tinygltf::Texture& texture = model_.textures[static_cast<std::size_t>(index)];
   look.texture_url = image_url(texture.source);
   if (texture.sampler < 0 || static_cast<std::size_t>(texture.sampler) >= model_.samplers.size()) return;
   const tinygltf::Sampler& sampler = model_.samplers[static_cast<std::size_t>(texture.sampler)];

@@ -183,7 +183,7 @@ bool GltfMeshes::read_attributes(const tinygltf::Primitive& primitive, const Glt
       geometry.normals = *normals;
   }
   // A texture with colours replaces the vertex colours (VRML97 Table 4.6).
-  if (const int accessor = attribute(primitive, "COLOR_0"); accessor >= 0 && !surface.textured) {
+  if (const int accessor = attribute(primitive, "COLOR_0"); accessor >= 0 && !surface.has_base) {
     read_colors(accessor, surface, where, geometry);
     if (!geometry.colors.empty() && !fits("COLOR_0", geometry.colors.size())) geometry.colors.clear();
   }

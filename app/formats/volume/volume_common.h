@@ -48,7 +48,7 @@ struct VoxelMemory {
 /// Volume file that is being opened.
 struct VolumeFile {
   std::string path, name;  // location of the file; its name at the original source
-  SharedBytes content;  // decompressed content
+  SharedBytes content;     // decompressed content
   ReadFile read_beside;
   WorldBudget budget = own_budget();
 };
@@ -111,6 +111,8 @@ struct VolumeFormat {
 [[nodiscard]] std::span<const VolumeFormat> volume_formats();
 [[nodiscard]] bool is_avs_field(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_nrrd(std::span<const std::byte> bytes);
+/// Reports whether the header of a NRRD file names a separate data file.
+[[nodiscard]] bool is_detached_nrrd(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_meta_image(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_nifti(std::span<const std::byte> bytes);
 [[nodiscard]] bool is_fits(std::span<const std::byte> bytes);

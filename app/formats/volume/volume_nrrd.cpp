@@ -221,6 +221,11 @@ std::variant<StoredVoxels, std::string> voxels_of(const VolumeFile& file, const 
 
 bool is_nrrd(std::span<const std::byte> bytes) { return text_of(bytes).starts_with("NRRD000"); }
 
+bool is_detached_nrrd(std::span<const std::byte> bytes) {
+  qnv::VolumeLayout layout;
+  return is_nrrd(bytes) && read_nrrd_header(bytes, layout).detached;
+}
+
 VolumeResult open_nrrd(const VolumeFile& file) {
   if (!is_nrrd(file.content.bytes)) return std::string("the file does not begin with NRRD000");
   qnv::VolumeLayout layout;

@@ -1,11 +1,13 @@
 #pragma once
 
+#include "app/formats/texture_image.h"
 #include "app/loading/content/resource_handler.h"
 
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace gs::app {
@@ -31,6 +33,7 @@ class ImageHandler final : public ResourceHandler {
 
  private:
   void refuse(const std::string& why);
+  [[nodiscard]] std::variant<Texture, render::ImageError> read_volume(std::span<const std::byte> bytes);
   void decode(std::span<const std::byte> bytes);
 
   std::vector<ResourceUpdates::Place> textures_;

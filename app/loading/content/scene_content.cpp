@@ -17,8 +17,7 @@ namespace {
 class TextContent final : public SceneContent {
  public:
   TextContent(SceneTarget& target, vrml::Grammar grammar)
-      : target_(target),
-        reader_(vrml::make_reader(grammar, *target.scene(), target.loading().results.diagnostics())) {}
+      : target_(target), reader_(vrml::make_reader(grammar, *target.scene(), target.loading().results.diagnostics())) {}
 
   void receive(std::span<const std::byte> bytes) override {
     if (packing_ == Packing::unknown) {
@@ -102,8 +101,10 @@ class MeshContent final : public SceneContent {
     Loading& loading = target_.loading();
     const Found& found = target_.found();
     const PhaseScope phase(loading.options.phases, Phase::parse);
-    auto scene = import_scene(type_, {bytes, found.path, loading.fetcher.reader_of(found.origin), loading.budget,
-                                      loading.results.diagnostics()});
+    ImportSource source{bytes, found.path, loading.fetcher.reader_of(found.origin), loading.budget,
+                        loading.results.diagnostics()};
+    source.for_x3d = target_.in_x3d();
+    auto scene = import_scene(type_, source);
     if (!scene) return target_.refuse();
     target_.replace_scene(std::move(scene));
   }

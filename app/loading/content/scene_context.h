@@ -21,7 +21,7 @@ struct SceneContext {
 
   Loading& loading;
   std::vector<std::shared_ptr<OutlineHandler>> outlines;  // handlers with new polygons
-  std::vector<std::shared_ptr<SceneHandler>> withheld;  // Inlines that wait until their file is complete
+  std::vector<std::shared_ptr<SceneHandler>> withheld;    // Inlines that wait until their file is complete
   // Resources that several nodes share. The keys are from fetch_key().
   std::unordered_map<std::string, std::shared_ptr<ImageHandler>> images;
   std::unordered_map<std::string, std::shared_ptr<SharedGeometry>> geometries;

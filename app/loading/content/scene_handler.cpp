@@ -26,7 +26,7 @@ bool leads_back(const SceneHandler* outer, const Found& found, std::size_t max_d
 SceneHandler::SceneHandler(SceneContext& context, SceneUse use)
     : context_(context),
       use_(std::move(use)),
-      target_(context.loading, use_.role == Role::root,
+      target_(context.loading, use_.role == Role::root, use_.request.in_x3d,
               [this](bool with_references) {
                 length_unit_ = target_.scene()->x3d().unit("length");
                 attach();

@@ -92,7 +92,7 @@ class SceneHandler final : public ContentHandler, public std::enable_shared_from
     receiving,
     read_at_once,  // whole_file() has read the complete file
     ended,         // the file itself has ended
-    settled,  // the libraries that the file uses are loaded too
+    settled,       // the libraries that the file uses are loaded too
   };
   Stage stage_ = Stage::receiving;
 };

@@ -158,6 +158,7 @@ UrlRequest SceneReferences::request_of(NodeId id, vrml::MFString urls) const {
   request.type = node.type->name;
   request.file = node.text->file_name();
   request.location = node.location;
+  request.in_x3d = node.text->language() == vrml::Language::x3d;
   return request;
 }
 

@@ -74,7 +74,7 @@ class SceneReferences {
   std::uint32_t looked_at_ = 0;
   std::vector<vrml::NodeId> later_;  // nodes to visit again, because fields are incomplete
   std::vector<std::shared_ptr<SceneHandler>> inlines_;
-  std::unordered_set<std::uint32_t> open_;  // indices of nodes with incomplete fields
+  std::unordered_set<std::uint32_t> open_;                     // indices of nodes with incomplete fields
   std::unordered_map<std::uint32_t, vrml::NodeId> fallbacks_;  // PROTO instances, by index of the new QNV node
 };
 

@@ -22,14 +22,16 @@ class SceneTarget {
   enum class Content : std::uint8_t { whole, cut_short, refused };
 
   /// Creates a target. `nodes_added` is called after nodes were added; with true, their urls are fetched.
-  SceneTarget(Loading& loading, bool is_root, std::function<void(bool)> nodes_added)
-      : loading_(loading), is_root_(is_root), nodes_added_(std::move(nodes_added)) {}
+  /// `in_x3d` is true for the content of an Inline in an X3D text.
+  SceneTarget(Loading& loading, bool is_root, bool in_x3d, std::function<void(bool)> nodes_added)
+      : loading_(loading), is_root_(is_root), in_x3d_(in_x3d), nodes_added_(std::move(nodes_added)) {}
 
   /// Begins with an empty scene.
   void begin(const Found& found);
   void replace_scene(std::unique_ptr<vrml::SceneGraph> scene);
   [[nodiscard]] Loading& loading() const { return loading_; }
   [[nodiscard]] const Found& found() const { return found_; }
+  [[nodiscard]] bool in_x3d() const { return in_x3d_; }
   /// Returns the scene, or null before it begins. After the hand-over it is only an identity.
   [[nodiscard]] vrml::SceneGraph* scene() const { return read_scene_.get(); }
   [[nodiscard]] ReadScene& read_scene() { return read_scene_; }
@@ -55,7 +57,7 @@ class SceneTarget {
 
  private:
   Loading& loading_;
-  bool is_root_;
+  bool is_root_, in_x3d_;
   std::function<void(bool)> nodes_added_;
   Found found_;
   ReadScene read_scene_;

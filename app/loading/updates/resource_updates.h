@@ -29,9 +29,9 @@ struct ResourceUpdates {
     std::shared_ptr<const render::Image> image;  // null if the image is unavailable
   };
   struct Content {
-    Place place;  // the Inline
+    Place place;                                // the Inline
     std::shared_ptr<vrml::SceneGraph> content;  // null if the content is unavailable
-    render::MeshCache meshes;  // meshes of the nodes in `content`
+    render::MeshCache meshes;                   // meshes of the nodes in `content`
   };
   struct Prototypes {
     vrml::SceneGraph* scene = nullptr;  // scene that owns the waiting types
@@ -39,7 +39,7 @@ struct ResourceUpdates {
     std::shared_ptr<vrml::SceneGraph> scene_held;
     std::vector<AwaitedPrototype> awaited;
     std::unique_ptr<vrml::SceneGraph> library;  // null if the library is unavailable
-    std::optional<std::string> why;  // reason why `library` is null; nullopt if already reported
+    std::optional<std::string> why;             // reason why `library` is null; nullopt if already reported
   };
   struct Outlines {
     Place place;  // the OutlineGroup
@@ -47,22 +47,22 @@ struct ResourceUpdates {
     std::shared_ptr<const vrml::SceneGraph> held;  // scene with the memory shares of the polygons
   };
   struct Geometry {
-    Place place;  // the QNV node
-    vrml::NodeId fallback;  // PROTO instance that the QNV node replaces, or null
+    Place place;                                      // the QNV node
+    vrml::NodeId fallback;                            // PROTO instance that the QNV node replaces, or null
     std::shared_ptr<const qnv::Geometry> geometry;    // null if the vectors are unavailable
     std::shared_ptr<const render::Image> image = {};  // texture for the vectors, or null
   };
   /// Sound or movie.
   struct Media {
     std::vector<Place> players;
-    std::shared_ptr<const MediaFile> media;  // null if the media file is unavailable
+    std::shared_ptr<const MediaFile> media;      // null if the media file is unavailable
     std::shared_ptr<const render::Image> image;  // first frame of a movie, or null
   };
   /// Text that a program requested: another program, or VRML nodes.
   struct Text {
     Place place;
-    std::optional<std::string> text;  // nullopt if the text is unavailable
-    std::string url;  // URL of the text
+    std::optional<std::string> text;                 // nullopt if the text is unavailable
+    std::string url;                                 // URL of the text
     std::shared_ptr<const vrml::TextSource> source;  // source of the text
   };
 
@@ -104,11 +104,12 @@ struct UrlRequest {
   vrml::NodeType* prototype = nullptr;
   vrml::MFString urls;
   std::shared_ptr<const vrml::TextSource> source;  // source of the text that contains the URLs
-  bool fetched = false;  // true if that text was read from a URL at run time
-  bool computed = false;  // true if a Script may have computed the URLs
-  bool refresh = false;   // loads the same URLs again, even if they were read before
-  std::string type, file;  // type of the node and file of its text, for messages
+  bool fetched = false;                            // true if that text was read from a URL at run time
+  bool computed = false;                           // true if a Script may have computed the URLs
+  bool refresh = false;                            // loads the same URLs again, even if they were read before
+  std::string type, file;                          // type of the node and file of its text, for messages
   SourceLocation location;
+  bool in_x3d = false;  // the node is in an X3D text
 };
 
 /// Shows vectors in a QNV node. The node's own transfer function overrides the stream's.

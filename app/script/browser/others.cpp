@@ -69,7 +69,7 @@ bool get_imported_node(JSContext* context, unsigned argc, JS::Value* vp) {
   std::string name;
   args.rval().setNull();
   if (!text_of_value(context, args.get(0), name)) return false;
-  const vrml::ImportedNode found = world.execution().imports().find(*world.calls().running().scene, name);
+  const vrml::ImportedNode found = world.execution().routes().imports().find(*world.calls().running().scene, name);
   if (!found.scene) return true;
   JSObject* const node = object_of_node(context, *found.scene, found.node);
   args.rval().setObjectOrNull(node);

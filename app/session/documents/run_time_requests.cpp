@@ -227,7 +227,10 @@ std::vector<UrlRequest> RunTimeRequests::take_url_requests() {
   watch_private_files();
   std::vector<UrlRequest> requests = gate_.take_url_requests();
   std::erase_if(requests, [&](const UrlRequest& one) { return is_stale(one.place); });
-  for (UrlRequest& one : requests) one.node = &one.place.scene->node(one.place.node);
+  for (UrlRequest& one : requests) {
+    one.node = &one.place.scene->node(one.place.node);
+    one.in_x3d = one.node->text->language() == vrml::Language::x3d;
+  }
   requests.insert(requests.end(), std::make_move_iterator(url_requests_.begin()),
                   std::make_move_iterator(url_requests_.end()));
   url_requests_.clear();

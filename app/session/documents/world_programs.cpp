@@ -96,12 +96,12 @@ ScriptRunner::Evaluation WorldPrograms::evaluate(const vrml::SceneGraph& scene, 
     }
     script = console_;
   }
-  execution_.begin_update();
-  execution_.end_update();  // starts Scripts that were added since the last event
+  execution_.cascade().begin_update();
+  execution_.cascade().drain();  // starts Scripts that were added since the last event
   if (!runner_) return {"this world has no Script engine", true};
-  execution_.begin_update();
+  execution_.cascade().begin_update();
   ScriptRunner::Evaluation result = runner_->evaluate(*of, script, line);
-  execution_.end_update();
+  execution_.cascade().drain();
   return result;
 }
 

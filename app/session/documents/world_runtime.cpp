@@ -28,7 +28,7 @@ double world_time() {
 WorldRuntime::WorldRuntime(LoadedWorld& world, render::MeshCache& meshes)
     : world_(world), meshes_(meshes), execution_(*world.scene) {
   execution_.lifetime().observe_removal([this](vrml::SceneGraph& scene, vrml::NodeId node) { forget(scene, node); });
-  execution_.imports().report(world_.diagnostics);
+  execution_.routes().imports().report(world_.diagnostics);
   note_loaded();
 }
 
@@ -115,7 +115,7 @@ void WorldRuntime::show_content(ResourceUpdates::Content&& update) {
   refresh_.note_scene(*update.content);
   scene.inlines().attach(update.place.node, std::move(update.content));
   execution_.scenes().attach(scene);
-  execution_.imports().report(world_.diagnostics);
+  execution_.routes().imports().report(world_.diagnostics);
   programs_.start();
   execution_.changes().mark_content(scene, update.place.node);
 }

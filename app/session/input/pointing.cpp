@@ -8,6 +8,15 @@
 #include <utility>
 
 namespace gs::app {
+namespace {
+
+PickOptions options_at(const View& seen, const LayerSight& sight, const glm::vec2& pixel) {
+  PickOptions options = pick_options(seen, sight.place.size());
+  options.overlay_line = overlay_line(sight.pose, sight.place.inside(pixel), sight.place.size());
+  return options;
+}
+
+}  // namespace
 
 // Returns the layer of a world that the pointer meets: the front one that it hits; while a sensor has grabbed the
 // pointer, the layer of that sensor.
@@ -22,7 +31,7 @@ LayerSight Pointing::sight_of(const View& seen, const Viewport& place) {
     if (held || i + 1 == sights.size()) break;
     const glm::vec2 size = sight.place.size();
     const Ray ray = ray_through(sight.pose, sight.place.inside(pointer_), size);
-    if (picker_.pick(*sight.list, ray, pick_options(seen, size))) break;
+    if (picker_.pick(*sight.list, ray, options_at(seen, sight, pointer_))) break;
   }
   held_layer_ = behind.index;
   return behind;
@@ -39,8 +48,13 @@ bool Pointing::point_at_world(std::size_t pane, bool down) {
   (void)seen->document->runtime->step(step_.now);
   (void)follow_world(*seen);
   const LayerSight sight = sight_of(*seen, place);
-  (void)point(execution, picker_, *sight.list, sight_line(sight.pose, sight.place.inside(pointer_), sight.place.size()),
-              down, pick_options(*seen, sight.place.size()));
+  PickOptions options = options_at(*seen, sight, pointer_);
+  options.holds_overlay = held_overlay_;
+  const bool held = execution.pointing().pointed_at().active;
+  const std::optional<Hit> hit =
+      point(execution, picker_, *sight.list, sight_line(sight.pose, sight.place.inside(pointer_), sight.place.size()),
+            down, options);
+  if (!held) held_overlay_ = hit && !hit->splat && sight.list->items[hit->item].overlay;
   pane_ = pane;
   links_.follow_anchors(pane);
   return execution.pointing().pointed_at().active;
@@ -115,7 +129,7 @@ std::optional<Pointing::Picked> Pointing::pick_at(const glm::vec2& pixel) {
       if (!layer.place.contains(pixel)) continue;
       const glm::vec2 size = layer.place.size();
       const Ray ray = ray_through(layer.pose, layer.place.inside(pixel), size);
-      if (const std::optional<Hit> hit = picker_.pick(*layer.list, ray, pick_options(*seen, size)))
+      if (const std::optional<Hit> hit = picker_.pick(*layer.list, ray, options_at(*seen, layer, pixel)))
         return Picked{sight[i], path_of(*layer.list, *hit)};
     }
     return std::nullopt;

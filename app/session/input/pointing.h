@@ -82,6 +82,7 @@ class Pointing {
   bool moved_ = false;               // the viewer moved since the sensors were updated
   bool sensor_has_pointer_ = false;
   std::size_t held_layer_ = LayerSight::kActive;  // layer of the sensor that has grabbed the pointer
+  bool held_overlay_ = false;                     // that sensor belongs to an overlay
   struct HeldSensor {
     vrml::NodePlace sensor;
     render::SightLine line;

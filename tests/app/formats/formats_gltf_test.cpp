@@ -298,6 +298,53 @@ TEST_CASE("reads textures by name, from a data URL and from a buffer") {
   CHECK(with(R"("bufferView":99)").diagnostics.errors() == 1);
 }
 
+TEST_CASE("keeps materials and maps of glTF as PhysicalMaterials in X3D worlds (X3D 12.4.6)") {
+  Asset asset = square_asset();
+  const int uv = asset.accessor(bytes_of_values<float>({0, 0, 1, 0, 1, 0.25f, 0, 1}), 5126, 4, "VEC2");
+  const std::string primitive =
+      R"("attributes":{"POSITION":0,"TEXCOORD_0":)" + std::to_string(uv) + R"(},"indices":1,"material":0)";
+  const auto with = [&](const std::string& material) {
+    Import import("glTF");
+    import.for_x3d = true;
+    return imported(import,
+                    bytes_of(asset.json(scene_of(primitive, R"("materials":[{)" + material +
+                                                                R"(}],"textures":[{"source":0},{"source":1}],)"
+                                                                R"("images":[{"uri":"a.png"},{"uri":"b.png"}])"))));
+  };
+  const Imported result = with(
+      R"("pbrMetallicRoughness":{"baseColorFactor":[1,0.2140411,0,0.25],"metallicFactor":0.5,"roughnessFactor":0.75,)"
+      R"("metallicRoughnessTexture":{"index":1}},"normalTexture":{"index":0,"scale":2},)"
+      R"("occlusionTexture":{"index":1,"strength":0.5},"emissiveTexture":{"index":0,"texCoord":1},)"
+      R"("emissiveFactor":[0,0,1],"alphaMode":"MASK","alphaCutoff":0.25)");
+  CHECK(result.diagnostics.errors() == 0);
+  CHECK(result.messages().find("the emissiveTexture with texture coordinates of its own is left out") !=
+        std::string::npos);
+  CHECK(result.all("Material").empty());
+  const auto material = result.only("PhysicalMaterial");
+  const gs::vrml::SceneGraph& scene = *result.scene;
+  CHECK(scene.get<Color>(material, "baseColor").g == Approx(0.5).margin(1e-4));
+  CHECK(scene.get<Color>(material, "emissiveColor") == Color{0, 0, 1});
+  CHECK(scene.get<float>(material, "metallic") == 0.5f);
+  CHECK(scene.get<float>(material, "roughness") == 0.75f);
+  CHECK(scene.get<float>(material, "normalScale") == 2);
+  CHECK(scene.get<float>(material, "occlusionStrength") == 0.5f);
+  CHECK(scene.get<float>(material, "transparency") == 0.75f);
+  const auto url = [&](const char* field) {
+    const auto texture = scene.get<SFNode>(material, field);
+    return texture ? scene.get<MFString>(texture, "url")[0].str() : "";
+  };
+  CHECK(url("baseTexture").empty());
+  CHECK(url("normalTexture") == "a.png");
+  CHECK(url("metallicRoughnessTexture") == "b.png");
+  CHECK(url("occlusionTexture") == "b.png");
+  CHECK(url("emissiveTexture").empty());
+  const auto appearance = result.only("Appearance");
+  CHECK(scene.get<gs::vrml::SFString>(appearance, "alphaMode").str() == "MASK");
+  CHECK(scene.get<float>(appearance, "alphaCutoff") == 0.25f);
+  CHECK(result.values<gs::vrml::MFVec2f>(result.only("TextureCoordinate"), "point").size() == 4);
+  CHECK(with(R"("extensions":{"KHR_materials_unlit":{}})").all("PhysicalMaterial").empty());
+}
+
 TEST_CASE("converts cameras to Viewpoints") {
   const Imported result = gltf(
       R"({"asset":{"version":"2.0"},"nodes":[{"camera":0,"translation":[0,0,5]},{"camera":1},{"camera":2},{"camera":9}],)"

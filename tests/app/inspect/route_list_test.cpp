@@ -32,9 +32,9 @@ struct Routed {
   }
   void set(const char* name, const char* event, float value) {
     const NodeAt at = node(name);
-    execution.begin_update();
+    execution.cascade().begin_update();
     CHECK(execution.cascade().post(*at.scene, at.id, *at.scene->node(at.id).type->find_event_in(event), value));
-    execution.end_update();
+    execution.cascade().drain();
   }
 
   LoadedWorld world;

@@ -12,9 +12,9 @@ using scripts::World;
 
 // Returns the value of a line, or "! " and its error.
 std::string evaluate(World& world, const char* script, const std::string& line) {
-  world.execution().begin_update();
+  world.execution().cascade().begin_update();
   const ScriptRunner::Evaluation made = world.runner().evaluate(world.scene(), world.node(script), line);
-  world.execution().end_update();
+  world.execution().cascade().drain();
   return (made.failed ? "! " : "") + made.text;
 }
 

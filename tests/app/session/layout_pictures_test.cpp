@@ -141,6 +141,23 @@ TEST_CASE("draws a LayoutGroup of a scene in front of it, also with an OrthoView
   }
 }
 
+TEST_CASE("clips volumes and shapes to all four edges of a Viewport (X3D 35.4.4)") {
+  constexpr std::array<int, 3> kWhite{255, 255, 255};
+  const std::string volume =
+      "Transform { translation 0 0 -5 children VolumeData { dimensions 40 40 1 voxels PixelTexture3D { image [ 1 2 2 2 "
+      "255 255 255 255 255 255 255 255 ] } } } ";
+  const std::string part = "Viewport { clipBoundary [ 0.125 0.75 0.25 0.875 ] ";
+  const std::string layout = "LayoutGroup { viewport " + part + "} children ";
+  for (const char* viewpoint : {"Viewpoint { }", "OrthoViewpoint { }", "Viewpoint { orientation 0.6 0.8 0 0.2 }"}) {
+    INFO(viewpoint);
+    const std::string before = "NavigationInfo { headlight FALSE } " + std::string(viewpoint) + " ";
+    CHECK(Picture(before + layout + volume + "}", {160, 96}).box_of(kWhite) == Box{20, 24, 119, 83});
+    CHECK(Picture(before + part + "children " + volume + "}", {160, 96}).box_of(kWhite) == Box{20, 24, 119, 83});
+    CHECK(Picture(before + part + "children " + rectangle("0 1 0", "90 90") + "}", {160, 96}).box_of(kGreen) ==
+          Box{20, 24, 119, 83});
+  }
+}
+
 TEST_CASE("draws Text with a ScreenFontStyle with the same height in pixels at any distance (X3D 36.4.5)") {
   const auto height = [](const std::string& where, glm::ivec2 size, double pixels_per_point) {
     ViewStyle style;

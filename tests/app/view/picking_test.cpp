@@ -79,6 +79,29 @@ const Ray kAhead{{0, 0, 0}, {0, 0, -1}};
 
 }  // namespace
 
+TEST_CASE("picks overlays in perspective also in a parallel projection") {
+  Pose pose;
+  pose.position = {0, 0, 10};
+  pose.field_of_view = glm::radians(90.0f);
+  pose.height = 40;
+  render::RenderList list =
+      list_of({glm::translate(glm::mat4(1), {16, 0, 0}), glm::translate(glm::mat4(1), {8, 0, 0})});
+  list.items[1].overlay = list.overlays = true;
+  const glm::dvec2 size{200, 200}, pixel{180, 100};  // 0.8 of half the picture
+  const render::SightLine line = sight_line(pose, pixel, size);
+  CHECK(Picker().pick(list, line)->item == 0);
+  PickOptions options;
+  options.overlay_line = overlay_line(pose, pixel, size);
+  const auto hit = Picker().pick(list, line, options);
+  REQUIRE(hit);
+  CHECK(hit->item == 1);
+  CHECK(hit->point.x == Approx(8));
+  options.overlay_line = overlay_line(pose, {20, 100}, size);
+  CHECK(Picker().pick(list, sight_line(pose, {180, 100}, size), options)->item == 0);
+  pose.height = 0;
+  CHECK_FALSE(overlay_line(pose, pixel, size));
+}
+
 TEST_CASE("picks overlays first, which never collide") {
   render::RenderList list = list_of({at(0), at(-3), at(-5)});
   list.items[1].overlay = list.items[2].overlay = true;

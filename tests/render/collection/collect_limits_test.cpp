@@ -1,4 +1,4 @@
-#include "render/collection/shape_resources.h"
+#include "render/collection/shapes/shape_resources.h"
 #include "render/scene/render_list.h"
 #include "tests/watched.h"
 #include "vrml/syntax/parser.h"

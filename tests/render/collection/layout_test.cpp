@@ -1,4 +1,4 @@
-#include "render/collection/screen.h"
+#include "render/collection/nodes/screen.h"
 
 #include "render/collection/render_scene.h"
 #include "vrml/scene/node_names.h"

@@ -1,4 +1,4 @@
-#include "render/collection/shape_layers.h"
+#include "render/collection/shapes/shape_layers.h"
 
 #include "render/collection/render_scene.h"
 #include "tests/render/x3d_scene.h"

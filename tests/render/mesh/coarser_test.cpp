@@ -1,5 +1,5 @@
 // Tests of primitives that are drawn small, with fewer triangles.
-#include "render/collection/shape_resources.h"
+#include "render/collection/shapes/shape_resources.h"
 #include "tests/render/drawing.h"
 #include "vrml/syntax/parser.h"
 

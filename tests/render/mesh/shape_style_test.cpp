@@ -219,6 +219,48 @@ TEST_CASE("draws the shape of a CADFace in its CADPart") {
   CHECK(glm::dvec3(list.items[0].world_from_node[3]) == glm::dvec3(1, 2, 3));
 }
 
+TEST_CASE("shows the children of a CADLayer of X3D 3 by its list `visible`") {
+  const auto items = [](const std::string& version, const std::string& visible) {
+    const auto scene = std::make_shared<vrml::SceneGraph>("layer.x3dv");
+    Diagnostics diagnostics;
+    (void)vrml::parse("#X3D V" + version + " utf8\nCADLayer { " + visible + " children [ " +
+                          "Transform { translation 1 0 0 children Shape { geometry Box { } } } "
+                          "Transform { translation 2 0 0 children Shape { geometry Box { } } } "
+                          "Transform { translation 3 0 0 children Shape { geometry Box { } } } ] }",
+                      *scene, diagnostics);
+    CHECK(diagnostics.errors() == 0);
+    MeshCache meshes;
+    std::multiset<double> places;
+    for (const DrawItem& item : collect(*scene, {}, meshes).items) places.insert(item.world_from_node[3].x);
+    return places;
+  };
+  CHECK(items("3.3", "") == std::multiset<double>{1, 2, 3});
+  CHECK(items("3.3", "visible [ TRUE FALSE TRUE ]") == std::multiset<double>{1, 3});
+  CHECK(items("3.0", "visible FALSE") == std::multiset<double>{2, 3});
+  CHECK(items("4.0", "visible FALSE").empty());
+  CHECK(items("4.0", "visible TRUE").size() == 3);
+}
+
+TEST_CASE("draws an imported node also where a group uses it") {
+  const auto outer = x3d_scene(
+      "DEF I Inline { } IMPORT I.Part Transform { translation 0 5 0 children USE Part } Shape { geometry Sphere { } }");
+  const auto collected = [&] {
+    MeshCache meshes;
+    return collect(*outer, {}, meshes);
+  };
+  CHECK(collected().items.size() == 1);
+  std::shared_ptr<vrml::SceneGraph> inner = x3d_scene(
+      "Shape { geometry Cone { } } DEF P Transform { translation 1 0 0 children Shape { geometry Box { } } } EXPORT P "
+      "AS "
+      "Part");
+  outer->inlines().attach(outer->roots()[0], inner);
+  const RenderList list = collected();
+  REQUIRE(list.items.size() == 4);
+  std::multiset<std::pair<double, double>> places;
+  for (const DrawItem& item : list.items) places.emplace(item.world_from_node[3].x, item.world_from_node[3].y);
+  CHECK(places == std::multiset<std::pair<double, double>>{{0, 0}, {0, 0}, {1, 0}, {1, 5}});
+}
+
 TEST_CASE("draws the box of a node with bboxDisplay") {
   const RenderList list =
       x3d_list("Transform { translation 1 0 0 bboxDisplay TRUE children Shape { geometry Box {} } }");

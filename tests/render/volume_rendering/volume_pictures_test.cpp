@@ -51,6 +51,33 @@ struct Pictures {
 
 }  // namespace
 
+TEST_CASE("casts shadows of voxels on others if a ShadedVolumeStyle asks for them (X3D 41.4.10)") {
+  Pictures pictures;
+  // A slab above a block; the light comes from above and from the viewer.
+  const std::string voxels = pixel_volume({8, 32, 32}, [](double, double y, double z) {
+    return y > 0.8 ? 255 : y < 0.4 && z < 0.7 ? 255 : 0;
+  });
+  const auto picture = [&](const std::string& style) {
+    return pictures.draw(
+        "NavigationInfo { headlight FALSE } DirectionalLight { direction 0 -1 -0.3 ambientIntensity 0.2 } "
+        "VolumeData { dimensions 2 2 2 voxels " +
+        voxels + " renderStyle " + style + " }");
+  };
+  const std::string shaded =
+      "ShadedVolumeStyle { lighting TRUE material Material { diffuseColor 1 1 1 ambientIntensity 0.1 } shadows ";
+  const Image plain = picture(shaded + "FALSE }"), shadowed = picture(shaded + "TRUE }");
+  const auto mean = [](const Image& image, std::uint32_t first, std::uint32_t last) {
+    double sum = 0;
+    for (std::uint32_t y = first; y < last; ++y)
+      for (std::uint32_t x = 28; x < 36; ++x) sum += pixel(image, x, y).x;
+    return sum / (8.0 * (last - first));
+  };
+  // Rows of the front of the block, and of the slab.
+  CHECK(mean(plain, 37, 45) > 20);
+  CHECK(mean(shadowed, 37, 45) < 0.5 * mean(plain, 37, 45));
+  CHECK(mean(shadowed, 20, 24) > 0.8 * mean(plain, 20, 24));
+}
+
 TEST_CASE("integrates the opacity of voxels along rays, per voxel (X3D 41.4.7)") {
   Pictures pictures;
   // Default: grey and opacity are the value. Two voxels of opacity a have 1 - (1 - a)^2.

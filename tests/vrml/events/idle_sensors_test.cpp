@@ -45,17 +45,17 @@ TEST_CASE("lets sensors rest that the viewer is outside of") {
   world.step(1);
   world.step(2);
   CHECK(world.take("isActive") == Lines{"1 Near.isActive TRUE"});
-  CHECK(world.execution().idle().count() == 1);
+  CHECK(world.execution().viewer().idle().count() == 1);
   CHECK(world.execution().next_time());  // the viewer may move in any step
   world.execution().viewer().set(viewer_place(100, 0, 0));
   world.step(3);
   CHECK(world.take("isActive") == Lines{"3 Near.isActive FALSE", "3 Far.isActive TRUE"});
   world.step(4);
-  CHECK(world.execution().idle().count() == 1);
+  CHECK(world.execution().viewer().idle().count() == 1);
   world.execution().viewer().set(viewer_place(50, 0, 0));
   world.step(5);
   world.step(6);
-  CHECK(world.execution().idle().count() == 2);
+  CHECK(world.execution().viewer().idle().count() == 2);
 }
 
 TEST_CASE("gives a resting sensor the exact times of the viewer's path (6.38)") {
@@ -63,7 +63,7 @@ TEST_CASE("gives a resting sensor the exact times of the viewer's path (6.38)") 
   world.start();
   world.execution().viewer().set(viewer_place(10, 0, 0));
   for (int i = 1; i < 5; ++i) world.step(i);
-  CHECK(world.execution().idle().count() == 1);
+  CHECK(world.execution().viewer().idle().count() == 1);
   world.execution().viewer().set(viewer_place(-10, 0, 0));
   world.step(5);  // passes the box
   world.step(6);
@@ -123,7 +123,7 @@ TEST_CASE("gives the events of calls in each step, for any movement of viewer, s
     }
     if (random() % 8 == 0) world.execution().viewer().set(viewer_place(place(random) * 2, place(random) / 4, 0));
     world.step(i / 8.0);
-    rests += static_cast<int>(world.execution().idle().count() > 1);
+    rests += static_cast<int>(world.execution().viewer().idle().count() > 1);
   }
   const Lines lines = world.take();
   CHECK(lines_of(lines, "P") == lines_of(lines, "Q"));
@@ -138,7 +138,7 @@ TEST_CASE("keeps the order of events among sensors that have rested") {
   world.start();
   world.execution().viewer().set(viewer_place(9, 0, 0));
   for (int i = 1; i < 4; ++i) world.step(i);
-  CHECK(world.execution().idle().count() == 8);
+  CHECK(world.execution().viewer().idle().count() == 8);
   world.send("P5.size", SFVec3f(2, 2, 1));
   world.send("P1.size", SFVec3f(2, 2, 1));
   (void)world.take();
@@ -155,7 +155,7 @@ TEST_CASE("never lets sensors rest below a Billboard or a singular Transform") {
       "ProximitySensor { size 2 2 2 } }");
   world.start();
   for (int i = 1; i < 5; ++i) world.step(i);
-  CHECK(world.execution().idle().count() == 0);
+  CHECK(world.execution().viewer().idle().count() == 0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   world.execution().viewer().set(viewer_place(nan, nan, nan));
   world.step(6);
@@ -168,7 +168,7 @@ TEST_CASE("rests rarely below a Transform that moves in each step") {
   for (int i = 1; i <= 200; ++i) {
     world.send("T.translation", SFVec3f(100 + static_cast<float>(i), 0, 0));
     world.step(i);
-    rests += static_cast<int>(world.execution().idle().count());
+    rests += static_cast<int>(world.execution().viewer().idle().count());
   }
   CHECK(rests > 0);
   CHECK(rests < 12);
@@ -183,7 +183,7 @@ TEST_CASE("evaluates a hundred thousand resting sensors within two milliseconds 
   World world(text);
   world.start();
   for (int i = 1; i < 3; ++i) world.step(i);
-  CHECK(world.execution().idle().count() == kSensors);
+  CHECK(world.execution().viewer().idle().count() == kSensors);
   const auto begin = std::chrono::steady_clock::now();
   for (int i = 0; i < kSteps; ++i) {
     world.execution().viewer().set(viewer_place(i, 0, 0));

@@ -1,5 +1,8 @@
 #include "vrml/events/execution.h"
+#include "vrml/printing/print_scene.h"
+#include "vrml/scene/imported_use.h"
 #include "vrml/syntax/parser.h"
+#include "vrml/syntax/scene_reader.h"
 
 #include <catch2/catch.hpp>
 
@@ -37,12 +40,12 @@ struct InlineWorld {
   void send(const SFVec3f& translation) {
     const NodeId from = root->roots()[1];
     REQUIRE(execution.send(*root, from, *root->node(from).type->find("translation"), translation));
-    execution.begin_update();
+    execution.cascade().begin_update();
   }
   [[nodiscard]] SFVec3f received() const { return root->get<SFVec3f>(root->roots()[2], "translation"); }
   [[nodiscard]] std::string said() {
     Diagnostics diagnostics;
-    execution.imports().report(diagnostics);
+    execution.routes().imports().report(diagnostics);
     std::string text;
     for (const Diagnostic& diagnostic : diagnostics.entries()) text += diagnostic.text() + "\n";
     return text;
@@ -56,13 +59,13 @@ TEST_CASE("routes events to and from the exported node of an Inline") {
   world.execution.start(1000);
   world.send({1, 2, 3});
   CHECK(world.received() == SFVec3f(0));
-  CHECK_FALSE(world.execution.imports().find(*world.root, "M").scene);
+  CHECK_FALSE(world.execution.routes().imports().find(*world.root, "M").scene);
   const auto inner = x3d_scene("DEF T Transform { } EXPORT T AS Mover");
   world.attach(inner);
   world.send({4, 5, 6});
   CHECK(inner->get<SFVec3f>(inner->roots()[0], "translation") == SFVec3f(4, 5, 6));
   CHECK(world.received() == SFVec3f(4, 5, 6));
-  const ImportedNode found = world.execution.imports().find(*world.root, "M");
+  const ImportedNode found = world.execution.routes().imports().find(*world.root, "M");
   CHECK(found.scene == inner.get());
   CHECK(found.node == inner->roots()[0]);
   CHECK(world.execution.routes().all().size() == 2);
@@ -119,10 +122,83 @@ TEST_CASE("does not send nodes to another file") {
   root->inlines().attach(root->roots()[0], inner);
   execution.scenes().attach(*root);
   Diagnostics diagnostics;
-  execution.imports().report(diagnostics);
+  execution.routes().imports().report(diagnostics);
   REQUIRE(diagnostics.entries().size() == 1);
   CHECK(diagnostics.entries()[0].text() ==
         "root.x3dv:4:1: error: ROUTE from MFNode 'children_changed' to MFNode 'set_children'; nodes cannot be sent to "
         "another file");
   CHECK(execution.routes().all().empty());
+}
+
+TEST_CASE("routes to the exported node of an Inline in each instance of a PROTO (X3D 4.4.6)") {
+  const auto root = x3d_scene(
+      "PROTO P [ inputOnly SFVec3f place ] { DEF T Transform { translation IS place children DEF I Inline { } } "
+      "ROUTE T.translation_changed TO M.set_translation IMPORT I.Mover AS M } "
+      "DEF A P { } DEF B P { }",
+      "root.x3dv");
+  Execution execution(*root);
+  execution.start(1000);
+  const auto inline_of = [&](std::size_t instance) {
+    return root->get<MFNode>(root->resolve(root->roots()[instance]), "children")[0];
+  };
+  const auto inner_a = x3d_scene("DEF T Transform { } EXPORT T AS Mover"),
+             inner_b = x3d_scene("DEF T Transform { } EXPORT T AS Mover");
+  root->inlines().attach(inline_of(0), inner_a);
+  root->inlines().attach(inline_of(1), inner_b);
+  execution.scenes().attach(*root);
+  const NodeId a = root->roots()[0];
+  REQUIRE(execution.send(*root, a, *root->node(a).type->find_event_in("place"), SFVec3f(1, 2, 3)));
+  CHECK(inner_a->get<SFVec3f>(inner_a->roots()[0], "translation") == SFVec3f(1, 2, 3));
+  CHECK(inner_b->get<SFVec3f>(inner_b->roots()[0], "translation") == SFVec3f(0));
+}
+
+TEST_CASE("uses an imported node between the children of a group, and prints its USE after the IMPORT") {
+  const std::string text =
+      "DEF T Transform { children DEF I Inline { } } IMPORT I.Mover AS M Transform { children USE M }";
+  const auto scene = x3d_scene(text);
+  CHECK_FALSE(find_imported(*scene, "M").scene);
+  const auto inner = x3d_scene("DEF T Transform { } EXPORT T AS Mover");
+  scene->inlines().attach(scene->get<MFNode>(scene->roots()[0], "children")[0], inner);
+  CHECK(find_imported(*scene, "M").scene == inner);
+  CHECK(find_imported(*scene, "M").node == inner->roots()[0]);
+  CHECK_FALSE(find_imported(*scene, "N").scene);
+  const std::string classic = printed_scene(*scene, {Grammar::x3d_classic});
+  CHECK(classic.find("USE M") != std::string::npos);
+  for (const Grammar grammar : {Grammar::x3d_classic, Grammar::x3d_xml, Grammar::x3d_json}) {
+    const std::string printed = printed_scene(*scene, {grammar});
+    CAPTURE(printed);
+    SceneGraph again("again");
+    Diagnostics diagnostics;
+    const auto reader = make_reader(grammar, again, diagnostics);
+    reader->push(printed);
+    (void)reader->finish();
+    CHECK(diagnostics.errors() == 0);
+    CHECK(printed_scene(again, {Grammar::x3d_classic}) == classic);
+  }
+  CHECK(printed_scene(*scene, {Grammar::vrml97}).find("USE M") == std::string::npos);
+  SceneGraph wrong("wrong");
+  Diagnostics diagnostics;
+  (void)parse("#X3D V3.3 utf8\nDEF I Inline { } IMPORT I.B AS M Shape { geometry USE M }", wrong, diagnostics);
+  CHECK(diagnostics.errors() == 1);
+}
+
+TEST_CASE("prints IMPORT in the body of a PROTO, with its ROUTEs") {
+  const std::string text =
+      "PROTO P [] { DEF T Transform { } DEF I Inline { } IMPORT I.Mover AS M ROUTE T.translation_changed TO "
+      "M.set_translation } P { }";
+  const auto scene = x3d_scene(text);
+  const std::string classic = printed_scene(*scene, {Grammar::x3d_classic});
+  for (const Grammar grammar : {Grammar::x3d_classic, Grammar::x3d_xml, Grammar::x3d_json}) {
+    const std::string printed = printed_scene(*scene, {grammar});
+    CAPTURE(printed);
+    SceneGraph again("again");
+    Diagnostics diagnostics;
+    const auto reader = make_reader(grammar, again, diagnostics);
+    reader->push(printed);
+    (void)reader->finish();
+    CHECK(diagnostics.errors() == 0);
+    CHECK(printed_scene(again, {Grammar::x3d_classic}) == classic);
+    REQUIRE(again.inlines().instance_routes().size() == 1);
+    CHECK(again.inlines().instance_routes()[0].to.name == "Mover");
+  }
 }

@@ -111,6 +111,38 @@ TEST_CASE("binds a node that is in two layers on the stack of each (X3D 35.2.2)"
   CHECK(top(2) == world.node("B"));
 }
 
+TEST_CASE("unbinds a node in the layer that it leaves, and keeps it bound in the other one (X3D 35.2.2)") {
+  X3DWorld world(
+      "LayerSet { activeLayer 1 order [ 1 2 ] layers [ DEF L Layer { children [ DEF A Viewpoint { position 0 0 1 } "
+      "DEF B Viewpoint { position 0 0 2 } ] } DEF M Layer { children [ USE A DEF C Fog { } ] } ] }");
+  world.start();
+  const auto top = [&](int layer) {
+    return world.execution().stacks().bound(built_in_node_type(NodeKind::viewpoint), layer).node;
+  };
+  world.send_at(1, "B.set_bind", SFBool{true});
+  world.send_at(2, "A.set_bind", SFBool{true});
+  (void)world.take("isBound");
+  world.send_at(3, "L.removeChildren", MFNode{world.node("A")});
+  CHECK(world.take("isBound") == Lines{"3 B.isBound TRUE"});  // A stays bound in layer 2
+  CHECK(top(1) == world.node("B"));
+  CHECK(top(2) == world.node("A"));
+  CHECK(world.execution().viewer().pose()[3].z == 2);
+  world.send_at(4, "M.removeChildren", MFNode{world.node("A")});
+  CHECK(world.take("isBound") == Lines{"4 A.isBound FALSE"});
+  CHECK_FALSE(top(2));
+}
+
+TEST_CASE("unbinds a node that moves from its layer to another one") {
+  X3DWorld world(
+      "LayerSet { activeLayer 1 order [ 1 2 ] layers [ DEF L Layer { children DEF A Viewpoint { } } DEF M Layer { "
+      "children Group { } } ] }");
+  world.start();
+  (void)world.take("isBound");
+  world.send_at(1, "M.addChildren", MFNode{world.node("A")});
+  world.send_at(2, "L.removeChildren", MFNode{world.node("A")});
+  CHECK(world.take("isBound") == Lines{"2 A.isBound FALSE"});
+}
+
 TEST_CASE("binds new types in each layer, even if another layer has bound one") {
   X3DWorld world(
       "LayerSet { activeLayer 2 order [ 1 2 ] layers [ Layer { children Fog { } } "

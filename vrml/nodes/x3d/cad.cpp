@@ -86,8 +86,24 @@ constexpr X3DRow kCadX3DRows[] = {
      tessellate_quad_set},
 };
 
+// Types of X3D 3 that have other fields in X3D 4.
+constexpr X3DRow kFormerX3DRows[] = {
+    {"CADLayer", "CADGeometry", 2, "children", "X3DGroupingNode", Role::child | Role::grouping, NodeKind::group, R"(
+  eventIn      MFNode     addChildren  # X3DChildNode
+  eventIn      MFNode     removeChildren  # X3DChildNode
+  exposedField SFBool     bboxDisplay FALSE
+  exposedField MFNode     children []  # X3DChildNode
+  exposedField SFString   name ""
+  exposedField MFBool     visible []
+  field        SFVec3f    bboxCenter 0 0 0
+  field        SFVec3f    bboxSize -1 -1 -1
+)",
+     nullptr, &kGroupBehaviour},
+};
+
 }  // namespace
 
 std::span<const X3DRow> x3d_cad_rows() { return kCadX3DRows; }
+std::span<const X3DRow> x3d_former_rows() { return kFormerX3DRows; }
 
 }  // namespace gs::vrml

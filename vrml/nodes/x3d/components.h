@@ -12,6 +12,8 @@ namespace gs::vrml {
 [[nodiscard]] std::span<const X3DRow> x3d_core_rows();
 [[nodiscard]] std::span<const X3DRow> x3d_dis_rows();
 [[nodiscard]] std::span<const X3DRow> x3d_environment_rows();
+/// Returns the rows of types with other fields in X3D 3 than in X3D 4.
+[[nodiscard]] std::span<const X3DRow> x3d_former_rows();
 [[nodiscard]] std::span<const X3DRow> x3d_geometry_rows();
 [[nodiscard]] std::span<const X3DRow> x3d_geospatial_rows();
 [[nodiscard]] std::span<const X3DRow> x3d_h_anim_rows();

@@ -39,8 +39,9 @@ struct X3DStatements {
   /// End of a ROUTE from or to an imported node. The node's type is unknown until its Inline is loaded.
   struct RouteEnd {
     NodeId node;       // null for an imported node
-    std::string name;  // DEF name or imported name
+    std::string name;  // DEF name or imported name; for an imported node of a PROTO instance, its exported name
     std::string event;
+    NodeId inline_node{};  // for an imported node of a PROTO instance: the Inline in this instance
   };
   struct ImportedRoute {
     RouteEnd from, to;

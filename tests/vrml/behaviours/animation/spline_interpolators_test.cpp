@@ -9,7 +9,7 @@ namespace {
 
 // Sends a fraction to I, and returns the text of the value that it sends.
 std::string value_at(World& world, float fraction) {
-  world.execution().begin_update();
+  world.execution().cascade().begin_update();
   world.send("I.set_fraction", SFFloat{fraction});
   const Lines lines = world.take();
   if (lines.size() != 1) return "events: " + std::to_string(lines.size());

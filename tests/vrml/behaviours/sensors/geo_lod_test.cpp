@@ -87,7 +87,7 @@ TEST_CASE("loads the children of a GeoLOD again when the viewer comes back") {
   CHECK(world.take_at(3, "level") == Lines{"3 L.level_changed 0"});
   world.execution().lifetime().remove_content(world.scene(), first);
   world.step(4);
-  CHECK(world.execution().idle().count() == 1);
+  CHECK(world.execution().viewer().idle().count() == 1);
   (void)world.requested();
   world.look_from(5);
   CHECK(world.take_at(5, "level").empty());

@@ -88,7 +88,7 @@ TEST_CASE("lets a GeoProximitySensor rest while the viewer is far from it") {
   world.execution().viewer().set(viewer_above_equator(2000));
   world.start();
   for (int i = 1; i < 5; ++i) world.step(i);
-  CHECK(world.execution().idle().count() == 1);
+  CHECK(world.execution().viewer().idle().count() == 1);
   world.execution().viewer().set(viewer_above_equator(1000));
   CHECK(world.take_at(6, "isActive") == Lines{"6 P.isActive TRUE"});
 }
