@@ -1,9 +1,10 @@
-// Measures frames: `frame_bench [--backend NAME] [--frames N] [--size WxH] [--samples N] FILE...` prints, for each world,
-// triangles, items and draw calls of a frame (1024x768 with 4 samples). Then it prints the time of the first frame, which
-// uploads and compiles, and median times as a picture and as a window: at rest, while the viewer moves sideways by a
-// thousandth of the view, and this without cancellation. Of the latter it also prints the time until the frame has been
-// submitted, before the driver has drawn it. Milliseconds elapsed, and of the processor (all threads). The backend is
-// osmesa unless named. Worlds are loaded with Inlines, images and streams, and stand at their first moment.
+// Measures frames: `frame_bench [--backend NAME] [--frames N] [--size WxH] [--samples N] FILE...` prints, for each
+// world, triangles, items and draw calls of a frame (1024x768 with 4 samples). Then it prints the time of the first
+// frame, which uploads and compiles, and median times as a picture and as a window: at rest, while the viewer moves
+// sideways by a thousandth of the view, and this without cancellation. Of the latter it also prints the time until the
+// frame has been submitted, before the driver has drawn it. Milliseconds elapsed, and of the processor (all threads).
+// The backend is osmesa unless named. Worlds are loaded with Inlines, images and streams, and stand at their first
+// moment.
 #include "app/loading/world_loader.h"
 #include "bench/shared/open_gl.h"
 #include "render/collection/render_scene.h"
@@ -90,8 +91,8 @@ int main(int count, char** arguments) {
     world.gather({}, {0, 0, 10});
     render::Camera camera;
     if (world.list().viewpoints.empty()) {
-      camera = render::orbit_camera(world.list().bounds, 0, 0, 0.785398f,
-                                    static_cast<float>(draw.width), static_cast<float>(draw.height));
+      camera = render::orbit_camera(world.list().bounds, 0, 0, 0.785398f, static_cast<float>(draw.width),
+                                    static_cast<float>(draw.height));
     } else {
       camera.world_from_camera = world.list().viewpoints[0].world_from_camera;
       camera.field_of_view = world.list().viewpoints[0].field_of_view;

@@ -349,7 +349,8 @@ bool write_many_meshes(const std::filesystem::path& path) {
     } else {
       out.text(" children Shape { appearance USE Look").integer(i % 8);
     }
-    out.text(" geometry ElevationGrid { xDimension 11 zDimension 11 xSpacing 0.055 zSpacing 0.085 creaseAngle 3 height [");
+    out.text(
+        " geometry ElevationGrid { xDimension 11 zDimension 11 xSpacing 0.055 zSpacing 0.085 creaseAngle 3 height [");
     for (int point = 0; point < kSide * kSide; ++point) {
       const double x = column * 0.3 + point % kSide * 0.0275, z = row * 0.45 + point / kSide * 0.0425;
       out.text(" ").number(3 * Hills::height(x, z) + 0.1 * std::sin(i + point), 3);

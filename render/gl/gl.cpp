@@ -54,6 +54,8 @@ std::variant<Gl, ContextError> Gl::load(GlContext& context) {
         reinterpret_cast<PFNGLDRAWELEMENTSINSTANCEDBASEVERTEXBASEINSTANCEPROC>(
             context.proc_address("glDrawElementsInstancedBaseVertexBaseInstance"));
   if (version >= 43) {
+    gl.MultiDrawElementsIndirect =
+        reinterpret_cast<PFNGLMULTIDRAWELEMENTSINDIRECTPROC>(context.proc_address("glMultiDrawElementsIndirect"));
     gl.DispatchCompute = reinterpret_cast<PFNGLDISPATCHCOMPUTEPROC>(context.proc_address("glDispatchCompute"));
     gl.MemoryBarrier = reinterpret_cast<PFNGLMEMORYBARRIERPROC>(context.proc_address("glMemoryBarrier"));
     if (!gl.MemoryBarrier) gl.DispatchCompute = nullptr;

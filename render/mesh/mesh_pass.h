@@ -6,6 +6,7 @@
 #include "render/gl/light_sets.h"
 #include "render/gl/texture_store.h"
 #include "render/mesh/draw_pacer.h"
+#include "render/mesh/filled_spheres.h"
 #include "render/mesh/mesh_store.h"
 #include "render/mesh/visible_items.h"
 #include "render/scene/camera.h"
@@ -114,7 +115,7 @@ class MeshPass {
     std::array<glm::vec4, kMaxClipPlanes> camera_planes;
     CameraFog fog;
   };
-  using PackedState = std::array<std::uint64_t, 2>;
+  using PackedState = FilledSpheres::State;
   /// Texture with its parameters in this frame. Index 0 means no texture.
   struct TextureBinding {
     const TextureStore::Entry* entry = nullptr;
@@ -200,9 +201,13 @@ class MeshPass {
                                   Prepared& prepared);
   [[nodiscard]] bool find_glyphs();
   void merge_texts();
-  void add_text(const Prepared& prepared);
+  /// Merged text, and where its vertices and indices begin.
+  struct TextPlace {
+    std::uint32_t prepared;
+    std::size_t vertex, index;
+  };
+  void add_text(const TextPlace& place);
   [[nodiscard]] bool worth_own_program(unsigned variant, float radius, float depth, const View& view) const;
-  [[nodiscard]] std::uint32_t layer_of(const glm::vec3& center, float radius, const PackedState& state);
   [[nodiscard]] std::uint32_t texture_number(const TextureUse& use, const TextureStore::Entry& entry);
   [[nodiscard]] bool has_style(const DrawItem& item) const;
   [[nodiscard]] std::uint32_t style_number(const DrawItem& item, GLenum primitive);
@@ -214,6 +219,8 @@ class MeshPass {
   void draw_edges(const Projection& projection, DrawPacer& pacer);
   void batch(std::span<const SortKey> order, std::size_t first_instance);
   void draw_batches(const Projection& projection, FrameStatistics& statistics, DrawPacer& pacer);
+  [[nodiscard]] std::size_t run_end(std::size_t first) const;
+  void draw_run(std::span<const Batch> run, FrameStatistics& statistics, DrawPacer& pacer);
   void draw_transparent(const Projection& projection, GLenum polygon_mode, FrameStatistics& statistics,
                         DrawPacer& pacer, bool marked);
   bool begin_volumes(const RenderList& list, const Camera& camera, const Projection& projection,
@@ -239,27 +246,23 @@ class MeshPass {
   std::vector<Prepared> prepared_;
   std::vector<SortKey> opaque_, transparent_;
   std::vector<Batch> batches_;
+  std::vector<MeshStore::Command> commands_;
   std::vector<Instance> instances_;
   std::vector<std::uint32_t> sorted_indices_;
   // Vertices and indices of merged texts. Only the counted elements belong to this frame. The vectors are never
   // cleared, because resizing them would fill them with zeros.
   std::vector<MeshStore::StreamedVertex> text_vertices_;
   std::vector<std::uint32_t> text_indices_;
+  std::vector<TextPlace> text_places_;
   std::size_t text_vertex_count_ = 0, text_index_count_ = 0;
   std::vector<MeshStore::Slice> text_slices_;  // one slice per run of merged texts in opaque_
   std::vector<std::pair<float, std::uint32_t>> triangle_depths_;
   std::vector<TextureBinding> texture_bindings_;
   std::map<std::pair<const LayeredMaterial*, std::size_t>, std::uint32_t> layered_numbers_;  // in texture_bindings_
   std::vector<StyleBinding> styles_;
-  std::vector<VolumeCaster::Cast> casts_;  // volumes of the frame
+  std::vector<VolumeCaster::Cast> casts_;                                  // volumes of the frame
   std::unordered_multimap<std::uint32_t, std::uint32_t> binding_numbers_;  // by TextureStore::Entry::order
-  struct Filled {                                                          // Sphere of an opaque item, for layer_of().
-    glm::vec3 center;
-    float radius;
-    PackedState state;
-    std::uint32_t layer;
-  };
-  std::unordered_multimap<std::uint64_t, Filled> filled_;  // by a hash of centre and radius
+  FilledSpheres filled_;                                                   // of the opaque items
   std::shared_ptr<const Image> glyph_picture_;
   const TextureStore::Entry* glyphs_ = nullptr;  // texture of the glyphs; null before its first use
   bool several_samples_ = false;
