@@ -260,9 +260,9 @@ class MeshPass {
   std::vector<TextureBinding> texture_bindings_;
   std::map<std::pair<const LayeredMaterial*, std::size_t>, std::uint32_t> layered_numbers_;  // in texture_bindings_
   std::vector<StyleBinding> styles_;
-  std::vector<VolumeCaster::Cast> casts_;                                  // volumes of the frame
+  std::vector<VolumeCaster::Cast> casts_;  // volumes of the frame
   std::unordered_multimap<std::uint32_t, std::uint32_t> binding_numbers_;  // by TextureStore::Entry::order
-  FilledSpheres filled_;                                                   // of the opaque items
+  FilledSpheres filled_;  // of the opaque items
   std::shared_ptr<const Image> glyph_picture_;
   const TextureStore::Entry* glyphs_ = nullptr;  // texture of the glyphs; null before its first use
   bool several_samples_ = false;

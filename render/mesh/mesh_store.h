@@ -43,9 +43,9 @@ class MeshStore {
     GLenum primitive = GL_TRIANGLES;
     bool normals = false, colors = false, texture_coordinates = false, opacities = false, fog_depths = false;
     std::uint8_t coordinate_sets = 0;  // number of vrml::Mesh::coordinate_sets
-    bool streamed = false;             // data is in the buffers of set_streamed(), not in a page
-    bool sorted = false;               // first_index is an index in the sorted indices, not in the page
-    glm::vec3 origin{0};               // origin of its positions; see local_origin()
+    bool streamed = false;  // data is in the buffers of set_streamed(), not in a page
+    bool sorted = false;  // first_index is an index in the sorted indices, not in the page
+    glm::vec3 origin{0};  // origin of its positions; see local_origin()
   };
 
   explicit MeshStore(const Gl& gl);
