@@ -9,7 +9,7 @@ namespace {
 constexpr std::uint32_t kMaxLayers = 8;
 constexpr std::size_t kMaxBuckets = std::size_t{1} << 22;
 
-/// Returns a hash whose upper bits depend on all bits of the sphere.
+/// Returns a hash of a sphere. All bits of the sphere influence its upper bits.
 std::uint64_t hash_of(const glm::vec3& center, float radius) {
   const auto bits = [](float value) { return std::uint64_t{std::bit_cast<std::uint32_t>(value)}; };
   const std::uint64_t place = bits(center.x) * 0x9E3779B97F4A7C15u ^ bits(center.y) << 32 ^ bits(center.z);
