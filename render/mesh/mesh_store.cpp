@@ -90,7 +90,8 @@ glm::vec3 local_origin(const Box& bounds) {
   return away > kFar * extent && std::isfinite(away) ? center : glm::vec3(0);
 }
 
-MeshStore::MeshStore(const Gl& gl) : gl_(gl), instances_(make_buffer(gl)), sorted_indices_(make_buffer(gl)), commands_(make_buffer(gl)) {
+MeshStore::MeshStore(const Gl& gl)
+    : gl_(gl), instances_(make_buffer(gl)), sorted_indices_(make_buffer(gl)), commands_(make_buffer(gl)) {
   // Colour of meshes without colours: w is 0. Arrays of three components have w = 1, those of four 2 + alpha.
   gl.VertexAttrib4f(kColor, 0, 0, 0, 0);
   gl.VertexAttrib4f(kFogDepth, -1, 0, 0, 0);
