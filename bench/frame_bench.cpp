@@ -1,12 +1,14 @@
-// Measures frames of software rendering: `frame_bench [--frames N] [--size WxH] [--samples N] FILE...` prints, for each
-// world, triangles, items and draw calls of a frame (1024x768 with 4 samples), and median times as a picture and as a
-// window: at rest, and while the viewer moves sideways by a thousandth of the view. Milliseconds elapsed, and of the
-// processor (all threads). Worlds are loaded with Inlines, images and streams, and stand at their first moment.
+// Measures frames: `frame_bench [--backend NAME] [--frames N] [--size WxH] [--samples N] FILE...` prints, for each
+// world, triangles, items and draw calls of a frame (1024x768 with 4 samples). Then it prints the time of the first
+// frame, which uploads and compiles, and median times as a picture and as a window: at rest, while the viewer moves
+// sideways by a thousandth of the view, and this without cancellation. Of the latter it also prints the time until the
+// frame has been submitted, before the driver has drawn it. Milliseconds elapsed, and of the processor (all threads).
+// The backend is osmesa unless named. Worlds are loaded with Inlines, images and streams, and stand at their first
+// moment.
 #include "app/loading/world_loader.h"
+#include "bench/shared/open_gl.h"
 #include "render/collection/render_scene.h"
 #include "render/draw/renderer.h"
-#include "render/gl/context.h"
-#include "render/gl/gl.h"
 
 #include <glm/glm.hpp>
 
@@ -32,6 +34,15 @@ double processor_milliseconds() {
   return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
 }
 
+double milliseconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
 /// Returns median times of `draw`.
 template <class Draw>
 std::string measured(int frames, const Draw& draw) {
@@ -41,13 +52,11 @@ std::string measured(int frames, const Draw& draw) {
     const auto begin = std::chrono::steady_clock::now();
     const double busy = processor_milliseconds();
     draw(frame);
-    clock.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+    clock.push_back(milliseconds_since(begin));
     processor.push_back(processor_milliseconds() - busy);
   }
-  std::sort(clock.begin(), clock.end());
-  std::sort(processor.begin(), processor.end());
   char text[64];
-  std::snprintf(text, sizeof text, "%8.1f / %7.1f", clock[clock.size() / 2], processor[processor.size() / 2]);
+  std::snprintf(text, sizeof text, "%8.2f / %7.2f", median(clock), median(processor));
   return text;
 }
 
@@ -55,25 +64,25 @@ std::string measured(int frames, const Draw& draw) {
 
 int main(int count, char** arguments) {
   int frames = 20, first = 1;
+  std::string backend = "osmesa";
   render::DrawOptions draw;
   for (; first + 1 < count && arguments[first][0] == '-'; first += 2) {
     const char* const value = arguments[first + 1];
     const std::string_view name = arguments[first];
+    if (name == "--backend") backend = value;
     if (name == "--frames") frames = std::max(std::atoi(value), 1);
     if (name == "--samples") draw.samples = std::max(std::atoi(value), 1);
     if (name == "--size") (void)std::sscanf(value, "%dx%d", &draw.width, &draw.height);
   }
-  auto opened = render::open_headless_context("osmesa");
-  if (auto* error = std::get_if<render::ContextError>(&opened)) return std::fputs(error->message.c_str(), stderr), 1;
-  const auto context = std::move(std::get<std::unique_ptr<render::GlContext>>(opened));
-  auto created = render::Renderer::create(*context);
+  const bench::OpenGl opened(backend);
+  if (!opened.context) return 1;
+  auto created = render::Renderer::create(*opened.context);
   if (auto* error = std::get_if<render::ContextError>(&created)) return std::fputs(error->message.c_str(), stderr), 1;
   const auto renderer = std::move(std::get<std::unique_ptr<render::Renderer>>(created));
-  auto loaded = render::Gl::load(*context);
-  if (auto* error = std::get_if<render::ContextError>(&loaded)) return std::fputs(error->message.c_str(), stderr), 1;
-  const render::Gl& gl = std::get<render::Gl>(loaded);
-  std::printf("%-28s %9s %7s %7s %18s %18s %18s\n", "world, ms clock / processor", "triangles", "items", "calls",
-              "picture", "window", "window, moving");
+  const render::Gl& gl = opened.gl;
+  std::printf("%s\n", gl.renderer.c_str());
+  std::printf("%-24s %9s %7s %7s %8s %18s %18s %18s %18s %9s\n", "world, ms clock / processor", "triangles", "items",
+              "calls", "first", "picture", "window", "window, moving", "not cancellable", "submitted");
   for (int i = first; i < count; ++i) {
     const app::LoadedWorld loaded_world = app::load_world(arguments[i]);
     if (!loaded_world.scene) return std::fprintf(stderr, "%s: cannot be read\n", arguments[i]), 1;
@@ -82,8 +91,8 @@ int main(int count, char** arguments) {
     world.gather({}, {0, 0, 10});
     render::Camera camera;
     if (world.list().viewpoints.empty()) {
-      camera = render::orbit_camera(world.list().bounds, 0, 0, 0.785398f,
-                                    static_cast<float>(draw.width), static_cast<float>(draw.height));
+      camera = render::orbit_camera(world.list().bounds, 0, 0, 0.785398f, static_cast<float>(draw.width),
+                                    static_cast<float>(draw.height));
     } else {
       camera.world_from_camera = world.list().viewpoints[0].world_from_camera;
       camera.field_of_view = world.list().viewpoints[0].field_of_view;
@@ -97,6 +106,9 @@ int main(int count, char** arguments) {
     };
     look(0);
     render::FrameStatistics statistics;
+    const auto started = std::chrono::steady_clock::now();
+    (void)renderer->draw_to_image(world.list(), camera, draw, &statistics);
+    const double first_frame = milliseconds_since(started);
     const std::string picture =
         measured(frames, [&](int) { (void)renderer->draw_to_image(world.list(), camera, draw, &statistics); });
     draw.go_on = render::CancellationCheck{[] { return true; }};  // as in a window, where input cancels drawing
@@ -107,9 +119,20 @@ int main(int count, char** arguments) {
     };
     const std::string rest = measured(frames, [&](int) { window(0); });
     const std::string moving = measured(frames, window);
+    draw.go_on = {};
+    std::vector<double> submitted;
+    const std::string whole = measured(frames, [&](int frame) {
+      look(frame);
+      const auto begin = std::chrono::steady_clock::now();
+      (void)renderer->draw(world.list(), camera, draw);
+      submitted.push_back(milliseconds_since(begin));
+      gl.Finish();
+    });
     const std::string name = std::string(arguments[i]).substr(std::string(arguments[i]).find_last_of('/') + 1);
-    std::printf("%-28s %9zu %7zu %7zu %18s %18s %18s\n", name.c_str(), statistics.triangles, statistics.items,
-                statistics.draw_calls, picture.c_str(), rest.c_str(), moving.c_str());
+    std::printf("%-24s %9zu %7zu %7zu %8.1f %18s %18s %18s %18s %9.1f\n", name.c_str(), statistics.triangles,
+                statistics.items, statistics.draw_calls, first_frame, picture.c_str(), rest.c_str(), moving.c_str(),
+                whole.c_str(), median(submitted));
+    std::fflush(stdout);
   }
   return 0;
 }

@@ -1,7 +1,7 @@
 // bench_inputs DIR: writes the worlds that benchmarks read, with the same bytes in every run.
 //
-// Three height fields (long arrays of numbers), one of them also as X3D in XML and JSON, and four worlds of many small
-// objects that load different parts of a browser: names, nodes, sharing, PROTO instances, ROUTEs.
+// Three height fields (long arrays of numbers), one of them also as X3D in XML and JSON, and five worlds of many small
+// objects that load different parts of a browser: names, nodes, sharing, PROTO instances, ROUTEs, meshes.
 
 #include <algorithm>
 #include <array>
@@ -333,13 +333,41 @@ bool write_labels(const std::filesystem::path& path) {
   return out.finish();
 }
 
+/// Writes 20,000 Shapes in view, each with an own mesh of 200 triangles and one of 8 appearances.
+bool write_many_meshes(const std::filesystem::path& path) {
+  constexpr int kColumns = 200, kRows = 100, kSide = 11;
+  Writer out(path);
+  write_head(out, "0.05 0.05 0.1", "position 0 60 110 orientation 1 0 0 -0.5");
+  out.text("Group { children [\n");
+  for (int i = 0; i < kColumns * kRows; ++i) {
+    const int column = i % kColumns, row = i / kColumns;
+    out.text(" Transform { translation ").triple((column - 100) * 0.6, 0, (row - 50) * 0.9, 2);
+    if (i < 8) {
+      out.text(" children Shape { appearance DEF Look").integer(i);
+      out.text(" Appearance { material Material { diffuseColor ");
+      out.triple(0.3 + 0.1 * (i % 7), 0.9 - 0.1 * i, 0.2 + 0.3 * (i % 3), 2).text(" } }");
+    } else {
+      out.text(" children Shape { appearance USE Look").integer(i % 8);
+    }
+    out.text(
+        " geometry ElevationGrid { xDimension 11 zDimension 11 xSpacing 0.055 zSpacing 0.085 creaseAngle 3 height [");
+    for (int point = 0; point < kSide * kSide; ++point) {
+      const double x = column * 0.3 + point % kSide * 0.0275, z = row * 0.45 + point / kSide * 0.0425;
+      out.text(" ").number(3 * Hills::height(x, z) + 0.1 * std::sin(i + point), 3);
+    }
+    out.text(" ] } } }\n");
+  }
+  out.text("] }\n");
+  return out.finish();
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
   // A word that begins with "-" is an option, not the name of a folder.
   const std::string_view word = count == 2 ? arguments[1] : "";
   if (word.empty() || word.starts_with('-')) {
-    std::fputs("usage: bench_inputs DIR\nWrites nine worlds for the benchmarks into DIR.\n", stderr);
+    std::fputs("usage: bench_inputs DIR\nWrites ten worlds for the benchmarks into DIR.\n", stderr);
     return word == "--help" || word == "-h" ? 0 : 2;
   }
   const std::filesystem::path folder = arguments[1];
@@ -351,7 +379,8 @@ int main(int count, char** arguments) {
                     write_json_height_field(folder / "grid1m.x3dj", 708) &&
                     write_height_field(folder / "grid4m.wrl", 1415) &&  // 3,998,792
                     write_small_nodes(folder / "nodes20k.wrl") && write_prototypes(folder / "proto5k.wrl") &&
-                    write_routes(folder / "routes10k.wrl") && write_labels(folder / "labels10k.wrl");
+                    write_routes(folder / "routes10k.wrl") && write_labels(folder / "labels10k.wrl") &&
+                    write_many_meshes(folder / "shapes20k.wrl");
   if (!good) std::fprintf(stderr, "bench_inputs: cannot write into %s\n", folder.c_str());
   return good ? 0 : 1;
 }

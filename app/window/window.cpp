@@ -75,8 +75,6 @@ glm::vec2 pixels_per_unit(GLFWwindow* window) {
 
 GLFWwindow* create(const std::string& title, int width, int height) {
   glfwDefaultWindowHints();
-  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
-  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
 #ifdef __APPLE__
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);  // required there; elsewhere it would forbid wide lines
@@ -85,7 +83,12 @@ GLFWwindow* create(const std::string& title, int width, int height) {
   glfwWindowHint(GLFW_DEPTH_BITS, 0);
   glfwWindowHint(GLFW_STENCIL_BITS, 0);
   glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
-  return glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+  for (const render::GlVersion& version : render::kContextVersions) {
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, version.major);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, version.minor);
+    if (GLFWwindow* const window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr)) return window;
+  }
+  return nullptr;
 }
 
 }  // namespace

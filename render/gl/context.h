@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -23,6 +24,14 @@ class GlContext {
   /// Returns the name of the backend: "glfw", "egl" or "osmesa".
   [[nodiscard]] virtual std::string_view backend() const = 0;
 };
+
+struct GlVersion {
+  int major, minor;
+};
+
+/// Versions of OpenGL to request, in this order. Some drivers, such as NVIDIA's, give exactly the requested version,
+/// and with it no functions of later ones. 4.5 has all that the renderer uses, and 3.3 all that it requires.
+inline constexpr std::array<GlVersion, 3> kContextVersions{{{4, 5}, {4, 3}, {3, 3}}};
 
 struct ContextError {
   std::string message;

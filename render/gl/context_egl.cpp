@@ -72,14 +72,18 @@ class EglContext final : public GlContext {
   /// Creates the context and makes it current. Returns false if the display does not support OpenGL 3.3 core.
   [[nodiscard]] bool create() {
     constexpr std::array<Attribute, 5> kConfig{kRenderableType, kOpenglBit, kSurfaceType, 0, kNone};
-    constexpr std::array<Attribute, 7> kContext{
-        kContextMajorVersion, 3, kContextMinorVersion, 3, kContextProfileMask, kContextCoreProfileBit, kNone};
     Config config = nullptr;
     Attribute count = 0;
     if (!library_.bind_api(kOpenglApi) || !library_.choose_config(display_, kConfig.data(), &config, 1, &count))
       return false;
     // If no config matches, create the context without one (EGL_KHR_no_config_context).
-    context_ = library_.create_context(display_, count > 0 ? config : nullptr, nullptr, kContext.data());
+    for (const GlVersion& version : kContextVersions) {
+      const std::array<Attribute, 7> wanted{
+          kContextMajorVersion,   version.major, kContextMinorVersion, version.minor, kContextProfileMask,
+          kContextCoreProfileBit, kNone};
+      context_ = library_.create_context(display_, count > 0 ? config : nullptr, nullptr, wanted.data());
+      if (context_) break;
+    }
     return context_ && library_.make_current(display_, nullptr, nullptr, context_);
   }
   [[nodiscard]] bool draws_on_cpu() {

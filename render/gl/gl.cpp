@@ -53,6 +53,11 @@ std::variant<Gl, ContextError> Gl::load(GlContext& context) {
     gl.DrawElementsInstancedBaseVertexBaseInstance =
         reinterpret_cast<PFNGLDRAWELEMENTSINSTANCEDBASEVERTEXBASEINSTANCEPROC>(
             context.proc_address("glDrawElementsInstancedBaseVertexBaseInstance"));
+  // The commands of this call contain base instances.
+  if (version >= 43 ||
+      (gl.DrawElementsInstancedBaseVertexBaseInstance && has_extension(gl, "GL_ARB_multi_draw_indirect")))
+    gl.MultiDrawElementsIndirect = reinterpret_cast<PFNGLMULTIDRAWELEMENTSINDIRECTPROC>(
+        context.proc_address("glMultiDrawElementsIndirect"));
   if (version >= 43) {
     gl.DispatchCompute = reinterpret_cast<PFNGLDISPATCHCOMPUTEPROC>(context.proc_address("glDispatchCompute"));
     gl.MemoryBarrier = reinterpret_cast<PFNGLMEMORYBARRIERPROC>(context.proc_address("glMemoryBarrier"));

@@ -126,6 +126,8 @@ struct Gl {
 #undef GHOSTSPACE_GL_MEMBER
   /// OpenGL 4.2 or ARB_base_instance; null if missing.
   PFNGLDRAWELEMENTSINSTANCEDBASEVERTEXBASEINSTANCEPROC DrawElementsInstancedBaseVertexBaseInstance = nullptr;
+  /// OpenGL 4.3 or ARB_multi_draw_indirect; null if missing.
+  PFNGLMULTIDRAWELEMENTSINDIRECTPROC MultiDrawElementsIndirect = nullptr;
   /// OpenGL 4.5 or ARB_clip_control; null if missing.
   PFNGLCLIPCONTROLPROC ClipControl = nullptr;
   /// OpenGL 4.3. Either both of these functions are present or neither is.

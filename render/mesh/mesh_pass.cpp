@@ -266,7 +266,7 @@ void MeshPass::prepare_item(const DrawItem& item, const View& view) {
   state.cull = surface && item.mesh->solid && !view.open;
   state.mirrored = surface && mirrors(instance.camera_from_node);
   const std::uint64_t mesh = std::uint64_t{last_slice_->page} << 32 | last_slice_->order;
-  const std::uint32_t layer = transparent ? 0 : coincident_.layer_of(sphere.center, sphere.radius, state.packed());
+  const std::uint32_t layer = transparent ? 0 : filled_.layer_of(sphere.center, sphere.radius, state.packed());
   (transparent ? transparent_ : opaque_)
       .push_back({layer, state.packed(), mesh, depth, static_cast<std::uint32_t>(prepared_.size())});
   prepared_.push_back(prepared);
@@ -306,7 +306,6 @@ bool MeshPass::prepare(const RenderList& list, const View& view, bool overlays, 
   binding_numbers_.clear();
   layered_numbers_.clear();
   casts_.clear();
-  coincident_.clear();
   glyphs_ = nullptr;
   last_mesh_ = nullptr;
   last_slice_ = nullptr;
@@ -316,6 +315,7 @@ bool MeshPass::prepare(const RenderList& list, const View& view, bool overlays, 
   const auto* found =
       visible_.find(list, Frustum(camera_from_world, view.tangents, view.near_plane, view.far_plane, view.center));
   const std::size_t count = found ? found->size() : list.items.size();
+  filled_.begin(count);
   std::size_t asked_at = meshes_.uploaded();
   for (std::size_t i = 0; i < count; ++i) {
     if (const DrawItem& item = list.items[found ? (*found)[i] : i]; item.overlay == overlays) prepare_item(item, view);
@@ -333,9 +333,10 @@ bool MeshPass::prepare(const RenderList& list, const View& view, bool overlays, 
     return a.depth != b.depth ? a.depth > b.depth : a.prepared < b.prepared;
   });
   sort_triangles();
-  instances_.clear();
+  instances_.resize(opaque_.size() + transparent_.size());
+  auto instance = instances_.begin();
   for (const auto* order : {&opaque_, &transparent_})
-    for (const SortKey& key : *order) instances_.push_back(prepared_[key.prepared].instance);
+    for (const SortKey& key : *order) *instance++ = prepared_[key.prepared].instance;
   merge_texts();
   return true;
 }

@@ -5,8 +5,8 @@
 #include "render/gl/layer_textures.h"
 #include "render/gl/light_sets.h"
 #include "render/gl/texture_store.h"
-#include "render/mesh/coincident_items.h"
 #include "render/mesh/draw_pacer.h"
+#include "render/mesh/filled_spheres.h"
 #include "render/mesh/item_styles.h"
 #include "render/mesh/mesh_store.h"
 #include "render/mesh/visible_items.h"
@@ -115,7 +115,7 @@ class MeshPass {
     std::uint64_t generation_ = 0, dressed_ = 0;  // state of the list when bits_ was computed
     unsigned bits_ = 0;
   };
-  using PackedState = CoincidentItems::State;
+  using PackedState = FilledSpheres::State;
   /// Texture with its parameters in this frame. Index 0 means no texture.
   struct TextureBinding {
     const TextureStore::Entry* entry = nullptr;
@@ -202,13 +202,20 @@ class MeshPass {
                                   Prepared& prepared);
   [[nodiscard]] bool find_glyphs();
   void merge_texts();
-  void add_text(const Prepared& prepared);
+  /// Merged text, and where its vertices and indices begin.
+  struct TextPlace {
+    std::uint32_t prepared;
+    std::size_t vertex, index;
+  };
+  void add_text(const TextPlace& place);
   [[nodiscard]] bool worth_own_program(unsigned variant, float radius, float depth, const View& view) const;
   [[nodiscard]] std::uint32_t texture_number(const TextureUse& use, const TextureStore::Entry& entry);
   void sort_triangles();
   void draw_edges(const Projection& projection, DrawPacer& pacer);
   void batch(std::span<const SortKey> order, std::size_t first_instance);
   void draw_batches(const Projection& projection, FrameStatistics& statistics, DrawPacer& pacer);
+  [[nodiscard]] std::size_t run_end(std::size_t first) const;
+  void draw_run(std::span<const Batch> run, FrameStatistics& statistics, DrawPacer& pacer);
   void draw_transparent(const Projection& projection, GLenum polygon_mode, FrameStatistics& statistics,
                         DrawPacer& pacer, bool marked);
   void draw_first(const MeshStore::Slice& mesh, std::size_t& first, std::size_t& count, std::size_t primitives,
@@ -233,12 +240,14 @@ class MeshPass {
   std::vector<Prepared> prepared_;
   std::vector<SortKey> opaque_, transparent_;
   std::vector<Batch> batches_;
+  std::vector<MeshStore::Command> commands_;
   std::vector<Instance> instances_;
   std::vector<std::uint32_t> sorted_indices_;
   // Vertices and indices of merged texts. Only the counted elements belong to this frame. The vectors are never
   // cleared, because resizing them would fill them with zeros.
   std::vector<MeshStore::StreamedVertex> text_vertices_;
   std::vector<std::uint32_t> text_indices_;
+  std::vector<TextPlace> text_places_;
   std::size_t text_vertex_count_ = 0, text_index_count_ = 0;
   std::vector<MeshStore::Slice> text_slices_;  // one slice per run of merged texts in opaque_
   std::vector<std::pair<float, std::uint32_t>> triangle_depths_;
@@ -246,7 +255,7 @@ class MeshPass {
   std::map<std::pair<const LayeredMaterial*, std::size_t>, std::uint32_t> layered_numbers_;  // in texture_bindings_
   std::vector<VolumeCaster::Cast> casts_;                                                    // volumes of the frame
   std::unordered_multimap<std::uint32_t, std::uint32_t> binding_numbers_;  // by TextureStore::Entry::order
-  CoincidentItems coincident_;
+  FilledSpheres filled_;                                                   // of the opaque items
   std::shared_ptr<const Image> glyph_picture_;
   const TextureStore::Entry* glyphs_ = nullptr;  // texture of the glyphs; null before its first use
   bool several_samples_ = false;

@@ -118,10 +118,82 @@ void MeshPass::draw_slices(const MeshStore::Slice& mesh, std::size_t primitives,
   }
 }
 
-void MeshPass::draw_batches(const Projection& projection, FrameStatistics& statistics, DrawPacer& pacer) {
-  for (const Batch& batch : batches_) {
-    if (pacer.given_up()) return;
+/// Returns the end of the batches from `first` on that one call can draw: their states and pages are equal.
+std::size_t MeshPass::run_end(std::size_t first) const {
+  const auto joins = [&](const Batch& batch) {
     const Prepared& prepared = prepared_[batch.prepared];
+    return batch.merged == 0 && !prepared.slice->streamed;
+  };
+  const Batch& begin = batches_[first];
+  const bool sorted = prepared_[begin.prepared].sorted != kUnsorted;
+  const DrawState& state = prepared_[begin.prepared].state;
+  // Layers have uniforms of each mesh. The first draw of a program is measured alone.
+  if (!meshes_.draws_many() || (state.variant & kLayered) || !joins(begin)) return first + 1;
+  if (const auto used = programs_.find(state.variant); gl_.phases && (used == programs_.end() || !used->second.drawn))
+    return first + 1;
+  const GLenum primitive = prepared_[begin.prepared].slice->primitive;
+  std::size_t end = first + 1;
+  while (end < batches_.size() && batches_[end].page == begin.page && batches_[end].layer == begin.layer &&
+         batches_[end].state == begin.state && joins(batches_[end]) &&
+         prepared_[batches_[end].prepared].slice->primitive == primitive &&
+         (prepared_[batches_[end].prepared].sorted != kUnsorted) == sorted)
+    ++end;
+  return end;
+}
+
+/// Draws batches of equal states and pages with few calls: a call for each mesh takes a microsecond, and 20,000 take
+/// longer than a frame.
+void MeshPass::draw_run(std::span<const Batch> run, FrameStatistics& statistics, DrawPacer& pacer) {
+  const auto slice_of = [](const Prepared& prepared) {
+    MeshStore::Slice slice = *prepared.slice;
+    slice.sorted = prepared.sorted != kUnsorted;
+    if (slice.sorted) slice.first_index = prepared.sorted;
+    return slice;
+  };
+  const MeshStore::Slice any = slice_of(prepared_[run.front().prepared]);
+  const std::size_t corners = corners_of(any.primitive);
+  std::size_t gathered = 0;  // primitives of the commands
+  const auto flush = [&] {
+    if (commands_.empty()) return;
+    meshes_.draw_many(any, commands_);
+    ++statistics.draw_calls;
+    commands_.clear();
+    pacer.spend(std::exchange(gathered, 0));
+  };
+  commands_.clear();
+  for (const Batch& batch : run) {
+    const MeshStore::Slice slice = slice_of(prepared_[batch.prepared]);
+    const std::size_t primitives = std::max<std::size_t>(static_cast<std::size_t>(slice.index_count) / corners, 1);
+    const std::size_t count = std::min(batch.count, (kMaxPrimitives - primitives_) / primitives);
+    if (count == 0) continue;
+    primitives_ += primitives * count;
+    statistics.items += count;
+    if (corners == 3) statistics.triangles += primitives * count;
+    if (primitives * count > pacer.room() - std::min(gathered, pacer.room())) flush();
+    if (pacer.given_up()) return;
+    if (primitives * count > pacer.room()) {
+      draw_slices(slice, primitives, batch.first, count, pacer);
+      ++statistics.draw_calls;
+      continue;
+    }
+    gathered += primitives * count;
+    commands_.push_back({static_cast<GLuint>(slice.index_count), static_cast<GLuint>(count),
+                         static_cast<GLuint>(slice.first_index), slice.base_vertex, static_cast<GLuint>(batch.first)});
+  }
+  flush();
+}
+
+void MeshPass::draw_batches(const Projection& projection, FrameStatistics& statistics, DrawPacer& pacer) {
+  for (std::size_t i = 0; i < batches_.size(); ++i) {
+    if (pacer.given_up()) return;
+    const Batch& batch = batches_[i];
+    const Prepared& prepared = prepared_[batch.prepared];
+    if (const std::size_t end = run_end(i); end - i > 1) {
+      apply(prepared.state, projection);
+      draw_run(std::span(batches_).subspan(i, end - i), statistics, pacer);
+      i = end - 1;
+      continue;
+    }
     const std::size_t corners = corners_of(prepared.slice->primitive);
     const std::size_t primitives =
         std::max<std::size_t>(static_cast<std::size_t>(prepared.slice->index_count) / corners, 1);

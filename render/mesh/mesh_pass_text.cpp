@@ -1,3 +1,4 @@
+#include "base/parallel.h"
 #include "render/mesh/mesh_pass.h"
 #include "render/text/system_fonts.h"
 
@@ -64,21 +65,17 @@ bool MeshPass::prepare_text(const DrawItem& item, const glm::vec3& center, float
   for (int i = 0; i < 3; ++i) prepared.instance.base_color[i] = color[i];
   prepared.mesh = &mesh;
   prepared.origin = origin;
-  const std::uint32_t layer = coincident_.layer_of(center, radius, state.packed());
+  const std::uint32_t layer = filled_.layer_of(center, radius, state.packed());
   opaque_.push_back({layer, state.packed(), kMergedMesh, -center.z, static_cast<std::uint32_t>(prepared_.size())});
   prepared_.push_back(prepared);
   return true;
 }
 
-void MeshPass::add_text(const Prepared& prepared) {
+/// Writes the triangles of a text in camera space to its place in the vertices and indices.
+void MeshPass::add_text(const TextPlace& place) {
+  const Prepared& prepared = prepared_[place.prepared];
   const vrml::Mesh& mesh = *prepared.mesh;
-  const auto first = static_cast<std::uint32_t>(text_vertex_count_);
   const std::size_t count = mesh.positions.size(), corners = mesh.indices.size();
-  const auto room = [](auto& list, std::size_t size) {
-    if (list.size() < size) list.resize(std::max(size, 2 * list.size()));
-  };
-  room(text_vertices_, text_vertex_count_ + count);
-  room(text_indices_, text_index_count_ + corners);
   const glm::vec3* positions = mesh.positions.data();
   const glm::vec2* places = mesh.texture_coordinates.data();
   // Copy the row: the compiler must assume that writing floats changes members.
@@ -89,7 +86,7 @@ void MeshPass::add_text(const Prepared& prepared) {
   const glm::vec4 x = row(0), y = row(1), z = row(2);
   const auto& base = prepared.instance.base_color;
   const glm::vec3 color(base[0], base[1], base[2]), origin = prepared.origin;
-  MeshStore::StreamedVertex* to = text_vertices_.data() + first;
+  MeshStore::StreamedVertex* to = text_vertices_.data() + place.vertex;
   for (std::size_t i = 0; i < count; ++i, ++to) {
     const glm::vec3 p = positions[i] - origin;
     *to = {{x.x * p.x + x.y * p.y + x.z * p.z + x.w, y.x * p.x + y.y * p.y + y.z * p.z + y.w,
@@ -97,11 +94,10 @@ void MeshPass::add_text(const Prepared& prepared) {
            {places[i].x, places[i].y},
            {color.x, color.y, color.z}};
   }
+  const auto first = static_cast<std::uint32_t>(place.vertex);
   const std::uint32_t* from = mesh.indices.data();
-  std::uint32_t* index = text_indices_.data() + text_index_count_;
+  std::uint32_t* index = text_indices_.data() + place.index;
   for (std::size_t i = 0; i < corners; ++i) index[i] = first + from[i];
-  text_vertex_count_ += count;
-  text_index_count_ += corners;
 }
 
 /// Transforms the triangles of the merged texts to camera space. Makes one slice per layer and state, nearest text
@@ -109,6 +105,7 @@ void MeshPass::add_text(const Prepared& prepared) {
 void MeshPass::merge_texts() {
   text_vertex_count_ = text_index_count_ = 0;
   text_slices_.clear();
+  text_places_.clear();
   for (std::size_t begin = 0; begin < opaque_.size();) {
     const SortKey& first = opaque_[begin];
     if (first.mesh != kMergedMesh) {
@@ -120,13 +117,28 @@ void MeshPass::merge_texts() {
     slice.first_index = text_index_count_;
     std::size_t end = begin;
     while (end < opaque_.size() && opaque_[end].mesh == kMergedMesh && opaque_[end].state == first.state &&
-           opaque_[end].layer == first.layer)
-      add_text(prepared_[opaque_[end++].prepared]);
+           opaque_[end].layer == first.layer) {
+      const std::uint32_t number = opaque_[end++].prepared;
+      text_places_.push_back({number, text_vertex_count_, text_index_count_});
+      text_vertex_count_ += prepared_[number].mesh->positions.size();
+      text_index_count_ += prepared_[number].mesh->indices.size();
+    }
     slice.index_count = static_cast<GLsizei>(text_index_count_ - slice.first_index);
     text_slices_.push_back(slice);
     begin = end;
   }
   if (text_slices_.empty()) return;
+  const auto room = [](auto& list, std::size_t size) {
+    if (list.size() < size) list.resize(std::max(size, 2 * list.size()));
+  };
+  room(text_vertices_, text_vertex_count_);
+  room(text_indices_, text_index_count_);
+  constexpr std::size_t kTexts = 512;  // texts per task
+  (void)parallel_for((text_places_.size() + kTexts - 1) / kTexts, [&](std::size_t task) {
+    for (const TextPlace& place :
+         std::span(text_places_).subspan(task * kTexts, std::min(kTexts, text_places_.size() - task * kTexts)))
+      add_text(place);
+  });
   Instance still{};
   for (int axis = 0; axis < 3; ++axis) still.camera_from_node[axis][axis] = 1;
   still.alpha = 1;

@@ -90,7 +90,8 @@ glm::vec3 local_origin(const Box& bounds) {
   return away > kFar * extent && std::isfinite(away) ? center : glm::vec3(0);
 }
 
-MeshStore::MeshStore(const Gl& gl) : gl_(gl), instances_(make_buffer(gl)), sorted_indices_(make_buffer(gl)) {
+MeshStore::MeshStore(const Gl& gl)
+    : gl_(gl), instances_(make_buffer(gl)), sorted_indices_(make_buffer(gl)), commands_(make_buffer(gl)) {
   // Colour of meshes without colours: w is 0. Arrays of three components have w = 1, those of four 2 + alpha.
   gl.VertexAttrib4f(kColor, 0, 0, 0, 0);
   gl.VertexAttrib4f(kFogDepth, -1, 0, 0, 0);
@@ -337,6 +338,17 @@ void MeshStore::draw(const Slice& slice, std::size_t first, std::size_t count) {
   if (slice.sorted)
     // Restore the index buffer of the page's vertex array.
     gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, pages_[slice.page]->index_buffer.name());
+}
+
+void MeshStore::draw_many(const Slice& any, std::span<const Command> commands) {
+  bind(any);
+  if (any.sorted) gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, sorted_indices_.name());
+  gl_.BindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.name());
+  gl_.BufferData(GL_DRAW_INDIRECT_BUFFER, static_cast<GLsizeiptr>(commands.size_bytes()), commands.data(),
+                 GL_STREAM_DRAW);
+  gl_.MultiDrawElementsIndirect(any.primitive, GL_UNSIGNED_INT, nullptr, static_cast<GLsizei>(commands.size()), 0);
+  gl_.BindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
+  if (any.sorted) gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, pages_[any.page]->index_buffer.name());
 }
 
 }  // namespace gs::render

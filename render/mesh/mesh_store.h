@@ -71,12 +71,23 @@ class MeshStore {
   void set_streamed(std::span<const StreamedVertex> vertices, std::span<const std::uint32_t> indices);
   /// Draws `count` instances from index `first` on, with the current program.
   void draw(const Slice& slice, std::size_t first, std::size_t count);
+  /// Arguments of a draw in the layout of OpenGL (DrawElementsIndirectCommand).
+  struct Command {
+    GLuint index_count, instances, first_index;
+    GLint base_vertex;
+    GLuint first_instance;
+  };
+  /// Reports whether draw_many() is available.
+  [[nodiscard]] bool draws_many() const { return gl_.MultiDrawElementsIndirect != nullptr; }
+  /// Draws several meshes of one page in one call, with the current program. `any` is one of their slices; all or
+  /// none have `sorted`.
+  void draw_many(const Slice& any, std::span<const Command> commands);
   /// Forgets the bound page. Call it before the first `draw` after other code has bound a vertex array.
   void forget_binding() { bound_page_ = kNoPage; }
 
  private:
   struct Page {
-    unsigned format = 0;                    // bits: the arrays that the vertices have; then the number of coordinate sets
+    unsigned format = 0;  // bits: the arrays that the vertices have; then the number of coordinate sets
     std::size_t vertices = 0, indices = 0;  // capacities
     std::size_t meshes = 0;                 // number of meshes in the page
     RangeAllocator free_vertices{0}, free_indices{0};
@@ -100,7 +111,7 @@ class MeshStore {
   void point_at_instances(std::size_t first);
 
   const Gl& gl_;
-  Buffer instances_, sorted_indices_;
+  Buffer instances_, sorted_indices_, commands_;
   struct Streamed {
     VertexArray vertex_array;
     Buffer vertices, indices;

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <memory>
 
 namespace gs::render::testing {
@@ -74,17 +75,19 @@ inline Camera camera_at(const glm::vec3& eye) {
   return camera;
 }
 
-inline std::unique_ptr<GlContext> open_osmesa() {
-  auto opened = open_headless_context("osmesa");
+/// Opens the context of the tests: OSMesa, or the backend that the environment names (GHOSTSPACE_TEST_BACKEND).
+inline std::unique_ptr<GlContext> open_test_context() {
+  const char* backend = std::getenv("GHOSTSPACE_TEST_BACKEND");
+  auto opened = open_headless_context(backend ? backend : "osmesa");
   if (auto* error = std::get_if<ContextError>(&opened)) FAIL(error->message);
   return std::move(std::get<std::unique_ptr<GlContext>>(opened));
 }
 
-/// Renderer on OSMesa, which GhostSpace requires. Without it, the test fails.
+/// Renderer on the context of the tests. Without it, the test fails: GhostSpace requires OSMesa.
 class Drawing {
  public:
   Drawing() {
-    context_ = open_osmesa();
+    context_ = open_test_context();
     auto made = Renderer::create(*context_);
     if (auto* error = std::get_if<ContextError>(&made)) FAIL(error->message);
     renderer_ = std::move(std::get<std::unique_ptr<Renderer>>(made));

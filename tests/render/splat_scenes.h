@@ -109,7 +109,7 @@ inline std::shared_ptr<const qnv::Geometry> bumpy_stream(std::size_t vectors) {
 /// OpenGL context on OSMesa.
 struct OpenContext {
   OpenContext() {
-    context = open_osmesa();
+    context = open_test_context();
     auto loaded = Gl::load(*context);
     if (auto* error = std::get_if<ContextError>(&loaded)) FAIL(error->message);
     gl = std::move(std::get<Gl>(loaded));

@@ -213,7 +213,7 @@ TEST_CASE("draws instances like single items, in few calls") {
   CHECK(drawing.statistics.triangles == 128);
   CHECK(drawing.statistics.draw_calls == 1);
   const Image b = drawing.draw(single);
-  CHECK(drawing.statistics.draw_calls == 64);
+  CHECK(drawing.statistics.draw_calls <= 64);  // 1 if the driver draws several meshes in a call
   CHECK(a.pixels == b.pixels);
   for (int i = 0; i < 64; i += 5) {
     const float x = (i % 8 - 3.5f) / 4.1421356f, y = (i / 8 - 3.5f) / 4.1421356f;

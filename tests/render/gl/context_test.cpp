@@ -34,6 +34,18 @@ TEST_CASE("opens EGL or reports why not") {
   }
   auto& context = *std::get<std::unique_ptr<GlContext>>(opened);
   CHECK(context.backend() == "egl");
+  auto loaded = Gl::load(context);
+  REQUIRE(std::holds_alternative<Gl>(loaded));
+  const Gl& gl = std::get<Gl>(loaded);
+  GLint major = 0, minor = 0;
+  gl.GetIntegerv(GL_MAJOR_VERSION, &major);
+  gl.GetIntegerv(GL_MINOR_VERSION, &minor);
+  // No driver of the last ten years lacks OpenGL 4.5, unless the version is not requested.
+  INFO(gl.renderer << ", OpenGL " << major << "." << minor);
+  CHECK(10 * major + minor >= 45);
+  CHECK(gl.MultiDrawElementsIndirect != nullptr);
+  CHECK(gl.DispatchCompute != nullptr);
+  CHECK(gl.ClipControl != nullptr);
   auto made = Renderer::create(context);
   REQUIRE(std::holds_alternative<std::unique_ptr<Renderer>>(made));
   RenderList list;
