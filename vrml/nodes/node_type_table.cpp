@@ -254,6 +254,8 @@ const NodeType& imported_use_type() {
   return *the_type;
 }
 
+const NodeType& imported_use_element() { return *built_in_node_type("Group"); }
+
 const NodeType* stood_for(const NodeType& prototype) {
   const NodeType* native = built_in_node_type(prototype.name);
   if (!native || !is_extension(native->clause) || native->url_content == UrlContent::vectors) return nullptr;

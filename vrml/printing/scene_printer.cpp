@@ -139,7 +139,7 @@ void ScenePrinter::put_child(NodeId id, std::string_view field) {
   if (scope_->scene().node(id).type == &imported_use_type()) {
     if (translator_.language() == Language::vrml97) return put_null();
     const SFString name = scope_->scene().get<SFString>(id, "name");
-    return put_use(built_in_node_type(NodeKind::group), name.view(), field);
+    return put_use(imported_use_element(), name.view(), field);
   }
   if (!scope_->begin_node(id))
     return put_use(*translator_.written_type(*scope_->scene().node(id).type), scope_->name_of(id), field);

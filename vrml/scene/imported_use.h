@@ -11,6 +11,9 @@ namespace gs::vrml {
 /// is the imported name. ISO/IEC 19775-1 has no such USE, but X_ITE reads it.
 [[nodiscard]] const NodeType& imported_use_type();
 
+/// Returns the type that names the element of such a USE in XML and JSON.
+[[nodiscard]] const NodeType& imported_use_element();
+
 /// Node of the content of an Inline. `scene` is null if there is none.
 struct ExportedNode {
   std::shared_ptr<SceneGraph> scene;

@@ -53,6 +53,7 @@ struct Pictures {
 
 TEST_CASE("casts shadows of voxels on others if a ShadedVolumeStyle asks for them (X3D 41.4.10)") {
   Pictures pictures;
+  pictures.drawing.options.headlight = false;
   // A slab above a block; the light comes from above and from the viewer.
   const std::string voxels = pixel_volume({8, 32, 32}, [](double, double y, double z) {
     return y > 0.8 ? 255 : y < 0.4 && z < 0.7 ? 255 : 0;

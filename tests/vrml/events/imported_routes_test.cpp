@@ -175,6 +175,7 @@ TEST_CASE("uses an imported node between the children of a group, and prints its
     CHECK(diagnostics.errors() == 0);
     CHECK(printed_scene(again, {Grammar::x3d_classic}) == classic);
   }
+  CHECK(printed_scene(*scene, {Grammar::x3d_xml}).find("<Group USE='M'/>") != std::string::npos);
   CHECK(printed_scene(*scene, {Grammar::vrml97}).find("USE M") == std::string::npos);
   SceneGraph wrong("wrong");
   Diagnostics diagnostics;
