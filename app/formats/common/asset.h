@@ -2,6 +2,7 @@
 
 #include "app/base/read_file.h"
 #include "app/formats/common/mesh_asset.h"
+#include "app/formats/common/voxel_component.h"
 #include "base/budget.h"
 #include "base/diagnostic.h"
 #include "qnv/base/geometry.h"
@@ -29,6 +30,7 @@ struct ImportSource {
   const WorldBudget& budget;
   Diagnostics& diagnostics;
   std::string name = {};  // original file name of a volume; empty means that of `path`
+  VoxelComponent component{};
 };
 
 /// Nodes of a file that has its own, such as transformations (glTF). Never null.
