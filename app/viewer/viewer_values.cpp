@@ -63,7 +63,7 @@ bool ViewerValues::take(Values& values) {
 bool ViewerValues::is_busy() const {
   return std::any_of(values_.begin(), values_.end(), [](const auto& entry) {
     const Values& values = entry.second;
-    return values.coming.valid() || values.histogram.is_busy() || values.surface.is_busy() ||
+    return values.coming.valid() || values.histogram.is_busy() || values.draft.is_busy() || values.surface.is_busy() ||
            values.projection.is_busy() || values.vectors.is_busy();
   });
 }
@@ -73,6 +73,7 @@ bool ViewerValues::take() {
   for (auto& [document, values] : values_) {
     any = take(values) || any;
     any = values.histogram.take() || any;
+    any = values.draft.take() || any;
     any = values.surface.take() || any;
     any = values.projection.take() || any;
     any = values.vectors.take() || any;
@@ -121,12 +122,17 @@ VolumeContent ViewerValues::content_of(const View& view, const VolumeContent& be
     return content;
   }
   if (display.surface) {
-    if (const auto isovalue = isovalue_of(view))
+    const auto isovalue = isovalue_of(view);
+    if (isovalue)
       content.surface =
           values.surface.get(values.grid, *isovalue, [](const auto& grid, float value, Progress& progress) {
             return isosurface_mesh(grid, value, own_budget(), &progress);
           });
     if (!content.surface && values.surface.problem().empty()) content.surface = before.surface;
+    if (!content.surface && isovalue && values.surface.problem().empty())
+      content.surface = values.draft.get(values.grid, *isovalue, [](const auto& grid, float value, Progress& progress) {
+        return isosurface_mesh(grid, value, own_budget(), &progress, kMostSurfaceTriangles, draft_stride(*grid));
+      });
   }
   if (content.hides_vectors) return content;
   if (display.mode != VolumeMode::vectors) {

@@ -30,7 +30,7 @@ class ViewerValues : NonCopyable {
     std::weak_ptr<Document> of;
     std::optional<float> isovalue;  // threshold between two classes of values
     DerivedValue<bool, VolumeHistogram> histogram;
-    DerivedValue<float, vrml::Mesh> surface;
+    DerivedValue<float, vrml::Mesh> draft, surface;  // isosurface: its first version is a draft
     DerivedValue<ProjectionColors, VolumeProjection> projection;
     DerivedValue<float, qnv::Geometry> vectors;
   };

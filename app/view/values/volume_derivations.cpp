@@ -125,11 +125,20 @@ std::shared_ptr<const render::Image> color_table(const ProjectionColors& colors)
 
 }  // namespace
 
+std::uint32_t draft_stride(const VolumeGrid& grid) {
+  constexpr std::uint64_t kDraftVoxels = std::uint64_t{1} << 20;
+  const std::uint64_t voxels = std::uint64_t{grid.kept(0)} * grid.kept(1) * grid.kept(2);
+  std::uint32_t stride = 1;
+  while (voxels / (std::uint64_t{stride} * stride * stride) > kDraftVoxels) ++stride;
+  return stride;
+}
+
 DerivedContent<vrml::Mesh> isosurface_mesh(const std::shared_ptr<const VolumeGrid>& grid, float isovalue,
-                                           const WorldBudget& budget, Progress* progress, std::size_t most_triangles) {
+                                           const WorldBudget& budget, Progress* progress, std::size_t most_triangles,
+                                           std::uint32_t stride) {
   qnv::IsosurfaceOptions options;
   options.isovalue = static_cast<double>(isovalue);
-  for (std::uint32_t stride = 1;; stride *= 2) {
+  for (;; stride *= 2) {
     SurfaceJoiner joiner(budget, most_triangles);
     bool whole = true;
     const auto problem = qnv::isosurface(

@@ -11,6 +11,7 @@
 #include <glm/mat4x4.hpp>
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -26,11 +27,15 @@ using DerivedContent = std::variant<std::shared_ptr<const Content>, std::string>
 
 /// Maximum number of triangles of isosurface_mesh().
 inline constexpr std::size_t kMostSurfaceTriangles = std::size_t{1} << 23;
-/// Returns the isosurface of a grid in the space of the volume, with shared vertices. If it has more than
-/// `most_triangles`, uses fewer voxels.
+/// Returns the isosurface of a grid in the space of the volume, with shared vertices. Uses every `stride`th voxel, and
+/// fewer if there are more than `most_triangles`.
 [[nodiscard]] DerivedContent<vrml::Mesh> isosurface_mesh(const std::shared_ptr<const VolumeGrid>& grid, float isovalue,
                                                          const WorldBudget& budget, Progress* progress = nullptr,
-                                                         std::size_t most_triangles = kMostSurfaceTriangles);
+                                                         std::size_t most_triangles = kMostSurfaceTriangles,
+                                                         std::uint32_t stride = 1);
+
+/// Returns the stride for an isosurface that takes little time to compute and to draw.
+[[nodiscard]] std::uint32_t draft_stride(const VolumeGrid& grid);
 
 /// Projection of the values along rays, for DrawItem::volume.
 struct VolumeProjection {

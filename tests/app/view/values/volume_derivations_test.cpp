@@ -81,6 +81,10 @@ TEST_CASE("makes a coarser isosurface if it has too many triangles, and none wit
   CHECK(coarse->indices.size() / 3 <= whole / 2);
   CHECK(coarse->indices.size() / 3 > whole / 8);
   CHECK(coarse->bounds.lower.x == Approx(5.75).margin(0.2));
+  const auto draft = content_of(isosurface_mesh(grid, 35, own_budget(), nullptr, whole, 2));
+  CHECK(draft->indices == coarse->indices);
+  CHECK(draft_stride(*grid) == 1);
+  CHECK(draft_stride(*grid_of(test_balls::ball(130))) == 2);
   CHECK(std::holds_alternative<std::string>(isosurface_mesh(grid, 35, no_memory())));
   CHECK(std::holds_alternative<std::string>(isosurface_mesh(grid, 35, own_budget(), nullptr, 1)));
   Progress progress;
