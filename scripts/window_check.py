@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """window_check.py [-k FOLDER]: uses the window with mouse and keyboard under Xvfb, and checks the results over --control.
 Steps: open, split, move, drag a PlaneSensor, follow an Anchor, go back, edit a node and save the world, edit a transfer
-function, draw a slice through a volume, save a picture and a turntable, move the viewer by keys of a Script, press
-buttons of a LayoutLayer in two viewports, use the start page, close an error message and slide with the middle button. Prints one line per step. Exits with 1 if a step
-failed.
+function, draw a slice through a volume, show the isosurface and the projection of a stream of values, save a picture
+and a turntable, move the viewer by keys of a Script, press buttons of a LayoutLayer in two viewports, use the start
+page, close an error message and slide with the middle button. Prints one line per step. Exits with 1 if a step failed.
 -k: keeps pictures of the window in FOLDER.
 
 GHOSTSPACE: program instead of build/release/ghostspace. Needs Xvfb, xdotool and ImageMagick (Debian: xvfb,
@@ -337,6 +337,38 @@ def run(check):
             raise Failed("the viewer has moved")
         check.key("v")
 
+    def derives():
+        stream = str(check.folder / "values.qnv")
+        subprocess.run([check.program, "encode", ball, stream], check=True, capture_output=True)
+        check.key("ctrl+l", "ctrl+a")
+        check.xdotool("type", "--delay", 40, stream)
+        check.key("Return")
+        wait("the stream is open", lambda: check.world.getWorldURL().endswith("values.qnv"))
+        check.key("v")
+        time.sleep(2)
+        vectors = window_picture(check)
+        check.click((625, 464))  # the isosurface, which hides the vectors
+        time.sleep(2)
+        surface = window_picture(check)
+        if check.differing(vectors, surface) < 500:
+            raise Failed("the isosurface is not shown")
+        check.drag((727, 464), (775, 464))  # its value
+        time.sleep(2)
+        if check.differing(surface, window_picture(check)) < 500:
+            raise Failed("the isosurface does not follow its value")
+        check.click((625, 464))
+        check.click((752, 406))  # the list of modes
+        check.click((700, 453))  # the maximum along each ray
+        time.sleep(2)
+        if min(check.differing(one, window_picture(check)) for one in (vectors, surface)) < 500:
+            raise Failed("the projection is not shown")
+        check.key("v")
+        check.key("ctrl+l", "ctrl+a")
+        check.xdotool("type", "--delay", 40, ball)
+        check.key("Return")
+        wait("the volume is open again", lambda: check.world.getWorldURL().endswith("ball.nrrd"))
+        time.sleep(1.5)
+
     def turns():
         check.key("ctrl+shift+p")
         check.xdotool("type", "--delay", 40, "panel pictures")
@@ -435,6 +467,7 @@ def run(check):
     check.step("a file is opened by its path", opens)
     check.step("a transfer function is edited, and saved", edits)
     check.step("a slice is drawn by its edge", slices)
+    check.step("a stream of values shows its isosurface and its maximum", derives)
     check.step("a picture is saved", keeps)
     check.step("a turntable is saved, as pictures and as a movie", turns)
     check.step("a Script gets keys, and moves the viewer", steers)

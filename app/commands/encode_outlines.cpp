@@ -45,7 +45,7 @@ std::variant<OutlineModel, std::string> model_of(const EncodeCommand& options, c
   if (const auto* mesh = std::get_if<MeshStream>(&input.content))
     return "has " + std::to_string(mesh->faces) +
            " faces, which exceed the memory limit; expected fewer, or a larger --memory";
-  const auto* volume = std::get_if<qnv::VolumeSource>(&input.content);
+  const qnv::VolumeSource* const volume = values_of(input);
   if (!volume) return "has no polygons; expected a world, a mesh, or a volume with --isovalue";
   if (!options.isovalue) return "is a volume; --method outlines needs --isovalue to select a surface";
   return isosurface_outlines(options, *volume, progress);

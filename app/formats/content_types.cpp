@@ -77,7 +77,7 @@ Asset read_vectors(const ImportSource& source) {
 }
 
 Asset read_volume(const ImportSource& source) {
-  auto opened = open_volume(source.path, {}, {source.read_file, source.name}, source.budget);
+  auto opened = open_volume(source.path, {}, {source.read_file, source.name, source.component}, source.budget);
   if (auto* volume = std::get_if<qnv::VolumeSource>(&opened)) return std::move(*volume);
   // open_volume() puts the file name first. Remove it, because diagnostics have it too.
   std::string& problem = std::get<std::string>(opened);

@@ -3,6 +3,7 @@
 #include "app/picture/picture_marks.h"
 #include "app/view/values/color_maps.h"
 #include "app/view/values/transfer_file.h"
+#include "app/view/values/volume_histogram.h"
 #include "net/files/file.h"
 #include "qnv/sampling/volume/volume_values.h"
 
@@ -14,10 +15,21 @@
 
 namespace gs::app {
 
-const qnv::Description* first_volume(const render::RenderList& list) {
+std::shared_ptr<const qnv::Geometry> first_volume_geometry(const render::RenderList& list) {
   for (const render::SplatItem& item : list.splats)
-    if (item.geometry && item.geometry->as<qnv::Volume>()) return &item.geometry->description();
+    if (item.geometry && item.geometry->as<qnv::Volume>()) return item.geometry;
   return nullptr;
+}
+
+const qnv::Description* first_volume(const render::RenderList& list) {
+  const auto geometry = first_volume_geometry(list);  // the list owns it, too
+  return geometry ? &geometry->description() : nullptr;
+}
+
+void apply_display(const VolumeWishes& wishes, VolumeDisplay& display, VolumeSlices& slices) {
+  display = wishes.display;
+  slices = wishes.slice_look;
+  slices.alone = slices.alone || (display.surface && display.mode == VolumeMode::vectors);
 }
 
 std::optional<std::size_t> image_axis(const qnv::Description& volume) {
@@ -76,9 +88,11 @@ std::variant<Transfer, std::string> named_transfer(const std::string& name, cons
   return transfer_over(std::get<TransferFile>(file), volume.value_range);
 }
 
-ColorBar shown_color_bar(const qnv::Description& volume, const Transfer& transfer, const VolumeSlices& slices) {
+ColorBar shown_color_bar(const qnv::Description& volume, const Transfer& transfer, const VolumeSlices& slices,
+                         const VolumeDisplay& display) {
   ColorBar bar = color_bar_of(volume, transfer.empty() ? own_transfer(volume) : transfer);
-  if (!slices.any() || !slices.alone) return bar;
+  const bool hidden = slices.alone && (slices.any() || display.surface);
+  if (hidden ? !slices.any() : display.mode == VolumeMode::vectors) return bar;
   const ColorMap* map = find_color_map(slices.map);
   bar.colors = mapped_transfer(map ? *map : color_maps().front(), OpacityRamp::flat);
   if (slices.window) bar.range = {slices.window->first, slices.window->second};
@@ -107,14 +121,41 @@ std::optional<std::string> VolumeShow::prepare(const VolumeWishes& wishes, const
     if (auto* problem = std::get_if<std::string>(&transfer)) return std::move(*problem);
     transfer_ = std::move(std::get<Transfer>(transfer));
   }
-  slices_ = wishes.slice_look;
-  if (wishes.slices.empty() && !image) return std::nullopt;
+  apply_display(wishes, display_, slices_);
+  if (wishes.slices.empty() && !image && !display_.needs_values()) return std::nullopt;
+  if (!streamed && !has_volume_values(path)) return path + ": " + std::string(kValuesNeeded);
   auto grid = streamed ? VolumeGrid::take(streamed->source, nullptr, budget, VolumeGrid::kMaxVoxels, streamed->range)
-                       : VolumeGrid::read(path, nullptr, budget);
-  if (auto* problem = std::get_if<std::string>(&grid)) return "slices: " + *problem;
+                       : VolumeGrid::read(path, nullptr, budget, VolumeGrid::kMaxVoxels, wishes.component);
+  if (auto* problem = std::get_if<std::string>(&grid)) return std::move(*problem);
   grid_ = std::move(std::get<std::shared_ptr<const VolumeGrid>>(grid));
   for (const SliceWish& wish : wishes.slices) gs::app::apply(wish, grid_->dimensions(), slices_);
   if (image) show_image(*grid_, *image, slices_);
+  return derive(*first_volume_geometry(list), budget);
+}
+
+// Computes the content that the display needs.
+std::optional<std::string> VolumeShow::derive(const qnv::Geometry& geometry, const WorldBudget& budget) {
+  const auto take = [](auto made, auto& content) -> std::optional<std::string> {
+    if (auto* problem = std::get_if<std::string>(&made)) return std::move(*problem);
+    content = std::move(std::get<0>(made));
+    return std::nullopt;
+  };
+  content_.surface_color = display_.surface_color;
+  content_.hides_vectors = slices_.alone && (slices_.any() || display_.surface);
+  std::optional<std::string> problem;
+  if (display_.surface) {
+    const float isovalue = display_.isovalue.value_or(VolumeHistogram(*grid_).threshold());
+    problem = take(isosurface_mesh(grid_, isovalue, budget), content_.surface);
+    if (!problem && content_.surface->empty())
+      problem = "no isosurface at " + readable_value(static_cast<double>(isovalue)) + "; expected a value from " +
+                readable_value(static_cast<double>(grid_->value_range().first)) + " to " +
+                readable_value(static_cast<double>(grid_->value_range().second));
+  }
+  if (problem || content_.hides_vectors) return problem;
+  if (display_.mode != VolumeMode::vectors)
+    return take(projection_of(*grid_, {display_.mode, slices_.window, slices_.map}, budget), content_.projection);
+  if (display_.share != kUsualShare)
+    return take(vectors_of_share(grid_, *geometry.as<qnv::Volume>(), display_.share, budget), content_.vectors);
   return std::nullopt;
 }
 
@@ -123,13 +164,15 @@ void VolumeShow::apply(PictureScene& scene) {
   const qnv::Description* const volume = first_volume(*scene.list);
   if (wishes_.color_bar && (volume || surface_bar_)) {
     scene.over = [before = std::move(scene.over),
-                  bar = volume ? shown_color_bar(*volume, transfer_, slices_) : *surface_bar_](
+                  bar = volume ? shown_color_bar(*volume, transfer_, slices_, display_) : *surface_bar_](
                      render::Image& band, int top, const glm::ivec2& size) {
       if (before) before(band, top, size);
       draw_color_bar({band, top}, size, bar);
     };
   }
+  const auto world_from_volume = gs::app::world_from_volume(*scene.list);
   scene.list = &slice_scene_.with_slices(*scene.list, grid_, slices_);
+  if (world_from_volume) scene.list = &volume_scene_.with_content(*scene.list, *world_from_volume, content_);
 }
 
 }  // namespace gs::app

@@ -5,11 +5,14 @@
 #include "app/view/values/slice_scene.h"
 #include "app/view/values/slices.h"
 #include "app/view/values/transfer_editor.h"
+#include "app/view/values/volume_display.h"
 #include "app/view/values/volume_grid.h"
+#include "app/view/values/volume_scene.h"
 
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -20,9 +23,19 @@ struct VolumeWishes {
   std::string transfer;  // colour map or transfer function file; empty means the volume's own transfer function
   std::vector<SliceWish> slices;
   VolumeSlices slice_look;  // look of the slices; their number and positions are in `slices`
+  VolumeDisplay display;
+  VoxelComponent component;  // of a volume file
   bool color_bar = false;
-  [[nodiscard]] bool any() const { return !transfer.empty() || !slices.empty() || color_bar; }
+  [[nodiscard]] bool any() const { return !transfer.empty() || !slices.empty() || color_bar || display.needs_values(); }
 };
+
+/// Message about options that need the values of a volume.
+inline constexpr std::string_view kValuesNeeded =
+    "the input has no values of voxels; --slice, --isovalue, --projection and --fraction expect a volume, or a stream "
+    "of its values";
+
+/// Sets the display of a volume, and the look of its slices. An isosurface hides the vectors, but not projections.
+void apply_display(const VolumeWishes& wishes, VolumeDisplay& display, VolumeSlices& slices);
 
 /// Object that applies VolumeWishes to one picture.
 class VolumeShow {
@@ -41,8 +54,13 @@ class VolumeShow {
   std::optional<ColorBar> surface_bar_;
   Transfer transfer_;  // empty means the volume's own transfer function
   VolumeSlices slices_;
+  std::optional<std::string> derive(const qnv::Geometry& geometry, const WorldBudget& budget);
+
+  VolumeDisplay display_;
   std::shared_ptr<const VolumeGrid> grid_;
+  VolumeContent content_;
   SliceScene slice_scene_;
+  VolumeScene volume_scene_;
 };
 
 /// Returns the axis of a volume of one layer of voxels, such as an image; nullopt for other volumes.
@@ -56,10 +74,12 @@ void show_image(const VolumeGrid& grid, std::size_t axis, VolumeSlices& slices);
 /// if `name` is neither.
 [[nodiscard]] std::variant<Transfer, std::string> named_transfer(const std::string& name,
                                                                  const qnv::Description& volume);
-/// Returns the colour bar of a displayed volume: that of its slices if only slices are visible, else that of its
-/// transfer function.
+/// Returns the colour bar of a displayed volume: that of its slices if only slices or a projection are visible, else
+/// that of its transfer function.
 [[nodiscard]] ColorBar shown_color_bar(const qnv::Description& volume, const Transfer& transfer,
-                                       const VolumeSlices& slices);
+                                       const VolumeSlices& slices, const VolumeDisplay& display);
+/// Returns the geometry of the first volume in a list; null if the list has no volume.
+[[nodiscard]] std::shared_ptr<const qnv::Geometry> first_volume_geometry(const render::RenderList& list);
 /// Returns the description of the first volume in a list; null if the list has no volume.
 [[nodiscard]] const qnv::Description* first_volume(const render::RenderList& list);
 

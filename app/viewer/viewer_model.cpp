@@ -156,6 +156,7 @@ UiModel ViewerController::model(const Frame& frame, const PictureMeasures& measu
   model.looking = seen->navigation.pose.forward();
   for (const render::SplatItem& item : seen->list->splats)
     if (auto volume = qnv::shared_as<qnv::Volume>(item.geometry)) model.volumes.push_back(std::move(volume));
+  if (model.tools.vectors && !model.volumes.empty()) model.volumes.front() = model.tools.vectors;
   return model;
 }
 

@@ -47,58 +47,11 @@ std::string voxel_text(const glm::dvec3& p) {
 }  // namespace
 
 ViewerTools::ViewerTools(const ViewerOptions& options, render::Renderer& renderer)
-    : options_(options), renderer_(renderer), folder_(pictures_folder()) {}
-
-ViewerTools::~ViewerTools() { stop_ = true; }
-
-ViewerTools::Values& ViewerTools::values_of(const View& view) {
-  constexpr std::chrono::seconds kNow{0};
-  std::erase_if(values_, [&](const auto& entry) {
-    const auto& coming = entry.second.coming;
-    return entry.second.of.expired() && (!coming.valid() || coming.wait_for(kNow) == std::future_status::ready);
-  });
-  Values& values = values_[view.document.get()];
-  if (values.of.lock() != view.document) {
-    values = {};
-    values.of = view.document;
-    const std::string path = view.document->world.path;
-    values.streamed = streamed_values(*view.list);
-    values.coming = std::async(std::launch::async, [path, streamed = values.streamed, this] {
-      return streamed
-                 ? VolumeGrid::take(streamed->source, &stop_, own_budget(), VolumeGrid::kMaxVoxels, streamed->range)
-                 : VolumeGrid::read(path, &stop_);
-    });
-  } else if (!values.coming.valid()) {
-    // The values of a stream become better while it arrives.
-    if (auto newer = streamed_values(*view.list); newer && newer != values.streamed) {
-      values.streamed = std::move(newer);
-      values.coming = std::async(std::launch::async, [streamed = values.streamed, this] {
-        return VolumeGrid::take(streamed->source, &stop_, own_budget(), VolumeGrid::kMaxVoxels, streamed->range);
-      });
-    }
-  }
-  (void)take(values);
-  return values;
-}
-
-bool ViewerTools::take(Values& values) {
-  if (!values.coming.valid() || values.coming.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
-    return false;
-  auto read = values.coming.get();
-  if (auto* problem = std::get_if<std::string>(&read))
-    values.problem = std::move(*problem);
-  else
-    values.grid = std::move(std::get<std::shared_ptr<const VolumeGrid>>(read));
-  return probe_due_ = true;
-}
-
-bool ViewerTools::reads_values() const {
-  return std::any_of(values_.begin(), values_.end(), [](const auto& entry) { return entry.second.coming.valid(); });
-}
+    : options_(options), renderer_(renderer), values_(options.volume.component), folder_(pictures_folder()) {}
 
 bool ViewerTools::take_values() {
-  bool any = false;
-  for (auto& [document, values] : values_) any = take(values) || any;
+  const bool any = values_.take();
+  probe_due_ = probe_due_ || any;
   return any;
 }
 
@@ -134,7 +87,7 @@ bool ViewerTools::take(const SessionInput::Event& given, const View* seen, const
 std::optional<SliceGrip> ViewerTools::slice_under_pointer(const View& seen, const Viewport& place) {
   const auto world_from_node = world_from_volume(*seen.list);
   if (!seen.slices.any() || !world_from_node) return std::nullopt;
-  const Values& values = values_of(seen);
+  const ViewerValues::Values& values = values_.of(seen);
   if (!values.grid) return std::nullopt;
   return slice_at_edge(*values.grid, seen.slices, *world_from_node, seen.navigation.pose, glm::vec2(place.size()),
                        pointer_ - glm::vec2(place.left, place.top), kSliceEdge);
@@ -147,7 +100,7 @@ void ViewerTools::describe_slices(UiTools& tools, const View& seen, const Viewpo
   const std::optional<SliceGrip> grip = grip_ ? grip_ : slice_under_pointer(seen, place);
   const auto world_from_node = world_from_volume(*seen.list);
   if (!grip || !world_from_node) return;
-  for (const glm::dvec3& corner : slice_corners(*values_of(seen).grid, seen.slices, grip->axis)) {
+  for (const glm::dvec3& corner : slice_corners(*values_.of(seen).grid, seen.slices, grip->axis)) {
     const glm::dvec3 world(*world_from_node * glm::dvec4(corner, 1));
     const auto pixel = pixel_that_sees(seen.navigation.pose, world, glm::vec2(place.size()));
     if (!pixel) return tools.slice_edge.clear();
@@ -157,14 +110,9 @@ void ViewerTools::describe_slices(UiTools& tools, const View& seen, const Viewpo
 
 std::optional<ColorBar> ViewerTools::bar_of(const View& seen) {
   if (const qnv::Description* const volume = first_volume(*seen.list))
-    return shown_color_bar(*volume, seen.look.transfer, seen.slices);
+    return shown_color_bar(*volume, seen.look.transfer, seen.slices, seen.volume);
   const auto& key = seen.document->world.color_key;
   return key ? std::optional(color_bar_of(*key)) : std::nullopt;
-}
-
-const render::RenderList& ViewerTools::shown(std::size_t pane, const View& view) {
-  if (!view.slices.any()) return *view.list;
-  return slice_scenes_[pane].with_slices(*view.list, values_of(view).grid, view.slices);
 }
 
 std::shared_ptr<const render::RenderList> ViewerTools::guides(const View& view) {
@@ -193,10 +141,14 @@ void ViewerTools::show_as_wished(View& seen, const Tell& tell) {
     }
     const bool has_values = streamed_values(*seen.list) || has_volume_values(seen.document->world.path);
     known->all = wishes.slices.empty() && !(image && has_values);
-    if (!known->all) seen.slices = wishes.slice_look;
+    if (!known->all || wishes.display.needs_values()) apply_display(wishes, seen.volume, seen.slices);
+    if (seen.volume.needs_values() && !has_values) {
+      seen.volume = {};
+      tell(std::string(kValuesNeeded), true);
+    }
   }
   if (known->all) return;
-  const Values& values = values_of(seen);
+  const ViewerValues::Values& values = values_.of(seen);
   if (!values.grid && values.problem.empty()) return;
   known->all = true;
   if (!values.grid) return tell("Slices: " + values.problem, true);
@@ -212,9 +164,11 @@ void ViewerTools::probe(const View& seen, const Viewport& place) {
   if (at.x < 0 || at.y < 0 || at.x >= size.x || at.y >= size.y) return;
   const render::RenderList& list = shown(kMaxViewports, seen);
   const Ray ray = ray_through(seen.navigation.pose, at, size);
+  const qnv::Description* const volume = first_volume(*seen.list);
+  if (volume && seen.volume.mode != VolumeMode::vectors && !seen.volume.surface && !seen.slices.any())
+    return probe_projection(seen, ray, *volume);
   const auto hit = picker_.pick(list, ray, pick_options(seen, size));
   if (!hit) return;
-  const qnv::Description* const volume = first_volume(*seen.list);
   const auto world_from_node = world_from_volume(*seen.list);
   const auto& key = seen.document->world.color_key;
   if (volume && hit->splat && !asked_is_volume_) {
@@ -233,7 +187,7 @@ void ViewerTools::probe(const View& seen, const Viewport& place) {
       if (const auto value = value_on(*key, *mesh, hit->triangle))
         value_ = (key->title.empty() ? "" : key->title + ": ") + readable_value(*value, {}, 4) + "\n";
   } else if (volume && world_from_node) {
-    const Values& values = values_of(seen);
+    const ViewerValues::Values& values = values_.of(seen);
     if (values.grid) {
       const glm::dvec3 voxel =
           values.grid->voxel_at(glm::dvec3(glm::inverse(*world_from_node) * glm::dvec4(hit->point, 1)));
@@ -242,6 +196,45 @@ void ViewerTools::probe(const View& seen, const Viewport& place) {
     }
   }
   value_ += place_text(hit->point);
+}
+
+// Determines the projected value on a ray.
+void ViewerTools::probe_projection(const View& seen, const Ray& ray, const qnv::Description& volume) {
+  const auto world_from_volume = gs::app::world_from_volume(*seen.list);
+  const auto& grid = values_.of(seen).grid;
+  const VolumeModeRow& mode = volume_modes()[static_cast<std::size_t>(seen.volume.mode)];
+  if (!grid || !world_from_volume) return;
+  const auto projected =
+      projected_value(*grid, seen.volume.mode, glm::inverse(*world_from_volume), ray.origin, glm::dvec3(ray.direction));
+  if (!projected) return;
+  value_ = std::string(mode.label) + " on the ray: " + readable_value(projected->value, value_unit(volume));
+  if (projected->voxel) value_ += " at " + voxel_text(*projected->voxel);
+}
+
+void ViewerTools::describe_volume(UiTools& tools, const View& seen, const qnv::Description& volume) {
+  const bool is_stream = streamed_values(*seen.list) != nullptr;
+  if (asked_.lock() != seen.document || (is_stream && !asked_is_volume_)) {
+    asked_ = seen.document;
+    asked_is_volume_ = is_stream || has_volume_values(seen.document->world.path);
+  }
+  tools.volume = seen.volume;
+  tools.unit = value_unit(volume);
+  tools.has_file = asked_is_volume_;
+  if (!tools.has_file) return;
+  const bool waits = std::any_of(wished_.begin(), wished_.end(),
+                                 [&](const Wished& one) { return !one.all && one.of.lock() == seen.document; });
+  const bool derives = wants_histogram_ || seen.volume.needs_values();
+  if (!derives && !wants_value_ && !seen.slices.any() && !waits) return;
+  const ViewerValues::Values& values = values_.of(seen);
+  if (values.grid) tools.dimensions = values.grid->dimensions();
+  if (derives) {
+    tools.histogram = values_.histogram_of(seen);
+    tools.isovalue = values_.isovalue_of(seen);
+  }
+  if (seen.volume.share != kUsualShare)
+    tools.vectors = qnv::shared_as<qnv::Volume>(first_volume_geometry(shown(kMaxViewports, seen)));
+  tools.reading = !values.grid && values.coming.valid();
+  tools.slices_problem = values_.problem_of(seen);
 }
 
 void ViewerTools::describe(UiTools& tools, const View* seen, const Viewport& place) {
@@ -265,23 +258,9 @@ void ViewerTools::describe(UiTools& tools, const View* seen, const Viewport& pla
   // Points that were measured in another document are not shown.
   tools.measured = (ruled_.lock() == seen->document ? ruler_ : Ruler()).summary();
   tools.tour = toured_.lock() == seen->document ? tour_.size() : 0;
-  describe_slices(tools, *seen, place);
   const qnv::Description* const volume = first_volume(*seen->list);
-  const bool is_stream = streamed_values(*seen->list) != nullptr;
-  if (volume && (asked_.lock() != seen->document || (is_stream && !asked_is_volume_))) {
-    asked_ = seen->document;
-    asked_is_volume_ = is_stream || has_volume_values(seen->document->world.path);
-  }
-  tools.has_file = volume && asked_is_volume_;
-  const bool waits = std::any_of(wished_.begin(), wished_.end(),
-                                 [&](const Wished& one) { return !one.all && one.of.lock() == seen->document; });
-  const bool wanted = tools.has_file && (wants_value_ || seen->slices.any() || waits);
-  if (wanted) {
-    const Values& values = values_of(*seen);
-    tools.reading = values.coming.valid();
-    tools.slices_problem = values.problem;
-    if (values.grid) tools.dimensions = values.grid->dimensions();
-  }
+  if (volume) describe_volume(tools, *seen, *volume);
+  describe_slices(tools, *seen, place);
   if (std::exchange(probe_due_, false) && wants_value_) probe(*seen, place);
   tools.value = value_;
   tools.color_bar = seen->color_bar;
@@ -446,6 +425,7 @@ bool ViewerTools::close() {
 void ViewerTools::apply(const UiToolActions& actions, View* seen, const Viewport& place, const Tell& tell) {
   if (actions.wants_value && !wants_value_) probe_due_ = true;
   wants_value_ = actions.wants_value;
+  wants_histogram_ = actions.wants_histogram;
   if (actions.measure && *actions.measure != measuring_) toggle_ruler();
   if (actions.undo_point) (void)ruler_.undo();
   if (actions.forget_points) ruler_.clear();
@@ -457,6 +437,7 @@ void ViewerTools::apply(const UiToolActions& actions, View* seen, const Viewport
   if (!seen) return;
   show_as_wished(*seen, tell);
   if (actions.slices) seen->slices = *actions.slices;
+  if (actions.volume) seen->volume = *actions.volume;
   if (grip_)
     seen->slices.places[grip_->axis] = dragged_place(*grip_, seen->navigation.pose, glm::vec2(place.size()),
                                                      pointer_ - glm::vec2(place.left, place.top));

@@ -9,8 +9,8 @@
 #include "app/view/picking.h"
 #include "app/view/values/ruler.h"
 #include "app/view/values/slice_drag.h"
-#include "app/view/values/slice_scene.h"
 #include "app/viewer/viewer.h"
+#include "app/viewer/viewer_values.h"
 #include "base/noncopyable.h"
 
 #include <atomic>
@@ -29,12 +29,13 @@ namespace gs::app {
 class ViewerTools : NonCopyable {
  public:
   ViewerTools(const ViewerOptions& options, render::Renderer& renderer);
-  ~ViewerTools();
 
   /// Handles a click or a movement of the pointer. Returns true if the session must not receive the event.
   bool take(const SessionInput::Event& event, const View* seen, const Viewport& place);
-  /// Returns the render list to draw in viewport `pane`: the list of the view, with its slices.
-  [[nodiscard]] const render::RenderList& shown(std::size_t pane, const View& view);
+  /// Returns the render list to draw in viewport `pane`: the list of the view, with its slices and other content.
+  [[nodiscard]] const render::RenderList& shown(std::size_t pane, const View& view) {
+    return values_.shown(pane, view);
+  }
   /// Returns the render list of the ground grid of a view; null if the grid is off.
   [[nodiscard]] std::shared_ptr<const render::RenderList> guides(const View& view);
   void describe(UiTools& tools, const View* seen, const Viewport& place);
@@ -49,21 +50,14 @@ class ViewerTools : NonCopyable {
   void toggle_ruler();
   /// Ends measuring (Esc). Returns false if the ruler is not in use.
   bool close();
-  /// Returns true while a thread reads values of a volume. take_values() takes values that were read, and returns true
-  /// if there were any.
-  [[nodiscard]] bool reads_values() const;
+  /// Returns true while a thread reads values of a volume, or computes content from them. take_values() takes results,
+  /// and returns true if there were any.
+  [[nodiscard]] bool reads_values() const { return values_.is_busy(); }
   bool take_values();
   /// Draws and saves the next picture of an animation. Returns true if further frames are needed.
   bool go_on(const View* seen, const Tell& tell);
 
  private:
-  struct Values {
-    std::future<std::variant<std::shared_ptr<const VolumeGrid>, std::string>> coming;
-    std::shared_ptr<const VolumeGrid> grid;
-    std::shared_ptr<const qnv::VolumeValues> streamed;  // of the stream, or null for a file
-    std::string problem;
-    std::weak_ptr<Document> of;
-  };
   struct Export {
     std::unique_ptr<FrameWriter> writer;
     std::string path;
@@ -76,13 +70,13 @@ class ViewerTools : NonCopyable {
     glm::ivec2 size{0};
     PictureRequest request;
   };
-  Values& values_of(const View& view);
-  bool take(Values& values);
   void show_as_wished(View& seen, const Tell& tell);
   [[nodiscard]] std::optional<SliceGrip> slice_under_pointer(const View& seen, const Viewport& place);
+  void describe_volume(UiTools& tools, const View& seen, const qnv::Description& volume);
   void describe_slices(UiTools& tools, const View& seen, const Viewport& place);
   [[nodiscard]] static std::optional<ColorBar> bar_of(const View& seen);
   void probe(const View& seen, const Viewport& place);
+  void probe_projection(const View& seen, const Ray& ray, const qnv::Description& volume);
   [[nodiscard]] PictureScene scene_of(std::size_t slice_scene, const View& seen, const glm::ivec2& size,
                                       const PictureRequest& request);
   void start_animation(const View& seen, const Viewport& place, bool of_tour, const Tell& tell);
@@ -94,20 +88,18 @@ class ViewerTools : NonCopyable {
   render::Renderer& renderer_;
   Picker picker_;
   Ruler ruler_;
-  bool measuring_ = false, wants_value_ = false, probe_due_ = false;
+  bool measuring_ = false, wants_value_ = false, wants_histogram_ = false, probe_due_ = false;
   glm::vec2 pressed_{0}, pointer_{0};
   std::string value_;
   std::optional<SliceGrip> grip_;  // grip on the slice that the user is dragging
   GroundGrids grids_;
   std::weak_ptr<Document> ruled_;  // document in which the points of the ruler are
-  std::atomic<bool> stop_{false};  // true stops the threads that read values
-  std::map<const Document*, Values> values_;
+  ViewerValues values_;
   struct Wished {
     std::weak_ptr<Document> of;
     bool all = false;  // all options are applied; false while slices wait for the dimensions of the volume
   };
-  std::vector<Wished> wished_;                      // documents to which the options of the command line were applied
-  std::map<std::size_t, SliceScene> slice_scenes_;  // by viewport; kMaxViewports is used for saved pictures and values
+  std::vector<Wished> wished_;  // documents to which the options of the command line were applied
   PictureWish wish_;
   std::string folder_;
   std::string replaceable_transfer_;  // file that was read, written or confirmed here, and may be overwritten

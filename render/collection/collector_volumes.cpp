@@ -3,6 +3,7 @@
 #include "render/collection/nodes/node_fields.h"
 #include "render/collection/nodes/texture_sampling.h"
 #include "render/collection/render_scene.h"
+#include "render/scene/volume_box.h"
 #include "vrml/behaviours/animation/interpolation.h"
 
 #include <glm/glm.hpp>
@@ -72,24 +73,6 @@ std::vector<glm::vec4> cartoon_colors(const vrml::Node& node) {
   }
   if (steps > 1) colors.back() = last;
   return colors;
-}
-
-/// Returns the box from -0.5 to 0.5, which all volumes share.
-std::shared_ptr<const vrml::Mesh> unit_box() {
-  static const std::shared_ptr<const vrml::Mesh> kBox = [] {
-    auto mesh = std::make_shared<vrml::Mesh>();
-    mesh->lit = false;
-    for (std::uint32_t corner = 0; corner < 8; ++corner) {
-      const glm::vec3 at(corner & 1 ? 0.5f : -0.5f, corner & 2 ? 0.5f : -0.5f, corner & 4 ? 0.5f : -0.5f);
-      mesh->positions.push_back(at);
-      mesh->bounds.add(at);
-    }
-    mesh->indices = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
-                     2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
-    mesh->convex = true;
-    return mesh;
-  }();
-  return kBox;
 }
 
 }  // namespace
@@ -420,7 +403,7 @@ void Collector::add_volume(const Frame& parent, NodeId id) {
   DrawItem item;
   RenderSources::Item source;
   RenderSources::Volume volume;
-  item.mesh = unit_box();
+  item.mesh = volume_box();
   item.material.lit = false;
   const vrml::SceneGraph& scene = *parent.scene;
   const bool drawn = renew_volume(resources_, item, source, volume, scene, id);

@@ -53,7 +53,9 @@ struct VolumeLook {
   /// Chains by segment, or by isosurface. Segments without a chain have the default style. Otherwise, the only chain.
   std::vector<VolumeChain> chains;
   Projection projection = Projection::maximum;
-  float threshold = 0;                        // intensityThreshold of the projection; 0 means none
+  float threshold = 0;  // intensityThreshold of the projection; 0 means none
+  /// Colours of the projected values 0 to 1, with opacities, in one row; null means grey. Not of X3D.
+  std::shared_ptr<const Image> projection_colors;
   bool iso_surfaces = false;                  // draws `surfaces` only
   std::vector<float> surfaces;                // values of isosurfaces, ascending
   std::vector<std::uint32_t> surface_chains;  // by surface: index in `chains`

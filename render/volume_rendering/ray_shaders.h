@@ -28,7 +28,7 @@ void main() {
 /// Inputs and functions for the code of the styles. Defines:
 /// - COMPONENTS of the voxels; GRADIENTS: texture with gradients, GIVEN_GRADIENTS: of normals that the world gives;
 /// - SEGMENTS; SURFACES: number of isosurfaces; LIT: kLightingShader precedes;
-/// - PROJECTION with MAXIMUM, MINIMUM or AVERAGE, and THRESHOLD;
+/// - PROJECTION with MAXIMUM, MINIMUM or AVERAGE, and THRESHOLD; PROJECTION_COLORS: texture with colours of its values;
 /// - SHADOWS: a function opacity_at() follows;
 /// - FOG: kFogShader precedes; BLOCKS: texture with the occupied blocks.
 inline constexpr char kVolumeRayInputs[] = R"glsl(
@@ -47,6 +47,9 @@ uniform int hidden_segments[8];  // bits
 uniform float surfaces[SURFACES];
 uniform int surface_chains[SURFACES];
 uniform float least_gradient;
+#endif
+#ifdef PROJECTION_COLORS
+uniform sampler2D projection_colors;
 #endif
 #ifdef BLOCKS
 uniform sampler3D blocks;  // 0 if a block of voxels is invisible
@@ -322,8 +325,13 @@ void main() {
     best /= numbers;
     best_alpha /= numbers;
 #endif
-    float weight = (1.0 - sum.a) * best_alpha;
-    sum += weight * vec4(vec3(best), 1.0);
+#ifdef PROJECTION_COLORS
+    vec4 shown = texture(projection_colors, vec2(best, 0.5));
+#else
+    vec4 shown = vec4(vec3(best), best_alpha);
+#endif
+    float weight = (1.0 - sum.a) * shown.a;
+    sum += weight * vec4(shown.rgb, 1.0);
     middle += weight * 0.5 * (low + high);
   }
 #endif

@@ -293,6 +293,8 @@ bool VolumeCaster::draw(const Cast& cast) {
       gl_.TexParameteri(GL_TEXTURE_3D, name, filter);
   bind(*shader, "gradients", GL_TEXTURE_3D,
        look->gradients ? textures_.volume(look->gradients, false).values.name() : volume.gradients.name());
+  if (look->projection_colors)
+    bind(*shader, "projection_colors", GL_TEXTURE_2D, textures_.table(look->projection_colors));
   if (look->segments) bind(*shader, "segments", GL_TEXTURE_3D, textures_.volume(look->segments, false).values.name());
   if (prepared.blocks) {
     bind(*shader, "blocks", GL_TEXTURE_3D, prepared.blocks.name());

@@ -232,6 +232,7 @@ VolumeSource volume_source(const VolumeLook& look) {
         .append(kProjections[static_cast<std::size_t>(look.projection)])
         .append("\n");
     if (look.threshold > 0) source.defines += "#define THRESHOLD\n";
+    if (look.projection_colors) source.defines += "#define PROJECTION_COLORS\n";
   }
   if (look.iso_surfaces)
     source.defines += "#define SURFACES " + std::to_string(std::max<std::size_t>(look.surfaces.size(), 1)) + "\n";

@@ -81,7 +81,7 @@ std::optional<InputSurface> input_surface(const OpenedInput& input, std::optiona
   if (const auto* opened = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content)) return surface_of(**opened);
   if (const auto* mesh = std::get_if<MeshSurface>(&input.content)) return surface_of(*mesh);
   if (const auto* mesh = std::get_if<MeshStream>(&input.content)) return surface_of(*mesh);
-  const auto* volume = std::get_if<qnv::VolumeSource>(&input.content);
+  const qnv::VolumeSource* const volume = values_of(input);
   return volume && isovalue ? std::optional(isosurface_of(*volume, *isovalue, progress)) : std::nullopt;
 }
 

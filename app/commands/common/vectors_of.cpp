@@ -21,6 +21,7 @@
 #include "qnv/sampling/volume/gradients.h"
 #include "qnv/sampling/volume/isosurface.h"
 #include "qnv/sampling/volume/volume_slices.h"
+#include "qnv/sampling/volume/volume_values.h"
 
 #include <algorithm>
 #include <chrono>
@@ -52,8 +53,9 @@ WorldBudget budget_of(const LoadingOptions& options, const LoadLimit& limit) {
 }
 
 std::optional<Opened> open_volume_input(const InputOptions& options, const std::string& path) {
-  auto opened = open_volume(path, options.raw, {reader_beside(path, load_options(options).allowed), {}},
-                            budget_of(options, LoadLimit(deadline_of(options))));
+  auto opened =
+      open_volume(path, options.raw, {reader_beside(path, load_options(options).allowed), {}, options.component},
+                  budget_of(options, LoadLimit(deadline_of(options))));
   if (const auto* problem = std::get_if<std::string>(&opened)) {
     (void)fail(*problem);
     return std::nullopt;
@@ -164,7 +166,7 @@ Metadata metadata_of(const ConversionOptions& options, const OpenedInput& input,
 
 // Returns the metadata of the surface of an input.
 Metadata surface_metadata(const ConversionOptions& options, const OpenedInput& input) {
-  const auto* volume = std::get_if<qnv::VolumeSource>(&input.content);
+  const qnv::VolumeSource* const volume = values_of(input);
   Metadata metadata = metadata_of(options, input, options.files.front(), volume ? volume->layout.metadata : Metadata{});
   const auto* world = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content);
   const auto* mesh = std::get_if<MeshSurface>(&input.content);
@@ -179,7 +181,7 @@ Metadata surface_metadata(const ConversionOptions& options, const OpenedInput& i
 }
 
 EncodeError not_a_volume(const std::string& path) {
-  return {path + " is not a volume; --isovalue applies to volumes only"};
+  return {path + " has no values of voxels; --isovalue expects a volume, or a stream of its values"};
 }
 
 std::size_t part_of(double fraction, std::size_t count) {
@@ -251,6 +253,13 @@ std::variant<qnv::Volume, EncodeError> gradients(const qnv::VolumeSource& volume
 
 }  // namespace
 
+const qnv::VolumeSource* values_of(const OpenedInput& input) {
+  if (const auto* volume = std::get_if<qnv::VolumeSource>(&input.content)) return volume;
+  const auto* geometry = std::get_if<qnv::Geometry>(&input.content);
+  const auto* vectors = geometry ? geometry->as<qnv::Volume>() : nullptr;
+  return vectors && vectors->values ? &vectors->values->source : nullptr;
+}
+
 std::size_t most_encoded_triangles(const Limits& limits) {
   return limits.memory / 32 * kHeldShare / qnv::kDisplacedTriangleBytes;
 }
@@ -313,12 +322,11 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
   encode_options.seed = options.seed;
   encode_options.vectors = options.vectors;
   if (options.max_bytes_given) encode_options.max_bytes = options.max_bytes;
-  if (options.isovalue && !std::holds_alternative<qnv::VolumeSource>(input.content)) return not_a_volume(path);
+  if (options.isovalue && !values_of(input)) return not_a_volume(path);
   if (options.method == EncodeMethod::values && !std::holds_alternative<qnv::VolumeSource>(input.content))
     return EncodeError{"--method values applies to volumes only; leave it out"};
   if (const auto surface = input_surface(input, options.isovalue, progress)) {
-    const auto* volume = std::get_if<qnv::VolumeSource>(&input.content);
-    if (volume && options.fraction > 0)
+    if (options.isovalue && options.fraction > 0)
       return EncodeError{"--fraction counts the voxels of a volume; use --vectors with --isovalue"};
     encode_options.metadata = surface_metadata(options, input);
     auto encoded = encode(*surface, options, std::move(encode_options), progress);
@@ -355,8 +363,7 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
 
 std::optional<std::variant<qnv::Geometry, EncodeError>> mesh_of_input(const ConversionOptions& options,
                                                                       const OpenedInput& input, ProgressBar& progress) {
-  if (options.isovalue && !std::holds_alternative<qnv::VolumeSource>(input.content))
-    return not_a_volume(options.files.front());
+  if (options.isovalue && !values_of(input)) return not_a_volume(options.files.front());
   const auto surface = input_surface(input, options.isovalue, progress);
   if (!surface) return std::nullopt;
   auto mesh = indexed_mesh(*surface, most_joined_triangles(options.limits), progress);
@@ -399,9 +406,8 @@ std::variant<qnv::Geometry, EncodeError> geometry_of_input(const ConversionOptio
     if (stated_upright(metadata)) return;
     for (auto& pair : metadata_of(input.upright)) metadata.push_back(std::move(pair));
   };
-  if (options.isovalue && !std::holds_alternative<qnv::VolumeSource>(input.content))
-    return not_a_volume(options.files.front());
-  if (auto* geometry = std::get_if<qnv::Geometry>(&input.content)) {
+  if (options.isovalue && !values_of(input)) return not_a_volume(options.files.front());
+  if (auto* geometry = std::get_if<qnv::Geometry>(&input.content); geometry && !options.isovalue) {
     stand(geometry->base().description);
     return std::move(*geometry);
   }

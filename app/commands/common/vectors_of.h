@@ -61,6 +61,9 @@ struct OpenedInput {
                                                                               const OpenedInput& input,
                                                                               ProgressBar& progress);
 
+/// Returns the values of a volume: of its file, or those that its stream holds. Returns null for other inputs.
+[[nodiscard]] const qnv::VolumeSource* values_of(const OpenedInput& input);
+
 /// Returns the triangles of an input as a mesh, without the losses of a stream. Returns nullopt if it has none.
 [[nodiscard]] std::optional<std::variant<qnv::Geometry, qnv::EncodeError>> mesh_of_input(
     const ConversionOptions& options, const OpenedInput& input, ProgressBar& progress);

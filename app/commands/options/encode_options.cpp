@@ -93,6 +93,31 @@ Problem set_isovalue(ConversionOptions& options, const std::string& value) {
   return {};
 }
 
+Problem set_share_of_picture(PictureOptions& options, const std::string& value) {
+  const auto share = read_share(value);
+  if (share) options.volume.display.share = *share;
+  return share ? Problem{} : "expected a share of the voxels from 0.005 to 0.5, or from 0.5% to 50%";
+}
+
+Problem set_isovalue_of_picture(PictureOptions& options, const std::string& value) {
+  double isovalue = 0;
+  if (!read(value, isovalue) || !std::isfinite(static_cast<float>(isovalue))) return "expected a number";
+  options.volume.display.surface = true;
+  options.volume.display.isovalue = static_cast<float>(isovalue);
+  return {};
+}
+
+/// Sets the fraction for encode, or the share of the voxels for pictures.
+Problem set_any_fraction(CommandOptions& options, const std::string& value) {
+  auto* const picture = dynamic_cast<PictureOptions*>(&options);
+  return picture ? set_share_of_picture(*picture, value) : with<set_fraction>(options, value);
+}
+
+Problem set_any_isovalue(CommandOptions& options, const std::string& value) {
+  auto* const picture = dynamic_cast<PictureOptions*>(&options);
+  return picture ? set_isovalue_of_picture(*picture, value) : with<set_isovalue>(options, value);
+}
+
 Problem set_seed(ConversionOptions& options, const std::string& value) {
   return read(value, options.seed) ? Problem{} : "expected a whole number";
 }
@@ -138,10 +163,13 @@ Problem set_position_bits(EncodeCommand& options, const std::string& value) {
 
 constexpr OptionRow kEncodeOptions[] = {
     {"--vectors", "N", "", "write about this number of vectors", "encode export ", with<set_vectors>},
-    {"--fraction", "SHARE", "", "keep this share of the voxels, vectors or triangles (0 to 1, or 30%)", "encode ",
-     with<set_fraction>},
-    {"--isovalue", "V", "", "extract the surface of a volume at this value instead of its gradients", "encode export ",
-     with<set_isovalue>},
+    {"--fraction", "SHARE", "",
+     "encode: keep this share of the voxels, vectors or triangles (0 to 1, or 30%). Pictures: draw this share of the "
+     "voxels of a volume as vectors (0.005 to 0.5, usually 0.09)",
+     "open animate encode ", set_any_fraction},
+    {"--isovalue", "V", "",
+     "extract the surface of a volume, or of a stream of its values, at this value instead of its gradients",
+     "open animate encode export ", set_any_isovalue},
     {"--error", "SIZE", "1/8192 of the range",
      "maximum error of each voxel of a volume: in the unit of the values (12), or as a percentage of their range "
      "(0.1%)",

@@ -108,6 +108,12 @@ Problem set_slice_map(PictureOptions& options, const std::string& value) {
   return find_color_map(value) ? Problem{} : "expected one of " + color_map_names();
 }
 
+Problem set_projection(PictureOptions& options, const std::string& value) {
+  const VolumeModeRow* mode = find_volume_mode(value);
+  if (mode) options.volume.display.mode = mode->mode;
+  return mode ? Problem{} : "expected maximum, minimum, average or vectors";
+}
+
 Problem set_tour(PictureOptions& options, const std::string& value) {
   const bool good = each_of(value, [&](const std::string& name) {
     options.animation.tour.push_back(name);
@@ -158,6 +164,15 @@ Problem set_camera(PictureOptions& options, const std::string& value) {
   return {};
 }
 
+// Sets the component for loading, and for the values of pictures and windows.
+Problem set_component(CommandOptions& options, const std::string& value) {
+  const auto component = read_voxel_component(value);
+  if (!component) return "expected the number of a component from 0, or magnitude";
+  dynamic_cast<LoadOptions&>(options).component = *component;
+  if (auto* picture = dynamic_cast<PictureOptions*>(&options)) picture->volume.component = *component;
+  return {};
+}
+
 constexpr OptionRow kPictureOptions[] = {
     {"--camera", "POSE", "",
      "use this camera: position=X,Y,Z orientation=X,Y,Z,RADIANS fieldOfView=RADIANS, with height=H for parallel "
@@ -204,10 +219,17 @@ constexpr OptionRow kPictureOptions[] = {
        o.volume.slice_look.alone = true;
        return Problem{};
      }>},
-    {"--window", "LOW,HIGH", "", "values of the first and last colour of the planes", "open animate ",
+    {"--window", "LOW,HIGH", "", "values of the first and last colour of planes and projections", "open animate ",
      with<set_window>},
-    {"--slice-map", "grey|viridis|cividis|inferno|magma|turbo|coolwarm", "grey", "colour map of the planes",
+    {"--slice-map", "grey|viridis|cividis|inferno|magma|turbo|coolwarm", "grey", "colour map of planes and projections",
      "open animate ", with<set_slice_map>},
+    {"--projection", "maximum|minimum|average|vectors", "vectors",
+     "draw the maximum, minimum or average of the values of a volume along each ray, or its vectors", "open animate ",
+     with<set_projection>},
+    {"--component", "N|magnitude", "0",
+     "read this component of voxels that have several, such as colours or vectors: a number from 0, or the length of "
+     "their vector",
+     "open animate encode export info ", set_component},
     {"--turntable", "", "", "turn once about the up axis", "animate ", with<[](PictureOptions& o, const std::string&) {
        o.animation.turntable = true;
        return Problem{};

@@ -2,6 +2,7 @@
 
 #include "app/base/read_file.h"
 #include "app/formats/common/mesh_asset.h"
+#include "app/formats/common/voxel_component.h"
 #include "base/budget.h"
 #include "base/diagnostic.h"
 #include "qnv/base/geometry.h"
@@ -30,6 +31,7 @@ struct ImportSource {
   Diagnostics& diagnostics;
   std::string name = {};  // original file name of a volume; empty means that of `path`
   bool for_x3d = false;   // the scene becomes part of an X3D world
+  VoxelComponent component{};
 };
 
 /// Nodes of a file that has its own, such as transformations (glTF). Never null.

@@ -151,8 +151,8 @@ std::optional<qnv::Geometry> GeometryFileReader::volume(const ContentType& type)
     report(Severity::error, "a volume cannot be read in part");
     return std::nullopt;
   }
-  const Asset asset =
-      type.read({file_.bytes, file_.path, file_.origin.read_beside, budget_, diagnostics_, file_.origin.name});
+  const Asset asset = type.read({file_.bytes, file_.path, file_.origin.read_beside, budget_, diagnostics_,
+                                 file_.origin.name, file_.origin.component});
   const auto* const source = std::get_if<qnv::VolumeSource>(&asset);
   if (!source) return std::nullopt;
   qnv::GradientOptions options;

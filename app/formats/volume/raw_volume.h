@@ -1,9 +1,11 @@
 #pragma once
 
+#include "app/formats/common/voxel_component.h"
 #include "qnv/sampling/volume/voxel_type.h"
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 namespace gs::app {
@@ -22,6 +24,8 @@ struct RawVolume {
 /// Parses "u8", "i8", "u16", "i16", "u32", "i32", "f32" or "f64". The suffix "le" or "be" is the byte order; without
 /// it, the order is little-endian. If the text is invalid, returns false and changes nothing.
 [[nodiscard]] bool read_voxel_type(std::string_view text, RawVolume& raw);
+/// Parses "magnitude", or the index of a component from 0. Returns nullopt for other texts.
+[[nodiscard]] std::optional<VoxelComponent> read_voxel_component(std::string_view text);
 /// Text for messages and help: the syntax that read_voxel_type accepts.
 inline constexpr std::string_view kVoxelTypes =
     "u8, i8, u16, i16, u32, i32, f32 or f64, with the suffix be for big-endian";

@@ -93,6 +93,14 @@ bool read_voxel_type(std::string_view text, RawVolume& raw) {
   return false;
 }
 
+std::optional<VoxelComponent> read_voxel_component(std::string_view text) {
+  VoxelComponent component;
+  component.magnitude = text == "magnitude";
+  if (component.magnitude) return component;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), component.index);
+  return error == std::errc() && end == text.data() + text.size() ? std::optional(component) : std::nullopt;
+}
+
 std::span<const VolumeFormat> volume_formats() { return kVolumeFormats; }
 
 VolumeResult open_raw(const VolumeFile& file, const RawVolume& raw) {
@@ -104,6 +112,7 @@ VolumeResult open_raw(const VolumeFile& file, const RawVolume& raw) {
   voxels.offset = raw.offset;
   voxels.type = static_cast<StoredType>(raw.type);
   voxels.big_endian = raw.big_endian;
+  voxels.component = file.component;
   return make_source(std::move(layout), std::move(voxels));
 }
 
@@ -111,9 +120,12 @@ std::variant<qnv::VolumeSource, std::string> open_volume(const std::string& path
                                                          const VolumeOrigin& origin, const WorldBudget& budget) {
   BytesResult loaded = load_bytes(path, budget);
   if (auto* problem = std::get_if<std::string>(&loaded)) return std::move(*problem);
-  const VolumeFile file{path, origin.name.empty() ? path.substr(path.rfind('/') + 1) : origin.name,  // all if no '/'
+  const VolumeFile file{path,
+                        origin.name.empty() ? path.substr(path.rfind('/') + 1) : origin.name,  // all if no '/'
                         std::get<SharedBytes>(std::move(loaded)),
-                        origin.read_beside ? origin.read_beside : reader_beside(path, {}), budget};
+                        origin.read_beside ? origin.read_beside : reader_beside(path, {}),
+                        budget,
+                        origin.component};
   if (file.content.bytes.empty()) return path + ": the file is empty; expected a volume";
   VolumeResult result = open_as(format_of(path, file.content.bytes), file, raw);
   if (const auto changed = file.content.file ? file.content.file->changed() : std::nullopt)

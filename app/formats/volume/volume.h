@@ -2,6 +2,7 @@
 
 #include "app/base/read_file.h"
 #include "app/formats/common/upright.h"
+#include "app/formats/common/voxel_component.h"
 #include "app/formats/volume/raw_volume.h"
 #include "base/budget.h"
 #include "qnv/sampling/volume/volume.h"
@@ -16,10 +17,11 @@
 
 namespace gs::app {
 
-/// Origin of a volume's file: its name and the files beside it.
+/// Origin of a volume's file: its name and the files beside it; and the component to read.
 struct VolumeOrigin {
   ReadFile read_beside;  // reads files that the header names; null reads below the file's folder
-  std::string name;  // original file name; empty means the name in the path
+  std::string name;      // original file name; empty means the name in the path
+  VoxelComponent component{};
 };
 
 /// Opens a volume. Detects the format by the first bytes, else by the name. If `raw` has dimensions, the file has no

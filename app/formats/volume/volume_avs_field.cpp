@@ -18,7 +18,7 @@ struct FieldHeader {
   std::array<double, 3> sizes{1, 1, 1};
   std::string data, field = "uniform";
   std::vector<double> lower, upper;  // values of min_ext and max_ext
-  std::string file;  // file of variable 1, if the data are in separate files
+  std::string file;                  // file of variable 1, if the data are in separate files
   double skip = 0, stride = 1;
   std::string file_type = "binary";
   std::optional<std::size_t> end;  // offset of the data, if they are in this file
@@ -192,6 +192,7 @@ VolumeResult open_avs_field(const VolumeFile& file) {
   const double components = header.end ? header.components : header.stride;
   if (!(components >= 1 && components <= 4096)) return std::string("the veclen or stride is not 1 to 4096");
   voxels.components = static_cast<std::uint64_t>(components);
+  voxels.component = file.component;
   const auto size = stored_size(layout, voxels.type, voxels.components);
   if (const auto* problem = std::get_if<std::string>(&size)) return *problem;
   bool placed = false;

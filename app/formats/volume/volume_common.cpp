@@ -38,11 +38,43 @@ void widen(const std::byte* from, std::size_t step, bool big_endian, std::span<s
   }
 }
 
+/// Computes the lengths of the vectors of a slice. A vector with a missing component has the length NaN.
+void read_magnitudes(const StoredVoxels& voxels, const qnv::VolumeLayout& stored, const std::byte* from,
+                     std::span<std::byte> to) {
+  const std::size_t count = to.size() / sizeof(float), numbers = voxels.components, size = size_of(voxels.type);
+  constexpr std::size_t kPiece = 4096;
+  std::vector<float> values(std::min(count, kPiece) * numbers);
+  std::vector<std::byte> wide;
+  for (std::size_t begin = 0; begin < count; begin += kPiece) {
+    const std::size_t voxels_here = std::min(kPiece, count - begin), here = voxels_here * numbers;
+    std::span<const std::byte> bytes(from + begin * numbers * size, here * size);
+    if (voxels.type >= StoredType::u64) {
+      wide.resize(here * sizeof(double));
+      if (voxels.type == StoredType::u64)
+        widen<std::uint64_t>(bytes.data(), size, voxels.big_endian, wide);
+      else
+        widen<std::int64_t>(bytes.data(), size, voxels.big_endian, wide);
+      bytes = wide;
+    }
+    qnv::values_of(stored, bytes, std::span(values).first(here));
+    for (std::size_t i = 0; i < voxels_here; ++i) {
+      double square = 0;
+      for (std::size_t k = 0; k < numbers; ++k) {
+        const auto value = static_cast<double>(values[i * numbers + k]);
+        square += value * value;
+      }
+      const auto length = static_cast<float>(std::sqrt(square));
+      std::memcpy(to.data() + (begin + i) * sizeof(float), &length, sizeof(length));
+    }
+  }
+}
+
 bool read_stored(const StoredVoxels& voxels, std::uint64_t slice_voxels, std::uint32_t z, std::span<std::byte> to) {
   const std::size_t size = size_of(voxels.type), step = size * voxels.components;
   const bool wide = voxels.type >= StoredType::u64;
   if (to.size() != slice_voxels * (wide ? sizeof(double) : size)) return false;
-  const std::byte* from = voxels.content.bytes.data() + voxels.offset + slice_voxels * step * z;
+  const std::byte* from =
+      voxels.content.bytes.data() + voxels.offset + slice_voxels * step * z + voxels.component.index * size;
   if (wide) {
     if (voxels.type == StoredType::u64)
       widen<std::uint64_t>(from, step, voxels.big_endian, to);
@@ -206,6 +238,11 @@ VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {
     return std::to_string(x) + " x " + std::to_string(y) + " x " + std::to_string(z) + " voxels need " + plural(size) +
            "; there are " + std::to_string(there);
   }
+  const VoxelComponent chosen = voxels.component;
+  if (!chosen.magnitude && chosen.index >= voxels.components)
+    return "no component " + std::to_string(chosen.index) + "; expected " +
+           (voxels.components == 1 ? "0, because each voxel has one number"
+                                   : "0 to " + std::to_string(voxels.components - 1) + ", or magnitude");
   mend(layout);
   set_base(layout);
   layout.type = voxel_type_of(voxels.type);
@@ -215,6 +252,26 @@ VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {
   qnv::VolumeSource source;
   const std::uint64_t slice = qnv::slice_voxels(layout);
   const std::uint32_t slices = layout.dimensions[2];
+  if (voxels.components > 1)
+    add_metadata(layout, "component",
+                 chosen.magnitude ? "magnitude of " + std::to_string(voxels.components)
+                                  : std::to_string(chosen.index) + " of " + std::to_string(voxels.components));
+  if (chosen.magnitude && voxels.components > 1) {
+    source.layout = layout;
+    source.layout.type = qnv::VoxelType::f32;
+    source.layout.big_endian = std::endian::native == std::endian::big;
+    source.layout.slope = 1;
+    source.layout.intercept = 0;
+    source.layout.missing.reset();
+    source.read = [voxels = std::move(voxels), stored = std::move(layout), slice, slices](std::uint32_t z,
+                                                                                          std::span<std::byte> to) {
+      if (z >= slices || to.size() != slice * sizeof(float)) return false;
+      const std::size_t step = size_of(voxels.type) * voxels.components;
+      read_magnitudes(voxels, stored, voxels.content.bytes.data() + voxels.offset + slice * step * z, to);
+      return !voxels.content.file || !voxels.content.file->changed();
+    };
+    return source;
+  }
   source.layout = std::move(layout);
   source.read = [voxels = std::move(voxels), slice, slices](std::uint32_t z, std::span<std::byte> to) {
     return z < slices && read_stored(voxels, slice, z, to);

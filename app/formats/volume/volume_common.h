@@ -51,6 +51,7 @@ struct VolumeFile {
   SharedBytes content;     // decompressed content
   ReadFile read_beside;
   WorldBudget budget = own_budget();
+  VoxelComponent component{};
 };
 /// Loads a file that a header names, with `read_beside` (see ReadFile). Decompresses it if it is gzip-compressed.
 [[nodiscard]] BytesResult load_beside(const VolumeFile& file, std::string_view name);
@@ -65,17 +66,20 @@ decltype(auto) with_stored_type(StoredType type, F&& f) {
                        double, std::uint64_t, std::int64_t>(static_cast<std::size_t>(type), f);
 }
 
-/// Voxels as stored in a file, with x as the fastest axis. Each voxel has `components` numbers; only the first is used.
+/// Voxels as stored in a file, with x as the fastest axis. Each voxel has `components` numbers, of which `component` is
+/// used.
 struct StoredVoxels {
   SharedBytes content;
   std::uint64_t offset = 0;  // byte offset of the first voxel
   StoredType type = StoredType::u8;
   bool big_endian = false;
   std::uint64_t components = 1;
+  VoxelComponent component{};
 };
 
 /// Creates the source of a volume. All members of `layout` except type and big_endian must be set. Repairs the layout
-/// like mend(). Returns a message if bytes are missing or the layout is invalid.
+/// like mend(). Magnitudes are float32. Returns a message if bytes or the component are missing, or if the layout is
+/// invalid.
 [[nodiscard]] VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels);
 
 /// Returns the total size of all voxels in bytes, or a message if the size is too large.

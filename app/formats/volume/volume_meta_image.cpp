@@ -150,6 +150,7 @@ VolumeResult open_meta_image(const VolumeFile& file) {
   if (auto* problem = std::get_if<std::string>(&voxels)) return std::move(*problem);
   StoredVoxels& stored = std::get<StoredVoxels>(voxels);
   stored.components = channels;
+  stored.component = file.component;
   return make_source(std::move(layout), std::move(stored));
 }
 

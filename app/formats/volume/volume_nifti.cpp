@@ -256,6 +256,7 @@ VolumeResult open_nifti(const VolumeFile& file) {
   voxels.content = bytes;
   voxels.type = type->type;
   voxels.components = type->components;
+  voxels.component = file.component;
   voxels.big_endian = header->big_endian();
   if (!header->one_file()) {
     BytesResult loaded = load_partner(file, ".img");

@@ -248,6 +248,7 @@ VolumeResult open_nrrd(const VolumeFile& file) {
   if (header.encoding.starts_with("raw") || header.encoding.starts_with("gz"))
     stored.big_endian = header.endian == "big";
   stored.components = axes.components;
+  stored.component = file.component;
   return make_source(std::move(layout), std::move(stored));
 }
 

@@ -79,6 +79,7 @@ VolumeResult open_vti(const VolumeFile& file) {
   auto voxels = vtk_values(file.content, header, *array, std::get<std::uint64_t>(size) / size_of(type), file.budget);
   if (auto* problem = std::get_if<std::string>(&voxels)) return std::move(*problem);
   std::get<StoredVoxels>(voxels).components = array->components;
+  std::get<StoredVoxels>(voxels).component = file.component;
   return make_source(std::move(layout), std::get<StoredVoxels>(std::move(voxels)));
 }
 

@@ -3,12 +3,16 @@
 #include "app/picture/picture_request.h"
 #include "app/view/values/color_bar.h"
 #include "app/view/values/slices.h"
+#include "app/view/values/volume_display.h"
+#include "app/view/values/volume_histogram.h"
+#include "qnv/base/geometry.h"
 
 #include <glm/vec2.hpp>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,7 +25,7 @@ enum class AnimationFile : std::uint8_t { pictures, mp4, webm };
 /// Picture settings that the user chose last.
 struct PictureWish {
   bool of_window = true;  // the picture has the size of the viewport times `scale`, else `size`
-  int scale = 1;  // 1 to 8
+  int scale = 1;          // 1 to 8
   glm::ivec2 size{1920, 1080};
   PictureRequest request;
   AnimationFile animation = AnimationFile::pictures;
@@ -33,20 +37,25 @@ struct PictureWish {
 /// State of the measure, volume and picture tools for the active viewport.
 struct UiTools {
   // Ruler.
-  bool measuring = false;  // clicks in the picture add points
+  bool measuring = false;                        // clicks in the picture add points
   std::vector<std::optional<glm::vec2>> points;  // framebuffer pixels; nullopt for a point behind the camera
-  std::vector<std::string> legs;  // length of each segment of the ruler
-  std::string measured;  // one-line summary of the ruler
-  std::string measured_text;  // full text of the ruler, for copying
+  std::vector<std::string> legs;                 // length of each segment of the ruler
+  std::string measured;                          // one-line summary of the ruler
+  std::string measured_text;                     // full text of the ruler, for copying
   // Value under the pointer.
   std::string value;
   // Volumes.
   VolumeSlices slices;
   std::array<std::uint32_t, 3> dimensions{};  // of the volume, in voxels; 0 means unknown
-  bool has_file = false;  // voxel values can be read from the file
-  std::string slices_problem;  // error message if the voxel values cannot be read
-  bool reading = false;
-  std::vector<glm::vec2> slice_edge;  // corners of the hovered or dragged slice, in framebuffer pixels
+  bool has_file = false;                      // voxel values can be read from the file
+  std::string slices_problem;                 // error message if the voxel values cannot be read
+  bool reading = false;                       // the first values are being read
+  VolumeDisplay volume;
+  std::shared_ptr<const VolumeHistogram> histogram;  // null until it is made
+  std::optional<float> isovalue;                     // of the isosurface; nullopt until it is known
+  std::shared_ptr<const qnv::Volume> vectors;        // of another share than usual, or null
+  std::string unit;                                  // of the values; may be empty
+  std::vector<glm::vec2> slice_edge;                 // corners of the hovered or dragged slice, in framebuffer pixels
   bool color_bar = false;
   std::optional<ColorBar> bar;  // nullopt if the world has nothing with a colour scale
   // File series.
@@ -55,16 +64,18 @@ struct UiTools {
   double rate = 25;  // files per second
   // Pictures.
   PictureWish picture;
-  std::string folder;  // target folder of pictures
+  std::string folder;              // target folder of pictures
   std::optional<float> exporting;  // export progress, 0 to 1; nullopt if no export runs
-  std::size_t tour = 0;  // number of views in the tour of this file
+  std::size_t tour = 0;            // number of views in the tour of this file
 };
 
 /// Requests of the user to the tools in this frame.
 struct UiToolActions {
   std::optional<bool> measure, color_bar, play;
   bool forget_points = false, undo_point = false, wants_value = false;
+  bool wants_histogram = false;
   std::optional<VolumeSlices> slices;
+  std::optional<VolumeDisplay> volume;
   std::optional<std::size_t> file;
   std::optional<double> rate;
   std::optional<PictureWish> picture;

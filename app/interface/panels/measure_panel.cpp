@@ -21,6 +21,13 @@ void tool_label(const char* what, float scale) {
   ImGui::SameLine(kToolLabel * scale);
 }
 
+/// Escapes a text for a format of printf.
+std::string escaped_format(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) escaped.append(c == '%' ? 2 : 1, c);
+  return escaped;
+}
+
 float tool_width() { return ImGui::GetContentRegionAvail().x; }
 
 }  // namespace
@@ -48,7 +55,7 @@ void MeasurePanel::slice_rows(const PanelFrame& frame, const UiTools& tools, UiT
   static constexpr std::array<const char*, 3> kAxes{"X", "Y", "Z"};
   VolumeSlices slices = tools.slices;
   if (!tools.has_file) {
-    colored_text(UiColors::kQuiet, "Slices need a local volume file.");
+    colored_text(UiColors::kQuiet, "Slices need a volume file or a stream of values.");
     return;
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -69,9 +76,12 @@ void MeasurePanel::slice_rows(const PanelFrame& frame, const UiTools& tools, UiT
   }
   if (tools.reading) colored_text(UiColors::kQuiet, "Reading values...");
   if (!tools.slices_problem.empty()) colored_text(UiColors::kError, shortened(tools.slices_problem, 300));
-  ImGui::BeginDisabled(!slices.any());
+  const bool colored = slices.any() || tools.volume.mode != VolumeMode::vectors;
+  ImGui::BeginDisabled(!slices.any() && !tools.volume.surface);
   tool_label("", frame.scale);
   ImGui::Checkbox("Hide the volume", &slices.alone);
+  ImGui::EndDisabled();
+  ImGui::BeginDisabled(!colored);
   tool_label("Colours", frame.scale);
   ImGui::SetNextItemWidth(tool_width());
   const ColorMap* chosen = find_color_map(slices.map);
@@ -92,9 +102,83 @@ void MeasurePanel::slice_rows(const PanelFrame& frame, const UiTools& tools, UiT
     if (ImGui::DragFloat2("##window", window.data(), speed, 0, 0, "%.4g") && window[0] < window[1])
       slices.window = {window[0], window[1]};
     frame.tooltips.show("Values of the first and last colour; drag, or double-click to type");
+    window_buttons(frame, tools, slices);
   }
   ImGui::EndDisabled();
+  volume_rows(frame, tools, slices, actions);
   if (!(slices == tools.slices)) actions.slices = std::move(slices);
+}
+
+void MeasurePanel::window_buttons(const PanelFrame& frame, const UiTools& tools, VolumeSlices& slices) {
+  tool_label("", frame.scale);
+  if (ImGui::Button("Whole")) slices.window.reset();
+  frame.tooltips.show("Spreads the colours over all values");
+  ImGui::SameLine();
+  ImGui::BeginDisabled(!tools.histogram);
+  if (ImGui::Button("2 - 98 %") && tools.histogram) slices.window = contrast_range(*tools.histogram);
+  frame.tooltips.show("Spreads the colours from the lowest 2 % to the highest 2 % of the values");
+  ImGui::EndDisabled();
+  if (!tools.bar) return;
+  const auto presets = window_presets(
+      {static_cast<float>(tools.bar->range.first), static_cast<float>(tools.bar->range.second)}, tools.unit);
+  if (presets.empty()) return;
+  tool_label("", frame.scale);
+  for (std::size_t i = 0; i < presets.size(); ++i) {
+    if (i > 0) ImGui::SameLine();
+    if (ImGui::Button(presets[i].label)) slices.window = presets[i].window;
+    frame.tooltips.show(presets[i].help);
+  }
+}
+
+void MeasurePanel::volume_rows(const PanelFrame& frame, const UiTools& tools, VolumeSlices& slices,
+                               UiToolActions& actions) {
+  VolumeDisplay volume = tools.volume;
+  tool_label("Volume", frame.scale);
+  ImGui::SetNextItemWidth(tool_width());
+  if (ImGui::BeginCombo("##mode", volume_modes()[static_cast<std::size_t>(volume.mode)].label.data())) {
+    for (const VolumeModeRow& row : volume_modes()) {
+      if (ImGui::Selectable(row.label.data(), row.mode == volume.mode)) {
+        volume.mode = row.mode;
+        slices.alone = false;
+      }
+      frame.tooltips.show(row.help);
+    }
+    ImGui::EndCombo();
+  }
+  tool_label("Share", frame.scale);
+  ImGui::SetNextItemWidth(tool_width());
+  ImGui::BeginDisabled(volume.mode != VolumeMode::vectors);
+  float percent = 100 * volume.share;
+  if (ImGui::SliderFloat("##share", &percent, 100 * kLeastShare, 100 * kMostShare, "%.1f %% of the voxels",
+                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp)) {
+    volume.share = std::clamp(std::round(10 * percent) / 1000, kLeastShare, kMostShare);
+    if (std::abs(volume.share - kUsualShare) < 5e-4f) volume.share = kUsualShare;
+  }
+  frame.tooltips.show("Voxels that are drawn as vectors: those with the largest gradients");
+  ImGui::EndDisabled();
+  tool_label("Surface", frame.scale);
+  bool surface = volume.surface;
+  if (ImGui::Checkbox("##surface", &surface)) {
+    volume.surface = surface;
+    // A surface in a cloud of vectors would not be visible.
+    if (volume.mode == VolumeMode::vectors && (surface || !slices.any())) slices.alone = surface;
+  }
+  frame.tooltips.show("Surface between values above and below a value");
+  ImGui::BeginDisabled(!surface);
+  ImGui::SameLine();
+  ImGui::ColorEdit3("##color", &volume.surface_color.x, ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_NoLabel);
+  frame.tooltips.show("Colour of the surface");
+  if (tools.histogram) {
+    const auto [least, most] = tools.histogram->range();
+    float value = tools.isovalue.value_or(least);
+    const std::string format = "%.4g" + (tools.unit.empty() ? "" : " " + escaped_format(tools.unit));
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(tool_width());
+    if (ImGui::SliderFloat("##isovalue", &value, least, most, format.c_str())) volume.isovalue = value;
+    frame.tooltips.show("Value of the surface; Ctrl+click to type");
+  }
+  ImGui::EndDisabled();
+  if (!(volume == tools.volume)) actions.volume = volume;
 }
 
 void MeasurePanel::series_rows(const PanelFrame& frame, const UiTools& tools, UiToolActions& actions) {
@@ -120,6 +204,7 @@ void MeasurePanel::draw(const PanelFrame& frame, const UiModel& model, UiActions
   const UiTools& tools = model.tools;
   UiToolActions& actions = all.tools;
   actions.wants_value = true;
+  actions.wants_histogram = true;
   tool_label("Pointer", frame.scale);
   ImGui::PushTextWrapPos(0);
   text(tools.value.empty() ? "Nothing under the pointer" : tools.value);

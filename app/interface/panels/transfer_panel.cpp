@@ -30,6 +30,7 @@ namespace {
 
 constexpr float kLabelWidth = 76, kCurveHeight = 132, kRampHeight = 9, kPickerWidth = 210,
                 kReadingWidth = 112;  // at scale 1
+constexpr const char *kWholeRange = "Whole", *kContrastRange = "2 - 98 %";
 constexpr float kPointRadius = 5, kGrip = 10;
 constexpr ImGuiSliderFlags kSliderFlags = ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat;
 
@@ -71,13 +72,16 @@ float value_in(const std::pair<float, float>& values, float place) {
   return values.first + place * (values.second - values.first);
 }
 
-void draw_histogram(ImDrawList& draw, const TransferCanvas& canvas, const VolumeSummary& summary) {
-  const auto count = static_cast<float>(summary.classes.size());
-  for (std::size_t i = 0; i < summary.classes.size(); ++i) {
-    const float height = std::sqrt(summary.classes[i]);  // the square root makes small counts visible
+/// Draws the logarithms of the counts of all values. Without these, draws the magnitudes of the vectors by value.
+void draw_histogram(ImDrawList& draw, const TransferCanvas& canvas, const VolumeSummary& summary,
+                    const VolumeHistogram* histogram) {
+  const std::array<float, 256>& bars = histogram ? histogram->log_counts() : summary.classes;
+  const auto count = static_cast<float>(bars.size());
+  for (std::size_t i = 0; i < bars.size(); ++i) {
+    const float height = histogram ? bars[i] : std::sqrt(bars[i]);  // the square root makes small sums visible
     if (!(height > 0)) continue;
     const auto left = static_cast<float>(i);
-    draw.AddRectFilled(canvas.at(left / count, height), canvas.at((left + 1) / count, 0), IM_COL32(255, 255, 255, 34));
+    draw.AddRectFilled(canvas.at(left / count, height), canvas.at((left + 1) / count, 0), IM_COL32(255, 255, 255, 56));
   }
 }
 
@@ -218,7 +222,10 @@ void TransferPanel::preset_row(Transfer& transfer, bool& own, const Range& value
   const char* shown = own ? "Own" : "Edited";
   for (const TransferPreset& preset : transfer_presets())
     if (!own && transfer == preset.make(values)) shown = preset.label;
-  ImGui::SetNextItemWidth(width_left());
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float buttons = ImGui::CalcTextSize(kWholeRange).x + ImGui::CalcTextSize(kContrastRange).x +
+                        4 * style.FramePadding.x + 2 * style.ItemSpacing.x;
+  ImGui::SetNextItemWidth(std::max(40.0f, width_left() - buttons));
   if (!ImGui::BeginCombo("##presets", shown)) {
     frame_->tooltips.show(
         "Maps values to colour and opacity. Click the curve to add a point, drag to move it, right-click or press Del "
@@ -251,7 +258,7 @@ void TransferPanel::preset_row(Transfer& transfer, bool& own, const Range& value
   ImGui::EndCombo();
 }
 
-bool TransferPanel::curve(Transfer& transfer, const Range& values) {
+bool TransferPanel::curve(Transfer& transfer, const Range& values, const VolumeHistogram* histogram) {
   const float scale = frame_->scale, edge = (kPointRadius + 3) * scale;
   const ImVec2 from = ImGui::GetCursorScreenPos();
   const ImVec2 size(width_left(), kCurveHeight * scale), to(from.x + size.x, from.y + size.y);
@@ -261,7 +268,7 @@ bool TransferPanel::curve(Transfer& transfer, const Range& values) {
   const bool changed = edit_curve(canvas, transfer);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   draw.AddRectFilled(from, to, IM_COL32(14, 15, 18, 255), 4 * scale);
-  draw_histogram(draw, canvas, summary_);
+  draw_histogram(draw, canvas, summary_, histogram);
   draw_curve(draw, canvas, transfer, scale);
   draw_points(draw, canvas, transfer, point_, scale);
   if (pointed_at) {
@@ -358,9 +365,29 @@ void TransferPanel::transfer_rows(const UiModel& model, render::SplatStyle& look
   Transfer transfer = own ? own_transfer(volume) : sound_transfer(look.transfer);
   preset_row(transfer, own, volume.value_range);
   if (own) transfer = own_transfer(volume);
-  bool changed = curve(transfer, volume.value_range);
+  bool changed = range_buttons(transfer, volume.value_range, model.tools.histogram.get());
+  changed |= curve(transfer, volume.value_range, model.tools.histogram.get());
   changed |= point_row(transfer, volume.value_range);
   look.transfer = own && !changed ? Transfer() : transfer;
+}
+
+bool TransferPanel::range_buttons(Transfer& transfer, const Range& values, const VolumeHistogram* histogram) {
+  std::optional<Range> fitted;
+  const float width = values.second - values.first;
+  ImGui::BeginDisabled(transfer.size() < 2 || !(width > 0));
+  ImGui::SameLine();
+  if (ImGui::Button(kWholeRange)) fitted = {0, 1};
+  frame_->tooltips.show("Stretches the transfer function over all values");
+  ImGui::SameLine();
+  ImGui::BeginDisabled(!histogram);
+  if (ImGui::Button(kContrastRange) && histogram) {
+    const auto [low, high] = contrast_range(*histogram);
+    fitted = {(low - values.first) / width, (high - values.first) / width};
+  }
+  frame_->tooltips.show("Stretches the transfer function from the lowest 2 % to the highest 2 % of the values");
+  ImGui::EndDisabled();
+  ImGui::EndDisabled();
+  return fitted && stretch(transfer, fitted->first, fitted->second);
 }
 
 void TransferPanel::clip_rows(const UiModel& model, render::SplatStyle& look) {
@@ -442,6 +469,7 @@ void TransferPanel::draw(const PanelFrame& frame, const UiModel& model, UiAction
     color_by_row(look);
     if (!model.volumes.empty()) {
       ImGui::Separator();
+      actions.tools.wants_histogram = true;
       volume_rows(model, look);
       file_row(model, actions);
       ImGui::Separator();

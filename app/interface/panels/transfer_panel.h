@@ -31,9 +31,11 @@ class TransferPanel final : public Panel {
   void transfer_rows(const UiModel& model, render::SplatStyle& look);
   void preset_row(Transfer& transfer, bool& own, const Range& values);
   /// Draws the curve of the transfer function. Returns true if the user changed the function.
-  bool curve(Transfer& transfer, const Range& values);
+  bool curve(Transfer& transfer, const Range& values, const VolumeHistogram* histogram);
   bool edit_curve(const TransferCanvas& canvas, Transfer& transfer);
   bool point_row(Transfer& transfer, const Range& values);
+  /// Draws buttons that stretch the transfer function. Returns true if the user changed it.
+  bool range_buttons(Transfer& transfer, const Range& values, const VolumeHistogram* histogram);
   bool color_button(std::array<float, 3>& color);
   bool point_fields(qnv::TransferPoint& point, const Range& values, float width);
   void clip_rows(const UiModel& model, render::SplatStyle& look);

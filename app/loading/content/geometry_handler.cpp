@@ -50,7 +50,7 @@ void GeometryHandler::read_whole(std::span<const std::byte> bytes, const std::st
   if (!type.is_geometry()) return warn(": " + path + " is " + std::string(type.name) + "; expected a QNV stream");
   GeometryFile file{path, bytes, cut};
   file.to_draw = !loading_.options.whole_surfaces;
-  file.origin = {loading_.fetcher.reader_of(found_.origin), file_name_of(found_)};
+  file.origin = {loading_.fetcher.reader_of(found_.origin), file_name_of(found_), loading_.options.component};
   if (!is_node()) {
     file.loss = loading_.options.loss;
     file.loss_seed = loading_.options.loss_seed;

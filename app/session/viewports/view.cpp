@@ -165,7 +165,8 @@ void follow_growth(View& view) {
   /// margin as a fraction of the diagonal, in addition to half of the growth, so that not every step re-frames
   constexpr float kAir = 0.05f;
   const WideBox& now = view.list->bounds;
-  if (view.viewpoint || !view.list->viewpoints.empty() || view.list->default_extent.x > 0 || view.home_size.x <= 0 || !usable(now) || !at_home(view) ||
+  if (view.viewpoint || !view.list->viewpoints.empty() || view.list->default_extent.x > 0 || view.home_size.x <= 0 ||
+      !usable(now) || !at_home(view) ||
       render::has_in_view(camera_of(view.home), now, view.home_size.x, view.home_size.y))
     return;
   // Do not move the camera while the user drags an object.
@@ -315,6 +316,7 @@ View with_choices_of(const View& before, std::shared_ptr<Document> document, con
   view.history = before.history;
   view.look = before.look;
   view.slices = before.slices;
+  view.volume = before.volume;
   if (!before.document->is_preview) view.color_bar = before.color_bar;
   view.headlight = before.headlight;
   view.budget = before.budget;

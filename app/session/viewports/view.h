@@ -4,6 +4,7 @@
 #include "app/view/navigation.h"
 #include "app/view/pose_history.h"
 #include "app/view/values/slices.h"
+#include "app/view/values/volume_display.h"
 #include "render/scene/draw_options.h"
 #include "render/scene/sight.h"
 #include "render/scene/splat_style.h"
@@ -22,11 +23,11 @@ namespace gs::app {
 /// Style of a view that the user can change.
 struct ViewStyle {
   UpAxis up = UpAxis::automatic;  // up axis that the user chose
-  bool parallel = false;  // orthographic projection instead of perspective
+  bool parallel = false;          // orthographic projection instead of perspective
   render::DisplayMode display = render::DisplayMode::surface;
-  bool backdrop = false;  // draw a gradient behind files other than VRML97 worlds
-  bool axes = false;  // draw axes in a corner; clicking one turns the view
-  bool grid = false;  // draw a grid on the ground
+  bool backdrop = false;                                   // draw a gradient behind files other than VRML97 worlds
+  bool axes = false;                                       // draw axes in a corner; clicking one turns the view
+  bool grid = false;                                       // draw a grid on the ground
   double pixels_per_point = render::kUsualPixelsPerPoint;  // of the screen or paper; the user cannot change it
 
   bool operator==(const ViewStyle&) const = default;
@@ -36,34 +37,35 @@ struct ViewStyle {
 /// document.
 struct View {
   std::shared_ptr<Document> document;
-  std::shared_ptr<RuntimeScene> scene;  // render scene of the running world; null before the world starts
+  std::shared_ptr<RuntimeScene> scene;             // render scene of the running world; null before the world starts
   std::shared_ptr<const render::RenderList> list;  // render list of `scene`, or of the parts received so far
   NavigationRules rules;
   render::NavigationState navigation_info;  // NavigationInfo from which `rules` were derived
   Navigation navigation;
-  Pose home;  // pose of the bound Viewpoint, or of the initial view
-  glm::vec2 home_size{0};  // viewport size in pixels for which the initial view was chosen
-  glm::vec2 size{0};       // size of the viewport in pixels
-  WideBox framed;  // bounds that the initial view frames
-  float first_size = 0;  // diagonal of the bounds in the first initial view
+  Pose home;                             // pose of the bound Viewpoint, or of the initial view
+  glm::vec2 home_size{0};                // viewport size in pixels for which the initial view was chosen
+  glm::vec2 size{0};                     // size of the viewport in pixels
+  WideBox framed;                        // bounds that the initial view frames
+  float first_size = 0;                  // diagonal of the bounds in the first initial view
   std::optional<std::size_t> viewpoint;  // index of the viewer's Viewpoint, even after the viewer has moved away
   glm::dmat4 world_from_viewpoint{1.0};  // transformation of that Viewpoint in the last step; the viewer moves with it
-  double scale = 1;  // length of a metre of that Viewpoint in world units (6.29)
+  double scale = 1;                      // length of a metre of that Viewpoint in world units (6.29)
   /// Pose of the viewer relative to a Viewpoint, stored when another Viewpoint was bound (VRML97 6.53).
   struct Left {
     vrml::NodePlace viewpoint;
     glm::dmat4 viewpoint_from_viewer{1.0};
   };
   std::vector<Left> left;
-  const vrml::Node* bound = nullptr;  // Viewpoint that was bound in the last step; may have been removed
-  vrml::NodePlace bound_place;  // scene and ID of that Viewpoint
-  bool bound_jump = true;  // `jump` field of that Viewpoint in the last step
+  const vrml::Node* bound = nullptr;             // Viewpoint that was bound in the last step; may have been removed
+  vrml::NodePlace bound_place;                   // scene and ID of that Viewpoint
+  bool bound_jump = true;                        // `jump` field of that Viewpoint in the last step
   std::optional<glm::dvec3> center_of_rotation;  // of the viewer's Viewpoint in the last step
   bool travels = false;                          // the viewer moves to a Viewpoint
   bool headlight = true;
   std::size_t budget = 0;  // vector budget that a link sets; 0 means the budget of the viewport
   render::SplatStyle look;
   VolumeSlices slices;
+  VolumeDisplay volume;
   bool color_bar = false;  // draw the colour bar beside the picture
   ViewStyle style;
   PoseHistory history;  // earlier poses of the viewer

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace gs::app {
 
@@ -14,9 +15,9 @@ namespace gs::app {
 struct VolumeSlices {
   std::array<bool, 3> shown{};
   std::array<float, 3> places{0.5f, 0.5f, 0.5f};  // positions along the volume's axes: 0 is the first voxel, 1 the last
-  bool alone = false;  // show the slices without the volume
+  bool alone = false;                             // show the slices without the volume
   std::optional<std::pair<float, float>> window;  // values of the first and last colour; nullopt means the full range
-  std::string map = "grey";  // name of the colour map, see color_maps()
+  std::string map = "grey";                       // name of the colour map, see color_maps()
   [[nodiscard]] bool any() const { return shown[0] || shown[1] || shown[2]; }
   friend bool operator==(const VolumeSlices&, const VolumeSlices&) = default;
 };
@@ -30,5 +31,15 @@ struct SliceWish {
 [[nodiscard]] std::optional<SliceWish> read_slice_wish(std::string_view text);
 /// Shows the requested slice of a volume with these dimensions. Limits its position to the volume.
 void apply(const SliceWish& wish, const std::array<std::uint32_t, 3>& dimensions, VolumeSlices& slices);
+
+/// Preset of VolumeSlices::window for computed tomography.
+struct WindowPreset {
+  const char* label;
+  const char* help;
+  std::pair<float, float> window;
+};
+/// Returns the presets for values over `range`. Returns none if neither the unit nor the range suggests Hounsfield
+/// units, or numbers 1000 above them.
+[[nodiscard]] std::vector<WindowPreset> window_presets(std::pair<float, float> range, std::string_view unit);
 
 }  // namespace gs::app

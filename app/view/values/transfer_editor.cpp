@@ -11,7 +11,7 @@ namespace gs::app {
 namespace {
 
 constexpr std::size_t kSample = 65536;  // max vectors in the sample of magnitudes
-constexpr float kAligned = 0.99999f;  // min cosine between the normal of a plane and an axis that count as parallel
+constexpr float kAligned = 0.99999f;    // min cosine between the normal of a plane and an axis that count as parallel
 
 /// Clamps to 0..1; NaN becomes 0.
 float unit(float v) { return v > 0 ? std::min(v, 1.0f) : 0.0f; }
@@ -62,6 +62,16 @@ Transfer soft_tissue(std::pair<float, float> range) {
                           {2000, {255, 255, 255}, 0.5f}});
 }
 
+Transfer lung(std::pair<float, float> range) {
+  return at_units(range, {{-1000, {40, 20, 60}, 0},
+                          {-940, {90, 40, 110}, 0},
+                          {-800, {200, 110, 140}, 0.3f},
+                          {-500, {250, 190, 180}, 0.5f},
+                          {-250, {230, 160, 140}, 0.05f},
+                          {200, {240, 225, 200}, 0},
+                          {700, {255, 250, 240}, 0.2f}});
+}
+
 Transfer grey(std::pair<float, float>) { return {{0, {0, 0, 0}, 0}, {1, {255, 255, 255}, 0.9f}}; }
 
 Transfer rainbow(std::pair<float, float>) {
@@ -69,9 +79,10 @@ Transfer rainbow(std::pair<float, float>) {
           {0.6f, {70, 220, 50}, 0.35f}, {0.8f, {255, 210, 0}, 0.6f}, {1, {255, 40, 20}, 0.9f}};
 }
 
-constexpr std::array<TransferPreset, 4> kPresets{{
+constexpr std::array<TransferPreset, 5> kPresets{{
     {"CT bone", "Bones in computed tomography; skin and air are transparent", &bone},
     {"CT soft tissue", "Skin and muscle in computed tomography, with faint bones", &soft_tissue},
+    {"CT lung", "Lungs and airways in computed tomography, with faint bones", &lung},
     {"Grey", "Transparent black to opaque white", &grey},
     {"Rainbow", "Transparent blue to opaque red", &rainbow},
 }};
@@ -158,6 +169,14 @@ void move_point(Transfer& transfer, std::size_t index, float value, float opacit
   const float most = index + 1 < transfer.size() ? transfer[index + 1].value : 1.0f;
   transfer[index].value = std::clamp(unit(value), least, most);
   transfer[index].opacity = unit(opacity);
+}
+
+bool stretch(Transfer& transfer, float first, float last) {
+  if (transfer.empty() || !(transfer.back().value > transfer.front().value) || !(first < last)) return false;
+  const float from = transfer.front().value, scale = (last - first) / (transfer.back().value - from);
+  for (qnv::TransferPoint& point : transfer) point.value = unit(first + (point.value - from) * scale);
+  transfer.back().value = unit(last);
+  return true;
 }
 
 bool remove_point(Transfer& transfer, std::size_t index) {

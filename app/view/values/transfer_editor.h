@@ -42,6 +42,10 @@ void move_point(Transfer& transfer, std::size_t index, float value, float opacit
 /// Removes a point. Returns false, without effect, if it is the only one.
 bool remove_point(Transfer& transfer, std::size_t index);
 
+/// Stretches a transfer function, so that its first and last point are at these values in 0..1. Returns false, without
+/// effect, if all points have the same value.
+bool stretch(Transfer& transfer, float first, float last);
+
 /// Preset of a transfer function.
 struct TransferPreset {
   const char* label;
@@ -57,7 +61,7 @@ struct TransferPreset {
 /// Statistics of the vectors of volumes. Compute them once, because the time is proportional to the number of vectors.
 struct VolumeSummary {
   std::array<float, 256> classes{};  // by class: sum of the magnitudes, divided by the largest sum
-  std::vector<float> magnitudes;  // sorted magnitudes > 0; a sample of at most 65,536 vectors
+  std::vector<float> magnitudes;     // sorted magnitudes > 0; a sample of at most 65,536 vectors
   [[nodiscard]] float least() const { return magnitudes.empty() ? 0.0f : magnitudes.front(); }
   [[nodiscard]] float largest() const { return magnitudes.empty() ? 0.0f : magnitudes.back(); }
 };
@@ -85,9 +89,9 @@ enum class ClipAxis : std::uint8_t { x, y, z, view };
 
 struct ClipChoice {
   ClipAxis axis = ClipAxis::x;
-  bool flip = false;  // keep the side with lower coordinates; for x, y, z
+  bool flip = false;         // keep the side with lower coordinates; for x, y, z
   glm::vec3 view{0, 0, -1};  // unit vector towards the side that is kept; for `view`
-  float place = 0.5f;  // position of the plane; 0 keeps everything, 1 nothing
+  float place = 0.5f;        // position of the plane; 0 keeps everything, 1 nothing
 };
 
 /// Returns the plane for SplatStyle::clip, in world space. It keeps points with xyz . position + w >= 0.

@@ -6,7 +6,9 @@
 #include <glm/matrix.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace gs::app {
@@ -21,8 +23,9 @@ glm::dmat3 grid_axes(const qnv::VolumeLayout& layout) {
 std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::read(const std::string& path,
                                                                               const std::atomic<bool>* stop,
                                                                               const WorldBudget& budget,
-                                                                              std::uint64_t most_voxels) {
-  auto opened = open_volume(path, {}, {}, budget);
+                                                                              std::uint64_t most_voxels,
+                                                                              const VoxelComponent& component) {
+  auto opened = open_volume(path, {}, {nullptr, {}, component}, budget);
   if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
   auto taken = take(std::get<qnv::VolumeSource>(opened), stop, budget, most_voxels);
   if (auto* problem = std::get_if<std::string>(&taken)) return path + ": " + *problem;
@@ -91,6 +94,34 @@ std::optional<float> VolumeGrid::nearest(const glm::dvec3& voxel) const {
   }
   const float value = kept_value(at[0], at[1], at[2]);
   return value == value ? std::optional(value) : std::nullopt;
+}
+
+qnv::VolumeSource source_of(const std::shared_ptr<const VolumeGrid>& grid, std::uint32_t stride) {
+  qnv::VolumeSource source;
+  source.layout = grid->layout();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    source.layout.dimensions[axis] = (grid->kept(axis) - 1) / stride + 1;
+    source.layout.axes[axis] *= static_cast<float>(grid->step()) * static_cast<float>(stride);
+  }
+  source.layout.type = qnv::VoxelType::f32;
+  source.layout.big_endian = std::endian::native == std::endian::big;
+  source.layout.slope = 1;
+  source.layout.intercept = 0;
+  source.layout.missing.reset();  // kMissing is a NaN
+  source.read = [grid, stride, size = source.layout.dimensions](std::uint32_t z, std::span<std::byte> to) {
+    if (z >= size[2] || to.size() != std::size_t{size[0]} * size[1] * sizeof(float)) return false;
+    const std::span<const float> slice = grid->kept_slice(z * stride);
+    if (stride == 1) {
+      std::memcpy(to.data(), slice.data(), to.size());
+      return true;
+    }
+    std::byte* next = to.data();
+    for (std::size_t y = 0; y < size[1]; ++y)
+      for (std::size_t x = 0; x < size[0]; ++x, next += sizeof(float))
+        std::memcpy(next, &slice[(y * grid->kept(0) + x) * stride], sizeof(float));
+    return true;
+  };
+  return source;
 }
 
 }  // namespace gs::app

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <variant>
@@ -27,7 +28,7 @@ class VolumeGrid {
   /// The memory counts against `budget`. Any thread.
   [[nodiscard]] static std::variant<std::shared_ptr<const VolumeGrid>, std::string> read(
       const std::string& path, const std::atomic<bool>* stop = nullptr, const WorldBudget& budget = own_budget(),
-      std::uint64_t most_voxels = kMaxVoxels);
+      std::uint64_t most_voxels = kMaxVoxels, const VoxelComponent& component = {});
   /// Reads the values from a source; otherwise like read(). If `range` is given, value_range() returns it.
   [[nodiscard]] static std::variant<std::shared_ptr<const VolumeGrid>, std::string> take(
       const qnv::VolumeSource& source, const std::atomic<bool>* stop, const WorldBudget& budget,
@@ -54,6 +55,11 @@ class VolumeGrid {
   [[nodiscard]] float kept_value(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
     return values_[(std::size_t{z} * kept_[1] + y) * kept_[0] + x];
   }
+  /// Returns the stored voxels of a slice, x first.
+  [[nodiscard]] std::span<const float> kept_slice(std::uint32_t z) const {
+    const std::size_t size = std::size_t{kept_[0]} * kept_[1];
+    return std::span(values_).subspan(z * size, size);
+  }
 
  private:
   VolumeGrid() = default;
@@ -64,5 +70,8 @@ class VolumeGrid {
   std::vector<float> values_;
   std::optional<Share> share_;
 };
+
+/// Returns every `stride`th stored voxel of a grid as a volume, which shares the ownership of the grid.
+[[nodiscard]] qnv::VolumeSource source_of(const std::shared_ptr<const VolumeGrid>& grid, std::uint32_t stride = 1);
 
 }  // namespace gs::app

@@ -120,6 +120,32 @@ TEST_CASE("encode: --error limits the difference of every voxel, and info states
   CHECK(run("encode --method values " + quoted(folder.write("b.wrl", kBall)) + " " + quoted(stream)).status == kFailed);
 }
 
+TEST_CASE("export, encode: extract the isosurface of a stream of values like that of the volume") {
+  const ScratchFolder folder;
+  const std::string volume = folder.write("a.nrrd", nrrd_ball<std::uint8_t>("uint8", 250)),
+                    stream = folder.path("a.qnv");
+  REQUIRE(run("encode --lossless " + quoted(volume) + " " + quoted(stream)).status == kDone);
+  const auto triangles = [&](const std::string& file, const char* out) {
+    const Run made = run("export --isovalue 100 " + quoted(file) + " " + quoted(folder.path(out)));
+    INFO(made.output);
+    REQUIRE(made.status == kDone);
+    return folder.read(out).substr(84);  // after the header of STL
+  };
+  const std::string of_volume = triangles(volume, "a.stl");
+  CHECK(of_volume.size() > 10'000);
+  CHECK(of_volume == triangles(stream, "b.stl"));
+  REQUIRE(run("encode --isovalue 100 " + quoted(stream) + " " + quoted(folder.path("s.qnv"))).status == kDone);
+  CHECK(info(folder.path("s.qnv"))["kind"] == "surface");
+  REQUIRE(
+      run("encode --isovalue 100 --method outlines " + quoted(stream) + " " + quoted(folder.path("o.wrl"))).status ==
+      kDone);
+  const std::string records = folder.path("r.qnv");
+  REQUIRE(run("encode --method records " + quoted(volume) + " " + quoted(records)).status == kDone);
+  const Run refused = run("export --isovalue 100 " + quoted(records) + " " + quoted(folder.path("c.stl")));
+  CHECK(refused.status == kFailed);
+  CHECK(refused.output.find("has no values of voxels; --isovalue expects a volume") != std::string::npos);
+}
+
 TEST_CASE("export: refuses values of streams that have none") {
   const ScratchFolder folder;
   const std::string volume = folder.write("a.nrrd", nrrd_ball<std::uint8_t>("uint8", 250)),

@@ -189,6 +189,83 @@ TEST_CASE("drags a slice through its volume by its edge in the picture") {
   CHECK_FALSE(shop.take(Kind::button_up, {2, 2}));
 }
 
+TEST_CASE("shows an isosurface, projections and shares of a volume in the window, from other threads") {
+  Workshop shop;
+  if (!shop.tools) return;
+  std::string volume = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 24 24 24\nsample units: K\nencoding: ascii\n\n";
+  for (int z = 0; z < 24; ++z)
+    for (int y = 0; y < 24; ++y)
+      for (int x = 0; x < 24; ++x)
+        volume += std::to_string(std::max(0, 250 - static_cast<int>(20 * std::hypot(x - 12, y - 12, z - 12)))) + " ";
+  shop.open(shop.scratch.write("a.nrrd", volume));
+  UiToolActions actions;
+  actions.wants_histogram = true;
+  shop.apply(actions);
+  const auto settle = [&] {
+    for (int i = 0; i < 5000; ++i) {
+      (void)shop.tools->shown(0, shop.view());
+      (void)shop.describe();
+      if (!shop.tools->reads_values()) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      (void)shop.tools->take_values();
+    }
+    FAIL("the values are not read");
+  };
+  const auto shown = [&](const VolumeDisplay& display) -> const render::RenderList& {
+    UiToolActions change = actions;
+    change.volume = display;
+    shop.apply(change);
+    settle();
+    return shop.tools->shown(0, shop.view());
+  };
+  settle();
+  const UiTools described = shop.describe();
+  REQUIRE(described.histogram);
+  CHECK(described.unit == "K");
+  REQUIRE(described.isovalue);
+  CHECK(*described.isovalue > 20);
+  CHECK(*described.isovalue < 200);
+  const render::RenderList& plain = *shop.view().list;
+  CHECK(&shop.tools->shown(0, shop.view()) == &plain);
+  const std::size_t items = plain.items.size(), vectors = plain.splats.at(0).geometry->size();
+
+  VolumeDisplay display;
+  display.share = 0.3f;
+  CHECK(shown(display).splats.at(0).geometry->size() > 2 * vectors);
+  display = {};
+  display.surface = true;
+  display.isovalue = 150.0f;
+  REQUIRE(shown(display).items.size() == items + 1);
+  CHECK_FALSE(shown(display).items.back().mesh->empty());
+  CHECK(shown(display).splats.size() == 1);
+  const auto before = shown(display).items.back().mesh;
+  // While another surface is computed, the one of before stays.
+  display.isovalue = 100.0f;
+  UiToolActions change;
+  change.volume = display;
+  shop.apply(change);
+  CHECK(shop.tools->shown(0, shop.view()).items.back().mesh == before);
+  settle();
+  CHECK(shop.tools->shown(0, shop.view()).items.back().mesh != before);
+  shop.view().slices.alone = true;
+  CHECK(shop.tools->shown(0, shop.view()).splats.empty());
+  shop.view().slices.alone = false;
+
+  display = {};
+  display.mode = VolumeMode::maximum;
+  CHECK(shown(display).items.back().volume);
+  CHECK(shown(display).splats.empty());
+  const auto world = world_from_volume(plain);
+  REQUIRE(world);
+  shop.view().navigation.pose.position = glm::dvec3(*world * glm::dvec4(12, 12, 60, 1));
+  shop.view().navigation.pose.orientation = glm::quat(1, 0, 0, 0);
+  shop.view().navigation.transition.reset();
+  actions.wants_value = true;
+  shop.apply(actions);
+  (void)shop.take(WindowEvent::Kind::pointer, glm::vec2(kPlace.size()) / 2.0f);
+  CHECK(shop.describe().value == "Maximum on the ray: 250 K at voxel 12, 12, 12");
+}
+
 TEST_CASE("asks before a saved transfer function replaces another file") {
   Workshop shop;
   if (!shop.tools) return;

@@ -7,7 +7,10 @@
 #include <catch2/catch.hpp>
 #include <glm/gtc/constants.hpp>
 
+#include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace gs::render::volume_pictures_test {
 
@@ -115,6 +118,25 @@ TEST_CASE("projects the largest, smallest and mean value of each ray (X3D 41.4.8
   // The first local maximum above the threshold.
   check_color(projected(values, "intensityThreshold 0.3"), glm::vec3(128 / 255.0f), 2);
   check_color(projected(values, "intensityThreshold 0.7"), glm::vec3(1));
+}
+
+TEST_CASE("colours projected values by a table with opacities") {
+  Drawing drawing;
+  const auto projected = [&](int value, std::vector<std::uint8_t> colors) {
+    const auto scene = x3d_scene("Background { skyColor 0 0 1 } VolumeData { " + even_volume(value) +
+                                 "renderStyle ProjectionVolumeStyle { } }");
+    MeshCache meshes;
+    RenderList list = collect(*scene, {}, meshes);
+    REQUIRE(list.items.size() == 1);
+    auto look = std::make_shared<VolumeLook>(*list.items[0].volume);
+    look->projection_colors = std::make_shared<const Image>(Image{2, 1, 4, std::move(colors)});
+    list.items[0].volume = look;
+    return pixel(drawing.draw(list, camera_at({0, 0, 6})), 32, 32);
+  };
+  check_color(projected(0, {255, 0, 0, 255, 0, 255, 0, 255}), {1, 0, 0});
+  check_color(projected(255, {255, 0, 0, 255, 0, 255, 0, 255}), {0, 1, 0});
+  check_color(projected(255, {255, 0, 0, 255, 255, 0, 0, 128}), {128 / 255.0f, 0, 127 / 255.0f}, 2);
+  check_color(projected(0, {255, 0, 0, 0, 0, 255, 0, 255}), {0, 0, 1});
 }
 
 TEST_CASE("draws the silhouette of an isosurface where the analytic ball has it") {

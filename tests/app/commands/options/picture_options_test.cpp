@@ -5,9 +5,12 @@
 #include "tests/watched.h"
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 namespace gs::app::picture_options_test {
 namespace {
@@ -138,8 +141,9 @@ TEST_CASE("applies slices, colour maps and bars to volumes, and the file of its 
   CHECK(picture("--color-bar", keyed) != picture("", keyed));
   // A stream of such a file contains the colour key, and so does an export of that stream.
   const std::string stream = folder.path("keyed.qnv"), back = folder.path("back.wrl");
-  const std::string surface = folder.write(
-      "keyed.ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+  const std::string surface =
+      folder.write("keyed.ply",
+                   "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
                    "property float quality\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n"
                    "0 0 0 -5\n1 0 0 0\n1 1 0 5\n0 1 0 0\n3 0 1 2\n3 0 2 3\n");
   CHECK(run("encode " + quoted(surface) + " " + quoted(stream)).status == 0);
@@ -152,6 +156,71 @@ TEST_CASE("applies slices, colour maps and bars to volumes, and the file of its 
         std::string::npos);
   CHECK(run(draw + quoted(folder.path("none.%d.nrrd"))).output.find("no file of this series") != std::string::npos);
   CHECK(run(draw + "--slice w=3 " + quoted(volume)).status == 2);
+}
+
+TEST_CASE("draws isosurfaces, projections and shares of the voxels of volumes and of streams of their values") {
+  const ScratchFolder folder;
+  const std::string volume = folder.write("a.nrrd", block_nrrd()), stream = folder.path("a.qnv");
+  REQUIRE(run("encode --lossless " + quoted(volume) + " " + quoted(stream)).status == 0);
+  const auto picture = [&](const std::string& options, const std::string& file) {
+    const Run drawn = run(kDraw + "--size 96x64 --orbit 20,20 " + options + " --snapshot " +
+                          quoted(folder.path("o.png")) + " " + quoted(file));
+    INFO(options << ": " << drawn.output);
+    CHECK(drawn.status == 0);
+    return folder.read("o.png");
+  };
+  std::vector<std::string> pictures{picture("", volume)};
+  for (const char* options : {"--isovalue 20", "--isovalue 100 --slice z=50%", "--projection maximum",
+                              "--projection average --slice-map viridis", "--projection minimum --window 0,10",
+                              "--fraction 40%", "--fraction 0.02", "--projection maximum --color-bar"}) {
+    pictures.push_back(picture(options, volume));
+    INFO(options);
+    CHECK(std::count(pictures.begin(), pictures.end(), pictures.back()) == 1);
+    CHECK(picture(options, stream) == pictures.back());
+  }
+  CHECK(picture("--fraction 0.09", volume) == pictures.front());
+  const std::string draw = kDraw + "--size 8x8 --snapshot " + quoted(folder.path("p.png")) + " ";
+  CHECK(run(draw + "--isovalue 1e6 " + quoted(volume)).output.find("no isosurface at 1e+06; expected") !=
+        std::string::npos);
+  for (const char* wrong : {"--isovalue x ", "--projection mip ", "--fraction 0.6 ", "--component -1 "})
+    CHECK(run(draw + wrong + quoted(volume)).status == 2);
+  const std::string records = folder.path("r.qnv");
+  REQUIRE(run("encode --method records " + quoted(volume) + " " + quoted(records)).status == 0);
+  CHECK(run(draw + "--projection maximum " + quoted(records)).output.find("has no values of voxels") !=
+        std::string::npos);
+  CHECK(run(draw + "--isovalue 3 " + quoted(folder.write("a.wrl", kBox))).output.find("has no volume") !=
+        std::string::npos);
+}
+
+TEST_CASE("selects a component of volumes with several numbers per voxel") {
+  const ScratchFolder folder;
+  std::string text =
+      "NRRD0004\ntype: short\ndimension: 4\nsizes: 2 8 8 8\nkinds: vector space space space\nencoding: ascii\n\n";
+  for (int i = 0; i < 512; ++i) text += std::to_string(3 * (i % 8)) + " " + std::to_string(-4 * (i % 8)) + " ";
+  const std::string volume = folder.write("v.nrrd", text), out = folder.path("v.qnv");
+  const auto range_of = [&](const std::string& options) {
+    const Run facts = run("info --json " + options + quoted(volume));
+    INFO(facts.output);
+    REQUIRE(facts.status == 0);
+    return nlohmann::json::parse(facts.output)["values"];
+  };
+  CHECK(range_of("") == nlohmann::json({0.0, 21.0}));
+  CHECK(range_of("--component 1 ") == nlohmann::json({-28.0, 0.0}));
+  CHECK(range_of("--component magnitude ") == nlohmann::json({0.0, 35.0}));
+  const Run none = run("info --component 2 " + quoted(volume));
+  CHECK(none.status == 1);
+  CHECK(none.output.find("no component 2; expected 0 to 1, or magnitude") != std::string::npos);
+  REQUIRE(run("encode --lossless --component magnitude " + quoted(volume) + " " + quoted(out)).status == 0);
+  CHECK(run("info --json " + quoted(out)).output.find("\"component\": \"magnitude of 2\"") != std::string::npos);
+  const auto picture = [&](const std::string& options) {
+    const Run drawn =
+        run(kDraw + "--size 64x64 " + options + "--snapshot " + quoted(folder.path("o.png")) + " " + quoted(volume));
+    INFO(drawn.output);
+    CHECK(drawn.status == 0);
+    return folder.read("o.png");
+  };
+  CHECK(picture("--slice z=50% --slices-alone ") != picture("--component 1 --slice z=50% --slices-alone "));
+  CHECK(picture("--component 1 ") != picture(""));
 }
 
 TEST_CASE("takes a picture from a camera text, in parallel projection, with the chosen up axis") {

@@ -1,5 +1,7 @@
 #include "app/view/values/picked_values.h"
 
+#include "tests/app/view/values/volume_balls.h"
+
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -39,6 +41,29 @@ TEST_CASE("interpolates the value on a coloured surface between the corners") {
   CHECK_FALSE(value_on(key, mesh, {1, 2, {1, 0, 0}}));
   mesh.indices = {9, 1, 2};
   CHECK_FALSE(value_on(key, mesh, {1, 0, {1, 0, 0}}));
+}
+
+TEST_CASE("returns the projected value along a ray through a volume") {
+  const auto grid = test_balls::grid_of(test_balls::ball(21));
+  const glm::dmat4 same(1.0);
+  const glm::dvec3 middle = glm::dvec3(3, 0, 0) + glm::dvec3(5), ahead(0, 0, -1);
+  const auto at = [&](VolumeMode mode, const glm::dvec3& off) {
+    return projected_value(*grid, mode, same, middle + off + glm::dvec3(0, 0, 50), ahead);
+  };
+  const auto most = at(VolumeMode::maximum, {0, 0, 0});
+  REQUIRE(most);
+  CHECK(most->value == 100);
+  CHECK(most->voxel->z == Approx(10).margin(0.5));
+  CHECK(at(VolumeMode::maximum, {1, 0, 0})->value == Approx(80));
+  CHECK(at(VolumeMode::minimum, {0, 0, 0})->value == 0);
+  const auto average = at(VolumeMode::average, {0, 0, 0});
+  CHECK(average->value == Approx(100 * 10.0 / 21).margin(2));
+  CHECK_FALSE(average->voxel);
+  CHECK_FALSE(at(VolumeMode::maximum, {6, 0, 0}));
+  CHECK_FALSE(projected_value(*grid, VolumeMode::maximum, same, middle + glm::dvec3(0, 0, 50), -ahead));
+  // From inside, only values ahead count.
+  CHECK(projected_value(*grid, VolumeMode::maximum, same, middle - glm::dvec3(0, 0, 2), ahead)->value <= 60.1);
+  CHECK_FALSE(projected_value(*grid, VolumeMode::maximum, same, {std::nan(""), 0, 0}, ahead));
 }
 
 }  // namespace gs::app::picked_values_test

@@ -38,6 +38,21 @@ Box box(const glm::vec3& lower, const glm::vec3& upper) {
 }
 float side(const glm::vec4& plane, const glm::vec3& p) { return glm::dot(glm::vec3(plane), p) + plane.w; }
 
+TEST_CASE("stretches a transfer function to a range of values") {
+  Transfer transfer{{0.2f, {}, 0}, {0.4f, {}, 0.5f}, {0.6f, {}, 1}};
+  CHECK(stretch(transfer, 0.1f, 0.9f));
+  CHECK(transfer[0].value == Approx(0.1f));
+  CHECK(transfer[1].value == Approx(0.5f));
+  CHECK(transfer[2].value == Approx(0.9f));
+  const Transfer before = transfer;
+  CHECK(stretch(transfer, 0.1f, 0.9f));
+  CHECK(transfer[1].value == Approx(before[1].value));
+  CHECK_FALSE(stretch(transfer, 0.5f, 0.5f));
+  Transfer flat{{0.3f, {}, 0}, {0.3f, {}, 1}}, none;
+  CHECK_FALSE(stretch(flat, 0, 1));
+  CHECK_FALSE(stretch(none, 0, 1));
+}
+
 }  // namespace
 
 TEST_CASE("interpolates transfer functions linearly, and extends them constantly") {

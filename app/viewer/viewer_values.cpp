@@ -1,0 +1,170 @@
+#include "app/viewer/viewer_values.h"
+
+#include "app/picture/volume_show.h"
+#include "qnv/sampling/volume/volume_values.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+namespace gs::app {
+
+ViewerValues::Values& ViewerValues::of(const View& view) {
+  constexpr std::chrono::seconds kNow{0};
+  std::erase_if(values_, [&](const auto& entry) {
+    const auto& coming = entry.second.coming;
+    return entry.second.of.expired() && (!coming.valid() || coming.wait_for(kNow) == std::future_status::ready);
+  });
+  auto found = values_.find(view.document.get());
+  // Another document may have the address of a closed one.
+  if (found != values_.end() && found->second.of.lock() != view.document) {
+    values_.erase(found);
+    found = values_.end();
+  }
+  const std::string& path = view.document->world.path;
+  if (found == values_.end()) {
+    Values& values = values_[view.document.get()];
+    values.of = view.document;
+    values.streamed = streamed_values(*view.list);
+    begin_reading(values, path);
+    return values;
+  }
+  Values& values = found->second;
+  if (!values.coming.valid())
+    if (auto newer = streamed_values(*view.list); newer && newer != values.streamed) {
+      values.streamed = std::move(newer);
+      begin_reading(values, path);
+    }
+  (void)take(values);
+  return values;
+}
+
+void ViewerValues::begin_reading(Values& values, const std::string& path) {
+  values.coming = std::async(std::launch::async, [path, streamed = values.streamed, this] {
+    return streamed ? VolumeGrid::take(streamed->source, &stop_, own_budget(), VolumeGrid::kMaxVoxels, streamed->range)
+                    : VolumeGrid::read(path, &stop_, own_budget(), VolumeGrid::kMaxVoxels, component_);
+  });
+}
+
+bool ViewerValues::take(Values& values) {
+  if (!values.coming.valid() || values.coming.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+    return false;
+  auto read = values.coming.get();
+  if (auto* problem = std::get_if<std::string>(&read)) {
+    values.problem = std::move(*problem);
+  } else {
+    values.grid = std::move(std::get<std::shared_ptr<const VolumeGrid>>(read));
+    values.problem.clear();
+  }
+  return true;
+}
+
+bool ViewerValues::is_busy() const {
+  return std::any_of(values_.begin(), values_.end(), [](const auto& entry) {
+    const Values& values = entry.second;
+    return values.coming.valid() || values.histogram.is_busy() || values.draft.is_busy() || values.surface.is_busy() ||
+           values.projection.is_busy() || values.vectors.is_busy();
+  });
+}
+
+bool ViewerValues::take() {
+  bool any = false;
+  for (auto& [document, values] : values_) {
+    any = take(values) || any;
+    any = values.histogram.take() || any;
+    any = values.draft.take() || any;
+    any = values.surface.take() || any;
+    any = values.projection.take() || any;
+    any = values.vectors.take() || any;
+  }
+  return any;
+}
+
+std::shared_ptr<const VolumeHistogram> ViewerValues::histogram_of(const View& view) {
+  Values& values = of(view);
+  if (!values.grid) return nullptr;
+  return values.histogram.get(values.grid, true,
+                              [](const auto& grid, bool, Progress&) -> DerivedContent<VolumeHistogram> {
+                                return std::make_shared<const VolumeHistogram>(*grid);
+                              });
+}
+
+std::optional<float> ViewerValues::isovalue_of(const View& view) {
+  if (view.volume.isovalue) return view.volume.isovalue;
+  const auto histogram = histogram_of(view);
+  std::optional<float>& isovalue = of(view).isovalue;
+  if (!histogram) return isovalue;
+  // Small changes of the threshold while a stream arrives do not move the surface.
+  constexpr float kPart = 0.03f;
+  const float threshold = histogram->threshold(), range = histogram->range().second - histogram->range().first;
+  if (!isovalue || !(std::abs(threshold - *isovalue) <= kPart * range)) isovalue = threshold;
+  return isovalue;
+}
+
+std::string ViewerValues::problem_of(const View& view) {
+  Values& values = of(view);
+  if (!values.problem.empty()) return values.problem;
+  if (view.volume.surface && !values.surface.problem().empty()) return values.surface.problem();
+  if (view.volume.mode != VolumeMode::vectors) return values.projection.problem();
+  return view.volume.share == kUsualShare ? std::string() : values.vectors.problem();
+}
+
+VolumeContent ViewerValues::content_of(const View& view, const VolumeContent& before) {
+  const VolumeDisplay& display = view.volume;
+  Values& values = of(view);
+  VolumeContent content;
+  content.surface_color = display.surface_color;
+  content.hides_vectors = view.slices.alone && (view.slices.any() || display.surface);
+  content.clip = view.look.clip;
+  if (!values.grid) {
+    if (display.surface) content.surface = before.surface;
+    return content;
+  }
+  if (display.surface) {
+    const auto isovalue = isovalue_of(view);
+    if (isovalue)
+      content.surface =
+          values.surface.get(values.grid, *isovalue, [](const auto& grid, float value, Progress& progress) {
+            return isosurface_mesh(grid, value, own_budget(), &progress);
+          });
+    if (!content.surface && values.surface.problem().empty()) content.surface = before.surface;
+    if (!content.surface && isovalue && values.surface.problem().empty())
+      content.surface = values.draft.get(values.grid, *isovalue, [](const auto& grid, float value, Progress& progress) {
+        return isosurface_mesh(grid, value, own_budget(), &progress, kMostSurfaceTriangles, draft_stride(*grid));
+      });
+  }
+  if (content.hides_vectors) return content;
+  if (display.mode != VolumeMode::vectors) {
+    const ProjectionColors colors{display.mode, view.slices.window, view.slices.map};
+    content.projection =
+        values.projection.get(values.grid, colors, [](const auto& grid, const ProjectionColors& wish, Progress&) {
+          return projection_of(*grid, wish, own_budget());
+        });
+    if (!content.projection && values.projection.problem().empty()) content.projection = before.projection;
+  } else if (display.share != kUsualShare) {
+    if (const auto geometry = first_volume_geometry(*view.list))
+      content.vectors =
+          values.vectors.get(values.grid, display.share, [geometry](const auto& grid, float share, Progress& progress) {
+            return vectors_of_share(grid, *geometry->as<qnv::Volume>(), share, own_budget(), &progress);
+          });
+    if (!content.vectors && values.vectors.problem().empty()) content.vectors = before.vectors;
+  }
+  return content;
+}
+
+const render::RenderList& ViewerValues::shown(std::size_t pane, const View& view) {
+  if (!view.slices.any() && !view.volume.needs_values()) return *view.list;
+  Scene& scene = scenes_[pane];
+  if (scene.of.lock() != view.document) {
+    scene = {};
+    scene.of = view.document;
+  }
+  const render::RenderList& list = scene.slices.with_slices(*view.list, of(view).grid, view.slices);
+  const auto world_from_node = world_from_volume(*view.list);
+  if (!view.volume.needs_values() || !world_from_node) return list;
+  scene.content = content_of(view, scene.content);
+  return scene.volume.with_content(list, *world_from_node, scene.content);
+}
+
+}  // namespace gs::app

@@ -1,0 +1,78 @@
+#pragma once
+
+#include "app/session/viewports/view.h"
+#include "app/view/values/derived_value.h"
+#include "app/view/values/slice_scene.h"
+#include "app/view/values/volume_histogram.h"
+#include "app/view/values/volume_scene.h"
+#include "base/noncopyable.h"
+
+#include <atomic>
+#include <cstddef>
+#include <future>
+#include <map>
+#include <memory>
+#include <string>
+#include <variant>
+
+namespace gs::app {
+
+/// Values of the volumes that viewports show, from files and streams, and the content that comes from them. Other
+/// threads read and compute. Main thread.
+class ViewerValues : NonCopyable {
+ public:
+  /// Values of one document.
+  struct Values {
+    std::future<std::variant<std::shared_ptr<const VolumeGrid>, std::string>> coming;
+    std::shared_ptr<const VolumeGrid> grid;
+    std::shared_ptr<const qnv::VolumeValues> streamed;  // of the stream, or null for a file
+    std::string problem;
+    std::weak_ptr<Document> of;
+    std::optional<float> isovalue;  // threshold between two classes of values
+    DerivedValue<bool, VolumeHistogram> histogram;
+    DerivedValue<float, vrml::Mesh> draft, surface;  // isosurface: its first version is a draft
+    DerivedValue<ProjectionColors, VolumeProjection> projection;
+    DerivedValue<float, qnv::Geometry> vectors;
+  };
+
+  /// `component` is that of volume files.
+  explicit ViewerValues(const VoxelComponent& component) : component_(component) {}
+  ~ViewerValues() { stop_ = true; }
+
+  /// Returns the values of a view's document, and begins to read them if necessary. The values of a stream become
+  /// better while it arrives.
+  Values& of(const View& view);
+  /// Returns the histogram of the values; null until it is made.
+  std::shared_ptr<const VolumeHistogram> histogram_of(const View& view);
+  /// Returns the value of a view's isosurface: that of the view, else a threshold; nullopt until it is known.
+  std::optional<float> isovalue_of(const View& view);
+  /// Returns the error message of the content that the view wishes; empty if there is none.
+  std::string problem_of(const View& view);
+
+  /// Returns the render list to draw in viewport `pane`: the list of the view, with its slices and other content.
+  const render::RenderList& shown(std::size_t pane, const View& view);
+
+  /// Returns true while a thread reads values or computes content. take() takes them, and returns true if there were
+  /// any.
+  [[nodiscard]] bool is_busy() const;
+  bool take();
+
+ private:
+  /// Scene of a viewport. While new content is computed, the viewport shows the content of before.
+  struct Scene {
+    std::weak_ptr<Document> of;
+    VolumeContent content;
+    SliceScene slices;
+    VolumeScene volume;
+  };
+  bool take(Values& values);
+  void begin_reading(Values& values, const std::string& path);
+  VolumeContent content_of(const View& view, const VolumeContent& before);
+
+  const VoxelComponent component_;
+  std::atomic<bool> stop_{false};  // true stops the threads that read values
+  std::map<const Document*, Values> values_;
+  std::map<std::size_t, Scene> scenes_;  // by viewport; kMaxViewports is used for saved pictures and values
+};
+
+}  // namespace gs::app
