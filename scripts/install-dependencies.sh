@@ -11,7 +11,7 @@ packages=(
   # mathematics, numbers, JSON, importers
   libglm-dev libfast-float-dev nlohmann-json3-dev libtinygltf-dev
   # images and compression
-  libpng-dev libjpeg62-turbo-dev libgif-dev zlib1g-dev libzstd-dev
+  libpng-dev libjpeg62-turbo-dev libgif-dev zlib1g-dev libzstd-dev libwebp-dev libminizip-dev
   # movies and sounds: headers, and libraries that are opened at run time
   libavutil-dev libavcodec-dev libavformat-dev libswscale-dev
   # sound devices; MIDI, with a sound font

@@ -28,10 +28,24 @@ const ExportFormat* format_of(const ExportCommand& options) {
   return options.vrml97 && format && !format->name.starts_with("vrml97") ? nullptr : format;
 }
 
+// Appends the shape and the harmonics of a splat.
+void put_gaussian(const qnv::Gaussians& from, std::size_t i, qnv::Gaussians& to) {
+  to.degree = from.degree;
+  to.antialiased = from.antialiased;
+  to.scales.push_back(from.scales[i]);
+  to.rotations.push_back(from.rotations[i]);
+  to.opacities.push_back(from.opacities[i]);
+  to.bases.push_back(from.bases[i]);
+  const std::size_t per = qnv::harmonic_count(from.degree);
+  for (std::size_t k = 0; k < per; ++k) to.harmonics.push_back(from.harmonics[i * per + k]);
+}
+
 // Returns the first `count` vectors in progressive order. For a surface, scales the areas so that their sum stays the
 // same.
-qnv::Geometry thinned(const qnv::VectorView& all, std::size_t count, const ConversionOptions& options,
+qnv::Geometry thinned(const qnv::Geometry& source, std::size_t count, const ConversionOptions& options,
                       Progress& progress) {
+  const qnv::VectorView all(source);
+  const auto* gaussians = source.as<qnv::Gaussians>();
   qnv::OrderOptions order_options;
   order_options.seed = options.seed;
   order_options.kind = all.kind;
@@ -41,6 +55,7 @@ qnv::Geometry thinned(const qnv::VectorView& all, std::size_t count, const Conve
   order.resize(std::min(order.size(), count));
   qnv::Geometry geometry;
   if (all.kind == qnv::Kind::volume) geometry = qnv::Volume();
+  if (gaussians) geometry = qnv::Gaussians();
   geometry.base() = {all.description, all.color};
   auto* volume = geometry.as<qnv::Volume>();
   qnv::VectorArrays& out = *geometry.arrays();
@@ -50,6 +65,7 @@ qnv::Geometry thinned(const qnv::VectorView& all, std::size_t count, const Conve
     out.weights.push_back(all.weights[i]);
     if (!all.colors.empty()) out.colors.push_back(all.colors[i]);
     if (volume && !all.classes.empty()) volume->classes.push_back(all.classes[i]);
+    if (gaussians) put_gaussian(*gaussians, i, *geometry.as<qnv::Gaussians>());
   }
   const double whole = std::accumulate(all.weights.begin(), all.weights.end(), 0.0),
                kept = std::accumulate(out.weights.begin(), out.weights.end(), 0.0);

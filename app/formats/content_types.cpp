@@ -5,6 +5,7 @@
 #include "app/formats/gltf/gltf.h"
 #include "app/formats/mesh/points.h"
 #include "app/formats/splats/splats.h"
+#include "app/formats/splats/splats_sog.h"
 #include "app/formats/volume/volume.h"
 #include "base/gzip.h"
 #include "base/text.h"
@@ -72,6 +73,7 @@ template <ImportedVectors (*import)(Bytes, const WorldBudget&)>
 Asset read_vectors(const ImportSource& source) {
   ImportedVectors imported = import(source.bytes, source.budget);
   if (auto* splats = std::get_if<qnv::Splats>(&imported)) return std::move(*splats);
+  if (auto* splats = std::get_if<qnv::Gaussians>(&imported)) return std::move(*splats);
   source.diagnostics.add({Severity::error, source.path, {}, std::move(std::get<std::string>(imported))});
   return {};
 }
@@ -133,6 +135,7 @@ std::span<const ContentType> content_types() {
         kVtkLegacyFormat,
         {"SPZ splats", "model/x-spz", ".spz ", is_splats_spz, kSplats, read_vectors<import_splats_spz>, UpRule::y,
          true},
+        {"SOG", "application/zip", ".sog ", is_splats_sog, kSplats, read_splats_sog},
         {"splats", "model/x-splat", ".splat ", nullptr, kSplats, read_vectors<import_splats_antimatter>},
         {"KSplat", "model/x-ksplat", ".ksplat ", nullptr, kSplats, read_vectors<import_splats_ksplat>},
         {"points", "text/x-xyz", ".xyz ", nullptr, kSplats, read_vectors<import_points_xyz>, UpRule::survey},

@@ -1,5 +1,7 @@
 #include "app/formats/foreign_types.h"
 
+#include "app/formats/common/zip_archive.h"
+
 #include "base/text.h"
 #include "net/files/file.h"
 
@@ -100,30 +102,20 @@ bool is_pcd(Bytes bytes) {
   return text.starts_with("# .PCD") || (text.starts_with("VERSION") && text.find("\nFIELDS ") != std::string::npos);
 }
 
-bool is_zip(Bytes bytes) { return has_mark<"PK\x03\x04">(bytes); }
-/// Returns the name of the first file in a ZIP archive, or its first letters. Empty for other files.
-std::string_view first_zipped(Bytes bytes) {
-  const std::string_view text = text_of(bytes);
-  if (!is_zip(bytes) || text.size() < 30) return {};
-  const auto length = static_cast<std::size_t>(static_cast<unsigned char>(text[26])) +
-                      256 * static_cast<std::size_t>(static_cast<unsigned char>(text[27]));
-  constexpr std::size_t kShown = 32;  // letters to look at if the archive does not state a length
-  return text.substr(30, length > 0 ? length : kShown);
-}
 bool is_usdz(Bytes bytes) {
-  const std::string_view name = first_zipped(bytes);
+  const std::string_view name = first_name_in_zip(bytes);
   return name.ends_with(".usd") || name.ends_with(".usda") || name.ends_with(".usdc");
 }
 bool is_3mf(Bytes bytes) {
-  return is_zip(bytes) && (first_zipped(bytes).starts_with("3D/") ||
+  return is_zip(bytes) && (first_name_in_zip(bytes).starts_with("3D/") ||
                            text_of(bytes).substr(0, 8192).find("3D/3dmodel.model") != std::string_view::npos);
 }
-// Detects SOG: splats as WebP images, in a ZIP archive or beside their meta.json.
-bool is_sog(Bytes bytes) {
-  const std::string_view text = text_of(bytes).substr(0, 4096), name = first_zipped(bytes);
-  if (name.starts_with("meta.json") || name.starts_with("means_") || name.starts_with("lod-meta.json")) return true;
-  return text.starts_with('{') && text.find("\"means\"") != std::string_view::npos &&
-         text.find("means_l.webp") != std::string_view::npos;
+// Detects streamed SOG: the list of its levels, alone or first in a ZIP archive.
+bool is_streamed_sog(Bytes bytes) {
+  const std::string_view text = text_of(bytes).substr(0, 4096);
+  if (first_name_in_zip(bytes).ends_with("lod-meta.json")) return true;
+  return text.starts_with('{') && text.find("\"lodLevels\"") != std::string_view::npos &&
+         text.find("\"filenames\"") != std::string_view::npos;
 }
 
 /// Reports whether the first bytes are no text: they contain a zero byte, or control characters in large numbers.
@@ -182,8 +174,7 @@ constexpr ContentType kForeignTypes[] = {
             kParaView),
     foreign("XDMF", ".xdmf .xmf ", has_root<"Xdmf">, kParaView),
     foreign("URDF", ".urdf ", has_root<"robot">, "open the meshes that it names, or export the robot as glTF"),
-    foreign("SOG", ".sog ", is_sog,
-            "convert it with PlayCanvas splat-transform to PLY, compressed PLY, SPZ, KSplat or .splat"),
+    foreign("streamed SOG", "", is_streamed_sog, "open the meta.json of one of its levels"),
     foreign("3MF", ".3mf ", is_3mf, "open it in the slicer or in Blender and export STL"),
     foreign("AMF", ".amf ", has_root<"amf">, "open it in the slicer and export STL"),
     foreign("IGES", ".iges .igs ", is_iges, kFreeCad),

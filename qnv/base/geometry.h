@@ -5,6 +5,7 @@
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 
 #include <concepts>
 #include <cstddef>
@@ -73,6 +74,27 @@ struct Splats : VectorArrays {
   std::vector<Cell> cells;  // one per vector if these came from an octree, else empty
 };
 
+/// Gaussian splats (3DGS, 2DGS), which views blend in depth order. The vectors are discs of the same splats, for code
+/// that handles surfaces: the normal is the shortest axis, and the colour that of degree 0. All arrays have one entry
+/// per splat.
+struct Gaussians : Splats {
+  using Splats::Splats;
+  std::vector<glm::vec3> scales;     // standard deviations along the splat's axes, at least 0, in units of the source
+  std::vector<glm::vec4> rotations;  // unit quaternions x, y, z, w, from the splat's axes to those of the geometry
+  std::vector<float> opacities;      // at the centre, 0..1
+  std::vector<glm::vec3> bases;      // display-referred colours of degree 0, black 0 and white 1; may exceed 0..1
+  int degree = 0;                    // of the spherical harmonics, 0 to kMaxDegree
+  /// Coefficients of degrees 1 to `degree`: harmonic_count(degree) per splat, in the axes of the geometry.
+  std::vector<glm::vec3> harmonics;
+  bool antialiased = false;  // opacities are for splats that are widened to pixels with equal energy (Mip-Splatting)
+
+  static constexpr int kMaxDegree = 3;
+};
+/// Returns the number of coefficients of degrees 1 to `degree`, for each colour.
+[[nodiscard]] constexpr std::size_t harmonic_count(int degree) {
+  return static_cast<std::size_t>((degree + 1) * (degree + 1) - 1);
+}
+
 /// Surface without gaps; its vectors are the vertices.
 struct IndexedMesh : VectorArrays {
   using VectorArrays::VectorArrays;
@@ -113,9 +135,9 @@ struct Volume : VectorArrays {
 /// Type of the content of a geometry.
 template <class T>
 concept GeometryContent = std::same_as<T, Splats> || std::same_as<T, IndexedMesh> || std::same_as<T, SurfacePatches> ||
-    std::same_as<T, OctreeSplats> || std::same_as<T, Volume>;
+    std::same_as<T, OctreeSplats> || std::same_as<T, Volume> || std::same_as<T, Gaussians>;
 
-/// Decoded geometry, in one of five forms. The default is an empty surface.
+/// Decoded geometry, in one of six forms. The default is an empty surface.
 class Geometry {
  public:
   Geometry() = default;
@@ -158,7 +180,7 @@ class Geometry {
   }
 
  private:
-  std::variant<Splats, IndexedMesh, SurfacePatches, OctreeSplats, Volume> content_;
+  std::variant<Splats, IndexedMesh, SurfacePatches, OctreeSplats, Volume, Gaussians> content_;
 };
 
 /// Returns the content of a shared geometry if it has this form, else null. Shares ownership.

@@ -5,6 +5,7 @@
 #include "render/draw/layer_parts.h"
 #include "render/draw/off_screen.h"
 #include "render/gl/gpu.h"
+#include "render/gaussians/gaussian_pass.h"
 #include "render/mesh/background_pass.h"
 #include "render/mesh/mesh_pass.h"
 #include "render/mesh/occlusion_pass.h"
@@ -36,6 +37,7 @@ struct Renderer::State {
   std::unique_ptr<SplatPass> splats;
   std::unique_ptr<SurfacePass> surfaces;
   std::unique_ptr<VolumePass> volumes;
+  std::unique_ptr<GaussianPass> gaussians;
   std::optional<CubePass> cubes;
   std::optional<OcclusionPass> occlusion;  // made at first use
   OffscreenTarget target;
@@ -61,6 +63,7 @@ std::variant<std::unique_ptr<Renderer>, ContextError> Renderer::create(GlContext
   state->splats = std::make_unique<SplatPass>(state->gl);
   state->surfaces = std::make_unique<SurfacePass>(state->gl);
   state->volumes = std::make_unique<VolumePass>(state->gl);
+  state->gaussians = std::make_unique<GaussianPass>(state->gl);
   return std::unique_ptr<Renderer>(new Renderer(std::move(state)));
 }
 
@@ -256,6 +259,7 @@ FrameStatistics Renderer::draw_layer(const RenderList& list, const Camera& wante
     state_->surfaces->draw(list, camera, lens, options, *state_->splats, statistics);
     state_->splats->draw(list, camera, lens, options, statistics);
     state_->volumes->draw(list, camera, lens, options, statistics);
+    state_->gaussians->draw(list, camera, lens, options, statistics);
   };
   state_->meshes->draw(list, camera, lens, options, statistics, between, state_->surfaces.get());
   if (options.guides && !statistics.given_up) {

@@ -3,6 +3,7 @@
 #include "base/finite.h"
 #include "base/parallel.h"
 #include "qnv/codecs/octree/lod/lod.h"
+#include "render/rays/gaussian_pick.h"
 #include "render/splat/software/splat_constants.h"
 
 #include <glm/geometric.hpp>
@@ -250,6 +251,8 @@ float depth_where(const std::vector<Veil>& veils, float taken) {
 
 std::optional<DiscPick> pick_disc(const qnv::Geometry& geometry, const glm::dmat4& world_from_node, const PickRay& ray,
                                   const PickLimits& limits) {
+  if (const auto* gaussians = geometry.as<qnv::Gaussians>())
+    return pick_gaussians(*gaussians, world_from_node, ray, limits);
   const std::optional<NodeRay> node = in_node(ray, world_from_node);
   if (!node) return std::nullopt;
   DiscPick nearest{node->farthest, std::nullopt};

@@ -6,6 +6,7 @@
 #include "render/scene/render_list.h"
 #include "render/volume/volume_gl.h"
 #include "render/volume/volume_lights.h"
+#include "render/volume/volume_overlay.h"
 #include "render/volume/volume_raster.h"
 #include "render/volume/volume_target.h"
 
@@ -53,30 +54,18 @@ class VolumePass {
     std::vector<std::vector<VolumeLight>> lights;
     VolumeTransfer transfer{};
   };
-  struct Overlay {
-    Program program;
-    GLint pixels = -1, depths = -1, origin = -1, nearest = -1;
-  };
-
   std::shared_ptr<const VolumeModel> model_of(const std::shared_ptr<const qnv::Volume>& volume, std::size_t counted);
   void forget_models();
   void gather(const RenderList& list, const Camera& camera, const SplatView& view,
               const DrawOptions& options, Scene& scene);
   void on_processor(const Scene& scene, const SplatView& view, const Projection& projection, const DrawOptions& options,
                     FrameStatistics& statistics);
-  void lay_over(const VolumeLayer& layer, const std::vector<float>& depths, const Projection& projection,
-                const DrawOptions& options);
-  void draw_overlay(const Overlay& overlay, const VolumeLayer& layer, const std::vector<std::uint8_t>& pixels,
-                    const Projection& projection, const DrawOptions& options);
-  Overlay make_overlay(const char* defines) const;
 
   const Gl& gl_;
   VolumeGl volume_gl_;
   VolumeTarget target_;
   TargetDepths depths_;
-  VertexArray no_attributes_;
-  Texture pixels_texture_, depths_texture_;
-  Overlay overlay_, edge_overlay_;
+  VolumeOverlay overlay_;
   std::unordered_multimap<const qnv::Volume*, Held> models_;  // of volumes with other owners
   std::uint64_t frame_ = 0;
 };

@@ -54,15 +54,39 @@ inline void check_sound(const Splats& geometry) {
   REQUIRE(geometry.description.two_sided);
 }
 
-/// Returns the imported geometry, which must exist.
+/// Returns the discs of the imported geometry, which must exist.
 inline Splats vectors_of(ImportVectors import, const Bytes& bytes) {
   auto result = import(bytes, own_budget());
   if (const auto* problem = std::get_if<std::string>(&result)) {
     FAIL("not imported: " << *problem);
     return {};
   }
-  check_sound(std::get<Splats>(result));
-  return std::move(std::get<Splats>(result));
+  Splats splats =
+      std::holds_alternative<Splats>(result) ? std::get<Splats>(result) : std::get<gs::qnv::Gaussians>(result);
+  check_sound(splats);
+  return splats;
+}
+/// Checks the invariants of imported Gaussians.
+inline void check_gaussians(const gs::qnv::Gaussians& gaussians) {
+  check_sound(gaussians);
+  const std::size_t count = gaussians.size();
+  REQUIRE(gaussians.scales.size() == count);
+  REQUIRE(gaussians.rotations.size() == count);
+  REQUIRE(gaussians.opacities.size() == count);
+  REQUIRE(gaussians.bases.size() == count);
+  REQUIRE(gaussians.harmonics.size() == count * gs::qnv::harmonic_count(gaussians.degree));
+  for (const float opacity : gaussians.opacities) REQUIRE_EACH((opacity > 0 && opacity <= 1));
+  for (const glm::vec4& q : gaussians.rotations)
+    REQUIRE_EACH(std::abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1) < 1e-4f);
+  for (const glm::vec3& c : gaussians.harmonics)
+    REQUIRE_EACH((std::isfinite(c.x) && std::isfinite(c.y) && std::isfinite(c.z)));
+}
+/// Returns the imported Gaussians, which must exist.
+inline gs::qnv::Gaussians gaussians_of(ImportVectors import, const Bytes& bytes) {
+  auto result = import(bytes, own_budget());
+  REQUIRE(std::holds_alternative<gs::qnv::Gaussians>(result));
+  check_gaussians(std::get<gs::qnv::Gaussians>(result));
+  return std::move(std::get<gs::qnv::Gaussians>(result));
 }
 inline std::string problem_of(ImportVectors import, const Bytes& bytes) {
   const auto result = import(bytes, own_budget());
@@ -80,6 +104,9 @@ inline void check_any(ImportVectors import, const Bytes& bytes) {
   if (const auto* geometry = std::get_if<Splats>(&result)) {
     REQUIRE_FALSE(geometry->empty());
     check_sound(*geometry);
+  } else if (const auto* gaussians = std::get_if<gs::qnv::Gaussians>(&result)) {
+    REQUIRE_FALSE(gaussians->empty());
+    check_gaussians(*gaussians);
   } else {
     REQUIRE_FALSE(std::get<std::string>(result).empty());
   }

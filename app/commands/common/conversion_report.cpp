@@ -3,6 +3,7 @@
 #include "app/base/console.h"
 #include "app/encode/surface_losses.h"
 #include "app/encode/surface_triangles.h"
+#include "app/formats/splats/splats.h"
 #include "base/text.h"
 #include "qnv/codecs/payloads.h"
 #include "qnv/reader/stream_decoder.h"
@@ -80,6 +81,9 @@ std::vector<std::string> lost_in_stream(const OpenedInput& input, const StreamCo
   std::vector<std::string> losses;
   const auto* world = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content);
   const auto* mesh = std::get_if<MeshSurface>(&input.content);
+  if (const auto* geometry = std::get_if<qnv::Geometry>(&input.content); geometry && geometry->as<qnv::Gaussians>())
+    for (const auto& [key, value] : geometry->description().metadata)
+      if (key == kSplatsAsDiscs) losses.push_back("splats become " + value);
   if (world) {
     const SurfaceSummary summary = summarize_surface((*world)->list);
     if (summary.textured && !contents.texture)

@@ -46,7 +46,7 @@ struct SceneAsset {
 
 /// Content of a file: a scene (glTF), a mesh as plain values, vectors (splats or points), or a volume that is read
 /// slice by slice. std::monostate means that there is nothing; the diagnostics give the reason.
-using Asset = std::variant<std::monostate, SceneAsset, MeshAsset, qnv::Splats, qnv::VolumeSource>;
+using Asset = std::variant<std::monostate, SceneAsset, MeshAsset, qnv::Splats, qnv::Gaussians, qnv::VolumeSource>;
 
 /// Reads a mesh with the importer of its format; for the rows of the table of content types.
 template <auto import>

@@ -100,7 +100,10 @@ Problem read_property(TextCursor words, PlyHeader& header) {
 }
 
 void read_comment(TextCursor words, PlyHeader& header) {
-  if (words.word() != "TextureFile") return;
+  const std::string_view key = words.word();
+  if (lower_case(key) == "splatrendermode:") header.antialiased = lower_case(words.word()) == "mip";
+  if (lower_case(key) == "antialiased") header.antialiased = words.word() == "1";
+  if (key != "TextureFile") return;
   header.texture_file = trimmed({words.next, static_cast<std::size_t>(words.end - words.next)});
 }
 

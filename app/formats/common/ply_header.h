@@ -39,6 +39,7 @@ struct PlyHeader {
   PlyFormat format = PlyFormat::ascii;
   std::vector<PlyElement> elements;
   std::string texture_file;  // "comment TextureFile NAME", as written by MeshLab and others
+  bool antialiased = false;  // "comment SplatRenderMode: mip" (Brush) or "comment antialiased 1" (Postshot)
 };
 
 /// Reads the header up to and including the `end_header` line. If the header is invalid, reports an error and returns

@@ -83,6 +83,7 @@ enum ExportKeeps : unsigned {
   kKeepsShine = 8,
   kNeedsTriangles = 16,  // the format holds nothing else
   kNeedsValues = 32,     // the format holds the values of a volume
+  kKeepsGaussians = 64,  // shapes, opacities and spherical harmonics of splats
 };
 
 /// Export format.

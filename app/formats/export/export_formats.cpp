@@ -1,5 +1,6 @@
 #include "app/formats/export/export.h"
 #include "app/formats/export/export_volume.h"
+#include "app/formats/splats/splats.h"
 #include "qnv/base/shine.h"
 
 #include <algorithm>
@@ -11,15 +12,17 @@ namespace {
 constexpr ExportFormat kExportFormats[] = {
     {"ply", ".ply", "PLY mesh or points with normals, colours and areas", export_points_ply,
      kKeepsTriangles | kKeepsColors},
-    {"3dgs-ply", ".3dgs.ply", "Gaussian splats as PLY (Inria), degree 0", export_splats_ply, kKeepsColors},
+    {"3dgs-ply", ".3dgs.ply", "Gaussian splats as PLY (Inria), with everything", export_splats_ply,
+     kKeepsColors | kKeepsGaussians},
     {"glb", ".glb", "glTF binary: a mesh with its picture, or splats (KHR_gaussian_splatting)", export_glb,
-     kKeepsTriangles | kKeepsColors | kKeepsTexture},
-    {"glb-splats", ".splats.glb", "glTF binary with KHR_gaussian_splatting", export_glb_splats, kKeepsColors},
+     kKeepsTriangles | kKeepsColors | kKeepsTexture | kKeepsGaussians},
+    {"glb-splats", ".splats.glb", "glTF binary with KHR_gaussian_splatting", export_glb_splats,
+     kKeepsColors | kKeepsGaussians},
     {"stl", ".stl", "STL mesh, binary, without colours", export_stl, kKeepsTriangles | kNeedsTriangles},
     {"obj", ".obj", "OBJ mesh with colours, and its material and texture beside it", export_obj,
      kKeepsTriangles | kKeepsColors | kKeepsTexture | kKeepsShine | kNeedsTriangles},
-    {"spz", ".spz", "Gaussian splats as SPZ version 4 (zstd)", export_spz, kKeepsColors},
-    {"spz3", ".v3.spz", "Gaussian splats as SPZ version 3 (gzip)", export_spz3, kKeepsColors},
+    {"spz", ".spz", "Gaussian splats as SPZ version 4 (zstd)", export_spz, kKeepsColors | kKeepsGaussians},
+    {"spz3", ".v3.spz", "Gaussian splats as SPZ version 3 (gzip)", export_spz3, kKeepsColors | kKeepsGaussians},
     {"vrml97", ".wrl", "VRML97 for any browser: scenes and meshes with all nodes; vectors as points",
      export_vrml97_points, kKeepsColors},
     {"vrml97-patches", ".patches.wrl", "VRML97 for any browser: a square for each vector", export_vrml97_patches,
@@ -62,6 +65,10 @@ std::vector<std::string> export_losses(const ExportFormat& format, const qnv::Ge
     losses.push_back("colours are left out; .ply, .glb and .obj keep them");
   if (lacks(kKeepsShine) && qnv::shine_of(vectors.description) != qnv::Shine{})
     losses.push_back("the specular colour of the material is left out");
+  if (geometry.as<qnv::Gaussians>() && lacks(kKeepsGaussians))
+    for (const auto& [key, value] : vectors.description.metadata)
+      if (key == kSplatsAsDiscs)
+        losses.push_back("splats become " + value + "; .3dgs.ply, .spz and .splats.glb keep everything");
   if (volume && !volume->classes.empty()) losses.push_back("the values of the voxels become colours");
   return losses;
 }

@@ -64,7 +64,8 @@ void add_bounds(const std::vector<ExportSplat>& splats, Json& accessor) {
   accessor["max"] = {box.upper.x, box.upper.y, box.upper.z};
 }
 
-void add_all(const std::vector<ExportSplat>& splats, Attributes& to) {
+void add_all(const ExportSplats& made, Attributes& to) {
+  const std::vector<ExportSplat>& splats = made.splats;
   const auto put_vector = [&](const glm::vec3& v) {
     for (int k = 0; k < 3; ++k) put_little(to.bytes, v[k]);
   };
@@ -76,6 +77,14 @@ void add_all(const std::vector<ExportSplat>& splats, Attributes& to) {
   to.add_floats(prefix + "SCALE", "VEC3", [&](const ExportSplat& s) { put_vector(s.scale); });
   to.add_floats(prefix + "OPACITY", "SCALAR", [&](const ExportSplat& s) { put_little(to.bytes, s.opacity); });
   to.add_floats(prefix + "SH_DEGREE_0_COEF_0", "VEC3", [&](const ExportSplat& s) { put_vector(s.dc); });
+  std::size_t number = 0;
+  for (int degree = 1; degree <= made.degree; ++degree)
+    for (int n = 0; n <= 2 * degree; ++n, ++number)
+      to.add_floats(prefix + "SH_DEGREE_" + std::to_string(degree) + "_COEF_" + std::to_string(n), "VEC3",
+                    [&](const ExportSplat& s) {
+                      const auto i = static_cast<std::size_t>(&s - splats.data());
+                      put_vector(made.harmonics[i * qnv::harmonic_count(made.degree) + number]);
+                    });
   to.add("COLOR_0", "VEC4", kUnsignedByte, true, [&](const ExportSplat& s) {
     for (int k = 0; k < 3; ++k)
       put_little(to.bytes, byte_of(linear_of_display(std::clamp(0.5f + kSphericalHarmonic0 * s.dc[k], 0.0f, 1.0f))));
@@ -116,11 +125,13 @@ Json document_of(const Attributes& attributes, const glm::dvec3& origin, const E
 
 Exported export_glb_splats(const qnv::Geometry& geometry, const ExportOptions& options) {
   constexpr std::size_t kHeaderRoom = 65536;
-  if (geometry.size() > (std::numeric_limits<std::uint32_t>::max() - kHeaderRoom - options.title.size()) / kSplatBytes)
+  const auto* gaussians = geometry.as<qnv::Gaussians>();
+  const std::size_t each = kSplatBytes + (gaussians ? 12 * qnv::harmonic_count(gaussians->degree) : 0);
+  if (geometry.size() > (std::numeric_limits<std::uint32_t>::max() - kHeaderRoom - options.title.size()) / each)
     return "a GLB file holds no more than 4 GiB: too many vectors (" + std::to_string(geometry.size()) + ")";
-  const std::vector<ExportSplat> splats = splats_of(geometry, kFromRightUpBack);
-  Attributes attributes(splats);
-  if (!splats.empty()) add_all(splats, attributes);
+  const ExportSplats made = splats_of(geometry, kFromRightUpBack);
+  Attributes attributes(made.splats);
+  if (!made.splats.empty()) add_all(made, attributes);
   return glb_file(document_of(attributes, geometry.description().origin, options)
                       .dump(-1, ' ', false, Json::error_handler_t::replace),
                   attributes.bytes);

@@ -4,7 +4,9 @@
 #include "app/formats/splats/splats.h"
 
 #include <cmath>
-#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace gs::app {
 namespace {
@@ -20,11 +22,11 @@ void put_text(std::vector<std::byte>& to, std::string_view text) {
 const char* place_type(const glm::dvec3& origin) { return origin != glm::dvec3(0) ? "double" : "float"; }
 
 void put_header(std::vector<std::byte>& to, std::size_t count, const glm::dvec3& origin,
-                std::initializer_list<const char*> properties, std::size_t faces = 0) {
-  put_text(to,
-           "ply\nformat binary_little_endian 1.0\ncomment GhostSpace\nelement vertex " + std::to_string(count) + "\n");
+                const std::vector<std::string>& properties, std::size_t faces = 0, std::string_view comment = {}) {
+  put_text(to, "ply\nformat binary_little_endian 1.0\ncomment GhostSpace\n" + std::string(comment) + "element vertex " +
+                   std::to_string(count) + "\n");
   for (const char* axis : {" x", " y", " z"}) put_text(to, std::string("property ") + place_type(origin) + axis + "\n");
-  for (const char* property : properties) put_text(to, std::string("property ") + property + "\n");
+  for (const std::string& property : properties) put_text(to, "property " + property + "\n");
   if (faces > 0) put_text(to, "element face " + std::to_string(faces) + "\nproperty list uchar uint vertex_indices\n");
   put_text(to, "end_header\n");
 }
@@ -74,19 +76,26 @@ Exported export_points_ply(const qnv::Geometry& geometry, const ExportOptions&) 
 }
 
 Exported export_splats_ply(const qnv::Geometry& geometry, const ExportOptions&) {
-  const std::vector<ExportSplat> splats = splats_of(geometry, kFromRightDownForward);
+  const ExportSplats made = splats_of(geometry, kFromRightDownForward);
+  const std::vector<ExportSplat>& splats = made.splats;
+  const std::size_t per = qnv::harmonic_count(made.degree);
   const glm::dvec3 origin = geometry.description().origin * glm::dvec3(kFromRightDownForward);
-  constexpr std::size_t kRowBytes = 80, kHeaderRoom = 512;
+  constexpr std::size_t kRowBytes = 80, kHeaderRoom = 2048;
   std::vector<std::byte> bytes;
-  bytes.reserve(kHeaderRoom + splats.size() * kRowBytes);
-  put_header(
-      bytes, splats.size(), origin,
-      {"float nx", "float ny", "float nz", "float f_dc_0", "float f_dc_1", "float f_dc_2", "float opacity",
-       "float scale_0", "float scale_1", "float scale_2", "float rot_0", "float rot_1", "float rot_2", "float rot_3"});
-  for (const ExportSplat& splat : splats) {
+  bytes.reserve(kHeaderRoom + splats.size() * (kRowBytes + 12 * per));
+  std::vector<std::string> properties{"float nx",     "float ny",     "float nz",
+                                      "float f_dc_0", "float f_dc_1", "float f_dc_2"};
+  for (std::size_t k = 0; k < 3 * per; ++k) properties.push_back("float f_rest_" + std::to_string(k));
+  for (const char* name : {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"})
+    properties.push_back(std::string("float ") + name);
+  put_header(bytes, splats.size(), origin, properties, 0, made.antialiased ? "comment antialiased 1\n" : "");
+  for (std::size_t i = 0; i < splats.size(); ++i) {
+    const ExportSplat& splat = splats[i];
     put_place(bytes, origin, splat.position);
     put_vector(bytes, splat.normal);
     put_vector(bytes, splat.dc);
+    for (int channel = 0; channel < 3; ++channel)
+      for (std::size_t k = 0; k < per; ++k) put_little(bytes, made.harmonics[i * per + k][channel]);
     put_little(bytes, std::log(splat.opacity / (1 - splat.opacity)));
     for (int k = 0; k < 3; ++k) put_little(bytes, std::log(splat.scale[k]));
     for (const float q : {splat.rotation.w, splat.rotation.x, splat.rotation.y, splat.rotation.z}) put_little(bytes, q);

@@ -13,6 +13,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <span>
 
 namespace gs::app {
 namespace {
@@ -54,8 +55,9 @@ std::uint32_t packed_rotation(const glm::vec4& q) {
   return packed;
 }
 
-std::array<PlaneBytes, plane_count> planes_of(const std::vector<ExportSplat>& splats, int fraction_bits) {
-  std::array<PlaneBytes, plane_count> planes;
+std::array<PlaneBytes, plane_count + 1> planes_of(const ExportSplats& made, int fraction_bits) {
+  const std::vector<ExportSplat>& splats = made.splats;
+  std::array<PlaneBytes, plane_count + 1> planes;  // the last one has the spherical harmonics
   const auto widths = plane_widths(4);
   for (std::size_t plane = 0; plane < plane_count; ++plane) planes[plane].reserve(widths[plane] * splats.size());
   for (const ExportSplat& splat : splats) {
@@ -71,16 +73,21 @@ std::array<PlaneBytes, plane_count> planes_of(const std::vector<ExportSplat>& sp
     planes[alphas].push_back(quantized(splat.opacity * 255));
     put_little(planes[rotations], packed_rotation(splat.rotation));
   }
+  planes[plane_count].reserve(3 * made.harmonics.size());
+  for (std::size_t i = 0; i < made.harmonics.size(); ++i)
+    for (int k = 0; k < 3; ++k) planes[plane_count].push_back(quantized(made.harmonics[i][k] * 128 + 128));
   return planes;
 }
 
 /// Writes the 16 bytes that versions 3 and 4 both begin with. The last of these bytes is `streams` in version 4.
-void put_header(std::vector<std::byte>& to, std::uint32_t version, std::size_t count, int fraction_bits,
+void put_header(std::vector<std::byte>& to, std::uint32_t version, const ExportSplats& made, int fraction_bits,
                 std::uint8_t streams) {
   put_little(to, kSpzMagic);
   put_little(to, version);
-  put_little(to, static_cast<std::uint32_t>(count));
-  for (const int byte : {0, fraction_bits, 0, static_cast<int>(streams)}) to.push_back(static_cast<std::byte>(byte));
+  put_little(to, static_cast<std::uint32_t>(made.splats.size()));
+  for (const int byte :
+       {made.degree, fraction_bits, made.antialiased ? int{kAntialiased} : 0, static_cast<int>(streams)})
+    to.push_back(static_cast<std::byte>(byte));
 }
 
 std::optional<std::vector<std::byte>> gzipped(const std::vector<std::byte>& data) {
@@ -115,8 +122,9 @@ std::optional<std::vector<std::byte>> zstd_packed(const std::vector<std::byte>& 
 }
 
 /// Converts vectors to splats. Returns a message if the splats do not fit into the format.
-Exported checked(const qnv::Geometry& geometry, std::vector<ExportSplat>& splats) {
-  splats = splats_of(geometry, kFromRightUpBack);
+Exported checked(const qnv::Geometry& geometry, ExportSplats& made) {
+  made = splats_of(geometry, kFromRightUpBack);
+  std::vector<ExportSplat>& splats = made.splats;
   if (splats.empty()) return "SPZ needs at least one visible vector";
   if (splats.size() > kMaxSplats)
     return "too many vectors for SPZ (" + std::to_string(splats.size()) + "); expected at most " +
@@ -131,14 +139,16 @@ Exported checked(const qnv::Geometry& geometry, std::vector<ExportSplat>& splats
   return std::vector<std::byte>();
 }
 
-Exported write_spz4(std::vector<std::byte> file, const std::vector<ExportSplat>& splats) {
-  const int fraction_bits = fraction_bits_for(splats);
-  const auto planes = planes_of(splats, fraction_bits);
-  put_header(file, 4, splats.size(), fraction_bits, plane_count);
+Exported write_spz4(std::vector<std::byte> file, const ExportSplats& made) {
+  const int fraction_bits = fraction_bits_for(made.splats);
+  const auto planes = planes_of(made, fraction_bits);
+  // A plane without bytes has no stream.
+  const std::size_t streams_count = plane_count + (planes[plane_count].empty() ? 0 : 1);
+  put_header(file, 4, made, fraction_bits, static_cast<std::uint8_t>(streams_count));
   put_little(file, static_cast<std::uint32_t>(kSpzHeaderBytes4));  // offset of the stream table
   file.resize(kSpzHeaderBytes4);
   std::vector<std::byte> streams;
-  for (const PlaneBytes& plane : planes) {
+  for (const PlaneBytes& plane : std::span(planes).first(streams_count)) {
     const auto packed = zstd_packed(plane);
     if (!packed) return "zstd cannot compress the data";
     put_little(file, std::uint64_t{packed->size()});
@@ -149,10 +159,10 @@ Exported write_spz4(std::vector<std::byte> file, const std::vector<ExportSplat>&
   return file;
 }
 
-Exported write_spz3(std::vector<std::byte> data, const std::vector<ExportSplat>& splats) {
-  const int fraction_bits = fraction_bits_for(splats);
-  put_header(data, 3, splats.size(), fraction_bits, 0);
-  for (const PlaneBytes& plane : planes_of(splats, fraction_bits)) data.insert(data.end(), plane.begin(), plane.end());
+Exported write_spz3(std::vector<std::byte> data, const ExportSplats& made) {
+  const int fraction_bits = fraction_bits_for(made.splats);
+  put_header(data, 3, made, fraction_bits, 0);
+  for (const PlaneBytes& plane : planes_of(made, fraction_bits)) data.insert(data.end(), plane.begin(), plane.end());
   auto packed = gzipped(data);
   if (!packed) return "zlib cannot compress the data";
   return std::move(*packed);
@@ -160,10 +170,10 @@ Exported write_spz3(std::vector<std::byte> data, const std::vector<ExportSplat>&
 
 template <auto write>
 Exported exported(const qnv::Geometry& geometry) {
-  std::vector<ExportSplat> splats;
-  Exported bytes = checked(geometry, splats);
+  ExportSplats made;
+  Exported bytes = checked(geometry, made);
   auto* file = std::get_if<std::vector<std::byte>>(&bytes);
-  return file ? write(std::move(*file), splats) : bytes;
+  return file ? write(std::move(*file), made) : bytes;
 }
 
 }  // namespace

@@ -1,9 +1,13 @@
 #include "app/formats/export/export_vectors.h"
 
+#include "app/formats/splats/splat_axes.h"
 #include "app/formats/splats/splats.h"
 #include "base/finite.h"
 
+#include <glm/common.hpp>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -16,6 +20,30 @@ glm::vec4 rotation_to(const glm::vec3& n) {
   const double length = std::sqrt(w * w + static_cast<double>(n.x) * n.x + static_cast<double>(n.y) * n.y);
   if (!(length > 1e-6)) return {1, 0, 0, 0};  // opposite direction: half a turn about x
   return {static_cast<float>(-n.y / length), static_cast<float>(n.x / length), 0, static_cast<float>(w / length)};
+}
+
+ExportSplats splats_of_gaussians(const qnv::Gaussians& gaussians, const glm::vec3& axes) {
+  ExportSplats made;
+  made.degree = gaussians.degree;
+  made.antialiased = gaussians.antialiased;
+  made.splats.reserve(gaussians.size());
+  made.harmonics.reserve(gaussians.harmonics.size());
+  for (std::size_t i = 0; i < gaussians.size(); ++i) {
+    ExportSplat splat;
+    splat.position = gaussians.positions[i] * axes;
+    splat.normal = gaussians.normals[i] * axes;
+    splat.scale = glm::max(gaussians.scales[i], glm::vec3(kLeastScale));
+    splat.rotation = turned(gaussians.rotations[i], axes);
+    if (splat.rotation.w < 0) splat.rotation = -splat.rotation;
+    splat.dc = (gaussians.bases[i] - 0.5f) / kSphericalHarmonic0;
+    splat.opacity = std::min(gaussians.opacities[i], kMostOpacity);
+    made.splats.push_back(splat);
+  }
+  const std::array<float, 15> signs = harmonic_signs(axes);
+  const std::size_t per = qnv::harmonic_count(gaussians.degree);
+  for (std::size_t k = 0; k < gaussians.harmonics.size(); ++k)
+    made.harmonics.push_back(gaussians.harmonics[k] * signs[k % per]);
+  return made;
 }
 
 }  // namespace
@@ -78,9 +106,12 @@ std::vector<ExportVector> visible_vectors(const ExportVectors& exported) {
   return visible;
 }
 
-std::vector<ExportSplat> splats_of(const qnv::VectorView& vectors, const glm::vec3& axes) {
+ExportSplats splats_of(const qnv::Geometry& geometry, const glm::vec3& axes) {
+  if (const auto* gaussians = geometry.as<qnv::Gaussians>()) return splats_of_gaussians(*gaussians, axes);
+  const qnv::VectorView vectors(geometry);
   const ExportVectors exported(vectors);
-  std::vector<ExportSplat> splats;
+  ExportSplats made;
+  std::vector<ExportSplat>& splats = made.splats;
   splats.reserve(exported.size());
   const auto coefficient = [](std::uint8_t c) { return (static_cast<float>(c) / 255 - 0.5f) / kSphericalHarmonic0; };
   for (const ExportVector& item : visible_vectors(exported)) {
@@ -94,7 +125,7 @@ std::vector<ExportSplat> splats_of(const qnv::VectorView& vectors, const glm::ve
     splat.opacity = std::min(item.opacity, kSurfaceOpacity);
     splats.push_back(splat);
   }
-  return splats;
+  return made;
 }
 
 }  // namespace gs::app

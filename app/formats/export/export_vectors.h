@@ -47,12 +47,25 @@ struct ExportSplat {
   float opacity = 1;
 };
 
-/// Converts the visible, finite vectors to splats. Multiplies the axes by `axes`, which must be a rotation. A surface
-/// splat is kSplatThickness times as thick as wide. splats.h relates area and Gaussian.
-[[nodiscard]] std::vector<ExportSplat> splats_of(const qnv::VectorView& vectors, const glm::vec3& axes);
+/// Splats for export.
+struct ExportSplats {
+  std::vector<ExportSplat> splats;
+  int degree = 0;                    // of the spherical harmonics
+  std::vector<glm::vec3> harmonics;  // of degrees 1 to `degree`: qnv::harmonic_count(degree) per splat
+  bool antialiased = false;          // as qnv::Gaussians::antialiased
+};
+
+/// Converts a geometry to splats. Multiplies the axes by `axes`, which must be a rotation. Gaussians stay as they are,
+/// except that log odds need opacities of at most kMostOpacity. Of other geometries, the visible, finite vectors become
+/// splats; those of a surface are kSplatThickness times as thick as wide. splats.h relates area and Gaussian.
+[[nodiscard]] ExportSplats splats_of(const qnv::Geometry& geometry, const glm::vec3& axes);
 
 inline constexpr float kSplatThickness = 0.01f;
 /// Opacity of surface splats. Formats that store log odds cannot represent 1.
 inline constexpr float kSurfaceOpacity = 0.99f;
+/// Maximum opacity of a Gaussian. Its log odds are 16.
+inline constexpr float kMostOpacity = 1 - 1.2e-7f;
+/// Minimum standard deviation of a splat in formats that store its logarithm.
+inline constexpr float kLeastScale = 1e-20f;
 
 }  // namespace gs::app

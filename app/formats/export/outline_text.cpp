@@ -227,9 +227,9 @@ std::string begun(const std::string& title, bool textured) {
 std::vector<std::byte> outline_world(const qnv::OutlineGroups& groups,
                                      std::span<const qnv::OutlineAppearance> appearances, const std::string& title,
                                      const std::string& viewpoint) {
-  std::string out =
-      begun(title, std::any_of(appearances.begin(), appearances.end(), [](const auto& look) { return look.textured; })) +
-      viewpoint;
+  std::string out = begun(title, std::any_of(appearances.begin(), appearances.end(),
+                                             [](const auto& look) { return look.textured; })) +
+                    viewpoint;
   Writer writer(groups, appearances);
   writer.outlines(out);
   writer.inner(out);

@@ -137,13 +137,17 @@ std::optional<qnv::Geometry> GeometryFileReader::splats(const ContentType& type)
     bytes = unpacked.bytes.span();
   }
   Asset asset = type.read({bytes, file_.path, file_.origin.read_beside, budget_, diagnostics_});
-  auto* const splats = std::get_if<qnv::Splats>(&asset);
-  if (!splats) return std::nullopt;
-  for (const auto& [key, value] : splats->description.metadata) {
-    if (key == kSplatsDrawnAs) report(Severity::note, "splats are drawn as " + value);
+  qnv::Geometry geometry;
+  if (auto* splats = std::get_if<qnv::Splats>(&asset))
+    geometry = std::move(*splats);
+  else if (auto* gaussians = std::get_if<qnv::Gaussians>(&asset))
+    geometry = std::move(*gaussians);
+  else
+    return std::nullopt;
+  for (const auto& [key, value] : geometry.description().metadata) {
     if (!file_.cut && key.ends_with(" missing")) report(Severity::error, "the file ends early: " + key + ": " + value);
   }
-  return std::move(*splats);
+  return geometry;
 }
 
 std::optional<qnv::Geometry> GeometryFileReader::volume(const ContentType& type) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/formats/common/ply_table.h"
+#include "app/formats/splats/splats.h"
 
 #include <algorithm>
 #include <string>
@@ -19,6 +20,15 @@ namespace gs::app {
   int degree = 0;
   while (degree < kMaxDegree && has(3 * degree * (degree + 2))) ++degree;
   return degree;
+}
+
+/// Calls read(channel, number, column) for each coefficient of a model: `column` is N of its property `f_rest_N`. All
+/// columns of red come first, then those of green and blue.
+template <class Read>
+void for_coefficients(const SplatModel& model, const Read& read) {
+  const std::size_t used = qnv::harmonic_count(model.degree), in_file = qnv::harmonic_count(model.harmonics);
+  for (std::size_t channel = 0; channel < 3; ++channel)
+    for (std::size_t number = 0; number < used; ++number) read(channel, number, channel * in_file + number);
 }
 
 }  // namespace gs::app

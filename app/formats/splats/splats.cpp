@@ -1,10 +1,12 @@
 #include "app/formats/splats/splats.h"
 #include "app/formats/common/local_places.h"
 #include "app/formats/common/ranges.h"
+#include "app/formats/splats/splat_axes.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace gs::app {
@@ -62,15 +64,25 @@ Disc disc_of(const SplatModel& model, std::size_t i) {
   }
   const auto [least, middle, most] = ordered_axes(scale);
   disc.area = std::numbers::pi_v<float> * scale[middle] * scale[most] / (kSigmaOfRadius * kSigmaOfRadius);
+  // A line or a point has no area, but is visible.
+  disc.area = std::max(disc.area, std::numeric_limits<float>::min());
   const glm::vec3 normal = rotated_axis({q.x / length, q.y / length, q.z / length, q.w / length}, least);
   const float normal_length = std::sqrt(dot(normal, normal));
-  if (!std::isnormal(disc.area) || !(normal_length > 0.5f)) return disc;
+  if (!std::isfinite(disc.area) || !(normal_length > 0.5f)) return disc;
   disc.place = model.positions[i] * glm::dvec3(model.axes);
   disc.normal = normal * model.axes / normal_length;
   disc.thick = scale[least] > kMaxDiscThickness * scale[middle];
   disc.flat_across_z = least == 2 && scale[least] <= kFlatDisc * scale[middle];
   disc.fate = Disc::Fate::kept;
   return disc;
+}
+
+/// Returns a quaternion of length 1.
+glm::vec4 unit_of(const glm::vec4& q) { return q / std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w); }
+
+/// Returns a coefficient, or 0 if it is not finite.
+glm::vec3 coefficient_of(const glm::vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) ? v : glm::vec3(0);
 }
 
 /// Returns metadata text about lost opacity or spherical harmonics. Empty if the splats lose nothing.
@@ -90,7 +102,8 @@ void add_count(qnv::Description& description, const char* name, std::size_t coun
 std::optional<std::string> SplatModel::draw(const WorldBudget& budget, std::uint64_t count) {
   if (share.amount() == 0) share = Share(budget, Resource::vectors);
   constexpr std::uint64_t kMax = std::uint64_t{1} << 48;
-  const std::uint64_t bytes = std::min(count, kMax) * kSplatMemory;
+  const std::uint64_t bytes =
+      std::min(count, kMax) * (kSplatMemory + 2 * sizeof(glm::vec3) * qnv::harmonic_count(degree));
   if (share.grow(bytes)) return std::nullopt;
   return std::to_string(count) + " splats take " + budget->refusal(Resource::vectors);
 }
@@ -101,10 +114,11 @@ void SplatModel::resize(std::size_t count) {
   rotations.resize(count);
   opacities.resize(count);
   dc.resize(count);
+  coefficients.resize(count * qnv::harmonic_count(degree));
 }
 
-qnv::Splats vectors_of_splats(const SplatModel& model) {
-  qnv::Splats splats;
+qnv::Gaussians vectors_of_splats(const SplatModel& model) {
+  qnv::Gaussians splats;
   qnv::Description& description = splats.description;
   description.two_sided = true;
   std::size_t faint = 0, broken = 0, thick = 0;
@@ -115,6 +129,15 @@ qnv::Splats vectors_of_splats(const SplatModel& model) {
   splats.normals.reserve(model.size());
   splats.weights.reserve(model.size());
   splats.colors.reserve(model.size());
+  splats.scales.reserve(model.size());
+  splats.rotations.reserve(model.size());
+  splats.opacities.reserve(model.size());
+  splats.bases.reserve(model.size());
+  splats.degree = model.degree;
+  splats.antialiased = model.antialiased;
+  const std::size_t per = qnv::harmonic_count(model.degree);
+  splats.harmonics.reserve(per * model.size());
+  const std::array<float, 15> signs = harmonic_signs(model.axes);
   for (std::size_t i = 0; i < model.size(); ++i) {
     Disc disc = disc_of(model, i);
     if (disc.fate != Disc::Fate::kept) {
@@ -131,6 +154,12 @@ qnv::Splats vectors_of_splats(const SplatModel& model) {
     splats.normals.push_back(disc.normal);
     splats.weights.push_back(disc.area);
     splats.colors.push_back(color_of(model.dc[i]));
+    splats.scales.push_back(model.scales[i]);
+    splats.rotations.push_back(turned(unit_of(model.rotations[i]), model.axes));
+    splats.opacities.push_back(std::min(model.opacities[i], 1.0f));
+    splats.bases.push_back(0.5f + kSphericalHarmonic0 * coefficient_of(model.dc[i]));
+    for (std::size_t k = 0; k < per; ++k)
+      splats.harmonics.push_back(coefficient_of(model.coefficients[i * per + k]) * signs[k]);
     description.total += disc.area;
   }
   set_places(splats, places);
@@ -142,7 +171,7 @@ qnv::Splats vectors_of_splats(const SplatModel& model) {
   description.metadata.emplace_back("source", model.format);
   if (!splats.empty())
     if (std::string text = drawn_as(translucent, model.harmonics); !text.empty())
-      description.metadata.emplace_back(kSplatsDrawnAs, std::move(text));
+      description.metadata.emplace_back(kSplatsAsDiscs, std::move(text));
   add_count(description, "splats not discs", thick);
   add_count(description, "splats too faint", faint);
   add_count(description, "splats broken", broken);
@@ -151,9 +180,14 @@ qnv::Splats vectors_of_splats(const SplatModel& model) {
 }
 
 ImportedVectors import_result(const SplatModel& model) {
-  qnv::Splats splats = vectors_of_splats(model);
+  qnv::Gaussians splats = vectors_of_splats(model);
   if (splats.empty())
     return model.format + ": no visible splat (" + std::to_string(model.size()) + " read, all too faint or not finite)";
+  const bool discs =
+      std::ranges::none_of(splats.description.metadata,
+                           [](const auto& pair) { return pair.first == kSplatsAsDiscs; }) &&
+      std::ranges::all_of(splats.scales, [](const glm::vec3& s) { return s.z <= kFlatDisc * std::min(s.x, s.y); });
+  if (discs) return static_cast<qnv::Splats&&>(splats);
   return splats;
 }
 

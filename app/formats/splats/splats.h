@@ -27,14 +27,14 @@ inline constexpr float kSigmaOfRadius = 0.70710678f;
 inline constexpr float kSphericalHarmonic0 = 0.28209479f;
 /// Minimum opacity that counts as opaque. Includes our exports, which have 0.99, or 252 / 255 in 8 bits.
 inline constexpr float kOpaque = 0.988f;
-/// Metadata key: how the splats are drawn, and which properties of the file were dropped.
-inline constexpr char kSplatsDrawnAs[] = "splats drawn as";
+/// Metadata key: which properties of the splats their discs do not have. Only discs can be encoded.
+inline constexpr char kSplatsAsDiscs[] = "splats as discs";
 /// Minimum opacity. Fainter splats are invisible on an 8-bit display and omitted.
 inline constexpr float kMinOpacity = 1.0f / 255;
 /// Maximum ratio of the smallest to the middle standard deviation of a splat that counts as a disc.
 inline constexpr float kMaxDiscThickness = 0.3f;
-/// Memory in bytes to convert one splat to a vector.
-inline constexpr std::size_t kSplatMemory = 146;
+/// Memory in bytes to convert one splat: as read, and as converted.
+inline constexpr std::size_t kSplatMemory = 190;
 
 /// Factors for x, y, z from a file with the axes right, down, forward to VRML97 (right, up, back).
 inline constexpr glm::vec3 kFromRightDownForward{1, -1, -1};
@@ -46,37 +46,51 @@ struct SplatModel {
   std::string format;  // name of the format, for the metadata
   glm::vec3 axes = kFromRightDownForward;
   std::vector<glm::dvec3> positions;
-  std::vector<glm::vec3> scales;  // linear standard deviations along the axes of the splat
-  std::vector<glm::vec4> rotations;  // quaternions x, y, z, w, not normalised
-  std::vector<float> opacities;  // 0 to 1
-  std::vector<glm::vec3> dc;  // colour coefficients of spherical harmonics of degree 0
-  std::vector<glm::vec3> normals;  // point to the outside; zero means unknown
-  std::size_t announced = 0;  // number of splats that the file claims to have
-  int harmonics = 0;  // degree of the file's spherical harmonics; those above 0 are dropped
+  std::vector<glm::vec3> scales;        // linear standard deviations along the axes of the splat
+  std::vector<glm::vec4> rotations;     // quaternions x, y, z, w, not normalised
+  std::vector<float> opacities;         // 0 to 1
+  std::vector<glm::vec3> dc;            // colour coefficients of spherical harmonics of degree 0
+  std::vector<glm::vec3> normals;       // point to the outside; zero means unknown
+  std::size_t announced = 0;            // number of splats that the file claims to have
+  int harmonics = 0;                    // degree of the file's spherical harmonics
+  int degree = 0;                       // degree of `coefficients`, at most qnv::Gaussians::kMaxDegree
+  std::vector<glm::vec3> coefficients;  // of degrees 1 to `degree`: qnv::harmonic_count(degree) per splat
+  bool antialiased = false;             // as qnv::Gaussians::antialiased
   Share share;
 
+  /// Sets the degree of the file's harmonics, and of the coefficients. Call it before draw().
+  void set_degree(int in_file) {
+    harmonics = in_file;
+    degree = in_file < qnv::Gaussians::kMaxDegree ? in_file : qnv::Gaussians::kMaxDegree;
+  }
   /// Charges memory for `count` more splats. Must be called before they are stored. Returns a message if the budget is
   /// exceeded.
   [[nodiscard]] std::optional<std::string> draw(const WorldBudget& budget, std::uint64_t count);
   void resize(std::size_t count);
+  /// Returns a coefficient. `number` counts from 0 (degree 1, m = -1).
+  [[nodiscard]] glm::vec3& coefficient(std::size_t splat, std::size_t number) {
+    return coefficients[splat * qnv::harmonic_count(degree) + number];
+  }
   [[nodiscard]] std::size_t size() const { return positions.size(); }
 };
 
+/// Splats in the form in which they are drawn, or a message.
+using ImportedVectors = std::variant<qnv::Splats, qnv::Gaussians, std::string>;
+
 /// Converts splats to a two-sided surface with origin, box and total. Each splat becomes a disc perpendicular to its
-/// smallest axis. Its area is pi * s1 * s2 / kSigmaOfRadius^2, with the two larger standard deviations s1 and s2. Omits
-/// invalid splats, and splats below kMinOpacity.
+/// smallest axis. The Gaussians keep their shapes, opacities and colours. Its area is pi * s1 * s2 / kSigmaOfRadius^2,
+/// with the two larger standard deviations s1 and s2. Omits invalid splats, and splats below kMinOpacity.
 ///
 /// `normals` gives the direction of a disc's normal, if known. Otherwise, if all splats are flat across their z axis
 /// (our exports, 2DGS), the normal is that axis. Otherwise it points away from the centre of the box.
 ///
 /// Metadata has "source" and these counts unless they are 0: "splats not discs" (included, but thicker than
 /// kMaxDiscThickness), "splats too faint", "splats broken", and "splats missing" (announced, but not in the file).
-/// kSplatsDrawnAs states which of opacity and spherical harmonics were dropped.
-[[nodiscard]] qnv::Splats vectors_of_splats(const SplatModel& model);
+/// kSplatsAsDiscs names opacity and spherical harmonics, if the splats have these.
+[[nodiscard]] qnv::Gaussians vectors_of_splats(const SplatModel& model);
 
-using ImportedVectors = std::variant<qnv::Splats, std::string>;
-
-/// Returns vectors_of_splats(model), or a message if no splat remains.
+/// Returns a surface of discs if all splats are flat and opaque and have one colour, as in our exports. Otherwise
+/// returns Gaussians. Returns a message if no splat remains.
 [[nodiscard]] ImportedVectors import_result(const SplatModel& model);
 
 /// Imports Inria's 3D Gaussian splatting PLY, or 2DGS PLY (without scale_2), ascii or binary. The axes are right, down,

@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <string>
 
 namespace gs::app {
 namespace {
@@ -106,6 +108,24 @@ void unpack(const Chunk& chunk, const std::array<std::uint32_t, 4>& packed, Spla
   model.opacities[i] = unit(color, 0, 8);
 }
 
+/// Reads the spherical harmonics of a model. Returns a message if memory is exhausted.
+std::optional<std::string> read_coefficients(std::span<const std::byte> bytes, const WorldBudget& budget,
+                                             SplatModel& model) {
+  if (model.degree == 0) return std::nullopt;
+  auto opened = open_ply_table(bytes, "sh", budget);
+  if (auto* problem = std::get_if<std::string>(&opened)) return std::move(*problem);
+  const PlyTable& table = std::get<PlyTable>(opened);
+  for_coefficients(model, [&](std::size_t channel, std::size_t number, std::size_t column) {
+    const std::vector<float> values = table.column("f_rest_" + std::to_string(column));
+    for (std::size_t i = 0; i < std::min(values.size(), model.size()); ++i) {
+      // 0 and 255 are -4 and 4; others lie in the middle of their steps.
+      const float u = values[i], share = u <= 0 ? 0 : u >= 255 ? 1 : (u + 0.5f) / 256;
+      model.coefficient(i, number)[static_cast<int>(channel)] = (share - 0.5f) * 8;
+    }
+  });
+  return std::nullopt;
+}
+
 }  // namespace
 
 bool is_splats_compressed_ply(std::span<const std::byte> bytes) {
@@ -137,10 +157,10 @@ ImportedVectors import_splats_compressed_ply(std::span<const std::byte> bytes, c
   const std::vector<Chunk> chunks = read_chunks(chunk_table);
   const std::size_t count = std::min(table.rows, chunks.size() * kChunkSplats);
   SplatModel model;
+  for (const PlyElement& element : table.header.elements)
+    if (element.name == "sh") model.set_degree(harmonics_degree(element));
   if (auto problem = model.draw(budget, count)) return std::move(*problem);
   model.format = "PlayCanvas compressed PLY";
-  for (const PlyElement& element : table.header.elements)
-    if (element.name == "sh") model.harmonics = harmonics_degree(element);
   model.announced = static_cast<std::size_t>(std::min<std::uint64_t>(table.element.count, SIZE_MAX));
   model.resize(count);
   const std::size_t stride = table.element.least_row_bytes();
@@ -150,6 +170,7 @@ ImportedVectors import_splats_compressed_ply(std::span<const std::byte> bytes, c
     for (std::size_t k = 0; k < 4; ++k) packed[k] = load_little<std::uint32_t>(row + offsets[k]);
     unpack(chunks[i / kChunkSplats], packed, model, i);
   }
+  if (auto problem = read_coefficients(bytes, budget, model)) return std::move(*problem);
   return import_result(model);
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
 
 namespace gs::app {
 namespace {
@@ -22,7 +23,7 @@ struct Section {
   std::uint64_t splats = 0, bucket_size = 0, full_buckets = 0, partial_buckets = 0;
   std::uint64_t centers = 0, data = 0, end = 0;  // byte offsets in the file
   std::uint64_t splat_bytes = 0, sizes = 0;
-  int harmonics = 0;  // degree of the spherical harmonics
+  int harmonics = 0;             // degree of the spherical harmonics
   float quantum = 0, range = 0;  // world units per step; steps from a bucket's centre to its border
 };
 
@@ -98,7 +99,8 @@ class Buckets {
 float byte_value(std::byte b) { return static_cast<float>(std::to_integer<int>(b)); }
 
 void read_splat(const std::byte* from, std::size_t mode, const Section& section, const glm::vec3& center,
-                SplatModel& model) {
+                std::pair<float, float> harmonics, SplatModel& model) {
+  std::array<glm::vec3, qnv::harmonic_count(qnv::Gaussians::kMaxDegree)> coefficients{};
   const Mode& at = kModes[mode];
   const auto number = [&](std::size_t offset, int k) {
     return mode == 0 ? load_little<float>(from + offset + 4 * k)
@@ -115,6 +117,19 @@ void read_splat(const std::byte* from, std::size_t mode, const Section& section,
     scale[k] = number(at.scale, k);
     dc[k] = (byte_value(from[at.color + static_cast<std::size_t>(k)]) / 255 - 0.5f) / kSphericalHarmonic0;
   }
+  for (int degree = 1; degree <= section.harmonics; ++degree) {
+    // Each degree has all its coefficients of red, then of green and of blue.
+    const auto width = static_cast<std::size_t>(2 * degree + 1), first = qnv::harmonic_count(degree - 1);
+    for (std::size_t n = 0; n < 3 * width; ++n) {
+      const std::byte* const coded = from + kModes[mode].base + (3 * first + n) * kModes[mode].harmonic;
+      const float value = mode == 0 ? load_little<float>(coded)
+                          : mode == 1
+                              ? float_of_half(load_little<std::uint16_t>(coded))
+                              : harmonics.first + byte_value(*coded) / 255 * (harmonics.second - harmonics.first);
+      coefficients[first + n % width][static_cast<int>(n / width)] = value;
+    }
+  }
+  for (std::size_t n = 0; n < qnv::harmonic_count(model.degree); ++n) model.coefficients.push_back(coefficients[n]);
   model.positions.push_back(position);
   model.scales.push_back(scale);
   model.rotations.push_back(
@@ -139,6 +154,16 @@ ImportedVectors import_splats_ksplat(std::span<const std::byte> bytes, const Wor
 
   SplatModel model;
   model.format = "ksplat";
+  // All sections get the highest degree. read_section() checks these numbers again.
+  int degree = 0;
+  for (std::uint64_t s = 0; s < sections; ++s) {
+    const auto at = static_cast<std::size_t>(kKsplatHeaderBytes + s * kSectionHeaderBytes + 40);
+    degree = std::max(degree, static_cast<int>(load_little<std::uint16_t>(&bytes[at])));
+  }
+  model.set_degree(degree);
+  std::pair<float, float> harmonics{load_little<float>(&bytes[36]), load_little<float>(&bytes[40])};
+  if (harmonics.first == 0) harmonics.first = -1.5f;
+  if (harmonics.second == 0) harmonics.second = 1.5f;
   std::uint64_t start = kKsplatHeaderBytes + most_sections * kSectionHeaderBytes;
   for (std::uint64_t s = 0; s < sections; ++s) {
     auto read =
@@ -147,13 +172,12 @@ ImportedVectors import_splats_ksplat(std::span<const std::byte> bytes, const Wor
     const Section& section = std::get<Section>(read);
     if (auto problem = model.draw(budget, section.splats)) return std::move(*problem);
     model.announced += section.splats;
-    model.harmonics = std::max(model.harmonics, section.harmonics);
     // Mode 0 has buckets too, but its positions do not depend on them.
     std::optional<Buckets> buckets;
     if (mode > 0) buckets.emplace(bytes, section);
     glm::vec3 center(0);
     for (std::uint64_t i = 0; i < section.splats && (!buckets || buckets->next(center)); ++i)
-      read_splat(bytes.data() + section.data + i * section.splat_bytes, mode, section, center, model);
+      read_splat(bytes.data() + section.data + i * section.splat_bytes, mode, section, center, harmonics, model);
     start = section.end;
   }
   return import_result(model);

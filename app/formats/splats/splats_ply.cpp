@@ -43,11 +43,11 @@ ImportedVectors import_splats_ply(std::span<const std::byte> bytes, const WorldB
   for (const char* name : kNeeded)
     if (!table.has(name)) return "not Gaussian splats: expected the property '" + std::string(name) + "'";
   SplatModel model;
+  model.set_degree(harmonics_degree(table.element));
   if (auto problem = model.draw(budget, table.rows)) return std::move(*problem);
   const bool flat = !table.has("scale_2");
   model.format = flat ? "2DGS PLY" : "3DGS PLY";
   model.announced = static_cast<std::size_t>(std::min<std::uint64_t>(table.element.count, SIZE_MAX));
-  model.harmonics = harmonics_degree(table.element);
   model.resize(table.rows);
   constexpr const char* kPositions[] = {"x", "y", "z"};
   constexpr const char* kScales[] = {"scale_0", "scale_1", "scale_2"};
@@ -65,6 +65,11 @@ ImportedVectors import_splats_ply(std::span<const std::byte> bytes, const WorldB
   }
   for (int k = 0; k < 4; ++k)
     for_column(table, kRotations[k], [&](std::size_t i, float v) { model.rotations[i][k] = v; });
+  for_coefficients(model, [&](std::size_t channel, std::size_t number, std::size_t column) {
+    for_column(table, "f_rest_" + std::to_string(column),
+               [&](std::size_t i, float v) { model.coefficient(i, number)[static_cast<int>(channel)] = v; });
+  });
+  model.antialiased = table.header.antialiased;
   for_column(table, "opacity", [&](std::size_t i, float v) { model.opacities[i] = sigmoid(v); });
   return import_result(model);
 }

@@ -101,11 +101,10 @@ glm::vec4 unpack_rotation(const std::byte* from, std::uint32_t version) {
 }
 
 /// Converts the planes to splats. Each plane must have its full length.
-void unpack(const Header& header, const std::array<Bytes, plane_count>& planes, SplatModel& model) {
+void unpack(const Header& header, const std::array<Bytes, plane_count>& planes, Bytes harmonics, SplatModel& model) {
   const auto value = [](std::byte b) { return static_cast<float>(std::to_integer<int>(b)); };
   const std::size_t coordinate = plane_widths(header.version)[positions] / 3;
   const std::size_t rotation = plane_widths(header.version)[rotations];
-  model.harmonics = std::min(int{header.harmonics_degree}, static_cast<int>(kHarmonicBytes.size()) - 1);
   model.resize(header.count);
   for (std::size_t i = 0; i < header.count; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -116,6 +115,9 @@ void unpack(const Header& header, const std::array<Bytes, plane_count>& planes, 
     }
     model.opacities[i] = value(planes[alphas][i]) / 255;
     model.rotations[i] = unpack_rotation(planes[rotations].data() + i * rotation, header.version);
+    for (std::size_t k = 0; k < 3 * qnv::harmonic_count(model.degree) && !harmonics.empty(); ++k)
+      model.coefficient(i, k / 3)[static_cast<int>(k % 3)] =
+          (value(harmonics[i * kHarmonicBytes[static_cast<std::size_t>(model.harmonics)] + k]) - 128) / 128;
   }
 }
 
@@ -153,6 +155,7 @@ std::optional<std::string> read_gzip(Bytes bytes, SplatModel& model, const World
       known = true;
       problem = read_header(data.data(), bytes.size(), header);
       if (!problem && header.version > 3) problem = "SPZ version 4 within gzip; expected 1 to 3";
+      model.set_degree(std::min(int{header.harmonics_degree}, static_cast<int>(kHarmonicBytes.size()) - 1));
       if (!problem) problem = model.draw(budget, header.count);
       wanted = kSpzHeaderBytes + header.count * kMaxSplatBytes + kMaxExtensionBytes;
     }
@@ -170,11 +173,13 @@ std::optional<std::string> read_gzip(Bytes bytes, SplatModel& model, const World
     planes[plane] = data.span().subspan(at, length);
     at += length;
   }
-  if ((header.flags & kHasExtensions) && header.harmonics_degree < kHarmonicBytes.size()) {
-    const std::size_t behind = at + kHarmonicBytes[header.harmonics_degree] * header.count;
-    if (behind <= data.size()) read_extensions(data.span().subspan(behind), model);
-  }
-  unpack(header, planes, model);
+  const std::size_t all_harmonics = kHarmonicBytes[static_cast<std::size_t>(model.harmonics)] * header.count;
+  const Bytes harmonics = all_harmonics <= data.size() - at ? data.span().subspan(at, all_harmonics) : Bytes();
+  if ((header.flags & kHasExtensions) && header.harmonics_degree < kHarmonicBytes.size() &&
+      all_harmonics <= data.size() - at)
+    read_extensions(data.span().subspan(at + all_harmonics), model);
+  model.antialiased = (header.flags & kAntialiased) != 0;
+  unpack(header, planes, harmonics, model);
   return std::nullopt;
 }
 
@@ -190,16 +195,20 @@ std::optional<std::string> read_version4(Bytes bytes, SplatModel& model, const W
     return "the table of streams exceeds the file";
   if (header.flags & kHasExtensions) read_extensions(bytes.subspan(kSpzHeaderBytes4, table - kSpzHeaderBytes4), model);
   model.announced = header.count;
+  model.set_degree(std::min(int{header.harmonics_degree}, static_cast<int>(kHarmonicBytes.size()) - 1));
   if (auto problem = model.draw(budget, header.count)) return problem;
-  std::array<std::vector<std::byte>, plane_count> data;
+  constexpr std::size_t kHarmonicsPlane = plane_count;
+  std::array<std::vector<std::byte>, plane_count + 1> data;
   Share share(budget, Resource::files);
   std::array<Bytes, plane_count> planes;
   std::size_t at = table + streams * 16;
   const auto widths = plane_widths(header.version);
-  for (std::size_t plane = 0; plane < plane_count; ++plane) {
+  const std::size_t harmonic_bytes = kHarmonicBytes[static_cast<std::size_t>(model.harmonics)];
+  const bool shaded = harmonic_bytes > 0 && streams > kHarmonicsPlane;
+  for (std::size_t plane = 0; plane < plane_count + (shaded ? 1 : 0); ++plane) {
     const auto packed = load_little<std::uint64_t>(bytes.data() + table + plane * 16);
     const auto unpacked = load_little<std::uint64_t>(bytes.data() + table + plane * 16 + 8);
-    const std::size_t expected = widths[plane] * header.count;
+    const std::size_t expected = (plane == kHarmonicsPlane ? harmonic_bytes : widths[plane]) * header.count;
     if (unpacked != expected)
       return "stream " + std::to_string(plane) + " of " + std::to_string(unpacked) + " bytes; expected " +
              std::to_string(expected);
@@ -208,10 +217,11 @@ std::optional<std::string> read_version4(Bytes bytes, SplatModel& model, const W
     if (packed > bytes.size() - at) return "the file ends too early: stream " + std::to_string(plane) + " is truncated";
     if (auto problem = unzstd(bytes.subspan(at, static_cast<std::size_t>(packed)), expected, data[plane]))
       return problem;
-    planes[plane] = data[plane];
+    if (plane < plane_count) planes[plane] = data[plane];
     at += static_cast<std::size_t>(packed);
   }
-  unpack(header, planes, model);
+  model.antialiased = (header.flags & kAntialiased) != 0;
+  unpack(header, planes, data[kHarmonicsPlane], model);
   return std::nullopt;
 }
 

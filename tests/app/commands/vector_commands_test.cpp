@@ -72,7 +72,7 @@ TEST_CASE("info prints version, profile, components, units and metadata of an X3
 
 TEST_CASE("encode and info report which properties of splats are discarded") {
   const ScratchFolder folder;
-  const std::string note = "splats are drawn as opaque surface splats, without their opacity";
+  const std::string note = "splats become opaque surface splats, without their opacity";
   std::string opaque;
   for (const float f : {1.0f, 2.0f, 3.0f, 0.5f, 0.25f, 0.001f}) opaque.append(reinterpret_cast<const char*>(&f), 4);
   opaque += "\x10\x20\x30\xff\xff\x80\x80\x80";
@@ -81,17 +81,17 @@ TEST_CASE("encode and info report which properties of splats are discarded") {
   const std::string a = folder.write("opaque.splat", opaque), b = folder.write("glass.splat", translucent),
                     out = folder.path("out.qnv");
   CHECK(run("encode " + quoted(a) + " " + quoted(out)).output.find("opaque surface splats") == std::string::npos);
-  CHECK_FALSE(info(a)["metadata"].contains("splats drawn as"));
+  CHECK_FALSE(info(a)["metadata"].contains("splats as discs"));
   const Run encoded = run("encode " + quoted(b) + " " + quoted(out) + " 2>&1 >/dev/null");
   CHECK(encoded.status == kDone);
   CHECK(encoded.output == b + ": note: " + note + "\n");
   const Run told = run("info --json " + quoted(b) + " 2>/dev/null");
   REQUIRE(told.status == kDone);
-  CHECK("splats are drawn as " + nlohmann::json::parse(told.output)["metadata"]["splats drawn as"].get<std::string>() ==
+  CHECK("splats become " + nlohmann::json::parse(told.output)["metadata"]["splats as discs"].get<std::string>() ==
         note);
-  CHECK(run("info " + quoted(b) + " 2>/dev/null").output.find("splats drawn as: opaque surface splats") !=
+  CHECK(run("info " + quoted(b) + " 2>/dev/null").output.find("splats as discs: opaque surface splats") !=
         std::string::npos);
-  CHECK(info(out)["metadata"]["splats drawn as"] == "opaque surface splats, without their opacity");
+  CHECK(info(out)["metadata"]["splats as discs"] == "opaque surface splats, without their opacity");
 }
 
 TEST_CASE("removes unfinished files of killed processes beside the output of a command") {

@@ -103,7 +103,7 @@ TEST_CASE("counts splats that cannot be discs") {
 
 TEST_CASE("names the opacity and the harmonics that splats lose") {
   SplatModel model = one_splat({1, 2, 3}, {2, 3, 0.02f}, kNoTurn);
-  const auto drawn = [&] { return metadata(vectors_of_splats(model), kSplatsDrawnAs); };
+  const auto drawn = [&] { return metadata(vectors_of_splats(model), kSplatsAsDiscs); };
   CHECK(drawn().empty());
   model.opacities[0] = 252.0f / 255;  // as in exports of GhostSpace
   CHECK(drawn().empty());
@@ -141,7 +141,7 @@ TEST_CASE("reads 2DGS PLY") {
   CHECK(geometry.weights[0] == Approx(2 * kPi));
   CHECK(geometry.weights[1] == Approx(4 * kPi));  // ln 2
   CHECK(geometry.colors[1] == Rgb8{255, 128, 0});
-  CHECK(metadata(geometry, kSplatsDrawnAs) == "opaque surface splats, without their opacity");
+  CHECK(metadata(geometry, kSplatsAsDiscs) == "opaque surface splats, without their opacity");
   check_hostile(import_splats_ply, bytes_of(k2dgs));
 }
 
@@ -155,7 +155,7 @@ TEST_CASE("finds the degree of the harmonics in a PLY file") {
     text.replace(text.find(" 0 0 0 0 0 0 1 0 0 0\n"), 20, " 0 0 0 20 0 0 1 0 0 0" + values);
     text.replace(text.rfind('\n'), 1, values + "\n");
     text.insert(text.find("end_header"), header);
-    const std::string drawn = metadata(vectors_of(import_splats_ply, bytes_of(text)), kSplatsDrawnAs);
+    const std::string drawn = metadata(vectors_of(import_splats_ply, bytes_of(text)), kSplatsAsDiscs);
     INFO(text);
     CHECK(drawn == (degree == 0 ? std::string()
                                 : "opaque surface splats, without their spherical harmonics up to degree " +
@@ -175,7 +175,7 @@ TEST_CASE("reads 3DGS PLY of a trained scene") {
   const Splats geometry = vectors_of(import_splats_ply, bytes);
   REQUIRE(geometry.size() == 1000);
   CHECK(metadata(geometry, "splats not discs") == "865");
-  CHECK(metadata(geometry, kSplatsDrawnAs) ==
+  CHECK(metadata(geometry, kSplatsAsDiscs) ==
         "opaque surface splats, without their opacity and spherical harmonics up to degree 3");
   // This value was computed from the file by another program, in double precision.
   CHECK(geometry.description.total == Approx(12.003164223254227).epsilon(1e-5));
@@ -213,9 +213,9 @@ TEST_CASE("reads antimatter .splat, and every prefix as a scene") {
   CHECK(near(geometry.normals[1] * geometry.normals[1], {0, 1, 0}));
   CHECK(geometry.colors[0] == Rgb8{255, 0, 51});
   CHECK(metadata(geometry, "splats too faint") == "1");
-  CHECK(metadata(geometry, kSplatsDrawnAs) == "opaque surface splats, without their opacity");
+  CHECK(metadata(geometry, kSplatsAsDiscs) == "opaque surface splats, without their opacity");
   CHECK(
-      metadata(vectors_of(import_splats_antimatter, Bytes(bytes.begin(), bytes.begin() + 32)), kSplatsDrawnAs).empty());
+      metadata(vectors_of(import_splats_antimatter, Bytes(bytes.begin(), bytes.begin() + 32)), kSplatsAsDiscs).empty());
   bytes.resize(70);
   CHECK(metadata(vectors_of(import_splats_antimatter, bytes), "splats missing") == "1");
   CHECK(problem_of(import_splats_antimatter, Bytes(31)).find("32 bytes") != std::string::npos);
@@ -272,7 +272,7 @@ TEST_CASE("reads .ksplat with floats") {
   CHECK(geometry.weights[0] == Approx(kPi / 4));
   CHECK(geometry.colors[0] == Rgb8{10, 20, 30});
   CHECK(near(geometry.normals[0], {0, 0, -1}));
-  CHECK(metadata(geometry, kSplatsDrawnAs) ==
+  CHECK(metadata(geometry, kSplatsAsDiscs) ==
         "opaque surface splats, without their spherical harmonics up to degree 1");
   Bytes wrong = bytes;
   wrong[0] = std::byte{1};
@@ -362,12 +362,12 @@ TEST_CASE("reads SPZ versions 1 to 3") {
     CHECK(geometry.weights[0] == Approx(2 * kPi));
     CHECK(geometry.colors[0] == Rgb8{255, 255, 255});
     CHECK(near(geometry.normals[0], {0, 0, -1}, 0.01f));
-    CHECK(metadata(geometry, kSplatsDrawnAs).empty());
+    CHECK(metadata(geometry, kSplatsAsDiscs).empty());
     Bytes lossy = spz(version);
     lossy[12] = std::byte{2};
     lossy[16 + (version == 1 ? 12 : 18)] = std::byte{128};
     lossy.resize(lossy.size() + 2 * 24);
-    CHECK(metadata(vectors_of(import_splats_spz, gs::test::deflated(lossy)), kSplatsDrawnAs) ==
+    CHECK(metadata(vectors_of(import_splats_spz, gs::test::deflated(lossy)), kSplatsAsDiscs) ==
           "opaque surface splats, without their opacity and spherical harmonics up to degree 2");
     check_hostile(import_splats_spz, bytes);
     // Invalid data that decompresses.
@@ -459,7 +459,7 @@ TEST_CASE("names what splats of a compressed PLY file lose") {
     for (int i = 0; i < 12; ++i) put(bytes, i < 9 ? 0.0f : 1.0f);
     for (const std::uint32_t word : {0u, 0u, 0xffffffffu, color}) put(bytes, word);
     if (harmonics) bytes.resize(bytes.size() + 24, std::byte{128});
-    return metadata(vectors_of(import_splats_compressed_ply, bytes), kSplatsDrawnAs);
+    return metadata(vectors_of(import_splats_compressed_ply, bytes), kSplatsAsDiscs);
   };
   CHECK(compressed(0x808080ffu, false).empty());
   CHECK(compressed(0x80808080u, false) == "opaque surface splats, without their opacity");

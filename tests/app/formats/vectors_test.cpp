@@ -212,14 +212,14 @@ TEST_CASE("opens splats, points and volumes as shapes of vectors") {
   }
 }
 
-TEST_CASE("adds a note to a world of translucent splats about how they are drawn") {
+TEST_CASE("shows translucent splats as Gaussians and opaque discs as a surface") {
   const ScratchFolder folder;
   std::string splat;
   for (const float f : {1.0f, 2.0f, 3.0f, 0.5f, 0.25f, 0.001f}) splat.append(reinterpret_cast<const char*>(&f), 4);
   splat += "\x10\x20\x30\x40\xff\x80\x80\x80";
   const LoadedWorld world = load_world(folder.write("glass.splat", splat));
-  CHECK(said(world) ==
-        folder.path("glass.splat") + ": note: splats are drawn as opaque surface splats, without their opacity\n");
+  CHECK(said(world).empty());
+  CHECK(content_of<qnv::Gaussians>(only_geometry(world)).opacities == std::vector<float>{64.0f / 255});
   splat[27] = '\xff';
-  CHECK(said(load_world(folder.write("opaque.splat", splat))).empty());
+  CHECK(content_of<qnv::Splats>(only_geometry(load_world(folder.write("opaque.splat", splat)))).size() == 1);
 }

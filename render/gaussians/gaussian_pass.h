@@ -1,0 +1,30 @@
+#pragma once
+
+#include "render/gl/gpu.h"
+#include "render/scene/camera.h"
+#include "render/scene/draw_options.h"
+#include "render/scene/render_list.h"
+#include "render/volume/volume_overlay.h"
+#include "render/volume/volume_target.h"
+
+namespace gs::render {
+
+/// Draws the Gaussians of a RenderList (only SplatItems with qnv::Gaussians): blends the splats of all of them in depth
+/// order on the CPU, over the existing image. That hides splats behind it per sample. Of the material only the
+/// transparency counts; lights do not, fog does. Writes no depth, so that later transparent polygons blend over splats.
+class GaussianPass {
+ public:
+  explicit GaussianPass(const Gl& gl);
+
+  /// Draws the Gaussians. Call it after all opaque content. `camera` must have near and far planes. Leaves blending and
+  /// the depth test off, and depth writes on.
+  void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
+            FrameStatistics& statistics);
+
+ private:
+  VolumeTarget target_;
+  TargetDepths depths_;
+  VolumeOverlay overlay_;
+};
+
+}  // namespace gs::render

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "qnv/base/geometry.h"
+#include "render/gaussians/gaussian_tile.h"
+#include "render/scene/fog.h"
+#include "render/splat/software/splat_raster.h"
+#include "render/volume/volume_raster.h"
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec4.hpp>
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace gs::render {
+
+/// Gaussian splats that are part of an image.
+struct GaussianItem {
+  const qnv::Gaussians* gaussians = nullptr;
+  glm::mat4 camera_from_node{1.0f};  // any affine matrix
+  std::size_t count = 0;             // number of splats to draw, from index 0 on
+  float opacity = 1;                 // factor of all opacities
+  std::optional<glm::vec4> clip;     // in node space: a splat is drawn if dot(clip, (centre, 1)) is at least 0
+  CameraFog fog;
+};
+
+/// Projects splats by EWA: the covariance in the picture is J W Sigma W^T J^T + 0.3 pixels^2 (Zwicker et al. 2002;
+/// Kerbl et al. 2023). Appends those of [first, last) that are in view, unordered, without splats fainter than
+/// kGaussianLeastAlpha. Also appends the squared distances from the eye, which order the splats: turning the view keeps
+/// the order.
+void project_gaussians(const GaussianItem& item, const SplatView& view, std::size_t first, std::size_t last,
+                       std::vector<GaussianSplat>& splats, std::vector<float>& distances);
+
+/// Splats Gaussians on the CPU: projects them, sorts those of all items by distance from the eye, and blends each tile
+/// from front to back until it is opaque. Splats behind the stop of a pixel are not blended. Ignores the matrix and
+/// `supersample` of `view`. Colours are blended as they are, without conversion (KHR_gaussian_splatting).
+///
+/// Gives identical bits for any number of threads. Memory is bounded by the numbers of splats and pixels. Returns an
+/// empty layer if nothing is in view. Thread-safe; accepts any numbers.
+[[nodiscard]] VolumeLayer rasterize_gaussians(std::span<const GaussianItem> items, const SplatView& view,
+                                              const VolumeStops& stops = {});
+
+}  // namespace gs::render

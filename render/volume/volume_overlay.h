@@ -1,0 +1,38 @@
+#pragma once
+
+#include "render/gl/gpu.h"
+#include "render/scene/camera.h"
+#include "render/scene/draw_options.h"
+#include "render/volume/volume_raster.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace gs::render {
+
+/// Composites layers that were rasterized on the CPU over the bound framebuffer. Runs on the thread of its context.
+class VolumeOverlay {
+ public:
+  explicit VolumeOverlay(const Gl& gl);
+
+  /// Composites a layer with premultiplied colours. `stops` are those with which it was rasterized. Writes no depth.
+  /// Leaves blending and the depth test off, and depth writes on.
+  void draw(const VolumeLayer& layer, const VolumeStops& stops, const Projection& projection,
+            const DrawOptions& options);
+
+ private:
+  struct Overlay {
+    Program program;
+    GLint pixels = -1, depths = -1, origin = -1, nearest = -1;
+  };
+  [[nodiscard]] Overlay make_overlay(const char* defines) const;
+  void draw_overlay(const Overlay& overlay, const VolumeLayer& layer, const std::vector<std::uint8_t>& pixels,
+                    const Projection& projection, const DrawOptions& options);
+
+  const Gl& gl_;
+  VertexArray no_attributes_;
+  Texture pixels_texture_, depths_texture_;
+  Overlay overlay_, edge_overlay_;
+};
+
+}  // namespace gs::render

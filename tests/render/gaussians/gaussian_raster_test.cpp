@@ -1,0 +1,333 @@
+#include "render/gaussians/gaussian_raster.h"
+
+#include "render/gaussians/gaussian_harmonics.h"
+#include "render/rays/gaussian_pick.h"
+#include "tests/render/volume_scenes.h"
+
+#include <glm/glm.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <random>
+
+namespace gs::render::gaussian_raster_test {
+namespace {
+
+qnv::Gaussians random_gaussians(std::size_t count, int degree, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<float> normal;
+  std::uniform_real_distribution<float> even(0, 1);
+  qnv::Gaussians made;
+  made.degree = degree;
+  for (std::size_t i = 0; i < count; ++i) {
+    const glm::vec4 q(normal(random), normal(random), normal(random), normal(random));
+    made.positions.push_back(glm::vec3(normal(random), normal(random), normal(random)) * 0.4f);
+    made.scales.push_back(glm::vec3(even(random), even(random), even(random) * 0.3f) * 0.12f);
+    made.rotations.push_back(q / glm::length(q));
+    made.opacities.push_back(even(random));
+    made.bases.push_back({even(random), even(random), even(random)});
+    for (std::size_t k = 0; k < qnv::harmonic_count(degree); ++k)
+      made.harmonics.push_back(glm::vec3(normal(random), normal(random), normal(random)) * 0.1f);
+    made.normals.push_back({0, 0, 1});
+    made.weights.push_back(1);
+  }
+  return made;
+}
+
+SplatView view_of(int width, int height) {
+  SplatView view;
+  view.width = width;
+  view.height = height;
+  view.tangents = glm::vec2(0.5f, 0.5f * static_cast<float>(height) / static_cast<float>(width));
+  view.near_plane = 0.05f;
+  return view;
+}
+
+glm::mat4 seen_from(const glm::vec3& eye) { return glm::lookAt(eye, glm::vec3(0), glm::vec3(0.1f, 1, 0)); }
+
+GaussianItem item_of(const qnv::Gaussians& gaussians, const glm::mat4& camera_from_node) {
+  GaussianItem item;
+  item.gaussians = &gaussians;
+  item.count = gaussians.size();
+  item.camera_from_node = camera_from_node;
+  return item;
+}
+
+/// Draws by the definition, in double precision: every splat at every pixel, without tiles or early ends. Returns RGBA.
+std::vector<glm::dvec4> exact_picture(const qnv::Gaussians& g, const glm::mat4& camera_from_node, const SplatView& view,
+                                      double stop = std::numeric_limits<double>::infinity()) {
+  const glm::dmat4 matrix(camera_from_node);
+  const glm::dmat3 linear(matrix);
+  const glm::dvec3 eye = glm::inverse(linear) * -glm::dvec3(matrix[3]);
+  std::vector<std::size_t> order(g.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto seen = [&](std::size_t i) { return glm::dvec3(matrix * glm::dvec4(g.positions[i], 1)); };
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return glm::length(seen(i)); });
+  const double across = view.width / (2.0 * static_cast<double>(view.tangents.x)),
+               up = view.height / (2.0 * static_cast<double>(view.tangents.y));
+  std::vector<glm::dvec4> picture(static_cast<std::size_t>(view.width * view.height), glm::dvec4(0));
+  for (const std::size_t i : order) {
+    const glm::dvec3 at = seen(i);
+    const double depth = -at.z;
+    if (depth <= static_cast<double>(view.near_plane) || depth > stop) continue;
+    const double x = std::clamp(at.x / depth, -1.3 * static_cast<double>(view.tangents.x),
+                                1.3 * static_cast<double>(view.tangents.x)),
+                 y = std::clamp(at.y / depth, -1.3 * static_cast<double>(view.tangents.y),
+                                1.3 * static_cast<double>(view.tangents.y));
+    const glm::dmat3 turn(
+        glm::mat3_cast(glm::dquat(g.rotations[i].w, g.rotations[i].x, g.rotations[i].y, g.rotations[i].z)));
+    const glm::dmat3 scale(glm::dvec3(g.scales[i].x, 0, 0), glm::dvec3(0, g.scales[i].y, 0),
+                           glm::dvec3(0, 0, g.scales[i].z));
+    const glm::dmat3 root = linear * turn * scale, sigma = root * glm::transpose(root);
+    const glm::dvec3 u(across / depth, 0, across / depth * x), v(0, up / depth, up / depth * y);
+    double xx = glm::dot(u, sigma * u), xy = glm::dot(u, sigma * v), yy = glm::dot(v, sigma * v);
+    const double sharp = xx * yy - xy * xy;
+    xx += 0.3;
+    yy += 0.3;
+    const double determinant = xx * yy - xy * xy;
+    double opacity = static_cast<double>(g.opacities[i]);
+    if (g.antialiased) opacity *= std::sqrt(std::max(sharp, 0.0) / determinant);
+    const glm::vec3 direction(glm::normalize(glm::dvec3(g.positions[i]) - eye));
+    const std::size_t per = qnv::harmonic_count(g.degree);
+    const glm::dvec3 color(
+        gaussian_color(g.bases[i], per == 0 ? nullptr : g.harmonics.data() + i * per, g.degree, direction));
+    const double cx = at.x / depth * across + view.width * 0.5 - 0.5, cy = at.y / depth * up + view.height * 0.5 - 0.5;
+    for (int row = 0; row < view.height; ++row)
+      for (int column = 0; column < view.width; ++column) {
+        const double dx = column - cx, dy = row - cy;
+        const double alpha =
+            std::min(0.99, opacity * std::exp(-0.5 * (yy * dx * dx - 2 * xy * dx * dy + xx * dy * dy) / determinant));
+        if (alpha < 1.0 / 255) continue;
+        glm::dvec4& pixel = picture[static_cast<std::size_t>(row * view.width + column)];
+        const double part = (1 - pixel.w) * alpha;
+        pixel += glm::dvec4(color * part, part);
+      }
+  }
+  return picture;
+}
+
+double decibels(const VolumeLayer& layer, const std::vector<glm::dvec4>& exact) {
+  REQUIRE(layer.pixels.size() == 4 * exact.size());
+  test::Psnr psnr;
+  for (std::size_t i = 0; i < exact.size(); ++i)
+    for (int c = 0; c < 4; ++c)
+      psnr.add(layer.pixels[4 * i + static_cast<std::size_t>(c)] / 255.0, std::clamp(exact[i][c], 0.0, 1.0));
+  return psnr.decibels();
+}
+
+}  // namespace
+
+TEST_CASE("draws Gaussians as EWA splatting defines, from any direction") {
+  const SplatView view = view_of(93, 70);
+  for (const int degree : {0, 1, 3})
+    for (const glm::vec3& eye :
+         {glm::vec3(0, 0, 3), glm::vec3(2, 1, -1), glm::vec3(0.3f, 0.2f, 0.4f), glm::vec3(0, 9, 1)}) {
+      const qnv::Gaussians gaussians = random_gaussians(400, degree, 7);
+      const glm::mat4 matrix = seen_from(eye);
+      const GaussianItem item = item_of(gaussians, matrix);
+      const double agreement = decibels(rasterize_gaussians({&item, 1}, view), exact_picture(gaussians, matrix, view));
+      INFO("degree " << degree << " from " << eye.x << ' ' << eye.y << ' ' << eye.z << ": " << agreement);
+      CHECK(agreement > 50);
+    }
+}
+
+TEST_CASE("draws antialiased Gaussians with the energy of narrow ones") {
+  qnv::Gaussians gaussians = random_gaussians(300, 0, 3);
+  for (glm::vec3& scale : gaussians.scales) scale *= 0.05f;
+  gaussians.antialiased = true;
+  const SplatView view = view_of(64, 64);
+  const glm::mat4 matrix = seen_from({0, 0, 3});
+  const GaussianItem item = item_of(gaussians, matrix);
+  CHECK(decibels(rasterize_gaussians({&item, 1}, view), exact_picture(gaussians, matrix, view)) > 50);
+}
+
+TEST_CASE("draws Gaussians under any affine matrix") {
+  const qnv::Gaussians gaussians = random_gaussians(200, 2, 5);
+  glm::mat4 matrix = glm::scale(seen_from({0, 0, 3}), glm::vec3(1.5f, 0.6f, -1));
+  matrix = glm::rotate(matrix, 1.0f, glm::vec3(1, 2, 3));
+  const SplatView view = view_of(64, 48);
+  const GaussianItem item = item_of(gaussians, matrix);
+  CHECK(decibels(rasterize_gaussians({&item, 1}, view), exact_picture(gaussians, matrix, view)) > 50);
+}
+
+TEST_CASE("hides Gaussians behind the existing image, per sample") {
+  const qnv::Gaussians gaussians = random_gaussians(300, 0, 11);
+  const SplatView view = view_of(60, 45);
+  const glm::mat4 matrix = seen_from({0, 0, 3});
+  const GaussianItem item = item_of(gaussians, matrix);
+  const std::vector<float> near(60 * 45, 2.7f), far(60 * 45, 3.1f);
+  const VolumeLayer layer = rasterize_gaussians({&item, 1}, view, {near, far});
+  VolumeLayer edges;
+  edges.pixels = layer.edge_pixels;
+  CHECK(decibels(layer, exact_picture(gaussians, matrix, view, 3.1)) > 50);
+  CHECK(decibels(edges, exact_picture(gaussians, matrix, view, 2.7)) > 50);
+  CHECK(rasterize_gaussians({&item, 1}, view, {near, {}}).pixels == layer.edge_pixels);
+  CHECK(rasterize_gaussians({&item, 1}, view, {near, near}).edge_pixels.empty());
+}
+
+TEST_CASE("draws equal Gaussians with any number of threads and both kernels") {
+  const qnv::Gaussians gaussians = random_gaussians(30000, 0, 13);
+  SplatView view = view_of(200, 150);
+  const GaussianItem item = item_of(gaussians, seen_from({0, 0, 2}));
+  view.threads = 1;
+  const VolumeLayer one = rasterize_gaussians({&item, 1}, view);
+  view.threads = 5;
+  const VolumeLayer five = rasterize_gaussians({&item, 1}, view);
+  CHECK(one.pixels == five.pixels);
+  CHECK(one.depth == five.depth);
+  std::vector<GaussianSplat> splats;
+  std::vector<float> distances;
+  project_gaussians(item, view, 0, gaussians.size(), splats, distances);
+  REQUIRE(splats.size() > 10000);
+  REQUIRE(distances.size() == splats.size());
+  std::vector<std::uint32_t> order(2000);
+  std::iota(order.begin(), order.end(), 0u);
+  for (const bool stopped : {false, true}) {
+    GaussianTile fast, plain;
+    for (GaussianTile* tile : {&fast, &plain}) {
+      tile->clear_pixels();
+      tile->stop.fill(2);
+    }
+    const GaussianKernel &quick = gaussian_kernel(), &portable = gaussian_kernel_baseline();
+    (stopped ? quick.stopped_tile : quick.tile)(splats.data(), order, 96, 64, fast);
+    (stopped ? portable.stopped_tile : portable.tile)(splats.data(), order, 96, 64, plain);
+    CHECK(fast.red == plain.red);
+    CHECK(fast.clear == plain.clear);
+    CHECK(fast.depth == plain.depth);
+    CHECK(*std::ranges::min_element(fast.clear) < 1);
+  }
+}
+
+TEST_CASE("keeps the order of Gaussians while the view turns") {
+  const qnv::Gaussians gaussians = random_gaussians(500, 0, 17);
+  const SplatView view = view_of(64, 64);
+  const auto order_of = [&](float angle) {
+    std::vector<GaussianSplat> splats;
+    std::vector<float> distances;
+    const GaussianItem item =
+        item_of(gaussians, glm::rotate(glm::mat4(1), angle, glm::vec3(0, 1, 0)) * seen_from({0, 0, 9}));
+    project_gaussians(item, view, 0, gaussians.size(), splats, distances);
+    REQUIRE(distances.size() > 450);
+    return distances;
+  };
+  const std::vector<float> straight = order_of(0), turned = order_of(0.2f);
+  REQUIRE(straight.size() == turned.size());
+  for (std::size_t i = 0; i < straight.size(); ++i) CHECK(straight[i] == Approx(turned[i]).epsilon(1e-5));
+}
+
+TEST_CASE("clips, fades and fogs Gaussians") {
+  qnv::Gaussians gaussians = random_gaussians(2, 0, 1);
+  gaussians.positions = {{-0.5f, 0, 0}, {0.5f, 0, 0}};
+  gaussians.scales = {glm::vec3(0.1f), glm::vec3(0.1f)};
+  gaussians.opacities = {0.8f, 0.8f};
+  gaussians.bases = {{1, 1, 1}, {1, 1, 1}};
+  const SplatView view = view_of(64, 48);
+  GaussianItem item = item_of(gaussians, glm::lookAt(glm::vec3(0, 0, 3), glm::vec3(0), glm::vec3(0, 1, 0)));
+  const auto alpha_at = [&](int x) {
+    return rasterize_gaussians({&item, 1}, view).pixels[4 * (24 * 64 + static_cast<std::size_t>(x)) + 3];
+  };
+  const int left = 32 - 11, right = 32 + 10;
+  CHECK(alpha_at(left) > 190);
+  CHECK(alpha_at(right) > 190);
+  item.clip = glm::vec4(1, 0, 0, 0);
+  CHECK(alpha_at(left) == 0);
+  CHECK(alpha_at(right) > 190);
+  item.clip.reset();
+  item.opacity = 0.5f;
+  CHECK(alpha_at(right) == Approx(0.4 * 255).margin(6));
+  item.opacity = 1;
+  item.fog.on = true;
+  item.fog.color = {1, 0, 0};
+  item.fog.ranges_from_camera = glm::mat3(1);
+  const VolumeLayer layer = rasterize_gaussians({&item, 1}, view);
+  const std::size_t at = 4 * (24 * 64 + static_cast<std::size_t>(right));
+  CHECK(layer.pixels[at] > 150);
+  CHECK(layer.pixels[at + 1] == 0);
+}
+
+TEST_CASE("records the depth at which half of the light is absorbed, as picking does") {
+  qnv::Gaussians gaussians = random_gaussians(2, 0, 1);
+  gaussians.positions = {{0, 0, 0.5f}, {0, 0, -0.5f}};
+  gaussians.scales = {glm::vec3(0.3f), glm::vec3(0.3f)};
+  gaussians.rotations = {{0, 0, 0, 1}, {0, 0, 0, 1}};
+  gaussians.opacities = {0.4f, 0.4f};
+  const SplatView view = view_of(33, 33);
+  const GaussianItem item = item_of(gaussians, glm::lookAt(glm::vec3(0, 0, 3), glm::vec3(0), glm::vec3(0, 1, 0)));
+  CHECK(rasterize_gaussians({&item, 1}, view).depth[16 * 33 + 16] == Approx(3.5f));
+  PickRay ray;
+  ray.origin = {0, 0, 3};
+  const auto far = pick_gaussians(gaussians, glm::dmat4(1), ray);
+  REQUIRE(far);
+  CHECK(far->distance == Approx(3.5f));
+  gaussians.opacities[0] = 0.9f;
+  CHECK(rasterize_gaussians({&item, 1}, view).depth[16 * 33 + 16] == Approx(2.5f));
+  CHECK(pick_gaussians(gaussians, glm::dmat4(1), ray)->distance == Approx(2.5f));
+  gaussians.opacities = {0.2f, 0.2f};
+  CHECK(rasterize_gaussians({&item, 1}, view).depth[16 * 33 + 16] == 0);
+  CHECK(!pick_gaussians(gaussians, glm::dmat4(1), ray));
+  ray.origin = {0, 0, -3};
+  gaussians.opacities = {0.9f, 0.9f};
+  CHECK(!pick_gaussians(gaussians, glm::dmat4(1), ray));
+}
+
+TEST_CASE("draws the finite ones of hostile Gaussians") {
+  qnv::Gaussians gaussians = random_gaussians(12, 3, 2);
+  const float nan = std::numeric_limits<float>::quiet_NaN(), infinite = std::numeric_limits<float>::infinity();
+  gaussians.positions[1].x = nan;
+  gaussians.positions[2].z = infinite;
+  gaussians.scales[3].x = infinite;
+  gaussians.scales[4] = glm::vec3(1e30f);
+  gaussians.rotations[5] = glm::vec4(0);
+  gaussians.opacities[6] = nan;
+  gaussians.opacities[7] = 1e30f;
+  gaussians.bases[8].y = nan;
+  gaussians.harmonics[9 * 15].x = infinite;
+  gaussians.positions[10] = glm::vec3(1e30f);
+  const SplatView view = view_of(40, 30);
+  const GaussianItem item = item_of(gaussians, seen_from({0, 0, 3}));
+  const VolumeLayer layer = rasterize_gaussians({&item, 1}, view);
+  CHECK(layer.vectors >= 2);
+  CHECK(layer.vectors <= 8);
+  for (const float depth : layer.depth) CHECK(std::isfinite(depth));
+  PickRay ray;
+  ray.origin = {0, 0, 3};
+  (void)pick_gaussians(gaussians, glm::dmat4(1), ray);
+  GaussianItem flat = item;
+  flat.camera_from_node[0] = glm::vec4(0);
+  CHECK(rasterize_gaussians({&flat, 1}, view).empty());
+  CHECK(rasterize_gaussians({}, view).empty());
+  GaussianItem none;
+  CHECK(rasterize_gaussians({&none, 1}, view).empty());
+}
+
+TEST_CASE("evaluates the spherical harmonics of all degrees with orthonormal functions") {
+  // The integral of a product of two of the 16 functions over the sphere is 1 if they are equal, else 0.
+  constexpr int kSteps = 128;
+  std::array<std::array<double, 16>, 16> sums{};
+  for (int i = 0; i < kSteps; ++i)
+    for (int j = 0; j < 2 * kSteps; ++j) {
+      const double z = -1 + (2 * i + 1.0) / kSteps, turn = (j + 0.5) * 3.14159265358979 / kSteps;
+      const glm::vec3 d(static_cast<float>(std::sqrt(1 - z * z) * std::cos(turn)),
+                        static_cast<float>(std::sqrt(1 - z * z) * std::sin(turn)), static_cast<float>(z));
+      std::array<double, 16> values{0.28209479177387814};
+      for (std::size_t k = 0; k < 15; ++k) {
+        std::array<glm::vec3, 15> one{};
+        one[k] = glm::vec3(1);
+        values[k + 1] = static_cast<double>(gaussian_color(glm::vec3(10), one.data(), 3, d).x) - 10;
+      }
+      const double area = 4 * 3.14159265358979 / (2.0 * kSteps * kSteps);
+      for (std::size_t a = 0; a < 16; ++a)
+        for (std::size_t b = 0; b < 16; ++b) sums[a][b] += values[a] * values[b] * area;
+    }
+  for (std::size_t a = 0; a < 16; ++a)
+    for (std::size_t b = 0; b < 16; ++b) CHECK(sums[a][b] == Approx(a == b ? 1 : 0).margin(0.002));
+}
+
+}  // namespace gs::render::gaussian_raster_test
