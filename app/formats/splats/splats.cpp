@@ -64,7 +64,8 @@ Disc disc_of(const SplatModel& model, std::size_t i) {
   }
   const auto [least, middle, most] = ordered_axes(scale);
   disc.area = std::numbers::pi_v<float> * scale[middle] * scale[most] / (kSigmaOfRadius * kSigmaOfRadius);
-  // A line or a point has no area, but is visible.
+  if (!(scale[most] > 0)) return disc;
+  // A line has no area, but is visible.
   disc.area = std::max(disc.area, std::numeric_limits<float>::min());
   const glm::vec3 normal = rotated_axis({q.x / length, q.y / length, q.z / length, q.w / length}, least);
   const float normal_length = std::sqrt(dot(normal, normal));
