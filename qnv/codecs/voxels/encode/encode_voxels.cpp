@@ -159,7 +159,8 @@ std::variant<EncodedStream, EncodeError> encode_voxels(const VolumeVectors& volu
     chunk.payload = std::move(cluster.payload);
     chunks.push_back(std::move(chunk));
   }
-  EncodedStream stream = write_stream(std::move(header), std::move(chunks), options.max_bytes);
+  EncodedStream stream =
+      write_stream(std::move(header), std::move(chunks), options.max_bytes, equal_protection(options));
   if (options.max_bytes != 0 && stream.bytes.size() > options.max_bytes)
     return EncodeError{"a stream of the coarsest voxels has " + std::to_string(stream.bytes.size()) +
                        " bytes; expected at most " + std::to_string(options.max_bytes)};
