@@ -62,6 +62,9 @@ std::optional<std::string> check_encode(const EncodeCommand& options) {
     return "--max-bytes excludes --error and --lossless, because either decides where the stream ends";
   if (method == EncodeMethod::values && (options.vectors > 0 || options.fraction > 0))
     return "--method values excludes --vectors and --fraction, which select gradients";
+  if (options.parity.value_or(0) > 0 && method != EncodeMethod::automatic && method != EncodeMethod::displaced &&
+      method != EncodeMethod::values)
+    return "--parity protects displaced meshes and volumes only; expected --method auto, displaced or values";
   if (outlines) {
     if (options.vectors > 0 || options.fraction > 0) return "--method outlines excludes --vectors and --fraction";
     const std::string& out = options.files.back();

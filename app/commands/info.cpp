@@ -209,6 +209,7 @@ bool describe_stream(JsonValue& facts, std::span<const std::byte> bytes, const s
   facts.put("palette", header->palette.size());
   facts.put("directory_entries", decoder.directory().size());
   facts.put("damaged_chunks", decoder.refused_chunks() + decoder.problems().size());
+  if (header->parity) facts.put("restored_chunks", decoder.restored_chunks());
   const qnv::MeshProgress mesh = decoder.mesh();
   if (mesh.bytes > 0) {
     JsonValue tail = JsonValue::named({{"bytes", mesh.bytes}, {"come", mesh.received}});

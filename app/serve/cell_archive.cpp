@@ -120,14 +120,23 @@ std::optional<std::string> QnvSource::read() {
   payload_ = &qnv::row_of(header);
   std::vector<Place> all = from_directory(header);
   if (all.empty()) all = from_chunks(header_bytes);
-  // The protected base consists of the header and the following chunks that fit in kBaseBytes.
-  std::uint64_t end = header_bytes;
+  // The protected base consists of the header and the following chunks that fit in kBaseBytes. Parity is left out,
+  // because cells have their own.
+  const auto append = [this](std::uint64_t offset, std::size_t count) {
+    const std::vector<std::byte> part = bytes(offset, count);
+    base_.insert(base_.end(), part.begin(), part.end());
+    return part.size() == count;
+  };
+  bool good = append(0, header_bytes);
   std::size_t first = 0;
-  while (first < all.size() && all[first].offset == end &&
-         end + all[first].bytes <= std::max<std::uint64_t>(kBaseBytes, header_bytes))
-    end += all[first++].bytes;
-  base_ = bytes(0, static_cast<std::size_t>(end));
-  if (base_.size() != end) return "the file cannot be read";
+  std::uint64_t end = header_bytes;
+  while (good && first < all.size() && all[first].offset >= end &&
+         base_.size() + all[first].bytes <= std::max<std::size_t>(kBaseBytes, header_bytes)) {
+    end = all[first].offset + all[first].bytes;
+    good = append(all[first].offset, all[first].bytes);
+    ++first;
+  }
+  if (!good) return "the file cannot be read";
   places_.assign(all.begin() + static_cast<std::ptrdiff_t>(first), all.end());
   const std::string tag = file_.stamp.etag();
   version_ = static_cast<std::uint32_t>(std::stoul(tag.substr(1, 8), nullptr, 16));

@@ -28,7 +28,7 @@ enum Tag : std::uint16_t {
   kOrigin = 7,
   kGrid = 8
 };
-enum HeaderFlag : std::uint16_t { kTwoSided = 1, kColored = 2, kMeshed = 4 };
+enum HeaderFlag : std::uint16_t { kTwoSided = 1, kColored = 2, kMeshed = 4, kParity = 8 };
 
 std::uint32_t checksum(std::uint32_t from, std::span<const std::byte> bytes) {
   if (bytes.empty()) return from;  // for a null pointer, crc32_z would return the initial value
@@ -50,6 +50,15 @@ void put_color(ByteWriter& write, const Rgb8& c) {
 
 Rgb8 get_color(ByteReader& read) {
   return {read.integer<std::uint8_t>(), read.integer<std::uint8_t>(), read.integer<std::uint8_t>()};
+}
+
+/// Writes the bytes of a chunk header that its checksum covers.
+void put_chunk_start(std::vector<std::byte>& out, ChunkType type, std::size_t bytes) {
+  ByteWriter write(out);
+  write.integer(kSync);
+  write.integer(static_cast<std::uint16_t>(bytes));
+  write.integer(static_cast<std::uint8_t>(type));
+  write.integer(std::uint8_t{0});
 }
 
 bool has_origin(const Description& d) { return d.origin != glm::dvec3(0); }
@@ -126,7 +135,7 @@ std::vector<std::byte> encode_header(const StreamHeader& header) {
   write.integer(std::uint32_t{0});  // placeholder for the length
   write.integer(std::uint32_t{0});  // placeholder for the checksum
   write.integer(static_cast<std::uint16_t>((d.two_sided ? kTwoSided : 0) | (header.colored ? kColored : 0) |
-                                           (header.meshed ? kMeshed : 0)));
+                                           (header.meshed ? kMeshed : 0) | (header.parity ? kParity : 0)));
   put_color(write, header.color);
   write.integer(std::uint8_t{0});
   for (const glm::vec3& p : {d.box.lower, d.box.upper})
@@ -225,6 +234,7 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
   d.two_sided = (flags & kTwoSided) != 0;
   header.colored = (flags & kColored) != 0;
   header.meshed = (flags & kMeshed) != 0;
+  header.parity = (flags & kParity) != 0;
   header.color = get_color(read);
   (void)read.integer<std::uint8_t>();
   for (glm::vec3* p : {&d.box.lower, &d.box.upper})
@@ -273,15 +283,17 @@ std::optional<std::uint8_t> payload_number(std::span<const std::byte> bytes) {
   return std::to_integer<std::uint8_t>(bytes[kPayloadAt]);
 }
 
+std::uint32_t chunk_checksum(ChunkType type, std::span<const std::byte> payload) {
+  std::vector<std::byte> start;
+  put_chunk_start(start, type, payload.size());
+  return checksum(checksum(0, start), payload);
+}
+
 std::vector<std::byte> encode_chunk(ChunkType type, std::span<const std::byte> payload) {
   std::vector<std::byte> out;
   out.reserve(kChunkHeaderBytes + payload.size());
-  ByteWriter write(out);
-  write.integer(kSync);
-  write.integer(static_cast<std::uint16_t>(payload.size()));
-  write.integer(static_cast<std::uint8_t>(type));
-  write.integer(std::uint8_t{0});
-  write.integer(checksum(checksum(0, out), payload));
+  put_chunk_start(out, type, payload.size());
+  ByteWriter(out).integer(checksum(checksum(0, out), payload));
   out.insert(out.end(), payload.begin(), payload.end());
   return out;
 }

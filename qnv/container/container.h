@@ -48,12 +48,13 @@ enum class ChunkType : std::uint8_t {
   values = 14,
   gaps = 15,
   remainders = 16,
+  parity = 17,
   directory = 254
 };
 /// Reports whether this version has a chunk type. Readers skip other chunks.
 [[nodiscard]] constexpr bool is_known(std::uint8_t type) {
   constexpr std::uint8_t kReserved = 5;
-  return (type <= static_cast<std::uint8_t>(ChunkType::remainders) && type != kReserved) ||
+  return (type <= static_cast<std::uint8_t>(ChunkType::parity) && type != kReserved) ||
          type == static_cast<std::uint8_t>(ChunkType::directory);
 }
 
@@ -63,9 +64,10 @@ struct StreamHeader {
   Payload payload = Payload::packed;
   bool colored = false;         // each vector has its own colour
   bool meshed = false;          // packed: the exact mesh follows the octree
+  bool parity = false;          // the stream has chunks of parity (lost_chunks.h)
   Rgb8 color;                   // colour of all vectors if not `colored`
   std::uint64_t vectors = 0;    // number at full detail
-  std::uint32_t chunks = 0;     // number without the directory; 0 if unknown when the header was written
+  std::uint32_t chunks = 0;     // number without directory and parity; 0 if unknown when the header was written
   std::uint64_t directory = 0;  // byte offset in the stream; 0 means none
   Cube cube;                    // packed: cube that the octree divides
   std::vector<Rgb8> palette;    // records of a surface: colour of each index C; at most 256
@@ -96,6 +98,8 @@ struct StreamProblem {
 [[nodiscard]] std::vector<std::byte> encode_header(const StreamHeader& header);
 /// Encodes a chunk with its header. `payload` has at most kMaxChunkBytes bytes.
 [[nodiscard]] std::vector<std::byte> encode_chunk(ChunkType type, std::span<const std::byte> payload);
+/// Returns the CRC-32 in the header of a chunk.
+[[nodiscard]] std::uint32_t chunk_checksum(ChunkType type, std::span<const std::byte> payload);
 /// Encodes the directory as one or more chunks.
 [[nodiscard]] std::vector<std::byte> encode_directory(std::span<const DirectoryEntry> entries, const Box& box);
 /// Decodes the entries in the payload of one directory chunk. Safe for untrusted bytes.

@@ -2,52 +2,16 @@
 
 #include "base/bytes.h"
 #include "qnv/base/short_number.h"
+#include "qnv/container/cauchy_code.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
 namespace gs::qnv {
 namespace {
 
-// Reed-Solomon parity with a Cauchy matrix (J. Bloemer et al., "An XOR-based erasure-resilient coding scheme", 1995).
-// Every square submatrix of it is invertible, so that any pieces restore the group if their number suffices.
-
-constexpr std::size_t kPieceHeaderBytes = 7, kMaxNumbers = 256;
-
-/// Finite field with 256 elements, modulo the polynomial x^8 + x^4 + x^3 + x^2 + 1.
-struct Field {
-  std::array<std::uint8_t, 512> power{};
-  std::array<std::uint8_t, 256> logarithm{};
-  constexpr Field() {
-    unsigned value = 1;
-    for (std::size_t i = 0; i < 255; ++i) {
-      power[i] = power[i + 255] = static_cast<std::uint8_t>(value);
-      logarithm[value] = static_cast<std::uint8_t>(i);
-      value <<= 1;
-      if (value > 255) value ^= 0x11d;
-    }
-  }
-  [[nodiscard]] constexpr std::uint8_t times(std::uint8_t a, std::uint8_t b) const {
-    return a == 0 || b == 0 ? 0 : power[std::size_t{logarithm[a]} + logarithm[b]];
-  }
-  [[nodiscard]] constexpr std::uint8_t inverse(std::uint8_t a) const { return power[255u - logarithm[a]]; }
-};
-constexpr Field kField;
-
-/// Returns the matrix coefficient of data piece `data` in parity piece `parity`.
-std::uint8_t weight_of(std::size_t parity, std::size_t data) {
-  return kField.inverse(static_cast<std::uint8_t>(parity ^ data));
-}
-
-/// Computes sum += weight * bytes.
-void add_weighted(std::span<std::byte> sum, std::uint8_t weight, std::span<const std::byte> bytes) {
-  std::array<std::byte, 256> products;
-  for (std::size_t i = 0; i < products.size(); ++i)
-    products[i] = static_cast<std::byte>(kField.times(weight, static_cast<std::uint8_t>(i)));
-  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] ^= products[std::to_integer<std::size_t>(bytes[i])];
-}
+constexpr std::size_t kPieceHeaderBytes = 7;
 
 }  // namespace
 
@@ -78,11 +42,11 @@ CutGroup cut_group(int number, std::span<const std::vector<std::byte>> payloads,
     payload.insert(payload.end(), data(i).begin(), data(i).end());
   }
   const auto more = static_cast<std::size_t>(std::ceil(parity * static_cast<double>(header.needed))) + besides;
-  while (cut.parity.size() < std::min(more, kMaxNumbers - header.needed)) {
+  while (cut.parity.size() < std::min(more, kMaxCodedPieces - header.needed)) {
     std::vector<std::byte>& payload = begin(cut.parity);
     payload.resize(kPieceHeaderBytes + size);
     for (std::size_t i = 0; i < header.needed; ++i)
-      add_weighted(std::span(payload).subspan(kPieceHeaderBytes), weight_of(header.number - 1, i), data(i));
+      add_weighted(std::span(payload).subspan(kPieceHeaderBytes), cauchy_weight(header.number - 1, i), data(i));
   }
   return cut;
 }
@@ -139,42 +103,21 @@ std::vector<std::vector<std::byte>> PieceGroup::take() {
 }
 
 void PieceGroup::restore() {
-  // Equation of a parity piece: its coefficients of the missing pieces, and the weighted sum of these pieces.
-  struct Row {
-    std::vector<std::uint8_t> weights;
-    std::vector<std::byte> sum;
-  };
   const std::size_t size = pieces_.begin()->second.size();
   std::vector<std::size_t> missing;
   for (std::size_t i = joined_; i < needed_; ++i)
     if (!pieces_.contains(i)) missing.push_back(i);
-  std::vector<Row> rows;
+  std::vector<CodeEquation> rows;
   for (auto parity = pieces_.lower_bound(needed_); rows.size() < missing.size(); ++parity) {
-    Row& row = rows.emplace_back();
-    for (const std::size_t i : missing) row.weights.push_back(weight_of(parity->first, i));
+    CodeEquation& row = rows.emplace_back();
+    for (const std::size_t i : missing) row.weights.push_back(cauchy_weight(parity->first, i));
     row.sum = parity->second;
     for (std::size_t i = 0; i < joined_; ++i)
-      add_weighted(row.sum, weight_of(parity->first, i), std::span(front_).subspan(i * size, size));
+      add_weighted(row.sum, cauchy_weight(parity->first, i), std::span(front_).subspan(i * size, size));
     for (auto known = pieces_.begin(); known->first < needed_; ++known)
-      add_weighted(row.sum, weight_of(parity->first, known->first), known->second);
+      add_weighted(row.sum, cauchy_weight(parity->first, known->first), known->second);
   }
-  // Solves by Gauss-Jordan elimination. A pivot always exists, because the matrix is invertible.
-  for (std::size_t c = 0; c < rows.size(); ++c) {
-    std::size_t pivot = c;
-    while (rows[pivot].weights[c] == 0) ++pivot;
-    std::swap(rows[c], rows[pivot]);
-    const std::uint8_t scale = kField.inverse(rows[c].weights[c]);
-    for (std::uint8_t& w : rows[c].weights) w = kField.times(w, scale);
-    std::vector<std::byte> scaled(rows[c].sum.size());
-    add_weighted(scaled, scale, rows[c].sum);
-    rows[c].sum = std::move(scaled);
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      const std::uint8_t by = rows[r].weights[c];
-      if (r == c || by == 0) continue;
-      for (std::size_t k = c; k < rows.size(); ++k) rows[r].weights[k] ^= kField.times(by, rows[c].weights[k]);
-      add_weighted(rows[r].sum, by, rows[c].sum);
-    }
-  }
+  solve_pieces(rows);
   for (std::size_t i = 0; i < rows.size(); ++i) pieces_[missing[i]] = std::move(rows[i].sum);
 }
 

@@ -38,7 +38,7 @@ std::vector<std::byte> drop_packets(std::span<const std::byte> stream, double sh
   StreamReader reader;
   const auto take = [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
     const bool safe = offset < kProtectedBytes;
-    if (carries(row, type) && row.record_bytes == 0) {
+    if ((carries(row, type) && row.record_bytes == 0) || type == ChunkType::parity) {
       if (safe || random_of(seed, packet) >= share) append(type, payload);
     } else if (carries(row, type) && payload.size() >= row.head_bytes) {
       std::vector<std::byte> kept(payload.begin(), payload.begin() + static_cast<std::ptrdiff_t>(row.head_bytes));

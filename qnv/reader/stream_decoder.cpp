@@ -30,11 +30,23 @@ void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std:
     if (directory_.size() > kMaxDirectoryEntries) return;
     const auto entries = decode_directory(payload, header()->description.box);
     directory_.insert(directory_.end(), entries.begin(), entries.end());
-  } else if (!decoder_ || !carries(*row_, type)) {
+  } else if (type == ChunkType::parity) {
+    // Without the announcement, chunks were not kept.
+    const auto found = [this](ChunkType whole, std::span<const std::byte> bytes) { take(whole, bytes, {}); };
+    if (!decoder_ || row_->record_bytes > 0 || (header()->parity && !lost_.add(payload, found))) ++refused_chunks_;
+  } else {
+    take(type, payload, missing);
+    if (header()->parity && decoder_ && row_->record_bytes == 0)
+      lost_.keep(type, payload, [this](ChunkType whole, std::span<const std::byte> bytes) { take(whole, bytes, {}); });
+  }
+}
+
+void StreamDecoder::take(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) {
+  if (!decoder_ || !carries(*row_, type)) {
     ++refused_chunks_;
   } else if (type == ChunkType::piece) {
     const bool good =
-        groups_.add(payload, [this](ChunkType whole, std::span<const std::byte> bytes) { add(whole, bytes); });
+        groups_.add(payload, [this](ChunkType whole, std::span<const std::byte> bytes) { take(whole, bytes, {}); });
     if (!good) ++refused_chunks_;
   } else {
     decoder_->add(type, payload, missing);

@@ -3,6 +3,7 @@
 #include "qnv/base/geometry.h"
 #include "qnv/codecs/shared/decoder.h"
 #include "qnv/container/container.h"
+#include "qnv/container/lost_chunks.h"
 #include "qnv/container/piece_group.h"
 
 #include <cstddef>
@@ -16,8 +17,8 @@ namespace gs::qnv {
 struct PayloadRow;
 
 /// Decoder of a stream into vectors or a surface; its payload selects the codec. The stream may be received in pieces
-/// or with losses. At any time, the received part gives a complete picture. One thread at a time. Safe for untrusted
-/// bytes; memory is bounded by `most_vectors`.
+/// or with losses; parity restores lost chunks. At any time, the received part gives a complete picture. One thread at
+/// a time. Safe for untrusted bytes; memory is bounded by `most_vectors` and LostChunks.
 class StreamDecoder {
  public:
   explicit StreamDecoder(std::size_t most_vectors = std::size_t{1} << 26) : most_vectors_(most_vectors) {}
@@ -43,6 +44,8 @@ class StreamDecoder {
   /// Returns the progress of the stream's mesh. Without a mesh, all numbers are 0.
   [[nodiscard]] MeshProgress mesh() const { return decoder_ ? decoder_->mesh() : MeshProgress{}; }
   [[nodiscard]] const std::vector<DirectoryEntry>& directory() const { return directory_; }
+  /// Returns the number of lost chunks that parity restored.
+  [[nodiscard]] std::size_t restored_chunks() const { return lost_.restored(); }
 
   /// Returns all received vectors at the finest received detail, without vectors that finer ones replace.
   [[nodiscard]] Geometry geometry() const;
@@ -53,6 +56,8 @@ class StreamDecoder {
  private:
   /// Creates the decoder of the payload when the header is received.
   void begin();
+  /// Adds a chunk that the payload may have.
+  void take(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing);
   [[nodiscard]] DecodeCount count() const { return decoder_ ? decoder_->count() : DecodeCount{}; }
   [[nodiscard]] GeometryBase base() const;
 
@@ -61,6 +66,7 @@ class StreamDecoder {
   const PayloadRow* row_ = nullptr;
   std::unique_ptr<Decoder> decoder_;  // null until the header is received, and for payloads of polygons
   PieceGroups groups_;
+  LostChunks lost_;  // empty unless the header announces parity
   std::vector<DirectoryEntry> directory_;
 };
 

@@ -63,6 +63,7 @@ struct ConversionOptions : InputOptions, UpOption {
   bool methods_differ = false;          // true if the options name several methods
   int exact_bits = -1;                  // bits of the exact mesh in the tail; 0 means no tail, -1 decides by size
   qnv::ValueTolerance value_tolerance;  // values of a volume
+  std::optional<double> parity;         // share of lost chunks that parity restores; nullopt: as the codec chooses
   std::uint64_t seed = 1;
 };
 

@@ -5,6 +5,7 @@
 #include "app/commands/options/option_values.h"
 #include "app/commands/options/setters.h"
 #include "qnv/codecs/lossless/exact_mesh.h"
+#include "qnv/codecs/shared/parity_writer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -83,6 +84,13 @@ Problem set_error(ConversionOptions& options, const std::string& value) {
 
 Problem set_lossless(ConversionOptions& options, const std::string&) {
   options.value_tolerance.lossless = true;
+  return {};
+}
+
+Problem set_parity(ConversionOptions& options, const std::string& value) {
+  double share = 0;
+  if (!read_share(value, share) || share > qnv::kMostLoss) return "expected a share from 0 to 0.5, or up to 50%";
+  options.parity = share;
   return {};
 }
 
@@ -176,6 +184,10 @@ constexpr OptionRow kEncodeOptions[] = {
      "encode ", with<set_error>},
     {"--lossless", "", "", "values of a volume: restore the stored voxels bit for bit; float64 is stored as float32",
      "encode ", with<set_lossless>},
+    {"--parity", "SHARE", "",
+     "add parity that restores this share of lost chunks (0 to 0.5, or 30%); 0 adds none. 10% takes a third more "
+     "bytes, 30% twice the bytes. The default protects the coarse part of a volume with 3% of the bytes",
+     "encode ", with<set_parity>},
     {"--method", "auto|displaced|octree|records|outlines|values", "auto",
      "encode a base mesh with displacements (displaced, usual for smooth surfaces), an octree of splats (octree, usual "
      "for surfaces of many small parts, and for points in a quarter of the bytes), records of 8 bytes (records, usual "

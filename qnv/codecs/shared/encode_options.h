@@ -57,6 +57,8 @@ struct EncodeOptions {
                                    // kExactWherePays
   const TexturedSurface* textured = nullptr;  // displaced: source of the exact tail, or null; must outlive the call
   ValueTolerance tolerance;                   // values
+  std::optional<double> parity;               // loss of chunks that parity restores, 0 to 0.5; nullopt: as the codec
+                                              // chooses. Displaced surfaces and values; others ignore it
   glm::dvec3 origin{0};                       // origin of triangles (Description::origin); vectors have their own
   std::vector<std::pair<std::string, std::string>> metadata;
   unsigned threads = 0;

@@ -1,6 +1,8 @@
 #pragma once
 
 #include "qnv/codecs/shared/encode_options.h"
+#include "qnv/codecs/shared/outgoing_chunk.h"
+#include "qnv/codecs/shared/parity_writer.h"
 #include "qnv/container/container.h"
 
 #include <cstddef>
@@ -11,22 +13,19 @@
 
 namespace gs::qnv {
 
-/// Chunk to be written. `entry` is complete except for the offset and the length.
-struct OutgoingChunk {
-  ChunkType type = ChunkType::packed;
-  std::vector<std::byte> payload;
-  DirectoryEntry entry;
-  std::uint32_t replaced = 0;  // number of vectors in other chunks that this chunk replaces
-};
-
 /// Returns the number of payload bytes that fit into a stream of at most `max_bytes`, if chunks have about 1,200 bytes.
 [[nodiscard]] std::size_t payload_budget(const StreamHeader& header, std::size_t max_bytes);
 
 /// Puts `metadata` before those of the description, and drops the pairs of the description with the same keys.
 void add_metadata(const std::vector<std::pair<std::string, std::string>>& metadata, Description& about);
 
-/// Writes the header, the chunks in the given order, and the directory. If the stream exceeds `max_bytes` (0 means
-/// unlimited), drops chunks from the end, but never the first. Sets the header's number of vectors.
-[[nodiscard]] EncodedStream write_stream(StreamHeader header, std::vector<OutgoingChunk> chunks, std::size_t max_bytes);
+/// Returns the protection that EncodeOptions::parity requests; none by default.
+[[nodiscard]] Protection equal_protection(const EncodeOptions& options);
+
+/// Writes the header, the chunks in the given order with their parity, and the directory, which omits the parity. If
+/// the stream exceeds `max_bytes` (0 means unlimited), drops chunks from the end, but never the first. Sets the
+/// header's number of vectors.
+[[nodiscard]] EncodedStream write_stream(StreamHeader header, std::vector<OutgoingChunk> chunks, std::size_t max_bytes,
+                                         const Protection& protection = {});
 
 }  // namespace gs::qnv

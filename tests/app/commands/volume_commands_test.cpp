@@ -111,9 +111,9 @@ TEST_CASE("encode: --error limits the difference of every voxel, and info states
       most = std::max(most, static_cast<double>(std::abs(truth.values[i] - back.values[i])));
     CHECK(most <= facts["error"].get<double>());
   }
-  for (const char* wrong :
-       {"--error -1", "--error 120%", "--error x", "--error 1 --lossless", "--lossless --max-bytes 10k",
-        "--error 1 --method records", "--method values --vectors 9"}) {
+  for (const char* wrong : {"--error -1", "--error 120%", "--error x", "--error 1 --lossless",
+                            "--lossless --max-bytes 10k", "--error 1 --method records", "--method values --vectors 9",
+                            "--parity 0.6", "--parity x", "--parity 0.1 --method octree"}) {
     INFO(wrong);
     CHECK(run(std::string("encode ") + wrong + " " + quoted(volume) + " " + quoted(stream)).status == kUsage);
   }
@@ -144,6 +144,21 @@ TEST_CASE("export, encode: extract the isosurface of a stream of values like tha
   const Run refused = run("export --isovalue 100 " + quoted(records) + " " + quoted(folder.path("c.stl")));
   CHECK(refused.status == kFailed);
   CHECK(refused.output.find("has no values of voxels; --isovalue expects a volume") != std::string::npos);
+}
+
+TEST_CASE("encode: --parity protects a stream, and info tells what it restored") {
+  const ScratchFolder folder;
+  const std::string volume = folder.write("a.nrrd", nrrd_ball<std::uint16_t>("uint16", 3000)),
+                    stream = folder.path("a.qnv");
+  REQUIRE(run("encode --parity 30% " + quoted(volume) + " " + quoted(stream)).status == kDone);
+  CHECK(info(stream)["restored_chunks"] == 0);
+  std::string bytes = folder.read("a.qnv");
+  bytes[2000] = static_cast<char>(bytes[2000] ^ 1);
+  folder.write("a.qnv", bytes);
+  CHECK(info(stream)["restored_chunks"] == 1);
+  CHECK(info(stream)["exact"] == true);
+  REQUIRE(run("encode --parity 0 " + quoted(volume) + " " + quoted(stream)).status == kDone);
+  CHECK_FALSE(info(stream).contains("restored_chunks"));
 }
 
 TEST_CASE("export: refuses values of streams that have none") {

@@ -5,7 +5,7 @@
 import struct
 import sys
 
-from streams import chunks
+from streams import all_chunks, restored
 
 MASK = 0xFFFFFFFF
 
@@ -75,6 +75,11 @@ def number(data, at):
         at += 1
         if data[at - 1] < 128:
             return value, at
+
+
+def number_pair(payload):
+    block, at = number(payload, 0)
+    return block, number(payload, at)[0]
 
 
 def halves(extent, level):
@@ -299,11 +304,13 @@ def main():
         levels += 1
     blocks = blocks_of(extent, levels)
     missing, found = set(), {}
-    for payload in chunks(data, length, 15):
+    payloads = restored(list(all_chunks(data, length)))
+    for payload in (p for kind, p in payloads if kind == 15):
         gaps(payload, extent, missing)
-    for payload in chunks(data, length, 16):
+    for payload in (p for kind, p in payloads if kind == 16):
         remainders(payload, extent, found)
-    for payload in chunks(data, length, 14):
+    clusters = [number_pair(p) + (p,) for kind, p in payloads if kind == 14]
+    for _, _, payload in sorted(clusters):
         n, p = number(payload, 0)
         index, p = number(payload, p)
         steps, p = number(payload, p)

@@ -153,7 +153,7 @@ struct StageChunks {
   std::vector<OutgoingChunk> chunks;
   std::vector<double> distances;
   std::vector<std::vector<OutgoingChunk>> parity;  // parity of the front of each stage
-  std::vector<std::size_t> begins, ready;  // per stage: its first chunk, and the first after its front
+  std::vector<std::size_t> begins, ready;          // per stage: its first chunk, and the first after its front
 };
 StageChunks chunks_of(std::vector<EncodedStage> stages, const Box& box, std::size_t places) {
   const displaced::Frame frame(box);
@@ -424,7 +424,7 @@ std::variant<EncodedStream, EncodeError> encode_displaced(const TriangleSource& 
     for (std::size_t i = 0; i < sent.parity.size(); ++i)
       if (static_cast<int>(i) == last || (!exact && static_cast<int>(i) > last))
         std::ranges::move(sent.parity[i], std::back_inserter(chunks));
-  return write_stream(std::move(header), std::move(chunks), options.max_bytes);
+  return write_stream(std::move(header), std::move(chunks), options.max_bytes, equal_protection(options));
 }
 
 }  // namespace gs::qnv

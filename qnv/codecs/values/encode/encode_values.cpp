@@ -215,7 +215,10 @@ std::optional<EncodedValues> encode_values(std::span<const std::int32_t> samples
     measure(samples, extent, order, bounded ? std::optional(limit.most_error) : std::nullopt,
             !bounded && limit.max_bytes == 0, encoded, progress);
     if (is_cancelled(progress)) return std::nullopt;
-    for (RankedCluster& cluster : order) encoded.clusters.push_back(std::move(cluster.cluster));
+    for (RankedCluster& cluster : order) {
+      encoded.gains.push_back(cluster.gain);
+      encoded.clusters.push_back(std::move(cluster.cluster));
+    }
     return encoded;
   }
 }

@@ -22,6 +22,7 @@ struct ValuesLimit {
 /// Clusters of a volume, the most useful per byte first.
 struct EncodedValues {
   std::vector<Cluster> clusters;
+  std::vector<double> gains;  // reduction of the squared error of the volume by each cluster, in steps
   /// Measured errors of samples, in steps: after about 4, 16, 64, ... kB, and at the end.
   std::vector<ValueError> errors;
   /// Signed number of correction steps per sample, as two's complement. Empty if no sample needs one.

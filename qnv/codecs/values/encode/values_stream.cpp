@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -20,15 +21,6 @@ namespace gs::qnv {
 namespace {
 
 using values::SampledVolume;
-
-constexpr int kMostCopies = 4;
-// Returns how often the stream contains a cluster. A lost cluster makes its block unusable from there on, and early
-// clusters of coarse blocks affect most voxels. Repetitions take about 1 % of a lossless stream.
-int copies_of(int level, std::uint32_t index, int coarsest) {
-  if (index == 0 && level == coarsest) return kMostCopies;
-  const bool early = index < (level == coarsest ? 8u : level >= 3 ? 2u : level == 2 ? 1u : 0u);
-  return early ? 2 : 1;
-}
 
 Description describe(const VolumeSource& source, const SampledVolume& volume, const EncodeOptions& options) {
   const VolumeLayout& layout = source.layout;
@@ -75,6 +67,16 @@ Box box_of_run(const VolumeLayout& layout, const values::CubeRun& run) {
                 {layout.dimensions[0], layout.dimensions[1], (last - first + 1) * values::kCubeEdge}, 0);
 }
 
+// Returns the bytes of `room` that remain for clusters beside their parity.
+std::size_t room_for_clusters(std::size_t room, const Protection& protection) {
+  if (protection.kind == Protection::Kind::none) return room;
+  // The first groups are small and have more parity than the others.
+  const bool equal = protection.kind == Protection::Kind::equal;
+  const double all = static_cast<double>(room),
+               of_first = equal ? std::min(4000.0, all / 2) : std::min(1500.0, all / 4);
+  return std::max<std::size_t>(1, static_cast<std::size_t>((all - of_first) / (1 + parity_share(protection))));
+}
+
 }  // namespace
 
 std::variant<EncodedStream, EncodeError> encode_values(const VolumeSource& source, const EncodeOptions& options,
@@ -97,21 +99,24 @@ std::variant<EncodedStream, EncodeError> encode_values(const VolumeSource& sourc
     for (const values::CubeRun& run : values::encode_gaps(volume.missing, layout.dimensions))
       chunks.push_back(chunk_of(ChunkType::gaps, pack(run), box_of_run(layout, run)));
   const std::size_t before = chunks.size();
+  const Protection protection = options.parity ? equal_protection(options) : Protection{Protection::Kind::unequal};
   values::ValuesLimit limit{volume.most_error, 0};
   if (options.max_bytes != 0) {
     std::size_t used = encode_header(header).size() + 12 * ValueGrid::kMaxValueErrors;
     for (const OutgoingChunk& chunk : chunks) used += chunk.payload.size() + kChunkHeaderBytes + kDirectoryEntryBytes;
-    limit.max_bytes = options.max_bytes > used ? options.max_bytes - used : 1;
+    limit.max_bytes = options.max_bytes > used ? room_for_clusters(options.max_bytes - used, protection) : 1;
   }
   auto encoded = values::encode_values(volume.samples, layout.dimensions, limit, options.threads, progress);
   if (!encoded) return EncodeError{"cancelled"};
-  const int coarsest = std::max(values::level_count(layout.dimensions), 1);
   const values::BlockLayout blocks(layout.dimensions, values::level_count(layout.dimensions));
-  for (const values::Cluster& cluster : encoded->clusters) {
+  for (std::size_t i = 0; i < encoded->clusters.size(); ++i) {
+    const values::Cluster& cluster = encoded->clusters[i];
     const values::BlockPlace place = blocks.place(cluster.block);
     OutgoingChunk chunk =
         chunk_of(ChunkType::values, pack(cluster), box_of(layout, place.first, place.size, place.level));
     chunk.entry.level = static_cast<std::uint8_t>(place.level);
+    chunk.gain = encoded->gains[i];
+    chunk.chain = cluster.block;
     if (cluster.index == 0 && place.level == 1)
       chunk.entry.vectors =
           static_cast<std::uint32_t>(kShownFraction * static_cast<double>(values::sample_count(place.size)));
@@ -144,14 +149,10 @@ std::variant<EncodedStream, EncodeError> encode_values(const VolumeSource& sourc
     else if (header.grid.errors.back().chunks < end)
       header.grid.errors.push_back({end, 0, 0});
   }
-  for (int copy = 1; copy < kMostCopies; ++copy)
-    for (std::size_t i = 0; i < encoded->clusters.size(); ++i)
-      if (copies_of(chunks[before + i].entry.level, encoded->clusters[i].index, coarsest) > copy) {
-        OutgoingChunk repeated = chunks[before + i];
-        repeated.entry.vectors = 0;
-        chunks.push_back(std::move(repeated));
-      }
-  EncodedStream stream = write_stream(std::move(header), std::move(chunks), options.max_bytes);
+  // A lost chunk of gaps leaves wrong values where there are none.
+  if (!encoded->gains.empty())
+    for (OutgoingChunk& chunk : std::span(chunks).first(before)) chunk.gain = std::ranges::max(encoded->gains);
+  EncodedStream stream = write_stream(std::move(header), std::move(chunks), options.max_bytes, protection);
   if (options.max_bytes != 0 && stream.bytes.size() > options.max_bytes)
     return EncodeError{"a stream of the coarsest values has " + std::to_string(stream.bytes.size()) +
                        " bytes; expected at most " + std::to_string(options.max_bytes)};

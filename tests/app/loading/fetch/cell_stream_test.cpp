@@ -1,6 +1,10 @@
 // Tests of streams that are received as cells over UDP on this machine.
+#include "qnv/codecs/values/encode/values_stream.h"
+#include "qnv/sampling/volume/volume_slices.h"
+#include "qnv/sampling/volume/volume_values.h"
 #include "tests/app/loading/fetch/cell_site.h"
 #include "tests/geometries.h"
+#include "tests/qnv/volume_sources.h"
 
 #include <catch2/catch.hpp>
 
@@ -62,6 +66,50 @@ TEST_CASE("loses only detail with lost cells", "[optimised]") {
     CHECK(geometry.size() > whole.size() / 20);
     // The total area equals that of the whole stream, whichever vectors are missing.
     CHECK(total_of(geometry) == Approx(total_of(whole)).epsilon(0.05));
+  }
+}
+
+TEST_CASE("restores the values of a volume from lossy cells", "[optimised]") {
+  CellSite site;
+  qnv::VolumeLayout layout;
+  layout.dimensions = {70, 60, 50};
+  layout.type = qnv::VoxelType::u8;
+  std::vector<std::uint8_t> voxels;
+  for (std::uint32_t i = 0; i < 70 * 60 * 50; ++i)
+    voxels.push_back(static_cast<std::uint8_t>(i % 70 + i / 70 % 60 + i / 4200 + i * 2654435761u % 7));
+  const auto encoded = qnv::encode_values(test::volume_of(layout, voxels), {});
+  REQUIRE(std::holds_alternative<qnv::EncodedStream>(encoded));
+  const auto& stream = std::get<qnv::EncodedStream>(encoded);
+  CHECK(stream.header.parity);
+  site.folder.write("values.qnv", string_of(stream.bytes));
+  site.start();
+  for (const double loss : {0.1, 0.3}) {
+    int exact = 0;
+    double near = 0;  // share of the voxels within 2 of their values
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      LoadOptions options;
+      options.timeout_seconds = 120;
+      options.loss = loss;
+      options.loss_seed = seed;
+      const LoadedWorld world = load_world(site.url("values.qnv"), options);
+      REQUIRE(world.scene);
+      CHECK(world.diagnostics.errors() == 0);
+      const qnv::Geometry geometry = geometry_of_world(world);
+      const auto* volume = geometry.as<qnv::Volume>();
+      REQUIRE(volume);
+      REQUIRE(volume->values);
+      exact += volume->values->exact ? 1 : 0;
+      std::vector<std::byte> scratch;
+      std::vector<float> slice(70 * 60);
+      for (std::uint32_t z = 0; z < 50; ++z) {
+        REQUIRE(qnv::read_slice(volume->values->source, z, scratch, slice));
+        for (std::size_t i = 0; i < slice.size(); ++i)
+          near += std::abs(slice[i] - static_cast<float>(voxels[z * slice.size() + i])) <= 2 ? 1.0 / (3 * 210'000) : 0;
+      }
+    }
+    INFO("loss " << loss << ", exact " << exact << ", near " << near);
+    CHECK((loss > 0.2 || exact >= 2));
+    CHECK(near > (loss > 0.2 ? 0.9 : 0.99));
   }
 }
 

@@ -336,7 +336,7 @@ std::string printed(const Shown& shown, const StreamHeader& header) {
 }
 
 TEST_CASE("values: FORMAT.md's streams decode to the numbers of an independent decoder") {
-  for (const std::string name : {"values_ball", "values_bounded", "values_floats"}) {
+  for (const std::string name : {"values_ball", "values_bounded", "values_floats", "values_parity"}) {
     INFO(name);
     const std::vector<std::byte> bytes = read_bytes(name + ".qnv");
     const std::string expected = read_text(name + ".txt");
