@@ -101,7 +101,8 @@ CellVectors::CellVectors(Extent extent, const glm::dmat3& axes, const CellVector
 void CellVectors::measure_box(const Rows& rows, const SampleBox& box, Counts& counts) {
   for (std::uint32_t z = box.first[2]; z < box.first[2] + box.size[2]; ++z)
     for (std::uint32_t y = box.first[1]; y < box.first[1] + box.size[1]; ++y) {
-      const float* const lengths = rows.lengths(rows.row(y, z), to_world_) + (box.first[0] - rows.first_x());
+      const GradientRow row = rows.row(y, z);
+      const float* const lengths = rows.lengths(row, to_world_) + (box.first[0] - rows.first_x());
       std::uint16_t* const keys = keys_.data() + (std::size_t{z} * extent_[1] + y) * extent_[0] + box.first[0];
       Cell* cell = all_.data() + cell_of(box.first[0], y, z);
       const bool fresh = y % kCell == 0 && z % kCell == 0;
@@ -118,6 +119,7 @@ void CellVectors::measure_box(const Rows& rows, const SampleBox& box, Counts& co
         }
         cell->total = (fresh ? 0 : cell->total) + static_cast<double>(sum);
       }
+      if (lowest_ > 0) collect_row(rows, row, lengths, box, y, z);
     }
 }
 
@@ -137,10 +139,6 @@ void CellVectors::measure(const SampledGrid& grid, std::span<const SampleBox> bo
         }
         rows.read(grid, boxes[i]);
         measure_box(rows, boxes[i], *counts);
-        if (lowest_ > 0)
-          for (std::uint32_t z = boxes[i].first[2]; z < boxes[i].first[2] + boxes[i].size[2]; ++z)
-            for (std::uint32_t y = boxes[i].first[1]; y < boxes[i].first[1] + boxes[i].size[1]; ++y)
-              collect_row(rows, boxes[i], y, z);
         const std::lock_guard lock(mutex);
         free.emplace_back(counts);
       },
@@ -150,12 +148,12 @@ void CellVectors::measure(const SampledGrid& grid, std::span<const SampleBox> bo
   counts_[0] = 0;  // all other voxels; their number does not matter
 }
 
-void CellVectors::collect_row(const Rows& rows, const SampleBox& box, std::uint32_t y, std::uint32_t z) {
+void CellVectors::collect_row(const Rows& rows, const GradientRow& row, const float* lengths, const SampleBox& box,
+                              std::uint32_t y, std::uint32_t z) {
   const std::uint16_t* const keys = keys_.data() + (std::size_t{z} * extent_[1] + y) * extent_[0] + box.first[0];
   const std::uint32_t shift = box.first[0] - rows.first_x();
-  const GradientRow row = rows.row(y, z);
   const bool any = std::any_of(keys, keys + box.size[0], [this](std::uint16_t key) { return key >= lowest_; });
-  const float* const lengths = any ? rows.lengths(row, to_world_) + shift : nullptr;
+  if (any && !lengths) lengths = rows.lengths(row, to_world_) + shift;
   Cell* cell = all_.data() + cell_of(box.first[0], y, z);
   const std::uint32_t place = (z % kCell * kCell + y % kCell) * kCell;
   for (std::uint32_t x = 0; x < box.size[0]; x += kCell, ++cell) {
@@ -177,7 +175,7 @@ void CellVectors::collect(const SampledGrid& grid, std::span<const SampleBox> bo
         rows.read(grid, boxes[i]);
         for (std::uint32_t z = boxes[i].first[2]; z < boxes[i].first[2] + boxes[i].size[2]; ++z)
           for (std::uint32_t y = boxes[i].first[1]; y < boxes[i].first[1] + boxes[i].size[1]; ++y)
-            collect_row(rows, boxes[i], y, z);
+            collect_row(rows, rows.row(y, z), nullptr, boxes[i], y, z);
       },
       voxels_of(boxes) < kThreadVoxels ? 1 : 0);
 }

@@ -16,6 +16,10 @@
 #include <utility>
 #include <vector>
 
+namespace gs::qnv {
+struct GradientRow;
+}
+
 namespace gs::qnv::values {
 
 /// Selection of the vectors of CellVectors.
@@ -81,7 +85,9 @@ class CellVectors {
   void measure(const SampledGrid& grid, std::span<const SampleBox> boxes);
   void measure_box(const Rows& rows, const SampleBox& box, Counts& counts);
   void collect(const SampledGrid& grid, std::span<const SampleBox> boxes);
-  void collect_row(const Rows& rows, const SampleBox& box, std::uint32_t y, std::uint32_t z);
+  /// Takes the vectors of a row. `lengths` are those of its gradients in the box, or null.
+  void collect_row(const Rows& rows, const GradientRow& row, const float* lengths, const SampleBox& box,
+                   std::uint32_t y, std::uint32_t z);
   [[nodiscard]] std::uint64_t wanted() const;
   /// Returns the largest key that at least `count` vectors reach, or 1.
   [[nodiscard]] std::uint32_t key_of(std::uint64_t count) const;
