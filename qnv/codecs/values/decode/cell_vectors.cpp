@@ -204,7 +204,7 @@ void CellVectors::update(const SampledGrid& grid, std::span<const SampleBox> cha
     }
     mask.mark(low, high);
   }
-  measure(grid, mask.take(kMostCells));
+  measure(grid, mask.take_for(kMostCells, 1));
   const std::uint64_t count = wanted();
   const auto spare = [&](double factor) {
     return key_of(static_cast<std::uint64_t>(std::ceil(factor * static_cast<double>(count))));

@@ -106,7 +106,7 @@ void SampleLevels::update(int level, const BlockLayout& layout, const FindBlock&
     begin(to);
     Level& own = level_of(to);
     (void)take(to + 1);
-    const std::vector<SampleBox> boxes = own.old.take(kMostUnits);
+    const std::vector<SampleBox> boxes = own.old.take_for(kMostUnits, kReach);
     own.samples.open(boxes);
     std::size_t work = 0;
     for (const SampleBox& box : boxes) work += sample_count(box.size);

@@ -67,4 +67,21 @@ std::vector<SampleBox> UnitMask::take(Extent most) {
   return boxes;
 }
 
+std::vector<SampleBox> UnitMask::take_for(Extent most, std::uint32_t margin) {
+  std::vector<SampleBox> boxes = take(most);
+  double read = 0, all = 1;
+  for (const SampleBox& box : boxes) {
+    double samples = 1;
+    for (const std::uint32_t n : box.size) samples *= static_cast<double>(n) + 2.0 * margin;
+    read += samples;
+  }
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double edge = static_cast<double>(most[a]) * edge_;
+    all *= extent_[a] * (1 + 2.0 * margin / std::min<double>(edge, extent_[a]));
+  }
+  if (read <= all) return boxes;
+  mark_all();
+  return take(most);
+}
+
 }  // namespace gs::qnv::values
