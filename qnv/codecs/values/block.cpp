@@ -186,6 +186,52 @@ void Block::write_low(std::span<std::int32_t> bands, Extent extent) const {
     if (cube.values >= 0 && place_.bands[cube.band].highs == 0) write(cube, bands, extent);
 }
 
+Extent Block::band_place(const Cube& cube) const {
+  Extent at{};
+  for (std::size_t a = 0; a < 3; ++a) at[a] = (place_.first[a] >> place_.level) + cube.at[a] * kCubeEdge;
+  return at;
+}
+
+void Block::write_split(const SplitWindow& window) const {
+  const std::size_t row = window.size[0], slice = row * window.size[1], lows = (row + 1) / 2;
+  for (std::size_t b = 0; b < bands_.size(); ++b) {
+    const BandPart& part = place_.bands[b];
+    const Band& band = bands_[b];
+    if (part.highs == 0) continue;
+    Extent base{}, high{}, low_end{}, first{}, last{};  // places in the band, and cubes in the window
+    for (std::size_t a = 0; a < 3; ++a) {
+      base[a] = place_.first[a] >> place_.level;
+      high[a] = part.first[a] != base[a] ? 1 : 0;
+      low_end[a] = std::min(base[a] + part.size[a], (window.first[a] + window.size[a] - high[a] + 1) / 2);
+      first[a] = (std::max(base[a], window.first[a] / 2) - base[a]) / kCubeEdge;
+      last[a] = low_end[a] > base[a] ? (low_end[a] - base[a] + kCubeEdge - 1) / kCubeEdge : 0;
+    }
+    for (std::uint32_t k = first[2]; k < last[2]; ++k)
+      for (std::uint32_t j = first[1]; j < last[1]; ++j)
+        for (std::uint32_t i = first[0]; i < last[0]; ++i) {
+          const Cube& cube = cubes_[band.first_cube + (k * band.cubes[1] + j) * band.cubes[0] + i];
+          if (cube.values < 0) continue;
+          const Extent at = band_place(cube);
+          const std::uint32_t* from = values_.data() + static_cast<std::size_t>(cube.values) * kCubeSize;
+          Extent begin{}, end{};
+          for (std::size_t a = 0; a < 3; ++a) {
+            begin[a] = std::max(at[a], window.first[a] / 2);
+            end[a] = std::min(at[a] + cube.size[a], low_end[a]);
+          }
+          for (std::uint32_t z = begin[2]; z < end[2]; ++z)
+            for (std::uint32_t y = begin[1]; y < end[1]; ++y) {
+              const std::uint32_t* const line = from + ((z - at[2]) * kCubeEdge + (y - at[1])) * kCubeEdge;
+              std::int32_t* const to = window.samples + (2 * z + high[2] - window.first[2]) * slice +
+                                       (2 * y + high[1] - window.first[1]) * row + (high[0] != 0 ? lows : 0);
+              for (std::uint32_t x = begin[0]; x < end[0]; ++x) {
+                const std::uint32_t value = line[x - at[0]], size = middle(value & ~kSign, cube.lowest);
+                to[x - window.first[0] / 2] = static_cast<std::int32_t>((value & kSign) != 0 ? 0u - size : size);
+              }
+            }
+        }
+  }
+}
+
 void Block::fill_sizes(std::vector<std::uint8_t>& sizes) const {
   sizes.assign(sizes_bytes_ + 8, 0);
   for (std::size_t i = 0; i < cubes_.size(); ++i) {
@@ -327,15 +373,18 @@ Block::Encoded Block::encode(BinaryEncoder& encoder, std::size_t plane_bytes, st
   return encoded;
 }
 
-void Block::decode(BinaryDecoder& decoder, std::uint32_t steps, BlockScratch& scratch) {
-  if (plane_ < 0 || cubes_.empty()) return;
+std::size_t Block::decode(BinaryDecoder& decoder, std::uint32_t steps, BlockScratch& scratch) {
+  if (plane_ < 0 || cubes_.empty()) return 0;
   DecodingSide side{decoder};
   fill_sizes(scratch.sizes);
-  for (std::uint32_t i = 0; i < steps && !side.coder.exhausted(); ++i) {
+  std::size_t done = 0;
+  while (done < steps && !side.coder.exhausted()) {
     step(side, scratch.sizes.data());
-    if (plane_ < 0) return;
-    if (at_plane_start() && i + 1 < steps) fill_sizes(scratch.sizes);
+    ++done;
+    if (plane_ < 0) break;
+    if (at_plane_start() && done < steps) fill_sizes(scratch.sizes);
   }
+  return done;
 }
 
 }  // namespace gs::qnv::values

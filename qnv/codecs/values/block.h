@@ -46,6 +46,13 @@ struct Estimate {
   }();
 };
 
+/// Cuboid of samples that one level gives, while its axes are lifted. The rows of x have the even samples first.
+/// `first` is even.
+struct SplitWindow {
+  Extent first{}, size{};
+  std::int32_t* samples = nullptr;
+};
+
 /// Buffer for the decisions of one block. Each thread reuses one.
 struct BlockScratch {
   std::vector<std::uint8_t> sizes;  // of the coefficients in units of the current plane, at most 4; with borders
@@ -62,6 +69,8 @@ class Block {
   [[nodiscard]] std::size_t cubes() const { return cubes_.size(); }
   /// Sets the plane of the first step. Planes above it are zero.
   void start(int plane) { plane_ = plane; }
+  /// Cube of the next step.
+  [[nodiscard]] std::size_t cube() const { return cube_; }
   /// Plane of the next step. -1 means that the block is exact.
   [[nodiscard]] int plane() const { return plane_; }
   [[nodiscard]] bool at_plane_start() const { return cube_ == 0; }
@@ -82,11 +91,23 @@ class Block {
   Encoded encode(BinaryEncoder& encoder, std::size_t plane_bytes, std::size_t most_bytes, int last_plane,
                  BlockScratch& scratch);
   /// Decodes `steps` steps, or fewer if the bytes are exhausted or the block is exact.
-  void decode(BinaryDecoder& decoder, std::uint32_t steps, BlockScratch& scratch);
+  /// Returns the number of decoded steps.
+  std::size_t decode(BinaryDecoder& decoder, std::uint32_t steps, BlockScratch& scratch);
   /// Writes the coefficients to the transformed volume, each at the middle of its possible values.
   void write(std::span<std::int32_t> bands, Extent extent) const;
   /// Writes only the low band.
   void write_low(std::span<std::int32_t> bands, Extent extent) const;
+  /// Writes the coefficients in a window of the samples that its level gives, except the low band.
+  void write_split(const SplitWindow& window) const;
+  /// Calls visit(at) for those of the cubes `first` to `first + steps - 1` that are not zero. `at` is the place of the
+  /// cube in its band. The cubes after the last one are the first ones again.
+  template <class Visit>
+  void visit_known(std::size_t first, std::size_t steps, const Visit& visit) const {
+    for (std::size_t i = 0; i < std::min(steps, cubes_.size()); ++i) {
+      const Cube& cube = cubes_[(first + i) % cubes_.size()];
+      if (cube.values >= 0) visit(band_place(cube));
+    }
+  }
 
  private:
   struct Cube {
@@ -103,6 +124,7 @@ class Block {
   void step(Side& side, std::uint8_t* sizes);
   template <class Side>
   void code_values(Side& outer, Cube& cube, const Band& band, std::uint8_t* sizes);
+  [[nodiscard]] Extent band_place(const Cube& cube) const;
   void fill_sizes(std::vector<std::uint8_t>& sizes) const;
   void write(const Cube& cube, std::span<std::int32_t> bands, Extent extent) const;
   [[nodiscard]] std::size_t cube_context(std::size_t index) const;

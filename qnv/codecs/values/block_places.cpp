@@ -31,6 +31,12 @@ std::uint64_t BlockLayout::count_of(int level) const {
   return 0;
 }
 
+std::uint64_t BlockLayout::number(int level, Extent at) const {
+  for (const Level& one : all_)
+    if (one.level == level) return one.first + (std::uint64_t{at[2]} * one.blocks[1] + at[1]) * one.blocks[0] + at[0];
+  return count_;
+}
+
 BlockPlace BlockLayout::place(std::uint64_t number) const {
   std::size_t i = 0;
   while (number - all_[i].first >= all_[i].count) ++i;

@@ -34,6 +34,8 @@ class BlockLayout {
   [[nodiscard]] std::uint64_t count() const { return count_; }
   /// Returns the number of blocks of a level.
   [[nodiscard]] std::uint64_t count_of(int level) const;
+  /// Returns the number of the block at a place of a level: its part of each band, counted in blocks.
+  [[nodiscard]] std::uint64_t number(int level, Extent at) const;
   /// Returns a block. `number` must be less than count().
   [[nodiscard]] BlockPlace place(std::uint64_t number) const;
 

@@ -40,7 +40,8 @@ ValuesDecoder::ValuesDecoder(Extent extent, int finest, std::size_t most_blocks)
       levels_(level_count(extent)),
       finest_(std::clamp(finest, 0, levels_)),
       layout_(extent, levels_),
-      most_blocks_(most_blocks) {
+      most_blocks_(most_blocks),
+      restored_(extent, levels_) {
   begun_.assign(static_cast<std::size_t>(std::max(levels_, 1)) + 1, 0);
 }
 
@@ -51,7 +52,9 @@ void ValuesDecoder::decode(State& state, const Cluster& cluster, const BlockPlac
     ++begun_[static_cast<std::size_t>(place.level)];
   }
   BinaryDecoder decoder(cluster.bytes);
-  state.block->decode(decoder, cluster.steps, scratch_);
+  const std::size_t first = state.block->cube();
+  const std::size_t steps = state.block->decode(decoder, cluster.steps, scratch_);
+  restored_.note(*state.block, first, steps);
   bytes_ += cluster.bytes.size();
   ++state.next;
 }
@@ -106,6 +109,16 @@ std::vector<std::int32_t> ValuesDecoder::samples(int level) const {
   }
   restore(volume, part, levels_ - level);
   return volume;
+}
+
+SampleBricks ValuesDecoder::bricks(int level, std::vector<SampleBox>& changed) {
+  level = std::clamp(level, 0, levels_);
+  restored_.update(level, layout_, [this](std::uint64_t number) -> const Block* {
+    const auto found = states_.find(static_cast<std::uint32_t>(number));
+    return found != states_.end() ? found->second.block.get() : nullptr;
+  });
+  changed = restored_.take(level);
+  return restored_.copy(level);
 }
 
 }  // namespace gs::qnv::values

@@ -2,6 +2,7 @@
 
 #include "qnv/codecs/values/block.h"
 #include "qnv/codecs/values/cluster.h"
+#include "qnv/codecs/values/decode/sample_levels.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -32,6 +33,8 @@ class ValuesDecoder {
   [[nodiscard]] int level() const;
   /// Returns the samples of low_extent(extent, level), x first. The samples of level n are larger by level_gain(n).
   [[nodiscard]] std::vector<std::int32_t> samples(int level = 0) const;
+  /// Computes the same samples, but only those that changed since its last call. `changed` gets boxes with all of them.
+  [[nodiscard]] SampleBricks bricks(int level, std::vector<SampleBox>& changed);
 
  private:
   struct State {
@@ -50,6 +53,7 @@ class ValuesDecoder {
   std::size_t waiting_ = 0;           // clusters
   std::size_t most_blocks_;
   BlockScratch scratch_;
+  SampleLevels restored_;
 };
 
 /// Returns the factor by which samples of a level exceed those of the volume.

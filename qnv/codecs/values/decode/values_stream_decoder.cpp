@@ -1,16 +1,23 @@
 #include "qnv/codecs/shared/decoder.h"
 #include "qnv/codecs/values/cube_runs.h"
+#include "qnv/codecs/values/decode/cell_vectors.h"
 #include "qnv/codecs/values/decode/values_decoder.h"
 #include "qnv/codecs/values/stored_code.h"
 #include "qnv/codecs/values/values_vectors.h"
 #include "qnv/sampling/volume/gradients.h"
 #include "qnv/sampling/volume/volume_values.h"
 
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -34,6 +41,19 @@ VolumeSource source_of(VolumeLayout layout, std::vector<Number> numbers) {
   return {std::move(layout), [data, slice](std::uint32_t z, std::span<std::byte> to) {
             if ((z + std::size_t{1}) * slice > data->size() || to.size() != slice * sizeof(Number)) return false;
             std::memcpy(to.data(), data->data() + z * slice, to.size());
+            return true;
+          }};
+}
+
+/// Samples as a volume. Any thread may read it.
+VolumeSource source_of(values::SampledGrid grid) {
+  VolumeLayout layout = grid.layout;
+  return {std::move(layout), [grid = std::move(grid)](std::uint32_t z, std::span<std::byte> to) {
+            const auto [nx, ny, nz] = grid.samples.extent();
+            std::vector<std::int32_t> slice(std::size_t{nx} * ny);
+            if (z >= nz || to.size() != slice.size() * sizeof(std::int32_t)) return false;
+            grid.read({{0, 0, z}, {nx, ny, 1}}, slice.data());
+            std::memcpy(to.data(), slice.data(), to.size());
             return true;
           }};
 }
@@ -69,25 +89,13 @@ class ValuesStreamDecoder final : public Decoder {
   }
   [[nodiscard]] Geometry geometry(GeometryBase base) const override {
     Description& about = base.description;
-    auto values = values_ ? values_ : decoded(about);
-    GradientOptions options;
-    options.fraction = kShownFraction;
-    options.vectors = std::min<std::uint64_t>(most_vectors_, options.vectors);
-    options.range = about.value_range;
-    auto found = gradient_vectors(values->source, options);
-    auto* const volume = std::get_if<Volume>(&found);
-    Volume shown = volume ? std::move(*volume) : Volume(GeometryBase{});
-    if (volume) {
-      about.spacing = shown.description.spacing;
-      about.total = shown.description.total;
-    }
+    if (!values_) decode(about);
+    Volume shown = vectors_ ? cell_vectors() : all_vectors(about);
+    about.spacing = shown.description.spacing;
+    about.total = shown.description.total;
     static_cast<GeometryBase&>(shown) = std::move(base);
-    shown.values = std::move(values);
+    shown.values = values_;
     return shown;
-  }
-  [[nodiscard]] Geometry geometry_to_draw(GeometryBase base) override {
-    if (!values_) values_ = decoded(base.description);
-    return geometry(std::move(base));
   }
 
  private:
@@ -119,8 +127,11 @@ class ValuesStreamDecoder final : public Decoder {
     if (finest_ > 0) return values::Added::dropped;
     const auto run = values::parse_run(payload);
     if (!run || !count_cubes(*run, gap_cubes_)) return values::Added::refused;
-    if (missing_.empty()) missing_.assign(static_cast<std::size_t>(samples_of(0)), 0);
-    return values::decode_gaps(*run, grid_.dimensions, missing_) ? values::Added::taken : values::Added::refused;
+    // Earlier values keep their own gaps.
+    missing_ = missing_ ? std::make_shared<std::vector<std::uint8_t>>(*missing_)
+                        : std::make_shared<std::vector<std::uint8_t>>(static_cast<std::size_t>(samples_of(0)));
+    vectors_.reset();
+    return values::decode_gaps(*run, grid_.dimensions, *missing_) ? values::Added::taken : values::Added::refused;
   }
 
   values::Added add_remainders(std::span<const std::byte> payload) {
@@ -138,7 +149,50 @@ class ValuesStreamDecoder final : public Decoder {
     return !grid_.errors.empty() && received_ >= grid_.errors.back().chunks && count_.refused == 0;
   }
 
-  [[nodiscard]] std::shared_ptr<const VolumeValues> decoded(const Description& about) const {
+  /// Returns the vectors of the changed cells and of those before.
+  [[nodiscard]] Volume cell_vectors() const {
+    Volume shown((GeometryBase()));
+    vectors_->fill(samples_, shown);
+    shown.description.total = vectors_->total();
+    const std::array<glm::vec3, 3>& axes = samples_.layout.axes;
+    shown.description.spacing = std::min({glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2])});
+    return shown;
+  }
+
+  /// Returns the vectors of all values.
+  [[nodiscard]] Volume all_vectors(const Description& about) const {
+    GradientOptions options;
+    options.fraction = kShownFraction;
+    options.vectors = std::min<std::uint64_t>(most_vectors_, options.vectors);
+    options.range = about.value_range;
+    auto found = gradient_vectors(values_->source, options);
+    if (auto* const volume = std::get_if<Volume>(&found)) return std::move(*volume);
+    GeometryBase none;
+    none.description = about;
+    return Volume(std::move(none));
+  }
+
+  [[nodiscard]] VolumeLayout layout_of(int level, const Description& about) const {
+    VolumeLayout layout;
+    layout.dimensions = values::low_extent(grid_.dimensions, level);
+    for (std::size_t a = 0; a < 3; ++a) {
+      // An axis of one voxel stays as it is.
+      int steps = 0;
+      while (steps < level && values::low_extent(grid_.dimensions, steps)[a] > 1) ++steps;
+      layout.axes[a] = grid_.axes[a] * std::ldexp(1.0f, steps);
+    }
+    layout.origin = grid_.origin;
+    layout.base = about.origin;
+    layout.metadata = about.metadata;
+    layout.slope = grid_.unit / values::level_gain(grid_.dimensions, level);
+    layout.intercept = grid_.zero;
+    layout.type = VoxelType::i32;
+    layout.big_endian = std::endian::native == std::endian::big;
+    return layout;
+  }
+
+  /// Sets `values_`, and `vectors_` if the values are samples without remainders.
+  void decode(const Description& about) const {
     auto values = std::make_shared<VolumeValues>();
     values->level = decoder_.level();
     values->range = about.value_range;
@@ -146,41 +200,52 @@ class ValuesStreamDecoder final : public Decoder {
     values->slope = grid_.slope;
     values->intercept = grid_.intercept;
     values->missing = grid_.missing;
-    VolumeLayout layout;
-    layout.dimensions = values::low_extent(grid_.dimensions, values->level);
-    for (std::size_t a = 0; a < 3; ++a) {
-      // An axis of one voxel stays as it is.
-      int steps = 0;
-      while (steps < values->level && values::low_extent(grid_.dimensions, steps)[a] > 1) ++steps;
-      layout.axes[a] = grid_.axes[a] * std::ldexp(1.0f, steps);
-    }
-    layout.origin = grid_.origin;
-    layout.base = about.origin;
-    layout.metadata = about.metadata;
-    layout.slope = grid_.unit / values::level_gain(grid_.dimensions, values->level);
-    layout.intercept = grid_.zero;
-    layout.type = VoxelType::i32;
-    layout.big_endian = std::endian::native == std::endian::big;
-    std::vector<std::int32_t> samples = decoder_.samples(values->level);
-    values->bytes = samples.size() * sizeof(std::int32_t);
     note_error(*values);
-    const bool gaps = !missing_.empty() && values->level == 0;
-    if (values->exact && grid_.exact) {
-      values->source = exact_source(std::move(layout), samples);
-      return values;
-    }
+    VolumeLayout layout = layout_of(values->level, about);
+    std::vector<values::SampleBox> changed;
+    values::SampleBricks bricks = decoder_.bricks(values->level, changed);
+    values->bytes = bricks.bytes();
+    if (missing_ && values->level == 0) layout.missing = kMissingSample;
+    if (values->level != samples_level_) vectors_.reset();
+    samples_level_ = values->level;
+    samples_ = {std::move(bricks), std::move(layout), values->level == 0 ? missing_ : nullptr};
     // Corrections refer to the samples after all chunks.
-    if (grid_.correction != 0 && !remainders_.empty() && values->level == 0 && complete())
-      for (std::size_t i = 0; i < samples.size(); ++i)
+    const bool corrected = grid_.correction != 0 && !remainders_.empty() && values->level == 0 && complete();
+    if ((values->exact && grid_.exact) || corrected) {
+      values->source = corrected ? corrected_source() : exact_source();
+      vectors_.reset();
+    } else {
+      update_vectors(changed, about);
+      values->source = source_of(samples_);
+    }
+    values_ = std::move(values);
+  }
+
+  void update_vectors(std::span<const values::SampleBox> changed, const Description& about) const {
+    if (vectors_) return vectors_->update(samples_, changed);
+    values::CellVectorOptions options;
+    options.fraction = kShownFraction;
+    options.most = most_vectors_;
+    options.range = about.value_range;
+    const std::array<glm::vec3, 3>& axes = samples_.layout.axes;
+    vectors_.emplace(samples_.samples.extent(), glm::dmat3(axes[0], axes[1], axes[2]), options);
+    const values::SampleBox all{{}, samples_.samples.extent()};
+    vectors_->update(samples_, std::span(&all, 1));
+  }
+
+  [[nodiscard]] std::vector<std::int32_t> all_samples() const {
+    std::vector<std::int32_t> samples(values::sample_count(samples_.samples.extent()));
+    samples_.read({{}, samples_.samples.extent()}, samples.data());
+    return samples;
+  }
+
+  [[nodiscard]] VolumeSource corrected_source() const {
+    std::vector<std::int32_t> samples = all_samples();
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      if (!missing_ || (*missing_)[i] == 0)
         samples[i] =
             static_cast<std::int32_t>(static_cast<std::uint32_t>(samples[i]) + remainders_[i] * grid_.correction);
-    if (gaps) {
-      layout.missing = kMissingSample;
-      for (std::size_t i = 0; i < samples.size(); ++i)
-        if (missing_[i] != 0) samples[i] = kMissingSample;
-    }
-    values->source = source_of(std::move(layout), std::move(samples));
-    return values;
+    return source_of(samples_.layout, std::move(samples));
   }
 
   void note_error(VolumeValues& values) const {
@@ -201,12 +266,15 @@ class ValuesStreamDecoder final : public Decoder {
   }
 
   // Returns the stored voxels, which the remainders restore.
-  [[nodiscard]] VolumeSource exact_source(VolumeLayout layout, std::span<const std::int32_t> samples) const {
+  [[nodiscard]] VolumeSource exact_source() const {
     const values::StoredCodes codes(grid_);
+    const std::vector<std::int32_t> samples = all_samples();
+    VolumeLayout layout = samples_.layout;
+    layout.missing.reset();
     layout.slope = grid_.slope;
     layout.intercept = grid_.intercept;
     const auto code = [&](std::size_t i) { return codes(samples[i]) + (remainders_.empty() ? 0 : remainders_[i]); };
-    const auto gap = [&](std::size_t i) { return !missing_.empty() && missing_[i] != 0; };
+    const auto gap = [&](std::size_t i) { return missing_ && (*missing_)[i] != 0; };
     if (!values::is_integer(grid_.stored)) {
       layout.type = VoxelType::f32;
       std::vector<float> numbers(samples.size());
@@ -218,8 +286,7 @@ class ValuesStreamDecoder final : public Decoder {
     std::vector<std::int32_t> numbers(samples.size());
     for (std::size_t i = 0; i < numbers.size(); ++i)
       numbers[i] = gap(i) ? kMissingSample : static_cast<std::int32_t>(code(i));
-    if (!missing_.empty())
-      layout.missing = layout.type == VoxelType::u32 ? 2147483648.0 : static_cast<double>(kMissingSample);
+    if (missing_) layout.missing = layout.type == VoxelType::u32 ? 2147483648.0 : static_cast<double>(kMissingSample);
     return source_of(std::move(layout), std::move(numbers));
   }
 
@@ -227,14 +294,18 @@ class ValuesStreamDecoder final : public Decoder {
   const std::size_t most_vectors_;
   const std::uint64_t most_samples_;
   const int finest_;
-  values::ValuesDecoder decoder_;
-  std::vector<std::uint8_t> missing_;
+  std::shared_ptr<std::vector<std::uint8_t>> missing_;  // of all voxels, or null
   std::vector<std::uint32_t> remainders_;
   std::uint64_t gap_cubes_ = 0, remainder_cubes_ = 0;
   std::uint32_t received_ = 0;
   bool in_order_ = true;  // no chunk was lost or refused so far
   DecodeCount count_;
-  std::shared_ptr<const VolumeValues> values_;  // null after a change
+  // Results, made when they are asked for.
+  mutable values::ValuesDecoder decoder_;
+  mutable values::SampledGrid samples_;
+  mutable int samples_level_ = -1;
+  mutable std::optional<values::CellVectors> vectors_;  // null if the values have remainders, or before the first ones
+  mutable std::shared_ptr<const VolumeValues> values_;  // null after a change
 };
 
 }  // namespace

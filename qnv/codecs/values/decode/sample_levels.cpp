@@ -1,0 +1,182 @@
+#include "qnv/codecs/values/decode/sample_levels.h"
+
+#include "base/parallel.h"
+#include "qnv/codecs/values/lifting_kernel.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace gs::qnv::values {
+
+namespace {
+
+// Number of samples that the inverse lifting of one axis reaches.
+constexpr std::uint32_t kReach = 4;
+// Maximum units of a box per axis. Its samples stay in the processor's cache.
+constexpr Extent kMostUnits{32, 8, 8};
+// Boxes with fewer samples are not worth a thread.
+constexpr std::size_t kThreadSamples = std::size_t{1} << 16;
+
+// Reverts the lifting of `count` rows, `stride` apart, of `size` adjacent samples.
+void unlift_rows(std::int32_t* first, std::size_t count, std::size_t stride, std::size_t size) {
+  for (std::size_t step = 4; step-- > 0;)
+    for (std::size_t i = step % 2 == 0 ? 1 : 0; i < count; i += 2) {
+      const std::size_t before = i > 0 ? i - 1 : 1;
+      const std::size_t after = i + 1 < count ? i + 1 : i - 1;
+      lift(first + i * stride, first + before * stride, first + after * stride, size, step, true);
+    }
+}
+
+// Reverts the lifting of a line of `count` >= 2 samples: the low ones, then the high ones. `line` has room for count +
+// 4 samples, and gets the result at its end, which is returned.
+std::int32_t* unlift_line(const std::int32_t* split, std::size_t count, std::int32_t* line) {
+  const std::size_t lows = (count + 1) / 2, highs = count / 2;
+  std::int32_t* const low = line;
+  std::int32_t* const high = line + lows + 2;
+  std::memcpy(low, split, lows * sizeof(std::int32_t));
+  std::memcpy(high, split + lows, highs * sizeof(std::int32_t));
+  for (std::size_t step = 4; step-- > 0;) {
+    if (step % 2 == 0) {
+      low[lows] = low[lows - 1];
+      lift(high, low, low + 1, highs, step, true);
+    } else {
+      high[-1] = high[0];
+      high[highs] = high[highs - 1];
+      lift(low, high - 1, high, lows, step, true);
+    }
+  }
+  std::int32_t* const joined = line + count + 4;
+  for (std::size_t i = 0; i < highs; ++i) {
+    joined[2 * i] = low[i];
+    joined[2 * i + 1] = high[i];
+  }
+  if (lows > highs) joined[count - 1] = low[highs];
+  return joined;
+}
+
+}  // namespace
+
+SampleLevels::SampleLevels(Extent extent, int levels) : extent_(extent), levels_(levels) {
+  all_.resize(static_cast<std::size_t>(levels) + 1);
+}
+
+void SampleLevels::begin(int level) {
+  Level& own = level_of(level);
+  if (own.begun) return;
+  const Extent part = low_extent(extent_, level);
+  own.samples = SampleBricks(part);
+  own.old = UnitMask(part, kUnit);
+  own.changed = UnitMask(part, kUnit);
+  own.old.mark_all();
+  own.changed.mark_all();
+  own.begun = true;
+}
+
+void SampleLevels::note(const Block& block, std::size_t first, std::size_t steps) {
+  if (block.level() >= levels_ && all_.back().begun) all_.back().old.mark_all();
+  Level& finer = all_[static_cast<std::size_t>(std::max(block.level() - 1, 0))];
+  if (!finer.begun || levels_ == 0) return;
+  block.visit_known(first, steps, [&](const Extent& at) {
+    std::array<std::int64_t, 3> low{}, high{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = 2 * std::int64_t{at[a]} - kReach;
+      high[a] = 2 * (std::int64_t{at[a]} + kCubeEdge) + kReach;
+    }
+    finer.old.mark(low, high);
+  });
+}
+
+void SampleLevels::update_top(const Block* block) {
+  Level& top = all_.back();
+  const std::vector<SampleBox> boxes = top.old.take(top.samples.extent());
+  if (boxes.empty()) return;
+  const Extent part = top.samples.extent();
+  std::vector<std::int32_t> dense(sample_count(part), 0);
+  if (block) block->write_low(dense, part);
+  top.samples.open(boxes);
+  for (std::uint32_t z = 0; z < part[2]; ++z)
+    for (std::uint32_t y = 0; y < part[1]; ++y)
+      top.samples.write(0, y, z, part[0], dense.data() + (std::size_t{z} * part[1] + y) * part[0], top.changed);
+}
+
+void SampleLevels::update(int level, const BlockLayout& layout, const FindBlock& find) {
+  begin(levels_);
+  update_top(find(0));
+  for (int to = levels_ - 1; to >= level; --to) {
+    begin(to);
+    Level& own = level_of(to);
+    (void)take(to + 1);
+    const std::vector<SampleBox> boxes = own.old.take_for(kMostUnits, kReach);
+    own.samples.open(boxes);
+    std::size_t work = 0;
+    for (const SampleBox& box : boxes) work += sample_count(box.size);
+    parallel_for(
+        boxes.size(), [&](std::size_t i) { lift_box(to, boxes[i], layout, find); }, work < kThreadSamples ? 1 : 0);
+  }
+}
+
+SampleBricks SampleLevels::copy(int level) {
+  SampleBricks& samples = level_of(level).samples;
+  samples.share();
+  return samples;
+}
+
+std::vector<SampleBox> SampleLevels::take(int level) {
+  constexpr Extent kAny{1u << 31, 1u << 31, 1u << 31};
+  const std::vector<SampleBox> boxes = level_of(level).changed.take(kAny);
+  if (level == 0 || !level_of(level - 1).begun) return boxes;
+  for (const SampleBox& box : boxes) {
+    std::array<std::int64_t, 3> low{}, high{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = 2 * std::int64_t{box.first[a]} - kReach;
+      high[a] = 2 * (std::int64_t{box.first[a]} + box.size[a]) + kReach;
+    }
+    level_of(level - 1).old.mark(low, high);
+  }
+  return boxes;
+}
+
+void SampleLevels::lift_box(int level, const SampleBox& box, const BlockLayout& layout, const FindBlock& find) {
+  Level& own = level_of(level);
+  const Extent whole = own.samples.extent();
+  SplitWindow window;
+  Extent lows{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    window.first[a] = box.first[a] - std::min(box.first[a], kReach);
+    const std::uint32_t last = std::min(whole[a], box.first[a] + box.size[a] + kReach);
+    window.size[a] = last - window.first[a];
+    lows[a] = (window.size[a] + 1) / 2;
+  }
+  thread_local std::vector<std::int32_t> samples, line;
+  samples.assign(sample_count(window.size), 0);
+  line.resize(std::size_t{2} * window.size[0] + 8);
+  window.samples = samples.data();
+  const std::size_t row = window.size[0], slice = row * window.size[1];
+  const SampleBox low{{window.first[0] / 2, window.first[1] / 2, window.first[2] / 2}, lows};
+  level_of(level + 1).samples.read(low, samples.data(), 2 * row, 2 * slice);
+  Extent block_first{}, block_last{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    block_first[a] = low.first[a] / kBlockEdge;
+    block_last[a] = (low.first[a] + lows[a] - 1) / kBlockEdge;
+  }
+  for (std::uint32_t z = block_first[2]; z <= block_last[2]; ++z)
+    for (std::uint32_t y = block_first[1]; y <= block_last[1]; ++y)
+      for (std::uint32_t x = block_first[0]; x <= block_last[0]; ++x)
+        if (const Block* const block = find(layout.number(level + 1, {x, y, z}))) block->write_split(window);
+  // Later axes need only the samples of the box.
+  const std::size_t y0 = box.first[1] - window.first[1], z0 = box.first[2] - window.first[2];
+  if (window.size[2] > 1) unlift_rows(samples.data(), window.size[2], slice, slice);
+  for (std::size_t z = z0; z < z0 + box.size[2]; ++z) {
+    std::int32_t* const at = samples.data() + z * slice;
+    if (window.size[1] > 1) unlift_rows(at, window.size[1], row, row);
+    for (std::size_t y = y0; y < y0 + box.size[1]; ++y) {
+      const std::int32_t* joined = at + y * row;
+      if (row > 1) joined = unlift_line(joined, row, line.data());
+      own.samples.write(box.first[0], box.first[1] + static_cast<std::uint32_t>(y - y0),
+                        box.first[2] + static_cast<std::uint32_t>(z - z0), box.size[0],
+                        joined + (box.first[0] - window.first[0]), own.changed);
+    }
+  }
+}
+
+}  // namespace gs::qnv::values
