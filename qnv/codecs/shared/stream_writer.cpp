@@ -1,6 +1,7 @@
 #include "qnv/codecs/shared/stream_writer.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 namespace gs::qnv {
@@ -22,37 +23,57 @@ void add_metadata(const std::vector<std::pair<std::string, std::string>>& metada
   about.metadata = std::move(all);
 }
 
-EncodedStream write_stream(StreamHeader header, std::vector<OutgoingChunk> chunks, std::size_t max_bytes) {
-  std::size_t bytes = encode_header(header).size(), last = 0;
-  for (; last < chunks.size(); ++last) {
-    const std::size_t more = kChunkHeaderBytes + chunks[last].payload.size() + kDirectoryEntryBytes;
-    // A directory needs another chunk header for every 2,000 entries.
-    if (max_bytes != 0 && last > 0 && bytes + more + kChunkHeaderBytes * (1 + last / 2000) > max_bytes) break;
-    bytes += more;
-  }
-  chunks.resize(last);
-  EncodedStream stream;
+std::variant<StreamHeader, EncodeError> write_stream(StreamHeader header, const ChunkList& chunks,
+                                                     std::size_t max_bytes, StreamSink& sink) {
   std::vector<DirectoryEntry> directory;
-  std::uint64_t at = encode_header(header).size();
+  std::uint64_t at = 0;
+  const auto append = [&](const std::vector<std::byte>& bytes) {
+    at += bytes.size();
+    return sink.write(bytes);
+  };
+  const EncodeError stopped{"cannot write the stream"};
   header.vectors = 0;
-  for (OutgoingChunk& chunk : chunks) {
-    chunk.entry.offset = at;
-    chunk.entry.bytes = static_cast<std::uint32_t>(kChunkHeaderBytes + chunk.payload.size());
-    at += chunk.entry.bytes;
-    directory.push_back(chunk.entry);
-    header.vectors += chunk.entry.vectors - chunk.replaced;
+  if (!append(encode_header(header))) return stopped;
+  for (std::size_t i = 0; i < chunks.size(); ++i) {
+    std::optional<OutgoingChunk> chunk = chunks.chunk(i);
+    if (!chunk) return EncodeError{"cannot read the encoded data again"};
+    const std::size_t bytes = kChunkHeaderBytes + chunk->payload.size(), entries = directory.size() + 1;
+    // A directory needs another chunk header for every 2,000 entries.
+    const std::size_t tail = entries * kDirectoryEntryBytes + kChunkHeaderBytes * (1 + i / 2000);
+    if (max_bytes != 0 && i > 0 && at + bytes + tail > max_bytes) break;
+    chunk->entry.offset = at;
+    chunk->entry.bytes = static_cast<std::uint32_t>(bytes);
+    directory.push_back(chunk->entry);
+    header.vectors += chunk->entry.vectors - chunk->replaced;
+    if (!append(encode_chunk(chunk->type, chunk->payload))) return stopped;
   }
-  header.chunks = static_cast<std::uint32_t>(chunks.size());
+  header.chunks = static_cast<std::uint32_t>(directory.size());
   header.directory = at;
-  stream.bytes = encode_header(header);
-  stream.bytes.reserve(bytes + 64);
-  for (const OutgoingChunk& chunk : chunks) {
-    const std::vector<std::byte> framed = encode_chunk(chunk.type, chunk.payload);
-    stream.bytes.insert(stream.bytes.end(), framed.begin(), framed.end());
+  constexpr std::size_t kInOne = kMaxChunkBytes / kDirectoryEntryBytes;  // entries of a directory chunk
+  for (std::span<const DirectoryEntry> rest = directory; !rest.empty();) {
+    const auto some = rest.first(std::min(rest.size(), kInOne));
+    if (!append(encode_directory(some, header.description.box))) return stopped;
+    rest = rest.subspan(some.size());
   }
-  const std::vector<std::byte> tail = encode_directory(directory, header.description.box);
-  stream.bytes.insert(stream.bytes.end(), tail.begin(), tail.end());
-  stream.header = std::move(header);
+  if (!sink.rewrite_front(encode_header(header))) return stopped;
+  return header;
+}
+
+EncodedStream write_stream(StreamHeader header, std::vector<OutgoingChunk> chunks, std::size_t max_bytes) {
+  /// The chunks in memory.
+  class List final : public ChunkList {
+   public:
+    explicit List(std::vector<OutgoingChunk>& all) : all_(all) {}
+    [[nodiscard]] std::size_t size() const override { return all_.size(); }
+    [[nodiscard]] std::optional<OutgoingChunk> chunk(std::size_t i) const override { return std::move(all_[i]); }
+
+   private:
+    std::vector<OutgoingChunk>& all_;
+  };
+  EncodedStream stream;
+  MemorySink sink(stream.bytes);
+  auto written = write_stream(std::move(header), List(chunks), max_bytes, sink);
+  stream.header = std::move(std::get<StreamHeader>(written));
   return stream;
 }
 

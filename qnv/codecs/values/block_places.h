@@ -34,6 +34,9 @@ class BlockLayout {
   [[nodiscard]] std::uint64_t count() const { return count_; }
   /// Returns the number of blocks of a level.
   [[nodiscard]] std::uint64_t count_of(int level) const;
+  /// Returns the number of the first block of a level, and the blocks of a level per axis.
+  [[nodiscard]] std::uint64_t first_of(int level) const;
+  [[nodiscard]] Extent blocks_of(int level) const;
   /// Returns a block. `number` must be less than count().
   [[nodiscard]] BlockPlace place(std::uint64_t number) const;
 
