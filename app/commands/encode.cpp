@@ -5,8 +5,10 @@
 #include "app/commands/common/progress_bar.h"
 #include "app/commands/common/shared.h"
 #include "app/commands/common/vectors_of.h"
+#include "app/encode/encode_spill.h"
+#include "app/encode/file_sink.h"
 #include "base/json_value.h"
-#include "net/files/file.h"
+#include "net/files/atomic_file.h"
 #include "qnv/container/container.h"
 
 #include <chrono>
@@ -15,6 +17,9 @@
 namespace gs::app {
 
 namespace {
+
+// Share of the memory limit that encoded clusters may take before they go to a temporary file.
+constexpr std::size_t kSpillShare = 8;
 
 void print_facts(const EncodeCommand& options, const OpenedInput& input, const qnv::EncodedStream& stream,
                  const StreamContents& contents, const std::vector<std::string>& losses,
@@ -32,8 +37,8 @@ void print_facts(const EncodeCommand& options, const OpenedInput& input, const q
                         {"mesh_at_end", contents.mesh_at_end},
                         {"losses", std::move(lost)},
                         {"vectors", stream.header.vectors},
-                        {"bytes", stream.bytes.size()},
-                        {"bits_per_vector", vectors > 0 ? static_cast<double>(stream.bytes.size()) * 8 / vectors : 0.0},
+                        {"bytes", stream.size()},
+                        {"bits_per_vector", vectors > 0 ? static_cast<double>(stream.size()) * 8 / vectors : 0.0},
                         {"seconds", took.count()}})
           .json());
 }
@@ -89,14 +94,21 @@ int run_encode(const EncodeCommand& options) {
   progress.whole().stage = "reading";
   const auto input = open_input(options, in);
   if (!input) return kFailed;
-  auto encoded = encode_input(options, *input, progress);
+  auto begun = net::AtomicFile::begin(out);
+  if (const auto* problem = std::get_if<net::FileError>(&begun)) return fail_to_write(problem->message);
+  auto& file = std::get<net::AtomicFile>(begun);
+  EncodeSpill spill(options.limits.memory / kSpillShare, file.folder());
+  FileSink sink(file);
+  auto encoded = encode_input(options, *input, progress, {&spill, &sink});
   if (progress.cancelled()) return fail("cancelled; " + out + " was not written");
+  if (file.problem()) return fail_to_write(file.problem()->message);
   if (const auto* problem = std::get_if<qnv::EncodeError>(&encoded)) return fail(in + ": " + problem->message);
   const auto& stream = std::get<qnv::EncodedStream>(encoded);
-  if (options.max_bytes_given && stream.bytes.size() > options.max_bytes)
-    return fail(in + ": the smallest possible stream has " + std::to_string(stream.bytes.size()) +
+  if (options.max_bytes_given && stream.size() > options.max_bytes)
+    return fail(in + ": the smallest possible stream has " + std::to_string(stream.size()) +
                 " bytes; expected at most " + std::to_string(options.max_bytes));
-  if (const auto problem = net::write_file_atomically(out, stream.bytes)) return fail_to_write(problem->message);
+  if (stream.written == 0) file.write(stream.bytes);
+  if (const auto problem = file.commit()) return fail_to_write(problem->message);
   progress.hide();
   if (stream.thinned)
     complain("%s: warning: mesh exceeds --memory; simplified to %zu triangles (raise --memory to keep more)",
@@ -108,7 +120,7 @@ int run_encode(const EncodeCommand& options) {
   if (options.json)
     print_facts(options, *input, stream, contents, losses, start);
   else
-    print_conversion({in, input->bytes, out, stream.bytes.size(), contents.text()}, start);
+    print_conversion({in, input->bytes, out, stream.size(), contents.text()}, start);
   return kDone;
 }
 

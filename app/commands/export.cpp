@@ -10,6 +10,7 @@
 #include "app/formats/export/outline_text.h"
 #include "app/formats/qnv/surface_pictures.h"
 #include "net/base/url.h"
+#include "net/files/atomic_file.h"
 #include "net/files/file.h"
 #include "qnv/container/container.h"
 #include "qnv/sampling/order/order.h"
@@ -19,6 +20,8 @@
 #include <chrono>
 #include <filesystem>
 #include <numeric>
+#include <optional>
+#include <span>
 
 namespace gs::app {
 namespace {
@@ -154,6 +157,43 @@ std::string contents_of(const ExportFormat& format, const qnv::Geometry& geometr
   return text;
 }
 
+// Paths of a conversion.
+struct ExportPaths {
+  const std::string &in, &out;
+};
+
+// Writes a file in pieces. Returns the exit status, kDone on success.
+int write_in_pieces(const ExportFormat& format, const qnv::Geometry& geometry, const ExportOptions& options,
+                    const ExportPaths& paths, ProgressBar& progress, std::uint64_t& bytes) {
+  std::optional<net::AtomicFile> file;
+  std::optional<int> refused;
+  const auto take = [&](std::span<const std::byte> piece) {
+    if (progress.cancelled()) return false;
+    if (!file && !piece.empty()) {
+      if (const auto refusal = refuse_to_replace(paths.out, paths.in, piece)) {
+        refused = fail(*refusal);
+        return false;
+      }
+      auto begun = net::AtomicFile::begin(paths.out);
+      if (const auto* problem = std::get_if<net::FileError>(&begun)) {
+        refused = fail_to_write(problem->message);
+        return false;
+      }
+      file.emplace(std::move(std::get<net::AtomicFile>(begun)));
+    }
+    bytes += piece.size();
+    return piece.empty() || file->write(piece);
+  };
+  const auto problem = format.write_pieces(geometry, options, take);
+  if (refused) return *refused;
+  if (progress.cancelled()) return fail("cancelled; " + paths.out + " was not written");
+  if (file && file->problem()) return fail_to_write(file->problem()->message);
+  if (problem) return fail(paths.out + ": " + *problem);
+  if (file)
+    if (const auto unfinished = file->commit()) return fail_to_write(unfinished->message);
+  return kDone;
+}
+
 }  // namespace
 
 std::optional<std::string> check_export(const ExportCommand& options) {
@@ -178,7 +218,10 @@ int run_export(const ExportCommand& options) {
     return export_scene(options, in, out, *scene);
   ProgressBar progress;
   progress.whole().stage = "reading";
-  auto input = open_input(options, in);
+  const ExportFormat* const chosen = format_of(options);
+  std::optional<OpenedInput> input;
+  if (chosen && (chosen->keeps & kNeedsValues) != 0) input = open_values_stream(in);
+  if (!input) input = open_input(options, in);
   if (!input) return kFailed;
   if (!format_of(options)) return fail(out + ": only scenes and meshes are written compressed; expected .wrl or .x3d");
   const ExportFormat& format = *format_of(options);
@@ -204,6 +247,15 @@ int run_export(const ExportCommand& options) {
     color_by_picture(*mesh, std::make_shared<Budget>(options.limits));
   if (progress.cancelled()) return fail("cancelled; " + out + " was not written");
   progress.whole().stage = "writing";
+  if (format.write_pieces) {
+    std::uint64_t out_bytes = 0;
+    if (const int status = write_in_pieces(format, geometry, export_options, {in, out}, progress, out_bytes))
+      return status;
+    progress.hide();
+    print_losses(in, losses);
+    print_conversion({in, in_bytes, out, out_bytes, contents_of(format, geometry, {})}, start);
+    return kDone;
+  }
   std::vector<CompanionFile> beside;
   export_options.beside = &beside;
   const Exported exported = format.write(geometry, export_options);

@@ -1,11 +1,11 @@
 #include "net/files/file.h"
 
 #include "net/base/descriptor.h"
-#include "net/files/unfinished_file.h"
+#include "net/files/atomic_file.h"
+#include "net/files/file_kind.h"
 
 #include <array>
 #include <cerrno>
-#include <filesystem>
 #include <system_error>
 #include <utility>
 
@@ -19,18 +19,6 @@ namespace {
 std::string reason(int code) { return std::generic_category().message(code); }
 
 FileError cannot_open(const std::string& path, const std::string& why) { return {"cannot open " + path + ": " + why}; }
-FileError cannot_write(const std::string& path, const std::string& why) {
-  return {"cannot write " + path + ": " + why};
-}
-
-/// Returns the kind of a file, such as a folder, if it is not a regular file. Returns nullopt for regular files.
-std::optional<std::string> not_a_regular_file(const struct stat& status) {
-  if (S_ISREG(status.st_mode)) return std::nullopt;
-  if (S_ISDIR(status.st_mode)) return "it is a folder; expected a file";
-  if (S_ISFIFO(status.st_mode)) return "it is a pipe; expected a regular file";
-  if (S_ISSOCK(status.st_mode)) return "it is a socket; expected a regular file";
-  return "it is a device; expected a regular file";
-}
 
 /// Regular file that is open for reading.
 struct Regular {
@@ -67,24 +55,6 @@ ssize_t read_all(int file, std::byte* to, std::size_t size) {
     done += static_cast<std::size_t>(got);
   }
   return static_cast<ssize_t>(done);
-}
-
-/// Syncs the folder, so that the new name survives a power failure. Ignores errors: some file systems cannot do that.
-void sync_folder(const std::string& folder) {
-  const Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (opened) (void)::fsync(opened.get());
-}
-
-/// Writes, syncs and renames the file for write_file_atomically(). Returns the text of errno if a step fails.
-std::optional<std::string> fill_and_rename(Descriptor& file, const std::string& temporary, const std::string& target,
-                                           std::optional<mode_t> mode, std::span<const std::byte> bytes) {
-  struct stat status {};
-  // Change the mode only if it differs, because sandboxes may forbid fchmod.
-  const bool other_mode = mode && (::fstat(file.get(), &status) != 0 || (status.st_mode & 07777) != *mode);
-  if (!write_all(file.get(), bytes) || (other_mode && ::fchmod(file.get(), *mode) != 0) || ::fsync(file.get()) != 0 ||
-      !file.close() || ::rename(temporary.c_str(), target.c_str()) != 0)
-    return reason(errno);
-  return std::nullopt;
 }
 
 }  // namespace
@@ -152,36 +122,11 @@ std::variant<MappedFile, FileError> map_file(const std::string& path, const Chec
 }
 
 std::optional<FileError> write_file_atomically(const std::string& path, std::span<const std::byte> bytes) {
-  if (path.empty()) return FileError{"cannot write a file without a name"};
-  if (path.find('\0') != std::string::npos) return FileError{"cannot write a file name with a zero byte"};
-  std::string target = path;
-  std::optional<mode_t> mode;
-  struct stat status {};
-  if (::lstat(path.c_str(), &status) == 0) {
-    if (S_ISLNK(status.st_mode)) {
-      std::error_code error;
-      target = std::filesystem::canonical(path, error).string();
-      if (error) return cannot_write(path, "it is a broken link: " + error.message());
-      if (::stat(target.c_str(), &status) != 0) return cannot_write(path, reason(errno));
-    }
-    if (const auto what = not_a_regular_file(status)) return cannot_write(path, *what);
-    // Write access to the folder must not override missing write access to the file.
-    if (::access(target.c_str(), W_OK) != 0) return cannot_write(path, reason(errno));
-    mode = status.st_mode & 07777;
-  } else if (errno != ENOENT) {
-    return cannot_write(path, reason(errno));
-  }
-
-  const std::size_t slash = target.rfind('/');
-  const std::string folder = slash == std::string::npos ? "./" : target.substr(0, slash + 1);
-  UnfinishedFile unfinished = create_unfinished_file(folder);
-  if (!unfinished.file) return cannot_write(path, reason(errno));
-  if (const auto why = fill_and_rename(unfinished.file, unfinished.path, target, mode, bytes)) {
-    ::unlink(unfinished.path.c_str());
-    return cannot_write(path, *why);
-  }
-  sync_folder(folder);
-  return std::nullopt;
+  auto begun = AtomicFile::begin(path);
+  if (auto* problem = std::get_if<FileError>(&begun)) return std::move(*problem);
+  auto& file = std::get<AtomicFile>(begun);
+  file.write(bytes);
+  return file.commit();
 }
 
 }  // namespace gs::net

@@ -17,6 +17,7 @@
 #include "net/files/file.h"
 #include "qnv/codecs/encode.h"
 #include "qnv/codecs/octree/lod/lod.h"
+#include "qnv/codecs/values/decode/values_slices.h"
 #include "qnv/reader/decode_stream.h"
 #include "qnv/sampling/volume/gradients.h"
 #include "qnv/sampling/volume/isosurface.h"
@@ -24,6 +25,7 @@
 #include "qnv/sampling/volume/volume_values.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -308,6 +310,30 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
   return input;
 }
 
+std::optional<OpenedInput> open_values_stream(const std::string& path) {
+  const net::Url url = net::parse_url(path);
+  const std::string local = url.scheme == "file" ? net::path_of_url(url) : path;
+  auto opened = net::open_file(local);
+  if (std::holds_alternative<net::FileError>(opened)) return std::nullopt;
+  const auto file = std::make_shared<const net::RandomAccessFile>(std::move(std::get<net::RandomAccessFile>(opened)));
+  std::array<std::byte, 12> first{};
+  if (file->read(0, first) != first.size() || qnv::payload_number(first) != static_cast<int>(qnv::Payload::values))
+    return std::nullopt;
+  qnv::StreamHeader header;
+  auto slices = qnv::open_values_slices(
+      {file->size(),
+       [file](std::uint64_t offset, std::span<std::byte> to) { return file->read(offset, to) == to.size(); }},
+      &header);
+  auto* const values = std::get_if<std::shared_ptr<const qnv::VolumeValues>>(&slices);
+  if (!values) return std::nullopt;
+  qnv::Volume volume;
+  volume.description = header.description;
+  volume.values = std::move(*values);
+  OpenedInput input{{}, "QNV", file_name(local), static_cast<std::size_t>(file->size()), {}, {}, nullptr};
+  input.content = qnv::Geometry(std::move(volume));
+  return input;
+}
+
 Upright wanted_upright(const ConversionOptions& options, const OpenedInput& input) {
   if (options.up && *options.up != UpAxis::automatic) return upright_of(*options.up);
   if (const auto* volume = std::get_if<qnv::VolumeSource>(&input.content))
@@ -316,7 +342,7 @@ Upright wanted_upright(const ConversionOptions& options, const OpenedInput& inpu
 }
 
 std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptions& options, const OpenedInput& input,
-                                                           ProgressBar& progress) {
+                                                           ProgressBar& progress, const EncodeOutput& output) {
   const std::string& path = options.files.front();
   qnv::EncodeOptions encode_options;
   encode_options.seed = options.seed;
@@ -352,6 +378,8 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
       complain("ghostspace: warning: %s: values of float64 are stored as float32", path.c_str());
     encode_options.metadata = metadata_of(options, input, path, volume.layout.metadata);
     encode_options.tolerance = options.value_tolerance;
+    encode_options.spill = output.spill;
+    encode_options.sink = output.sink;
     return encode(std::cref(volume), {qnv::Payload::values, std::move(encode_options)}, progress);
   }
   auto found = gradients(volume, options, progress);

@@ -56,10 +56,22 @@ struct OpenedInput {
 /// Returns the orientation of the output: that of the options, else that of the input.
 [[nodiscard]] Upright wanted_upright(const ConversionOptions& options, const OpenedInput& input);
 
-/// Encodes an input (qnv::encode) with the settings of the options.
+/// Opens a stream of values for formats that need nothing else. Its slices are decoded when they are read, so that the
+/// volume may exceed memory. Returns nullopt for other files, and for streams that cannot be opened in this way.
+[[nodiscard]] std::optional<OpenedInput> open_values_stream(const std::string& path);
+
+/// Outputs of an encoder that need no memory; see the members of qnv::EncodeOptions.
+struct EncodeOutput {
+  qnv::SpillStore* spill = nullptr;
+  qnv::StreamSink* sink = nullptr;
+};
+
+/// Encodes an input (qnv::encode) with the settings of the options. Only volumes use `output`; other streams have their
+/// bytes in memory.
 [[nodiscard]] std::variant<qnv::EncodedStream, qnv::EncodeError> encode_input(const ConversionOptions& options,
                                                                               const OpenedInput& input,
-                                                                              ProgressBar& progress);
+                                                                              ProgressBar& progress,
+                                                                              const EncodeOutput& output = {});
 
 /// Returns the values of a volume: of its file, or those that its stream holds. Returns null for other inputs.
 [[nodiscard]] const qnv::VolumeSource* values_of(const OpenedInput& input);

@@ -4,6 +4,8 @@
 #include "vrml/scene/x3d/language.h"
 
 #include <cstddef>
+#include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -93,6 +95,10 @@ struct ExportFormat {
   std::string_view description;
   Exported (*write)(const qnv::Geometry& geometry, const ExportOptions& options);
   unsigned keeps;  // bits of ExportKeeps
+  /// Writes the file in pieces, like `write`. Null for formats that are written whole. Returns a message on failure,
+  /// and an empty message if `take` returns false.
+  std::optional<std::string> (*write_pieces)(const qnv::Geometry& geometry, const ExportOptions& options,
+                                             const std::function<bool(std::span<const std::byte>)>& take) = nullptr;
 };
 
 /// Returns all formats. If several formats share an extension, the first one is its default.

@@ -13,6 +13,8 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <optional>
+#include <span>
 #include <utility>
 
 namespace gs::app {
@@ -53,19 +55,35 @@ bool fits_one_line(const std::string& text) {
   return std::ranges::none_of(text, [](char c) { return static_cast<unsigned char>(c) < 32; });
 }
 
-std::vector<std::byte> joined(const std::string& head, std::span<const std::byte> bytes, const std::string& tail = {}) {
-  std::vector<std::byte> all;
-  all.reserve(head.size() + bytes.size() + tail.size());
-  for (const char c : head) all.push_back(static_cast<std::byte>(c));
-  all.insert(all.end(), bytes.begin(), bytes.end());
-  for (const char c : tail) all.push_back(static_cast<std::byte>(c));
-  return all;
+using Written = std::optional<std::string>;
+
+// Passes on a text.
+bool take_text(const TakeBytes& take, const std::string& text) { return take(std::as_bytes(std::span(text))); }
+
+// Writes a head, the voxels, and a tail.
+Written write_all(const std::string& head, const WrittenVoxels& voxels, const std::string& tail,
+                  const TakeBytes& take) {
+  if (!take_text(take, head)) return std::string();
+  if (auto problem = voxels.write(take)) return problem;
+  return tail.empty() || take_text(take, tail) ? std::nullopt : Written(std::string());
 }
 
-Exported nifti_bytes(const qnv::Geometry& geometry, const ExportOptions& options) {
-  auto made = voxels_to_write(geometry, {});
+// Returns the bytes of a file that is written in pieces.
+Exported collected(VolumeWriter write, const qnv::Geometry& geometry, const ExportOptions& options) {
+  std::vector<std::byte> bytes;
+  auto problem = write(geometry, options, [&](std::span<const std::byte> piece) {
+    bytes.insert(bytes.end(), piece.begin(), piece.end());
+    return true;
+  });
+  if (problem) return std::move(*problem);
+  return bytes;
+}
+
+Written nifti_bytes(const qnv::Geometry& geometry, const ExportOptions& options, const TakeBytes& take) {
+  auto made = WrittenVoxels::of(geometry, {});
   if (auto* problem = std::get_if<std::string>(&made)) return std::move(*problem);
-  const auto& [layout, bytes] = std::get<WrittenVoxels>(made);
+  const auto& voxels = std::get<WrittenVoxels>(made);
+  const qnv::VolumeLayout& layout = voxels.layout();
   if (std::ranges::any_of(layout.dimensions, [](std::uint32_t n) { return n > 32767; }))
     return std::string("NIfTI-1 holds at most 32767 voxels per axis; expected .nrrd or .vti");
   std::vector<std::byte> out;
@@ -107,8 +125,7 @@ Exported nifti_bytes(const qnv::Geometry& geometry, const ExportOptions& options
   zeros(16);
   for (const char c : {'n', '+', '1', '\0'}) out.push_back(static_cast<std::byte>(c));
   zeros(4);
-  out.insert(out.end(), bytes.begin(), bytes.end());
-  return out;
+  return take(out) ? voxels.write(take) : Written(std::string());
 }
 
 // One card of a FITS header (4.1).
@@ -139,10 +156,11 @@ std::string fits_number(double value) {
 
 }  // namespace
 
-Exported export_nrrd(const qnv::Geometry& geometry, const ExportOptions& options) {
-  auto made = voxels_to_write(geometry, {.scaled = false});
+Written write_nrrd(const qnv::Geometry& geometry, const ExportOptions& options, const TakeBytes& take) {
+  auto made = WrittenVoxels::of(geometry, {.scaled = false});
   if (auto* problem = std::get_if<std::string>(&made)) return std::move(*problem);
-  const auto& [layout, bytes] = std::get<WrittenVoxels>(made);
+  const auto& voxels = std::get<WrittenVoxels>(made);
+  const qnv::VolumeLayout& layout = voxels.layout();
   const auto vector = [](const glm::dvec3& v) {
     return "(" + shortest(v.x) + "," + shortest(v.y) + "," + shortest(v.z) + ")";
   };
@@ -165,13 +183,14 @@ Exported export_nrrd(const qnv::Geometry& geometry, const ExportOptions& options
       !units.empty() && fits_one_line(units) && units.find('"') == std::string::npos)
     head += "space units: \"" + units + "\" \"" + units + "\" \"" + units + "\"\n";
   if (qnv::size_of(layout.type) > 1) head += "endian: little\n";
-  return joined(head + "encoding: raw\n\n", bytes);
+  return write_all(head + "encoding: raw\n\n", voxels, {}, take);
 }
 
-Exported export_vti(const qnv::Geometry& geometry, const ExportOptions&) {
-  auto made = voxels_to_write(geometry, {.scaled = false});
+Written write_vti(const qnv::Geometry& geometry, const ExportOptions&, const TakeBytes& take) {
+  auto made = WrittenVoxels::of(geometry, {.scaled = false});
   if (auto* problem = std::get_if<std::string>(&made)) return std::move(*problem);
-  const auto& [layout, bytes] = std::get<WrittenVoxels>(made);
+  const auto& voxels = std::get<WrittenVoxels>(made);
+  const qnv::VolumeLayout& layout = voxels.layout();
   std::array<glm::dvec3, 3> directions;
   std::string spacing, direction, extent;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -194,49 +213,52 @@ Exported export_vti(const qnv::Geometry& geometry, const ExportOptions&) {
       "\">\n<PointData Scalars=\"values\">\n<DataArray type=\"" + names_of(layout.type).vtk +
       "\" Name=\"values\" format=\"appended\" offset=\"0\"/>\n</PointData>\n</Piece>\n</ImageData>\n"
       "<AppendedData encoding=\"raw\">\n_";
-  std::vector<std::byte> sized;
-  ByteWriter(sized).integer(static_cast<std::uint64_t>(bytes.size()));
-  sized.insert(sized.end(), bytes.begin(), bytes.end());
-  return joined(head, sized, "\n</AppendedData>\n</VTKFile>\n");
+  std::vector<std::byte> size;
+  ByteWriter(size).integer(voxels.bytes());
+  const std::string sized = head + std::string(reinterpret_cast<const char*>(size.data()), size.size());
+  return write_all(sized, voxels, "\n</AppendedData>\n</VTKFile>\n", take);
 }
 
-Exported export_nifti(const qnv::Geometry& geometry, const ExportOptions& options) {
-  return nifti_bytes(geometry, options);
+Written write_nifti(const qnv::Geometry& geometry, const ExportOptions& options, const TakeBytes& take) {
+  return nifti_bytes(geometry, options, take);
 }
 
-Exported export_nifti_gz(const qnv::Geometry& geometry, const ExportOptions& options) {
-  Exported plain = nifti_bytes(geometry, options);
-  auto* bytes = std::get_if<std::vector<std::byte>>(&plain);
-  if (!bytes) return plain;
+Written write_nifti_gz(const qnv::Geometry& geometry, const ExportOptions& options, const TakeBytes& take) {
   z_stream stream{};
   constexpr int kGzip = 15 + 16, kMemory = 8;
   if (deflateInit2(&stream, Z_BEST_SPEED, Z_DEFLATED, kGzip, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
     return std::string("not enough memory to compress");
-  std::vector<std::byte> out;
   std::array<std::byte, 1 << 16> piece;
-  std::size_t taken = 0;
-  int status = Z_OK;
-  while (status == Z_OK) {
-    if (stream.avail_in == 0) {
-      const std::size_t next = std::min<std::size_t>(bytes->size() - taken, std::numeric_limits<uInt>::max());
-      stream.next_in = reinterpret_cast<Bytef*>(bytes->data() + taken);
-      stream.avail_in = static_cast<uInt>(next);
-      taken += next;
-    }
-    stream.next_out = reinterpret_cast<Bytef*>(piece.data());
-    stream.avail_out = static_cast<uInt>(piece.size());
-    status = deflate(&stream, taken == bytes->size() ? Z_FINISH : Z_NO_FLUSH);
-    out.insert(out.end(), piece.begin(), piece.end() - stream.avail_out);
-  }
+  bool failed = false;
+  const auto compress = [&](std::span<const std::byte> bytes, int flush) {
+    do {
+      if (stream.avail_in == 0) {
+        const auto next = bytes.first(std::min<std::size_t>(bytes.size(), std::numeric_limits<uInt>::max()));
+        stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(next.data()));
+        stream.avail_in = static_cast<uInt>(next.size());
+        bytes = bytes.subspan(next.size());
+      }
+      stream.next_out = reinterpret_cast<Bytef*>(piece.data());
+      stream.avail_out = static_cast<uInt>(piece.size());
+      const int status = deflate(&stream, bytes.empty() ? flush : Z_NO_FLUSH);
+      failed = status == Z_STREAM_ERROR;
+      if (failed || !take(std::span(piece).first(piece.size() - stream.avail_out))) return false;
+    } while (!bytes.empty() || stream.avail_in > 0 || stream.avail_out == 0);
+    return true;
+  };
+  auto problem =
+      nifti_bytes(geometry, options, [&](std::span<const std::byte> bytes) { return compress(bytes, Z_NO_FLUSH); });
+  if (!problem && !compress({}, Z_FINISH)) problem = std::string();
   deflateEnd(&stream);
-  if (status != Z_STREAM_END) return std::string("gzip failed to compress the volume; expected .nii instead");
-  return out;
+  if (failed) return std::string("gzip failed to compress the volume; expected .nii instead");
+  return problem;
 }
 
-Exported export_fits(const qnv::Geometry& geometry, const ExportOptions& options) {
-  auto made = voxels_to_write(geometry, {.big_endian = true, .fits_types = true});
+Written write_fits(const qnv::Geometry& geometry, const ExportOptions& options, const TakeBytes& take) {
+  auto made = WrittenVoxels::of(geometry, {.big_endian = true, .fits_types = true});
   if (auto* problem = std::get_if<std::string>(&made)) return std::move(*problem);
-  auto& [layout, bytes] = std::get<WrittenVoxels>(made);
+  const auto& voxels = std::get<WrittenVoxels>(made);
+  const qnv::VolumeLayout& layout = voxels.layout();
   constexpr std::size_t kBlock = 2880;
   std::string head =
       card("SIMPLE", "T") + card("BITPIX", std::to_string(names_of(layout.type).fits)) + card("NAXIS", "3");
@@ -258,8 +280,28 @@ Exported export_fits(const qnv::Geometry& geometry, const ExportOptions& options
   end.resize(80, ' ');
   head += end;
   head.resize((head.size() + kBlock - 1) / kBlock * kBlock, ' ');
-  bytes.resize((bytes.size() + kBlock - 1) / kBlock * kBlock, std::byte{0});
-  return joined(head, bytes);
+  const auto beyond = static_cast<std::size_t>(voxels.bytes() % kBlock);
+  return write_all(head, voxels, std::string(beyond > 0 ? kBlock - beyond : 0, '\0'), take);
+}
+
+Exported export_nrrd(const qnv::Geometry& geometry, const ExportOptions& options) {
+  return collected(write_nrrd, geometry, options);
+}
+
+Exported export_vti(const qnv::Geometry& geometry, const ExportOptions& options) {
+  return collected(write_vti, geometry, options);
+}
+
+Exported export_nifti(const qnv::Geometry& geometry, const ExportOptions& options) {
+  return collected(write_nifti, geometry, options);
+}
+
+Exported export_nifti_gz(const qnv::Geometry& geometry, const ExportOptions& options) {
+  return collected(write_nifti_gz, geometry, options);
+}
+
+Exported export_fits(const qnv::Geometry& geometry, const ExportOptions& options) {
+  return collected(write_fits, geometry, options);
 }
 
 }  // namespace gs::app

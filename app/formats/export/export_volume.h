@@ -1,11 +1,30 @@
 #pragma once
 
 #include "app/formats/export/export.h"
+#include "app/formats/export/volume_values_writer.h"
+
+#include <optional>
+#include <string>
 
 namespace gs::app {
 
 // Export the values of a volume (qnv::Volume::values) with the type of its source. Values that are not exact are
 // rounded to that type. The values must have level 0. Each function returns a message if the geometry has no values.
+
+// The functions that write pass the file on in pieces, so that volumes may be larger than memory. They return a message
+// on failure, and an empty message if `take` stops.
+using VolumeWriter = std::optional<std::string> (*)(const qnv::Geometry& geometry, const ExportOptions& options,
+                                                    const TakeBytes& take);
+[[nodiscard]] std::optional<std::string> write_nrrd(const qnv::Geometry& geometry, const ExportOptions& options,
+                                                    const TakeBytes& take);
+[[nodiscard]] std::optional<std::string> write_vti(const qnv::Geometry& geometry, const ExportOptions& options,
+                                                   const TakeBytes& take);
+[[nodiscard]] std::optional<std::string> write_nifti(const qnv::Geometry& geometry, const ExportOptions& options,
+                                                     const TakeBytes& take);
+[[nodiscard]] std::optional<std::string> write_nifti_gz(const qnv::Geometry& geometry, const ExportOptions& options,
+                                                        const TakeBytes& take);
+[[nodiscard]] std::optional<std::string> write_fits(const qnv::Geometry& geometry, const ExportOptions& options,
+                                                    const TakeBytes& take);
 
 /// Exports NRRD 4 (Teem), raw. Values with slope and intercept become float32, because NRRD has neither.
 [[nodiscard]] Exported export_nrrd(const qnv::Geometry& geometry, const ExportOptions& options = {});

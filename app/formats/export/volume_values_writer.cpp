@@ -9,6 +9,7 @@
 #include <cstring>
 #include <limits>
 #include <type_traits>
+#include <vector>
 
 namespace gs::app {
 namespace {
@@ -65,7 +66,7 @@ class NumberWriter {
 
 }  // namespace
 
-std::variant<WrittenVoxels, std::string> voxels_to_write(const qnv::Geometry& geometry, const VoxelForm& form) {
+std::variant<WrittenVoxels, std::string> WrittenVoxels::of(const qnv::Geometry& geometry, const VoxelForm& form) {
   const auto* volume = geometry.as<qnv::Volume>();
   const qnv::VolumeValues* values = volume ? volume->values.get() : nullptr;
   if (!values) return std::string("the input has no values of voxels; expected a volume, or a stream of its values");
@@ -73,8 +74,11 @@ std::variant<WrittenVoxels, std::string> voxels_to_write(const qnv::Geometry& ge
     return std::string("only coarse values could be decoded; expected the whole stream, or a higher memory limit");
   const qnv::VolumeLayout& from = values->source.layout;
   if (const auto problem = qnv::check(from)) return problem->message;
-  WrittenVoxels written{from, {}};
-  qnv::VolumeLayout& to = written.layout;
+  WrittenVoxels written;
+  written.values_ = values;
+  written.form_ = form;
+  written.layout_ = from;
+  qnv::VolumeLayout& to = written.layout_;
   to.type = values->stored;
   to.slope = values->slope;
   to.intercept = values->intercept;
@@ -87,31 +91,39 @@ std::variant<WrittenVoxels, std::string> voxels_to_write(const qnv::Geometry& ge
     to.intercept = 0;
     to.missing.reset();
   }
-  double offset = 0;
   if (form.fits_types) {
     const Moved other = moved(to.type);
     to.type = other.type;
-    offset = other.offset;
-    to.intercept += to.slope * offset;
-    if (to.missing) *to.missing -= offset;
+    written.offset_ = other.offset;
+    to.intercept += to.slope * written.offset_;
+    if (to.missing) *to.missing -= written.offset_;
   }
-  const double missing = is_float(to.type) ? std::numeric_limits<double>::quiet_NaN() : to.missing.value_or(0);
-  const bool same = from.slope == values->slope && from.intercept == values->intercept && !(scales && !form.scaled);
-  const NumberWriter write(to.type, form.big_endian, missing);
-  const std::size_t slice = qnv::slice_voxels(from), size = qnv::size_of(to.type);
-  std::vector<std::byte> stored(slice * qnv::size_of(from.type));
+  written.same_ = from.slope == values->slope && from.intercept == values->intercept && !(scales && !form.scaled);
+  return written;
+}
+
+std::uint64_t WrittenVoxels::bytes() const { return qnv::voxel_count(layout_) * qnv::size_of(layout_.type); }
+
+std::optional<std::string> WrittenVoxels::write(const TakeBytes& take) const {
+  const qnv::VolumeLayout& from = values_->source.layout;
+  const double missing =
+      is_float(layout_.type) ? std::numeric_limits<double>::quiet_NaN() : layout_.missing.value_or(0);
+  const NumberWriter convert(layout_.type, form_.big_endian, missing);
+  const std::size_t slice = qnv::slice_voxels(from);
+  std::vector<std::byte> stored(slice * qnv::size_of(from.type)), out(slice * qnv::size_of(layout_.type));
   std::vector<double> numbers(slice);
-  written.bytes.resize(slice * from.dimensions[2] * size);
   for (std::uint32_t z = 0; z < from.dimensions[2]; ++z) {
-    if (!values->source.read(z, stored)) return "slice " + std::to_string(z) + " cannot be read";
+    if (!values_->source.read(z, stored)) return "slice " + std::to_string(z) + " cannot be read";
     qnv::stored_numbers(from, stored, numbers);
     for (double& number : numbers) {
-      if (!same) number = (number * from.slope + from.intercept - (to.intercept - to.slope * offset)) / to.slope;
-      number -= offset;
+      if (!same_)
+        number = (number * from.slope + from.intercept - (layout_.intercept - layout_.slope * offset_)) / layout_.slope;
+      number -= offset_;
     }
-    write(numbers, written.bytes.data() + z * slice * size);
+    convert(numbers, out.data());
+    if (!take(out)) return std::string();
   }
-  return written;
+  return std::nullopt;
 }
 
 }  // namespace gs::app

@@ -4,18 +4,17 @@
 #include "qnv/sampling/volume/volume_values.h"
 
 #include <cstddef>
-#include <memory>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
 #include <string>
 #include <variant>
-#include <vector>
 
 namespace gs::app {
 
-/// Voxels to write: numbers of one type, and their meaning.
-struct WrittenVoxels {
-  qnv::VolumeLayout layout;  // type, byte order, slope, intercept and missing value of the numbers
-  std::vector<std::byte> bytes;
-};
+/// Function that takes the next bytes of a file. It returns false to stop.
+using TakeBytes = std::function<bool(std::span<const std::byte>)>;
 
 /// Form of the written numbers.
 struct VoxelForm {
@@ -24,9 +23,28 @@ struct VoxelForm {
   bool fits_types = false;  // FITS has u8, i16 and i32; other integers are shifted by half of their range
 };
 
-/// Converts the values of a geometry. Returns a message if it has none, or not the finest ones, or if they cannot be
-/// read.
-[[nodiscard]] std::variant<WrittenVoxels, std::string> voxels_to_write(const qnv::Geometry& geometry,
-                                                                       const VoxelForm& form);
+/// Voxels to write: their layout with type, byte order, slope, intercept and missing value of the numbers.
+class WrittenVoxels {
+ public:
+  /// Returns a message if the geometry has no values, or not the finest ones. `geometry` must outlive the result.
+  [[nodiscard]] static std::variant<WrittenVoxels, std::string> of(const qnv::Geometry& geometry,
+                                                                   const VoxelForm& form);
+
+  [[nodiscard]] const qnv::VolumeLayout& layout() const { return layout_; }
+  /// Returns the number of bytes of all voxels.
+  [[nodiscard]] std::uint64_t bytes() const;
+  /// Converts the voxels slice by slice. Returns a message if a slice cannot be read, and an empty message if `take`
+  /// stops.
+  [[nodiscard]] std::optional<std::string> write(const TakeBytes& take) const;
+
+ private:
+  WrittenVoxels() = default;
+
+  const qnv::VolumeValues* values_ = nullptr;
+  qnv::VolumeLayout layout_;
+  VoxelForm form_;
+  double offset_ = 0;  // of the numbers of FITS
+  bool same_ = false;  // slope and intercept do not change
+};
 
 }  // namespace gs::app

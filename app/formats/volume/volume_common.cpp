@@ -85,7 +85,12 @@ bool read_stored(const StoredVoxels& voxels, std::uint64_t slice_voxels, std::ui
   } else {
     for (std::uint64_t i = 0; i < slice_voxels; ++i) std::memcpy(to.data() + i * size, from + i * step, size);
   }
-  return !voxels.content.file || !voxels.content.file->changed();
+  if (!voxels.content.file) return true;
+  constexpr std::size_t kLarge = std::size_t{256} << 20;  // files that are read slice by slice leave memory again
+  if (voxels.content.bytes.size() >= kLarge)
+    voxels.content.file->put_aside(
+        static_cast<std::size_t>(voxels.offset + slice_voxels * step * (z + std::uint64_t{1})));
+  return !voxels.content.file->changed();
 }
 
 /// Moves the coordinates to a local origin if the volume is far from 0.

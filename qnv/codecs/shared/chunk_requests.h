@@ -38,7 +38,8 @@ class ChunkRequests {
   [[nodiscard]] virtual const Box& box() const = 0;
   /// Returns the offset of the directory in the stream. 0 means unknown.
   [[nodiscard]] virtual std::uint64_t directory() const = 0;
-  /// Reports whether wanted() keeps the order of the stream for every view. If so, reading from front to back is better.
+  /// Reports whether wanted() keeps the order of the stream for every view. If so, reading from front to back is
+  /// better.
   [[nodiscard]] virtual bool in_stream_order() const = 0;
   /// Returns the chunks to request for all views, most wanted first.
   [[nodiscard]] virtual std::vector<ChunkRange> wanted() const = 0;

@@ -3,6 +3,8 @@
 #include "base/parallel.h"
 #include "qnv/base/geometry.h"
 #include "qnv/base/triangles.h"
+#include "qnv/codecs/shared/spill_store.h"
+#include "qnv/codecs/shared/stream_sink.h"
 #include "qnv/container/container.h"
 
 #include <glm/vec2.hpp>
@@ -57,6 +59,8 @@ struct EncodeOptions {
                                    // kExactWherePays
   const TexturedSurface* textured = nullptr;  // displaced: source of the exact tail, or null; must outlive the call
   ValueTolerance tolerance;                   // values
+  SpillStore* spill = nullptr;                // values: holds the clusters; null means memory; must outlive the call
+  StreamSink* sink = nullptr;                 // values: takes the stream, which then has no bytes in memory; or null
   std::optional<double> parity;               // loss of chunks that parity restores, 0 to 0.5; nullopt: as the codec
                                               // chooses. Displaced surfaces and values; others ignore it
   glm::dvec3 origin{0};                       // origin of triangles (Description::origin); vectors have their own
@@ -78,11 +82,14 @@ struct EncodeError {
   bool unsuited = false;  // another payload suits the source better
 };
 
-/// Complete stream: its bytes and its header.
+/// Complete stream: its bytes, unless a sink took them, and its header.
 struct EncodedStream {
   StreamHeader header;
   std::vector<std::byte> bytes;
-  bool thinned = false;  // the source had more triangles than EncodeOptions::most_triangles
+  std::uint64_t written = 0;  // number of bytes that EncodeOptions::sink took
+  bool thinned = false;       // the source had more triangles than EncodeOptions::most_triangles
+
+  [[nodiscard]] std::uint64_t size() const { return bytes.size() + written; }
 };
 
 }  // namespace gs::qnv

@@ -28,46 +28,71 @@ Protection equal_protection(const EncodeOptions& options) {
   return loss > 0 ? Protection{Protection::Kind::equal, loss} : Protection{};
 }
 
-EncodedStream write_stream(StreamHeader header, std::vector<OutgoingChunk> chunks, std::size_t max_bytes,
-                           const Protection& protection) {
+std::variant<StreamHeader, EncodeError> write_stream(StreamHeader header, const ChunkList& chunks,
+                                                     std::size_t max_bytes, StreamSink& sink,
+                                                     const Protection& protection) {
   header.parity = protection.kind != Protection::Kind::none;
-  EncodedStream stream;
-  stream.bytes = encode_header(header);
   ParityWriter parity(protection);
   std::vector<DirectoryEntry> directory;
-  header.vectors = 0;
+  std::uint64_t at = 0;
+  const auto append = [&](const std::vector<std::byte>& bytes) {
+    at += bytes.size();
+    return sink.write(bytes);
+  };
   // Reports whether a chunk fits. A directory needs another chunk header for every 2,000 entries.
   const auto fits = [&](std::size_t payload, bool listed) {
     const std::size_t entries = directory.size() + (listed ? 1 : 0);
-    return max_bytes == 0 || stream.bytes.size() + kChunkHeaderBytes + payload + entries * kDirectoryEntryBytes +
+    return max_bytes == 0 || at + kChunkHeaderBytes + payload + entries * kDirectoryEntryBytes +
                                      kChunkHeaderBytes * (1 + entries / 2000) <=
                                  max_bytes;
   };
-  const auto append = [&](ChunkType type, std::span<const std::byte> payload) {
-    const std::vector<std::byte> framed = encode_chunk(type, payload);
-    stream.bytes.insert(stream.bytes.end(), framed.begin(), framed.end());
-  };
   const auto append_parity = [&](const std::vector<std::vector<std::byte>>& payloads) {
-    for (const std::vector<std::byte>& payload : payloads)
-      if (fits(payload.size(), false)) append(ChunkType::parity, payload);
+    return std::ranges::all_of(payloads, [&](const std::vector<std::byte>& payload) {
+      return !fits(payload.size(), false) || append(encode_chunk(ChunkType::parity, payload));
+    });
   };
-  for (OutgoingChunk& chunk : chunks) {
-    if (!directory.empty() && !fits(chunk.payload.size(), true)) break;
-    chunk.entry.offset = stream.bytes.size();
-    chunk.entry.bytes = static_cast<std::uint32_t>(kChunkHeaderBytes + chunk.payload.size());
-    directory.push_back(chunk.entry);
-    header.vectors += chunk.entry.vectors - chunk.replaced;
-    append(chunk.type, chunk.payload);
-    append_parity(parity.add(chunk));
+  const EncodeError stopped{"cannot write the stream"};
+  header.vectors = 0;
+  if (!append(encode_header(header))) return stopped;
+  for (std::size_t i = 0; i < chunks.size(); ++i) {
+    std::optional<OutgoingChunk> chunk = chunks.chunk(i);
+    if (!chunk) return EncodeError{"cannot read the encoded data again"};
+    if (!directory.empty() && !fits(chunk->payload.size(), true)) break;
+    chunk->entry.offset = at;
+    chunk->entry.bytes = static_cast<std::uint32_t>(kChunkHeaderBytes + chunk->payload.size());
+    directory.push_back(chunk->entry);
+    header.vectors += chunk->entry.vectors - chunk->replaced;
+    if (!append(encode_chunk(chunk->type, chunk->payload)) || !append_parity(parity.add(*chunk))) return stopped;
   }
-  append_parity(parity.finish());
+  if (!append_parity(parity.finish())) return stopped;
   header.chunks = static_cast<std::uint32_t>(directory.size());
-  header.directory = stream.bytes.size();
-  const std::vector<std::byte> front = encode_header(header);  // of the same size
-  std::ranges::copy(front, stream.bytes.begin());
-  const std::vector<std::byte> tail = encode_directory(directory, header.description.box);
-  stream.bytes.insert(stream.bytes.end(), tail.begin(), tail.end());
-  stream.header = std::move(header);
+  header.directory = at;
+  constexpr std::size_t kInOne = kMaxChunkBytes / kDirectoryEntryBytes;  // entries of a directory chunk
+  for (std::span<const DirectoryEntry> rest = directory; !rest.empty();) {
+    const auto some = rest.first(std::min(rest.size(), kInOne));
+    if (!append(encode_directory(some, header.description.box))) return stopped;
+    rest = rest.subspan(some.size());
+  }
+  if (!sink.rewrite_front(encode_header(header))) return stopped;
+  return header;
+}
+
+EncodedStream write_stream(StreamHeader header, std::vector<OutgoingChunk> chunks, std::size_t max_bytes,
+                           const Protection& protection) {
+  /// The chunks in memory.
+  class List final : public ChunkList {
+   public:
+    explicit List(std::vector<OutgoingChunk>& all) : all_(all) {}
+    [[nodiscard]] std::size_t size() const override { return all_.size(); }
+    [[nodiscard]] std::optional<OutgoingChunk> chunk(std::size_t i) const override { return std::move(all_[i]); }
+
+   private:
+    std::vector<OutgoingChunk>& all_;
+  };
+  EncodedStream stream;
+  MemorySink sink(stream.bytes);
+  auto written = write_stream(std::move(header), List(chunks), max_bytes, sink, protection);
+  stream.header = std::move(std::get<StreamHeader>(written));
   return stream;
 }
 

@@ -3,12 +3,15 @@
 #include "qnv/codecs/shared/encode_options.h"
 #include "qnv/codecs/shared/outgoing_chunk.h"
 #include "qnv/codecs/shared/parity_writer.h"
+#include "qnv/codecs/shared/stream_sink.h"
 #include "qnv/container/container.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace gs::qnv {
@@ -22,6 +25,19 @@ void add_metadata(const std::vector<std::pair<std::string, std::string>>& metada
 /// Returns the protection that EncodeOptions::parity requests; none by default.
 [[nodiscard]] Protection equal_protection(const EncodeOptions& options);
 
+/// Chunks of a stream that are made when they are written, so that they need no memory together.
+class ChunkList {
+ public:
+  virtual ~ChunkList() = default;
+  [[nodiscard]] virtual std::size_t size() const = 0;
+  /// Returns nullopt if the payload cannot be read.
+  [[nodiscard]] virtual std::optional<OutgoingChunk> chunk(std::size_t i) const = 0;
+};
+
+/// Writes a stream to a sink, like the next function. Returns the header, or an error if the sink or a chunk fails.
+[[nodiscard]] std::variant<StreamHeader, EncodeError> write_stream(StreamHeader header, const ChunkList& chunks,
+                                                                   std::size_t max_bytes, StreamSink& sink,
+                                                                   const Protection& protection = {});
 /// Writes the header, the chunks in the given order with their parity, and the directory, which omits the parity. If
 /// the stream exceeds `max_bytes` (0 means unlimited), drops chunks from the end, but never the first. Sets the
 /// header's number of vectors.

@@ -88,6 +88,19 @@ struct DecodingSide {
 
 }  // namespace
 
+BlockBands bands_in_volume(const BlockPlace& place, std::span<std::int32_t> volume, Extent extent) {
+  BlockBands bands;
+  bands.row = extent[0];
+  for (std::uint32_t i = 0; i < place.band_count; ++i) {
+    const BandPart& part = place.bands[i];
+    for (std::uint32_t z = 0; z < part.size[2]; ++z) {
+      const std::size_t at = ((std::size_t{part.first[2]} + z) * extent[1] + part.first[1]) * extent[0] + part.first[0];
+      if (at < volume.size()) bands.parts[i][z] = volume.data() + at;
+    }
+  }
+  return bands;
+}
+
 Block::Block(const BlockPlace& place) : place_(place) {
   for (const BandPart& part : std::span(place_.bands).first(place_.band_count)) {
     Band band;
@@ -122,24 +135,21 @@ Block::Block(const BlockPlace& place) : place_(place) {
     more_models_[i].start(static_cast<std::uint32_t>(26000 + 900 * i));
 }
 
-int Block::load(std::span<const std::int32_t> bands, Extent extent) {
+int Block::load(const BlockBands& bands) {
   source_.assign(cubes_.size() * kCubeSize, 0);
   std::uint32_t bits = 0;
   std::int32_t* to = source_.data();
   for (const Cube& cube : cubes_) {
-    const BandPart& part = place_.bands[cube.band];
-    for (std::uint32_t z = 0; z < cube.size[2]; ++z)
-      for (std::uint32_t y = 0; y < cube.size[1]; ++y) {
-        const std::size_t from = ((part.first[2] + cube.at[2] * kCubeEdge + z) * std::size_t{extent[1]} +
-                                  part.first[1] + cube.at[1] * kCubeEdge + y) *
-                                     extent[0] +
-                                 part.first[0] + cube.at[0] * kCubeEdge;
+    for (std::uint32_t z = 0; z < cube.size[2]; ++z) {
+      const std::int32_t* from = bands.parts[cube.band][cube.at[2] * kCubeEdge + z] +
+                                 cube.at[1] * kCubeEdge * bands.row + cube.at[0] * kCubeEdge;
+      for (std::uint32_t y = 0; y < cube.size[1]; ++y, from += bands.row)
         for (std::uint32_t x = 0; x < cube.size[0]; ++x) {
-          const std::int32_t value = bands[from + x];
+          const std::int32_t value = from[x];
           to[(z * kCubeEdge + y) * kCubeEdge + x] = value;
           bits |= magnitude_of(value);
         }
-      }
+    }
     to += kCubeSize;
   }
   return std::bit_width(bits) - 1;
@@ -158,16 +168,12 @@ double Block::energy() const {
   return energy;
 }
 
-void Block::write(const Cube& cube, std::span<std::int32_t> bands, Extent extent) const {
+void Block::write(const Cube& cube, const BlockBands& bands) const {
   const std::uint32_t* from = values_.data() + static_cast<std::size_t>(cube.values) * kCubeSize;
-  const BandPart& part = place_.bands[cube.band];
   for (std::uint32_t z = 0; z < cube.size[2]; ++z)
     for (std::uint32_t y = 0; y < cube.size[1]; ++y) {
-      std::int32_t* to = bands.data() +
-                         ((part.first[2] + cube.at[2] * kCubeEdge + z) * std::size_t{extent[1]} + part.first[1] +
-                          cube.at[1] * kCubeEdge + y) *
-                             extent[0] +
-                         part.first[0] + cube.at[0] * kCubeEdge;
+      std::int32_t* to = bands.parts[cube.band][cube.at[2] * kCubeEdge + z] + (cube.at[1] * kCubeEdge + y) * bands.row +
+                         cube.at[0] * kCubeEdge;
       for (std::uint32_t x = 0; x < cube.size[0]; ++x) {
         const std::uint32_t value = from[(z * kCubeEdge + y) * kCubeEdge + x];
         const std::uint32_t size = middle(value & ~kSign, cube.lowest);
@@ -176,14 +182,15 @@ void Block::write(const Cube& cube, std::span<std::int32_t> bands, Extent extent
     }
 }
 
-void Block::write(std::span<std::int32_t> bands, Extent extent) const {
+void Block::write(const BlockBands& bands) const {
   for (const Cube& cube : cubes_)
-    if (cube.values >= 0) write(cube, bands, extent);
+    if (cube.values >= 0) write(cube, bands);
 }
 
 void Block::write_low(std::span<std::int32_t> bands, Extent extent) const {
+  const BlockBands in_volume = bands_in_volume(place_, bands, extent);
   for (const Cube& cube : cubes_)
-    if (cube.values >= 0 && place_.bands[cube.band].highs == 0) write(cube, bands, extent);
+    if (cube.values >= 0 && place_.bands[cube.band].highs == 0) write(cube, in_volume);
 }
 
 Extent Block::band_place(const Cube& cube) const {
@@ -321,6 +328,7 @@ void Block::code_values(Side& outer, Cube& cube, const Band& band, std::uint8_t*
           }
         }
         if constexpr (Side::kEncodes) {
+          if (line[x] == 0) continue;  // its error does not change
           const auto size = static_cast<std::int64_t>(magnitude_of(truth));
           const std::int64_t before = size - middle(old & ~kSign, plane_ + 1);
           const std::int64_t after = size - middle(line[x] & ~kSign, plane_);

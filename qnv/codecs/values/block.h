@@ -58,6 +58,14 @@ struct BlockScratch {
   std::vector<std::uint8_t> sizes;  // of the coefficients in units of the current plane, at most 4; with borders
 };
 
+/// Coefficients of a block where a transform keeps them.
+struct BlockBands {
+  std::array<std::array<std::int32_t*, kBlockEdge>, 8> parts{};  // first sample of each slice of BlockPlace::bands
+  std::size_t row = 0;                                           // distance of consecutive rows
+};
+/// Returns the coefficients of a block in a transformed volume.
+[[nodiscard]] BlockBands bands_in_volume(const BlockPlace& place, std::span<std::int32_t> volume, Extent extent);
+
 /// Coefficients of one block while its planes are coded, and the estimates that both sides learn. A step codes one cube
 /// in one plane. FORMAT.md, "Values payload", defines the decisions.
 class Block {
@@ -77,8 +85,8 @@ class Block {
   /// Plane down to which all coefficients are known.
   [[nodiscard]] int known_plane() const { return plane_ + 1; }
 
-  /// Takes the coefficients to encode from the transformed volume. Returns the highest plane that is not zero, or -1.
-  int load(std::span<const std::int32_t> bands, Extent extent);
+  /// Takes the coefficients to encode. Returns the highest plane that is not zero, or -1.
+  int load(const BlockBands& bands);
   /// Returns the squared error of the volume while all coefficients of an encoder are zero.
   [[nodiscard]] double energy() const;
   /// Result of encoding some steps.
@@ -93,9 +101,10 @@ class Block {
   /// Decodes `steps` steps, or fewer if the bytes are exhausted or the block is exact.
   /// Returns the number of decoded steps.
   std::size_t decode(BinaryDecoder& decoder, std::uint32_t steps, BlockScratch& scratch);
-  /// Writes the coefficients to the transformed volume, each at the middle of its possible values.
-  void write(std::span<std::int32_t> bands, Extent extent) const;
-  /// Writes only the low band.
+  /// Writes the coefficients that are not zero, each at the middle of its possible values.
+  void write(const BlockBands& bands) const;
+  /// Writes them to the transformed volume; the second function writes only the low band.
+  void write(std::span<std::int32_t> bands, Extent extent) const { write(bands_in_volume(place_, bands, extent)); }
   void write_low(std::span<std::int32_t> bands, Extent extent) const;
   /// Writes the coefficients in a window of the samples that its level gives, except the low band.
   void write_split(const SplitWindow& window) const;
@@ -126,7 +135,7 @@ class Block {
   void code_values(Side& outer, Cube& cube, const Band& band, std::uint8_t* sizes);
   [[nodiscard]] Extent band_place(const Cube& cube) const;
   void fill_sizes(std::vector<std::uint8_t>& sizes) const;
-  void write(const Cube& cube, std::span<std::int32_t> bands, Extent extent) const;
+  void write(const Cube& cube, const BlockBands& bands) const;
   [[nodiscard]] std::size_t cube_context(std::size_t index) const;
 
   BlockPlace place_;

@@ -37,6 +37,18 @@ std::uint64_t BlockLayout::number(int level, Extent at) const {
   return count_;
 }
 
+std::uint64_t BlockLayout::first_of(int level) const {
+  for (const Level& one : all_)
+    if (one.level == level) return one.first;
+  return count_;
+}
+
+Extent BlockLayout::blocks_of(int level) const {
+  for (const Level& one : all_)
+    if (one.level == level) return one.blocks;
+  return {};
+}
+
 BlockPlace BlockLayout::place(std::uint64_t number) const {
   std::size_t i = 0;
   while (number - all_[i].first >= all_[i].count) ++i;
@@ -73,7 +85,14 @@ BlockPlace BlockLayout::place(std::uint64_t number) const {
 
 double error_weight(int level, int highs) {
   constexpr double kLow = 1.3216;  // square of the scale that makes the low band orthonormal
-  return std::pow(kLow, 3 * (level - 1) + (3 - highs) - highs);
+  constexpr int kMost = 3 * 32;    // of the absolute exponent
+  static const auto kPowers = [] {
+    std::array<double, 2 * kMost + 1> powers{};
+    for (int i = -kMost; i <= kMost; ++i) powers[static_cast<std::size_t>(i + kMost)] = std::pow(kLow, i);
+    return powers;
+  }();
+  const int exponent = 3 * (level - 1) + (3 - highs) - highs;
+  return kPowers[static_cast<std::size_t>(std::clamp(exponent, -kMost, kMost) + kMost)];
 }
 
 }  // namespace gs::qnv::values

@@ -36,6 +36,9 @@ class BlockLayout {
   [[nodiscard]] std::uint64_t count_of(int level) const;
   /// Returns the number of the block at a place of a level: its part of each band, counted in blocks.
   [[nodiscard]] std::uint64_t number(int level, Extent at) const;
+  /// Returns the number of the first block of a level, and the blocks of a level per axis.
+  [[nodiscard]] std::uint64_t first_of(int level) const;
+  [[nodiscard]] Extent blocks_of(int level) const;
   /// Returns a block. `number` must be less than count().
   [[nodiscard]] BlockPlace place(std::uint64_t number) const;
 

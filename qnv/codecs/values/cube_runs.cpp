@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <type_traits>
 #include <utility>
 
 namespace gs::qnv::values {
@@ -41,11 +42,11 @@ void each_voxel(const CubeBox& box, Extent extent, Visit&& visit) {
         visit((z * kCubeEdge + y) * kCubeEdge + x, box.first + (z * std::size_t{extent[1]} + y) * extent[0] + x);
 }
 
-template <class Numbers>
-bool all_zero(const CubeBox& box, Extent extent, const Numbers& numbers) {
-  bool any = false;
-  each_voxel(box, extent, [&](std::uint32_t, std::size_t i) { any = any || numbers[i] != 0; });
-  return !any;
+template <class Number>
+bool all_zero(const CubeBox& box, Extent extent, std::span<const Number> numbers) {
+  Number any = 0;
+  each_voxel(box, extent, [&](std::uint32_t, std::size_t i) { any = any | numbers[i]; });
+  return any == 0;
 }
 
 /// Encodes `bit`, or decodes one. Updates the estimate and returns the bit.
@@ -65,31 +66,36 @@ struct GapModels {
   std::array<Estimate, 8> voxel;
   std::size_t before = 0;  // state of a cube: 0 present, 1 missing, 2 mixed
 
-  template <class Coder>
-  void code_cube(Coder& coder, const CubeBox& box, Extent extent, std::span<std::uint8_t> missing) {
-    [[maybe_unused]] std::size_t state = 0;
-    if constexpr (std::is_same_v<Coder, BinaryEncoder>) {
-      bool any = false, all = true;
-      each_voxel(box, extent, [&](std::uint32_t, std::size_t i) {
-        any = any || missing[i] != 0;
-        all = all && missing[i] != 0;
+  void encode(BinaryEncoder& coder, const CubeBox& box, Extent extent, std::span<const std::uint8_t> missing) {
+    bool any = false, all = true;
+    each_voxel(box, extent, [&](std::uint32_t, std::size_t i) {
+      any = any || missing[i] != 0;
+      all = all && missing[i] != 0;
+    });
+    const bool mixed = code(coder, same[before], any && !all);
+    if (!mixed) (void)code(coder, full[before], all);
+    std::array<bool, kCubeSize> near{};
+    if (mixed)
+      each_voxel(box, extent, [&](std::uint32_t k, std::size_t i) {
+        near[k] = code(coder, voxel[context_of(near, k)], missing[i] != 0);
       });
-      state = all ? 1 : any ? 2 : 0;
-    }
-    const bool mixed = code(coder, same[before], state == 2);
-    const bool whole = !mixed && code(coder, full[before], state == 1);
+    before = mixed ? 2 : all ? 1 : 0;
+  }
+  void decode(BinaryDecoder& coder, const CubeBox& box, Extent extent, std::span<std::uint8_t> missing) {
+    const bool mixed = code(coder, same[before], false);
+    const bool whole = !mixed && code(coder, full[before], false);
     std::array<bool, kCubeSize> near{};
     each_voxel(box, extent, [&](std::uint32_t k, std::size_t i) {
-      if (!mixed) {
-        missing[i] = whole ? 1 : 0;
-        return;
-      }
-      const std::size_t context = (k % 4 > 0 && near[k - 1] ? 1 : 0) + (k / 4 % 4 > 0 && near[k - 4] ? 2 : 0) +
-                                  (k >= 16 && near[k - 16] ? 4 : 0);
-      near[k] = code(coder, voxel[context], missing[i] != 0);
-      missing[i] = near[k] ? 1 : 0;
+      if (mixed) near[k] = code(coder, voxel[context_of(near, k)], false);
+      missing[i] = whole || near[k] ? 1 : 0;
     });
     before = mixed ? 2 : whole ? 1 : 0;
+  }
+
+ private:
+  static std::size_t context_of(const std::array<bool, kCubeSize>& near, std::uint32_t k) {
+    return (k % 4 > 0 && near[k - 1] ? 1 : 0) + (k / 4 % 4 > 0 && near[k - 4] ? 2 : 0) +
+           (k >= 16 && near[k - 16] ? 4 : 0);
   }
 };
 
@@ -99,6 +105,18 @@ struct RemainderModels {
   std::array<std::array<Estimate, 32>, 12> lengths;  // binary tree of the bit length less 1
   std::uint32_t before = 0;
 
+  void encode(BinaryEncoder& coder, const CubeBox& box, Extent extent, std::span<const std::uint32_t> numbers) {
+    each_voxel(box, extent, [&](std::uint32_t, std::size_t i) {
+      (void)code_number(coder, zigzag(static_cast<std::int32_t>(numbers[i])));
+    });
+  }
+  void decode(BinaryDecoder& coder, const CubeBox& box, Extent extent, std::span<std::uint32_t> codes) {
+    each_voxel(box, extent, [&](std::uint32_t, std::size_t i) {
+      codes[i] += static_cast<std::uint32_t>(unzigzag(code_number(coder, 0)));
+    });
+  }
+
+ private:
   template <class Coder>
   std::uint32_t code_number(Coder& coder, std::uint32_t number) {
     const std::size_t context = std::min(before / 3, 11u);
@@ -119,46 +137,38 @@ struct RemainderModels {
   }
 };
 
-/// Cuts all cubes of a volume into runs. `skip(box)` reports a cube that needs no data; `put(encoder, box)` codes one.
-template <class Models, class Skip, class Put>
-std::vector<CubeRun> encode_runs(Extent extent, Skip&& skip, Put&& put) {
-  const Extent cubes = cube_extent(extent);
-  const std::uint64_t all = std::uint64_t{cubes[0]} * cubes[1] * cubes[2];
-  constexpr std::uint32_t kMostSkipped = 512;           // cubes without data inside of a run
-  constexpr std::size_t kEnd = kMaxClusterBytes - 300;  // a cube adds at most 280 bytes
+template <class Number>
+using ModelsOf = std::conditional_t<sizeof(Number) == 1, GapModels, RemainderModels>;
+
+constexpr std::uint32_t kMostSkipped = 512;              // cubes without data inside of a run
+constexpr std::size_t kRunEnd = kMaxClusterBytes - 300;  // a cube adds at most 280 bytes
+
+// Extent of the cubes of a layer, and of its voxels.
+Extent layer_extent(Extent extent, std::size_t voxels) {
+  return {extent[0], extent[1], static_cast<std::uint32_t>(voxels / (std::size_t{extent[0]} * extent[1]))};
+}
+
+template <class Number>
+std::vector<CubeRun> encode_runs(std::span<const Number> numbers, Extent extent) {
   std::vector<CubeRun> runs;
-  for (std::uint64_t at = 0; at < all;) {
-    if (skip(cube_box(at, extent, cubes))) {
-      ++at;
-      continue;
-    }
-    CubeRun run{at, 0, {}};
-    BinaryEncoder encoder;
-    Models models;
-    std::uint32_t skipped = 0;
-    while (at < all && encoder.size() < kEnd && run.count < kMostRunCubes && skipped < kMostSkipped) {
-      const CubeBox box = cube_box(at, extent, cubes);
-      skipped = skip(box) ? skipped + 1 : 0;
-      put(models, encoder, box);
-      ++at;
-      ++run.count;
-    }
-    run.bytes = encoder.finish();
-    runs.push_back(std::move(run));
-  }
+  RunEncoder<Number> encoder(extent, [&](CubeRun&& run) { runs.push_back(std::move(run)); });
+  const std::size_t layer = std::size_t{extent[0]} * extent[1] * kCubeEdge;
+  for (std::size_t at = 0; at < numbers.size(); at += layer)
+    encoder.add(numbers.subspan(at, std::min(layer, numbers.size() - at)));
+  encoder.finish();
   return runs;
 }
 
-// Calls take(models, decoder, box) for each cube of a run. Returns false if the run is not in the volume, or truncated.
-template <class Models, class Take>
-bool decode_run(const CubeRun& run, Extent extent, Take&& take) {
+// Decodes a run of a whole volume. Returns false if the run is not in the volume, or truncated.
+template <class Number>
+bool decode_run(const CubeRun& run, Extent extent, std::span<Number> numbers) {
   const Extent cubes = cube_extent(extent);
   const std::uint64_t all = std::uint64_t{cubes[0]} * cubes[1] * cubes[2];
   if (run.first >= all || run.count > all - run.first) return false;
   BinaryDecoder decoder(run.bytes);
-  Models models;
+  ModelsOf<Number> models;
   for (std::uint32_t i = 0; i < run.count && !decoder.exhausted(); ++i)
-    take(models, decoder, cube_box(run.first + i, extent, cubes));
+    models.decode(decoder, cube_box(run.first + i, extent, cubes), extent, numbers);
   return !decoder.exhausted();
 }
 
@@ -169,37 +179,108 @@ Extent cube_extent(Extent extent) {
   return extent;
 }
 
-std::vector<CubeRun> encode_gaps(std::span<std::uint8_t> missing, Extent extent) {
-  return encode_runs<GapModels>(
-      extent, [&](const CubeBox& box) { return all_zero(box, extent, missing); },
-      [&](GapModels& models, BinaryEncoder& encoder, const CubeBox& box) {
-        models.code_cube(encoder, box, extent, missing);
-      });
+template <class Number>
+struct RunEncoder<Number>::Open {
+  CubeRun run;
+  BinaryEncoder encoder;
+  ModelsOf<Number> models;
+  std::uint32_t skipped = 0;
+};
+
+template <class Number>
+RunEncoder<Number>::RunEncoder(Extent extent, TakeRun take) : extent_(extent), take_(std::move(take)) {}
+template <class Number>
+RunEncoder<Number>::RunEncoder(RunEncoder&&) noexcept = default;
+template <class Number>
+RunEncoder<Number>::~RunEncoder() = default;
+
+template <class Number>
+void RunEncoder<Number>::add(std::span<const Number> layer) {
+  const Extent extent = layer_extent(extent_, layer.size()), cubes = cube_extent(extent);
+  const std::uint64_t count = std::uint64_t{cubes[0]} * cubes[1];
+  for (std::uint64_t i = 0; i < count; ++i, ++next_) {
+    const CubeBox box = cube_box(i, extent, cubes);
+    const bool skips = all_zero(box, extent, layer);
+    if (!open_) {
+      if (skips) continue;
+      open_ = std::make_unique<Open>();
+      open_->run.first = next_;
+    }
+    open_->skipped = skips ? open_->skipped + 1 : 0;
+    open_->models.encode(open_->encoder, box, extent, layer);
+    ++open_->run.count;
+    if (open_->encoder.size() >= kRunEnd || open_->run.count >= kMostRunCubes || open_->skipped >= kMostSkipped)
+      close();
+  }
 }
 
-bool decode_gaps(const CubeRun& run, Extent extent, std::span<std::uint8_t> missing) {
-  return decode_run<GapModels>(run, extent, [&](GapModels& models, BinaryDecoder& decoder, const CubeBox& box) {
-    models.code_cube(decoder, box, extent, missing);
-  });
+template <class Number>
+void RunEncoder<Number>::close() {
+  open_->run.bytes = open_->encoder.finish();
+  take_(std::move(open_->run));
+  open_.reset();
+}
+
+template <class Number>
+void RunEncoder<Number>::finish() {
+  if (open_) close();
+}
+
+template <class Number>
+struct RunDecoder<Number>::State {
+  explicit State(CubeRun from) : run(std::move(from)), decoder(run.bytes) {}
+  CubeRun run;
+  BinaryDecoder decoder;
+  ModelsOf<Number> models;
+  std::uint32_t decoded = 0;  // number of cubes
+};
+
+template <class Number>
+RunDecoder<Number>::RunDecoder(CubeRun run, Extent extent)
+    : extent_(extent), state_(std::make_unique<State>(std::move(run))) {}
+template <class Number>
+RunDecoder<Number>::RunDecoder(RunDecoder&&) noexcept = default;
+template <class Number>
+RunDecoder<Number>& RunDecoder<Number>::operator=(RunDecoder&&) noexcept = default;
+template <class Number>
+RunDecoder<Number>::~RunDecoder() = default;
+
+template <class Number>
+bool RunDecoder<Number>::done() const {
+  return state_->decoded >= state_->run.count;
+}
+
+template <class Number>
+bool RunDecoder<Number>::decode(std::uint64_t layer, std::span<Number> voxels) {
+  const Extent extent = layer_extent(extent_, voxels.size()), cubes = cube_extent(extent);
+  const std::uint64_t count = std::uint64_t{cubes[0]} * cubes[1], first = layer * count;
+  State& state = *state_;
+  while (!done() && state.run.first + state.decoded < first + count && !state.decoder.exhausted()) {
+    const std::uint64_t cube = state.run.first + state.decoded++;
+    if (cube >= first) state.models.decode(state.decoder, cube_box(cube - first, extent, cubes), extent, voxels);
+  }
+  return !state.decoder.exhausted();
+}
+
+template class RunEncoder<std::uint8_t>;
+template class RunEncoder<std::uint32_t>;
+template class RunDecoder<std::uint8_t>;
+template class RunDecoder<std::uint32_t>;
+
+std::vector<CubeRun> encode_gaps(std::span<const std::uint8_t> missing, Extent extent) {
+  return encode_runs(missing, extent);
 }
 
 std::vector<CubeRun> encode_remainders(std::span<const std::uint32_t> remainders, Extent extent) {
-  return encode_runs<RemainderModels>(
-      extent, [&](const CubeBox& box) { return all_zero(box, extent, remainders); },
-      [&](RemainderModels& models, BinaryEncoder& encoder, const CubeBox& box) {
-        each_voxel(box, extent, [&](std::uint32_t, std::size_t i) {
-          (void)models.code_number(encoder, zigzag(static_cast<std::int32_t>(remainders[i])));
-        });
-      });
+  return encode_runs(remainders, extent);
+}
+
+bool decode_gaps(const CubeRun& run, Extent extent, std::span<std::uint8_t> missing) {
+  return decode_run(run, extent, missing);
 }
 
 bool decode_remainders(const CubeRun& run, Extent extent, std::span<std::uint32_t> codes) {
-  return decode_run<RemainderModels>(
-      run, extent, [&](RemainderModels& models, BinaryDecoder& decoder, const CubeBox& box) {
-        each_voxel(box, extent, [&](std::uint32_t, std::size_t i) {
-          codes[i] += static_cast<std::uint32_t>(unzigzag(models.code_number(decoder, 0)));
-        });
-      });
+  return decode_run(run, extent, codes);
 }
 
 std::vector<std::byte> pack(const CubeRun& run) {

@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -31,16 +33,62 @@ inline constexpr std::uint32_t kMostRunCubes = 1u << 20;
 /// Safe for untrusted bytes.
 [[nodiscard]] std::optional<CubeRun> parse_run(std::span<const std::byte> payload);
 
-/// Encodes which voxels are missing. `missing` has one entry per voxel, 0 or 1, and does not change. Runs without
-/// missing voxels are left out.
-[[nodiscard]] std::vector<CubeRun> encode_gaps(std::span<std::uint8_t> missing, Extent extent);
-/// Sets the voxels of a run. Voxels outside of the volume do not matter. Returns false if the run is not in the volume,
-/// or truncated.
-bool decode_gaps(const CubeRun& run, Extent extent, std::span<std::uint8_t> missing);
+/// Function that takes a finished run.
+using TakeRun = std::function<void(CubeRun&&)>;
 
-/// Encodes one remainder per voxel. Runs of zeros are left out.
+/// Encoder of runs for a volume that arrives in layers of kCubeEdge slices. Runs without content are left out.
+/// `Number` is std::uint8_t for gaps (1 for missing voxels), and std::uint32_t for remainders.
+template <class Number>
+class RunEncoder {
+ public:
+  RunEncoder(Extent extent, TakeRun take);
+  RunEncoder(RunEncoder&&) noexcept;
+  ~RunEncoder();
+
+  /// Adds the next layer; the last one may have fewer slices.
+  void add(std::span<const Number> layer);
+  /// Ends the last run.
+  void finish();
+
+ private:
+  struct Open;  // run that is not finished
+  void close();
+
+  Extent extent_;
+  TakeRun take_;
+  std::uint64_t next_ = 0;  // number of the next cube
+  std::unique_ptr<Open> open_;
+};
+using GapEncoder = RunEncoder<std::uint8_t>;
+using RemainderEncoder = RunEncoder<std::uint32_t>;
+
+/// Decoder of one run, layer by layer. Safe for untrusted runs.
+template <class Number>
+class RunDecoder {
+ public:
+  RunDecoder(CubeRun run, Extent extent);
+  RunDecoder(RunDecoder&&) noexcept;
+  RunDecoder& operator=(RunDecoder&&) noexcept;
+  ~RunDecoder();
+
+  /// Decodes the cubes of the run in a layer: sets which voxels are missing, or adds remainders. Layers must come in
+  /// order. Returns false if the run is truncated.
+  bool decode(std::uint64_t layer, std::span<Number> voxels);
+  /// Reports whether all cubes of the run are decoded.
+  [[nodiscard]] bool done() const;
+
+ private:
+  struct State;
+  Extent extent_;
+  std::unique_ptr<State> state_;
+};
+
+/// Encodes which voxels of a whole volume are missing, and remainders, one per voxel.
+[[nodiscard]] std::vector<CubeRun> encode_gaps(std::span<const std::uint8_t> missing, Extent extent);
 [[nodiscard]] std::vector<CubeRun> encode_remainders(std::span<const std::uint32_t> remainders, Extent extent);
-/// Adds the remainders of a run to the codes of its voxels; otherwise like decode_gaps().
+/// Decodes a run of a whole volume: sets which voxels are missing, or adds remainders to the codes. Voxels outside of
+/// the volume do not matter. Returns false if the run is not in the volume, or truncated.
+bool decode_gaps(const CubeRun& run, Extent extent, std::span<std::uint8_t> missing);
 bool decode_remainders(const CubeRun& run, Extent extent, std::span<std::uint32_t> codes);
 
 }  // namespace gs::qnv::values

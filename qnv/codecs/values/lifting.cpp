@@ -34,23 +34,21 @@ void lift_strip(std::int32_t* first, std::size_t n, std::size_t stride, std::siz
     std::memcpy(first + (undo ? i : band_row(i, n)) * stride, rows + i * kStripColumns, bytes);
 }
 
-// Lifts one line of n adjacent samples. `line` has room for n + 2 samples.
-void lift_line(std::int32_t* samples, std::size_t n, bool undo, std::int32_t* line) {
-  const std::size_t lows = (n + 1) / 2, highs = n / 2;
-  // The low samples, with a copy of the last one behind them if n is even; then the high ones, with a copy of the first
-  // one before them, and of the last one behind them if n is odd: lines continue by reflection.
-  std::int32_t* const low = line;
-  std::int32_t* const high = line + lows + 2;
-  if (undo) {
-    std::memcpy(low, samples, lows * sizeof(std::int32_t));
-    std::memcpy(high, samples + lows, highs * sizeof(std::int32_t));
-  } else {
-    for (std::size_t i = 0; i < highs; ++i) {
-      low[i] = samples[2 * i];
-      high[i] = samples[2 * i + 1];
-    }
-    if (lows > highs) low[highs] = samples[n - 1];
-  }
+/// Parts of a line in a buffer: the low samples, with a copy of the last one behind them, and the high ones, with
+/// copies before and behind them. Lines continue by reflection.
+struct LineHalves {
+  std::int32_t *low, *high;
+  std::size_t lows, highs;
+};
+
+LineHalves halves_of(std::vector<std::int32_t>& line, std::size_t n) {
+  if (line.size() < n + 8) line.resize(n + 8);
+  const std::size_t lows = (n + 1) / 2;
+  return {line.data(), line.data() + lows + 2, lows, n / 2};
+}
+
+void lift_halves(const LineHalves& line, bool undo) {
+  const auto& [low, high, lows, highs] = line;
   for (std::size_t s = 0; s < 4; ++s) {
     const std::size_t step = undo ? 3 - s : s;
     if (step % 2 == 0) {
@@ -62,16 +60,6 @@ void lift_line(std::int32_t* samples, std::size_t n, bool undo, std::int32_t* li
       lift(low, high - 1, high, lows, step, undo);
     }
   }
-  if (undo) {
-    for (std::size_t i = 0; i < highs; ++i) {
-      samples[2 * i] = low[i];
-      samples[2 * i + 1] = high[i];
-    }
-    if (lows > highs) samples[n - 1] = low[highs];
-  } else {
-    std::memcpy(samples, low, lows * sizeof(std::int32_t));
-    std::memcpy(samples + lows, high, highs * sizeof(std::int32_t));
-  }
 }
 
 // Lifts the samples of `part` along an axis.
@@ -79,11 +67,17 @@ void lift_axis(std::int32_t* samples, Extent extent, Extent part, std::size_t ax
                std::vector<std::int32_t>& rows) {
   const std::size_t n = part[axis];
   if (n < 2) return;
-  rows.resize(std::max(rows.size(), std::max(n * kStripColumns, n + 8)));
+  rows.resize(std::max(rows.size(), n * kStripColumns));
   const std::size_t row = extent[0], slice = row * extent[1];
   if (axis == 0) {
     for (std::size_t z = 0; z < part[2]; ++z)
-      for (std::size_t y = 0; y < part[1]; ++y) lift_line(samples + z * slice + y * row, n, undo, rows.data());
+      for (std::size_t y = 0; y < part[1]; ++y) {
+        std::int32_t* const line = samples + z * slice + y * row;
+        if (undo)
+          join_line(line, line, n, rows);
+        else
+          split_line(line, line, n, rows);
+      }
     return;
   }
   for (std::size_t j = 0; j < part[axis == 1 ? 2 : 1]; ++j)
@@ -107,6 +101,38 @@ int level_count(Extent extent) {
 }
 
 std::size_t sample_count(Extent extent) { return std::size_t{extent[0]} * extent[1] * extent[2]; }
+
+void split_line(const std::int32_t* from, std::int32_t* to, std::size_t n, std::vector<std::int32_t>& line) {
+  if (n < 2) {
+    if (n == 1) *to = *from;
+    return;
+  }
+  const LineHalves halves = halves_of(line, n);
+  for (std::size_t i = 0; i < halves.highs; ++i) {
+    halves.low[i] = from[2 * i];
+    halves.high[i] = from[2 * i + 1];
+  }
+  if (halves.lows > halves.highs) halves.low[halves.highs] = from[n - 1];
+  lift_halves(halves, false);
+  std::memcpy(to, halves.low, halves.lows * sizeof(std::int32_t));
+  std::memcpy(to + halves.lows, halves.high, halves.highs * sizeof(std::int32_t));
+}
+
+void join_line(const std::int32_t* from, std::int32_t* to, std::size_t n, std::vector<std::int32_t>& line) {
+  if (n < 2) {
+    if (n == 1) *to = *from;
+    return;
+  }
+  const LineHalves halves = halves_of(line, n);
+  std::memcpy(halves.low, from, halves.lows * sizeof(std::int32_t));
+  std::memcpy(halves.high, from + halves.lows, halves.highs * sizeof(std::int32_t));
+  lift_halves(halves, true);
+  for (std::size_t i = 0; i < halves.highs; ++i) {
+    to[2 * i] = halves.low[i];
+    to[2 * i + 1] = halves.high[i];
+  }
+  if (halves.lows > halves.highs) to[n - 1] = halves.low[halves.highs];
+}
 
 void transform(std::span<std::int32_t> samples, Extent extent, int levels) {
   std::vector<std::int32_t> rows;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace gs::qnv::values {
 
@@ -21,6 +22,11 @@ using Extent = std::array<std::uint32_t, 3>;
 
 /// Transforms the whole volume in place. Low bands come first on every axis.
 void transform(std::span<std::int32_t> samples, Extent extent, int levels);
+/// Transforms a line of n adjacent samples; the low band comes first. `from` and `to` may be equal, but must not
+/// overlap otherwise. `line` is a buffer. join_line() reverts it.
+void split_line(const std::int32_t* from, std::int32_t* to, std::size_t n, std::vector<std::int32_t>& line);
+void join_line(const std::int32_t* from, std::int32_t* to, std::size_t n, std::vector<std::int32_t>& line);
+
 /// Reverts steps from `levels` down to `to`: the samples of low_extent(extent, to), at the strides of `extent`.
 void restore(std::span<std::int32_t> samples, Extent extent, int levels, int to = 0);
 

@@ -1,226 +1,190 @@
 #include "qnv/codecs/values/encode/encode_values.h"
 
-#include "qnv/codecs/values/block.h"
-#include "qnv/codecs/values/decode/values_decoder.h"
+#include "qnv/codecs/values/encode/error_meter.h"
+#include "qnv/codecs/values/slices/slice_transform.h"
 #include "qnv/container/container.h"
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
-#include <queue>
+#include <optional>
+#include <tuple>
 #include <utility>
 
 namespace gs::qnv::values {
 
 namespace {
 
-// A plane that ends after at least this many bytes ends its cluster, too.
-constexpr std::size_t kPlaneClusterBytes = 500;
 // Bytes of a chunk beside its payload.
 constexpr std::size_t kChunkCost = kChunkHeaderBytes + kDirectoryEntryBytes;
-// Sizes at which errors are measured: this many bytes, and each time this factor more.
-constexpr std::size_t kFirstMeasured = 4000, kMeasuredFactor = 4;
 // With a permitted error, clusters end at this ratio of the RMS error to it. It minimises the bytes of clusters and
 // corrections together.
 constexpr double kRmsOfError = 0.4;
 
-struct RankedCluster {
-  Cluster cluster;
-  std::size_t bytes = 0;
-  double gain = 0;
-  double slope = 0;  // highest gain per byte of this and following clusters together
-};
-
-// Encodes a block down to a plane. Sets `rest` to the squared error that remains.
-std::vector<RankedCluster> encode_block(const BlockPlace& place, std::uint32_t number,
-                                        std::span<const std::int32_t> bands, Extent extent, int last_plane,
-                                        double& rest) {
-  std::vector<RankedCluster> clusters;
-  Block block(place);
-  const int top = block.load(bands, extent);
-  rest = block.energy();
-  if (top < 0) return clusters;
-  block.start(top);
-  BlockScratch scratch;
-  while (block.plane() >= last_plane) {
-    RankedCluster next;
-    next.cluster = {number, static_cast<std::uint32_t>(clusters.size()), 0, static_cast<std::uint8_t>(top), {}};
-    BinaryEncoder encoder;
-    const Block::Encoded coded = block.encode(encoder, kPlaneClusterBytes, kClusterEnd, last_plane, scratch);
-    rest -= coded.gain;
-    next.cluster.steps = coded.steps;
-    next.gain = coded.gain;
-    next.cluster.bytes = encoder.finish();
-    next.bytes = pack(next.cluster).size() + kChunkCost;
-    clusters.push_back(std::move(next));
-  }
-  for (std::size_t i = 0; i < clusters.size(); ++i) {
-    double gain = 0;
-    std::size_t bytes = 0;
-    for (std::size_t k = i; k < clusters.size(); ++k) {
-      gain += clusters[k].gain;
-      bytes += clusters[k].bytes;
-      clusters[i].slope = std::max(clusters[i].slope, gain / static_cast<double>(bytes));
-    }
-  }
-  return clusters;
+EncodeError cannot_store(const SpillStore& store) {
+  return EncodeError{"cannot keep the clusters: " + store.problem()};
 }
 
-/// Returns the clusters of all blocks in the order of their slopes, at most `max_bytes`.
-std::vector<RankedCluster> ranked(std::vector<std::vector<RankedCluster>> blocks, std::size_t max_bytes) {
-  using Candidate =
-      std::pair<double, std::size_t>;  // slope; block count minus block number, so that ties choose the lower block
-  std::priority_queue<Candidate> candidates;
-  std::vector<std::size_t> next(blocks.size(), 0);
-  for (std::size_t i = 0; i < blocks.size(); ++i)
-    if (!blocks[i].empty()) candidates.push({blocks[i][0].slope, blocks.size() - i});
-  std::vector<RankedCluster> order;
-  std::size_t bytes = 0;
-  while (!candidates.empty()) {
-    const std::size_t i = blocks.size() - candidates.top().second;
-    candidates.pop();
-    RankedCluster& cluster = blocks[i][next[i]++];
-    bytes += cluster.bytes;
-    if (max_bytes > 0 && bytes > max_bytes && !order.empty()) break;
-    order.push_back(std::move(cluster));
-    if (next[i] < blocks[i].size()) candidates.push({blocks[i][next[i]].slope, blocks.size() - i});
-  }
-  return order;
-}
-
-/// Measures the errors of prefixes, from short ones to long ones.
-class ErrorMeter {
+/// Encodes all blocks of a volume.
+class VolumeEncoder {
  public:
-  ErrorMeter(std::span<const std::int32_t> samples, Extent extent, std::span<const RankedCluster> order)
-      : samples_(samples), order_(order), decoder_(extent) {}
+  VolumeEncoder(Extent extent, SpillStore& store, unsigned threads, Progress* progress)
+      : extent_(extent), layout_(extent, level_count(extent)), store_(store), threads_(threads), progress_(progress) {}
 
-  /// Decodes the first `chunks` clusters, which must not be fewer than in the calls before.
-  ValueError measure(std::size_t chunks) {
-    for (; added_ < chunks; ++added_) decoder_.add(order_[added_].cluster);
-    decoded_ = decoder_.samples();
-    return error();
-  }
-  /// Corrects the decoded samples. Returns the numbers of steps; empty if none are needed.
-  std::vector<std::uint32_t> correct(std::uint32_t most_error) {
-    std::vector<std::uint32_t> corrections(samples_.size(), 0);
-    const std::int64_t step = correction_step(most_error), most = most_error;
-    bool any = false;
-    for (std::size_t i = 0; i < samples_.size(); ++i) {
-      const std::int64_t apart = std::int64_t{samples_[i]} - decoded_[i];
-      if (apart >= -most && apart <= most) continue;
-      any = true;
-      const std::int64_t steps = (apart >= 0 ? apart + most : apart - most) / step;
-      corrections[i] = static_cast<std::uint32_t>(steps);
-      decoded_[i] = static_cast<std::int32_t>(decoded_[i] + steps * step);
+  [[nodiscard]] std::uint64_t blocks() const { return layout_.count(); }
+  /// Encodes down to a plane; coarse levels need more.
+  std::optional<EncodeError> encode(const ReadSamples& read, int last_plane) {
+    clusters_.clear();
+    rest_ = 0;
+    problem_.reset();
+    if (progress_) {
+      progress_->stage = "encoding";
+      progress_->done = 0;
+      progress_->total = blocks();
     }
-    return any ? std::move(corrections) : std::vector<std::uint32_t>();
-  }
-  /// Returns the error of the decoded samples.
-  [[nodiscard]] ValueError error() const {
-    std::int64_t most = 0;
-    double sum = 0;
-    for (std::size_t i = 0; i < samples_.size(); ++i) {
-      const std::int64_t apart = std::abs(std::int64_t{samples_[i]} - decoded_[i]);
-      most = std::max(most, apart);
-      sum += static_cast<double>(apart) * static_cast<double>(apart);
+    SliceTransform transform(extent_, threads_, [&](std::uint64_t first, std::uint32_t count, LevelSlices& slices) {
+      return take(first, count, slices, last_plane);
+    });
+    SampleBatch batch;
+    const std::size_t slice = std::size_t{extent_[0]} * extent_[1];
+    for (std::uint32_t z = 0; z < extent_[2]; z += kBatchSlices) {
+      if (is_cancelled(progress_)) return EncodeError{"cancelled"};
+      if (auto problem = read(z, std::min(kBatchSlices, extent_[2] - z), batch)) return problem;
+      std::vector<SliceRows> slices;
+      for (std::uint32_t i = 0; i < batch.count; ++i) slices.push_back({batch.samples.data() + i * slice, extent_[0]});
+      if (!transform.add(slices)) return problem_ ? std::move(problem_) : EncodeError{"cancelled"};
     }
-    return {static_cast<std::uint32_t>(added_), static_cast<float>(most),
-            static_cast<float>(std::sqrt(sum / static_cast<double>(samples_.size())))};
+    return std::nullopt;
   }
+  std::vector<StoredCluster>& clusters() { return clusters_; }
+  /// Returns the squared error that all clusters leave.
+  [[nodiscard]] double rest() const { return rest_; }
 
  private:
-  std::span<const std::int32_t> samples_;
-  std::span<const RankedCluster> order_;
-  ValuesDecoder decoder_;
-  std::vector<std::int32_t> decoded_;
-  std::size_t added_ = 0;
+  bool take(std::uint64_t first, std::uint32_t count, LevelSlices& slices, int last_plane) {
+    std::vector<BlockEncoder::Result> results(count);
+    const bool whole = parallel_for(
+        count,
+        [&](std::size_t i) {
+          thread_local BlockEncoder encoder;
+          const BlockPlace place = layout_.place(first + i);
+          // Errors of coarse bands spread: each level needs two thirds of a plane more.
+          const int last = std::max(0, last_plane - 2 * (place.level - 1) / 3);
+          encoder.encode(static_cast<std::uint32_t>(first + i), place, slices.bands_of(place), last);
+          results[i] = encoder.take();
+        },
+        threads_, progress_);
+    if (!whole) return false;
+    for (BlockEncoder::Result& result : results) {
+      rest_ += result.rest;
+      for (StoredCluster& cluster : result.clusters) {
+        cluster.offset += store_.size();
+        clusters_.push_back(cluster);
+      }
+      if (!store_.append(result.bytes)) {
+        problem_ = cannot_store(store_);
+        return false;
+      }
+    }
+    return true;
+  }
+
+  Extent extent_;
+  BlockLayout layout_;
+  SpillStore& store_;
+  unsigned threads_;
+  Progress* progress_;
+  std::vector<StoredCluster> clusters_;
+  double rest_ = 0;
+  std::optional<EncodeError> problem_;
 };
+
+// Sorts clusters by rank, and drops those beyond `max_bytes` if that is given. The first cluster stays.
+void order_clusters(std::vector<StoredCluster>& clusters, std::size_t max_bytes) {
+  std::ranges::sort(clusters, [](const StoredCluster& a, const StoredCluster& b) {
+    return std::tuple(-a.rank, a.block, a.index) < std::tuple(-b.rank, b.block, b.index);
+  });
+  if (max_bytes == 0) return;
+  std::size_t bytes = 0, count = 0;
+  while (count < clusters.size() && (bytes += clusters[count].bytes + kChunkCost, bytes <= max_bytes || count == 0))
+    ++count;
+  clusters.resize(count);
+}
 
 /// Returns the number of clusters that reduces the RMS error to `rms`, estimated from their gains. Returns nullopt if
 /// all clusters leave a larger error.
-std::optional<std::size_t> clusters_for(std::span<const RankedCluster> order, double rms, std::size_t samples,
+std::optional<std::size_t> clusters_for(std::span<const StoredCluster> order, double rms, std::size_t samples,
                                         double uncoded) {
   double rest = uncoded;
-  for (const RankedCluster& cluster : order) rest += cluster.gain;
+  for (const StoredCluster& cluster : order) rest += static_cast<double>(cluster.gain);
   const double permitted = rms * rms * static_cast<double>(samples);
   for (std::size_t i = 0; i < order.size(); ++i) {
     if (rest <= permitted) return i;
-    rest -= order[i].gain;
+    rest -= static_cast<double>(order[i].gain);
   }
   return rest <= permitted ? std::optional(order.size()) : std::nullopt;
 }
 
-/// Measures errors after certain sizes and at the end, and corrects the end if `most_error` is given.
-void measure(std::span<const std::int32_t> samples, Extent extent, std::span<const RankedCluster> order,
-             std::optional<std::uint32_t> most_error, bool exact, EncodedValues& encoded, Progress* progress) {
-  std::size_t bytes = 0, all = 0, mark = kFirstMeasured;
-  for (const RankedCluster& cluster : order) all += cluster.bytes;
-  ErrorMeter meter(samples, extent, order);
-  for (std::size_t i = 0; i < order.size() && !is_cancelled(progress); ++i) {
-    bytes += order[i].bytes;
-    if (bytes < mark || 2 * bytes > all || encoded.errors.size() + 3 > ValueGrid::kMaxValueErrors) continue;
-    encoded.errors.push_back(meter.measure(i + 1));
-    while (mark <= bytes) mark *= kMeasuredFactor;
+// Returns the numbers of clusters after which errors are measured: after about 4 kB, and each time a factor more, up to
+// an eighth of the bytes. Large volumes have fewer of them, because each one is decoded.
+std::vector<std::size_t> measured_prefixes(std::span<const StoredCluster> order, std::size_t samples) {
+  constexpr std::size_t kFirst = 4000;
+  const std::size_t factor = samples <= std::size_t{1} << 24 ? 4 : samples <= std::size_t{1} << 27 ? 16 : 64;
+  std::vector<std::size_t> prefixes;
+  std::size_t bytes = 0, all = 0, mark = kFirst;
+  for (const StoredCluster& cluster : order) all += cluster.bytes + kChunkCost;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    bytes += order[i].bytes + kChunkCost;
+    if (bytes < mark || 8 * bytes > all || prefixes.size() + 3 > ValueGrid::kMaxValueErrors) continue;
+    prefixes.push_back(i + 1);
+    while (mark <= bytes) mark *= factor;
   }
-  if (exact) return encoded.errors.push_back({static_cast<std::uint32_t>(order.size()), 0, 0});
-  ValueError end = meter.measure(order.size());
-  if (most_error) {
-    encoded.corrections = meter.correct(*most_error);
-    end = meter.error();
-  }
-  encoded.errors.push_back(end);
+  return prefixes;
 }
 
 }  // namespace
 
-std::optional<EncodedValues> encode_values(std::span<const std::int32_t> samples, Extent extent,
-                                           const ValuesLimit& limit, unsigned threads, Progress* progress) {
-  if (!valid(extent) || samples.size() != sample_count(extent)) return std::nullopt;
-  std::vector<std::int32_t> bands(samples.begin(), samples.end());
-  const int levels = level_count(extent);
-  transform(bands, extent, levels);
-  const BlockLayout layout(extent, levels);
-  const auto block_count = static_cast<std::size_t>(layout.count());
-  if (progress) {
-    progress->stage = "encoding";
-    progress->done = 0;
-    progress->total = block_count;
-  }
+void store_run(const CubeRun& run, SpillStore& store, std::vector<StoredRun>& runs,
+               std::optional<EncodeError>& problem) {
+  if (problem) return;
+  const std::vector<std::byte> packed = pack(run);
+  runs.push_back({store.size(), run.first, run.count, static_cast<std::uint32_t>(packed.size())});
+  if (!store.append(packed)) problem = cannot_store(store);
+}
+
+std::variant<EncodedValues, EncodeError> encode_values(const ReadSamples& read, Extent extent, const ValuesLimit& limit,
+                                                       SpillStore& store, unsigned threads, Progress* progress) {
+  VolumeEncoder volume(extent, store, threads, progress);
   // A permitted error of one step saves nothing.
   const bool bounded = limit.most_error > 1 && limit.max_bytes == 0;
+  const bool exact = !bounded && limit.max_bytes == 0;
+  EncodedValues encoded;
   for (int last_plane = bounded ? std::max(0, static_cast<int>(std::bit_width(limit.most_error)) - 2) : 0;;
        --last_plane) {
-    std::vector<std::vector<RankedCluster>> blocks(block_count);
-    std::vector<double> rests(block_count, 0);
-    const bool whole = parallel_for(
-        block_count,
-        [&](std::size_t i) {
-          const BlockPlace place = layout.place(i);
-          // Errors of coarse bands spread: each level needs two thirds of a plane more.
-          const int last = std::max(0, last_plane - 2 * (place.level - 1) / 3);
-          blocks[i] = encode_block(place, static_cast<std::uint32_t>(i), bands, extent, last, rests[i]);
-          if (progress) ++progress->done;
-        },
-        threads, progress);
-    if (!whole) return std::nullopt;
-    std::vector<RankedCluster> order = ranked(std::move(blocks), limit.max_bytes);
+    if (auto problem = volume.encode(read, last_plane)) return std::move(*problem);
+    order_clusters(volume.clusters(), limit.max_bytes);
     if (bounded) {
-      double uncoded = 0;
-      for (const double rest : rests) uncoded += rest;
-      const auto end = clusters_for(order, kRmsOfError * limit.most_error, samples.size(), uncoded);
+      const auto end =
+          clusters_for(volume.clusters(), kRmsOfError * limit.most_error, sample_count(extent), volume.rest());
       if (!end && last_plane > 0) continue;
-      order.resize(end.value_or(order.size()));
+      volume.clusters().resize(end.value_or(volume.clusters().size()));
     }
-    EncodedValues encoded;
-    measure(samples, extent, order, bounded ? std::optional(limit.most_error) : std::nullopt,
-            !bounded && limit.max_bytes == 0, encoded, progress);
-    if (is_cancelled(progress)) return std::nullopt;
-    for (RankedCluster& cluster : order) {
-      encoded.gains.push_back(cluster.gain);
-      encoded.clusters.push_back(std::move(cluster.cluster));
-    }
-    return encoded;
+    break;
   }
+  encoded.clusters = std::move(volume.clusters());
+  ErrorMeter meter(read, extent, {store, encoded.clusters, volume.blocks()}, threads, progress);
+  std::vector<std::size_t> prefixes = measured_prefixes(encoded.clusters, sample_count(extent));
+  if (!exact) prefixes.push_back(encoded.clusters.size());
+  std::optional<EncodeError> problem;
+  for (const std::size_t clusters : prefixes) {
+    const bool last = bounded && clusters == encoded.clusters.size();
+    RemainderEncoder runs(extent, [&](CubeRun&& run) { store_run(run, store, encoded.corrections, problem); });
+    auto measured = meter.measure(clusters, last ? limit.most_error : 0, last ? &runs : nullptr);
+    if (auto* failed = std::get_if<EncodeError>(&measured)) return std::move(*failed);
+    encoded.errors.push_back(std::get<ValueError>(measured));
+    if (problem) return std::move(*problem);
+  }
+  if (exact) encoded.errors.push_back({static_cast<std::uint32_t>(encoded.clusters.size()), 0, 0});
+  return encoded;
 }
 
 }  // namespace gs::qnv::values

@@ -1,14 +1,15 @@
 #pragma once
 
 #include "base/parallel.h"
-#include "qnv/codecs/values/cluster.h"
+#include "qnv/codecs/shared/spill_store.h"
+#include "qnv/codecs/values/cube_runs.h"
+#include "qnv/codecs/values/encode/sample_batch.h"
+#include "qnv/codecs/values/encode/stored_clusters.h"
 #include "qnv/container/value_grid.h"
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
-#include <optional>
-#include <span>
+#include <variant>
 #include <vector>
 
 namespace gs::qnv::values {
@@ -19,23 +20,32 @@ struct ValuesLimit {
   std::size_t max_bytes = 0;     // of all chunks with their directory entries; 0 means unlimited
 };
 
-/// Clusters of a volume, the most useful per byte first.
+/// Run of cubes, packed in a SpillStore.
+struct StoredRun {
+  std::uint64_t offset = 0, first = 0;  // `first` cube
+  std::uint32_t count = 0, bytes = 0;   // of cubes, of the packed form
+};
+
+/// Encoded volume, with its bytes in a SpillStore.
 struct EncodedValues {
-  std::vector<Cluster> clusters;
-  std::vector<double> gains;  // reduction of the squared error of the volume by each cluster, in steps
-  /// Measured errors of samples, in steps: after about 4, 16, 64, ... kB, and at the end.
-  std::vector<ValueError> errors;
-  /// Signed number of correction steps per sample, as two's complement. Empty if no sample needs one.
-  std::vector<std::uint32_t> corrections;
+  std::vector<StoredCluster> clusters;  // the most useful per byte first
+  std::vector<ValueError> errors;       // of samples, in steps: after some sizes, and at the end
+  std::vector<StoredRun> corrections;   // of samples, in correction steps
 };
 
 /// Returns the size of a correction step for a permitted error.
 [[nodiscard]] constexpr std::uint32_t correction_step(std::uint32_t most_error) { return 2 * most_error + 1; }
 
-/// Encodes a volume. Returns nullopt if `samples` does not match `extent`, or if cancelled. The bytes do not depend on
-/// the number of threads. Blocks. Any thread.
-[[nodiscard]] std::optional<EncodedValues> encode_values(std::span<const std::int32_t> samples, Extent extent,
-                                                         const ValuesLimit& limit, unsigned threads = 0,
-                                                         Progress* progress = nullptr);
+/// Appends a run to a store. Sets `problem` on failure.
+void store_run(const CubeRun& run, SpillStore& store, std::vector<StoredRun>& runs,
+               std::optional<EncodeError>& problem);
+
+/// Encodes a volume that is read slice by slice, several times. Memory: about 60 slices of 4 bytes per voxel, and 24
+/// bytes per cluster. Returns an error if `read` or the store fails, or if cancelled. The clusters do not depend on the
+/// number of threads, nor on the store. Blocks.
+[[nodiscard]] std::variant<EncodedValues, EncodeError> encode_values(const ReadSamples& read, Extent extent,
+                                                                     const ValuesLimit& limit, SpillStore& store,
+                                                                     unsigned threads = 0,
+                                                                     Progress* progress = nullptr);
 
 }  // namespace gs::qnv::values

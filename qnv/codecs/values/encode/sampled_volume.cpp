@@ -1,15 +1,20 @@
 #include "qnv/codecs/values/encode/sampled_volume.h"
 
+#include "base/nth_type.h"
+#include "base/parallel.h"
 #include "qnv/codecs/values/cluster.h"
 #include "qnv/codecs/values/lifting.h"
+#include "qnv/codecs/values/slices/level_slices.h"
 #include "qnv/codecs/values/stored_code.h"
 #include "qnv/sampling/volume/volume_slices.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <functional>
+#include <cstring>
 #include <limits>
 #include <string>
+#include <type_traits>
 
 namespace gs::qnv::values {
 
@@ -19,6 +24,8 @@ namespace {
 constexpr double kDefaultShare = 1.0 / 8192;
 // Bits of the samples of float volumes that are restored exactly. Remainders have the others.
 constexpr int kExactBits = 22;
+// Number of voxels that are converted at once.
+constexpr std::size_t kRun = 1024;
 
 /// Range of the stored numbers that are not missing.
 struct StoredRange {
@@ -26,25 +33,66 @@ struct StoredRange {
   bool gaps = false;
 };
 
-/// Calls take(z, numbers) for each slice. Returns an error if the source fails, or if cancelled.
-std::optional<EncodeError> each_slice(const VolumeSource& source, const char* stage, Progress* progress,
-                                      const std::function<void(std::uint32_t, std::span<const double>)>& take) {
+// Reports whether every stored integer of type T is there and has a value.
+template <class T>
+bool always_there(const VolumeLayout& layout) {
+  if constexpr (std::is_floating_point_v<T>) return false;
+  constexpr double kMost = std::numeric_limits<float>::max(), kLargest = 4294967296.0;
+  return !layout.missing && std::abs(layout.slope) * kLargest + std::abs(layout.intercept) < kMost &&
+         layout.big_endian == (std::endian::native == std::endian::big);
+}
+
+StoredRange range_of(const VolumeLayout& layout, std::span<const std::byte> stored) {
+  StoredRange range;
+  with_nth_type<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, float, double>(
+      static_cast<std::size_t>(layout.type), [&]<class T>(T) {
+        const std::size_t count = stored.size() / sizeof(T);
+        if (always_there<T>(layout)) {
+          T least = std::numeric_limits<T>::max(), most = std::numeric_limits<T>::lowest();
+          for (std::size_t i = 0; i < count; ++i) {
+            T number;
+            std::memcpy(&number, stored.data() + i * sizeof(T), sizeof(T));
+            least = std::min(least, number);
+            most = std::max(most, number);
+          }
+          range.least = static_cast<double>(least);
+          range.most = static_cast<double>(most);
+          return;
+        }
+        std::array<double, kRun> numbers;
+        for (std::size_t at = 0; at < count; at += kRun) {
+          const std::size_t n = std::min(kRun, count - at);
+          stored_numbers(layout, stored.subspan(at * sizeof(T), n * sizeof(T)), std::span(numbers).first(n));
+          for (std::size_t i = 0; i < n; ++i) {
+            range.gaps = range.gaps || numbers[i] != numbers[i];
+            range.least = numbers[i] < range.least ? numbers[i] : range.least;
+            range.most = numbers[i] > range.most ? numbers[i] : range.most;
+          }
+        }
+      });
+  return range;
+}
+
+// Returns the range of a whole volume, or an error if the source fails or if cancelled.
+std::variant<StoredRange, EncodeError> measured_range(const VolumeSource& source, Progress* progress) {
   const VolumeLayout& layout = source.layout;
   if (progress) {
-    progress->stage = stage;
+    progress->stage = "measuring";
     progress->done = 0;
     progress->total = layout.dimensions[2];
   }
   std::vector<std::byte> stored(slice_voxels(layout) * size_of(layout.type));
-  std::vector<double> numbers(slice_voxels(layout));
+  StoredRange whole;
   for (std::uint32_t z = 0; z < layout.dimensions[2]; ++z) {
     if (is_cancelled(progress)) return EncodeError{"cancelled"};
     if (!source.read(z, stored)) return EncodeError{"slice " + std::to_string(z) + " of the volume cannot be read"};
-    stored_numbers(layout, stored, numbers);
-    take(z, numbers);
+    const StoredRange one = range_of(layout, stored);
+    whole.least = std::min(whole.least, one.least);
+    whole.most = std::max(whole.most, one.most);
+    whole.gaps = whole.gaps || one.gaps;
     if (progress) progress->done = z + 1;
   }
-  return std::nullopt;
+  return whole;
 }
 
 double permitted_error(const ValueTolerance& tolerance, double range) {
@@ -55,12 +103,12 @@ double permitted_error(const ValueTolerance& tolerance, double range) {
 
 // Sets grid and limits of an integer volume. A sample counts steps above the minimum. The step is 1, or a power of two
 // if the range exceeds kMostSample.
-void scale_integers(const StoredRange& range, double permitted, SampledVolume& volume) {
+void scale_integers(double permitted, SampledVolume& volume) {
   ValueGrid& grid = volume.grid;
   double step = 1;
-  while ((range.most - range.least) / step > kMostSample) step *= 2;
+  while ((volume.most - volume.least) / step > kMostSample) step *= 2;
   grid.unit = grid.slope * step;
-  grid.zero = grid.intercept + grid.slope * range.least;
+  grid.zero = grid.intercept + grid.slope * volume.least;
   const double apart = std::abs(grid.slope);
   volume.rounding = static_cast<float>(step > 1 ? apart * step / 2 : 0);
   const double samples = (permitted - volume.rounding) / std::abs(grid.unit);
@@ -69,10 +117,10 @@ void scale_integers(const StoredRange& range, double permitted, SampledVolume& v
 }
 
 // Sets grid and limits of a float volume. A sample counts steps of a power of two above the minimum.
-void scale_floats(const StoredRange& range, double permitted, SampledVolume& volume) {
+void scale_floats(double permitted, SampledVolume& volume) {
   ValueGrid& grid = volume.grid;
   // The step is a power of two in stored numbers, so that its multiples are exact.
-  const double size = range.most - range.least;
+  const double size = volume.most - volume.least;
   const double stored_error = permitted / std::abs(grid.slope);
   int exponent = std::ilogb(size > 0 ? size : 1) + 1 - kExactBits;
   const double least_step = std::ldexp(1.0, exponent - 3);
@@ -80,71 +128,57 @@ void scale_floats(const StoredRange& range, double permitted, SampledVolume& vol
   exponent = std::clamp(exponent, -1000, 1000);
   const double step = std::ldexp(1.0, exponent);
   grid.unit = grid.slope * step;
-  grid.zero = grid.intercept + grid.slope * range.least;
+  grid.zero = grid.intercept + grid.slope * volume.least;
   volume.rounding = static_cast<float>(std::abs(grid.unit) / 2);
-  const double number_rounding = std::max(std::abs(range.least), std::abs(range.most)) * 0x1p-23;
+  const double number_rounding = std::max(std::abs(volume.least), std::abs(volume.most)) * 0x1p-23;
   const double samples = (stored_error - step / 2 - number_rounding) / step;
   grid.exact = samples < 0;
   volume.most_error = static_cast<std::uint32_t>(std::clamp(std::floor(samples), 0.0, double{kMostSample}));
 }
 
-}  // namespace
+// Part of a batch to convert: one slice.
+struct SlicePart {
+  std::int32_t* samples;
+  std::uint8_t* missing;  // null if the volume has no gaps
+  std::uint32_t* codes;   // null if they are not wanted
+};
 
-void fill_gaps(std::vector<std::int32_t>& samples, const std::vector<std::uint8_t>& missing,
-               const std::array<std::uint32_t, 3>& n) {
-  // Means of ever larger boxes, until each box has a value; then values go back from large boxes to small ones.
-  struct Level {
-    std::array<std::uint32_t, 3> n{};
-    std::vector<float> sums, counts;
-  };
-  std::vector<Level> levels;
-  const auto index = [](const std::array<std::uint32_t, 3>& size, std::size_t x, std::size_t y, std::size_t z) {
-    return (z * size[1] + y) * size[0] + x;
-  };
-  bool gaps = true;
-  for (std::array<std::uint32_t, 3> fine = n; gaps;) {
-    Level level;
-    for (std::size_t a = 0; a < 3; ++a) level.n[a] = (fine[a] + 1) / 2;
-    const std::size_t count = sample_count(level.n);
-    level.sums.assign(count, 0);
-    level.counts.assign(count, 0);
-    for (std::size_t z = 0; z < fine[2]; ++z)
-      for (std::size_t y = 0; y < fine[1]; ++y)
-        for (std::size_t x = 0; x < fine[0]; ++x) {
-          const std::size_t from = index(fine, x, y, z), to = index(level.n, x / 2, y / 2, z / 2);
-          if (levels.empty()) {
-            if (missing[from] != 0) continue;
-            level.sums[to] += static_cast<float>(samples[from]);
-            level.counts[to] += 1;
-          } else if (const Level& finer = levels.back(); finer.counts[from] > 0) {
-            level.sums[to] += finer.sums[from] / finer.counts[from];
-            level.counts[to] += 1;
+void convert_slice(const VolumeLayout& layout, const SampledVolume& volume, std::span<const std::byte> stored,
+                   const SlicePart& to) {
+  const double step = volume.grid.unit / volume.grid.slope;
+  with_nth_type<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, float, double>(
+      static_cast<std::size_t>(layout.type), [&]<class T>(T) {
+        const std::size_t count = stored.size() / sizeof(T);
+        if (always_there<T>(layout) && step == 1 && !to.codes && layout.slope != 0) {
+          const auto least = static_cast<std::int64_t>(volume.least);
+          for (std::size_t i = 0; i < count; ++i) {
+            T number;
+            std::memcpy(&number, stored.data() + i * sizeof(T), sizeof(T));
+            to.samples[i] =
+                static_cast<std::int32_t>(static_cast<std::uint32_t>(number) - static_cast<std::uint32_t>(least));
           }
+          if (to.missing) std::fill_n(to.missing, count, std::uint8_t{0});
+          return;
         }
-    gaps = std::ranges::any_of(level.counts, [](float c) { return c == 0; }) && count > 1;
-    fine = level.n;
-    levels.push_back(std::move(level));
-  }
-  for (std::size_t i = levels.size(); i-- > 0;) {
-    Level& level = levels[i];
-    for (std::size_t z = 0; z < level.n[2]; ++z)
-      for (std::size_t y = 0; y < level.n[1]; ++y)
-        for (std::size_t x = 0; x < level.n[0]; ++x) {
-          const std::size_t at = index(level.n, x, y, z);
-          if (level.counts[at] > 0) {
-            level.sums[at] /= level.counts[at];
-          } else if (i + 1 < levels.size()) {
-            level.sums[at] = levels[i + 1].sums[index(levels[i + 1].n, x / 2, y / 2, z / 2)];
+        std::array<double, kRun> numbers;
+        const double per_step = 1 / step;  // exact for powers of two
+        for (std::size_t at = 0; at < count; at += kRun) {
+          const std::size_t n = std::min(kRun, count - at);
+          stored_numbers(layout, stored.subspan(at * sizeof(T), n * sizeof(T)), std::span(numbers).first(n));
+          for (std::size_t i = 0; i < n; ++i) {
+            const bool there = numbers[i] == numbers[i];
+            if (to.missing) to.missing[at + i] = there ? 0 : 1;
+            const double number = there ? (layout.slope != 0 ? numbers[i] : 0.0) : volume.least;
+            to.samples[at + i] = static_cast<std::int32_t>((number - volume.least) * per_step + 0.5);
+            numbers[i] = there ? number : 0.0;
           }
+          if (to.codes)
+            for (std::size_t i = 0; i < n; ++i) to.codes[at + i] = code_of(volume.grid.stored, numbers[i]);
         }
-  }
-  const Level& first = levels.front();
-  for (std::size_t z = 0; z < n[2]; ++z)
-    for (std::size_t y = 0; y < n[1]; ++y)
-      for (std::size_t x = 0; x < n[0]; ++x)
-        if (const std::size_t at = index(n, x, y, z); missing[at] != 0)
-          samples[at] = static_cast<std::int32_t>(first.sums[index(first.n, x / 2, y / 2, z / 2)]);
+      });
 }
+
+}  // namespace
 
 std::variant<SampledVolume, EncodeError> sample_volume(const VolumeSource& source, const ValueTolerance& tolerance,
                                                        Progress* progress) {
@@ -162,45 +196,58 @@ std::variant<SampledVolume, EncodeError> sample_volume(const VolumeSource& sourc
   grid.slope = layout.slope != 0 ? layout.slope : 1;
   grid.intercept = layout.intercept;
   if (layout.missing && std::isfinite(*layout.missing)) grid.missing = layout.missing;
-  StoredRange range;
-  if (auto problem = each_slice(source, "measuring", progress, [&](std::uint32_t, std::span<const double> numbers) {
-        for (const double number : numbers) {
-          range.gaps = range.gaps || number != number;
-          range.least = number < range.least ? number : range.least;
-          range.most = number > range.most ? number : range.most;
-        }
-      }))
-    return std::move(*problem);
-  if (!(range.least <= range.most)) return EncodeError{"every voxel of the volume is missing; expected values"};
-  if (layout.slope == 0) range.least = range.most = 0;
-  const double permitted = permitted_error(tolerance, (range.most - range.least) * std::abs(grid.slope));
+  auto measured = measured_range(source, progress);
+  if (auto* problem = std::get_if<EncodeError>(&measured)) return std::move(*problem);
+  auto& [least, most, gaps] = std::get<StoredRange>(measured);
+  if (!(least <= most)) return EncodeError{"every voxel of the volume is missing; expected values"};
+  if (layout.slope == 0) least = most = 0;
+  volume.least = least;
+  volume.most = most;
+  grid.gaps = gaps;
+  const double permitted = permitted_error(tolerance, (most - least) * std::abs(grid.slope));
   if (is_integer(grid.stored))
-    scale_integers(range, permitted, volume);
+    scale_integers(permitted, volume);
   else
-    scale_floats(range, permitted, volume);
+    scale_floats(permitted, volume);
   if (grid.unit == 0 || !std::isfinite(grid.zero) || !std::isfinite(grid.unit))
     return EncodeError{"the values of the volume are too small or too large; expected those of float32"};
-  const std::array<double, 2> ends{range.least * grid.slope + grid.intercept, range.most * grid.slope + grid.intercept};
+  const std::array<double, 2> ends{least * grid.slope + grid.intercept, most * grid.slope + grid.intercept};
   volume.value_range = {static_cast<float>(std::min(ends[0], ends[1])), static_cast<float>(std::max(ends[0], ends[1]))};
-  const double step = grid.unit / grid.slope;
-  const auto count = static_cast<std::size_t>(voxel_count(layout));
-  volume.samples.resize(count);
-  grid.gaps = range.gaps;
-  if (range.gaps) volume.missing.resize(count);
-  if (grid.exact) volume.codes.resize(count);
-  if (auto problem = each_slice(source, "sampling", progress, [&](std::uint32_t z, std::span<const double> numbers) {
-        const std::size_t first = z * slice_voxels(layout);
-        for (std::size_t i = 0; i < numbers.size(); ++i) {
-          const bool there = numbers[i] == numbers[i];
-          const double number = there ? std::clamp(layout.slope != 0 ? numbers[i] : 0, range.least, range.most) : 0;
-          volume.samples[first + i] = there ? static_cast<std::int32_t>(std::lround((number - range.least) / step)) : 0;
-          if (range.gaps) volume.missing[first + i] = there ? 0 : 1;
-          if (grid.exact) volume.codes[first + i] = code_of(grid.stored, number);
-        }
-      }))
-    return std::move(*problem);
-  if (range.gaps) fill_gaps(volume.samples, volume.missing, grid.dimensions);
   return volume;
+}
+
+SampleReader::SampleReader(const VolumeSource& source, const SampledVolume& volume, unsigned threads)
+    : source_(source), volume_(volume), threads_(threads), filling_(volume.grid.dimensions) {}
+
+std::optional<EncodeError> SampleReader::read(std::uint32_t first, std::uint32_t count, bool codes,
+                                              SampleBatch& batch) {
+  const VolumeLayout& layout = source_.layout;
+  const std::size_t slice = slice_voxels(layout), bytes = slice * size_of(layout.type);
+  batch.first = first;
+  batch.count = count;
+  batch.samples.resize(slice * count);
+  batch.missing.resize(volume_.grid.gaps ? slice * count : 0);
+  batch.codes.resize(codes ? slice * count : 0);
+  stored_.resize(bytes * count);
+  for (std::uint32_t i = 0; i < count; ++i)
+    if (!source_.read(first + i, std::span(stored_).subspan(i * bytes, bytes)))
+      return EncodeError{"slice " + std::to_string(first + i) + " of the volume cannot be read"};
+  (void)parallel_for(
+      count,
+      [&](std::size_t i) {
+        const std::size_t at = i * slice;
+        convert_slice(layout, volume_, std::span<const std::byte>(stored_).subspan(i * bytes, bytes),
+                      {batch.samples.data() + at, batch.missing.empty() ? nullptr : batch.missing.data() + at,
+                       codes ? batch.codes.data() + at : nullptr});
+      },
+      threads_for(slice * count, threads_));
+  if (fills_) filling_.fill(batch);
+  return std::nullopt;
+}
+
+void SampleReader::prepare_gaps() {
+  filling_.finish();
+  fills_ = true;
 }
 
 }  // namespace gs::qnv::values

@@ -1,36 +1,57 @@
 #pragma once
 
 #include "qnv/codecs/shared/encode_options.h"
+#include "qnv/codecs/values/encode/gap_filling.h"
+#include "qnv/codecs/values/encode/sample_batch.h"
 #include "qnv/container/value_grid.h"
 #include "qnv/sampling/volume/volume.h"
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <variant>
 #include <vector>
 
 namespace gs::qnv::values {
 
-/// Volume as integers, for the transform.
+/// Volume as integers for the transform. Its samples are read from the source when they are needed.
 struct SampledVolume {
-  ValueGrid grid;                     // without errors
-  std::vector<std::int32_t> samples;  // missing voxels are filled smoothly
-  std::vector<std::uint8_t> missing;  // 1 for missing voxels; empty if there are none
-  std::vector<std::uint32_t> codes;   // of the stored voxels, if `grid.exact`
-  std::uint32_t most_error = 0;       // permitted for the samples of a stream
-  float rounding = 0;                 // maximum error of the samples themselves, in the unit of the values
+  ValueGrid grid;                // without errors
+  std::uint32_t most_error = 0;  // permitted for the samples of a stream
+  float rounding = 0;            // maximum error of the samples themselves, in the unit of the values
   std::pair<float, float> value_range{0, 0};
+  double least = 0, most = 0;  // of the stored numbers
 };
 
-/// Reads a volume twice, slice by slice, and converts it. Float numbers become multiples of a power of two that suits
-/// the permitted error. Returns an error if the source fails, for a volume without values or with too many voxels, or
-/// if cancelled. Safe for untrusted values.
+/// Reads a volume once and chooses its integers. Float numbers become multiples of a power of two that suits the
+/// permitted error. Returns an error if the source fails, for a volume without values or with too many voxels, or if
+/// cancelled. Safe for untrusted values.
 [[nodiscard]] std::variant<SampledVolume, EncodeError> sample_volume(const VolumeSource& source,
                                                                      const ValueTolerance& tolerance,
                                                                      Progress* progress);
 
-/// Replaces the samples of missing voxels by means of their neighbours, from near to far.
-void fill_gaps(std::vector<std::int32_t>& samples, const std::vector<std::uint8_t>& missing,
-               const std::array<std::uint32_t, 3>& dimensions);
+/// Reader of the samples of a volume, a few slices at a time. `source` and `volume` must outlive it. One thread at a
+/// time.
+class SampleReader {
+ public:
+  SampleReader(const VolumeSource& source, const SampledVolume& volume, unsigned threads);
+
+  /// Reads slices, and the codes of their stored voxels if `codes`. Missing voxels are filled after prepare_gaps();
+  /// before, they are 0. Returns an error if the source fails.
+  [[nodiscard]] std::optional<EncodeError> read(std::uint32_t first, std::uint32_t count, bool codes,
+                                                SampleBatch& batch);
+  /// Takes the slices of a volume with gaps, in order, before they are read to be encoded.
+  void measure_gaps(const SampleBatch& batch) { filling_.measure(batch); }
+  void prepare_gaps();
+
+ private:
+  const VolumeSource& source_;
+  const SampledVolume& volume_;
+  unsigned threads_;
+  bool fills_ = false;
+  GapFilling filling_;
+  std::vector<std::byte> stored_;
+};
 
 }  // namespace gs::qnv::values

@@ -13,7 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -36,15 +36,6 @@ Description describe(const VolumeSource& source, const SampledVolume& volume, co
   return about;
 }
 
-OutgoingChunk chunk_of(ChunkType type, std::vector<std::byte> payload, const Box& box) {
-  OutgoingChunk chunk;
-  chunk.type = type;
-  chunk.payload = std::move(payload);
-  chunk.entry.parent = 0xffffffff;
-  chunk.entry.box = box;
-  return chunk;
-}
-
 // Box of voxels from `first`, with the reach of the wavelets.
 Box box_of(const VolumeLayout& layout, const values::Extent& first, const values::Extent& size, int level) {
   const double reach = std::ldexp(4.0, std::max(level - 1, 0));
@@ -58,7 +49,7 @@ Box box_of(const VolumeLayout& layout, const values::Extent& first, const values
   return box;
 }
 
-Box box_of_run(const VolumeLayout& layout, const values::CubeRun& run) {
+Box box_of_run(const VolumeLayout& layout, const values::StoredRun& run) {
   const values::Extent cubes = values::cube_extent(layout.dimensions);
   const std::uint64_t slice = std::uint64_t{cubes[0]} * cubes[1];
   const auto first = static_cast<std::uint32_t>(run.first / slice),
@@ -67,14 +58,164 @@ Box box_of_run(const VolumeLayout& layout, const values::CubeRun& run) {
                 {layout.dimensions[0], layout.dimensions[1], (last - first + 1) * values::kCubeEdge}, 0);
 }
 
-// Returns the bytes of `room` that remain for clusters beside their parity.
-std::size_t room_for_clusters(std::size_t room, const Protection& protection) {
-  if (protection.kind == Protection::Kind::none) return room;
+/// Parts of a stream in the order of their chunks.
+struct StreamParts {
+  std::vector<values::StoredRun> gaps;
+  std::vector<values::StoredCluster> clusters;
+  std::vector<values::StoredRun> remainders;
+};
+
+/// Chunks of a values stream, with payloads in a store.
+class ValuesChunks final : public ChunkList {
+ public:
+  ValuesChunks(const VolumeLayout& layout, const SpillStore& store, const StreamParts& parts)
+      : layout_(layout),
+        store_(store),
+        parts_(parts),
+        blocks_(layout.dimensions, values::level_count(layout.dimensions)) {
+    for (const values::StoredCluster& cluster : parts.clusters)
+      most_gain_ = std::max(most_gain_, static_cast<double>(cluster.gain));
+  }
+
+  [[nodiscard]] std::size_t size() const override {
+    return parts_.gaps.size() + parts_.clusters.size() + parts_.remainders.size();
+  }
+  [[nodiscard]] std::optional<OutgoingChunk> chunk(std::size_t i) const override {
+    OutgoingChunk chunk;
+    chunk.entry.parent = 0xffffffff;
+    const Place place = place_of(i);
+    chunk.payload.resize(place.run ? place.run->bytes : place.cluster->bytes);
+    if (!store_.read(place.run ? place.run->offset : place.cluster->offset, chunk.payload)) return std::nullopt;
+    if (place.run) {
+      chunk.type = i < parts_.gaps.size() ? ChunkType::gaps : ChunkType::remainders;
+      // A lost chunk of gaps leaves wrong values where there are none.
+      if (chunk.type == ChunkType::gaps) chunk.gain = most_gain_;
+      chunk.entry.box = box_of_run(layout_, *place.run);
+      return chunk;
+    }
+    const values::BlockPlace block = blocks_.place(place.cluster->block);
+    chunk.type = ChunkType::values;
+    chunk.entry.box = box_of(layout_, block.first, block.size, block.level);
+    chunk.entry.level = static_cast<std::uint8_t>(block.level);
+    chunk.gain = static_cast<double>(place.cluster->gain);
+    chunk.chain = place.cluster->block;
+    if (place.cluster->index == 0 && block.level == 1)
+      chunk.entry.vectors =
+          static_cast<std::uint32_t>(kShownFraction * static_cast<double>(values::sample_count(block.size)));
+    return chunk;
+  }
+
+ private:
+  /// Part of the stream that a chunk holds: a run or a cluster.
+  struct Place {
+    const values::StoredRun* run = nullptr;
+    const values::StoredCluster* cluster = nullptr;
+  };
+  [[nodiscard]] Place place_of(std::size_t i) const {
+    if (i < parts_.gaps.size()) return {&parts_.gaps[i], nullptr};
+    i -= parts_.gaps.size();
+    if (i < parts_.clusters.size()) return {nullptr, &parts_.clusters[i]};
+    return {&parts_.remainders[i - parts_.clusters.size()], nullptr};
+  }
+
+  const VolumeLayout& layout_;
+  const SpillStore& store_;
+  const StreamParts& parts_;
+  values::BlockLayout blocks_;
+  double most_gain_ = 0;
+};
+
+/// Reads a volume batch by batch. Calls take(batch) for each. Returns an error if the source fails, or if cancelled.
+template <class Take>
+std::optional<EncodeError> each_batch(values::SampleReader& reader, const VolumeLayout& layout, bool codes,
+                                      Progress* progress, Take&& take) {
+  values::SampleBatch batch;
+  const std::uint32_t depth = layout.dimensions[2];
+  if (progress) {
+    progress->stage = "sampling";
+    progress->done = 0;
+    progress->total = depth;
+  }
+  for (std::uint32_t z = 0; z < depth; z += values::kBatchSlices) {
+    if (is_cancelled(progress)) return EncodeError{"cancelled"};
+    if (auto problem = reader.read(z, std::min(values::kBatchSlices, depth - z), codes, batch)) return problem;
+    take(batch);
+    if (progress) progress->done = z + batch.count;
+  }
+  return std::nullopt;
+}
+
+// Adds the layers of a batch to an encoder of runs.
+template <class Number>
+void add_layers(std::span<const Number> numbers, const VolumeLayout& layout, values::RunEncoder<Number>& encoder) {
+  const std::size_t layer = slice_voxels(layout) * values::kCubeEdge;
+  for (std::size_t at = 0; at < numbers.size(); at += layer)
+    encoder.add(numbers.subspan(at, std::min(layer, numbers.size() - at)));
+}
+
+// Stores the gaps of a volume, and lets `reader` fill them.
+std::optional<EncodeError> encode_gaps(values::SampleReader& reader, const VolumeLayout& layout, SpillStore& store,
+                                       std::vector<values::StoredRun>& runs, Progress* progress) {
+  std::optional<EncodeError> problem;
+  values::GapEncoder encoder(layout.dimensions,
+                             [&](values::CubeRun&& run) { values::store_run(run, store, runs, problem); });
+  if (auto failed = each_batch(reader, layout, false, progress, [&](const values::SampleBatch& batch) {
+        reader.measure_gaps(batch);
+        add_layers(std::span(batch.missing), layout, encoder);
+      }))
+    return failed;
+  encoder.finish();
+  reader.prepare_gaps();
+  return problem;
+}
+
+// Stores what the stored voxels differ by from the samples.
+std::optional<EncodeError> encode_codes(values::SampleReader& reader, const VolumeLayout& layout, const ValueGrid& grid,
+                                        SpillStore& store, std::vector<values::StoredRun>& runs, Progress* progress) {
+  std::optional<EncodeError> problem;
+  values::RemainderEncoder encoder(layout.dimensions,
+                                   [&](values::CubeRun&& run) { values::store_run(run, store, runs, problem); });
+  const values::StoredCodes codes(grid);
+  if (auto failed = each_batch(reader, layout, true, progress, [&](values::SampleBatch& batch) {
+        for (std::size_t i = 0; i < batch.codes.size(); ++i)
+          batch.codes[i] =
+              !batch.missing.empty() && batch.missing[i] != 0 ? 0 : batch.codes[i] - codes(batch.samples[i]);
+        add_layers(std::span<const std::uint32_t>(batch.codes), layout, encoder);
+      }))
+    return failed;
+  encoder.finish();
+  return problem;
+}
+
+// Returns the size that is left for the clusters, beside their parity.
+std::size_t room_for_clusters(const StreamHeader& header, const StreamParts& parts, std::size_t max_bytes,
+                              const Protection& protection) {
+  std::size_t used = encode_header(header).size() + 12 * ValueGrid::kMaxValueErrors;
+  for (const values::StoredRun& run : parts.gaps) used += run.bytes + kChunkHeaderBytes + kDirectoryEntryBytes;
+  const std::size_t room = max_bytes > used ? max_bytes - used : 1;
+  if (room == 1 || protection.kind == Protection::Kind::none) return room;
   // The first groups are small and have more parity than the others.
   const bool equal = protection.kind == Protection::Kind::equal;
   const double all = static_cast<double>(room),
                of_first = equal ? std::min(4000.0, all / 2) : std::min(1500.0, all / 4);
   return std::max<std::size_t>(1, static_cast<std::size_t>((all - of_first) / (1 + parity_share(protection))));
+}
+
+void set_errors(std::vector<ValueError> errors, std::size_t before, float rounding, ValueGrid& grid) {
+  for (ValueError error : errors) {
+    const auto unit = static_cast<float>(std::abs(grid.unit));
+    error.chunks += static_cast<std::uint32_t>(before);
+    error.most = error.most * unit + rounding;
+    error.rms = std::hypot(error.rms * unit, rounding / std::sqrt(3.0f));
+    grid.errors.push_back(error);
+  }
+}
+
+// Returns the size of a stream: its directory follows all chunks.
+std::uint64_t bytes_of(const StreamHeader& header) {
+  constexpr std::uint64_t kInOne = kMaxChunkBytes / kDirectoryEntryBytes;
+  return header.directory + std::uint64_t{header.chunks} * kDirectoryEntryBytes +
+         (header.chunks + kInOne - 1) / kInOne * kChunkHeaderBytes;
 }
 
 }  // namespace
@@ -90,71 +231,52 @@ std::variant<EncodedStream, EncodeError> encode_values(const VolumeSource& sourc
   header.payload = Payload::values;
   header.description = describe(source, volume, options);
   header.cube = Cube::around(header.description.box);
-  header.grid = std::move(volume.grid);
-  if (!sound(header.grid))
+  header.grid = volume.grid;
+  ValueGrid& grid = header.grid;
+  if (!sound(grid))
     return EncodeError{"the voxels are too many, too large or too far apart; expected at most 2^31 voxels"};
 
-  std::vector<OutgoingChunk> chunks;
-  if (header.grid.gaps)
-    for (const values::CubeRun& run : values::encode_gaps(volume.missing, layout.dimensions))
-      chunks.push_back(chunk_of(ChunkType::gaps, pack(run), box_of_run(layout, run)));
-  const std::size_t before = chunks.size();
+  MemoryStore memory;
+  SpillStore& store = options.spill ? *options.spill : memory;
+  values::SampleReader reader(source, volume, options.threads);
+  StreamParts parts;
+  if (grid.gaps)
+    if (auto problem = encode_gaps(reader, layout, store, parts.gaps, progress)) return std::move(*problem);
+  const std::size_t before = parts.gaps.size();
   const Protection protection = options.parity ? equal_protection(options) : Protection{Protection::Kind::unequal};
   values::ValuesLimit limit{volume.most_error, 0};
-  if (options.max_bytes != 0) {
-    std::size_t used = encode_header(header).size() + 12 * ValueGrid::kMaxValueErrors;
-    for (const OutgoingChunk& chunk : chunks) used += chunk.payload.size() + kChunkHeaderBytes + kDirectoryEntryBytes;
-    limit.max_bytes = options.max_bytes > used ? room_for_clusters(options.max_bytes - used, protection) : 1;
+  if (options.max_bytes != 0) limit.max_bytes = room_for_clusters(header, parts, options.max_bytes, protection);
+  auto made = values::encode_values([&](std::uint32_t first, std::uint32_t count,
+                                        values::SampleBatch& batch) { return reader.read(first, count, false, batch); },
+                                    layout.dimensions, limit, store, options.threads, progress);
+  if (auto* problem = std::get_if<EncodeError>(&made)) return std::move(*problem);
+  auto& encoded = std::get<values::EncodedValues>(made);
+  parts.clusters = std::move(encoded.clusters);
+  set_errors(std::move(encoded.errors), before, volume.rounding, grid);
+  if (grid.exact) {
+    if (auto problem = encode_codes(reader, layout, grid, store, parts.remainders, progress))
+      return std::move(*problem);
+    grid.errors.back().most = volume.rounding;
+  } else if (!encoded.corrections.empty()) {
+    parts.remainders = std::move(encoded.corrections);
+    grid.correction = values::correction_step(volume.most_error);
   }
-  auto encoded = values::encode_values(volume.samples, layout.dimensions, limit, options.threads, progress);
-  if (!encoded) return EncodeError{"cancelled"};
-  const values::BlockLayout blocks(layout.dimensions, values::level_count(layout.dimensions));
-  for (std::size_t i = 0; i < encoded->clusters.size(); ++i) {
-    const values::Cluster& cluster = encoded->clusters[i];
-    const values::BlockPlace place = blocks.place(cluster.block);
-    OutgoingChunk chunk =
-        chunk_of(ChunkType::values, pack(cluster), box_of(layout, place.first, place.size, place.level));
-    chunk.entry.level = static_cast<std::uint8_t>(place.level);
-    chunk.gain = encoded->gains[i];
-    chunk.chain = cluster.block;
-    if (cluster.index == 0 && place.level == 1)
-      chunk.entry.vectors =
-          static_cast<std::uint32_t>(kShownFraction * static_cast<double>(values::sample_count(place.size)));
-    chunks.push_back(std::move(chunk));
+  if (!parts.remainders.empty() || grid.exact) {
+    const auto end = static_cast<std::uint32_t>(before + parts.clusters.size() + parts.remainders.size());
+    if (!grid.exact)
+      grid.errors.back().chunks = end;
+    else if (grid.errors.back().chunks < end)
+      grid.errors.push_back({end, 0, 0});
   }
-  for (ValueError error : encoded->errors) {
-    const auto unit = static_cast<float>(std::abs(header.grid.unit));
-    error.chunks += static_cast<std::uint32_t>(before);
-    error.most = error.most * unit + volume.rounding;
-    error.rms = std::hypot(error.rms * unit, volume.rounding / std::sqrt(3.0f));
-    header.grid.errors.push_back(error);
-  }
-  std::vector<std::uint32_t>& remainders = header.grid.exact ? volume.codes : encoded->corrections;
-  if (header.grid.exact) {
-    const values::StoredCodes codes(header.grid);
-    for (std::size_t i = 0; i < remainders.size(); ++i)
-      remainders[i] = header.grid.gaps && volume.missing[i] != 0 ? 0 : remainders[i] - codes(volume.samples[i]);
-    header.grid.errors.back().most = volume.rounding;
-  } else if (!remainders.empty()) {
-    header.grid.correction = values::correction_step(volume.most_error);
-    for (std::size_t i = 0; i < volume.missing.size(); ++i)
-      if (volume.missing[i] != 0) remainders[i] = 0;
-  }
-  if (!remainders.empty()) {
-    for (const values::CubeRun& run : values::encode_remainders(remainders, layout.dimensions))
-      chunks.push_back(chunk_of(ChunkType::remainders, pack(run), box_of_run(layout, run)));
-    const auto end = static_cast<std::uint32_t>(chunks.size());
-    if (!header.grid.exact)
-      header.grid.errors.back().chunks = end;
-    else if (header.grid.errors.back().chunks < end)
-      header.grid.errors.push_back({end, 0, 0});
-  }
-  // A lost chunk of gaps leaves wrong values where there are none.
-  if (!encoded->gains.empty())
-    for (OutgoingChunk& chunk : std::span(chunks).first(before)) chunk.gain = std::ranges::max(encoded->gains);
-  EncodedStream stream = write_stream(std::move(header), std::move(chunks), options.max_bytes, protection);
-  if (options.max_bytes != 0 && stream.bytes.size() > options.max_bytes)
-    return EncodeError{"a stream of the coarsest values has " + std::to_string(stream.bytes.size()) +
+  EncodedStream stream;
+  MemorySink memory_sink(stream.bytes);
+  auto written = write_stream(std::move(header), ValuesChunks(layout, store, parts), options.max_bytes,
+                              options.sink ? *options.sink : memory_sink, protection);
+  if (auto* problem = std::get_if<EncodeError>(&written)) return std::move(*problem);
+  stream.header = std::move(std::get<StreamHeader>(written));
+  if (options.sink) stream.written = bytes_of(stream.header);
+  if (options.max_bytes != 0 && stream.size() > options.max_bytes)
+    return EncodeError{"a stream of the coarsest values has " + std::to_string(stream.size()) +
                        " bytes; expected at most " + std::to_string(options.max_bytes)};
   return stream;
 }

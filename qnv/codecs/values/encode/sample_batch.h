@@ -1,0 +1,29 @@
+#pragma once
+
+#include "qnv/codecs/shared/encode_options.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+namespace gs::qnv::values {
+
+/// Number of slices that encoders read at once: a multiple of kCubeEdge and of the cubes of GapFilling.
+inline constexpr std::uint32_t kBatchSlices = 8;
+
+/// Some consecutive slices of a volume.
+struct SampleBatch {
+  std::uint32_t first = 0, count = 0;
+  std::vector<std::int32_t> samples;
+  std::vector<std::uint8_t> missing;  // 1 for missing voxels; empty if the volume has none
+  std::vector<std::uint32_t> codes;   // of stored voxels, if wanted
+};
+
+/// Function that reads the samples of slices `first` to `first + count - 1`. Each call gives the same samples. Returns
+/// an error on failure.
+using ReadSamples =
+    std::function<std::optional<EncodeError>(std::uint32_t first, std::uint32_t count, SampleBatch& batch)>;
+
+}  // namespace gs::qnv::values

@@ -1,0 +1,68 @@
+#pragma once
+
+#include "qnv/codecs/values/slices/level_slices.h"
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace gs::qnv::values {
+
+/// Transform of a volume that arrives slice by slice. Keeps about 45 slices of the finest level, and a quarter of that
+/// for each coarser one. One thread at a time.
+class SliceTransform {
+ public:
+  /// Function that takes a complete row of blocks: the blocks `first` to `first + count - 1` of the layout, with the
+  /// slices of their level. It returns false to stop.
+  using TakeBlocks = std::function<bool(std::uint64_t first, std::uint32_t count, LevelSlices& slices)>;
+
+  SliceTransform(Extent extent, unsigned threads, TakeBlocks take);
+
+  /// Adds the next slices of the volume. Returns false if `take` did.
+  bool add(std::span<const SliceRows> slices) { return add(0, slices); }
+
+ private:
+  struct Level {
+    LevelSlices slices;
+    std::uint64_t first_block;
+    std::uint32_t blocks_in_row;
+    std::uint32_t rows = 0;  // number of rows of blocks that are complete
+  };
+  bool add(std::size_t level, std::span<const SliceRows> slices);
+
+  unsigned threads_;
+  bool transformed_;
+  TakeBlocks take_;
+  std::vector<Level> levels_;  // finest first
+};
+
+/// Inverse transform that gives the slices of a volume in order. Memory as SliceTransform. One thread at a time.
+class SliceRestorer {
+ public:
+  /// Function that writes the coefficients of a block that are not zero. Several threads call it.
+  using WriteBlock = std::function<void(std::uint64_t number, const BlockPlace& place, const BlockBands& bands)>;
+
+  SliceRestorer(Extent extent, unsigned threads, WriteBlock write);
+
+  /// Gives the next slices of the volume.
+  void next(std::span<const SliceRows> slices) { next(0, slices); }
+
+ private:
+  struct Level {
+    LevelSlices slices;
+    std::uint64_t first_block;
+    std::uint32_t blocks_in_row;
+    std::uint32_t rows = 0, given = 0;  // rows of blocks that are decoded, slices that were given
+  };
+  void next(std::size_t level, std::span<const SliceRows> slices);
+  void decode_row(std::size_t level);
+
+  unsigned threads_;
+  bool transformed_;
+  WriteBlock write_;
+  BlockLayout layout_;
+  std::vector<Level> levels_;  // finest first
+};
+
+}  // namespace gs::qnv::values
