@@ -36,8 +36,8 @@ void write_plot(const std::string& path, std::span<const PlotCodec> codecs, std:
       for (const auto& [bytes, decibel] : panel.curves[c])
         out << x(static_cast<double>(bytes)) << ','
             << y(std::clamp(decibel, static_cast<double>(least), static_cast<double>(most))) << ' ';
-      out << "\"/>\n<text x=\"" << x(2.2e5) << "\" y=\"" << kHeight - 120 + top + 14 * line++ << "\" fill=\""
-          << codecs[c].color << "\">" << codecs[c].name << "</text>\n";
+      out << "\"/>\n<text x=\"" << x(1.3e3) << "\" y=\"" << top + 14 + 14 * line++ << "\" fill=\"" << codecs[c].color
+          << "\">" << codecs[c].name << "</text>\n";
     }
   }
   out << "</svg>\n";
