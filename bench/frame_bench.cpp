@@ -1,10 +1,10 @@
-// Measures frames: `frame_bench [--backend NAME] [--frames N] [--size WxH] [--samples N] FILE...` prints, for each
-// world, triangles, items and draw calls of a frame (1024x768 with 4 samples). Then it prints the time of the first
-// frame, which uploads and compiles, and median times as a picture and as a window: at rest, while the viewer moves
-// sideways by a thousandth of the view, and this without cancellation. Of the latter it also prints the time until the
-// frame has been submitted, before the driver has drawn it. Milliseconds elapsed, and of the processor (all threads).
-// The backend is osmesa unless named. Worlds are loaded with Inlines, images and streams, and stand at their first
-// moment.
+// Measures frames: `frame_bench [--backend NAME] [--frames N] [--size WxH] [--samples N] FILE...` prints a row for each
+// world. The row begins with the triangles, items and draw calls of a frame (1024x768 with 4 samples), and the time of
+// the first frame, which uploads and compiles. Median times follow: as a picture, and as a window at rest, while the
+// viewer moves sideways by a thousandth of the view, and during this movement without cancellation. The last time ends
+// when the frame of this last case has been submitted, before the driver has drawn it. Times are milliseconds elapsed,
+// and milliseconds of the processor (all threads). The backend is osmesa unless named. Worlds are loaded with Inlines,
+// images and streams, and stay at their first moment.
 #include "app/loading/world_loader.h"
 #include "bench/shared/open_gl.h"
 #include "render/collection/render_scene.h"

@@ -58,7 +58,7 @@ class ViewerValues : NonCopyable {
   bool take();
 
  private:
-  /// Scene of a viewport. While new content is computed, the viewport shows the content of before.
+  /// Scene of a viewport. While new content is computed, the viewport shows the previous content.
   struct Scene {
     std::weak_ptr<Document> of;
     VolumeContent content;

@@ -9,9 +9,9 @@
 
 namespace gs::render {
 
-/// Draws the Gaussians of a RenderList (only SplatItems with qnv::Gaussians): blends the splats of all of them in depth
-/// order on the CPU, over the existing image. That hides splats behind it per sample. Of the material only the
-/// transparency counts; lights do not, fog does. Writes no depth, so that later transparent polygons blend over splats.
+/// Pass for the Gaussians of a RenderList (only SplatItems with qnv::Gaussians). Blends all splats in depth order on
+/// the CPU, over the existing image, which hides splats behind it per sample. Uses only the transparency of the
+/// material. Applies fog, but no lights. Writes no depth, so that later transparent polygons blend over splats.
 class GaussianPass {
  public:
   explicit GaussianPass(const Gl& gl);

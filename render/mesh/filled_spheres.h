@@ -17,8 +17,8 @@ class FilledSpheres {
 
   /// Forgets the spheres. `count` is the usual number of spheres of a frame.
   void begin(std::size_t count);
-  /// Returns the layer of an item. Of coincident faces, the last in the file must be visible, so an item gets a later
-  /// layer than earlier items with an equal sphere and another state. Equal depths pass the depth test.
+  /// Returns the layer of an item, which is later than the layers of earlier items with an equal sphere and another
+  /// state. So the last of several coincident faces in the file is visible: equal depths pass the depth test.
   [[nodiscard]] std::uint32_t layer_of(const glm::vec3& center, float radius, const State& state);
 
  private:

@@ -227,8 +227,8 @@ constexpr OptionRow kPictureOptions[] = {
      "draw the maximum, minimum or average of the values of a volume along each ray, or its vectors", "open animate ",
      with<set_projection>},
     {"--component", "N|magnitude", "0",
-     "read this component of voxels that have several, such as colours or vectors: a number from 0, or the length of "
-     "their vector",
+     "read this component of voxels with several numbers, such as colours or vectors: an index from 0, or magnitude, "
+     "the length of the vector",
      "open animate encode export info ", set_component},
     {"--turntable", "", "", "turn once about the up axis", "animate ", with<[](PictureOptions& o, const std::string&) {
        o.animation.turntable = true;

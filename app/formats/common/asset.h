@@ -30,8 +30,8 @@ struct ImportSource {
   const WorldBudget& budget;
   Diagnostics& diagnostics;
   std::string name = {};  // original file name of a volume; empty means that of `path`
-  bool for_x3d = false;   // the scene becomes part of an X3D world
   VoxelComponent component{};
+  bool for_x3d = false;  // the scene becomes part of an X3D world
 };
 
 /// Nodes of a file that has its own, such as transformations (glTF). Never null.

@@ -11,8 +11,8 @@ namespace gs::app {
 // Export the values of a volume (qnv::Volume::values) with the type of its source. Values that are not exact are
 // rounded to that type. The values must have level 0. Each function returns a message if the geometry has no values.
 
-// The functions that write pass the file on in pieces, so that volumes may be larger than memory. They return a message
-// on failure, and an empty message if `take` stops.
+// Writers of volumes. They pass the file to `take` in pieces, so that volumes may be larger than memory. They return a
+// message on failure, and an empty message if `take` returns false.
 using VolumeWriter = std::optional<std::string> (*)(const qnv::Geometry& geometry, const ExportOptions& options,
                                                     const TakeBytes& take);
 [[nodiscard]] std::optional<std::string> write_nrrd(const qnv::Geometry& geometry, const ExportOptions& options,

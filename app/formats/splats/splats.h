@@ -27,7 +27,7 @@ inline constexpr float kSigmaOfRadius = 0.70710678f;
 inline constexpr float kSphericalHarmonic0 = 0.28209479f;
 /// Minimum opacity that counts as opaque. Includes our exports, which have 0.99, or 252 / 255 in 8 bits.
 inline constexpr float kOpaque = 0.988f;
-/// Metadata key: which properties of the splats their discs do not have. Only discs can be encoded.
+/// Metadata key for the properties that splats lose when they become discs. Only discs can be encoded.
 inline constexpr char kSplatsAsDiscs[] = "splats as discs";
 /// Minimum opacity. Fainter splats are invisible on an 8-bit display and omitted.
 inline constexpr float kMinOpacity = 1.0f / 255;
@@ -74,12 +74,13 @@ struct SplatModel {
   [[nodiscard]] std::size_t size() const { return positions.size(); }
 };
 
-/// Splats in the form in which they are drawn, or a message.
+/// Imported splats, as discs or as Gaussians, or an error message.
 using ImportedVectors = std::variant<qnv::Splats, qnv::Gaussians, std::string>;
 
 /// Converts splats to a two-sided surface with origin, box and total. Each splat becomes a disc perpendicular to its
-/// smallest axis. The Gaussians keep their shapes, opacities and colours. Its area is pi * s1 * s2 / kSigmaOfRadius^2,
-/// with the two larger standard deviations s1 and s2. Omits invalid splats, and splats below kMinOpacity.
+/// smallest axis. The area of the disc is pi * s1 * s2 / kSigmaOfRadius^2. s1 and s2 are the larger standard
+/// deviations. The Gaussians also keep their shapes, opacities and colours. Omits invalid splats, and splats below
+/// kMinOpacity.
 ///
 /// `normals` gives the direction of a disc's normal, if known. Otherwise, if all splats are flat across their z axis
 /// (our exports, 2DGS), the normal is that axis. Otherwise it points away from the centre of the box.

@@ -112,11 +112,11 @@ void MeasurePanel::slice_rows(const PanelFrame& frame, const UiTools& tools, UiT
 void MeasurePanel::window_buttons(const PanelFrame& frame, const UiTools& tools, VolumeSlices& slices) {
   tool_label("", frame.scale);
   if (ImGui::Button("Whole")) slices.window.reset();
-  frame.tooltips.show("Spreads the colours over all values");
+  frame.tooltips.show("Stretches the colours over all values");
   ImGui::SameLine();
   ImGui::BeginDisabled(!tools.histogram);
   if (ImGui::Button("2 - 98 %") && tools.histogram) slices.window = contrast_range(*tools.histogram);
-  frame.tooltips.show("Spreads the colours from the lowest 2 % to the highest 2 % of the values");
+  frame.tooltips.show("Stretches the colours from the lowest 2 % to the highest 2 % of the values");
   ImGui::EndDisabled();
   if (!tools.bar) return;
   const auto presets = window_presets(
@@ -163,7 +163,7 @@ void MeasurePanel::volume_rows(const PanelFrame& frame, const UiTools& tools, Vo
     // A surface in a cloud of vectors would not be visible.
     if (volume.mode == VolumeMode::vectors && (surface || !slices.any())) slices.alone = surface;
   }
-  frame.tooltips.show("Surface between values above and below a value");
+  frame.tooltips.show("Surface at one value (isosurface)");
   ImGui::BeginDisabled(!surface);
   ImGui::SameLine();
   ImGui::ColorEdit3("##color", &volume.surface_color.x, ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_NoLabel);

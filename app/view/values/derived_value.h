@@ -16,10 +16,10 @@
 
 namespace gs::app {
 
-/// Content that another thread computes from the values of a volume, as a viewport wishes. The values of a stream
-/// become better while it arrives: then the content is computed again, at most half of the time. Until it is ready, the
-/// previous content stays. Keeps the content of a few wishes, for several viewports. One thread; the destructor waits
-/// for the computation, which it cancels.
+/// Content that another thread computes from the values of a volume, for the wish of a viewport. While a stream is
+/// received, its values improve, and the content is computed again, in at most half of the time. The previous content
+/// stays until the new content is ready. Keeps the content of a few wishes, for several viewports. One thread. The
+/// destructor cancels a running computation and waits for its end.
 template <class Wish, class Content>
 class DerivedValue : NonCopyable {
  public:
@@ -32,8 +32,8 @@ class DerivedValue : NonCopyable {
     if (progress_) progress_->cancelled = true;
   }
 
-  /// Returns the newest content for this wish. If there is none yet, returns the last content for another wish, so that
-  /// content follows a slider; null if there is none either. If the values are newer, starts `make`.
+  /// Returns the newest content for this wish. If there is none yet, returns the last content for any wish, so that the
+  /// picture follows a slider. Returns null if there is no content. Starts `make` if the values are newer.
   std::shared_ptr<const Content> get(const Grid& grid, const Wish& wish, Make make) {
     const auto now = Clock::now();
     auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& one) { return one.wish == wish; });

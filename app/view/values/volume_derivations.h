@@ -18,8 +18,8 @@
 #include <utility>
 #include <variant>
 
-/// Content that is computed from the values of a volume. All functions may run on any thread. They return a message if
-/// the memory is not enough, or if `progress` is cancelled; a null `progress` means that they are not.
+/// Functions that compute content from the values of a volume. Any thread may call them. They return a message if there
+/// is not enough memory, or if `progress` is cancelled. A null `progress` means that they cannot be cancelled.
 namespace gs::app {
 
 template <class Content>
@@ -27,8 +27,8 @@ using DerivedContent = std::variant<std::shared_ptr<const Content>, std::string>
 
 /// Maximum number of triangles of isosurface_mesh().
 inline constexpr std::size_t kMostSurfaceTriangles = std::size_t{1} << 23;
-/// Returns the isosurface of a grid in the space of the volume, with shared vertices. Uses every `stride`th voxel, and
-/// fewer if there are more than `most_triangles`.
+/// Returns the isosurface of a grid in the space of the volume, with shared vertices. Uses every
+/// `stride`th voxel. Doubles the stride while there are more than `most_triangles`.
 [[nodiscard]] DerivedContent<vrml::Mesh> isosurface_mesh(const std::shared_ptr<const VolumeGrid>& grid, float isovalue,
                                                          const WorldBudget& budget, Progress* progress = nullptr,
                                                          std::size_t most_triangles = kMostSurfaceTriangles,

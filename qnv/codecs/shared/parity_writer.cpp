@@ -9,13 +9,13 @@
 namespace gs::qnv {
 namespace {
 
-// Sizes of groups: the first one, twice as many in each further one, and the most. Larger groups of equal protection
-// need less parity, but each parity chunk states the checksums of all members.
+// First and maximum number of chunks in a group. Each group has twice as many as the previous one, up to the maximum.
+// Larger groups of equal protection need less parity, but each parity chunk states the checksums of all members.
 constexpr std::size_t kFirstUnequal = 4, kMostUnequal = 32, kFirstEqual = 8, kMostEqual = 64;
 // Probability that a group of equal protection is not restored. A coarse group matters to the whole volume.
 constexpr double kFailure = 0.001;
-// Unequal protection minimises the error at this loss. A loss is expected to matter this much, beside no loss: parity
-// is written when the next chunks gain less than this share of its use.
+// Loss at which unequal protection minimises the error, and weight of this loss relative to no loss. Parity is written
+// if its use, multiplied by the weight, exceeds the gain of the next chunks.
 constexpr double kLikelyLoss = 0.1, kWeightOfLoss = 0.02;
 // Parity that unequal protection may always have, in bytes.
 constexpr double kFreeParity = 1500;
@@ -88,7 +88,8 @@ void ParityWriter::send(Group& group, std::size_t count, std::vector<std::vector
   }
 }
 
-// Finds the number of further parity chunks with the largest use per byte. Few of them restore nothing.
+// Finds the number of further parity chunks with the largest use per byte. Too few chunks rarely restore anything, so
+// that a larger number can be more useful per byte.
 void ParityWriter::find_use(Group& group) const {
   const std::size_t members = group.members.size(), room = most_parity(members) - group.sent;
   const double before = lost_share(members, group.sent);

@@ -146,7 +146,7 @@ TEST_CASE("export, encode: extract the isosurface of a stream of values like tha
   CHECK(refused.output.find("has no values of voxels; --isovalue expects a volume") != std::string::npos);
 }
 
-TEST_CASE("encode: --parity protects a stream, and info tells what it restored") {
+TEST_CASE("encode: --parity protects a stream, and info reports the restored chunks") {
   const ScratchFolder folder;
   const std::string volume = folder.write("a.nrrd", nrrd_ball<std::uint16_t>("uint16", 3000)),
                     stream = folder.path("a.qnv");

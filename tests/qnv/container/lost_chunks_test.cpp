@@ -59,7 +59,7 @@ std::vector<Chunk> sorted(std::vector<Chunk> chunks) {
 
 }  // namespace
 
-TEST_CASE("parity: Any received chunks restore the lost ones, if parity is as many as these") {
+TEST_CASE("parity: Any chunks restore the lost ones if as many parity chunks are received") {
   for (const std::size_t members : {1u, 2u, 5u, 32u, 128u}) {
     const std::vector<Chunk> chunks = some_chunks(members, 400, 3);
     const std::size_t most = std::min<std::size_t>(members, 40);

@@ -1,3 +1,4 @@
+#include "render/gl/gl.h"
 #include "render/mesh/filled_spheres.h"
 #include "tests/render/drawing.h"
 
@@ -5,6 +6,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <variant>
 
 namespace gs::many_meshes_test {
 namespace {

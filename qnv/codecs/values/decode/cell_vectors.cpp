@@ -20,8 +20,8 @@ namespace {
 
 // Maximum units of a box per axis, so that its values stay in the processor's cache.
 constexpr Extent kMostCells{16, 4, 4};
-// Vectors beside those of the result that are kept, so that a small change of the cut does not collect all again: at
-// least a quarter more than the result; above twice as many, shorter ones are dropped.
+// Minimum and maximum number of kept vectors, relative to the result. Spare vectors avoid collecting all vectors again
+// after a small change of the cut. Above the maximum, the shortest vectors are dropped.
 constexpr double kSpare = 1.25, kMostSpare = 2;
 constexpr std::size_t kThreadVoxels = std::size_t{1} << 15;
 

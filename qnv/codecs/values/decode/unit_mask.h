@@ -31,8 +31,8 @@ class UnitMask {
   [[nodiscard]] std::uint32_t edge() const { return edge_; }
   /// Removes all units. Returns them as disjoint boxes, each with at most `most` units per axis.
   [[nodiscard]] std::vector<SampleBox> take(Extent most);
-  /// Does the same for work that also reads `margin` samples around each box. If many small boxes read more samples
-  /// than boxes of all units, returns the latter.
+  /// Removes all units like take(), for work that also reads `margin` samples around each box. Returns boxes that cover
+  /// the whole extent if fewer samples are read for these.
   [[nodiscard]] std::vector<SampleBox> take_for(Extent most, std::uint32_t margin);
 
  private:

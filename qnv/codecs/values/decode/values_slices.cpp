@@ -203,7 +203,7 @@ class SliceReader {
   std::atomic<bool> failed_{false};
 };
 
-// Keeps the clusters that decode: of each block from the first one up to a gap, each once.
+// Keeps the clusters that can be decoded: in each block, those before the first lost one, without repetitions.
 void keep_decodable(std::vector<ClusterPlace>& clusters) {
   std::ranges::sort(clusters, [](const ClusterPlace& a, const ClusterPlace& b) {
     return std::tuple(a.block, a.index, a.offset) < std::tuple(b.block, b.index, b.offset);

@@ -124,8 +124,9 @@ std::optional<std::size_t> clusters_for(std::span<const StoredCluster> order, do
   return rest <= permitted ? std::optional(order.size()) : std::nullopt;
 }
 
-// Returns the numbers of clusters after which errors are measured: after about 4 kB, and each time a factor more, up to
-// an eighth of the bytes. Large volumes have fewer of them, because each one is decoded.
+// Returns the lengths, in clusters, of the prefixes to measure. The first prefix has about 4 kB. Each
+// further prefix is larger by a factor, up to an eighth of the bytes. Large volumes have fewer prefixes, because each
+// one is decoded.
 std::vector<std::size_t> measured_prefixes(std::span<const StoredCluster> order, std::size_t samples) {
   constexpr std::size_t kFirst = 4000;
   const std::size_t factor = samples <= std::size_t{1} << 24 ? 4 : samples <= std::size_t{1} << 27 ? 16 : 64;

@@ -42,7 +42,8 @@ void BlockEncoder::encode(std::uint32_t number, const BlockPlace& place, const B
     result_.bytes.insert(result_.bytes.end(), packed.begin(), packed.end());
     clusters.push_back(next);
   }
-  // A cluster ranks by the highest gain per byte of it and following ones together, and not before those that it needs.
+  // The rank of a cluster is the highest gain per byte of any sequence that begins with it. No cluster ranks before
+  // those that it needs.
   constexpr std::size_t kChunkCost = kChunkHeaderBytes + kDirectoryEntryBytes;
   float least = std::numeric_limits<float>::infinity();
   for (std::size_t i = 0; i < clusters.size(); ++i) {

@@ -169,7 +169,7 @@ std::optional<EncodeError> encode_gaps(values::SampleReader& reader, const Volum
   return problem;
 }
 
-// Stores what the stored voxels differ by from the samples.
+// Stores the differences between the stored voxels and the samples.
 std::optional<EncodeError> encode_codes(values::SampleReader& reader, const VolumeLayout& layout, const ValueGrid& grid,
                                         SpillStore& store, std::vector<values::StoredRun>& runs, Progress* progress) {
   std::optional<EncodeError> problem;

@@ -18,8 +18,9 @@ class LevelSlices {
 
   [[nodiscard]] const Extent& whole() const { return whole_; }
   [[nodiscard]] const Extent& low() const { return low_; }
-  /// Returns the number of slices added so far, and that of the slices with complete lifting along z.
+  /// Returns the number of slices added so far.
   [[nodiscard]] std::uint32_t added() const { return first_ + static_cast<std::uint32_t>(slices_.size()); }
+  /// Returns the number of slices that are completely lifted along z.
   [[nodiscard]] std::uint32_t finished() const { return transformed_ ? order_.finished() : added(); }
   /// Returns the number of slices that lifting along z does not need any more.
   [[nodiscard]] std::uint32_t released() const { return transformed_ ? order_.released() : added(); }

@@ -5,6 +5,7 @@
 #include "qnv/reader/stream_decoder.h"
 #include "qnv/sampling/volume/gradients.h"
 #include "qnv/sampling/volume/volume_values.h"
+#include "tests/qnv/value_samples.h"
 #include "tests/qnv/volume_sources.h"
 
 #include <catch2/catch.hpp>
@@ -54,7 +55,7 @@ constexpr std::array<Extent, 6> kExtents{Extent{1, 1, 1},    Extent{17, 1, 1},  
 
 TEST_CASE("values: Repeating only the changed samples gives the same samples at every step and level") {
   for (const Extent extent : kExtents) {
-    const auto encoded = values::encode_values(bubbles(extent), extent, {});
+    const auto encoded = test::encode_samples(bubbles(extent), extent, {});
     REQUIRE(encoded);
     std::mt19937 random(3);
     for (const int order : {0, 1}) {
@@ -93,9 +94,9 @@ TEST_CASE("values: Repeating only the changed samples gives the same samples at 
   }
 }
 
-TEST_CASE("values: Samples that were given away never change") {
+TEST_CASE("values: Returned samples never change") {
   const Extent extent{70, 50, 40};
-  const auto encoded = values::encode_values(bubbles(extent), extent, {});
+  const auto encoded = test::encode_samples(bubbles(extent), extent, {});
   REQUIRE(encoded);
   ValuesDecoder decoder(extent);
   std::vector<SampleBox> changed;

@@ -239,7 +239,7 @@ TEST_CASE("values: Slices of a stream are those of the whole volume") {
     }
 }
 
-TEST_CASE("values: Slices of damaged streams are refused or decode to something") {
+TEST_CASE("values: Damaged streams are refused, or all of their slices can be read") {
   const auto source = rough_volume<float>({18, 19, 33}, VoxelType::f32, 1e3, true);
   EncodeOptions options;
   options.tolerance.lossless = true;
