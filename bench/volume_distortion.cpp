@@ -392,17 +392,11 @@ void print_values(const ValueCurve& values, const ValueCurve& zfp, const ValueCu
 /// Adds the diagrams of a volume: pictures and values.
 void plot(const std::string& name, const std::array<Curve, kCodecs.size()>& curves, const ValueCurve& values,
           const ValueCurve& zfp, const ValueCurve& jxl, std::vector<bench::PlotPanel>& panels) {
-  bench::PlotPanel pictures{name + ", pictures", {}}, numbers{name + ", values", {}};
-  for (const Curve& curve : curves) {
-    auto& plotted = pictures.curves.emplace_back();
-    for (const auto& [budget, measured] : curve) plotted[budget] = measured.error.psnr;
-  }
-  numbers.curves.resize(kCodecs.size());
-  numbers.curves[kValues] = values;
-  numbers.curves[kZfp] = zfp;
-  numbers.curves[kJxl] = jxl;
-  panels.push_back(std::move(pictures));
-  panels.push_back(std::move(numbers));
+  bench::PlotPanel& pictures = panels.emplace_back(bench::PlotPanel{name + ", pictures", {}});
+  for (const Curve& curve : curves)
+    for (auto& plotted = pictures.curves.emplace_back(); const auto& [budget, measured] : curve)
+      plotted[budget] = measured.error.psnr;
+  panels.push_back({name + ", values", {values, {}, zfp, {}, jxl}});  // in the order of kCodecs
 }
 
 bool measure(const std::string& path, const std::string& folder, bool others, std::vector<bench::PlotPanel>& panels) {

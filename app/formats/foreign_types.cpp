@@ -1,6 +1,6 @@
 #include "app/formats/foreign_types.h"
 
-#include "app/formats/common/zip_archive.h"
+#include "app/formats/archive/zip_archive.h"
 
 #include "base/text.h"
 #include "net/files/file.h"

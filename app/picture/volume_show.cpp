@@ -1,9 +1,9 @@
 #include "app/picture/volume_show.h"
 
 #include "app/picture/picture_marks.h"
+#include "app/view/derived/volume_histogram.h"
 #include "app/view/values/color_maps.h"
 #include "app/view/values/transfer_file.h"
-#include "app/view/values/volume_histogram.h"
 #include "net/files/file.h"
 #include "qnv/sampling/volume/volume_values.h"
 

@@ -1,13 +1,13 @@
 #pragma once
 
 #include "app/picture/paint.h"
+#include "app/view/derived/volume_scene.h"
 #include "app/view/values/color_bar.h"
 #include "app/view/values/slice_scene.h"
 #include "app/view/values/slices.h"
 #include "app/view/values/transfer_editor.h"
 #include "app/view/values/volume_display.h"
 #include "app/view/values/volume_grid.h"
-#include "app/view/values/volume_scene.h"
 
 #include <memory>
 #include <optional>

@@ -1,10 +1,10 @@
 #pragma once
 
 #include "app/session/viewports/view.h"
-#include "app/view/values/derived_value.h"
+#include "app/view/derived/derived_value.h"
+#include "app/view/derived/volume_histogram.h"
+#include "app/view/derived/volume_scene.h"
 #include "app/view/values/slice_scene.h"
-#include "app/view/values/volume_histogram.h"
-#include "app/view/values/volume_scene.h"
 #include "base/noncopyable.h"
 
 #include <atomic>

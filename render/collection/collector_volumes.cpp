@@ -3,7 +3,7 @@
 #include "render/collection/nodes/node_fields.h"
 #include "render/collection/nodes/texture_sampling.h"
 #include "render/collection/render_scene.h"
-#include "render/scene/volume_box.h"
+#include "render/volume_rendering/volume_box.h"
 #include "vrml/behaviours/animation/interpolation.h"
 
 #include <glm/glm.hpp>

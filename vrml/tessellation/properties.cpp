@@ -2,7 +2,7 @@
 
 #include "vrml/scene/coordinates/geospatial.h"
 
-#include "vrml/scene/texture_coordinate_nodes.h"
+#include "vrml/scene/coordinates/texture_coordinate_nodes.h"
 
 #include <glm/common.hpp>
 

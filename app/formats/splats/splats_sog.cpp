@@ -1,6 +1,6 @@
 #include "app/formats/splats/splats_sog.h"
 
-#include "app/formats/common/zip_archive.h"
+#include "app/formats/archive/zip_archive.h"
 #include "app/formats/splats/splats.h"
 
 #include <webp/decode.h>

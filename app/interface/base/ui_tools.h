@@ -1,10 +1,10 @@
 #pragma once
 
 #include "app/picture/picture_request.h"
+#include "app/view/derived/volume_histogram.h"
 #include "app/view/values/color_bar.h"
 #include "app/view/values/slices.h"
 #include "app/view/values/volume_display.h"
-#include "app/view/values/volume_histogram.h"
 #include "qnv/base/geometry.h"
 
 #include <glm/vec2.hpp>

@@ -2,8 +2,8 @@
 
 #include "render/collection/nodes/node_fields.h"
 #include "render/collection/nodes/texture_sampling.h"
+#include "vrml/scene/coordinates/texture_coordinate_nodes.h"
 #include "vrml/scene/meant_node.h"
-#include "vrml/scene/texture_coordinate_nodes.h"
 #include "vrml/scene/values/transformation.h"
 
 #include <glm/gtc/matrix_transform.hpp>

@@ -157,7 +157,7 @@ TEST_CASE("values: Vectors of changed cells are the same as from scratch, and as
         return r > 0.7f ? 0.0f : 100 * (1 - r) + 30 * std::sin(20 * u) * std::cos(17 * v + w);
       });
   const Sent sent = sent_of(source, 0.5);
-  REQUIRE(sent.chunks.size() > 50);
+  REQUIRE(sent.chunks.size() > 40);
   std::mt19937 random(1);
   StreamDecoder decoder;
   (void)decoder.push(encode_header(sent.header));

@@ -1,4 +1,4 @@
-#include "render/scene/volume_box.h"
+#include "render/volume_rendering/volume_box.h"
 
 #include <glm/vec3.hpp>
 

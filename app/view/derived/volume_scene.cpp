@@ -1,6 +1,6 @@
-#include "app/view/values/volume_scene.h"
+#include "app/view/derived/volume_scene.h"
 
-#include "render/scene/volume_box.h"
+#include "render/volume_rendering/volume_box.h"
 
 #include <utility>
 

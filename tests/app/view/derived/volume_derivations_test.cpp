@@ -1,8 +1,8 @@
-#include "app/view/values/volume_derivations.h"
+#include "app/view/derived/volume_derivations.h"
 
 #include "qnv/sampling/volume/gradients.h"
 #include "qnv/sampling/volume/volume_slices.h"
-#include "tests/app/view/values/volume_balls.h"
+#include "tests/app/view/derived/volume_balls.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>

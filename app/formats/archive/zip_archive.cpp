@@ -1,4 +1,4 @@
-#include "app/formats/common/zip_archive.h"
+#include "app/formats/archive/zip_archive.h"
 
 #include <minizip/unzip.h>
 

@@ -1,4 +1,4 @@
-#include "vrml/scene/texture_coordinate_nodes.h"
+#include "vrml/scene/coordinates/texture_coordinate_nodes.h"
 
 #include "vrml/scene/meant_node.h"
 

@@ -1,4 +1,4 @@
-#include "app/view/values/volume_derivations.h"
+#include "app/view/derived/volume_derivations.h"
 
 #include "app/formats/qnv/geometry_reader.h"
 #include "app/view/values/color_maps.h"

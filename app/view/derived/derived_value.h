@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/view/values/volume_derivations.h"
+#include "app/view/derived/volume_derivations.h"
 #include "base/noncopyable.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-#include "app/view/values/volume_scene.h"
+#include "app/view/derived/volume_scene.h"
 
-#include "tests/app/view/values/volume_balls.h"
+#include "tests/app/view/derived/volume_balls.h"
 
 #include <catch2/catch.hpp>
 

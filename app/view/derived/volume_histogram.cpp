@@ -1,4 +1,4 @@
-#include "app/view/values/volume_histogram.h"
+#include "app/view/derived/volume_histogram.h"
 
 #include <algorithm>
 #include <cmath>
