@@ -287,7 +287,9 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
   } else if (is_raw(options) || type.content == ContentClass::volume) {
     opened = open_volume_input(options, local);
   } else if (type.is_geometry() && !is_outline_stream(all)) {
-    opened = open_geometry_input(options, type, {local, all});
+    GeometryFile geometry{local, all};
+    geometry.origin.read_beside = reader_beside(local, load_options(options).allowed);
+    opened = open_geometry_input(options, type, geometry);
   } else if (form == MeshForm::world || !open_mesh_input(options, type, local, all, opened)) {
     opened = open_world_input(options, local, input.title);
   }

@@ -1,5 +1,6 @@
 #include "app/formats/content_types.h"
 #include "app/formats/splats/splats_sog.h"
+#include "tests/app/commands/vector_commands.h"
 #include "tests/app/geometry_shapes.h"
 
 #include <webp/encode.h>
@@ -184,6 +185,22 @@ TEST_CASE("reads SOG from a folder and from archives") {
     REQUIRE(std::holds_alternative<qnv::Gaussians>(read));
     check_two(std::get<qnv::Gaussians>(read));
   }
+}
+
+TEST_CASE("info, export and encode read the images beside meta.json of a SOG") {
+  const ScratchFolder folder;
+  for (const auto& [name, bytes] : two_splats())
+    folder.write(name, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  const std::string meta = folder.path("meta.json"), ply = folder.path("two.3dgs.ply");
+  CHECK(info(meta)["vectors"] == 2);
+  const Run exported = run("export " + quoted(meta) + " " + quoted(ply));
+  CHECK(exported.status == kDone);
+  CHECK(exported.output.find("note") == std::string::npos);
+  CHECK(folder.read("two.3dgs.ply").find("property float f_rest_8") != std::string::npos);
+  const Run encoded = run("encode " + quoted(meta) + " " + quoted(folder.path("two.qnv")) + " 2>&1");
+  CHECK(encoded.status == kDone);
+  CHECK(encoded.output.find("note: splats become opaque surface splats, without their opacity and spherical harmonics "
+                            "up to degree 1") != std::string::npos);
 }
 
 TEST_CASE("reports what is missing or damaged in a SOG") {
