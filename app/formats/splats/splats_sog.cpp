@@ -76,7 +76,7 @@ class SogFiles {
 };
 
 /// Reads a list of `count` finite numbers.
-std::optional<std::vector<float>> numbers_of(const Json& from, const char* key, std::size_t count) {
+std::optional<std::vector<float>> sog_numbers(const Json& from, const char* key, std::size_t count) {
   const auto found = from.find(key);
   if (found == from.end() || !found->is_array() || found->size() < count) return std::nullopt;
   std::vector<float> numbers;
@@ -167,7 +167,7 @@ class SogReader {
       return "the palette of harmonics is " + std::to_string(centroids_.width) +
              " pixels wide; expected 192, 512 or 960";
     if (version_ == 2) {
-      const auto codebook = numbers_of(described, "codebook", kCodebook);
+      const auto codebook = sog_numbers(described, "codebook", kCodebook);
       if (!codebook) return "meta.json has no codebook of harmonics with 256 numbers";
       std::ranges::copy(*codebook, harmonic_values_.begin());
     } else {
@@ -184,8 +184,8 @@ class SogReader {
   }
 
   Problem read_positions(SplatModel& model) const {
-    const auto least = numbers_of(member(meta_, "means"), "mins", 3),
-               most = numbers_of(member(meta_, "means"), "maxs", 3);
+    const auto least = sog_numbers(member(meta_, "means"), "mins", 3),
+               most = sog_numbers(member(meta_, "means"), "maxs", 3);
     if (!least || !most) return "meta.json has no range of the positions";
     for (std::size_t i = 0; i < count_; ++i)
       for (std::size_t k = 0; k < 3; ++k) {
@@ -202,12 +202,12 @@ class SogReader {
     std::array<std::array<float, kCodebook>, 4> values{};
     const Json& described = member(meta_, key);
     if (version_ == 2) {
-      const auto codebook = numbers_of(described, "codebook", kCodebook);
+      const auto codebook = sog_numbers(described, "codebook", kCodebook);
       if (!codebook) return std::nullopt;
       for (auto& channel : values) std::ranges::copy(*codebook, channel.begin());
       return values;
     }
-    const auto least = numbers_of(described, "mins", channels), most = numbers_of(described, "maxs", channels);
+    const auto least = sog_numbers(described, "mins", channels), most = sog_numbers(described, "maxs", channels);
     if (!least || !most) return std::nullopt;
     for (std::size_t c = 0; c < channels; ++c)
       for (std::size_t u = 0; u < kCodebook; ++u)
