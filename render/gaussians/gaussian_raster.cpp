@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kProjectedRange = 8192;               // splats per projection task
 constexpr std::size_t kMostEntries = std::size_t{1} << 22;  // of all tiles that are kept at once
-constexpr unsigned kDigitBits = 11, kDigits = 1u << kDigitBits;
+constexpr unsigned kRadixDigitBits = 11, kRadixDigits = 1u << kRadixDigitBits;
 
 /// Splats in view, in tasks of kProjectedRange input splats.
 struct Projected {
@@ -77,12 +77,12 @@ std::vector<std::uint32_t> sorted(std::span<const float> distances) {
     most = std::max(most, key);
   }
   const auto bits = count == 0 ? 0u : static_cast<unsigned>(std::bit_width(most - least));
-  for (unsigned shift = 0; shift < bits; shift += kDigitBits) {
-    std::array<std::uint32_t, kDigits> places{};
-    for (const Entry& entry : entries) ++places[(entry.key - least) >> shift & (kDigits - 1)];
+  for (unsigned shift = 0; shift < bits; shift += kRadixDigitBits) {
+    std::array<std::uint32_t, kRadixDigits> places{};
+    for (const Entry& entry : entries) ++places[(entry.key - least) >> shift & (kRadixDigits - 1)];
     std::uint32_t next = 0;
     for (auto& place : places) next += std::exchange(place, next);
-    for (const Entry& entry : entries) other[places[(entry.key - least) >> shift & (kDigits - 1)]++] = entry;
+    for (const Entry& entry : entries) other[places[(entry.key - least) >> shift & (kRadixDigits - 1)]++] = entry;
     entries.swap(other);
   }
   std::vector<std::uint32_t> order(count);

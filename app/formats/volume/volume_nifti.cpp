@@ -27,7 +27,7 @@ T value_at(std::span<const std::byte> bytes, std::size_t at, bool swap) {
 struct NiftiField {
   std::size_t first, second;
 };
-constexpr NiftiField kMagic{344, 4}, kDimensions{40, 16}, kDataType{70, 12}, kSteps{76, 104}, kVoxelOffset{108, 168},
+constexpr NiftiField kMagic{344, 4}, kDimensions{40, 16}, kDataType{70, 12}, kNiftiSteps{76, 104}, kVoxelOffset{108, 168},
     kSlope{112, 176}, kIntercept{116, 184}, kUnits{123, 500}, kDescription{148, 240}, kQuaternionCode{252, 344},
     kMatrixCode{254, 348}, kQuaternion{256, 352}, kOffset{268, 376}, kMatrix{280, 400}, kIntent{328, 508};
 
@@ -78,7 +78,7 @@ class NiftiHeader {
   }
   /// Returns the voxel step along an axis, 0 to 2.
   [[nodiscard]] double step(std::size_t axis) const {
-    const double step = number(kSteps, axis + 1);
+    const double step = number(kNiftiSteps, axis + 1);
     return step == 0 ? 1 : step;
   }
   [[nodiscard]] std::string_view text(NiftiField field, std::size_t most) const {
@@ -157,7 +157,7 @@ NiftiMatrix quaternion_matrix(const NiftiHeader& header) {
     b /= length, c /= length, d /= length;
   }
   const auto positive = [&](std::size_t axis) { return header.step(axis) > 0 ? header.step(axis) : 1; };
-  const double x = positive(0), y = positive(1), z = positive(2) * (header.number(kSteps, 0) < 0 ? -1 : 1);
+  const double x = positive(0), y = positive(1), z = positive(2) * (header.number(kNiftiSteps, 0) < 0 ? -1 : 1);
   return {{{(a * a + b * b - c * c - d * d) * x, 2 * (b * c - a * d) * y, 2 * (b * d + a * c) * z,
             header.number(kOffset, 0)},
            {2 * (b * c + a * d) * x, (a * a + c * c - b * b - d * d) * y, 2 * (c * d - a * b) * z,
