@@ -3,6 +3,7 @@
 #include "render/volume/volume_lens.h"
 
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
@@ -16,14 +17,6 @@ constexpr float kLowPass = 0.3f;          // added to the variances, in pixels^2
 constexpr float kFarthestTangent = 1.3f;  // of the half view; the projection is linearised at most there (3DGS)
 constexpr float kLog2E = 1.44269504f;
 constexpr float kMostReach = 1e5f;  // pixels
-
-/// Returns the columns of the rotation matrix of a unit quaternion x, y, z, w.
-glm::mat3 rotation_of(const glm::vec4& q) {
-  const float x = q.x, y = q.y, z = q.z, w = q.w;
-  return {glm::vec3(1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)),
-          glm::vec3(2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)),
-          glm::vec3(2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y))};
-}
 
 }  // namespace
 
@@ -51,7 +44,8 @@ void project_gaussians(const GaussianItem& item, const SplatView& view, std::siz
     // J at the centre: the change of the pixel with the camera-space position.
     const float along_x = across * std::clamp(seen.x * near, left, right),
                 along_y = up * std::clamp(seen.y * near, low, high);
-    const glm::mat3 axes = linear * rotation_of(g.rotations[i]);
+    const glm::vec4& q = g.rotations[i];
+    const glm::mat3 axes = linear * glm::mat3_cast(glm::quat(q.w, q.x, q.y, q.z));
     float xx = 0, xy = 0, yy = 0;
     for (int k = 0; k < 3; ++k) {
       const glm::vec3 axis = axes[k] * g.scales[i][k];

@@ -143,7 +143,7 @@ class GaussianPainter {
       if (right - left > 1 && range.top > range.bottom) {
         // The extent of the ellipse between the rows: at the tangent point if it lies between, else at a border.
         const float low = static_cast<float>(row * kGaussianTile) - 1 - splat.y, high = low + kGaussianTile + 1;
-        const float turn = splat.reach_x > 0 ? splat.xy / splat.xx : 0;
+        const float turn = splat.xy * narrow;
         const auto border = [&](float dy, float& from, float& to) {
           const float square = splat.xy * splat.xy * dy * dy - splat.xx * (splat.yy * dy * dy - inside);
           if (!(square >= 0)) return;
@@ -173,7 +173,6 @@ class GaussianPainter {
   bool paint_to(std::vector<std::uint8_t>& pixels, std::vector<float>* depths, std::span<const float> stops) {
     const std::size_t tiles = tiles_;
     open_.assign(tiles, 1);
-    drawn_.assign(tiles, 0);
     states_.resize(tiles);
     bool any = false;
     for (std::size_t first = 0; first < order_.size();) {
@@ -246,7 +245,6 @@ class GaussianPainter {
                     static_cast<std::size_t>(std::min(left + column, view_.width - 1))];
     }
     GaussianTile& state = *states_[tile];
-    drawn_[tile] = 1;
     const GaussianKernel& kernel = gaussian_kernel();
     (stops.empty() ? kernel.tile : kernel.stopped_tile)(splats_.data(), order, left, bottom, state);
     if (state.open == 0) open_[tile] = 0;
@@ -278,7 +276,7 @@ class GaussianPainter {
   const VolumeStops& stops_;
   int columns_, rows_;
   std::size_t tiles_;
-  std::vector<std::uint8_t> open_, drawn_;  // per tile; not bits, because threads write neighbours
+  std::vector<std::uint8_t> open_;  // per tile; not bits, because threads write neighbours
   std::vector<std::unique_ptr<GaussianTile>> states_;
 };
 

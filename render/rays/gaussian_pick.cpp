@@ -4,6 +4,7 @@
 #include "base/parallel.h"
 
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
@@ -23,12 +24,6 @@ struct Crossing {
   float distance, opacity;
   std::size_t splat;
 };
-
-/// Returns the product of a vector with the inverse of a unit quaternion's rotation.
-glm::vec3 unrotated(const glm::vec4& q, const glm::vec3& v) {
-  const glm::vec3 axis(-q.x, -q.y, -q.z), once = glm::cross(axis, v) * 2.0f;
-  return v + once * q.w + glm::cross(axis, once);
-}
 
 }  // namespace
 
@@ -52,8 +47,10 @@ std::optional<DiscPick> pick_gaussians(const qnv::Gaussians& gaussians, const gl
           if (!(longest > 0)) continue;
           // In units of the standard deviations, the splat is round.
           const glm::vec3 s = glm::max(scales, glm::vec3(longest * kThinnest));
-          const glm::vec3 from = unrotated(gaussians.rotations[i], origin - gaussians.positions[i]) / s,
-                          along = unrotated(gaussians.rotations[i], direction) / s;
+          const glm::vec4& q = gaussians.rotations[i];
+          const glm::quat own_from_node(q.w, -q.x, -q.y, -q.z);
+          const glm::vec3 from = own_from_node * (origin - gaussians.positions[i]) / s,
+                          along = own_from_node * direction / s;
           const float distance = -glm::dot(from, along) / glm::dot(along, along);
           if (!(distance > 0 && distance < ray.farthest)) continue;
           const glm::vec3 nearest = from + along * distance;

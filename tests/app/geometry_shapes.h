@@ -98,6 +98,24 @@ inline std::string metadata(const Splats& geometry, std::string_view name) {
   return {};
 }
 
+/// Returns a PlayCanvas compressed PLY file with one splat. `harmonics` are the bytes of its coefficients.
+inline Bytes compressed_ply(std::uint32_t color, const std::vector<int>& harmonics) {
+  std::string header = "ply\nformat binary_little_endian 1.0\nelement chunk 1\n";
+  for (const char* name : {"min_x", "min_y", "min_z", "max_x", "max_y", "max_z", "min_scale_x", "min_scale_y",
+                           "min_scale_z", "max_scale_x", "max_scale_y", "max_scale_z"})
+    header += std::string("property float ") + name + "\n";
+  header += "element vertex 1\n";
+  for (const char* name : {"position", "rotation", "scale", "color"})
+    header += std::string("property uint packed_") + name + "\n";
+  if (!harmonics.empty()) header += "element sh 1\n";
+  for (std::size_t i = 0; i < harmonics.size(); ++i) header += "property uchar f_rest_" + std::to_string(i) + "\n";
+  Bytes bytes = bytes_of(header + "end_header\n");
+  for (int i = 0; i < 12; ++i) put(bytes, i < 9 ? 0.0f : 1.0f);
+  for (const std::uint32_t word : {0u, 0u, 0xffffffffu, color}) put(bytes, word);
+  for (const int value : harmonics) bytes.push_back(static_cast<std::byte>(value));
+  return bytes;
+}
+
 /// Checks that an import of any bytes gives a valid geometry or a message.
 inline void check_any(ImportVectors import, const Bytes& bytes) {
   const auto result = import(bytes, own_budget());

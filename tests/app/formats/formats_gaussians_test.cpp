@@ -119,20 +119,8 @@ TEST_CASE("names what formats without opacity lose of Gaussians") {
 }
 
 TEST_CASE("reads the harmonics of a compressed PLY file in its steps") {
-  std::string header = "ply\nformat binary_little_endian 1.0\nelement chunk 1\n";
-  for (const char* name : {"min_x", "min_y", "min_z", "max_x", "max_y", "max_z", "min_scale_x", "min_scale_y",
-                           "min_scale_z", "max_scale_x", "max_scale_y", "max_scale_z"})
-    header += std::string("property float ") + name + "\n";
-  header += "element vertex 1\n";
-  for (const char* name : {"position", "rotation", "scale", "color"})
-    header += std::string("property uint packed_") + name + "\n";
-  header += "element sh 1\n";
-  for (int i = 0; i < 9; ++i) header += "property uchar f_rest_" + std::to_string(i) + "\n";
-  Bytes bytes = bytes_of(header + "end_header\n");
-  for (int i = 0; i < 12; ++i) put(bytes, i < 9 ? 0.0f : 1.0f);
-  for (const std::uint32_t word : {0u, 0u, 0xffffffffu, 0x80808080u}) put(bytes, word);
   // Red has 0, 255 and 127; green 128, 64 and 192; blue 1, 2 and 3.
-  for (const int value : {0, 255, 127, 128, 64, 192, 1, 2, 3}) bytes.push_back(static_cast<std::byte>(value));
+  const Bytes bytes = compressed_ply(0x80808080u, {0, 255, 127, 128, 64, 192, 1, 2, 3});
   const Gaussians read = gaussians_of(import_splats_compressed_ply, bytes);
   REQUIRE(read.degree == 1);
   REQUIRE(read.harmonics.size() == 3);

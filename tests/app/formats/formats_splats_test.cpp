@@ -444,21 +444,7 @@ TEST_CASE("reads the same scene from SPZ version 4 and compressed PLY") {
 
 TEST_CASE("names what splats of a compressed PLY file lose") {
   const auto compressed = [](std::uint32_t color, bool harmonics) {
-    std::string header = "ply\nformat binary_little_endian 1.0\nelement chunk 1\n";
-    for (const char* name : {"min_x", "min_y", "min_z", "max_x", "max_y", "max_z", "min_scale_x", "min_scale_y",
-                             "min_scale_z", "max_scale_x", "max_scale_y", "max_scale_z"})
-      header += std::string("property float ") + name + "\n";
-    header += "element vertex 1\n";
-    for (const char* name : {"position", "rotation", "scale", "color"})
-      header += std::string("property uint packed_") + name + "\n";
-    if (harmonics) {
-      header += "element sh 1\n";
-      for (int i = 0; i < 24; ++i) header += "property uchar f_rest_" + std::to_string(i) + "\n";
-    }
-    Bytes bytes = bytes_of(header + "end_header\n");
-    for (int i = 0; i < 12; ++i) put(bytes, i < 9 ? 0.0f : 1.0f);
-    for (const std::uint32_t word : {0u, 0u, 0xffffffffu, color}) put(bytes, word);
-    if (harmonics) bytes.resize(bytes.size() + 24, std::byte{128});
+    const Bytes bytes = compressed_ply(color, std::vector<int>(harmonics ? 24 : 0, 128));
     return metadata(vectors_of(import_splats_compressed_ply, bytes), kSplatsAsDiscs);
   };
   CHECK(compressed(0x808080ffu, false).empty());

@@ -91,6 +91,16 @@ std::string bytes_in(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
+/// Returns a volume of 24^3 voxels in kelvins. They fall from 250 in the middle to 0.
+std::string nrrd_of_warm_ball() {
+  std::string volume = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 24 24 24\nsample units: K\nencoding: ascii\n\n";
+  for (int z = 0; z < 24; ++z)
+    for (int y = 0; y < 24; ++y)
+      for (int x = 0; x < 24; ++x)
+        volume += std::to_string(std::max(0, 250 - static_cast<int>(20 * std::hypot(x - 12, y - 12, z - 12)))) + " ";
+  return volume;
+}
+
 }  // namespace
 
 TEST_CASE("saves turntables and tours of the window as pictures and movies") {
@@ -192,12 +202,7 @@ TEST_CASE("drags a slice through its volume by its edge in the picture") {
 TEST_CASE("shows an isosurface, projections and shares of a volume in the window, from other threads") {
   Workshop shop;
   if (!shop.tools) return;
-  std::string volume = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 24 24 24\nsample units: K\nencoding: ascii\n\n";
-  for (int z = 0; z < 24; ++z)
-    for (int y = 0; y < 24; ++y)
-      for (int x = 0; x < 24; ++x)
-        volume += std::to_string(std::max(0, 250 - static_cast<int>(20 * std::hypot(x - 12, y - 12, z - 12)))) + " ";
-  shop.open(shop.scratch.write("a.nrrd", volume));
+  shop.open(shop.scratch.write("a.nrrd", nrrd_of_warm_ball()));
   UiToolActions actions;
   actions.wants_histogram = true;
   shop.apply(actions);
@@ -331,12 +336,7 @@ TEST_CASE("shows the value under the pointer for surfaces of coloured values, wi
 TEST_CASE("shows the value of a stream's nearest vector under the pointer") {
   Workshop shop;
   if (!shop.tools) return;
-  std::string volume = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 24 24 24\nsample units: K\nencoding: ascii\n\n";
-  for (int z = 0; z < 24; ++z)
-    for (int y = 0; y < 24; ++y)
-      for (int x = 0; x < 24; ++x)
-        volume += std::to_string(std::max(0, 250 - static_cast<int>(20 * std::hypot(x - 12, y - 12, z - 12)))) + " ";
-  shop.open(shop.scratch.write("a.nrrd", volume));
+  shop.open(shop.scratch.write("a.nrrd", nrrd_of_warm_ball()));
   // Now the source voxels of the vectors are missing.
   shop.view().document->world.path = shop.scratch.path("gone.qnv");
   const auto world = world_from_volume(*shop.view().list);

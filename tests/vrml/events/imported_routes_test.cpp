@@ -23,6 +23,15 @@ std::shared_ptr<SceneGraph> x3d_scene(const std::string& body, const std::string
   return scene;
 }
 
+// Reads a printed scene, which must have no errors.
+void read_again(const std::string& printed, Grammar grammar, SceneGraph& scene) {
+  Diagnostics diagnostics;
+  const auto reader = make_reader(grammar, scene, diagnostics);
+  reader->push(printed);
+  (void)reader->finish();
+  CHECK(diagnostics.errors() == 0);
+}
+
 // World with an Inline, and ROUTEs from and to its exported Transform.
 struct InlineWorld {
   std::shared_ptr<SceneGraph> root = x3d_scene(
@@ -168,11 +177,7 @@ TEST_CASE("uses an imported node between the children of a group, and prints its
     const std::string printed = printed_scene(*scene, {grammar});
     CAPTURE(printed);
     SceneGraph again("again");
-    Diagnostics diagnostics;
-    const auto reader = make_reader(grammar, again, diagnostics);
-    reader->push(printed);
-    (void)reader->finish();
-    CHECK(diagnostics.errors() == 0);
+    read_again(printed, grammar, again);
     CHECK(printed_scene(again, {Grammar::x3d_classic}) == classic);
   }
   CHECK(printed_scene(*scene, {Grammar::x3d_xml}).find("<Group USE='M'/>") != std::string::npos);
@@ -193,11 +198,7 @@ TEST_CASE("prints IMPORT in the body of a PROTO, with its ROUTEs") {
     const std::string printed = printed_scene(*scene, {grammar});
     CAPTURE(printed);
     SceneGraph again("again");
-    Diagnostics diagnostics;
-    const auto reader = make_reader(grammar, again, diagnostics);
-    reader->push(printed);
-    (void)reader->finish();
-    CHECK(diagnostics.errors() == 0);
+    read_again(printed, grammar, again);
     CHECK(printed_scene(again, {Grammar::x3d_classic}) == classic);
     REQUIRE(again.inlines().instance_routes().size() == 1);
     CHECK(again.inlines().instance_routes()[0].to.name == "Mover");

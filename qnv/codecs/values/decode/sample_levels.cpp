@@ -27,33 +27,6 @@ void unlift_rows(std::int32_t* first, std::size_t count, std::size_t stride, std
     }
 }
 
-// Reverts the lifting of a line of `count` >= 2 samples: the low ones, then the high ones. `line` has room for count +
-// 4 samples, and gets the result at its end, which is returned.
-std::int32_t* unlift_line(const std::int32_t* split, std::size_t count, std::int32_t* line) {
-  const std::size_t lows = (count + 1) / 2, highs = count / 2;
-  std::int32_t* const low = line;
-  std::int32_t* const high = line + lows + 2;
-  std::memcpy(low, split, lows * sizeof(std::int32_t));
-  std::memcpy(high, split + lows, highs * sizeof(std::int32_t));
-  for (std::size_t step = 4; step-- > 0;) {
-    if (step % 2 == 0) {
-      low[lows] = low[lows - 1];
-      lift(high, low, low + 1, highs, step, true);
-    } else {
-      high[-1] = high[0];
-      high[highs] = high[highs - 1];
-      lift(low, high - 1, high, lows, step, true);
-    }
-  }
-  std::int32_t* const joined = line + count + 4;
-  for (std::size_t i = 0; i < highs; ++i) {
-    joined[2 * i] = low[i];
-    joined[2 * i + 1] = high[i];
-  }
-  if (lows > highs) joined[count - 1] = low[highs];
-  return joined;
-}
-
 }  // namespace
 
 SampleLevels::SampleLevels(Extent extent, int levels) : extent_(extent), levels_(levels) {
@@ -147,9 +120,9 @@ void SampleLevels::lift_box(int level, const SampleBox& box, const BlockLayout& 
     window.size[a] = last - window.first[a];
     lows[a] = (window.size[a] + 1) / 2;
   }
-  thread_local std::vector<std::int32_t> samples, line;
+  thread_local std::vector<std::int32_t> samples, joined_row, line;
   samples.assign(sample_count(window.size), 0);
-  line.resize(std::size_t{2} * window.size[0] + 8);
+  joined_row.resize(window.size[0]);
   window.samples = samples.data();
   const std::size_t row = window.size[0], slice = row * window.size[1];
   const SampleBox low{{window.first[0] / 2, window.first[1] / 2, window.first[2] / 2}, lows};
@@ -171,7 +144,10 @@ void SampleLevels::lift_box(int level, const SampleBox& box, const BlockLayout& 
     if (window.size[1] > 1) unlift_rows(at, window.size[1], row, row);
     for (std::size_t y = y0; y < y0 + box.size[1]; ++y) {
       const std::int32_t* joined = at + y * row;
-      if (row > 1) joined = unlift_line(joined, row, line.data());
+      if (row > 1) {
+        join_line(joined, joined_row.data(), row, line);
+        joined = joined_row.data();
+      }
       own.samples.write(box.first[0], box.first[1] + static_cast<std::uint32_t>(y - y0),
                         box.first[2] + static_cast<std::uint32_t>(z - z0), box.size[0],
                         joined + (box.first[0] - window.first[0]), own.changed);

@@ -12,6 +12,16 @@ namespace {
 // Row of a transformed slice that holds row y of ny.
 std::size_t row_in_bands(std::uint32_t y, std::uint32_t ny) { return y % 2 == 0 ? y / 2 : (ny + 1) / 2 + y / 2; }
 
+// Makes the lifting operations along y that row y permits.
+void lift_next_row(LiftOrder& order, std::uint32_t y, SliceRows bands, std::uint32_t nx, std::uint32_t ny, bool undo,
+                   SliceScratch& scratch) {
+  const auto row = [&](std::uint32_t at) { return bands.first + row_in_bands(at, ny) * bands.stride; };
+  scratch.operations.clear();
+  order.advance(y + 1, scratch.operations);
+  for (const LiftOperation& one : scratch.operations)
+    lift(row(one.target), row(one.before), row(one.after), nx, one.step, undo);
+}
+
 }  // namespace
 
 LiftOrder::LiftOrder(std::uint32_t samples, bool undo) : samples_(samples), undo_(undo) {
@@ -41,12 +51,7 @@ void split_slice(SliceRows from, SliceRows bands, std::uint32_t nx, std::uint32_
   LiftOrder order(ny, false);
   for (std::uint32_t y = 0; y < ny; ++y) {
     split_line(from.first + y * from.stride, bands.first + row_in_bands(y, ny) * bands.stride, nx, scratch.line);
-    scratch.operations.clear();
-    order.advance(y + 1, scratch.operations);
-    for (const LiftOperation& one : scratch.operations)
-      lift(bands.first + row_in_bands(one.target, ny) * bands.stride,
-           bands.first + row_in_bands(one.before, ny) * bands.stride,
-           bands.first + row_in_bands(one.after, ny) * bands.stride, nx, one.step, false);
+    lift_next_row(order, y, bands, nx, ny, false, scratch);
   }
 }
 
@@ -54,12 +59,7 @@ void join_slice(SliceRows bands, SliceRows to, std::uint32_t nx, std::uint32_t n
   LiftOrder order(ny, true);
   std::uint32_t done = 0;
   for (std::uint32_t y = 0; y < ny; ++y) {
-    scratch.operations.clear();
-    order.advance(y + 1, scratch.operations);
-    for (const LiftOperation& one : scratch.operations)
-      lift(bands.first + row_in_bands(one.target, ny) * bands.stride,
-           bands.first + row_in_bands(one.before, ny) * bands.stride,
-           bands.first + row_in_bands(one.after, ny) * bands.stride, nx, one.step, true);
+    lift_next_row(order, y, bands, nx, ny, true, scratch);
     for (; done < order.finished(); ++done)
       join_line(bands.first + row_in_bands(done, ny) * bands.stride, to.first + done * to.stride, nx, scratch.line);
   }
