@@ -13,6 +13,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <filesystem>
 #include <string>
 
 using namespace gs;
@@ -210,6 +211,20 @@ TEST_CASE("opens splats, points and volumes as shapes of vectors") {
     CHECK(bad.diagnostics.errors() == 1);
     CHECK(said(bad).starts_with(folder.path(name) + ": error: "));
   }
+}
+
+TEST_CASE("opens the worlds of the program without messages") {
+  const std::filesystem::path folder = std::filesystem::path(GHOSTSPACE_TESTS).parent_path() / "assets/worlds";
+  int worlds = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".wrl" && entry.path().extension() != ".qnv") continue;
+    const LoadedWorld world = load_world(entry.path().string());
+    INFO(entry.path());
+    CHECK(world.scene);
+    CHECK(said(world).empty());
+    ++worlds;
+  }
+  CHECK(worlds >= 4);
 }
 
 TEST_CASE("shows translucent splats as Gaussians and opaque discs as a surface") {
