@@ -29,6 +29,7 @@
 #include <iterator>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -303,8 +304,11 @@ int main(int argc, char** argv) {
   }
   std::memcpy(voxels.bytes.data(), content.data(), voxels.bytes.size());
   const std::vector<std::byte> stream = encoded(voxels, 0, 2).bytes;
-  std::printf("%s: %zu bytes\n", argv[1], stream.size());
+  const std::string_view text(reinterpret_cast<const char*>(stream.data()), stream.size());
+  std::printf("%s: %zu bytes, hash %016zx\n", argv[1], stream.size(), std::hash<std::string_view>()(text));
+  std::fflush(stdout);
   measure_decoding(voxels, stream);
+  std::fflush(stdout);
   measure_first_picture(stream);
   measure_encoding(voxels);
   if (argc > 6 && std::string(argv[6]) == "--alone") return 0;
