@@ -165,6 +165,7 @@ void measure_decoding(const Voxels& voxels, const std::vector<std::byte>& stream
         const std::array<Cost, 3> costs{
             cost_of([&] {
               for (const auto& cluster : clusters) decoder.add(cluster);
+              decoder.decode_ready();
             }),
             cost_of([&] { grid = {decoder.bricks(0, changed), layout, nullptr}; }),
             cost_of([&] {

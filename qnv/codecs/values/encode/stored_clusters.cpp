@@ -26,10 +26,10 @@ void BlockEncoder::encode(std::uint32_t number, const BlockPlace& place, const B
   block.start(top);
   std::vector<StoredCluster>& clusters = result_.clusters;
   while (block.plane() >= last_plane) {
-    BinaryEncoder encoder;
-    const Block::Encoded coded = block.encode(encoder, kPlaneClusterBytes, kClusterEnd, last_plane, scratch_);
-    const std::vector<std::byte> packed = pack({number, static_cast<std::uint32_t>(clusters.size()), coded.steps,
-                                                static_cast<std::uint8_t>(top), encoder.finish()});
+    const Block::Encoded coded = block.encode(kPlaneClusterBytes, kClusterEnd, last_plane, scratch_);
+    const std::vector<std::byte> packed =
+        pack({number, static_cast<std::uint32_t>(clusters.size()), coded.steps, static_cast<std::uint8_t>(top),
+              std::vector<std::byte>(coded.bytes.begin(), coded.bytes.end())});
     result_.rest -= coded.gain;
     StoredCluster next;
     next.block = number;
@@ -81,16 +81,16 @@ void StoredBlocks::write(std::uint64_t number, const BlockPlace& place, const Bl
     return;
   }
   Block block(place);
+  std::vector<Cluster> clusters;
   std::span<const std::byte> rest = bytes;
   while (rest.size() > kLengthBytes) {
     const auto size = std::to_integer<std::size_t>(rest[0]) | std::to_integer<std::size_t>(rest[1]) << 8;
-    const auto cluster = parse_cluster(rest.subspan(kLengthBytes, size));
+    auto cluster = parse_cluster(rest.subspan(kLengthBytes, size));
     if (!cluster) break;
-    if (cluster->index == 0) block.start(cluster->plane);
-    BinaryDecoder decoder(cluster->bytes);
-    block.decode(decoder, cluster->steps, scratch);
+    clusters.push_back(std::move(*cluster));
     rest = rest.subspan(kLengthBytes + size);
   }
+  decode(clusters, block, scratch);
   block.write(bands);
 }
 
