@@ -193,12 +193,7 @@ void Block::step(Side& side, std::uint8_t* sizes) {
   if (cube.values >= 0) {
     side.values = values_.data() + static_cast<std::size_t>(cube.values) * kCubeSize;
     const BlockShape::Band& band = shape_->bands().data()[shape.band];
-    const CubeSizes place{sizes + shape.first, band.row, band.slice, shape.size};
-    constexpr std::array<std::uint8_t, 3> kWhole{kCubeEdge, kCubeEdge, kCubeEdge};
-    if (shape.size == kWhole)
-      code_cube<true>(side, models_, band.highs, place);
-    else
-      code_cube<false>(side, models_, band.highs, place);
+    code_cube(side, models_, band.highs, {sizes + shape.first, band.row, band.slice, shape.size});
     cube.lowest = static_cast<std::uint8_t>(plane_);
   }
   if (++cube_ == cubes_.size()) {
@@ -209,6 +204,8 @@ void Block::step(Side& side, std::uint8_t* sizes) {
 
 Block::Encoded Block::encode(std::size_t plane_bytes, std::size_t most_bytes, int last_plane, BlockScratch& scratch) {
   EncodingSide side{RangeWriter(scratch.bytes.data()), nullptr, plane_};
+  // The last byte may change.
+  const auto size = [&] { return std::max<std::size_t>(side.coder.size(scratch.bytes.data()), 1) - 1; };
   Encoded encoded;
   if (fresh_) scratch.sizes.assign(shape_->size_bytes(), 0);
   fresh_ = false;
@@ -225,10 +222,10 @@ Block::Encoded Block::encode(std::size_t plane_bytes, std::size_t most_bytes, in
     if (at_plane_start()) {
       halve_unit(scratch.sizes);
       side.plane = plane_;
-      if (plane_ < last_plane || side.coder.size() >= plane_bytes) break;
+      if (plane_ < last_plane || size() >= plane_bytes) break;
     }
-  } while (side.coder.size() < most_bytes);
-  encoded.bytes = std::span(scratch.bytes).first(side.coder.finish());
+  } while (size() < most_bytes);
+  encoded.bytes = std::span(scratch.bytes).first(side.coder.finish(scratch.bytes.data()));
   return encoded;
 }
 
@@ -237,9 +234,12 @@ std::size_t Block::decode(std::span<const CodedSteps> clusters, BlockScratch& sc
   fill_sizes(scratch.sizes);
   std::size_t all = 0;
   for (const CodedSteps& cluster : clusters) {
-    DecodingSide side{RangeReader(cluster.bytes), nullptr, plane_};
+    scratch.padded.assign(cluster.bytes.begin(), cluster.bytes.end());
+    scratch.padded.resize(cluster.bytes.size() + kMostCubeBytes);
+    const std::byte* const end = scratch.padded.data() + cluster.bytes.size();
+    DecodingSide side{RangeReader(scratch.padded.data()), nullptr, plane_};
     std::size_t done = 0;
-    while (done < cluster.steps && !side.coder.exhausted()) {
+    while (done < cluster.steps && !side.coder.exhausted(end)) {
       step(side, scratch.sizes.data());
       ++done;
       if (!at_plane_start()) continue;

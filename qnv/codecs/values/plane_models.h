@@ -11,28 +11,30 @@ namespace gs::qnv::values {
 
 /// Adaptive probability of a 1: the mean of a fast and of a slow estimate.
 struct Estimate {
-  std::uint16_t fast = 32768, slow = 32768;  // in 1/65536
-  std::uint32_t seen = 0;                    // number of decisions, at most kSteady
+  std::uint32_t both = 0x80008000;  // the fast estimate in the lower half, the slow one in the upper half; of 65536
+  std::uint32_t seen = 0;           // number of decisions, at most kSteady
 
-  void start(std::uint32_t probability) { fast = slow = static_cast<std::uint16_t>(probability); }
+  void start(std::uint32_t probability) { both = probability | probability << 16; }
   [[nodiscard]] std::uint32_t probability() const {
-    return std::clamp<std::uint32_t>((std::uint32_t{fast} + slow) >> 1, 48, 65536 - 48);
+    return std::clamp<std::uint32_t>(((both & 65535) + (both >> 16)) >> 1, 48, 65536 - 48);
   }
   void learn(bool bit) {
-    if (seen < kSteady) return learn_early(bit);
-    const std::int32_t target = bit ? 65535 : 0;
-    fast = static_cast<std::uint16_t>(fast + ((target - fast) >> 4));
-    slow = static_cast<std::uint16_t>(slow + ((target - slow) >> 7));
+    if (seen < kSteady) [[unlikely]]
+      return learn_early(bit);
+    const std::uint32_t fast = both & 65535, slow = both >> 16;
+    both = bit ? (fast + ((65535 - fast) >> 4)) | (slow + ((65535 - slow) >> 7)) << 16
+               : (fast - ((fast + 15) >> 4)) | (slow - ((slow + 127) >> 7)) << 16;
   }
 
  private:
   static constexpr std::uint32_t kSteady = 40;
-  // Early decisions change both estimates fast; later ones change `slow` less.
+  // Early decisions change both estimates fast; later ones change the slow one less.
   void learn_early(bool bit) {
     const int quick = seen < 3 ? 2 : seen < 8 ? 3 : 4, late = seen < 3 ? 2 : seen < 8 ? 3 : seen < 18 ? 4 : 5;
     const std::int32_t target = bit ? 65535 : 0;
-    fast = static_cast<std::uint16_t>(fast + ((target - fast) >> quick));
-    slow = static_cast<std::uint16_t>(slow + ((target - slow) >> late));
+    const auto fast = static_cast<std::int32_t>(both & 65535), slow = static_cast<std::int32_t>(both >> 16);
+    both = static_cast<std::uint32_t>(fast + ((target - fast) >> quick)) |
+           static_cast<std::uint32_t>(slow + ((target - slow) >> late)) << 16;
     ++seen;
   }
 };

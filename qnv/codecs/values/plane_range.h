@@ -5,27 +5,38 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
 namespace gs::qnv::values {
 
-// Binary range coding (FORMAT.md) of one cluster. The bytes are those of BinaryEncoder and BinaryDecoder, with fixed
-// buffers: a local copy of a coder stays in registers while it codes a cube.
+// Binary range coding (FORMAT.md) of one cluster. The bytes are those of BinaryEncoder and BinaryDecoder. The coders do
+// not check their buffers, so that a local copy stays in registers while it codes a cube.
+
+/// Maximum number of bytes that the decisions about one cube, and finish(), read or write.
+inline constexpr std::size_t kMostCubeBytes = 256;
 
 /// Encoder into a buffer, which must have room for all bytes.
 class RangeWriter {
  public:
-  explicit RangeWriter(std::byte* to) : first_(reinterpret_cast<std::uint8_t*>(to)), at_(first_) {}
+  explicit RangeWriter(std::byte* to) : at_(reinterpret_cast<std::uint8_t*>(to)) {}
 
-  /// Codes a decision with a probability of a 1, in 1/65536.
-  void put(std::uint32_t probability, bool bit) {
-    narrow(bit, static_cast<std::uint32_t>(std::uint64_t{range_} * probability >> 16));
+  /// Codes a bit that is 1 with the probability bound / range().
+  void put(bool bit, std::uint32_t bound) {
+    // Without a branch: half of the decisions are not predictable.
+    const std::uint32_t no = bit ? 0 : ~0u;
+    low_ += bound & no;
+    range_ = bound + ((range_ - bound - bound) & no);
+    while (range_ < 1u << 24) {
+      shift();
+      range_ <<= 8;
+    }
   }
-  void put_bit(bool bit) { narrow(bit, range_ >> 1); }
-  /// Returns the approximate number of bytes coded so far.
-  [[nodiscard]] std::size_t size() const { return at_ > first_ ? static_cast<std::size_t>(at_ - first_) - 1 : 0; }
-  /// Ends the bytes and returns their number, without up to kSparedZeros trailing zeros. Writes at most four more bytes.
-  [[nodiscard]] std::size_t finish() {
+  [[nodiscard]] std::uint32_t range() const { return range_; }
+  /// Returns the number of bytes written so far, if the first one is at `first`.
+  [[nodiscard]] std::size_t size(const std::byte* first) const {
+    return static_cast<std::size_t>(at_ - reinterpret_cast<const std::uint8_t*>(first));
+  }
+  /// Ends the bytes. Returns their number, without up to kSparedZeros trailing zeros.
+  [[nodiscard]] std::size_t finish(const std::byte* first) {
     // Any number in the interval decodes correctly. The number with the most trailing zeros gives the fewest bytes.
     const std::uint64_t end = low_ + range_;
     for (int bits = 32; bits >= 0; --bits) {
@@ -37,21 +48,11 @@ class RangeWriter {
       }
     }
     for (int i = 0; i < 4; ++i) shift();
-    for (std::size_t i = 0; i < displaced::kSparedZeros && at_ > first_ && at_[-1] == 0; ++i) --at_;
-    return static_cast<std::size_t>(at_ - first_);
+    for (std::size_t i = 0; i < displaced::kSparedZeros && size(first) > 0 && at_[-1] == 0; ++i) --at_;
+    return size(first);
   }
 
  private:
-  void narrow(bool bit, std::uint32_t bound) {
-    // Without a branch: half of the decisions are not predictable.
-    const std::uint32_t no = bit ? 0 : ~0u;
-    low_ += bound & no;
-    range_ = bound + ((range_ - bound - bound) & no);
-    while (range_ < 1u << 24) {
-      shift();
-      range_ <<= 8;
-    }
-  }
   void shift() {
     if (low_ >> 32 != 0) {
       std::uint8_t* to = at_;
@@ -62,31 +63,30 @@ class RangeWriter {
     low_ = (low_ & 0x00ffffff) << 8;
   }
 
-  std::uint8_t *first_, *at_;
+  std::uint8_t* at_;
   std::uint64_t low_ = 0;  // bit 32 is a carry into bytes already written
   std::uint32_t range_ = 0xffffffff;
 };
 
-/// Decoder of any bytes. Zeros follow them.
+/// Decoder of any bytes. kMostCubeBytes zeros must follow them.
 class RangeReader {
  public:
-  explicit RangeReader(std::span<const std::byte> bytes)
-      : at_(reinterpret_cast<const std::uint8_t*>(bytes.data())), end_(at_ + bytes.size()) {
-    for (int i = 0; i < 4; ++i) code_ = code_ << 8 | next();
+  explicit RangeReader(const std::byte* from) : at_(reinterpret_cast<const std::uint8_t*>(from)) {
+    for (int i = 0; i < 4; ++i) code_ = code_ << 8 | *at_++;
   }
 
-  /// Decodes a decision with a probability of a 1, in 1/65536.
-  bool get(std::uint32_t probability) {
-    const auto bound = static_cast<std::uint32_t>(std::uint64_t{range_} * probability >> 16);
-    const bool bit = code_ < bound;
-    if (bit) {
+  [[nodiscard]] std::uint32_t range() const { return range_; }
+  /// Decodes a bit that is 1 with the probability bound / range().
+  bool get(std::uint32_t bound) {
+    if (code_ < bound) {
       range_ = bound;
-    } else {
-      code_ -= bound;
-      range_ -= bound;
+      normalise();
+      return true;
     }
+    code_ -= bound;
+    range_ -= bound;
     normalise();
-    return bit;
+    return false;
   }
   /// Decodes an equally likely bit.
   std::uint32_t get_bit() {
@@ -97,25 +97,21 @@ class RangeReader {
     normalise();
     return zero + 1;
   }
-  /// Reports whether decoding needed more bytes than exist.
-  [[nodiscard]] bool exhausted() const { return missing_ > displaced::kSparedZeros; }
+  /// Reports whether decoding needed more bytes than exist. `end` is their end.
+  [[nodiscard]] bool exhausted(const std::byte* end) const {
+    return at_ > reinterpret_cast<const std::uint8_t*>(end) + displaced::kSparedZeros;
+  }
 
  private:
   void normalise() {
-    while (range_ < 1u << 24) {
-      code_ = code_ << 8 | next();
+    while (range_ < 1u << 24) [[unlikely]] {
+      code_ = code_ << 8 | *at_++;
       range_ <<= 8;
     }
   }
-  std::uint32_t next() {
-    if (at_ < end_) return *at_++;
-    ++missing_;
-    return 0;
-  }
 
-  const std::uint8_t *at_, *end_;
+  const std::uint8_t* at_;
   std::uint32_t range_ = 0xffffffff, code_ = 0;
-  std::uint32_t missing_ = 0;  // number of zeros read after the end
 };
 
 }  // namespace gs::qnv::values
