@@ -14,16 +14,15 @@ namespace {
 
 // Halves the unit of sizes. The next bit of each coefficient is not known yet.
 void halve_unit(std::vector<std::uint8_t>& sizes) {
-  constexpr std::size_t kWord = sizeof(std::uint64_t);
-  constexpr std::uint64_t kFours = 0x0404040404040404;
-  for (std::size_t i = 0; i + kWord <= sizes.size(); i += kWord) {
-    std::uint64_t word;
-    std::memcpy(&word, sizes.data() + i, kWord);
-    if (word == 0) continue;
-    word *= 2;
-    const std::uint64_t large = (word >> 1 | word) & kFours;  // 4, 6 and 8 become 4, 2 stays
-    word = large | (word & 0x0202020202020202 & ~(large >> 1));
-    std::memcpy(sizes.data() + i, &word, kWord);
+  using Bytes = std::uint8_t __attribute__((vector_size(16)));
+  std::uint8_t* const at = sizes.data();
+  for (std::size_t i = 0; i + sizeof(Bytes) <= sizes.size(); i += sizeof(Bytes)) {
+    Bytes bytes;
+    std::memcpy(&bytes, at + i, sizeof bytes);
+    bytes += bytes;
+    const Bytes large = Bytes(bytes > 4);
+    bytes = (large & 4) | (~large & bytes);
+    std::memcpy(at + i, &bytes, sizeof bytes);
   }
 }
 
@@ -105,7 +104,7 @@ Extent Block::band_place(const BlockShape::Cube& cube) const {
 }
 
 void Block::write_split(const SplitWindow& window) const {
-  const std::size_t row = window.size[0], slice = row * window.size[1], lows = (row + 1) / 2;
+  const std::size_t row = window.row, slice = row * window.size[1];
   for (std::size_t b = 0; b < shape_->bands().size(); ++b) {
     const BandPart& part = place_.bands[b];
     const BlockShape::Band& band = shape_->bands()[b];
@@ -132,14 +131,14 @@ void Block::write_split(const SplitWindow& window) const {
             begin[a] = std::max(at[a], window.first[a] / 2);
             end[a] = std::min(at[a] + cube.size[a], low_end[a]);
           }
-          if (begin[0] >= end[0]) continue;
-          for (std::uint32_t z = begin[2]; z < end[2]; ++z)
-            for (std::uint32_t y = begin[1]; y < end[1]; ++y)
-              write_line(from + ((z - at[2]) * kCubeEdge + (y - at[1])) * kCubeEdge + (begin[0] - at[0]),
-                         end[0] - begin[0], middle,
-                         window.samples + (2 * z + high[2] - window.first[2]) * slice +
-                             (2 * y + high[1] - window.first[1]) * row + (high[0] != 0 ? lows : 0) +
-                             (begin[0] - window.first[0] / 2));
+          if (begin[0] >= end[0] || begin[1] >= end[1]) continue;
+          from += ((begin[2] - at[2]) * kCubeEdge + (begin[1] - at[1])) * kCubeEdge + (begin[0] - at[0]);
+          std::int32_t* to = window.samples + (2 * begin[2] + high[2] - window.first[2]) * slice +
+                             (2 * begin[1] + high[1] - window.first[1]) * row + (high[0] != 0 ? window.odd : 0) +
+                             (begin[0] - window.first[0] / 2);
+          for (std::uint32_t z = begin[2]; z < end[2]; ++z, from += kCubeEdge * kCubeEdge, to += 2 * slice)
+            for (std::uint32_t y = 0; y < end[1] - begin[1]; ++y)
+              write_line(from + y * kCubeEdge, end[0] - begin[0], middle, to + 2 * y * row);
         }
   }
 }

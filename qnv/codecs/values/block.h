@@ -14,11 +14,12 @@
 
 namespace gs::qnv::values {
 
-/// Cuboid of samples that one level gives, while its axes are lifted. The rows of x have the even samples first.
-/// `first` is even.
+/// Cuboid of samples that one level gives, while its axes are lifted. The rows of x have the even samples first, and
+/// the odd ones from `odd` on. `first` is even.
 struct SplitWindow {
   Extent first{}, size{};
   std::int32_t* samples = nullptr;
+  std::size_t row = 0, odd = 0;  // distance of consecutive rows; place of the odd samples
 };
 
 /// Buffers for the decisions of one block. Each thread reuses one.
