@@ -2,9 +2,10 @@
 //
 //   values_bench FILE u8|u16|u16be X Y Z [--alone]
 //
-// FILE holds the voxels, x first. Prints Markdown tables: encoding, decoding of prefixes, vectors, and the time from the
-// bytes of a prefix to the first vectors. Speeds count processor time, and the best of several rounds. Needs zfp, cjxl
-// and djxl (Debian: zfp, libjxl-tools) in the PATH; `--alone` leaves them out. The programs also read and write files.
+// FILE holds the voxels, x first. Prints Markdown tables: encoding, decoding of prefixes, vectors, and the time from
+// the bytes of a prefix to the first vectors. Speeds count processor time, and the best of several rounds. Needs zfp,
+// cjxl and djxl (Debian: zfp, libjxl-tools) in the PATH; `--alone` leaves them out. The programs also read and write
+// files.
 #include "qnv/codecs/values/cluster.h"
 #include "qnv/codecs/values/decode/cell_vectors.h"
 #include "qnv/codecs/values/decode/values_decoder.h"
@@ -162,18 +163,19 @@ void measure_decoding(const Voxels& voxels, const std::vector<std::byte>& stream
         layout.type = qnv::VoxelType::i32;
         layout.big_endian = false;
         qnv::values::CellVectorOptions options{0.09, std::uint64_t{1} << 26, {0.0f, 3000.0f}};
-        const std::array<Cost, 3> costs{
-            cost_of([&] {
-              for (const auto& cluster : clusters) decoder.add(cluster);
-              decoder.decode_ready();
-            }),
-            cost_of([&] { grid = {decoder.bricks(0, changed), layout, nullptr}; }),
-            cost_of([&] {
-              qnv::values::CellVectors vectors(extent, glm::dmat3(1), options);
-              vectors.update(grid, changed);
-              qnv::Volume volume((qnv::GeometryBase()));
-              vectors.fill(grid, volume);
-            })};
+        const std::array<Cost, 3> costs{cost_of([&] {
+                                          for (const auto& cluster : clusters) decoder.add(cluster);
+                                          decoder.decode_ready();
+                                        }),
+                                        cost_of([&] {
+                                          grid = {decoder.bricks(0, changed), layout, nullptr};
+                                        }),
+                                        cost_of([&] {
+                                          qnv::values::CellVectors vectors(extent, glm::dmat3(1), options);
+                                          vectors.update(grid, changed);
+                                          qnv::Volume volume((qnv::GeometryBase()));
+                                          vectors.fill(grid, volume);
+                                        })};
         for (std::size_t i = 0; i < parts.size(); ++i)
           parts[i] = {std::min(parts[i].wall, costs[i].wall), std::min(parts[i].processor, costs[i].processor)};
       }
@@ -188,7 +190,8 @@ void measure_decoding(const Voxels& voxels, const std::vector<std::byte>& stream
 }
 
 void measure_first_picture(const std::vector<std::byte>& stream) {
-  std::printf("\n| first picture from | decoding, ms | with vectors, ms | vectors | level |\n|---:|---:|---:|---:|---:|\n");
+  std::printf(
+      "\n| first picture from | decoding, ms | with vectors, ms | vectors | level |\n|---:|---:|---:|---:|---:|\n");
   use_cores(1);
   for (const std::size_t bytes : {std::size_t{8000}, std::size_t{15'000}, std::size_t{46'000}, std::size_t{125'000}}) {
     if (bytes > stream.size()) continue;
@@ -240,7 +243,8 @@ std::vector<std::uint16_t> numbers_of(const Voxels& voxels) {
 }
 
 void measure_others(const Voxels& voxels, const std::string& folder) {
-  std::printf("\n| other program | bits a voxel | encoding, M voxels/s | decoding, M voxels/s |\n|---|---:|---:|---:|\n");
+  std::printf(
+      "\n| other program | bits a voxel | encoding, M voxels/s | decoding, M voxels/s |\n|---|---:|---:|---:|\n");
   const std::vector<std::uint16_t> numbers = numbers_of(voxels);
   const auto [nx, ny, nz] = voxels.layout.dimensions;
   const auto row = [&](const std::string& name, const std::string& encode, const std::string& decode,

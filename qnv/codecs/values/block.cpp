@@ -164,7 +164,8 @@ std::size_t Block::cube_context(const BlockShape::Cube& cube) const {
   const BlockShape::Band& band = shape_->bands()[cube.band];
   const std::uint8_t* const flag = active_.data() + cube.flag;
   const std::size_t row = band.flag_row, slice = band.flag_slice;
-  const std::uint32_t active = std::uint32_t{flag[-1]} + flag[1] + *(flag - row) + flag[row] + *(flag - slice) + flag[slice];
+  const std::uint32_t active =
+      std::uint32_t{flag[-1]} + flag[1] + *(flag - row) + flag[row] + *(flag - slice) + flag[slice];
   const std::uint32_t other = cube.before < 0 ? 0 : 1u + active_.data()[cube.before];
   return std::min<std::uint32_t>(active, 4) * 3 + other;
 }
@@ -214,8 +215,8 @@ Block::Encoded Block::encode(std::size_t plane_bytes, std::size_t most_bytes, in
     ++encoded.steps;
     if (cubes_[number].values >= 0) {
       const double after = squared_error(values_.data() + number * kCubeSize, side.plane);
-      encoded.gain += (errors_[number] - after) *
-                      error_weight(place_.level, place_.bands[shape_->cubes()[number].band].highs);
+      encoded.gain +=
+          (errors_[number] - after) * error_weight(place_.level, place_.bands[shape_->cubes()[number].band].highs);
       errors_[number] = after;
     }
     if (at_plane_start()) {

@@ -24,9 +24,9 @@ struct SplitWindow {
 
 /// Buffers for the decisions of one block. Each thread reuses one.
 struct BlockScratch {
-  std::vector<std::uint8_t> sizes;   // of the coefficients in units of the current plane, at most 4; with borders
+  std::vector<std::uint8_t> sizes;    // of the coefficients in units of the current plane, at most 4; with borders
   std::array<std::byte, 2048> bytes;  // of a cluster while it is encoded
-  std::vector<std::byte> padded;     // bytes of a cluster while it is decoded, and zeros
+  std::vector<std::byte> padded;      // bytes of a cluster while it is decoded, and zeros
 };
 
 /// Coefficients of a block where a transform keeps them.

@@ -31,8 +31,8 @@ BlockShape::BlockShape(const BlockPlace& place) {
           cube.first = first + kCubeEdge * (z * band.slice + y * band.row + x);
           cube.flag = first_flag + z * band.flag_slice + y * band.flag_row + x;
           if (same)
-            cube.before = static_cast<std::int32_t>(
-                cubes_[bands_.back().first_cube + cubes_.size() - band.first_cube].flag);
+            cube.before =
+                static_cast<std::int32_t>(cubes_[bands_.back().first_cube + cubes_.size() - band.first_cube].flag);
           cubes_.push_back(cube);
         }
     sizes += band.slice * (band.cubes[2] * kCubeEdge + 2);

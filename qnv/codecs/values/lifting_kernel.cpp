@@ -59,7 +59,8 @@ GHOSTSPACE_AVX2 std::size_t unlift_avx2(std::int32_t* first, std::size_t count, 
     const auto at = [&](std::size_t row) { return column + row * stride; };
     __m256i odd = load(at(1));  // of the pair before, as it was
     __m256i third = _mm256_sub_epi32(load(at(0)), change_of(odd, odd, kLiftFactors[3]));
-    __m256i second{}, first_even{};  // odd row after step 2, even row after step 1: of two pairs before, of the one before
+    __m256i second{},
+        first_even{};  // odd row after step 2, even row after step 1: of two pairs before, of the one before
     for (std::size_t k = 1; k <= odds; ++k) {
       // Pair k may not exist, or have only its even row. Lines continue by reflection.
       const bool even_there = 2 * k < count;

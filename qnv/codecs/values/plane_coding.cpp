@@ -47,18 +47,20 @@ inline void code_line(Side& side, Estimate* ones, PlaneModels& models, std::uint
         line.sums += kNext;
         known_one = kCubeEdge;
       }
-    } else if (size == 2 ? side.code(models.more.data()[sum < 32 ? sum >> 3 : 3], one) : side.code_bit(one)) {
-      // Only the first bit after the highest one is worth an estimate.
-      side.add(at + x);
-      if (size < kMaxSize) {
-        line.growth |= 1u << 8 * x;
-        line.sums += kNext;
-      }
+    } else if (size == 2) {
+      // Only the first bit after the highest one is worth an estimate. It makes the size 3.
+      const std::uint32_t bit = side.code_even(models.more.data()[sum < 32 ? sum >> 3 : 3], one);
+      side.add(at + x, bit);
+      line.growth |= bit << 8 * x;
+      line.sums += bit * kNext;
+    } else {
+      side.add(at + x, side.code_bit(one));
     }
   };
   [&]<std::uint32_t... x>(std::integer_sequence<std::uint32_t, x...>) {
     (code(std::integral_constant<std::uint32_t, x>()), ...);
-  }(std::make_integer_sequence<std::uint32_t, kCubeEdge>());
+  }
+  (std::make_integer_sequence<std::uint32_t, kCubeEdge>());
 }
 
 std::uint64_t eight_bytes(const std::uint8_t* at) {

@@ -27,9 +27,11 @@ struct EncodingSide {
     model.learn(bit);
     return bit;
   }
-  bool code_bit(bool bit) {
+  /// Codes a decision that is hardly predictable, and one that is not.
+  std::uint32_t code_even(Estimate& model, bool bit) { return code(model, bit) ? 1 : 0; }
+  std::uint32_t code_bit(bool bit) {
     coder.put(bit, coder.range() >> 1);
-    return bit;
+    return bit ? 1 : 0;
   }
   [[nodiscard]] bool bit(std::size_t i) const { return (values[i] >> plane & 1) != 0; }
   /// Reports whether any of four coefficients that are zero so far gets its first bit.
@@ -37,7 +39,7 @@ struct EncodingSide {
     return ((values[i] | values[i + 1] | values[i + 2] | values[i + 3]) & ~kSign) >> plane != 0;
   }
   void start(std::size_t i) { code_bit(values[i] >> 31 != 0); }
-  void add(std::size_t) {}
+  void add(std::size_t, std::uint32_t) {}
 };
 
 /// Decoder's side of a cube.
@@ -55,11 +57,17 @@ struct DecodingSide {
     model.learn(false);
     return false;
   }
-  bool code_bit(bool) { return coder.get_bit() != 0; }
+  std::uint32_t code_even(Estimate& model, bool) {
+    const std::uint32_t bit =
+        coder.get_even(static_cast<std::uint32_t>(std::uint64_t{coder.range()} * model.probability() >> 16));
+    model.learn(bit != 0);
+    return bit;
+  }
+  std::uint32_t code_bit(bool) { return coder.get_bit(); }
   [[nodiscard]] bool bit(std::size_t) const { return false; }
   [[nodiscard]] bool any(std::size_t) const { return false; }
   void start(std::size_t i) { values[i] = 1u << plane | coder.get_bit() << 31; }
-  void add(std::size_t i) { values[i] |= 1u << plane; }
+  void add(std::size_t i, std::uint32_t bit) { values[i] |= bit << plane; }
 };
 
 /// Sizes of the coefficients of a cube in the buffer of their block.

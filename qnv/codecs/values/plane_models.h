@@ -22,8 +22,10 @@ struct Estimate {
     if (seen < kSteady) [[unlikely]]
       return learn_early(bit);
     const std::uint32_t fast = both & 65535, slow = both >> 16;
-    both = bit ? (fast + ((65535 - fast) >> 4)) | (slow + ((65535 - slow) >> 7)) << 16
-               : (fast - ((fast + 15) >> 4)) | (slow - ((slow + 127) >> 7)) << 16;
+    // Without a branch.
+    const std::uint32_t more = (fast + ((65535 - fast) >> 4)) | (slow + ((65535 - slow) >> 7)) << 16,
+                        less = (fast - ((fast + 15) >> 4)) | (slow - ((slow + 127) >> 7)) << 16;
+    both = less ^ ((less ^ more) & (0u - static_cast<std::uint32_t>(bit)));
   }
 
  private:
@@ -51,7 +53,8 @@ struct PlaneModels {
       cubes[i].start(std::min<std::uint32_t>(9000 + 5500 * (i / 3) + 6000 * (i % 3), 58000));
     for (Estimate& model : lines) model.start(6000);
     for (auto& models : ones)
-      for (std::uint32_t i = 0; i < models.size(); ++i) models[i].start(std::min<std::uint32_t>(1700 + 2300 * i, 34000));
+      for (std::uint32_t i = 0; i < models.size(); ++i)
+        models[i].start(std::min<std::uint32_t>(1700 + 2300 * i, 34000));
     for (std::uint32_t i = 0; i < more.size(); ++i) more[i].start(26000 + 900 * i);
   }
 };

@@ -88,15 +88,16 @@ class RangeReader {
     normalise();
     return false;
   }
-  /// Decodes an equally likely bit.
-  std::uint32_t get_bit() {
-    const std::uint32_t bound = range_ >> 1;
-    const std::uint32_t zero = code_ < bound ? 0 : ~0u;  // without a branch: these bits are not predictable
+  /// Decodes the same bit without a branch, for bits that are not predictable.
+  std::uint32_t get_even(std::uint32_t bound) {
+    const std::uint32_t zero = code_ < bound ? 0 : ~0u;
     code_ -= bound & zero;
     range_ = bound + ((range_ - bound - bound) & zero);
     normalise();
     return zero + 1;
   }
+  /// Decodes an equally likely bit.
+  std::uint32_t get_bit() { return get_even(range_ >> 1); }
   /// Reports whether decoding needed more bytes than exist. `end` is their end.
   [[nodiscard]] bool exhausted(const std::byte* end) const {
     return at_ > reinterpret_cast<const std::uint8_t*>(end) + displaced::kSparedZeros;
@@ -105,9 +106,9 @@ class RangeReader {
  private:
   void normalise() {
     while (range_ < 1u << 24) [[unlikely]] {
-      code_ = code_ << 8 | *at_++;
-      range_ <<= 8;
-    }
+        code_ = code_ << 8 | *at_++;
+        range_ <<= 8;
+      }
   }
 
   const std::uint8_t* at_;

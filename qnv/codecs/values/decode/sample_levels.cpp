@@ -20,8 +20,8 @@ constexpr std::size_t kThreadSamples = std::size_t{1} << 16;
 // Rows of x that are lifted together. They stay in the fastest cache.
 constexpr std::size_t kLinesAtOnce = 8;
 
-// Reverts the lifting of `count` rows along x. Each row has its even samples first, and the odd ones from `odd` on. There
-// is room for a sample after the even ones, and before and after the odd ones.
+// Reverts the lifting of `count` rows along x. Each row has its even samples first, and the odd ones from `odd` on.
+// There is room for a sample after the even ones, and before and after the odd ones.
 void unlift_lines(std::int32_t* first, std::size_t count, const SplitWindow& window) {
   const std::size_t evens = (window.size[0] + 1) / 2, odds = window.size[0] / 2;
   if (odds == 0) return;
@@ -159,8 +159,7 @@ void SampleLevels::lift_box(int level, const SampleBox& box, const BlockLayout& 
     unlift_rows(at, window.size[1], row, row);
     for (std::size_t y = y0; y < y0 + box.size[1]; ++y) {
       std::int32_t* const line = at + y * row;
-      if ((y - y0) % kLinesAtOnce == 0)
-        unlift_lines(line, std::min(kLinesAtOnce, y0 + box.size[1] - y), window);
+      if ((y - y0) % kLinesAtOnce == 0) unlift_lines(line, std::min(kLinesAtOnce, y0 + box.size[1] - y), window);
       interleave(line, line + window.odd, window.size[0] / 2, joined.data());
       if (window.size[0] % 2 != 0) joined[window.size[0] - 1] = line[lows[0] - 1];
       own.samples.write(box.first[0], box.first[1] + static_cast<std::uint32_t>(y - y0),

@@ -14,10 +14,16 @@ namespace {
 // A plane that ends after at least this many bytes ends its cluster, too.
 constexpr std::size_t kPlaneClusterBytes = 500;
 constexpr std::size_t kLengthBytes = 2;
+// Bytes of a chunk beside its payload.
+constexpr std::size_t kClusterCost = kChunkHeaderBytes + kDirectoryEntryBytes;
+// A block ends at a cluster of which the gain per byte is smaller than the least useful one by this factor. Later
+// clusters of a block are seldom better.
+constexpr float kSparedGain = 4;
 
 }  // namespace
 
-void BlockEncoder::encode(std::uint32_t number, const BlockPlace& place, const BlockBands& bands, int last_plane) {
+void BlockEncoder::encode(std::uint32_t number, const BlockPlace& place, const BlockBands& bands, int last_plane,
+                          float least_rank) {
   result_ = {};
   Block block(place);
   const int top = block.load(bands);
@@ -41,17 +47,17 @@ void BlockEncoder::encode(std::uint32_t number, const BlockPlace& place, const B
     next.offset = result_.bytes.size();
     result_.bytes.insert(result_.bytes.end(), packed.begin(), packed.end());
     clusters.push_back(next);
+    if (next.gain * kSparedGain < least_rank * static_cast<float>(next.bytes + kClusterCost)) break;
   }
   // The rank of a cluster is the highest gain per byte of any sequence that begins with it. No cluster ranks before
   // those that it needs.
-  constexpr std::size_t kChunkCost = kChunkHeaderBytes + kDirectoryEntryBytes;
   float least = std::numeric_limits<float>::infinity();
   for (std::size_t i = 0; i < clusters.size(); ++i) {
     double gain = 0, slope = 0;
     std::size_t bytes = 0;
     for (std::size_t k = i; k < clusters.size(); ++k) {
       gain += static_cast<double>(clusters[k].gain);
-      bytes += clusters[k].bytes + kChunkCost;
+      bytes += clusters[k].bytes + kClusterCost;
       slope = std::max(slope, gain / static_cast<double>(bytes));
     }
     clusters[i].rank = least = std::min(least, static_cast<float>(slope));
