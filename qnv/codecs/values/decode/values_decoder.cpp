@@ -12,7 +12,7 @@ namespace {
 
 // Maximum number of clusters that wait for earlier ones, in one block and in all.
 constexpr std::size_t kMostWaiting = 256, kMostWaitingInAll = std::size_t{1} << 16;
-// Bytes of clusters that are decoded later, together; and those for which threads are worth their start.
+// Memory of clusters that wait to be decoded together; and that for which threads are worth their start.
 constexpr std::size_t kMostReady = std::size_t{1} << 22, kThreadBytes = std::size_t{1} << 15;
 // A level is shown when one of this many blocks has data, or when it costs little time: it has at most this many
 // samples; or it has any data, and at most this many samples for each received byte. Levels finer than the data
@@ -55,7 +55,7 @@ void ValuesDecoder::take(State& state, const Cluster& cluster, const BlockPlace&
   if (state.ready.empty()) ready_.push_back(cluster.block);
   state.ready.push_back(cluster);
   bytes_ += cluster.bytes.size();
-  ready_bytes_ += cluster.bytes.size();
+  ready_bytes_ += cluster.bytes.size() + sizeof(Cluster);  // clusters may be empty
   ++state.next;
 }
 

@@ -56,7 +56,7 @@ class ValuesDecoder {
   std::size_t waiting_ = 0;           // clusters
   std::size_t most_blocks_;
   std::vector<std::uint32_t> ready_;  // blocks with clusters that are not decoded yet
-  std::size_t ready_bytes_ = 0;
+  std::size_t ready_bytes_ = 0;       // memory of these clusters
   SampleLevels restored_;
 };
 
