@@ -12,6 +12,8 @@
 #define GHOSTSPACE_GL_FUNCTIONS(X)                                            \
   X(ACTIVETEXTURE, ActiveTexture)                                             \
   X(ATTACHSHADER, AttachShader)                                               \
+  X(BEGINCONDITIONALRENDER, BeginConditionalRender)                           \
+  X(BEGINQUERY, BeginQuery)                                                   \
   X(BINDBUFFER, BindBuffer)                                                   \
   X(BINDBUFFERBASE, BindBufferBase)                                           \
   X(BINDBUFFERRANGE, BindBufferRange)                                         \
@@ -38,6 +40,7 @@
   X(DELETEBUFFERS, DeleteBuffers)                                             \
   X(DELETEFRAMEBUFFERS, DeleteFramebuffers)                                   \
   X(DELETEPROGRAM, DeleteProgram)                                             \
+  X(DELETEQUERIES, DeleteQueries)                                             \
   X(DELETERENDERBUFFERS, DeleteRenderbuffers)                                 \
   X(DELETESAMPLERS, DeleteSamplers)                                           \
   X(DELETESHADER, DeleteShader)                                               \
@@ -53,6 +56,8 @@
   X(DRAWELEMENTSINSTANCEDBASEVERTEX, DrawElementsInstancedBaseVertex)         \
   X(ENABLE, Enable)                                                           \
   X(ENABLEVERTEXATTRIBARRAY, EnableVertexAttribArray)                         \
+  X(ENDCONDITIONALRENDER, EndConditionalRender)                               \
+  X(ENDQUERY, EndQuery)                                                       \
   X(FENCESYNC, FenceSync)                                                     \
   X(FINISH, Finish)                                                           \
   X(FLUSH, Flush)                                                             \
@@ -61,6 +66,7 @@
   X(FRONTFACE, FrontFace)                                                     \
   X(GENBUFFERS, GenBuffers)                                                   \
   X(GENFRAMEBUFFERS, GenFramebuffers)                                         \
+  X(GENQUERIES, GenQueries)                                                   \
   X(GENRENDERBUFFERS, GenRenderbuffers)                                       \
   X(GENSAMPLERS, GenSamplers)                                                 \
   X(GENTEXTURES, GenTextures)                                                 \
@@ -70,6 +76,7 @@
   X(GETFLOATV, GetFloatv)                                                     \
   X(GETFRAMEBUFFERATTACHMENTPARAMETERIV, GetFramebufferAttachmentParameteriv) \
   X(GETINTEGERV, GetIntegerv)                                                 \
+  X(GETMULTISAMPLEFV, GetMultisamplefv)                                       \
   X(GETPROGRAMINFOLOG, GetProgramInfoLog)                                     \
   X(GETPROGRAMIV, GetProgramiv)                                               \
   X(GETSHADERINFOLOG, GetShaderInfoLog)                                       \

@@ -204,7 +204,6 @@ bool VolumeGl::sort(const Visible& visible, Viewport& viewport, bool& pending) {
 }
 
 void VolumeGl::blend(const Visible& visible, const View& view, const Buffer& order) {
-  const bool apart = target_.begin(view.rectangle);
   gl_.Enable(GL_DEPTH_TEST);
   gl_.DepthFunc(view.projection.reversed ? GL_GEQUAL : GL_LEQUAL);
   gl_.DepthMask(GL_FALSE);
@@ -234,7 +233,6 @@ void VolumeGl::blend(const Visible& visible, const View& view, const Buffer& ord
   gl_.BindBuffer(GL_ARRAY_BUFFER, order.name());
   gl_.VertexAttribIPointer(0, 1, GL_UNSIGNED_INT, 0, nullptr);
   gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(visible.total));
-  if (apart) target_.end();
   gl_.DepthMask(GL_TRUE);
   gl_.Disable(GL_DEPTH_TEST);
   gl_.Disable(GL_BLEND);
@@ -265,7 +263,8 @@ std::optional<VolumeGl::Drawn> VolumeGl::draw(std::span<const SharedVolume> held
   if (visible.places.size() != visible.items.size() || !upload_items(visible, view.lens)) return std::nullopt;
   Viewport& own = viewport(view.viewport);
   if (!sort(visible, own, drawn.pending)) return std::nullopt;
-  blend(visible, view, own.order);
+  const auto draw = [&] { blend(visible, view, own.order); };
+  if (!target_.draw_layer(view.rectangle, view.projection, draw)) draw();
   return drawn;
 }
 

@@ -23,19 +23,62 @@ void main() {
 }
 )glsl";
 
-/// Composites the volumes that OpenGL has drawn, sample by sample.
-inline constexpr char kVolumeLayerFragmentShader[] = R"glsl(
-uniform ivec2 origin;
-#ifdef SAMPLES
-uniform sampler2DMS layer;
-uniform int sample_number;
-#else
-uniform sampler2D layer;
-const int sample_number = 0;
-#endif
+/// Finds the depths of the samples of a pixel, in window space. Samples of one surface count as one depth, the nearest.
+inline constexpr char kVolumeSamplesShader[] = R"glsl(
+uniform sampler2DMS depths;
+uniform int samples;
+uniform vec2 depth_row;  // window depth at distance d is x + y / d
+uniform vec2 depth_range;  // nearest and farthest window depth
+uniform float smooth_part;  // samples of one surface differ in distance by at most this factor
+// Returns the nearest and the farthest depth, which are equal for one surface.
+vec2 near_far(ivec2 at) {
+  float least = 1.0, most = 0.0;
+  for (int i = 0; i < samples; ++i) {
+    float depth = texelFetch(depths, at, i).r;
+    least = min(least, depth);
+    most = max(most, depth);
+  }
+  vec2 result = depth_range.x > depth_range.y ? vec2(most, least) : vec2(least, most);
+  vec2 inverse = (result - depth_row.x) / depth_row.y;  // of the distances
+  bool edge = result.x != result.y && (result.y == depth_range.y || inverse.y < smooth_part * inverse.x);
+  return edge ? result : result.xx;
+}
+)glsl";
+
+/// Writes the depths of the farthest samples; with EDGES, of the nearest samples of pixels with several surfaces.
+inline constexpr char kVolumeDepthsFragmentShader[] = R"glsl(
 out vec4 result;
 void main() {
-  result = texelFetch(layer, ivec2(gl_FragCoord.xy) - origin, sample_number);
+  vec2 depth = near_far(ivec2(gl_FragCoord.xy));
+#ifdef EDGES
+  if (depth.x == depth.y) discard;
+  gl_FragDepth = depth.x;
+#else
+  gl_FragDepth = depth.y;
+#endif
+  result = vec4(0.0);
+}
+)glsl";
+
+/// Composites the layer that OpenGL has blended. With SAMPLES, writes the depth that separates the samples of a pixel
+/// with several surfaces. With EDGES, draws only such pixels.
+inline constexpr char kVolumeLayerFragmentShader[] = R"glsl(
+uniform ivec2 origin;
+uniform sampler2D layer;
+uniform float gain;
+out vec4 result;
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy) - origin;
+#ifdef SAMPLES
+  vec2 depth = near_far(at);
+#ifdef EDGES
+  if (depth.x == depth.y) discard;
+#endif
+  gl_FragDepth = depth.x == depth.y ? depth_range.x : 0.5 * (depth.x + depth.y);
+#endif
+  result = texelFetch(layer, at, 0);
+  if (result.a == 0.0) discard;
+  result.rgb = min(result.rgb * gain, vec3(1.0));
 }
 )glsl";
 

@@ -214,56 +214,145 @@ bool VolumeTarget::read_depths(const TargetRectangle& r, const Projection& proje
   return true;
 }
 
-bool VolumeTarget::begin(const TargetRectangle& rectangle) {
-  if (rectangle.width < 1 || rectangle.height < 1) return false;
-  outer_ = bound();
-  rectangle_ = rectangle;
-  GLint samples = 0;
-  gl_.GetIntegerv(GL_SAMPLES, &samples);
-  Program& program = samples > 1 ? multiple_ : single_;
-  if (!program) program = program_of(gl_, samples > 1 ? "#define SAMPLES\n" : "", kVolumeLayerFragmentShader);
-  if (!program || !copy_depth(outer_, rectangle, true)) {
-    bind(outer_);
-    gl_.Viewport(rectangle.x, rectangle.y, rectangle.width, rectangle.height);
-    gl_.Scissor(rectangle.x, rectangle.y, rectangle.width, rectangle.height);
-    return false;
-  }
-  gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
-  static constexpr float kNothing[4] = {0, 0, 0, 0};
-  gl_.ClearBufferfv(GL_COLOR, 0, kNothing);
-  return true;
+bool VolumeTarget::make_layer(int width, int height) {
+  if (layer_ && width <= layer_width_ && height <= layer_height_) return true;
+  layer_width_ = std::max(width_, width);
+  layer_height_ = std::max(height_, height);
+  take_errors(gl_);
+  layer_ = make_framebuffer(gl_);
+  layer_color_ = make_texture(gl_);
+  layer_depth_ = make_texture(gl_);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, layer_.name());
+  gl_.ActiveTexture(GL_TEXTURE0);
+  const auto attach_single = [&](const Texture& texture, GLenum attachment, GLenum internal, GLenum format,
+                                 GLenum type) {
+    gl_.BindTexture(GL_TEXTURE_2D, texture.name());
+    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+      gl_.TexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+    gl_.TexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internal), layer_width_, layer_height_, 0, format, type,
+                   nullptr);
+    gl_.FramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture.name(), 0);
+  };
+  attach_single(layer_color_, GL_COLOR_ATTACHMENT0, GL_RGBA16, GL_RGBA, GL_UNSIGNED_SHORT);
+  attach_single(layer_depth_, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT);
+  const bool complete = gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+  if (take_errors(gl_) || !complete) layer_ = {};
+  return layer_.name() != 0;
 }
 
-void VolumeTarget::lay_over(int sample) {
-  if (samples_ > 1) {
-    gl_.SampleMaski(0, 1u << sample);
-    gl_.Uniform1i(gl_.GetUniformLocation(multiple_.name(), "sample_number"), sample);
+bool VolumeTarget::make_programs(bool several) {
+  if (!several) {
+    if (!single_) single_ = program_of(gl_, "", kVolumeLayerFragmentShader);
+    return single_.name() != 0;
   }
+  const std::string depths = std::string(kVolumeSamplesShader) + kVolumeDepthsFragmentShader,
+                    layer = std::string(kVolumeSamplesShader) + kVolumeLayerFragmentShader;
+  if (!far_depths_) far_depths_ = program_of(gl_, "", depths.c_str());
+  if (!edge_depths_) edge_depths_ = program_of(gl_, "#define EDGES\n", depths.c_str());
+  if (!far_layer_) far_layer_ = program_of(gl_, "#define SAMPLES\n", layer.c_str());
+  if (!edge_layer_) edge_layer_ = program_of(gl_, "#define SAMPLES\n#define EDGES\n", layer.c_str());
+  if (!edges_) edges_ = make_query(gl_);
+  return far_depths_ && edge_depths_ && far_layer_ && edge_layer_;
+}
+
+/// Draws a triangle that covers the viewport. `program` reads the depths of samples (kVolumeSamplesShader), or no depth.
+void VolumeTarget::fill(const Program& program, const Projection& projection) {
+  const auto at = [&](const char* name) { return gl_.GetUniformLocation(program.name(), name); };
+  gl_.UseProgram(program.name());
+  gl_.ActiveTexture(GL_TEXTURE1);
+  gl_.BindSampler(1, 0);
+  gl_.BindTexture(target_of(samples_), depth_.name());
+  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.Uniform1i(at("depths"), 1);
+  gl_.Uniform1i(at("samples"), samples_);
+  gl_.Uniform2f(at("depth_row"), projection.depth_offset, projection.depth_scale);
+  gl_.Uniform2f(at("depth_range"), projection.nearest_depth(), projection.farthest_depth());
+  gl_.Uniform1f(at("smooth_part"), 1 - kSmooth);
+  gl_.BindVertexArray(no_attributes_.name());
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void VolumeTarget::end() {
+/// Composites a layer over the outer framebuffer. With several samples, `program` writes the depth to test.
+void VolumeTarget::composite(const Program& program, const Texture& layer, const TargetRectangle& r,
+                             const Projection& projection, float gain) {
   bind(outer_);
-  gl_.Viewport(rectangle_.x, rectangle_.y, rectangle_.width, rectangle_.height);
-  gl_.Scissor(rectangle_.x, rectangle_.y, rectangle_.width, rectangle_.height);
-  gl_.Disable(GL_DEPTH_TEST);
+  gl_.Viewport(r.x, r.y, r.width, r.height);
+  gl_.Scissor(r.x, r.y, r.width, r.height);
+  gl_.DepthMask(GL_FALSE);
   gl_.Enable(GL_BLEND);
   gl_.BlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   gl_.ActiveTexture(GL_TEXTURE0);
   gl_.BindSampler(0, 0);
-  gl_.BindTexture(target_of(samples_), color_.name());
-  const Program& program = samples_ > 1 ? multiple_ : single_;
+  gl_.BindTexture(GL_TEXTURE_2D, layer.name());
   gl_.UseProgram(program.name());
   gl_.Uniform1i(gl_.GetUniformLocation(program.name(), "layer"), 0);
-  gl_.Uniform2i(gl_.GetUniformLocation(program.name(), "origin"), rectangle_.x, rectangle_.y);
-  gl_.BindVertexArray(no_attributes_.name());
-  if (samples_ > 1) gl_.Enable(GL_SAMPLE_MASK);
-  for (int sample = 0; sample < samples_; ++sample) lay_over(sample);
-  if (samples_ > 1) {
-    gl_.SampleMaski(0, 0xFFFFFFFFu);
-    gl_.Disable(GL_SAMPLE_MASK);
-  }
+  gl_.Uniform2i(gl_.GetUniformLocation(program.name(), "origin"), r.x, r.y);
+  gl_.Uniform1f(gl_.GetUniformLocation(program.name(), "gain"), gain);
+  fill(program, projection);
+  gl_.DepthMask(GL_TRUE);
   gl_.Disable(GL_BLEND);
+  gl_.Disable(GL_DEPTH_TEST);
+}
+
+void VolumeTarget::draw_single(const TargetRectangle& r, const std::function<void()>& blend, float gain) {
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+  static constexpr float kNothing[4] = {0, 0, 0, 0};
+  gl_.ClearBufferfv(GL_COLOR, 0, kNothing);
+  blend();
+  gl_.Disable(GL_DEPTH_TEST);
+  composite(single_, color_, r, {}, gain);
+}
+
+void VolumeTarget::draw_several(const TargetRectangle& r, const Projection& projection,
+                                const std::function<void()>& blend, float gain) {
+  for (const bool edges : {false, true}) {
+    gl_.BindFramebuffer(GL_FRAMEBUFFER, layer_.name());
+    gl_.Viewport(0, 0, r.width, r.height);
+    gl_.Scissor(0, 0, r.width, r.height);
+    gl_.Disable(GL_BLEND);
+    gl_.DepthMask(GL_TRUE);
+    static constexpr float kNothing[4] = {0, 0, 0, 0};
+    const float nearest = projection.nearest_depth();
+    gl_.ClearBufferfv(GL_COLOR, 0, kNothing);
+    gl_.ClearBufferfv(GL_DEPTH, 0, &nearest);
+    gl_.Enable(GL_DEPTH_TEST);
+    gl_.DepthFunc(GL_ALWAYS);
+    gl_.Disable(GL_CULL_FACE);
+    if (edges) gl_.BeginQuery(GL_SAMPLES_PASSED, edges_.name());
+    fill(edges ? edge_depths_ : far_depths_, projection);
+    if (edges) {
+      gl_.EndQuery(GL_SAMPLES_PASSED);
+      gl_.BeginConditionalRender(edges_.name(), GL_QUERY_WAIT);
+    }
+    blend();
+    gl_.Enable(GL_DEPTH_TEST);
+    if (edges)
+      gl_.DepthFunc(projection.reversed ? GL_LESS : GL_GREATER);
+    else
+      gl_.DepthFunc(projection.reversed ? GL_GEQUAL : GL_LEQUAL);
+    composite(edges ? edge_layer_ : far_layer_, layer_color_, r, projection, gain);
+    if (edges) gl_.EndConditionalRender();
+  }
+}
+
+bool VolumeTarget::draw_layer(const TargetRectangle& r, const Projection& projection,
+                              const std::function<void()>& blend, float gain) {
+  if (r.width < 1 || r.height < 1) return false;
+  outer_ = bound();
+  GLint samples = 0;
+  gl_.GetIntegerv(GL_SAMPLES, &samples);
+  const bool several = samples > 1;
+  bool ready = make_programs(several) && copy_depth(outer_, r, !several);
+  if (ready && several) ready = make_layer(r.width, r.height);
+  if (ready && several)
+    draw_several(r, projection, blend, gain);
+  else if (ready)
+    draw_single(r, blend, gain);
+  bind(outer_);
+  gl_.Viewport(r.x, r.y, r.width, r.height);
+  gl_.Scissor(r.x, r.y, r.width, r.height);
+  return ready;
 }
 
 }  // namespace gs::render

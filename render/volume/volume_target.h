@@ -5,6 +5,7 @@
 #include "render/volume/volume_raster.h"
 
 #include <array>
+#include <functional>
 #include <vector>
 
 namespace gs::render {
@@ -20,11 +21,11 @@ struct TargetDepths {
   [[nodiscard]] VolumeStops stops() const { return {near, far}; }
 };
 
-/// Render target for volumes. Copies the depth of the framebuffer that is bound for drawing. Has an image of 16 bits
-/// per channel, which is composited over that framebuffer. Runs on the thread of its context.
+/// Render target for splats that are blended in the order of their depths: volumes and Gaussians. Copies the depth of
+/// the framebuffer that is bound for drawing. Its image has 16 bits per channel and one sample per pixel. Runs on the
+/// thread of its context.
 ///
-/// All functions except `begin` keep the framebuffer bindings. They change viewport and scissor, and leave depth test
-/// and blending off.
+/// All functions keep the framebuffer bindings. They change viewport and scissor, and leave depth test and blending off.
 class VolumeTarget {
  public:
   explicit VolumeTarget(const Gl& gl);
@@ -32,11 +33,15 @@ class VolumeTarget {
   /// Reads the depth of an image that was drawn with `projection`. Returns false if the context does not support this.
   bool read_depths(const TargetRectangle& rectangle, const Projection& projection, TargetDepths& depths);
 
-  /// Binds a framebuffer with the same number of samples. Its origin has the rectangle's depth; its colour is empty. On
-  /// failure, returns false and keeps the previous framebuffer.
-  bool begin(const TargetRectangle& rectangle);
-  /// Composites the premultiplied image that was drawn after `begin` over the rectangle of the previous framebuffer.
-  void end();
+  /// Calls `blend`, which draws premultiplied colours, and composites the result over the rectangle of the framebuffer.
+  /// `blend` draws into a framebuffer whose origin has the rectangle's depth. `gain` multiplies the colours.
+  ///
+  /// With multisampling, the layer has the depth of the farthest sample of each pixel. If the samples of some pixels
+  /// belong to different surfaces, calls `blend` again for these pixels, with the depths of their nearest samples. The
+  /// result then covers the samples that are nearer than the middle of both depths, as in VolumeOverlay. Returns false,
+  /// without a call, if the context does not support this.
+  bool draw_layer(const TargetRectangle& rectangle, const Projection& projection, const std::function<void()>& blend,
+                  float gain = 1);
 
  private:
   struct Bound {
@@ -51,11 +56,20 @@ class VolumeTarget {
   bool copy_depth(const Bound& from, const TargetRectangle& rectangle, bool colored);
   bool read_samples(const TargetRectangle& rectangle, std::vector<float>& both);
   void attach(const Texture& texture, GLenum attachment, GLenum internal, GLenum format, GLenum type);
-  void lay_over(int sample);
+  bool make_layer(int width, int height);
+  bool make_programs(bool several);
+  void draw_single(const TargetRectangle& rectangle, const std::function<void()>& blend, float gain);
+  void draw_several(const TargetRectangle& rectangle, const Projection& projection, const std::function<void()>& blend,
+                    float gain);
+  void fill(const Program& program, const Projection& projection);
+  void composite(const Program& program, const Texture& layer, const TargetRectangle& rectangle,
+                 const Projection& projection, float gain);
 
   const Gl& gl_;
   VertexArray no_attributes_;
-  Program single_, multiple_, extremes_;
+  Program single_, extremes_;
+  Program far_depths_, edge_depths_, far_layer_, edge_layer_;  // for pixels with several samples
+  Query edges_;
   int width_ = 0, height_ = 0, samples_ = 0;  // size of the textures; `samples_` is 1 without multisampling
   GLenum depth_format_ = 0;
   bool colored_ = false;
@@ -64,8 +78,10 @@ class VolumeTarget {
   Texture extreme_depths_;  // minimum and maximum of the samples of each pixel
   Framebuffer extremes_framebuffer_;
   int extremes_width_ = 0, extremes_height_ = 0;
+  Texture layer_color_, layer_depth_;  // one sample per pixel
+  Framebuffer layer_;
+  int layer_width_ = 0, layer_height_ = 0;
   Bound outer_;
-  TargetRectangle rectangle_;
 };
 
 }  // namespace gs::render
