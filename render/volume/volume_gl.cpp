@@ -1,6 +1,7 @@
 #include "render/volume/volume_gl.h"
 
 #include "render/scene/color_ramps.h"
+#include "render/sorting/depth_sort_shaders.h"
 #include "render/volume/volume_lens.h"
 #include "render/volume/volume_shaders.h"
 #include "render/volume/volume_tile.h"
@@ -19,7 +20,6 @@ namespace {
 
 constexpr std::size_t kMaxShaderLights = 8, kTransferAt = 19 + 5 * kMaxShaderLights, kItemTexels = kTransferAt + 256;
 constexpr std::size_t kMaxVectors = std::size_t{1} << 28;
-constexpr std::size_t kMaxViewports = 16;
 constexpr std::size_t kSurveyedVectors = 8192;  // vectors from which survey_volumes() estimates the work
 // Maximum samples to blend. The CPU draws larger images, because it stops at opaque pixels. The system resets a driver
 // that is busy for seconds.
@@ -49,13 +49,17 @@ std::string defines() {
   return text;
 }
 
+std::string volume_keys_shader() {
+  return defines() + kVolumeItemShader + kItemsShader + kVolumeDataShader + kVolumeKeysShader;
+}
+
 glm::vec4 row_of(const glm::mat4& matrix, int row) {
   return {matrix[0][row], matrix[1][row], matrix[2][row], matrix[3][row]};
 }
 
 glm::vec2 halves(std::size_t whole) { return {static_cast<float>(whole >> 16), static_cast<float>(whole & 0xFFFF)}; }
 
-/// Appends the texels of an item, in the layout of kVolumeDataShader. `start` is the index of its first vector among
+/// Appends the texels of an item, in the layout of kVolumeItemShader. `start` is the index of its first vector among
 /// all vectors.
 void describe(const VolumeItem& item, const VolumeStore::Place& place, const VolumeLens& lens, std::size_t start,
               std::vector<glm::vec4>& out) {
@@ -96,11 +100,11 @@ void describe(const VolumeItem& item, const VolumeStore::Place& place, const Vol
 
 }  // namespace
 
-VolumeGl::VolumeGl(const Gl& gl, VolumeSort sort)
+VolumeGl::VolumeGl(const Gl& gl, SortMethod sort)
     : gl_(gl),
       store_(gl),
       target_(gl),
-      wanted_sort_(sort == VolumeSort::automatic ? (gl.software ? VolumeSort::thread : VolumeSort::compute) : sort),
+      order_(gl, sort, volume_keys_shader()),
       attributes_(make_vertex_array(gl)),
       items_(make_texture(gl)) {
   gl.BindVertexArray(attributes_.name());
@@ -112,8 +116,10 @@ VolumeGl::VolumeGl(const Gl& gl, VolumeSort sort)
 bool VolumeGl::make_program_once() {
   if (!tried_program_) {
     tried_program_ = true;
-    auto made = make_program(gl_, defines(), std::string(kVolumeDataShader) + kVolumeShadeShader + kVolumeVertexShader,
-                             kVolumeFragmentShader);
+    auto made = make_program(
+        gl_, defines(),
+        std::string(kVolumeItemShader) + kItemsShader + kVolumeDataShader + kVolumeShadeShader + kVolumeVertexShader,
+        kVolumeFragmentShader);
     if (auto* program = std::get_if<Program>(&made)) program_ = std::move(*program);
   }
   return program_.name() != 0;
@@ -141,66 +147,14 @@ bool VolumeGl::upload_items(const Visible& visible, const SplatView& lens) {
   return gl_.GetError() == GL_NO_ERROR;
 }
 
-VolumeGl::Viewport& VolumeGl::viewport(std::uint32_t number) {
-  if (!viewports_.contains(number) && viewports_.size() >= kMaxViewports)
-    viewports_.erase(std::min_element(viewports_.begin(), viewports_.end(),
-                                      [](const auto& a, const auto& b) { return a.second.used < b.second.used; }));
-  Viewport& found = viewports_[number];
-  if (!found.order) found.order = make_buffer(gl_);
-  found.used = ++frame_;
-  return found;
-}
-
-bool VolumeGl::sort_with_compute(const Visible& visible, Viewport& viewport) {
-  if (!tried_compute_) {
-    tried_compute_ = true;
-    compute_ = VolumeGlSort::create(gl_, defines());
+std::optional<DepthOrder::Result> VolumeGl::sort(const Visible& visible, std::uint32_t viewport) {
+  std::vector<SortPart> parts(visible.items.size());
+  for (std::size_t i = 0; i < visible.items.size(); ++i) {
+    parts[i].vectors = visible.held[i].volume;
+    parts[i].count = visible.items[i].count;
+    parts[i].row = row_of(visible.items[i].camera_from_node, 2) * -1.0f;
   }
-  if (!compute_) return false;
-  std::vector<Sorted> wanted;
-  for (std::size_t i = 0; i < visible.items.size(); ++i)
-    wanted.push_back({visible.held[i].volume, visible.places[i].first, visible.items[i].count,
-                      row_of(visible.items[i].camera_from_node, 2)});
-  const auto same = [](const Sorted& a, const Sorted& b) {
-    return !a.volume.owner_before(b.volume) && !b.volume.owner_before(a.volume) && a.first == b.first &&
-           a.count == b.count && a.row == b.row;
-  };
-  if (std::equal(wanted.begin(), wanted.end(), viewport.sorted.begin(), viewport.sorted.end(), same)) return true;
-  viewport.number = 0;
-  viewport.sorted.clear();
-  const VolumeGlSort::Data data{store_.codes().name(), items_.name(), static_cast<int>(visible.items.size())};
-  if (!compute_->sort(data, visible.total, viewport.order)) {
-    take_errors(gl_);
-    compute_ = nullptr;
-    return false;
-  }
-  viewport.sorted = std::move(wanted);
-  return true;
-}
-
-bool VolumeGl::sort(const Visible& visible, Viewport& viewport, bool& pending) {
-  if (wanted_sort_ == VolumeSort::compute && sort_with_compute(visible, viewport)) {
-    sorted_by_ = VolumeSort::compute;
-    return true;
-  }
-  sorted_by_ = VolumeSort::thread;
-  viewport.sorted.clear();
-  std::vector<VolumeSortPart> parts;
-  for (std::size_t i = 0; i < visible.items.size(); ++i)
-    parts.push_back(
-        {visible.held[i].volume, visible.items[i].count, row_of(visible.items[i].camera_from_node, 2) * -1.0f});
-  if (!viewport.sorter) viewport.sorter = std::make_unique<VolumeSorter>();
-  const VolumeSorter::Order order = viewport.sorter->order(parts);
-  if (order.far_first.size() != visible.total) return false;
-  pending = !order.exact;
-  if (viewport.number == order.number) return true;
-  viewport.number = order.number;
-  gl_.BindBuffer(GL_ARRAY_BUFFER, viewport.order.name());
-  gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(order.far_first.size_bytes()), order.far_first.data(),
-                 GL_STREAM_DRAW);
-  const bool good = gl_.GetError() == GL_NO_ERROR;
-  if (!good) viewport.number = 0;
-  return good;
+  return order_.order(viewport, parts, {store_.codes().name(), items_.name(), static_cast<int>(visible.items.size())});
 }
 
 void VolumeGl::blend(const Visible& visible, const View& view, const Buffer& order) {
@@ -261,9 +215,10 @@ std::optional<VolumeGl::Drawn> VolumeGl::draw(std::span<const SharedVolume> held
   take_errors(gl_);
   visible.places = store_.place(visible.held);
   if (visible.places.size() != visible.items.size() || !upload_items(visible, view.lens)) return std::nullopt;
-  Viewport& own = viewport(view.viewport);
-  if (!sort(visible, own, drawn.pending)) return std::nullopt;
-  const auto draw = [&] { blend(visible, view, own.order); };
+  const auto order = sort(visible, view.viewport);
+  if (!order) return std::nullopt;
+  drawn.pending = order->pending;
+  const auto draw = [&] { blend(visible, view, order->far_first); };
   if (!target_.draw_layer(view.rectangle, view.projection, draw)) draw();
   return drawn;
 }

@@ -14,7 +14,7 @@
 namespace gs::render {
 namespace {
 
-constexpr int kStep = 64;  // texture sizes are multiples of this
+constexpr int kStep = 64;              // texture sizes are multiples of this
 constexpr float kSmooth = 1 / 256.0f;  // maximum relative difference of depth between samples of one surface in a pixel
 
 Program program_of(const Gl& gl, const char* defines, const char* fragment) {
@@ -256,7 +256,8 @@ bool VolumeTarget::make_programs(bool several) {
   return far_depths_ && edge_depths_ && far_layer_ && edge_layer_;
 }
 
-/// Draws a triangle that covers the viewport. `program` reads the depths of samples (kVolumeSamplesShader), or no depth.
+/// Draws a triangle that covers the viewport. `program` reads the depths of samples (kVolumeSamplesShader), or no
+/// depth.
 void VolumeTarget::fill(const Program& program, const Projection& projection) {
   const auto at = [&](const char* name) { return gl_.GetUniformLocation(program.name(), name); };
   gl_.UseProgram(program.name());
