@@ -111,6 +111,7 @@
   X(UNIFORM1IV, Uniform1iv)                                                   \
   X(UNIFORM1F, Uniform1f)                                                     \
   X(UNIFORM2F, Uniform2f)                                                     \
+  X(UNIFORM2FV, Uniform2fv)                                                   \
   X(UNIFORM2I, Uniform2i)                                                     \
   X(UNIFORM3FV, Uniform3fv)                                                   \
   X(UNIFORM4FV, Uniform4fv)                                                   \
@@ -144,6 +145,7 @@ struct Gl {
   PhaseClock* phases = nullptr;  // clock for measuring phases; may be null
   std::string renderer;          // GL_RENDERER
   bool software = false;         // the CPU renders
+  bool sample_shading = false;   // ARB_gpu_shader5: shaders can run for each sample
   int max_texture_size = 1024, max_renderbuffer_size = 1024, max_samples = 1, uniform_offset_alignment = 256;
   float max_anisotropy = 1;  // 1 means that anisotropic filtering is unavailable or disabled
 
