@@ -21,7 +21,10 @@ constexpr char kOcclusionShader[] = R"glsl(
 uniform sampler2DMS depths;
 uniform vec2 sample_places[MOST_SAMPLES];  // in the pixel, 0 to 1
 uniform int sample_count;
-int sample_of(ivec2 pixel) { return (pixel.x + pixel.y * (sample_count > 2 ? 2 : 1)) % sample_count; }
+// The vectors to a neighbour in the row and to one in the column must not be parallel.
+int sample_of(ivec2 pixel) {
+  return sample_count > 2 ? ((pixel.x + 2 * pixel.y) & 3) * sample_count / 4 : pixel.x & 1;
+}
 float depth_at(ivec2 pixel) { return texelFetch(depths, pixel, sample_of(pixel)).r; }
 vec2 center_of(ivec2 pixel) { return vec2(pixel) + sample_places[sample_of(pixel)]; }
 #define SIZE textureSize(depths)
