@@ -158,10 +158,10 @@ GaussianGl::GaussianGl(const Gl& gl, VolumeTarget& target, SortMethod sort)
 bool GaussianGl::make_program_once() {
   if (!tried_program_) {
     tried_program_ = true;
-    auto made =
-        make_program(gl_, gaussian_defines(),
-                     std::string(kGaussianItemShader) + kItemsShader + kGaussianDataShader + kGaussianVertexShader,
-                     kGaussianFragmentShader);
+    auto made = make_program(
+        gl_, gaussian_defines(),
+        std::string(kGaussianItemShader) + kItemsShader + kRankShader + kGaussianDataShader + kGaussianVertexShader,
+        kGaussianFragmentShader);
     if (auto* program = std::get_if<Program>(&made)) program_ = std::move(*program);
   }
   return program_.name() != 0;
@@ -185,13 +185,7 @@ bool GaussianGl::upload_items(std::span<const GaussianItem> items, std::span<con
   return gl_.GetError() == GL_NO_ERROR;
 }
 
-void GaussianGl::blend(std::size_t items, std::size_t total, const View& view, float gain) {
-  gl_.Enable(GL_DEPTH_TEST);
-  gl_.DepthFunc(view.projection.reversed ? GL_GEQUAL : GL_LEQUAL);
-  gl_.DepthMask(GL_FALSE);
-  gl_.Disable(GL_CULL_FACE);
-  gl_.Enable(GL_BLEND);
-  gl_.BlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+void GaussianGl::draw_range(std::size_t items, std::size_t total, const View& view, const SplatRange& range) {
   gl_.UseProgram(program_.name());
   const auto at = [&](const char* name) { return gl_.GetUniformLocation(program_.name(), name); };
   const std::array<std::pair<const char*, GLuint>, 3> textures{
@@ -203,7 +197,9 @@ void GaussianGl::blend(std::size_t items, std::size_t total, const View& view, f
   }
   gl_.ActiveTexture(GL_TEXTURE0);
   gl_.Uniform1i(at("item_count"), static_cast<GLint>(items));
-  gl_.Uniform1i(at("total"), static_cast<GLint>(total));
+  gl_.Uniform1i(at("count"), static_cast<GLint>(range.count));
+  gl_.Uniform2i(at("ranks"), static_cast<GLint>(range.near_first ? total - 1 - range.first : range.first),
+                range.near_first ? -1 : 1);
   const SplatView& lens = view.lens;
   const auto width = static_cast<float>(lens.width), height = static_cast<float>(lens.height);
   const glm::vec2 pixels(width / (2 * lens.tangents.x), height / (2 * lens.tangents.y));
@@ -211,19 +207,16 @@ void GaussianGl::blend(std::size_t items, std::size_t total, const View& view, f
   const glm::vec2 reach = kGaussianFarthestTangent * lens.tangents;
   const glm::vec4 limits(lens.center - reach, lens.center + reach);
   const glm::mat4& clip = view.projection.clip_from_camera;
-  const glm::vec4 range(lens.near_plane, clip[2][2], clip[3][2], view.projection.reversed ? 0.0f : -1.0f);
+  const glm::vec4 depths(lens.near_plane, clip[2][2], clip[3][2], view.projection.reversed ? 0.0f : -1.0f);
   gl_.Uniform4fv(at("lens"), 1, glm::value_ptr(pixels_size));
   gl_.Uniform4fv(at("limits"), 1, glm::value_ptr(limits));
   gl_.Uniform2f(at("straight"), -lens.center.x * pixels.x, -lens.center.y * pixels.y);
-  gl_.Uniform4fv(at("depth_range"), 1, glm::value_ptr(range));
-  gl_.Uniform1f(at("gain"), gain);
+  gl_.Uniform4fv(at("depth_range"), 1, glm::value_ptr(depths));
+  gl_.Uniform1f(at("gain"), range.gain);
   gl_.BindVertexArray(attributes_.name());
   gl_.DrawElementsInstancedBaseVertex(GL_TRIANGLES, static_cast<GLsizei>(6 * kQuads), GL_UNSIGNED_SHORT, nullptr,
-                                      static_cast<GLsizei>((total + kQuads - 1) / kQuads), 0);
+                                      static_cast<GLsizei>((range.count + kQuads - 1) / kQuads), 0);
   gl_.BindVertexArray(0);
-  gl_.DepthMask(GL_TRUE);
-  gl_.Disable(GL_DEPTH_TEST);
-  gl_.Disable(GL_BLEND);
 }
 
 std::optional<GaussianGl::Drawn> GaussianGl::draw(std::span<const std::shared_ptr<const qnv::Gaussians>> held,
@@ -261,9 +254,9 @@ std::optional<GaussianGl::Drawn> GaussianGl::draw(std::span<const std::shared_pt
   gl_.BindTexture(GL_TEXTURE_BUFFER, order_texture_.name());
   gl_.TexBuffer(GL_TEXTURE_BUFFER, GL_R32UI, order->far_first.name());
   if (take_errors(gl_)) return std::nullopt;
-  if (!target_.draw_layer(
-          view.rectangle, view.projection, [&] { blend(visible.size(), total, view, 1 / kLayerGain); }, kLayerGain))
-    blend(visible.size(), total, view, 1);
+  target_.blend(
+      view.rectangle, view.projection, total,
+      [&](const SplatRange& range) { draw_range(visible.size(), total, view, range); }, kLayerGain);
   return Drawn{static_cast<std::size_t>(found.splats + 0.5), order->pending};
 }
 

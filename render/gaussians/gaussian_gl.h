@@ -26,8 +26,8 @@ namespace gs::render {
                                                           std::span<const GaussianStore::Place> places);
 
 /// Draws Gaussians with OpenGL 3.3. The image equals that of rasterize_gaussians(), except for rounding. The vertex
-/// shader projects the splats and evaluates their harmonics. Blends the rectangles of all scenes from back to front, in
-/// 16 bits per channel, and tests each against the existing depth. Then composites the result over the image.
+/// shader projects the splats and evaluates their harmonics. Blends the rectangles of all scenes with a VolumeTarget,
+/// in 16 bits per channel.
 ///
 /// Compute shaders sort for each place of the eye. The order of the thread may be that of an earlier place
 /// (DepthOrder). Runs on the thread of its context.
@@ -59,7 +59,7 @@ class GaussianGl {
  private:
   bool make_program_once();
   bool upload_items(std::span<const GaussianItem> items, std::span<const GaussianStore::Place> places);
-  void blend(std::size_t items, std::size_t total, const View& view, float gain);
+  void draw_range(std::size_t items, std::size_t total, const View& view, const SplatRange& range);
 
   const Gl& gl_;
   VolumeTarget& target_;

@@ -72,10 +72,9 @@ vec3 harmonics(int degree, int texel, vec3 d) {
 )glsl";
 
 /// Draws a rectangle around the ellipse of each splat, four vertices each, as project_gaussians() defines it. An
-/// instance has QUADS splats.
+/// instance has QUADS splats. After kRankShader.
 inline constexpr char kGaussianVertexShader[] = R"glsl(
-uniform usamplerBuffer order;  // numbers of the splats, farthest first
-uniform int total;
+uniform int count;
 uniform vec4 lens;  // xy: pixels per length 1 at depth 1; zw: size of the viewport
 uniform vec4 limits;  // of the tangents at which the projection is linearised: left, low, right, high
 uniform vec2 straight;  // position of the optical axis, in pixels from the middle
@@ -89,8 +88,8 @@ void main() {
   color = vec4(0.0);
   away = vec2(0.0);
   int rank = gl_InstanceID * QUADS + (gl_VertexID >> 2);
-  if (rank >= total) return;
-  Place place = place_of(int(texelFetch(order, rank).r));
+  if (rank >= count) return;
+  Place place = place_of(number_at(rank));
   int item = place.item;
   vec4 form = about(item, FORM);  // texels of a splat, degree, limit of the coefficients, 1 if antialiased
   int texel = place.first + place.index * int(form.x);

@@ -41,6 +41,14 @@ vec3 fogged(int item, int fog, vec3 color, vec3 seen) {
 }
 )glsl";
 
+/// Returns the number of a splat from its rank. The order has the farthest splat first; the ranks may begin with the
+/// nearest.
+inline constexpr char kRankShader[] = R"glsl(
+uniform usamplerBuffer order;
+uniform ivec2 ranks;  // texel of rank 0 of this draw call, and the step to the next
+int number_at(int rank) { return int(texelFetch(order, ranks.x + ranks.y * rank).r); }
+)glsl";
+
 /// Common part of the sorting shaders. They sort by four bits at a time, lowest bits first. A group of 256 threads
 /// processes a block of 4096 entries. Where their order matters, each thread takes 16 successive entries.
 inline constexpr char kSortShader[] = R"glsl(

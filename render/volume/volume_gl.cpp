@@ -106,20 +106,16 @@ VolumeGl::VolumeGl(const Gl& gl, SortMethod sort)
       target_(gl),
       order_(gl, sort, volume_keys_shader()),
       attributes_(make_vertex_array(gl)),
-      items_(make_texture(gl)) {
-  gl.BindVertexArray(attributes_.name());
-  gl.EnableVertexAttribArray(0);
-  gl.VertexAttribDivisor(0, 1);
-  gl.BindVertexArray(0);
-}
+      items_(make_texture(gl)),
+      order_texture_(make_texture(gl)) {}
 
 bool VolumeGl::make_program_once() {
   if (!tried_program_) {
     tried_program_ = true;
-    auto made = make_program(
-        gl_, defines(),
-        std::string(kVolumeItemShader) + kItemsShader + kVolumeDataShader + kVolumeShadeShader + kVolumeVertexShader,
-        kVolumeFragmentShader);
+    auto made = make_program(gl_, defines(),
+                             std::string(kVolumeItemShader) + kItemsShader + kVolumeDataShader + kVolumeShadeShader +
+                                 kRankShader + kVolumeVertexShader,
+                             kVolumeFragmentShader);
     if (auto* program = std::get_if<Program>(&made)) program_ = std::move(*program);
   }
   return program_.name() != 0;
@@ -129,7 +125,9 @@ bool VolumeGl::upload_items(const Visible& visible, const SplatView& lens) {
   const PhaseScope phase(gl_.phases, Phase::upload);
   GLint most = 0;
   gl_.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
-  if (visible.items.size() * kItemTexels > static_cast<std::size_t>(std::max(most, 0))) return false;
+  // The order has a texel per vector.
+  if (std::max(visible.items.size() * kItemTexels, visible.total) > static_cast<std::size_t>(std::max(most, 0)))
+    return false;
   std::vector<glm::vec4> texels;
   std::size_t start = 0;
   for (std::size_t i = 0; i < visible.items.size(); ++i) {
@@ -157,17 +155,13 @@ std::optional<DepthOrder::Result> VolumeGl::sort(const Visible& visible, std::ui
   return order_.order(viewport, parts, {store_.codes().name(), items_.name(), static_cast<int>(visible.items.size())});
 }
 
-void VolumeGl::blend(const Visible& visible, const View& view, const Buffer& order) {
-  gl_.Enable(GL_DEPTH_TEST);
-  gl_.DepthFunc(view.projection.reversed ? GL_GEQUAL : GL_LEQUAL);
-  gl_.DepthMask(GL_FALSE);
-  gl_.Disable(GL_CULL_FACE);
-  gl_.Enable(GL_BLEND);
-  gl_.BlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+void VolumeGl::draw_range(const Visible& visible, const View& view, const SplatRange& range) {
   gl_.UseProgram(program_.name());
   const auto at = [&](const char* name) { return gl_.GetUniformLocation(program_.name(), name); };
-  const std::array<std::pair<const char*, GLuint>, 3> textures{
-      {{"codes", store_.codes().name()}, {"items", items_.name()}, {"spacings", store_.spacings().name()}}};
+  const std::array<std::pair<const char*, GLuint>, 4> textures{{{"codes", store_.codes().name()},
+                                                                {"items", items_.name()},
+                                                                {"spacings", store_.spacings().name()},
+                                                                {"order", order_texture_.name()}}};
   for (GLuint unit = 0; unit < textures.size(); ++unit) {
     gl_.ActiveTexture(GL_TEXTURE0 + unit);
     gl_.BindTexture(GL_TEXTURE_BUFFER, textures[unit].second);
@@ -178,18 +172,15 @@ void VolumeGl::blend(const Visible& visible, const View& view, const Buffer& ord
   const VolumeLens lens = *volume_lens(view.lens, visible.items.front().camera_from_node);
   const glm::vec4 pixels(lens.pixels_x, lens.pixels_y, lens.width, lens.height);
   const glm::mat4& clip = view.projection.clip_from_camera;
-  const glm::vec4 range(view.lens.near_plane, clip[2][2], clip[3][2], view.projection.reversed ? 0.0f : -1.0f);
+  const glm::vec4 depths(view.lens.near_plane, clip[2][2], clip[3][2], view.projection.reversed ? 0.0f : -1.0f);
   gl_.Uniform4fv(at("lens"), 1, glm::value_ptr(pixels));
   const glm::vec2 straight = -view.lens.center * glm::vec2(lens.pixels_x, lens.pixels_y);
   gl_.Uniform2f(at("straight"), straight.x, straight.y);
-  gl_.Uniform4fv(at("depth_range"), 1, glm::value_ptr(range));
+  gl_.Uniform4fv(at("depth_range"), 1, glm::value_ptr(depths));
+  gl_.Uniform2i(at("ranks"), static_cast<GLint>(range.near_first ? visible.total - 1 - range.first : range.first),
+                range.near_first ? -1 : 1);
   gl_.BindVertexArray(attributes_.name());
-  gl_.BindBuffer(GL_ARRAY_BUFFER, order.name());
-  gl_.VertexAttribIPointer(0, 1, GL_UNSIGNED_INT, 0, nullptr);
-  gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(visible.total));
-  gl_.DepthMask(GL_TRUE);
-  gl_.Disable(GL_DEPTH_TEST);
-  gl_.Disable(GL_BLEND);
+  gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(range.count));
 }
 
 std::optional<VolumeGl::Drawn> VolumeGl::draw(std::span<const SharedVolume> held, std::span<const VolumeItem> items,
@@ -218,8 +209,11 @@ std::optional<VolumeGl::Drawn> VolumeGl::draw(std::span<const SharedVolume> held
   const auto order = sort(visible, view.viewport);
   if (!order) return std::nullopt;
   drawn.pending = order->pending;
-  const auto draw = [&] { blend(visible, view, order->far_first); };
-  if (!target_.draw_layer(view.rectangle, view.projection, draw)) draw();
+  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.BindTexture(GL_TEXTURE_BUFFER, order_texture_.name());
+  gl_.TexBuffer(GL_TEXTURE_BUFFER, GL_R32UI, order->far_first.name());
+  target_.blend(view.rectangle, view.projection, visible.total,
+                [&](const SplatRange& range) { draw_range(visible, view, range); });
   return drawn;
 }
 

@@ -18,9 +18,8 @@
 namespace gs::render {
 
 /// Draws volumes with OpenGL 3.3. The image equals that of rasterize_volumes(), except for rounding. Blends the
-/// instanced rectangles of all volumes from back to front, in 16 bits per channel. Tests each sample against the
-/// existing depth. Then composites the result over the image. If no such target is possible, blends directly into the
-/// image, rounded to 8 bits.
+/// instanced rectangles of all volumes with a VolumeTarget, in 16 bits per channel. If no such target is possible,
+/// blends directly into the image, rounded to 8 bits.
 ///
 /// Compute shaders sort exactly for the view. The order of the thread may be that of the previous view (DepthOrder).
 /// Runs on the thread of its context.
@@ -36,7 +35,7 @@ class VolumeGl {
   };
   struct Drawn {
     std::size_t vectors = 0;  // vectors in view; estimated if there are many
-    bool pending = false;  // the order is that of an earlier view: draw again
+    bool pending = false;     // the order is that of an earlier view: draw again
   };
   /// Draws the volumes `items`; held[i] owns the data of items[i]. Writes no depth. Leaves depth test and blending off
   /// and depth writes on. Returns nullopt if memory or the program is missing, or if there are too many vectors, items
@@ -60,7 +59,7 @@ class VolumeGl {
   bool make_program_once();
   bool upload_items(const Visible& visible, const SplatView& lens);
   std::optional<DepthOrder::Result> sort(const Visible& visible, std::uint32_t viewport);
-  void blend(const Visible& visible, const View& view, const Buffer& order);
+  void draw_range(const Visible& visible, const View& view, const SplatRange& range);
 
   const Gl& gl_;
   VolumeStore store_;
@@ -70,7 +69,7 @@ class VolumeGl {
   Program program_;
   VertexArray attributes_;
   Buffer item_buffer_;
-  Texture items_;
+  Texture items_, order_texture_;
 };
 
 }  // namespace gs::render

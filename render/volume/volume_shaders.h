@@ -60,6 +60,16 @@ void main() {
 }
 )glsl";
 
+/// Writes the nearest depth to the opaque pixels of a layer. Their transmittance is below half a step of 8 bits.
+inline constexpr char kVolumeClosingFragmentShader[] = R"glsl(
+uniform sampler2D layer;
+uniform float nearest;
+void main() {
+  if (texelFetch(layer, ivec2(gl_FragCoord.xy), 0).a < 511.0 / 512.0) discard;
+  gl_FragDepth = nearest;
+}
+)glsl";
+
 /// Composites the layer that OpenGL has blended. With SAMPLES, writes the depth that separates the samples of a pixel
 /// with several surfaces. With EDGES, draws only such pixels.
 inline constexpr char kVolumeLayerFragmentShader[] = R"glsl(
@@ -215,13 +225,12 @@ void main() {
 }
 )glsl";
 
-/// Draws a rectangle for each vector that faces the viewer. `number` is the order.
+/// Draws a rectangle for each vector that faces the viewer, after kRankShader.
 inline constexpr char kVolumeVertexShader[] = R"glsl(
 uniform samplerBuffer spacings;
 uniform vec4 lens;  // xy: pixels per length 1 at depth 1; zw: size of the viewport
 uniform vec2 straight;  // position of the optical axis, in pixels from the middle
 uniform vec4 depth_range;  // near plane; clip_from_camera[2][2] and [3][2]; minimum depth of clip space
-layout(location = 0) in uint number;
 flat out vec4 color;
 out vec2 away;  // distance from the centre, in units of sqrt(A)
 
@@ -229,7 +238,7 @@ void main() {
   gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // out of view
   color = vec4(0.0);
   away = vec2(0.0);
-  Place place = place_of(int(number));
+  Place place = place_of(number_at(gl_InstanceID));
   int item = place.item, texel = place.first + place.index;
   uvec4 code = texelFetch(codes, texel);
   vec4 scale = about(item, SCALE);  // factor of lengths; minimum, full magnitude; opacity / (pi kVolumeFootprint)
