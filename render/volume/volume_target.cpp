@@ -350,13 +350,13 @@ void VolumeTarget::close_opaque(const Projection& projection) {
 /// Draws all splats into the bound layer, from near to far.
 void VolumeTarget::blend_ranges(const Projection& projection, std::size_t total,
                                 const std::function<void(const SplatRange&)>& draw, float gain) {
-  // Near splats make many pixels opaque, so the first ranges are small: 8 of 1/32, 4 of 1/16, then 1/8.
+  // Near splats make many pixels opaque, so the first ranges are small: 4 of 1/16, 2 of 1/8, then 1/4.
   std::size_t first = 0;
   for (unsigned range = 0; first < total; ++range) {
     if (range > 0) close_opaque(projection);
-    const std::size_t parts = range < 8    ? 32
-                              : range < 12 ? 16
-                                           : 8,
+    const std::size_t parts = range < 4   ? 16
+                              : range < 6 ? 8
+                                          : 4,
                       count = std::min(total - first, std::max(kLeastRange, (total + parts - 1) / parts));
     begin_blending(projection, true);
     draw({first, count, true, gain});
