@@ -2,6 +2,7 @@
 
 #include "render/gaussians/gaussian_shaders.h"
 #include "render/sorting/depth_sort_shaders.h"
+#include "render/sorting/item_texels.h"
 #include "render/volume/volume_lens.h"
 
 #include <glm/gtc/type_ptr.hpp>
@@ -45,12 +46,6 @@ std::string gaussian_defines() {
   return text;
 }
 
-glm::vec2 halves(std::size_t whole) { return {static_cast<float>(whole >> 16), static_cast<float>(whole & 0xFFFF)}; }
-
-glm::vec4 matrix_row(const glm::mat4& matrix, int row) {
-  return {matrix[0][row], matrix[1][row], matrix[2][row], matrix[3][row]};
-}
-
 glm::vec3 eye_of(const GaussianItem& item) {
   return glm::inverse(glm::mat3(item.camera_from_node)) * -glm::vec3(item.camera_from_node[3]);
 }
@@ -70,7 +65,7 @@ void describe(const GaussianItem& item, const GaussianStore::Place& place, std::
   out.emplace_back(metric[0], coding.scale.x);
   out.emplace_back(metric[1], coding.scale.y);
   out.emplace_back(metric[2], coding.base_limit);
-  out.emplace_back(halves(start), halves(place.first));
+  out.emplace_back(integer_halves(start), integer_halves(place.first));
   out.emplace_back(coding.texels, coding.degree, coding.harmonic_limit, item.gaussians->antialiased ? 1 : 0);
   out.push_back(item.clip.value_or(glm::vec4(0)));
   for (int i = 0; i < 3; ++i) {

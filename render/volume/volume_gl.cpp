@@ -2,6 +2,7 @@
 
 #include "render/scene/color_ramps.h"
 #include "render/sorting/depth_sort_shaders.h"
+#include "render/sorting/item_texels.h"
 #include "render/volume/volume_lens.h"
 #include "render/volume/volume_shaders.h"
 #include "render/volume/volume_tile.h"
@@ -53,12 +54,6 @@ std::string volume_keys_shader() {
   return defines() + kVolumeItemShader + kItemsShader + kVolumeDataShader + kVolumeKeysShader;
 }
 
-glm::vec4 row_of(const glm::mat4& matrix, int row) {
-  return {matrix[0][row], matrix[1][row], matrix[2][row], matrix[3][row]};
-}
-
-glm::vec2 halves(std::size_t whole) { return {static_cast<float>(whole >> 16), static_cast<float>(whole & 0xFFFF)}; }
-
 /// Appends the texels of an item, in the layout of kVolumeItemShader. `start` is the index of its first vector among
 /// all vectors.
 void describe(const VolumeItem& item, const VolumeStore::Place& place, const VolumeLens& lens, std::size_t start,
@@ -66,12 +61,12 @@ void describe(const VolumeItem& item, const VolumeStore::Place& place, const Vol
   const VolumeOptions& options = item.options;
   const VolumeModel& model = *item.model;
   const auto lights = options.lights.empty() ? volume_headlight() : options.lights;
-  for (int i = 0; i < 3; ++i) out.push_back(row_of(lens.camera_from_node, i));
-  for (int i = 0; i < 3; ++i) out.push_back(row_of(glm::mat4(lens.normal_matrix), i));
+  for (int i = 0; i < 3; ++i) out.push_back(matrix_row(lens.camera_from_node, i));
+  for (int i = 0; i < 3; ++i) out.push_back(matrix_row(glm::mat4(lens.normal_matrix), i));
   out.emplace_back(place.coding.lower, 0);
   out.emplace_back(place.coding.step, 0);
-  out.emplace_back(halves(start), halves(place.first));
-  out.emplace_back(halves(item.volume->size()), 0, 0);
+  out.emplace_back(integer_halves(start), integer_halves(place.first));
+  out.emplace_back(integer_halves(item.volume->size()), 0, 0);
   out.emplace_back(place.coding.weight, 0, 0);
   out.push_back(options.clip.value_or(glm::vec4(0)));
   out.emplace_back(options.ambient, options.diffuse, options.specular, static_cast<float>(lights.size()));
@@ -82,7 +77,7 @@ void describe(const VolumeItem& item, const VolumeStore::Place& place, const Vol
   out.emplace_back(lens.scale, options.least_magnitude, model.full_magnitude,
                    options.opacity * (1 / (kVolumePi * kVolumeFootprint)));
   for (int i = 0; i < 3; ++i) {
-    out.push_back(row_of(glm::mat4(options.fog.ranges_from_camera), i));
+    out.push_back(matrix_row(glm::mat4(options.fog.ranges_from_camera), i));
     out.back().w = options.fog.color[i];
   }
   out.emplace_back(!options.fog.on ? 0 : options.fog.exponential ? 2 : 1, options.fog.back, 0, 0);
@@ -150,7 +145,7 @@ std::optional<DepthOrder::Result> VolumeGl::sort(const Visible& visible, std::ui
   for (std::size_t i = 0; i < visible.items.size(); ++i) {
     parts[i].vectors = visible.held[i].volume;
     parts[i].count = visible.items[i].count;
-    parts[i].row = row_of(visible.items[i].camera_from_node, 2) * -1.0f;
+    parts[i].row = matrix_row(visible.items[i].camera_from_node, 2) * -1.0f;
   }
   return order_.order(viewport, parts, {store_.codes().name(), items_.name(), static_cast<int>(visible.items.size())});
 }
