@@ -215,6 +215,7 @@ class ValuesStreamDecoder final : public Decoder {
       values->source = corrected ? corrected_source() : exact_source();
       vectors_.reset();
     } else {
+      samples_.limits = values::sample_limits(about.value_range, samples_.layout.slope, samples_.layout.intercept);
       update_vectors(changed, about);
       values->source = source_of(samples_);
     }
