@@ -2,6 +2,7 @@
 
 #include "app/formats/qnv/geometry_reader.h"
 #include "app/loading/content/resource_handler.h"
+#include "app/streams/show_pace.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -64,6 +65,7 @@ class GeometryHandler final : public ResourceHandler {
   std::unique_ptr<qnv::StreamDecoder> decoder_;
   std::size_t shown_ = 0;
   std::uint64_t shown_revision_ = 0;
+  ShowPace pace_;
   bool shown_exact_ = false;  // the exact mesh in the tail of the stream is shown
   bool by_chunks_ = false;    // chunks were received in any order
   std::size_t damaged_chunks_ = 0;
