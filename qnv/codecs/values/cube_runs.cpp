@@ -14,6 +14,8 @@ namespace gs::qnv::values {
 
 namespace {
 
+using displaced::BinaryDecoder;
+using displaced::BinaryEncoder;
 using displaced::unzigzag;
 using displaced::zigzag;
 

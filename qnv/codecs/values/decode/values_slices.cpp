@@ -128,18 +128,18 @@ class SliceReader {
     thread_local values::BlockScratch scratch;
     thread_local std::vector<std::byte> payload;
     values::Block block(place);
+    std::vector<values::Cluster> clusters;
     for (std::size_t i = first_[number]; i < first_[number + 1]; ++i) {
       payload.resize(index_.clusters[i].bytes);
       if (!bytes_.read(index_.clusters[i].offset, payload)) {
         failed_ = true;
         return;
       }
-      const auto cluster = values::parse_cluster(payload);
+      auto cluster = values::parse_cluster(payload);
       if (!cluster) break;
-      if (cluster->index == 0) block.start(cluster->plane);
-      values::BinaryDecoder decoder(cluster->bytes);
-      block.decode(decoder, cluster->steps, scratch);
+      clusters.push_back(std::move(*cluster));
     }
+    decode(clusters, block, scratch);
     block.write(bands);
   }
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <functional>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -19,16 +20,47 @@ constexpr std::size_t kChunkCost = kChunkHeaderBytes + kDirectoryEntryBytes;
 // With a permitted error, clusters end at this ratio of the RMS error to it. It minimises the bytes of clusters and
 // corrections together.
 constexpr double kRmsOfError = 0.4;
+// Number of blocks that are encoded before the rank that further clusters need is computed again.
+constexpr std::uint32_t kBlocksBetween = 16;
 
 EncodeError cannot_store(const SpillStore& store) {
   return EncodeError{"cannot keep the clusters: " + store.problem()};
 }
 
+/// Rank that a cluster needs to be among the first `max_bytes` of those seen so far. It only grows with more clusters.
+class LeastRank {
+ public:
+  explicit LeastRank(std::size_t max_bytes) : max_bytes_(max_bytes) {}
+
+  [[nodiscard]] float rank() const { return rank_; }
+  void add(std::span<const StoredCluster> clusters) {
+    for (const StoredCluster& one : clusters)
+      if (one.rank >= rank_) kept_.push_back({one.rank, one.bytes + kChunkCost});
+  }
+  /// Raises the rank after some clusters.
+  void update() {
+    std::ranges::sort(kept_, std::greater<>());
+    std::size_t bytes = 0, count = 0;
+    while (count < kept_.size() && bytes <= max_bytes_) bytes += kept_[count++].second;
+    if (bytes <= max_bytes_) return;
+    rank_ = kept_[count - 1].first;
+    kept_.resize(count);
+  }
+
+ private:
+  std::size_t max_bytes_;
+  float rank_ = 0;
+  std::vector<std::pair<float, std::size_t>> kept_;  // rank and bytes
+};
+
 /// Encodes all blocks of a volume.
 class VolumeEncoder {
  public:
-  VolumeEncoder(Extent extent, SpillStore& store, unsigned threads, Progress* progress)
-      : extent_(extent), layout_(extent, level_count(extent)), store_(store), threads_(threads), progress_(progress) {}
+  /// Encodes no more than what `max_bytes` need, if that is given.
+  VolumeEncoder(Extent extent, std::size_t max_bytes, SpillStore& store, unsigned threads, Progress* progress)
+      : extent_(extent), layout_(extent, level_count(extent)), store_(store), threads_(threads), progress_(progress) {
+    if (max_bytes != 0) least_.emplace(max_bytes);
+  }
 
   [[nodiscard]] std::uint64_t blocks() const { return layout_.count(); }
   /// Encodes down to a plane; coarse levels need more.
@@ -61,7 +93,17 @@ class VolumeEncoder {
 
  private:
   bool take(std::uint64_t first, std::uint32_t count, LevelSlices& slices, int last_plane) {
+    // With a limited size, the blocks that are encoded before tell what later ones need. The parts of a row do not
+    // depend on threads.
+    const std::uint32_t part = least_ ? kBlocksBetween : count;
+    for (std::uint32_t i = 0; i < count; i += part)
+      if (!take_part(first + i, std::min(part, count - i), slices, last_plane)) return false;
+    return true;
+  }
+
+  bool take_part(std::uint64_t first, std::uint32_t count, LevelSlices& slices, int last_plane) {
     std::vector<BlockEncoder::Result> results(count);
+    const float least_rank = least_ ? least_->rank() : 0;
     const bool whole = parallel_for(
         count,
         [&](std::size_t i) {
@@ -69,13 +111,14 @@ class VolumeEncoder {
           const BlockPlace place = layout_.place(first + i);
           // Errors of coarse bands spread: each level needs two thirds of a plane more.
           const int last = std::max(0, last_plane - 2 * (place.level - 1) / 3);
-          encoder.encode(static_cast<std::uint32_t>(first + i), place, slices.bands_of(place), last);
+          encoder.encode(static_cast<std::uint32_t>(first + i), place, slices.bands_of(place), last, least_rank);
           results[i] = encoder.take();
         },
         threads_, progress_);
     if (!whole) return false;
     for (BlockEncoder::Result& result : results) {
       rest_ += result.rest;
+      if (least_) least_->add(result.clusters);
       for (StoredCluster& cluster : result.clusters) {
         cluster.offset += store_.size();
         clusters_.push_back(cluster);
@@ -85,6 +128,7 @@ class VolumeEncoder {
         return false;
       }
     }
+    if (least_) least_->update();
     return true;
   }
 
@@ -95,6 +139,7 @@ class VolumeEncoder {
   Progress* progress_;
   std::vector<StoredCluster> clusters_;
   double rest_ = 0;
+  std::optional<LeastRank> least_;  // null without a limited size
   std::optional<EncodeError> problem_;
 };
 
@@ -154,7 +199,7 @@ void store_run(const CubeRun& run, SpillStore& store, std::vector<StoredRun>& ru
 
 std::variant<EncodedValues, EncodeError> encode_values(const ReadSamples& read, Extent extent, const ValuesLimit& limit,
                                                        SpillStore& store, unsigned threads, Progress* progress) {
-  VolumeEncoder volume(extent, store, threads, progress);
+  VolumeEncoder volume(extent, limit.max_bytes, store, threads, progress);
   // A permitted error of one step saves nothing.
   const bool bounded = limit.most_error > 1 && limit.max_bytes == 0;
   const bool exact = !bounded && limit.max_bytes == 0;
