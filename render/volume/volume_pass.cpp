@@ -30,7 +30,7 @@ bool is_volume(const SplatItem& item) {
 
 }  // namespace
 
-VolumePass::VolumePass(const Gl& gl, VolumeSort sort) : gl_(gl), volume_gl_(gl, sort), target_(gl), overlay_(gl) {}
+VolumePass::VolumePass(const Gl& gl, SortMethod sort) : gl_(gl), volume_gl_(gl, sort), target_(gl), overlay_(gl) {}
 
 std::shared_ptr<const VolumeModel> VolumePass::model_of(const std::shared_ptr<const qnv::Volume>& volume,
                                                         std::size_t counted) {

@@ -30,7 +30,7 @@ namespace gs::render {
 /// its opacity reaches 0.5. Writes no depth, so that later transparent polygons blend over volumes.
 class VolumePass {
  public:
-  explicit VolumePass(const Gl& gl, VolumeSort sort = VolumeSort::automatic);
+  explicit VolumePass(const Gl& gl, SortMethod sort = SortMethod::automatic);
 
   /// Draws the volumes. Call it after all opaque content. `camera` must have near and far planes. Leaves blending and
   /// the depth test off, and depth writes on.
@@ -38,7 +38,7 @@ class VolumePass {
             FrameStatistics& statistics);
 
   /// Returns the method that sorted for the last OpenGL image.
-  [[nodiscard]] VolumeSort sorted_by() const { return volume_gl_.sorted_by(); }
+  [[nodiscard]] SortMethod sorted_by() const { return volume_gl_.sorted_by(); }
 
  private:
   struct Held {
