@@ -68,8 +68,9 @@ std::optional<std::string> check_encode(const EncodeCommand& options) {
   if (method == EncodeMethod::values && (options.vectors > 0 || options.fraction > 0))
     return "--method values excludes --vectors and --fraction, which select gradients";
   if (options.parity.value_or(0) > 0 && method != EncodeMethod::automatic && method != EncodeMethod::displaced &&
-      method != EncodeMethod::values)
-    return "--parity protects displaced meshes and volumes only; expected --method auto, displaced or values";
+      method != EncodeMethod::values && method != EncodeMethod::gaussians)
+    return "--parity protects displaced meshes, volumes and Gaussians only; expected --method auto, displaced, values "
+           "or gaussians";
   if (outlines) {
     if (options.vectors > 0 || options.fraction > 0) return "--method outlines excludes --vectors and --fraction";
     const std::string& out = options.files.back();

@@ -198,6 +198,7 @@ std::optional<qnv::Payload> requested_payload(const ConversionOptions& options) 
   if (options.method == EncodeMethod::records) return qnv::Payload::records;
   if (options.method == EncodeMethod::octree) return qnv::Payload::packed;
   if (options.method == EncodeMethod::displaced) return qnv::Payload::displaced;
+  if (options.method == EncodeMethod::gaussians) return qnv::Payload::gaussians;
   return std::nullopt;
 }
 
@@ -354,6 +355,9 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
   if (options.isovalue && !values_of(input)) return not_a_volume(path);
   if (options.method == EncodeMethod::values && !std::holds_alternative<qnv::VolumeSource>(input.content))
     return EncodeError{"--method values applies to volumes only; leave it out"};
+  const auto* const splats = std::get_if<qnv::Geometry>(&input.content);
+  if (options.method == EncodeMethod::gaussians && !(splats && splats->as<qnv::Gaussians>()))
+    return EncodeError{"--method gaussians applies to Gaussian splats only; leave it out"};
   if (const auto surface = input_surface(input, options.isovalue, progress)) {
     if (options.isovalue && options.fraction > 0)
       return EncodeError{"--fraction counts the voxels of a volume; use --vectors with --isovalue"};
@@ -371,7 +375,9 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
     encode_options.metadata = metadata_of(options, input, path, geometry->description().metadata);
     const qnv::VectorView vectors(*geometry);
     if (options.fraction > 0) encode_options.vectors = part_of(options.fraction, vectors.size());
-    return encode(vectors, {requested_payload(options), std::move(encode_options)}, progress);
+    const qnv::EncodeRequest request{requested_payload(options), std::move(encode_options)};
+    if (const auto* gaussians = geometry->as<qnv::Gaussians>()) return encode(std::cref(*gaussians), request, progress);
+    return encode(vectors, request, progress);
   }
   const auto& volume = std::get<qnv::VolumeSource>(input.content);
   const bool selects_gradients = options.vectors > 0 || options.fraction > 0;
