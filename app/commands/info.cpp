@@ -133,7 +133,7 @@ void put_values(JsonValue& facts, const qnv::StreamHeader& header, const qnv::Ge
 
 // Adds the properties of a stream of Gaussians, and the errors at its end.
 void put_gaussians(JsonValue& facts, const qnv::StreamHeader& header) {
-  const qnv::gaussians::SplatErrors errors = qnv::gaussians::splat_errors();
+  const qnv::gaussians::SplatErrors errors = qnv::gaussians::splat_errors(header.gaussians.steps);
   facts.put("harmonics", header.gaussians.degree);
   facts.put("antialiased", header.gaussians.antialiased);
   facts.put("errors_at_the_end",

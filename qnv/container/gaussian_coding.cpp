@@ -4,6 +4,7 @@
 #include "qnv/base/geometry.h"
 
 #include <cstdint>
+#include <cstdlib>
 
 namespace gs::qnv {
 
@@ -14,6 +15,7 @@ std::vector<std::byte> encode_gaussian_coding(const GaussianCoding& coding) {
   write.integer(static_cast<std::int16_t>(coding.finest));
   write.integer(static_cast<std::uint8_t>(coding.degree));
   write.integer(static_cast<std::uint8_t>(coding.antialiased ? 1 : 0));
+  write.integer(static_cast<std::int8_t>(coding.steps));
   return out;
 }
 
@@ -25,7 +27,10 @@ std::optional<GaussianCoding> decode_gaussian_coding(std::span<const std::byte> 
   coding.degree = read.integer<std::uint8_t>();
   const auto flags = read.integer<std::uint8_t>();
   coding.antialiased = (flags & 1) != 0;
-  if (!read.good() || coding.degree > Gaussians::kMaxDegree || coding.finest < 0) return std::nullopt;
+  coding.steps = read.integer<std::int8_t>();
+  if (!read.good() || coding.degree > Gaussians::kMaxDegree || coding.finest < 0 ||
+      std::abs(coding.steps) > GaussianCoding::kMostSteps)
+    return std::nullopt;
   return coding;
 }
 

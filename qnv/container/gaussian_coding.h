@@ -12,8 +12,11 @@ struct GaussianCoding {
   /// Importance of the Gaussians with the finest steps, and scale below which details count as points. Both are
   /// logarithms to the base 2, in eighths.
   int important = 0, finest = 0;
+  int steps = 0;             // log2 of a factor of all steps, in eighths; at most kMostSteps in magnitude
   int degree = 0;            // of the spherical harmonics, 0 to 3
   bool antialiased = false;  // as Gaussians::antialiased
+
+  static constexpr int kMostSteps = 32;
   friend bool operator==(const GaussianCoding&, const GaussianCoding&) = default;
 };
 

@@ -9,9 +9,9 @@ namespace gs::qnv::gaussians {
 namespace {
 
 // Steps of the most important Gaussians: places in standard deviations, turns of lines twice as long as wide, colours.
-constexpr double kPlaceStep = 0.25, kTurnStep = 0.12, kColorStep = 1.0 / 64;
+constexpr double kPlaceStep = 0.1, kTurnStep = 0.18, kColorStep = 1.0 / 128;
 // Factor of the steps of Gaussians that children replace.
-constexpr double kInnerFactor = 2;
+constexpr double kInnerFactor = 3;
 // Largest factors of the steps of less important Gaussians: of colours in eighths of an octave; of places and turns.
 constexpr int kMostColorFactor = 2 * kScaleSteps;
 constexpr double kMostPlaceFactor = 2;
@@ -36,10 +36,10 @@ double power_of(int eighths) {
 
 }  // namespace
 
-SplatErrors splat_errors() {
+SplatErrors splat_errors(int steps) {
   // The three components of a colour add up.
-  const double color = 1.5 * kColorStep;
-  return {{kPlaceStep / 2, kPlaceStep / 2 * kMostPlaceFactor},
+  const double color = 1.5 * kColorStep * power_of(steps), place = kPlaceStep / 2 * power_of(steps);
+  return {{place, place * kMostPlaceFactor},
           {color, color * power_of(kMostColorFactor)},
           std::sqrt(power_of(1)) - 1,
           0.5 / kMostOpacity};
@@ -68,7 +68,8 @@ int importance(const std::array<int, 3>& scales, int opacity) {
 SplatSteps steps_of(const SplatCode& code, const Precision& precision) {
   SplatSteps steps{};
   const int less = (precision.important - importance(code.scales, code.opacity)) / 2;
-  const double factor = power_of(std::clamp(less, 0, kMostColorFactor)), inner = code.leaf ? 1 : kInnerFactor;
+  const double factor = power_of(std::clamp(less, 0, kMostColorFactor));
+  const double inner = (code.leaf ? 1 : kInnerFactor) * power_of(precision.steps);
   const double fine = inner * std::min(factor, kMostPlaceFactor);
   for (std::size_t k = 0; k < 3; ++k) {
     const int scale = std::max({code.scales[k], code.scales[0] - kThinScales, precision.finest});

@@ -26,6 +26,7 @@ inline constexpr std::int32_t kMostPlace = 1 << 24, kMostColor = 1 << 14, kMostT
 struct Precision {
   int important = 0;  // importance() of the Gaussians with the finest steps
   int finest = 0;     // scale below which details count as points
+  int steps = 0;      // log2 of a factor of all steps, in eighths
   Box box;            // of all positions
 };
 
@@ -60,7 +61,7 @@ struct SplatErrors {
   std::array<double, 2> place, color;
   double scale, opacity;
 };
-[[nodiscard]] SplatErrors splat_errors();
+[[nodiscard]] SplatErrors splat_errors(int steps = 0);
 
 [[nodiscard]] double scale_of(int code);
 [[nodiscard]] double opacity_of(int code);

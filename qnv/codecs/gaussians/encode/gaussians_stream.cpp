@@ -136,9 +136,10 @@ std::variant<EncodedStream, EncodeError> encode_gaussians(const Gaussians& sourc
   add_metadata(options.metadata, header.description);
   header.colored = true;
   header.color = source.color;
-  const Precision precision = precision_of(source, header.description.box, tree->detail());
+  Precision precision = precision_of(source, header.description.box, tree->detail());
+  precision.steps = std::clamp(options.splat_steps, -GaussianCoding::kMostSteps, GaussianCoding::kMostSteps);
   header.cube = Cube::around(header.description.box);
-  header.gaussians = {precision.important, precision.finest, source.degree, source.antialiased};
+  header.gaussians = {precision.important, precision.finest, precision.steps, source.degree, source.antialiased};
   std::vector<OutgoingChunk> chunks, harmonics;
   std::size_t shown = 0, bytes = 0;
   const auto take = [&](EncodedCluster&& cluster) {
