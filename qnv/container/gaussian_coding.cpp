@@ -29,7 +29,7 @@ std::optional<GaussianCoding> decode_gaussian_coding(std::span<const std::byte> 
   coding.antialiased = (flags & 1) != 0;
   coding.steps = read.integer<std::int8_t>();
   if (!read.good() || coding.degree > Gaussians::kMaxDegree || coding.finest < 0 ||
-      std::abs(coding.steps) > GaussianCoding::kMostSteps)
+      coding.finest > GaussianCoding::kMostScale || std::abs(coding.steps) > GaussianCoding::kMostSteps)
     return std::nullopt;
   return coding;
 }

@@ -9,14 +9,14 @@ namespace gs::qnv {
 
 /// Properties of a stream of Gaussians. FORMAT.md, "Gaussians payload".
 struct GaussianCoding {
-  /// Importance of the Gaussians with the finest steps, and scale below which details count as points. Both are
-  /// logarithms to the base 2, in eighths.
+  /// Importance of the Gaussians with the finest steps, and scale below which details count as points, at most
+  /// kMostScale. Both are logarithms to the base 2, in eighths.
   int important = 0, finest = 0;
   int steps = 0;             // log2 of a factor of all steps, in eighths; at most kMostSteps in magnitude
   int degree = 0;            // of the spherical harmonics, 0 to 3
   bool antialiased = false;  // as Gaussians::antialiased
 
-  static constexpr int kMostSteps = 32;
+  static constexpr int kMostSteps = 32, kMostScale = 639;
   friend bool operator==(const GaussianCoding&, const GaussianCoding&) = default;
 };
 

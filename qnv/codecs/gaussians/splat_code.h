@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/box.h"
+#include "qnv/container/gaussian_coding.h"
 
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -16,7 +17,7 @@ namespace gs::qnv::gaussians {
 // double precision with +, -, *, / and square roots only, so that all machines decode the same.
 
 /// Steps of standard deviations in an octave; the smallest one is 2^kLeastOctave.
-inline constexpr int kScaleSteps = 8, kLeastOctave = -40, kMostScale = 80 * kScaleSteps - 1;
+inline constexpr int kScaleSteps = 8, kLeastOctave = -40, kMostScale = GaussianCoding::kMostScale;
 /// Highest code of an opacity, which means 1. The code 0 is not used.
 inline constexpr int kMostOpacity = 63;
 /// Limits of codes in a stream.

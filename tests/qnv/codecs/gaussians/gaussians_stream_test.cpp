@@ -338,7 +338,12 @@ TEST_CASE("decoders of Gaussians refuse hostile heads and headers") {
   coding.degree = 3;
   coding.finest = -1;
   CHECK(!decode_gaussian_coding(encode_gaussian_coding(coding)));
+  coding.finest = 640;
+  CHECK(!decode_gaussian_coding(encode_gaussian_coding(coding)));
   coding.finest = 300;
+  coding.steps = 33;
+  CHECK(!decode_gaussian_coding(encode_gaussian_coding(coding)));
+  coding.steps = -32;
   const Bytes section = encode_gaussian_coding(coding);
   CHECK(decode_gaussian_coding(section) == coding);
   for (std::size_t n = 0; n < section.size(); ++n) CHECK(!decode_gaussian_coding(std::span(section).first(n)));
