@@ -16,6 +16,7 @@
 #include "net/base/url.h"
 #include "net/files/file.h"
 #include "qnv/codecs/encode.h"
+#include "qnv/codecs/gaussians/splat_code.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/values/decode/values_slices.h"
 #include "qnv/reader/decode_stream.h"
@@ -202,6 +203,21 @@ std::optional<qnv::Payload> requested_payload(const ConversionOptions& options) 
   return std::nullopt;
 }
 
+// Returns the steps of Gaussians (qnv::EncodeOptions::splat_steps) for the requested error.
+std::variant<int, EncodeError> splat_steps(const ConversionOptions& options, bool gaussians) {
+  const qnv::ValueTolerance& tolerance = options.value_tolerance;
+  if (!tolerance.error && !tolerance.lossless) return 0;
+  if (!gaussians) return EncodeError{"--error and --lossless apply to volumes and Gaussians only; leave them out"};
+  if (tolerance.lossless)
+    return EncodeError{"--lossless applies to volumes only; splats are rounded; expected --error, as in --error 1%"};
+  if (!tolerance.of_range || !(*tolerance.error > 0))
+    return EncodeError{"--error of splats is a share of their deviations; expected a percentage above 0, as in 2%"};
+  constexpr int kMost = qnv::GaussianCoding::kMostSteps;
+  // Rounds to finer steps.
+  const double steps = 8 * std::log2(*tolerance.error / qnv::gaussians::splat_errors().place[0]);
+  return static_cast<int>(std::floor(std::clamp(steps + 1e-9, double{-kMost}, double{kMost})));
+}
+
 std::variant<qnv::EncodedStream, EncodeError> encode(const qnv::EncodeSource& source, qnv::EncodeRequest request,
                                                      ProgressBar& progress) {
   auto encoded = qnv::encode(source, std::move(request), &progress.whole());
@@ -375,8 +391,12 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
     encode_options.metadata = metadata_of(options, input, path, geometry->description().metadata);
     const qnv::VectorView vectors(*geometry);
     if (options.fraction > 0) encode_options.vectors = part_of(options.fraction, vectors.size());
+    const auto* gaussians = geometry->as<qnv::Gaussians>();
+    const auto steps = splat_steps(options, gaussians != nullptr);
+    if (const auto* problem = std::get_if<EncodeError>(&steps)) return *problem;
+    encode_options.splat_steps = std::get<int>(steps);
     const qnv::EncodeRequest request{requested_payload(options), std::move(encode_options)};
-    if (const auto* gaussians = geometry->as<qnv::Gaussians>()) return encode(std::cref(*gaussians), request, progress);
+    if (gaussians) return encode(std::cref(*gaussians), request, progress);
     return encode(vectors, request, progress);
   }
   const auto& volume = std::get<qnv::VolumeSource>(input.content);

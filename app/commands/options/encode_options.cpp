@@ -180,7 +180,8 @@ constexpr OptionRow kEncodeOptions[] = {
      "open animate encode export ", set_any_isovalue},
     {"--error", "SIZE", "1/8192 of the range",
      "maximum error of each voxel of a volume: in the unit of the values (12), or as a percentage of their range "
-     "(0.1%)",
+     "(0.1%). Of Gaussian splats: of the positions of large splats, as a percentage of their deviations (usually 5%); "
+     "shapes and colours follow",
      "encode ", with<set_error>},
     {"--lossless", "", "", "values of a volume: restore the stored voxels bit for bit; float64 is stored as float32",
      "encode ", with<set_lossless>},

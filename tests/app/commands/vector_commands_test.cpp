@@ -134,6 +134,13 @@ TEST_CASE("encode: keeps Gaussian splats, and export writes them again") {
     CHECK(run("export " + quoted(stream) + " " + quoted(folder.path(name))).status == kDone);
     if (std::string_view(name).ends_with(".spz")) CHECK(info(folder.path(name))["vectors"] == 400);
   }
+  const std::string fine = folder.path("fine.qnv"), encode = "encode " + quoted(ply) + " " + quoted(fine);
+  REQUIRE(run(encode + " --error 1%").status == kDone);
+  CHECK(info(fine)["errors_at_the_end"]["position_in_deviations"][0] <= 0.01);
+  CHECK(info(fine)["errors_at_the_end"]["position_in_deviations"][0] > 0.009);
+  CHECK(info(fine)["bytes"] > facts["bytes"]);
+  CHECK(run(encode + " --error 1 2>&1").output.find("expected a percentage above 0") != std::string::npos);
+  CHECK(run(encode + " --lossless 2>&1").output.find("splats are rounded") != std::string::npos);
   CHECK(run("encode --method gaussians " + quoted(folder.write("ball.wrl", kBall)) + " " + quoted(stream) + " 2>&1")
             .output.find("--method gaussians applies to Gaussian splats only") != std::string::npos);
 }
