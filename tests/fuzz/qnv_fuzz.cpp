@@ -36,6 +36,16 @@ void check_sound(const Geometry& geometry) {
   require(vectors.cells.empty() || vectors.cells.size() == vectors.size());
   for (const float weight : vectors.weights) require(weight > 0 && std::isfinite(weight));
   for (const glm::vec3& p : vectors.positions) require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+  if (const auto* splats = geometry.as<Gaussians>()) {
+    const std::size_t n = splats->size();
+    require(splats->scales.size() == n && splats->rotations.size() == n && splats->opacities.size() == n);
+    require(splats->bases.size() == n && splats->harmonics.size() == n * harmonic_count(splats->degree));
+    for (const glm::vec4& q : splats->rotations)
+      require(std::abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1) < 1e-3f);
+    for (const glm::vec3& s : splats->scales) require(s.x >= s.y && s.y >= s.z && s.z >= 0 && std::isfinite(s.x));
+    for (const glm::vec3& c : splats->bases) require(std::isfinite(c.x + c.y + c.z));
+    for (const float opacity : splats->opacities) require(opacity > 0 && opacity <= 1);
+  }
   const auto* mesh = geometry.as<IndexedMesh>();
   if (!mesh) return;
   require(mesh->triangles.size() % 3 == 0);
