@@ -184,6 +184,33 @@ TEST_CASE("keeps the order of Gaussians while the view turns, and has it exactly
   CHECK(picture.drawn(list, SplatPath::gl) == before);
 }
 
+TEST_CASE("draws Gaussians in the part and in the order of each viewport with OpenGL") {
+  const RenderList list = list_of(scene(5000, 1, 4));
+  for (const SortMethod sort : {SortMethod::thread, SortMethod::compute})
+    for (const int samples : {1, 4}) {
+      Picture picture(sort, samples);
+      const auto viewport = [&](std::uint32_t number) {
+        picture.options.viewport = number;
+        picture.options.x = number == 0 ? 0 : 40;
+        picture.options.y = number == 0 ? 0 : 7;
+        picture.options.width = 40;
+        picture.options.height = number == 0 ? 60 : 50;
+        picture.look(number == 0 ? glm::vec3(0, 0, 3) : glm::vec3(3, 1, 0));
+      };
+      std::array<Pixels, 2> wanted;
+      for (std::uint32_t number : {0u, 1u}) {
+        viewport(number);
+        wanted[number] = picture.drawn(list, SplatPath::cpu);
+      }
+      for (std::uint32_t frame = 0; frame < 6; ++frame) {
+        viewport(frame % 2);
+        const Pixels drawn = picture.drawn(list, SplatPath::gl);
+        CHECK(!picture.statistics.pending);
+        CHECK(psnr_of(drawn, wanted[frame % 2]) >= 45);
+      }
+    }
+}
+
 TEST_CASE("sorts Gaussians by distance as std::stable_sort does, by thread and by compute shaders") {
   for (const std::size_t count : {1u, 2u, 300u, 4097u, 20'000u}) {
     auto gaussians = std::make_shared<qnv::Gaussians>(random_gaussians(count, 0, 21));
