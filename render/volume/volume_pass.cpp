@@ -69,7 +69,7 @@ std::shared_ptr<const qnv::Volume> VolumePass::cut(const qnv::Volume& volume, co
   // Each instance of a stream keeps its own view.
   lod->viewport = options.viewport + (scene.instances[volume.requests.get()]++ << 16);
   lod->most_decoded = options.most_decoded;
-  if (volume.detail) return volume.detail->cut(*lod, scene.pending);
+  if (volume.detail) return volume.detail->cut(*lod, scene.working);
   volume.requests->note(*lod);
   return nullptr;
 }
@@ -88,7 +88,7 @@ void VolumePass::gather(const RenderList& list, const Camera& camera, const Spla
     auto volume = qnv::shared_as<qnv::Volume>(item.geometry);
     const glm::mat4 camera_from_node(camera_from_world * item.world_from_node);
     if (auto finer = cut(*volume, item, view, camera_from_node, options, scene)) volume = std::move(finer);
-    if (volume->empty()) continue;
+    if (volume->empty() || item.material.transparency >= 1) continue;
     const std::size_t size = volume->size(), share = list.splats.size() > 1 ? steady(shares[i]) : shares[i];
     const VolumePrefix prefix = volume_prefix(size, share >= size ? 0 : share);
     auto model = model_of(volume, prefix.counted);
@@ -134,7 +134,7 @@ void VolumePass::draw(const RenderList& list, const Camera& camera, const Projec
   SplatView view = viewport_view(camera, projection, options);
   Scene scene;
   gather(list, camera, whole_view(view, camera), options, scene);
-  statistics.pending = statistics.pending || scene.pending;
+  statistics.working = statistics.working || scene.working;
   if (scene.items.empty()) return;
   const bool with_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software);
   if (with_gl) {

@@ -54,7 +54,7 @@ class VolumePass {
     std::vector<std::vector<VolumeLight>> lights;
     VolumeTransfer transfer{};
     std::unordered_map<const qnv::ChunkRequests*, std::uint32_t> instances;  // of each stream so far
-    bool pending = false;  // finer vectors of a stream are being decoded
+    bool working = false;  // finer vectors of a stream are being decoded
   };
   std::shared_ptr<const VolumeModel> model_of(const std::shared_ptr<const qnv::Volume>& volume, std::size_t counted);
   void forget_models();

@@ -135,6 +135,23 @@ std::shared_ptr<const qnv::VolumeValues> streamed_values(const render::RenderLis
   return nullptr;
 }
 
+void hide_volumes(render::RenderList& list) {
+  const auto volume_of = [](const render::SplatItem& item) {
+    return item.geometry ? item.geometry->as<qnv::Volume>() : nullptr;
+  };
+  std::erase_if(list.splats, [&](const render::SplatItem& item) { return volume_of(item) && !volume_of(item)->detail; });
+  for (render::SplatItem& item : list.splats)
+    if (volume_of(item)) item.material.transparency = 1;
+}
+
+std::uint64_t detail_revision(const render::RenderList& list) {
+  std::uint64_t revision = 0;
+  for (const render::SplatItem& item : list.splats)
+    if (const auto* volume = item.geometry ? item.geometry->as<qnv::Volume>() : nullptr; volume && volume->detail)
+      revision += volume->detail->revision();
+  return revision;
+}
+
 std::optional<glm::dmat4> world_from_volume(const render::RenderList& list) {
   for (const render::SplatItem& item : list.splats)
     if (item.geometry && item.geometry->as<qnv::Volume>()) return item.world_from_node;
@@ -160,9 +177,7 @@ const render::RenderList& SliceScene::with_slices(const render::RenderList& list
   list_.generation = 0;
   list_.changes = render::next_change();
   list_.moved.clear();
-  if (slices.alone)
-    std::erase_if(list_.splats,
-                  [](const render::SplatItem& item) { return item.geometry && item.geometry->as<qnv::Volume>(); });
+  if (slices.alone) hide_volumes(list_);
   static constexpr std::array<glm::vec3, 3> kColors{{{0.9f, 0.35f, 0.3f}, {0.4f, 0.8f, 0.35f}, {0.35f, 0.55f, 0.95f}}};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!slices.shown[axis]) {

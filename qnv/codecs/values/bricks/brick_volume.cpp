@@ -1,5 +1,6 @@
 #include "qnv/codecs/values/bricks/brick_volume.h"
 
+#include "base/free_memory.h"
 #include "qnv/codecs/values/decode/values_decoder.h"
 
 #include <algorithm>
@@ -104,6 +105,11 @@ std::shared_ptr<const Volume> BrickVolume::latest() const {
   return shown_;
 }
 
+std::uint64_t BrickVolume::revision() const {
+  const std::lock_guard lock(mutex_);
+  return revision_;
+}
+
 BrickStatistics BrickVolume::statistics() const {
   const std::lock_guard lock(mutex_);
   return statistics_;
@@ -128,12 +134,16 @@ void BrickVolume::work(Inbox inbox, const std::vector<LodView>& views) {
   std::shared_ptr<const Volume> made = decoder_.decode(views, stop_);
   std::vector<ChunkRange> wanted = decoder_.wanted();
   const BrickStatistics statistics = decoder_.statistics();
+  inbox = {};
+  // Each growth of a stream replaces bricks and vectors.
+  return_freed_memory();
   const std::lock_guard lock(mutex_);
   shown_ = std::move(made);
   wanted_ = std::move(wanted);
   statistics_ = statistics;
   last_work_ = std::chrono::steady_clock::now();
   working_ = false;
+  ++revision_;
 }
 
 // Decodes on this thread, or on another one. No other work may run.

@@ -53,6 +53,7 @@ class BrickVolume final : public ViewedStream, public VolumeDetail {
 
   [[nodiscard]] std::shared_ptr<const Volume> cut(const LodView& view, bool& pending) override;
   [[nodiscard]] std::shared_ptr<const Volume> latest() const override;
+  [[nodiscard]] std::uint64_t revision() const override;
 
   [[nodiscard]] const StreamHeader& header() const { return header_; }
   [[nodiscard]] BrickStatistics statistics() const;
@@ -84,7 +85,8 @@ class BrickVolume final : public ViewedStream, public VolumeDetail {
   std::shared_ptr<const Volume> shown_;
   std::vector<ChunkRange> wanted_;
   BrickStatistics statistics_;
-  std::uint64_t taken_ = 0;  // bytes so far
+  std::uint64_t taken_ = 0;     // bytes so far
+  std::uint64_t revision_ = 0;  // calls of work() so far
   std::chrono::steady_clock::time_point last_work_{};
   std::future<void> running_;
   std::atomic<bool> stop_{false};

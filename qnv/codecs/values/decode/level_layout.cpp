@@ -32,4 +32,8 @@ float smallest_step(const VolumeLayout& layout) {
   return std::min({glm::length(layout.axes[0]), glm::length(layout.axes[1]), glm::length(layout.axes[2])});
 }
 
+float largest_step(const VolumeLayout& layout) {
+  return std::max({glm::length(layout.axes[0]), glm::length(layout.axes[1]), glm::length(layout.axes[2])});
+}
+
 }  // namespace gs::qnv::values

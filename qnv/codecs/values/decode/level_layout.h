@@ -10,7 +10,8 @@ namespace gs::qnv::values {
 /// axis of one voxel stays as it is.
 [[nodiscard]] VolumeLayout level_layout(const ValueGrid& grid, const Description& about, int level);
 
-/// Returns the smallest distance of two voxels.
+/// Returns the smallest and the largest distance of neighbours on an axis.
 [[nodiscard]] float smallest_step(const VolumeLayout& layout);
+[[nodiscard]] float largest_step(const VolumeLayout& layout);
 
 }  // namespace gs::qnv::values
