@@ -14,7 +14,7 @@ namespace {
 
 using Corner = std::array<std::uint32_t, 3>;
 
-/// Voxels of a part from `first` to before `last`, whose inner ones are missing.
+/// Voxels of a part from `first` to before `last`. Its inner voxels are missing.
 struct Covered {
   Corner first{}, last{};
 };
@@ -83,31 +83,31 @@ std::vector<qnv::VolumeSource> surface_parts(const std::shared_ptr<const VolumeG
   int coarsest = 0;
   for (const qnv::ValueBrick& brick : grid->bricks()) coarsest = std::max(coarsest, brick.level);
   const Corner all{grid->kept(0), grid->kept(1), grid->kept(2)};
-  parts.push_back({layout_of_part(*grid, {}, all, {1, 1, 1}),
-                   [grid, all, boxes = finer_parts(*grid, coarsest, {1, 1, 1})](std::uint32_t z,
-                                                                                 std::span<std::byte> to) {
-                     const std::span<const float> slice = grid->kept_slice(z);
-                     if (to.size() != slice.size_bytes()) return false;
-                     std::vector<float> values(slice.begin(), slice.end());
-                     omit(boxes, {}, all, z, values.data());
-                     std::memcpy(to.data(), values.data(), to.size());
-                     return true;
-                   }});
+  parts.push_back(
+      {layout_of_part(*grid, {}, all, {1, 1, 1}),
+       [grid, all, boxes = finer_parts(*grid, coarsest, {1, 1, 1})](std::uint32_t z, std::span<std::byte> to) {
+         const std::span<const float> slice = grid->kept_slice(z);
+         if (to.size() != slice.size_bytes()) return false;
+         std::vector<float> values(slice.begin(), slice.end());
+         omit(boxes, {}, all, z, values.data());
+         std::memcpy(to.data(), values.data(), to.size());
+         return true;
+       }});
   for (const qnv::ValueBrick& brick : grid->bricks()) {
     Corner size{}, fine{};
     bool flat = false;
     for (std::size_t a = 0; a < 3; ++a) {
       // The cells after the last voxel reach into the margin.
-      size[a] = std::min(brick.core_first[a] + brick.core_size[a] + 1, brick.first[a] + brick.size[a]) -
-                brick.core_first[a];
+      size[a] =
+          std::min(brick.core_first[a] + brick.core_size[a] + 1, brick.first[a] + brick.size[a]) - brick.core_first[a];
       fine[a] = fineness_of(brick, a);
       flat = flat || size[a] < 2;
     }
     if (flat) continue;
     parts.push_back({layout_of_part(*grid, brick.core_first, size, brick.steps),
-                     [grid, brick, size, boxes = brick.level > 0 ? finer_parts(*grid, brick.level - 1, fine)
-                                                                 : std::vector<Covered>()](std::uint32_t z,
-                                                                                           std::span<std::byte> to) {
+                     [grid, brick, size,
+                      boxes = brick.level > 0 ? finer_parts(*grid, brick.level - 1, fine) : std::vector<Covered>()](
+                         std::uint32_t z, std::span<std::byte> to) {
                        std::vector<float> values(std::size_t{size[0]} * size[1]);
                        if (z >= size[2] || to.size() != values.size() * sizeof(float)) return false;
                        const Corner& at = brick.core_first;

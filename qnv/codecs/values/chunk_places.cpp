@@ -150,10 +150,9 @@ DirectoryEntry PlaceEntries::operator()(const ChunkPlace& place) const {
   const std::uint64_t slice = std::uint64_t{cubes[0]} * cubes[1];
   const std::uint64_t most = cubes[2] - 1, first = std::min(place.first / slice, most),
                       last = std::min((place.first + place.count - 1) / slice, most);
-  entry.box = box_with_reach(layout_, {0, 0, static_cast<std::uint32_t>(first * kCubeEdge)},
-                             {layout_.dimensions[0], layout_.dimensions[1],
-                              static_cast<std::uint32_t>((last - first + 1) * kCubeEdge)},
-                             0);
+  entry.box = box_with_reach(
+      layout_, {0, 0, static_cast<std::uint32_t>(first * kCubeEdge)},
+      {layout_.dimensions[0], layout_.dimensions[1], static_cast<std::uint32_t>((last - first + 1) * kCubeEdge)}, 0);
   return entry;
 }
 

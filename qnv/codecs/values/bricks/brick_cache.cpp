@@ -51,14 +51,12 @@ void BrickCache::compute(const Work& work, const BrickBase& base, const GapRuns&
   std::vector<const Block*> blocks;
   for (const std::uint64_t number : work.blocks)
     if (const Block* const block = blocks_.find(number)) blocks.push_back(block);
-  BrickSamples made =
-      lift_brick(level, layout_.extended(brick.name), layout_.extent(level), *work.coarser, blocks);
+  BrickSamples made = lift_brick(level, layout_.extended(brick.name), layout_.extent(level), *work.coarser, blocks);
   VolumeLayout layout = levels_[static_cast<std::size_t>(level)];
   if (level == 0 && gaps.mark(made.box, kMissingInBrick, made.samples)) layout.missing = kMissingInBrick;
   const SampleBox core = layout_.core(brick.name);
   brick.wanted = base.shares.of(brick.name) * static_cast<double>(sample_count(core.size));
-  brick.vectors =
-      longest_vectors(made, core, layout, static_cast<std::size_t>(std::ceil(kKeptVectors * brick.wanted)));
+  brick.vectors = longest_vectors(made, core, layout, static_cast<std::size_t>(std::ceil(kKeptVectors * brick.wanted)));
   brick.samples = std::make_shared<const BrickSamples>(std::move(made));
 }
 

@@ -45,7 +45,7 @@ class VectorShares {
 /// Returns the index of the voxel of each vector in the layout, x first.
 [[nodiscard]] std::vector<std::uint32_t> voxels_of_vectors(const Volume& vectors, const VolumeLayout& layout);
 
-/// What a choice of bricks depends on.
+/// Input of a choice of bricks.
 struct BrickChoice {
   const BrickLayout& layout;
   std::span<const VolumeLayout> levels;  // layouts of the levels 0 to BrickLayout::base()

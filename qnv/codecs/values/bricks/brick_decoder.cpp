@@ -183,11 +183,9 @@ bool BrickDecoder::decode_base() {
 std::shared_ptr<const Volume> BrickDecoder::decode(std::span<const LodView> views, const std::atomic<bool>& stop) {
   const bool changed = decode_base();
   chosen_.clear();
-  if (whole_base_)
-    chosen_ = values::choose_bricks({layout_, levels_, base_.shares, views, limits_.brick_bytes});
+  if (whole_base_) chosen_ = values::choose_bricks({layout_, levels_, base_.shares, views, limits_.brick_bytes});
   if (!cache_.update(chosen_, base_, chunks_, gaps_, limits_.brick_bytes, stop)) return shown_;
-  if (!source_)
-    chunks_.trim([this](std::uint64_t block) { return cache_.uses(block); });
+  if (!source_) chunks_.trim([this](std::uint64_t block) { return cache_.uses(block); });
   if (changed || cache_.computed() > 0 || chosen_ != merged_) merge();
   return shown_;
 }
@@ -198,13 +196,12 @@ void BrickDecoder::merge() {
     shown_ = base_volume_;
     return;
   }
-  auto merged =
-      std::make_shared<Volume>(values::merge_bricks(*base_volume_, layout_, levels_, chosen_, cache_));
+  auto merged = std::make_shared<Volume>(values::merge_bricks(*base_volume_, layout_, levels_, chosen_, cache_));
   auto values = std::make_shared<VolumeValues>(*base_volume_->values);
   for (const values::BrickName& name : chosen_)
     if (const values::Brick* const brick = cache_.find(name); brick && brick->samples)
-      values->bricks.push_back(value_brick(*brick, layout_, levels_[static_cast<std::size_t>(name.level)],
-                                           gaps_.count() > 0));
+      values->bricks.push_back(
+          value_brick(*brick, layout_, levels_[static_cast<std::size_t>(name.level)], gaps_.count() > 0));
   std::ranges::stable_sort(values->bricks, {}, &ValueBrick::level);
   values->bytes += cache_.bytes();
   merged->values = std::move(values);

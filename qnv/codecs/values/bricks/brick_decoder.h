@@ -89,7 +89,7 @@ class BrickDecoder : NonCopyable {
   StreamReader reader_;
   std::unique_ptr<Decoder> decoder_;  // of the coarse level
   std::vector<ChunkRange> base_places_;
-  std::unordered_set<std::uint64_t> base_taken_;  // offsets
+  std::unordered_set<std::uint64_t> base_taken_;    // offsets
   std::size_t base_chunks_ = 0, shown_chunks_ = 0;  // that changed the coarse level so far, and of base_volume_
   std::shared_ptr<const Volume> base_volume_, shown_;
   values::BrickBase base_;

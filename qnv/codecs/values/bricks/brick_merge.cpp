@@ -126,8 +126,8 @@ Volume merge_bricks(const Volume& base, const BrickLayout& layout, std::span<con
   Volume merged(static_cast<GeometryBase>(base));
   merged.requests.reset();
   for (const Brick* const brick : lists.bricks())
-    merged.description.spacing = std::min(merged.description.spacing,
-                                          smallest_step(levels[static_cast<std::size_t>(brick->name.level)]));
+    merged.description.spacing =
+        std::min(merged.description.spacing, smallest_step(levels[static_cast<std::size_t>(brick->name.level)]));
   merged.positions.resize(size);
   merged.normals.resize(size);
   merged.weights.resize(size);

@@ -33,7 +33,7 @@ struct BrickNameHash {
   }
 };
 
-/// Bricks of the levels below `base`, whose samples a viewer has as a whole.
+/// Bricks of the levels below `base`. Viewers have the samples of `base` as a whole.
 class BrickLayout {
  public:
   BrickLayout(Extent extent, int base);

@@ -31,7 +31,7 @@ bool BrickSamples::contains(const SampleBox& part) const {
 void BrickSamples::read(const SampleBox& part, std::int32_t* to, std::size_t row, std::size_t slice) const {
   const std::size_t own_row = box.size[0], own_slice = own_row * box.size[1];
   const std::int32_t* const from = samples.data() + (part.first[2] - box.first[2]) * own_slice +
-      (part.first[1] - box.first[1]) * own_row + (part.first[0] - box.first[0]);
+                                   (part.first[1] - box.first[1]) * own_row + (part.first[0] - box.first[0]);
   for (std::size_t z = 0; z < part.size[2]; ++z)
     for (std::size_t y = 0; y < part.size[1]; ++y)
       std::memcpy(to + z * slice + y * row, from + z * own_slice + y * own_row, part.size[0] * sizeof(std::int32_t));

@@ -52,8 +52,7 @@ class BrickRows {
 
 std::vector<BrickVector> longest_vectors(const BrickSamples& samples, const SampleBox& core, const VolumeLayout& layout,
                                          std::size_t most) {
-  const glm::dmat3 to_world =
-      glm::transpose(glm::inverse(glm::dmat3(layout.axes[0], layout.axes[1], layout.axes[2])));
+  const glm::dmat3 to_world = glm::transpose(glm::inverse(glm::dmat3(layout.axes[0], layout.axes[1], layout.axes[2])));
   const BrickRows rows(samples, core, layout);
   const std::size_t nx = core.size[0], ny = core.size[1];
   std::vector<float> lengths(sample_count(core.size)), line(rows.count());
@@ -73,7 +72,8 @@ std::vector<BrickVector> longest_vectors(const BrickSamples& samples, const Samp
   while (lowest > 1 && total < most) total += counts[--lowest];
   std::vector<BrickVector> vectors(total);
   std::size_t start = 0;
-  for (std::uint32_t key = kLengthKeys; key-- > lowest;) start += std::exchange(counts[key], static_cast<std::uint32_t>(start));
+  for (std::uint32_t key = kLengthKeys; key-- > lowest;)
+    start += std::exchange(counts[key], static_cast<std::uint32_t>(start));
   for (std::uint32_t z = 0; z < core.size[2]; ++z)
     for (std::uint32_t y = 0; y < core.size[1]; ++y) {
       const GradientRow row = rows.row(core.first[1] + y, core.first[2] + z);

@@ -86,8 +86,8 @@ bool BrickVolume::set_directory(std::span<const std::byte> chunks) {
 
 void BrickVolume::forget(std::uint32_t viewport) {
   const std::lock_guard lock(mutex_);
-  views_changed_ = std::erase_if(views_, [&](const LodView& view) { return view.viewport == viewport; }) > 0 ||
-                   views_changed_;
+  views_changed_ =
+      std::erase_if(views_, [&](const LodView& view) { return view.viewport == viewport; }) > 0 || views_changed_;
 }
 
 std::vector<LodView> BrickVolume::views() const {

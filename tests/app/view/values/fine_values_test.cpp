@@ -23,8 +23,8 @@ constexpr double kCentre = 15.3, kRadius = 9.2;
 
 // Distance from the centre of a ball; linear enough for a comparison of surfaces.
 float field(double x, double y, double z) {
-  return static_cast<float>(std::sqrt((x - kCentre) * (x - kCentre) + (y - kCentre) * (y - kCentre) +
-                                      (z - kCentre) * (z - kCentre)));
+  return static_cast<float>(
+      std::sqrt((x - kCentre) * (x - kCentre) + (y - kCentre) * (y - kCentre) + (z - kCentre) * (z - kCentre)));
 }
 
 // Part of a finer level, with one more sample after its end.
@@ -50,8 +50,8 @@ qnv::ValueBrick part_of(int level, std::uint32_t fine, std::array<std::uint32_t,
 std::shared_ptr<const VolumeGrid> grid_with_parts() {
   qnv::VolumeLayout layout;
   layout.dimensions = {32, 32, 32};
-  const auto source = test::volume_of(
-      layout, [](std::uint32_t x, std::uint32_t y, std::uint32_t z) { return field(x, y, z); });
+  const auto source =
+      test::volume_of(layout, [](std::uint32_t x, std::uint32_t y, std::uint32_t z) { return field(x, y, z); });
   // One part of four times the resolution inside of one of twice the resolution.
   auto made = VolumeGrid::take(source, nullptr, own_budget(), VolumeGrid::kMaxVoxels, {},
                                {part_of(0, 4, {32, 32, 32}, 16), part_of(1, 2, {16, 16, 16}, 16)});

@@ -273,8 +273,9 @@ struct Received {
       if (wanted.empty()) break;
       for (const ChunkRange& range : wanted) {
         CHECK((asked.insert(range.offset).second || range.again));
-        bricks->add(range.offset, std::span(stream.bytes).subspan(static_cast<std::size_t>(range.offset),
-                                                                 static_cast<std::size_t>(range.bytes)));
+        bricks->add(range.offset,
+                    std::span(stream.bytes)
+                        .subspan(static_cast<std::size_t>(range.offset), static_cast<std::size_t>(range.bytes)));
         bytes += range.bytes;
       }
     }
@@ -292,7 +293,8 @@ TEST_CASE("bricks: Views request only what they need, and a turn only what is ne
   const EncodedStream stream = noisy_cells(extent);
   const BrickLimits limits = limits_for(values::sample_count(extent) / 60, std::size_t{24} << 20);
   Received received(stream, limits);
-  const LodView near = view_at({0, 0, 0}, 2000), beside = view_at({20, 0, 0}, 2000), far = view_at({259, 259, 139}, 2000);
+  const LodView near = view_at({0, 0, 0}, 2000), beside = view_at({20, 0, 0}, 2000),
+                far = view_at({259, 259, 139}, 2000);
   const std::uint64_t first = received.receive(near), turn = received.receive(beside), move = received.receive(far);
   CHECK(first > 0);
   CHECK(first < stream.bytes.size() / 2);
