@@ -135,7 +135,7 @@ constexpr std::array<PayloadRow, 7> kRows = {{
      types({ChunkType::displaced, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
             ChunkType::cover, ChunkType::picture, ChunkType::normals}),
      0, 0, 0, choose_displaced, encode_base_and_displacements, make_displaced_decoder},
-    {Payload::values, "values", PayloadReader::vectors, RequestOrder::stream, nullptr,
+    {Payload::values, "values", PayloadReader::vectors, RequestOrder::visible_first, nullptr,
      types({ChunkType::values, ChunkType::gaps, ChunkType::remainders}), 0, 0, 0, choose_values, encode_volume_values,
      make_values_decoder},
     {Payload::gaussians, "gaussians", PayloadReader::vectors, RequestOrder::visible_first, nullptr,

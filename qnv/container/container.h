@@ -50,14 +50,19 @@ enum class ChunkType : std::uint8_t {
   gaps = 15,
   remainders = 16,
   parity = 17,
+  places = 18,
   gaussians = 20,
   harmonics = 21,
   directory = 254
 };
+/// Reports whether chunks of a type list other chunks of the stream.
+[[nodiscard]] constexpr bool is_listing(ChunkType type) {
+  return type == ChunkType::directory || type == ChunkType::places;
+}
 /// Reports whether this version has a chunk type. Readers skip other chunks.
 [[nodiscard]] constexpr bool is_known(std::uint8_t type) {
   constexpr std::uint8_t kReserved = 5;
-  return (type <= static_cast<std::uint8_t>(ChunkType::parity) && type != kReserved) ||
+  return (type <= static_cast<std::uint8_t>(ChunkType::places) && type != kReserved) ||
          type == static_cast<std::uint8_t>(ChunkType::gaussians) ||
          type == static_cast<std::uint8_t>(ChunkType::harmonics) ||
          type == static_cast<std::uint8_t>(ChunkType::directory);

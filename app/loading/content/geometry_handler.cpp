@@ -123,6 +123,16 @@ void GeometryHandler::choose_way() {
       return;
     }
   }
+  if (qnv::BrickVolume::suits(known, most_decoded_vectors(*loading_.budget))) {
+    BrickShare share(loading_.budget, true);
+    auto begun = qnv::BrickVolume::begin(bytes_, share.limits);
+    if (auto* const volume = std::get_if<0>(&begun)) {
+      way_ = Way::pushed;
+      start_bricks(hold_bricks(std::move(*volume), std::move(share)));
+      bytes_ = {};
+      return;
+    }
+  }
   start_decoder(known);
 }
 
@@ -144,6 +154,11 @@ void GeometryHandler::add_feed(std::shared_ptr<StreamFeed> feed) {
 void GeometryHandler::start_levels(std::shared_ptr<qnv::LodStream> stream) {
   add_feed(std::make_shared<StreamFeed>(stream, [waker = loading_.waker] { waker->wake(); }));
   show_(std::make_shared<const qnv::Geometry>(qnv::OctreeSplats(std::move(stream))));
+}
+
+void GeometryHandler::start_bricks(const std::shared_ptr<qnv::BrickVolume>& volume) {
+  add_feed(std::make_shared<StreamFeed>(volume, [waker = loading_.waker] { waker->wake(); }));
+  show_(std::make_shared<const qnv::Geometry>(volume_of(volume)));
 }
 
 // Shows newly decoded vectors, unless they exceed the memory budget.
