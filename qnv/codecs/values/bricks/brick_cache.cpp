@@ -53,6 +53,7 @@ void BrickCache::compute(const Work& work, const BrickBase& base, const GapRuns&
     if (const Block* const block = blocks_.find(number)) blocks.push_back(block);
   BrickSamples made = lift_brick(level, layout_.extended(brick.name), layout_.extent(level), *work.coarser, blocks);
   VolumeLayout layout = levels_[static_cast<std::size_t>(level)];
+  if (level == 0) base.limits.apply(made.samples);
   if (level == 0 && gaps.mark(made.box, kMissingInBrick, made.samples)) layout.missing = kMissingInBrick;
   const SampleBox core = layout_.core(brick.name);
   brick.wanted = base.shares.of(brick.name) * static_cast<double>(sample_count(core.size));

@@ -6,6 +6,7 @@
 #include "qnv/codecs/values/bricks/brick_samples.h"
 #include "qnv/codecs/values/bricks/brick_vectors.h"
 #include "qnv/codecs/values/bricks/gap_runs.h"
+#include "qnv/codecs/values/decode/sample_limits.h"
 
 #include <atomic>
 #include <cstddef>
@@ -37,6 +38,7 @@ struct Brick {
 struct BrickBase {
   BrickSamples samples;
   std::uint64_t version = 0;  // changes with the samples
+  SampleLimits limits{};      // of level 0
   VectorShares shares;
 };
 

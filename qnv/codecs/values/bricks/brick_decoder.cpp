@@ -68,6 +68,7 @@ BrickDecoder::BrickDecoder(const StreamHeader& header, const BrickLimits& limits
       decoder_(make_values_decoder(header, limits.base_vectors)) {
   GeometryBase base{header.description, header.color};
   base_volume_ = shown_ = std::make_shared<const Volume>(std::move(base));
+  base_.limits = values::sample_limits(header.description.value_range, header.grid.unit, header.grid.zero);
 }
 
 // Blocks of a level give the samples of the next finer one. The coarsest blocks also have the low band.

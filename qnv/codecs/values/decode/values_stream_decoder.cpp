@@ -192,7 +192,9 @@ class ValuesStreamDecoder final : public Decoder {
       values->source = corrected ? corrected_source() : exact_source();
       vectors_.reset();
     } else {
-      samples_.limits = values::sample_limits(about.value_range, samples_.layout.slope, samples_.layout.intercept);
+      // Bricks of finer levels start from the samples of coarse ones, which therefore keep all their bits.
+      if (values->level == 0)
+        samples_.limits = values::sample_limits(about.value_range, samples_.layout.slope, samples_.layout.intercept);
       update_vectors(changed, about);
       values->source = source_of(samples_);
     }
