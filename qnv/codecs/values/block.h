@@ -1,61 +1,32 @@
 #pragma once
 
 #include "qnv/codecs/values/block_places.h"
-#include "qnv/entropy/binary_coder.h"
+#include "qnv/codecs/values/block_shape.h"
+#include "qnv/codecs/values/plane_models.h"
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 namespace gs::qnv::values {
 
-using displaced::BinaryDecoder;
-using displaced::BinaryEncoder;
-
-/// Adaptive probability of a 1: the mean of a fast and of a slow estimate.
-struct Estimate {
-  std::uint16_t fast = 32768, slow = 32768;  // in 1/65536
-  std::uint8_t seen = 0;
-
-  void start(std::uint32_t probability) { fast = slow = static_cast<std::uint16_t>(probability); }
-  [[nodiscard]] std::uint32_t probability() const {
-    return std::clamp<std::uint32_t>((std::uint32_t{fast} + slow) >> 1, 48, 65536 - 48);
-  }
-  void learn(bool bit) {
-    // Early decisions change both estimates fast; later ones change `slow` less.
-    const int quick = kQuick[seen], late = kLate[seen];
-    const std::int32_t target = bit ? 65535 : 0;
-    fast = static_cast<std::uint16_t>(fast + ((target - fast) >> quick));
-    slow = static_cast<std::uint16_t>(slow + ((target - slow) >> late));
-    seen = static_cast<std::uint8_t>(seen + (seen < kQuick.size() - 1 ? 1 : 0));
-  }
-
- private:
-  static constexpr std::array<std::uint8_t, 48> kQuick = [] {
-    std::array<std::uint8_t, 48> shifts{};
-    for (std::size_t n = 0; n < shifts.size(); ++n) shifts[n] = n < 3 ? 2 : n < 8 ? 3 : 4;
-    return shifts;
-  }();
-  static constexpr std::array<std::uint8_t, 48> kLate = [] {
-    std::array<std::uint8_t, 48> shifts{};
-    for (std::size_t n = 0; n < shifts.size(); ++n) shifts[n] = n < 3 ? 2 : n < 8 ? 3 : n < 18 ? 4 : n < 40 ? 5 : 7;
-    return shifts;
-  }();
-};
-
-/// Cuboid of samples that one level gives, while its axes are lifted. The rows of x have the even samples first.
-/// `first` is even.
+/// Cuboid of samples that one level gives, while its axes are lifted. The rows of x have the even samples first, and
+/// the odd ones from `odd` on. `first` is even.
 struct SplitWindow {
   Extent first{}, size{};
   std::int32_t* samples = nullptr;
+  std::size_t row = 0, odd = 0;  // distance of consecutive rows; place of the odd samples
 };
 
-/// Buffer for the decisions of one block. Each thread reuses one.
+/// Buffers for the decisions of one block. Each thread reuses one.
 struct BlockScratch {
-  std::vector<std::uint8_t> sizes;  // of the coefficients in units of the current plane, at most 4; with borders
+  std::vector<std::uint8_t> sizes;    // of the coefficients in units of the current plane, at most 4; with borders
+  std::array<std::byte, 2048> bytes;  // of a cluster while it is encoded
+  std::vector<std::byte> padded;      // bytes of a cluster while it is decoded, and zeros
 };
 
 /// Coefficients of a block where a transform keeps them.
@@ -66,6 +37,12 @@ struct BlockBands {
 /// Returns the coefficients of a block in a transformed volume.
 [[nodiscard]] BlockBands bands_in_volume(const BlockPlace& place, std::span<std::int32_t> volume, Extent extent);
 
+/// Coded steps of a cluster.
+struct CodedSteps {
+  std::span<const std::byte> bytes;
+  std::uint32_t steps = 0;
+};
+
 /// Coefficients of one block while its planes are coded, and the estimates that both sides learn. A step codes one cube
 /// in one plane. FORMAT.md, "Values payload", defines the decisions.
 class Block {
@@ -75,6 +52,11 @@ class Block {
   [[nodiscard]] int level() const { return place_.level; }
   /// Number of cubes: the steps of one plane.
   [[nodiscard]] std::size_t cubes() const { return cubes_.size(); }
+  /// Returns the memory of the coefficients and of all else.
+  [[nodiscard]] std::size_t bytes() const {
+    return sizeof(*this) + values_.capacity() * sizeof(std::uint32_t) + cubes_.capacity() * sizeof(Cube) +
+           bands_.capacity() * sizeof(Band);
+  }
   /// Sets the plane of the first step. Planes above it are zero.
   void start(int plane) { plane_ = plane; }
   /// Cube of the next step.
@@ -87,20 +69,21 @@ class Block {
 
   /// Takes the coefficients to encode. Returns the highest plane that is not zero, or -1.
   int load(const BlockBands& bands);
-  /// Returns the squared error of the volume while all coefficients of an encoder are zero.
+  /// Returns the squared error of the volume while all coefficients of an encoder are zero. Call it before encode().
   [[nodiscard]] double energy() const;
   /// Result of encoding some steps.
   struct Encoded {
     std::uint32_t steps = 0;
-    double gain = 0;  // reduction of the squared error of the volume
+    double gain = 0;                   // reduction of the squared error of the volume
+    std::span<const std::byte> bytes;  // in the scratch
   };
   /// Encodes steps until the plane ends after at least `plane_bytes`, or until `most_bytes`, or until `last_plane` is
-  /// coded. The last step may exceed that limit by less than kMaxClusterBytes - kClusterEnd.
-  Encoded encode(BinaryEncoder& encoder, std::size_t plane_bytes, std::size_t most_bytes, int last_plane,
-                 BlockScratch& scratch);
-  /// Decodes `steps` steps, or fewer if the bytes are exhausted or the block is exact.
+  /// coded. The last step may exceed that limit by less than kMaxClusterBytes - kClusterEnd. Until the last call, no
+  /// other block may use `scratch`.
+  Encoded encode(std::size_t plane_bytes, std::size_t most_bytes, int last_plane, BlockScratch& scratch);
+  /// Decodes the steps of consecutive clusters, or fewer if the bytes are exhausted or the block is exact.
   /// Returns the number of decoded steps.
-  std::size_t decode(BinaryDecoder& decoder, std::uint32_t steps, BlockScratch& scratch);
+  std::size_t decode(std::span<const CodedSteps> clusters, BlockScratch& scratch);
   /// Writes the coefficients that are not zero, each at the middle of its possible values.
   void write(const BlockBands& bands) const;
   /// Writes them to the transformed volume; the second function writes only the low band.
@@ -113,42 +96,36 @@ class Block {
   template <class Visit>
   void visit_known(std::size_t first, std::size_t steps, const Visit& visit) const {
     for (std::size_t i = 0; i < std::min(steps, cubes_.size()); ++i) {
-      const Cube& cube = cubes_[(first + i) % cubes_.size()];
-      if (cube.values >= 0) visit(band_place(cube));
+      const std::size_t cube = (first + i) % cubes_.size();
+      if (cubes_[cube].values >= 0) visit(band_place(shape_->cubes()[cube]));
     }
   }
 
  private:
   struct Cube {
-    std::uint8_t band = 0, lowest = 0;         // `lowest`: last coded plane
-    std::array<std::uint8_t, 3> at{}, size{};  // position in cubes; size in coefficients
-    std::int16_t values = -1;                  // index of the values in units of kCubeSize; -1 while all are zero
-  };
-  struct Band {
-    std::uint32_t first = 0, row = 0, slice = 0;  // layout of BlockScratch::sizes
-    std::array<std::uint8_t, 3> cubes{};
-    std::uint16_t first_cube = 0;
+    std::int16_t values = -1;  // index of the values in units of kCubeSize; -1 while all are zero
+    std::uint8_t lowest = 0;   // last coded plane
   };
   template <class Side>
   void step(Side& side, std::uint8_t* sizes);
-  template <class Side>
-  void code_values(Side& outer, Cube& cube, const Band& band, std::uint8_t* sizes);
-  [[nodiscard]] Extent band_place(const Cube& cube) const;
+  void activate(std::size_t cube);
+  [[nodiscard]] std::size_t cube_context(const BlockShape::Cube& cube) const;
+  [[nodiscard]] Extent band_place(const BlockShape::Cube& cube) const;
   void fill_sizes(std::vector<std::uint8_t>& sizes) const;
-  void write(const Cube& cube, const BlockBands& bands) const;
-  [[nodiscard]] std::size_t cube_context(std::size_t index) const;
+  void write(std::size_t cube, const BlockBands& bands) const;
 
   BlockPlace place_;
-  std::vector<Band> bands_;
+  std::shared_ptr<const BlockShape> shape_;
   std::vector<Cube> cubes_;
-  std::vector<std::uint32_t> values_;  // of cubes that are not zero: magnitude, and the sign in the highest bit
-  std::vector<std::int32_t> source_;   // encoder: all coefficients, cube by cube
-  std::uint32_t sizes_bytes_ = 0;
-  std::array<Estimate, 15> cube_models_;
-  std::array<std::array<Estimate, 16>, 4> one_models_;
-  std::array<Estimate, 4> line_models_, more_models_;
+  std::vector<std::uint8_t> active_;   // by BlockShape::Cube::flag: 1 if the cube is not zero
+  std::vector<std::uint32_t> values_;  // magnitude, and the sign in the highest bit; encoder: of all cubes; decoder: of
+                                       // those that are not zero
+  std::vector<double> errors_;         // encoder: squared error of each cube after its last coded plane
+  std::vector<std::uint32_t> tops_;    // encoder: bits that any magnitude of the cube has
+  PlaneModels models_;
   int plane_ = -1;
   std::size_t cube_ = 0;
+  bool fresh_ = true;  // no step was encoded
 };
 
 }  // namespace gs::qnv::values

@@ -38,4 +38,14 @@ std::optional<Cluster> parse_cluster(std::span<const std::byte> payload) {
   return cluster;
 }
 
+std::size_t decode(std::span<const Cluster> clusters, Block& block, BlockScratch& scratch) {
+  std::vector<CodedSteps> coded;
+  coded.reserve(clusters.size());
+  for (const Cluster& cluster : clusters) {
+    if (cluster.index == 0) block.start(cluster.plane);
+    coded.push_back({cluster.bytes, cluster.steps});
+  }
+  return block.decode(coded, scratch);
+}
+
 }  // namespace gs::qnv::values

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "qnv/codecs/values/block_places.h"
+#include "qnv/codecs/values/block.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -22,6 +22,9 @@ struct Cluster {
   std::uint8_t plane = 0;        // of the first step of the block; only cluster 0 has it
   std::vector<std::byte> bytes;  // of a BinaryEncoder, which each cluster restarts; models continue
 };
+
+/// Decodes consecutive clusters of a block. Returns the number of decoded steps.
+std::size_t decode(std::span<const Cluster> clusters, Block& block, BlockScratch& scratch);
 
 /// Highest bit plane of a coefficient.
 inline constexpr std::uint8_t kHighestPlane = 30;

@@ -108,10 +108,7 @@ void split_line(const std::int32_t* from, std::int32_t* to, std::size_t n, std::
     return;
   }
   const LineHalves halves = halves_of(line, n);
-  for (std::size_t i = 0; i < halves.highs; ++i) {
-    halves.low[i] = from[2 * i];
-    halves.high[i] = from[2 * i + 1];
-  }
+  separate(from, halves.highs, halves.low, halves.high);
   if (halves.lows > halves.highs) halves.low[halves.highs] = from[n - 1];
   lift_halves(halves, false);
   std::memcpy(to, halves.low, halves.lows * sizeof(std::int32_t));
@@ -127,10 +124,7 @@ void join_line(const std::int32_t* from, std::int32_t* to, std::size_t n, std::v
   std::memcpy(halves.low, from, halves.lows * sizeof(std::int32_t));
   std::memcpy(halves.high, from + halves.lows, halves.highs * sizeof(std::int32_t));
   lift_halves(halves, true);
-  for (std::size_t i = 0; i < halves.highs; ++i) {
-    to[2 * i] = halves.low[i];
-    to[2 * i + 1] = halves.high[i];
-  }
+  interleave(halves.low, halves.high, halves.highs, to);
   if (halves.lows > halves.highs) to[n - 1] = halves.low[halves.highs];
 }
 

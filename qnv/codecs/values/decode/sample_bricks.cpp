@@ -3,6 +3,7 @@
 #include "base/parallel.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 namespace gs::qnv::values {
@@ -66,13 +67,22 @@ void SampleBricks::write(std::uint32_t x, std::uint32_t y, std::uint32_t z, std:
   while (count > 0) {
     const std::uint32_t part = std::min(kBrick[0] - x % kBrick[0], count);
     std::int32_t* const to = bricks_[number(x, y, z)]->data() + place(x, y, z);
-    if (std::memcmp(to, from, part * sizeof(std::int32_t)) != 0) {
-      for (std::uint32_t i = 0; i < part; ++i)
-        if (to[i] != from[i]) {
-          changed.mark(x + i, y, z);
-          i |= changed.edge() - 1;  // units start at multiples of their edge, a power of two, like rows of bricks
-        }
-      std::memcpy(to, from, part * sizeof(std::int32_t));
+    // Units start at multiples of their edge, a power of two, like rows of bricks.
+    const std::uint32_t edge = changed.edge();
+    std::uint8_t* flag = changed.flag(x, y, z);
+    for (std::uint32_t i = 0, n = 0; i < part; i += n, ++flag) {
+      n = std::min(edge - (x + i) % edge, part - i);
+      if (n == 4) {
+        // The most frequent size. Without a branch.
+        std::array<std::uint64_t, 2> old, now;
+        std::memcpy(old.data(), to + i, sizeof old);
+        std::memcpy(now.data(), from + i, sizeof now);
+        *flag |= static_cast<std::uint8_t>(((old[0] ^ now[0]) | (old[1] ^ now[1])) != 0);
+        std::memcpy(to + i, now.data(), sizeof now);
+      } else if (std::memcmp(to + i, from + i, n * sizeof(std::int32_t)) != 0) {
+        *flag = 1;
+        std::memcpy(to + i, from + i, n * sizeof(std::int32_t));
+      }
     }
     x += part;
     from += part;

@@ -17,13 +17,26 @@ constexpr Extent kMostUnits{32, 8, 8};
 // Boxes with fewer samples are not worth a thread.
 constexpr std::size_t kThreadSamples = std::size_t{1} << 16;
 
-// Reverts the lifting of `count` rows, `stride` apart, of `size` adjacent samples.
-void unlift_rows(std::int32_t* first, std::size_t count, std::size_t stride, std::size_t size) {
+// Rows of x that are lifted together. They stay in the fastest cache.
+constexpr std::size_t kLinesAtOnce = 8;
+
+// Reverts the lifting of `count` rows along x. Each row has its even samples first, and the odd ones from `odd` on.
+// There is room for a sample after the even ones, and before and after the odd ones.
+void unlift_lines(std::int32_t* first, std::size_t count, const SplitWindow& window) {
+  const std::size_t evens = (window.size[0] + 1) / 2, odds = window.size[0] / 2;
+  if (odds == 0) return;
   for (std::size_t step = 4; step-- > 0;)
-    for (std::size_t i = step % 2 == 0 ? 1 : 0; i < count; i += 2) {
-      const std::size_t before = i > 0 ? i - 1 : 1;
-      const std::size_t after = i + 1 < count ? i + 1 : i - 1;
-      lift(first + i * stride, first + before * stride, first + after * stride, size, step, true);
+    for (std::size_t i = 0; i < count; ++i) {
+      std::int32_t* const even = first + i * window.row;
+      std::int32_t* const odd = even + window.odd;
+      if (step % 2 == 0) {
+        even[evens] = even[evens - 1];
+        lift(odd, even, even + 1, odds, step, true);
+      } else {
+        odd[-1] = odd[0];
+        odd[odds] = odd[odds - 1];
+        lift(even, odd - 1, odd, evens, step, true);
+      }
     }
 }
 
@@ -120,11 +133,13 @@ void SampleLevels::lift_box(int level, const SampleBox& box, const BlockLayout& 
     window.size[a] = last - window.first[a];
     lows[a] = (window.size[a] + 1) / 2;
   }
-  thread_local std::vector<std::int32_t> samples, joined_row, line;
-  samples.assign(sample_count(window.size), 0);
-  joined_row.resize(window.size[0]);
+  thread_local std::vector<std::int32_t> samples, joined;
+  window.odd = (lows[0] + 2 + 7) / 8 * 8;
+  window.row = (window.odd + window.size[0] / 2 + 1 + 7) / 8 * 8;
+  const std::size_t row = window.row, slice = row * window.size[1];
+  samples.assign(slice * window.size[2], 0);
+  joined.resize(window.size[0] + 1);
   window.samples = samples.data();
-  const std::size_t row = window.size[0], slice = row * window.size[1];
   const SampleBox low{{window.first[0] / 2, window.first[1] / 2, window.first[2] / 2}, lows};
   level_of(level + 1).samples.read(low, samples.data(), 2 * row, 2 * slice);
   Extent block_first{}, block_last{};
@@ -138,19 +153,18 @@ void SampleLevels::lift_box(int level, const SampleBox& box, const BlockLayout& 
         if (const Block* const block = find(layout.number(level + 1, {x, y, z}))) block->write_split(window);
   // Later axes need only the samples of the box.
   const std::size_t y0 = box.first[1] - window.first[1], z0 = box.first[2] - window.first[2];
-  if (window.size[2] > 1) unlift_rows(samples.data(), window.size[2], slice, slice);
+  unlift_rows(samples.data(), window.size[2], slice, slice);
   for (std::size_t z = z0; z < z0 + box.size[2]; ++z) {
     std::int32_t* const at = samples.data() + z * slice;
-    if (window.size[1] > 1) unlift_rows(at, window.size[1], row, row);
+    unlift_rows(at, window.size[1], row, row);
     for (std::size_t y = y0; y < y0 + box.size[1]; ++y) {
-      const std::int32_t* joined = at + y * row;
-      if (row > 1) {
-        join_line(joined, joined_row.data(), row, line);
-        joined = joined_row.data();
-      }
+      std::int32_t* const line = at + y * row;
+      if ((y - y0) % kLinesAtOnce == 0) unlift_lines(line, std::min(kLinesAtOnce, y0 + box.size[1] - y), window);
+      interleave(line, line + window.odd, window.size[0] / 2, joined.data());
+      if (window.size[0] % 2 != 0) joined[window.size[0] - 1] = line[lows[0] - 1];
       own.samples.write(box.first[0], box.first[1] + static_cast<std::uint32_t>(y - y0),
                         box.first[2] + static_cast<std::uint32_t>(z - z0), box.size[0],
-                        joined + (box.first[0] - window.first[0]), own.changed);
+                        joined.data() + (box.first[0] - window.first[0]), own.changed);
     }
   }
 }

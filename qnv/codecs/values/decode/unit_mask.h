@@ -25,10 +25,12 @@ class UnitMask {
   void mark(std::array<std::int64_t, 3> first, std::array<std::int64_t, 3> last);
   void mark_all();
   /// Adds the unit of one sample. Threads may add different units at once.
-  void mark(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
-    units_[(std::size_t{z / edge_} * count_[1] + y / edge_) * count_[0] + x / edge_] = 1;
-  }
+  void mark(std::uint32_t x, std::uint32_t y, std::uint32_t z) { *flag(x, y, z) = 1; }
   [[nodiscard]] std::uint32_t edge() const { return edge_; }
+  /// Returns the flag of the unit of a sample. Those of the next units along x follow. Threads may set different flags.
+  [[nodiscard]] std::uint8_t* flag(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    return units_.data() + (std::size_t{z / edge_} * count_[1] + y / edge_) * count_[0] + x / edge_;
+  }
   /// Removes all units. Returns them as disjoint boxes, each with at most `most` units per axis.
   [[nodiscard]] std::vector<SampleBox> take(Extent most);
   /// Removes all units like take(), for work that also reads `margin` samples around each box. Returns boxes that cover

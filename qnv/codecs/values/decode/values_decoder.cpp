@@ -1,5 +1,7 @@
 #include "qnv/codecs/values/decode/values_decoder.h"
 
+#include "base/parallel.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -10,8 +12,11 @@ namespace {
 
 // Maximum number of clusters that wait for earlier ones, in one block and in all.
 constexpr std::size_t kMostWaiting = 256, kMostWaitingInAll = std::size_t{1} << 16;
+// Bytes of clusters that are decoded later, together; and those for which threads are worth their start.
+constexpr std::size_t kMostReady = std::size_t{1} << 22, kThreadBytes = std::size_t{1} << 15;
 // A level is shown when one of this many blocks has data, or when it costs little time: it has at most this many
-// samples, or this many for each received byte. Levels finer than the data interpolate, which gives better pictures.
+// samples; or it has any data, and at most this many samples for each received byte. Levels finer than the data
+// interpolate, which gives better pictures.
 constexpr std::uint32_t kShownPart = 16;
 constexpr std::uint64_t kQuickSamples = std::uint64_t{1} << 21, kSamplesPerByte = 640;
 
@@ -25,6 +30,14 @@ bool valid(Extent extent) {
     if (samples > kMostSamples) return false;
   }
   return true;
+}
+
+int level_for(Extent extent, std::size_t most_vectors) {
+  constexpr std::uint64_t kFewest = 4096;
+  const std::uint64_t most = std::max<std::uint64_t>(kSamplesPerVector * most_vectors, kFewest);
+  int level = 0;
+  while (level < 31 && sample_count(low_extent(extent, level)) > most) ++level;
+  return level;
 }
 
 double level_gain(Extent extent, int level) {
@@ -45,18 +58,37 @@ ValuesDecoder::ValuesDecoder(Extent extent, int finest, std::size_t most_blocks)
   begun_.assign(static_cast<std::size_t>(std::max(levels_, 1)) + 1, 0);
 }
 
-void ValuesDecoder::decode(State& state, const Cluster& cluster, const BlockPlace& place) {
-  if (!state.block) {
-    state.block = std::make_unique<Block>(place);
-    state.block->start(cluster.plane);
-    ++begun_[static_cast<std::size_t>(place.level)];
-  }
-  BinaryDecoder decoder(cluster.bytes);
-  const std::size_t first = state.block->cube();
-  const std::size_t steps = state.block->decode(decoder, cluster.steps, scratch_);
-  restored_.note(*state.block, first, steps);
+void ValuesDecoder::take(State& state, const Cluster& cluster, const BlockPlace& place) {
+  if (state.next == 0) ++begun_[static_cast<std::size_t>(place.level)];
+  if (state.ready.empty()) ready_.push_back(cluster.block);
+  state.ready.push_back(cluster);
   bytes_ += cluster.bytes.size();
+  ready_bytes_ += cluster.bytes.size();
   ++state.next;
+}
+
+void ValuesDecoder::decode_ready() {
+  struct Decoded {
+    const Block* block = nullptr;
+    std::size_t first = 0, steps = 0;
+  };
+  std::vector<Decoded> decoded(ready_.size());
+  std::vector<State*> states;
+  for (const std::uint32_t number : ready_) states.push_back(&states_[number]);
+  parallel_for(
+      ready_.size(),
+      [&](std::size_t i) {
+        thread_local BlockScratch scratch;
+        State& state = *states[i];
+        if (!state.block) state.block = std::make_unique<Block>(layout_.place(ready_[i]));
+        decoded[i] = {state.block.get(), state.block->cube(), 0};
+        decoded[i].steps = values::decode(state.ready, *state.block, scratch);
+        state.ready = {};
+      },
+      ready_bytes_ < kThreadBytes ? 1 : 0);
+  for (const Decoded& one : decoded) restored_.note(*one.block, one.first, one.steps);
+  ready_.clear();
+  ready_bytes_ = 0;
 }
 
 Added ValuesDecoder::add(const Cluster& cluster) {
@@ -74,12 +106,13 @@ Added ValuesDecoder::add(const Cluster& cluster) {
     ++waiting_;
     return Added::waits;
   }
-  decode(state, cluster, place);
+  take(state, cluster, place);
   while (!state.waiting.empty() && state.waiting.begin()->first == state.next) {
     const auto node = state.waiting.extract(state.waiting.begin());
     --waiting_;
-    decode(state, node.mapped(), place);
+    take(state, node.mapped(), place);
   }
+  if (ready_bytes_ > kMostReady) decode_ready();
   return Added::taken;
 }
 
@@ -87,14 +120,15 @@ int ValuesDecoder::level() const {
   for (int level = finest_; level < levels_; ++level) {
     const Extent part = low_extent(extent_, level);
     const std::uint64_t samples = std::uint64_t{part[0]} * part[1] * part[2];
-    if (samples <= std::max(kQuickSamples, kSamplesPerByte * bytes_)) return level;
     const std::uint64_t begun = begun_[static_cast<std::size_t>(level) + 1];
+    if (samples <= kQuickSamples || (begun > 0 && samples <= kSamplesPerByte * bytes_)) return level;
     if (begun > 0 && begun * kShownPart >= layout_.count_of(level + 1)) return level;
   }
   return levels_;
 }
 
-std::vector<std::int32_t> ValuesDecoder::samples(int level) const {
+std::vector<std::int32_t> ValuesDecoder::samples(int level) {
+  decode_ready();
   level = std::clamp(level, 0, levels_);
   // The bands of a level lie at the strides of the whole volume; coarser levels need only their own part of it.
   const Extent part = low_extent(extent_, level);
@@ -112,6 +146,7 @@ std::vector<std::int32_t> ValuesDecoder::samples(int level) const {
 }
 
 SampleBricks ValuesDecoder::bricks(int level, std::vector<SampleBox>& changed) {
+  decode_ready();
   level = std::clamp(level, 0, levels_);
   restored_.update(level, layout_, [this](std::uint64_t number) -> const Block* {
     const auto found = states_.find(static_cast<std::uint32_t>(number));

@@ -15,6 +15,11 @@ namespace gs::qnv::values {
 /// Reports whether a volume of this extent is supported: no axis is empty, and at most kMostSamples samples.
 [[nodiscard]] bool valid(Extent extent);
 
+/// Maximum number of decoded samples per permitted vector. About 9 % of the samples become vectors.
+inline constexpr std::size_t kSamplesPerVector = 8;
+/// Returns the finest level that a decoder for this number of vectors decodes as a whole; 0 means the volume.
+[[nodiscard]] int level_for(Extent extent, std::size_t most_vectors);
+
 /// Result of adding a cluster.
 enum class Added : std::uint8_t { taken, waits, repeated, refused, dropped };
 
@@ -27,32 +32,36 @@ class ValuesDecoder {
   explicit ValuesDecoder(Extent extent, int finest = 0, std::size_t most_blocks = std::size_t{1} << 22);
 
   Added add(const Cluster& cluster);
+  /// Decodes the coefficients of all added clusters, several blocks at once. Functions that need them call it.
+  void decode_ready();
   [[nodiscard]] int levels() const { return levels_; }
   /// Returns the level to show: the finest one that is not dropped, and has data or takes little time. 0 means the
   /// volume.
   [[nodiscard]] int level() const;
   /// Returns the samples of low_extent(extent, level), x first. The samples of level n are larger by level_gain(n).
-  [[nodiscard]] std::vector<std::int32_t> samples(int level = 0) const;
+  [[nodiscard]] std::vector<std::int32_t> samples(int level = 0);
   /// Computes the same samples, but only those that changed since its last call. `changed` gets boxes with all of them.
   [[nodiscard]] SampleBricks bricks(int level, std::vector<SampleBox>& changed);
 
  private:
   struct State {
     std::unique_ptr<Block> block;
-    std::uint32_t next = 0;  // index of the next cluster
+    std::uint32_t next = 0;      // index of the next cluster
+    std::vector<Cluster> ready;  // clusters before it that are not decoded yet
     std::map<std::uint32_t, Cluster> waiting;
   };
-  void decode(State& state, const Cluster& cluster, const BlockPlace& place);
+  void take(State& state, const Cluster& cluster, const BlockPlace& place);
 
   Extent extent_;
   int levels_, finest_;
   BlockLayout layout_;
   std::map<std::uint32_t, State> states_;
   std::vector<std::uint32_t> begun_;  // number of blocks with data, by BlockPlace::level
-  std::uint64_t bytes_ = 0;           // of decoded clusters
+  std::uint64_t bytes_ = 0;           // of clusters that do not wait
   std::size_t waiting_ = 0;           // clusters
   std::size_t most_blocks_;
-  BlockScratch scratch_;
+  std::vector<std::uint32_t> ready_;  // blocks with clusters that are not decoded yet
+  std::size_t ready_bytes_ = 0;
   SampleLevels restored_;
 };
 

@@ -1,11 +1,15 @@
 #include "qnv/codecs/values/encode/encode_values.h"
 
+#include "qnv/base/morton.h"
+#include "qnv/codecs/values/chunk_places.h"
 #include "qnv/codecs/values/encode/error_meter.h"
 #include "qnv/codecs/values/slices/slice_transform.h"
 #include "qnv/container/container.h"
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <functional>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -15,22 +19,54 @@ namespace gs::qnv::values {
 namespace {
 
 // Bytes of a chunk beside its payload.
-constexpr std::size_t kChunkCost = kChunkHeaderBytes + kDirectoryEntryBytes;
+constexpr std::size_t kChunkCost = kChunkHeaderBytes + kMostPlaceBytes;
 // With a permitted error, clusters end at this ratio of the RMS error to it. It minimises the bytes of clusters and
 // corrections together.
 constexpr double kRmsOfError = 0.4;
+// Number of blocks that are encoded before the rank that further clusters need is computed again.
+constexpr std::uint32_t kBlocksBetween = 16;
 
 EncodeError cannot_store(const SpillStore& store) {
   return EncodeError{"cannot keep the clusters: " + store.problem()};
 }
 
+/// Rank that a cluster needs to be among the first `max_bytes` of those seen so far. It only grows with more clusters.
+class LeastRank {
+ public:
+  explicit LeastRank(std::size_t max_bytes) : max_bytes_(max_bytes) {}
+
+  [[nodiscard]] float rank() const { return rank_; }
+  void add(std::span<const StoredCluster> clusters) {
+    for (const StoredCluster& one : clusters)
+      if (one.rank >= rank_) kept_.push_back({one.rank, one.bytes + kChunkCost});
+  }
+  /// Raises the rank after some clusters.
+  void update() {
+    std::ranges::sort(kept_, std::greater<>());
+    std::size_t bytes = 0, count = 0;
+    while (count < kept_.size() && bytes <= max_bytes_) bytes += kept_[count++].second;
+    if (bytes <= max_bytes_) return;
+    rank_ = kept_[count - 1].first;
+    kept_.resize(count);
+  }
+
+ private:
+  std::size_t max_bytes_;
+  float rank_ = 0;
+  std::vector<std::pair<float, std::size_t>> kept_;  // rank and bytes
+};
+
 /// Encodes all blocks of a volume.
 class VolumeEncoder {
  public:
-  VolumeEncoder(Extent extent, SpillStore& store, unsigned threads, Progress* progress)
-      : extent_(extent), layout_(extent, level_count(extent)), store_(store), threads_(threads), progress_(progress) {}
+  /// Encodes no more than what `max_bytes` need, if that is given.
+  VolumeEncoder(Extent extent, std::size_t max_bytes, SpillStore& store, unsigned threads, Progress* progress)
+      : extent_(extent), layout_(extent, level_count(extent)), store_(store), threads_(threads), progress_(progress) {
+    if (max_bytes != 0) least_.emplace(max_bytes);
+  }
 
   [[nodiscard]] std::uint64_t blocks() const { return layout_.count(); }
+  [[nodiscard]] const BlockLayout& layout() const { return layout_; }
   /// Encodes down to a plane; coarse levels need more.
   std::optional<EncodeError> encode(const ReadSamples& read, int last_plane) {
     clusters_.clear();
@@ -61,7 +97,17 @@ class VolumeEncoder {
 
  private:
   bool take(std::uint64_t first, std::uint32_t count, LevelSlices& slices, int last_plane) {
+    // With a limited size, the blocks that are encoded before tell what later ones need. The parts of a row do not
+    // depend on threads.
+    const std::uint32_t part = least_ ? kBlocksBetween : count;
+    for (std::uint32_t i = 0; i < count; i += part)
+      if (!take_part(first + i, std::min(part, count - i), slices, last_plane)) return false;
+    return true;
+  }
+
+  bool take_part(std::uint64_t first, std::uint32_t count, LevelSlices& slices, int last_plane) {
     std::vector<BlockEncoder::Result> results(count);
+    const float least_rank = least_ ? least_->rank() : 0;
     const bool whole = parallel_for(
         count,
         [&](std::size_t i) {
@@ -69,13 +115,14 @@ class VolumeEncoder {
           const BlockPlace place = layout_.place(first + i);
           // Errors of coarse bands spread: each level needs two thirds of a plane more.
           const int last = std::max(0, last_plane - 2 * (place.level - 1) / 3);
-          encoder.encode(static_cast<std::uint32_t>(first + i), place, slices.bands_of(place), last);
+          encoder.encode(static_cast<std::uint32_t>(first + i), place, slices.bands_of(place), last, least_rank);
           results[i] = encoder.take();
         },
         threads_, progress_);
     if (!whole) return false;
     for (BlockEncoder::Result& result : results) {
       rest_ += result.rest;
+      if (least_) least_->add(result.clusters);
       for (StoredCluster& cluster : result.clusters) {
         cluster.offset += store_.size();
         clusters_.push_back(cluster);
@@ -85,6 +132,7 @@ class VolumeEncoder {
         return false;
       }
     }
+    if (least_) least_->update();
     return true;
   }
 
@@ -95,11 +143,39 @@ class VolumeEncoder {
   Progress* progress_;
   std::vector<StoredCluster> clusters_;
   double rest_ = 0;
+  std::optional<LeastRank> least_;  // null without a limited size
   std::optional<EncodeError> problem_;
 };
 
+// Sorts many clusters by steps of rank, each step in the order of space: coarse levels first, then by Morton code. So a
+// view finds what it needs in few ranges of the stream.
+void order_in_space(std::vector<StoredCluster>& clusters, const BlockLayout& layout) {
+  constexpr float kSteps = 2;  // per octave
+  struct Key {
+    float step = 0;
+    std::uint64_t level = 0, morton = 0;
+    StoredCluster cluster;
+  };
+  std::vector<Key> keys;
+  keys.reserve(clusters.size());
+  for (const StoredCluster& cluster : clusters) {
+    const BlockPlace place = layout.place(cluster.block);
+    Extent at{};
+    for (std::size_t a = 0; a < 3; ++a) at[a] = (place.first[a] >> place.level) / kBlockEdge & 0x1fffff;
+    keys.push_back({-std::floor(kSteps * std::log2(cluster.rank)), layout.first_of(place.level),
+                    morton_encode(at[0], at[1], at[2]), cluster});
+  }
+  std::ranges::sort(keys, [](const Key& a, const Key& b) {
+    return std::tuple(a.step, a.level, a.morton, a.cluster.block, a.cluster.index) <
+           std::tuple(b.step, b.level, b.morton, b.cluster.block, b.cluster.index);
+  });
+  std::ranges::transform(keys, clusters.begin(), &Key::cluster);
+}
+
 // Sorts clusters by rank, and drops those beyond `max_bytes` if that is given. The first cluster stays.
-void order_clusters(std::vector<StoredCluster>& clusters, std::size_t max_bytes) {
+void order_clusters(std::vector<StoredCluster>& clusters, std::size_t max_bytes, const BlockLayout& layout) {
+  constexpr std::size_t kMany = std::size_t{1} << 15;
+  if (clusters.size() >= kMany && max_bytes == 0) return order_in_space(clusters, layout);
   std::ranges::sort(clusters, [](const StoredCluster& a, const StoredCluster& b) {
     return std::tuple(-a.rank, a.block, a.index) < std::tuple(-b.rank, b.block, b.index);
   });
@@ -154,7 +230,7 @@ void store_run(const CubeRun& run, SpillStore& store, std::vector<StoredRun>& ru
 
 std::variant<EncodedValues, EncodeError> encode_values(const ReadSamples& read, Extent extent, const ValuesLimit& limit,
                                                        SpillStore& store, unsigned threads, Progress* progress) {
-  VolumeEncoder volume(extent, store, threads, progress);
+  VolumeEncoder volume(extent, limit.max_bytes, store, threads, progress);
   // A permitted error of one step saves nothing.
   const bool bounded = limit.most_error > 1 && limit.max_bytes == 0;
   const bool exact = !bounded && limit.max_bytes == 0;
@@ -162,7 +238,7 @@ std::variant<EncodedValues, EncodeError> encode_values(const ReadSamples& read, 
   for (int last_plane = bounded ? std::max(0, static_cast<int>(std::bit_width(limit.most_error)) - 2) : 0;;
        --last_plane) {
     if (auto problem = volume.encode(read, last_plane)) return std::move(*problem);
-    order_clusters(volume.clusters(), limit.max_bytes);
+    order_clusters(volume.clusters(), limit.max_bytes, volume.layout());
     if (bounded) {
       const auto end =
           clusters_for(volume.clusters(), kRmsOfError * limit.most_error, sample_count(extent), volume.rest());

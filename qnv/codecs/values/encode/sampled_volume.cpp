@@ -38,8 +38,27 @@ template <class T>
 bool always_there(const VolumeLayout& layout) {
   if constexpr (std::is_floating_point_v<T>) return false;
   constexpr double kMost = std::numeric_limits<float>::max(), kLargest = 4294967296.0;
-  return !layout.missing && std::abs(layout.slope) * kLargest + std::abs(layout.intercept) < kMost &&
-         layout.big_endian == (std::endian::native == std::endian::big);
+  return !layout.missing && std::abs(layout.slope) * kLargest + std::abs(layout.intercept) < kMost;
+}
+
+// Calls visit(i, number) for each stored integer.
+template <class T, class Visit>
+void each_integer(const VolumeLayout& layout, std::span<const std::byte> stored, const Visit& visit) {
+  const std::size_t count = stored.size() / sizeof(T);
+  const std::byte* const from = stored.data();
+  const auto read = [&](auto order) {
+    for (std::size_t i = 0; i < count; ++i) {
+      T number;
+      std::memcpy(&number, from + i * sizeof(T), sizeof(T));
+      visit(i, order(number));
+    }
+  };
+  if (layout.big_endian == (std::endian::native == std::endian::big) || sizeof(T) == 1)
+    return read([](T n) { return n; });
+  if constexpr (sizeof(T) == 2)
+    read([](T n) { return static_cast<T>(__builtin_bswap16(static_cast<std::uint16_t>(n))); });
+  else if constexpr (sizeof(T) == 4)
+    read([](T n) { return static_cast<T>(__builtin_bswap32(static_cast<std::uint32_t>(n))); });
 }
 
 StoredRange range_of(const VolumeLayout& layout, std::span<const std::byte> stored) {
@@ -49,12 +68,10 @@ StoredRange range_of(const VolumeLayout& layout, std::span<const std::byte> stor
         const std::size_t count = stored.size() / sizeof(T);
         if (always_there<T>(layout)) {
           T least = std::numeric_limits<T>::max(), most = std::numeric_limits<T>::lowest();
-          for (std::size_t i = 0; i < count; ++i) {
-            T number;
-            std::memcpy(&number, stored.data() + i * sizeof(T), sizeof(T));
+          each_integer<T>(layout, stored, [&](std::size_t, T number) {
             least = std::min(least, number);
             most = std::max(most, number);
-          }
+          });
           range.least = static_cast<double>(least);
           range.most = static_cast<double>(most);
           return;
@@ -151,12 +168,10 @@ void convert_slice(const VolumeLayout& layout, const SampledVolume& volume, std:
         const std::size_t count = stored.size() / sizeof(T);
         if (always_there<T>(layout) && step == 1 && !to.codes && layout.slope != 0) {
           const auto least = static_cast<std::int64_t>(volume.least);
-          for (std::size_t i = 0; i < count; ++i) {
-            T number;
-            std::memcpy(&number, stored.data() + i * sizeof(T), sizeof(T));
+          each_integer<T>(layout, stored, [&](std::size_t i, T number) {
             to.samples[i] =
                 static_cast<std::int32_t>(static_cast<std::uint32_t>(number) - static_cast<std::uint32_t>(least));
-          }
+          });
           if (to.missing) std::fill_n(to.missing, count, std::uint8_t{0});
           return;
         }

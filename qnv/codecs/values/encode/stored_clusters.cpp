@@ -14,10 +14,16 @@ namespace {
 // A plane that ends after at least this many bytes ends its cluster, too.
 constexpr std::size_t kPlaneClusterBytes = 500;
 constexpr std::size_t kLengthBytes = 2;
+// Bytes of a chunk beside its payload.
+constexpr std::size_t kClusterCost = kChunkHeaderBytes + kDirectoryEntryBytes;
+// A block ends at a cluster of which the gain per byte is smaller than the least useful one by this factor. Later
+// clusters of a block are seldom better.
+constexpr float kSparedGain = 4;
 
 }  // namespace
 
-void BlockEncoder::encode(std::uint32_t number, const BlockPlace& place, const BlockBands& bands, int last_plane) {
+void BlockEncoder::encode(std::uint32_t number, const BlockPlace& place, const BlockBands& bands, int last_plane,
+                          float least_rank) {
   result_ = {};
   Block block(place);
   const int top = block.load(bands);
@@ -26,10 +32,10 @@ void BlockEncoder::encode(std::uint32_t number, const BlockPlace& place, const B
   block.start(top);
   std::vector<StoredCluster>& clusters = result_.clusters;
   while (block.plane() >= last_plane) {
-    BinaryEncoder encoder;
-    const Block::Encoded coded = block.encode(encoder, kPlaneClusterBytes, kClusterEnd, last_plane, scratch_);
-    const std::vector<std::byte> packed = pack({number, static_cast<std::uint32_t>(clusters.size()), coded.steps,
-                                                static_cast<std::uint8_t>(top), encoder.finish()});
+    const Block::Encoded coded = block.encode(kPlaneClusterBytes, kClusterEnd, last_plane, scratch_);
+    const std::vector<std::byte> packed =
+        pack({number, static_cast<std::uint32_t>(clusters.size()), coded.steps, static_cast<std::uint8_t>(top),
+              std::vector<std::byte>(coded.bytes.begin(), coded.bytes.end())});
     result_.rest -= coded.gain;
     StoredCluster next;
     next.block = number;
@@ -41,17 +47,17 @@ void BlockEncoder::encode(std::uint32_t number, const BlockPlace& place, const B
     next.offset = result_.bytes.size();
     result_.bytes.insert(result_.bytes.end(), packed.begin(), packed.end());
     clusters.push_back(next);
+    if (next.gain * kSparedGain < least_rank * static_cast<float>(next.bytes + kClusterCost)) break;
   }
   // The rank of a cluster is the highest gain per byte of any sequence that begins with it. No cluster ranks before
   // those that it needs.
-  constexpr std::size_t kChunkCost = kChunkHeaderBytes + kDirectoryEntryBytes;
   float least = std::numeric_limits<float>::infinity();
   for (std::size_t i = 0; i < clusters.size(); ++i) {
     double gain = 0, slope = 0;
     std::size_t bytes = 0;
     for (std::size_t k = i; k < clusters.size(); ++k) {
       gain += static_cast<double>(clusters[k].gain);
-      bytes += clusters[k].bytes + kChunkCost;
+      bytes += clusters[k].bytes + kClusterCost;
       slope = std::max(slope, gain / static_cast<double>(bytes));
     }
     clusters[i].rank = least = std::min(least, static_cast<float>(slope));
@@ -81,16 +87,16 @@ void StoredBlocks::write(std::uint64_t number, const BlockPlace& place, const Bl
     return;
   }
   Block block(place);
+  std::vector<Cluster> clusters;
   std::span<const std::byte> rest = bytes;
   while (rest.size() > kLengthBytes) {
     const auto size = std::to_integer<std::size_t>(rest[0]) | std::to_integer<std::size_t>(rest[1]) << 8;
-    const auto cluster = parse_cluster(rest.subspan(kLengthBytes, size));
+    auto cluster = parse_cluster(rest.subspan(kLengthBytes, size));
     if (!cluster) break;
-    if (cluster->index == 0) block.start(cluster->plane);
-    BinaryDecoder decoder(cluster->bytes);
-    block.decode(decoder, cluster->steps, scratch);
+    clusters.push_back(std::move(*cluster));
     rest = rest.subspan(kLengthBytes + size);
   }
+  decode(clusters, block, scratch);
   block.write(bands);
 }
 

@@ -24,8 +24,9 @@ struct StoredCluster {
 /// Encodes blocks. Each thread reuses one.
 class BlockEncoder {
  public:
-  /// Encodes a block down to a plane.
-  void encode(std::uint32_t number, const BlockPlace& place, const BlockBands& bands, int last_plane);
+  /// Encodes a block down to a plane. Ends after a cluster that gains much less per byte than `least_rank`.
+  void encode(std::uint32_t number, const BlockPlace& place, const BlockBands& bands, int last_plane,
+              float least_rank = 0);
   /// Moves the clusters of the last block to `clusters` and `bytes`. The offsets are relative to the begin of `bytes`.
   struct Result {
     std::vector<StoredCluster> clusters;
