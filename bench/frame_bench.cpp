@@ -80,7 +80,7 @@ int main(int count, char** arguments) {
   if (auto* error = std::get_if<render::ContextError>(&created)) return std::fputs(error->message.c_str(), stderr), 1;
   const auto renderer = std::move(std::get<std::unique_ptr<render::Renderer>>(created));
   const render::Gl& gl = opened.gl;
-  std::printf("%s\n", gl.renderer.c_str());
+  std::printf("%s, OpenGL %s\n", gl.renderer.c_str(), reinterpret_cast<const char*>(gl.GetString(GL_VERSION)));
   std::printf("%-24s %9s %7s %7s %8s %18s %18s %18s %18s %9s\n", "world, ms clock / processor", "triangles", "items",
               "calls", "first", "picture", "window", "window, moving", "not cancellable", "submitted");
   for (int i = first; i < count; ++i) {

@@ -14,6 +14,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <initializer_list>
+#include <span>
 #include <system_error>
 
 namespace gs::app {
@@ -24,8 +25,8 @@ constexpr std::uint64_t kTruncate = std::uint64_t{1} << 14, kIoctlDevice = std::
 struct Ruleset {
   std::uint64_t files = 0, net = 0, scoped = 0;
 };
-constexpr std::uint64_t kBindTcp = 1, kConnectTcp = 2;  // from Landlock version 4 on
-constexpr std::uint64_t kAbstractSockets = 1, kSignals = 2;  // from Landlock version 6 on
+constexpr std::uint64_t kBindTcp = 1, kConnectTcp = 2;                 // from Landlock version 4 on
+constexpr std::uint64_t kAbstractSockets = 1, kSignals = 2;            // from Landlock version 6 on
 constexpr std::uint64_t kFirstVersion = (std::uint64_t{1} << 13) - 1;  // all file access rights of version 1
 
 constexpr std::uint64_t kRead = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;
@@ -89,8 +90,12 @@ std::optional<std::string> confine_files(const Confinement& confinement, int ver
   // Older kernels accept this longer structure, as long as the members unknown to them are zero.
   const net::Descriptor rules(static_cast<int>(::syscall(SYS_landlock_create_ruleset, &set, sizeof set, 0)));
   if (!rules) return reason("Landlock rules cannot be created");
-  for (const char* path : kSystem)
+  for (const char* path : confinement.read.empty() ? std::span<const char* const>() : std::span(kSystem))
     if (!allow(rules, path, kRead & all) && errno != ENOENT && errno != ENOTDIR && errno != EACCES) return reason(path);
+  if (confinement.read.empty()) {
+    if (::syscall(SYS_landlock_restrict_self, rules.get(), 0) != 0) return reason("Landlock");
+    return std::nullopt;
+  }
   if (!allow(rules, "/dev/null", (kRead | LANDLOCK_ACCESS_FS_WRITE_FILE) & all)) return reason("/dev/null");
   if (!allow(rules, confinement.read, kRead & all)) return reason(confinement.read);
   if (!confinement.write.empty() && !allow(rules, confinement.write, kWrite & all)) return reason(confinement.write);
@@ -118,6 +123,16 @@ std::optional<std::string> confine(const Confinement& confinement) {
     if (auto problem = confine_files(confinement, support.landlock)) return "cannot be confined: " + *problem;
   if (support.seccomp && !refuse_calls()) return reason("cannot be confined: seccomp");
   clear_environment();  // Landlock cannot exclude /proc/self/environ, because it allows /proc/self.
+  return std::nullopt;
+}
+
+std::optional<std::string> confine_decoder() {
+  const ConfinementSupport support = confinement_support();
+  clear_environment();
+  if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return reason("no new privileges");
+  if (support.landlock > 0)
+    if (auto problem = confine_files({}, support.landlock)) return "cannot be confined: " + *problem;
+  if (support.seccomp && !allow_decoding_calls()) return reason("cannot be confined: seccomp");
   return std::nullopt;
 }
 

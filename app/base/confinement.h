@@ -7,7 +7,7 @@ namespace gs::app {
 
 /// Permissions of a process after confine().
 struct Confinement {
-  std::string read;  // readable folder, in addition to the system's libraries and fonts
+  std::string read;   // readable folder, in addition to the system's libraries and fonts
   std::string write;  // folder below which files may be created, written, renamed and removed; empty means none
 };
 
@@ -29,5 +29,10 @@ struct ConfinementSupport {
 /// Returns an error if a supported feature fails. The process must then not read untrusted data. Call before other
 /// threads start. See docs/security.md.
 [[nodiscard]] std::optional<std::string> confine(const Confinement& confinement);
+
+/// Confines this process permanently to decoding: no files, sockets, programs or processes, no memory that can be
+/// executed. seccomp allows only the calls of system_calls.h; Landlock allows no file. Skips features that the kernel
+/// lacks. Returns an error as confine() does. Libraries must be loaded, and one thread must run.
+[[nodiscard]] std::optional<std::string> confine_decoder();
 
 }  // namespace gs::app

@@ -159,6 +159,58 @@ constexpr long kRefused[] = {
 #endif
 };
 
+// System calls that decoders need. The C library, threads and allocators use them; sanitizers use them, too.
+constexpr long kDecoding[] = {
+    // Open descriptors
+    SYS_read,
+    SYS_write,
+    SYS_readv,
+    SYS_writev,
+    SYS_close,
+    SYS_lseek,
+    SYS_fstat,
+    // Memory
+    SYS_mmap,
+    SYS_munmap,
+    SYS_mprotect,
+    SYS_mremap,
+    SYS_madvise,
+    SYS_brk,
+    SYS_membarrier,
+    // Threads and their end
+    SYS_clone,
+    SYS_futex,
+    SYS_set_robust_list,
+    SYS_rseq,
+    SYS_sched_yield,
+    SYS_sched_getaffinity,
+    SYS_gettid,
+    SYS_getpid,
+    SYS_exit,
+    SYS_exit_group,
+    // Signals to this process
+    SYS_tgkill,
+    SYS_rt_sigaction,
+    SYS_rt_sigprocmask,
+    SYS_rt_sigreturn,
+    SYS_sigaltstack,
+    SYS_restart_syscall,
+    // Time, random numbers and facts
+    SYS_clock_gettime,
+    SYS_clock_nanosleep,
+    SYS_nanosleep,
+    SYS_gettimeofday,
+    SYS_getrandom,
+    SYS_getrusage,
+    SYS_sysinfo,
+    SYS_uname,
+    SYS_prlimit64,
+#ifdef SYS_poll
+    SYS_poll,
+#endif
+    SYS_ppoll,
+};
+
 // Builder of a BPF program. Its rules run in order. Each rule ends the program or continues with the next rule.
 class Filter {
  public:
@@ -198,8 +250,13 @@ class Filter {
     finish(kRefuse);
     load(offsetof(seccomp_data, nr));
   }
-  [[nodiscard]] bool apply() {
+  void allow(long call) {
+    jump(BPF_JEQ, static_cast<std::uint32_t>(call), 0, 1);
     finish(SECCOMP_RET_ALLOW);
+  }
+  /// Applies the filter. `otherwise` is the answer to calls that no rule decides.
+  [[nodiscard]] bool apply(std::uint32_t otherwise = SECCOMP_RET_ALLOW) {
+    finish(otherwise);
     sock_fprog program{static_cast<unsigned short>(steps_.size()), steps_.data()};
     return ::syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, SECCOMP_FILTER_FLAG_TSYNC, &program) == 0;
   }
@@ -233,6 +290,19 @@ class Filter {
 bool can_refuse_calls() {
   std::uint32_t action = SECCOMP_RET_KILL_PROCESS;
   return kArchitecture != 0 && ::syscall(SYS_seccomp, SECCOMP_GET_ACTION_AVAIL, 0, &action) == 0;
+}
+
+bool allow_decoding_calls() {
+  Filter filter;
+  filter.refuse(SYS_clone3, Filter::kUnknown);
+  filter.require_bits(SYS_clone, 0, CLONE_THREAD);
+  filter.require(SYS_tgkill, 0, static_cast<std::uint32_t>(::getpid()));
+  filter.require(SYS_prlimit64, 2, 0);
+  filter.refuse_bits(SYS_mmap, 2, PROT_EXEC, PROT_EXEC);
+  filter.refuse_bits(SYS_mprotect, 2, PROT_EXEC, PROT_EXEC);
+  filter.refuse_bits(SYS_mmap, 3, MAP_SHARED | MAP_ANONYMOUS, MAP_SHARED | MAP_ANONYMOUS);
+  for (const long call : kDecoding) filter.allow(call);
+  return filter.apply(Filter::kRefuse);
 }
 
 bool refuse_calls() {

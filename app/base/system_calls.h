@@ -8,4 +8,8 @@ namespace gs::app {
 /// with EPERM. PR_SET_NO_NEW_PRIVS must be set. Returns false and sets errno on failure.
 [[nodiscard]] bool refuse_calls();
 
+/// Allows only the system calls for decoding listed in system_calls.cpp: memory, threads, time, and reading and writing
+/// open descriptors. Others fail with EPERM. As permanent as refuse_calls(), with the same conditions.
+[[nodiscard]] bool allow_decoding_calls();
+
 }  // namespace gs::app

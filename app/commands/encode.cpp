@@ -58,18 +58,19 @@ std::optional<std::string> check_encode(const EncodeCommand& options) {
   const qnv::ValueTolerance& tolerance = options.value_tolerance;
   if (tolerance.lossless && tolerance.error) return "--lossless and --error exclude each other; expected one of them";
   if ((tolerance.lossless || tolerance.error) &&
-      ((method != EncodeMethod::automatic && method != EncodeMethod::values) || options.vectors > 0 ||
-       options.fraction > 0 || options.isovalue))
-    return "--error and --lossless apply to values only; leave out --vectors, --fraction and --isovalue, and use "
-           "--method "
-           "values";
+      ((method != EncodeMethod::automatic && method != EncodeMethod::values && method != EncodeMethod::gaussians) ||
+       options.vectors > 0 || options.fraction > 0 || options.isovalue))
+    return "--error and --lossless apply to values only, --error also to Gaussians; leave out --vectors, --fraction "
+           "and "
+           "--isovalue, and use --method values or gaussians";
   if ((tolerance.lossless || tolerance.error) && options.max_bytes_given)
     return "--max-bytes excludes --error and --lossless, because either decides where the stream ends";
   if (method == EncodeMethod::values && (options.vectors > 0 || options.fraction > 0))
     return "--method values excludes --vectors and --fraction, which select gradients";
   if (options.parity.value_or(0) > 0 && method != EncodeMethod::automatic && method != EncodeMethod::displaced &&
-      method != EncodeMethod::values)
-    return "--parity protects displaced meshes and volumes only; expected --method auto, displaced or values";
+      method != EncodeMethod::values && method != EncodeMethod::gaussians)
+    return "--parity protects displaced meshes, volumes and Gaussians only; expected --method auto, displaced, values "
+           "or gaussians";
   if (outlines) {
     if (options.vectors > 0 || options.fraction > 0) return "--method outlines excludes --vectors and --fraction";
     const std::string& out = options.files.back();

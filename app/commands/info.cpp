@@ -11,6 +11,7 @@
 #include "net/base/url.h"
 #include "net/files/file.h"
 #include "qnv/codecs/displaced/surface.h"
+#include "qnv/codecs/gaussians/splat_cluster.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/outlines/outline_stream.h"
 #include "qnv/codecs/payloads.h"
@@ -96,6 +97,8 @@ std::map<int, Level> levels_of(const qnv::StreamHeader& stream, std::span<const 
     } else if (type == qnv::ChunkType::values) {
       const auto cluster = qnv::values::parse_cluster(payload);
       if (cluster && blocks && cluster->block < blocks->count()) level = blocks->place(cluster->block).level - 1;
+    } else if (type == qnv::ChunkType::gaussians) {
+      if (const auto cluster = qnv::gaussians::parse_cluster(payload)) level = static_cast<int>(cluster->head.level);
     } else if (type == qnv::ChunkType::records && payload.size() >= qnv::kRecordsHeaderBytes) {
       level = std::to_integer<int>(payload.front());
       vectors = (payload.size() - qnv::kRecordsHeaderBytes) / qnv::kRecordBytes;
@@ -126,6 +129,18 @@ void put_values(JsonValue& facts, const qnv::StreamHeader& header, const qnv::Ge
   facts.put("exact", values.exact);
   if (values.error) facts.put("error", *values.error);
   if (values.rms) facts.put("error_rms", *values.rms);
+}
+
+// Adds the properties of a stream of Gaussians, and the errors at its end.
+void put_gaussians(JsonValue& facts, const qnv::StreamHeader& header) {
+  const qnv::gaussians::SplatErrors errors = qnv::gaussians::splat_errors(header.gaussians.steps);
+  facts.put("harmonics", header.gaussians.degree);
+  facts.put("antialiased", header.gaussians.antialiased);
+  facts.put("errors_at_the_end",
+            JsonValue::named({{"position_in_deviations", JsonValue::list({errors.place[0], errors.place[1]})},
+                              {"deviation", errors.scale},
+                              {"opacity", errors.opacity},
+                              {"color", JsonValue::list({errors.color[0], errors.color[1]})}}));
 }
 
 void put_levels(JsonValue& facts, const qnv::StreamHeader& header, const qnv::VectorView& shown,
@@ -229,6 +244,7 @@ bool describe_stream(JsonValue& facts, std::span<const std::byte> bytes, const s
               JsonValue::named(
                   {{"bits", mesh.bits}, {"vertices", mesh.vertices}, {"triangles", triangles}, {"whole", mesh.final}}));
   if (header->payload == qnv::Payload::values) put_values(facts, *header, geometry);
+  if (header->payload == qnv::Payload::gaussians) put_gaussians(facts, *header);
   put_levels(facts, *header, geometry, bytes);
   put_metadata(facts, header->description.metadata);
   if (!problems.empty()) facts.put("problems", std::move(problems));

@@ -11,7 +11,7 @@
 namespace gs::app {
 namespace {
 
-constexpr std::chrono::seconds kGrace{10};
+constexpr std::chrono::seconds kGrace{1};
 constexpr std::uint16_t kHttpPort = 8080;
 
 std::string place(const ArchiveOptions& options, std::uint16_t port) {

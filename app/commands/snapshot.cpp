@@ -217,6 +217,9 @@ int run_snapshot(const OpenCommand& given_options, const std::string& named) {
   PictureScene scene{&list, camera, draw, unit, {}, measured};
   if (!options.stats.empty()) scene.over = [&](render::Image& band, int, const glm::ivec2&) { colors.add(band); };
   VolumeShow volume;
+  // Finer values of a volume that is larger than memory are decoded for the view that shows them.
+  const bool shows_values = !options.volume.slices.empty() || options.volume.display.needs_values();
+  if (shows_values && detail_revision(list) > 0) (void)paint_image(renderer, scene, options.picture);
   if (const auto problem = volume.prepare(options.volume, file, list, simulation.world().color_key,
                                           std::make_shared<Budget>(options.limits)))
     return fail(*problem);

@@ -1,5 +1,7 @@
 #include "app/formats/texture_image.h"
 
+#include "app/confined/image_decoding.h"
+
 #include <algorithm>
 #include <cstdint>
 #include <utility>
@@ -32,7 +34,7 @@ render::ImageLimits texture_limits(const WorldBudget& budget) {
 std::variant<Texture, render::ImageError> decode_texture(std::span<const std::byte> bytes, const WorldBudget& budget) {
   const render::ImageLimits image_limits = texture_limits(budget);
   if (image_limits.kept_pixels < kMinPixels) return render::ImageError{budget->refusal(Resource::pixels)};
-  auto decoded = render::decode_image(bytes, image_limits);
+  auto decoded = decode_confined(bytes, image_limits);
   if (auto* error = std::get_if<render::ImageError>(&decoded)) return std::move(*error);
   return hold_texture(std::move(std::get<render::Image>(decoded)), budget);
 }

@@ -124,7 +124,8 @@ std::optional<std::string> VolumeShow::prepare(const VolumeWishes& wishes, const
   apply_display(wishes, display_, slices_);
   if (wishes.slices.empty() && !image && !display_.needs_values()) return std::nullopt;
   if (!streamed && !has_volume_values(path)) return path + ": " + std::string(kValuesNeeded);
-  auto grid = streamed ? VolumeGrid::take(streamed->source, nullptr, budget, VolumeGrid::kMaxVoxels, streamed->range)
+  auto grid = streamed ? VolumeGrid::take(streamed->source, nullptr, budget, VolumeGrid::kMaxVoxels, streamed->range,
+                                           streamed->bricks)
                        : VolumeGrid::read(path, nullptr, budget, VolumeGrid::kMaxVoxels, wishes.component);
   if (auto* problem = std::get_if<std::string>(&grid)) return std::move(*problem);
   grid_ = std::move(std::get<std::shared_ptr<const VolumeGrid>>(grid));

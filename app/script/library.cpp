@@ -35,10 +35,15 @@ ScriptLibraries::~ScriptLibraries() {
 ScriptLibrary* ScriptLibraries::of(const std::shared_ptr<const vrml::TextSource>& source, vrml::Language language) {
   // No key of a source begins with a blank.
   const std::string prefix = language == vrml::Language::x3d ? " x3d " : "";
-  std::unique_ptr<ScriptLibrary>& library = libraries_[prefix + library_key(origin_of(source))];
-  if (!library) library = std::make_unique<ScriptLibrary>(world_, execution_, engine_.context());
-  library->language = language;
-  return library->global || make(*library) ? library.get() : nullptr;
+  std::string key = prefix + library_key(origin_of(source));
+  auto found = libraries_.find(key);
+  if (found == libraries_.end()) {
+    auto made = std::make_unique<ScriptLibrary>(world_, execution_, engine_.context());
+    found = libraries_.emplace(std::move(key), std::move(made)).first;
+  }
+  ScriptLibrary& library = *found->second;
+  library.language = language;
+  return library.global || make(library) ? &library : nullptr;
 }
 
 bool ScriptLibraries::make(ScriptLibrary& library) {

@@ -2,6 +2,7 @@
 
 #include "app/streams/cell_regions.h"
 #include "qnv/codecs/payloads.h"
+#include "qnv/codecs/values/chunk_places.h"
 
 #include <algorithm>
 #include <array>
@@ -84,7 +85,16 @@ std::vector<Place> QnvSource::from_directory(const qnv::StreamHeader& header) co
   std::vector<Place> places;
   // Give the reader the header first, because it accepts nothing else before.
   qnv::StreamReader reader;
+  qnv::values::PlacesReader listed;
+  const qnv::values::PlaceEntries entry_of(header.grid);
   const auto on_chunk = [&](qnv::ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
+    if (type == qnv::ChunkType::places && header.payload == qnv::Payload::values) {
+      const std::size_t known = listed.places().size();
+      if (!listed.add(payload)) return;
+      for (const qnv::values::ChunkPlace& place : std::span(listed.places()).subspan(known))
+        if (places.size() < kMaxIndexed)
+          places.push_back({place.offset, place.bytes, cell_box(entry_of(place).box, header.description.box)});
+    }
     if (type != qnv::ChunkType::directory) return;
     for (const qnv::DirectoryEntry& entry : qnv::decode_directory(payload, header.description.box))
       if (places.size() < kMaxIndexed && entry.bytes > qnv::kChunkHeaderBytes)

@@ -45,7 +45,7 @@ net::RequestId RangedStream::request(std::vector<net::ByteRange> ranges, int pri
 
 bool RangedStream::ask_for_more() {
   if (over_ || directory_request_) return false;
-  (void)feed_->take_wanted(wanted_);
+  if (feed_->take_wanted(wanted_)) asked_again_.clear();
   bool any = false;
   // A stream with a lower weight requests fewer bytes, so that it gets a smaller part of the connection.
   const std::uint64_t most = std::max(static_cast<std::uint64_t>(kBatch * feed_->weight()), kJoin);
@@ -55,7 +55,10 @@ bool RangedStream::ask_for_more() {
     for (const qnv::ChunkRange& chunk : wanted_) {
       if (bytes >= most) break;
       if (chunk.offset + chunk.bytes <= place_.front || chunk.offset + chunk.bytes > place_.directory) continue;
-      if (!asked_.insert(chunk.offset).second) continue;
+      // Of a long stream, chunks may be received, dropped and wanted again.
+      const bool again = chunk.again && taken_.contains(chunk.offset) && asked_again_.insert(chunk.offset).second;
+      if (again) taken_.erase(chunk.offset);
+      if (!asked_.insert(chunk.offset).second && !again) continue;
       batch.chunks.push_back(chunk);
       bytes += chunk.bytes;
     }

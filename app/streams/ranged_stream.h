@@ -76,6 +76,7 @@ class RangedStream {
   std::vector<qnv::ChunkRange> wanted_;
   std::unordered_set<std::uint64_t> asked_;  // offsets of all requested chunks
   std::unordered_set<std::uint64_t> taken_;  // offsets of all received chunks
+  std::unordered_set<std::uint64_t> asked_again_;  // of those chunks, since the last change of `wanted_`
   std::map<std::uint64_t, Batch> open_;  // open requests, by request number
   unsigned failures_ = 0;  // number of consecutive failed requests
   bool has_directory_ = false, over_ = false;

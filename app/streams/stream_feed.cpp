@@ -4,11 +4,10 @@
 
 namespace gs::app {
 
-StreamFeed::StreamFeed(std::shared_ptr<qnv::LodStream> stream, std::function<void()> wake)
-    : requests_(stream), stream_(std::move(stream)), wake_(std::move(wake)) {}
-
 StreamFeed::StreamFeed(std::shared_ptr<qnv::ChunkRequests> requests, std::function<void()> wake)
-    : requests_(std::move(requests)), wake_(std::move(wake)) {}
+    : requests_(std::move(requests)),
+      stream_(std::dynamic_pointer_cast<qnv::ViewedStream>(requests_)),
+      wake_(std::move(wake)) {}
 
 void StreamFeed::push(std::span<const std::byte> bytes) {
   const std::lock_guard lock(mutex_);

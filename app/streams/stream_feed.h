@@ -1,6 +1,7 @@
 #pragma once
 
 #include "qnv/codecs/octree/lod/lod.h"
+#include "qnv/codecs/shared/viewed_stream.h"
 
 #include <atomic>
 #include <cstddef>
@@ -18,9 +19,8 @@ namespace gs::app {
 /// thread. If the drawing thread decodes the stream, also passes received bytes to that thread.
 class StreamFeed {
  public:
-  /// Creates a feed for a stream that the drawing thread decodes. That thread calls `wake` when it wants other chunks.
-  StreamFeed(std::shared_ptr<qnv::LodStream> stream, std::function<void()> wake);
-  /// Creates a feed for a stream that the reader thread decodes. `requests` must be safe for any thread.
+  /// Creates a feed. The drawing thread decodes a ViewedStream, and calls `wake` when it wants other chunks. The reader
+  /// thread decodes the streams of other `requests`, which must be safe for any thread.
   StreamFeed(std::shared_ptr<qnv::ChunkRequests> requests, std::function<void()> wake);
 
   // Functions for any thread.
@@ -69,8 +69,8 @@ class StreamFeed {
   /// Returns true if views lack chunks that may still be received.
   [[nodiscard]] bool reading() const { return !asked_.empty() && !over_; }
 
-  /// Returns the stream if the drawing thread decodes it, else null.
-  [[nodiscard]] const qnv::LodStream* stream() const { return stream_.get(); }
+  /// Returns the octree stream if the drawing thread decodes it, else null.
+  [[nodiscard]] const qnv::LodStream* stream() const { return dynamic_cast<const qnv::LodStream*>(stream_.get()); }
 
  private:
   struct Chunk {
@@ -78,7 +78,7 @@ class StreamFeed {
     std::vector<std::byte> bytes;
   };
   std::shared_ptr<qnv::ChunkRequests> requests_;
-  std::shared_ptr<qnv::LodStream> stream_;  // same object as requests_, or null
+  std::shared_ptr<qnv::ViewedStream> stream_;  // same object as requests_, or null
   std::function<void()> wake_;
   std::vector<qnv::ChunkRange> asked_;  // drawing thread only
   std::vector<qnv::LodView> told_;      // drawing thread only

@@ -178,7 +178,7 @@ void Viewer::wait_for_something() {
 
 void Viewer::wait_idle() {
   const std::optional<double> change = ui_.next_change();
-  double wait = frame_.loading || tools_.reads_values() ? kLoadingWait : kIdleWait;
+  double wait = frame_.loading || tools_.reads_values() || awaits_finer() ? kLoadingWait : kIdleWait;
   if (controller_.shows_rates()) {
     wait = std::min(wait, kLoadingWait);
     frames_wanted_ = std::max(frames_wanted_, 2);  // a new item is measured in one frame and shown in the next

@@ -1,4 +1,5 @@
 #include "app/streams/stream_feed.h"
+#include "app/view/values/slice_scene.h"
 #include "app/viewer/viewer_window.h"
 
 #include <algorithm>
@@ -43,6 +44,13 @@ void Viewer::draw_viewports() {
   }
 }
 
+// Returns true if another thread prepares detail of a visible picture.
+bool Viewer::awaits_finer() const {
+  return std::any_of(frame_.pictures.begin(), frame_.pictures.end(), [this](const Frame::Picture& picture) {
+    return session_.panes().at(picture.pane).statistics.working;
+  });
+}
+
 // Returns true if drawing again would add detail to a visible picture.
 bool Viewer::wants_finer() const {
   return std::any_of(frame_.pictures.begin(), frame_.pictures.end(),
@@ -70,6 +78,7 @@ void Viewer::draw_viewport(const Frame::Picture& picture, render::DrawOptions dr
   source.draw.x = source.draw.y = 0;
   source.draw.most_decoded = 0;
   for (const auto& feed : seen.document->world.feeds) source.grown += feed->applied();
+  source.grown += detail_revision(*seen.list);
   if (seen.document->runtime) source.grown += seen.document->runtime->movies().pictures();
   const bool busy = frames_wanted_ > 0 || frame_.moving, same = pictures_.is_same(picture.pane, source);
   if (same && pictures_.stands(picture.pane, busy) && renderer_->show_again(draw)) return;

@@ -61,6 +61,7 @@ class Viewer final : public WindowOperations, NonCopyable {
   void draw_viewports();
   void draw_viewport(const Frame::Picture& picture, render::DrawOptions draw);
   void draw_nothing(const Frame::Picture& picture, render::DrawOptions draw);
+  [[nodiscard]] bool awaits_finer() const;
   [[nodiscard]] bool wants_finer() const;
 
   const ViewerOptions& options_;

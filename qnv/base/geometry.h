@@ -22,6 +22,7 @@ namespace gs::qnv {
 class ChunkRequests;
 class LodStream;
 class PatchSurface;
+class VolumeDetail;
 struct VolumeValues;
 
 /// Octree cube that a vector represents.
@@ -130,6 +131,7 @@ struct Volume : VectorArrays {
   std::vector<std::uint8_t> classes;           // one per vector: values, 0..255 over description.value_range; or empty
   std::vector<Cell> cells;                     // one per vector if these came from an octree, else empty
   std::shared_ptr<const VolumeValues> values;  // decoded values that the vectors come from, or null
+  std::shared_ptr<VolumeDetail> detail;        // finer vectors for views, or null if these are all
 };
 
 /// Type of the content of a geometry.

@@ -42,7 +42,7 @@ std::variant<Encoding, EncodeError> encode(const EncodeSource& source, EncodeReq
     if (auto* stream = std::get_if<EncodedStream>(&encoded)) {
       const PayloadRow& chosen = row_of(stream->header);
       if (options.parity.value_or(0) > 0 && !stream->header.parity && !chosen.sniff)
-        return EncodeError{"--parity protects displaced meshes and values; the payload is " +
+        return EncodeError{"--parity protects displaced meshes, values and Gaussians; the payload is " +
                            std::string(chosen.name) + "; leave it out, or choose another --method"};
       std::string why(&chosen == row ? suits.why : "the surface has planes and sharp edges");
       return Encoding{std::move(*stream), &chosen, std::move(why)};

@@ -1,6 +1,7 @@
 #include "qnv/codecs/payloads.h"
 
 #include "qnv/codecs/displaced/encode/encode_displaced.h"
+#include "qnv/codecs/gaussians/encode/gaussians_stream.h"
 #include "qnv/codecs/octree/encode/encode_surface.h"
 #include "qnv/codecs/progressive/encode/progressive_stream.h"
 #include "qnv/codecs/progressive/progressive.h"
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <initializer_list>
+#include <optional>
 #include <utility>
 
 namespace gs::qnv {
@@ -24,8 +26,16 @@ const TriangleSource* triangles_of(const EncodeSource& source) {
   return triangles ? &triangles->get() : nullptr;
 }
 
+/// Returns the vectors of a source: discs, in the case of Gaussians.
+std::optional<VectorView> vectors_of(const EncodeSource& source) {
+  if (const auto* gaussians = std::get_if<std::reference_wrapper<const Gaussians>>(&source))
+    return VectorView(gaussians->get());
+  const auto* vectors = std::get_if<VectorView>(&source);
+  return vectors ? std::optional(*vectors) : std::nullopt;
+}
+
 Suitability choose_records(const EncodeSource& source, const EncodeRequest&) {
-  const bool points = std::holds_alternative<VectorView>(source);
+  const bool points = vectors_of(source).has_value();
   return points ? Suitability{1, "records keep the positions of vectors"} : Suitability{};
 }
 
@@ -49,8 +59,13 @@ Suitability choose_values(const EncodeSource& source, const EncodeRequest&) {
   return values ? Suitability{1, "the source is the values of a volume"} : Suitability{};
 }
 
+Suitability choose_gaussians(const EncodeSource& source, const EncodeRequest&) {
+  const bool splats = std::holds_alternative<std::reference_wrapper<const Gaussians>>(source);
+  return splats ? Suitability{2, "the source is Gaussian splats"} : Suitability{};
+}
+
 Encoded encode_packed(const EncodeSource& source, EncodeOptions options, Progress* progress) {
-  if (const auto* vectors = std::get_if<VectorView>(&source)) return encode_points(*vectors, options, progress);
+  if (const auto vectors = vectors_of(source)) return encode_points(*vectors, options, progress);
   const TriangleSource* triangles = triangles_of(source);
   if (!triangles) return EncodeError{"a packed stream needs a surface; expected triangles or vectors"};
   return encode_surface(*triangles, options, progress);
@@ -59,7 +74,7 @@ Encoded encode_packed(const EncodeSource& source, EncodeOptions options, Progres
 Encoded encode_records(const EncodeSource& source, EncodeOptions options, Progress* progress) {
   if (const TriangleSource* triangles = triangles_of(source))
     return encode_surface_records(*triangles, options, progress);
-  if (const auto* vectors = std::get_if<VectorView>(&source)) return encode_vectors(*vectors, options, progress);
+  if (const auto vectors = vectors_of(source)) return encode_vectors(*vectors, options, progress);
   return EncodeError{"a records stream needs a surface or vectors; outline groups are not supported"};
 }
 
@@ -87,6 +102,12 @@ Encoded encode_volume_values(const EncodeSource& source, EncodeOptions options, 
   return encode_values(volume->get(), options, progress);
 }
 
+Encoded encode_splats(const EncodeSource& source, EncodeOptions options, Progress* progress) {
+  const auto* splats = std::get_if<std::reference_wrapper<const Gaussians>>(&source);
+  if (!splats) return EncodeError{"a Gaussians stream needs Gaussian splats; expected a file of splats"};
+  return encode_gaussians(splats->get(), options, progress);
+}
+
 /// Returns a list of chunk types, padded by repeating the last one.
 constexpr ChunkTypes types(std::initializer_list<ChunkType> told) {
   ChunkTypes all{};
@@ -97,7 +118,7 @@ constexpr ChunkTypes only(ChunkType type) { return types({type}); }
 
 bool is_progressive(const StreamHeader& header) { return progressive::is_front(header.base); }
 
-constexpr std::array<PayloadRow, 6> kRows = {{
+constexpr std::array<PayloadRow, 7> kRows = {{
     {Payload::records, "records", PayloadReader::vectors, RequestOrder::stream, nullptr, only(ChunkType::records),
      kRecordsHeaderBytes, kRecordBytes, 1200 / kRecordBytes, choose_records, encode_records, make_records_decoder},
     {Payload::packed, "packed", PayloadReader::levels, RequestOrder::visible_first, nullptr,
@@ -114,9 +135,12 @@ constexpr std::array<PayloadRow, 6> kRows = {{
      types({ChunkType::displaced, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
             ChunkType::cover, ChunkType::picture, ChunkType::normals}),
      0, 0, 0, choose_displaced, encode_base_and_displacements, make_displaced_decoder},
-    {Payload::values, "values", PayloadReader::vectors, RequestOrder::stream, nullptr,
+    {Payload::values, "values", PayloadReader::vectors, RequestOrder::visible_first, nullptr,
      types({ChunkType::values, ChunkType::gaps, ChunkType::remainders}), 0, 0, 0, choose_values, encode_volume_values,
      make_values_decoder},
+    {Payload::gaussians, "gaussians", PayloadReader::vectors, RequestOrder::visible_first, nullptr,
+     types({ChunkType::gaussians, ChunkType::harmonics}), 0, 0, 0, choose_gaussians, encode_splats,
+     make_gaussians_decoder},
 }};
 
 // Checks the order of the table: ascending payload numbers, which may have gaps. Among rows with the same number, only

@@ -42,7 +42,7 @@ struct OutlineSource {
 };
 /// Input of an encoder.
 using EncodeSource = std::variant<std::reference_wrapper<const TriangleSource>, VectorView, OutlineSource,
-                                  std::reference_wrapper<const VolumeSource>>;
+                                  std::reference_wrapper<const VolumeSource>, std::reference_wrapper<const Gaussians>>;
 
 /// Result of a payload's test of a request without a chosen payload.
 struct Suitability {

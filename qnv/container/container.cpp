@@ -26,7 +26,8 @@ enum Tag : std::uint16_t {
   kOutlines = 4,
   kBase = 5,
   kOrigin = 7,
-  kGrid = 8
+  kGrid = 8,
+  kGaussians = 10
 };
 enum HeaderFlag : std::uint16_t { kTwoSided = 1, kColored = 2, kMeshed = 4, kParity = 8 };
 
@@ -73,6 +74,7 @@ bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version
   bool origin = version == kVersionWithoutOrigin;
   bool outlines = header.payload != Payload::outlines;
   bool base = header.payload != Payload::displaced, grid = header.payload != Payload::values;
+  bool gaussians = header.payload != Payload::gaussians;
   while (read.left() >= 6) {
     const auto tag = read.integer<std::uint16_t>();
     ByteReader section(read.bytes(read.integer<std::uint32_t>()));
@@ -110,6 +112,11 @@ bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version
       if (!decoded) return false;
       header.grid = std::move(*decoded);
       grid = true;
+    } else if (tag == kGaussians && !gaussians) {
+      const auto decoded = decode_gaussian_coding(section.bytes(section.left()));
+      if (!decoded) return false;
+      header.gaussians = *decoded;
+      gaussians = true;
     } else if (tag == kOrigin && !origin) {
       if (section.left() < 3 * sizeof(double)) return false;
       for (int i = 0; i < 3; ++i) header.description.origin[i] = section.f64();
@@ -119,7 +126,7 @@ bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version
     }
     // Skips sections that later versions define.
   }
-  return outlines && base && grid && origin;
+  return outlines && base && grid && gaussians && origin;
 }
 
 }  // namespace
@@ -168,6 +175,7 @@ std::vector<std::byte> encode_header(const StreamHeader& header) {
   }
   if (header.payload == Payload::outlines) put_section(out, kOutlines, encode_outline_header(header.outlines));
   if (header.payload == Payload::displaced) put_section(out, kBase, header.base);
+  if (header.payload == Payload::gaussians) put_section(out, kGaussians, encode_gaussian_coding(header.gaussians));
   if (header.payload == Payload::values) put_section(out, kGrid, encode_value_grid(header.grid));
   for (const auto& [key, value] : d.metadata) {
     data.clear();
@@ -214,11 +222,11 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
   std::fill_n(copy.begin() + kChecksumAt, 4, std::byte{0});
   if (checksum(0, copy) != sum) return StreamProblem{kChecksumAt, "the header is damaged; its checksum is wrong"};
   if (kind > 1) return StreamProblem{10, "holds vectors of kind " + std::to_string(kind) + "; expected 0 or 1"};
-  constexpr std::array<const char*, 6> kNames{"records", "packed", "outlines", "displaced", "", "values"};
-  constexpr std::array<bool, 6> kOfSurface{true, true, true, true, false, false};
-  constexpr std::array<bool, 6> kOfVolume{true, false, false, false, false, true};
+  constexpr std::array<const char*, 7> kNames{"records", "packed", "outlines", "displaced", "", "values", "gaussians"};
+  constexpr std::array<bool, 7> kOfSurface{true, true, true, true, false, false, true};
+  constexpr std::array<bool, 7> kOfVolume{true, false, false, false, false, true, false};
   if (payload >= kNames.size() || *kNames[payload] == '\0')
-    return StreamProblem{11, "holds payload " + std::to_string(payload) + "; expected 0 to 3, or 5"};
+    return StreamProblem{11, "holds payload " + std::to_string(payload) + "; expected 0 to 3, 5 or 6"};
   if (kind == 0 && !kOfSurface[payload])
     return StreamProblem{11, std::string("holds ") + kNames[payload] + " of a surface; expected a volume"};
   if (kind == 1 && !kOfVolume[payload])
@@ -259,6 +267,7 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
   if (!read_sections(sections, header, version))
     return StreamProblem{kFixedHeaderBytes, std::string("the header's section of ") +
                                                 (header.payload == Payload::values      ? "the grid"
+                                                 : header.payload == Payload::gaussians ? "Gaussians"
                                                  : header.payload == Payload::displaced ? "the base"
                                                  : header.payload == Payload::outlines  ? "outlines"
                                                                                         : "the origin") +

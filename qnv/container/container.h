@@ -2,6 +2,7 @@
 
 #include "qnv/base/description.h"
 #include "qnv/base/voxels.h"
+#include "qnv/container/gaussian_coding.h"
 #include "qnv/container/outline_header.h"
 #include "qnv/container/value_grid.h"
 
@@ -29,7 +30,7 @@ constexpr std::size_t kChunkHeaderBytes = 10, kDirectoryEntryBytes = 32;
 constexpr std::size_t kMaxDirectoryEntries = std::size_t{1} << 22, kMaxProblems = 100;
 
 /// Encoding of a stream's geometry.
-enum class Payload : std::uint8_t { records = 0, packed = 1, outlines = 2, displaced = 3, values = 5 };
+enum class Payload : std::uint8_t { records = 0, packed = 1, outlines = 2, displaced = 3, values = 5, gaussians = 6 };
 /// Type of a chunk.
 enum class ChunkType : std::uint8_t {
   records = 0,
@@ -49,12 +50,21 @@ enum class ChunkType : std::uint8_t {
   gaps = 15,
   remainders = 16,
   parity = 17,
+  places = 18,
+  gaussians = 20,
+  harmonics = 21,
   directory = 254
 };
+/// Reports whether chunks of a type list other chunks of the stream.
+[[nodiscard]] constexpr bool is_listing(ChunkType type) {
+  return type == ChunkType::directory || type == ChunkType::places;
+}
 /// Reports whether this version has a chunk type. Readers skip other chunks.
 [[nodiscard]] constexpr bool is_known(std::uint8_t type) {
   constexpr std::uint8_t kReserved = 5;
-  return (type <= static_cast<std::uint8_t>(ChunkType::parity) && type != kReserved) ||
+  return (type <= static_cast<std::uint8_t>(ChunkType::places) && type != kReserved) ||
+         type == static_cast<std::uint8_t>(ChunkType::gaussians) ||
+         type == static_cast<std::uint8_t>(ChunkType::harmonics) ||
          type == static_cast<std::uint8_t>(ChunkType::directory);
 }
 
@@ -74,14 +84,15 @@ struct StreamHeader {
   OutlineHeader outlines;       // outlines only
   std::vector<std::byte> base;  // displaced: encoded first stage (displaced/surface.h)
   ValueGrid grid;               // values only
+  GaussianCoding gaussians;     // gaussians only
 };
 
 /// Directory entry of a chunk.
 struct DirectoryEntry {
   std::uint64_t offset = 0;  // byte offset of the chunk header
   std::uint32_t bytes = 0;   // including the chunk header
-  /// packed: level of the voxels; values: levels above the volume; displaced: level of the vertices;
-  /// records: layer; outlines: 0; inner polygons: 1
+  /// packed: level of the voxels; gaussians: level of the cluster; values: levels above the volume; displaced: level of
+  /// the vertices; records: layer; outlines: 0; inner polygons: 1
   std::uint8_t level = 0;
   std::uint32_t parent = 0;  // packed: index of the chunk that it refines; 0xffffffff means none
   std::uint32_t vectors = 0;

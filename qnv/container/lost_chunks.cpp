@@ -29,7 +29,7 @@ std::optional<std::span<const std::byte>> payload_of(std::span<const std::byte> 
   const auto type = static_cast<ChunkType>(in.integer<std::uint8_t>());
   const std::size_t length = in.integer<std::uint16_t>();
   const auto payload = in.bytes(length);
-  if (!in.good() || type == ChunkType::parity || type == ChunkType::directory ||
+  if (!in.good() || type == ChunkType::parity || is_listing(type) ||
       !is_known(static_cast<std::uint8_t>(type)) || chunk_checksum(type, payload) != checksum)
     return {};
   return payload;

@@ -2,8 +2,13 @@
 
 #include "qnv/codecs/octree/lod/lod_source.h"
 #include "qnv/codecs/payloads.h"
+#include "qnv/codecs/values/chunk_places.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace gs::qnv {
@@ -14,13 +19,32 @@ StreamHeader without_base(StreamHeader header) {
   return header;
 }
 
+// Shorter streams of values keep their order, in which each prefix states its error.
+constexpr std::uint64_t kLongValues = std::uint64_t{8} << 20;
+
+bool depends_on_views(const StreamHeader& header) {
+  if (header.payload == Payload::values && header.directory < kLongValues) return false;
+  return row_of(header).requests == RequestOrder::visible_first;
+}
+
+std::vector<DirectoryEntry> entries_of(std::span<const std::byte> chunks, const StreamHeader& header) {
+  if (header.payload != Payload::values) return directory_of(chunks, header);
+  const auto places = values::places_of(chunks, header);
+  if (!places) return directory_of(chunks, header);
+  const values::PlaceEntries entry_of(header.grid);
+  std::vector<DirectoryEntry> entries;
+  entries.reserve(places->size());
+  for (const values::ChunkPlace& place : *places) entries.push_back(entry_of(place));
+  return entries;
+}
+
 }  // namespace
 
 DirectoryRequests::DirectoryRequests(const StreamHeader& header)
-    : header_(without_base(header)), by_view_(row_of(header).requests == RequestOrder::visible_first) {}
+    : header_(without_base(header)), by_view_(depends_on_views(header)) {}
 
 bool DirectoryRequests::set_directory(std::span<const std::byte> chunks) {
-  std::vector<DirectoryEntry> entries = directory_of(chunks, header_);
+  std::vector<DirectoryEntry> entries = entries_of(chunks, header_);
   if (entries.empty()) return false;
   const std::lock_guard lock(mutex_);
   entries_ = std::move(entries);
@@ -48,13 +72,23 @@ std::vector<LodView> DirectoryRequests::views() const {
   return views_;
 }
 
+// Reports whether a chunk changes the picture of a view.
+bool DirectoryRequests::is_first(const DirectoryEntry& entry, const LodView& view) const {
+  if (outside(entry.box, view)) return false;
+  if (header_.payload != Payload::values || entry.level == 0) return true;
+  // A block of level n makes the distance of samples half of that of level n.
+  const float distance = glm::length(view.eye - glm::clamp(view.eye, entry.box.lower, entry.box.upper));
+  const double step = std::ldexp(static_cast<double>(header_.description.spacing), entry.level);
+  return step * view.pixels > static_cast<double>(view.error_pixels) * static_cast<double>(distance);
+}
+
 std::vector<ChunkRange> DirectoryRequests::wanted() const {
   const std::lock_guard lock(mutex_);
   std::vector<ChunkRange> first, last;
   first.reserve(entries_.size());
   for (const DirectoryEntry& entry : entries_) {
     const bool visible = !by_view_ || views_.empty() ||
-                         std::ranges::any_of(views_, [&](const LodView& view) { return !outside(entry.box, view); });
+                         std::ranges::any_of(views_, [&](const LodView& view) { return is_first(entry, view); });
     (visible ? first : last).push_back({entry.offset, entry.bytes});
   }
   first.insert(first.end(), last.begin(), last.end());

@@ -16,7 +16,8 @@ namespace gs::qnv {
 /// Requests for the chunks of a stream that is decoded completely, ordered by its directory: first the chunks in any
 /// view, then the others, both in the order of the stream. Codecs with RequestOrder::stream cannot profit from views and
 /// keep the order of the stream: each layer of records and of voxels spreads over the whole object, and the segments of
-/// a progressive mesh need their predecessors. Without views, all codecs keep it. Any thread.
+/// a progressive mesh need their predecessors. Without views, all codecs keep it. Of the values of a volume, chunks that
+/// are finer than the pixels of all views also come last; short streams keep their order. Any thread.
 class DirectoryRequests final : public ChunkRequests {
  public:
   explicit DirectoryRequests(const StreamHeader& header);
@@ -32,6 +33,8 @@ class DirectoryRequests final : public ChunkRequests {
 
  private:
   static constexpr std::size_t kViews = 16;
+
+  [[nodiscard]] bool is_first(const DirectoryEntry& entry, const LodView& view) const;
 
   const StreamHeader header_;  // without the base mesh
   const bool by_view_;         // the codec profits from views

@@ -53,7 +53,7 @@ std::vector<std::byte> drop_packets(std::span<const std::byte> stream, double sh
       kept[kCountAt] = static_cast<std::byte>(count & 255);
       kept[kCountAt + 1] = static_cast<std::byte>(count >> 8 & 255);
       if (count > 0) append(type, kept);
-    } else if (type == ChunkType::directory) {
+    } else if (is_listing(type)) {
       return;  // drops the directory, because its offsets would be wrong
     }
     ++packet;

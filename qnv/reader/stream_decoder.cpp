@@ -1,12 +1,18 @@
 #include "qnv/reader/stream_decoder.h"
 
 #include "qnv/codecs/payloads.h"
+#include "qnv/codecs/values/chunk_places.h"
 
 namespace gs::qnv {
 
+StreamDecoder::StreamDecoder(std::size_t most_vectors) : most_vectors_(most_vectors) {}
+StreamDecoder::~StreamDecoder() = default;
+StreamDecoder::StreamDecoder(StreamDecoder&&) noexcept = default;
+StreamDecoder& StreamDecoder::operator=(StreamDecoder&&) noexcept = default;
+
 bool StreamDecoder::push(std::span<const std::byte> bytes) {
   const bool good = reader_.push(
-      bytes, [this](ChunkType type, std::span<const std::byte> payload, std::uint64_t) { add(type, payload); });
+      bytes, [this](ChunkType type, std::span<const std::byte> payload, std::uint64_t) { accept(type, payload, {}); });
   begin();
   return good;
 }
@@ -18,10 +24,30 @@ void StreamDecoder::begin() {
 }
 
 void StreamDecoder::finish() {
-  reader_.finish([this](ChunkType type, std::span<const std::byte> payload, std::uint64_t) { add(type, payload); });
+  reader_.finish([this](ChunkType type, std::span<const std::byte> payload, std::uint64_t) { accept(type, payload, {}); });
 }
 
 void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) {
+  begin();
+  if (decoder_) decoder_->leave_order();
+  accept(type, payload, missing);
+}
+
+// Adds the places of a chunk to the directory.
+void StreamDecoder::add_places(std::span<const std::byte> payload) {
+  if (header()->payload != Payload::values) {
+    ++refused_chunks_;
+    return;
+  }
+  if (!places_) places_ = std::make_unique<values::PlacesReader>();
+  const std::size_t known = places_->places().size();
+  if (!places_->add(payload)) return;
+  const values::PlaceEntries entry_of(header()->grid);
+  for (const values::ChunkPlace& place : std::span(places_->places()).subspan(known))
+    directory_.push_back(entry_of(place));
+}
+
+void StreamDecoder::accept(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) {
   begin();
   if (!row_) return;
   if (!missing.empty() && type != ChunkType::records) {
@@ -30,6 +56,8 @@ void StreamDecoder::add(ChunkType type, std::span<const std::byte> payload, std:
     if (directory_.size() > kMaxDirectoryEntries) return;
     const auto entries = decode_directory(payload, header()->description.box);
     directory_.insert(directory_.end(), entries.begin(), entries.end());
+  } else if (type == ChunkType::places) {
+    add_places(payload);
   } else if (type == ChunkType::parity) {
     // Without the announcement, chunks were not kept.
     const auto found = [this](ChunkType whole, std::span<const std::byte> bytes) { take(whole, bytes, {}); };

@@ -15,13 +15,19 @@
 namespace gs::qnv {
 
 struct PayloadRow;
+namespace values {
+class PlacesReader;
+}
 
 /// Decoder of a stream into vectors or a surface; its payload selects the codec. The stream may be received in pieces
 /// or with losses; parity restores lost chunks. At any time, the received part gives a complete picture. One thread at
 /// a time. Safe for untrusted bytes; memory is bounded by `most_vectors` and LostChunks.
 class StreamDecoder {
  public:
-  explicit StreamDecoder(std::size_t most_vectors = std::size_t{1} << 26) : most_vectors_(most_vectors) {}
+  explicit StreamDecoder(std::size_t most_vectors = std::size_t{1} << 26);
+  ~StreamDecoder();
+  StreamDecoder(StreamDecoder&&) noexcept;
+  StreamDecoder& operator=(StreamDecoder&&) noexcept;
 
   /// Decodes the next bytes of the stream. Returns false if the stream is rejected.
   bool push(std::span<const std::byte> bytes);
@@ -56,6 +62,9 @@ class StreamDecoder {
  private:
   /// Creates the decoder of the payload when the header is received.
   void begin();
+  /// Adds a chunk of any type.
+  void accept(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing);
+  void add_places(std::span<const std::byte> payload);
   /// Adds a chunk that the payload may have.
   void take(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing);
   [[nodiscard]] DecodeCount count() const { return decoder_ ? decoder_->count() : DecodeCount{}; }
@@ -68,6 +77,7 @@ class StreamDecoder {
   PieceGroups groups_;
   LostChunks lost_;  // empty unless the header announces parity
   std::vector<DirectoryEntry> directory_;
+  std::unique_ptr<values::PlacesReader> places_;  // of a values stream
 };
 
 }  // namespace gs::qnv

@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 
 #include <algorithm>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -17,13 +18,20 @@ const qnv::Gaussians* gaussians_of(const SplatItem& item) {
   return gaussians && !gaussians->empty() ? gaussians : nullptr;
 }
 
-std::vector<GaussianItem> items_of(const RenderList& list, const Camera& camera, const DrawOptions& options) {
-  const glm::dmat4 camera_from_world = camera_from_world_of(camera);
+/// Gaussians of one image. held[i] owns the data of items[i].
+struct GaussianScene {
+  std::vector<std::shared_ptr<const qnv::Gaussians>> held;
   std::vector<GaussianItem> items;
+};
+
+GaussianScene scene_of(const RenderList& list, const Camera& camera, const DrawOptions& options) {
+  const glm::dmat4 camera_from_world = camera_from_world_of(camera);
+  GaussianScene scene;
   for (const SplatItem& item : list.splats) {
     const qnv::Gaussians* gaussians = gaussians_of(item);
     if (!gaussians) continue;
-    GaussianItem& own = items.emplace_back();
+    scene.held.push_back(qnv::shared_as<qnv::Gaussians>(item.geometry));
+    GaussianItem& own = scene.items.emplace_back();
     own.gaussians = gaussians;
     own.count = gaussians->size();
     own.camera_from_node = glm::mat4(camera_from_world * item.world_from_node);
@@ -35,22 +43,36 @@ std::vector<GaussianItem> items_of(const RenderList& list, const Camera& camera,
       own.clip = glm::vec4(list.clip_planes[item.clip_planes[0]] * item.world_from_node);
     own.fog = camera_fog(list.fog, glm::transpose(glm::mat3(camera_from_world)), static_cast<float>(camera.back));
   }
-  return items;
+  return scene;
 }
 
 }  // namespace
 
-GaussianPass::GaussianPass(const Gl& gl) : target_(gl), overlay_(gl) {}
+GaussianPass::GaussianPass(const Gl& gl, SortMethod sort)
+    : gl_(gl), target_(gl), gaussian_gl_(gl, target_, sort), overlay_(gl) {}
 
 void GaussianPass::draw(const RenderList& list, const Camera& camera, const Projection& projection,
                         const DrawOptions& options, FrameStatistics& statistics) {
+  gaussian_gl_.forget_unused();
   if (std::none_of(list.splats.begin(), list.splats.end(), gaussians_of)) return;
   const SplatView view = viewport_view(camera, projection, options);
-  const std::vector<GaussianItem> items = items_of(list, camera, options);
+  const GaussianScene scene = scene_of(list, camera, options);
+  const TargetRectangle rectangle{options.x, options.y, options.width, options.height};
+  const bool with_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software);
+  if (with_gl) {
+    if (const auto drawn =
+            gaussian_gl_.draw(scene.held, scene.items, {view, projection, rectangle, options.viewport})) {
+      statistics.vectors += drawn->vectors;
+      statistics.pending = statistics.pending || drawn->pending;
+      if (std::string_view(statistics.splats) == "none") statistics.splats = "gl";
+      ++statistics.draw_calls;
+      return;
+    }
+    statistics.splats = "cpu";  // shows that OpenGL could not draw splats
+  }
   VolumeStops stops;
-  if (target_.read_depths({options.x, options.y, options.width, options.height}, projection, depths_))
-    stops = depths_.stops();
-  const VolumeLayer layer = rasterize_gaussians(items, view, stops);
+  if (target_.read_depths(rectangle, projection, depths_)) stops = depths_.stops();
+  const VolumeLayer layer = rasterize_gaussians(scene.items, view, stops);
   if (std::string_view(statistics.splats) == "none") statistics.splats = "cpu";
   statistics.vectors += layer.vectors;
   if (layer.empty()) return;

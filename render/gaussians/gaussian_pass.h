@@ -1,5 +1,6 @@
 #pragma once
 
+#include "render/gaussians/gaussian_gl.h"
 #include "render/gl/gpu.h"
 #include "render/scene/camera.h"
 #include "render/scene/draw_options.h"
@@ -9,20 +10,25 @@
 
 namespace gs::render {
 
-/// Pass for the Gaussians of a RenderList (only SplatItems with qnv::Gaussians). Blends all splats in depth order on
-/// the CPU, over the existing image, which hides splats behind it per sample. Uses only the transparency of the
-/// material. Applies fog, but no lights. Writes no depth, so that later transparent polygons blend over splats.
+/// Pass for the Gaussians of a RenderList (only SplatItems with qnv::Gaussians). Blends all splats in depth order, with
+/// OpenGL or on the CPU, over the existing image, which hides splats behind it per sample. Uses only the transparency
+/// of the material. Applies fog, but no lights. Writes no depth, so that later transparent polygons blend over splats.
 class GaussianPass {
  public:
-  explicit GaussianPass(const Gl& gl);
+  explicit GaussianPass(const Gl& gl, SortMethod sort = SortMethod::automatic);
 
   /// Draws the Gaussians. Call it after all opaque content. `camera` must have near and far planes. Leaves blending and
   /// the depth test off, and depth writes on.
   void draw(const RenderList& list, const Camera& camera, const Projection& projection, const DrawOptions& options,
             FrameStatistics& statistics);
 
+  /// Returns the method that sorted for the last OpenGL image.
+  [[nodiscard]] SortMethod sorted_by() const { return gaussian_gl_.sorted_by(); }
+
  private:
+  const Gl& gl_;
   VolumeTarget target_;
+  GaussianGl gaussian_gl_;
   TargetDepths depths_;
   VolumeOverlay overlay_;
 };

@@ -13,10 +13,7 @@
 namespace gs::render {
 namespace {
 
-constexpr float kLowPass = 0.3f;          // added to the variances, in pixels^2 (3DGS)
-constexpr float kFarthestTangent = 1.3f;  // of the half view; the projection is linearised at most there (3DGS)
 constexpr float kLog2E = 1.44269504f;
-constexpr float kMostReach = 1e5f;  // pixels
 
 }  // namespace
 
@@ -28,10 +25,10 @@ void project_gaussians(const GaussianItem& item, const SplatView& view, std::siz
   const glm::mat3 linear(item.camera_from_node);
   const glm::vec3 eye = glm::inverse(linear) * -glm::vec3(item.camera_from_node[3]);
   const std::size_t end = std::min({last, item.count, g.size()}), per = qnv::harmonic_count(g.degree);
-  const float left = (view.center.x - kFarthestTangent * view.tangents.x),
-              right = (view.center.x + kFarthestTangent * view.tangents.x),
-              low = (view.center.y - kFarthestTangent * view.tangents.y),
-              high = (view.center.y + kFarthestTangent * view.tangents.y);
+  const float left = (view.center.x - kGaussianFarthestTangent * view.tangents.x),
+              right = (view.center.x + kGaussianFarthestTangent * view.tangents.x),
+              low = (view.center.y - kGaussianFarthestTangent * view.tangents.y),
+              high = (view.center.y + kGaussianFarthestTangent * view.tangents.y);
   for (std::size_t i = first; i < end; ++i) {
     const glm::vec3& position = g.positions[i];
     const glm::vec3 seen(item.camera_from_node * glm::vec4(position, 1.0f));
@@ -55,8 +52,8 @@ void project_gaussians(const GaussianItem& item, const SplatView& view, std::siz
       yy += v * v;
     }
     const float sharp = xx * yy - xy * xy;
-    xx += kLowPass;
-    yy += kLowPass;
+    xx += kGaussianLowPass;
+    yy += kGaussianLowPass;
     const float determinant = xx * yy - xy * xy;
     if (!(determinant > 0) || !std::isfinite(determinant)) continue;
     if (g.antialiased) opacity *= std::sqrt(std::max(sharp, 0.0f) / determinant);
@@ -67,7 +64,7 @@ void project_gaussians(const GaussianItem& item, const SplatView& view, std::siz
     const float inside = 2 * std::log(std::min(opacity, 1.0f) / kGaussianLeastAlpha);
     splat.reach_x = std::sqrt(inside * xx);
     splat.reach_y = std::sqrt(inside * yy);
-    if (!(splat.reach_x < kMostReach && splat.reach_y < kMostReach)) continue;
+    if (!(splat.reach_x < kGaussianMostReach && splat.reach_y < kGaussianMostReach)) continue;
     splat.x = seen.x * across + lens->middle_x - 0.5f;
     splat.y = seen.y * up + lens->middle_y - 0.5f;
     if (!(splat.x + splat.reach_x >= 0 && splat.y + splat.reach_y >= 0)) continue;

@@ -16,6 +16,10 @@
 
 namespace gs::render {
 
+constexpr float kGaussianLowPass = 0.3f;          // added to the variances, in pixels^2 (3DGS)
+constexpr float kGaussianFarthestTangent = 1.3f;  // of the half view; the projection is linearised at most there (3DGS)
+constexpr float kGaussianMostReach = 1e5f;        // pixels; larger splats are not drawn
+
 /// Gaussian splats that are part of an image.
 struct GaussianItem {
   const qnv::Gaussians* gaussians = nullptr;

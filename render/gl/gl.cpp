@@ -64,6 +64,7 @@ std::variant<Gl, ContextError> Gl::load(GlContext& context) {
     if (!gl.MemoryBarrier) gl.DispatchCompute = nullptr;
     if (!gl.DispatchCompute) gl.MemoryBarrier = nullptr;
   }
+  gl.sample_shading = has_extension(gl, "GL_ARB_gpu_shader5");
   if (version >= 45 || has_extension(gl, "GL_ARB_clip_control"))
     gl.ClipControl = reinterpret_cast<PFNGLCLIPCONTROLPROC>(context.proc_address("glClipControl"));
   gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &gl.max_texture_size);

@@ -12,6 +12,8 @@
 #define GHOSTSPACE_GL_FUNCTIONS(X)                                            \
   X(ACTIVETEXTURE, ActiveTexture)                                             \
   X(ATTACHSHADER, AttachShader)                                               \
+  X(BEGINCONDITIONALRENDER, BeginConditionalRender)                           \
+  X(BEGINQUERY, BeginQuery)                                                   \
   X(BINDBUFFER, BindBuffer)                                                   \
   X(BINDBUFFERBASE, BindBufferBase)                                           \
   X(BINDBUFFERRANGE, BindBufferRange)                                         \
@@ -38,6 +40,7 @@
   X(DELETEBUFFERS, DeleteBuffers)                                             \
   X(DELETEFRAMEBUFFERS, DeleteFramebuffers)                                   \
   X(DELETEPROGRAM, DeleteProgram)                                             \
+  X(DELETEQUERIES, DeleteQueries)                                             \
   X(DELETERENDERBUFFERS, DeleteRenderbuffers)                                 \
   X(DELETESAMPLERS, DeleteSamplers)                                           \
   X(DELETESHADER, DeleteShader)                                               \
@@ -53,6 +56,8 @@
   X(DRAWELEMENTSINSTANCEDBASEVERTEX, DrawElementsInstancedBaseVertex)         \
   X(ENABLE, Enable)                                                           \
   X(ENABLEVERTEXATTRIBARRAY, EnableVertexAttribArray)                         \
+  X(ENDCONDITIONALRENDER, EndConditionalRender)                               \
+  X(ENDQUERY, EndQuery)                                                       \
   X(FENCESYNC, FenceSync)                                                     \
   X(FINISH, Finish)                                                           \
   X(FLUSH, Flush)                                                             \
@@ -61,6 +66,7 @@
   X(FRONTFACE, FrontFace)                                                     \
   X(GENBUFFERS, GenBuffers)                                                   \
   X(GENFRAMEBUFFERS, GenFramebuffers)                                         \
+  X(GENQUERIES, GenQueries)                                                   \
   X(GENRENDERBUFFERS, GenRenderbuffers)                                       \
   X(GENSAMPLERS, GenSamplers)                                                 \
   X(GENTEXTURES, GenTextures)                                                 \
@@ -70,6 +76,7 @@
   X(GETFLOATV, GetFloatv)                                                     \
   X(GETFRAMEBUFFERATTACHMENTPARAMETERIV, GetFramebufferAttachmentParameteriv) \
   X(GETINTEGERV, GetIntegerv)                                                 \
+  X(GETMULTISAMPLEFV, GetMultisamplefv)                                       \
   X(GETPROGRAMINFOLOG, GetProgramInfoLog)                                     \
   X(GETPROGRAMIV, GetProgramiv)                                               \
   X(GETSHADERINFOLOG, GetShaderInfoLog)                                       \
@@ -104,6 +111,7 @@
   X(UNIFORM1IV, Uniform1iv)                                                   \
   X(UNIFORM1F, Uniform1f)                                                     \
   X(UNIFORM2F, Uniform2f)                                                     \
+  X(UNIFORM2FV, Uniform2fv)                                                   \
   X(UNIFORM2I, Uniform2i)                                                     \
   X(UNIFORM3FV, Uniform3fv)                                                   \
   X(UNIFORM4FV, Uniform4fv)                                                   \
@@ -137,6 +145,7 @@ struct Gl {
   PhaseClock* phases = nullptr;  // clock for measuring phases; may be null
   std::string renderer;          // GL_RENDERER
   bool software = false;         // the CPU renders
+  bool sample_shading = false;   // ARB_gpu_shader5: shaders can run for each sample
   int max_texture_size = 1024, max_renderbuffer_size = 1024, max_samples = 1, uniform_offset_alignment = 256;
   float max_anisotropy = 1;  // 1 means that anisotropic filtering is unavailable or disabled
 

@@ -49,6 +49,7 @@ Sampler make_sampler(const Gl& gl) { return generated<Sampler>(gl, gl.GenSampler
 VertexArray make_vertex_array(const Gl& gl) { return generated<VertexArray>(gl, gl.GenVertexArrays); }
 Framebuffer make_framebuffer(const Gl& gl) { return generated<Framebuffer>(gl, gl.GenFramebuffers); }
 Renderbuffer make_renderbuffer(const Gl& gl) { return generated<Renderbuffer>(gl, gl.GenRenderbuffers); }
+Query make_query(const Gl& gl) { return generated<Query>(gl, gl.GenQueries); }
 
 std::variant<Program, ContextError> make_program(const Gl& gl, std::string_view defines, std::string_view vertex_source,
                                                  std::string_view fragment_source) {

@@ -10,7 +10,7 @@
 
 namespace gs::render {
 
-enum class GpuObject { buffer, texture, sampler, vertex_array, framebuffer, renderbuffer, shader, program };
+enum class GpuObject { buffer, texture, sampler, vertex_array, framebuffer, renderbuffer, shader, program, query };
 
 /// Owner of one OpenGL object. Move-only; empty by default. `gl` must outlive it. Its context must be current when it
 /// is destroyed.
@@ -41,6 +41,7 @@ class GpuHandle {
     if constexpr (kind == GpuObject::renderbuffer) gl_->DeleteRenderbuffers(1, &name_);
     if constexpr (kind == GpuObject::shader) gl_->DeleteShader(name_);
     if constexpr (kind == GpuObject::program) gl_->DeleteProgram(name_);
+    if constexpr (kind == GpuObject::query) gl_->DeleteQueries(1, &name_);
   }
   const Gl* gl_ = nullptr;
   GLuint name_ = 0;
@@ -53,6 +54,7 @@ using VertexArray = GpuHandle<GpuObject::vertex_array>;
 using Framebuffer = GpuHandle<GpuObject::framebuffer>;
 using Renderbuffer = GpuHandle<GpuObject::renderbuffer>;
 using Program = GpuHandle<GpuObject::program>;
+using Query = GpuHandle<GpuObject::query>;
 
 [[nodiscard]] Buffer make_buffer(const Gl& gl);
 [[nodiscard]] Texture make_texture(const Gl& gl);
@@ -60,6 +62,7 @@ using Program = GpuHandle<GpuObject::program>;
 [[nodiscard]] VertexArray make_vertex_array(const Gl& gl);
 [[nodiscard]] Framebuffer make_framebuffer(const Gl& gl);
 [[nodiscard]] Renderbuffer make_renderbuffer(const Gl& gl);
+[[nodiscard]] Query make_query(const Gl& gl);
 
 /// Compiles and links a program. Inserts a #version line and `defines` ("#define LIT", one per line) before both
 /// sources, which must have no #version line. The error contains the driver's message.

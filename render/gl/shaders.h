@@ -176,7 +176,7 @@ out vec3 camera_normal;
 #endif
 #endif
 #ifdef TEXTURE
-out vec2 texture_place;
+SAMPLED out vec2 texture_place;
 #endif
 
 // All variants must compute equal depths for coincident faces.
@@ -214,6 +214,7 @@ void main() {
 /// Further defines with TEXTURE:
 /// - CUT_OUT: discards transparent pixels, which prevents an early depth test;
 /// - SMOOTH_EDGES: converts alpha to sample coverage;
+/// - PER_SAMPLE: with SMOOTH_EDGES, the shader runs for each sample instead; SAMPLED is then `sample`, else empty;
 /// - MASK: the texture only cuts out faces of one colour.
 inline constexpr char kMeshFragmentShader[] = R"glsl(
 #if defined(FOG) || (defined(LIT) && (defined(LOCAL_LIGHTS) || defined(SPECULAR) || !defined(NORMALS)))
@@ -224,7 +225,7 @@ flat
 #endif
 in vec4 surface_color;
 #ifdef TEXTURE
-in vec2 texture_place;
+SAMPLED in vec2 texture_place;
 uniform sampler2D image;
 uniform ivec2 replaces;  // 1 if the texture replaces: x the colour, y alpha; y is 2 if it modulates alpha
 #endif
@@ -275,7 +276,7 @@ void main() {
   if (replaces.y != 0) color.a = replaces.y == 2 ? color.a * texel.a : texel.a;
 #endif
 #ifdef CUT_OUT
-#ifdef SMOOTH_EDGES
+#if defined(SMOOTH_EDGES) && !defined(PER_SAMPLE)
   // Alpha becomes the share of four places of the pixel that are inside, as with pixels as samples. OpenGL converts it to
   // a number of samples. Quarters are exact for any rounding of the driver.
   vec2 right = dFdx(texture_place) * 0.25, up = dFdy(texture_place) * 0.25;

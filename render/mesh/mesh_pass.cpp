@@ -99,7 +99,10 @@ MeshPass::VariantProgram* MeshPass::program(unsigned variant) {
   const auto [found, fresh] = programs_.try_emplace(variant);
   VariantProgram& entry = found->second;
   if (fresh) {
-    std::string text;
+    const bool per_sample = (variant & kSmoothEdges) && gl_.sample_shading;
+    std::string text = per_sample
+                           ? "#extension GL_ARB_gpu_shader5 : require\n#define PER_SAMPLE\n#define SAMPLED sample\n"
+                           : "#define SAMPLED\n";
     for (unsigned bit = 0; bit < std::size(kDefines); ++bit)
       if (variant >> bit & 1) text.append("#define ").append(kDefines[bit]).append("\n");
     text += "#define MOST_PLANES " + std::to_string(kMaxClipPlanes) + "\n";
@@ -380,8 +383,10 @@ void MeshPass::apply(const DrawState& state, const Projection& projection) {
                   : binding.modulates ? 2
                                       : 1);
   }
-  if (several_samples_ && (all || ((state.variant ^ applied_.variant) & kSmoothEdges)))
-    (state.variant & kSmoothEdges ? gl_.Enable : gl_.Disable)(GL_SAMPLE_ALPHA_TO_COVERAGE);
+  if (several_samples_ && (all || ((state.variant ^ applied_.variant) & (kSmoothEdges | kLayered)))) {
+    const bool coverage = (state.variant & kSmoothEdges) && (!gl_.sample_shading || (state.variant & kLayered));
+    (coverage ? gl_.Enable : gl_.Disable)(GL_SAMPLE_ALPHA_TO_COVERAGE);
+  }
   if (all || state.mirrored != applied_.mirrored) gl_.FrontFace(state.mirrored ? GL_CW : GL_CCW);
   if (all || state.cull != applied_.cull) (state.cull ? gl_.Enable : gl_.Disable)(GL_CULL_FACE);
   applied_ = state;

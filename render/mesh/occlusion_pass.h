@@ -23,15 +23,16 @@ class OcclusionPass {
     Texture texture;
     Framebuffer framebuffer;
   };
-  [[nodiscard]] bool prepare(const glm::ivec2& size, GLenum depth_format);
-  [[nodiscard]] Target make_target(GLenum format, GLenum components, GLenum type, GLenum attachment) const;
-  void fill(const Program& program, const Texture& texture) const;
+  [[nodiscard]] bool prepare(const glm::ivec2& size, int samples, GLenum depth_format);
+  [[nodiscard]] Target make_target(GLenum format, GLenum components, GLenum type, GLenum attachment, int samples) const;
+  void fill(const Program& program, const Texture& texture, GLenum kind) const;
 
   const Gl& gl_;
   VertexArray no_attributes_;
-  Program occlusion_, smoothing_;
+  Program occlusion_, occlusion_of_samples_, smoothing_;
   bool unusable_ = false;  // the driver rejected a shader or a framebuffer
   glm::ivec2 size_{0};
+  int samples_ = 0;
   GLenum depth_format_ = 0;
   Target depth_, factors_;
 };

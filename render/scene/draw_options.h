@@ -62,6 +62,7 @@ struct FrameStatistics {
   const char* splats =
       "none";             // rendering path in use: "gl" or "cpu"; also "cpu" if OpenGL was requested but unavailable
   bool pending = false;  // more detail will be available for this view: draw again
+  bool working = false;  // another thread prepares more detail: draw again when it has changed
   bool given_up = false;  // `go_on` cancelled the frame: an earlier image is shown, if any
 };
 

@@ -1,6 +1,8 @@
 #include "render/volume/volume_gl.h"
 
 #include "render/scene/color_ramps.h"
+#include "render/sorting/depth_sort_shaders.h"
+#include "render/sorting/item_texels.h"
 #include "render/volume/volume_lens.h"
 #include "render/volume/volume_shaders.h"
 #include "render/volume/volume_tile.h"
@@ -19,7 +21,6 @@ namespace {
 
 constexpr std::size_t kMaxShaderLights = 8, kTransferAt = 19 + 5 * kMaxShaderLights, kItemTexels = kTransferAt + 256;
 constexpr std::size_t kMaxVectors = std::size_t{1} << 28;
-constexpr std::size_t kMaxViewports = 16;
 constexpr std::size_t kSurveyedVectors = 8192;  // vectors from which survey_volumes() estimates the work
 // Maximum samples to blend. The CPU draws larger images, because it stops at opaque pixels. The system resets a driver
 // that is busy for seconds.
@@ -49,25 +50,23 @@ std::string defines() {
   return text;
 }
 
-glm::vec4 row_of(const glm::mat4& matrix, int row) {
-  return {matrix[0][row], matrix[1][row], matrix[2][row], matrix[3][row]};
+std::string volume_keys_shader() {
+  return defines() + kVolumeItemShader + kItemsShader + kVolumeDataShader + kVolumeKeysShader;
 }
 
-glm::vec2 halves(std::size_t whole) { return {static_cast<float>(whole >> 16), static_cast<float>(whole & 0xFFFF)}; }
-
-/// Appends the texels of an item, in the layout of kVolumeDataShader. `start` is the index of its first vector among
+/// Appends the texels of an item, in the layout of kVolumeItemShader. `start` is the index of its first vector among
 /// all vectors.
 void describe(const VolumeItem& item, const VolumeStore::Place& place, const VolumeLens& lens, std::size_t start,
               std::vector<glm::vec4>& out) {
   const VolumeOptions& options = item.options;
   const VolumeModel& model = *item.model;
   const auto lights = options.lights.empty() ? volume_headlight() : options.lights;
-  for (int i = 0; i < 3; ++i) out.push_back(row_of(lens.camera_from_node, i));
-  for (int i = 0; i < 3; ++i) out.push_back(row_of(glm::mat4(lens.normal_matrix), i));
+  for (int i = 0; i < 3; ++i) out.push_back(matrix_row(lens.camera_from_node, i));
+  for (int i = 0; i < 3; ++i) out.push_back(matrix_row(glm::mat4(lens.normal_matrix), i));
   out.emplace_back(place.coding.lower, 0);
   out.emplace_back(place.coding.step, 0);
-  out.emplace_back(halves(start), halves(place.first));
-  out.emplace_back(halves(item.volume->size()), 0, 0);
+  out.emplace_back(integer_halves(start), integer_halves(place.first));
+  out.emplace_back(integer_halves(item.volume->size()), 0, 0);
   out.emplace_back(place.coding.weight, 0, 0);
   out.push_back(options.clip.value_or(glm::vec4(0)));
   out.emplace_back(options.ambient, options.diffuse, options.specular, static_cast<float>(lights.size()));
@@ -78,7 +77,7 @@ void describe(const VolumeItem& item, const VolumeStore::Place& place, const Vol
   out.emplace_back(lens.scale, options.least_magnitude, model.full_magnitude,
                    options.opacity * (1 / (kVolumePi * kVolumeFootprint)));
   for (int i = 0; i < 3; ++i) {
-    out.push_back(row_of(glm::mat4(options.fog.ranges_from_camera), i));
+    out.push_back(matrix_row(glm::mat4(options.fog.ranges_from_camera), i));
     out.back().w = options.fog.color[i];
   }
   out.emplace_back(!options.fog.on ? 0 : options.fog.exponential ? 2 : 1, options.fog.back, 0, 0);
@@ -96,23 +95,21 @@ void describe(const VolumeItem& item, const VolumeStore::Place& place, const Vol
 
 }  // namespace
 
-VolumeGl::VolumeGl(const Gl& gl, VolumeSort sort)
+VolumeGl::VolumeGl(const Gl& gl, SortMethod sort)
     : gl_(gl),
       store_(gl),
       target_(gl),
-      wanted_sort_(sort == VolumeSort::automatic ? (gl.software ? VolumeSort::thread : VolumeSort::compute) : sort),
+      order_(gl, sort, volume_keys_shader()),
       attributes_(make_vertex_array(gl)),
-      items_(make_texture(gl)) {
-  gl.BindVertexArray(attributes_.name());
-  gl.EnableVertexAttribArray(0);
-  gl.VertexAttribDivisor(0, 1);
-  gl.BindVertexArray(0);
-}
+      items_(make_texture(gl)),
+      order_texture_(make_texture(gl)) {}
 
 bool VolumeGl::make_program_once() {
   if (!tried_program_) {
     tried_program_ = true;
-    auto made = make_program(gl_, defines(), std::string(kVolumeDataShader) + kVolumeShadeShader + kVolumeVertexShader,
+    auto made = make_program(gl_, defines(),
+                             std::string(kVolumeItemShader) + kItemsShader + kVolumeDataShader + kVolumeShadeShader +
+                                 kRankShader + kVolumeVertexShader,
                              kVolumeFragmentShader);
     if (auto* program = std::get_if<Program>(&made)) program_ = std::move(*program);
   }
@@ -123,7 +120,9 @@ bool VolumeGl::upload_items(const Visible& visible, const SplatView& lens) {
   const PhaseScope phase(gl_.phases, Phase::upload);
   GLint most = 0;
   gl_.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
-  if (visible.items.size() * kItemTexels > static_cast<std::size_t>(std::max(most, 0))) return false;
+  // The order has a texel per vector.
+  if (std::max(visible.items.size() * kItemTexels, visible.total) > static_cast<std::size_t>(std::max(most, 0)))
+    return false;
   std::vector<glm::vec4> texels;
   std::size_t start = 0;
   for (std::size_t i = 0; i < visible.items.size(); ++i) {
@@ -141,80 +140,23 @@ bool VolumeGl::upload_items(const Visible& visible, const SplatView& lens) {
   return gl_.GetError() == GL_NO_ERROR;
 }
 
-VolumeGl::Viewport& VolumeGl::viewport(std::uint32_t number) {
-  if (!viewports_.contains(number) && viewports_.size() >= kMaxViewports)
-    viewports_.erase(std::min_element(viewports_.begin(), viewports_.end(),
-                                      [](const auto& a, const auto& b) { return a.second.used < b.second.used; }));
-  Viewport& found = viewports_[number];
-  if (!found.order) found.order = make_buffer(gl_);
-  found.used = ++frame_;
-  return found;
+std::optional<DepthOrder::Result> VolumeGl::sort(const Visible& visible, std::uint32_t viewport) {
+  std::vector<SortPart> parts(visible.items.size());
+  for (std::size_t i = 0; i < visible.items.size(); ++i) {
+    parts[i].vectors = visible.held[i].volume;
+    parts[i].count = visible.items[i].count;
+    parts[i].row = matrix_row(visible.items[i].camera_from_node, 2) * -1.0f;
+  }
+  return order_.order(viewport, parts, {store_.codes().name(), items_.name(), static_cast<int>(visible.items.size())});
 }
 
-bool VolumeGl::sort_with_compute(const Visible& visible, Viewport& viewport) {
-  if (!tried_compute_) {
-    tried_compute_ = true;
-    compute_ = VolumeGlSort::create(gl_, defines());
-  }
-  if (!compute_) return false;
-  std::vector<Sorted> wanted;
-  for (std::size_t i = 0; i < visible.items.size(); ++i)
-    wanted.push_back({visible.held[i].volume, visible.places[i].first, visible.items[i].count,
-                      row_of(visible.items[i].camera_from_node, 2)});
-  const auto same = [](const Sorted& a, const Sorted& b) {
-    return !a.volume.owner_before(b.volume) && !b.volume.owner_before(a.volume) && a.first == b.first &&
-           a.count == b.count && a.row == b.row;
-  };
-  if (std::equal(wanted.begin(), wanted.end(), viewport.sorted.begin(), viewport.sorted.end(), same)) return true;
-  viewport.number = 0;
-  viewport.sorted.clear();
-  const VolumeGlSort::Data data{store_.codes().name(), items_.name(), static_cast<int>(visible.items.size())};
-  if (!compute_->sort(data, visible.total, viewport.order)) {
-    take_errors(gl_);
-    compute_ = nullptr;
-    return false;
-  }
-  viewport.sorted = std::move(wanted);
-  return true;
-}
-
-bool VolumeGl::sort(const Visible& visible, Viewport& viewport, bool& pending) {
-  if (wanted_sort_ == VolumeSort::compute && sort_with_compute(visible, viewport)) {
-    sorted_by_ = VolumeSort::compute;
-    return true;
-  }
-  sorted_by_ = VolumeSort::thread;
-  viewport.sorted.clear();
-  std::vector<VolumeSortPart> parts;
-  for (std::size_t i = 0; i < visible.items.size(); ++i)
-    parts.push_back(
-        {visible.held[i].volume, visible.items[i].count, row_of(visible.items[i].camera_from_node, 2) * -1.0f});
-  if (!viewport.sorter) viewport.sorter = std::make_unique<VolumeSorter>();
-  const VolumeSorter::Order order = viewport.sorter->order(parts);
-  if (order.far_first.size() != visible.total) return false;
-  pending = !order.exact;
-  if (viewport.number == order.number) return true;
-  viewport.number = order.number;
-  gl_.BindBuffer(GL_ARRAY_BUFFER, viewport.order.name());
-  gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(order.far_first.size_bytes()), order.far_first.data(),
-                 GL_STREAM_DRAW);
-  const bool good = gl_.GetError() == GL_NO_ERROR;
-  if (!good) viewport.number = 0;
-  return good;
-}
-
-void VolumeGl::blend(const Visible& visible, const View& view, const Buffer& order) {
-  const bool apart = target_.begin(view.rectangle);
-  gl_.Enable(GL_DEPTH_TEST);
-  gl_.DepthFunc(view.projection.reversed ? GL_GEQUAL : GL_LEQUAL);
-  gl_.DepthMask(GL_FALSE);
-  gl_.Disable(GL_CULL_FACE);
-  gl_.Enable(GL_BLEND);
-  gl_.BlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+void VolumeGl::draw_range(const Visible& visible, const View& view, const SplatRange& range) {
   gl_.UseProgram(program_.name());
   const auto at = [&](const char* name) { return gl_.GetUniformLocation(program_.name(), name); };
-  const std::array<std::pair<const char*, GLuint>, 3> textures{
-      {{"codes", store_.codes().name()}, {"items", items_.name()}, {"spacings", store_.spacings().name()}}};
+  const std::array<std::pair<const char*, GLuint>, 4> textures{{{"codes", store_.codes().name()},
+                                                                {"items", items_.name()},
+                                                                {"spacings", store_.spacings().name()},
+                                                                {"order", order_texture_.name()}}};
   for (GLuint unit = 0; unit < textures.size(); ++unit) {
     gl_.ActiveTexture(GL_TEXTURE0 + unit);
     gl_.BindTexture(GL_TEXTURE_BUFFER, textures[unit].second);
@@ -225,19 +167,15 @@ void VolumeGl::blend(const Visible& visible, const View& view, const Buffer& ord
   const VolumeLens lens = *volume_lens(view.lens, visible.items.front().camera_from_node);
   const glm::vec4 pixels(lens.pixels_x, lens.pixels_y, lens.width, lens.height);
   const glm::mat4& clip = view.projection.clip_from_camera;
-  const glm::vec4 range(view.lens.near_plane, clip[2][2], clip[3][2], view.projection.reversed ? 0.0f : -1.0f);
+  const glm::vec4 depths(view.lens.near_plane, clip[2][2], clip[3][2], view.projection.reversed ? 0.0f : -1.0f);
   gl_.Uniform4fv(at("lens"), 1, glm::value_ptr(pixels));
   const glm::vec2 straight = -view.lens.center * glm::vec2(lens.pixels_x, lens.pixels_y);
   gl_.Uniform2f(at("straight"), straight.x, straight.y);
-  gl_.Uniform4fv(at("depth_range"), 1, glm::value_ptr(range));
+  gl_.Uniform4fv(at("depth_range"), 1, glm::value_ptr(depths));
+  gl_.Uniform2i(at("ranks"), static_cast<GLint>(range.near_first ? visible.total - 1 - range.first : range.first),
+                range.near_first ? -1 : 1);
   gl_.BindVertexArray(attributes_.name());
-  gl_.BindBuffer(GL_ARRAY_BUFFER, order.name());
-  gl_.VertexAttribIPointer(0, 1, GL_UNSIGNED_INT, 0, nullptr);
-  gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(visible.total));
-  if (apart) target_.end();
-  gl_.DepthMask(GL_TRUE);
-  gl_.Disable(GL_DEPTH_TEST);
-  gl_.Disable(GL_BLEND);
+  gl_.DrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(range.count));
 }
 
 std::optional<VolumeGl::Drawn> VolumeGl::draw(std::span<const SharedVolume> held, std::span<const VolumeItem> items,
@@ -263,9 +201,14 @@ std::optional<VolumeGl::Drawn> VolumeGl::draw(std::span<const SharedVolume> held
   take_errors(gl_);
   visible.places = store_.place(visible.held);
   if (visible.places.size() != visible.items.size() || !upload_items(visible, view.lens)) return std::nullopt;
-  Viewport& own = viewport(view.viewport);
-  if (!sort(visible, own, drawn.pending)) return std::nullopt;
-  blend(visible, view, own.order);
+  const auto order = sort(visible, view.viewport);
+  if (!order) return std::nullopt;
+  drawn.pending = order->pending;
+  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.BindTexture(GL_TEXTURE_BUFFER, order_texture_.name());
+  gl_.TexBuffer(GL_TEXTURE_BUFFER, GL_R32UI, order->far_first.name());
+  target_.blend(view.rectangle, view.projection, visible.total,
+                [&](const SplatRange& range) { draw_range(visible, view, range); });
   return drawn;
 }
 

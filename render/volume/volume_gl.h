@@ -1,9 +1,8 @@
 #pragma once
 
 #include "render/gl/gpu.h"
+#include "render/sorting/depth_order.h"
 #include "render/volume/volume_raster.h"
-#include "render/volume/volume_sort.h"
-#include "render/volume/volume_sort_gl.h"
 #include "render/volume/volume_store.h"
 #include "render/volume/volume_target.h"
 
@@ -12,28 +11,21 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 namespace gs::render {
 
-/// Method that sorts volume vectors for OpenGL. automatic: compute shaders if the hardware supports them, otherwise a
-/// thread. If compute shaders fail, the thread replaces them.
-enum class VolumeSort : std::uint8_t { automatic, thread, compute };
-
 /// Draws volumes with OpenGL 3.3. The image equals that of rasterize_volumes(), except for rounding. Blends the
-/// instanced rectangles of all volumes from back to front, in 16 bits per channel. Tests each sample against the
-/// existing depth. Then composites the result over the image. If no such target is possible, blends directly into the
-/// image, rounded to 8 bits.
+/// instanced rectangles of all volumes with a VolumeTarget, in 16 bits per channel. If no such target is possible,
+/// blends directly into the image, rounded to 8 bits.
 ///
-/// Compute shaders sort exactly for the view. The order of the thread may be that of the previous view (VolumeSorter).
+/// Compute shaders sort exactly for the view. The order of the thread may be that of the previous view (DepthOrder).
 /// Runs on the thread of its context.
 class VolumeGl {
  public:
-  explicit VolumeGl(const Gl& gl, VolumeSort sort = VolumeSort::automatic);
+  explicit VolumeGl(const Gl& gl, SortMethod sort = SortMethod::automatic);
 
   struct View {
     SplatView lens;  // `camera_from_node` and `supersample` are ignored
@@ -43,7 +35,7 @@ class VolumeGl {
   };
   struct Drawn {
     std::size_t vectors = 0;  // vectors in view; estimated if there are many
-    bool pending = false;  // the order is that of an earlier view: draw again
+    bool pending = false;     // the order is that of an earlier view: draw again
   };
   /// Draws the volumes `items`; held[i] owns the data of items[i]. Writes no depth. Leaves depth test and blending off
   /// and depth writes on. Returns nullopt if memory or the program is missing, or if there are too many vectors, items
@@ -53,21 +45,9 @@ class VolumeGl {
   /// Frees volumes that have no other owners. Call it once per frame.
   void forget_unused() { store_.forget_unused(); }
   /// Returns the method that sorted the last image.
-  [[nodiscard]] VolumeSort sorted_by() const { return sorted_by_; }
+  [[nodiscard]] SortMethod sorted_by() const { return order_.sorted_by(); }
 
  private:
-  struct Sorted {
-    std::weak_ptr<const qnv::Volume> volume;
-    std::size_t first = 0, count = 0;
-    glm::vec4 row{0};
-  };
-  struct Viewport {
-    std::unique_ptr<VolumeSorter> sorter;
-    Buffer order;
-    std::uint64_t number = 0;  // serial number of the order in the buffer; 0 means that the buffer is empty
-    std::vector<Sorted> sorted;  // volumes that the compute shaders sorted
-    std::uint64_t used = 0;
-  };
   /// Items that are visible.
   struct Visible {
     std::vector<SharedVolume> held;
@@ -78,23 +58,18 @@ class VolumeGl {
 
   bool make_program_once();
   bool upload_items(const Visible& visible, const SplatView& lens);
-  Viewport& viewport(std::uint32_t number);
-  bool sort(const Visible& visible, Viewport& viewport, bool& pending);
-  bool sort_with_compute(const Visible& visible, Viewport& viewport);
-  void blend(const Visible& visible, const View& view, const Buffer& order);
+  std::optional<DepthOrder::Result> sort(const Visible& visible, std::uint32_t viewport);
+  void draw_range(const Visible& visible, const View& view, const SplatRange& range);
 
   const Gl& gl_;
   VolumeStore store_;
   VolumeTarget target_;
-  VolumeSort wanted_sort_, sorted_by_ = VolumeSort::thread;
-  std::unique_ptr<VolumeGlSort> compute_;
-  bool tried_program_ = false, tried_compute_ = false;
+  DepthOrder order_;
+  bool tried_program_ = false;
   Program program_;
   VertexArray attributes_;
   Buffer item_buffer_;
-  Texture items_;
-  std::unordered_map<std::uint32_t, Viewport> viewports_;
-  std::uint64_t frame_ = 0;
+  Texture items_, order_texture_;
 };
 
 }  // namespace gs::render

@@ -1,6 +1,9 @@
 #include "render/volume/volume_pass.h"
 
+#include "qnv/codecs/shared/chunk_requests.h"
+#include "qnv/codecs/shared/volume_detail.h"
 #include "render/splat/splat_budget.h"
+#include "render/splat/splat_pieces.h"
 
 #include <glm/glm.hpp>
 
@@ -25,12 +28,12 @@ std::size_t steady(std::size_t share) {
 
 bool is_volume(const SplatItem& item) {
   const auto* volume = item.geometry ? item.geometry->as<qnv::Volume>() : nullptr;
-  return volume && !volume->empty();
+  return volume && (!volume->empty() || volume->detail);
 }
 
 }  // namespace
 
-VolumePass::VolumePass(const Gl& gl, VolumeSort sort) : gl_(gl), volume_gl_(gl, sort), target_(gl), overlay_(gl) {}
+VolumePass::VolumePass(const Gl& gl, SortMethod sort) : gl_(gl), volume_gl_(gl, sort), target_(gl), overlay_(gl) {}
 
 std::shared_ptr<const VolumeModel> VolumePass::model_of(const std::shared_ptr<const qnv::Volume>& volume,
                                                         std::size_t counted) {
@@ -54,6 +57,23 @@ void VolumePass::forget_models() {
   });
 }
 
+// Notes the view for the requests of a stream. Returns finer vectors for it, or null.
+std::shared_ptr<const qnv::Volume> VolumePass::cut(const qnv::Volume& volume, const SplatItem& item, SplatView view,
+                                                   const glm::mat4& camera_from_node, const DrawOptions& options,
+                                                   Scene& scene) {
+  if (!volume.detail && !volume.requests) return nullptr;
+  view.camera_from_node = camera_from_node;
+  auto lod = lod_view(view);
+  if (!lod) return nullptr;
+  lod->error_pixels = 1 / item.detail;
+  // Each instance of a stream keeps its own view.
+  lod->viewport = options.viewport + (scene.instances[volume.requests.get()]++ << 16);
+  lod->most_decoded = options.most_decoded;
+  if (volume.detail) return volume.detail->cut(*lod, scene.working);
+  volume.requests->note(*lod);
+  return nullptr;
+}
+
 void VolumePass::gather(const RenderList& list, const Camera& camera, const SplatView& view, const DrawOptions& options,
                         Scene& scene) {
   const glm::dmat4 camera_from_world = camera_from_world_of(camera);
@@ -65,14 +85,16 @@ void VolumePass::gather(const RenderList& list, const Camera& camera, const Spla
   for (std::size_t i = 0; i < list.splats.size(); ++i) {
     const SplatItem& item = list.splats[i];
     if (!is_volume(item)) continue;
-    const auto volume = qnv::shared_as<qnv::Volume>(item.geometry);
+    auto volume = qnv::shared_as<qnv::Volume>(item.geometry);
+    const glm::mat4 camera_from_node(camera_from_world * item.world_from_node);
+    if (auto finer = cut(*volume, item, view, camera_from_node, options, scene)) volume = std::move(finer);
+    if (volume->empty() || item.material.transparency >= 1) continue;
     const std::size_t size = volume->size(), share = list.splats.size() > 1 ? steady(shares[i]) : shares[i];
     const VolumePrefix prefix = volume_prefix(size, share >= size ? 0 : share);
     auto model = model_of(volume, prefix.counted);
     if (model->empty()) continue;
     const Box& box = volume->description.box;
     const glm::vec3 middle = box.empty() ? volume->positions.front() : (box.lower + box.upper) * 0.5f;
-    const glm::mat4 camera_from_node(camera_from_world * item.world_from_node);
     const glm::vec3 center(camera_from_node * glm::vec4(middle, 1));
     VolumeOptions own;
     own.opacity = look.opacity * (1 - item.material.transparency);
@@ -112,6 +134,7 @@ void VolumePass::draw(const RenderList& list, const Camera& camera, const Projec
   SplatView view = viewport_view(camera, projection, options);
   Scene scene;
   gather(list, camera, whole_view(view, camera), options, scene);
+  statistics.working = statistics.working || scene.working;
   if (scene.items.empty()) return;
   const bool with_gl = options.splats == SplatPath::gl || (options.splats == SplatPath::automatic && !gl_.software);
   if (with_gl) {

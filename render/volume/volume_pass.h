@@ -30,7 +30,7 @@ namespace gs::render {
 /// its opacity reaches 0.5. Writes no depth, so that later transparent polygons blend over volumes.
 class VolumePass {
  public:
-  explicit VolumePass(const Gl& gl, VolumeSort sort = VolumeSort::automatic);
+  explicit VolumePass(const Gl& gl, SortMethod sort = SortMethod::automatic);
 
   /// Draws the volumes. Call it after all opaque content. `camera` must have near and far planes. Leaves blending and
   /// the depth test off, and depth writes on.
@@ -38,7 +38,7 @@ class VolumePass {
             FrameStatistics& statistics);
 
   /// Returns the method that sorted for the last OpenGL image.
-  [[nodiscard]] VolumeSort sorted_by() const { return volume_gl_.sorted_by(); }
+  [[nodiscard]] SortMethod sorted_by() const { return volume_gl_.sorted_by(); }
 
  private:
   struct Held {
@@ -53,9 +53,14 @@ class VolumePass {
     std::vector<VolumeItem> items;
     std::vector<std::vector<VolumeLight>> lights;
     VolumeTransfer transfer{};
+    std::unordered_map<const qnv::ChunkRequests*, std::uint32_t> instances;  // of each stream so far
+    bool working = false;  // finer vectors of a stream are being decoded
   };
   std::shared_ptr<const VolumeModel> model_of(const std::shared_ptr<const qnv::Volume>& volume, std::size_t counted);
   void forget_models();
+  static std::shared_ptr<const qnv::Volume> cut(const qnv::Volume& volume, const SplatItem& item, SplatView view,
+                                                const glm::mat4& camera_from_node, const DrawOptions& options,
+                                                Scene& scene);
   void gather(const RenderList& list, const Camera& camera, const SplatView& view,
               const DrawOptions& options, Scene& scene);
   void on_processor(const Scene& scene, const SplatView& view, const Projection& projection, const DrawOptions& options,

@@ -1,6 +1,6 @@
 #pragma once
 
-/// Shaders of volumes. make_program adds "#version 330 core" before each. The shaders that sort get version 430.
+/// Shaders of volumes. make_program adds "#version 330 core" before each.
 namespace gs::render {
 
 /// Composites the volumes that the CPU has drawn. Where `depths` is negative, ignores the pixel's depth. With EDGES,
@@ -23,19 +23,72 @@ void main() {
 }
 )glsl";
 
-/// Composites the volumes that OpenGL has drawn, sample by sample.
-inline constexpr char kVolumeLayerFragmentShader[] = R"glsl(
-uniform ivec2 origin;
-#ifdef SAMPLES
-uniform sampler2DMS layer;
-uniform int sample_number;
-#else
-uniform sampler2D layer;
-const int sample_number = 0;
-#endif
+/// Finds the depths of the samples of a pixel, in window space. Samples of one surface count as one depth, the nearest.
+inline constexpr char kVolumeSamplesShader[] = R"glsl(
+uniform sampler2DMS depths;
+uniform int samples;
+uniform vec2 depth_row;  // window depth at distance d is x + y / d
+uniform vec2 depth_range;  // nearest and farthest window depth
+uniform float smooth_part;  // samples of one surface differ in distance by at most this factor
+// Returns the nearest and the farthest depth, which are equal for one surface.
+vec2 near_far(ivec2 at) {
+  float least = 1.0, most = 0.0;
+  for (int i = 0; i < samples; ++i) {
+    float depth = texelFetch(depths, at, i).r;
+    least = min(least, depth);
+    most = max(most, depth);
+  }
+  vec2 result = depth_range.x > depth_range.y ? vec2(most, least) : vec2(least, most);
+  vec2 inverse = (result - depth_row.x) / depth_row.y;  // of the distances
+  bool edge = result.x != result.y && (result.y == depth_range.y || inverse.y < smooth_part * inverse.x);
+  return edge ? result : result.xx;
+}
+)glsl";
+
+/// Writes the depths of the farthest samples; with EDGES, of the nearest samples of pixels with several surfaces.
+inline constexpr char kVolumeDepthsFragmentShader[] = R"glsl(
 out vec4 result;
 void main() {
-  result = texelFetch(layer, ivec2(gl_FragCoord.xy) - origin, sample_number);
+  vec2 depth = near_far(ivec2(gl_FragCoord.xy));
+#ifdef EDGES
+  if (depth.x == depth.y) discard;
+  gl_FragDepth = depth.x;
+#else
+  gl_FragDepth = depth.y;
+#endif
+  result = vec4(0.0);
+}
+)glsl";
+
+/// Writes the nearest depth to the opaque pixels of a layer. Their transmittance is below half a step of 8 bits.
+inline constexpr char kVolumeClosingFragmentShader[] = R"glsl(
+uniform sampler2D layer;
+uniform float nearest;
+void main() {
+  if (texelFetch(layer, ivec2(gl_FragCoord.xy), 0).a < 511.0 / 512.0) discard;
+  gl_FragDepth = nearest;
+}
+)glsl";
+
+/// Composites the layer that OpenGL has blended. With SAMPLES, writes the depth that separates the samples of a pixel
+/// with several surfaces. With EDGES, draws only such pixels.
+inline constexpr char kVolumeLayerFragmentShader[] = R"glsl(
+uniform ivec2 origin;
+uniform sampler2D layer;
+uniform float gain;
+out vec4 result;
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy) - origin;
+#ifdef SAMPLES
+  vec2 depth = near_far(at);
+#ifdef EDGES
+  if (depth.x == depth.y) discard;
+#endif
+  gl_FragDepth = depth.x == depth.y ? depth_range.x : 0.5 * (depth.x + depth.y);
+#endif
+  result = texelFetch(layer, at, 0);
+  if (result.a == 0.0) discard;
+  result.rgb = min(result.rgb * gain, vec3(1.0));
 }
 )glsl";
 
@@ -55,34 +108,15 @@ void main() {
 }
 )glsl";
 
-/// Layout of vectors in the buffer textures, and decoding of their codes. volume_gl.cpp writes `items`.
-inline constexpr char kVolumeDataShader[] = R"glsl(
-uniform usamplerBuffer codes;
-uniform samplerBuffer items;
-uniform int item_count;
-
+/// Layout of the items, before kItemsShader. volume_gl.cpp writes `items`.
+inline constexpr char kVolumeItemShader[] = R"glsl(
 const int ROW_X = 0, ROW_Y = 1, ROW_Z = 2, NORMAL_X = 3, NORMAL_Y = 4, NORMAL_Z = 5, LOWER = 6, STEP = 7, PLACE = 8,
           SIZE = 9, WEIGHT = 10, CLIP = 11, SHADE = 12, COLOR = 13, SCALE = 14, FOG = 15, LIGHTS = 19,
           TRANSFER = LIGHTS + 5 * MOST_LIGHTS;
+)glsl";
 
-vec4 about(int item, int what) { return texelFetch(items, item * ITEM_TEXELS + what); }
-
-// Joins two halves of an integer: a float has only 24 bits.
-int whole(vec2 halves) { return int(halves.x) * 65536 + int(halves.y); }
-
-// Location of a vector, from its index among all items: the item, the index in the item, and the texel.
-struct Place { int item, index, texel; };
-Place place_of(int number) {
-  int low = 0, high = item_count - 1;
-  while (low < high) {
-    int middle = (low + high + 1) / 2;
-    if (whole(about(middle, PLACE).xy) <= number) low = middle; else high = middle - 1;
-  }
-  vec4 place = about(low, PLACE);
-  int index = number - whole(place.xy);
-  return Place(low, index, whole(place.zw) + index);
-}
-
+/// Decodes the positions of vectors.
+inline constexpr char kVolumeDataShader[] = R"glsl(
 vec3 position_of(int item, uvec4 code) {
   return about(item, LOWER).xyz + vec3(code.xyz & 0xFFFFFu) * about(item, STEP).xyz;
 }
@@ -174,25 +208,29 @@ vec3 shade(int item, vec3 color, vec3 seen, vec3 normal) {
     gloss += tint.rgb * (strength * shading.z * shine);
   }
   color = clamp(color * diffuse + gloss, 0.0, 1.0);
-  // VRML97 Table 4.8. Rows of the matrix; the last column has the colour. Type of fog: 1 LINEAR, 2 EXPONENTIAL.
-  vec4 fog_x = about(item, FOG), fog_y = about(item, FOG + 1), fog_z = about(item, FOG + 2);
-  float fog_type = about(item, FOG + 3).x;
-  if (fog_type == 0.0) return color;
-  seen.z += about(item, FOG + 3).y;
-  vec3 away = vec3(dot(fog_x.xyz, seen), dot(fog_y.xyz, seen), dot(fog_z.xyz, seen));
-  float ranges = min(sqrt(dot(away, away)), 1.0);
-  float interpolant = fog_type > 1.0 ? exp(-ranges / max(1.0 - ranges, 1e-6)) : 1.0 - ranges;
-  return mix(vec3(fog_x.w, fog_y.w, fog_z.w), color, interpolant);
+  return fogged(item, FOG, color, seen);
 }
 )glsl";
 
-/// Draws a rectangle for each vector that faces the viewer. `number` is the order.
+/// Writes the sort keys of vectors, after the shaders above and kSortKeysShader.
+inline constexpr char kVolumeKeysShader[] = R"glsl(
+void main() {
+  for (uint k = 0u; k < EACH; ++k) {
+    int number = number_of(k);
+    if (number < 0) return;
+    Place place = place_of(number);
+    vec3 position = position_of(place.item, texelFetch(codes, place.first + place.index));
+    write_key(k, -dot(about(place.item, ROW_Z), vec4(position, 1.0)));
+  }
+}
+)glsl";
+
+/// Draws a rectangle for each vector that faces the viewer, after kRankShader.
 inline constexpr char kVolumeVertexShader[] = R"glsl(
 uniform samplerBuffer spacings;
 uniform vec4 lens;  // xy: pixels per length 1 at depth 1; zw: size of the viewport
 uniform vec2 straight;  // position of the optical axis, in pixels from the middle
 uniform vec4 depth_range;  // near plane; clip_from_camera[2][2] and [3][2]; minimum depth of clip space
-layout(location = 0) in uint number;
 flat out vec4 color;
 out vec2 away;  // distance from the centre, in units of sqrt(A)
 
@@ -200,9 +238,9 @@ void main() {
   gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // out of view
   color = vec4(0.0);
   away = vec2(0.0);
-  Place place = place_of(int(number));
-  int item = place.item;
-  uvec4 code = texelFetch(codes, place.texel);
+  Place place = place_of(number_at(gl_InstanceID));
+  int item = place.item, texel = place.first + place.index;
+  uvec4 code = texelFetch(codes, texel);
   vec4 scale = about(item, SCALE);  // factor of lengths; minimum, full magnitude; opacity / (pi kVolumeFootprint)
   float weight = weight_of(item, code);
   if (!(weight >= scale.y)) return;
@@ -213,7 +251,7 @@ void main() {
   float alpha = min(scale.w * thickness * (weight < scale.z ? weight / scale.z : 1.0), MOST_ALPHA);
   vec3 seen = vec3(dot(about(item, ROW_X), position), dot(about(item, ROW_Y), position),
                    dot(about(item, ROW_Z), position));
-  float depth = -seen.z, spacing = texelFetch(spacings, place.texel).r * scale.x;
+  float depth = -seen.z, spacing = texelFetch(spacings, texel).r * scale.x;
   if (!(alpha >= LEAST_ALPHA && depth > depth_range.x && depth > spacing)) return;
   float near = 1.0 / depth, pixels = sqrt(lens.x * lens.y) * near;
   float area = FOOTPRINT * spacing * spacing * pixels * pixels;
@@ -240,114 +278,6 @@ out vec4 result;
 void main() {
   float alpha = color.a * exp(-dot(away, away));
   result = vec4(color.rgb * alpha, alpha);
-}
-)glsl";
-
-/// Common part of the sorting shaders. They sort by four bits at a time, lowest bits first. A group of 256 threads
-/// processes a block of 4096 entries. Where their order matters, each thread takes 16 successive entries.
-inline constexpr char kVolumeSortShader[] = R"glsl(
-layout(local_size_x = 256) in;
-uniform int total, shift, groups;
-const uint BLOCK = 4096u, THREADS = 256u, EACH = 16u;
-layout(std430, binding = 1) buffer Keys { uint keys[]; };
-layout(std430, binding = 2) buffer Values { uint values[]; };
-layout(std430, binding = 3) buffer SortedKeys { uint sorted_keys[]; };
-layout(std430, binding = 4) buffer SortedValues { uint sorted_values[]; };
-layout(std430, binding = 5) buffer Counts { uint counts[]; };  // by digit, then by block
-)glsl";
-
-/// Writes the keys and indexes of all vectors, last vector first, as in volume_sort.cpp.
-inline constexpr char kVolumeKeysShader[] = R"glsl(
-void main() {
-  for (uint k = 0u; k < EACH; ++k) {
-    uint i = gl_WorkGroupID.x * BLOCK + k * THREADS + gl_LocalInvocationID.x;
-    if (i >= uint(total)) return;
-    int number = total - 1 - int(i);
-    Place place = place_of(number);
-    vec3 position = position_of(place.item, texelFetch(codes, place.texel));
-    float depth = -dot(about(place.item, ROW_Z), vec4(position, 1.0));
-    uint bits = floatBitsToUint(depth + 0.0);
-    uint ascending = (bits >> 31) != 0u ? ~bits : bits | 0x80000000u;
-    keys[i] = (bits & 0x7FFFFFFFu) > 0x7F800000u ? 0xFFFFFFFFu : ~ascending;
-    values[i] = uint(number);
-  }
-}
-)glsl";
-
-inline constexpr char kVolumeCountShader[] = R"glsl(
-shared uint bins[16];
-void main() {
-  uint thread = gl_LocalInvocationID.x;
-  if (thread < 16u) bins[thread] = 0u;
-  barrier();
-  for (uint k = 0u; k < EACH; ++k) {
-    uint i = gl_WorkGroupID.x * BLOCK + k * THREADS + thread;
-    if (i < uint(total)) atomicAdd(bins[(keys[i] >> uint(shift)) & 15u], 1u);
-  }
-  barrier();
-  if (thread < 16u) counts[thread * uint(groups) + gl_WorkGroupID.x] = bins[thread];
-}
-)glsl";
-
-/// Computes the position of the first entry for each digit and block. Runs in one group.
-inline constexpr char kVolumeScanShader[] = R"glsl(
-shared uint sums[256];
-void main() {
-  uint thread = gl_LocalInvocationID.x, size = 16u * uint(groups), before = 0u;
-  for (uint first = 0u; first < size; first += BLOCK) {
-    uint sum = 0u;
-    uint own = first + thread * EACH;
-    for (uint k = 0u; k < EACH; ++k)
-      if (own + k < size) sum += counts[own + k];
-    sums[thread] = sum;
-    barrier();
-    for (uint step = 1u; step < THREADS; step *= 2u) {
-      uint other = thread >= step ? sums[thread - step] : 0u;
-      barrier();
-      sums[thread] += other;
-      barrier();
-    }
-    uint next = before + sums[thread] - sum;
-    for (uint k = 0u; k < EACH; ++k)
-      if (own + k < size) {
-        uint count = counts[own + k];
-        counts[own + k] = next;
-        next += count;
-      }
-    before += sums[THREADS - 1u];
-    barrier();
-  }
-}
-)glsl";
-
-inline constexpr char kVolumeScatterShader[] = R"glsl(
-shared uint ranks[16 * 256];  // position in the block of the next entry, by digit and thread
-shared uint parts[16 * 16];  // sums of 16 threads each
-void main() {
-  uint thread = gl_LocalInvocationID.x, first = gl_WorkGroupID.x * BLOCK + thread * EACH;
-  for (uint digit = 0u; digit < 16u; ++digit) ranks[digit * THREADS + thread] = 0u;
-  for (uint k = 0u; k < EACH; ++k)
-    if (first + k < uint(total)) ranks[((keys[first + k] >> uint(shift)) & 15u) * THREADS + thread] += 1u;
-  barrier();
-  uint row = (thread / 16u) * THREADS + (thread & 15u) * 16u, sum = 0u;
-  for (uint k = 0u; k < 16u; ++k) sum += ranks[row + k];
-  parts[thread] = sum;
-  barrier();
-  uint next = 0u;
-  for (uint k = thread & ~15u; k < thread; ++k) next += parts[k];
-  for (uint k = 0u; k < 16u; ++k) {
-    uint count = ranks[row + k];
-    ranks[row + k] = next;
-    next += count;
-  }
-  barrier();
-  for (uint k = 0u; k < EACH; ++k) {
-    if (first + k >= uint(total)) break;
-    uint key = keys[first + k], digit = (key >> uint(shift)) & 15u;
-    uint to = counts[digit * uint(groups) + gl_WorkGroupID.x] + ranks[digit * THREADS + thread]++;
-    sorted_keys[to] = key;
-    sorted_values[to] = values[first + k];
-  }
 }
 )glsl";
 

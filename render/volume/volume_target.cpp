@@ -14,7 +14,9 @@
 namespace gs::render {
 namespace {
 
-constexpr int kStep = 64;  // texture sizes are multiples of this
+constexpr float kNothing[4] = {0, 0, 0, 0};
+constexpr std::size_t kLeastRange = 4096;  // splats between two searches for opaque pixels
+constexpr int kStep = 64;                  // texture sizes are multiples of this
 constexpr float kSmooth = 1 / 256.0f;  // maximum relative difference of depth between samples of one surface in a pixel
 
 Program program_of(const Gl& gl, const char* defines, const char* fragment) {
@@ -112,8 +114,23 @@ bool VolumeTarget::make(int width, int height, int samples, GLenum depth_format,
          : depth_format == GL_DEPTH24_STENCIL8 ? GL_UNSIGNED_INT_24_8
                                                : GL_FLOAT);
   const bool complete = gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+  framebuffer_closing_ = {};
+  if (colored) framebuffer_closing_ = closing_for(depth_, stencil);
   if (take_errors(gl_) || !complete) framebuffer_ = {};
   return framebuffer_.name() != 0;
+}
+
+/// Makes a framebuffer with only a depth texture, for writes that depend on the colours.
+Framebuffer VolumeTarget::closing_for(const Texture& depth, bool stencil) const {
+  Framebuffer made = make_framebuffer(gl_);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, made.name());
+  const GLenum none = GL_NONE;
+  gl_.DrawBuffers(1, &none);
+  gl_.ReadBuffer(GL_NONE);
+  gl_.FramebufferTexture2D(GL_FRAMEBUFFER, stencil ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D,
+                           depth.name(), 0);
+  if (gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) return {};
+  return made;
 }
 
 bool VolumeTarget::copy_depth(const Bound& from, const TargetRectangle& r, bool colored) {
@@ -214,55 +231,200 @@ bool VolumeTarget::read_depths(const TargetRectangle& r, const Projection& proje
   return true;
 }
 
-bool VolumeTarget::begin(const TargetRectangle& rectangle) {
-  if (rectangle.width < 1 || rectangle.height < 1) return false;
-  outer_ = bound();
-  rectangle_ = rectangle;
-  GLint samples = 0;
-  gl_.GetIntegerv(GL_SAMPLES, &samples);
-  Program& program = samples > 1 ? multiple_ : single_;
-  if (!program) program = program_of(gl_, samples > 1 ? "#define SAMPLES\n" : "", kVolumeLayerFragmentShader);
-  if (!program || !copy_depth(outer_, rectangle, true)) {
-    bind(outer_);
-    gl_.Viewport(rectangle.x, rectangle.y, rectangle.width, rectangle.height);
-    gl_.Scissor(rectangle.x, rectangle.y, rectangle.width, rectangle.height);
-    return false;
-  }
-  gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
-  static constexpr float kNothing[4] = {0, 0, 0, 0};
-  gl_.ClearBufferfv(GL_COLOR, 0, kNothing);
-  return true;
+bool VolumeTarget::make_layer(int width, int height) {
+  if (layer_ && width <= layer_width_ && height <= layer_height_) return true;
+  layer_width_ = std::max(width_, width);
+  layer_height_ = std::max(height_, height);
+  take_errors(gl_);
+  layer_ = make_framebuffer(gl_);
+  layer_color_ = make_texture(gl_);
+  layer_depth_ = make_texture(gl_);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, layer_.name());
+  gl_.ActiveTexture(GL_TEXTURE0);
+  const auto attach_single = [&](const Texture& texture, GLenum attachment, GLenum internal, GLenum format,
+                                 GLenum type) {
+    gl_.BindTexture(GL_TEXTURE_2D, texture.name());
+    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+      gl_.TexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+    gl_.TexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(internal), layer_width_, layer_height_, 0, format, type,
+                   nullptr);
+    gl_.FramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture.name(), 0);
+  };
+  attach_single(layer_color_, GL_COLOR_ATTACHMENT0, GL_RGBA16, GL_RGBA, GL_UNSIGNED_SHORT);
+  attach_single(layer_depth_, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT);
+  const bool complete = gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+  layer_closing_ = closing_for(layer_depth_, false);
+  if (take_errors(gl_) || !complete) layer_ = {};
+  return layer_.name() != 0;
 }
 
-void VolumeTarget::lay_over(int sample) {
-  if (samples_ > 1) {
-    gl_.SampleMaski(0, 1u << sample);
-    gl_.Uniform1i(gl_.GetUniformLocation(multiple_.name(), "sample_number"), sample);
+bool VolumeTarget::make_programs(bool several) {
+  if (!closing_) closing_ = program_of(gl_, "", kVolumeClosingFragmentShader);
+  if (!several) {
+    if (!single_) single_ = program_of(gl_, "", kVolumeLayerFragmentShader);
+    return single_.name() != 0;
   }
+  const std::string depths = std::string(kVolumeSamplesShader) + kVolumeDepthsFragmentShader,
+                    layer = std::string(kVolumeSamplesShader) + kVolumeLayerFragmentShader;
+  if (!far_depths_) far_depths_ = program_of(gl_, "", depths.c_str());
+  if (!edge_depths_) edge_depths_ = program_of(gl_, "#define EDGES\n", depths.c_str());
+  if (!far_layer_) far_layer_ = program_of(gl_, "#define SAMPLES\n", layer.c_str());
+  if (!edge_layer_) edge_layer_ = program_of(gl_, "#define SAMPLES\n#define EDGES\n", layer.c_str());
+  if (!edges_) edges_ = make_query(gl_);
+  return far_depths_ && edge_depths_ && far_layer_ && edge_layer_;
+}
+
+/// Draws a triangle that covers the viewport. `program` reads the depths of samples (kVolumeSamplesShader), or no
+/// depth.
+void VolumeTarget::fill(const Program& program, const Projection& projection) {
+  const auto at = [&](const char* name) { return gl_.GetUniformLocation(program.name(), name); };
+  gl_.UseProgram(program.name());
+  gl_.ActiveTexture(GL_TEXTURE1);
+  gl_.BindSampler(1, 0);
+  gl_.BindTexture(target_of(samples_), depth_.name());
+  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.Uniform1i(at("depths"), 1);
+  gl_.Uniform1i(at("samples"), samples_);
+  gl_.Uniform2f(at("depth_row"), projection.depth_offset, projection.depth_scale);
+  gl_.Uniform2f(at("depth_range"), projection.nearest_depth(), projection.farthest_depth());
+  gl_.Uniform1f(at("smooth_part"), 1 - kSmooth);
+  gl_.BindVertexArray(no_attributes_.name());
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void VolumeTarget::end() {
+/// Composites a layer over the outer framebuffer. With several samples, `program` writes the depth to test.
+void VolumeTarget::composite(const Program& program, const Texture& layer, const TargetRectangle& r,
+                             const Projection& projection, float gain) {
   bind(outer_);
-  gl_.Viewport(rectangle_.x, rectangle_.y, rectangle_.width, rectangle_.height);
-  gl_.Scissor(rectangle_.x, rectangle_.y, rectangle_.width, rectangle_.height);
-  gl_.Disable(GL_DEPTH_TEST);
+  gl_.Viewport(r.x, r.y, r.width, r.height);
+  gl_.Scissor(r.x, r.y, r.width, r.height);
+  gl_.DepthMask(GL_FALSE);
   gl_.Enable(GL_BLEND);
   gl_.BlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   gl_.ActiveTexture(GL_TEXTURE0);
   gl_.BindSampler(0, 0);
-  gl_.BindTexture(target_of(samples_), color_.name());
-  const Program& program = samples_ > 1 ? multiple_ : single_;
+  gl_.BindTexture(GL_TEXTURE_2D, layer.name());
   gl_.UseProgram(program.name());
   gl_.Uniform1i(gl_.GetUniformLocation(program.name(), "layer"), 0);
-  gl_.Uniform2i(gl_.GetUniformLocation(program.name(), "origin"), rectangle_.x, rectangle_.y);
+  gl_.Uniform2i(gl_.GetUniformLocation(program.name(), "origin"), r.x, r.y);
+  gl_.Uniform1f(gl_.GetUniformLocation(program.name(), "gain"), gain);
+  fill(program, projection);
+  gl_.DepthMask(GL_TRUE);
+  gl_.Disable(GL_BLEND);
+  gl_.Disable(GL_DEPTH_TEST);
+}
+
+void VolumeTarget::begin_blending(const Projection& projection, bool near_first) {
+  gl_.Enable(GL_DEPTH_TEST);
+  gl_.DepthFunc(projection.reversed ? GL_GEQUAL : GL_LEQUAL);
+  gl_.DepthMask(GL_FALSE);
+  gl_.Disable(GL_CULL_FACE);
+  gl_.Enable(GL_BLEND);
+  if (near_first)
+    gl_.BlendFuncSeparate(GL_ONE_MINUS_DST_ALPHA, GL_ONE, GL_ONE_MINUS_DST_ALPHA, GL_ONE);
+  else
+    gl_.BlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+}
+
+/// Gives the opaque pixels of the bound layer the nearest depth, so that the depth test excludes them.
+void VolumeTarget::close_opaque(const Projection& projection) {
+  const bool several = samples_ > 1;
+  const Framebuffer& closing = several ? layer_closing_ : framebuffer_closing_;
+  if (!closing || !closing_) return;
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, closing.name());
+  gl_.Disable(GL_BLEND);
+  gl_.DepthMask(GL_TRUE);
+  gl_.DepthFunc(GL_ALWAYS);
+  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.BindSampler(0, 0);
+  gl_.BindTexture(GL_TEXTURE_2D, (several ? layer_color_ : color_).name());
+  gl_.UseProgram(closing_.name());
+  gl_.Uniform1i(gl_.GetUniformLocation(closing_.name(), "layer"), 0);
+  gl_.Uniform1f(gl_.GetUniformLocation(closing_.name(), "nearest"), projection.nearest_depth());
   gl_.BindVertexArray(no_attributes_.name());
-  if (samples_ > 1) gl_.Enable(GL_SAMPLE_MASK);
-  for (int sample = 0; sample < samples_; ++sample) lay_over(sample);
-  if (samples_ > 1) {
-    gl_.SampleMaski(0, 0xFFFFFFFFu);
-    gl_.Disable(GL_SAMPLE_MASK);
+  gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, (several ? layer_ : framebuffer_).name());
+}
+
+/// Draws all splats into the bound layer, from near to far.
+void VolumeTarget::blend_ranges(const Projection& projection, std::size_t total,
+                                const std::function<void(const SplatRange&)>& draw, float gain) {
+  // Near splats make many pixels opaque, so the first ranges are small: 4 of 1/16, 2 of 1/8, then 1/4.
+  std::size_t first = 0;
+  for (unsigned range = 0; first < total; ++range) {
+    if (range > 0) close_opaque(projection);
+    const std::size_t parts = range < 4   ? 16
+                              : range < 6 ? 8
+                                          : 4,
+                      count = std::min(total - first, std::max(kLeastRange, (total + parts - 1) / parts));
+    begin_blending(projection, true);
+    draw({first, count, true, gain});
+    first += count;
   }
+}
+
+void VolumeTarget::draw_several(const TargetRectangle& r, const Projection& projection,
+                                const std::function<void()>& blend_layer, float gain) {
+  for (const bool edges : {false, true}) {
+    gl_.BindFramebuffer(GL_FRAMEBUFFER, layer_.name());
+    gl_.Viewport(0, 0, r.width, r.height);
+    gl_.Scissor(0, 0, r.width, r.height);
+    gl_.Disable(GL_BLEND);
+    gl_.DepthMask(GL_TRUE);
+    const float nearest = projection.nearest_depth();
+    gl_.ClearBufferfv(GL_COLOR, 0, kNothing);
+    gl_.ClearBufferfv(GL_DEPTH, 0, &nearest);
+    gl_.Enable(GL_DEPTH_TEST);
+    gl_.DepthFunc(GL_ALWAYS);
+    gl_.Disable(GL_CULL_FACE);
+    if (edges) gl_.BeginQuery(GL_SAMPLES_PASSED, edges_.name());
+    fill(edges ? edge_depths_ : far_depths_, projection);
+    if (edges) {
+      gl_.EndQuery(GL_SAMPLES_PASSED);
+      gl_.BeginConditionalRender(edges_.name(), GL_QUERY_WAIT);
+    }
+    blend_layer();
+    gl_.Enable(GL_DEPTH_TEST);
+    if (edges)
+      gl_.DepthFunc(projection.reversed ? GL_LESS : GL_GREATER);
+    else
+      gl_.DepthFunc(projection.reversed ? GL_GEQUAL : GL_LEQUAL);
+    composite(edges ? edge_layer_ : far_layer_, layer_color_, r, projection, gain);
+    if (edges) gl_.EndConditionalRender();
+  }
+}
+
+bool VolumeTarget::prepare(const TargetRectangle& r, bool several) {
+  return make_programs(several) && copy_depth(outer_, r, !several) && (!several || make_layer(r.width, r.height));
+}
+
+void VolumeTarget::blend(const TargetRectangle& r, const Projection& projection, std::size_t total,
+                         const std::function<void(const SplatRange&)>& draw, float gain) {
+  if (r.width < 1 || r.height < 1) return;
+  outer_ = bound();
+  GLint samples = 0;
+  gl_.GetIntegerv(GL_SAMPLES, &samples);
+  const bool several = samples > 1, ready = prepare(r, several);
+  const auto blend_layer = [&] { blend_ranges(projection, total, draw, 1 / gain); };
+  if (ready && several) {
+    draw_several(r, projection, blend_layer, gain);
+  } else if (ready) {
+    gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+    gl_.ClearBufferfv(GL_COLOR, 0, kNothing);
+    blend_layer();
+    gl_.Disable(GL_DEPTH_TEST);
+    composite(single_, color_, r, projection, gain);
+  }
+  bind(outer_);
+  gl_.Viewport(r.x, r.y, r.width, r.height);
+  gl_.Scissor(r.x, r.y, r.width, r.height);
+  if (!ready) {
+    begin_blending(projection, false);
+    draw({0, total, false, 1});
+  }
+  gl_.DepthMask(GL_TRUE);
+  gl_.Disable(GL_DEPTH_TEST);
   gl_.Disable(GL_BLEND);
 }
 

@@ -5,6 +5,8 @@
 #include "render/volume/volume_raster.h"
 
 #include <array>
+#include <cstddef>
+#include <functional>
 #include <vector>
 
 namespace gs::render {
@@ -20,11 +22,19 @@ struct TargetDepths {
   [[nodiscard]] VolumeStops stops() const { return {near, far}; }
 };
 
-/// Render target for volumes. Copies the depth of the framebuffer that is bound for drawing. Has an image of 16 bits
-/// per channel, which is composited over that framebuffer. Runs on the thread of its context.
+/// Splats that are drawn together.
+struct SplatRange {
+  std::size_t first = 0, count = 0;  // places in the order
+  bool near_first = true;            // the order begins with the nearest splat, else with the farthest
+  float gain = 1;                    // factor of the colours
+};
+
+/// Render target for splats that are blended in the order of their depths: volumes and Gaussians. Copies the depth of
+/// the framebuffer that is bound for drawing. Its image has 16 bits per channel and one sample per pixel. Runs on the
+/// thread of its context.
 ///
-/// All functions except `begin` keep the framebuffer bindings. They change viewport and scissor, and leave depth test
-/// and blending off.
+/// All functions keep the framebuffer bindings. They change viewport and scissor, and leave depth test and blending
+/// off.
 class VolumeTarget {
  public:
   explicit VolumeTarget(const Gl& gl);
@@ -32,11 +42,17 @@ class VolumeTarget {
   /// Reads the depth of an image that was drawn with `projection`. Returns false if the context does not support this.
   bool read_depths(const TargetRectangle& rectangle, const Projection& projection, TargetDepths& depths);
 
-  /// Binds a framebuffer with the same number of samples. Its origin has the rectangle's depth; its colour is empty. On
-  /// failure, returns false and keeps the previous framebuffer.
-  bool begin(const TargetRectangle& rectangle);
-  /// Composites the premultiplied image that was drawn after `begin` over the rectangle of the previous framebuffer.
-  void end();
+  /// Blends `total` splats of premultiplied colours over the rectangle of the framebuffer, behind its depths. Calls
+  /// `draw` for ranges of splats, in the order of their distances. Draws into a layer, from near to far, and composites
+  /// it. Between two ranges, excludes the pixels that are opaque. `gain` multiplies the colours of the layer.
+  ///
+  /// With multisampling, the layer has the depth of the farthest sample of each pixel. If the samples of some pixels
+  /// belong to different surfaces, draws again for these pixels, with the depths of their nearest samples. The result
+  /// then covers the samples that are nearer than the middle of both depths, as in VolumeOverlay.
+  ///
+  /// If the context does not support layers, draws all splats from far to near, without gain.
+  void blend(const TargetRectangle& rectangle, const Projection& projection, std::size_t total,
+             const std::function<void(const SplatRange&)>& draw, float gain = 1);
 
  private:
   struct Bound {
@@ -51,21 +67,37 @@ class VolumeTarget {
   bool copy_depth(const Bound& from, const TargetRectangle& rectangle, bool colored);
   bool read_samples(const TargetRectangle& rectangle, std::vector<float>& both);
   void attach(const Texture& texture, GLenum attachment, GLenum internal, GLenum format, GLenum type);
-  void lay_over(int sample);
+  bool make_layer(int width, int height);
+  bool make_programs(bool several);
+  bool prepare(const TargetRectangle& rectangle, bool several);
+  Framebuffer closing_for(const Texture& depth, bool stencil) const;
+  void begin_blending(const Projection& projection, bool near_first);
+  void blend_ranges(const Projection& projection, std::size_t total, const std::function<void(const SplatRange&)>& draw,
+                    float gain);
+  void close_opaque(const Projection& projection);
+  void draw_several(const TargetRectangle& rectangle, const Projection& projection,
+                    const std::function<void()>& blend_layer, float gain);
+  void fill(const Program& program, const Projection& projection);
+  void composite(const Program& program, const Texture& layer, const TargetRectangle& rectangle,
+                 const Projection& projection, float gain);
 
   const Gl& gl_;
   VertexArray no_attributes_;
-  Program single_, multiple_, extremes_;
+  Program single_, extremes_, closing_;
+  Program far_depths_, edge_depths_, far_layer_, edge_layer_;  // for pixels with several samples
+  Query edges_;
   int width_ = 0, height_ = 0, samples_ = 0;  // size of the textures; `samples_` is 1 without multisampling
   GLenum depth_format_ = 0;
   bool colored_ = false;
   Texture color_, depth_;
-  Framebuffer framebuffer_;
-  Texture extreme_depths_;  // minimum and maximum of the samples of each pixel
+  Framebuffer framebuffer_, framebuffer_closing_;  // the second has only the depth
+  Texture extreme_depths_;                         // minimum and maximum of the samples of each pixel
   Framebuffer extremes_framebuffer_;
   int extremes_width_ = 0, extremes_height_ = 0;
+  Texture layer_color_, layer_depth_;  // one sample per pixel
+  Framebuffer layer_, layer_closing_;
+  int layer_width_ = 0, layer_height_ = 0;
   Bound outer_;
-  TargetRectangle rectangle_;
 };
 
 }  // namespace gs::render

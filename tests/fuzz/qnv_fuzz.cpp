@@ -4,8 +4,10 @@
 #include "qnv/codecs/displaced/tessellation/patch_mesh.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/outlines/outline_stream.h"
+#include "qnv/codecs/values/bricks/brick_volume.h"
 #include "qnv/reader/loss.h"
 #include "qnv/reader/stream_decoder.h"
+#include "qnv/sampling/volume/volume_values.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/stream_bytes.h"
 
@@ -36,6 +38,16 @@ void check_sound(const Geometry& geometry) {
   require(vectors.cells.empty() || vectors.cells.size() == vectors.size());
   for (const float weight : vectors.weights) require(weight > 0 && std::isfinite(weight));
   for (const glm::vec3& p : vectors.positions) require(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+  if (const auto* splats = geometry.as<Gaussians>()) {
+    const std::size_t n = splats->size();
+    require(splats->scales.size() == n && splats->rotations.size() == n && splats->opacities.size() == n);
+    require(splats->bases.size() == n && splats->harmonics.size() == n * harmonic_count(splats->degree));
+    for (const glm::vec4& q : splats->rotations)
+      require(std::abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1) < 1e-3f);
+    for (const glm::vec3& s : splats->scales) require(s.x >= s.y && s.y >= s.z && s.z >= 0 && std::isfinite(s.x));
+    for (const glm::vec3& c : splats->bases) require(std::isfinite(c.x + c.y + c.z));
+    for (const float opacity : splats->opacities) require(opacity > 0 && opacity <= 1);
+  }
   const auto* mesh = geometry.as<IndexedMesh>();
   if (!mesh) return;
   require(mesh->triangles.size() % 3 == 0);
@@ -195,10 +207,55 @@ bool run_drawn(std::span<const std::byte> bytes) {
   return patches;
 }
 
+/// Draws a volume in bricks in near and far views.
+bool look_at(BrickVolume& bricks) {
+  LodView view;
+  view.pixels = 1e4f;
+  bool pending = false, any = false;
+  for (const float away : {0.0f, 30.0f, 1000.0f}) {
+    view.eye = {away, away / 2, away};
+    const auto volume = bricks.cut(view, pending);
+    check_sound(Volume(*volume));
+    for (const ValueBrick& brick : volume->values ? volume->values->bricks : std::vector<ValueBrick>())
+      require(brick.samples->size() == std::size_t{brick.size[0]} * brick.size[1] * brick.size[2]);
+    for (const ChunkRange& range : bricks.wanted()) require(range.bytes >= kChunkHeaderBytes);
+    any = any || bricks.statistics().shown > 0;
+  }
+  return any;
+}
+
+/// Fuzzes volumes in bricks: in a file, and growing with some of the chunks.
+bool run_bricks(std::span<const std::byte> bytes) {
+  BrickLimits limits;
+  limits.brick_bytes = std::size_t{4} << 20;
+  limits.arrived_bytes = std::size_t{8} << 10;
+  limits.base_vectors = 512;
+  const std::vector<std::uint8_t> mended = with_checksums(bytes);
+  const std::span<const std::byte> sound = std::as_bytes(std::span(mended));
+  bool taken = false;
+  auto opened = BrickVolume::open(memory_source(std::vector(sound.begin(), sound.end())), limits);
+  if (const auto* bricks = std::get_if<std::shared_ptr<BrickVolume>>(&opened)) taken = look_at(**bricks);
+  auto begun = BrickVolume::begin(sound.first(sound.size() / 2), limits);
+  const auto* bricks = std::get_if<std::shared_ptr<BrickVolume>>(&begun);
+  if (!bricks) return taken;
+  const std::uint64_t directory = (*bricks)->directory();
+  if (directory < sound.size()) (void)(*bricks)->set_directory(sound.subspan(static_cast<std::size_t>(directory)));
+  (void)look_at(**bricks);
+  for (const ChunkRange& range : (*bricks)->wanted())
+    if (range.offset < sound.size() && range.bytes <= sound.size() - range.offset)
+      (void)(*bricks)->add(range.offset, sound.subspan(static_cast<std::size_t>(range.offset),
+                                                       static_cast<std::size_t>(range.bytes)));
+  (void)look_at(**bricks);
+  return taken;
+}
+
 }  // namespace
 
 std::vector<FuzzTarget> fuzz_targets() {
-  return {{"streams", run_stream, 16384}, {"levels", run_levels, 16384}, {"drawn", run_drawn, 16384}};
+  return {{"streams", run_stream, 16384},
+          {"levels", run_levels, 16384},
+          {"drawn", run_drawn, 16384},
+          {"bricks", run_bricks, 16384}};
 }
 
 }  // namespace gs::fuzz

@@ -251,7 +251,8 @@ TEST_CASE("draws streams by budget and detail, and reports pending data") {
   CHECK(drawing.statistics.pending);
   for (int frame = 0; frame < 200 && drawing.statistics.pending; ++frame) (void)drawing.draw(list, camera);
   CHECK(!drawing.statistics.pending);
-  CHECK(drawing.statistics.vectors == all);
+  // OpenGL estimates the splats in view.
+  CHECK(static_cast<double>(drawing.statistics.vectors) == Approx(static_cast<double>(all)).epsilon(0.01));
 }
 
 TEST_CASE("draws colours that distinguish vectors with any material") {

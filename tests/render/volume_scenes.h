@@ -101,7 +101,7 @@ inline double psnr_of(const Pixels& a, const Pixels& b) {
 /// Framebuffer with known colour and depth, and a pass that draws volumes into it. The camera is at z = 3.
 class VolumePicture : NonCopyable {
  public:
-  explicit VolumePicture(render::VolumeSort sort = render::VolumeSort::automatic, int width = 80, int height = 60,
+  explicit VolumePicture(render::SortMethod sort = render::SortMethod::automatic, int width = 80, int height = 60,
                          int samples = 1, GLenum depth_format = GL_DEPTH_COMPONENT24)
       : width_(width), height_(height), samples_(samples), depth_format_(depth_format) {
     auto opened = render::open_headless_context("auto");

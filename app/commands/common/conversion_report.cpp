@@ -54,9 +54,12 @@ StreamContents contents_of(const qnv::EncodedStream& stream, const OpenedInput& 
     contents.geometry = "records of " + vectors;
   else if (payload == "displaced" || payload == "progressive")
     contents.geometry = std::string(payload) + " mesh";
+  else if (payload == "gaussians")
+    contents.geometry = counted(stream.header.vectors, "Gaussian", "Gaussians");
   else
     contents.geometry = "octree of " + vectors;
-  if (payload == "records" || voxels) return contents;
+  contents.gaussians = payload == "gaussians";
+  if (payload == "records" || contents.gaussians || voxels) return contents;
   // The mesh and the texture may be in pieces with parity, so only a decoder finds them.
   qnv::StreamDecoder decoder;
   (void)decoder.push(stream.bytes);
@@ -81,7 +84,10 @@ std::vector<std::string> lost_in_stream(const OpenedInput& input, const StreamCo
   std::vector<std::string> losses;
   const auto* world = std::get_if<std::unique_ptr<OpenedSurface>>(&input.content);
   const auto* mesh = std::get_if<MeshSurface>(&input.content);
-  if (const auto* geometry = std::get_if<qnv::Geometry>(&input.content); geometry && geometry->as<qnv::Gaussians>())
+  const auto* geometry = std::get_if<qnv::Geometry>(&input.content);
+  if (contents.gaussians)
+    losses.push_back("positions, shapes, opacities and colours of splats are rounded; info names the errors");
+  else if (geometry && geometry->as<qnv::Gaussians>())
     for (const auto& [key, value] : geometry->description().metadata)
       if (key == kSplatsAsDiscs) losses.push_back("splats become " + value);
   if (world) {

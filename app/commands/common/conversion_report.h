@@ -21,6 +21,7 @@ struct StreamContents {
   std::string geometry;  // "displaced mesh", "octree of 3,000 splats"
   bool texture = false;
   bool mesh_at_end = false;  // ends with the original mesh
+  bool gaussians = false;    // keeps opacities and shapes of splats
 
   /// Returns the description: "displaced mesh, texture, original mesh at the end".
   [[nodiscard]] std::string text() const;

@@ -52,7 +52,7 @@ struct UpOption {
 };
 
 /// Encoding of a stream in the words of users (`--method`).
-enum class EncodeMethod : std::uint8_t { automatic, displaced, octree, records, outlines, values };
+enum class EncodeMethod : std::uint8_t { automatic, displaced, octree, records, outlines, values, gaussians };
 
 /// Options of commands that convert an input to vectors.
 struct ConversionOptions : InputOptions, UpOption {

@@ -16,6 +16,7 @@
 #include "net/base/url.h"
 #include "net/files/file.h"
 #include "qnv/codecs/encode.h"
+#include "qnv/codecs/gaussians/splat_code.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/values/decode/values_slices.h"
 #include "qnv/reader/decode_stream.h"
@@ -198,7 +199,23 @@ std::optional<qnv::Payload> requested_payload(const ConversionOptions& options) 
   if (options.method == EncodeMethod::records) return qnv::Payload::records;
   if (options.method == EncodeMethod::octree) return qnv::Payload::packed;
   if (options.method == EncodeMethod::displaced) return qnv::Payload::displaced;
+  if (options.method == EncodeMethod::gaussians) return qnv::Payload::gaussians;
   return std::nullopt;
+}
+
+// Returns the steps of Gaussians (qnv::EncodeOptions::splat_steps) for the requested error.
+std::variant<int, EncodeError> splat_steps(const ConversionOptions& options, bool gaussians) {
+  const qnv::ValueTolerance& tolerance = options.value_tolerance;
+  if (!tolerance.error && !tolerance.lossless) return 0;
+  if (!gaussians) return EncodeError{"--error and --lossless apply to volumes and Gaussians only; leave them out"};
+  if (tolerance.lossless)
+    return EncodeError{"--lossless applies to volumes only; splats are rounded; expected --error, as in --error 1%"};
+  if (!tolerance.of_range || !(*tolerance.error > 0))
+    return EncodeError{"--error of splats is a share of their deviations; expected a percentage above 0, as in 2%"};
+  constexpr int kMost = qnv::GaussianCoding::kMostSteps;
+  // Rounds to finer steps.
+  const double steps = 8 * std::log2(*tolerance.error / qnv::gaussians::splat_errors().place[0]);
+  return static_cast<int>(std::floor(std::clamp(steps + 1e-9, double{-kMost}, double{kMost})));
 }
 
 std::variant<qnv::EncodedStream, EncodeError> encode(const qnv::EncodeSource& source, qnv::EncodeRequest request,
@@ -354,6 +371,9 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
   if (options.isovalue && !values_of(input)) return not_a_volume(path);
   if (options.method == EncodeMethod::values && !std::holds_alternative<qnv::VolumeSource>(input.content))
     return EncodeError{"--method values applies to volumes only; leave it out"};
+  const auto* const splats = std::get_if<qnv::Geometry>(&input.content);
+  if (options.method == EncodeMethod::gaussians && !(splats && splats->as<qnv::Gaussians>()))
+    return EncodeError{"--method gaussians applies to Gaussian splats only; leave it out"};
   if (const auto surface = input_surface(input, options.isovalue, progress)) {
     if (options.isovalue && options.fraction > 0)
       return EncodeError{"--fraction counts the voxels of a volume; use --vectors with --isovalue"};
@@ -371,7 +391,13 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
     encode_options.metadata = metadata_of(options, input, path, geometry->description().metadata);
     const qnv::VectorView vectors(*geometry);
     if (options.fraction > 0) encode_options.vectors = part_of(options.fraction, vectors.size());
-    return encode(vectors, {requested_payload(options), std::move(encode_options)}, progress);
+    const auto* gaussians = geometry->as<qnv::Gaussians>();
+    const auto steps = splat_steps(options, gaussians != nullptr);
+    if (const auto* problem = std::get_if<EncodeError>(&steps)) return *problem;
+    encode_options.splat_steps = std::get<int>(steps);
+    const qnv::EncodeRequest request{requested_payload(options), std::move(encode_options)};
+    if (gaussians) return encode(std::cref(*gaussians), request, progress);
+    return encode(vectors, request, progress);
   }
   const auto& volume = std::get<qnv::VolumeSource>(input.content);
   const bool selects_gradients = options.vectors > 0 || options.fraction > 0;

@@ -6,6 +6,8 @@
 #include "app/commands/common/shared.h"
 #include "app/commands/open.h"
 #include "app/commands/options/options.h"
+#include "app/confined/decoder_child.h"
+#include "app/confined/image_decoding.h"
 #include "app/formats/content_types.h"
 #include "app/script/script_runner.h"
 #include "app/settings/user_settings.h"
@@ -146,8 +148,10 @@ int run_command(const CommandRow& command, CommandOptions& options) {
   remove_abandoned_files();
   for (const std::string& file : written_files(command, options)) remove_unfinished_beside(file);
   if (const auto problem = take_standard_input(command, options)) return fail(*problem);
-  if (const auto* loading = dynamic_cast<const LoadingOptions*>(&options); loading && !loading->confine.empty())
+  if (const auto* loading = dynamic_cast<const LoadingOptions*>(&options); loading && !loading->confine.empty()) {
+    set_decoder_program({});  // this process is confined itself, and can start no other
     if (const auto problem = confine({loading->confine, folder_of(output_of(command, options))})) return fail(*problem);
+  }
   return command.calls.run(options);
 }
 
@@ -259,6 +263,8 @@ int run_man(const CommandOptions&) {
 }
 
 int run_command_line(int count, char** arguments) {
+  if (count == 3 && arguments[1] == kDecoderArgument) run_decoder_child(arguments[2]);
+  set_decoder_program("/proc/self/exe");
   prepare_console();
   // Without the signal, writing beyond the file size limit fails like writing to a full disk.
   std::signal(SIGXFSZ, SIG_IGN);

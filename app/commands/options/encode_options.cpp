@@ -31,15 +31,15 @@ struct MethodName {
   EncodeMethod method;
 };
 constexpr MethodName kMethods[] = {
-    {"auto", EncodeMethod::automatic},  {"displaced", EncodeMethod::displaced}, {"octree", EncodeMethod::octree},
-    {"records", EncodeMethod::records}, {"outlines", EncodeMethod::outlines},   {"values", EncodeMethod::values},
-    {"packed", EncodeMethod::octree},
+    {"auto", EncodeMethod::automatic},      {"displaced", EncodeMethod::displaced}, {"octree", EncodeMethod::octree},
+    {"records", EncodeMethod::records},     {"outlines", EncodeMethod::outlines},   {"values", EncodeMethod::values},
+    {"gaussians", EncodeMethod::gaussians}, {"packed", EncodeMethod::octree},
 };
 
 Problem set_method_by_name(ConversionOptions& options, const std::string& value) {
   for (const MethodName& row : kMethods)
     if (row.name == value) return set_method(options, row.method);
-  return "expected auto, displaced, octree, records, outlines or values";
+  return "expected auto, displaced, octree, records, outlines, values or gaussians";
 }
 
 template <EncodeMethod method>
@@ -180,7 +180,8 @@ constexpr OptionRow kEncodeOptions[] = {
      "open animate encode export ", set_any_isovalue},
     {"--error", "SIZE", "1/8192 of the range",
      "maximum error of each voxel of a volume: in the unit of the values (12), or as a percentage of their range "
-     "(0.1%)",
+     "(0.1%). Of Gaussian splats: of the positions of large splats, as a percentage of their deviations (usually 5%); "
+     "shapes and colours follow",
      "encode ", with<set_error>},
     {"--lossless", "", "", "values of a volume: restore the stored voxels bit for bit; float64 is stored as float32",
      "encode ", with<set_lossless>},
@@ -188,11 +189,12 @@ constexpr OptionRow kEncodeOptions[] = {
      "add parity that restores this share of lost chunks (0 to 0.5, or 30%); 0 adds none. 10% takes a third more "
      "bytes, 30% twice the bytes. The default protects the coarse part of a volume with 3% of the bytes",
      "encode ", with<set_parity>},
-    {"--method", "auto|displaced|octree|records|outlines|values", "auto",
+    {"--method", "auto|displaced|octree|records|outlines|values|gaussians", "auto",
      "encode a base mesh with displacements (displaced, usual for smooth surfaces), an octree of splats (octree, usual "
      "for surfaces of many small parts, and for points in a quarter of the bytes), records of 8 bytes (records, usual "
-     "for splats and points), outline groups with their outlines first (outlines; OUT may be .wrl, .wrz or .qnv), or "
-     "the values of a volume (values, usual for volumes unless --vectors or --fraction selects gradients)",
+     "for points), outline groups with their outlines first (outlines; OUT may be .wrl, .wrz or .qnv), or "
+     "the values of a volume (values, usual for volumes unless --vectors or --fraction selects gradients), or Gaussian "
+     "splats with opacities and harmonics (gaussians, usual for files of splats)",
      "encode ", with<set_method_by_name>},
     {"--keep-mesh", "none|exact|BITS", "for up to 300,000 triangles",
      "end the stream of a surface with its original mesh, which export writes. Vertices have 2^BITS positions along "

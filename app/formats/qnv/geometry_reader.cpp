@@ -40,6 +40,7 @@ class GeometryFileReader {
       : file_(file), diagnostics_(diagnostics), limit_(limit), budget_(budget) {}
 
   std::optional<qnv::Geometry> levels(qnv::LodStream::Opened opened);
+  std::optional<qnv::Geometry> bricks(const std::shared_ptr<const qnv::ChunkSource>& source);
   std::optional<qnv::Geometry> stream();
   std::optional<qnv::Geometry> splats(const ContentType& type);
   std::optional<qnv::Geometry> volume(const ContentType& type);
@@ -80,13 +81,31 @@ std::optional<qnv::Geometry> GeometryFileReader::levels(qnv::LodStream::Opened o
   return qnv::OctreeSplats(stream);
 }
 
+// Keeps a volume that is larger than memory in its file. Views decode the visible parts.
+std::optional<qnv::Geometry> GeometryFileReader::bricks(const std::shared_ptr<const qnv::ChunkSource>& source) {
+  std::size_t header_bytes = 0;
+  const auto header = qnv::read_stream_header(*source, header_bytes);
+  const auto* const known = std::get_if<qnv::StreamHeader>(&header);
+  if (!known || !qnv::BrickVolume::suits(*known, most_decoded_vectors(*budget_))) return std::nullopt;
+  BrickShare share(budget_, false);
+  auto opened = qnv::BrickVolume::open(source, share.limits, [&] { return limit_.over(); });
+  if (const auto* const problem = std::get_if<qnv::StreamProblem>(&opened)) {
+    report(Severity::error, "byte " + std::to_string(problem->offset) + ": " + problem->message);
+    return std::nullopt;
+  }
+  return volume_of(hold_bricks(std::move(std::get<0>(opened)), std::move(share)));
+}
+
 std::optional<qnv::Geometry> GeometryFileReader::stream() {
   const bool as_it_lies = !file_.cut && !(file_.loss > 0) && file_.bytes.size() >= net::MappedFile::kMappedSize;
   if (as_it_lies && qnv::is_stream(file_.bytes)) {
     const auto source = stream_source(file_.path);
     // The path may refer to another file by now. Compare the sizes.
-    if (source && source->size() == file_.bytes.size())
+    if (source && source->size() == file_.bytes.size()) {
+      if (file_.to_draw)
+        if (auto geometry = bricks(source)) return geometry;
       if (auto geometry = levels(qnv::LodStream::open(source))) return geometry;
+    }
   }
   if (!is_gzip(file_.bytes)) {
     std::vector<std::byte> bytes = file_.loss > 0 ? qnv::drop_packets(file_.bytes, file_.loss, file_.loss_seed)
@@ -227,6 +246,35 @@ std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stre
   }
   held->stream->set_limits(limits);
   return {held, held->stream.get()};
+}
+
+BrickShare::BrickShare(const WorldBudget& budget, bool grows)
+    : bricks(budget, Resource::vectors), arrived(budget, Resource::files) {
+  // Parts of the remaining budget: bricks, and the level that is decoded as a whole.
+  constexpr std::uint64_t kBrickPart = 7, kBasePart = 8, kArrivedPart = 8;
+  constexpr std::uint64_t kLeast = std::uint64_t{8} << 20;
+  const std::uint64_t left = budget->left(Resource::vectors);
+  limits.base_vectors = std::min(limits.base_vectors, static_cast<std::size_t>(left / kBasePart / kDecodedBytes));
+  (void)bricks.grow(left / kBrickPart + limits.base_vectors * kDecodedBytes);
+  limits.brick_bytes = static_cast<std::size_t>(std::max(left / kBrickPart, kLeast));
+  if (grows) (void)arrived.grow(budget->left(Resource::files) / kArrivedPart);
+  limits.arrived_bytes = static_cast<std::size_t>(std::max(arrived.amount(), kLeast));
+}
+
+std::shared_ptr<qnv::BrickVolume> hold_bricks(std::shared_ptr<qnv::BrickVolume> volume, BrickShare share) {
+  struct Held {
+    std::shared_ptr<qnv::BrickVolume> volume;
+    BrickShare share;
+  };
+  auto held = std::make_shared<Held>(Held{std::move(volume), std::move(share)});
+  return {held, held->volume.get()};
+}
+
+qnv::Volume volume_of(const std::shared_ptr<qnv::BrickVolume>& bricks) {
+  qnv::Volume volume = *bricks->latest();
+  volume.detail = bricks;
+  volume.requests = bricks;
+  return volume;
 }
 
 bool has_room_for(const qnv::Geometry& geometry, const Budget& budget) {

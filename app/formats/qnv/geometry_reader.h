@@ -9,6 +9,7 @@
 #include "qnv/base/geometry.h"
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/octree/lod/lod_source.h"
+#include "qnv/codecs/values/bricks/brick_volume.h"
 #include "qnv/sampling/volume/volume.h"
 #include "vrml/scene/scene_graph.h"
 #include "vrml/scene/values/field_value.h"
@@ -61,6 +62,18 @@ inline constexpr std::uint64_t kDecodedBytes = 128;
 /// the stream and its share. `grows` means that the stream keeps received chunks.
 [[nodiscard]] std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stream,
                                                           const WorldBudget& budget, bool grows);
+
+/// Charges `budget` for the bricks and received chunks of a volume that is larger than memory. The result owns the
+/// share.
+struct BrickShare {
+  BrickShare(const WorldBudget& budget, bool grows);
+  Share bricks, arrived;
+  qnv::BrickLimits limits;
+};
+/// Returns the volume, which keeps its share.
+[[nodiscard]] std::shared_ptr<qnv::BrickVolume> hold_bricks(std::shared_ptr<qnv::BrickVolume> volume, BrickShare share);
+/// Returns a volume with the vectors that its bricks have now, and requests of views for more.
+[[nodiscard]] qnv::Volume volume_of(const std::shared_ptr<qnv::BrickVolume>& bricks);
 
 /// Opens a stream file for reading. The result may be used by any number of threads. Returns null if the file cannot be
 /// opened.

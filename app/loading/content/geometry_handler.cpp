@@ -1,6 +1,7 @@
 #include "app/loading/content/geometry_handler.h"
 
 #include "app/base/temporary_file.h"
+#include "net/limits/clock.h"
 #include "qnv/codecs/octree/lod/lod_source.h"
 #include "qnv/codecs/payloads.h"
 #include "qnv/reader/directory_requests.h"
@@ -122,6 +123,16 @@ void GeometryHandler::choose_way() {
       return;
     }
   }
+  if (qnv::BrickVolume::suits(known, most_decoded_vectors(*loading_.budget))) {
+    BrickShare share(loading_.budget, true);
+    auto begun = qnv::BrickVolume::begin(bytes_, share.limits);
+    if (auto* const volume = std::get_if<0>(&begun)) {
+      way_ = Way::pushed;
+      start_bricks(hold_bricks(std::move(*volume), std::move(share)));
+      bytes_ = {};
+      return;
+    }
+  }
   start_decoder(known);
 }
 
@@ -145,6 +156,11 @@ void GeometryHandler::start_levels(std::shared_ptr<qnv::LodStream> stream) {
   show_(std::make_shared<const qnv::Geometry>(qnv::OctreeSplats(std::move(stream))));
 }
 
+void GeometryHandler::start_bricks(const std::shared_ptr<qnv::BrickVolume>& volume) {
+  add_feed(std::make_shared<StreamFeed>(volume, [waker = loading_.waker] { waker->wake(); }));
+  show_(std::make_shared<const qnv::Geometry>(volume_of(volume)));
+}
+
 // Shows newly decoded vectors, unless they exceed the memory budget.
 void GeometryHandler::show_more() {
   if (count_decoded() && !decoder_->full()) return show_records(false);
@@ -152,22 +168,25 @@ void GeometryHandler::show_more() {
   give_up(Resource::vectors);
 }
 
-// Shows the vectors again after their number or their revision has grown by a quarter. Each time costs linear work. The
-// revision also grows when the vectors of a surface only move.
+// Shows the vectors again when they are due, because each time costs linear work, and when their number or their revision
+// has grown by a quarter. The revision also grows when the vectors of a surface only move.
 void GeometryHandler::show_records(bool last) {
   // Counting the vectors of a mesh needs the mesh, so only its revision is compared.
   const bool mesh = decoder_->mesh().shown();
   const std::size_t vectors = mesh ? shown_ + 1 : decoder_->vectors();
   const std::uint64_t revision = decoder_->revision();
+  const net::Instant began = net::clock_now();
   const bool more = vectors >= shown_ + shown_ / 4 + 1000, finer = revision > shown_revision_ + shown_revision_ / 4;
   const bool exact = decoder_->mesh().final && !shown_exact_;
-  if (vectors == 0 || revision == shown_revision_ || (!last && !more && !finer && !exact)) return;
+  if (vectors == 0 || revision == shown_revision_ || (!last && !more && !finer && !exact && !pace_.due(began)))
+    return;
   shown_exact_ = decoder_->mesh().final;
   shown_ = vectors;
   shown_revision_ = revision;
   qnv::Geometry geometry = loading_.options.whole_surfaces ? decoder_->geometry() : decoder_->geometry_to_draw();
   if (feed_ && !last) geometry.base().requests = feed_->requests();
   show_(std::make_shared<const qnv::Geometry>(std::move(geometry)));
+  pace_.made(began, net::clock_now());
 }
 
 void GeometryHandler::end(const std::optional<std::string>& problem) {

@@ -2,6 +2,7 @@
 
 #include "app/formats/qnv/geometry_reader.h"
 #include "app/loading/content/resource_handler.h"
+#include "app/streams/show_pace.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -43,6 +44,7 @@ class GeometryHandler final : public ResourceHandler {
   enum class Way : std::uint8_t { unknown, pushed, decoded, whole, done };
   void choose_way();
   void start_levels(std::shared_ptr<qnv::LodStream> stream);
+  void start_bricks(const std::shared_ptr<qnv::BrickVolume>& volume);
   void start_decoder(const qnv::StreamHeader& header);
   void end_requests();
   void add_feed(std::shared_ptr<StreamFeed> feed);
@@ -64,6 +66,7 @@ class GeometryHandler final : public ResourceHandler {
   std::unique_ptr<qnv::StreamDecoder> decoder_;
   std::size_t shown_ = 0;
   std::uint64_t shown_revision_ = 0;
+  ShowPace pace_;
   bool shown_exact_ = false;  // the exact mesh in the tail of the stream is shown
   bool by_chunks_ = false;    // chunks were received in any order
   std::size_t damaged_chunks_ = 0;

@@ -1,4 +1,5 @@
 #include "app/script/bounds/bounded_natives.h"
+#include "app/script/bounds/contained.h"
 
 #include <js/Array.h>
 #include <js/CallAndConstruct.h>
@@ -19,8 +20,8 @@ namespace {
 
 // Each limit keeps a call below about 0.3 s of processor time.
 constexpr std::size_t kMaxComparisons = std::size_t{1} << 28;  // length of a text times length of the searched text
-constexpr std::size_t kMaxPattern = std::size_t{1} << 14;  // max characters of a regular expression
-constexpr std::size_t kMaxCased = std::size_t{1} << 22;  // max characters of a text to convert to another case
+constexpr std::size_t kMaxPattern = std::size_t{1} << 14;      // max characters of a regular expression
+constexpr std::size_t kMaxCased = std::size_t{1} << 22;        // max characters of a text to convert to another case
 constexpr std::size_t kMaxNormalized = std::size_t{1} << 21, kMaxCollated = std::size_t{1} << 20;
 constexpr std::size_t kMaxReordered = std::size_t{1} << 30;  // max sum of squared lengths of runs of combining marks
 // Max characters of a pattern with the flag u, and with the flags u and i. The limits are low because Unicode sets are
@@ -394,7 +395,8 @@ bool bound_constructor(JSContext* context, JS::HandleObject global) {
       !JS_GetProperty(context, prototype, "constructor", &original))
     return false;
   before = original.isObject() ? &original.toObject() : nullptr;
-  JS::RootedObject made(context, replacement(context, construct_pattern, original, JSFUN_CONSTRUCTOR, "RegExp"));
+  JS::RootedObject made(context,
+                        replacement(context, contained<construct_pattern>, original, JSFUN_CONSTRUCTOR, "RegExp"));
   if (!made || !JS_LinkConstructorAndPrototype(context, made, prototype)) return false;
   JS::RootedIdVector names(context);
   if (!js::GetPropertyKeys(context, before, JSITER_OWNONLY | JSITER_HIDDEN | JSITER_SYMBOLS, &names)) return false;
@@ -429,7 +431,7 @@ bool bound_natives(JSContext* context, JS::HandleObject global) {
     else if (!name || !JS_StringToId(context, name, &id))
       return false;
     if (!JS_GetPropertyById(context, holder, id, &original)) return false;
-    JS::RootedObject made(context, replacement(context, call_bounded, original, 0, bounded.name));
+    JS::RootedObject made(context, replacement(context, contained<call_bounded>, original, 0, bounded.name));
     if (!made) return false;
     js::SetFunctionNativeReserved(made, kIndexSlot, JS::Int32Value(static_cast<std::int32_t>(i)));
     if (!JS_DefinePropertyById(context, holder, id, made, 0)) return false;

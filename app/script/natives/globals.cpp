@@ -1,4 +1,5 @@
 #include "app/script/bounds/bounded_natives.h"
+#include "app/script/bounds/contained.h"
 #include "app/script/natives.h"
 #include "app/script/script_world.h"
 
@@ -72,9 +73,9 @@ bool set_undeclared(JSContext* context, unsigned argc, JS::Value* vp) {
 }
 
 bool define_undeclared(JSContext* context, JS::HandleObject global, JS::HandleId id) {
-  JSFunction* const get = js::NewFunctionWithReserved(context, get_undeclared, 0, 0, nullptr);
+  JSFunction* const get = js::NewFunctionWithReserved(context, contained<get_undeclared>, 0, 0, nullptr);
   JS::RootedObject getter(context, get ? JS_GetFunctionObject(get) : nullptr);
-  JSFunction* const set = js::NewFunctionWithReserved(context, set_undeclared, 1, 0, nullptr);
+  JSFunction* const set = js::NewFunctionWithReserved(context, contained<set_undeclared>, 1, 0, nullptr);
   JS::RootedObject setter(context, set ? JS_GetFunctionObject(set) : nullptr);
   if (!getter || !setter) return false;
   js::SetFunctionNativeReserved(getter, 0, JS::StringValue(id.toString()));
@@ -127,7 +128,7 @@ bool resolve(JSContext* context, JS::HandleObject global, JS::HandleId id, bool*
   return define_undeclared(context, global, id);
 }
 
-const JSClassOps kGlobalOps = {nullptr, nullptr, nullptr, JS_NewEnumerateStandardClasses, resolve, nullptr,
+const JSClassOps kGlobalOps = {nullptr, nullptr, nullptr, JS_NewEnumerateStandardClasses, contained<resolve>, nullptr,
                                nullptr, nullptr, nullptr, JS_GlobalObjectTraceHook};
 const JSClass kGlobalClass = {"global", JSCLASS_GLOBAL_FLAGS, &kGlobalOps, nullptr, nullptr, nullptr};
 
@@ -302,9 +303,9 @@ bool make_global(JSContext* context, vrml::Execution& execution, Program& progra
     program.names[place] = id;
     if (declaration.access == vrml::AccessType::eventIn) continue;
     if (is_own_field_of_script(program, declaration)) continue;
-    JSFunction* const get = js::NewFunctionWithReserved(context, get_own, 0, 0, nullptr);
+    JSFunction* const get = js::NewFunctionWithReserved(context, contained<get_own>, 0, 0, nullptr);
     JS::RootedObject getter(context, get ? JS_GetFunctionObject(get) : nullptr);
-    JSFunction* const set = js::NewFunctionWithReserved(context, set_own_native, 1, 0, nullptr);
+    JSFunction* const set = js::NewFunctionWithReserved(context, contained<set_own_native>, 1, 0, nullptr);
     JS::RootedObject setter(context, set ? JS_GetFunctionObject(set) : nullptr);
     if (!getter || !setter) return false;
     js::SetFunctionNativeReserved(getter, 0, JS::Int32Value(static_cast<std::int32_t>(place)));

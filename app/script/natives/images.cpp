@@ -1,3 +1,4 @@
+#include "app/script/bounds/contained.h"
 #include "app/script/natives.h"
 #include "app/script/script_world.h"
 
@@ -94,14 +95,15 @@ bool image_to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   });
 }
 
-const JSPropertySpec kParts[] = {JS_PSGS("x", get_part<kWidth>, set_part<kWidth>, kProperty),
-                                 JS_PSGS("y", get_part<kHeight>, set_part<kHeight>, kProperty),
-                                 JS_PSGS("comp", get_part<kComponents>, set_part<kComponents>, kProperty),
-                                 JS_PSGS("array", get_part<kArray>, set_part<kArray>, kProperty),
-                                 JS_PSGS("width", get_part<kWidth>, set_part<kWidth>, kProperty),
-                                 JS_PSGS("height", get_part<kHeight>, set_part<kHeight>, kProperty),
-                                 JS_PS_END};
-const JSFunctionSpec kImageMethods[] = {JS_FN("toString", image_to_text, 0, 0), JS_FS_END};
+const JSPropertySpec kParts[] = {
+    JS_PSGS("x", contained<get_part<kWidth>>, contained<set_part<kWidth>>, kProperty),
+    JS_PSGS("y", contained<get_part<kHeight>>, contained<set_part<kHeight>>, kProperty),
+    JS_PSGS("comp", contained<get_part<kComponents>>, contained<set_part<kComponents>>, kProperty),
+    JS_PSGS("array", contained<get_part<kArray>>, contained<set_part<kArray>>, kProperty),
+    JS_PSGS("width", contained<get_part<kWidth>>, contained<set_part<kWidth>>, kProperty),
+    JS_PSGS("height", contained<get_part<kHeight>>, contained<set_part<kHeight>>, kProperty),
+    JS_PS_END};
+const JSFunctionSpec kImageMethods[] = {JS_FN("toString", contained<image_to_text>, 0, 0), JS_FS_END};
 
 }  // namespace
 

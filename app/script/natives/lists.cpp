@@ -1,4 +1,5 @@
 #include "app/script/bounds/bounded_natives.h"
+#include "app/script/bounds/contained.h"
 #include "app/script/bounds/field_memory.h"
 #include "app/script/natives.h"
 #include "app/script/natives/live_proxy.h"
@@ -89,7 +90,7 @@ std::size_t outer_bytes(const FieldValue& list, std::size_t index) {
   return 0;
 }
 
-class ListHandler final : public LiveProxyHandler {
+class ListHandler : public LiveProxyHandler {
  public:
   constexpr ListHandler() : LiveProxyHandler(&kFamily) {}
   static constexpr char kFamily = 'L';
@@ -237,7 +238,7 @@ class ListHandler final : public LiveProxyHandler {
 };
 
 constexpr char ListHandler::kFamily;
-const ListHandler kListHandler;
+const ContainedHandler<ListHandler> kListHandler;
 
 vrml::SceneGraph* scene_of_caller(JSContext* context) { return world_of(context).calls().running().scene; }
 
@@ -303,14 +304,14 @@ bool list_to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   return make_string(context, text, args.rval());
 }
 
-const JSFunctionSpec kListMethods[] = {JS_FN("toString", list_to_text, 0, 0), JS_FS_END};
+const JSFunctionSpec kListMethods[] = {JS_FN("toString", contained<list_to_text>, 0, 0), JS_FS_END};
 
 template <int kIndex>
 bool define(JSContext* context, JS::HandleObject library, JS::HandleObject array_prototype,
             std::vector<JS::PersistentRootedObject>& prototypes) {
   const char* const name = vrml::name_of(type_at(kIndex)).data();
   JS::RootedObject prototype(context, JS_NewObjectWithGivenProto(context, nullptr, array_prototype));
-  JSFunction* const function = JS_NewFunction(context, construct<kIndex>, 0, JSFUN_CONSTRUCTOR, name);
+  JSFunction* const function = JS_NewFunction(context, contained<construct<kIndex>>, 0, JSFUN_CONSTRUCTOR, name);
   JS::RootedObject constructor(context, function ? JS_GetFunctionObject(function) : nullptr);
   if (!prototype || !constructor || !JS_DefineFunctions(context, prototype, kListMethods)) return false;
   if (!JS_LinkConstructorAndPrototype(context, constructor, prototype)) return false;

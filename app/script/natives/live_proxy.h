@@ -1,5 +1,7 @@
 #pragma once
 
+#include "app/script/bounds/contained.h"
+
 #include <js/Object.h>
 #include <js/PropertyAndElement.h>
 #include <js/Proxy.h>
@@ -50,6 +52,30 @@ class LiveProxyHandler : public js::BaseProxyHandler {
     JS::RootedObject prototype(context, js::GetStaticPrototype(proxy));
     result.setUndefined();
     return !prototype || JS_ForwardGetPropertyTo(context, prototype, id, receiver, result);
+  }
+};
+
+/// A handler that turns exceptions into errors of the engine.
+template <class Handler>
+class ContainedHandler final : public Handler {
+ public:
+  bool ownPropertyKeys(JSContext* context, JS::HandleObject proxy, JS::MutableHandleIdVector keys) const override {
+    return contain(context, [&] { return Handler::ownPropertyKeys(context, proxy, keys); });
+  }
+  bool getOwnPropertyDescriptor(JSContext* context, JS::HandleObject proxy, JS::HandleId id,
+                                JS::MutableHandle<mozilla::Maybe<JS::PropertyDescriptor>> found) const override {
+    return contain(context, [&] { return Handler::getOwnPropertyDescriptor(context, proxy, id, found); });
+  }
+  bool has(JSContext* context, JS::HandleObject proxy, JS::HandleId id, bool* found) const override {
+    return contain(context, [&] { return Handler::has(context, proxy, id, found); });
+  }
+  bool get(JSContext* context, JS::HandleObject proxy, JS::HandleValue receiver, JS::HandleId id,
+           JS::MutableHandleValue result) const override {
+    return contain(context, [&] { return Handler::get(context, proxy, receiver, id, result); });
+  }
+  bool set(JSContext* context, JS::HandleObject proxy, JS::HandleId id, JS::HandleValue value, JS::HandleValue receiver,
+           JS::ObjectOpResult& result) const override {
+    return contain(context, [&] { return Handler::set(context, proxy, id, value, receiver, result); });
   }
 };
 

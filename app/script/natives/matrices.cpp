@@ -1,3 +1,4 @@
+#include "app/script/bounds/contained.h"
 #include "app/script/natives.h"
 #include "app/script/script_world.h"
 #include "vrml/scene/values/field_numbers.h"
@@ -373,25 +374,26 @@ bool define_element(JSContext* context, JS::HandleObject prototype, std::uint32_
 }
 
 const JSFunctionSpec kMatrixMethods[] = {
-    JS_FN("setTransform", set_transform, 5, 0),   JS_FN("getTransform", get_transform, 3, 0),
-    JS_FN("inverse", inverse_matrix, 0, 0),       JS_FN("transpose", transpose, 0, 0),
-    JS_FN("multLeft", mult<true>, 1, 0),          JS_FN("multRight", mult<false>, 1, 0),
-    JS_FN("multVecMatrix", mult_vec<true>, 1, 0), JS_FN("multMatrixVec", mult_vec<false>, 1, 0),
-    JS_FN("toString", matrix_to_text, 0, 0),      JS_FS_END};
+    JS_FN("setTransform", contained<set_transform>, 5, 0),   JS_FN("getTransform", contained<get_transform>, 3, 0),
+    JS_FN("inverse", contained<inverse_matrix>, 0, 0),       JS_FN("transpose", contained<transpose>, 0, 0),
+    JS_FN("multLeft", contained<mult<true>>, 1, 0),          JS_FN("multRight", contained<mult<false>>, 1, 0),
+    JS_FN("multVecMatrix", contained<mult_vec<true>>, 1, 0), JS_FN("multMatrixVec", contained<mult_vec<false>>, 1, 0),
+    JS_FN("toString", contained<matrix_to_text>, 0, 0),      JS_FS_END};
 
 bool define_rows(JSContext* context, JS::HandleObject prototype) {
-  return define_element(context, prototype, 0, get_row<0>, nullptr) &&
-         define_element(context, prototype, 1, get_row<1>, nullptr) &&
-         define_element(context, prototype, 2, get_row<2>, nullptr) &&
-         define_element(context, prototype, 3, get_row<3>, nullptr);
+  return define_element(context, prototype, 0, contained<get_row<0>>, nullptr) &&
+         define_element(context, prototype, 1, contained<get_row<1>>, nullptr) &&
+         define_element(context, prototype, 2, contained<get_row<2>>, nullptr) &&
+         define_element(context, prototype, 3, contained<get_row<3>>, nullptr);
 }
 
 template <int kKind>
 bool define_kind(JSContext* context, JS::HandleObject library, std::vector<JS::PersistentRootedObject>& prototypes) {
   const MatrixKind& kind = kMatrixKinds[kKind];
   JS::RootedObject prototype(context, JS_NewPlainObject(context));
-  JSFunction* const function = JS_NewFunction(
-      context, construct_matrix<kKind>, static_cast<unsigned>(kind.size * kind.size), JSFUN_CONSTRUCTOR, kind.name);
+  JSFunction* const function =
+      JS_NewFunction(context, contained<construct_matrix<kKind>>, static_cast<unsigned>(kind.size * kind.size),
+                     JSFUN_CONSTRUCTOR, kind.name);
   JS::RootedObject constructor(context, function ? JS_GetFunctionObject(function) : nullptr);
   if (!prototype || !constructor || !JS_DefineFunctions(context, prototype, kMatrixMethods) ||
       !define_rows(context, prototype) || !JS_LinkConstructorAndPrototype(context, constructor, prototype))
@@ -438,10 +440,11 @@ bool define_matrices(JSContext* context, JS::HandleObject library,
   JS::SetReservedSlot(prototype, kKindSlot, JS::Int32Value(0));
   prototypes[ScriptLibrary::kMatrixPrototype] = prototype;
   prototypes[ScriptLibrary::kRowPrototype] = row;
-  return define_rows(context, prototype) && define_element(context, row, 0, get_number<0>, set_number<0>) &&
-         define_element(context, row, 1, get_number<1>, set_number<1>) &&
-         define_element(context, row, 2, get_number<2>, set_number<2>) &&
-         define_element(context, row, 3, get_number<3>, set_number<3>) &&
+  return define_rows(context, prototype) &&
+         define_element(context, row, 0, contained<get_number<0>>, contained<set_number<0>>) &&
+         define_element(context, row, 1, contained<get_number<1>>, contained<set_number<1>>) &&
+         define_element(context, row, 2, contained<get_number<2>>, contained<set_number<2>>) &&
+         define_element(context, row, 3, contained<get_number<3>>, contained<set_number<3>>) &&
          define_kind<1>(context, library, prototypes) && define_kind<2>(context, library, prototypes) &&
          define_kind<3>(context, library, prototypes) && define_kind<4>(context, library, prototypes);
 }

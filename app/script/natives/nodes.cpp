@@ -1,4 +1,5 @@
 #include "app/script/bounds/bounded_natives.h"
+#include "app/script/bounds/contained.h"
 #include "app/script/natives.h"
 #include "app/script/natives/live_proxy.h"
 #include "app/script/run_time_nodes.h"
@@ -75,7 +76,7 @@ const InterfaceDeclaration* readable(const vrml::NodeType& type, const std::stri
   return found && found->access == AccessType::eventOut ? found : nullptr;
 }
 
-class NodeHandler final : public LiveProxyHandler {
+class NodeHandler : public LiveProxyHandler {
  public:
   constexpr NodeHandler() : LiveProxyHandler(&kFamily) {}
   static constexpr char kFamily = 'N';
@@ -168,7 +169,7 @@ class NodeHandler final : public LiveProxyHandler {
 };
 
 constexpr char NodeHandler::kFamily;
-const NodeHandler kNodeHandler;
+const ContainedHandler<NodeHandler> kNodeHandler;
 
 // Puts a text of elements into the document that the XML encoding of X3D demands.
 std::string document_of(std::string text) {
@@ -224,19 +225,19 @@ bool node_name(JSContext* context, unsigned argc, JS::Value* vp) {
   return make_string(context, node ? std::string(node->name) : std::string(), args.rval());
 }
 
-const JSFunctionSpec kMethods[] = {JS_FN("toString", to_text, 0, 0),
-                                   JS_FN("getNodeTypeName", type_name, 0, 0),
-                                   JS_FN("getType", type_name, 0, 0),
-                                   JS_FN("getNodeType", type_name, 0, 0),
-                                   JS_FN("getName", node_name, 0, 0),
-                                   JS_FN("getNodeName", node_name, 0, 0),
+const JSFunctionSpec kMethods[] = {JS_FN("toString", contained<to_text>, 0, 0),
+                                   JS_FN("getNodeTypeName", contained<type_name>, 0, 0),
+                                   JS_FN("getType", contained<type_name>, 0, 0),
+                                   JS_FN("getNodeType", contained<type_name>, 0, 0),
+                                   JS_FN("getName", contained<node_name>, 0, 0),
+                                   JS_FN("getNodeName", contained<node_name>, 0, 0),
                                    JS_FS_END};
 
 }  // namespace
 
 bool define_nodes(JSContext* context, JS::HandleObject library, std::vector<JS::PersistentRootedObject>& prototypes) {
   JS::RootedObject prototype(context, JS_NewPlainObject(context));
-  JSFunction* const function = JS_NewFunction(context, construct, 1, JSFUN_CONSTRUCTOR, "SFNode");
+  JSFunction* const function = JS_NewFunction(context, contained<construct>, 1, JSFUN_CONSTRUCTOR, "SFNode");
   JS::RootedObject constructor(context, function ? JS_GetFunctionObject(function) : nullptr);
   if (!prototype || !constructor || !JS_DefineFunctions(context, prototype, kMethods)) return false;
   if (!JS_LinkConstructorAndPrototype(context, constructor, prototype)) return false;

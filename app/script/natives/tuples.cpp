@@ -1,3 +1,4 @@
+#include "app/script/bounds/contained.h"
 #include "app/script/natives.h"
 #include "app/script/script_world.h"
 #include "vrml/scene/values/field_numbers.h"
@@ -334,7 +335,7 @@ bool multiply_rotation(JSContext* context, unsigned argc, JS::Value* vp) {
   return give(context, args, FieldType::SFRotation, a);
 }
 
-bool mult_vec(JSContext* context, unsigned argc, JS::Value* vp) {
+bool rotate_vector(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   double c[4] = {}, v[4] = {};
   if (!this_tuple(context, args, c) || !vector_argument(context, args, 0, v)) return false;
@@ -395,50 +396,58 @@ bool construct_tuple(JSContext* context, unsigned argc, JS::Value* vp) {
   return give(context, args, kind.type, c);
 }
 
-const JSPropertySpec kColorNumbers[] = {JS_PSGS("r", get_component<0>, set_component<0>, kProperty),
-                                        JS_PSGS("g", get_component<1>, set_component<1>, kProperty),
-                                        JS_PSGS("b", get_component<2>, set_component<2>, kProperty), JS_PS_END};
-const JSPropertySpec kRotationNumbers[] = {JS_PSGS("x", get_component<0>, set_component<0>, kProperty),
-                                           JS_PSGS("y", get_component<1>, set_component<1>, kProperty),
-                                           JS_PSGS("z", get_component<2>, set_component<2>, kProperty),
-                                           JS_PSGS("angle", get_component<3>, set_component<3>, kProperty), JS_PS_END};
-const JSPropertySpec kVec2fNumbers[] = {JS_PSGS("x", get_component<0>, set_component<0>, kProperty),
-                                        JS_PSGS("y", get_component<1>, set_component<1>, kProperty), JS_PS_END};
-const JSPropertySpec kVec3fNumbers[] = {JS_PSGS("x", get_component<0>, set_component<0>, kProperty),
-                                        JS_PSGS("y", get_component<1>, set_component<1>, kProperty),
-                                        JS_PSGS("z", get_component<2>, set_component<2>, kProperty), JS_PS_END};
-const JSPropertySpec kColorRGBANumbers[] = {JS_PSGS("r", get_component<0>, set_component<0>, kProperty),
-                                            JS_PSGS("g", get_component<1>, set_component<1>, kProperty),
-                                            JS_PSGS("b", get_component<2>, set_component<2>, kProperty),
-                                            JS_PSGS("a", get_component<3>, set_component<3>, kProperty), JS_PS_END};
-const JSPropertySpec kVec4Numbers[] = {JS_PSGS("x", get_component<0>, set_component<0>, kProperty),
-                                       JS_PSGS("y", get_component<1>, set_component<1>, kProperty),
-                                       JS_PSGS("z", get_component<2>, set_component<2>, kProperty),
-                                       JS_PSGS("w", get_component<3>, set_component<3>, kProperty), JS_PS_END};
-const JSFunctionSpec kColorMethods[] = {JS_FN("setHSV", set_hsv, 3, 0), JS_FN("getHSV", get_hsv, 0, 0),
-                                        JS_FN("toString", tuple_to_text, 0, 0), JS_FS_END};
+const JSPropertySpec kColorNumbers[] = {
+    JS_PSGS("r", contained<get_component<0>>, contained<set_component<0>>, kProperty),
+    JS_PSGS("g", contained<get_component<1>>, contained<set_component<1>>, kProperty),
+    JS_PSGS("b", contained<get_component<2>>, contained<set_component<2>>, kProperty), JS_PS_END};
+const JSPropertySpec kRotationNumbers[] = {
+    JS_PSGS("x", contained<get_component<0>>, contained<set_component<0>>, kProperty),
+    JS_PSGS("y", contained<get_component<1>>, contained<set_component<1>>, kProperty),
+    JS_PSGS("z", contained<get_component<2>>, contained<set_component<2>>, kProperty),
+    JS_PSGS("angle", contained<get_component<3>>, contained<set_component<3>>, kProperty), JS_PS_END};
+const JSPropertySpec kVec2fNumbers[] = {
+    JS_PSGS("x", contained<get_component<0>>, contained<set_component<0>>, kProperty),
+    JS_PSGS("y", contained<get_component<1>>, contained<set_component<1>>, kProperty), JS_PS_END};
+const JSPropertySpec kVec3fNumbers[] = {
+    JS_PSGS("x", contained<get_component<0>>, contained<set_component<0>>, kProperty),
+    JS_PSGS("y", contained<get_component<1>>, contained<set_component<1>>, kProperty),
+    JS_PSGS("z", contained<get_component<2>>, contained<set_component<2>>, kProperty), JS_PS_END};
+const JSPropertySpec kColorRGBANumbers[] = {
+    JS_PSGS("r", contained<get_component<0>>, contained<set_component<0>>, kProperty),
+    JS_PSGS("g", contained<get_component<1>>, contained<set_component<1>>, kProperty),
+    JS_PSGS("b", contained<get_component<2>>, contained<set_component<2>>, kProperty),
+    JS_PSGS("a", contained<get_component<3>>, contained<set_component<3>>, kProperty), JS_PS_END};
+const JSPropertySpec kVec4Numbers[] = {
+    JS_PSGS("x", contained<get_component<0>>, contained<set_component<0>>, kProperty),
+    JS_PSGS("y", contained<get_component<1>>, contained<set_component<1>>, kProperty),
+    JS_PSGS("z", contained<get_component<2>>, contained<set_component<2>>, kProperty),
+    JS_PSGS("w", contained<get_component<3>>, contained<set_component<3>>, kProperty), JS_PS_END};
+const JSFunctionSpec kColorMethods[] = {JS_FN("setHSV", contained<set_hsv>, 3, 0),
+                                        JS_FN("getHSV", contained<get_hsv>, 0, 0),
+                                        JS_FN("toString", contained<tuple_to_text>, 0, 0), JS_FS_END};
 const JSFunctionSpec kRotationMethods[] = {
-    JS_FN("getAxis", get_axis, 0, 0),           JS_FN("inverse", inverse_rotation, 0, 0),
-    JS_FN("multiply", multiply_rotation, 1, 0), JS_FN("multVec", mult_vec, 1, 0),
-    JS_FN("setAxis", set_axis, 1, 0),           JS_FN("slerp", slerp, 2, 0),
-    JS_FN("toString", tuple_to_text, 0, 0),     JS_FS_END};
-const JSFunctionSpec kVectorMethods[] = {JS_FN("add", add, 1, 0),
-                                         JS_FN("divide", divide, 1, 0),
-                                         JS_FN("dot", dot, 1, 0),
-                                         JS_FN("length", length, 0, 0),
-                                         JS_FN("multiply", multiply, 1, 0),
-                                         JS_FN("negate", negate, 0, 0),
-                                         JS_FN("normalize", normalize, 0, 0),
-                                         JS_FN("subtract", subtract, 1, 0),
-                                         JS_FN("toString", tuple_to_text, 0, 0),
+    JS_FN("getAxis", contained<get_axis>, 0, 0),           JS_FN("inverse", contained<inverse_rotation>, 0, 0),
+    JS_FN("multiply", contained<multiply_rotation>, 1, 0), JS_FN("multVec", contained<rotate_vector>, 1, 0),
+    JS_FN("setAxis", contained<set_axis>, 1, 0),           JS_FN("slerp", contained<slerp>, 2, 0),
+    JS_FN("toString", contained<tuple_to_text>, 0, 0),     JS_FS_END};
+const JSFunctionSpec kVectorMethods[] = {JS_FN("add", contained<add>, 1, 0),
+                                         JS_FN("divide", contained<divide>, 1, 0),
+                                         JS_FN("dot", contained<dot>, 1, 0),
+                                         JS_FN("length", contained<length>, 0, 0),
+                                         JS_FN("multiply", contained<multiply>, 1, 0),
+                                         JS_FN("negate", contained<negate>, 0, 0),
+                                         JS_FN("normalize", contained<normalize>, 0, 0),
+                                         JS_FN("subtract", contained<subtract>, 1, 0),
+                                         JS_FN("toString", contained<tuple_to_text>, 0, 0),
                                          JS_FS_END};
-const JSFunctionSpec kVec3fMethods[] = {JS_FN("cross", cross, 1, 0), JS_FS_END};  // in addition to kVectorMethods
+const JSFunctionSpec kVec3fMethods[] = {JS_FN("cross", contained<cross>, 1, 0),
+                                        JS_FS_END};  // in addition to kVectorMethods
 
 template <int kIndex>
 bool define_index(JSContext* context, JS::HandleObject prototype) {
-  JSFunction* const get = JS_NewFunction(context, get_component<kIndex>, 0, 0, nullptr);
+  JSFunction* const get = JS_NewFunction(context, contained<get_component<kIndex>>, 0, 0, nullptr);
   JS::RootedObject getter(context, get ? JS_GetFunctionObject(get) : nullptr);
-  JSFunction* const set = JS_NewFunction(context, set_component<kIndex>, 1, 0, nullptr);
+  JSFunction* const set = JS_NewFunction(context, contained<set_component<kIndex>>, 1, 0, nullptr);
   JS::RootedObject setter(context, set ? JS_GetFunctionObject(set) : nullptr);
   return getter && setter && JS_DefineElement(context, prototype, kIndex, getter, setter, JSPROP_PERMANENT);
 }

@@ -1,4 +1,5 @@
 #include "app/script/x3d/x3d_natives.h"
+#include "app/script/bounds/contained.h"
 
 #include "app/script/script_world.h"
 #include "vrml/scene/prototype.h"
@@ -310,22 +311,22 @@ bool exported(JSContext* context, unsigned argc, JS::Value* vp) {
   return true;
 }
 
-const JSFunctionSpec kNatives[] = {JS_FN("$x3d_fields", fields, 1, 0),
-                                   JS_FN("$x3d_types", types, 1, 0),
-                                   JS_FN("$x3d_typeNames", type_names, 0, 0),
-                                   JS_FN("$x3d_components", components, 0, 0),
-                                   JS_FN("$x3d_named", named, 2, 0),
-                                   JS_FN("$x3d_roots", roots, 1, 0),
-                                   JS_FN("$x3d_setRoots", set_roots, 1, 0),
-                                   JS_FN("$x3d_routes", routes, 1, 0),
-                                   JS_FN("$x3d_protos", prototypes, 2, 0),
-                                   JS_FN("$x3d_protoFields", prototype_fields, 2, 0),
-                                   JS_FN("$x3d_protoUrls", prototype_urls, 2, 0),
-                                   JS_FN("$x3d_createProto", create_instance, 2, 0),
-                                   JS_FN("$x3d_statedComponents", stated_components, 1, 0),
-                                   JS_FN("$x3d_metas", metas, 1, 0),
-                                   JS_FN("$x3d_exported", exported, 2, 0),
-                                   JS_FN("$x3d_context", context_facts, 1, 0),
+const JSFunctionSpec kNatives[] = {JS_FN("$x3d_fields", contained<fields>, 1, 0),
+                                   JS_FN("$x3d_types", contained<types>, 1, 0),
+                                   JS_FN("$x3d_typeNames", contained<type_names>, 0, 0),
+                                   JS_FN("$x3d_components", contained<components>, 0, 0),
+                                   JS_FN("$x3d_named", contained<named>, 2, 0),
+                                   JS_FN("$x3d_roots", contained<roots>, 1, 0),
+                                   JS_FN("$x3d_setRoots", contained<set_roots>, 1, 0),
+                                   JS_FN("$x3d_routes", contained<routes>, 1, 0),
+                                   JS_FN("$x3d_protos", contained<prototypes>, 2, 0),
+                                   JS_FN("$x3d_protoFields", contained<prototype_fields>, 2, 0),
+                                   JS_FN("$x3d_protoUrls", contained<prototype_urls>, 2, 0),
+                                   JS_FN("$x3d_createProto", contained<create_instance>, 2, 0),
+                                   JS_FN("$x3d_statedComponents", contained<stated_components>, 1, 0),
+                                   JS_FN("$x3d_metas", contained<metas>, 1, 0),
+                                   JS_FN("$x3d_exported", contained<exported>, 2, 0),
+                                   JS_FN("$x3d_context", contained<context_facts>, 1, 0),
                                    JS_FS_END};
 
 }  // namespace

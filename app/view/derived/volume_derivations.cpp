@@ -2,6 +2,8 @@
 
 #include "app/formats/qnv/geometry_reader.h"
 #include "app/view/values/color_maps.h"
+#include "app/view/values/fine_values.h"
+#include "app/view/derived/surface_parts.h"
 #include "qnv/sampling/volume/gradients.h"
 #include "qnv/sampling/volume/isosurface.h"
 
@@ -141,9 +143,14 @@ DerivedContent<vrml::Mesh> isosurface_mesh(const std::shared_ptr<const VolumeGri
   for (;; stride *= 2) {
     SurfaceJoiner joiner(budget, most_triangles);
     bool whole = true;
-    const auto problem = qnv::isosurface(
-        source_of(grid, stride), options,
-        [&](std::span<const qnv::Triangle> triangles) { return whole = joiner.add(triangles); }, progress);
+    const auto add = [&](std::span<const qnv::Triangle> triangles) { return whole = joiner.add(triangles); };
+    std::optional<qnv::VolumeError> problem;
+    if (stride == 1 && grid->step() == 1 && !grid->bricks().empty()) {
+      for (const qnv::VolumeSource& part : surface_parts(grid))
+        if (!problem && whole) problem = qnv::isosurface(part, options, add, progress);
+    } else {
+      problem = qnv::isosurface(source_of(grid, stride), options, add, progress);
+    }
     if (problem) return problem->message;
     if (whole) return joiner.take();
     if (!joiner.excess()) return "the isosurface needs " + budget->refusal(Resource::meshes);
@@ -168,6 +175,12 @@ DerivedContent<VolumeProjection> projection_of(const VolumeGrid& grid, const Pro
     for (std::size_t axis = 0; axis < 3; ++axis) count *= size[axis] = (grid.kept(axis) - 1) / stride + 1;
   };
   for (sample(); count > std::max<std::size_t>(most_voxels, 1); sample()) ++stride;
+  // Finer parts of a volume that is larger than memory have more voxels.
+  const FineValues fine(grid, stride == 1 ? FineValues::factor_for(grid, most_voxels) : 1);
+  if (stride == 1) {
+    size = fine.size();
+    count = std::size_t{size[0]} * size[1] * size[2];
+  }
   if (!held->share.grow(2 * count)) return "the projection needs " + budget->refusal(Resource::pixels);
   auto image = std::make_shared<render::Image>();
   image->width = size[0];
@@ -179,11 +192,16 @@ DerivedContent<VolumeProjection> projection_of(const VolumeGrid& grid, const Pro
   const float scale = most > least ? 255 / (most - least) : 0;
   const std::uint8_t missing = colors.mode == VolumeMode::minimum ? 255 : 0;
   parallel_for(size[2], [&, least = least](std::size_t z) {
-    const std::span<const float> slice = grid.kept_slice(static_cast<std::uint32_t>(z) * stride);
+    std::vector<float> finer;
+    if (stride == 1 && !grid.bricks().empty())
+      fine.read({0, 0, static_cast<std::uint32_t>(z)}, {size[0], size[1], 1}, finer);
+    const std::span<const float> slice =
+        finer.empty() ? grid.kept_slice(static_cast<std::uint32_t>(z) * stride) : std::span<const float>(finer);
+    const std::size_t row = finer.empty() ? grid.kept(0) : size[0];
     for (std::size_t y = 0; y < size[1]; ++y) {
       // Images begin at the top row of each slice.
       std::uint8_t* to = image->pixels.data() + ((z + 1) * size[1] - 1 - y) * size[0];
-      const float* from = slice.data() + y * stride * grid.kept(0);
+      const float* from = slice.data() + y * stride * row;
       for (std::size_t x = 0; x < size[0]; ++x) {
         const float value = from[x * stride];
         to[x] = value == value ? static_cast<std::uint8_t>(std::clamp((value - least) * scale, 0.0f, 255.0f) + 0.5f)
@@ -203,7 +221,8 @@ DerivedContent<VolumeProjection> projection_of(const VolumeGrid& grid, const Pro
   glm::dmat4& place = held->projection.volume_from_box;
   for (int axis = 0; axis < 3; ++axis) {
     const auto voxels = static_cast<double>(size[static_cast<std::size_t>(axis)]);
-    const double step = static_cast<double>(grid.step()) * stride;
+    const double step =
+        static_cast<double>(grid.step()) * stride / fine.factors()[static_cast<std::size_t>(axis)];
     glm::dvec3 end(0);
     end[axis] = voxels * step;
     const glm::dvec3 edge = grid.place_of(end) - grid.place_of(glm::dvec3(0));

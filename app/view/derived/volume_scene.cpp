@@ -1,5 +1,6 @@
 #include "app/view/derived/volume_scene.h"
 
+#include "app/view/values/slice_scene.h"
 #include "render/volume_rendering/volume_box.h"
 
 #include <utility>
@@ -22,7 +23,7 @@ const render::RenderList& VolumeScene::with_content(const render::RenderList& li
   list_.changes = render::next_change();
   list_.moved.clear();
   if (content.hides_vectors || content.projection) {
-    std::erase_if(list_.splats, is_volume_item);
+    hide_volumes(list_);
   } else if (content.vectors) {
     for (render::SplatItem& item : list_.splats)
       if (is_volume_item(item)) {

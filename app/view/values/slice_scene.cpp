@@ -1,6 +1,8 @@
 #include "app/view/values/slice_scene.h"
 
 #include "app/view/values/color_maps.h"
+#include "app/view/values/fine_values.h"
+#include "qnv/codecs/shared/volume_detail.h"
 
 #include <glm/geometric.hpp>
 
@@ -11,6 +13,8 @@
 
 namespace gs::app {
 namespace {
+
+constexpr std::size_t kMostSlicePixels = std::size_t{1} << 23;
 
 /// Returns the two other axes, which are those of the slice's picture.
 std::pair<std::size_t, std::size_t> axes_across(std::size_t axis) {
@@ -84,17 +88,25 @@ render::Image slice_image(const VolumeGrid& grid, const VolumeSlices& slices, st
   }
   const auto [least, most] = slices.window.value_or(grid.value_range());
   const auto [across, up] = axes_across(axis);
-  render::Image image{grid.kept(across), grid.kept(up), 4, {}};
+  // Finer parts of a volume that is larger than memory have more pixels.
+  const FineValues fine(grid, FineValues::factor_for(grid, kMostSlicePixels, static_cast<int>(axis)));
+  render::Image image{fine.size()[across], fine.size()[up], 4, {}};
   image.pixels.resize(std::size_t{image.width} * image.height * 4);
-  std::array<std::uint32_t, 3> at{};
-  at[axis] = slice_voxel(grid, slices, axis) / grid.step();
+  std::array<std::uint32_t, 3> at{}, count = fine.size();
+  at[axis] = slice_voxel(grid, slices, axis) / grid.step() * fine.factors()[axis];
+  count[axis] = 1;
+  std::vector<float> values;
+  fine.read(at, count, values);
+  // A voxel is as wide as `factor` pixels, in the middle of which its sample lies.
+  const auto sample = [&](std::size_t of, std::uint32_t pixel) {
+    const std::uint32_t half = (fine.factors()[of] - 1) / 2;
+    return std::size_t{pixel - std::min(pixel, half)};
+  };
   bool missing = false;
   std::uint8_t* to = image.pixels.data();
   for (std::uint32_t row = image.height; row-- > 0;)
     for (std::uint32_t column = 0; column < image.width; ++column, to += 4) {
-      at[across] = column;
-      at[up] = row;
-      const float value = grid.kept_value(at[0], at[1], at[2]);
+      const float value = values[sample(up, row) * image.width + sample(across, column)];
       if (value != value) {
         missing = true;
         continue;  // leave the pixel transparent
@@ -115,8 +127,29 @@ render::Image slice_image(const VolumeGrid& grid, const VolumeSlices& slices, st
 
 std::shared_ptr<const qnv::VolumeValues> streamed_values(const render::RenderList& list) {
   for (const render::SplatItem& item : list.splats)
-    if (const auto* volume = item.geometry ? item.geometry->as<qnv::Volume>() : nullptr) return volume->values;
+    if (const auto* volume = item.geometry ? item.geometry->as<qnv::Volume>() : nullptr) {
+      // Views of a volume that is larger than memory decode finer values.
+      const auto latest = volume->detail ? volume->detail->latest() : nullptr;
+      return latest ? latest->values : volume->values;
+    }
   return nullptr;
+}
+
+void hide_volumes(render::RenderList& list) {
+  const auto volume_of = [](const render::SplatItem& item) {
+    return item.geometry ? item.geometry->as<qnv::Volume>() : nullptr;
+  };
+  std::erase_if(list.splats, [&](const render::SplatItem& item) { return volume_of(item) && !volume_of(item)->detail; });
+  for (render::SplatItem& item : list.splats)
+    if (volume_of(item)) item.material.transparency = 1;
+}
+
+std::uint64_t detail_revision(const render::RenderList& list) {
+  std::uint64_t revision = 0;
+  for (const render::SplatItem& item : list.splats)
+    if (const auto* volume = item.geometry ? item.geometry->as<qnv::Volume>() : nullptr; volume && volume->detail)
+      revision += volume->detail->revision();
+  return revision;
 }
 
 std::optional<glm::dmat4> world_from_volume(const render::RenderList& list) {
@@ -144,9 +177,7 @@ const render::RenderList& SliceScene::with_slices(const render::RenderList& list
   list_.generation = 0;
   list_.changes = render::next_change();
   list_.moved.clear();
-  if (slices.alone)
-    std::erase_if(list_.splats,
-                  [](const render::SplatItem& item) { return item.geometry && item.geometry->as<qnv::Volume>(); });
+  if (slices.alone) hide_volumes(list_);
   static constexpr std::array<glm::vec3, 3> kColors{{{0.9f, 0.35f, 0.3f}, {0.4f, 0.8f, 0.35f}, {0.35f, 0.55f, 0.95f}}};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!slices.shown[axis]) {

@@ -42,6 +42,13 @@ class SliceScene {
 /// Returns the values of the first volume in the list, if its stream has them; else null.
 [[nodiscard]] std::shared_ptr<const qnv::VolumeValues> streamed_values(const render::RenderList& list);
 
+/// Omits the volumes of a list. Those with finer detail for views stay, without being visible, so that their values
+/// become finer.
+void hide_volumes(render::RenderList& list);
+
+/// Returns a number that changes when other threads have decoded finer vectors of the volumes in the list.
+[[nodiscard]] std::uint64_t detail_revision(const render::RenderList& list);
+
 /// Returns the transformation from the space of the first volume in the list to world space; nullopt if the list has no
 /// volume.
 [[nodiscard]] std::optional<glm::dmat4> world_from_volume(const render::RenderList& list);

@@ -34,7 +34,8 @@ std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::read(co
 
 std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::take(
     const qnv::VolumeSource& source, const std::atomic<bool>* stop, const WorldBudget& budget,
-    std::uint64_t most_voxels, const std::optional<std::pair<float, float>>& range) {
+    std::uint64_t most_voxels, const std::optional<std::pair<float, float>>& range,
+    std::vector<qnv::ValueBrick> bricks) {
   if (const auto problem = qnv::check(source.layout)) return problem->message;
   std::shared_ptr<VolumeGrid> grid(new VolumeGrid);
   grid->layout_ = source.layout;
@@ -73,6 +74,7 @@ std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::take(
   }
   if (!(least <= most)) return "the volume has no values";
   grid->range_ = range.value_or(std::pair(least, most));
+  grid->bricks_ = std::move(bricks);
   return std::shared_ptr<const VolumeGrid>(std::move(grid));
 }
 
@@ -91,6 +93,20 @@ std::optional<float> VolumeGrid::nearest(const glm::dvec3& voxel) const {
     if (!(voxel[i] >= -0.5 && voxel[i] <= static_cast<double>(layout_.dimensions[axis]) - 0.5)) return std::nullopt;
     const double place = std::round(std::max(voxel[i], 0.0) / step_);
     at[axis] = std::min(static_cast<std::uint32_t>(place), kept_[axis] - 1);
+  }
+  for (const qnv::ValueBrick& brick : bricks_) {
+    std::array<std::uint32_t, 3> fine{};
+    bool inside = true;
+    for (int i = 0; inside && i < 3; ++i) {
+      const auto axis = static_cast<std::size_t>(i);
+      const double place = std::round(std::max(voxel[i], 0.0) / brick.steps[axis]);
+      const double last = brick.core_first[axis] + (brick.core_size[axis] - 1.0);
+      inside = place >= brick.core_first[axis] && place <= last;
+      if (inside) fine[axis] = static_cast<std::uint32_t>(place);
+    }
+    if (!inside) continue;
+    const float value = brick.value(fine[0], fine[1], fine[2]);
+    return value == value ? std::optional(value) : std::nullopt;
   }
   const float value = kept_value(at[0], at[1], at[2]);
   return value == value ? std::optional(value) : std::nullopt;

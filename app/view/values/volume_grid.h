@@ -2,6 +2,7 @@
 
 #include "app/formats/volume/volume.h"
 #include "qnv/sampling/volume/volume.h"
+#include "qnv/sampling/volume/volume_values.h"
 
 #include <glm/vec3.hpp>
 
@@ -29,10 +30,12 @@ class VolumeGrid {
   [[nodiscard]] static std::variant<std::shared_ptr<const VolumeGrid>, std::string> read(
       const std::string& path, const std::atomic<bool>* stop = nullptr, const WorldBudget& budget = own_budget(),
       std::uint64_t most_voxels = kMaxVoxels, const VoxelComponent& component = {});
-  /// Reads the values from a source; otherwise like read(). If `range` is given, value_range() returns it.
+  /// Reads the values from a source; otherwise like read(). If `range` is given, value_range() returns it. `bricks` are
+  /// finer parts, the finest first.
   [[nodiscard]] static std::variant<std::shared_ptr<const VolumeGrid>, std::string> take(
       const qnv::VolumeSource& source, const std::atomic<bool>* stop, const WorldBudget& budget,
-      std::uint64_t most_voxels, const std::optional<std::pair<float, float>>& range = {});
+      std::uint64_t most_voxels, const std::optional<std::pair<float, float>>& range = {},
+      std::vector<qnv::ValueBrick> bricks = {});
 
   /// Returns the dimensions of the volume in the file, in voxels.
   [[nodiscard]] const std::array<std::uint32_t, 3>& dimensions() const { return layout_.dimensions; }
@@ -46,9 +49,11 @@ class VolumeGrid {
   /// place_of() does the reverse. Positions may be outside of the volume.
   [[nodiscard]] glm::dvec3 voxel_at(const glm::dvec3& place) const;
   [[nodiscard]] glm::dvec3 place_of(const glm::dvec3& voxel) const;
-  /// Returns the value of the nearest stored voxel. Returns nullopt if the position is more than half a voxel outside
+  /// Returns the value of the nearest stored voxel, or of that of the finest part there. Returns nullopt if the position is more than half a voxel outside
   /// of the volume, or if the value is missing.
   [[nodiscard]] std::optional<float> nearest(const glm::dvec3& voxel) const;
+  /// Returns the parts with finer values than the stored voxels, the finest first.
+  [[nodiscard]] const std::vector<qnv::ValueBrick>& bricks() const { return bricks_; }
   /// Returns the number of stored voxels along an axis.
   [[nodiscard]] std::uint32_t kept(std::size_t axis) const { return kept_[axis]; }
   /// Returns the value of a stored voxel, by its index among the stored ones; kMissing if the value is missing.
@@ -68,6 +73,7 @@ class VolumeGrid {
   std::uint32_t step_ = 1;
   std::pair<float, float> range_{0, 1};
   std::vector<float> values_;
+  std::vector<qnv::ValueBrick> bricks_;
   std::optional<Share> share_;
 };
 

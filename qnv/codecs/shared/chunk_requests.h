@@ -13,6 +13,7 @@ namespace gs::qnv {
 /// Position of a chunk in its stream.
 struct ChunkRange {
   std::uint64_t offset = 0, bytes = 0;
+  bool again = false;  // the chunk was received and dropped
   friend bool operator==(const ChunkRange&, const ChunkRange&) = default;
 };
 

@@ -50,6 +50,8 @@ class Decoder : NonCopyable {
   /// bytes after its end, are not received. If the codec has records, a later call may add these bytes; other codecs
   /// ignore incomplete payloads.
   virtual void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing) = 0;
+  /// Notes that further chunks are not in the order of the stream, so that its statements about prefixes do not hold.
+  virtual void leave_order() {}
   [[nodiscard]] virtual DecodeCount count() const = 0;
   /// Returns the number of vectors of geometry(), or the most that it may have if their number depends on values.
   [[nodiscard]] virtual std::size_t vectors() const = 0;
@@ -66,5 +68,6 @@ class Decoder : NonCopyable {
 [[nodiscard]] std::unique_ptr<Decoder> make_octree_decoder(const StreamHeader& header, std::size_t most_vectors);
 [[nodiscard]] std::unique_ptr<Decoder> make_progressive_decoder(const StreamHeader& header, std::size_t most_vectors);
 [[nodiscard]] std::unique_ptr<Decoder> make_values_decoder(const StreamHeader& header, std::size_t most_vectors);
+[[nodiscard]] std::unique_ptr<Decoder> make_gaussians_decoder(const StreamHeader& header, std::size_t most_vectors);
 
 }  // namespace gs::qnv

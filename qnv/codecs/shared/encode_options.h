@@ -59,6 +59,7 @@ struct EncodeOptions {
                                    // kExactWherePays
   const TexturedSurface* textured = nullptr;  // displaced: source of the exact tail, or null; must outlive the call
   ValueTolerance tolerance;                   // values
+  int splat_steps = 0;                        // gaussians: log2 of a factor of the errors, in eighths; -32 to 32
   SpillStore* spill = nullptr;                // values: holds the clusters; null means memory; must outlive the call
   StreamSink* sink = nullptr;                 // values: takes the stream, which then has no bytes in memory; or null
   std::optional<double> parity;               // loss of chunks that parity restores, 0 to 0.5; nullopt: as the codec

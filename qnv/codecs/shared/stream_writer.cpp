@@ -42,7 +42,7 @@ std::variant<StreamHeader, EncodeError> write_stream(StreamHeader header, const 
   // Reports whether a chunk fits. A directory needs another chunk header for every 2,000 entries.
   const auto fits = [&](std::size_t payload, bool listed) {
     const std::size_t entries = directory.size() + (listed ? 1 : 0);
-    return max_bytes == 0 || at + kChunkHeaderBytes + payload + entries * kDirectoryEntryBytes +
+    return max_bytes == 0 || at + kChunkHeaderBytes + payload + entries * chunks.entry_bytes() +
                                      kChunkHeaderBytes * (1 + entries / 2000) <=
                                  max_bytes;
   };
@@ -67,6 +67,11 @@ std::variant<StreamHeader, EncodeError> write_stream(StreamHeader header, const 
   if (!append_parity(parity.finish())) return stopped;
   header.chunks = static_cast<std::uint32_t>(directory.size());
   header.directory = at;
+  if (const auto places = chunks.places(directory)) {
+    for (const std::vector<std::byte>& payload : *places)
+      if (!append(encode_chunk(ChunkType::places, payload))) return stopped;
+    directory.clear();
+  }
   constexpr std::size_t kInOne = kMaxChunkBytes / kDirectoryEntryBytes;  // entries of a directory chunk
   for (std::span<const DirectoryEntry> rest = directory; !rest.empty();) {
     const auto some = rest.first(std::min(rest.size(), kInOne));

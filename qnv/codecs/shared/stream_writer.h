@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <variant>
@@ -32,6 +33,14 @@ class ChunkList {
   [[nodiscard]] virtual std::size_t size() const = 0;
   /// Returns nullopt if the payload cannot be read.
   [[nodiscard]] virtual std::optional<OutgoingChunk> chunk(std::size_t i) const = 0;
+  /// Returns the payloads of a directory of type ChunkType::places for the first chunks; nullopt means a general
+  /// directory. `entries` have the offsets and lengths.
+  [[nodiscard]] virtual std::optional<std::vector<std::vector<std::byte>>> places(
+      std::span<const DirectoryEntry> /*entries*/) const {
+    return std::nullopt;
+  }
+  /// Returns the most bytes of the directory for each chunk.
+  [[nodiscard]] virtual std::size_t entry_bytes() const { return kDirectoryEntryBytes; }
 };
 
 /// Writes a stream to a sink, like the next function. Returns the header, or an error if the sink or a chunk fails.

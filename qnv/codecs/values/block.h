@@ -52,6 +52,11 @@ class Block {
   [[nodiscard]] int level() const { return place_.level; }
   /// Number of cubes: the steps of one plane.
   [[nodiscard]] std::size_t cubes() const { return cubes_.size(); }
+  /// Returns the memory of the coefficients and of all else.
+  [[nodiscard]] std::size_t bytes() const {
+    return sizeof(*this) + values_.capacity() * sizeof(std::uint32_t) + cubes_.capacity() * sizeof(Cube) +
+           bands_.capacity() * sizeof(Band);
+  }
   /// Sets the plane of the first step. Planes above it are zero.
   void start(int plane) { plane_ = plane; }
   /// Cube of the next step.

@@ -285,6 +285,25 @@ bool decode_remainders(const CubeRun& run, Extent extent, std::span<std::uint32_
   return decode_run(run, extent, codes);
 }
 
+bool decode_gap_cubes(const CubeRun& run, Extent extent,
+                      const std::function<void(std::uint64_t cube, std::uint64_t missing)>& visit) {
+  const Extent cubes = cube_extent(extent);
+  const std::uint64_t all = std::uint64_t{cubes[0]} * cubes[1] * cubes[2];
+  if (run.first >= all || run.count > all - run.first) return false;
+  BinaryDecoder decoder(run.bytes);
+  GapModels models;
+  for (std::uint64_t cube = run.first; cube < run.first + run.count && !decoder.exhausted(); ++cube) {
+    std::array<std::uint8_t, kCubeSize> voxels{};
+    CubeBox box = cube_box(cube, extent, cubes);
+    box.first = 0;
+    models.decode(decoder, box, {kCubeEdge, kCubeEdge, kCubeEdge}, voxels);
+    std::uint64_t missing = 0;
+    for (std::size_t i = 0; i < voxels.size(); ++i) missing |= std::uint64_t{voxels[i]} << i;
+    visit(cube, missing);
+  }
+  return !decoder.exhausted();
+}
+
 std::vector<std::byte> pack(const CubeRun& run) {
   std::vector<std::byte> out;
   put_number(out, run.first);

@@ -90,5 +90,9 @@ class RunDecoder {
 /// the volume do not matter. Returns false if the run is not in the volume, or truncated.
 bool decode_gaps(const CubeRun& run, Extent extent, std::span<std::uint8_t> missing);
 bool decode_remainders(const CubeRun& run, Extent extent, std::span<std::uint32_t> codes);
+/// Decodes the gaps of a run cube by cube. Calls visit(cube, missing): voxel (x, y, z) of the cube is missing if bit
+/// x + 4 y + 16 z is set. Returns false if the run is not in the volume, or truncated.
+bool decode_gap_cubes(const CubeRun& run, Extent extent,
+                      const std::function<void(std::uint64_t cube, std::uint64_t missing)>& visit);
 
 }  // namespace gs::qnv::values

@@ -2,11 +2,35 @@
 
 #include "qnv/sampling/volume/volume.h"
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace gs::qnv {
+
+/// Values of a part of a volume, finer than those of the whole volume.
+struct ValueBrick {
+  int level = 0;                                 // samples are 2^level voxels of the whole volume apart
+  std::array<std::uint32_t, 3> first{}, size{};  // samples of the level that the part has, with a margin
+  std::array<std::uint32_t, 3> core_first{}, core_size{};  // without the margin
+  std::array<double, 3> steps{1, 1, 1};  // distances of samples in voxels of the values of the whole volume
+  double slope = 1, intercept = 0;       // value = sample * slope + intercept
+  std::optional<std::int32_t> missing;   // sample that means "no data"
+  std::shared_ptr<const std::vector<std::int32_t>> samples;
+
+  /// Returns the value of a sample of the level, which the part must have; a NaN if it is missing.
+  [[nodiscard]] float value(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
+    const std::int32_t sample =
+        (*samples)[((z - first[2]) * std::size_t{size[1]} + (y - first[1])) * size[0] + (x - first[0])];
+    if (sample == missing) return std::numeric_limits<float>::quiet_NaN();
+    return static_cast<float>(sample * slope + intercept);
+  }
+};
 
 /// Decoded values of a volume, from which its vectors come. Any thread may read them at any time.
 struct VolumeValues {
@@ -20,6 +44,7 @@ struct VolumeValues {
   std::optional<double> missing;  // stored number that marks missing voxels
   bool exact = false;             // the stored voxels are restored bit for bit
   std::uint64_t bytes = 0;        // of memory
+  std::vector<ValueBrick> bricks{};  // finer parts, the finest first
 };
 
 }  // namespace gs::qnv

@@ -2,6 +2,8 @@
 #include "tests/app/commands/vector_commands.h"
 #include "app/commands/common/vectors_of.h"
 #include "app/commands/encode.h"
+#include "app/formats/export/export.h"
+#include "tests/qnv/splat_clouds.h"
 
 #include <catch2/catch.hpp>
 
@@ -16,8 +18,12 @@
 #include <filesystem>
 #include <set>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <variant>
+#include <vector>
 
+using namespace gs;
 using namespace gs::app;
 using namespace gs::test;
 
@@ -82,7 +88,12 @@ TEST_CASE("encode and info report which properties of splats are discarded") {
                     out = folder.path("out.qnv");
   CHECK(run("encode " + quoted(a) + " " + quoted(out)).output.find("opaque surface splats") == std::string::npos);
   CHECK_FALSE(info(a)["metadata"].contains("splats as discs"));
-  const Run encoded = run("encode " + quoted(b) + " " + quoted(out) + " 2>&1 >/dev/null");
+  const Run kept = run("encode " + quoted(b) + " " + quoted(out) + " 2>&1 >/dev/null");
+  CHECK(kept.status == kDone);
+  CHECK(kept.output ==
+        b + ": note: positions, shapes, opacities and colours of splats are rounded; info names the errors\n");
+  CHECK(info(out)["payload"] == "gaussians");
+  const Run encoded = run("encode --method records " + quoted(b) + " " + quoted(out) + " 2>&1 >/dev/null");
   CHECK(encoded.status == kDone);
   CHECK(encoded.output == b + ": note: " + note + "\n");
   const Run told = run("info --json " + quoted(b) + " 2>/dev/null");
@@ -92,6 +103,46 @@ TEST_CASE("encode and info report which properties of splats are discarded") {
   CHECK(run("info " + quoted(b) + " 2>/dev/null").output.find("splats as discs: opaque surface splats") !=
         std::string::npos);
   CHECK(info(out)["metadata"]["splats as discs"] == "opaque surface splats, without their opacity");
+}
+
+TEST_CASE("encode: keeps Gaussian splats, and export writes them again") {
+  const ScratchFolder folder;
+  const qnv::Gaussians cloud = splat_cloud(400, 1);
+  const auto exported = export_splats_ply(cloud);
+  const auto* bytes = std::get_if<std::vector<std::byte>>(&exported);
+  REQUIRE(bytes);
+  const std::string ply = folder.write("cloud.ply", {reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+  const std::string stream = folder.path("cloud.qnv"), back = folder.path("back.3dgs.ply");
+  const Run encoded = run("encode " + quoted(ply) + " " + quoted(stream));
+  INFO(encoded.output);
+  REQUIRE(encoded.status == kDone);
+  CHECK(encoded.output.find("400 Gaussians") != std::string::npos);
+  const nlohmann::json facts = info(stream);
+  CHECK(facts["payload"] == "gaussians");
+  CHECK(facts["vectors"] == 400);
+  CHECK(facts["harmonics"] == 1);
+  CHECK(facts["errors_at_the_end"]["opacity"] == Approx(0.5 / 63));
+  CHECK(facts["damaged_chunks"] == 0);
+  std::size_t chunks = 0;
+  for (const auto& level : facts["levels"]) chunks += level["chunks"].get<std::size_t>();
+  CHECK(chunks < facts["chunks"]);  // those of harmonics have no level
+  CHECK(run("export " + quoted(stream) + " " + quoted(back)).status == kDone);
+  const nlohmann::json again = info(back);
+  CHECK(again["vectors"] == 400);
+  CHECK(again["area"] == Approx(info(ply)["area"].get<double>()).epsilon(0.02));
+  for (const char* name : {"back.spz", "back.splats.glb", "back.v3.spz"}) {
+    CHECK(run("export " + quoted(stream) + " " + quoted(folder.path(name))).status == kDone);
+    if (std::string_view(name).ends_with(".spz")) CHECK(info(folder.path(name))["vectors"] == 400);
+  }
+  const std::string fine = folder.path("fine.qnv"), encode = "encode " + quoted(ply) + " " + quoted(fine);
+  REQUIRE(run(encode + " --error 1%").status == kDone);
+  CHECK(info(fine)["errors_at_the_end"]["position_in_deviations"][0] <= 0.01);
+  CHECK(info(fine)["errors_at_the_end"]["position_in_deviations"][0] > 0.009);
+  CHECK(info(fine)["bytes"] > facts["bytes"]);
+  CHECK(run(encode + " --error 1 2>&1").output.find("expected a percentage above 0") != std::string::npos);
+  CHECK(run(encode + " --lossless 2>&1").output.find("splats are rounded") != std::string::npos);
+  CHECK(run("encode --method gaussians " + quoted(folder.write("ball.wrl", kBall)) + " " + quoted(stream) + " 2>&1")
+            .output.find("--method gaussians applies to Gaussian splats only") != std::string::npos);
 }
 
 TEST_CASE("removes unfinished files of killed processes beside the output of a command") {

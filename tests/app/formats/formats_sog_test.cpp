@@ -197,7 +197,7 @@ TEST_CASE("info, export and encode read the images beside meta.json of a SOG") {
   CHECK(exported.status == kDone);
   CHECK(exported.output.find("note") == std::string::npos);
   CHECK(folder.read("two.3dgs.ply").find("property float f_rest_8") != std::string::npos);
-  const Run encoded = run("encode " + quoted(meta) + " " + quoted(folder.path("two.qnv")) + " 2>&1");
+  const Run encoded = run("encode --method records " + quoted(meta) + " " + quoted(folder.path("two.qnv")) + " 2>&1");
   CHECK(encoded.status == kDone);
   CHECK(encoded.output.find("note: splats become opaque surface splats, without their opacity and spherical harmonics "
                             "up to degree 1") != std::string::npos);

@@ -4,6 +4,7 @@
 #include "qnv/reader/decode_stream.h"
 #include "qnv/reader/stream_decoder.h"
 #include "tests/qnv/soft_ball.h"
+#include "tests/qnv/splat_clouds.h"
 
 #include <catch2/catch.hpp>
 
@@ -90,15 +91,19 @@ TEST_CASE("encodes and decodes each payload by its row of the table") {
   const SoftBall ball(12);
   double magnitudes = 0;
   for (const float weight : ball.geometry.weights) magnitudes += weight;
-  const EncodeSource sources[] = {std::cref(triangles), VectorView(geometry),
+  const Gaussians cloud = test::splat_cloud(300);
+  const EncodeSource sources[] = {std::cref(triangles),
+                                  VectorView(geometry),
                                   OutlineSource{std::get<OutlineGroups>(grouped), {}, outline_options},
-                                  VectorView(ball.geometry), std::cref(ball.source)};
+                                  VectorView(ball.geometry),
+                                  std::cref(ball.source),
+                                  std::cref(cloud)};
   EncodeOptions few;
   few.vectors = 5000;
   // Sources of each payload.
   const std::set<std::pair<std::string_view, std::size_t>> made = {
-      {"records", 0}, {"records", 1}, {"packed", 0},    {"outlines", 2},   {"records", 3},
-      {"values", 4},  {"packed", 1},  {"displaced", 0}, {"progressive", 0}};
+      {"records", 0}, {"records", 1},   {"packed", 0},      {"outlines", 2}, {"records", 3}, {"values", 4},
+      {"packed", 1},  {"displaced", 0}, {"progressive", 0}, {"records", 5},  {"packed", 5},  {"gaussians", 5}};
   for (const PayloadRow& row : payload_rows())
     for (std::size_t i = 0; i < std::size(sources); ++i) {
       INFO(row.name << " of source " << i);

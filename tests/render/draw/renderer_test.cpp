@@ -222,7 +222,7 @@ TEST_CASE("draws instances like single items, in few calls") {
   }
 }
 
-TEST_CASE("draws twenty thousand shapes of four meshes and eight materials in four calls") {
+TEST_CASE("draws twenty thousand shapes of four meshes and eight materials in at most four calls") {
   Drawing drawing;
   std::shared_ptr<const vrml::Mesh> meshes[] = {square(0.1f), square(0.2f), square(0.3f), square(0.4f)};
   RenderList list;
@@ -235,7 +235,7 @@ TEST_CASE("draws twenty thousand shapes of four meshes and eight materials in fo
   }
   (void)drawing.draw(list, camera_at({0, 0, 150}));
   CHECK(drawing.statistics.items == 20000);
-  CHECK(drawing.statistics.draw_calls == 4);
+  CHECK(drawing.statistics.draw_calls <= 4);  // 1 if the driver draws several meshes in a call
 }
 
 TEST_CASE("draws the same picture at survey coordinates far from the origin") {

@@ -2,6 +2,7 @@
 
 #include "render/gaussians/gaussian_harmonics.h"
 #include "render/rays/gaussian_pick.h"
+#include "tests/render/gaussians/gaussian_scenes.h"
 #include "tests/render/volume_scenes.h"
 
 #include <glm/glm.hpp>
@@ -18,28 +19,11 @@
 #include <random>
 
 namespace gs::render::gaussian_raster_test {
-namespace {
 
-qnv::Gaussians random_gaussians(std::size_t count, int degree, std::uint32_t seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<float> normal;
-  std::uniform_real_distribution<float> even(0, 1);
-  qnv::Gaussians made;
-  made.degree = degree;
-  for (std::size_t i = 0; i < count; ++i) {
-    const glm::vec4 q(normal(random), normal(random), normal(random), normal(random));
-    made.positions.push_back(glm::vec3(normal(random), normal(random), normal(random)) * 0.4f);
-    made.scales.push_back(glm::vec3(even(random), even(random), even(random) * 0.3f) * 0.12f);
-    made.rotations.push_back(q / glm::length(q));
-    made.opacities.push_back(even(random));
-    made.bases.push_back({even(random), even(random), even(random)});
-    for (std::size_t k = 0; k < qnv::harmonic_count(degree); ++k)
-      made.harmonics.push_back(glm::vec3(normal(random), normal(random), normal(random)) * 0.1f);
-    made.normals.push_back({0, 0, 1});
-    made.weights.push_back(1);
-  }
-  return made;
-}
+using test::hostile_gaussians;
+using test::random_gaussians;
+
+namespace {
 
 SplatView view_of(int width, int height) {
   SplatView view;
@@ -278,18 +262,7 @@ TEST_CASE("records the depth at which half of the light is absorbed, as picking 
 }
 
 TEST_CASE("draws the finite ones of hostile Gaussians") {
-  qnv::Gaussians gaussians = random_gaussians(12, 3, 2);
-  const float nan = std::numeric_limits<float>::quiet_NaN(), infinite = std::numeric_limits<float>::infinity();
-  gaussians.positions[1].x = nan;
-  gaussians.positions[2].z = infinite;
-  gaussians.scales[3].x = infinite;
-  gaussians.scales[4] = glm::vec3(1e30f);
-  gaussians.rotations[5] = glm::vec4(0);
-  gaussians.opacities[6] = nan;
-  gaussians.opacities[7] = 1e30f;
-  gaussians.bases[8].y = nan;
-  gaussians.harmonics[9 * 15].x = infinite;
-  gaussians.positions[10] = glm::vec3(1e30f);
+  const qnv::Gaussians gaussians = hostile_gaussians();
   const SplatView view = view_of(40, 30);
   const GaussianItem item = item_of(gaussians, seen_from({0, 0, 3}));
   const VolumeLayer layer = rasterize_gaussians({&item, 1}, view);

@@ -1,5 +1,8 @@
 #include "render/volume/volume_gl.h"
 
+#include "render/sorting/depth_sort_shaders.h"
+#include "render/volume/volume_shaders.h"
+
 #include "tests/render/volume_scenes.h"
 
 #include <array>
@@ -25,7 +28,7 @@ std::shared_ptr<const qnv::Volume> shell(std::size_t count = 900, unsigned seed 
 Pixels check_same(const RenderList& list, const DrawOptions& look, const glm::vec3& eye = {0, 0, 3}, int samples = 1,
                   double least = 40) {
   Pixels wanted;
-  for (const VolumeSort sort : {VolumeSort::thread, VolumeSort::compute}) {
+  for (const SortMethod sort : {SortMethod::thread, SortMethod::compute}) {
     VolumePicture picture(sort, 80, 60, samples);
     picture.camera.world_from_camera = glm::inverse(glm::lookAt(eye, glm::vec3(0), glm::vec3(0.1f, 1, 0.05f)));
     picture.options.splat_style = look.splat_style;
@@ -43,7 +46,7 @@ Pixels check_same(const RenderList& list, const DrawOptions& look, const glm::ve
     CHECK(picture.statistics.splats == std::string("gl"));
     CHECK(picture.statistics.vectors == vectors);
     CHECK(!picture.statistics.pending);
-    CHECK(picture.pass->sorted_by() == (picture.gl.DispatchCompute ? sort : VolumeSort::thread));
+    CHECK(picture.pass->sorted_by() == (picture.gl.DispatchCompute ? sort : SortMethod::thread));
     CHECK(!plain(drawn, kBlue));
     const double psnr = psnr_of(drawn, wanted);
     INFO("PSNR " << psnr << " sorted by " << static_cast<int>(sort));
@@ -57,7 +60,7 @@ Pixels check_same(const RenderList& list, const DrawOptions& look, const glm::ve
 TEST_CASE("draws a volume with OpenGL as on the processor and by the ray caster", "[optimised]") {
   const auto geometry = shell();
   for (const glm::vec3& eye : {glm::vec3(0, 0, 3), glm::vec3(3, 1, -1), glm::vec3(0.9f, 0.2f, 0.3f)}) {
-    for (const VolumeSort sort : {VolumeSort::thread, VolumeSort::compute}) {
+    for (const SortMethod sort : {SortMethod::thread, SortMethod::compute}) {
       VolumePicture picture(sort);
       picture.camera.world_from_camera = glm::inverse(glm::lookAt(eye, glm::vec3(0), glm::vec3(0, 1, 0)));
       const RayImage exact = raycast_volume(*geometry, picture.view(), {});
@@ -150,7 +153,7 @@ TEST_CASE("hides the volume behind a polygon and veils the polygon by the volume
   for (const int samples : {1, 4}) {
     Pixels wanted;
     for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
-      VolumePicture picture(VolumeSort::automatic, 80, 60, samples);
+      VolumePicture picture(SortMethod::automatic, 80, 60, samples);
       picture.options.splats = path;
       picture.clear(kBlue, 25);
       picture.polygon(slanted, {0.9f, 0.9f, 0});
@@ -165,7 +168,7 @@ TEST_CASE("hides the volume behind a polygon and veils the polygon by the volume
 }
 
 TEST_CASE("sorts for OpenGL at most one picture late, and exactly for an unchanged view", "[optimised]") {
-  VolumePicture picture(VolumeSort::thread), fresh(VolumeSort::thread);
+  VolumePicture picture(SortMethod::thread), fresh(SortMethod::thread);
   picture.options.splats = fresh.options.splats = SplatPath::gl;
   const RenderList list = volume_list(shell(30'000, 7, 0.03f));
   (void)picture.draw(list, kBlue, 25);
@@ -203,7 +206,9 @@ TEST_CASE("sorts in compute shaders like the sorting thread", "[optimised]") {
   const auto get = reinterpret_cast<PFNGLGETBUFFERSUBDATAPROC>(picture.context->proc_address("glGetBufferSubData"));
   REQUIRE(get);
   VolumeStore store(picture.gl);
-  const auto sort = VolumeGlSort::create(picture.gl, "#define ITEM_TEXELS 16\n#define MOST_LIGHTS 0\n");
+  const auto sort = DepthGlSort::create(
+      picture.gl, std::string("#define ITEM_TEXELS 16\n#define MOST_LIGHTS 0\n") + kVolumeItemShader + kItemsShader +
+                      kVolumeDataShader + kVolumeKeysShader);
   REQUIRE(sort);
   const Buffer order = make_buffer(picture.gl), item_buffer = make_buffer(picture.gl);
   const Texture items = make_texture(picture.gl);
@@ -252,7 +257,7 @@ TEST_CASE("sorts in compute shaders like the sorting thread", "[optimised]") {
 
 TEST_CASE("survives volumes of any numbers with OpenGL") {
   constexpr std::array<float, 9> numbers = {kNaN, kInfinity, -kInfinity, 0, -1, 1e38f, -1e38f, 1e-38f, 3e9f};
-  VolumePicture picture(VolumeSort::compute, 24, 24);
+  VolumePicture picture(SortMethod::compute, 24, 24);
   picture.options.splats = SplatPath::gl;
   std::mt19937 random(9);
   const auto any = [&] { return numbers[random() % numbers.size()]; };
@@ -279,7 +284,7 @@ TEST_CASE("survives volumes of any numbers with OpenGL") {
 }
 
 TEST_CASE("draws volumes on the processor that OpenGL cannot draw") {
-  VolumePicture picture(VolumeSort::thread);
+  VolumePicture picture(SortMethod::thread);
   VolumeGl volumes(picture.gl);
   const auto geometry = shell();
   const auto model = std::make_shared<const VolumeModel>(volume_model(*geometry));

@@ -227,7 +227,7 @@ TEST_CASE("smooths polygon edges before, in and behind a volume with several sam
     std::array<Pixels, 2> drawn;
     std::size_t path = 0;
     for (const SplatPath chosen : {SplatPath::cpu, SplatPath::gl}) {
-      Target target(VolumeSort::automatic, kWidth, kHeight, 4);
+      Target target(SortMethod::automatic, kWidth, kHeight, 4);
       target.options.splats = chosen;
       const auto draw = [&](bool polygon, bool volume) {
         target.clear({0, 0, 1}, 25);
@@ -303,7 +303,7 @@ TEST_CASE("applies a chosen transfer function to all volumes, and colours by the
 
 TEST_CASE("draws a volume inside its viewport only") {
   for (const SplatPath path : {SplatPath::cpu, SplatPath::gl}) {
-    Target target(VolumeSort::automatic, kWidth, kHeight), whole(VolumeSort::automatic, 40, 30);
+    Target target(SortMethod::automatic, kWidth, kHeight), whole(SortMethod::automatic, 40, 30);
     target.options.splats = whole.options.splats = path;
     const RenderList list = volume_list(std::make_shared<const qnv::Volume>(random_volume(900, 5, 0.12f)));
     const Pixels wanted = whole.draw(list, {0, 0, 0.5f}, 25);
@@ -343,7 +343,7 @@ TEST_CASE("combines volumes with polygons for all depth formats, and without a d
                                 GL_DEPTH32F_STENCIL8, GL_NONE}) {
       for (const auto& [path, reversed] : {std::pair(SplatPath::cpu, false), std::pair(SplatPath::gl, false),
                                            std::pair(SplatPath::cpu, true), std::pair(SplatPath::gl, true)}) {
-        Target target(VolumeSort::automatic, kWidth, kHeight, samples, static_cast<GLenum>(format));
+        Target target(SortMethod::automatic, kWidth, kHeight, samples, static_cast<GLenum>(format));
         if (reversed && !target.reverse_depth()) continue;
         target.options.splats = path;
         target.clear({0, 0, 1}, 25);

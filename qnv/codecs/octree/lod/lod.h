@@ -4,8 +4,8 @@
 #include "qnv/codecs/octree/lod/lod_chunks.h"
 #include "qnv/codecs/octree/lod/lod_cutter.h"
 #include "qnv/codecs/octree/lod/lod_source.h"
-#include "qnv/codecs/shared/chunk_requests.h"
 #include "qnv/codecs/shared/lod_view.h"
+#include "qnv/codecs/shared/viewed_stream.h"
 #include "qnv/container/container.h"
 
 #include <cstddef>
@@ -28,7 +28,7 @@ struct LodStatistics {
 /// Octree stream from which each view decodes the clusters that it needs: coarse clusters everywhere, finer ones in
 /// view, largest on the screen first. The stream is in memory, in a file, or still growing. One thread at a time. Safe
 /// for untrusted bytes: skips invalid clusters with their descendants; the coarser picture remains.
-class LodStream final : public ChunkRequests {
+class LodStream final : public ViewedStream {
  public:
   /// Default limit in bytes of decoded data that the last cuts do not need.
   static constexpr std::size_t kCacheBytes = LodLimits{}.cache_bytes;
@@ -47,13 +47,13 @@ class LodStream final : public ChunkRequests {
 
   /// Adds bytes to a growing stream, directly after the bytes of begin() and of earlier calls. Returns false if further
   /// bytes are useless.
-  bool push(std::span<const std::byte> bytes);
+  bool push(std::span<const std::byte> bytes) override;
   /// Ends the input. Call it after the last push().
-  void finish();
+  void finish() override;
   bool set_directory(std::span<const std::byte> chunks) override { return chunks_.set_directory(chunks); }
   /// Adds a whole chunk at its offset in the stream, in any order. Returns false if the chunk is rejected; problems()
   /// has the reason.
-  bool add(std::uint64_t offset, std::span<const std::byte> chunk);
+  bool add(std::uint64_t offset, std::span<const std::byte> chunk) override;
 
   /// Returns the runs of splats to draw. They cover everything in view exactly once. Omits clusters entirely outside
   /// the view. For the same view and bytes, the detail never decreases from call to call.

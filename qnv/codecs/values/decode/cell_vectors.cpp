@@ -36,6 +36,7 @@ std::size_t voxels_of(std::span<const SampleBox> boxes) {
 void SampledGrid::read(const SampleBox& box, std::int32_t* to) const {
   const std::size_t row = box.size[0], slice = row * box.size[1];
   samples.read(box, to, row, slice);
+  limits.apply({to, slice * box.size[2]});
   if (!missing) return;
   const auto gap = static_cast<std::int32_t>(layout.missing.value_or(0));
   const Extent& all = samples.extent();

@@ -2,6 +2,7 @@
 
 #include "qnv/base/geometry.h"
 #include "qnv/codecs/values/decode/sample_bricks.h"
+#include "qnv/codecs/values/decode/sample_limits.h"
 #include "qnv/sampling/volume/volume.h"
 
 #include <glm/mat3x3.hpp>
@@ -35,7 +36,9 @@ struct SampledGrid {
   VolumeLayout layout;                                         // of i32 samples
   std::shared_ptr<const std::vector<std::uint8_t>> missing{};  // 1 marks a missing voxel; or null
 
-  /// Reads stored numbers. Missing voxels become `layout.missing`.
+  SampleLimits limits{};
+
+  /// Reads stored numbers, within the limits. Missing voxels become `layout.missing`.
   void read(const SampleBox& box, std::int32_t* to) const;
 };
 

@@ -32,6 +32,14 @@ bool valid(Extent extent) {
   return true;
 }
 
+int level_for(Extent extent, std::size_t most_vectors) {
+  constexpr std::uint64_t kFewest = 4096;
+  const std::uint64_t most = std::max<std::uint64_t>(kSamplesPerVector * most_vectors, kFewest);
+  int level = 0;
+  while (level < 31 && sample_count(low_extent(extent, level)) > most) ++level;
+  return level;
+}
+
 double level_gain(Extent extent, int level) {
   constexpr double kLowGain = 1.230174104914001;  // of one step along one axis
   int steps = 0;

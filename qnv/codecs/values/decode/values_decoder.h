@@ -15,6 +15,11 @@ namespace gs::qnv::values {
 /// Reports whether a volume of this extent is supported: no axis is empty, and at most kMostSamples samples.
 [[nodiscard]] bool valid(Extent extent);
 
+/// Maximum number of decoded samples per permitted vector. About 9 % of the samples become vectors.
+inline constexpr std::size_t kSamplesPerVector = 8;
+/// Returns the finest level that a decoder for this number of vectors decodes as a whole; 0 means the volume.
+[[nodiscard]] int level_for(Extent extent, std::size_t most_vectors);
+
 /// Result of adding a cluster.
 enum class Added : std::uint8_t { taken, waits, repeated, refused, dropped };
 

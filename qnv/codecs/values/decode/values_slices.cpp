@@ -3,6 +3,7 @@
 #include "base/parallel.h"
 #include "qnv/codecs/values/cluster.h"
 #include "qnv/codecs/values/cube_runs.h"
+#include "qnv/codecs/values/decode/sample_limits.h"
 #include "qnv/codecs/values/decode/values_decoder.h"
 #include "qnv/codecs/values/slices/slice_transform.h"
 #include "qnv/codecs/values/stored_code.h"
@@ -91,9 +92,10 @@ class SliceReader {
   }
 
   [[nodiscard]] const ChunkIndex& index() const { return index_; }
-  void apply(bool exact, bool corrected) {
+  void apply(bool exact, bool corrected, const values::SampleLimits& limits) {
     exact_ = exact;
     corrected_ = corrected;
+    limits_ = limits;
   }
 
   /// Reads slice z as 4-byte numbers: integers, or floats of an exact volume of floats.
@@ -171,6 +173,7 @@ class SliceReader {
   // Applies remainders and gaps to a slice.
   void finish_slice(std::size_t first, std::size_t count) {
     const bool floats = exact_ && !values::is_integer(grid_.stored);
+    if (!exact_ && !corrected_) limits_.apply(std::span(decoded_).subspan(first, count));
     for (std::size_t i = first; i < first + count; ++i) {
       auto number = static_cast<std::uint32_t>(decoded_[i]);
       const std::uint32_t step = steps_.empty() ? 0 : steps_[i];
@@ -193,6 +196,7 @@ class SliceReader {
   values::StoredCodes codes_;
   std::vector<std::size_t> first_;  // of the clusters of each block
   bool exact_ = false, corrected_ = false;
+  values::SampleLimits limits_;
   std::optional<values::SliceRestorer> restorer_;
   std::optional<RunLayers<std::uint8_t>> gaps_;
   std::optional<RunLayers<std::uint32_t>> remainders_;
@@ -333,7 +337,8 @@ std::variant<std::shared_ptr<const VolumeValues>, StreamProblem> open_values_sli
   const bool exact = made->exact && head.grid.exact;
   made->source.layout = slices_layout(head, exact);
   const auto slices = std::make_shared<SliceReader>(std::move(bytes), head.grid, std::move(index));
-  slices->apply(exact, whole && head.grid.correction != 0);
+  slices->apply(exact, whole && head.grid.correction != 0,
+                values::sample_limits(made->range, head.grid.unit, head.grid.zero));
   made->source.read = [slices](std::uint32_t z, std::span<std::byte> to) { return slices->read(z, to); };
   if (header) *header = head;
   return std::shared_ptr<const VolumeValues>(std::move(made));

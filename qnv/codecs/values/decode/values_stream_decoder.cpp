@@ -1,6 +1,7 @@
 #include "qnv/codecs/shared/decoder.h"
 #include "qnv/codecs/values/cube_runs.h"
 #include "qnv/codecs/values/decode/cell_vectors.h"
+#include "qnv/codecs/values/decode/level_layout.h"
 #include "qnv/codecs/values/decode/values_decoder.h"
 #include "qnv/codecs/values/stored_code.h"
 #include "qnv/codecs/values/values_vectors.h"
@@ -28,10 +29,8 @@ namespace {
 using values::Extent;
 
 constexpr std::int32_t kMissingSample = std::numeric_limits<std::int32_t>::min();
-// Maximum number of decoded samples per permitted vector. About 9 % of the samples become vectors.
-constexpr std::uint64_t kSamplesPerVector = 8;
 // Assumed samples per block, which limits the number of blocks. Border blocks may have fewer.
-constexpr std::uint64_t kBlockSamples = 512;
+constexpr std::size_t kBlockSamples = 512;
 
 /// Numbers of a decoded volume, 4 bytes each. `Number` is std::int32_t or float.
 template <class Number>
@@ -64,9 +63,8 @@ class ValuesStreamDecoder final : public Decoder {
   ValuesStreamDecoder(const StreamHeader& header, std::size_t most_vectors)
       : grid_(header.grid),
         most_vectors_(most_vectors),
-        most_samples_(std::max<std::uint64_t>(kSamplesPerVector * most_vectors, 4096)),
-        finest_(finest_level()),
-        decoder_(grid_.dimensions, finest_, static_cast<std::size_t>(most_samples_ / kBlockSamples + 64)) {}
+        finest_(values::level_for(grid_.dimensions, most_vectors)),
+        decoder_(grid_.dimensions, finest_, most_blocks(most_vectors)) {}
 
   void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange>) override {
     const values::Added added = type == ChunkType::values ? add_cluster(payload)
@@ -81,6 +79,7 @@ class ValuesStreamDecoder final : public Decoder {
     }
     in_order_ = in_order_ && (added == values::Added::taken || added == values::Added::repeated);
   }
+  void leave_order() override { in_order_ = false; }
   [[nodiscard]] DecodeCount count() const override { return count_; }
   [[nodiscard]] std::size_t vectors() const override {
     const double all =
@@ -99,10 +98,8 @@ class ValuesStreamDecoder final : public Decoder {
   }
 
  private:
-  [[nodiscard]] int finest_level() const {
-    int level = 0;
-    while (level < 31 && samples_of(level) > most_samples_) ++level;
-    return level;
+  [[nodiscard]] static std::size_t most_blocks(std::size_t most_vectors) {
+    return std::max<std::size_t>(values::kSamplesPerVector * most_vectors, 4096) / kBlockSamples + 64;
   }
   [[nodiscard]] std::uint64_t samples_of(int level) const {
     const Extent part = values::low_extent(grid_.dimensions, level);
@@ -154,8 +151,7 @@ class ValuesStreamDecoder final : public Decoder {
     Volume shown((GeometryBase()));
     vectors_->fill(samples_, shown);
     shown.description.total = vectors_->total();
-    const std::array<glm::vec3, 3>& axes = samples_.layout.axes;
-    shown.description.spacing = std::min({glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2])});
+    shown.description.spacing = values::smallest_step(samples_.layout);
     return shown;
   }
 
@@ -172,25 +168,6 @@ class ValuesStreamDecoder final : public Decoder {
     return Volume(std::move(none));
   }
 
-  [[nodiscard]] VolumeLayout layout_of(int level, const Description& about) const {
-    VolumeLayout layout;
-    layout.dimensions = values::low_extent(grid_.dimensions, level);
-    for (std::size_t a = 0; a < 3; ++a) {
-      // An axis of one voxel stays as it is.
-      int steps = 0;
-      while (steps < level && values::low_extent(grid_.dimensions, steps)[a] > 1) ++steps;
-      layout.axes[a] = grid_.axes[a] * std::ldexp(1.0f, steps);
-    }
-    layout.origin = grid_.origin;
-    layout.base = about.origin;
-    layout.metadata = about.metadata;
-    layout.slope = grid_.unit / values::level_gain(grid_.dimensions, level);
-    layout.intercept = grid_.zero;
-    layout.type = VoxelType::i32;
-    layout.big_endian = std::endian::native == std::endian::big;
-    return layout;
-  }
-
   /// Sets `values_`, and `vectors_` if the values are samples without remainders.
   void decode(const Description& about) const {
     auto values = std::make_shared<VolumeValues>();
@@ -201,7 +178,7 @@ class ValuesStreamDecoder final : public Decoder {
     values->intercept = grid_.intercept;
     values->missing = grid_.missing;
     note_error(*values);
-    VolumeLayout layout = layout_of(values->level, about);
+    VolumeLayout layout = values::level_layout(grid_, about, values->level);
     std::vector<values::SampleBox> changed;
     values::SampleBricks bricks = decoder_.bricks(values->level, changed);
     values->bytes = bricks.bytes();
@@ -215,6 +192,9 @@ class ValuesStreamDecoder final : public Decoder {
       values->source = corrected ? corrected_source() : exact_source();
       vectors_.reset();
     } else {
+      // Bricks of finer levels start from the samples of coarse ones, which therefore keep all their bits.
+      if (values->level == 0)
+        samples_.limits = values::sample_limits(about.value_range, samples_.layout.slope, samples_.layout.intercept);
       update_vectors(changed, about);
       values->source = source_of(samples_);
     }
@@ -292,7 +272,6 @@ class ValuesStreamDecoder final : public Decoder {
 
   const ValueGrid grid_;
   const std::size_t most_vectors_;
-  const std::uint64_t most_samples_;
   const int finest_;
   std::shared_ptr<std::vector<std::uint8_t>> missing_;  // of all voxels, or null
   std::vector<std::uint32_t> remainders_;

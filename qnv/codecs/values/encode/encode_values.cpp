@@ -1,11 +1,14 @@
 #include "qnv/codecs/values/encode/encode_values.h"
 
+#include "qnv/base/morton.h"
+#include "qnv/codecs/values/chunk_places.h"
 #include "qnv/codecs/values/encode/error_meter.h"
 #include "qnv/codecs/values/slices/slice_transform.h"
 #include "qnv/container/container.h"
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <functional>
 #include <optional>
 #include <tuple>
@@ -16,7 +19,7 @@ namespace gs::qnv::values {
 namespace {
 
 // Bytes of a chunk beside its payload.
-constexpr std::size_t kChunkCost = kChunkHeaderBytes + kDirectoryEntryBytes;
+constexpr std::size_t kChunkCost = kChunkHeaderBytes + kMostPlaceBytes;
 // With a permitted error, clusters end at this ratio of the RMS error to it. It minimises the bytes of clusters and
 // corrections together.
 constexpr double kRmsOfError = 0.4;
@@ -63,6 +66,7 @@ class VolumeEncoder {
   }
 
   [[nodiscard]] std::uint64_t blocks() const { return layout_.count(); }
+  [[nodiscard]] const BlockLayout& layout() const { return layout_; }
   /// Encodes down to a plane; coarse levels need more.
   std::optional<EncodeError> encode(const ReadSamples& read, int last_plane) {
     clusters_.clear();
@@ -143,8 +147,35 @@ class VolumeEncoder {
   std::optional<EncodeError> problem_;
 };
 
+// Sorts many clusters by steps of rank, each step in the order of space: coarse levels first, then by Morton code. So a
+// view finds what it needs in few ranges of the stream.
+void order_in_space(std::vector<StoredCluster>& clusters, const BlockLayout& layout) {
+  constexpr float kSteps = 2;  // per octave
+  struct Key {
+    float step = 0;
+    std::uint64_t level = 0, morton = 0;
+    StoredCluster cluster;
+  };
+  std::vector<Key> keys;
+  keys.reserve(clusters.size());
+  for (const StoredCluster& cluster : clusters) {
+    const BlockPlace place = layout.place(cluster.block);
+    Extent at{};
+    for (std::size_t a = 0; a < 3; ++a) at[a] = (place.first[a] >> place.level) / kBlockEdge & 0x1fffff;
+    keys.push_back({-std::floor(kSteps * std::log2(cluster.rank)), layout.first_of(place.level),
+                    morton_encode(at[0], at[1], at[2]), cluster});
+  }
+  std::ranges::sort(keys, [](const Key& a, const Key& b) {
+    return std::tuple(a.step, a.level, a.morton, a.cluster.block, a.cluster.index) <
+           std::tuple(b.step, b.level, b.morton, b.cluster.block, b.cluster.index);
+  });
+  std::ranges::transform(keys, clusters.begin(), &Key::cluster);
+}
+
 // Sorts clusters by rank, and drops those beyond `max_bytes` if that is given. The first cluster stays.
-void order_clusters(std::vector<StoredCluster>& clusters, std::size_t max_bytes) {
+void order_clusters(std::vector<StoredCluster>& clusters, std::size_t max_bytes, const BlockLayout& layout) {
+  constexpr std::size_t kMany = std::size_t{1} << 15;
+  if (clusters.size() >= kMany && max_bytes == 0) return order_in_space(clusters, layout);
   std::ranges::sort(clusters, [](const StoredCluster& a, const StoredCluster& b) {
     return std::tuple(-a.rank, a.block, a.index) < std::tuple(-b.rank, b.block, b.index);
   });
@@ -207,7 +238,7 @@ std::variant<EncodedValues, EncodeError> encode_values(const ReadSamples& read, 
   for (int last_plane = bounded ? std::max(0, static_cast<int>(std::bit_width(limit.most_error)) - 2) : 0;;
        --last_plane) {
     if (auto problem = volume.encode(read, last_plane)) return std::move(*problem);
-    order_clusters(volume.clusters(), limit.max_bytes);
+    order_clusters(volume.clusters(), limit.max_bytes, volume.layout());
     if (bounded) {
       const auto end =
           clusters_for(volume.clusters(), kRmsOfError * limit.most_error, sample_count(extent), volume.rest());

@@ -1,11 +1,11 @@
 #include "qnv/codecs/values/encode/values_stream.h"
 
 #include "qnv/codecs/shared/stream_writer.h"
+#include "qnv/codecs/values/chunk_places.h"
 #include "qnv/codecs/values/cube_runs.h"
 #include "qnv/codecs/values/encode/encode_values.h"
 #include "qnv/codecs/values/encode/sampled_volume.h"
 #include "qnv/codecs/values/stored_code.h"
-#include "qnv/codecs/values/values_vectors.h"
 #include "qnv/sampling/volume/gradients.h"
 #include "qnv/sampling/volume/volume_slices.h"
 
@@ -36,28 +36,6 @@ Description describe(const VolumeSource& source, const SampledVolume& volume, co
   return about;
 }
 
-// Box of voxels from `first`, with the reach of the wavelets.
-Box box_of(const VolumeLayout& layout, const values::Extent& first, const values::Extent& size, int level) {
-  const double reach = std::ldexp(4.0, std::max(level - 1, 0));
-  std::array<std::array<double, 2>, 3> ends{};
-  for (std::size_t a = 0; a < 3; ++a)
-    ends[a] = {std::max(0.0, first[a] - reach),
-               std::min(layout.dimensions[a] - 1.0, static_cast<double>(first[a]) + size[a] + reach)};
-  Box box;
-  for (unsigned c = 0; c < 8; ++c)
-    box.add(voxel_position(layout, ends[0][c & 1], ends[1][c >> 1 & 1], ends[2][c >> 2]));
-  return box;
-}
-
-Box box_of_run(const VolumeLayout& layout, const values::StoredRun& run) {
-  const values::Extent cubes = values::cube_extent(layout.dimensions);
-  const std::uint64_t slice = std::uint64_t{cubes[0]} * cubes[1];
-  const auto first = static_cast<std::uint32_t>(run.first / slice),
-             last = static_cast<std::uint32_t>((run.first + run.count - 1) / slice);
-  return box_of(layout, {0, 0, first * values::kCubeEdge},
-                {layout.dimensions[0], layout.dimensions[1], (last - first + 1) * values::kCubeEdge}, 0);
-}
-
 /// Parts of a stream in the order of their chunks.
 struct StreamParts {
   std::vector<values::StoredRun> gaps;
@@ -68,11 +46,8 @@ struct StreamParts {
 /// Chunks of a values stream, with payloads in a store.
 class ValuesChunks final : public ChunkList {
  public:
-  ValuesChunks(const VolumeLayout& layout, const SpillStore& store, const StreamParts& parts)
-      : layout_(layout),
-        store_(store),
-        parts_(parts),
-        blocks_(layout.dimensions, values::level_count(layout.dimensions)) {
+  ValuesChunks(const ValueGrid& grid, const SpillStore& store, const StreamParts& parts)
+      : store_(store), parts_(parts), entries_(grid) {
     for (const values::StoredCluster& cluster : parts.clusters)
       most_gain_ = std::max(most_gain_, static_cast<double>(cluster.gain));
   }
@@ -82,28 +57,33 @@ class ValuesChunks final : public ChunkList {
   }
   [[nodiscard]] std::optional<OutgoingChunk> chunk(std::size_t i) const override {
     OutgoingChunk chunk;
-    chunk.entry.parent = 0xffffffff;
     const Place place = place_of(i);
+    chunk.entry = entries_(chunk_place(i));
     chunk.payload.resize(place.run ? place.run->bytes : place.cluster->bytes);
     if (!store_.read(place.run ? place.run->offset : place.cluster->offset, chunk.payload)) return std::nullopt;
     if (place.run) {
       chunk.type = i < parts_.gaps.size() ? ChunkType::gaps : ChunkType::remainders;
       // A lost chunk of gaps leaves wrong values where there are none.
       if (chunk.type == ChunkType::gaps) chunk.gain = most_gain_;
-      chunk.entry.box = box_of_run(layout_, *place.run);
       return chunk;
     }
-    const values::BlockPlace block = blocks_.place(place.cluster->block);
     chunk.type = ChunkType::values;
-    chunk.entry.box = box_of(layout_, block.first, block.size, block.level);
-    chunk.entry.level = static_cast<std::uint8_t>(block.level);
     chunk.gain = static_cast<double>(place.cluster->gain);
     chunk.chain = place.cluster->block;
-    if (place.cluster->index == 0 && block.level == 1)
-      chunk.entry.vectors =
-          static_cast<std::uint32_t>(kShownFraction * static_cast<double>(values::sample_count(block.size)));
     return chunk;
   }
+  [[nodiscard]] std::optional<std::vector<std::vector<std::byte>>> places(
+      std::span<const DirectoryEntry> entries) const override {
+    std::vector<values::ChunkPlace> places;
+    places.reserve(entries.size());
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      places.push_back(chunk_place(i));
+      places.back().offset = entries[i].offset;
+      places.back().bytes = entries[i].bytes;
+    }
+    return values::pack_places(places);
+  }
+  [[nodiscard]] std::size_t entry_bytes() const override { return values::kMostPlaceBytes; }
 
  private:
   /// Part of the stream that a chunk holds: a run or a cluster.
@@ -118,10 +98,15 @@ class ValuesChunks final : public ChunkList {
     return {&parts_.remainders[i - parts_.clusters.size()], nullptr};
   }
 
-  const VolumeLayout& layout_;
+  [[nodiscard]] values::ChunkPlace chunk_place(std::size_t i) const {
+    const Place place = place_of(i);
+    if (place.cluster) return {ChunkType::values, 0, 0, place.cluster->block, place.cluster->index};
+    return {i < parts_.gaps.size() ? ChunkType::gaps : ChunkType::remainders, 0, 0, place.run->first, place.run->count};
+  }
+
   const SpillStore& store_;
   const StreamParts& parts_;
-  values::BlockLayout blocks_;
+  values::PlaceEntries entries_;
   double most_gain_ = 0;
 };
 
@@ -191,7 +176,7 @@ std::optional<EncodeError> encode_codes(values::SampleReader& reader, const Volu
 std::size_t room_for_clusters(const StreamHeader& header, const StreamParts& parts, std::size_t max_bytes,
                               const Protection& protection) {
   std::size_t used = encode_header(header).size() + 12 * ValueGrid::kMaxValueErrors;
-  for (const values::StoredRun& run : parts.gaps) used += run.bytes + kChunkHeaderBytes + kDirectoryEntryBytes;
+  for (const values::StoredRun& run : parts.gaps) used += run.bytes + kChunkHeaderBytes + values::kMostPlaceBytes;
   const std::size_t room = max_bytes > used ? max_bytes - used : 1;
   if (room == 1 || protection.kind == Protection::Kind::none) return room;
   // The first groups are small and have more parity than the others.
@@ -211,12 +196,21 @@ void set_errors(std::vector<ValueError> errors, std::size_t before, float roundi
   }
 }
 
-// Returns the size of a stream: its directory follows all chunks.
-std::uint64_t bytes_of(const StreamHeader& header) {
-  constexpr std::uint64_t kInOne = kMaxChunkBytes / kDirectoryEntryBytes;
-  return header.directory + std::uint64_t{header.chunks} * kDirectoryEntryBytes +
-         (header.chunks + kInOne - 1) / kInOne * kChunkHeaderBytes;
-}
+/// Sink that counts the bytes of a stream.
+class CountingSink final : public StreamSink {
+ public:
+  explicit CountingSink(StreamSink& to) : to_(to) {}
+  bool write(std::span<const std::byte> bytes) override {
+    count_ += bytes.size();
+    return to_.write(bytes);
+  }
+  bool rewrite_front(std::span<const std::byte> bytes) override { return to_.rewrite_front(bytes); }
+  [[nodiscard]] std::uint64_t count() const { return count_; }
+
+ private:
+  StreamSink& to_;
+  std::uint64_t count_ = 0;
+};
 
 }  // namespace
 
@@ -270,11 +264,13 @@ std::variant<EncodedStream, EncodeError> encode_values(const VolumeSource& sourc
   }
   EncodedStream stream;
   MemorySink memory_sink(stream.bytes);
-  auto written = write_stream(std::move(header), ValuesChunks(layout, store, parts), options.max_bytes,
-                              options.sink ? *options.sink : memory_sink, protection);
+  CountingSink sink(options.sink ? *options.sink : memory_sink);
+  const ValueGrid known = header.grid;
+  auto written =
+      write_stream(std::move(header), ValuesChunks(known, store, parts), options.max_bytes, sink, protection);
   if (auto* problem = std::get_if<EncodeError>(&written)) return std::move(*problem);
   stream.header = std::move(std::get<StreamHeader>(written));
-  if (options.sink) stream.written = bytes_of(stream.header);
+  if (options.sink) stream.written = sink.count();
   if (options.max_bytes != 0 && stream.size() > options.max_bytes)
     return EncodeError{"a stream of the coarsest values has " + std::to_string(stream.size()) +
                        " bytes; expected at most " + std::to_string(options.max_bytes)};

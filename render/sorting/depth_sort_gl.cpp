@@ -1,6 +1,6 @@
-#include "render/volume/volume_sort_gl.h"
+#include "render/sorting/depth_sort_gl.h"
 
-#include "render/volume/volume_shaders.h"
+#include "render/sorting/depth_sort_shaders.h"
 
 #include <array>
 #include <cstdint>
@@ -33,28 +33,28 @@ Program compute_program(const Gl& gl, const std::string& source) {
 
 }  // namespace
 
-std::unique_ptr<VolumeGlSort> VolumeGlSort::create(const Gl& gl, const std::string& defines) {
+std::unique_ptr<DepthGlSort> DepthGlSort::create(const Gl& gl, const std::string& keys) {
   if (!gl.DispatchCompute) return nullptr;
-  std::unique_ptr<VolumeGlSort> sort(new VolumeGlSort(gl));
-  const std::string start = "#version 430 core\n" + defines + kVolumeSortShader;
+  std::unique_ptr<DepthGlSort> sort(new DepthGlSort(gl));
+  const std::string start = std::string("#version 430 core\n") + kSortShader;
   take_errors(gl);
-  sort->keys_ = compute_program(gl, start + kVolumeDataShader + kVolumeKeysShader);
-  sort->count_ = compute_program(gl, start + kVolumeCountShader);
-  sort->scan_ = compute_program(gl, start + kVolumeScanShader);
-  sort->scatter_ = compute_program(gl, start + kVolumeScatterShader);
+  sort->keys_ = compute_program(gl, start + kSortKeysShader + keys);
+  sort->count_ = compute_program(gl, start + kSortCountShader);
+  sort->scan_ = compute_program(gl, start + kSortScanShader);
+  sort->scatter_ = compute_program(gl, start + kSortScatterShader);
   take_errors(gl);
   for (const Program* program : {&sort->keys_, &sort->count_, &sort->scan_, &sort->scatter_})
     if (!*program) return nullptr;
   return sort;
 }
 
-bool VolumeGlSort::fill(const Buffer& buffer, std::size_t bytes) const {
+bool DepthGlSort::fill(const Buffer& buffer, std::size_t bytes) const {
   gl_.BindBuffer(GL_SHADER_STORAGE_BUFFER, buffer.name());
   gl_.BufferData(GL_SHADER_STORAGE_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, GL_DYNAMIC_COPY);
   return gl_.GetError() == GL_NO_ERROR;
 }
 
-bool VolumeGlSort::make_room(std::size_t total) {
+bool DepthGlSort::make_room(std::size_t total) {
   if (total <= room_) return true;
   room_ = 0;
   const std::size_t entries = total + total / 4;
@@ -68,7 +68,7 @@ bool VolumeGlSort::make_room(std::size_t total) {
   return true;
 }
 
-bool VolumeGlSort::sort(const Data& data, std::size_t total, const Buffer& order) {
+bool DepthGlSort::sort(const Data& data, std::size_t total, const Buffer& order) {
   const std::size_t groups = (total + kSortBlock - 1) / kSortBlock;
   if (total == 0 || groups > kMaxGroups) return false;
   take_errors(gl_);
@@ -107,7 +107,9 @@ bool VolumeGlSort::sort(const Data& data, std::size_t total, const Buffer& order
     run(1);
     use(scatter_);
     gl_.Uniform1i(gl_.GetUniformLocation(scatter_.name(), "shift"), shift);
-    run(groups, GL_SHADER_STORAGE_BARRIER_BIT | (pass + 1 == kShaderPasses ? GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT : 0u));
+    run(groups,
+        GL_SHADER_STORAGE_BARRIER_BIT |
+            (pass + 1 == kShaderPasses ? GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT : 0u));
     std::swap(now[0], now[2]);
     std::swap(now[1], now[3]);
   }

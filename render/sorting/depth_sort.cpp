@@ -1,7 +1,7 @@
-#include "render/volume/volume_sort.h"
+#include "render/sorting/depth_sort.h"
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <glm/vec3.hpp>
 
 #include <algorithm>
 #include <array>
@@ -21,20 +21,19 @@ unsigned digit(std::uint64_t entry, unsigned pass) {
 }
 
 /// Returns in `order` the indexes of all vectors, farthest first. `entries` and `other` are working memory.
-void far_first_order(std::span<const VolumeSortPart> parts, std::vector<std::uint64_t>& entries,
+void far_first_order(std::span<const SortPart> parts, std::vector<std::uint64_t>& entries,
                      std::vector<std::uint64_t>& other, std::vector<std::uint32_t>& order) {
   std::size_t base = 0;
-  for (const VolumeSortPart& part : parts) base += part.count;
+  for (const SortPart& part : parts) base += part.count;
   entries.clear();
   entries.reserve(base);
   // Start with the last vector: at equal depth, later vectors count as farther.
   for (std::size_t i = parts.size(); i-- > 0;) {
-    const VolumeSortPart& part = parts[i];
-    const std::vector<glm::vec3>& positions = part.volume->positions;
+    const SortPart& part = parts[i];
+    const std::vector<glm::vec3>& positions = part.vectors->positions;
     base -= part.count;
     for (std::size_t k = std::min(part.count, positions.size()); k-- > 0;) {
-      const glm::vec3& p = positions[k];
-      const float depth = part.row.x * p.x + part.row.y * p.y + part.row.z * p.z + part.row.w;
+      const float depth = part.depth_of(positions[k]);
       entries.push_back(std::uint64_t{far_first_key(depth)} << 32 | (base + k));
     }
   }
@@ -44,7 +43,43 @@ void far_first_order(std::span<const VolumeSortPart> parts, std::vector<std::uin
                  [](std::uint64_t entry) { return static_cast<std::uint32_t>(entry); });
 }
 
+DepthSorter::Likeness rows_likeness(const SortPart& old, const SortPart& part) {
+  if (old.row == part.row) return DepthSorter::Likeness::same;
+  const glm::vec3 a(old.row), b(part.row);
+  const float lengths = std::sqrt(glm::dot(a, a) * glm::dot(b, b));
+  return lengths > 0 && glm::dot(a, b) >= std::cos(DepthSorter::kMaxTurn) * lengths ? DepthSorter::Likeness::near
+                                                                                    : DepthSorter::Likeness::far;
+}
+
+float largest(const glm::mat3& m) {
+  float most = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) most = std::max(most, std::abs(m[i][k]));
+  return most;
+}
+
+DepthSorter::Likeness distances_likeness(const SortPart& old, const SortPart& part) {
+  if (old.eye == part.eye && old.metric == part.metric) return DepthSorter::Likeness::same;
+  constexpr float kRounding = 4e-6f;  // differences of an eye that only turns
+  const Box& box = part.vectors->description.box;
+  const glm::vec3 middle = !box.empty()                      ? (box.lower + box.upper) * 0.5f
+                           : part.vectors->positions.empty() ? part.eye
+                                                             : part.vectors->positions.front();
+  const float moved = glm::length(part.eye - old.eye), away = glm::length(part.eye - middle),
+              changed = largest(part.metric - old.metric), metric = largest(part.metric);
+  if (moved <= kRounding * away && changed <= kRounding * metric) return DepthSorter::Likeness::same;
+  return moved <= DepthSorter::kMaxTurn * away && changed <= DepthSorter::kMaxTurn * metric
+             ? DepthSorter::Likeness::near
+             : DepthSorter::Likeness::far;
+}
+
 }  // namespace
+
+float SortPart::depth_of(const glm::vec3& position) const {
+  if (!by_distance) return row.x * position.x + row.y * position.y + row.z * position.z + row.w;
+  const glm::vec3 away = position - eye;
+  return glm::dot(away, metric * away);
+}
 
 std::uint32_t far_first_key(float depth) {
   if (std::isnan(depth)) return std::numeric_limits<std::uint32_t>::max();
@@ -72,37 +107,38 @@ void sort_by_key(std::vector<std::uint64_t>& entries, std::vector<std::uint64_t>
   }
 }
 
-VolumeSorter::~VolumeSorter() {
+DepthSorter::~DepthSorter() {
   if (!thread_.joinable()) return;
   thread_.request_stop();
   thread_.join();
 }
 
-std::vector<VolumeSorter::Seen> VolumeSorter::seen_of(std::span<const VolumeSortPart> parts) {
+std::vector<DepthSorter::Seen> DepthSorter::seen_of(std::span<const SortPart> parts) {
   std::vector<Seen> seen;
-  for (const VolumeSortPart& part : parts) seen.push_back({part.volume, part.count, part.row});
+  for (const SortPart& part : parts) {
+    seen.push_back({part.vectors, part});
+    seen.back().part.vectors = nullptr;
+  }
   return seen;
 }
 
-VolumeSorter::Likeness VolumeSorter::likeness(std::span<const Seen> seen, std::span<const VolumeSortPart> parts) {
+DepthSorter::Likeness DepthSorter::likeness(std::span<const Seen> seen, std::span<const SortPart> parts) {
   if (seen.size() != parts.size()) return Likeness::far;
   bool same = true;
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    const VolumeSortPart& part = parts[i];
-    // Compare owners, not addresses: another volume may have the same address.
-    if (seen[i].count != part.count || seen[i].volume.owner_before(part.volume) ||
-        part.volume.owner_before(seen[i].volume))
+    const SortPart& part = parts[i];
+    // Compare owners, not addresses: other vectors may have the same address.
+    if (seen[i].part.count != part.count || seen[i].part.by_distance != part.by_distance ||
+        seen[i].vectors.owner_before(part.vectors) || part.vectors.owner_before(seen[i].vectors))
       return Likeness::far;
-    if (seen[i].row == part.row) continue;
-    same = false;
-    const glm::vec3 a(seen[i].row), b(part.row);
-    const float lengths = std::sqrt(glm::dot(a, a) * glm::dot(b, b));
-    if (!(lengths > 0 && glm::dot(a, b) >= std::cos(kMaxTurn) * lengths)) return Likeness::far;
+    const Likeness own = part.by_distance ? distances_likeness(seen[i].part, part) : rows_likeness(seen[i].part, part);
+    if (own == Likeness::far) return own;
+    same = same && own == Likeness::same;
   }
   return same ? Likeness::same : Likeness::near;
 }
 
-VolumeSorter::Order VolumeSorter::order(std::span<const VolumeSortPart> parts) {
+DepthSorter::Order DepthSorter::order(std::span<const SortPart> parts) {
   std::unique_lock lock(mutex_);
   if (!newest_ || likeness(newest_->of, parts) != Likeness::same) {
     // For a new view, the order of the previous request is sufficient. A repeated request needs its own order.
@@ -127,12 +163,12 @@ VolumeSorter::Order VolumeSorter::order(std::span<const VolumeSortPart> parts) {
   return {in_use_->far_first, likeness(in_use_->of, parts) == Likeness::same, in_use_->number};
 }
 
-void VolumeSorter::run(const std::stop_token& stop) {
+void DepthSorter::run(const std::stop_token& stop) {
   std::vector<std::uint64_t> entries, other;
   std::unique_lock lock(mutex_);
   while (changed_.wait(lock, stop, [&] { return waiting_; })) {
     waiting_ = false;
-    std::vector<VolumeSortPart> parts = std::move(wanted_);
+    std::vector<SortPart> parts = std::move(wanted_);
     wanted_.clear();
     std::shared_ptr<Sorted> result = std::move(spare_);
     const std::uint64_t number = asked_;
@@ -146,7 +182,7 @@ void VolumeSorter::run(const std::stop_token& stop) {
     } catch (const std::bad_alloc&) {
       result->far_first.clear();
     }
-    parts.clear();  // release the volumes
+    parts.clear();  // release the vectors
     lock.lock();
     newest_ = std::move(result);
     changed_.notify_all();

@@ -1,4 +1,4 @@
-#include "render/volume/volume_sort.h"
+#include "render/sorting/depth_sort.h"
 
 #include "tests/render/geometry_shapes.h"
 
@@ -13,8 +13,8 @@ using namespace gs;
 using namespace gs::test;
 using render::far_first_key;
 using render::sort_by_key;
-using render::VolumeSorter;
-using render::VolumeSortPart;
+using render::DepthSorter;
+using render::SortPart;
 
 namespace {
 
@@ -31,12 +31,12 @@ std::shared_ptr<const qnv::Volume> points(std::size_t count, unsigned seed) {
   return geometry;
 }
 
-float depth_of(const VolumeSortPart& part, std::size_t k) {
-  return glm::dot(part.row, glm::vec4(part.volume->positions[k], 1));
+float depth_of(const SortPart& part, std::size_t k) {
+  return glm::dot(part.row, glm::vec4(part.vectors->positions[k], 1));
 }
 
 /// Checks that an order is by depth, farthest first, with each vector once.
-bool sorted(const VolumeSorter::Order& order, const VolumeSortPart& part) {
+bool sorted(const DepthSorter::Order& order, const SortPart& part) {
   std::vector<bool> seen(part.count);
   float last = kInfinity;
   for (const std::uint32_t k : order.far_first) {
@@ -85,31 +85,31 @@ TEST_CASE("orders the vectors of several volumes together, at one depth the late
   for (const float z : {0.0f, 1.0f, 0.0f, -2.0f}) add(*geometry, {0, 0, z}, {0, 0, 1}, 1);
   auto other = std::make_shared<qnv::Volume>();
   for (const float z : {1.0f, kNaN, kInfinity}) add(*other, {0, 0, z}, {0, 0, 1}, 1);
-  VolumeSorter sorter;
-  const std::array<VolumeSortPart, 2> parts{{{geometry, 4, row(0)}, {other, 3, {0, 0, -1, 6}}}};
+  DepthSorter sorter;
+  const std::array<SortPart, 2> parts{{{geometry, 4, row(0)}, {other, 3, {0, 0, -1, 6}}}};
   // The depths are 5 4 5 7 and 5 NaN -infinity.
   const auto order = sorter.order(parts);
   CHECK(order.exact);
   CHECK(std::vector(order.far_first.begin(), order.far_first.end()) == std::vector<std::uint32_t>{3, 4, 2, 0, 1, 6, 5});
-  const VolumeSortPart first{geometry, 1, row(0)};
+  const SortPart first{geometry, 1, row(0)};
   const auto one = sorter.order(std::span(&first, 1));
   CHECK(one.exact);
   REQUIRE(one.far_first.size() == 1);
   CHECK(one.far_first[0] == 0);
-  const VolumeSortPart none{geometry, 0, row(0)};
+  const SortPart none{geometry, 0, row(0)};
   CHECK(sorter.order(std::span(&none, 1)).far_first.empty());
   CHECK(sorter.order({}).exact);
 }
 
 TEST_CASE("sorts at most one view late, and exactly for an unchanged view") {
   const auto geometry = points(50'000, 1);
-  VolumeSorter sorter;
-  VolumeSortPart last{geometry, geometry->size(), row(0)};
+  DepthSorter sorter;
+  SortPart last{geometry, geometry->size(), row(0)};
   auto order = sorter.order(std::span(&last, 1));
   CHECK(order.exact);  // the first order is exact
   CHECK(sorted(order, last));
   for (int frame = 1; frame < 40; ++frame) {
-    const VolumeSortPart part{geometry, geometry->size(), row(0.02f * static_cast<float>(frame))};
+    const SortPart part{geometry, geometry->size(), row(0.02f * static_cast<float>(frame))};
     order = sorter.order(std::span(&part, 1));
     CHECK(sorted(order, order.exact ? part : last));
     last = part;
@@ -125,19 +125,19 @@ TEST_CASE("sorts at most one view late, and exactly for an unchanged view") {
 
 TEST_CASE("waits for the order after large turns, other counts and other volumes") {
   const auto geometry = points(30'000, 2), other = points(30'000, 3);
-  VolumeSorter sorter;
-  const std::array<VolumeSortPart, 6> views{{{geometry, 30'000, row(0)},
+  DepthSorter sorter;
+  const std::array<SortPart, 6> views{{{geometry, 30'000, row(0)},
                                              {geometry, 30'000, row(3)},
                                              {geometry, 30'000, row(2.8f)},
                                              {geometry, 20'000, row(2.8f)},
                                              {other, 20'000, row(2.8f)},
                                              {geometry, 20'000, {0, 0, 0, 1}}}};
-  for (const VolumeSortPart& view : views) {
+  for (const SortPart& view : views) {
     const auto order = sorter.order(std::span(&view, 1));
     CHECK(order.exact);
     CHECK(sorted(order, view));
   }
-  const VolumeSortPart broken{geometry, 20'000, glm::vec4(kNaN)};
+  const SortPart broken{geometry, 20'000, glm::vec4(kNaN)};
   CHECK(sorter.order(std::span(&broken, 1)).far_first.size() == 20'000);
 }
 
@@ -145,8 +145,8 @@ TEST_CASE("releases volumes, and stops during a sort") {
   auto geometry = points(200'000, 4);
   const std::weak_ptr<const qnv::Volume> watched = geometry;
   for (int i = 0; i < 5; ++i) {
-    VolumeSorter sorter;
-    std::array<VolumeSortPart, 1> part{{{geometry, geometry->size(), row(0)}}};
+    DepthSorter sorter;
+    std::array<SortPart, 1> part{{{geometry, geometry->size(), row(0)}}};
     (void)sorter.order(part);
     part[0].row = row(0.01f);
     (void)sorter.order(part);

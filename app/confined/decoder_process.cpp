@@ -1,0 +1,163 @@
+#include "app/confined/decoder_process.h"
+
+#include "app/base/environment.h"
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <utility>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace gs::app {
+namespace {
+
+// Descriptors that the child must get under these numbers, in this order.
+using Given = std::array<std::pair<int, int>, 3>;
+
+// Starts the program with standard error and the given descriptors only. posix_spawn does not copy this process.
+pid_t spawn(const std::string& program, DecoderKind kind, const Given& given) {
+  posix_spawn_file_actions_t actions;
+  posix_spawnattr_t attributes;
+  if (::posix_spawn_file_actions_init(&actions) != 0) return 0;
+  if (::posix_spawnattr_init(&attributes) != 0) {
+    (void)::posix_spawn_file_actions_destroy(&actions);
+    return 0;
+  }
+  sigset_t none;
+  sigemptyset(&none);
+  sigset_t standard;
+  sigemptyset(&standard);
+  sigaddset(&standard, SIGPIPE);
+  bool good = ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF) == 0 &&
+              ::posix_spawnattr_setsigmask(&attributes, &none) == 0 &&
+              ::posix_spawnattr_setsigdefault(&attributes, &standard) == 0 &&
+              ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0) == 0 &&
+              ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0) == 0;
+  for (const auto& [from, to] : given) good = good && ::posix_spawn_file_actions_adddup2(&actions, from, to) == 0;
+  good = good && ::posix_spawn_file_actions_addclosefrom_np(&actions, kDecoderResult + 1) == 0;
+  std::string name = program, argument(kDecoderArgument), kind_name(name_of(kind));
+  std::array<char*, 4> arguments{name.data(), argument.data(), kind_name.data(), nullptr};
+  const std::vector<char*> environment = kept_environment();
+  pid_t child = 0;
+  good =
+      good && ::posix_spawn(&child, program.c_str(), &actions, &attributes, arguments.data(), environment.data()) == 0;
+  (void)::posix_spawnattr_destroy(&attributes);
+  (void)::posix_spawn_file_actions_destroy(&actions);
+  return good ? child : 0;
+}
+
+// Copies a descriptor above those of the child, so that none is overwritten before it is copied.
+net::Descriptor copy_above(int file) { return net::Descriptor(::fcntl(file, F_DUPFD_CLOEXEC, kDecoderResult + 1)); }
+
+}  // namespace
+
+DecoderProcess::DecoderProcess(const std::string& program, DecoderKind kind) { start(program, kind); }
+
+DecoderProcess::~DecoderProcess() { (void)end(); }
+
+void DecoderProcess::start(const std::string& program, DecoderKind kind) {
+  auto input = SharedMemory::create(), result = SharedMemory::create();
+  int ends[2] = {-1, -1};
+  if (!input || !result || ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return;
+  net::Descriptor own(ends[0]);
+  const net::Descriptor others(ends[1]);
+  const net::Descriptor socket_end = copy_above(others.get()), input_end = copy_above(input->file()),
+                        result_end = copy_above(result->file());
+  if (!socket_end || !input_end || !result_end) return;
+  child_ = spawn(
+      program, kind,
+      {{{socket_end.get(), kDecoderSocket}, {input_end.get(), kDecoderInput}, {result_end.get(), kDecoderResult}}});
+  socket_ = std::move(own);
+  input_ = std::move(*input);
+  result_ = std::move(*result);
+}
+
+std::variant<render::Image, render::ImageError> DecoderProcess::decode(std::span<const std::byte> bytes,
+                                                                       const render::ImageLimits& limits,
+                                                                       std::chrono::milliseconds patience) {
+  if (!good()) return render::ImageError{"the process for decoding cannot be started"};
+  if (bytes.empty() || !input_.grow(bytes.size())) return render::ImageError{"no memory to decode it"};
+  const std::span<std::byte> to = input_.map(input_.size());
+  if (to.size() < bytes.size()) return render::ImageError{"no memory to decode it"};
+  std::memcpy(to.data(), bytes.data(), bytes.size());
+  const DecodeRequest request{bytes.size(), limits.file_pixels, limits.kept_pixels, limits.working_bytes};
+  const Clock::time_point end = Clock::now() + patience;
+  if (!send(std::as_bytes(std::span(&request, 1)))) return failure(Wait::ended);
+  DecodeAnswer answer;
+  if (const Wait wait = receive(std::as_writable_bytes(std::span(&answer, 1)), limits, end); wait != Wait::answered)
+    return failure(wait);
+  auto checked = check_answer(answer, request);
+  auto* const image = std::get_if<render::Image>(&checked);
+  if (!image) return checked;
+  const std::size_t pixel_bytes = std::size_t{image->width} * image->height * image->components;
+  if (!result_.grow(pixel_bytes)) {
+    (void)this->end();  // it waits for the memory
+    return render::ImageError{"no memory for its pixels"};
+  }
+  std::byte sign{1};
+  if (!send({&sign, 1})) return failure(Wait::ended);
+  if (const Wait wait = receive({&sign, 1}, limits, end); wait != Wait::answered) return failure(wait);
+  const std::span<const std::byte> pixels = result_.map(result_.size());
+  if (pixels.size() < pixel_bytes) return render::ImageError{"no memory for its pixels"};
+  const auto* const first = reinterpret_cast<const std::uint8_t*>(pixels.data());
+  image->pixels.assign(first, first + pixel_bytes);
+  return checked;
+}
+
+bool DecoderProcess::send(std::span<const std::byte> bytes) const {
+  // Requests are shorter than the buffer of a socket, so this never waits.
+  return ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size());
+}
+
+DecoderProcess::Wait DecoderProcess::receive(std::span<std::byte> bytes, const render::ImageLimits& limits,
+                                             Clock::time_point end) {
+  while (!bytes.empty()) {
+    pollfd ready{socket_.get(), POLLIN, 0};
+    const int found = ::poll(&ready, 1, 20);
+    if (found < 0 && errno != EINTR) return Wait::ended;
+    if (found <= 0) {
+      if (limits.stopped && limits.stopped()) return Wait::stopped;
+      if (Clock::now() >= end) return Wait::late;
+      continue;
+    }
+    const ssize_t count = ::read(socket_.get(), bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return Wait::ended;
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+  }
+  return Wait::answered;
+}
+
+render::ImageError DecoderProcess::failure(Wait wait) {
+  const std::string reason = end();
+  if (wait == Wait::stopped) return {"decoding was stopped"};
+  if (wait == Wait::late) return {"decoding takes too long"};
+  return {"the process that decoded it ended" + (reason.empty() ? "" : " by " + reason)};
+}
+
+std::string DecoderProcess::end() {
+  const pid_t child = std::exchange(child_, 0);
+  if (child <= 0) return {};
+  socket_ = {};
+  int status = 0;
+  // A child that closed its socket ends at once. Give it the time, for the reason.
+  for (int i = 0; i < 50; ++i) {
+    const pid_t ended = ::waitpid(child, &status, WNOHANG);
+    if (ended == child) return WIFSIGNALED(status) ? std::string("signal ") + ::strsignal(WTERMSIG(status)) : "";
+    if (ended < 0 && errno != EINTR) return {};
+    if (i == 2) (void)::kill(child, SIGKILL);
+    (void)::poll(nullptr, 0, 1);
+  }
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return {};
+}
+
+}  // namespace gs::app

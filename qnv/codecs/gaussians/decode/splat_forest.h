@@ -1,0 +1,77 @@
+#pragma once
+
+#include "qnv/codecs/gaussians/splat_cluster.h"
+#include "qnv/codecs/shared/decoder.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace gs::qnv::gaussians {
+
+/// Received cluster.
+struct HeldCluster {
+  std::vector<SplatNode> nodes;
+  std::vector<bool> replaced;                 // one per Gaussian: its children were received
+  std::shared_ptr<const SplatModels> models;  // at its end; null once all Gaussians are final or replaced
+  std::size_t inner = 0;                      // Gaussians that are neither
+  std::uint32_t level = 0;
+  std::vector<glm::vec3> harmonics;  // of the leaves in order, harmonic_count() each; empty until received
+};
+
+/// Received clusters of a stream of Gaussians, in any order: each waits for its parent. One thread at a time. Safe for
+/// untrusted bytes.
+class SplatForest {
+ public:
+  /// `most` limits the number of Gaussians that geometry() returns, and the memory with it.
+  SplatForest(const GaussianCoding& coding, const Box& box, std::size_t most)
+      : precision_{coding.important, coding.finest, coding.steps, box}, degree_(coding.degree), most_(most) {}
+
+  void add_cluster(std::span<const std::byte> payload);
+  void add_harmonics(std::span<const std::byte> payload);
+  [[nodiscard]] const DecodeCount& count() const { return count_; }
+  /// Returns the number of Gaussians that no received ones replace.
+  [[nodiscard]] std::size_t shown() const { return shown_; }
+  /// Reports whether any harmonics were received.
+  [[nodiscard]] bool has_harmonics() const { return harmonics_; }
+  [[nodiscard]] int degree() const { return degree_; }
+
+  /// Calls visit(node, harmonics) for each Gaussian that is shown. The harmonics are null until received.
+  template <class Visit>
+  void visit_shown(const Visit& visit) const {
+    const std::size_t per = harmonic_count(degree_);
+    for (const auto& [id, held] : clusters_) {
+      std::size_t leaf = 0;
+      for (std::size_t i = 0; i < held.nodes.size(); ++i) {
+        const bool final = held.nodes[i].leaf;
+        const glm::vec3* const own = final && !held.harmonics.empty() ? held.harmonics.data() + leaf * per : nullptr;
+        leaf += final ? 1 : 0;
+        if (!held.replaced[i]) visit(held.nodes[i], own);
+      }
+    }
+  }
+
+ private:
+  // Limit in bytes of the chunks that wait for a cluster, which may never be received.
+  static constexpr std::size_t kMostWaitingBytes = std::size_t{64} << 20;
+  using Waiting = std::multimap<std::uint32_t, std::vector<std::byte>>;
+
+  void wait(Waiting& waiting, std::uint32_t cluster, std::span<const std::byte> payload);
+  [[nodiscard]] std::vector<std::vector<std::byte>> take_waiting(Waiting& waiting, std::uint32_t cluster);
+  /// Returns the Gaussians that a cluster replaces, or an empty list if that is not possible.
+  [[nodiscard]] std::vector<SplatNode> parents_of(const ClusterHead& head, const HeldCluster* parent) const;
+
+  Precision precision_;
+  int degree_;
+  std::size_t most_;
+  DecodeCount count_;
+  std::map<std::uint32_t, HeldCluster> clusters_;
+  Waiting waiting_, waiting_harmonics_;
+  std::size_t waiting_bytes_ = 0, shown_ = 0, nodes_ = 0;
+  bool rooted_ = false, harmonics_ = false;
+};
+
+}  // namespace gs::qnv::gaussians

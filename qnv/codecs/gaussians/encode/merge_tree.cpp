@@ -1,0 +1,382 @@
+#include "qnv/codecs/gaussians/encode/merge_tree.h"
+
+#include "qnv/base/morton.h"
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+namespace gs::qnv::gaussians {
+namespace {
+
+// Largest growth of the covariance of a merged Gaussian; it replaces opacities above 1.
+constexpr float kMostGrowth = 3;
+// Blurred details, relative to the median distance from the middle.
+constexpr float kDetail = 1.0f / 300;
+// Squared contrast between a Gaussian and what is behind it, summed over the colours.
+constexpr float kContrast = 0.75f;
+// Share of the possible merges of one round. The others may find better partners in the next one.
+constexpr float kMergedShare = 0.9f;
+// Neighbours on each side in an order, and those of them that are compared exactly.
+constexpr std::size_t kReach = 5, kTried = 5;
+// Cost of merges with errors that float cannot hold.
+constexpr float kMostCost = 1e24f;
+
+using Covariance = std::array<float, 6>;
+
+/// Two blobs as one.
+Blob merged(const Blob& a, const Blob& b) {
+  Blob all;
+  all.weight = a.weight + b.weight;
+  const float share = all.weight > 0 ? b.weight / all.weight : 0.5f, rest = 1 - share;
+  const glm::vec3 apart = b.mean - a.mean;
+  all.mean = a.mean + apart * share;
+  all.color = a.color * rest + b.color * share;
+  const Covariance spread{apart.x * apart.x, apart.x * apart.y, apart.x * apart.z,
+                          apart.y * apart.y, apart.y * apart.z, apart.z * apart.z};
+  for (std::size_t i = 0; i < 6; ++i)
+    all.covariance[i] = rest * a.covariance[i] + share * b.covariance[i] + rest * share * spread[i];
+  return all;
+}
+
+BlobLook look_of(const Blob& blob, float detail, bool leaf) {
+  const float area = area_of(blob.covariance, detail);
+  BlobLook look{blob.covariance, area > 0 ? blob.weight / area : 0};
+  if (leaf) {
+    look.opacity = std::min(look.opacity, 1.0f);
+    return look;
+  }
+  const float growth = std::clamp(look.opacity, 1.0f, kMostGrowth);
+  for (float& c : look.covariance) c *= growth;
+  look.opacity = std::clamp(look.opacity, 0.0f, 1.0f);
+  return look;
+}
+
+/// Gaussian in a picture along one axis of the coordinates.
+struct Flat {
+  float x, y;        // centre
+  float xx, xy, yy;  // covariance
+  float r, g, b, a;  // colour times opacity, relative to grey; opacity with the weight of its contrast
+};
+
+float product(const Flat& p, const Flat& q) {
+  const float weight = p.r * q.r + p.g * q.g + p.b * q.b + p.a * q.a;
+  const float xx = p.xx + q.xx, xy = p.xy + q.xy, yy = p.yy + q.yy, x = p.x - q.x, y = p.y - q.y;
+  const float determinant = xx * yy - xy * xy;
+  if (!(determinant > 0)) return 0;
+  const float dp = p.xx * p.yy - p.xy * p.xy, dq = q.xx * q.yy - q.xy * q.xy;
+  const float power = -0.5f * (yy * x * x - 2 * xy * x * y + xx * y * y) / determinant;
+  if (power < -20) return 0;
+  return weight * std::sqrt(std::max(dp * dq, 0.0f) / determinant) * std::exp(power);
+}
+
+/// Returns the part of both that is seen once although both cover it.
+Flat common(const Flat& p, const Flat& q, float opacity_p, float opacity_q) {
+  Flat both;
+  const float sx = p.xx + q.xx, sxy = p.xy + q.xy, sy = p.yy + q.yy, determinant = sx * sy - sxy * sxy;
+  const float x = q.x - p.x, y = q.y - p.y;
+  // Gain of the product: P (P + Q)^-1.
+  const float ixx = sy / determinant, ixy = -sxy / determinant, iyy = sx / determinant;
+  const float kxx = p.xx * ixx + p.xy * ixy, kxy = p.xx * ixy + p.xy * iyy, kyx = p.xy * ixx + p.yy * ixy,
+              kyy = p.xy * ixy + p.yy * iyy;
+  both.x = p.x + kxx * x + kxy * y;
+  both.y = p.y + kyx * x + kyy * y;
+  both.xx = kxx * q.xx + kxy * q.xy;
+  both.xy = kxx * q.xy + kxy * q.yy;
+  both.yy = kyx * q.xy + kyy * q.yy;
+  const float peak = std::exp(std::max(-20.0f, -0.5f * (ixx * x * x + 2 * ixy * x * y + iyy * y * y)));
+  // Premultiplied colours are opacity x colour: their mean, times both opacities.
+  const float half_p = 0.5f * opacity_q * peak, half_q = 0.5f * opacity_p * peak;
+  both.r = p.r * half_p + q.r * half_q;
+  both.g = p.g * half_p + q.g * half_q;
+  both.b = p.b * half_p + q.b * half_q;
+  both.a = p.a * half_p + q.a * half_q;
+  return both;
+}
+
+std::array<Flat, 3> flattened(const Blob& blob, const BlobLook& look, float detail) {
+  const float d = detail * detail;
+  const Covariance& c = look.covariance;
+  const float o = look.opacity;
+  const glm::vec3 tint = (blob.color - 0.5f) * o;
+  const float a = o * std::sqrt(kContrast);
+  const glm::vec3& m = blob.mean;
+  return {Flat{m.x, m.y, c[0] + d, c[1], c[3] + d, tint.x, tint.y, tint.z, a},
+          Flat{m.y, m.z, c[3] + d, c[4], c[5] + d, tint.x, tint.y, tint.z, a},
+          Flat{m.x, m.z, c[0] + d, c[2], c[5] + d, tint.x, tint.y, tint.z, a}};
+}
+
+/// Blob with what costs need.
+struct Candidate {
+  Blob blob;
+  BlobLook look;
+  std::array<Flat, 3> flat;
+  std::array<float, 3> self{};  // squared integrals
+};
+
+Candidate candidate_of(const Blob& blob, float detail, bool leaf) {
+  Candidate c{blob, look_of(blob, detail, leaf), {}, {}};
+  c.flat = flattened(blob, c.look, detail);
+  for (std::size_t i = 0; i < 3; ++i) c.self[i] = product(c.flat[i], c.flat[i]);
+  return c;
+}
+
+/// Returns the squared error of pictures with one Gaussian for both, summed over three directions.
+float cost_of(const Candidate& a, const Candidate& b, float detail) {
+  const Candidate all = candidate_of(merged(a.blob, b.blob), detail, false);
+  float cost = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Flat &p = a.flat[i], &q = b.flat[i], &m = all.flat[i];
+    const Flat c = common(p, q, a.look.opacity, b.look.opacity);
+    cost += a.self[i] + b.self[i] + all.self[i] + product(c, c) +
+            2 * (product(p, q) - product(p, m) - product(q, m) - product(p, c) - product(q, c) + product(m, c));
+  }
+  return cost >= 0 && cost < kMostCost ? cost : cost < 0 ? 0 : kMostCost;
+}
+
+/// Best partner of a node so far.
+struct Best {
+  float cost = std::numeric_limits<float>::max();
+  std::uint32_t with = MergedNode::kNone;
+};
+
+/// Returns an estimate that orders partners: distance and change of colour, relative to the sizes.
+float rough_cost(const Candidate& a, const Candidate& b, float detail) {
+  const Covariance &p = a.look.covariance, &q = b.look.covariance;
+  const glm::vec3 apart = a.blob.mean - b.blob.mean, tint = a.blob.color - b.blob.color;
+  const glm::vec3 spread(p[0] + q[0] + detail * detail, p[3] + q[3] + detail * detail, p[5] + q[5] + detail * detail);
+  const float weight = a.blob.weight * b.blob.weight / std::max(a.blob.weight + b.blob.weight, 1e-30f);
+  const glm::vec3 far = apart * apart / spread;
+  return weight * (0.1f + glm::dot(tint, tint)) * (1 + far.x + far.y + far.z);
+}
+
+/// Builder of a tree. The active nodes are those without a parent so far.
+class TreeBuilder {
+ public:
+  TreeBuilder(const Gaussians& source, float detail, unsigned threads)
+      : box_(source.description.box), detail_(detail), threads_(threads) {
+    const glm::vec3 size = box_.size();
+    edge_ = std::max({size.x, size.y, size.z, std::numeric_limits<float>::min()});
+    const std::size_t count = source.size();
+    nodes_.reserve(2 * count);
+    nodes_.resize(count);
+    known_.resize(2 * count);
+    active_.resize(count);
+    std::iota(active_.begin(), active_.end(), 0u);
+    for (std::size_t i = 0; i < count; ++i) {
+      MergedNode& node = nodes_[i];
+      node.right = static_cast<std::uint32_t>(i);
+      node.blob.mean = source.positions[i];
+      node.blob.covariance = covariance_of(source.scales[i], source.rotations[i]);
+      node.blob.color = source.bases[i];
+      node.blob.weight = source.opacities[i] * area_of(node.blob.covariance, detail);
+    }
+  }
+
+  [[nodiscard]] bool done() const { return active_.size() <= 1; }
+  [[nodiscard]] std::vector<MergedNode> take() { return std::move(nodes_); }
+
+  /// Merges pairs of nodes that suit each other best.
+  void merge_pairs() {
+    const std::size_t count = active_.size();
+    all_.resize(count);
+    for_active([&](std::size_t i) {
+      const MergedNode& node = nodes_[active_[i]];
+      all_[i] = candidate_of(node.blob, detail_, node.leaf());
+    });
+    find_orders();
+    find_partners();
+    std::vector<std::pair<float, std::uint32_t>> pairs;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::uint32_t j = best_[i].with;
+      if (j != MergedNode::kNone && i < j && best_[j].with == i) pairs.emplace_back(best_[i].cost, i);
+    }
+    if (pairs.empty()) std::ranges::fill(known_, Best{});
+    std::ranges::sort(pairs);
+    const auto share = static_cast<std::size_t>(static_cast<float>(pairs.size()) * kMergedShare);
+    pairs.resize(std::min(pairs.size(), std::max<std::size_t>(1, share)));
+    std::vector<bool> gone(count);
+    std::vector<std::uint32_t> next;
+    for (const auto& [cost, i] : pairs) {
+      const std::uint32_t j = best_[i].with;
+      gone[i] = gone[j] = true;
+      next.push_back(static_cast<std::uint32_t>(nodes_.size()));
+      nodes_.push_back(parent_of(active_[i], active_[j], cost));
+    }
+    for (std::size_t i = 0; i < count; ++i)
+      if (!gone[i]) next.push_back(active_[i]);
+    active_ = std::move(next);
+    ++round_;
+  }
+
+ private:
+  // Orders in which neighbours are searched.
+  static constexpr std::size_t kOrders = 2;
+
+  template <class Work>
+  void for_active(const Work& work) const {
+    constexpr std::size_t kRange = 1024;
+    const std::size_t count = active_.size();
+    parallel_for((count + kRange - 1) / kRange,
+                 [&](std::size_t r) {
+                   for (std::size_t i = r * kRange; i < std::min(count, (r + 1) * kRange); ++i) work(i);
+                 },
+                 threads_);
+  }
+
+  [[nodiscard]] MergedNode parent_of(std::uint32_t left, std::uint32_t right, float cost) const {
+    const MergedNode &a = nodes_[left], &b = nodes_[right];
+    MergedNode node;
+    node.blob = merged(a.blob, b.blob);
+    node.error = a.error + b.error + cost;
+    node.leaves = a.leaves + b.leaves;
+    node.left = left;
+    node.right = right;
+    return node;
+  }
+
+  /// Sorts the active nodes by their Morton codes on lattices that are shifted against each other.
+  void find_orders() {
+    const std::size_t count = active_.size();
+    places_.resize(count);
+    for (std::size_t shift = 0; shift < kOrders; ++shift) {
+      const float offset = 0.31f * static_cast<float>(shift) + 0.013f * static_cast<float>(round_ % 7);
+      auto& keys = orders_[shift];
+      keys.resize(count);
+      for_active([&](std::size_t i) {
+        const glm::vec3 p = (all_[i].blob.mean - box_.lower) / edge_ * 0.5f + offset;
+        const auto part = [](float v) {
+          return static_cast<std::uint32_t>(std::clamp(v, 0.0f, 1.0f) * static_cast<float>((1 << 21) - 1));
+        };
+        keys[i] = {morton_encode(part(p.x), part(p.y), part(p.z)), static_cast<std::uint32_t>(i)};
+      });
+      std::ranges::sort(keys);
+      for (std::uint32_t at = 0; at < count; ++at) places_[keys[at].second][shift] = at;
+    }
+  }
+
+  /// Returns the neighbours of an active node that a rough estimate prefers.
+  [[nodiscard]] std::pair<std::array<Best, kTried>, std::size_t> likely_partners(std::size_t i) const {
+    std::array<Best, kTried> tried;
+    std::size_t found = 0;
+    for (std::size_t shift = 0; shift < kOrders; ++shift) {
+      const std::size_t at = places_[i][shift], end = std::min(active_.size(), at + kReach + 1);
+      for (std::size_t other = at > kReach ? at - kReach : 0; other < end; ++other) {
+        const std::uint32_t j = orders_[shift][other].second;
+        const auto same = [j](const Best& one) { return one.with == j; };
+        if (j == i || std::any_of(tried.begin(), tried.begin() + static_cast<std::ptrdiff_t>(found), same)) continue;
+        const float rough = rough_cost(all_[i], all_[j], detail_);
+        if (found == kTried && !(rough < tried[found - 1].cost)) continue;
+        std::size_t k = found == kTried ? found - 1 : found++;
+        for (; k > 0 && rough < tried[k - 1].cost; --k) tried[k] = tried[k - 1];
+        tried[k] = {rough, j};
+      }
+    }
+    return {tried, found};
+  }
+
+  /// Finds the best partner of each active node. Those of earlier rounds stay while both exist.
+  void find_partners() {
+    const std::size_t count = active_.size();
+    place_of_.assign(nodes_.size(), MergedNode::kNone);
+    for (std::uint32_t i = 0; i < count; ++i) place_of_[active_[i]] = i;
+    best_.assign(count, Best{});
+    for_active([&](std::size_t i) {
+      const Best& old = known_[active_[i]];
+      if (old.with != MergedNode::kNone && place_of_[old.with] != MergedNode::kNone) {
+        best_[i] = {old.cost, place_of_[old.with]};
+        return;
+      }
+      const auto [tried, found] = likely_partners(i);
+      for (std::size_t t = 0; t < found; ++t) {
+        const std::uint32_t j = tried[t].with;
+        // The order of the arguments gives both nodes the same cost, bit for bit.
+        const float cost = i < j ? cost_of(all_[i], all_[j], detail_) : cost_of(all_[j], all_[i], detail_);
+        if (cost < best_[i].cost || (cost == best_[i].cost && j < best_[i].with)) best_[i] = {cost, j};
+      }
+    });
+    // A new node may suit an old one better than its partner so far.
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const Best one = best_[i];
+      if (one.with == MergedNode::kNone) continue;
+      Best& other = best_[one.with];
+      if (one.cost < other.cost || (one.cost == other.cost && i < other.with)) other = {one.cost, i};
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint32_t with = best_[i].with;
+      known_[active_[i]] = {best_[i].cost, with == MergedNode::kNone ? with : active_[with]};
+    }
+  }
+
+  Box box_;
+  float detail_, edge_ = 1;
+  unsigned threads_;
+  int round_ = 0;
+  std::vector<MergedNode> nodes_;
+  std::vector<Best> known_;  // partners by node, from the latest round
+  std::vector<std::uint32_t> active_;
+  // Of the active nodes, by their positions in active_.
+  std::vector<Candidate> all_;
+  std::array<std::vector<std::pair<std::uint64_t, std::uint32_t>>, kOrders> orders_;
+  std::vector<std::array<std::uint32_t, kOrders>> places_;  // in the orders
+  std::vector<Best> best_;
+  std::vector<std::uint32_t> place_of_;  // positions in active_ by node
+};
+
+/// Returns the size of details. Few splats may lie far away, so it depends on the median distance from the mean.
+float detail_of(const Gaussians& source) {
+  glm::dvec3 mean(0);
+  for (const glm::vec3& p : source.positions) mean += glm::dvec3(p) / static_cast<double>(source.size());
+  std::vector<float> distances;
+  distances.reserve(source.size());
+  for (const glm::vec3& p : source.positions) distances.push_back(glm::distance(p, glm::vec3(mean)));
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::ranges::nth_element(distances, middle);
+  const glm::vec3 size = source.description.box.size();
+  return std::max({*middle * kDetail, 1e-6f * std::max({size.x, size.y, size.z}), 1e-9f});
+}
+
+}  // namespace
+
+BlobLook MergeTree::look(std::uint32_t i) const { return look_of(nodes_[i].blob, detail_, nodes_[i].leaf()); }
+
+std::optional<MergeTree> MergeTree::build(const Gaussians& source, unsigned threads, Progress* progress) {
+  MergeTree tree;
+  tree.detail_ = detail_of(source);
+  TreeBuilder builder(source, tree.detail_, threads);
+  while (!builder.done()) {
+    if (is_cancelled(progress)) return std::nullopt;
+    builder.merge_pairs();
+  }
+  tree.nodes_ = builder.take();
+  return tree;
+}
+
+float area_of(const std::array<float, 6>& c, float detail) {
+  const float d = detail * detail, xx = c[0] + d, yy = c[3] + d, zz = c[5] + d;
+  const float minors = xx * yy - c[1] * c[1] + xx * zz - c[2] * c[2] + yy * zz - c[4] * c[4];
+  return 2 * std::numbers::pi_v<float> * std::sqrt(std::max(minors, 0.0f));
+}
+
+std::array<float, 6> covariance_of(const glm::vec3& scales, const glm::vec4& q) {
+  const glm::mat3 axes = glm::mat3_cast(glm::quat(q.w, q.x, q.y, q.z));
+  std::array<float, 6> c{};
+  for (int k = 0; k < 3; ++k) {
+    const glm::vec3 axis = axes[k] * scales[k];
+    c[0] += axis.x * axis.x;
+    c[1] += axis.x * axis.y;
+    c[2] += axis.x * axis.z;
+    c[3] += axis.y * axis.y;
+    c[4] += axis.y * axis.z;
+    c[5] += axis.z * axis.z;
+  }
+  return c;
+}
+
+}  // namespace gs::qnv::gaussians

@@ -1,0 +1,241 @@
+#include "qnv/codecs/gaussians/encode/splat_clusters.h"
+
+#include "qnv/codecs/gaussians/cluster_code.h"
+#include "qnv/codecs/gaussians/encode/ellipsoid.h"
+
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+namespace gs::qnv::gaussians {
+namespace {
+
+// Room for the bytes of a cluster without its head.
+constexpr std::size_t kMostBytes = kMostClusterBytes - 20, kSpareBytes = 20;
+// Bytes of a chunk that are not those of Gaussians.
+constexpr double kChunkBytes = 60;
+// Errors of a level, relative to those of the next one.
+constexpr float kErrorRatio = 6;
+// A Gaussian for so few leaves is replaced by all of them, and so are all Gaussians of a cluster.
+constexpr std::uint32_t kFewLeaves = 6, kFewLeavesOfCluster = 250;
+// Number of Gaussians of the first cluster, and usual limit of the children of one Gaussian.
+constexpr std::size_t kFirstNodes = 60, kUsualChildren = 16;
+
+/// Cluster that may be divided further.
+struct OpenCluster {
+  ClusterHead head;
+  std::vector<SplatNode> nodes;
+  std::vector<std::uint32_t> places;  // of the nodes in the tree
+  std::shared_ptr<const SplatModels> models;
+};
+
+/// Children of the Gaussians of a cluster, as places in the tree.
+using Children = std::vector<std::vector<std::uint32_t>>;
+
+/// Cluster and what its children need.
+struct ReadyCluster {
+  EncodedCluster cluster;
+  OpenCluster open;
+
+  [[nodiscard]] double use() const { return cluster.gain / (static_cast<double>(cluster.bytes.size()) + kChunkBytes); }
+};
+
+/// Puts less useful clusters after others. The order is the same on all machines.
+struct LessUseful {
+  bool operator()(const std::unique_ptr<ReadyCluster>& a, const std::unique_ptr<ReadyCluster>& b) const {
+    const ClusterHead &p = a->cluster.head, &q = b->cluster.head;
+    if (a->use() != b->use()) return a->use() < b->use();
+    return p.parent != q.parent ? p.parent > q.parent : p.first > q.first;
+  }
+};
+
+/// Encoder of one tree.
+class ClusterEncoder {
+ public:
+  ClusterEncoder(const Gaussians& source, const MergeTree& tree, const Precision& precision)
+      : source_(source), tree_(tree), precision_(precision) {}
+
+  /// Encodes all children of a cluster, as one or more clusters. The first one has no identifiers in its head.
+  void divide(const OpenCluster& open, bool first, const std::function<void(std::unique_ptr<ReadyCluster>)>& take) {
+    const Children children = children_of(open, first);
+    if (children.empty()) return;
+    std::vector<std::size_t> ends;  // coded bytes after the children of each Gaussian
+    (void)encode(open, first, children, 0, open.nodes.size(), &ends);
+    const std::size_t parts = 1 + ends.back() / (kMostBytes - kSpareBytes);
+    const std::size_t part = std::min(ends.back() / parts + kSpareBytes, kMostBytes - kSpareBytes / 2);
+    for (std::size_t from = 0; from < open.nodes.size();) {
+      const std::size_t start = from == 0 ? 0 : ends[from - 1];
+      std::size_t to = from + 1;
+      while (to < open.nodes.size() && ends[to] - start <= part) ++to;
+      auto ready = encode(open, first, children, from, to, nullptr);
+      while (ready->cluster.bytes.size() > kMostBytes && to > from + 1)
+        ready = encode(open, first, children, from, --to, nullptr);
+      from = to;
+      if (ready->cluster.replaced > 0) take(std::move(ready));
+    }
+  }
+
+ private:
+  /// Returns the code of a node of the tree below a decoded Gaussian.
+  [[nodiscard]] SplatCode code_of(std::uint32_t place, const SplatNode& parent) const {
+    const MergedNode& node = tree_[place];
+    SplatCode code;
+    code.leaf = node.leaf();
+    Ellipsoid shape;
+    if (code.leaf) {
+      const glm::vec4& q = source_.rotations[node.right];
+      shape = sorted(source_.scales[node.right], glm::mat3_cast(glm::quat(q.w, q.x, q.y, q.z)));
+      code.opacity = opacity_code(source_.opacities[node.right]);
+      for (std::size_t k = 0; k < 3; ++k) code.scales[k] = scale_code(shape.scales[static_cast<int>(k)]);
+    } else {
+      // Half the precision.
+      const BlobLook look = tree_.look(place);
+      shape = ellipsoid_of(look.covariance);
+      code.opacity = opacity_code(look.opacity) | 1;
+      for (std::size_t k = 0; k < 3; ++k)
+        code.scales[k] = std::min((scale_code(shape.scales[static_cast<int>(k)]) + 1) >> 1 << 1, kMostScale - 1);
+    }
+    const SplatSteps steps = steps_of(code, precision_);
+    const glm::vec4& from = parent.rotation;
+    const glm::quat turn = glm::conjugate(glm::quat(from.w, from.x, from.y, from.z)) * glm::quat_cast(shape.axes);
+    // Half turns about the axes do not change the shape. The largest component becomes w.
+    const std::array<glm::quat, 4> same{turn, turn * glm::quat(0, 1, 0, 0), turn * glm::quat(0, 0, 1, 0),
+                                        turn * glm::quat(0, 0, 0, 1)};
+    glm::quat best = *std::ranges::max_element(same, {}, [](const glm::quat& one) { return std::abs(one.w); });
+    if (best.w < 0) best = -best;
+    const std::array<float, 3> parts{best.x, best.y, best.z};
+    for (std::size_t k = 0; k < 3; ++k) code.turn[k] = static_cast<int>(std::lround(parts[k] / steps.turn[k]));
+    const auto axes = axes_of(turned(parent.rotation, code.turn, steps.turn));
+    const glm::dvec3 apart = glm::dvec3(node.blob.mean) - glm::dvec3(parent.position);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double along = axes[k][0] * apart.x + axes[k][1] * apart.y + axes[k][2] * apart.z;
+      code.place[k] =
+          static_cast<int>(std::clamp(std::nearbyint(along / steps.place[k]), -double{kMostPlace}, double{kMostPlace}));
+    }
+    code.color = color_code(glm::dvec3(node.blob.color) - glm::dvec3(parent.color), steps.color);
+    return code;
+  }
+
+  /// Returns the nodes that replace a node: those with errors of at most `least`, or all leaves if they are few. The
+  /// order is that of the tree, so that neighbours stay together.
+  [[nodiscard]] std::vector<std::uint32_t> parts_of(std::uint32_t place, float least, std::size_t most) const {
+    if (tree_[place].leaves <= kFewLeaves) {
+      least = -1;
+      most = kMostChildren;
+    }
+    std::vector<std::uint32_t> parts{place};
+    const auto error = [&](std::uint32_t i) { return tree_[i].leaf() ? -2.0f : tree_[i].error; };
+    while (parts.size() < most) {
+      const auto worst = std::ranges::max_element(parts, {}, error);
+      if (!(error(*worst) > least)) break;
+      const MergedNode& node = tree_[*worst];
+      *worst = node.left;
+      parts.insert(worst + 1, node.right);
+    }
+    return parts;
+  }
+
+  /// Returns the children of all Gaussians of a cluster; leaves have none. Returns an empty list if all are leaves.
+  [[nodiscard]] Children children_of(const OpenCluster& open, bool first) {
+    std::size_t leaves = 0;
+    for (std::size_t i = 0; i < open.nodes.size(); ++i)
+      if (!open.nodes[i].leaf) leaves += tree_[open.places[i]].leaves;
+    if (leaves == 0) return {};
+    Children children(open.nodes.size());
+    if (first) {
+      children[0] = parts_of(open.places[0], 0, kFirstNodes);
+      for (const std::uint32_t place : children[0]) first_error_ = std::max(first_error_, tree_[place].error);
+      return children;
+    }
+    const bool last = leaves <= kFewLeavesOfCluster;
+    float least = last ? -1 : first_error_ * std::pow(kErrorRatio, -static_cast<float>(open.head.level + 1));
+    // If no error is so large, this level takes smaller ones.
+    for (bool any = false; !any; least = least > first_error_ * 1e-12f ? least / kErrorRatio : -1)
+      for (std::size_t i = 0; i < open.nodes.size(); ++i)
+        if (!open.nodes[i].leaf) {
+          children[i] = parts_of(open.places[i], least, last ? kMostChildren : kUsualChildren);
+          any = any || children[i].size() > 1;
+        }
+    return children;
+  }
+
+  /// Encodes the children of nodes `from` up to `to` of a cluster.
+  [[nodiscard]] std::unique_ptr<ReadyCluster> encode(const OpenCluster& open, bool first, const Children& children,
+                                                     std::size_t from, std::size_t to,
+                                                     std::vector<std::size_t>* ends) const {
+    auto ready = std::make_unique<ReadyCluster>();
+    EncodedCluster& cluster = ready->cluster;
+    if (!first) {
+      cluster.head.parent = open.head.id;
+      cluster.head.level = open.head.level + 1;
+    }
+    cluster.head.first = static_cast<std::uint32_t>(from);
+    cluster.head.count = static_cast<std::uint32_t>(to - from);
+    BinaryEncoder encoder;
+    Writer writer{encoder};
+    auto models = std::make_shared<SplatModels>(*open.models);
+    std::vector<SplatCode> codes;
+    for (std::size_t i = from; i < to; ++i) {
+      const SplatNode& parent = open.nodes[i];
+      if (!parent.leaf) {
+        ++cluster.replaced;
+        codes.clear();
+        for (const std::uint32_t place : children[i]) codes.push_back(code_of(place, parent));
+        code_children(writer, *models, parent, !first, codes, precision_);
+        cluster.gain += tree_[open.places[i]].error;
+        for (std::size_t k = 0; k < codes.size(); ++k) {
+          const bool stays = !first && codes.size() == 1;
+          cluster.nodes.push_back(stays ? parent : node_of(parent, codes[k], precision_));
+          ready->open.places.push_back(children[i][k]);
+          if (codes[k].leaf) cluster.sources.push_back(tree_[children[i][k]].right);
+          cluster.gain -= tree_[children[i][k]].error;
+        }
+      }
+      if (ends) ends->push_back(encoder.size());
+    }
+    cluster.bytes = encoder.finish();
+    ready->open.nodes = cluster.nodes;
+    ready->open.models = std::move(models);
+    return ready;
+  }
+
+  const Gaussians& source_;
+  const MergeTree& tree_;
+  const Precision& precision_;
+  float first_error_ = 0;  // largest error of a Gaussian of the first cluster
+};
+
+}  // namespace
+
+bool encode_clusters(const Gaussians& source, const MergeTree& tree, const Precision& precision,
+                     const std::function<bool(EncodedCluster&&)>& take, Progress* progress) {
+  ClusterEncoder encoder(source, tree, precision);
+  std::vector<std::unique_ptr<ReadyCluster>> heap;  // the most useful one is first
+  const auto add = [&](std::unique_ptr<ReadyCluster> ready) {
+    heap.push_back(std::move(ready));
+    std::ranges::push_heap(heap, LessUseful());
+  };
+  OpenCluster root;
+  root.nodes = {root_node(precision.box)};
+  root.places = {tree.root()};
+  root.models = std::make_shared<SplatModels>();
+  encoder.divide(root, true, add);
+  for (std::uint32_t id = 0; !heap.empty(); ++id) {
+    if (is_cancelled(progress)) return false;
+    std::ranges::pop_heap(heap, LessUseful());
+    const std::unique_ptr<ReadyCluster> ready = std::move(heap.back());
+    heap.pop_back();
+    ready->cluster.head.id = id;
+    ready->open.head = ready->cluster.head;
+    if (!take(std::move(ready->cluster))) return true;
+    encoder.divide(ready->open, false, add);
+  }
+  return true;
+}
+
+}  // namespace gs::qnv::gaussians

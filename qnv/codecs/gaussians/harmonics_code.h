@@ -1,0 +1,52 @@
+#pragma once
+
+#include "qnv/base/geometry.h"
+#include "qnv/codecs/gaussians/splat_code.h"
+#include "qnv/codecs/gaussians/splat_models.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace gs::qnv::gaussians {
+
+/// Step of coefficients, relative to that of the colour of the same Gaussian.
+inline constexpr double kHarmonicStep = 2;
+
+/// Models of the harmonics in one chunk.
+struct HarmonicModels {
+  BitModel any;
+  std::array<std::array<SignedModel<8>, 3>, 3> coefficients;  // by degree and component
+  std::array<std::array<TypicalSize, 3>, 15> sizes;           // by coefficient and component
+};
+
+/// Codes the coefficients of a leaf, as luma and two differences each. With a Reader, `codes` is the result.
+template <class Coder>
+void code_harmonics(Coder& coder, HarmonicModels& models, int degree,
+                    std::array<std::array<int, 3>, harmonic_count(Gaussians::kMaxDegree)>& codes) {
+  const std::size_t count = harmonic_count(degree);
+  bool any = false;
+  if constexpr (Coder::kWrites)
+    for (std::size_t i = 0; i < count; ++i) any = any || codes[i] != std::array<int, 3>{};
+  any = coder.bit(models.any, any);
+  if (!any) codes = {};
+  for (std::size_t i = 0; any && i < count; ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      TypicalSize& size = models.sizes[i][k];
+      const std::size_t band = i < 3 ? 0 : i < 8 ? 1 : 2;
+      const int value = models.coefficients[band][k].code(coder, size.size(), codes[i][k]);
+      codes[i][k] = std::clamp(value, -kMostColor, kMostColor);
+      size.learn(codes[i][k]);
+    }
+}
+
+/// Returns the step of the coefficients of a leaf.
+[[nodiscard]] inline double harmonic_step(const SplatNode& leaf, const Precision& precision) {
+  SplatCode code;
+  code.leaf = true;
+  for (std::size_t k = 0; k < 3; ++k) code.scales[k] = leaf.scales[k];
+  code.opacity = leaf.opacity;
+  return kHarmonicStep * steps_of(code, precision).color;
+}
+
+}  // namespace gs::qnv::gaussians

@@ -1,0 +1,154 @@
+#include "qnv/codecs/gaussians/splat_code.h"
+
+#include "qnv/base/kernel_pragmas.inc"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gs::qnv::gaussians {
+namespace {
+
+// Steps of the most important Gaussians: places in standard deviations, turns of lines twice as long as wide, colours.
+constexpr double kPlaceStep = 0.1, kTurnStep = 0.18, kColorStep = 1.0 / 128;
+// Factor of the steps of Gaussians that children replace.
+constexpr double kInnerFactor = 3;
+// Largest factors of the steps of less important Gaussians: of colours in eighths of an octave; of places and turns.
+constexpr int kMostColorFactor = 2 * kScaleSteps;
+constexpr double kMostPlaceFactor = 2;
+// Thin axes count as having an eighth of the largest deviation.
+constexpr int kThinScales = 3 * kScaleSteps;
+constexpr double kLeastTurnStep = 0.01, kMostTurnStep = 0.35;
+
+/// 2^(i/8)
+constexpr std::array<double, 8> kEighths = {1,
+                                            1.0905077326652577,
+                                            1.189207115002721,
+                                            1.2968395546510096,
+                                            1.4142135623730951,
+                                            1.5422108254079407,
+                                            1.681792830507429,
+                                            1.8340080864093424};
+
+double power_of(int eighths) {
+  const int octave = eighths >= 0 ? eighths / kScaleSteps : -((kScaleSteps - 1 - eighths) / kScaleSteps);
+  return std::ldexp(kEighths[static_cast<std::size_t>(eighths - octave * kScaleSteps)], octave);
+}
+
+}  // namespace
+
+SplatErrors splat_errors(int steps) {
+  // The three components of a colour add up.
+  const double color = 1.5 * kColorStep * power_of(steps), place = kPlaceStep / 2 * power_of(steps);
+  return {{place, place * kMostPlaceFactor},
+          {color, color * power_of(kMostColorFactor)},
+          std::sqrt(power_of(1)) - 1,
+          0.5 / kMostOpacity};
+}
+
+double scale_of(int code) { return power_of(code + kLeastOctave * kScaleSteps); }
+
+int scale_code(double scale) {
+  if (!(scale > 0)) return 0;
+  const double steps = (std::log2(scale) - kLeastOctave) * kScaleSteps;
+  return static_cast<int>(std::clamp(std::nearbyint(steps), 0.0, static_cast<double>(kMostScale)));
+}
+
+double opacity_of(int code) { return static_cast<double>(code) / kMostOpacity; }
+
+int opacity_code(double opacity) {
+  return static_cast<int>(std::clamp(std::nearbyint(opacity * kMostOpacity), 1.0, static_cast<double>(kMostOpacity)));
+}
+
+int importance(const std::array<int, 3>& scales, int opacity) {
+  int faint = 0;  // log2 of the opacity in eighths, rounded down
+  while (faint > -6 * kScaleSteps && opacity_of(opacity) < power_of(faint)) --faint;
+  return scales[0] + scales[1] + 2 * faint;
+}
+
+SplatSteps steps_of(const SplatCode& code, const Precision& precision) {
+  SplatSteps steps{};
+  const int less = (precision.important - importance(code.scales, code.opacity)) / 2;
+  const double factor = power_of(std::clamp(less, 0, kMostColorFactor));
+  const double inner = (code.leaf ? 1 : kInnerFactor) * power_of(precision.steps);
+  const double fine = inner * std::min(factor, kMostPlaceFactor);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const int scale = std::max({code.scales[k], code.scales[0] - kThinScales, precision.finest});
+    steps.place[k] = kPlaceStep * fine * scale_of(scale);
+    // Turns about an axis exchange the other two.
+    const int a = code.scales[(k + 1) % 3], b = code.scales[(k + 2) % 3];
+    const double ratio = power_of(std::clamp(std::max(a, b) - std::max(std::min(a, b), precision.finest), 0, 40));
+    steps.turn[k] = std::clamp(kTurnStep * fine / (ratio - 1 / ratio + 0.05), kLeastTurnStep, kMostTurnStep);
+  }
+  steps.color = kColorStep * inner * factor;
+  return steps;
+}
+
+std::array<std::array<double, 3>, 3> axes_of(const glm::vec4& q) {
+  const double x = q.x, y = q.y, z = q.z, w = q.w;
+  return {{{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
+           {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
+           {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}}};
+}
+
+glm::vec4 turned(const glm::vec4& p, const std::array<int, 3>& turn, const std::array<double, 3>& steps) {
+  const double x = turn[0] * steps[0], y = turn[1] * steps[1], z = turn[2] * steps[2];
+  const double square = x * x + y * y + z * z;
+  const double w = square < 1 ? std::sqrt(1 - square) : 0;
+  const double px = p.x, py = p.y, pz = p.z, pw = p.w;
+  const double rx = pw * x + px * w + py * z - pz * y, ry = pw * y - px * z + py * w + pz * x,
+               rz = pw * z + px * y - py * x + pz * w, rw = pw * w - px * x - py * y - pz * z;
+  const double length = std::sqrt(rx * rx + ry * ry + rz * rz + rw * rw);
+  return {static_cast<float>(rx / length), static_cast<float>(ry / length), static_cast<float>(rz / length),
+          static_cast<float>(rw / length)};
+}
+
+std::array<double, 3> place_spread(const SplatNode& parent, const glm::vec4& rotation, const SplatSteps& steps) {
+  const auto own = axes_of(rotation), frame = axes_of(parent.rotation);
+  std::array<double, 3> spread{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    double variance = 0;
+    for (std::size_t j = 0; j < 3; ++j) {
+      const double along =
+          (own[k][0] * frame[j][0] + own[k][1] * frame[j][1] + own[k][2] * frame[j][2]) * scale_of(parent.scales[j]);
+      variance += along * along;
+    }
+    spread[k] = std::sqrt(variance) / steps.place[k];
+  }
+  return spread;
+}
+
+glm::dvec3 rgb_of(const std::array<int, 3>& code, double step) {
+  const double y = code[0] * step, orange = code[1] * step, green = code[2] * step;
+  return {y + orange - green, y + green, y - orange - green};
+}
+
+std::array<int, 3> color_code(const glm::dvec3& rgb, double step) {
+  const std::array<double, 3> parts{(rgb.x + 2 * rgb.y + rgb.z) / 4, (rgb.x - rgb.z) / 2,
+                                    (2 * rgb.y - rgb.x - rgb.z) / 4};
+  std::array<int, 3> code{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double number = std::nearbyint(parts[k] / step);
+    code[k] = static_cast<int>(std::clamp(number, -double{kMostColor}, double{kMostColor}));
+  }
+  return code;
+}
+
+SplatNode node_of(const SplatNode& parent, const SplatCode& code, const Precision& precision) {
+  const SplatSteps steps = steps_of(code, precision);
+  SplatNode node;
+  node.rotation = turned(parent.rotation, code.turn, steps.turn);
+  const auto axes = axes_of(node.rotation);
+  for (int i = 0; i < 3; ++i) {
+    double at = parent.position[i];
+    for (std::size_t k = 0; k < 3; ++k) at += axes[k][static_cast<std::size_t>(i)] * (code.place[k] * steps.place[k]);
+    node.position[i] = std::clamp(static_cast<float>(at), precision.box.lower[i], precision.box.upper[i]);
+  }
+  for (std::size_t k = 0; k < 3; ++k) node.scales[k] = static_cast<std::int16_t>(code.scales[k]);
+  node.opacity = static_cast<std::uint8_t>(code.opacity);
+  node.leaf = code.leaf;
+  const glm::dvec3 change = rgb_of(code.color, steps.color);
+  for (int i = 0; i < 3; ++i) node.color[i] = static_cast<float>(parent.color[i] + change[i]);
+  return node;
+}
+
+}  // namespace gs::qnv::gaussians

@@ -1,0 +1,90 @@
+#pragma once
+
+#include "base/box.h"
+#include "qnv/container/gaussian_coding.h"
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace gs::qnv::gaussians {
+
+// Gaussians as integers. FORMAT.md, "Gaussians payload", defines them. All arithmetic that decides decoded bits uses
+// double precision with +, -, *, / and square roots only, so that all machines decode the same.
+
+/// Steps of standard deviations in an octave; the smallest one is 2^kLeastOctave.
+inline constexpr int kScaleSteps = 8, kLeastOctave = -40, kMostScale = GaussianCoding::kMostScale;
+/// Highest code of an opacity, which means 1. The code 0 is not used.
+inline constexpr int kMostOpacity = 63;
+/// Limits of codes in a stream.
+inline constexpr std::int32_t kMostPlace = 1 << 24, kMostColor = 1 << 14, kMostTurn = 255;
+
+/// Properties of a stream that decide the steps.
+struct Precision {
+  int important = 0;  // importance() of the Gaussians with the finest steps
+  int finest = 0;     // scale below which details count as points
+  int steps = 0;      // log2 of a factor of all steps, in eighths
+  Box box;            // of all positions
+};
+
+/// Decoded Gaussian of a cluster.
+struct SplatNode {
+  glm::vec3 position{0};  // relative to the origin of the stream
+  glm::vec4 rotation{0, 0, 0, 1};
+  std::array<std::int16_t, 3> scales{};  // largest first
+  std::uint8_t opacity = 0;
+  bool leaf = false;  // final; else children replace it
+  glm::vec3 color{0};
+};
+
+/// Differences of a Gaussian from its parent, as coded.
+struct SplatCode {
+  bool leaf = false;
+  std::array<int, 3> scales{};  // as in SplatNode
+  int opacity = 0;
+  std::array<int, 3> turn{}, place{}, color{};
+};
+
+/// Steps of the other codes of a Gaussian.
+struct SplatSteps {
+  std::array<double, 3> place, turn;
+  double color = 0;
+};
+
+/// Largest errors of final Gaussians: along each axis of the Gaussian in standard deviations, where thin axes count as
+/// an eighth of the longest; of deviations, relative; of opacities; of colours. The first number is that of the most
+/// important Gaussians, the second one that of all.
+struct SplatErrors {
+  std::array<double, 2> place, color;
+  double scale, opacity;
+};
+[[nodiscard]] SplatErrors splat_errors(int steps = 0);
+
+[[nodiscard]] double scale_of(int code);
+[[nodiscard]] double opacity_of(int code);
+/// Returns the nearest code.
+[[nodiscard]] int scale_code(double scale);
+[[nodiscard]] int opacity_code(double opacity);
+/// Returns the importance of a Gaussian in pictures: log2 of its area times its squared opacity, kScaleSteps an octave.
+[[nodiscard]] int importance(const std::array<int, 3>& scales, int opacity);
+/// Returns the steps of a Gaussian with known scales and opacity.
+[[nodiscard]] SplatSteps steps_of(const SplatCode& code, const Precision& precision);
+/// Returns the rotation matrix of a unit quaternion x, y, z, w, by columns.
+[[nodiscard]] std::array<std::array<double, 3>, 3> axes_of(const glm::vec4& q);
+/// Returns the rotation of a child from that of its parent.
+[[nodiscard]] glm::vec4 turned(const glm::vec4& parent, const std::array<int, 3>& turn,
+                               const std::array<double, 3>& steps);
+/// Returns the standard deviations of places along the axes of a Gaussian, in steps, if siblings spread like `parent`.
+[[nodiscard]] std::array<double, 3> place_spread(const SplatNode& parent, const glm::vec4& rotation,
+                                                 const SplatSteps& steps);
+/// Returns the difference of a colour from its code: luma, red against blue, green against both (YCoCg).
+[[nodiscard]] glm::dvec3 rgb_of(const std::array<int, 3>& code, double step);
+[[nodiscard]] std::array<int, 3> color_code(const glm::dvec3& rgb, double step);
+/// Returns the decoded Gaussian.
+[[nodiscard]] SplatNode node_of(const SplatNode& parent, const SplatCode& code, const Precision& precision);
+
+}  // namespace gs::qnv::gaussians

@@ -1,0 +1,67 @@
+#pragma once
+
+#include "base/box.h"
+#include "qnv/base/description.h"
+#include "qnv/codecs/shared/lod_view.h"
+#include "qnv/codecs/values/bricks/brick_places.h"
+#include "qnv/sampling/volume/volume.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace gs::qnv {
+struct Volume;
+}
+
+namespace gs::qnv::values {
+
+/// Share of the voxels of each part of a volume that are vectors, at the level that viewers have as a whole.
+class VectorShares {
+ public:
+  VectorShares() = default;
+  /// `extent` is that of the level `level`, and `layout` its layout.
+  VectorShares(const Volume& vectors, const VolumeLayout& layout, int level);
+
+  /// Returns the share in a brick of a finer level. Small bricks get that of the cells around them.
+  [[nodiscard]] double of(const BrickName& name) const;
+  /// Reports whether the transfer function of the stream shows a vector of the brick.
+  [[nodiscard]] bool visible(const BrickName& name) const;
+
+ private:
+  static constexpr std::uint32_t kCell = 4;  // edge of a cell in voxels of the level
+  struct Range {
+    Extent first{}, last{};
+  };
+  [[nodiscard]] Range cells_of(const BrickName& name) const;
+
+  int level_ = 0;
+  Extent extent_{}, cells_{};
+  std::vector<std::uint32_t> counts_;
+  std::vector<std::uint8_t> visible_;
+};
+
+/// Returns the index of the voxel of each vector in the layout, x first.
+[[nodiscard]] std::vector<std::uint32_t> voxels_of_vectors(const Volume& vectors, const VolumeLayout& layout);
+
+/// Input of a choice of bricks.
+struct BrickChoice {
+  const BrickLayout& layout;
+  std::span<const VolumeLayout> levels;  // layouts of the levels 0 to BrickLayout::base()
+  const VectorShares& shares;
+  std::span<const LodView> views;
+  std::size_t most_bytes = 0;  // estimated memory of all bricks, with all that comes from them
+};
+/// Chooses the bricks that the views need, most wanted first. A brick is wanted if it has vectors, is in a view, and if
+/// its samples are nearer than the pixels there. Those with the largest voxels of the next coarser level on the screen
+/// come first, so that a brick follows the one that contains it. The choice depends on nothing else.
+[[nodiscard]] std::vector<BrickName> choose_bricks(const BrickChoice& choice);
+
+/// Returns the estimated memory of a brick: its samples, coefficients and vectors, and the copies of these for drawing.
+[[nodiscard]] std::size_t brick_bytes(const BrickLayout& layout, const BrickName& name, double share);
+
+/// Returns the bounds of a brick, in the coordinates of the views. `level` is the layout of its level.
+[[nodiscard]] Box brick_box(const BrickLayout& layout, const BrickName& name, const VolumeLayout& level);
+
+}  // namespace gs::qnv::values

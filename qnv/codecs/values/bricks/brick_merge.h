@@ -1,0 +1,18 @@
+#pragma once
+
+#include "qnv/base/geometry.h"
+#include "qnv/codecs/values/bricks/brick_cache.h"
+
+#include <span>
+
+namespace gs::qnv::values {
+
+/// Returns the vectors of a volume with the finest bricks in place of coarser vectors. `base` are the vectors of the
+/// whole volume at the level of BrickLayout::base(). `chosen` are bricks of the cache, each after the one that contains
+/// it. All bricks of a level have one shortest length, such that the share of their voxels is that of the coarser
+/// vectors there. Coarse lengths are scaled to those of the finest level. The longest vectors come first, as in
+/// CellVectors.
+[[nodiscard]] Volume merge_bricks(const Volume& base, const BrickLayout& layout, std::span<const VolumeLayout> levels,
+                                  std::span<const BrickName> chosen, const BrickCache& cache);
+
+}  // namespace gs::qnv::values

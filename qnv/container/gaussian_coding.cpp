@@ -1,0 +1,37 @@
+#include "qnv/container/gaussian_coding.h"
+
+#include "base/bytes.h"
+#include "qnv/base/geometry.h"
+
+#include <cstdint>
+#include <cstdlib>
+
+namespace gs::qnv {
+
+std::vector<std::byte> encode_gaussian_coding(const GaussianCoding& coding) {
+  std::vector<std::byte> out;
+  ByteWriter write(out);
+  write.integer(static_cast<std::int16_t>(coding.important));
+  write.integer(static_cast<std::int16_t>(coding.finest));
+  write.integer(static_cast<std::uint8_t>(coding.degree));
+  write.integer(static_cast<std::uint8_t>(coding.antialiased ? 1 : 0));
+  write.integer(static_cast<std::int8_t>(coding.steps));
+  return out;
+}
+
+std::optional<GaussianCoding> decode_gaussian_coding(std::span<const std::byte> section) {
+  ByteReader read(section);
+  GaussianCoding coding;
+  coding.important = read.integer<std::int16_t>();
+  coding.finest = read.integer<std::int16_t>();
+  coding.degree = read.integer<std::uint8_t>();
+  const auto flags = read.integer<std::uint8_t>();
+  coding.antialiased = (flags & 1) != 0;
+  coding.steps = read.integer<std::int8_t>();
+  if (!read.good() || coding.degree > Gaussians::kMaxDegree || coding.finest < 0 ||
+      coding.finest > GaussianCoding::kMostScale || std::abs(coding.steps) > GaussianCoding::kMostSteps)
+    return std::nullopt;
+  return coding;
+}
+
+}  // namespace gs::qnv

@@ -1,0 +1,258 @@
+#include "render/gaussians/gaussian_gl.h"
+
+#include "render/gaussians/gaussian_shaders.h"
+#include "render/sorting/depth_sort_shaders.h"
+#include "render/sorting/item_texels.h"
+#include "render/volume/volume_lens.h"
+
+#include <glm/gtc/type_ptr.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <variant>
+
+namespace gs::render {
+namespace {
+
+constexpr std::size_t kGaussianItemTexels = 14;
+constexpr std::size_t kMaxGaussians = std::size_t{1} << 28;
+constexpr std::size_t kQuads = 64;  // splats per instance; more reduce the driver's work per instance
+// Splats from which the work is estimated, in blocks of successive ones.
+constexpr std::size_t kSurveyedBlocks = 64, kSurveyedBlock = 32;
+// Maximum pixels to blend. The CPU draws larger images, because it stops at opaque pixels. The system resets a driver
+// that is busy for seconds.
+constexpr double kMaxBlendedPixels = 2e10;
+// Colours above 1 are possible. The layer has fractions, so it holds a quarter of the colours.
+constexpr float kLayerGain = 4;
+
+std::string gaussian_defines() {
+  std::string text;
+  const auto define = [&](const char* name, const std::string& value) {
+    text += std::string("#define ") + name + " " + value + "\n";
+  };
+  define("ITEM_TEXELS", std::to_string(kGaussianItemTexels));
+  define("QUADS", std::to_string(kQuads));
+  define("LEAST_ALPHA", "(1.0 / 255.0)");
+  define("LEAST_POWER", "-7.994353");
+  define("MOST_ALPHA", "0.99");
+  define("LOW_PASS", "0.3");
+  define("MOST_REACH", "1e5");
+  static_assert(kGaussianLeastAlpha == 1 / 255.0f && kGaussianLeastPower == -7.994353f && kGaussianMostAlpha == 0.99f &&
+                kGaussianLowPass == 0.3f && kGaussianMostReach == 1e5f);
+  return text;
+}
+
+glm::vec3 eye_of(const GaussianItem& item) {
+  return glm::inverse(glm::mat3(item.camera_from_node)) * -glm::vec3(item.camera_from_node[3]);
+}
+
+glm::mat3 metric_of(const GaussianItem& item) {
+  const glm::mat3 linear(item.camera_from_node);
+  return glm::transpose(linear) * linear;
+}
+
+/// Appends the texels of an item, in the layout of kGaussianItemShader. `start` is the number of its first splat.
+void describe(const GaussianItem& item, const GaussianStore::Place& place, std::size_t start,
+              std::vector<glm::vec4>& out) {
+  const GaussianCoding& coding = place.coding;
+  for (int i = 0; i < 3; ++i) out.push_back(matrix_row(item.camera_from_node, i));
+  out.emplace_back(eye_of(item), item.opacity);
+  const glm::mat3 metric = metric_of(item);
+  out.emplace_back(metric[0], coding.scale.x);
+  out.emplace_back(metric[1], coding.scale.y);
+  out.emplace_back(metric[2], coding.base_limit);
+  out.emplace_back(integer_halves(start), integer_halves(place.first));
+  out.emplace_back(coding.texels, coding.degree, coding.harmonic_limit, item.gaussians->antialiased ? 1 : 0);
+  out.push_back(item.clip.value_or(glm::vec4(0)));
+  for (int i = 0; i < 3; ++i) {
+    out.push_back(matrix_row(glm::mat4(item.fog.ranges_from_camera), i));
+    out.back().w = item.fog.color[i];
+  }
+  out.emplace_back(!item.fog.on ? 0 : item.fog.exponential ? 2 : 1, item.fog.back, 0, 0);
+}
+
+/// Estimates for splats in a view, from a sample.
+struct GaussianSurvey {
+  double splats = 0;  // in view
+  double pixels = 0;  // sum of the pixels that they cover
+};
+
+GaussianSurvey survey(std::span<const GaussianItem> items, const SplatView& view) {
+  GaussianSurvey result;
+  std::vector<GaussianSplat> splats;
+  std::vector<float> distances;
+  const auto width = static_cast<float>(view.width), height = static_cast<float>(view.height);
+  for (const GaussianItem& item : items) {
+    const std::size_t blocks = std::min(kSurveyedBlocks, (item.count + kSurveyedBlock - 1) / kSurveyedBlock);
+    std::size_t sampled = 0;
+    splats.clear();
+    distances.clear();
+    for (std::size_t block = 0; block < blocks; ++block) {
+      const std::size_t first = block * (item.count / blocks),
+                        last = blocks < kSurveyedBlocks && block + 1 == blocks
+                                   ? item.count
+                                   : std::min(item.count, first + std::min(kSurveyedBlock, item.count / blocks));
+      project_gaussians(item, view, first, last, splats, distances);
+      sampled += last - first;
+    }
+    const double share = sampled > 0 ? static_cast<double>(item.count) / static_cast<double>(sampled) : 0;
+    result.splats += share * static_cast<double>(splats.size());
+    double pixels = 0;
+    for (const GaussianSplat& splat : splats) {
+      const auto extent = [](float middle, float reach, float size) {
+        return static_cast<double>(std::min(middle + reach, size) - std::max(middle - reach, 0.0f)) + 1;
+      };
+      pixels += extent(splat.x, splat.reach_x, width) * extent(splat.y, splat.reach_y, height);
+    }
+    result.pixels += share * pixels;
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string gaussian_keys_shader() {
+  return gaussian_defines() + kGaussianItemShader + kItemsShader + kGaussianKeysShader;
+}
+
+std::vector<glm::vec4> gaussian_item_texels(std::span<const GaussianItem> items,
+                                            std::span<const GaussianStore::Place> places) {
+  std::vector<glm::vec4> texels;
+  std::size_t start = 0;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    describe(items[i], places[i], start, texels);
+    start += items[i].count;
+  }
+  return texels;
+}
+
+GaussianGl::GaussianGl(const Gl& gl, VolumeTarget& target, SortMethod sort)
+    : gl_(gl),
+      target_(target),
+      store_(gl),
+      order_(gl, sort, gaussian_keys_shader()),
+      attributes_(make_vertex_array(gl)),
+      corners_(make_buffer(gl)),
+      items_(make_texture(gl)),
+      order_texture_(make_texture(gl)) {
+  std::vector<std::uint16_t> corners;
+  for (unsigned i = 0; i < kQuads; ++i)
+    for (const unsigned corner : {0u, 1u, 2u, 2u, 1u, 3u})
+      corners.push_back(static_cast<std::uint16_t>(4 * i + corner));
+  gl.BindVertexArray(attributes_.name());
+  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, corners_.name());
+  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(corners.size() * sizeof corners[0]), corners.data(),
+                GL_STATIC_DRAW);
+  gl.BindVertexArray(0);
+}
+
+bool GaussianGl::make_program_once() {
+  if (!tried_program_) {
+    tried_program_ = true;
+    auto made = make_program(
+        gl_, gaussian_defines(),
+        std::string(kGaussianItemShader) + kItemsShader + kRankShader + kGaussianDataShader + kGaussianVertexShader,
+        kGaussianFragmentShader);
+    if (auto* program = std::get_if<Program>(&made)) program_ = std::move(*program);
+  }
+  return program_.name() != 0;
+}
+
+bool GaussianGl::upload_items(std::span<const GaussianItem> items, std::span<const GaussianStore::Place> places) {
+  GLint most = 0;
+  gl_.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
+  const std::vector<glm::vec4> texels = gaussian_item_texels(items, places);
+  std::size_t splats = 0;
+  for (const GaussianItem& item : items) splats += item.count;
+  // The order has a texel per splat.
+  if (std::max(texels.size(), splats) > static_cast<std::size_t>(std::max(most, 0))) return false;
+  if (!item_buffer_) item_buffer_ = make_buffer(gl_);
+  gl_.BindBuffer(GL_TEXTURE_BUFFER, item_buffer_.name());
+  gl_.BufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(texels.size() * sizeof(glm::vec4)), texels.data(),
+                 GL_STREAM_DRAW);
+  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.BindTexture(GL_TEXTURE_BUFFER, items_.name());
+  gl_.TexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, item_buffer_.name());
+  return gl_.GetError() == GL_NO_ERROR;
+}
+
+void GaussianGl::draw_range(std::size_t items, std::size_t total, const View& view, const SplatRange& range) {
+  gl_.UseProgram(program_.name());
+  const auto at = [&](const char* name) { return gl_.GetUniformLocation(program_.name(), name); };
+  const std::array<std::pair<const char*, GLuint>, 3> textures{
+      {{"codes", store_.codes().name()}, {"items", items_.name()}, {"order", order_texture_.name()}}};
+  for (GLuint unit = 0; unit < textures.size(); ++unit) {
+    gl_.ActiveTexture(GL_TEXTURE0 + unit);
+    gl_.BindTexture(GL_TEXTURE_BUFFER, textures[unit].second);
+    gl_.Uniform1i(at(textures[unit].first), static_cast<GLint>(unit));
+  }
+  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.Uniform1i(at("item_count"), static_cast<GLint>(items));
+  gl_.Uniform1i(at("count"), static_cast<GLint>(range.count));
+  gl_.Uniform2i(at("ranks"), static_cast<GLint>(range.near_first ? total - 1 - range.first : range.first),
+                range.near_first ? -1 : 1);
+  const SplatView& lens = view.lens;
+  const auto width = static_cast<float>(lens.width), height = static_cast<float>(lens.height);
+  const glm::vec2 pixels(width / (2 * lens.tangents.x), height / (2 * lens.tangents.y));
+  const glm::vec4 pixels_size(pixels, width, height);
+  const glm::vec2 reach = kGaussianFarthestTangent * lens.tangents;
+  const glm::vec4 limits(lens.center - reach, lens.center + reach);
+  const glm::mat4& clip = view.projection.clip_from_camera;
+  const glm::vec4 depths(lens.near_plane, clip[2][2], clip[3][2], view.projection.reversed ? 0.0f : -1.0f);
+  gl_.Uniform4fv(at("lens"), 1, glm::value_ptr(pixels_size));
+  gl_.Uniform4fv(at("limits"), 1, glm::value_ptr(limits));
+  gl_.Uniform2f(at("straight"), -lens.center.x * pixels.x, -lens.center.y * pixels.y);
+  gl_.Uniform4fv(at("depth_range"), 1, glm::value_ptr(depths));
+  gl_.Uniform1f(at("gain"), range.gain);
+  gl_.BindVertexArray(attributes_.name());
+  gl_.DrawElementsInstancedBaseVertex(GL_TRIANGLES, static_cast<GLsizei>(6 * kQuads), GL_UNSIGNED_SHORT, nullptr,
+                                      static_cast<GLsizei>((range.count + kQuads - 1) / kQuads), 0);
+  gl_.BindVertexArray(0);
+}
+
+std::optional<GaussianGl::Drawn> GaussianGl::draw(std::span<const std::shared_ptr<const qnv::Gaussians>> held,
+                                                  std::span<const GaussianItem> items, const View& view) {
+  std::vector<std::shared_ptr<const qnv::Gaussians>> scenes;
+  std::vector<GaussianItem> visible;
+  std::vector<SortPart> parts;
+  std::size_t total = 0;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    GaussianItem item = items[i];
+    item.count = std::min(item.count, held[i]->size());
+    if (item.count == 0 || !volume_lens(view.lens, item.camera_from_node)) continue;
+    SortPart part;
+    part.vectors = held[i];
+    part.count = item.count;
+    part.by_distance = true;
+    part.eye = eye_of(item);
+    part.metric = metric_of(item);
+    scenes.push_back(held[i]);
+    visible.push_back(item);
+    parts.push_back(std::move(part));
+    total += item.count;
+  }
+  if (visible.empty()) return Drawn{};
+  if (total > kMaxGaussians || !make_program_once()) return std::nullopt;
+  const GaussianSurvey found = survey(visible, view.lens);
+  if (found.pixels > kMaxBlendedPixels) return std::nullopt;
+  take_errors(gl_);
+  const std::vector<GaussianStore::Place> places = store_.place(scenes);
+  if (places.size() != scenes.size() || !upload_items(visible, places)) return std::nullopt;
+  const auto order =
+      order_.order(view.viewport, parts, {store_.codes().name(), items_.name(), static_cast<int>(visible.size())});
+  if (!order) return std::nullopt;
+  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.BindTexture(GL_TEXTURE_BUFFER, order_texture_.name());
+  gl_.TexBuffer(GL_TEXTURE_BUFFER, GL_R32UI, order->far_first.name());
+  if (take_errors(gl_)) return std::nullopt;
+  target_.blend(
+      view.rectangle, view.projection, total,
+      [&](const SplatRange& range) { draw_range(visible.size(), total, view, range); }, kLayerGain);
+  return Drawn{static_cast<std::size_t>(found.splats + 0.5), order->pending};
+}
+
+}  // namespace gs::render

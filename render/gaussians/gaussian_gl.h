@@ -1,0 +1,75 @@
+#pragma once
+
+#include "render/gaussians/gaussian_raster.h"
+#include "render/gaussians/gaussian_store.h"
+#include "render/gl/gpu.h"
+#include "render/scene/camera.h"
+#include "render/sorting/depth_order.h"
+#include "render/volume/volume_target.h"
+
+#include <glm/vec4.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace gs::render {
+
+/// Returns the shader of DepthGlSort for Gaussians.
+[[nodiscard]] std::string gaussian_keys_shader();
+/// Returns the texels that describe items to the shaders. places[i] is the location of the splats of items[i].
+[[nodiscard]] std::vector<glm::vec4> gaussian_item_texels(std::span<const GaussianItem> items,
+                                                          std::span<const GaussianStore::Place> places);
+
+/// Draws Gaussians with OpenGL 3.3. The image equals that of rasterize_gaussians(), except for rounding. The vertex
+/// shader projects the splats and evaluates their harmonics. Blends the rectangles of all scenes with a VolumeTarget,
+/// in 16 bits per channel.
+///
+/// Compute shaders sort for each place of the eye. The order of the thread may be that of an earlier place
+/// (DepthOrder). Runs on the thread of its context.
+class GaussianGl {
+ public:
+  /// `target` must outlive the object.
+  GaussianGl(const Gl& gl, VolumeTarget& target, SortMethod sort = SortMethod::automatic);
+
+  struct View {
+    SplatView lens;  // `camera_from_node` and `supersample` are ignored
+    Projection projection;
+    TargetRectangle rectangle;  // rectangle of the bound framebuffer
+    std::uint32_t viewport = 0;
+  };
+  struct Drawn {
+    std::size_t vectors = 0;  // splats in view; estimated if there are many
+    bool pending = false;     // the order is that of an earlier view: draw again
+  };
+  /// Draws `items`; held[i] owns the data of items[i]. Writes no depth. Leaves depth test and blending off and depth
+  /// writes on. Returns nullopt if memory or the program is missing, or if the splats cover too many pixels.
+  std::optional<Drawn> draw(std::span<const std::shared_ptr<const qnv::Gaussians>> held,
+                            std::span<const GaussianItem> items, const View& view);
+
+  /// Frees Gaussians that have no other owners. Call it once per frame.
+  void forget_unused() { store_.forget_unused(); }
+  /// Returns the method that sorted the last image.
+  [[nodiscard]] SortMethod sorted_by() const { return order_.sorted_by(); }
+
+ private:
+  bool make_program_once();
+  bool upload_items(std::span<const GaussianItem> items, std::span<const GaussianStore::Place> places);
+  void draw_range(std::size_t items, std::size_t total, const View& view, const SplatRange& range);
+
+  const Gl& gl_;
+  VolumeTarget& target_;
+  GaussianStore store_;
+  DepthOrder order_;
+  bool tried_program_ = false;
+  Program program_;
+  VertexArray attributes_;
+  Buffer corners_, item_buffer_;
+  Texture items_, order_texture_;
+};
+
+}  // namespace gs::render

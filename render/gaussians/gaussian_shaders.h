@@ -1,0 +1,170 @@
+#pragma once
+
+/// Shaders of Gaussians. make_program adds "#version 330 core" before those that draw.
+namespace gs::render {
+
+/// Layout of the items, before kItemsShader. gaussian_gl.cpp writes `items`.
+inline constexpr char kGaussianItemShader[] = R"glsl(
+const int ROW_X = 0, ROW_Y = 1, ROW_Z = 2, EYE = 3, METRIC = 4, PLACE = 7, FORM = 8, CLIP = 9, FOG = 10;
+)glsl";
+
+/// Writes the sort keys of splats: squared distances from the eye. After the shaders above and kSortKeysShader.
+inline constexpr char kGaussianKeysShader[] = R"glsl(
+void main() {
+  for (uint k = 0u; k < EACH; ++k) {
+    int number = number_of(k);
+    if (number < 0) return;
+    Place place = place_of(number);
+    int stride = int(about(place.item, FORM).x);
+    vec3 away = uintBitsToFloat(texelFetch(codes, place.first + place.index * stride).xyz) -
+                about(place.item, EYE).xyz;
+    vec3 product = vec3(dot(about(place.item, METRIC).xyz, away), dot(about(place.item, METRIC + 1).xyz, away),
+                        dot(about(place.item, METRIC + 2).xyz, away));
+    write_key(k, dot(away, product));
+  }
+}
+)glsl";
+
+/// Decodes the texels of gaussian_store.h, and evaluates harmonics as gaussian_harmonics.h.
+inline constexpr char kGaussianDataShader[] = R"glsl(
+float signed_part(uint code) { return float(int(code << 16) >> 16) * (1.0 / 32767.0); }
+float rotation_part(uint code) { return (float(code & 0x7FFFu) * (2.0 / 32766.0) - 1.0) * 0.70710678; }
+float scale_of(uint code, vec2 coding) {
+  code &= 0xFFFFu;
+  return code == 0u ? 0.0 : exp2(coding.x + float(code) * coding.y);
+}
+
+// Returns the axes of a splat.
+mat3 rotation_of(uint a, uint b, uint c) {
+  vec3 parts = vec3(rotation_part(a), rotation_part(b), rotation_part(c));
+  float w = sqrt(max(1.0 - dot(parts, parts), 0.0));
+  uint largest = (a >> 15 & 1u) | (b >> 15 & 1u) << 1;
+  vec4 q = largest == 0u ? vec4(w, parts)
+         : largest == 1u ? vec4(parts.x, w, parts.yz)
+         : largest == 2u ? vec4(parts.xy, w, parts.z) : vec4(parts, w);
+  vec3 q2 = q.xyz * q.xyz;
+  float xy = q.x * q.y, xz = q.x * q.z, yz = q.y * q.z, wx = q.w * q.x, wy = q.w * q.y, wz = q.w * q.z;
+  return mat3(1.0 - 2.0 * (q2.y + q2.z), 2.0 * (xy + wz), 2.0 * (xz - wy),
+              2.0 * (xy - wz), 1.0 - 2.0 * (q2.x + q2.z), 2.0 * (yz + wx),
+              2.0 * (xz + wy), 2.0 * (yz - wx), 1.0 - 2.0 * (q2.x + q2.y));
+}
+
+// Adds two coefficients with their weights. The last texel has only one.
+vec3 pair(int texel, float first, float second) {
+  uvec4 code = texelFetch(codes, texel);
+  return first * vec3(signed_part(code.x), signed_part(code.x >> 16), signed_part(code.y)) +
+         second * vec3(signed_part(code.z), signed_part(code.z >> 16), signed_part(code.w));
+}
+vec3 harmonics(int degree, int texel, vec3 d) {
+  float x = d.x, y = d.y, z = d.z, xx = x * x, yy = y * y, zz = z * z;
+  if (degree == 0) return vec3(0.0);
+  vec3 sum = pair(texel, -0.48860251 * y, 0.48860251 * z);
+  if (degree == 1) return sum + pair(texel + 1, -0.48860251 * x, 0.0);
+  sum += pair(texel + 1, -0.48860251 * x, 1.09254843 * x * y);
+  sum += pair(texel + 2, -1.09254843 * y * z, 0.31539157 * (2.0 * zz - xx - yy));
+  sum += pair(texel + 3, -1.09254843 * x * z, 0.54627422 * (xx - yy));
+  if (degree == 2) return sum;
+  sum += pair(texel + 4, -0.59004359 * y * (3.0 * xx - yy), 2.89061144 * x * y * z);
+  sum += pair(texel + 5, -0.45704580 * y * (4.0 * zz - xx - yy), 0.37317633 * z * (2.0 * zz - 3.0 * xx - 3.0 * yy));
+  sum += pair(texel + 6, -0.45704580 * x * (4.0 * zz - xx - yy), 1.44530572 * z * (xx - yy));
+  return sum + pair(texel + 7, -0.59004359 * x * (xx - 3.0 * yy), 0.0);
+}
+)glsl";
+
+/// Draws a rectangle around the ellipse of each splat, four vertices each, as project_gaussians() defines it. An
+/// instance has QUADS splats. After kRankShader.
+inline constexpr char kGaussianVertexShader[] = R"glsl(
+uniform int count;
+uniform vec4 lens;  // xy: pixels per length 1 at depth 1; zw: size of the viewport
+uniform vec4 limits;  // of the tangents at which the projection is linearised: left, low, right, high
+uniform vec2 straight;  // position of the optical axis, in pixels from the middle
+uniform vec4 depth_range;  // near plane; clip_from_camera[2][2] and [3][2]; minimum depth of clip space
+uniform float gain;
+flat out vec4 color;  // w: logarithm of the opacity to the base 2
+out vec2 away;  // from the centre, in standard deviations
+
+void main() {
+  gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // out of view
+  color = vec4(0.0);
+  away = vec2(0.0);
+  int rank = gl_InstanceID * QUADS + (gl_VertexID >> 2);
+  if (rank >= count) return;
+  Place place = place_of(number_at(rank));
+  int item = place.item;
+  vec4 form = about(item, FORM);  // texels of a splat, degree, limit of the coefficients, 1 if antialiased
+  int texel = place.first + place.index * int(form.x);
+  uvec4 code = texelFetch(codes, texel);
+  vec4 eye = about(item, EYE);  // w: factor of the opacity
+  float opacity = float(code.w & 0xFFFFu) * (1.0 / 65535.0) * eye.w;
+  if (!(opacity >= LEAST_ALPHA)) return;
+  vec4 position = vec4(uintBitsToFloat(code.xyz), 1.0);
+  if (!(dot(about(item, CLIP), position) >= 0.0)) return;
+  vec4 row_x = about(item, ROW_X), row_y = about(item, ROW_Y), row_z = about(item, ROW_Z);
+  vec3 seen = vec3(dot(row_x, position), dot(row_y, position), dot(row_z, position));
+  float depth = -seen.z;
+  if (!(depth > depth_range.x && depth > 0.0)) return;
+  uvec4 shape = texelFetch(codes, texel + 1);
+  vec4 coding = vec4(about(item, METRIC).w, about(item, METRIC + 1).w, about(item, METRIC + 2).w, 0.0);
+  float near = 1.0 / depth;
+  vec2 pixels = lens.xy * near;
+  vec2 along = pixels * clamp(seen.xy * near, limits.xy, limits.zw);
+  mat3 turn = rotation_of(shape.z >> 16, shape.w & 0xFFFFu, shape.w >> 16);
+  mat3 linear = transpose(mat3(row_x.xyz, row_y.xyz, row_z.xyz)) * turn;
+  vec3 scales = vec3(scale_of(shape.x, coding.xy), scale_of(shape.x >> 16, coding.xy), scale_of(shape.y, coding.xy));
+  float xx = 0.0, xy = 0.0, yy = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    vec3 axis = linear[k] * scales[k];
+    vec2 uv = pixels * axis.xy + along * axis.z;
+    xx += uv.x * uv.x;
+    xy += uv.x * uv.y;
+    yy += uv.y * uv.y;
+  }
+  float sharp = xx * yy - xy * xy;
+  xx += LOW_PASS;
+  yy += LOW_PASS;
+  float determinant = xx * yy - xy * xy;
+  if (!(determinant > 0.0 && determinant < 1e30)) return;
+  if (form.w != 0.0) opacity *= sqrt(max(sharp, 0.0) / determinant);
+  if (!(opacity >= LEAST_ALPHA)) return;
+  opacity = min(opacity, 1.0);
+  float inside = 2.0 * log(opacity / LEAST_ALPHA);
+  vec2 reach = sqrt(inside * vec2(xx, yy));
+  vec2 center = seen.xy * pixels + straight;  // pixels from the middle of the viewport
+  if (!(max(reach.x, reach.y) < MOST_REACH)) return;
+  if (!(all(lessThanEqual(abs(center) - reach, 0.5 * lens.zw)))) return;
+
+  vec3 towards = position.xyz - eye.xyz;
+  float distance = length(towards);
+  vec3 base = vec3(signed_part(code.w >> 16), signed_part(shape.y >> 16), signed_part(shape.z)) * coding.z;
+  vec3 own = base;
+  if (distance > 0.0) own += form.z * harmonics(int(form.y), texel + 2, towards / distance);
+  own = max(own, vec3(0.0));
+  color = vec4(fogged(item, FOG, own, seen) * gain, log2(opacity));
+
+  // The axes of the ellipse: eigenvectors of the covariance.
+  float half_difference = 0.5 * (xx - yy), root = sqrt(half_difference * half_difference + xy * xy);
+  float most = 0.5 * (xx + yy) + root, least = determinant / most;
+  vec2 axis = half_difference >= 0.0 ? vec2(half_difference + root, xy) : vec2(xy, root - half_difference);
+  float size = length(axis);
+  axis = size > 0.0 ? axis / size : vec2(1.0, 0.0);
+  vec2 corner = vec2(gl_VertexID & 1, (gl_VertexID >> 1) & 1) * 2.0 - 1.0;
+  away = corner * sqrt(inside);
+  vec2 offset = axis * (away.x * sqrt(most)) + vec2(-axis.y, axis.x) * (away.y * sqrt(least));
+  gl_Position.xy = (center + offset) * 2.0 / lens.zw;
+  gl_Position.z = clamp(depth_range.z * near - depth_range.y, depth_range.w, 1.0);
+}
+)glsl";
+
+inline constexpr char kGaussianFragmentShader[] = R"glsl(
+flat in vec4 color;
+in vec2 away;
+out vec4 result;
+void main() {
+  float power = color.w - 0.72134752 * dot(away, away);  // 1/2 log2(e)
+  if (power < LEAST_POWER) discard;
+  float alpha = min(exp2(power), MOST_ALPHA);
+  result = vec4(color.rgb * alpha, alpha);
+}
+)glsl";
+
+}  // namespace gs::render

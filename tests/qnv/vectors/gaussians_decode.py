@@ -1,0 +1,273 @@
+"""Decodes a stream of Gaussians, from FORMAT.md alone. Prints a line for each Gaussian that no received one replaces, by
+cluster: scales, opacity, leaf, and the bits of the f32 numbers of rotation, position, colour and harmonics.
+
+    python3 gaussians_decode.py STREAM
+"""
+import math
+import struct
+import sys
+
+from streams import all_chunks
+
+EIGHTHS = [1, 1.0905077326652577, 1.189207115002721, 1.2968395546510096, 1.4142135623730951, 1.5422108254079407,
+           1.681792830507429, 1.8340080864093424]
+RATES = [131072 // (2 * n + 3) for n in range(31)]
+MASK = 0xFFFFFFFF
+
+
+def power(e):
+    return math.ldexp(EIGHTHS[e & 7], e >> 3)
+
+
+def f32(x):
+    return struct.unpack("<f", struct.pack("<f", x))[0]
+
+
+def clamp(x, a, b):
+    return max(a, min(x, b))
+
+
+def halves(x):
+    if x == 0:
+        return 0
+    f, e = math.frexp(x)
+    return 2 * (e - 1) + 2 + (1 if f >= 0.70710678118654757 else 0)
+
+
+class Model:
+    def __init__(self):
+        self.p, self.n = 32768, 0
+
+
+class Range:
+    def __init__(self, data):
+        self.data, self.at, self.range = data, 4, MASK
+        self.code = int.from_bytes((data + bytes(4))[:4], "big")
+
+    def decide(self, bound):
+        yes = self.code < bound
+        if yes:
+            self.range = bound
+        else:
+            self.code -= bound
+            self.range -= bound
+        while self.range < 1 << 24:
+            byte = self.data[self.at] if self.at < len(self.data) else 0
+            self.at += 1
+            self.code = (self.code << 8 | byte) & MASK
+            self.range = self.range << 8 & MASK
+        return yes
+
+    def yes(self, model):
+        answer = self.decide(self.range * min(max(model.p, 64), 65472) >> 16)
+        model.p += ((65535 if answer else 0) - model.p) * RATES[model.n] >> 16
+        model.n = min(model.n + 1, 30)
+        return answer
+
+    def bits(self, n):
+        value = 0
+        for _ in range(n):
+            value = value << 1 | (1 if self.decide(self.range >> 1) else 0)
+        return value
+
+
+class Models:
+    """Models and means by name, made when first used."""
+
+    def __init__(self, other=None):
+        self.models, self.means = {}, {}
+        if other:
+            for key, model in other.models.items():
+                self.models[key] = Model()
+                self.models[key].p, self.models[key].n = model.p, model.n
+            self.means = dict(other.means)
+
+    def __getitem__(self, key):
+        return self.models.setdefault(key, Model())
+
+    def short(self, coder, steps, *key):
+        for i in range(steps):
+            if not coder.yes(self[key + ("S", i)]):
+                return i
+        z = 0
+        while z < 26 and coder.yes(self[key + ("Z", min(z, 7))]):
+            z += 1
+        return (1 << z | coder.bits(z)) - 1 + steps
+
+    def signed(self, coder, sizes, u, *key):
+        size = clamp(u, 0, sizes - 1)
+        low = clamp(int((u - 2) / 2) - 2, 0, 24)
+        value = self.short(coder, 10, *key, size) << low
+        if low:
+            value |= coder.bits(low)
+        if value and coder.yes(self[key + (size, "sign")]):
+            return -value
+        return value
+
+    def signed_by_mean(self, coder, sizes, *key):
+        mean = self.means.get(key, 64)
+        value = self.signed(coder, sizes, (mean * mean).bit_length() - 7, *key)
+        self.means[key] = max(1, mean + int((16 * min(abs(value), 2047) - mean) / 8))
+        return value
+
+
+def importance(s, a):
+    m = 0
+    while m > -48 and a / 63 < power(m):
+        m -= 1
+    return s[0] + s[1] + 2 * m
+
+
+def steps_of(s, a, leaf, header):
+    z = clamp(int((header["important"] - importance(s, a)) / 2), 0, 16)
+    f, n = power(z), (1 if leaf else 3) * power(header["steps"])
+    fine = n * min(f, 2.0)
+    place, turn = [], []
+    for k in range(3):
+        place.append(0.1 * fine * power(max(s[k], s[0] - 24, header["finest"]) - 320))
+        u, w = sorted((s[(k + 1) % 3], s[(k + 2) % 3]), reverse=True)
+        r = power(clamp(u - max(w, header["finest"]), 0, 40))
+        turn.append(clamp(0.18 * fine / (r - 1 / r + 0.05), 0.01, 0.35))
+    return place, turn, 1.0 / 128 * n * f
+
+
+def turned(p, t, steps):
+    x, y, z = (t[k] * steps[k] for k in range(3))
+    square = x * x + y * y + z * z
+    w = math.sqrt(1 - square) if square < 1 else 0.0
+    px, py, pz, pw = p
+    q = [pw * x + px * w + py * z - pz * y, pw * y - px * z + py * w + pz * x, pw * z + px * y - py * x + pz * w,
+         pw * w - px * x - py * y - pz * z]
+    length = math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    return [f32(v / length) for v in q]
+
+
+def axes(q):
+    x, y, z, w = q
+    return [[1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)],
+            [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)],
+            [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]]
+
+
+def rgb(q, step):
+    y, o, g = (v * step for v in q)
+    return [y + o - g, y + g, y - o - g]
+
+
+def child(coder, models, p, b, header):
+    h = 1 if b else 0
+    leaf = coder.yes(models["leaf", (2 if b["leaf"] else 1) if b else 0])
+    one, c = (1, 0) if leaf else (0, 1)
+    v = b["s"][0] if b else p["s"][0] - 8
+    s = [clamp((v >> c) + models.signed_by_mean(coder, 10, "size", one, h), 0, 639 >> c) << c]
+    for k in (1, 2):
+        g = (b or p)["s"][k - 1] - (b or p)["s"][k]
+        i = min(5, (max(g, 0) >> 2).bit_length() + h)
+        s.append(max(0, s[k - 1] - (min(models.short(coder, 20, "gap", k, one, i), 639) << c)))
+    v = (b or p)["a"]
+    a = clamp(((v >> c) + models.signed_by_mean(coder, 8, "opacity", one, h)) << c | c, 1, 63)
+    place_step, turn_step, color_step = steps_of(s, a, leaf, header)
+    t = [clamp(models.signed(coder, 10, halves(0.25 / turn_step[k]), "turn", one, k), -255, 255) for k in range(3)]
+    rotation = turned(p["rotation"], t, turn_step)
+    own, frame = axes(rotation), axes(p["rotation"])
+    d = []
+    for k in range(3):
+        variance = 0.0
+        for j in range(3):
+            along = (own[k][0] * frame[j][0] + own[k][1] * frame[j][1] + own[k][2] * frame[j][2]) * power(p["s"][j] - 320)
+            variance += along * along
+        spread = math.sqrt(variance) / place_step[k]
+        d.append(clamp(models.signed(coder, 20, halves(spread), "place", one), -(1 << 24), 1 << 24))
+    q = [clamp(models.signed_by_mean(coder, 10, "color", one, k), -(1 << 14), 1 << 14) for k in range(3)]
+    position = []
+    for i in range(3):
+        at = p["position"][i]
+        for k in range(3):
+            at += own[k][i] * (d[k] * place_step[k])
+        position.append(clamp(f32(at), header["lower"][i], header["upper"][i]))
+    color = [f32(old + change) for old, change in zip(p["color"], rgb(q, color_step))]
+    return {"s": s, "a": a, "leaf": leaf, "rotation": rotation, "position": position, "color": color}
+
+
+def numbers(payload, count):
+    found, at = [], 0
+    for _ in range(count):
+        value = shift = 0
+        while True:
+            byte = payload[at]
+            at += 1
+            value |= (byte & 127) << shift
+            shift += 7
+            if byte < 128:
+                break
+        found.append(value)
+    return found, payload[at:]
+
+
+def main():
+    data = open(sys.argv[1], "rb").read()
+    size = struct.unpack_from("<I", data, 12)[0]
+    lower, upper = struct.unpack_from("<3f", data, 26), struct.unpack_from("<3f", data, 38)
+    header, at = {"lower": lower, "upper": upper}, 108
+    while at + 6 <= size:
+        tag, length = struct.unpack_from("<HI", data, at)
+        if tag == 10:
+            header["important"], header["finest"], header["degree"], _, header["steps"] = struct.unpack_from("<hhBBb", data, at + 6)
+        at += 6 + length
+    edge = max(f32(b - a) for a, b in zip(lower, upper))
+    scale = clamp(round(8 * (math.log2(f32(edge / 4)) + 40)), 0, 639)
+    root = {"s": [scale] * 3, "a": 63, "leaf": False, "rotation": [0.0, 0.0, 0.0, 1.0],
+            "position": [f32(a + f32(f32(b - a) * 0.5)) for a, b in zip(lower, upper)], "color": [0.5] * 3}
+    clusters, per = {}, (header["degree"] + 1) ** 2 - 1
+    for kind, payload in all_chunks(data, size):
+        if kind == 20:
+            (name, parent, first, count, _), rest = numbers(payload, 5)
+            before = clusters[parent - 1] if parent else None
+            covered = before["nodes"][first:first + count] if before else [root]
+            coder, models, nodes = Range(rest), Models(before and before["models"]), []
+            for i, p in enumerate(covered):
+                if p["leaf"]:
+                    continue
+                if before:
+                    before["replaced"].add(first + i)
+                more = min(models.short(coder, 16, "children"), 254) + 1
+                if before and more == 1:
+                    nodes.append(p)
+                    continue
+                b = None
+                for _ in range(more):
+                    b = child(coder, models, p, b, header)
+                    nodes.append(b)
+            clusters[name] = {"nodes": nodes, "models": models, "replaced": set(), "harmonics": {}}
+        elif kind == 21:
+            (name, first, count), rest = numbers(payload, 3)
+            leaves = [node for node in clusters[name]["nodes"] if node["leaf"]]
+            coder, models = Range(rest), Models()
+            for i in range(first, first + count):
+                step = 2 * steps_of(leaves[i]["s"], leaves[i]["a"], True, header)[2]
+                own = []
+                some = coder.yes(models["any"])
+                for k in range(per):
+                    band = 0 if k < 3 else 1 if k < 8 else 2
+                    code = [0, 0, 0]
+                    for c in range(3) if some else ():
+                        mean = models.means.get((k, c), 64)
+                        value = models.signed(coder, 8, (mean * mean).bit_length() - 7, "harmonic", band, c)
+                        value = clamp(value, -(1 << 14), 1 << 14)
+                        models.means[k, c] = max(1, mean + int((16 * min(abs(value), 2047) - mean) / 8))
+                        code[c] = value
+                    own += [f32(v) for v in rgb(code, step)]
+                clusters[name]["harmonics"][i] = own
+    for name in sorted(clusters):
+        cluster, leaf = clusters[name], 0
+        for i, node in enumerate(cluster["nodes"]):
+            own = cluster["harmonics"].get(leaf, [0.0] * 3 * per) if node["leaf"] else [0.0] * 3 * per
+            leaf += 1 if node["leaf"] else 0
+            if i in cluster["replaced"]:
+                continue
+            floats = node["rotation"] + node["position"] + node["color"] + own
+            words = ["%08x" % struct.unpack("<I", struct.pack("<f", v + 0.0))[0] for v in floats]
+            print(*node["s"], node["a"], 1 if node["leaf"] else 0, *words)
+
+
+main()
