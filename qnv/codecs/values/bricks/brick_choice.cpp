@@ -52,7 +52,9 @@ std::vector<std::uint32_t> voxels_of_vectors(const Volume& vectors, const Volume
     std::uint64_t voxel = 0;
     for (int a = 3; a-- > 0;) {
       const std::uint32_t n = layout.dimensions[static_cast<std::size_t>(a)];
-      voxel = voxel * n + static_cast<std::uint32_t>(std::clamp(std::round(at[a]), 0.0, n - 1.0));
+      // Numbers that are not finite become indices, too.
+      const double place = std::round(at[a]);
+      voxel = voxel * n + (place > 0 ? static_cast<std::uint32_t>(std::min(place, n - 1.0)) : 0u);
     }
     voxels.push_back(static_cast<std::uint32_t>(voxel));
   }

@@ -92,16 +92,16 @@ void BrickDecoder::take(ChunkType type, std::span<const std::byte> payload, std:
     ++base_chunks_;
   }
   if (!is_fine(cluster->block)) return;
-  chunks_.note(cluster->block,
-               {offset, static_cast<std::uint32_t>(kChunkHeaderBytes + payload.size()), cluster->index});
-  if (!source_) chunks_.keep(cluster->block, offset, payload);
+  const auto bytes = static_cast<std::uint32_t>(kChunkHeaderBytes + payload.size());
+  const bool known = chunks_.note(cluster->block, {offset, bytes, cluster->index});
+  if (known && !source_) chunks_.keep(cluster->block, offset, payload);
 }
 
 void BrickDecoder::take_place(const values::ChunkPlace& place) {
   if (place.type == ChunkType::gaps || (place.type == ChunkType::values && is_base(place.first)))
     base_places_.push_back({place.offset, place.bytes});
   if (place.type == ChunkType::values && is_fine(place.first))
-    chunks_.note(place.first, {place.offset, place.bytes, place.count});
+    (void)chunks_.note(place.first, {place.offset, place.bytes, place.count});
 }
 
 bool BrickDecoder::set_directory(std::span<const std::byte> chunks) {

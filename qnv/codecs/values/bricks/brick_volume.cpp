@@ -13,6 +13,7 @@ constexpr std::size_t kMostViews = 16;
 // Received bytes are decoded if they are this part of those before, or after this time.
 constexpr std::uint64_t kGrowthPart = 4;
 constexpr std::chrono::milliseconds kGrowthTime{1000};
+constexpr std::uint64_t kMostWaiting = std::uint64_t{16} << 20;  // received bytes that were not decoded
 
 }  // namespace
 
@@ -60,9 +61,10 @@ BrickVolume::Opened BrickVolume::begin(std::span<const std::byte> front, const B
 }
 
 bool BrickVolume::push(std::span<const std::byte> bytes) {
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
   inbox_.front.insert(inbox_.front.end(), bytes.begin(), bytes.end());
   inbox_.bytes += bytes.size();
+  bound_inbox(lock);
   return true;
 }
 
@@ -72,9 +74,10 @@ void BrickVolume::finish() {
 }
 
 bool BrickVolume::add(std::uint64_t offset, std::span<const std::byte> chunk) {
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
   inbox_.chunks.push_back({offset, {chunk.begin(), chunk.end()}});
   inbox_.bytes += chunk.size();
+  bound_inbox(lock);
   return true;
 }
 
@@ -163,6 +166,20 @@ void BrickVolume::run(std::unique_lock<std::mutex>& lock, bool beside) {
   lock.lock();
 }
 
+void BrickVolume::await(std::unique_lock<std::mutex>& lock) {
+  if (!working_) return;
+  lock.unlock();
+  running_.wait();
+  lock.lock();
+}
+
+// Decodes now if too many bytes wait, for example because nothing draws the volume.
+void BrickVolume::bound_inbox(std::unique_lock<std::mutex>& lock) {
+  if (inbox_.bytes < kMostWaiting) return;
+  await(lock);
+  run(lock, false);
+}
+
 std::shared_ptr<const Volume> BrickVolume::cut(const LodView& view, bool& pending) {
   std::unique_lock lock(mutex_);
   const auto same = std::ranges::find(views_, view.viewport, &LodView::viewport);
@@ -175,11 +192,7 @@ std::shared_ptr<const Volume> BrickVolume::cut(const LodView& view, bool& pendin
     views_changed_ = true;
   }
   const bool waits = view.most_decoded == 0;
-  if (waits && working_) {
-    lock.unlock();
-    running_.wait();
-    lock.lock();
-  }
+  if (waits) await(lock);
   if (!working_ && is_due()) run(lock, !waits);
   pending = pending || working_ || is_due() || inbox_.bytes > 0;
   return shown_;

@@ -74,6 +74,8 @@ class BrickVolume final : public ViewedStream, public VolumeDetail {
   [[nodiscard]] bool is_due() const;
   void work(Inbox inbox, const std::vector<LodView>& views);
   void run(std::unique_lock<std::mutex>& lock, bool beside);
+  void bound_inbox(std::unique_lock<std::mutex>& lock);
+  void await(std::unique_lock<std::mutex>& lock);
 
   const StreamHeader header_;
   BrickDecoder decoder_;  // used by one call of work() at a time

@@ -6,13 +6,17 @@
 
 namespace gs::qnv::values {
 
-void ClusterChunks::note(std::uint64_t block, const ClusterPlace& place) {
-  if (count_ >= kMaxDirectoryEntries) return;
+bool ClusterChunks::note(std::uint64_t block, const ClusterPlace& place) {
+  // The planes of all coefficients of a block fit into a quarter of these.
+  constexpr std::uint32_t kMostClusters = 512;
+  if (place.index >= kMostClusters) return false;
   std::vector<ClusterPlace>& all = places_[block];
   const auto at = std::ranges::lower_bound(all, place.index, {}, &ClusterPlace::index);
-  if (at != all.end() && at->index == place.index) return;
+  if (at != all.end() && at->index == place.index) return at->offset == place.offset;
+  if (count_ >= kMaxDirectoryEntries) return false;
   all.insert(at, place);
   ++count_;
+  return true;
 }
 
 void ClusterChunks::keep(std::uint64_t block, std::uint64_t offset, std::span<const std::byte> payload) {

@@ -33,8 +33,9 @@ class ClusterChunks : NonCopyable {
   /// Received chunks, of at most `most_bytes`.
   explicit ClusterChunks(std::size_t most_bytes) : most_bytes_(most_bytes) {}
 
-  /// Notes where a cluster is. Ignores places that are known, and those after the first kMaxDirectoryEntries.
-  void note(std::uint64_t block, const ClusterPlace& place);
+  /// Notes where a cluster is. Ignores other places of known clusters, those after the first kMaxDirectoryEntries, and
+  /// clusters that no block needs. Returns false for ignored places.
+  bool note(std::uint64_t block, const ClusterPlace& place);
   /// Keeps a received chunk. Its place must be known.
   void keep(std::uint64_t block, std::uint64_t offset, std::span<const std::byte> payload);
   /// Drops received chunks of blocks without `used`(block), while there are too many bytes.

@@ -10,7 +10,7 @@ bool GapRuns::add(CubeRun run) {
   const std::uint64_t all = std::uint64_t{cubes[0]} * cubes[1] * cubes[2];
   if (run.first >= all || run.count > all - run.first || run.count > 2 * all - cubes_) return false;
   const auto at = std::ranges::lower_bound(runs_, run.first, {}, &CubeRun::first);
-  if (at != runs_.end() && at->first == run.first) return false;
+  if (at != runs_.end() && (at->first == run.first || ++late_ > kMostLate)) return false;
   cubes_ += run.count;
   runs_.insert(at, std::move(run));
   return true;
