@@ -15,10 +15,10 @@ constexpr std::size_t kMostWaiting = 256, kMostWaitingInAll = std::size_t{1} << 
 // Memory of clusters that wait to be decoded together; and that for which threads are worth their start.
 constexpr std::size_t kMostReady = std::size_t{1} << 22, kThreadBytes = std::size_t{1} << 15;
 // A level is shown when one of this many blocks has data, or when it costs little time: it has at most this many
-// samples; or it has any data, and at most this many samples for each received byte. Levels finer than the data
-// interpolate, which gives better pictures.
+// samples, or this many for each received byte. Levels finer than the data interpolate, which gives better pictures of
+// most volumes.
 constexpr std::uint32_t kShownPart = 16;
-constexpr std::uint64_t kQuickSamples = std::uint64_t{1} << 21, kSamplesPerByte = 640;
+constexpr std::uint64_t kQuickSamples = std::uint64_t{1} << 21, kSamplesPerByte = 400;
 
 }  // namespace
 
@@ -121,7 +121,7 @@ int ValuesDecoder::level() const {
     const Extent part = low_extent(extent_, level);
     const std::uint64_t samples = std::uint64_t{part[0]} * part[1] * part[2];
     const std::uint64_t begun = begun_[static_cast<std::size_t>(level) + 1];
-    if (samples <= kQuickSamples || (begun > 0 && samples <= kSamplesPerByte * bytes_)) return level;
+    if (samples <= std::max(kQuickSamples, kSamplesPerByte * bytes_)) return level;
     if (begun > 0 && begun * kShownPart >= layout_.count_of(level + 1)) return level;
   }
   return levels_;
