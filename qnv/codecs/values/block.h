@@ -55,7 +55,7 @@ class Block {
   /// Returns the memory of the coefficients and of all else.
   [[nodiscard]] std::size_t bytes() const {
     return sizeof(*this) + values_.capacity() * sizeof(std::uint32_t) + cubes_.capacity() * sizeof(Cube) +
-           bands_.capacity() * sizeof(Band);
+           active_.capacity();
   }
   /// Sets the plane of the first step. Planes above it are zero.
   void start(int plane) { plane_ = plane; }

@@ -1,6 +1,7 @@
 #include "qnv/codecs/values/bricks/block_cache.h"
 
 #include "base/parallel.h"
+#include "qnv/codecs/values/cluster.h"
 
 #include <algorithm>
 #include <utility>
@@ -17,8 +18,9 @@ std::uint32_t BlockCache::received(std::uint64_t block, const ClusterChunks& chu
 void BlockCache::decode(std::uint64_t number, State& state, const ClusterChunks& chunks) const {
   thread_local BlockScratch scratch;
   const std::span<const ClusterPlace> all = chunks.of(number);
+  std::vector<Cluster> clusters;
   while (!state.damaged && state.next < all.size() && chunks.has(all[state.next])) {
-    const auto cluster = chunks.read(all[state.next]);
+    auto cluster = chunks.read(all[state.next]);
     if (!cluster || cluster->block != number || cluster->index != state.next || cluster->plane > kHighestPlane) {
       state.damaged = true;
       break;
@@ -27,10 +29,10 @@ void BlockCache::decode(std::uint64_t number, State& state, const ClusterChunks&
       state.block = std::make_unique<Block>(layout_.place(number));
       state.block->start(cluster->plane);
     }
-    BinaryDecoder decoder(cluster->bytes);
-    (void)state.block->decode(decoder, cluster->steps, scratch);
+    clusters.push_back(std::move(*cluster));
     ++state.next;
   }
+  if (state.block) (void)values::decode(clusters, *state.block, scratch);
   state.bytes = sizeof(State) + (state.block ? state.block->bytes() : 0);
 }
 
