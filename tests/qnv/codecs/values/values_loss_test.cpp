@@ -197,7 +197,7 @@ TEST_CASE("losses: Parity restores the clusters of a displaced mesh, and other p
   EncodeRequest request{Payload::packed, options};
   const auto octree = encode(std::cref(surface), request);
   REQUIRE(std::holds_alternative<EncodeError>(octree));
-  CHECK(std::get<EncodeError>(octree).message.starts_with("--parity protects displaced meshes and values;"));
+  CHECK(std::get<EncodeError>(octree).message.starts_with("--parity protects displaced meshes, values and Gaussians;"));
 }
 
 }  // namespace gs::qnv::values_loss_test
