@@ -23,7 +23,8 @@ class VolumeDetail {
   [[nodiscard]] virtual std::shared_ptr<const Volume> cut(const LodView& view, bool& pending) = 0;
   /// Returns the volume of the last cut.
   [[nodiscard]] virtual std::shared_ptr<const Volume> latest() const = 0;
-  /// Returns a number that grows when other threads have finished some work for views.
+  /// Returns a number that changes when another thread has finished some work for views, or when the next cut would
+  /// begin some.
   [[nodiscard]] virtual std::uint64_t revision() const = 0;
 };
 

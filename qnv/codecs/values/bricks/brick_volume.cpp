@@ -110,7 +110,8 @@ std::shared_ptr<const Volume> BrickVolume::latest() const {
 
 std::uint64_t BrickVolume::revision() const {
   const std::lock_guard lock(mutex_);
-  return revision_;
+  // Received bytes become due while nothing is drawn. The next picture then decodes them.
+  return 2 * revision_ + (!working_ && is_due() ? 1 : 0);
 }
 
 BrickStatistics BrickVolume::statistics() const {
