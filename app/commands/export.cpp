@@ -147,6 +147,7 @@ std::string contents_of(const ExportFormat& format, const qnv::Geometry& geometr
     const auto& [x, y, z] = values.source.layout.dimensions;
     const std::string error = values.exact   ? "exact"
                               : values.error ? "within " + shortest_text(*values.error)
+                              : values.wrong ? shortest_text(100 * *values.wrong) + " % of the labels wrong"
                                              : "of a part of the stream";
     return std::to_string(x) + " x " + std::to_string(y) + " x " + std::to_string(z) + " voxels, " + error;
   }

@@ -8,6 +8,7 @@
 #include "qnv/codecs/records/record.h"
 #include "qnv/codecs/records/records_payload.h"
 #include "qnv/codecs/values/encode/values_stream.h"
+#include "qnv/codecs/values/labels/encode/label_stream.h"
 
 #include <algorithm>
 #include <array>
@@ -84,7 +85,12 @@ Encoded encode_growing(const EncodeSource& source, EncodeOptions options, Progre
 Encoded encode_volume_values(const EncodeSource& source, EncodeOptions options, Progress* progress) {
   const auto* volume = std::get_if<std::reference_wrapper<const VolumeSource>>(&source);
   if (!volume) return EncodeError{"a values stream needs a volume; expected its values"};
+  if (volume->get().layout.labels) return encode_labels(volume->get(), options, progress);
   return encode_values(volume->get(), options, progress);
+}
+
+std::unique_ptr<Decoder> make_volume_decoder(const StreamHeader& header, std::size_t most_vectors) {
+  return header.grid.labels ? make_labels_decoder(header, most_vectors) : make_values_decoder(header, most_vectors);
 }
 
 /// Returns a list of chunk types, padded by repeating the last one.
@@ -115,8 +121,8 @@ constexpr std::array<PayloadRow, 6> kRows = {{
             ChunkType::cover, ChunkType::picture, ChunkType::normals}),
      0, 0, 0, choose_displaced, encode_base_and_displacements, make_displaced_decoder},
     {Payload::values, "values", PayloadReader::vectors, RequestOrder::stream, nullptr,
-     types({ChunkType::values, ChunkType::gaps, ChunkType::remainders}), 0, 0, 0, choose_values, encode_volume_values,
-     make_values_decoder},
+     types({ChunkType::values, ChunkType::gaps, ChunkType::remainders, ChunkType::labels}), 0, 0, 0, choose_values,
+     encode_volume_values, make_volume_decoder},
 }};
 
 // Checks the order of the table: ascending payload numbers, which may have gaps. Among rows with the same number, only

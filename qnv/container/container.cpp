@@ -26,7 +26,8 @@ enum Tag : std::uint16_t {
   kOutlines = 4,
   kBase = 5,
   kOrigin = 7,
-  kGrid = 8
+  kGrid = 8,
+  kLabels = 9
 };
 enum HeaderFlag : std::uint16_t { kTwoSided = 1, kColored = 2, kMeshed = 4, kParity = 8 };
 
@@ -68,11 +69,12 @@ bool all_finite(std::initializer_list<float> values) {
 }
 
 /// Reads all sections. Returns false if a required section is missing or invalid: the outlines, base or grid section
-/// of the payload, or the origin section in version 2.
+/// of the payload, the labels of a label volume, or the origin section in version 2.
 bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version) {
   bool origin = version == kVersionWithoutOrigin;
   bool outlines = header.payload != Payload::outlines;
   bool base = header.payload != Payload::displaced, grid = header.payload != Payload::values;
+  LabelPalette labels;
   while (read.left() >= 6) {
     const auto tag = read.integer<std::uint16_t>();
     ByteReader section(read.bytes(read.integer<std::uint32_t>()));
@@ -110,6 +112,10 @@ bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version
       if (!decoded) return false;
       header.grid = std::move(*decoded);
       grid = true;
+    } else if (tag == kLabels && labels.empty()) {
+      auto decoded = decode_label_palette(section.bytes(section.left()));
+      if (!decoded) return false;
+      labels = std::move(*decoded);
     } else if (tag == kOrigin && !origin) {
       if (section.left() < 3 * sizeof(double)) return false;
       for (int i = 0; i < 3; ++i) header.description.origin[i] = section.f64();
@@ -118,6 +124,10 @@ bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version
         if (!(std::abs(header.description.origin[i]) <= kMaxOrigin)) return false;
     }
     // Skips sections that later versions define.
+  }
+  if (header.grid.labels) {
+    if (labels.empty()) return false;
+    header.grid.palette = std::move(labels);
   }
   return outlines && base && grid && origin;
 }
@@ -169,6 +179,7 @@ std::vector<std::byte> encode_header(const StreamHeader& header) {
   if (header.payload == Payload::outlines) put_section(out, kOutlines, encode_outline_header(header.outlines));
   if (header.payload == Payload::displaced) put_section(out, kBase, header.base);
   if (header.payload == Payload::values) put_section(out, kGrid, encode_value_grid(header.grid));
+  if (header.grid.labels) put_section(out, kLabels, encode_label_palette(header.grid.palette));
   for (const auto& [key, value] : d.metadata) {
     data.clear();
     for (const char c : key + '\0' + value) data.push_back(static_cast<std::byte>(c));
@@ -258,7 +269,7 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
   ByteReader sections(bytes.subspan(kFixedHeaderBytes, header_bytes - kFixedHeaderBytes));
   if (!read_sections(sections, header, version))
     return StreamProblem{kFixedHeaderBytes, std::string("the header's section of ") +
-                                                (header.payload == Payload::values      ? "the grid"
+                                                (header.payload == Payload::values      ? "the grid, or of its labels,"
                                                  : header.payload == Payload::displaced ? "the base"
                                                  : header.payload == Payload::outlines  ? "outlines"
                                                                                         : "the origin") +

@@ -49,12 +49,13 @@ enum class ChunkType : std::uint8_t {
   gaps = 15,
   remainders = 16,
   parity = 17,
+  labels = 18,
   directory = 254
 };
 /// Reports whether this version has a chunk type. Readers skip other chunks.
 [[nodiscard]] constexpr bool is_known(std::uint8_t type) {
   constexpr std::uint8_t kReserved = 5;
-  return (type <= static_cast<std::uint8_t>(ChunkType::parity) && type != kReserved) ||
+  return (type <= static_cast<std::uint8_t>(ChunkType::labels) && type != kReserved) ||
          type == static_cast<std::uint8_t>(ChunkType::directory);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "qnv/container/label_palette.h"
 #include "qnv/sampling/volume/voxel_type.h"
 
 #include <glm/vec3.hpp>
@@ -19,8 +20,8 @@ inline constexpr std::uint64_t kMaxSamples = std::uint64_t{1} << 36;
 /// Error of the values after a number of chunks from the start of the stream.
 struct ValueError {
   std::uint32_t chunks = 0;
-  float most = 0;  // maximum over all voxels, in the unit of the values
-  float rms = 0;   // root of the mean square
+  float most = 0;  // maximum over all voxels, in the unit of the values; labels: share of voxels with a wrong one
+  float rms = 0;   // root of the mean square; labels: 0
   friend bool operator==(const ValueError&, const ValueError&) = default;
 };
 
@@ -34,6 +35,8 @@ struct ValueGrid {
   std::optional<double> missing;      // stored number of the source that marks missing voxels
   double unit = 1, zero = 0;
   bool gaps = false;               // chunks of gaps mark the missing voxels
+  bool labels = false;             // the stored voxels are labels, in chunks of labels
+  LabelPalette palette;            // of labels; empty if `labels` is false
   bool exact = false;              // chunks of remainders restore the stored voxels bit for bit
   std::uint32_t correction = 0;    // samples per step of a remainder; 0 means that remainders count stored voxels
   std::vector<ValueError> errors;  // ascending chunks; at most kMaxValueErrors
@@ -42,8 +45,11 @@ struct ValueGrid {
   friend bool operator==(const ValueGrid&, const ValueGrid&) = default;
 };
 
+/// Maximum number of voxels of a label volume along an axis.
+inline constexpr std::uint32_t kMaxLabelEdge = 1u << 20;
+
 /// Reports whether a grid is valid: it has 1 to kMaxSamples samples, positions are finite, the axes span space, and the
-/// numbers are finite.
+/// numbers are finite. Labels have at most kMaxLabelEdge voxels along each axis.
 [[nodiscard]] bool sound(const ValueGrid& grid);
 
 /// Encodes the header section.

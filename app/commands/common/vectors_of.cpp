@@ -376,7 +376,7 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
   const auto& volume = std::get<qnv::VolumeSource>(input.content);
   const bool selects_gradients = options.vectors > 0 || options.fraction > 0;
   if (options.method == EncodeMethod::values || (options.method == EncodeMethod::automatic && !selects_gradients)) {
-    if (volume.layout.type == qnv::VoxelType::f64)
+    if (volume.layout.type == qnv::VoxelType::f64 && !volume.layout.labels)
       complain("ghostspace: warning: %s: values of float64 are stored as float32", path.c_str());
     encode_options.metadata = metadata_of(options, input, path, volume.layout.metadata);
     encode_options.tolerance = options.value_tolerance;

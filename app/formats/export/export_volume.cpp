@@ -98,7 +98,8 @@ Written nifti_bytes(const qnv::Geometry& geometry, const ExportOptions& options,
   for (const int n : {3, static_cast<int>(layout.dimensions[0]), static_cast<int>(layout.dimensions[1]),
                       static_cast<int>(layout.dimensions[2]), 1, 1, 1, 1})
     write.integer(static_cast<std::int16_t>(n));
-  zeros(14);  // intent
+  zeros(12);                                                                         // parameters of the intent
+  write.integer(std::int16_t{static_cast<std::int16_t>(layout.labels ? 1002 : 0)});  // NIFTI_INTENT_LABEL
   write.integer(names_of(layout.type).nifti);
   write.integer(static_cast<std::int16_t>(8 * qnv::size_of(layout.type)));
   zeros(2);

@@ -248,6 +248,7 @@ VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {
     return "no component " + std::to_string(chosen.index) + "; expected " +
            (voxels.components == 1 ? "0, because each voxel has one number"
                                    : "0 to " + std::to_string(voxels.components - 1) + ", or magnitude");
+  layout.labels = chosen.labels.value_or(layout.labels) && !chosen.magnitude;
   mend(layout);
   set_base(layout);
   layout.type = voxel_type_of(voxels.type);

@@ -27,9 +27,12 @@ T value_at(std::span<const std::byte> bytes, std::size_t at, bool swap) {
 struct NiftiField {
   std::size_t first, second;
 };
-constexpr NiftiField kMagic{344, 4}, kDimensions{40, 16}, kDataType{70, 12}, kNiftiSteps{76, 104}, kVoxelOffset{108, 168},
-    kSlope{112, 176}, kIntercept{116, 184}, kUnits{123, 500}, kDescription{148, 240}, kQuaternionCode{252, 344},
-    kMatrixCode{254, 348}, kQuaternion{256, 352}, kOffset{268, 376}, kMatrix{280, 400}, kIntent{328, 508};
+constexpr NiftiField kMagic{344, 4}, kDimensions{40, 16}, kDataType{70, 12}, kNiftiSteps{76, 104},
+    kVoxelOffset{108, 168}, kSlope{112, 176}, kIntercept{116, 184}, kUnits{123, 500}, kDescription{148, 240},
+    kQuaternionCode{252, 344}, kMatrixCode{254, 348}, kQuaternion{256, 352}, kOffset{268, 376}, kMatrix{280, 400},
+    kIntent{328, 508}, kIntentCode{68, 504};
+
+constexpr int kLabelIntent = 1002;  // NIFTI_INTENT_LABEL
 
 /// Header that was completely read.
 class NiftiHeader {
@@ -251,6 +254,7 @@ VolumeResult open_nifti(const VolumeFile& file) {
     layout.intercept = header->number(kIntercept);
   }
   describe(*header, layout);
+  layout.labels = header->is_nifti() && header->code(kIntentCode) == kLabelIntent;
 
   StoredVoxels voxels;
   voxels.content = bytes;

@@ -49,6 +49,9 @@ class VolumeGrid {
   /// Returns the value of the nearest stored voxel. Returns nullopt if the position is more than half a voxel outside
   /// of the volume, or if the value is missing.
   [[nodiscard]] std::optional<float> nearest(const glm::dvec3& voxel) const;
+  /// Returns the label that a value stands for. If a label exceeds the whole numbers of float, values are indices of
+  /// labels.
+  [[nodiscard]] double label_of(float value) const;
   /// Returns the number of stored voxels along an axis.
   [[nodiscard]] std::uint32_t kept(std::size_t axis) const { return kept_[axis]; }
   /// Returns the value of a stored voxel, by its index among the stored ones; kMissing if the value is missing.
@@ -63,11 +66,14 @@ class VolumeGrid {
 
  private:
   VolumeGrid() = default;
+  /// Replaces the values by indices of labels. Returns false if the source fails.
+  bool number_labels(const qnv::VolumeSource& source);
   qnv::VolumeLayout layout_;
   std::array<std::uint32_t, 3> kept_{};
   std::uint32_t step_ = 1;
   std::pair<float, float> range_{0, 1};
   std::vector<float> values_;
+  std::vector<double> labels_;  // of the values, which are then indices; ascending
   std::optional<Share> share_;
 };
 

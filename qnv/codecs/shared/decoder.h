@@ -66,5 +66,6 @@ class Decoder : NonCopyable {
 [[nodiscard]] std::unique_ptr<Decoder> make_octree_decoder(const StreamHeader& header, std::size_t most_vectors);
 [[nodiscard]] std::unique_ptr<Decoder> make_progressive_decoder(const StreamHeader& header, std::size_t most_vectors);
 [[nodiscard]] std::unique_ptr<Decoder> make_values_decoder(const StreamHeader& header, std::size_t most_vectors);
+[[nodiscard]] std::unique_ptr<Decoder> make_labels_decoder(const StreamHeader& header, std::size_t most_vectors);
 
 }  // namespace gs::qnv

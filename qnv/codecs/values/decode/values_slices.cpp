@@ -4,6 +4,7 @@
 #include "qnv/codecs/values/cluster.h"
 #include "qnv/codecs/values/cube_runs.h"
 #include "qnv/codecs/values/decode/values_decoder.h"
+#include "qnv/codecs/values/labels/decode/label_volume.h"
 #include "qnv/codecs/values/slices/slice_transform.h"
 #include "qnv/codecs/values/stored_code.h"
 
@@ -267,6 +268,29 @@ class Indexer {
   ChunkIndex index_;
 };
 
+/// Labels of a stream, in memory.
+class LabelReceiver {
+ public:
+  void add(const StreamHeader& header, ChunkType type, std::span<const std::byte> payload) {
+    if (!values::valid(header.grid.dimensions)) return;
+    if (!levels_) levels_.emplace(header.grid.dimensions, header.grid.palette.size(), 0);
+    const auto run = type == ChunkType::labels ? values::parse_label_run(payload) : std::nullopt;
+    const auto added = run ? levels_->add(*run) : values::AddedLabels::refused;
+    if (added == values::AddedLabels::taken) ++taken_;
+    good_ = good_ && added != values::AddedLabels::refused;
+  }
+  [[nodiscard]] std::shared_ptr<const VolumeValues> values(const StreamHeader& header, bool whole) {
+    if (!levels_) levels_.emplace(header.grid.dimensions, header.grid.palette.size(), 0);
+    return values::label_values(header.grid, header.description, *levels_, 0,
+                                whole && good_ ? std::optional(taken_) : std::nullopt);
+  }
+
+ private:
+  std::optional<values::LabelLevels> levels_;
+  std::uint32_t taken_ = 0;
+  bool good_ = true;
+};
+
 // Sets what the received chunks say about errors.
 void note_errors(const ValueGrid& grid, const ChunkIndex& index, VolumeValues& values) {
   for (const ValueError& error : grid.errors)
@@ -303,8 +327,11 @@ std::variant<std::shared_ptr<const VolumeValues>, StreamProblem> open_values_sli
   constexpr std::size_t kPiece = std::size_t{1} << 20;
   StreamReader reader;
   Indexer indexer;
+  LabelReceiver labels;
   const auto take = [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
-    if (reader.header()->payload == Payload::values && values::valid(reader.header()->grid.dimensions))
+    if (reader.header()->grid.labels)
+      labels.add(*reader.header(), type, payload);
+    else if (reader.header()->payload == Payload::values && values::valid(reader.header()->grid.dimensions))
       indexer.add(*reader.header(), type, payload, offset + kChunkHeaderBytes);
   };
   std::vector<std::byte> piece;
@@ -320,6 +347,10 @@ std::variant<std::shared_ptr<const VolumeValues>, StreamProblem> open_values_sli
   if (head.payload != Payload::values) return StreamProblem{11, "has no values of voxels"};
   if (!values::valid(head.grid.dimensions))
     return StreamProblem{0, "has too many voxels; expected at most " + std::to_string(values::kMostSamples)};
+  if (head.grid.labels) {
+    if (header) *header = head;
+    return labels.values(head, reader.problems().empty());
+  }
   ChunkIndex index = indexer.finish();
   index.in_order = index.in_order && reader.problems().empty();
   auto made = std::make_shared<VolumeValues>();

@@ -69,9 +69,10 @@ class ValuesStreamDecoder final : public Decoder {
         decoder_(grid_.dimensions, finest_, static_cast<std::size_t>(most_samples_ / kBlockSamples + 64)) {}
 
   void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange>) override {
-    const values::Added added = type == ChunkType::values ? add_cluster(payload)
-                                : type == ChunkType::gaps ? add_gaps(payload)
-                                                          : add_remainders(payload);
+    const values::Added added = type == ChunkType::values       ? add_cluster(payload)
+                                : type == ChunkType::gaps       ? add_gaps(payload)
+                                : type == ChunkType::remainders ? add_remainders(payload)
+                                                                : values::Added::refused;
     if (added == values::Added::refused) ++count_.refused;
     if (added == values::Added::dropped) count_.full = true;
     if (added == values::Added::taken || added == values::Added::waits) ++received_;

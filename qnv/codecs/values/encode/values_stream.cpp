@@ -1,9 +1,9 @@
 #include "qnv/codecs/values/encode/values_stream.h"
 
-#include "qnv/codecs/shared/stream_writer.h"
 #include "qnv/codecs/values/cube_runs.h"
 #include "qnv/codecs/values/encode/encode_values.h"
 #include "qnv/codecs/values/encode/sampled_volume.h"
+#include "qnv/codecs/values/encode/write_values.h"
 #include "qnv/codecs/values/stored_code.h"
 #include "qnv/codecs/values/values_vectors.h"
 #include "qnv/sampling/volume/gradients.h"
@@ -211,13 +211,6 @@ void set_errors(std::vector<ValueError> errors, std::size_t before, float roundi
   }
 }
 
-// Returns the size of a stream: its directory follows all chunks.
-std::uint64_t bytes_of(const StreamHeader& header) {
-  constexpr std::uint64_t kInOne = kMaxChunkBytes / kDirectoryEntryBytes;
-  return header.directory + std::uint64_t{header.chunks} * kDirectoryEntryBytes +
-         (header.chunks + kInOne - 1) / kInOne * kChunkHeaderBytes;
-}
-
 }  // namespace
 
 std::variant<EncodedStream, EncodeError> encode_values(const VolumeSource& source, const EncodeOptions& options,
@@ -243,9 +236,9 @@ std::variant<EncodedStream, EncodeError> encode_values(const VolumeSource& sourc
   if (grid.gaps)
     if (auto problem = encode_gaps(reader, layout, store, parts.gaps, progress)) return std::move(*problem);
   const std::size_t before = parts.gaps.size();
-  const Protection protection = options.parity ? equal_protection(options) : Protection{Protection::Kind::unequal};
   values::ValuesLimit limit{volume.most_error, 0};
-  if (options.max_bytes != 0) limit.max_bytes = room_for_clusters(header, parts, options.max_bytes, protection);
+  if (options.max_bytes != 0)
+    limit.max_bytes = room_for_clusters(header, parts, options.max_bytes, values_protection(options));
   auto made = values::encode_values([&](std::uint32_t first, std::uint32_t count,
                                         values::SampleBatch& batch) { return reader.read(first, count, false, batch); },
                                     layout.dimensions, limit, store, options.threads, progress);
@@ -268,17 +261,7 @@ std::variant<EncodedStream, EncodeError> encode_values(const VolumeSource& sourc
     else if (grid.errors.back().chunks < end)
       grid.errors.push_back({end, 0, 0});
   }
-  EncodedStream stream;
-  MemorySink memory_sink(stream.bytes);
-  auto written = write_stream(std::move(header), ValuesChunks(layout, store, parts), options.max_bytes,
-                              options.sink ? *options.sink : memory_sink, protection);
-  if (auto* problem = std::get_if<EncodeError>(&written)) return std::move(*problem);
-  stream.header = std::move(std::get<StreamHeader>(written));
-  if (options.sink) stream.written = bytes_of(stream.header);
-  if (options.max_bytes != 0 && stream.size() > options.max_bytes)
-    return EncodeError{"a stream of the coarsest values has " + std::to_string(stream.size()) +
-                       " bytes; expected at most " + std::to_string(options.max_bytes)};
-  return stream;
+  return write_values(std::move(header), ValuesChunks(layout, store, parts), options, "values");
 }
 
 }  // namespace gs::qnv
