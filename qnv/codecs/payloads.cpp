@@ -90,7 +90,9 @@ Encoded encode_volume_values(const EncodeSource& source, EncodeOptions options, 
 }
 
 std::unique_ptr<Decoder> make_volume_decoder(const StreamHeader& header, std::size_t most_vectors) {
-  return header.grid.labels ? make_labels_decoder(header, most_vectors) : make_values_decoder(header, most_vectors);
+  if (header.grid.labels) return make_labels_decoder(header, most_vectors);
+  if (header.grid.components > 1) return make_components_decoder(header, most_vectors);
+  return make_values_decoder(header, most_vectors);
 }
 
 /// Returns a list of chunk types, padded by repeating the last one.

@@ -31,6 +31,7 @@ struct ValueGrid {
   glm::dvec3 origin{0};  // centre of voxel (0, 0, 0), units of the source, relative to Description::origin
   std::array<glm::vec3, 3> axes{glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)};  // step of one voxel
   VoxelType stored = VoxelType::f32;  // type of the source, for exports
+  std::uint16_t components = 1;       // numbers per voxel; each has a grid of its own
   double slope = 1, intercept = 0;    // of the source: value = stored * slope + intercept
   std::optional<double> missing;      // stored number of the source that marks missing voxels
   double unit = 1, zero = 0;
@@ -45,12 +46,17 @@ struct ValueGrid {
   friend bool operator==(const ValueGrid&, const ValueGrid&) = default;
 };
 
+/// Maximum number of components of a voxel.
+inline constexpr std::uint16_t kMaxValueComponents = 16;
 /// Maximum number of voxels of a label volume along an axis.
 inline constexpr std::uint32_t kMaxLabelEdge = 1u << 20;
 
 /// Reports whether a grid is valid: it has 1 to kMaxSamples samples, positions are finite, the axes span space, and the
 /// numbers are finite. Labels have at most kMaxLabelEdge voxels along each axis.
 [[nodiscard]] bool sound(const ValueGrid& grid);
+
+/// Reports whether a grid of a further component has the places of the first one.
+[[nodiscard]] bool fits(const ValueGrid& grid, const ValueGrid& first);
 
 /// Encodes the header section.
 [[nodiscard]] std::vector<std::byte> encode_value_grid(const ValueGrid& grid);

@@ -171,6 +171,7 @@ Problem set_component(CommandOptions& options, const std::string& value) {
   VoxelComponent& read = dynamic_cast<LoadOptions&>(options).component;
   read.index = component->index;
   read.magnitude = component->magnitude;
+  read.chosen = true;
   if (auto* picture = dynamic_cast<PictureOptions*>(&options)) picture->volume.component = read;
   return {};
 }

@@ -1,4 +1,6 @@
 #include "app/formats/volume/volume_common.h"
+#include "qnv/container/value_grid.h"
+#include "qnv/sampling/volume/volume_slices.h"
 
 #include <algorithm>
 #include <array>
@@ -262,6 +264,12 @@ VolumeResult open_nifti(const VolumeFile& file) {
   voxels.components = type->components;
   voxels.component = file.component;
   voxels.big_endian = header->big_endian();
+  // "The 5th dimension is vector-valued data"; the numbers of a voxel are a whole volume apart.
+  const std::int64_t numbers = header->dimension(0) >= 5 && header->dimension(4) == 1 ? header->dimension(5) : 1;
+  if (numbers > 1 && numbers <= qnv::kMaxValueComponents && voxels.components == 1) {
+    voxels.components = static_cast<std::uint64_t>(numbers);
+    voxels.plane = qnv::voxel_count(layout);
+  }
   if (!header->one_file()) {
     BytesResult loaded = load_partner(file, ".img");
     if (const auto* problem = std::get_if<std::string>(&loaded)) return "its voxels: " + *problem;

@@ -37,6 +37,7 @@ struct VolumeLayout {
 struct VolumeSource {
   VolumeLayout layout;
   std::function<bool(std::uint32_t z, std::span<std::byte> slice)> read;
+  std::vector<VolumeSource> components{};  // all numbers of a voxel, if it has several and none was chosen
 };
 
 }  // namespace gs::qnv

@@ -3,10 +3,18 @@
 #include "qnv/sampling/volume/volume.h"
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace gs::qnv {
+
+/// Choice of the number to show of voxels that have several.
+struct ShownComponent {
+  std::uint32_t index = 0;  // from 0; the last one if it is too large
+  bool magnitude = false;   // the length of the vector of all numbers instead
+};
 
 /// Decoded values of a volume, from which its vectors come. Any thread may read them at any time.
 struct VolumeValues {
@@ -18,9 +26,10 @@ struct VolumeValues {
   std::optional<float> rms;             // root mean square of the errors
   VoxelType stored = VoxelType::f32;    // of the original volume: value = stored * slope + intercept
   double slope = 1, intercept = 0;
-  std::optional<double> missing;  // stored number that marks missing voxels
-  bool exact = false;             // the stored voxels are restored bit for bit
-  std::uint64_t bytes = 0;        // of memory
+  std::optional<double> missing;                                  // stored number that marks missing voxels
+  bool exact = false;                                             // the stored voxels are restored bit for bit
+  std::uint64_t bytes = 0;                                        // of memory
+  std::vector<std::shared_ptr<const VolumeValues>> components{};  // all numbers of a voxel, if it has several
 };
 
 }  // namespace gs::qnv

@@ -1,5 +1,5 @@
 """Decodes a stream of values, from FORMAT.md alone. Prints the samples, with "-" for missing voxels, or the codes of
-labels.
+labels. Of several components, prints one after the other.
 
     python3 values_decode.py STREAM
 """
@@ -407,32 +407,54 @@ def main():
     if data[:8] != b"\x89QNV\r\n\x1a\n" or data[11] != 5:
         sys.exit("no stream of values")
     (length,) = struct.unpack_from("<I", data, 12)
-    at = 108
+    at, grids = 108, []
     while at + 6 <= length:
         tag, size = struct.unpack_from("<HI", data, at)
-        if tag == 8:
-            grid = data[at + 6:at + 6 + size]
+        if tag == 8 or tag == 10:
+            grids.append(data[at + 6:at + 6 + size])
         if tag == 9:
             names = data[at + 6:at + 6 + size]
         at += 6 + size
-    extent = list(struct.unpack_from("<3I", grid, 0))
-    kind, flags = grid[72], grid[73]
-    (step,) = struct.unpack_from("<I", grid, 76)
-    slope, intercept, unit, zero = struct.unpack_from("<4d", grid, 80)
-    if flags & 4:
-        kept = restored(list(all_chunks(data, length)))
-        return print_labels(extent, names, [payload for type, payload in kept if type == 18])
+    extent = list(struct.unpack_from("<3I", grids[0], 0))
+    kept = restored(list(all_chunks(data, length)))
+    if grids[0][73] & 4:
+        return print_labels(extent, names, [payload for kind, payload in kept if kind == 18])
+    (components,) = struct.unpack_from("<H", grids[0], 74)
     levels = 0
     while max(halves(extent, levels)) > 16:
         levels += 1
+    cubes = [(n + 3) // 4 for n in extent]
+    counts = {14: len(blocks_of(extent, levels)), 15: cubes[0] * cubes[1] * cubes[2]}
+    counts[16] = counts[15]
+    for component in range(components):
+        payloads = []
+        for kind, payload in kept:
+            if kind in counts:
+                first, at = number(payload, 0)
+                if first // counts[kind] == component:
+                    payloads.append((kind, written(first % counts[kind]) + payload[at:]))
+        print_component(extent, levels, grids[component], payloads)
+
+
+def written(value):
+    out = []
+    while value >= 128:
+        out.append(value & 127 | 128)
+        value >>= 7
+    return bytes(out + [value])
+
+
+def print_component(extent, levels, grid, payloads):
+    kind, flags = grid[72], grid[73]
+    (step,) = struct.unpack_from("<I", grid, 76)
+    slope, intercept, unit, zero = struct.unpack_from("<4d", grid, 80)
     blocks = blocks_of(extent, levels)
     missing, found = set(), {}
-    payloads = restored(list(all_chunks(data, length)))
-    for payload in (p for kind, p in payloads if kind == 15):
+    for payload in (p for type, p in payloads if type == 15):
         gaps(payload, extent, missing)
-    for payload in (p for kind, p in payloads if kind == 16):
+    for payload in (p for type, p in payloads if type == 16):
         remainders(payload, extent, found)
-    clusters = [number_pair(p) + (p,) for kind, p in payloads if kind == 14]
+    clusters = [number_pair(p) + (p,) for type, p in payloads if type == 14]
     for _, _, payload in sorted(clusters):
         n, p = number(payload, 0)
         index, p = number(payload, p)

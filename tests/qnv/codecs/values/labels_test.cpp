@@ -12,6 +12,7 @@
 #include "tests/watched.h"
 
 #include <catch2/catch.hpp>
+#include <glm/geometric.hpp>
 
 #include <cmath>
 #include <cstdio>
