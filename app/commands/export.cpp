@@ -111,18 +111,26 @@ struct WrittenFile {
   std::span<const std::byte> bytes;
 };
 
+// Returns the voxels of a file as they are stored.
+std::shared_ptr<qnv::VolumeValues> values_of_file(const qnv::VolumeSource& volume) {
+  auto values = std::make_shared<qnv::VolumeValues>();
+  values->stored = volume.layout.type;
+  values->slope = volume.layout.slope;
+  values->intercept = volume.layout.intercept;
+  values->missing = volume.layout.missing;
+  values->exact = true;
+  values->source = volume;
+  return values;
+}
+
 // Returns the geometry of an input. Formats with triangles get those of the input, without the losses of a stream.
 std::variant<qnv::Geometry, qnv::EncodeError> converted(const ExportCommand& options, const ExportFormat& format,
                                                         OpenedInput input, ProgressBar& progress) {
   if (auto* volume = std::get_if<qnv::VolumeSource>(&input.content);
       volume && (format.keeps & kNeedsValues) != 0 && !options.isovalue) {
-    auto values = std::make_shared<qnv::VolumeValues>();
-    values->stored = volume->layout.type;
-    values->slope = volume->layout.slope;
-    values->intercept = volume->layout.intercept;
-    values->missing = volume->layout.missing;
-    values->exact = true;
-    values->source = std::move(*volume);
+    auto values = values_of_file(*volume);
+    for (const qnv::VolumeSource& component : volume->components)
+      values->components.push_back(values_of_file(component));
     qnv::Volume made;
     made.values = std::move(values);
     return qnv::Geometry(std::move(made));
@@ -147,8 +155,11 @@ std::string contents_of(const ExportFormat& format, const qnv::Geometry& geometr
     const auto& [x, y, z] = values.source.layout.dimensions;
     const std::string error = values.exact   ? "exact"
                               : values.error ? "within " + shortest_text(*values.error)
+                              : values.wrong ? shortest_text(100 * *values.wrong) + " % of the labels wrong"
                                              : "of a part of the stream";
-    return std::to_string(x) + " x " + std::to_string(y) + " x " + std::to_string(z) + " voxels, " + error;
+    const std::size_t numbers = values.components.size();
+    return std::to_string(x) + " x " + std::to_string(y) + " x " + std::to_string(z) + " voxels" +
+           (numbers > 1 ? " of " + std::to_string(numbers) + " numbers" : "") + ", " + error;
   }
   std::string text = mesh && !mesh->triangles.empty() ? counted(mesh->size(), "vertex", "vertices") + ", " +
                                                             counted(mesh->triangles.size() / 3, "triangle", "triangles")
@@ -223,6 +234,7 @@ int run_export(const ExportCommand& options) {
   if (chosen && (chosen->keeps & kNeedsValues) != 0) input = open_values_stream(in);
   if (!input) input = open_input(options, in);
   if (!input) return kFailed;
+  if (const auto problem = choose_component(options.component, *input)) return fail(in + ": " + *problem);
   if (!format_of(options)) return fail(out + ": only scenes and meshes are written compressed; expected .wrl or .x3d");
   const ExportFormat& format = *format_of(options);
   if (auto* world = std::get_if<std::unique_ptr<OpenedSurface>>(&input->content);

@@ -122,12 +122,15 @@ void put_values(JsonValue& facts, const qnv::StreamHeader& header, const qnv::Ge
   const auto& [x, y, z] = header.grid.dimensions;
   facts.put("dimensions", JsonValue::list({x, y, z}));
   facts.put("type_of_voxels", name_of(header.grid.stored));
+  if (header.grid.components > 1) facts.put("components", std::size_t{header.grid.components});
+  if (header.grid.labels) facts.put("labels", header.grid.palette.size());
   const auto* volume = geometry.as<qnv::Volume>();
   if (!volume || !volume->values) return;
   const qnv::VolumeValues& values = *volume->values;
   facts.put("level_of_values", values.level);
   facts.put("exact", values.exact);
   if (values.error) facts.put("error", *values.error);
+  if (values.wrong) facts.put("wrong_labels", *values.wrong);
   if (values.rms) facts.put("error_rms", *values.rms);
 }
 
@@ -255,6 +258,7 @@ void describe_volume(JsonValue& facts, const qnv::VolumeSource& volume, Clock::t
   const qnv::VolumeLayout& layout = volume.layout;
   facts.put("dimensions", JsonValue::list({layout.dimensions[0], layout.dimensions[1], layout.dimensions[2]}));
   facts.put("type_of_voxels", std::string(name_of(layout.type)) + (layout.big_endian ? "be" : ""));
+  if (layout.labels) facts.put("labels", true);
   facts.put("axes", JsonValue::list({fact_of(layout.axes[0]), fact_of(layout.axes[1]), fact_of(layout.axes[2])}));
   facts.put("origin", fact_of(layout.base + layout.origin));
   float least = std::numeric_limits<float>::infinity(), most = -least;

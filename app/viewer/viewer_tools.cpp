@@ -38,6 +38,12 @@ std::string place_text(const glm::dvec3& p) {
   return buffer;
 }
 
+std::string label_text(double label) {
+  char buffer[64];
+  std::snprintf(buffer, sizeof buffer, "label %.10g", label);
+  return buffer;
+}
+
 std::string voxel_text(const glm::dvec3& p) {
   char buffer[96];
   std::snprintf(buffer, sizeof buffer, "voxel %.0f, %.0f, %.0f", p.x, p.y, p.z);
@@ -192,7 +198,9 @@ void ViewerTools::probe(const View& seen, const Viewport& place) {
       const glm::dvec3 voxel =
           values.grid->voxel_at(glm::dvec3(glm::inverse(*world_from_node) * glm::dvec4(hit->point, 1)));
       if (const auto value = values.grid->nearest(voxel))
-        value_ = readable_value(static_cast<double>(*value), value_unit(*volume)) + " at " + voxel_text(voxel) + "\n";
+        value_ = (values.grid->layout().labels ? label_text(values.grid->label_of(*value))
+                                               : readable_value(static_cast<double>(*value), value_unit(*volume))) +
+                 " at " + voxel_text(voxel) + "\n";
     }
   }
   value_ += place_text(hit->point);

@@ -27,7 +27,9 @@ enum Tag : std::uint16_t {
   kBase = 5,
   kOrigin = 7,
   kGrid = 8,
-  kGaussians = 10
+  kLabels = 9,
+  kGaussians = 10,
+  kComponent = 11
 };
 enum HeaderFlag : std::uint16_t { kTwoSided = 1, kColored = 2, kMeshed = 4, kParity = 8 };
 
@@ -69,12 +71,13 @@ bool all_finite(std::initializer_list<float> values) {
 }
 
 /// Reads all sections. Returns false if a required section is missing or invalid: the outlines, base or grid section
-/// of the payload, or the origin section in version 2.
+/// of the payload, the labels of a label volume, the grid of a component, or the origin section in version 2.
 bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version) {
   bool origin = version == kVersionWithoutOrigin;
   bool outlines = header.payload != Payload::outlines;
   bool base = header.payload != Payload::displaced, grid = header.payload != Payload::values;
   bool gaussians = header.payload != Payload::gaussians;
+  LabelPalette labels;
   while (read.left() >= 6) {
     const auto tag = read.integer<std::uint16_t>();
     ByteReader section(read.bytes(read.integer<std::uint32_t>()));
@@ -117,6 +120,14 @@ bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version
       if (!decoded) return false;
       header.gaussians = *decoded;
       gaussians = true;
+    } else if (tag == kComponent && grid && header.more_grids.size() + 1 < header.grid.components) {
+      auto decoded = decode_value_grid(section.bytes(section.left()));
+      if (!decoded || !fits(*decoded, header.grid)) return false;
+      header.more_grids.push_back(std::move(*decoded));
+    } else if (tag == kLabels && labels.empty()) {
+      auto decoded = decode_label_palette(section.bytes(section.left()));
+      if (!decoded) return false;
+      labels = std::move(*decoded);
     } else if (tag == kOrigin && !origin) {
       if (section.left() < 3 * sizeof(double)) return false;
       for (int i = 0; i < 3; ++i) header.description.origin[i] = section.f64();
@@ -125,6 +136,11 @@ bool read_sections(ByteReader& read, StreamHeader& header, std::uint16_t version
         if (!(std::abs(header.description.origin[i]) <= kMaxOrigin)) return false;
     }
     // Skips sections that later versions define.
+  }
+  if (header.grid.components != header.more_grids.size() + 1) return false;
+  if (header.grid.labels) {
+    if (labels.empty()) return false;
+    header.grid.palette = std::move(labels);
   }
   return outlines && base && grid && gaussians && origin;
 }
@@ -177,6 +193,8 @@ std::vector<std::byte> encode_header(const StreamHeader& header) {
   if (header.payload == Payload::displaced) put_section(out, kBase, header.base);
   if (header.payload == Payload::gaussians) put_section(out, kGaussians, encode_gaussian_coding(header.gaussians));
   if (header.payload == Payload::values) put_section(out, kGrid, encode_value_grid(header.grid));
+  for (const ValueGrid& one : header.more_grids) put_section(out, kComponent, encode_value_grid(one));
+  if (header.grid.labels) put_section(out, kLabels, encode_label_palette(header.grid.palette));
   for (const auto& [key, value] : d.metadata) {
     data.clear();
     for (const char c : key + '\0' + value) data.push_back(static_cast<std::byte>(c));
@@ -265,14 +283,15 @@ std::variant<StreamHeader, StreamProblem> decode_header(std::span<const std::byt
     return StreamProblem{26, "the header has an invalid box or number"};
   ByteReader sections(bytes.subspan(kFixedHeaderBytes, header_bytes - kFixedHeaderBytes));
   if (!read_sections(sections, header, version))
-    return StreamProblem{kFixedHeaderBytes, std::string("the header's section of ") +
-                                                (header.payload == Payload::values      ? "the grid"
-                                                 : header.payload == Payload::gaussians ? "Gaussians"
-                                                 : header.payload == Payload::displaced ? "the base"
-                                                 : header.payload == Payload::outlines  ? "outlines"
-                                                                                        : "the origin") +
-                                                (version == kVersionWithoutOrigin ? "" : ", or of the origin,") +
-                                                " is missing or invalid"};
+    return StreamProblem{kFixedHeaderBytes,
+                         std::string("the header's section of ") +
+                             (header.payload == Payload::values      ? "the grid, or of its labels or components,"
+                              : header.payload == Payload::gaussians ? "Gaussians"
+                              : header.payload == Payload::displaced ? "the base"
+                              : header.payload == Payload::outlines  ? "outlines"
+                                                                     : "the origin") +
+                             (version == kVersionWithoutOrigin ? "" : ", or of the origin,") +
+                             " is missing or invalid"};
   return header;
 }
 

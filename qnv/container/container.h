@@ -51,6 +51,7 @@ enum class ChunkType : std::uint8_t {
   remainders = 16,
   parity = 17,
   places = 18,
+  labels = 19,
   gaussians = 20,
   harmonics = 21,
   directory = 254
@@ -62,9 +63,7 @@ enum class ChunkType : std::uint8_t {
 /// Reports whether this version has a chunk type. Readers skip other chunks.
 [[nodiscard]] constexpr bool is_known(std::uint8_t type) {
   constexpr std::uint8_t kReserved = 5;
-  return (type <= static_cast<std::uint8_t>(ChunkType::places) && type != kReserved) ||
-         type == static_cast<std::uint8_t>(ChunkType::gaussians) ||
-         type == static_cast<std::uint8_t>(ChunkType::harmonics) ||
+  return (type <= static_cast<std::uint8_t>(ChunkType::harmonics) && type != kReserved) ||
          type == static_cast<std::uint8_t>(ChunkType::directory);
 }
 
@@ -85,6 +84,19 @@ struct StreamHeader {
   std::vector<std::byte> base;  // displaced: encoded first stage (displaced/surface.h)
   ValueGrid grid;               // values only
   GaussianCoding gaussians;     // gaussians only
+  bool colored = false;               // each vector has its own colour
+  bool meshed = false;                // packed: the exact mesh follows the octree
+  bool parity = false;                // the stream has chunks of parity (lost_chunks.h)
+  Rgb8 color;                         // colour of all vectors if not `colored`
+  std::uint64_t vectors = 0;          // number at full detail
+  std::uint32_t chunks = 0;           // number without directory and parity; 0 if unknown when the header was written
+  std::uint64_t directory = 0;        // byte offset in the stream; 0 means none
+  Cube cube;                          // packed: cube that the octree divides
+  std::vector<Rgb8> palette;          // records of a surface: colour of each index C; at most 256
+  OutlineHeader outlines;             // outlines only
+  std::vector<std::byte> base;        // displaced: encoded first stage (displaced/surface.h)
+  ValueGrid grid;                     // values only; of the first component
+  std::vector<ValueGrid> more_grids;  // of the other components
 };
 
 /// Directory entry of a chunk.

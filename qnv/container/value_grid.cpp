@@ -13,7 +13,7 @@
 namespace gs::qnv {
 namespace {
 
-enum GridFlag : std::uint8_t { kGaps = 1, kExact = 2 };
+enum GridFlag : std::uint8_t { kGaps = 1, kExact = 2, kLabelled = 4 };
 
 bool spans_space(const std::array<glm::vec3, 3>& axes) {
   std::array<glm::dvec3, 3> steps;
@@ -32,13 +32,14 @@ bool sound(const ValueGrid& grid) {
   glm::dvec3 reach = glm::abs(grid.origin);
   for (std::size_t i = 0; i < 3; ++i) {
     const std::uint32_t n = grid.dimensions[i];
-    if (n < 1 || n > kMaxSamples) return false;
+    if (n < 1 || n > (grid.labels ? kMaxLabelEdge : kMaxSamples)) return false;
     samples *= n;
     if (samples > kMaxSamples) return false;
     reach += glm::abs(glm::dvec3(grid.axes[i])) * static_cast<double>(n);
   }
   for (int i = 0; i < 3; ++i)
     if (!(reach[i] < 1e30)) return false;
+  if (grid.components < 1 || grid.components > kMaxValueComponents) return false;
   for (const double number : {grid.slope, grid.intercept, grid.unit, grid.zero})
     if (!std::isfinite(number)) return false;
   if (!spans_space(grid.axes) || grid.slope == 0 || !(grid.unit != 0)) return false;
@@ -46,6 +47,11 @@ bool sound(const ValueGrid& grid) {
   const auto wrong = [](const ValueError& e) { return !(e.most >= 0) || !(e.rms >= 0) || !std::isfinite(e.rms); };
   return grid.errors.size() <= ValueGrid::kMaxValueErrors && std::ranges::none_of(grid.errors, wrong) &&
          std::ranges::adjacent_find(grid.errors, later) == grid.errors.end();
+}
+
+bool fits(const ValueGrid& grid, const ValueGrid& first) {
+  return grid.dimensions == first.dimensions && grid.origin == first.origin && grid.axes == first.axes &&
+         grid.components == first.components && !grid.labels;
 }
 
 std::vector<std::byte> encode_value_grid(const ValueGrid& grid) {
@@ -56,8 +62,9 @@ std::vector<std::byte> encode_value_grid(const ValueGrid& grid) {
   for (const glm::vec3& axis : grid.axes)
     for (int i = 0; i < 3; ++i) write.f32(axis[i]);
   write.integer(static_cast<std::uint8_t>(grid.stored));
-  write.integer(static_cast<std::uint8_t>((grid.gaps ? kGaps : 0) | (grid.exact ? kExact : 0)));
-  write.integer(std::uint16_t{1});  // components
+  write.integer(
+      static_cast<std::uint8_t>((grid.gaps ? kGaps : 0) | (grid.exact ? kExact : 0) | (grid.labels ? kLabelled : 0)));
+  write.integer(grid.components);
   write.integer(grid.correction);
   for (const double number : {grid.slope, grid.intercept, grid.unit, grid.zero}) write.f64(number);
   write.f64(grid.missing.value_or(std::numeric_limits<double>::quiet_NaN()));
@@ -77,14 +84,15 @@ std::optional<ValueGrid> decode_value_grid(std::span<const std::byte> section) {
   for (glm::vec3& axis : grid.axes)
     for (int i = 0; i < 3; ++i) axis[i] = read.f32();
   const auto stored = read.integer<std::uint8_t>(), flags = read.integer<std::uint8_t>();
-  const auto components = read.integer<std::uint16_t>();
+  grid.components = read.integer<std::uint16_t>();
   grid.correction = read.integer<std::uint32_t>();
   grid.gaps = (flags & kGaps) != 0;
   grid.exact = (flags & kExact) != 0;
+  grid.labels = (flags & kLabelled) != 0;
   for (double* number : {&grid.slope, &grid.intercept, &grid.unit, &grid.zero}) *number = read.f64();
   if (const double missing = read.f64(); std::isfinite(missing)) grid.missing = missing;
-  if (!read.good() || stored > static_cast<std::uint8_t>(VoxelType::f32) || components != 1 ||
-      (grid.exact && grid.correction != 0))
+  if (!read.good() || stored > static_cast<std::uint8_t>(VoxelType::f32) || (grid.exact && grid.correction != 0) ||
+      (grid.labels && (grid.gaps || grid.exact || grid.correction != 0 || grid.components != 1)))
     return std::nullopt;
   grid.stored = static_cast<VoxelType>(stored);
   while (read.left() >= 12) {

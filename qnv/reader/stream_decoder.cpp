@@ -21,6 +21,12 @@ void StreamDecoder::begin() {
   if (row_ || !header()) return;
   row_ = &row_of(*header());
   if (row_->decoder) decoder_ = row_->decoder(*header(), most_vectors_);
+  if (decoder_) decoder_->show(shown_);
+}
+
+void StreamDecoder::show(const ShownComponent& component) {
+  shown_ = component;
+  if (decoder_) decoder_->show(component);
 }
 
 void StreamDecoder::finish() {

@@ -35,6 +35,8 @@ class StreamDecoder {
   /// may have any order. A chunk of records may be incomplete: another call may add the ranges `missing` of its
   /// payload, and the bytes after its end. Chunks of other types must be complete.
   void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange> missing = {});
+  /// Chooses the component of voxels that geometry() shows. Call it before the next geometry().
+  void show(const ShownComponent& component);
   /// Ends the stream. Decodes the remaining bytes, and reports missing bytes as problems.
   void finish();
 
@@ -75,6 +77,7 @@ class StreamDecoder {
   const PayloadRow* row_ = nullptr;
   std::unique_ptr<Decoder> decoder_;  // null until the header is received, and for payloads of polygons
   PieceGroups groups_;
+  ShownComponent shown_;
   LostChunks lost_;  // empty unless the header announces parity
   std::vector<DirectoryEntry> directory_;
   std::unique_ptr<values::PlacesReader> places_;  // of a values stream

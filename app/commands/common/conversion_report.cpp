@@ -47,7 +47,9 @@ StreamContents contents_of(const qnv::EncodedStream& stream, const OpenedInput& 
     char error[48] = "exact";
     if (!errors.empty() && errors.back().most > 0)
       std::snprintf(error, sizeof error, "within %.4g", static_cast<double>(errors.back().most));
-    contents.geometry = "values of " + counted(qnv::voxel_count(volume->layout), "voxel", "voxels") + ", " + error;
+    const bool labels = stream.header.grid.labels;
+    contents.geometry = (labels ? "labels of " : "values of ") +
+                        counted(qnv::voxel_count(volume->layout), "voxel", "voxels") + ", " + error;
     return contents;
   }
   if (payload == "records")

@@ -20,6 +20,7 @@
 #include "qnv/codecs/octree/lod/lod.h"
 #include "qnv/codecs/values/decode/values_slices.h"
 #include "qnv/reader/decode_stream.h"
+#include "qnv/sampling/volume/component_values.h"
 #include "qnv/sampling/volume/gradients.h"
 #include "qnv/sampling/volume/isosurface.h"
 #include "qnv/sampling/volume/volume_slices.h"
@@ -306,6 +307,7 @@ std::optional<OpenedInput> open_input(const InputOptions& options, const std::st
   } else if (type.is_geometry() && !is_outline_stream(all)) {
     GeometryFile geometry{local, all};
     geometry.origin.read_beside = reader_beside(local, load_options(options).allowed);
+    geometry.origin.component = options.component;
     opened = open_geometry_input(options, type, geometry);
   } else if (form == MeshForm::world || !open_mesh_input(options, type, local, all, opened)) {
     opened = open_world_input(options, local, input.title);
@@ -351,6 +353,20 @@ std::optional<OpenedInput> open_values_stream(const std::string& path) {
   OpenedInput input{{}, "QNV", file_name(local), static_cast<std::size_t>(file->size()), {}, {}, nullptr};
   input.content = qnv::Geometry(std::move(volume));
   return input;
+}
+
+std::optional<std::string> choose_component(const VoxelComponent& component, OpenedInput& input) {
+  auto* const geometry = std::get_if<qnv::Geometry>(&input.content);
+  auto* const volume = geometry ? geometry->as<qnv::Volume>() : nullptr;
+  if (!component.chosen || !volume || !volume->values) return std::nullopt;
+  const auto all = volume->values->components;
+  if (!component.magnitude && component.index >= std::max<std::size_t>(all.size(), 1))
+    return "no component " + std::to_string(component.index) + "; expected " +
+           (all.empty() ? "0, because each voxel has one number"
+                        : "0 to " + std::to_string(all.size() - 1) + ", or magnitude");
+  if (all.empty()) return std::nullopt;
+  volume->values = component.magnitude ? qnv::magnitude_of(all) : all[component.index];
+  return std::nullopt;
 }
 
 Upright wanted_upright(const ConversionOptions& options, const OpenedInput& input) {
@@ -402,9 +418,10 @@ std::variant<qnv::EncodedStream, EncodeError> encode_input(const ConversionOptio
   const auto& volume = std::get<qnv::VolumeSource>(input.content);
   const bool selects_gradients = options.vectors > 0 || options.fraction > 0;
   if (options.method == EncodeMethod::values || (options.method == EncodeMethod::automatic && !selects_gradients)) {
-    if (volume.layout.type == qnv::VoxelType::f64)
+    if (volume.layout.type == qnv::VoxelType::f64 && !volume.layout.labels)
       complain("ghostspace: warning: %s: values of float64 are stored as float32", path.c_str());
-    encode_options.metadata = metadata_of(options, input, path, volume.layout.metadata);
+    const qnv::VolumeSource& first = volume.components.empty() ? volume : volume.components.front();
+    encode_options.metadata = metadata_of(options, input, path, first.layout.metadata);
     encode_options.tolerance = options.value_tolerance;
     encode_options.spill = output.spill;
     encode_options.sink = output.sink;

@@ -59,6 +59,9 @@ struct OpenedInput {
 /// Opens a stream of values for formats that need nothing else. Its slices are decoded when they are read, so that the
 /// volume may exceed memory. Returns nullopt for other files, and for streams that cannot be opened in this way.
 [[nodiscard]] std::optional<OpenedInput> open_values_stream(const std::string& path);
+/// Replaces the values of a stream with several numbers per voxel by the number that the user chose, if any. Returns a
+/// message if the stream does not have it.
+[[nodiscard]] std::optional<std::string> choose_component(const VoxelComponent& component, OpenedInput& input);
 
 /// Outputs of an encoder that need no memory; see the members of qnv::EncodeOptions.
 struct EncodeOutput {

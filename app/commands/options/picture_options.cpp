@@ -168,8 +168,20 @@ Problem set_camera(PictureOptions& options, const std::string& value) {
 Problem set_component(CommandOptions& options, const std::string& value) {
   const auto component = read_voxel_component(value);
   if (!component) return "expected the number of a component from 0, or magnitude";
-  dynamic_cast<LoadOptions&>(options).component = *component;
-  if (auto* picture = dynamic_cast<PictureOptions*>(&options)) picture->volume.component = *component;
+  VoxelComponent& read = dynamic_cast<LoadOptions&>(options).component;
+  read.index = component->index;
+  read.magnitude = component->magnitude;
+  read.chosen = true;
+  if (auto* picture = dynamic_cast<PictureOptions*>(&options)) picture->volume.component = read;
+  return {};
+}
+
+// Sets whether voxels are labels, for loading, and for the values of pictures and windows.
+Problem set_labels(CommandOptions& options, const std::string& value) {
+  if (value != "yes" && value != "no" && value != "auto") return "expected yes, no or auto";
+  VoxelComponent& read = dynamic_cast<LoadOptions&>(options).component;
+  read.labels = value == "auto" ? std::nullopt : std::optional(value == "yes");
+  if (auto* picture = dynamic_cast<PictureOptions*>(&options)) picture->volume.component = read;
   return {};
 }
 
@@ -230,6 +242,10 @@ constexpr OptionRow kPictureOptions[] = {
      "read this component of voxels with several numbers, such as colours or vectors: an index from 0, or magnitude, "
      "the length of the vector",
      "open animate encode export info ", set_component},
+    {"--labels", "yes|no|auto", "auto",
+     "read the voxels as labels of a segmentation, which are never interpolated; auto follows the file (NIfTI, NRRD of "
+     "3D Slicer)",
+     "open animate encode export info ", set_labels},
     {"--turntable", "", "", "turn once about the up axis", "animate ", with<[](PictureOptions& o, const std::string&) {
        o.animation.turntable = true;
        return Problem{};

@@ -80,7 +80,7 @@ Exported collected(VolumeWriter write, const qnv::Geometry& geometry, const Expo
 }
 
 Written nifti_bytes(const qnv::Geometry& geometry, const ExportOptions& options, const TakeBytes& take) {
-  auto made = WrittenVoxels::of(geometry, {});
+  auto made = WrittenVoxels::of(geometry, {.planes = true});
   if (auto* problem = std::get_if<std::string>(&made)) return std::move(*problem);
   const auto& voxels = std::get<WrittenVoxels>(made);
   const qnv::VolumeLayout& layout = voxels.layout();
@@ -95,10 +95,14 @@ Written nifti_bytes(const qnv::Geometry& geometry, const ExportOptions& options,
   };
   write.integer(std::int32_t{348});
   zeros(36);
-  for (const int n : {3, static_cast<int>(layout.dimensions[0]), static_cast<int>(layout.dimensions[1]),
-                      static_cast<int>(layout.dimensions[2]), 1, 1, 1, 1})
+  const int numbers = static_cast<int>(voxels.components());
+  for (const int n : {numbers > 1 ? 5 : 3, static_cast<int>(layout.dimensions[0]),
+                      static_cast<int>(layout.dimensions[1]), static_cast<int>(layout.dimensions[2]), 1, numbers, 1, 1})
     write.integer(static_cast<std::int16_t>(n));
-  zeros(14);  // intent
+  zeros(12);  // parameters of the intent
+  write.integer(std::int16_t{static_cast<std::int16_t>(numbers > 1     ? 1007
+                                                       : layout.labels ? 1002
+                                                                       : 0)});  // _VECTOR, _LABEL
   write.integer(names_of(layout.type).nifti);
   write.integer(static_cast<std::int16_t>(8 * qnv::size_of(layout.type)));
   zeros(2);
@@ -166,9 +170,11 @@ Written write_nrrd(const qnv::Geometry& geometry, const ExportOptions& options, 
   };
   std::string head = "NRRD0004\n";
   if (!options.title.empty() && fits_one_line(options.title)) head += "content: " + options.title + "\n";
-  head += std::string("type: ") + names_of(layout.type).nrrd + "\ndimension: 3\nspace dimension: 3\nsizes:";
+  const bool several = voxels.components() > 1;
+  head += std::string("type: ") + names_of(layout.type).nrrd + "\ndimension: " + (several ? "4" : "3") +
+          "\nspace dimension: 3\nsizes:" + (several ? " " + std::to_string(voxels.components()) : "");
   for (const std::uint32_t n : layout.dimensions) head += " " + std::to_string(n);
-  head += "\nspace directions:";
+  head += std::string("\nspace directions:") + (several ? " none" : "");
   for (const glm::vec3& axis : layout.axes) {
     std::array<std::string, 3> parts;
     for (int i = 0; i < 3; ++i) {
@@ -178,7 +184,8 @@ Written write_nrrd(const qnv::Geometry& geometry, const ExportOptions& options, 
     }
     head += " (" + parts[0] + "," + parts[1] + "," + parts[2] + ")";
   }
-  head += "\nspace origin: " + vector(layout.base + layout.origin) + "\nkinds: domain domain domain\n";
+  head += "\nspace origin: " + vector(layout.base + layout.origin) + "\nkinds: " + (several ? "list " : "") +
+          "domain domain domain\n";
   if (const std::string units = metadata_value(layout, "units");
       !units.empty() && fits_one_line(units) && units.find('"') == std::string::npos)
     head += "space units: \"" + units + "\" \"" + units + "\" \"" + units + "\"\n";
@@ -211,7 +218,8 @@ Written write_vti(const qnv::Geometry& geometry, const ExportOptions&, const Tak
       extent + "\" Origin=\"" + shortest(origin.x) + " " + shortest(origin.y) + " " + shortest(origin.z) +
       "\" Spacing=\"" + spacing + "\" Direction=\"" + direction + "\">\n<Piece Extent=\"" + extent +
       "\">\n<PointData Scalars=\"values\">\n<DataArray type=\"" + names_of(layout.type).vtk +
-      "\" Name=\"values\" format=\"appended\" offset=\"0\"/>\n</PointData>\n</Piece>\n</ImageData>\n"
+      "\" Name=\"values\" NumberOfComponents=\"" + std::to_string(voxels.components()) +
+      "\" format=\"appended\" offset=\"0\"/>\n</PointData>\n</Piece>\n</ImageData>\n"
       "<AppendedData encoding=\"raw\">\n_";
   std::vector<std::byte> size;
   ByteWriter(size).integer(voxels.bytes());
@@ -258,6 +266,8 @@ Written write_fits(const qnv::Geometry& geometry, const ExportOptions& options, 
   auto made = WrittenVoxels::of(geometry, {.big_endian = true, .fits_types = true});
   if (auto* problem = std::get_if<std::string>(&made)) return std::move(*problem);
   const auto& voxels = std::get<WrittenVoxels>(made);
+  if (voxels.components() > 1)
+    return std::string("FITS has one number per voxel; expected --component, or .nrrd, .vti or .nii");
   const qnv::VolumeLayout& layout = voxels.layout();
   constexpr std::size_t kBlock = 2880;
   std::string head =

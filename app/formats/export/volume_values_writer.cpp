@@ -75,7 +75,13 @@ std::variant<WrittenVoxels, std::string> WrittenVoxels::of(const qnv::Geometry& 
   const qnv::VolumeLayout& from = values->source.layout;
   if (const auto problem = qnv::check(from)) return problem->message;
   WrittenVoxels written;
-  written.values_ = values;
+  for (const auto& component : values->components) {
+    if (component->source.layout.dimensions != from.dimensions || component->stored != values->components[0]->stored)
+      return std::string("the components of the voxels differ; expected one of them by --component");
+    written.parts_.push_back(component.get());
+  }
+  if (written.parts_.empty()) written.parts_.push_back(values);
+  values = written.parts_.front();
   written.form_ = form;
   written.layout_ = from;
   qnv::VolumeLayout& to = written.layout_;
@@ -98,31 +104,53 @@ std::variant<WrittenVoxels, std::string> WrittenVoxels::of(const qnv::Geometry& 
     to.intercept += to.slope * written.offset_;
     if (to.missing) *to.missing -= written.offset_;
   }
-  written.same_ = from.slope == values->slope && from.intercept == values->intercept && !(scales && !form.scaled);
   return written;
 }
 
-std::uint64_t WrittenVoxels::bytes() const { return qnv::voxel_count(layout_) * qnv::size_of(layout_.type); }
+std::uint64_t WrittenVoxels::bytes() const {
+  return qnv::voxel_count(layout_) * qnv::size_of(layout_.type) * parts_.size();
+}
 
-std::optional<std::string> WrittenVoxels::write(const TakeBytes& take) const {
-  const qnv::VolumeLayout& from = values_->source.layout;
+std::optional<std::string> WrittenVoxels::convert(std::size_t component, std::uint32_t z,
+                                                  std::vector<std::byte>& to) const {
+  const qnv::VolumeValues& values = *parts_[component];
+  const qnv::VolumeLayout& from = values.source.layout;
   const double missing =
       is_float(layout_.type) ? std::numeric_limits<double>::quiet_NaN() : layout_.missing.value_or(0);
-  const NumberWriter convert(layout_.type, form_.big_endian, missing);
+  const double slope = layout_.slope, intercept = layout_.intercept - layout_.slope * offset_;
+  const bool same = from.slope == slope && from.intercept == intercept;
   const std::size_t slice = qnv::slice_voxels(from);
-  std::vector<std::byte> stored(slice * qnv::size_of(from.type)), out(slice * qnv::size_of(layout_.type));
+  std::vector<std::byte> stored(slice * qnv::size_of(from.type));
   std::vector<double> numbers(slice);
-  for (std::uint32_t z = 0; z < from.dimensions[2]; ++z) {
-    if (!values_->source.read(z, stored)) return "slice " + std::to_string(z) + " cannot be read";
-    qnv::stored_numbers(from, stored, numbers);
-    for (double& number : numbers) {
-      if (!same_)
-        number = (number * from.slope + from.intercept - (layout_.intercept - layout_.slope * offset_)) / layout_.slope;
-      number -= offset_;
-    }
-    convert(numbers, out.data());
-    if (!take(out)) return std::string();
+  if (!values.source.read(z, stored)) return "slice " + std::to_string(z) + " cannot be read";
+  qnv::stored_numbers(from, stored, numbers);
+  for (double& number : numbers) {
+    if (!same) number = (number * from.slope + from.intercept - intercept) / slope;
+    number -= offset_;
   }
+  to.resize(slice * qnv::size_of(layout_.type));
+  NumberWriter(layout_.type, form_.big_endian, missing)(numbers, to.data());
+  return std::nullopt;
+}
+
+std::optional<std::string> WrittenVoxels::write(const TakeBytes& take) const {
+  const std::size_t size = qnv::size_of(layout_.type);
+  std::vector<std::byte> one, all;
+  for (std::size_t plane = 0; plane < (form_.planes ? parts_.size() : 1); ++plane)
+    for (std::uint32_t z = 0; z < layout_.dimensions[2]; ++z) {
+      if (form_.planes || parts_.size() == 1) {
+        if (auto problem = convert(plane, z, one)) return problem;
+        if (!take(one)) return std::string();
+        continue;
+      }
+      for (std::size_t c = 0; c < parts_.size(); ++c) {
+        if (auto problem = convert(c, z, one)) return problem;
+        all.resize(one.size() * parts_.size());
+        for (std::size_t i = 0; i < one.size(); i += size)
+          std::copy_n(one.data() + i, size, all.data() + i * parts_.size() + c * size);
+      }
+      if (!take(all)) return std::string();
+    }
   return std::nullopt;
 }
 

@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <variant>
+#include <vector>
 
 namespace gs::app {
 
@@ -21,6 +22,7 @@ struct VoxelForm {
   bool scaled = true;  // the format has slope and intercept; otherwise scaled values become float32
   bool big_endian = false;
   bool fits_types = false;  // FITS has u8, i16 and i32; other integers are shifted by half of their range
+  bool planes = false;      // components follow each other; otherwise those of a voxel do
 };
 
 /// Voxels to write: their layout with type, byte order, slope, intercept and missing value of the numbers.
@@ -31,6 +33,8 @@ class WrittenVoxels {
                                                                    const VoxelForm& form);
 
   [[nodiscard]] const qnv::VolumeLayout& layout() const { return layout_; }
+  /// Returns the numbers per voxel.
+  [[nodiscard]] std::size_t components() const { return parts_.size(); }
   /// Returns the number of bytes of all voxels.
   [[nodiscard]] std::uint64_t bytes() const;
   /// Converts the voxels slice by slice. Returns a message if a slice cannot be read, and an empty message if `take`
@@ -39,12 +43,14 @@ class WrittenVoxels {
 
  private:
   WrittenVoxels() = default;
+  /// Converts a slice of a component. Returns a message if it cannot be read.
+  [[nodiscard]] std::optional<std::string> convert(std::size_t component, std::uint32_t z,
+                                                   std::vector<std::byte>& to) const;
 
-  const qnv::VolumeValues* values_ = nullptr;
+  std::vector<const qnv::VolumeValues*> parts_;  // by component
   qnv::VolumeLayout layout_;
   VoxelForm form_;
   double offset_ = 0;  // of the numbers of FITS
-  bool same_ = false;  // slope and intercept do not change
 };
 
 }  // namespace gs::app

@@ -5,6 +5,7 @@
 #include "base/gzip.h"
 #include "net/base/reference_policy.h"
 #include "net/files/file.h"
+#include "qnv/container/value_grid.h"
 #include "qnv/sampling/volume/volume_slices.h"
 
 #include <zlib.h>
@@ -42,12 +43,22 @@ void widen(const std::byte* from, std::size_t step, bool big_endian, std::span<s
 void read_magnitudes(const StoredVoxels& voxels, const qnv::VolumeLayout& stored, const std::byte* from,
                      std::span<std::byte> to) {
   const std::size_t count = to.size() / sizeof(float), numbers = voxels.components, size = size_of(voxels.type);
+  std::vector<std::byte> joined;  // voxels with components that followed each other
   constexpr std::size_t kPiece = 4096;
   std::vector<float> values(std::min(count, kPiece) * numbers);
   std::vector<std::byte> wide;
   for (std::size_t begin = 0; begin < count; begin += kPiece) {
     const std::size_t voxels_here = std::min(kPiece, count - begin), here = voxels_here * numbers;
-    std::span<const std::byte> bytes(from + begin * numbers * size, here * size);
+    std::span<const std::byte> bytes;
+    if (voxels.plane > 0) {
+      joined.resize(here * size);
+      for (std::size_t k = 0; k < numbers; ++k)
+        for (std::size_t i = 0; i < voxels_here; ++i)
+          std::memcpy(&joined[(i * numbers + k) * size], from + (k * voxels.plane + begin + i) * size, size);
+      bytes = joined;
+    } else {
+      bytes = {from + begin * numbers * size, here * size};
+    }
     if (voxels.type >= StoredType::u64) {
       wide.resize(here * sizeof(double));
       if (voxels.type == StoredType::u64)
@@ -70,17 +81,18 @@ void read_magnitudes(const StoredVoxels& voxels, const qnv::VolumeLayout& stored
 }
 
 bool read_stored(const StoredVoxels& voxels, std::uint64_t slice_voxels, std::uint32_t z, std::span<std::byte> to) {
-  const std::size_t size = size_of(voxels.type), step = size * voxels.components;
+  const bool follow = voxels.plane > 0;  // the components follow each other
+  const std::size_t size = size_of(voxels.type), step = follow ? size : size * voxels.components;
   const bool wide = voxels.type >= StoredType::u64;
   if (to.size() != slice_voxels * (wide ? sizeof(double) : size)) return false;
-  const std::byte* from =
-      voxels.content.bytes.data() + voxels.offset + slice_voxels * step * z + voxels.component.index * size;
+  const std::byte* from = voxels.content.bytes.data() + voxels.offset + slice_voxels * step * z +
+                          voxels.component.index * size * (follow ? voxels.plane : 1);
   if (wide) {
     if (voxels.type == StoredType::u64)
       widen<std::uint64_t>(from, step, voxels.big_endian, to);
     else
       widen<std::int64_t>(from, step, voxels.big_endian, to);
-  } else if (voxels.components == 1) {
+  } else if (step == size) {
     std::memcpy(to.data(), from, to.size());
   } else {
     for (std::uint64_t i = 0; i < slice_voxels; ++i) std::memcpy(to.data() + i * size, from + i * step, size);
@@ -248,6 +260,7 @@ VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {
     return "no component " + std::to_string(chosen.index) + "; expected " +
            (voxels.components == 1 ? "0, because each voxel has one number"
                                    : "0 to " + std::to_string(voxels.components - 1) + ", or magnitude");
+  layout.labels = chosen.labels.value_or(layout.labels) && !chosen.magnitude;
   mend(layout);
   set_base(layout);
   layout.type = voxel_type_of(voxels.type);
@@ -271,13 +284,26 @@ VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {
     source.read = [voxels = std::move(voxels), stored = std::move(layout), slice, slices](std::uint32_t z,
                                                                                           std::span<std::byte> to) {
       if (z >= slices || to.size() != slice * sizeof(float)) return false;
-      const std::size_t step = size_of(voxels.type) * voxels.components;
+      const std::size_t step = size_of(voxels.type) * (voxels.plane > 0 ? 1 : voxels.components);
       read_magnitudes(voxels, stored, voxels.content.bytes.data() + voxels.offset + slice * step * z, to);
       return !voxels.content.file || !voxels.content.file->changed();
     };
     return source;
   }
   source.layout = std::move(layout);
+  if (voxels.components > 1 && voxels.components <= qnv::kMaxValueComponents && !chosen.chosen && !source.layout.labels)
+    for (std::uint32_t i = 0; i < voxels.components; ++i) {
+      VoxelComponent one;
+      one.index = i;
+      one.chosen = true;
+      StoredVoxels of_one = voxels;
+      of_one.component = one;
+      source.components.push_back({source.layout, [of_one, slice, slices](std::uint32_t z, std::span<std::byte> to) {
+                                     return z < slices && read_stored(of_one, slice, z, to);
+                                   }});
+      std::erase_if(source.components.back().layout.metadata,
+                    [](const auto& pair) { return pair.first == "component"; });
+    }
   source.read = [voxels = std::move(voxels), slice, slices](std::uint32_t z, std::span<std::byte> to) {
     return z < slices && read_stored(voxels, slice, z, to);
   };

@@ -1,4 +1,6 @@
 #include "app/formats/volume/volume_common.h"
+#include "qnv/container/value_grid.h"
+#include "qnv/sampling/volume/volume_slices.h"
 
 #include <algorithm>
 #include <array>
@@ -27,9 +29,12 @@ T value_at(std::span<const std::byte> bytes, std::size_t at, bool swap) {
 struct NiftiField {
   std::size_t first, second;
 };
-constexpr NiftiField kMagic{344, 4}, kDimensions{40, 16}, kDataType{70, 12}, kNiftiSteps{76, 104}, kVoxelOffset{108, 168},
-    kSlope{112, 176}, kIntercept{116, 184}, kUnits{123, 500}, kDescription{148, 240}, kQuaternionCode{252, 344},
-    kMatrixCode{254, 348}, kQuaternion{256, 352}, kOffset{268, 376}, kMatrix{280, 400}, kIntent{328, 508};
+constexpr NiftiField kMagic{344, 4}, kDimensions{40, 16}, kDataType{70, 12}, kNiftiSteps{76, 104},
+    kVoxelOffset{108, 168}, kSlope{112, 176}, kIntercept{116, 184}, kUnits{123, 500}, kDescription{148, 240},
+    kQuaternionCode{252, 344}, kMatrixCode{254, 348}, kQuaternion{256, 352}, kOffset{268, 376}, kMatrix{280, 400},
+    kIntent{328, 508}, kIntentCode{68, 504};
+
+constexpr int kLabelIntent = 1002;  // NIFTI_INTENT_LABEL
 
 /// Header that was completely read.
 class NiftiHeader {
@@ -251,6 +256,7 @@ VolumeResult open_nifti(const VolumeFile& file) {
     layout.intercept = header->number(kIntercept);
   }
   describe(*header, layout);
+  layout.labels = header->is_nifti() && header->code(kIntentCode) == kLabelIntent;
 
   StoredVoxels voxels;
   voxels.content = bytes;
@@ -258,6 +264,12 @@ VolumeResult open_nifti(const VolumeFile& file) {
   voxels.components = type->components;
   voxels.component = file.component;
   voxels.big_endian = header->big_endian();
+  // "The 5th dimension is vector-valued data"; the numbers of a voxel are a whole volume apart.
+  const std::int64_t numbers = header->dimension(0) >= 5 && header->dimension(4) == 1 ? header->dimension(5) : 1;
+  if (numbers > 1 && numbers <= qnv::kMaxValueComponents && voxels.components == 1) {
+    voxels.components = static_cast<std::uint64_t>(numbers);
+    voxels.plane = qnv::voxel_count(layout);
+  }
   if (!header->one_file()) {
     BytesResult loaded = load_partner(file, ".img");
     if (const auto* problem = std::get_if<std::string>(&loaded)) return "its voxels: " + *problem;

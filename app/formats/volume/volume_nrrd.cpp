@@ -79,9 +79,11 @@ NrrdHeader read_nrrd_header(std::span<const std::byte> bytes, qnv::VolumeLayout&
     if (line.front() == '#') continue;
     const std::size_t colon = line.find(':');
     if (colon == std::string_view::npos || colon + 1 == line.size()) continue;
-    if (line[colon + 1] == '=')
+    if (line[colon + 1] == '=') {
+      // 3D Slicer describes the segments of a segmentation.
+      if (line.substr(0, colon) == "Segment0_LabelValue") layout.labels = true;
       add_metadata(layout, line.substr(0, colon), line.substr(colon + 2));
-    else
+    } else
       read_field(trimmed(line.substr(0, colon)), trimmed(line.substr(colon + 1)), header, layout);
   }
   header.size = static_cast<std::size_t>(cursor.next - begin);

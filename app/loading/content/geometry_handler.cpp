@@ -142,6 +142,8 @@ void GeometryHandler::start_decoder(const qnv::StreamHeader& header) {
     add_feed(std::make_shared<StreamFeed>(std::make_shared<qnv::DirectoryRequests>(header),
                                           [waker = loading_.waker] { waker->wake(); }));
   decoder_ = std::make_unique<qnv::StreamDecoder>(most_decoded_vectors(*loading_.budget));
+  const VoxelComponent& component = loading_.options.component;
+  decoder_->show({component.index, component.magnitude});
   (void)decoder_->push(std::exchange(bytes_, {}));
   show_records(false);
 }

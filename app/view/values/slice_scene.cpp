@@ -3,11 +3,13 @@
 #include "app/view/values/color_maps.h"
 #include "app/view/values/fine_values.h"
 #include "qnv/codecs/shared/volume_detail.h"
+#include "qnv/sampling/volume/label_vectors.h"
 
 #include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -52,6 +54,45 @@ std::shared_ptr<const vrml::Mesh> frame_mesh(const std::array<glm::vec3, 4>& cor
   return mesh;
 }
 
+/// Colours of the values on a slice: those of a map over a range, or of labels.
+class SliceColors {
+ public:
+  using Color = std::array<std::uint8_t, 3>;
+
+  SliceColors(const VolumeGrid& grid, const VolumeSlices& slices)
+      : grid_(grid), range_(slices.window.value_or(grid.value_range())) {
+    const ColorMap* chosen = find_color_map(slices.map);
+    const ColorMap& map = chosen ? *chosen : color_maps().front();
+    labels_ = grid.layout().labels && &map == &color_maps().front();
+    for (std::size_t i = 0; i < colors_.size(); ++i) {
+      const glm::vec3 color = color_at(map, static_cast<float>(i) / 255) * 255.0f;
+      for (int c = 0; c < 3; ++c)
+        colors_[i][static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(std::lround(color[c]));
+    }
+  }
+  [[nodiscard]] Color operator()(float value) {
+    if (labels_) {
+      if (value != last_) {
+        last_ = value;
+        const qnv::Rgb8 color = qnv::label_color(grid_.label_of(value));
+        last_color_ = {color.r, color.g, color.b};
+      }
+      return last_color_;
+    }
+    const auto [least, most] = range_;
+    const float place = most > least ? (value - least) / (most - least) : value > least ? 1.0f : 0.0f;
+    return colors_[static_cast<std::size_t>(std::lround(std::clamp(place, 0.0f, 1.0f) * 255))];
+  }
+
+ private:
+  const VolumeGrid& grid_;
+  const std::pair<float, float> range_;
+  std::array<Color, 256> colors_{};
+  bool labels_ = false;
+  float last_ = std::numeric_limits<float>::quiet_NaN();
+  Color last_color_{};
+};
+
 }  // namespace
 
 std::uint32_t slice_voxel(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis) {
@@ -78,15 +119,7 @@ std::array<glm::dvec3, 4> slice_corners(const VolumeGrid& grid, const VolumeSlic
 }
 
 render::Image slice_image(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis) {
-  const ColorMap* chosen = find_color_map(slices.map);
-  const ColorMap& map = chosen ? *chosen : color_maps().front();
-  std::array<std::array<std::uint8_t, 3>, 256> colors{};
-  for (std::size_t i = 0; i < colors.size(); ++i) {
-    const glm::vec3 color = color_at(map, static_cast<float>(i) / 255) * 255.0f;
-    for (int c = 0; c < 3; ++c)
-      colors[i][static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(std::lround(color[c]));
-  }
-  const auto [least, most] = slices.window.value_or(grid.value_range());
+  SliceColors colors(grid, slices);
   const auto [across, up] = axes_across(axis);
   // Finer parts of a volume that is larger than memory have more pixels.
   const FineValues fine(grid, FineValues::factor_for(grid, kMostSlicePixels, static_cast<int>(axis)));
@@ -111,8 +144,7 @@ render::Image slice_image(const VolumeGrid& grid, const VolumeSlices& slices, st
         missing = true;
         continue;  // leave the pixel transparent
       }
-      const float place = most > least ? (value - least) / (most - least) : value > least ? 1.0f : 0.0f;
-      const auto& color = colors[static_cast<std::size_t>(std::lround(std::clamp(place, 0.0f, 1.0f) * 255))];
+      const SliceColors::Color color = colors(value);
       std::copy(color.begin(), color.end(), to);
       to[3] = 255;
     }
@@ -139,7 +171,8 @@ void hide_volumes(render::RenderList& list) {
   const auto volume_of = [](const render::SplatItem& item) {
     return item.geometry ? item.geometry->as<qnv::Volume>() : nullptr;
   };
-  std::erase_if(list.splats, [&](const render::SplatItem& item) { return volume_of(item) && !volume_of(item)->detail; });
+  std::erase_if(list.splats,
+                [&](const render::SplatItem& item) { return volume_of(item) && !volume_of(item)->detail; });
   for (render::SplatItem& item : list.splats)
     if (volume_of(item)) item.material.transparency = 1;
 }

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <set>
 
 namespace gs::app {
 namespace {
@@ -75,7 +76,44 @@ std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::take(
   if (!(least <= most)) return "the volume has no values";
   grid->range_ = range.value_or(std::pair(least, most));
   grid->bricks_ = std::move(bricks);
+  constexpr float kWhole = 16777216;  // larger whole numbers have no float of their own
+  if (source.layout.labels && std::max(std::abs(grid->range_.first), std::abs(grid->range_.second)) > kWhole &&
+      !grid->number_labels(source))
+    return "the labels cannot be read";
   return std::shared_ptr<const VolumeGrid>(std::move(grid));
+}
+
+bool VolumeGrid::number_labels(const qnv::VolumeSource& source) {
+  std::vector<std::byte> stored(qnv::slice_voxels(source.layout) * qnv::size_of(source.layout.type));
+  std::vector<double> numbers(qnv::slice_voxels(source.layout));
+  const std::size_t width = source.layout.dimensions[0];
+  const auto visit = [&](auto&& take) {
+    for (std::uint32_t z = 0; z < kept_[2]; ++z) {
+      if (!source.read(z * step_, stored)) return false;
+      qnv::stored_numbers(source.layout, stored, numbers);
+      for (std::uint32_t y = 0; y < kept_[1]; ++y)
+        for (std::uint32_t x = 0; x < kept_[0]; ++x)
+          take(numbers[std::size_t{y} * step_ * width + std::size_t{x} * step_]);
+    }
+    return true;
+  };
+  std::set<double> found;
+  const bool read = visit([&, last = 0.0](double number) mutable {
+    if (number == number && (number != last || found.empty())) found.insert(last = number);
+  });
+  labels_.assign(found.begin(), found.end());
+  auto to = values_.begin();
+  if (!read || labels_.empty()) return false;
+  range_ = {0, static_cast<float>(labels_.size() - 1)};
+  return visit([&](double number) {
+    const auto at = std::ranges::lower_bound(labels_, number);
+    *to++ = number == number ? static_cast<float>(at - labels_.begin()) : qnv::kMissing;
+  });
+}
+
+double VolumeGrid::label_of(float value) const {
+  if (labels_.empty() || !(value >= 0)) return static_cast<double>(value);
+  return labels_[std::min(static_cast<std::size_t>(value), labels_.size() - 1)];
 }
 
 glm::dvec3 VolumeGrid::voxel_at(const glm::dvec3& place) const {

@@ -49,11 +49,14 @@ class VolumeGrid {
   /// place_of() does the reverse. Positions may be outside of the volume.
   [[nodiscard]] glm::dvec3 voxel_at(const glm::dvec3& place) const;
   [[nodiscard]] glm::dvec3 place_of(const glm::dvec3& voxel) const;
-  /// Returns the value of the nearest stored voxel, or of that of the finest part there. Returns nullopt if the position is more than half a voxel outside
-  /// of the volume, or if the value is missing.
+  /// Returns the value of the nearest stored voxel, or of that of the finest part there. Returns nullopt if the
+  /// position is more than half a voxel outside of the volume, or if the value is missing.
   [[nodiscard]] std::optional<float> nearest(const glm::dvec3& voxel) const;
   /// Returns the parts with finer values than the stored voxels, the finest first.
   [[nodiscard]] const std::vector<qnv::ValueBrick>& bricks() const { return bricks_; }
+  /// Returns the label that a value stands for. If a label exceeds the whole numbers of float, values are indices of
+  /// labels.
+  [[nodiscard]] double label_of(float value) const;
   /// Returns the number of stored voxels along an axis.
   [[nodiscard]] std::uint32_t kept(std::size_t axis) const { return kept_[axis]; }
   /// Returns the value of a stored voxel, by its index among the stored ones; kMissing if the value is missing.
@@ -68,12 +71,15 @@ class VolumeGrid {
 
  private:
   VolumeGrid() = default;
+  /// Replaces the values by indices of labels. Returns false if the source fails.
+  bool number_labels(const qnv::VolumeSource& source);
   qnv::VolumeLayout layout_;
   std::array<std::uint32_t, 3> kept_{};
   std::uint32_t step_ = 1;
   std::pair<float, float> range_{0, 1};
   std::vector<float> values_;
   std::vector<qnv::ValueBrick> bricks_;
+  std::vector<double> labels_;  // of the values, which are then indices; ascending
   std::optional<Share> share_;
 };
 

@@ -3,6 +3,7 @@
 #include "base/noncopyable.h"
 #include "qnv/base/geometry.h"
 #include "qnv/container/container.h"
+#include "qnv/sampling/volume/volume_values.h"
 
 #include <cstddef>
 #include <memory>
@@ -59,6 +60,8 @@ class Decoder : NonCopyable {
   [[nodiscard]] virtual Geometry geometry(GeometryBase base) const = 0;
   /// Returns the geometry for renderers. Shares unchanged parts with earlier results.
   [[nodiscard]] virtual Geometry geometry_to_draw(GeometryBase base) { return geometry(std::move(base)); }
+  /// Chooses the component of voxels that geometry() shows. Codecs with one number per voxel ignore it.
+  virtual void show(const ShownComponent&) {}
   [[nodiscard]] virtual MeshProgress mesh() const { return {}; }
 };
 
@@ -69,5 +72,7 @@ class Decoder : NonCopyable {
 [[nodiscard]] std::unique_ptr<Decoder> make_progressive_decoder(const StreamHeader& header, std::size_t most_vectors);
 [[nodiscard]] std::unique_ptr<Decoder> make_values_decoder(const StreamHeader& header, std::size_t most_vectors);
 [[nodiscard]] std::unique_ptr<Decoder> make_gaussians_decoder(const StreamHeader& header, std::size_t most_vectors);
+[[nodiscard]] std::unique_ptr<Decoder> make_components_decoder(const StreamHeader& header, std::size_t most_vectors);
+[[nodiscard]] std::unique_ptr<Decoder> make_labels_decoder(const StreamHeader& header, std::size_t most_vectors);
 
 }  // namespace gs::qnv

@@ -17,7 +17,7 @@ std::vector<std::byte> pack(const Cluster& cluster) {
 }
 
 std::optional<Cluster> parse_cluster(std::span<const std::byte> payload) {
-  if (payload.size() > kMaxClusterBytes) return std::nullopt;
+  if (payload.size() > kMaxComponentBytes) return std::nullopt;
   const auto block = take_wide_number(payload);
   const auto index = take_wide_number(payload);
   const auto steps = take_wide_number(payload);

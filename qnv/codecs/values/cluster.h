@@ -13,6 +13,8 @@ namespace gs::qnv::values {
 /// Maximum size of a cluster as the payload of a chunk, and the size of its coded bits at which an encoder ends it. One
 /// step adds less than the difference.
 inline constexpr std::size_t kMaxClusterBytes = 1200, kClusterEnd = 1060;
+/// Maximum size of a payload with the number of a component, which may take another byte.
+inline constexpr std::size_t kMaxComponentBytes = kMaxClusterBytes + 1;
 
 /// Coded steps of one block. A block's clusters are decoded in order; clusters of other blocks do not matter.
 struct Cluster {

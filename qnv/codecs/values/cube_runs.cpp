@@ -313,7 +313,7 @@ std::vector<std::byte> pack(const CubeRun& run) {
 }
 
 std::optional<CubeRun> parse_run(std::span<const std::byte> payload) {
-  if (payload.size() > kMaxClusterBytes) return std::nullopt;
+  if (payload.size() > kMaxComponentBytes) return std::nullopt;
   const auto first = take_wide_number(payload), count = take_wide_number(payload);
   if (!first || !count || *count == 0 || *count > kMostRunCubes) return std::nullopt;
   return CubeRun{*first, static_cast<std::uint32_t>(*count), {payload.begin(), payload.end()}};

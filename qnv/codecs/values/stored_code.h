@@ -27,6 +27,13 @@ namespace gs::qnv::values {
   return code_of(static_cast<float>(stored));
 }
 
+/// Returns the stored number with a code.
+[[nodiscard]] inline double number_of_code(VoxelType type, std::uint32_t code) {
+  if (!is_integer(type)) return static_cast<double>(number_of_code(code));
+  const bool is_signed = type == VoxelType::i8 || type == VoxelType::i16 || type == VoxelType::i32;
+  return is_signed ? static_cast<double>(static_cast<std::int32_t>(code)) : static_cast<double>(code);
+}
+
 /// Codes of the stored voxels that samples stand for.
 class StoredCodes {
  public:

@@ -1,6 +1,7 @@
 #include "qnv/sampling/volume/gradients.h"
 
 #include "qnv/base/found_vectors.h"
+#include "qnv/sampling/volume/label_vectors.h"
 #include "qnv/sampling/volume/volume_window.h"
 
 #include <glm/geometric.hpp>
@@ -337,6 +338,7 @@ std::variant<Volume, VolumeError> gradient_vectors(const VolumeSource& source, c
   if (options.vectors > kMaxVectors)
     return VolumeError{std::to_string(options.vectors) + " vectors were requested; expected at most " +
                        std::to_string(kMaxVectors)};
+  if (source.layout.labels) return label_vectors(source, options, progress);
   return GradientEncoder(source, options, progress).run();
 }
 

@@ -23,11 +23,12 @@ struct VolumeLayout {
   std::array<glm::vec3, 3> axes{glm::vec3(1, 0, 0), glm::vec3(0, 1, 0),
                                 glm::vec3(0, 0, 1)};  // step from a voxel to the next, world units
   glm::dvec3 origin{0};                               // centre of voxel (0, 0, 0), world units, relative to `base`
-  glm::dvec3 base{0};  // Description::origin of results
+  glm::dvec3 base{0};                                 // Description::origin of results
   VoxelType type = VoxelType::u8;
   bool big_endian = false;
-  double slope = 1, intercept = 0;                            // value = stored * slope + intercept
-  std::optional<double> missing;                              // stored value that means "no data"
+  double slope = 1, intercept = 0;  // value = stored * slope + intercept
+  std::optional<double> missing;    // stored value that means "no data"
+  bool labels = false;              // the stored numbers are labels of a segmentation, which are never interpolated
   std::vector<std::pair<std::string, std::string>> metadata;  // UTF-8
 };
 
@@ -36,6 +37,7 @@ struct VolumeLayout {
 struct VolumeSource {
   VolumeLayout layout;
   std::function<bool(std::uint32_t z, std::span<std::byte> slice)> read;
+  std::vector<VolumeSource> components{};  // all numbers of a voxel, if it has several and none was chosen
 };
 
 }  // namespace gs::qnv

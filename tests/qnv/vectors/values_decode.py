@@ -1,4 +1,5 @@
-"""Decodes a stream of values, from FORMAT.md alone. Prints the samples, with "-" for missing voxels.
+"""Decodes a stream of values, from FORMAT.md alone. Prints the samples, with "-" for missing voxels, or the codes of
+labels. Of several components, prints one after the other.
 
     python3 values_decode.py STREAM
 """
@@ -284,32 +285,176 @@ def remainders(payload, extent, found):
             found[place] = (value >> 1) ^ -(value & 1)
 
 
+class Labels:
+    """A level of labels: those received, by place."""
+    NEAR = [(-1, 0, 0, 3), (0, -1, 0, 3), (0, 0, -1, 3), (-1, -1, 0, 2), (-1, 0, -1, 2), (0, -1, -1, 2), (1, -1, 0, 2),
+            (1, 0, -1, 2), (0, 1, -1, 2), (-1, -1, -1, 1), (1, -1, -1, 1), (-1, 1, -1, 1), (1, 1, -1, 1)]
+
+    def __init__(self, extent, count):
+        self.extent, self.count, self.known = extent, count, {}
+        self.bits = [((n + 3) // 4 - 1).bit_length() for n in extent]
+
+    def cube(self, code):
+        at = [0, 0, 0]
+        for bit in range(max(self.bits)):
+            for axis in range(3):
+                if bit < self.bits[axis]:
+                    at[axis] |= (code & 1) << bit
+                    code >>= 1
+        return at
+
+    def run(self, first, count, coder):
+        self.coder, self.now, self.list = coder, {}, []
+        self.uniform = [Estimate() for _ in range(16)]
+        self.expected = [Estimate() for _ in range(4)]
+        self.first = [Estimate() for _ in range(512)]
+        self.second = [Estimate() for _ in range(16)]
+        self.again = [Estimate() for _ in range(8)]
+        for code in range(first, first + count):
+            lower = [4 * n for n in self.cube(code)]
+            if all(lower[a] < self.extent[a] for a in range(3)):
+                self.one_cube(lower, [min(4, self.extent[a] - lower[a]) for a in range(3)])
+        self.known.update(self.now)
+
+    def one_cube(self, lower, size):
+        now = self.now
+        spots = [(lower[0] + x, lower[1] + y, lower[2] + z)
+                 for z in range(size[2]) for y in range(size[1]) for x in range(size[0])]
+        p = None
+        for axis in range(3):
+            beside = list(lower)
+            beside[axis] -= 1
+            p = now.get(tuple(beside)) if p is None else p
+        k = s = 0
+        for axis in range(3):
+            face = []
+            for spot in spots:
+                if spot[axis] == lower[axis]:
+                    beside = list(spot)
+                    beside[axis] -= 1
+                    face.append(now.get(tuple(beside)))
+            there = any(label is not None for label in face)
+            k += there
+            s += there and all(label == p for label in face)
+        if self.coder.get(self.uniform[4 * k + s]):
+            if p is not None and self.coder.get(self.expected[s]):
+                label = p
+            else:
+                label = self.explicit([p])
+            now.update((spot, label) for spot in spots)
+            return
+        for spot in spots:
+            now[spot] = self.voxel(spot)
+
+    def voxel(self, spot):
+        near = [self.now.get((spot[0] + x, spot[1] + y, spot[2] + z)) for x, y, z, _ in self.NEAR]
+        votes = {}
+        for label, (_, _, _, weight) in zip(near, self.NEAR):
+            if label is not None:
+                votes[label] = votes.get(label, 0) + weight
+        ranked = sorted(votes, key=lambda label: -votes[label])
+        if not ranked:
+            return self.explicit([])
+        a = ranked[0]
+        estimate = self.first[sum((near[i] == a) << i for i in range(9))]
+        if estimate.n == 0:
+            estimate.f = estimate.s = max(30000, 60000 - 2500 * (sum(votes.values()) - votes[a]))
+        if self.coder.get(estimate):
+            return a
+        if self.count == 2:
+            return 1 - a
+        if len(ranked) > 1 and self.coder.get(self.second[min(15, votes[ranked[1]])]):
+            return ranked[1]
+        return self.explicit(ranked[:2])
+
+    def explicit(self, excluded):
+        label = None
+        for i, one in enumerate([one for one in self.list if one not in excluded][:8]):
+            if self.coder.get(self.again[i]):
+                label = one
+                break
+        if label is None:
+            label = min(self.coder.bits((self.count - 1).bit_length()), self.count - 1)
+        self.list = ([label] + [one for one in self.list if one != label])[:16]
+        return label
+
+
+def print_labels(extent, section, payloads):
+    codes, at, following = [], 0, 0
+    while at < len(section):
+        skipped, at = number(section, at)
+        more, at = number(section, at)
+        codes.extend(range(following + skipped, following + skipped + more + 1))
+        following += skipped + more + 1
+    levels = []
+    while not levels or max(halves(extent, len(levels) - 1)) > 16:
+        levels.append(Labels(halves(extent, len(levels)), len(codes)))
+    for payload in payloads:
+        first, at = number(payload, 1)
+        count, at = number(payload, at)
+        levels[payload[0]].run(first, count, Range(payload[at:]))
+    for z in range(extent[2]):
+        for y in range(extent[1]):
+            for x in range(extent[0]):
+                level = 0
+                while (x >> level, y >> level, z >> level) not in levels[level].known:
+                    level += 1
+                print(codes[levels[level].known[(x >> level, y >> level, z >> level)]])
+
+
 def main():
     data = open(sys.argv[1], "rb").read()
     if data[:8] != b"\x89QNV\r\n\x1a\n" or data[11] != 5:
         sys.exit("no stream of values")
     (length,) = struct.unpack_from("<I", data, 12)
-    at = 108
+    at, grids = 108, []
     while at + 6 <= length:
         tag, size = struct.unpack_from("<HI", data, at)
-        if tag == 8:
-            grid = data[at + 6:at + 6 + size]
+        if tag == 8 or tag == 11:
+            grids.append(data[at + 6:at + 6 + size])
+        if tag == 9:
+            names = data[at + 6:at + 6 + size]
         at += 6 + size
-    extent = list(struct.unpack_from("<3I", grid, 0))
-    kind, flags = grid[72], grid[73]
-    (step,) = struct.unpack_from("<I", grid, 76)
-    slope, intercept, unit, zero = struct.unpack_from("<4d", grid, 80)
+    extent = list(struct.unpack_from("<3I", grids[0], 0))
+    kept = restored(list(all_chunks(data, length)))
+    if grids[0][73] & 4:
+        return print_labels(extent, names, [payload for kind, payload in kept if kind == 19])
+    (components,) = struct.unpack_from("<H", grids[0], 74)
     levels = 0
     while max(halves(extent, levels)) > 16:
         levels += 1
+    cubes = [(n + 3) // 4 for n in extent]
+    counts = {14: len(blocks_of(extent, levels)), 15: cubes[0] * cubes[1] * cubes[2]}
+    counts[16] = counts[15]
+    for component in range(components):
+        payloads = []
+        for kind, payload in kept:
+            if kind in counts:
+                first, at = number(payload, 0)
+                if first // counts[kind] == component:
+                    payloads.append((kind, written(first % counts[kind]) + payload[at:]))
+        print_component(extent, levels, grids[component], payloads)
+
+
+def written(value):
+    out = []
+    while value >= 128:
+        out.append(value & 127 | 128)
+        value >>= 7
+    return bytes(out + [value])
+
+
+def print_component(extent, levels, grid, payloads):
+    kind, flags = grid[72], grid[73]
+    (step,) = struct.unpack_from("<I", grid, 76)
+    slope, intercept, unit, zero = struct.unpack_from("<4d", grid, 80)
     blocks = blocks_of(extent, levels)
     missing, found = set(), {}
-    payloads = restored(list(all_chunks(data, length)))
-    for payload in (p for kind, p in payloads if kind == 15):
+    for payload in (p for type, p in payloads if type == 15):
         gaps(payload, extent, missing)
-    for payload in (p for kind, p in payloads if kind == 16):
+    for payload in (p for type, p in payloads if type == 16):
         remainders(payload, extent, found)
-    clusters = [number_pair(p) + (p,) for kind, p in payloads if kind == 14]
+    clusters = [number_pair(p) + (p,) for type, p in payloads if type == 14]
     for _, _, payload in sorted(clusters):
         n, p = number(payload, 0)
         index, p = number(payload, p)

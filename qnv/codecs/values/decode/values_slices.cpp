@@ -2,9 +2,11 @@
 
 #include "base/parallel.h"
 #include "qnv/codecs/values/cluster.h"
+#include "qnv/codecs/values/component_number.h"
 #include "qnv/codecs/values/cube_runs.h"
 #include "qnv/codecs/values/decode/sample_limits.h"
 #include "qnv/codecs/values/decode/values_decoder.h"
+#include "qnv/codecs/values/labels/decode/label_volume.h"
 #include "qnv/codecs/values/slices/slice_transform.h"
 #include "qnv/codecs/values/stored_code.h"
 
@@ -60,7 +62,10 @@ class RunLayers {
     for (; at_ < places_.size() && places_[at_].first < end; ++at_) {
       std::vector<std::byte> payload(places_[at_].bytes);
       if (!bytes_.read(places_[at_].offset, payload)) return false;
-      if (auto run = values::parse_run(payload)) open_.emplace_back(std::move(*run), extent_);
+      if (auto run = values::parse_run(payload)) {
+        run->first = places_[at_].first;  // the payload counts the cubes of all components
+        open_.emplace_back(std::move(*run), extent_);
+      }
     }
     for (auto& run : open_) (void)run.decode(layer_, voxels);
     std::erase_if(open_, [](const auto& run) { return run.done(); });
@@ -223,22 +228,28 @@ void keep_decodable(std::vector<ClusterPlace>& clusters) {
 /// Finds the chunks of a stream.
 class Indexer {
  public:
-  void add(const StreamHeader& header, ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
-    if (!layout_) {
-      layout_.emplace(header.grid.dimensions, values::level_count(header.grid.dimensions));
-      const Extent cubes = values::cube_extent(header.grid.dimensions);
-      cubes_ = std::uint64_t{cubes[0]} * cubes[1] * cubes[2];
-    }
+  explicit Indexer(const ValueGrid& grid)
+      : gaps_(grid.gaps),
+        remains_(grid.exact || grid.correction != 0),
+        layout_(grid.dimensions, values::level_count(grid.dimensions)) {
+    const Extent cubes = values::cube_extent(grid.dimensions);
+    cubes_ = std::uint64_t{cubes[0]} * cubes[1] * cubes[2];
+  }
+
+  [[nodiscard]] values::ComponentCounts counts() const { return {layout_.count(), cubes_}; }
+  /// Adds a chunk. `payload` has the number in its component; in the stream, it has `bytes` bytes at `offset`.
+  void add(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset, std::size_t bytes) {
     bool good = true;
+    const auto size = static_cast<std::uint32_t>(bytes);
     if (type == ChunkType::values)
-      good = add_cluster(payload, offset);
+      good = add_cluster(payload, offset, size);
     else if (type == ChunkType::gaps)
-      good = header.grid.gaps && add_run(payload, offset, index_.gaps, gap_cubes_);
+      good = gaps_ && add_run(payload, {offset, 0, size}, index_.gaps, gap_cubes_);
     else if (type == ChunkType::remainders)
-      good = (header.grid.exact || header.grid.correction != 0) &&
-             add_run(payload, offset, index_.remainders, remainder_cubes_);
+      good = remains_ && add_run(payload, {offset, 0, size}, index_.remainders, remainder_cubes_);
     index_.in_order = index_.in_order && good;
   }
+  void note_loss() { index_.in_order = false; }
   [[nodiscard]] ChunkIndex finish() {
     const std::size_t runs = index_.gaps.size() + index_.remainders.size();
     keep_decodable(index_.clusters);
@@ -249,26 +260,77 @@ class Indexer {
   }
 
  private:
-  bool add_cluster(std::span<const std::byte> payload, std::uint64_t offset) {
+  bool add_cluster(std::span<const std::byte> payload, std::uint64_t offset, std::uint32_t bytes) {
     const auto cluster = values::parse_cluster(payload);
-    if (!cluster || cluster->block >= layout_->count() || layout_->place(cluster->block).band_count == 0) return false;
-    index_.clusters.push_back({offset, cluster->block, cluster->index, static_cast<std::uint32_t>(payload.size())});
+    if (!cluster || cluster->block >= layout_.count() || layout_.place(cluster->block).band_count == 0) return false;
+    index_.clusters.push_back({offset, cluster->block, cluster->index, bytes});
     return true;
   }
   // Valid runs do not overlap; the limit of their cubes bounds the work for invalid streams.
-  bool add_run(std::span<const std::byte> payload, std::uint64_t offset, std::vector<RunPlace>& runs,
+  bool add_run(std::span<const std::byte> payload, RunPlace place, std::vector<RunPlace>& runs,
                std::uint64_t& cubes) const {
     const auto run = values::parse_run(payload);
     if (!run || run->first >= cubes_ || run->count > cubes_ - run->first) return false;
     cubes += run->count;
     if (cubes > 2 * cubes_) return false;
-    runs.push_back({offset, run->first, static_cast<std::uint32_t>(payload.size())});
+    place.first = run->first;
+    runs.push_back(place);
     return true;
   }
 
-  std::optional<values::BlockLayout> layout_;
+  bool gaps_, remains_;  // the stream has such chunks
+  values::BlockLayout layout_;
   std::uint64_t cubes_ = 0, gap_cubes_ = 0, remainder_cubes_ = 0;
   ChunkIndex index_;
+};
+
+/// Labels of a stream, in memory.
+class LabelReceiver {
+ public:
+  void add(const StreamHeader& header, ChunkType type, std::span<const std::byte> payload) {
+    if (!values::valid(header.grid.dimensions) || type != ChunkType::labels) return;
+    if (!levels_) levels_.emplace(header.grid.dimensions, header.grid.palette.size(), 0);
+    const auto run = values::parse_label_run(payload);
+    const auto added = run ? levels_->add(*run) : values::AddedLabels::refused;
+    if (added == values::AddedLabels::taken) ++taken_;
+    good_ = good_ && added != values::AddedLabels::refused;
+  }
+  [[nodiscard]] std::shared_ptr<const VolumeValues> values(const StreamHeader& header, bool whole) {
+    if (!levels_) levels_.emplace(header.grid.dimensions, header.grid.palette.size(), 0);
+    return values::label_values(header.grid, header.description, *levels_, 0,
+                                whole && good_ ? std::optional(taken_) : std::nullopt);
+  }
+
+ private:
+  std::optional<values::LabelLevels> levels_;
+  std::uint32_t taken_ = 0;
+  bool good_ = true;
+};
+
+/// Finds the chunks of all components of a stream.
+class ComponentIndexer {
+ public:
+  void add(const StreamHeader& header, ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
+    if (all_.empty()) {
+      all_.emplace_back(header.grid);
+      for (const ValueGrid& grid : header.more_grids) all_.emplace_back(grid);
+    }
+    if (type != ChunkType::values && type != ChunkType::gaps && type != ChunkType::remainders) return;
+    if (all_.size() == 1) return all_.front().add(type, payload, offset, payload.size());
+    const values::ComponentCounts counts = all_.front().counts();
+    const auto split = values::without_component(payload, type == ChunkType::values ? counts.blocks : counts.cubes);
+    if (split && split->component < all_.size())
+      all_[split->component].add(type, split->payload, offset, payload.size());
+    else
+      for (Indexer& one : all_) one.note_loss();
+  }
+  /// Returns the index of a component.
+  [[nodiscard]] ChunkIndex finish(std::size_t component) {
+    return component < all_.size() ? all_[component].finish() : ChunkIndex();
+  }
+
+ private:
+  std::vector<Indexer> all_;
 };
 
 // Sets what the received chunks say about errors.
@@ -281,8 +343,7 @@ void note_errors(const ValueGrid& grid, const ChunkIndex& index, VolumeValues& v
     }
 }
 
-VolumeLayout slices_layout(const StreamHeader& header, bool exact) {
-  const ValueGrid& grid = header.grid;
+VolumeLayout slices_layout(const StreamHeader& header, const ValueGrid& grid, bool exact) {
   VolumeLayout layout;
   layout.dimensions = grid.dimensions;
   layout.axes = grid.axes;
@@ -300,15 +361,37 @@ VolumeLayout slices_layout(const StreamHeader& header, bool exact) {
   return layout;
 }
 
+// Returns the values of a component, which are decoded when they are read.
+std::shared_ptr<const VolumeValues> slices_of(const StreamHeader& head, const ValueGrid& grid, const StreamBytes& bytes,
+                                              ChunkIndex index) {
+  auto made = std::make_shared<VolumeValues>();
+  made->range = head.description.value_range;
+  made->stored = grid.stored;
+  made->slope = grid.slope;
+  made->intercept = grid.intercept;
+  made->missing = grid.missing;
+  note_errors(grid, index, *made);
+  const bool whole = !grid.errors.empty() && index.in_order && index.received >= grid.errors.back().chunks;
+  const bool exact = made->exact && grid.exact;
+  made->source.layout = slices_layout(head, grid, exact);
+  const auto slices = std::make_shared<SliceReader>(bytes, grid, std::move(index));
+  slices->apply(exact, whole && grid.correction != 0, values::sample_limits(made->range, grid.unit, grid.zero));
+  made->source.read = [slices](std::uint32_t z, std::span<std::byte> to) { return slices->read(z, to); };
+  return made;
+}
+
 }  // namespace
 
 std::variant<std::shared_ptr<const VolumeValues>, StreamProblem> open_values_slices(StreamBytes bytes,
                                                                                     StreamHeader* header) {
   constexpr std::size_t kPiece = std::size_t{1} << 20;
   StreamReader reader;
-  Indexer indexer;
+  ComponentIndexer indexer;
+  LabelReceiver labels;
   const auto take = [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
-    if (reader.header()->payload == Payload::values && values::valid(reader.header()->grid.dimensions))
+    if (reader.header()->grid.labels)
+      labels.add(*reader.header(), type, payload);
+    else if (reader.header()->payload == Payload::values && values::valid(reader.header()->grid.dimensions))
       indexer.add(*reader.header(), type, payload, offset + kChunkHeaderBytes);
   };
   std::vector<std::byte> piece;
@@ -324,23 +407,21 @@ std::variant<std::shared_ptr<const VolumeValues>, StreamProblem> open_values_sli
   if (head.payload != Payload::values) return StreamProblem{11, "has no values of voxels"};
   if (!values::valid(head.grid.dimensions))
     return StreamProblem{0, "has too many voxels; expected at most " + std::to_string(values::kMostSamples)};
-  ChunkIndex index = indexer.finish();
-  index.in_order = index.in_order && reader.problems().empty();
-  auto made = std::make_shared<VolumeValues>();
-  made->range = head.description.value_range;
-  made->stored = head.grid.stored;
-  made->slope = head.grid.slope;
-  made->intercept = head.grid.intercept;
-  made->missing = head.grid.missing;
-  note_errors(head.grid, index, *made);
-  const bool whole = !head.grid.errors.empty() && index.in_order && index.received >= head.grid.errors.back().chunks;
-  const bool exact = made->exact && head.grid.exact;
-  made->source.layout = slices_layout(head, exact);
-  const auto slices = std::make_shared<SliceReader>(std::move(bytes), head.grid, std::move(index));
-  slices->apply(exact, whole && head.grid.correction != 0,
-                values::sample_limits(made->range, head.grid.unit, head.grid.zero));
-  made->source.read = [slices](std::uint32_t z, std::span<std::byte> to) { return slices->read(z, to); };
+  if (head.grid.labels) {
+    if (header) *header = head;
+    return labels.values(head, reader.problems().empty());
+  }
+  const bool undamaged = reader.problems().empty();
+  std::vector<std::shared_ptr<const VolumeValues>> all;
+  for (std::size_t c = 0; c < head.grid.components; ++c) {
+    ChunkIndex index = indexer.finish(c);
+    index.in_order = index.in_order && undamaged;
+    all.push_back(slices_of(head, c == 0 ? head.grid : head.more_grids[c - 1], bytes, std::move(index)));
+  }
   if (header) *header = head;
+  if (all.size() == 1) return std::move(all.front());
+  auto made = std::make_shared<VolumeValues>(*all.front());
+  made->components = std::move(all);
   return std::shared_ptr<const VolumeValues>(std::move(made));
 }
 

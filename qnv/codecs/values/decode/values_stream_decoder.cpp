@@ -3,6 +3,7 @@
 #include "qnv/codecs/values/decode/cell_vectors.h"
 #include "qnv/codecs/values/decode/level_layout.h"
 #include "qnv/codecs/values/decode/values_decoder.h"
+#include "qnv/codecs/values/decode/values_part.h"
 #include "qnv/codecs/values/stored_code.h"
 #include "qnv/codecs/values/values_vectors.h"
 #include "qnv/sampling/volume/gradients.h"
@@ -58,7 +59,7 @@ VolumeSource source_of(values::SampledGrid grid) {
 }
 
 /// Decoder of the values payload. Its geometry are the gradient vectors of the decoded values, and the values.
-class ValuesStreamDecoder final : public Decoder {
+class ValuesStreamDecoder final : public values::ValuesPart {
  public:
   ValuesStreamDecoder(const StreamHeader& header, std::size_t most_vectors)
       : grid_(header.grid),
@@ -67,9 +68,10 @@ class ValuesStreamDecoder final : public Decoder {
         decoder_(grid_.dimensions, finest_, most_blocks(most_vectors)) {}
 
   void add(ChunkType type, std::span<const std::byte> payload, std::span<const ByteRange>) override {
-    const values::Added added = type == ChunkType::values ? add_cluster(payload)
-                                : type == ChunkType::gaps ? add_gaps(payload)
-                                                          : add_remainders(payload);
+    const values::Added added = type == ChunkType::values       ? add_cluster(payload)
+                                : type == ChunkType::gaps       ? add_gaps(payload)
+                                : type == ChunkType::remainders ? add_remainders(payload)
+                                                                : values::Added::refused;
     if (added == values::Added::refused) ++count_.refused;
     if (added == values::Added::dropped) count_.full = true;
     if (added == values::Added::taken || added == values::Added::waits) ++received_;
@@ -88,13 +90,19 @@ class ValuesStreamDecoder final : public Decoder {
   }
   [[nodiscard]] Geometry geometry(GeometryBase base) const override {
     Description& about = base.description;
-    if (!values_) decode(about);
+    if (!values_ || !has_vectors_) decode(about, decoder_.level(), true);
     Volume shown = vectors_ ? cell_vectors() : all_vectors(about);
     about.spacing = shown.description.spacing;
     about.total = shown.description.total;
     static_cast<GeometryBase&>(shown) = std::move(base);
     shown.values = values_;
     return shown;
+  }
+
+  [[nodiscard]] int level() const override { return decoder_.level(); }
+  [[nodiscard]] std::shared_ptr<const VolumeValues> values(const Description& about, int level) const override {
+    if (!values_ || values_->level != level) decode(about, level, false);
+    return values_;
   }
 
  private:
@@ -168,10 +176,10 @@ class ValuesStreamDecoder final : public Decoder {
     return Volume(std::move(none));
   }
 
-  /// Sets `values_`, and `vectors_` if the values are samples without remainders.
-  void decode(const Description& about) const {
+  /// Sets `values_`, and with `vectors` also `vectors_` if the values are samples without remainders.
+  void decode(const Description& about, int level, bool vectors) const {
     auto values = std::make_shared<VolumeValues>();
-    values->level = decoder_.level();
+    values->level = level;
     values->range = about.value_range;
     values->stored = grid_.stored;
     values->slope = grid_.slope;
@@ -195,9 +203,13 @@ class ValuesStreamDecoder final : public Decoder {
       // Bricks of finer levels start from the samples of coarse ones, which therefore keep all their bits.
       if (values->level == 0)
         samples_.limits = values::sample_limits(about.value_range, samples_.layout.slope, samples_.layout.intercept);
-      update_vectors(changed, about);
+      if (vectors)
+        update_vectors(changed, about);
+      else
+        vectors_.reset();
       values->source = source_of(samples_);
     }
+    has_vectors_ = vectors;
     values_ = std::move(values);
   }
 
@@ -283,11 +295,20 @@ class ValuesStreamDecoder final : public Decoder {
   mutable values::ValuesDecoder decoder_;
   mutable values::SampledGrid samples_;
   mutable int samples_level_ = -1;
+  mutable bool has_vectors_ = false;                    // `vectors_` is that of `values_`
   mutable std::optional<values::CellVectors> vectors_;  // null if the values have remainders, or before the first ones
   mutable std::shared_ptr<const VolumeValues> values_;  // null after a change
 };
 
 }  // namespace
+
+namespace values {
+
+std::unique_ptr<ValuesPart> make_values_part(const StreamHeader& header, std::size_t most_vectors) {
+  return std::make_unique<ValuesStreamDecoder>(header, most_vectors);
+}
+
+}  // namespace values
 
 std::unique_ptr<Decoder> make_values_decoder(const StreamHeader& header, std::size_t most_vectors) {
   return std::make_unique<ValuesStreamDecoder>(header, most_vectors);

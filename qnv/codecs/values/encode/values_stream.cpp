@@ -1,10 +1,11 @@
 #include "qnv/codecs/values/encode/values_stream.h"
 
-#include "qnv/codecs/shared/stream_writer.h"
 #include "qnv/codecs/values/chunk_places.h"
 #include "qnv/codecs/values/cube_runs.h"
 #include "qnv/codecs/values/encode/encode_values.h"
 #include "qnv/codecs/values/encode/sampled_volume.h"
+#include "qnv/codecs/values/encode/values_chunks.h"
+#include "qnv/codecs/values/encode/write_values.h"
 #include "qnv/codecs/values/stored_code.h"
 #include "qnv/sampling/volume/gradients.h"
 #include "qnv/sampling/volume/volume_slices.h"
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -22,93 +24,19 @@ namespace {
 
 using values::SampledVolume;
 
-Description describe(const VolumeSource& source, const SampledVolume& volume, const EncodeOptions& options) {
+Description describe(const VolumeSource& source, const std::pair<float, float>& range, const EncodeOptions& options) {
   const VolumeLayout& layout = source.layout;
   Description about;
   about.two_sided = true;
   about.origin = layout.base;
   about.box = voxel_box(layout);
   about.spacing = std::min({glm::length(layout.axes[0]), glm::length(layout.axes[1]), glm::length(layout.axes[2])});
-  about.value_range = volume.value_range;
-  about.transfer = default_transfer(volume.value_range.first, volume.value_range.second);
+  about.value_range = range;
+  about.transfer = default_transfer(range.first, range.second);
   about.metadata = layout.metadata;
   add_metadata(options.metadata, about);
   return about;
 }
-
-/// Parts of a stream in the order of their chunks.
-struct StreamParts {
-  std::vector<values::StoredRun> gaps;
-  std::vector<values::StoredCluster> clusters;
-  std::vector<values::StoredRun> remainders;
-};
-
-/// Chunks of a values stream, with payloads in a store.
-class ValuesChunks final : public ChunkList {
- public:
-  ValuesChunks(const ValueGrid& grid, const SpillStore& store, const StreamParts& parts)
-      : store_(store), parts_(parts), entries_(grid) {
-    for (const values::StoredCluster& cluster : parts.clusters)
-      most_gain_ = std::max(most_gain_, static_cast<double>(cluster.gain));
-  }
-
-  [[nodiscard]] std::size_t size() const override {
-    return parts_.gaps.size() + parts_.clusters.size() + parts_.remainders.size();
-  }
-  [[nodiscard]] std::optional<OutgoingChunk> chunk(std::size_t i) const override {
-    OutgoingChunk chunk;
-    const Place place = place_of(i);
-    chunk.entry = entries_(chunk_place(i));
-    chunk.payload.resize(place.run ? place.run->bytes : place.cluster->bytes);
-    if (!store_.read(place.run ? place.run->offset : place.cluster->offset, chunk.payload)) return std::nullopt;
-    if (place.run) {
-      chunk.type = i < parts_.gaps.size() ? ChunkType::gaps : ChunkType::remainders;
-      // A lost chunk of gaps leaves wrong values where there are none.
-      if (chunk.type == ChunkType::gaps) chunk.gain = most_gain_;
-      return chunk;
-    }
-    chunk.type = ChunkType::values;
-    chunk.gain = static_cast<double>(place.cluster->gain);
-    chunk.chain = place.cluster->block;
-    return chunk;
-  }
-  [[nodiscard]] std::optional<std::vector<std::vector<std::byte>>> places(
-      std::span<const DirectoryEntry> entries) const override {
-    std::vector<values::ChunkPlace> places;
-    places.reserve(entries.size());
-    for (std::size_t i = 0; i < entries.size(); ++i) {
-      places.push_back(chunk_place(i));
-      places.back().offset = entries[i].offset;
-      places.back().bytes = entries[i].bytes;
-    }
-    return values::pack_places(places);
-  }
-  [[nodiscard]] std::size_t entry_bytes() const override { return values::kMostPlaceBytes; }
-
- private:
-  /// Part of the stream that a chunk holds: a run or a cluster.
-  struct Place {
-    const values::StoredRun* run = nullptr;
-    const values::StoredCluster* cluster = nullptr;
-  };
-  [[nodiscard]] Place place_of(std::size_t i) const {
-    if (i < parts_.gaps.size()) return {&parts_.gaps[i], nullptr};
-    i -= parts_.gaps.size();
-    if (i < parts_.clusters.size()) return {nullptr, &parts_.clusters[i]};
-    return {&parts_.remainders[i - parts_.clusters.size()], nullptr};
-  }
-
-  [[nodiscard]] values::ChunkPlace chunk_place(std::size_t i) const {
-    const Place place = place_of(i);
-    if (place.cluster) return {ChunkType::values, 0, 0, place.cluster->block, place.cluster->index};
-    return {i < parts_.gaps.size() ? ChunkType::gaps : ChunkType::remainders, 0, 0, place.run->first, place.run->count};
-  }
-
-  const SpillStore& store_;
-  const StreamParts& parts_;
-  values::PlaceEntries entries_;
-  double most_gain_ = 0;
-};
 
 /// Reads a volume batch by batch. Calls take(batch) for each. Returns an error if the source fails, or if cancelled.
 template <class Take>
@@ -172,11 +100,11 @@ std::optional<EncodeError> encode_codes(values::SampleReader& reader, const Volu
   return problem;
 }
 
-// Returns the size that is left for the clusters, beside their parity.
-std::size_t room_for_clusters(const StreamHeader& header, const StreamParts& parts, std::size_t max_bytes,
-                              const Protection& protection) {
+// Returns the size that is left for the clusters of one component, beside their parity.
+std::size_t room_for_clusters(const StreamHeader& header, std::span<const values::StoredRun> gaps,
+                              std::size_t max_bytes, const Protection& protection) {
   std::size_t used = encode_header(header).size() + 12 * ValueGrid::kMaxValueErrors;
-  for (const values::StoredRun& run : parts.gaps) used += run.bytes + kChunkHeaderBytes + values::kMostPlaceBytes;
+  for (const values::StoredRun& run : gaps) used += run.bytes + kChunkHeaderBytes + values::kMostPlaceBytes;
   const std::size_t room = max_bytes > used ? max_bytes - used : 1;
   if (room == 1 || protection.kind == Protection::Kind::none) return room;
   // The first groups are small and have more parity than the others.
@@ -196,55 +124,44 @@ void set_errors(std::vector<ValueError> errors, std::size_t before, float roundi
   }
 }
 
-/// Sink that counts the bytes of a stream.
-class CountingSink final : public StreamSink {
- public:
-  explicit CountingSink(StreamSink& to) : to_(to) {}
-  bool write(std::span<const std::byte> bytes) override {
-    count_ += bytes.size();
-    return to_.write(bytes);
-  }
-  bool rewrite_front(std::span<const std::byte> bytes) override { return to_.rewrite_front(bytes); }
-  [[nodiscard]] std::uint64_t count() const { return count_; }
-
- private:
-  StreamSink& to_;
-  std::uint64_t count_ = 0;
+/// Component of a volume while it is encoded.
+struct EncodedComponent {
+  ValueGrid grid;
+  values::ComponentParts parts;
+  std::pair<float, float> range{0, 0};
 };
 
-}  // namespace
-
-std::variant<EncodedStream, EncodeError> encode_values(const VolumeSource& source, const EncodeOptions& options,
-                                                       Progress* progress) {
+// Encodes one component into a store. `header` has everything but its grid.
+std::variant<EncodedComponent, EncodeError> encode_component(const VolumeSource& source, StreamHeader header,
+                                                             const EncodeOptions& options, SpillStore& store,
+                                                             Progress* progress) {
   auto sampled = values::sample_volume(source, options.tolerance, progress);
   if (auto* problem = std::get_if<EncodeError>(&sampled)) return std::move(*problem);
   auto& volume = std::get<SampledVolume>(sampled);
   const VolumeLayout& layout = source.layout;
-  StreamHeader header;
-  header.kind = Kind::volume;
-  header.payload = Payload::values;
-  header.description = describe(source, volume, options);
-  header.cube = Cube::around(header.description.box);
+  EncodedComponent made;
+  made.range = volume.value_range;
+  made.grid = volume.grid;
   header.grid = volume.grid;
-  ValueGrid& grid = header.grid;
+  header.description = describe(source, made.range, options);
+  header.cube = Cube::around(header.description.box);
+  ValueGrid& grid = made.grid;
+  values::ComponentParts& parts = made.parts;
   if (!sound(grid))
     return EncodeError{"the voxels are too many, too large or too far apart; expected at most 2^31 voxels"};
-
-  MemoryStore memory;
-  SpillStore& store = options.spill ? *options.spill : memory;
   values::SampleReader reader(source, volume, options.threads);
-  StreamParts parts;
   if (grid.gaps)
     if (auto problem = encode_gaps(reader, layout, store, parts.gaps, progress)) return std::move(*problem);
   const std::size_t before = parts.gaps.size();
-  const Protection protection = options.parity ? equal_protection(options) : Protection{Protection::Kind::unequal};
   values::ValuesLimit limit{volume.most_error, 0};
-  if (options.max_bytes != 0) limit.max_bytes = room_for_clusters(header, parts, options.max_bytes, protection);
-  auto made = values::encode_values([&](std::uint32_t first, std::uint32_t count,
-                                        values::SampleBatch& batch) { return reader.read(first, count, false, batch); },
-                                    layout.dimensions, limit, store, options.threads, progress);
-  if (auto* problem = std::get_if<EncodeError>(&made)) return std::move(*problem);
-  auto& encoded = std::get<values::EncodedValues>(made);
+  if (options.max_bytes != 0)
+    limit.max_bytes = room_for_clusters(header, parts.gaps, options.max_bytes, values_protection(options));
+  auto encoding =
+      values::encode_values([&](std::uint32_t first, std::uint32_t count,
+                                values::SampleBatch& batch) { return reader.read(first, count, false, batch); },
+                            layout.dimensions, limit, store, options.threads, progress);
+  if (auto* problem = std::get_if<EncodeError>(&encoding)) return std::move(*problem);
+  auto& encoded = std::get<values::EncodedValues>(encoding);
   parts.clusters = std::move(encoded.clusters);
   set_errors(std::move(encoded.errors), before, volume.rounding, grid);
   if (grid.exact) {
@@ -261,20 +178,49 @@ std::variant<EncodedStream, EncodeError> encode_values(const VolumeSource& sourc
       grid.errors.back().chunks = end;
     else if (grid.errors.back().chunks < end)
       grid.errors.push_back({end, 0, 0});
+    else
+      grid.errors.back() = {end, 0, 0};  // all remainders are 0
   }
-  EncodedStream stream;
-  MemorySink memory_sink(stream.bytes);
-  CountingSink sink(options.sink ? *options.sink : memory_sink);
-  const ValueGrid known = header.grid;
-  auto written =
-      write_stream(std::move(header), ValuesChunks(known, store, parts), options.max_bytes, sink, protection);
-  if (auto* problem = std::get_if<EncodeError>(&written)) return std::move(*problem);
-  stream.header = std::move(std::get<StreamHeader>(written));
-  if (options.sink) stream.written = sink.count();
-  if (options.max_bytes != 0 && stream.size() > options.max_bytes)
-    return EncodeError{"a stream of the coarsest values has " + std::to_string(stream.size()) +
-                       " bytes; expected at most " + std::to_string(options.max_bytes)};
-  return stream;
+  parts.weight = grid.unit * grid.unit;
+  return made;
+}
+
+}  // namespace
+
+std::variant<EncodedStream, EncodeError> encode_values(const VolumeSource& source, const EncodeOptions& options,
+                                                       Progress* progress) {
+  const std::span<const VolumeSource> sources =
+      source.components.empty() ? std::span(&source, 1) : std::span(source.components);
+  if (sources.size() > kMaxValueComponents)
+    return EncodeError{"each voxel has " + std::to_string(sources.size()) + " numbers; expected at most " +
+                       std::to_string(kMaxValueComponents) + ", or --component with one of them"};
+  MemoryStore memory;
+  SpillStore& store = options.spill ? *options.spill : memory;
+  StreamHeader header;
+  header.kind = Kind::volume;
+  header.payload = Payload::values;
+  std::vector<values::ComponentParts> parts;
+  std::pair<float, float> range{0, 0};
+  for (const VolumeSource& one : sources) {
+    auto made = encode_component(one, header, options, store, progress);
+    if (auto* problem = std::get_if<EncodeError>(&made)) return std::move(*problem);
+    auto& component = std::get<EncodedComponent>(made);
+    component.grid.components = static_cast<std::uint16_t>(sources.size());
+    const bool first = parts.empty();
+    range =
+        first ? component.range
+              : std::pair(std::min(range.first, component.range.first), std::max(range.second, component.range.second));
+    if (first)
+      header.grid = std::move(component.grid);
+    else
+      header.more_grids.push_back(std::move(component.grid));
+    parts.push_back(std::move(component.parts));
+  }
+  if (sources.size() == 1) parts.front().weight = 1;
+  header.description = describe(sources.front(), range, options);
+  header.cube = Cube::around(header.description.box);
+  const ValueGrid grid = header.grid;
+  return write_values(std::move(header), values::ValuesChunks(grid, store, parts), options, "values");
 }
 
 }  // namespace gs::qnv

@@ -1,0 +1,99 @@
+#include "qnv/codecs/values/encode/values_chunks.h"
+
+#include "qnv/base/short_number.h"
+#include "qnv/codecs/values/component_number.h"
+#include "qnv/codecs/values/cube_runs.h"
+
+#include <algorithm>
+#include <functional>
+
+namespace gs::qnv::values {
+
+ValuesChunks::ValuesChunks(const ValueGrid& grid, const SpillStore& store, std::span<const ComponentParts> parts)
+    : store_(store), parts_(parts), extent_(grid.dimensions), blocks_(extent_, level_count(extent_)), entries_(grid) {
+  for (const ComponentParts& part : parts)
+    for (const StoredCluster& cluster : part.clusters)
+      most_gain_ = std::max(most_gain_, static_cast<double>(cluster.gain) * part.weight);
+  if (parts.size() > 1) merge();
+}
+
+void ValuesChunks::merge() {
+  for (std::size_t c = 0; c < parts_.size(); ++c)
+    for (const StoredRun& run : parts_[c].gaps) merged_.push_back({&run, nullptr, c, true});
+  std::size_t begin = merged_.size();
+  for (std::size_t c = 0; c < parts_.size(); ++c)
+    for (const StoredCluster& cluster : parts_[c].clusters) merged_.push_back({nullptr, &cluster, c, false});
+  // The clusters of a component are already in this order, which a stable sort keeps.
+  const auto from = [&](std::size_t first) { return merged_.begin() + static_cast<std::ptrdiff_t>(first); };
+  std::ranges::stable_sort(from(begin), merged_.end(), std::greater{}, [this](const Place& place) {
+    return static_cast<double>(place.cluster->rank) * parts_[place.component].weight;
+  });
+  begin = merged_.size();
+  for (std::size_t c = 0; c < parts_.size(); ++c)
+    for (const StoredRun& run : parts_[c].remainders) merged_.push_back({&run, nullptr, c, false});
+  std::ranges::stable_sort(from(begin), merged_.end(), {}, [](const Place& place) { return place.run->first; });
+}
+
+std::size_t ValuesChunks::size() const {
+  if (!merged_.empty()) return merged_.size();
+  const ComponentParts& part = parts_.front();
+  return part.gaps.size() + part.clusters.size() + part.remainders.size();
+}
+
+ValuesChunks::Place ValuesChunks::place_of(std::size_t i) const {
+  if (!merged_.empty()) return merged_[i];
+  const ComponentParts& part = parts_.front();
+  if (i < part.gaps.size()) return {&part.gaps[i], nullptr, 0, true};
+  i -= part.gaps.size();
+  if (i < part.clusters.size()) return {nullptr, &part.clusters[i], 0, false};
+  return {&part.remainders[i - part.clusters.size()], nullptr, 0, false};
+}
+
+bool ValuesChunks::read(const Place& place, std::vector<std::byte>& payload) const {
+  payload.resize(place.run ? place.run->bytes : place.cluster->bytes);
+  if (!store_.read(place.run ? place.run->offset : place.cluster->offset, payload)) return false;
+  if (place.component == 0) return true;
+  const Extent cubes = cube_extent(extent_);
+  const ComponentCounts counts{blocks_.count(), std::uint64_t{cubes[0]} * cubes[1] * cubes[2]};
+  payload = with_component(payload, place.component, place.run ? counts.cubes : counts.blocks);
+  return true;
+}
+
+ChunkPlace ValuesChunks::chunk_place(const Place& place) {
+  if (place.cluster) return {ChunkType::values, 0, 0, place.cluster->block, place.cluster->index};
+  return {place.gaps ? ChunkType::gaps : ChunkType::remainders, 0, 0, place.run->first, place.run->count};
+}
+
+std::optional<OutgoingChunk> ValuesChunks::chunk(std::size_t i) const {
+  OutgoingChunk chunk;
+  const Place place = place_of(i);
+  chunk.entry = entries_(chunk_place(place));
+  if (place.component > 0) chunk.entry.vectors = 0;
+  if (!read(place, chunk.payload)) return std::nullopt;
+  if (place.run) {
+    chunk.type = place.gaps ? ChunkType::gaps : ChunkType::remainders;
+    // A lost chunk of gaps leaves wrong values where there are none.
+    if (place.gaps) chunk.gain = most_gain_;
+    return chunk;
+  }
+  chunk.type = ChunkType::values;
+  chunk.gain = static_cast<double>(place.cluster->gain) * parts_[place.component].weight;
+  chunk.chain = static_cast<std::uint32_t>(place.component * blocks_.count() + place.cluster->block);
+  return chunk;
+}
+
+std::optional<std::vector<std::vector<std::byte>>> ValuesChunks::places(std::span<const DirectoryEntry> entries) const {
+  if (parts_.size() > 1) return std::nullopt;
+  std::vector<ChunkPlace> places;
+  places.reserve(entries.size());
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    places.push_back(chunk_place(place_of(i)));
+    places.back().offset = entries[i].offset;
+    places.back().bytes = entries[i].bytes;
+  }
+  return pack_places(places);
+}
+
+std::size_t ValuesChunks::entry_bytes() const { return parts_.size() > 1 ? kDirectoryEntryBytes : kMostPlaceBytes; }
+
+}  // namespace gs::qnv::values

@@ -1,0 +1,116 @@
+// Tests of encode, export and pictures of volumes with several numbers per voxel, as a user runs them.
+#include "app/formats/volume/volume.h"
+#include "qnv/sampling/volume/volume_slices.h"
+#include "tests/app/commands/vector_commands.h"
+
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+using namespace gs;
+using namespace gs::app;
+using namespace gs::test;
+
+namespace {
+
+constexpr int kVectorEdge = 18;
+
+// Voxels with three numbers each.
+template <class T>
+std::string nrrd_vectors(const char* type, double scale, double shift) {
+  std::string text = std::string("NRRD0004\ntype: ") + type +
+                     "\ndimension: 4\nsizes: 3 18 18 18\nkinds: vector domain domain domain\nspacings: nan 1 1 2\n"
+                     "endian: little\nencoding: raw\n\n";
+  for (int z = 0; z < kVectorEdge; ++z)
+    for (int y = 0; y < kVectorEdge; ++y)
+      for (int x = 0; x < kVectorEdge; ++x)
+        for (int c = 0; c < 3; ++c) {
+          const double place = c == 0 ? x : c == 1 ? y - x : z * y / 18.0;
+          const T value = static_cast<T>(std::sin(place / 5) * scale + shift);
+          text.append(reinterpret_cast<const char*>(&value), sizeof value);
+        }
+  return text;
+}
+
+std::vector<std::vector<float>> numbers_in_file(const std::string& path) {
+  auto opened = open_volume(path);
+  const auto* problem = std::get_if<std::string>(&opened);
+  INFO((problem ? *problem : path));
+  REQUIRE_FALSE(problem);
+  const auto& source = std::get<qnv::VolumeSource>(opened);
+  std::vector<std::vector<float>> all;
+  std::vector<std::byte> scratch;
+  const auto read = [&](const qnv::VolumeSource& one) {
+    const std::size_t slice = qnv::slice_voxels(one.layout);
+    std::vector<float> values(qnv::voxel_count(one.layout));
+    for (std::uint32_t z = 0; z < one.layout.dimensions[2]; ++z)
+      REQUIRE(qnv::read_slice(one, z, scratch, std::span(values).subspan(z * slice, slice)));
+    all.push_back(std::move(values));
+  };
+  if (source.components.empty()) read(source);
+  for (const qnv::VolumeSource& one : source.components) read(one);
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("encode: keeps all numbers of a voxel, and export writes them") {
+  const ScratchFolder folder;
+  const std::string stream = folder.path("a.qnv");
+  for (const std::string& given : {nrrd_vectors<std::uint8_t>("uint8", 100, 120), nrrd_vectors<float>("float", 3, 0),
+                                   nrrd_vectors<std::int16_t>("int16", 9000, 0)}) {
+    const std::string volume = folder.write("a.nrrd", given);
+    const Run encoded = run("encode --lossless " + quoted(volume) + " " + quoted(stream));
+    INFO(encoded.output);
+    REQUIRE(encoded.status == kDone);
+    const auto truth = numbers_in_file(volume);
+    REQUIRE(truth.size() == 3);
+    for (const char* extension : {"nrrd", "vti", "nii"}) {
+      const std::string out = folder.path(std::string("out.") + extension);
+      const Run exported = run("export " + quoted(stream) + " " + quoted(out));
+      INFO(exported.output);
+      REQUIRE(exported.status == kDone);
+      CHECK(exported.output.find("voxels of 3 numbers, exact") != std::string::npos);
+      CHECK(numbers_in_file(out) == truth);
+    }
+    const std::string one = folder.path("one.fits");
+    REQUIRE(run("export --component 1 " + quoted(stream) + " " + quoted(one)).status == kDone);
+    CHECK(numbers_in_file(one) == std::vector<std::vector<float>>{truth[1]});
+    const std::string direct = folder.path("direct.nii");
+    REQUIRE(run("export " + quoted(volume) + " " + quoted(direct)).status == kDone);
+    CHECK(numbers_in_file(direct) == truth);
+    const std::string length = folder.path("length.nrrd");
+    REQUIRE(run("export --component magnitude " + quoted(stream) + " " + quoted(length)).status == kDone);
+    CHECK(static_cast<double>(numbers_in_file(length)[0][40]) ==
+          Approx(std::sqrt(std::pow(truth[0][40], 2) + std::pow(truth[1][40], 2) + std::pow(truth[2][40], 2))));
+  }
+  CHECK(run("export " + quoted(stream) + " " + quoted(folder.path("a.fits"))).output.find("--component") !=
+        std::string::npos);
+  CHECK(run("export --component 3 " + quoted(stream) + " " + quoted(folder.path("b.nrrd")))
+            .output.find("expected 0 to 2") != std::string::npos);
+  CHECK(run("info " + quoted(stream)).output.find("components") != std::string::npos);
+  REQUIRE(run("encode --component 2 " + quoted(folder.path("a.nrrd")) + " " + quoted(stream)).status == kDone);
+  CHECK(run("info " + quoted(stream)).output.find("components") == std::string::npos);
+}
+
+TEST_CASE("snapshot: --component selects the numbers of a stream") {
+  const ScratchFolder folder;
+  const std::string volume = folder.write("a.nrrd", nrrd_vectors<std::int16_t>("int16", 9000, 0));
+  const std::string stream = folder.path("a.qnv");
+  REQUIRE(run("encode --lossless " + quoted(volume) + " " + quoted(stream)).status == kDone);
+  std::vector<std::string> pictures;
+  for (const char* component : {"0", "1", "magnitude"})
+    for (const std::string& shown : {stream, volume}) {
+      const std::string picture = folder.path("a.png");
+      const Run drawn = run("--snapshot " + quoted(picture) + " --component " + component + " " + quoted(shown) +
+                            " --size 120x120 --slice z=50% --slices-alone");
+      INFO(drawn.output);
+      REQUIRE(drawn.status == kDone);
+      pictures.push_back(folder.read("a.png"));
+    }
+  CHECK(pictures[0] != pictures[2]);
+  CHECK(pictures[0] != pictures[4]);
+}
