@@ -19,9 +19,8 @@
 #include <vector>
 
 namespace gs::qnv {
+namespace gaussians {
 namespace {
-
-using namespace gaussians;
 
 // Share of the Gaussians that are less important than those with the finest steps.
 constexpr double kLessImportant = 0.6;
@@ -122,9 +121,11 @@ void add_gains(std::vector<OutgoingChunk>& chunks) {
 }
 
 }  // namespace
+}  // namespace gaussians
 
 std::variant<EncodedStream, EncodeError> encode_gaussians(const Gaussians& source, const EncodeOptions& options,
                                                           Progress* progress) {
+  using namespace gaussians;
   if (auto problem = problem_of(source)) return std::move(*problem);
   const EncodeError cancelled{"cancelled"};
   const auto tree = MergeTree::build(source, options.threads, progress);
