@@ -256,10 +256,8 @@ BrickShare::BrickShare(const WorldBudget& budget, bool grows)
   constexpr std::uint64_t kLeast = std::uint64_t{8} << 20;
   const std::uint64_t left = budget->left(Resource::vectors);
   limits.base_vectors = std::min(limits.base_vectors, static_cast<std::size_t>(left / kBasePart / kDecodedBytes));
-  // While a stream grows, its former vectors are drawn beside the work on the next ones.
-  const std::uint64_t part = grows ? 2 * kBrickPart : kBrickPart;
-  (void)bricks.grow(left / part + limits.base_vectors * kDecodedBytes);
-  limits.brick_bytes = static_cast<std::size_t>(std::max(left / part, kLeast));
+  (void)bricks.grow(left / kBrickPart + limits.base_vectors * kDecodedBytes);
+  limits.brick_bytes = static_cast<std::size_t>(std::max(left / kBrickPart, kLeast));
   if (grows) (void)arrived.grow(budget->left(Resource::files) / kArrivedPart);
   limits.arrived_bytes = static_cast<std::size_t>(std::max(arrived.amount(), kLeast));
 }
