@@ -71,19 +71,6 @@ struct StreamHeader {
   Description description;
   Kind kind = Kind::surface;
   Payload payload = Payload::packed;
-  bool colored = false;         // each vector has its own colour
-  bool meshed = false;          // packed: the exact mesh follows the octree
-  bool parity = false;          // the stream has chunks of parity (lost_chunks.h)
-  Rgb8 color;                   // colour of all vectors if not `colored`
-  std::uint64_t vectors = 0;    // number at full detail
-  std::uint32_t chunks = 0;     // number without directory and parity; 0 if unknown when the header was written
-  std::uint64_t directory = 0;  // byte offset in the stream; 0 means none
-  Cube cube;                    // packed: cube that the octree divides
-  std::vector<Rgb8> palette;    // records of a surface: colour of each index C; at most 256
-  OutlineHeader outlines;       // outlines only
-  std::vector<std::byte> base;  // displaced: encoded first stage (displaced/surface.h)
-  ValueGrid grid;               // values only
-  GaussianCoding gaussians;     // gaussians only
   bool colored = false;               // each vector has its own colour
   bool meshed = false;                // packed: the exact mesh follows the octree
   bool parity = false;                // the stream has chunks of parity (lost_chunks.h)
@@ -97,6 +84,7 @@ struct StreamHeader {
   std::vector<std::byte> base;        // displaced: encoded first stage (displaced/surface.h)
   ValueGrid grid;                     // values only; of the first component
   std::vector<ValueGrid> more_grids;  // of the other components
+  GaussianCoding gaussians;           // gaussians only
 };
 
 /// Directory entry of a chunk.
