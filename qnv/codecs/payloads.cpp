@@ -108,62 +108,63 @@ Encoded encode_splats(const EncodeSource& source, EncodeOptions options, Progres
   const auto* splats = std::get_if<std::reference_wrapper<const Gaussians>>(&source);
   if (!splats) return EncodeError{"a Gaussians stream needs Gaussian splats; expected a file of splats"};
   return encode_gaussians(splats->get(), options, progress);
-  std::unique_ptr<Decoder> make_volume_decoder(const StreamHeader& header, std::size_t most_vectors) {
-    if (header.grid.labels) return make_labels_decoder(header, most_vectors);
-    if (header.grid.components > 1) return make_components_decoder(header, most_vectors);
-    return make_values_decoder(header, most_vectors);
-  }
+}
 
-  /// Returns a list of chunk types, padded by repeating the last one.
-  constexpr ChunkTypes types(std::initializer_list<ChunkType> told) {
-    ChunkTypes all{};
-    for (std::size_t i = 0; i < all.size(); ++i) all[i] = told.begin()[std::min(i, told.size() - 1)];
-    return all;
-  }
-  constexpr ChunkTypes only(ChunkType type) { return types({type}); }
+std::unique_ptr<Decoder> make_volume_decoder(const StreamHeader& header, std::size_t most_vectors) {
+  if (header.grid.labels) return make_labels_decoder(header, most_vectors);
+  if (header.grid.components > 1) return make_components_decoder(header, most_vectors);
+  return make_values_decoder(header, most_vectors);
+}
 
-  bool is_progressive(const StreamHeader& header) { return progressive::is_front(header.base); }
+/// Returns a list of chunk types, padded by repeating the last one.
+constexpr ChunkTypes types(std::initializer_list<ChunkType> told) {
+  ChunkTypes all{};
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = told.begin()[std::min(i, told.size() - 1)];
+  return all;
+}
+constexpr ChunkTypes only(ChunkType type) { return types({type}); }
 
-  constexpr std::array<PayloadRow, 7> kRows = {{
-      {Payload::records, "records", PayloadReader::vectors, RequestOrder::stream, nullptr, only(ChunkType::records),
-       kRecordsHeaderBytes, kRecordBytes, 1200 / kRecordBytes, choose_records, encode_records, make_records_decoder},
-      {Payload::packed, "packed", PayloadReader::levels, RequestOrder::visible_first, nullptr,
-       types({ChunkType::packed, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
-              ChunkType::picture, ChunkType::normals}),
-       0, 0, 0, choose_packed, encode_packed, make_octree_decoder},
-      {Payload::outlines, "outlines", PayloadReader::polygons, RequestOrder::stream, nullptr,
-       types({ChunkType::outlines, ChunkType::inner}), 0, 0, 0, choose_outlines, encode_groups, nullptr},
-      {Payload::displaced, "progressive", PayloadReader::vectors, RequestOrder::stream, is_progressive,
-       types({ChunkType::splits, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
-              ChunkType::cover, ChunkType::picture, ChunkType::normals}),
-       0, 0, 0, nullptr, encode_growing, make_progressive_decoder},
-      {Payload::displaced, "displaced", PayloadReader::vectors, RequestOrder::visible_first, nullptr,
-       types({ChunkType::displaced, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
-              ChunkType::cover, ChunkType::picture, ChunkType::normals}),
-       0, 0, 0, choose_displaced, encode_base_and_displacements, make_displaced_decoder},
-      {Payload::values, "values", PayloadReader::vectors, RequestOrder::visible_first, nullptr,
-       types({ChunkType::values, ChunkType::gaps, ChunkType::remainders, ChunkType::labels}), 0, 0, 0, choose_values,
-       encode_volume_values, make_volume_decoder},
-      {Payload::gaussians, "gaussians", PayloadReader::vectors, RequestOrder::visible_first, nullptr,
-       types({ChunkType::gaussians, ChunkType::harmonics}), 0, 0, 0, choose_gaussians, encode_splats,
-       make_gaussians_decoder},
-  }};
+bool is_progressive(const StreamHeader& header) { return progressive::is_front(header.base); }
 
-  // Checks the order of the table: ascending payload numbers, which may have gaps. Among rows with the same number,
-  // only the last row has no `sniff`.
-  static_assert([] {
-    for (std::size_t i = 1; i < kRows.size(); ++i)
-      if (!(kRows[i - 1].payload < kRows[i].payload) &&
-          !(kRows[i - 1].payload == kRows[i].payload && kRows[i - 1].sniff))
-        return false;
-    return true;
-  }());
+constexpr std::array<PayloadRow, 7> kRows = {{
+    {Payload::records, "records", PayloadReader::vectors, RequestOrder::stream, nullptr, only(ChunkType::records),
+     kRecordsHeaderBytes, kRecordBytes, 1200 / kRecordBytes, choose_records, encode_records, make_records_decoder},
+    {Payload::packed, "packed", PayloadReader::levels, RequestOrder::visible_first, nullptr,
+     types({ChunkType::packed, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
+            ChunkType::picture, ChunkType::normals}),
+     0, 0, 0, choose_packed, encode_packed, make_octree_decoder},
+    {Payload::outlines, "outlines", PayloadReader::polygons, RequestOrder::stream, nullptr,
+     types({ChunkType::outlines, ChunkType::inner}), 0, 0, 0, choose_outlines, encode_groups, nullptr},
+    {Payload::displaced, "progressive", PayloadReader::vectors, RequestOrder::stream, is_progressive,
+     types({ChunkType::splits, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
+            ChunkType::cover, ChunkType::picture, ChunkType::normals}),
+     0, 0, 0, nullptr, encode_growing, make_progressive_decoder},
+    {Payload::displaced, "displaced", PayloadReader::vectors, RequestOrder::visible_first, nullptr,
+     types({ChunkType::displaced, ChunkType::piece, ChunkType::shading, ChunkType::exact, ChunkType::low_bits,
+            ChunkType::cover, ChunkType::picture, ChunkType::normals}),
+     0, 0, 0, choose_displaced, encode_base_and_displacements, make_displaced_decoder},
+    {Payload::values, "values", PayloadReader::vectors, RequestOrder::visible_first, nullptr,
+     types({ChunkType::values, ChunkType::gaps, ChunkType::remainders, ChunkType::labels}), 0, 0, 0, choose_values,
+     encode_volume_values, make_volume_decoder},
+    {Payload::gaussians, "gaussians", PayloadReader::vectors, RequestOrder::visible_first, nullptr,
+     types({ChunkType::gaussians, ChunkType::harmonics}), 0, 0, 0, choose_gaussians, encode_splats,
+     make_gaussians_decoder},
+}};
 
-  const PayloadRow* row_with(std::uint8_t number) {
-    for (const PayloadRow& row : kRows)
-      if (static_cast<std::uint8_t>(row.payload) == number && !row.sniff) return &row;
-    return nullptr;
-  }
+// Checks the order of the table: ascending payload numbers, which may have gaps. Among rows with the same number,
+// only the last row has no `sniff`.
+static_assert([] {
+  for (std::size_t i = 1; i < kRows.size(); ++i)
+    if (!(kRows[i - 1].payload < kRows[i].payload) && !(kRows[i - 1].payload == kRows[i].payload && kRows[i - 1].sniff))
+      return false;
+  return true;
+}());
+
+const PayloadRow* row_with(std::uint8_t number) {
+  for (const PayloadRow& row : kRows)
+    if (static_cast<std::uint8_t>(row.payload) == number && !row.sniff) return &row;
+  return nullptr;
+}
 
 }  // namespace
 

@@ -30,6 +30,8 @@ struct ValueBrick {
     if (sample == missing) return std::numeric_limits<float>::quiet_NaN();
     return static_cast<float>(sample * slope + intercept);
   }
+};
+
 /// Choice of the number to show of voxels that have several.
 struct ShownComponent {
   std::uint32_t index = 0;  // from 0; the last one if it is too large
@@ -46,13 +48,10 @@ struct VolumeValues {
   std::optional<float> rms;             // root mean square of the errors
   VoxelType stored = VoxelType::f32;    // of the original volume: value = stored * slope + intercept
   double slope = 1, intercept = 0;
-  std::optional<double> missing;  // stored number that marks missing voxels
-  bool exact = false;             // the stored voxels are restored bit for bit
-  std::uint64_t bytes = 0;        // of memory
-  std::vector<ValueBrick> bricks{};  // finer parts, the finest first
   std::optional<double> missing;                                  // stored number that marks missing voxels
   bool exact = false;                                             // the stored voxels are restored bit for bit
   std::uint64_t bytes = 0;                                        // of memory
+  std::vector<ValueBrick> bricks{};                               // finer parts, the finest first
   std::vector<std::shared_ptr<const VolumeValues>> components{};  // all numbers of a voxel, if it has several
 };
 

@@ -35,7 +35,7 @@ std::string nrrd_vectors(const char* type, double scale, double shift) {
   return text;
 }
 
-std::vector<std::vector<float>> numbers_in_file(const std::string& path) {
+std::vector<std::vector<float>> rows_in_file(const std::string& path) {
   auto opened = open_volume(path);
   const auto* problem = std::get_if<std::string>(&opened);
   INFO((problem ? *problem : path));
@@ -66,7 +66,7 @@ TEST_CASE("encode: keeps all numbers of a voxel, and export writes them") {
     const Run encoded = run("encode --lossless " + quoted(volume) + " " + quoted(stream));
     INFO(encoded.output);
     REQUIRE(encoded.status == kDone);
-    const auto truth = numbers_in_file(volume);
+    const auto truth = rows_in_file(volume);
     REQUIRE(truth.size() == 3);
     for (const char* extension : {"nrrd", "vti", "nii"}) {
       const std::string out = folder.path(std::string("out.") + extension);
@@ -74,17 +74,17 @@ TEST_CASE("encode: keeps all numbers of a voxel, and export writes them") {
       INFO(exported.output);
       REQUIRE(exported.status == kDone);
       CHECK(exported.output.find("voxels of 3 numbers, exact") != std::string::npos);
-      CHECK(numbers_in_file(out) == truth);
+      CHECK(rows_in_file(out) == truth);
     }
     const std::string one = folder.path("one.fits");
     REQUIRE(run("export --component 1 " + quoted(stream) + " " + quoted(one)).status == kDone);
-    CHECK(numbers_in_file(one) == std::vector<std::vector<float>>{truth[1]});
+    CHECK(rows_in_file(one) == std::vector<std::vector<float>>{truth[1]});
     const std::string direct = folder.path("direct.nii");
     REQUIRE(run("export " + quoted(volume) + " " + quoted(direct)).status == kDone);
-    CHECK(numbers_in_file(direct) == truth);
+    CHECK(rows_in_file(direct) == truth);
     const std::string length = folder.path("length.nrrd");
     REQUIRE(run("export --component magnitude " + quoted(stream) + " " + quoted(length)).status == kDone);
-    CHECK(static_cast<double>(numbers_in_file(length)[0][40]) ==
+    CHECK(static_cast<double>(rows_in_file(length)[0][40]) ==
           Approx(std::sqrt(std::pow(truth[0][40], 2) + std::pow(truth[1][40], 2) + std::pow(truth[2][40], 2))));
   }
   CHECK(run("export " + quoted(stream) + " " + quoted(folder.path("a.fits"))).output.find("--component") !=

@@ -13,6 +13,9 @@
 
 namespace gs::qnv::values {
 
+using displaced::BinaryDecoder;
+using displaced::BinaryEncoder;
+
 namespace {
 
 constexpr std::uint32_t kUnknown = 0xffffffff;  // no label

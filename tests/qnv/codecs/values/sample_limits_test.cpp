@@ -19,7 +19,7 @@
 namespace gs::qnv {
 namespace sample_limits_test {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity(), kNoNumber = std::numeric_limits<float>::quiet_NaN();
+constexpr float kUnlimited = std::numeric_limits<float>::infinity(), kNotANumber = std::numeric_limits<float>::quiet_NaN();
 
 // A ball of 255 in zeros. Truncated wavelets overshoot at its border.
 VolumeSource step_volume() {
@@ -52,8 +52,8 @@ TEST_CASE("limits of samples are the ends of the value range") {
 TEST_CASE("invalid value ranges do not limit samples") {
   const values::SampleLimits none;
   for (const auto& range :
-       {std::pair{1.0f, 0.0f}, std::pair{kNoNumber, 1.0f}, std::pair{0.0f, kNoNumber}, std::pair{-kInfinity, 1.0f},
-        std::pair{0.0f, kInfinity}})
+       {std::pair{1.0f, 0.0f}, std::pair{kNotANumber, 1.0f}, std::pair{0.0f, kNotANumber}, std::pair{-kUnlimited, 1.0f},
+        std::pair{0.0f, kUnlimited}})
     CHECK(values::sample_limits(range, 1, 0) == none);
   CHECK(values::sample_limits({0, 1}, 0, 0) == none);
   CHECK(values::sample_limits({0, 1}, std::nan(""), 0) == none);
