@@ -1,4 +1,5 @@
 #include "qnv/codecs/values/bricks/brick_volume.h"
+#include "qnv/codecs/values/decode/sample_limits.h"
 #include "qnv/codecs/values/decode/values_decoder.h"
 #include "qnv/codecs/values/encode/values_stream.h"
 #include "qnv/reader/stream_decoder.h"
@@ -82,7 +83,7 @@ std::shared_ptr<const Volume> cut_now(BrickVolume& bricks, const LodView& view) 
   return volume;
 }
 
-// Samples of the intact clusters of a stream, decoded as a whole.
+// Samples of the intact clusters of a stream, decoded as a whole. Voxels are limited to the value range.
 std::vector<std::int32_t> whole_samples(const Bytes& bytes, const Extent& extent, int level) {
   values::ValuesDecoder decoder(extent);
   StreamReader reader;
@@ -92,7 +93,11 @@ std::vector<std::int32_t> whole_samples(const Bytes& bytes, const Extent& extent
   };
   reader.push(bytes, take);
   reader.finish(take);
-  return decoder.samples(level);
+  std::vector<std::int32_t> samples = decoder.samples(level);
+  const StreamHeader& header = *reader.header();
+  if (level == 0)
+    values::sample_limits(header.description.value_range, header.grid.unit, header.grid.zero).apply(samples);
+  return samples;
 }
 
 // Compares all bricks with the samples of the whole volume. Returns the number of samples of level 0.
