@@ -30,9 +30,9 @@ struct ConfinementSupport {
 /// threads start. See docs/security.md.
 [[nodiscard]] std::optional<std::string> confine(const Confinement& confinement);
 
-/// Confines this process permanently to decoding: no files, sockets, programs or processes, no memory that can be
-/// executed. seccomp allows only the calls of system_calls.h; Landlock allows no file. Skips features that the kernel
-/// lacks. Returns an error as confine() does. Libraries must be loaded, and one thread must run.
+/// Confines this process permanently to decoding: no files, sockets, programs or processes, no executable memory.
+/// seccomp allows only the calls of system_calls.h; Landlock allows no file. Skips features that the kernel lacks.
+/// Returns an error as confine() does. Call it after libraries are loaded, while only one thread runs.
 [[nodiscard]] std::optional<std::string> confine_decoder();
 
 }  // namespace gs::app

@@ -60,7 +60,7 @@ class SharedMemory {
 
   net::Descriptor file_;
   bool writable_ = true;
-  std::size_t size_ = 0;  // by which grow() made the file longer
+  std::size_t size_ = 0;  // bytes that grow() added to the file
   void* at_ = nullptr;
   std::size_t mapped_ = 0;
 };

@@ -7,7 +7,7 @@ namespace gs::app {
 /// Content that a child decodes. Movies need FFmpeg, which it loads before it confines itself.
 enum class DecoderKind : unsigned char { pictures, movies };
 
-/// First argument of a decoder child; the second one is the name of its kind. No option: users never write it.
+/// First argument of a decoder child; the second one is the name of its kind. Internal; users never pass it.
 inline constexpr std::string_view kDecoderArgument = "--confined-decoder";
 [[nodiscard]] std::string_view name_of(DecoderKind kind);
 

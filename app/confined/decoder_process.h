@@ -13,7 +13,7 @@
 
 namespace gs::app {
 
-/// A confined child process that decodes images. One thread at a time.
+/// Confined child process that decodes images. One thread at a time.
 class DecoderProcess : NonCopyable {
  public:
   /// Starts `program` as a decoder child. If that fails, decode() says so.
@@ -21,8 +21,8 @@ class DecoderProcess : NonCopyable {
   /// Ends the child.
   ~DecoderProcess();
 
-  /// Decodes an image in the child. A crash of the child, an impossible answer, and more than `patience` give an error;
-  /// the object is then of no more use (see good()). `limits.stopped` is called about 50 times a second.
+  /// Decodes an image in the child. Returns an error if the child crashes, gives an impossible answer or takes longer
+  /// than `patience`; good() then returns false. Calls `limits.stopped` about 50 times a second.
   [[nodiscard]] std::variant<render::Image, render::ImageError> decode(std::span<const std::byte> bytes,
                                                                        const render::ImageLimits& limits,
                                                                        std::chrono::milliseconds patience);
@@ -37,7 +37,7 @@ class DecoderProcess : NonCopyable {
   [[nodiscard]] bool send(std::span<const std::byte> bytes) const;
   [[nodiscard]] Wait receive(std::span<std::byte> bytes, const render::ImageLimits& limits, Clock::time_point end);
   [[nodiscard]] render::ImageError failure(Wait wait);
-  /// Ends the child, and returns a text for the reason if it had ended by itself.
+  /// Ends the child. Returns the reason as text if the child had already ended, else an empty text.
   std::string end();
 
   pid_t child_ = 0;

@@ -14,10 +14,10 @@
 namespace gs::qnv {
 
 /// Requests for the chunks of a stream that is decoded completely, ordered by its directory: first the chunks in any
-/// view, then the others, both in the order of the stream. Codecs with RequestOrder::stream cannot profit from views and
-/// keep the order of the stream: each layer of records and of voxels spreads over the whole object, and the segments of
-/// a progressive mesh need their predecessors. Without views, all codecs keep it. Of the values of a volume, chunks that
-/// are finer than the pixels of all views also come last; short streams keep their order. Any thread.
+/// view, then the others, both in the order of the stream. Codecs with RequestOrder::stream cannot profit from views
+/// and keep the order of the stream: each layer of records and of voxels spreads over the whole object, and the
+/// segments of a progressive mesh need their predecessors. Without views, all codecs keep it. For values of a volume,
+/// chunks that are finer than the pixels of all views also come last; short streams keep their order. Any thread.
 class DirectoryRequests final : public ChunkRequests {
  public:
   explicit DirectoryRequests(const StreamHeader& header);

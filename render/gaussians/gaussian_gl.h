@@ -29,7 +29,7 @@ namespace gs::render {
 /// shader projects the splats and evaluates their harmonics. Blends the rectangles of all scenes with a VolumeTarget,
 /// in 16 bits per channel.
 ///
-/// Compute shaders sort for each place of the eye. The order of the thread may be that of an earlier place
+/// Compute shaders sort for each position of the eye. The order of the thread may be that of an earlier position
 /// (DepthOrder). Runs on the thread of its context.
 class GaussianGl {
  public:

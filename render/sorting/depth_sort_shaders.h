@@ -1,11 +1,11 @@
 #pragma once
 
-/// Shaders that sort vectors by depth, and the data of items that they share with the shaders that draw. Those that sort
-/// need version 430.
+/// Shaders that sort vectors by depth, and the data of items that they share with drawing shaders. Sorting shaders need
+/// version 430.
 namespace gs::render {
 
 /// Location of vectors in buffer textures. `items` has ITEM_TEXELS texels for each item. Its texel PLACE has the number
-/// of the first vector among all, and the place of its data, as halves of integers. After a shader that defines both.
+/// of the first vector among all, and the place of its data, as halves of integers. Follows a shader with both names.
 inline constexpr char kItemsShader[] = R"glsl(
 uniform usamplerBuffer codes;
 uniform samplerBuffer items;
@@ -62,8 +62,8 @@ layout(std430, binding = 4) buffer SortedValues { uint sorted_values[]; };
 layout(std430, binding = 5) buffer Counts { uint counts[]; };  // by digit, then by block
 )glsl";
 
-/// Prepares the writing of the keys and indexes of all vectors, last vector first, as in depth_sort.cpp. The shader that
-/// follows has the main function.
+/// Defines write_key(), which writes the keys and indexes of all vectors, last vector first, as in depth_sort.cpp. The
+/// shader that follows has the main function.
 inline constexpr char kSortKeysShader[] = R"glsl(
 // Writes the k-th entry of this thread. Greater depths come first.
 void write_key(uint k, float depth) {

@@ -3,8 +3,8 @@
 
 For each scenario (a command on small files) and each kind of call (allocate, read, write, open, connect), counts the
 calls, then runs the scenario with call 1, 2, 3, ... failing: all if there are at most RUNS (40), else the first quarter
-of RUNS, the last call and others at random. `write` also fails from one call on, like a full disk, or the program is killed there (SIGKILL).
-tests/faults/fault_shim.cpp does it, by LD_PRELOAD. A run must
+of RUNS, the last call and others at random. `write` also fails from one call on, like a full disk, or the program is
+killed there (SIGKILL). tests/faults/fault_shim.cpp makes the calls fail, by LD_PRELOAD. A run must
   - end without another signal within 60 s,
   - give its correct result, or one to eight lines that say what is wrong,
   - leave each file that was there as it was, or give it its correct new content,

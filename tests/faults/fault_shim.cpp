@@ -4,8 +4,8 @@
 //
 // Calls of KIND are numbered from 1 on; with 0 none fails. KIND is `allocate` (std::bad_alloc or null), `read` (EIO),
 // `write` (ENOSPC), `open` (EMFILE) or `connect` (ECONNREFUSED). Calls count from main() on. Allocations count if the
-// program itself makes them, because the libraries of OpenGL end the process without memory. Descriptors 0 to 2 are left
-// alone. FILE gets the number of calls, as a native u64, also if the program is killed.
+// program itself makes them, because the libraries of OpenGL end the process without memory. Calls for descriptors 0
+// to 2 never fail. FILE gets the number of calls, as a native u64, also if the program is killed.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <link.h>

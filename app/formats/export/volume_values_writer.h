@@ -22,7 +22,7 @@ struct VoxelForm {
   bool scaled = true;  // the format has slope and intercept; otherwise scaled values become float32
   bool big_endian = false;
   bool fits_types = false;  // FITS has u8, i16 and i32; other integers are shifted by half of their range
-  bool planes = false;      // components follow each other; otherwise those of a voxel do
+  bool planes = false;      // each component is contiguous; otherwise the numbers of a voxel are
 };
 
 /// Voxels to write: their layout with type, byte order, slope, intercept and missing value of the numbers.

@@ -75,7 +75,7 @@ struct StoredVoxels {
   bool big_endian = false;
   std::uint64_t components = 1;
   VoxelComponent component{};
-  std::uint64_t plane = 0;  // voxels of a component, if the components follow each other; 0 if those of a voxel do
+  std::uint64_t plane = 0;  // voxels of a component if each component is contiguous; 0 if the numbers of a voxel are
 };
 
 /// Creates the source of a volume. All members of `layout` except type and big_endian must be set. Repairs the layout

@@ -170,8 +170,8 @@ void GeometryHandler::show_more() {
   give_up(Resource::vectors);
 }
 
-// Shows the vectors again when they are due, because each time costs linear work, and when their number or their revision
-// has grown by a quarter. The revision also grows when the vectors of a surface only move.
+// Shows the vectors again if the pace allows it and their number or revision has grown by a quarter, because each time
+// costs linear work. The revision also grows when the vectors of a surface only move.
 void GeometryHandler::show_records(bool last) {
   // Counting the vectors of a mesh needs the mesh, so only its revision is compared.
   const bool mesh = decoder_->mesh().shown();

@@ -6,8 +6,8 @@
 
 namespace gs::app::script {
 
-/// Calls a function for the engine. No exception may pass through the frames of the engine. Here it can only mean that
-/// memory is exhausted, and becomes the engine's error for it.
+/// Calls a function for the engine. Exceptions must not pass through the frames of the engine. Here they only mean that
+/// memory is exhausted, so they become the engine's out-of-memory error.
 template <class Function>
 bool contain(JSContext* context, const Function& function) noexcept {
   try {

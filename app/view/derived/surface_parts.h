@@ -7,8 +7,8 @@
 
 namespace gs::app {
 
-/// Returns the grid and its finer parts as volumes for isosurfaces. Each cell between voxels belongs to one of them:
-/// in the others, a voxel of it is missing. A part begins and ends at voxels of the coarser one around it, so that the
+/// Returns the grid and its finer parts as volumes for isosurfaces. Each cell between voxels belongs to one part:
+/// the other parts lack one of its voxels. A part begins and ends at voxels of the coarser one around it, so that the
 /// surfaces meet where these have the same values. All share the ownership of the grid. Needs VolumeGrid::step() 1.
 [[nodiscard]] std::vector<qnv::VolumeSource> surface_parts(const std::shared_ptr<const VolumeGrid>& grid);
 

@@ -55,9 +55,9 @@ struct SplatSteps {
   double color = 0;
 };
 
-/// Largest errors of final Gaussians: along each axis of the Gaussian in standard deviations, where thin axes count as
-/// an eighth of the longest; of deviations, relative; of opacities; of colours. The first number is that of the most
-/// important Gaussians, the second one that of all.
+/// Maximum errors of final Gaussians. `place` is in standard deviations along each axis; a thin axis counts as an
+/// eighth of the longest one. `scale` is relative to the deviation. The first number of an array holds for the most
+/// important Gaussians, the second one for all.
 struct SplatErrors {
   std::array<double, 2> place, color;
   double scale, opacity;
@@ -66,7 +66,7 @@ struct SplatErrors {
 
 [[nodiscard]] double scale_of(int code);
 [[nodiscard]] double opacity_of(int code);
-/// Returns the nearest code.
+/// Returns the code with the nearest value.
 [[nodiscard]] int scale_code(double scale);
 [[nodiscard]] int opacity_code(double opacity);
 /// Returns the importance of a Gaussian in pictures: log2 of its area times its squared opacity, kScaleSteps an octave.

@@ -11,7 +11,7 @@ namespace gs::qnv {
 /// Stream from which each view decodes what it needs, while it is received. One thread at a time.
 class ViewedStream : public ChunkRequests {
  public:
-  /// Adds bytes, directly after those of the begin and of earlier calls. Returns false if further bytes are useless.
+  /// Adds the bytes after those of the begin and of earlier calls. Returns false if further bytes are useless.
   virtual bool push(std::span<const std::byte> bytes) = 0;
   /// Ends the input. Call it after the last push().
   virtual void finish() = 0;

@@ -27,8 +27,9 @@ struct EncodingSide {
     model.learn(bit);
     return bit;
   }
-  /// Codes a decision that is hardly predictable, and one that is not.
+  /// Codes a decision that is hardly predictable.
   std::uint32_t code_even(Estimate& model, bool bit) { return code(model, bit) ? 1 : 0; }
+  /// Codes a decision that is not predictable, without an estimate.
   std::uint32_t code_bit(bool bit) {
     coder.put(bit, coder.range() >> 1);
     return bit ? 1 : 0;

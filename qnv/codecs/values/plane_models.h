@@ -47,7 +47,7 @@ struct PlaneModels {
   std::array<std::array<Estimate, 16>, 4> ones;  // by the number of axes on which the band is high, and context
   std::array<Estimate, 4> lines, more;
 
-  /// Begins with what most volumes have: probabilities that grow with the neighbours.
+  /// Starts with probabilities that suit most volumes: they grow with the neighbours.
   PlaneModels() {
     for (std::uint32_t i = 0; i < cubes.size(); ++i)
       cubes[i].start(std::min<std::uint32_t>(9000 + 5500 * (i / 3) + 6000 * (i % 3), 58000));

@@ -167,7 +167,7 @@ TEST_CASE("decoder processes end with their owner") {
   CHECK(errno == ESRCH);
 }
 
-TEST_CASE("a program that is not there gives an error") {
+TEST_CASE("a missing decoder program gives an error") {
   DecoderProcess process("/nonexistent/program", DecoderKind::pictures);
   CHECK_FALSE(process.good());
   const auto png = render::encode_png(gradient(4, 3, 3));

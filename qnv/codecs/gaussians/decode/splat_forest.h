@@ -17,7 +17,7 @@ struct HeldCluster {
   std::vector<SplatNode> nodes;
   std::vector<bool> replaced;                 // one per Gaussian: its children were received
   std::shared_ptr<const SplatModels> models;  // at its end; null once all Gaussians are final or replaced
-  std::size_t inner = 0;                      // Gaussians that are neither
+  std::size_t inner = 0;                      // Gaussians that are neither final nor replaced
   std::uint32_t level = 0;
   std::vector<glm::vec3> harmonics;  // of the leaves in order, harmonic_count() each; empty until received
 };
@@ -55,7 +55,7 @@ class SplatForest {
   }
 
  private:
-  // Limit in bytes of the chunks that wait for a cluster, which may never be received.
+  // Maximum bytes of the chunks that wait for a cluster. Limited, because some clusters are never received.
   static constexpr std::size_t kMostWaitingBytes = std::size_t{64} << 20;
   using Waiting = std::multimap<std::uint32_t, std::vector<std::byte>>;
 

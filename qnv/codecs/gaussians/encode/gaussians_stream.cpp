@@ -35,7 +35,7 @@ bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y
 
 /// Returns an error if the source cannot be encoded.
 std::optional<EncodeError> problem_of(const Gaussians& source) {
-  if (source.empty()) return EncodeError{"there are no Gaussians"};
+  if (source.empty()) return EncodeError{"the source has no Gaussians; expected at least one"};
   if (source.degree < 0 || source.degree > Gaussians::kMaxDegree)
     return EncodeError{"the spherical harmonics have degree " + std::to_string(source.degree) + "; expected 0 to 3"};
   if (source.size() > std::numeric_limits<std::uint32_t>::max() / 4)

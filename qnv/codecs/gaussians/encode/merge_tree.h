@@ -39,9 +39,9 @@ struct MergedNode {
   [[nodiscard]] bool leaf() const { return left == kNone; }
 };
 
-/// Binary tree of merged Gaussians. Each merge takes two close Gaussians for which one Gaussian makes little difference
-/// in pictures: pairs of similar colours and of shapes that continue each other, before others. So thin lines stay
-/// lines. Sums of opacity x area, and means of positions and colours weighted by it, are conserved.
+/// Binary tree of merged Gaussians. Each merge replaces two close Gaussians by one with little difference in pictures.
+/// Pairs with similar colours, and with shapes that continue each other, merge first. So thin lines stay lines. Merges
+/// conserve sums of opacity x area, and the means of positions and colours with this weight.
 class MergeTree {
  public:
   /// Builds the tree of at least one Gaussian with finite numbers. Returns nullopt if it is cancelled. Gives equal

@@ -28,7 +28,7 @@ struct Brick {
   BrickName name;
   std::shared_ptr<const BrickSamples> samples;  // with the margin
   std::vector<BrickVector> vectors;             // more than are shown
-  double wanted = 0;                            // number of vectors that make its share that of the coarser ones
+  double wanted = 0;                            // number of vectors for the share of the coarser vectors
   [[nodiscard]] std::size_t bytes() const {
     return sizeof(*this) + samples->bytes() + vectors.capacity() * sizeof(BrickVector);
   }
@@ -49,9 +49,8 @@ class BrickCache : NonCopyable {
   BrickCache(const BrickLayout& layout, std::span<const VolumeLayout> levels)
       : layout_(layout), levels_(levels), blocks_(layout.blocks()) {}
 
-  /// Computes the chosen bricks from everything that is received. The blocks of these bricks have their coefficients;
-  /// all others count as zero. Keeps other bricks while all need at most `most_bytes`, those that were chosen last.
-  /// Returns false if `stop` was set.
+  /// Computes the chosen bricks from all received data. Blocks outside of these bricks count as zero. If all bricks
+  /// need more than `most_bytes`, drops other bricks, the least recently chosen first. Returns false if `stop` was set.
   bool update(std::span<const BrickName> chosen, const BrickBase& base, const ClusterChunks& chunks,
               const GapRuns& gaps, std::size_t most_bytes, const std::atomic<bool>& stop);
   /// Returns a brick, or null. Only chosen bricks are up to date.

@@ -24,13 +24,13 @@ struct ClusterPlace {
   std::uint32_t index = 0;   // of the cluster in its block
 };
 
-/// Places of the clusters of each block, and the chunks themselves: in a file, or those that were received. Received
-/// chunks beyond the limit are dropped, and can be received again. One thread at a time.
+/// Places of the clusters of each block, and their chunks: those of a file, or received ones. Drops received chunks
+/// beyond the limit; they can be received again. One thread at a time.
 class ClusterChunks : NonCopyable {
  public:
-  /// Chunks of a file. They are read whenever they are needed.
+  /// Uses the chunks of a file, and reads them whenever they are needed.
   explicit ClusterChunks(std::shared_ptr<const ChunkSource> source) : source_(std::move(source)) {}
-  /// Received chunks, of at most `most_bytes`.
+  /// Keeps received chunks of at most `most_bytes` together.
   explicit ClusterChunks(std::size_t most_bytes) : most_bytes_(most_bytes) {}
 
   /// Notes where a cluster is. Ignores other places of known clusters, those after the first kMaxDirectoryEntries, and

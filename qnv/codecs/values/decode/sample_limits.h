@@ -9,7 +9,7 @@
 
 namespace gs::qnv::values {
 
-/// Least and largest sample of a volume. Truncated streams have samples beyond them, because bands are missing.
+/// Minimum and maximum sample of a volume. Truncated streams have samples beyond them, because bands are missing.
 struct SampleLimits {
   std::int32_t least = std::numeric_limits<std::int32_t>::min();
   std::int32_t most = std::numeric_limits<std::int32_t>::max();
@@ -21,8 +21,8 @@ struct SampleLimits {
   friend bool operator==(const SampleLimits&, const SampleLimits&) = default;
 };
 
-/// Returns the samples of the ends of a range of values, if `value = zero + unit * sample`. The ends are rounded outwards
-/// by the precision of float. Returns no limits if an end is not finite or the range is reversed.
+/// Returns the samples at the ends of a range of values, if `value = zero + unit * sample`. Rounds the ends outwards by
+/// the precision of float. Returns no limits if an end is not finite or the range is reversed.
 [[nodiscard]] inline SampleLimits sample_limits(std::pair<float, float> range, double unit, double zero) {
   const auto [low, high] = range;
   if (!std::isfinite(low) || !std::isfinite(high) || low > high || !std::isfinite(zero) || !std::isfinite(unit) ||

@@ -16,9 +16,10 @@ constexpr std::size_t kMostWaiting = 256, kMostWaitingInAll = std::size_t{1} << 
 constexpr std::size_t kMostReady = std::size_t{1} << 22, kThreadBytes = std::size_t{1} << 15;
 // A level is shown when one of this many blocks has data, or when it costs little time: it has at most this many
 // samples, or this many for each received byte. Levels finer than the data interpolate, which gives better pictures of
-// most volumes.
+// most volumes. The first pictures, of a few bytes, must take less time.
 constexpr std::uint32_t kShownPart = 16;
-constexpr std::uint64_t kQuickSamples = std::uint64_t{1} << 21, kSamplesPerByte = 400;
+constexpr std::uint64_t kQuickSamples = std::uint64_t{1} << 21, kSamplesPerByte = 600, kSamplesPerFirstByte = 400;
+constexpr std::uint64_t kFirstBytes = 16'000;
 
 }  // namespace
 
@@ -117,11 +118,13 @@ Added ValuesDecoder::add(const Cluster& cluster) {
 }
 
 int ValuesDecoder::level() const {
+  const std::uint64_t quick =
+      std::max(kQuickSamples, (bytes_ < kFirstBytes ? kSamplesPerFirstByte : kSamplesPerByte) * bytes_);
   for (int level = finest_; level < levels_; ++level) {
     const Extent part = low_extent(extent_, level);
     const std::uint64_t samples = std::uint64_t{part[0]} * part[1] * part[2];
     const std::uint64_t begun = begun_[static_cast<std::size_t>(level) + 1];
-    if (samples <= std::max(kQuickSamples, kSamplesPerByte * bytes_)) return level;
+    if (samples <= quick) return level;
     if (begun > 0 && begun * kShownPart >= layout_.count_of(level + 1)) return level;
   }
   return levels_;

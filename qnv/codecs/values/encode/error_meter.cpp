@@ -33,7 +33,7 @@ struct ComparedSlice {
   std::span<const std::uint8_t> missing;  // empty if none is
 };
 
-// Returns the error of samples of which none is missing. Sums of every fourth sample do not wait for each other.
+// Returns the error of samples if none is missing. Uses four independent sums, each of every fourth sample.
 ErrorSum error_of_all(const ComparedSlice& slice) {
   constexpr std::size_t kSums = 4;
   std::array<double, kSums> squares{};

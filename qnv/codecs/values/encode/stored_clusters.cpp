@@ -16,8 +16,8 @@ constexpr std::size_t kPlaneClusterBytes = 500;
 constexpr std::size_t kLengthBytes = 2;
 // Bytes of a chunk beside its payload.
 constexpr std::size_t kClusterCost = kChunkHeaderBytes + kDirectoryEntryBytes;
-// A block ends at a cluster of which the gain per byte is smaller than the least useful one by this factor. Later
-// clusters of a block are seldom better.
+// A block ends at a cluster if the least useful one so far gains this many times more per byte. Later clusters of a
+// block are seldom better.
 constexpr float kSparedGain = 4;
 
 }  // namespace

@@ -18,7 +18,7 @@ struct ComponentParts {
   std::vector<StoredRun> gaps;
   std::vector<StoredCluster> clusters;
   std::vector<StoredRun> remainders;
-  double weight = 1;  // of the squared error of a sample, in that of the values
+  double weight = 1;  // factor from the squared error of a sample to that of its value
 };
 
 /// Chunks of a values stream, with payloads in a store: the gaps, the clusters, then the remainders. The clusters of

@@ -22,8 +22,9 @@ constexpr std::uint32_t kUnknown = 0xffffffff;  // no label
 constexpr std::uint32_t kEdge = kCubeEdge + 2;  // of a cube with its neighbours
 constexpr std::uint32_t kRow = kEdge, kSlice = kEdge * kEdge;
 constexpr std::size_t kRecent = 16, kSearched = 8;  // labels that were coded explicitly
-// An encoder keeps its state before a cube of several labels from the first size on, before others from the second one
-// on, and returns to it above the third one. A run has at most 5 more bytes at its end, and 10 at its start.
+// Sizes of a run. From the first one on, an encoder saves its state before cubes of several labels; from the second one
+// on, before all cubes. Above the third one, it restores that state. A run has at most 5 more bytes at its end, and 10
+// at its start.
 constexpr std::size_t kMixedBytes = 100, kCarefulBytes = 1100, kMostRunBytes = kMaxClusterBytes - 20;
 
 /// Neighbour of a voxel that is coded before it.

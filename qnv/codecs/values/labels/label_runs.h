@@ -24,7 +24,7 @@ struct LabelRun {
 };
 
 [[nodiscard]] std::vector<std::byte> pack(const LabelRun& run);
-/// Safe for untrusted bytes.
+/// Parses a payload. Returns nullopt if it is invalid. Safe for untrusted bytes.
 [[nodiscard]] std::optional<LabelRun> parse_label_run(std::span<const std::byte> payload);
 
 /// Labels of one level: indices in the palette.
