@@ -115,8 +115,8 @@ void Viewer::run() {
     });
     const bool was_read = std::exchange(was_loading_, frame_.loading) && !frame_.loading;
     interface_first_ = picture_seconds_ > kLongPicture && (was_read || (typed && !frame_.moving));
-    // Draw nothing if nothing has changed.
-    if (frames_wanted_ == 0 && !frame_.moving && !wants_finer() && !frame_.loading) {
+    // Draw nothing if nothing has changed. Another thread may have finished the detail that the last picture lacks.
+    if (frames_wanted_ == 0 && !frame_.moving && !wants_finer() && !awaits_finer() && !frame_.loading) {
       was_in_motion_ = false;
       keep_thumbnail(true);
       continue;
