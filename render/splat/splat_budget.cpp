@@ -111,10 +111,11 @@ std::vector<std::size_t> share_budget(std::span<const SplatItem> items, const Bu
     left -= part;
     weight -= weights[i];
   }
-  // The demand of a stream is estimated, so let streams use the rest.
+  // The demand of a stream is estimated, so let streams use the rest. So do volumes that views make finer.
   double streams = 0;
   const auto may_grow = [&](std::size_t i) {
-    return items[i].geometry->as<qnv::OctreeSplats>() && items[i].detail >= 1;
+    const auto* const volume = items[i].geometry->as<qnv::Volume>();
+    return (items[i].geometry->as<qnv::OctreeSplats>() || (volume && volume->detail)) && items[i].detail >= 1;
   };
   for (const std::size_t i : order) streams += may_grow(i) ? weights[i] : 0;
   for (const std::size_t i : order)

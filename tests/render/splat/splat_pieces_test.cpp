@@ -1,5 +1,6 @@
 #include "render/splat/splat_pieces.h"
 #include "qnv/codecs/octree/lod/lod.h"
+#include "qnv/codecs/shared/volume_detail.h"
 #include "render/scene/color_ramps.h"
 #include "render/splat/splat_budget.h"
 #include "tests/render/splat_scenes.h"
@@ -209,6 +210,23 @@ TEST_CASE("spends the budget in proportion to pixels") {
     items.resize(1);
     items[0].detail = 0.5f;
     CHECK(share_budget(items, view, 16000) == std::vector<std::size_t>{8000});
+  }
+  SECTION("Volumes that views make finer use the rest") {
+    struct Finer final : qnv::VolumeDetail {
+      std::shared_ptr<const qnv::Volume> cut(const qnv::LodView&, bool&) override { return nullptr; }
+      [[nodiscard]] std::shared_ptr<const qnv::Volume> latest() const override { return nullptr; }
+      [[nodiscard]] std::uint64_t revision() const override { return 0; }
+    };
+    SplatItem item = ball_at({0, 0, -5}, 100);
+    qnv::GeometryBase base;
+    base.description = item.geometry->description();
+    qnv::Volume volume(std::move(base));
+    volume.positions.resize(100, glm::vec3(0));
+    item.geometry = std::make_shared<const qnv::Geometry>(volume);
+    CHECK(share_budget(std::vector{item}, view, 16000)[0] <= 100);
+    volume.detail = std::make_shared<Finer>();
+    item.geometry = std::make_shared<const qnv::Geometry>(volume);
+    CHECK(share_budget(std::vector{item}, view, 16000)[0] >= 15990);
   }
   SECTION("Streams that want less than they have leave the rest to others") {
     SplatItem far = ball_at({0, 0, -200}, 0), near = ball_at({0, 0, -4}, 1'000'000);
