@@ -152,9 +152,9 @@ void compare(const std::string& name, const Labels& grid, const std::string& bas
   const std::uint32_t most = *std::ranges::max_element(grid.labels);
   const bool wide = most > 255;
   write_file(base + ".raw", {}, packed(grid.labels, wide, false));
-  const std::size_t gzip = bytes_by("gzip -9c " + base + ".raw > " + base + ".gz", base + ".gz"),
+  const std::size_t gzip = bytes_by("{ gzip -9c " + base + ".raw > " + base + ".gz; }", base + ".gz"),
                     zstd = bytes_by("zstd -19 -f -o " + base + ".zst " + base + ".raw", base + ".zst"),
-                    xz = bytes_by("xz -9ekc " + base + ".raw > " + base + ".xz", base + ".xz");
+                    xz = bytes_by("{ xz -9ekc " + base + ".raw > " + base + ".xz; }", base + ".xz");
   std::size_t jxl = 0;
   const std::size_t slice = std::size_t{grid.size[0]} * grid.size[1];
   for (std::uint32_t z = 0; z < grid.size[2]; ++z) {
