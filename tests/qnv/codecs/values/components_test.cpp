@@ -6,6 +6,7 @@
 #include "qnv/sampling/volume/volume_slices.h"
 #include "qnv/sampling/volume/volume_values.h"
 #include "tests/qnv/pinned_vectors.h"
+#include "tests/qnv/value_streams.h"
 #include "tests/qnv/volume_sources.h"
 #include "tests/watched.h"
 
@@ -13,7 +14,6 @@
 
 #include <bit>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <random>
@@ -25,7 +25,9 @@
 namespace gs::qnv {
 namespace components_test {
 
+using test::bits_of;
 using test::oblique;
+using test::values_in;
 using test::volume_of;
 
 // Whirl around an axis: component c of the voxel. Component 3 and more are smaller.
@@ -53,25 +55,7 @@ VolumeSource whirl_of(VolumeLayout layout, VoxelType type, std::size_t component
 }
 
 EncodedStream stream_of(const VolumeSource& source, const EncodeOptions& options = {}) {
-  auto encoded = encode_values(source, options);
-  const auto* problem = std::get_if<EncodeError>(&encoded);
-  INFO((problem ? problem->message : ""));
-  REQUIRE_FALSE(problem);
-  return std::get<EncodedStream>(std::move(encoded));
-}
-
-std::vector<float> values_in(const VolumeSource& source) {
-  std::vector<float> all(voxel_count(source.layout));
-  std::vector<std::byte> scratch;
-  const std::size_t slice = slice_voxels(source.layout);
-  for (std::uint32_t z = 0; z < source.layout.dimensions[2]; ++z)
-    REQUIRE(read_slice(source, z, scratch, std::span(all).subspan(z * slice, slice)));
-  return all;
-}
-std::vector<std::uint32_t> bits_of(const std::vector<float>& values) {
-  std::vector<std::uint32_t> bits;
-  for (const float value : values) bits.push_back(value == value ? std::bit_cast<std::uint32_t>(value) : 0xffffffffu);
-  return bits;
+  return test::encoded_stream(encode_values(source, options));
 }
 
 std::shared_ptr<const VolumeValues> values_of(const Geometry& geometry) {
@@ -282,19 +266,7 @@ TEST_CASE("components: FORMAT.md's stream decodes to the numbers of an independe
     }
   }
   CHECK(out.str() == expected);
-  if (std::system("python3 -c pass >/dev/null 2>&1") != 0) {
-    WARN("python3 is not here");
-    return;
-  }
-  const std::string folder = GHOSTSPACE_TESTS "/qnv/vectors/";
-  std::FILE* pipe =
-      popen(("python3 '" + folder + "values_decode.py' '" + folder + "v1/" + name + ".qnv'").c_str(), "r");
-  REQUIRE(pipe);
-  std::string output;
-  char buffer[4096];
-  for (std::size_t size = 0; (size = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) output.append(buffer, size);
-  CHECK(pclose(pipe) == 0);
-  CHECK(output == expected);
+  check_independent_decoder("values_decode.py", name, expected);
 }
 
 }  // namespace components_test

@@ -8,6 +8,7 @@
 #include "qnv/sampling/volume/volume_slices.h"
 #include "qnv/sampling/volume/volume_values.h"
 #include "tests/qnv/pinned_vectors.h"
+#include "tests/qnv/value_streams.h"
 #include "tests/qnv/volume_sources.h"
 #include "tests/watched.h"
 
@@ -15,7 +16,6 @@
 #include <glm/geometric.hpp>
 
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
@@ -31,6 +31,7 @@ namespace labels_test {
 
 using test::oblique;
 using test::volume_of;
+using Shown = test::ShownValues;
 
 template <class T>
 VolumeSource labels_of(VolumeLayout layout, VoxelType type,
@@ -61,11 +62,7 @@ VolumeSource organs(const VolumeLayout& layout, VoxelType type, double scale = 1
 }
 
 EncodedStream stream_of(const VolumeSource& source, const EncodeOptions& options = {}) {
-  auto encoded = encode_labels(source, options);
-  const auto* problem = std::get_if<EncodeError>(&encoded);
-  INFO((problem ? problem->message : ""));
-  REQUIRE_FALSE(problem);
-  return std::get<EncodedStream>(std::move(encoded));
+  return test::encoded_stream(encode_labels(source, options));
 }
 
 std::vector<double> numbers_in(const VolumeSource& source) {
@@ -78,22 +75,6 @@ std::vector<double> numbers_in(const VolumeSource& source) {
   }
   return all;
 }
-
-struct Shown {
-  explicit Shown(std::span<const std::byte> bytes, std::size_t most_vectors = std::size_t{1} << 24)
-      : decoder(most_vectors) {
-    decoder.push(bytes);
-    decoder.finish();
-    geometry = decoder.geometry();
-    const auto* volume = geometry.as<Volume>();
-    REQUIRE(volume);
-    REQUIRE(volume->values);
-    values = volume->values;
-  }
-  StreamDecoder decoder;
-  Geometry geometry;
-  std::shared_ptr<const VolumeValues> values;
-};
 
 // Returns the share of voxels of the source with another label. `values` may be coarse.
 double wrong_in(const VolumeSource& values, int level, const VolumeSource& source) {
@@ -429,19 +410,7 @@ TEST_CASE("labels: FORMAT.md's stream decodes to the codes of an independent dec
   for (const double number : numbers_in(shown.values->source))
     out << static_cast<std::uint32_t>(static_cast<std::int32_t>(number)) << '\n';
   CHECK(out.str() == expected);
-  if (std::system("python3 -c pass >/dev/null 2>&1") != 0) {
-    WARN("python3 is not here");
-    return;
-  }
-  const std::string folder = GHOSTSPACE_TESTS "/qnv/vectors/";
-  std::FILE* pipe =
-      popen(("python3 '" + folder + "values_decode.py' '" + folder + "v1/" + name + ".qnv'").c_str(), "r");
-  REQUIRE(pipe);
-  std::string output;
-  char buffer[4096];
-  for (std::size_t size = 0; (size = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) output.append(buffer, size);
-  CHECK(pclose(pipe) == 0);
-  CHECK(output == expected);
+  check_independent_decoder("values_decode.py", name, expected);
 }
 
 }  // namespace labels_test

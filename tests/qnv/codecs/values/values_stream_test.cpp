@@ -5,13 +5,13 @@
 #include "qnv/sampling/volume/volume_slices.h"
 #include "qnv/sampling/volume/volume_values.h"
 #include "tests/qnv/pinned_vectors.h"
+#include "tests/qnv/value_streams.h"
 #include "tests/qnv/volume_sources.h"
 
 #include <catch2/catch.hpp>
 
 #include <bit>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <limits>
 #include <random>
@@ -23,41 +23,15 @@
 namespace gs::qnv {
 namespace values_stream_test {
 
+using test::bits_of;
 using test::oblique;
+using test::values_in;
 using test::volume_of;
+using Shown = test::ShownValues;
 
 EncodedStream stream_of(const VolumeSource& source, const EncodeOptions& options = {}) {
-  auto encoded = encode_values(source, options);
-  const auto* problem = std::get_if<EncodeError>(&encoded);
-  INFO((problem ? problem->message : ""));
-  REQUIRE_FALSE(problem);
-  return std::get<EncodedStream>(std::move(encoded));
+  return test::encoded_stream(encode_values(source, options));
 }
-
-std::vector<float> values_in(const VolumeSource& source) {
-  std::vector<float> all(voxel_count(source.layout));
-  std::vector<std::byte> scratch;
-  const std::size_t slice = slice_voxels(source.layout);
-  for (std::uint32_t z = 0; z < source.layout.dimensions[2]; ++z)
-    REQUIRE(read_slice(source, z, scratch, std::span(all).subspan(z * slice, slice)));
-  return all;
-}
-
-struct Shown {
-  explicit Shown(std::span<const std::byte> bytes, std::size_t most_vectors = std::size_t{1} << 26)
-      : decoder(most_vectors) {
-    decoder.push(bytes);
-    decoder.finish();
-    geometry = decoder.geometry();
-    const auto* volume = geometry.as<Volume>();
-    REQUIRE(volume);
-    REQUIRE(volume->values);
-    values = volume->values;
-  }
-  StreamDecoder decoder;
-  Geometry geometry;
-  std::shared_ptr<const VolumeValues> values;
-};
 
 template <class T>
 VolumeSource ball_of(VolumeLayout layout, double height, VoxelType type) {
@@ -73,13 +47,6 @@ VolumeSource ball_of(VolumeLayout layout, double height, VoxelType type) {
       }
   layout.type = type;
   return volume_of(std::move(layout), std::move(voxels));
-}
-
-// Bits of floats, so that gaps and signs compare, too.
-std::vector<std::uint32_t> bits_of(const std::vector<float>& values) {
-  std::vector<std::uint32_t> bits;
-  for (const float value : values) bits.push_back(value == value ? std::bit_cast<std::uint32_t>(value) : 0xffffffffu);
-  return bits;
 }
 
 double apart(const std::vector<float>& a, const std::vector<float>& b) {
@@ -343,19 +310,7 @@ TEST_CASE("values: FORMAT.md's streams decode to the numbers of an independent d
     REQUIRE(expected.size() > 5000);
     const Shown shown(bytes);
     CHECK(printed(shown, *shown.decoder.header()) == expected);
-    if (std::system("python3 -c pass >/dev/null 2>&1") != 0) {
-      WARN("python3 is not here");
-      continue;
-    }
-    const std::string folder = GHOSTSPACE_TESTS "/qnv/vectors/";
-    std::FILE* pipe =
-        popen(("python3 '" + folder + "values_decode.py' '" + folder + "v1/" + name + ".qnv'").c_str(), "r");
-    REQUIRE(pipe);
-    std::string output;
-    char buffer[4096];
-    for (std::size_t size = 0; (size = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) output.append(buffer, size);
-    CHECK(pclose(pipe) == 0);
-    CHECK(output == expected);
+    check_independent_decoder("values_decode.py", name, expected);
   }
 }
 
