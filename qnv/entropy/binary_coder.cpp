@@ -18,16 +18,7 @@ void BinaryEncoder::shift() {
 }
 
 std::vector<std::byte> BinaryEncoder::finish() {
-  // Any number in the interval decodes correctly. The number with the most trailing zeros gives the fewest bytes.
-  const std::uint64_t end = low_ + range_;
-  for (int bits = 32; bits >= 0; --bits) {
-    const std::uint64_t step = std::uint64_t{1} << bits;
-    const std::uint64_t value = (low_ + step - 1) / step * step;
-    if (value < end) {
-      low_ = value;
-      break;
-    }
-  }
+  low_ = shortest_number(low_, range_);
   for (int i = 0; i < 5; ++i) shift();
   for (std::size_t i = 0; i < kSparedZeros && !bytes_.empty() && bytes_.back() == std::byte{0}; ++i) bytes_.pop_back();
   return std::move(bytes_);

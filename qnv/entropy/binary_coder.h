@@ -42,6 +42,16 @@ struct BitModel {
   [[nodiscard]] std::uint32_t probability() const { return std::clamp<std::uint32_t>(one, 64, 65536 - 64); }
 };
 
+/// Returns the number in [low, low + range) that needs the fewest bytes: that with the most trailing zeros. Decoders
+/// get the same decisions from any number of this interval.
+[[nodiscard]] constexpr std::uint64_t shortest_number(std::uint64_t low, std::uint32_t range) {
+  for (int bits = 32; bits > 0; --bits) {
+    const std::uint64_t step = std::uint64_t{1} << bits, value = (low + step - 1) / step * step;
+    if (value < low + range) return value;
+  }
+  return low;
+}
+
 class BinaryEncoder {
  public:
   void put(BitModel& model, bool bit) {

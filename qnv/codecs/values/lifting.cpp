@@ -34,32 +34,10 @@ void lift_strip(std::int32_t* first, std::size_t n, std::size_t stride, std::siz
     std::memcpy(first + (undo ? i : band_row(i, n)) * stride, rows + i * kStripColumns, bytes);
 }
 
-/// Parts of a line in a buffer: the low samples, with a copy of the last one behind them, and the high ones, with
-/// copies before and behind them. Lines continue by reflection.
-struct LineHalves {
-  std::int32_t *low, *high;
-  std::size_t lows, highs;
-};
-
 LineHalves halves_of(std::vector<std::int32_t>& line, std::size_t n) {
   if (line.size() < n + 8) line.resize(n + 8);
   const std::size_t lows = (n + 1) / 2;
   return {line.data(), line.data() + lows + 2, lows, n / 2};
-}
-
-void lift_halves(const LineHalves& line, bool undo) {
-  const auto& [low, high, lows, highs] = line;
-  for (std::size_t s = 0; s < 4; ++s) {
-    const std::size_t step = undo ? 3 - s : s;
-    if (step % 2 == 0) {
-      low[lows] = low[lows - 1];
-      lift(high, low, low + 1, highs, step, undo);
-    } else {
-      high[-1] = high[0];
-      high[highs] = high[highs - 1];
-      lift(low, high - 1, high, lows, step, undo);
-    }
-  }
 }
 
 // Lifts the samples of `part` along an axis.
@@ -88,6 +66,18 @@ void lift_axis(std::int32_t* samples, Extent extent, Extent part, std::size_t ax
 
 }  // namespace
 
+void lift_halves(const LineHalves& line, std::size_t step, bool undo) {
+  const auto& [low, high, lows, highs] = line;
+  if (step % 2 == 0) {
+    low[lows] = low[lows - 1];
+    lift(high, low, low + 1, highs, step, undo);
+  } else {
+    high[-1] = high[0];
+    high[highs] = high[highs - 1];
+    lift(low, high - 1, high, lows, step, undo);
+  }
+}
+
 Extent low_extent(Extent extent, int level) {
   for (std::uint32_t& n : extent)
     for (int i = 0; i < level; ++i) n = n / 2 + n % 2;
@@ -110,7 +100,7 @@ void split_line(const std::int32_t* from, std::int32_t* to, std::size_t n, std::
   const LineHalves halves = halves_of(line, n);
   separate(from, halves.highs, halves.low, halves.high);
   if (halves.lows > halves.highs) halves.low[halves.highs] = from[n - 1];
-  lift_halves(halves, false);
+  for (std::size_t step = 0; step < 4; ++step) lift_halves(halves, step, false);
   std::memcpy(to, halves.low, halves.lows * sizeof(std::int32_t));
   std::memcpy(to + halves.lows, halves.high, halves.highs * sizeof(std::int32_t));
 }
@@ -123,7 +113,7 @@ void join_line(const std::int32_t* from, std::int32_t* to, std::size_t n, std::v
   const LineHalves halves = halves_of(line, n);
   std::memcpy(halves.low, from, halves.lows * sizeof(std::int32_t));
   std::memcpy(halves.high, from + halves.lows, halves.highs * sizeof(std::int32_t));
-  lift_halves(halves, true);
+  for (std::size_t step = 4; step-- > 0;) lift_halves(halves, step, true);
   interleave(halves.low, halves.high, halves.highs, to);
   if (halves.lows > halves.highs) to[n - 1] = halves.low[halves.highs];
 }

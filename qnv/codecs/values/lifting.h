@@ -27,6 +27,15 @@ void transform(std::span<std::int32_t> samples, Extent extent, int levels);
 void split_line(const std::int32_t* from, std::int32_t* to, std::size_t n, std::vector<std::int32_t>& line);
 void join_line(const std::int32_t* from, std::int32_t* to, std::size_t n, std::vector<std::int32_t>& line);
 
+/// Parts of a line in a buffer: the low samples, with room for one behind them, and the high ones, with room for one
+/// before and one behind them. Lines continue by reflection.
+struct LineHalves {
+  std::int32_t *low, *high;
+  std::size_t lows, highs;
+};
+/// Applies one of the four steps to a line with high samples, or reverts it.
+void lift_halves(const LineHalves& line, std::size_t step, bool undo);
+
 /// Reverts steps from `levels` down to `to`: the samples of low_extent(extent, to), at the strides of `extent`.
 void restore(std::span<std::int32_t> samples, Extent extent, int levels, int to = 0);
 

@@ -37,16 +37,7 @@ class RangeWriter {
   }
   /// Ends the bytes. Returns their number, without up to kSparedZeros trailing zeros.
   [[nodiscard]] std::size_t finish(const std::byte* first) {
-    // Any number in the interval decodes correctly. The number with the most trailing zeros gives the fewest bytes.
-    const std::uint64_t end = low_ + range_;
-    for (int bits = 32; bits >= 0; --bits) {
-      const std::uint64_t step = std::uint64_t{1} << bits;
-      const std::uint64_t value = (low_ + step - 1) / step * step;
-      if (value < end) {
-        low_ = value;
-        break;
-      }
-    }
+    low_ = displaced::shortest_number(low_, range_);
     for (int i = 0; i < 4; ++i) shift();
     for (std::size_t i = 0; i < displaced::kSparedZeros && size(first) > 0 && at_[-1] == 0; ++i) --at_;
     return size(first);

@@ -302,16 +302,10 @@ class GradientEncoder {
   }
 
   [[nodiscard]] Description description() const {
-    Description about;
-    about.two_sided = true;
-    about.origin = layout_.base;
-    about.box = voxel_box(layout_);
+    Description about = volume_description(layout_);
     about.total = all_.length;
-    about.spacing =
-        std::min({glm::length(layout_.axes[0]), glm::length(layout_.axes[1]), glm::length(layout_.axes[2])});
     about.value_range = {all_.least, all_.most};
     about.transfer = default_transfer(all_.least, all_.most);
-    about.metadata = layout_.metadata;
     return about;
   }
 
@@ -371,6 +365,16 @@ Box voxel_box(const VolumeLayout& layout) {
     for (const double y : {0.0, ny - 1.0})
       for (const double z : {0.0, nz - 1.0}) box.add(voxel_position(layout, x, y, z));
   return box;
+}
+
+Description volume_description(const VolumeLayout& layout) {
+  Description about;
+  about.two_sided = true;
+  about.origin = layout.base;
+  about.box = voxel_box(layout);
+  about.spacing = std::min({glm::length(layout.axes[0]), glm::length(layout.axes[1]), glm::length(layout.axes[2])});
+  about.metadata = layout.metadata;
+  return about;
 }
 
 }  // namespace gs::qnv

@@ -46,6 +46,10 @@ struct GradientOptions {
 /// Returns the box of the centres of all voxels, relative to the layout's base. The layout must be valid.
 [[nodiscard]] Box voxel_box(const VolumeLayout& layout);
 
+/// Returns what the layout of a volume tells about its vectors: origin, box, spacing and metadata. The layout must be
+/// valid.
+[[nodiscard]] Description volume_description(const VolumeLayout& layout);
+
 /// Returns the centre of voxel (x, y, z), in world units relative to the layout's base. For fractions, interpolates.
 [[nodiscard]] inline glm::vec3 voxel_position(const VolumeLayout& layout, double x, double y, double z) {
   const auto along = [&](int i) {

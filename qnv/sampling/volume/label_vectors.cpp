@@ -196,11 +196,8 @@ class LabelSurveyor {
     for (const VolumeLabel& label : labels_) numbers.push_back(label.number);
     const auto value_of = [&](double number) { return number * layout_.slope + layout_.intercept; };
     Volume volume;
+    volume.description = volume_description(layout_);
     Description& about = volume.description;
-    about.two_sided = true;
-    about.origin = layout_.base;
-    about.box = voxel_box(layout_);
-    about.spacing = static_cast<float>(spacing_);
     const auto first = static_cast<float>(value_of(numbers.front())),
                last = static_cast<float>(value_of(numbers.back()));
     about.value_range = options_.range.value_or(std::pair(std::min(first, last), std::max(first, last)));
@@ -210,7 +207,6 @@ class LabelSurveyor {
       for (TransferPoint& point : about.transfer) point.value = 1 - point.value;
       std::ranges::reverse(about.transfer);
     }
-    about.metadata = layout_.metadata;
     const bool own_colors = !has_label_classes(numbers);
     const auto [low, high] = about.value_range;
     const double scale = high > low ? 255 / (static_cast<double>(high) - static_cast<double>(low)) : 0;

@@ -1,5 +1,6 @@
 #include "qnv/codecs/values/decode/split_lifting.h"
 
+#include "qnv/codecs/values/lifting.h"
 #include "qnv/codecs/values/lifting_kernel.h"
 
 #include <algorithm>
@@ -19,15 +20,7 @@ void unlift_lines(std::int32_t* first, std::size_t count, const SplitWindow& win
   for (std::size_t step = 4; step-- > 0;)
     for (std::size_t i = 0; i < count; ++i) {
       std::int32_t* const even = first + i * window.row;
-      std::int32_t* const odd = even + window.odd;
-      if (step % 2 == 0) {
-        even[evens] = even[evens - 1];
-        lift(odd, even, even + 1, odds, step, true);
-      } else {
-        odd[-1] = odd[0];
-        odd[odds] = odd[odds - 1];
-        lift(even, odd - 1, odd, evens, step, true);
-      }
+      lift_halves({even, even + window.odd, evens, odds}, step, true);
     }
 }
 

@@ -26,14 +26,9 @@ using values::SampledVolume;
 
 Description describe(const VolumeSource& source, const std::pair<float, float>& range, const EncodeOptions& options) {
   const VolumeLayout& layout = source.layout;
-  Description about;
-  about.two_sided = true;
-  about.origin = layout.base;
-  about.box = voxel_box(layout);
-  about.spacing = std::min({glm::length(layout.axes[0]), glm::length(layout.axes[1]), glm::length(layout.axes[2])});
+  Description about = volume_description(layout);
   about.value_range = range;
   about.transfer = default_transfer(range.first, range.second);
-  about.metadata = layout.metadata;
   add_metadata(options.metadata, about);
   return about;
 }

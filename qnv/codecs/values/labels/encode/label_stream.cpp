@@ -191,11 +191,7 @@ ValueGrid grid_of(const VolumeLayout& layout, values::LabelPyramid& pyramid) {
 }
 
 Description describe_labels(const VolumeLayout& layout, const ValueGrid& grid, const EncodeOptions& options) {
-  Description about;
-  about.two_sided = true;
-  about.origin = layout.base;
-  about.box = voxel_box(layout);
-  about.spacing = std::min({glm::length(layout.axes[0]), glm::length(layout.axes[1]), glm::length(layout.axes[2])});
+  Description about = volume_description(layout);
   std::vector<double> numbers;
   double least = std::numeric_limits<double>::infinity(), most = -least;
   const std::uint32_t count = grid.palette.size();
@@ -210,7 +206,6 @@ Description describe_labels(const VolumeLayout& layout, const ValueGrid& grid, c
   about.value_range = {static_cast<float>(std::min(ends[0], ends[1])), static_cast<float>(std::max(ends[0], ends[1]))};
   if (count > 256) numbers.assign(257, 0);
   about.transfer = label_transfer(numbers);
-  about.metadata = layout.metadata;
   add_metadata(options.metadata, about);
   return about;
 }
