@@ -139,14 +139,8 @@ GaussianGl::GaussianGl(const Gl& gl, VolumeTarget& target, SortMethod sort)
       corners_(make_buffer(gl)),
       items_(make_texture(gl)),
       order_texture_(make_texture(gl)) {
-  std::vector<std::uint16_t> corners;
-  for (unsigned i = 0; i < kQuads; ++i)
-    for (const unsigned corner : {0u, 1u, 2u, 2u, 1u, 3u})
-      corners.push_back(static_cast<std::uint16_t>(4 * i + corner));
   gl.BindVertexArray(attributes_.name());
-  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, corners_.name());
-  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(corners.size() * sizeof corners[0]), corners.data(),
-                GL_STATIC_DRAW);
+  set_quad_elements(gl, corners_, kQuads);
   gl.BindVertexArray(0);
 }
 
@@ -170,14 +164,7 @@ bool GaussianGl::upload_items(std::span<const GaussianItem> items, std::span<con
   for (const GaussianItem& item : items) splats += item.count;
   // The order has a texel per splat.
   if (std::max(texels.size(), splats) > static_cast<std::size_t>(std::max(most, 0))) return false;
-  if (!item_buffer_) item_buffer_ = make_buffer(gl_);
-  gl_.BindBuffer(GL_TEXTURE_BUFFER, item_buffer_.name());
-  gl_.BufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(texels.size() * sizeof(glm::vec4)), texels.data(),
-                 GL_STREAM_DRAW);
-  gl_.ActiveTexture(GL_TEXTURE0);
-  gl_.BindTexture(GL_TEXTURE_BUFFER, items_.name());
-  gl_.TexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, item_buffer_.name());
-  return gl_.GetError() == GL_NO_ERROR;
+  return upload_item_texels(gl_, texels, item_buffer_, items_);
 }
 
 void GaussianGl::draw_range(std::size_t items, std::size_t total, const View& view, const SplatRange& range) {

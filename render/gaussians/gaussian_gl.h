@@ -36,16 +36,8 @@ class GaussianGl {
   /// `target` must outlive the object.
   GaussianGl(const Gl& gl, VolumeTarget& target, SortMethod sort = SortMethod::automatic);
 
-  struct View {
-    SplatView lens;  // `camera_from_node` and `supersample` are ignored
-    Projection projection;
-    TargetRectangle rectangle;  // rectangle of the bound framebuffer
-    std::uint32_t viewport = 0;
-  };
-  struct Drawn {
-    std::size_t vectors = 0;  // splats in view; estimated if there are many
-    bool pending = false;     // the order is that of an earlier view: draw again
-  };
+  using View = BlendedView;
+  using Drawn = BlendedSplats;
   /// Draws `items`; held[i] owns the data of items[i]. Writes no depth. Leaves depth test and blending off and depth
   /// writes on. Returns nullopt if memory or the program is missing, or if the splats cover too many pixels.
   std::optional<Drawn> draw(std::span<const std::shared_ptr<const qnv::Gaussians>> held,

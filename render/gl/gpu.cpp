@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <vector>
 
 namespace gs::render {
 namespace {
@@ -67,6 +69,16 @@ std::variant<Program, ContextError> make_program(const Gl& gl, std::string_view 
   gl.GetProgramiv(program.name(), GL_LINK_STATUS, &linked);
   if (linked) return program;
   return ContextError{"linking shaders: " + log_of(program.name(), gl.GetProgramiv, gl.GetProgramInfoLog)};
+}
+
+void set_quad_elements(const Gl& gl, const Buffer& elements, unsigned quads) {
+  std::vector<std::uint16_t> corners;
+  for (unsigned i = 0; i < quads; ++i)
+    for (const unsigned corner : {0u, 1u, 2u, 2u, 1u, 3u})
+      corners.push_back(static_cast<std::uint16_t>(4 * i + corner));
+  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, elements.name());
+  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(corners.size() * sizeof corners[0]), corners.data(),
+                GL_STATIC_DRAW);
 }
 
 bool take_errors(const Gl& gl) {

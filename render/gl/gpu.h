@@ -76,4 +76,8 @@ bool take_errors(const Gl& gl);
 /// Converts a byte offset in the bound buffer to the pointer type that OpenGL expects.
 [[nodiscard]] inline const void* offset_pointer(std::size_t offset) { return reinterpret_cast<const void*>(offset); }
 
+/// Binds a buffer with the elements of `quads` rectangles, two triangles each, to the bound vertex array. Vertex 4 i +
+/// k is corner k of rectangle i; at most 16384 rectangles.
+void set_quad_elements(const Gl& gl, const Buffer& elements, unsigned quads);
+
 }  // namespace gs::render

@@ -74,14 +74,8 @@ SplatGl::SplatGl(const Gl& gl)
       corners_(make_buffer(gl)),
       instances_(make_buffer(gl)),
       pieces_(make_texture(gl)) {
-  std::vector<std::uint16_t> corners;
-  for (unsigned i = 0; i < kAnInstance; ++i)
-    for (const unsigned corner : {0u, 1u, 2u, 2u, 1u, 3u})
-      corners.push_back(static_cast<std::uint16_t>(4 * i + corner));
   gl.BindVertexArray(attributes_.name());
-  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, corners_.name());
-  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(corners.size() * sizeof corners[0]), corners.data(),
-                GL_STATIC_DRAW);
+  set_quad_elements(gl, corners_, kAnInstance);
   gl.EnableVertexAttribArray(0);
   gl.VertexAttribDivisor(0, 1);
   gl.BindVertexArray(0);

@@ -130,14 +130,7 @@ bool VolumeGl::upload_items(const Visible& visible, const SplatView& lens) {
     describe(item, visible.places[i], *volume_lens(lens, item.camera_from_node), start, texels);
     start += item.count;
   }
-  if (!item_buffer_) item_buffer_ = make_buffer(gl_);
-  gl_.BindBuffer(GL_TEXTURE_BUFFER, item_buffer_.name());
-  gl_.BufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(texels.size() * sizeof(glm::vec4)), texels.data(),
-                 GL_STREAM_DRAW);
-  gl_.ActiveTexture(GL_TEXTURE0);
-  gl_.BindTexture(GL_TEXTURE_BUFFER, items_.name());
-  gl_.TexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, item_buffer_.name());
-  return gl_.GetError() == GL_NO_ERROR;
+  return upload_item_texels(gl_, texels, item_buffer_, items_);
 }
 
 std::optional<DepthOrder::Result> VolumeGl::sort(const Visible& visible, std::uint32_t viewport) {

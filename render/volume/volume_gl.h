@@ -27,16 +27,8 @@ class VolumeGl {
  public:
   explicit VolumeGl(const Gl& gl, SortMethod sort = SortMethod::automatic);
 
-  struct View {
-    SplatView lens;  // `camera_from_node` and `supersample` are ignored
-    Projection projection;
-    TargetRectangle rectangle;  // rectangle of the bound framebuffer
-    std::uint32_t viewport = 0;
-  };
-  struct Drawn {
-    std::size_t vectors = 0;  // vectors in view; estimated if there are many
-    bool pending = false;     // the order is that of an earlier view: draw again
-  };
+  using View = BlendedView;
+  using Drawn = BlendedSplats;
   /// Draws the volumes `items`; held[i] owns the data of items[i]. Writes no depth. Leaves depth test and blending off
   /// and depth writes on. Returns nullopt if memory or the program is missing, or if there are too many vectors, items
   /// or lights.

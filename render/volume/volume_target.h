@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -27,6 +28,19 @@ struct SplatRange {
   std::size_t first = 0, count = 0;  // places in the order
   bool near_first = true;            // the order begins with the nearest splat, else with the farthest
   float gain = 1;                    // factor of the colours
+};
+
+/// View of splats that are blended.
+struct BlendedView {
+  SplatView lens;  // `camera_from_node` and `supersample` are ignored
+  Projection projection;
+  TargetRectangle rectangle;  // rectangle of the bound framebuffer
+  std::uint32_t viewport = 0;
+};
+/// Result of drawing it.
+struct BlendedSplats {
+  std::size_t vectors = 0;  // splats in view; estimated if there are many
+  bool pending = false;     // the order is that of an earlier view: draw again
 };
 
 /// Render target for splats that are blended in the order of their depths: volumes and Gaussians. Copies the depth of
