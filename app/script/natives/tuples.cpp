@@ -1,5 +1,6 @@
 #include "app/script/bounds/contained.h"
 #include "app/script/natives.h"
+#include "app/script/natives/tuple_numbers.h"
 #include "app/script/script_world.h"
 #include "vrml/scene/values/field_numbers.h"
 #include "vrml/syntax/printer.h"
@@ -16,8 +17,8 @@
 #include <cmath>
 
 // SFColor (VRML97 C.6.4), SFRotation (C.6.7), SFVec2f (C.6.8), SFVec3f (C.6.9), and the tuples of X3D, with components
-// in double precision. If
-// the object was read from a field, an eventOut or a list, assigning a component writes it back there.
+// in double precision. If the object was read from a field, an eventOut or a list, assigning a component writes it back
+// there.
 namespace gs::app::script {
 namespace {
 
@@ -229,29 +230,6 @@ bool cross(JSContext* context, unsigned argc, JS::Value* vp) {
 
 // ---- SFColor
 
-void rgb_of(double h, double s, double v, double* c) {
-  h = std::isfinite(h) ? h - std::floor(h) : 0;
-  const double part = h * 6;
-  const int sector = static_cast<int>(part) % 6;
-  const double f = part - std::floor(part), p = v * (1 - s), q = v * (1 - s * f), t = v * (1 - s * (1 - f));
-  const double all[6][3] = {{v, t, p}, {q, v, p}, {p, v, t}, {p, q, v}, {t, p, v}, {v, p, q}};
-  std::copy(all[sector], all[sector] + 3, c);
-}
-
-void hsv_of(const double* c, double* hsv) {
-  const double most = std::max({c[0], c[1], c[2]}), least = std::min({c[0], c[1], c[2]}), range = most - least;
-  hsv[0] = 0;
-  if (range > 0) {
-    hsv[0] = most == c[0]   ? (c[1] - c[2]) / range
-             : most == c[1] ? 2 + (c[2] - c[0]) / range
-                            : 4 + (c[0] - c[1]) / range;
-    hsv[0] /= 6;
-    hsv[0] -= std::floor(hsv[0]);
-  }
-  hsv[1] = most > 0 ? range / most : 0;
-  hsv[2] = most;
-}
-
 // Implements setHSV(). The hue is 0 to 1, as in Cosmo Player; the standard does not define its range.
 bool set_hsv(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
@@ -278,23 +256,6 @@ bool get_hsv(JSContext* context, unsigned argc, JS::Value* vp) {
 }
 
 // ---- SFRotation
-
-glm::dquat quaternion(const double* c) {
-  const glm::dvec3 axis(c[0], c[1], c[2]);
-  const double size = glm::length(axis);
-  return size > 0 ? glm::angleAxis(c[3], axis / size) : glm::dquat(1, 0, 0, 0);
-}
-
-void rotation_of(glm::dquat q, double* c) {
-  q = glm::normalize(q);
-  const glm::dvec3 v(q.x, q.y, q.z);
-  const double size = glm::length(v);
-  c[3] = 2 * std::atan2(size, q.w);
-  const glm::dvec3 axis = size > 0 ? v / size : glm::dvec3(0, 0, 1);
-  c[0] = axis.x;
-  c[1] = axis.y;
-  c[2] = axis.z;
-}
 
 bool get_axis(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
