@@ -16,6 +16,8 @@
 #include "qnv/codecs/outlines/outline_stream.h"
 #include "qnv/codecs/payloads.h"
 #include "qnv/codecs/values/cluster.h"
+#include "qnv/codecs/values/component_number.h"
+#include "qnv/codecs/values/labels/label_runs.h"
 #include "qnv/reader/stream_decoder.h"
 #include "qnv/sampling/volume/volume_slices.h"
 #include "qnv/sampling/volume/volume_values.h"
@@ -94,9 +96,14 @@ std::map<int, Level> levels_of(const qnv::StreamHeader& stream, std::span<const 
       if (header) level = header->kind == qnv::displaced::ClusterHeader::Kind::base ? 0 : header->level;
     } else if (type == qnv::ChunkType::piece) {
       level = 0;
-    } else if (type == qnv::ChunkType::values) {
-      const auto cluster = qnv::values::parse_cluster(payload);
-      if (cluster && blocks && cluster->block < blocks->count()) level = blocks->place(cluster->block).level - 1;
+    } else if (type == qnv::ChunkType::values && blocks) {
+      // The first number counts the blocks of all components.
+      const auto part = qnv::values::without_component(payload, blocks->count());
+      const bool known = part && part->component < stream.grid.components;
+      const auto cluster = known ? qnv::values::parse_cluster(part->payload) : std::nullopt;
+      if (cluster) level = blocks->place(cluster->block).level - 1;
+    } else if (type == qnv::ChunkType::labels) {
+      if (const auto run = qnv::values::parse_label_run(payload)) level = run->level;
     } else if (type == qnv::ChunkType::gaussians) {
       if (const auto cluster = qnv::gaussians::parse_cluster(payload)) level = static_cast<int>(cluster->head.level);
     } else if (type == qnv::ChunkType::records && payload.size() >= qnv::kRecordsHeaderBytes) {
@@ -214,7 +221,8 @@ bool describe_stream(JsonValue& facts, std::span<const std::byte> bytes, const s
                problem.message.c_str());
     return false;
   }
-  if (decoder.full())
+  // A volume larger than memory is described at a coarser level, which the facts name.
+  if (decoder.full() && header->payload != qnv::Payload::values)
     complain("%s: error: vectors need %s; finer ones are not counted", path.c_str(),
              budget.refusal(Resource::vectors).c_str());
   const qnv::Geometry geometry = decoder.geometry();

@@ -91,9 +91,20 @@ TEST_CASE("encode: keeps all numbers of a voxel, and export writes them") {
         std::string::npos);
   CHECK(run("export --component 3 " + quoted(stream) + " " + quoted(folder.path("b.nrrd")))
             .output.find("expected 0 to 2") != std::string::npos);
-  CHECK(run("info " + quoted(stream)).output.find("components") != std::string::npos);
+  const std::string all = run("info " + quoted(stream)).output;
+  CHECK(all.find("components") != std::string::npos);
   REQUIRE(run("encode --component 2 " + quoted(folder.path("a.nrrd")) + " " + quoted(stream)).status == kDone);
-  CHECK(run("info " + quoted(stream)).output.find("components") == std::string::npos);
+  const std::string one = run("info " + quoted(stream)).output;
+  CHECK(one.find("components") == std::string::npos);
+  // The levels count the clusters of all components.
+  const auto bytes_of_levels = [](const std::string& text) {
+    long bytes = 0;
+    for (std::size_t at = 0; (at = text.find("  level ", at)) != std::string::npos; ++at)
+      bytes += std::stol(text.substr(text.find("bytes ", at) + 6));
+    return bytes;
+  };
+  CHECK(bytes_of_levels(one) > 0);
+  CHECK(bytes_of_levels(all) > 2 * bytes_of_levels(one));
 }
 
 TEST_CASE("snapshot: --component selects the numbers of a stream") {

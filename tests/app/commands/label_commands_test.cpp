@@ -76,6 +76,7 @@ TEST_CASE("encode: --labels keeps labels, and every format gives them back") {
   }
   const Run info = run("info " + quoted(stream));
   CHECK(info.output.find("wrong labels") != std::string::npos);
+  CHECK(info.output.find("level 0, chunks ") != std::string::npos);
   const Run refused = run("encode --labels yes " + quoted(folder.write("b.nrrd", nrrd_labels<float>("float", 0.5f))) +
                           " " + quoted(stream));
   CHECK(refused.status != kDone);

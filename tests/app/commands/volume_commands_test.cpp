@@ -120,6 +120,20 @@ TEST_CASE("encode: --error limits the difference of every voxel, and info states
   CHECK(run("encode --method values " + quoted(folder.write("b.wrl", kBall)) + " " + quoted(stream)).status == kFailed);
 }
 
+TEST_CASE("info: describes a volume larger than memory at a coarser level, without an error") {
+  const ScratchFolder folder;
+  std::string volume = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 128 128 128\nencoding: raw\n\n";
+  for (int i = 0; i < 128 * 128 * 128; ++i) volume += static_cast<char>(i / (128 * 128));
+  const std::string stream = folder.path("a.qnv");
+  REQUIRE(run("encode " + quoted(folder.write("a.nrrd", volume)) + " " + quoted(stream)).status == kDone);
+  const Run all = run("info " + quoted(stream)), coarse = run("info --memory 16M " + quoted(stream));
+  CHECK(all.output.find("level of values        0") != std::string::npos);
+  INFO(coarse.output);
+  CHECK(coarse.status == kDone);
+  CHECK(coarse.output.find("error:") == std::string::npos);
+  CHECK(coarse.output.find("level of values        1") != std::string::npos);
+}
+
 TEST_CASE("export, encode: extract the isosurface of a stream of values like that of the volume") {
   const ScratchFolder folder;
   const std::string volume = folder.write("a.nrrd", nrrd_ball<std::uint8_t>("uint8", 250)),
