@@ -142,6 +142,12 @@ render::ImageError DecoderProcess::failure(Wait wait) {
   return {"the process that decoded it ended" + (reason.empty() ? "" : " by " + reason)};
 }
 
+bool DecoderProcess::runs() {
+  int status = 0;
+  if (child_ > 0 && ::waitpid(child_, &status, WNOHANG) != 0) child_ = 0;
+  return good();
+}
+
 std::string DecoderProcess::end() {
   const pid_t child = std::exchange(child_, 0);
   if (child <= 0) return {};

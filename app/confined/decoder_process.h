@@ -28,6 +28,8 @@ class DecoderProcess : NonCopyable {
                                                                        std::chrono::milliseconds patience);
   /// Reports whether the child can decode more images.
   [[nodiscard]] bool good() const { return child_ > 0; }
+  /// Reports whether the child runs. One that ended is of no more use (see good()).
+  [[nodiscard]] bool runs();
   [[nodiscard]] pid_t process() const { return child_; }
 
  private:

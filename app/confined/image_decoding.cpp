@@ -27,10 +27,10 @@ struct Pool {
     {
       const std::lock_guard lock(mutex);
       auto& waiting = idle[static_cast<std::size_t>(kind)];
-      if (!waiting.empty()) {
+      while (!waiting.empty()) {
         auto process = std::move(waiting.back());
         waiting.pop_back();
-        return process;
+        if (process->runs()) return process;
       }
     }
     return std::make_unique<DecoderProcess>(program, kind);
@@ -50,12 +50,6 @@ Pool& pool() {
 }  // namespace
 
 void set_decoder_program(std::string program) { pool().program = std::move(program); }
-
-void prepare_decoder() {
-  if (pool().program.empty()) return;
-  auto process = pool().take(DecoderKind::pictures);
-  pool().give_back(DecoderKind::pictures, std::move(process));
-}
 
 std::variant<render::Image, render::ImageError> decode_confined(std::span<const std::byte> bytes,
                                                                 const render::ImageLimits& limits) {

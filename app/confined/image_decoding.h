@@ -13,9 +13,6 @@ namespace gs::app {
 /// empty path, decode_confined() decodes in this process, as tests and children do.
 void set_decoder_program(std::string program);
 
-/// Starts a child for pictures if none waits, so that the first picture does not wait for it. Returns at once.
-void prepare_decoder();
-
 /// Decodes an image as render::decode_image() does, but in a confined child process. Children are reused, and replaced
 /// after a failure. Any thread; images of several threads are decoded at the same time.
 [[nodiscard]] std::variant<render::Image, render::ImageError> decode_confined(std::span<const std::byte> bytes,

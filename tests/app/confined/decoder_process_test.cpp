@@ -13,11 +13,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <fstream>
 #include <functional>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -57,6 +60,14 @@ void check_equal(const Decoded& found, const Decoded& expected) {
 std::string message_of(const Decoded& decoded) {
   const auto* error = std::get_if<render::ImageError>(&decoded);
   return error ? error->message : "";
+}
+
+// Returns the processes that this thread started.
+std::vector<pid_t> children() {
+  std::ifstream list("/proc/self/task/" + std::to_string(::gettid()) + "/children");
+  std::vector<pid_t> all;
+  for (pid_t child = 0; list >> child;) all.push_back(child);
+  return all;
 }
 
 // Reports whether a function succeeds in a process that is confined to decoding.
@@ -120,13 +131,27 @@ TEST_CASE("a decoder process that crashes costs one image") {
   CHECK_FALSE(message_of(process.decode(png, {}, 20s)).empty());
 }
 
-TEST_CASE("the pool replaces a decoder process that ended") {
+TEST_CASE("the pool replaces a decoder process that ended while it waited") {
   set_decoder_program(program());
   const auto png = render::encode_png(gradient(40, 30, 3));
+  const std::vector<pid_t> before = children();
   check_equal(decode_confined(png, {}), render::decode_image(png));
-  // The first child is a child of this process. Kill all children that decode.
-  DecoderProcess other(program(), DecoderKind::pictures);
-  prepare_decoder();
+  std::vector<pid_t> waiting = children();
+  std::erase_if(waiting, [&](pid_t child) { return std::ranges::count(before, child) > 0; });
+  REQUIRE(waiting.size() == 1);
+  check_equal(decode_confined(png, {}), render::decode_image(png));
+  CHECK(std::ranges::count(children(), waiting[0]) == 1);  // it was reused
+  REQUIRE(::kill(waiting[0], SIGKILL) == 0);
+  siginfo_t ended{};
+  REQUIRE(::waitid(P_PID, static_cast<id_t>(waiting[0]), &ended, WEXITED | WNOWAIT) == 0);
+  check_equal(decode_confined(png, {}), render::decode_image(png));
+  CHECK(std::ranges::count(children(), waiting[0]) == 0);
+  set_decoder_program({});
+}
+
+TEST_CASE("threads decode images in processes of their own") {
+  set_decoder_program(program());
+  const auto png = render::encode_png(gradient(40, 30, 3));
   std::vector<std::thread> threads;
   std::vector<Decoded> found(6);
   for (std::size_t i = 0; i < found.size(); ++i) threads.emplace_back([&, i] { found[i] = decode_confined(png, {}); });
