@@ -6,12 +6,13 @@
 #include <js/Realm.h>
 
 #include <algorithm>
+#include <optional>
 #include <unordered_map>
 #include <utility>
 
 namespace gs::app::script {
 
-bool PostedEvents::add(JSContext* context, vrml::SceneGraph& scene, vrml::NodeId node,
+bool PostedEvents::add(JSContext* context, const NodeRef& node, std::uint32_t place,
                        const vrml::InterfaceDeclaration& event_in, vrml::FieldValue value) {
   const std::size_t bytes = bytes_of(value);
   if (!engine_.may_have(bytes)) {
@@ -24,7 +25,7 @@ bool PostedEvents::add(JSContext* context, vrml::SceneGraph& scene, vrml::NodeId
   };
   // Only the last value for an eventIn is sent (C.5.2). But events that add or remove children are all sent.
   const bool each = event_in.access == vrml::AccessType::eventIn && event_in.type == vrml::FieldType::MFNode;
-  const Key key{{scene.serial(), node}, &event_in};
+  const Key key{node, place};
   if (!each)
     if (const auto known = last_.find(key); known != last_.end()) {
       count(bytes_of(posts_[known->second].value));
@@ -32,28 +33,30 @@ bool PostedEvents::add(JSContext* context, vrml::SceneGraph& scene, vrml::NodeId
       return true;
     }
   if (!each) last_[key] = posts_.size();
-  posts_.push_back({&scene, node, &event_in, std::move(value)});
+  posts_.push_back({node, place, std::move(value)});
   count(0);
   return true;
 }
 
-const vrml::FieldValue* PostedEvents::find(const vrml::SceneGraph& scene, vrml::NodeId node,
-                                           const vrml::InterfaceDeclaration& event_in) const {
-  const auto known = last_.find(Key{{scene.serial(), node}, &event_in});
+const vrml::FieldValue* PostedEvents::find(const NodeRef& node, std::uint32_t place) const {
+  const auto known = last_.find(Key{node, place});
   return known == last_.end() ? nullptr : &posts_[known->second].value;
 }
 
 // Takes time proportional to the stored events and their nodes.
-void PostedEvents::apply_to_children(const vrml::SceneGraph& scene, vrml::NodeId node,
-                                     const vrml::InterfaceDeclaration& children, vrml::FieldValue& value) const {
-  const vrml::NodeType& type = *scene.node(node).type;
-  const vrml::InterfaceDeclaration *const add = type.find("addChildren"), *const remove = type.find("removeChildren");
-  const auto is_list = [](const vrml::InterfaceDeclaration* event) {
-    return event && event->access == vrml::AccessType::eventIn && event->type == vrml::FieldType::MFNode;
+void PostedEvents::apply_to_children(const NodeRef& node, const vrml::NodeType& type, std::uint32_t place,
+                                     vrml::FieldValue& value) const {
+  const auto place_of_list = [&](const char* name) -> std::uint32_t {
+    for (std::uint32_t i = 0; i < type.interfaces.size(); ++i)
+      if (const vrml::InterfaceDeclaration& one = type.interfaces[i]; one.name == name)
+        return one.access == vrml::AccessType::eventIn && one.type == vrml::FieldType::MFNode ? i : place;
+    return place;
   };
-  if (children.name != "children" || !is_list(add) || !is_list(remove)) return;
+  if (posts_.empty() || type.interfaces[place].name != "children") return;
+  const std::uint32_t add = place_of_list("addChildren"), remove = place_of_list("removeChildren");
+  if (add == place || remove == place) return;
   const auto changes = [&](const Post& post) {
-    return post.scene == &scene && post.node == node && (post.event_in == add || post.event_in == remove);
+    return post.node == node && (post.place == add || post.place == remove);
   };
   if (std::none_of(posts_.begin(), posts_.end(), changes)) return;
   std::vector<vrml::NodeId> list;
@@ -61,16 +64,18 @@ void PostedEvents::apply_to_children(const vrml::SceneGraph& scene, vrml::NodeId
   const auto append = [&](vrml::NodeId child) {
     if (child && places.emplace(child.index, list.size()).second) list.push_back(child);
   };
-  for (const vrml::NodeId child : std::get<vrml::MFNode>(scene.node(node).values[children.slot])) append(child);
+  const std::optional<vrml::FieldValue> before = view_.read(node, place);
+  if (const auto* const nodes = before ? std::get_if<vrml::MFNode>(&*before) : nullptr)
+    for (const vrml::NodeId child : *nodes) append(child);
   for (const Post& post : posts_) {
-    if (post.scene != &scene || post.node != node) continue;
-    if (post.event_in == &children) {
+    if (post.node != node) continue;
+    if (post.place == place) {
       list.clear();
       places.clear();
     }
     for (const vrml::NodeId child :
-         changes(post) || post.event_in == &children ? std::get<vrml::MFNode>(post.value) : vrml::MFNode{}) {
-      if (post.event_in != remove) {
+         changes(post) || post.place == place ? std::get<vrml::MFNode>(post.value) : vrml::MFNode{}) {
+      if (post.place != remove) {
         append(child);
       } else if (const auto known = places.find(child.index); known != places.end()) {
         list[known->second] = {};
@@ -84,18 +89,28 @@ void PostedEvents::apply_to_children(const vrml::SceneGraph& scene, vrml::NodeId
   value = std::move(made);
 }
 
-void PostedEvents::send_all(Program& program, bool discard) {
+void PostedEvents::send_all(Program& program) {
   std::vector<Post> posts = std::exchange(posts_, {});
   engine_.add_bytes(-static_cast<std::ptrdiff_t>(std::exchange(bytes_, 0)));
   last_.clear();
+  for (const std::uint32_t place : std::exchange(program.to_tell, {})) {
+    program.changed[place] = false;
+    Notice notice{Notice::Kind::own_value};
+    notice.place = place;
+    notice.value = program.values[place];
+    view_.tell(notice);
+  }
   for (const std::uint32_t place : std::exchange(program.to_send, {})) {
     program.unsent[place] = false;
-    if (!discard) execution_.cascade().send_own(program.node, place);
+    Notice notice{Notice::Kind::send_own};
+    notice.place = place;
+    view_.tell(notice);
   }
-  if (discard) return;
-  for (Post& post : posts)
-    if (execution_.scenes().has(post.scene))
-      (void)execution_.cascade().post(*post.scene, post.node, *post.event_in, std::move(post.value));
+  for (Post& post : posts) {
+    Notice notice{Notice::Kind::post, post.node, post.place};
+    notice.value = std::move(post.value);
+    view_.tell(notice);
+  }
 }
 
 bool ChangedLists::add(JSContext* context, JS::HandleObject list) {

@@ -15,40 +15,37 @@ namespace gs::app::script {
 class PostedEvents {
  public:
   /// Both arguments must outlive the object.
-  PostedEvents(vrml::Execution& execution, Engine& engine) : execution_(execution), engine_(engine) {}
+  PostedEvents(WorldView& view, Engine& engine) : view_(view), engine_(engine) {}
 
   /// Stores an event. Only the last event of each eventIn is kept, except for MFNode eventIns, which add or remove
   /// nodes. Throws an exception and returns false if memory is insufficient.
-  bool add(JSContext* context, vrml::SceneGraph& scene, vrml::NodeId node, const vrml::InterfaceDeclaration& event_in,
+  /// `place` is the index of the eventIn, `event_in`, in the interfaces of the node's type.
+  bool add(JSContext* context, const NodeRef& node, std::uint32_t place, const vrml::InterfaceDeclaration& event_in,
            vrml::FieldValue value);
   /// Returns the value of the stored event for an eventIn; null if there is none.
-  [[nodiscard]] const vrml::FieldValue* find(const vrml::SceneGraph& scene, vrml::NodeId node,
-                                             const vrml::InterfaceDeclaration& event_in) const;
-  /// Applies the stored addChildren and removeChildren events of a node to the value of its `children`.
-  void apply_to_children(const vrml::SceneGraph& scene, vrml::NodeId node, const vrml::InterfaceDeclaration& children,
+  [[nodiscard]] const vrml::FieldValue* find(const NodeRef& node, std::uint32_t place) const;
+  /// Applies the stored addChildren and removeChildren events of a node to `value`, the value of the interface `place`.
+  void apply_to_children(const NodeRef& node, const vrml::NodeType& type, std::uint32_t place,
                          vrml::FieldValue& value) const;
-  /// Removes the events, and sends the eventOuts of `program` and the events. If `discard`, sends none of them.
-  void send_all(Program& program, bool discard);
+  /// Removes the events. Tells the world the changed values of `program`, its eventOuts and the events.
+  void send_all(Program& program);
 
  private:
   struct Key {
-    NodeKey node;
-    const vrml::InterfaceDeclaration* event_in;
+    NodeRef node;
+    std::uint32_t place;
     friend bool operator==(const Key&, const Key&) = default;
   };
   struct HashKey {
-    std::size_t operator()(const Key& key) const {
-      return HashNodeKey()(key.node) ^ std::hash<const void*>()(key.event_in);
-    }
+    std::size_t operator()(const Key& key) const { return HashNodeRef()(key.node) ^ (key.place * 0x9e3779b9U); }
   };
   struct Post {
-    vrml::SceneGraph* scene;
-    vrml::NodeId node;
-    const vrml::InterfaceDeclaration* event_in;
+    NodeRef node;
+    std::uint32_t place;
     vrml::FieldValue value;
   };
 
-  vrml::Execution& execution_;
+  WorldView& view_;
   Engine& engine_;
   std::vector<Post> posts_;
   std::size_t bytes_ = 0;  // bytes of values in posts_

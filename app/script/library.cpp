@@ -1,48 +1,40 @@
-#include "app/base/text_source.h"
 #include "app/script/bounds/bounded_natives.h"
 #include "app/script/natives.h"
 #include "app/script/script_library.h"
-#include "vrml/syntax/printer.h"
 
 #include <js/Object.h>
 #include <jsfriendapi.h>
 
 #include <utility>
 
-// Libraries of Scripts, and the rule for which nodes a Script may read (docs/security.md).
+// Libraries of Scripts.
 namespace gs::app::script {
 
-ScriptLibrary::ScriptLibrary(World& of, vrml::Execution& execution, JSContext* context) : world(&of), global(context) {
-  link->execution = &execution;
+ScriptLibrary::ScriptLibrary(World& of, WorldView& view, JSContext* context) : world(&of), global(context) {
+  link->view = &view;
   for (int i = 0; i <= kRowPrototype; ++i) prototypes.emplace_back(context);
-}
-
-const vrml::SourceText& text_of_program(const Program& program) {
-  const vrml::Node& node = program.scene->node(program.id);
-  const vrml::InterfaceDeclaration* const url = node.type->find_field("url");
-  return url ? program.scene->nodes().text_of(program.id, url->slot) : *node.text;
 }
 
 ScriptLibraries::~ScriptLibraries() {
   for (const auto& [key, library] : libraries_) {
-    library->link->execution = nullptr;
+    library->link->view = nullptr;
     if (!library->global) continue;
     const JSAutoRealm realm(engine_.context(), library->global);
     JS_SetCompartmentPrivate(js::GetContextCompartment(engine_.context()), nullptr);
   }
 }
 
-ScriptLibrary* ScriptLibraries::of(const std::shared_ptr<const vrml::TextSource>& source, vrml::Language language) {
+ScriptLibrary* ScriptLibraries::of(const ProgramFacts& facts) {
   // No key of a source begins with a blank.
-  const std::string prefix = language == vrml::Language::x3d ? " x3d " : "";
-  std::string key = prefix + library_key(origin_of(source));
+  const std::string prefix = facts.language == vrml::Language::x3d ? " x3d " : "";
+  std::string key = prefix + facts.library;
   auto found = libraries_.find(key);
   if (found == libraries_.end()) {
-    auto made = std::make_unique<ScriptLibrary>(world_, execution_, engine_.context());
+    auto made = std::make_unique<ScriptLibrary>(world_, view_, engine_.context());
     found = libraries_.emplace(std::move(key), std::move(made)).first;
   }
   ScriptLibrary& library = *found->second;
-  library.language = language;
+  library.language = facts.language;
   return library.global || make(library) ? &library : nullptr;
 }
 
@@ -69,22 +61,6 @@ bool ScriptLibraries::make(ScriptLibrary& library) {
     JS::RootedObject object(context, prototype);
     if (object) (void)JS_FreezeObject(context, object);
   }
-  return true;
-}
-
-bool ReadGuard::may_read(Program& program, const vrml::Node& node) {
-  const std::shared_ptr<const vrml::TextSource>& source = node.text->source();
-  if (source == program.source) return true;
-  auto& known = program.readings[source.get()];
-  if (!known.first)
-    known = {source, reading(origin_of(program.source), origin_of(program.scene->source()), origin_of(source))};
-  if (known.second == Reading::refused) {
-    messages_.report(
-        Severity::warning, program,
-        "cannot read nodes of " + origin_of(source).site() + ": a Script reads nodes of its own host only");
-    return false;
-  }
-  if (known.second == Reading::confidential && private_file_.empty()) private_file_ = origin_of(source).url;
   return true;
 }
 

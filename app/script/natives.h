@@ -21,9 +21,7 @@ JSObject* new_global(JSContext* context, Program* program, JS::HandleObject besi
 void forget_program(JSObject* global);
 /// Makes the global object of a program, with its fields, eventOuts and eventIns. If `repeatable`, Math.random has a
 /// fixed sequence. Returns false if memory is insufficient.
-bool make_global(JSContext* context, vrml::Execution& execution, Program& program, bool repeatable);
-/// Reports whether the running program may read a node; see ReadGuard.
-[[nodiscard]] bool may_read(JSContext* context, const vrml::Node& node);
+bool make_global(JSContext* context, Program& program, bool repeatable);
 /// Reports a warning about the running program, unless it was reported before. `at` is its position, if known.
 void warn(JSContext* context, std::string text, std::optional<Diagnostic> at = {});
 /// Reports whether the library provides this name to every program of a language.
@@ -37,11 +35,12 @@ struct Source {
   JSObject* parent = nullptr;
   std::uint32_t place = 0;
 };
-bool to_value(JSContext* context, vrml::SceneGraph* scene, const vrml::FieldValue& field, Source source,
+/// Converts a field value. `scene` is the scene of its nodes.
+bool to_value(JSContext* context, std::uint64_t scene, const vrml::FieldValue& field, Source source,
               JS::MutableHandleValue value);
 /// Converts a value to a field value. Its nodes must belong to `scene`. Throws an exception and returns false on
 /// failure.
-bool to_field(JSContext* context, JS::HandleValue value, vrml::FieldType type, vrml::SceneGraph* scene,
+bool to_field(JSContext* context, JS::HandleValue value, vrml::FieldType type, std::uint64_t scene,
               vrml::FieldValue& field);
 /// Writes a value of which a part was assigned back to the object from which it was read; see Source.
 bool write_back(JSContext* context, JS::HandleObject parent, std::uint32_t place, JS::HandleValue value);
@@ -71,13 +70,17 @@ void forget_program_of_list(ListBox& box);
 
 // natives/nodes.cpp: SFNode
 bool define_nodes(JSContext* context, JS::HandleObject library, std::vector<JS::PersistentRootedObject>& prototypes);
-JSObject* object_of_node(JSContext* context, vrml::SceneGraph& scene, vrml::NodeId id);
+JSObject* object_of_node(JSContext* context, const NodeRef& node);
 [[nodiscard]] NodeBox* node_of(JSObject* object);
-/// Reports whether an event to this eventIn would replace the program of a Script.
-[[nodiscard]] bool sets_program(const vrml::NodeType& type, const vrml::InterfaceDeclaration& event_in);
+/// Converts a node to a value: its object, or null if there is no node.
+bool node_to_value(JSContext* context, const NodeRef& node, JS::MutableHandleValue value);
+/// Returns the node of a value. Returns no node if the value is none, or if the node left the world.
+[[nodiscard]] NodeRef node_of_value(JS::HandleValue value);
+/// Reports whether the running program may read a node.
+[[nodiscard]] bool may_read(JSContext* context, NodeBox& node);
 bool set_node_field(JSContext* context, JS::HandleObject node, std::uint32_t place, JS::HandleValue value);
 /// Makes nodes from VRML text in the scene of the running program. Throws an exception and returns false on failure.
-bool nodes_from_text(JSContext* context, std::string_view text, vrml::MFNode& nodes, vrml::SceneGraph*& scene);
+bool nodes_from_text(JSContext* context, std::string text, vrml::MFNode& nodes, std::uint64_t& scene);
 
 // natives/images.cpp: SFImage
 bool define_images(JSContext* context, JS::HandleObject library, std::vector<JS::PersistentRootedObject>& prototypes);

@@ -25,37 +25,36 @@ bool text_of_result(JSContext* context, JS::HandleValue value, std::string& text
 
 }  // namespace
 
-ProgramCalls::ProgramCalls(vrml::Execution& execution, Engine& engine, const ScriptRunner::Settings& settings,
-                           ScriptMessages& messages)
-    : execution_(execution),
-      engine_(engine),
-      faults_(engine, execution, messages),
-      posted_(execution, engine),
-      changed_(engine.context()),
-      clock_(execution, settings.repeatable),
-      time_(settings.step_seconds) {}
+ProgramCalls::ProgramCalls(WorldView& view, Engine& engine, bool repeatable)
+    : engine_(engine), faults_(engine, view), posted_(view, engine), changed_(engine.context()), clock_(repeatable) {}
+
+void ProgramCalls::prepare(const Order& order) {
+  now_ = order.now;
+  seconds_ = order.seconds;
+  heap_ = order.heap;
+  image_pixels_ = order.image_pixels;
+}
 
 ProgramCalls::Call::Call(ProgramCalls& calls, Program& program)
     : calls_(calls), program_(program), outer_(std::exchange(calls.running_, &program)) {
-  if (!outer_) calls_.clock_.begin_function();
+  if (!outer_) calls_.clock_.begin_function(calls_.now_);
 }
 
 ProgramCalls::Call::~Call() {
-  calls_.posted_.send_all(program_, calls_.ends_);
+  calls_.posted_.send_all(program_);
   calls_.running_ = outer_;
   calls_.engine_.rest();
 }
 
 Engine::Turn ProgramCalls::make_turn(const Program& program) {
-  const Limits& limits = execution_.scenes().root().limits();
-  return Engine::Turn(engine_, limits.script_seconds, limits.script_heap, program.late_message);
+  return Engine::Turn(engine_, seconds_, heap_, program.facts->late_message);
 }
 
 // Runs the promise jobs of a turn. They also run after an exception, as in web browsers, but not after a stop.
 void ProgramCalls::run_jobs(Program& program, Engine::Turn& turn) {
   bool good = true;
   while (turn.stop() == Stop::none && turn.run_job(&good))
-    if (!good || turn.stop() != Stop::none) faults_.report(program, turn);
+    if (!good || turn.stop() != Stop::none) faults_.report(program, turn, heap_);
 }
 
 void ProgramCalls::call(Program& program, const char* name) {
@@ -76,12 +75,11 @@ void ProgramCalls::call_event(Program& program, std::uint32_t interface, const v
     JS::RootedValue function(context), ignored(context);
     JS::RootedId name(context, program.names[interface]);
     // The name of an exposedField is its value; its handler has another name (contact_text()).
-    const vrml::InterfaceDeclaration& declaration =
-        *execution_.nodes().schema_of(program.node).interfaces[interface].declaration;
+    const vrml::InterfaceDeclaration& declaration = program.interface(interface);
     const bool exposed = declaration.access == vrml::AccessType::exposedField;
     if (!exposed) {
       if (!JS_GetPropertyById(context, program.global, name, &function)) return false;
-    } else if (program.language == vrml::Language::x3d &&
+    } else if (program.language() == vrml::Language::x3d &&
                !JS_GetProperty(context, program.global, ("set_" + declaration.name).c_str(), &function)) {
       return false;
     } else if (function.isObject()) {
@@ -92,15 +90,15 @@ void ProgramCalls::call_event(Program& program, std::uint32_t interface, const v
     }
     if (!function.isObject() || !JS::IsCallable(&function.toObject())) return true;
     JS::RootedValueArray<2> arguments(context);
-    if (!to_value(context, program.scene, copy, {}, arguments[0])) return false;
+    if (!to_value(context, program.scene(), copy, {}, arguments[0])) return false;
     arguments[1].set(JS::DoubleValue(time));
     return JS_CallFunctionValue(context, program.global, function, JS::HandleValueArray(arguments), &ignored);
   });
 }
 
-ScriptRunner::Evaluation ProgramCalls::evaluate(Program& program, const std::string& line) {
+Report ProgramCalls::evaluate(Program& program, const std::string& line) {
   JSContext* const context = engine_.context();
-  ScriptRunner::Evaluation result;
+  Report result;
   const Call call(*this, program);
   Engine::Turn turn = make_turn(program);
   const JSAutoRealm realm(context, program.global);
@@ -111,13 +109,13 @@ ScriptRunner::Evaluation ProgramCalls::evaluate(Program& program, const std::str
     }
     return good && turn.stop() == Stop::none;
   };
-  const std::string modern = modern_text_of(execution_, program, line);
+  const std::string modern = modern_text_of(program, line);
   JS::RootedScript compiled(context, compile_mended(context, modern, "console", {1, 1}));
   JS::RootedValue value(context);
   const bool good = compiled && JS_ExecuteScript(context, compiled, &value) && run_jobs_of_line() &&
                     changed_.flush(context) && text_of_result(context, value, result.text);
-  if (good && turn.stop() == Stop::none) return result;
-  result.failed = true;
+  result.good = good && turn.stop() == Stop::none;
+  if (result.good) return result;
   bool recursion = false;
   const bool thrown = turn.stop() == Stop::none && JS_IsExceptionPending(context);
   const std::optional<Diagnostic> said = thrown ? take_exception(context, recursion) : std::nullopt;
@@ -131,9 +129,9 @@ ScriptRunner::Evaluation ProgramCalls::evaluate(Program& program, const std::str
 }
 
 void ProgramCalls::own_changed(Program& program, std::uint32_t place) {
-  const auto& interface = execution_.nodes().schema_of(program.node).interfaces[place];
-  execution_.cascade().own_value_changed(program.node, place);
-  if (interface.declaration->access == vrml::AccessType::field || program.unsent[place]) return;
+  if (!program.changed[place]) program.to_tell.push_back(place);
+  program.changed[place] = true;
+  if (program.interface(place).access == vrml::AccessType::field || program.unsent[place]) return;
   program.unsent[place] = true;
   program.to_send.push_back(place);
 }

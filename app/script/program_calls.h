@@ -3,14 +3,12 @@
 #include "app/script/assignments.h"
 #include "app/script/engine/engine.h"
 #include "app/script/engine/script_clock.h"
-#include "app/script/engine/step_time.h"
-#include "app/script/script_messages.h"
-#include "app/script/script_runner.h"
+#include "app/script/program_faults.h"
 #include "base/noncopyable.h"
 
 #include <jsapi.h>
 
-#include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -21,45 +19,38 @@ namespace gs::app::script {
 class ProgramCalls {
  public:
   /// All arguments must outlive the object.
-  ProgramCalls(vrml::Execution& execution, Engine& engine, const ScriptRunner::Settings& settings,
-               ScriptMessages& messages);
+  ProgramCalls(WorldView& view, Engine& engine, bool repeatable);
+
+  /// Sets the limits and the time of the next calls.
+  void prepare(const Order& order);
 
   /// Returns the program that the engine is running.
   [[nodiscard]] Program& running() { return *running_; }
-  /// Reports whether the running program may change the world. Returns false in shutdown(), and while the world ends.
-  [[nodiscard]] bool may_act() const { return !ends_ && !running_->ended; }
-  /// Begins the end of the world. From now on, assignments of programs have no effect.
-  void begin_end() { ends_ = true; }
+  [[nodiscard]] std::size_t image_pixels() const { return image_pixels_; }
 
   /// Runs `what` in the global object of a program and within its limits. Then sends the events of its assignments.
   template <class Do>
   void run(Program& program, const Do& what) {
     if (program.off || !program.global) return;
-    const auto began = std::chrono::steady_clock::now();
-    {
-      const Call call(*this, program);
-      Engine::Turn turn = make_turn(program);
-      const JSAutoRealm realm(engine_.context(), program.global);
-      if (!what() || turn.stop() != Stop::none) faults_.report(program, turn);
-      run_jobs(program, turn);
-      if (!changed_.flush(engine_.context())) JS_ClearPendingException(engine_.context());
-    }
-    time_.add(program.node, std::chrono::steady_clock::now() - began);
+    const Call call(*this, program);
+    Engine::Turn turn = make_turn(program);
+    const JSAutoRealm realm(engine_.context(), program.global);
+    if (!what() || turn.stop() != Stop::none) faults_.report(program, turn, heap_);
+    run_jobs(program, turn);
+    if (!changed_.flush(engine_.context())) JS_ClearPendingException(engine_.context());
   }
   /// Calls a function of a program without arguments, if it exists.
   void call(Program& program, const char* name);
   /// Calls the function of an eventIn, if it exists.
   void call_event(Program& program, std::uint32_t interface, const vrml::FieldValue& value, double time);
-  /// Runs a line of code in a program; see ScriptRunner::evaluate().
-  [[nodiscard]] ScriptRunner::Evaluation evaluate(Program& program, const std::string& line);
+  /// Runs a line of code in a program; see ScriptRunner::evaluate(). Returns the text of its value or error.
+  [[nodiscard]] Report evaluate(Program& program, const std::string& line);
 
   /// Records that a field or eventOut of a Script was written.
   void own_changed(Program& program, std::uint32_t place);
   [[nodiscard]] PostedEvents& posted() { return posted_; }
   [[nodiscard]] ChangedLists& changed() { return changed_; }
   [[nodiscard]] ScriptClock& clock() { return clock_; }
-  [[nodiscard]] StepTime& time() { return time_; }
-  [[nodiscard]] const StepTime& time() const { return time_; }
 
  private:
   /// Guard of one call. At its end, sends the events of the program's assignments.
@@ -77,15 +68,14 @@ class ProgramCalls {
   [[nodiscard]] Engine::Turn make_turn(const Program& program);
   void run_jobs(Program& program, Engine::Turn& turn);
 
-  vrml::Execution& execution_;
   Engine& engine_;
   ProgramFaults faults_;
   PostedEvents posted_;
   ChangedLists changed_;
   ScriptClock clock_;
-  StepTime time_;
+  double now_ = 0, seconds_ = 0;
+  std::size_t heap_ = 0, image_pixels_ = 0;
   Program* running_ = nullptr;
-  bool ends_ = false;
 };
 
 }  // namespace gs::app::script

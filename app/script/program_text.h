@@ -29,6 +29,6 @@ std::optional<Diagnostic> take_exception(JSContext* context, bool& recursion);
 /// without braces of JavaScript 1.8.
 [[nodiscard]] std::string mended_text(std::string_view text);
 /// Returns the text of a program's code in modern ECMAScript; see modern_text() and contact_text().
-[[nodiscard]] std::string modern_text_of(vrml::Execution& execution, const Program& program, std::string_view text);
+[[nodiscard]] std::string modern_text_of(const Program& program, std::string_view text);
 
 }  // namespace gs::app::script

@@ -1,12 +1,15 @@
 #include "app/script/script_world.h"
 
 #include "app/script/natives.h"
+#include "app/script/program_text.h"
+#include "vrml/scene/values/field_numbers.h"
 
+#include <js/CallAndConstruct.h>
+#include <js/CompilationAndEvaluation.h>
 #include <js/Date.h>
 #include <js/Realm.h>
 #include <jsfriendapi.h>
 
-#include <algorithm>
 #include <utility>
 
 namespace gs::app::script {
@@ -21,26 +24,33 @@ double date_of(double now, JSContext* context) {
                                                                     : now;
 }
 
+bool is_object(vrml::FieldType type) {
+  return vrml::is_multiple(type) || vrml::number_count(type) > 1 || type == vrml::FieldType::SFImage;
+}
+
 }  // namespace
 
-World::World(vrml::Execution& execution, Engine& engine, Settings settings)
-    : execution_(execution),
-      engine_(engine),
-      reads_(messages_),
-      calls_(execution, engine, settings, messages_),
-      libraries_(*this, execution, engine),
-      loader_(execution, engine, libraries_, calls_, messages_, requests_) {
+std::string modern_text_of(const Program& program, std::string_view text) {
+  std::vector<std::string> values, exposed;
+  for (const vrml::InterfaceDeclaration& declaration : program.facts->type->interfaces) {
+    if (declaration.access != vrml::AccessType::eventIn && is_object(declaration.type))
+      values.push_back(declaration.name);
+    if (declaration.access == vrml::AccessType::exposedField) exposed.push_back(declaration.name);
+  }
+  return contact_text(modern_text(text, values), exposed, is_browser_method);
+}
+
+World::World(WorldAccess& world, Engine& engine, bool repeatable)
+    : engine_(engine),
+      view_(world),
+      calls_(view_, engine, repeatable),
+      libraries_(*this, view_, engine),
+      checked_(engine.context()) {
   JS::SetReduceMicrosecondTimePrecisionCallback(date_of);
 }
 
 World::~World() {
-  calls_.begin_end();
-  // Shut down in the order in which the Scripts began (4.12.3).
-  std::vector<vrml::EventNode> nodes;
-  for (const auto& [node, program] : programs_) nodes.push_back(node);
-  std::sort(nodes.begin(), nodes.end());
-  for (const vrml::EventNode node : nodes) end(node);
-  for (const vrml::EventNode node : nodes) forget(node);
+  while (!programs_.empty()) forget(programs_.begin()->first);
 }
 
 Program* World::program_of(vrml::EventNode node) const {
@@ -48,67 +58,114 @@ Program* World::program_of(vrml::EventNode node) const {
   return found == programs_.end() ? nullptr : found->second.get();
 }
 
-bool World::begin(vrml::EventNode node) {
-  // A Script that replaces its own program keeps its number of faults.
-  int faults = 0;
-  if (const Program* const before = program_of(node)) {
-    faults = before->faults;
-    end(node);
-    forget(node);
+Report World::run(const Order& order) {
+  view_.begin_function(order.gone);
+  calls_.prepare(order);
+  if (order.kind == Order::Kind::check) return check(order);
+  if (order.kind == Order::Kind::start) return start(order);
+  Program* const program = program_of(order.program);
+  Report report;
+  if (!program) return report;
+  for (const auto& [place, value] : order.values)
+    if (place < program->values.size()) program->values[place] = value;
+  switch (order.kind) {
+    case Order::Kind::event:
+      if (program->runs && order.place < program->names.size())
+        calls_.call_event(*program, order.place, order.value, order.time);
+      break;
+    case Order::Kind::call:
+      if (program->runs) calls_.call(*program, order.text.c_str());
+      break;
+    case Order::Kind::end:
+      if (std::exchange(program->runs, false)) calls_.call(*program, "shutdown");
+      break;
+    case Order::Kind::evaluate:
+      if (program->runs && program->global) report = calls_.evaluate(*program, order.text);
+      break;
+    default:
+      forget(order.program);
+      return report;
   }
-  const vrml::NodePlace at = execution_.nodes().place_of(node);
-  auto made = std::make_unique<Program>();
-  made->world = this;
-  made->node = node;
-  made->id = at.node;
-  made->scene = execution_.scenes().own(*at.scene);
-  made->language = text_of_program(*made).language();
-  made->source = text_of_program(*made).source();
-  made->faults = faults;
-  made->off = faults >= ProgramFaults::kMax;
-  made->late_message = late_message_of(*made);
-  programs_[node] = std::move(made);
-  return loader_.start(*programs_[node]);
+  report.runs = program->runs;
+  report.off = program->off;
+  report.has_processed = program->has_processed;
+  report.has_prepare = program->has_prepare;
+  report.faults = program->faults;
+  return report;
 }
 
-bool World::deliver(vrml::EventNode node, std::uint32_t interface, const vrml::FieldValue& value, double time) {
-  Program* const program = program_of(node);
-  if (!program || !program->runs) return false;
-  calls_.call_event(*program, interface, value, time);
-  return program->has_processed;
+// ---- Start of programs
+
+Program& World::program_for(const Order& order) {
+  auto& program = programs_[order.program];
+  if (program) return *program;
+  program = std::make_unique<Program>();
+  program->world = this;
+  program->node = order.program;
+  program->serial = ++last_serial_;
+  program->facts = order.facts;
+  program->faults = order.facts->faults;
+  program->off = program->faults >= kMaxFaults;
+  const std::size_t places = order.facts->type->interfaces.size();
+  program->values.resize(places);
+  program->changed.resize(places);
+  for (std::size_t i = 0; i < places; ++i)
+    program->values[i] = vrml::initial_value(order.facts->type->interfaces[i].type);
+  return *program;
 }
 
-void World::events_processed(vrml::EventNode node) {
-  Program* const program = program_of(node);
-  if (program && program->runs) calls_.call(*program, "eventsProcessed");
+Report World::start(const Order& order) {
+  Report report;
+  if (!order.facts || !order.facts->type) return report;
+  Program& program = program_for(order);
+  for (const auto& [place, value] : order.values)
+    if (place < program.values.size()) program.values[place] = value;
+  program.library = libraries_.of(*program.facts);
+  report.no_memory = !program.library;
+  report.good = program.library && start_text(program, order);
+  report.runs = program.runs;
+  report.off = program.off;
+  report.has_processed = program.has_processed;
+  report.has_prepare = program.has_prepare;
+  report.faults = program.faults;
+  return report;
 }
 
-void World::prepare_events() {
-  // prepareEvents() may add Scripts, but it begins none.
-  std::vector<vrml::EventNode> nodes;
-  for (const auto& [node, program] : programs_)
-    if (program->runs && program->has_prepare && !program->off) nodes.push_back(node);
-  std::sort(nodes.begin(), nodes.end());
-  for (const vrml::EventNode node : nodes)
-    if (Program* const program = program_of(node); program && program->runs && calls_.time().has_time())
-      calls_.call(*program, "prepareEvents");
+bool World::load(Program& program, const Order& order) {
+  JSContext* const context = engine_.context();
+  bool good = false;
+  calls_.run(program, [&] {
+    const std::string modern = modern_text_of(program, order.text);
+    program.undeclared = UndeclaredNames(modern);
+    JS::RootedScript script(context, compile_mended(context, modern, order.file, order.at));
+    JS::RootedValue ignored(context);
+    if (!script) return false;
+    good = true;
+    return JS_ExecuteScript(context, script, &ignored);
+  });
+  return good;
 }
 
-bool World::prepares_events() const {
-  return std::any_of(programs_.begin(), programs_.end(),
-                     [](const auto& one) { return one.second->runs && one.second->has_prepare && !one.second->off; });
-}
-
-void World::end(vrml::EventNode node) {
-  Program* const program = program_of(node);
-  if (!program || !std::exchange(program->runs, false)) return;
-  program->ended = true;
-  calls_.call(*program, "shutdown");
+bool World::start_text(Program& program, const Order& order) {
+  JSContext* const context = engine_.context();
+  if (!program.global && !make_global(context, program, calls_.clock().is_repeatable())) return false;
+  if (!load(program, order)) return false;
+  program.runs = true;
+  calls_.run(program, [&] {
+    JS::RootedValue function(context);
+    if (!JS_GetProperty(context, program.global, "eventsProcessed", &function)) return false;
+    program.has_processed = function.isObject() && JS::IsCallable(&function.toObject());
+    if (program.language() != vrml::Language::x3d) return true;
+    if (!JS_GetProperty(context, program.global, "prepareEvents", &function)) return false;
+    program.has_prepare = function.isObject() && JS::IsCallable(&function.toObject());
+    return true;
+  });
+  calls_.call(program, "initialize");
+  return true;
 }
 
 void World::forget(vrml::EventNode node) {
   const auto found = programs_.find(node);
-  loader_.forget(node);
   if (found == programs_.end()) return;
   if (Program* const program = found->second.get()) {
     for (const auto& list : program->lists)
@@ -119,57 +176,26 @@ void World::forget(vrml::EventNode node) {
   programs_.erase(found);
 }
 
-bool World::waits(vrml::EventNode node) const {
-  const Program* const program = program_of(node);
-  return !program || program->waits;
+Report World::check(const Order& order) {
+  JSContext* const context = engine_.context();
+  Report report;
+  if (!checked_) checked_ = new_global(context, nullptr, nullptr);
+  report.no_memory = !checked_;
+  if (!checked_) return report;
+  const JSAutoRealm realm(context, checked_);
+  report.good = compile_mended(context, order.text, order.file, order.at) != nullptr;
+  if (report.good) return report;
+  bool recursion = false;
+  report.problem = take_exception(context, recursion);
+  if (!report.problem)
+    report.problem = Diagnostic{Severity::error, order.file, order.at, "the program cannot be compiled"};
+  return report;
 }
 
-void World::begin_step() {
-  if (const vrml::EventNode slowest = calls_.time().begin(); slowest != 0)
-    if (const Program* const program = program_of(slowest))
-      messages_.report(Severity::warning, *program,
-                       "used the time for programs in this step; remaining events wait for the next step");
-}
-
-void World::found(const vrml::SceneGraph& scene, vrml::NodeId script, std::optional<std::string> text,
-                  const std::string& url) {
-  const vrml::EventNode node = execution_.scenes().event_node(scene, script);
-  Program* const program = node == 0 ? nullptr : program_of(node);
-  if (!program || !program->waits) return;
-  loader_.provide(node, std::move(text), url);
-  (void)loader_.start(*program);
-  execution_.scripts().program_came(scene, script);
-}
-
-void World::provide(const vrml::SceneGraph& scene, vrml::NodeId script, std::optional<std::string> text,
-                    const std::string& url) {
-  if (const vrml::EventNode node = execution_.scenes().event_node(scene, script))
-    loader_.provide(node, std::move(text), url);
-}
-
-ScriptRunner::Evaluation World::evaluate(const vrml::SceneGraph& scene, vrml::NodeId script, const std::string& line) {
-  const auto no = [](std::string why) { return Evaluation{std::move(why), true}; };
-  const vrml::EventNode node = execution_.scenes().event_node(scene, script);
-  Program* const program = node == 0 ? nullptr : program_of(node);
-  if (!program) return no("not a Script, or its program has not started");
-  if (program->waits) return no("the program of this Script is still loading");
-  if (program->off) return no("the program of this Script is switched off after three faults");
-  if (!program->runs || !program->global) return no("this Script has no running program");
-  return calls_.evaluate(*program, line);
+std::unique_ptr<ProgramHost> make_programs(WorldAccess& world, bool repeatable) {
+  Engine* const engine = Engine::of_this_thread();
+  if (!engine) return nullptr;
+  return std::make_unique<World>(world, *engine, repeatable);
 }
 
 }  // namespace gs::app::script
-
-namespace gs::app {
-
-std::unique_ptr<ScriptRunner> ScriptRunner::make(vrml::Execution& execution, Settings settings) {
-  script::Engine* const engine = script::Engine::of_this_thread();
-  if (!engine) return nullptr;
-  return std::make_unique<script::World>(execution, *engine, settings);
-}
-
-void ScriptRunner::on_overdue(std::function<void(const std::string&)> observer) {
-  script::Engine::on_overdue(std::move(observer));
-}
-
-}  // namespace gs::app

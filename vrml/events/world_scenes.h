@@ -56,6 +56,8 @@ class WorldScenes {
   [[nodiscard]] SceneState& state_of(SceneGraph& scene) { return states_[place_of(scene)]; }
   /// Frees the state of a scene.
   void remove(const SceneGraph& scene);
+  /// Returns the number of scenes that were removed so far.
+  [[nodiscard]] std::uint64_t removals() const { return removals_; }
 
  private:
   std::size_t place_of(SceneGraph& scene);
@@ -70,6 +72,7 @@ class WorldScenes {
   std::deque<SceneState> states_;
   std::unordered_map<const SceneGraph*, std::size_t> places_;
   std::vector<std::size_t> free_places_;
+  std::uint64_t removals_ = 0;
 };
 
 }  // namespace gs::vrml

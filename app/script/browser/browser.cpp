@@ -1,6 +1,5 @@
 #include "app/script/bounds/contained.h"
 #include "app/script/browser/browser_natives.h"
-#include "app/script/run_time_nodes.h"
 #include "app/script/script_world.h"
 
 #include <js/Array.h>
@@ -20,30 +19,10 @@ namespace {
 
 constexpr std::size_t kMaxTold = 4096;  // max characters of a printed line and of a description
 
-bool texts_argument(JSContext* context, const JS::CallArgs& args, unsigned index, std::vector<std::string>& texts) {
-  if (index >= args.length() || args[index].isNullOrUndefined()) return true;
-  vrml::FieldValue field;
-  if (!to_field(context, args[index], vrml::FieldType::MFString, nullptr, field)) return false;
-  for (const vrml::SFString& text : std::get<vrml::MFString>(field)) texts.push_back(text.str());
-  return true;
-}
-
-ScriptRequest request_of(World& world, ScriptRequest::Kind kind) {
-  ScriptRequest request;
-  request.kind = kind;
-  const Program& program = world.calls().running();
-  request.origin = &text_of_program(program).origin();
-  request.source = program.source;
-  request.scene = program.scene;
-  request.from_scene = program.scene;
-  request.node = program.id;
-  request.location = program.scene->node(program.id).location;
-  return request;
-}
-
-// Adds a request, unless the program or the world ends.
-void add_request(World& world, ScriptRequest request) {
-  if (world.calls().may_act()) world.requests().add(std::move(request));
+bool texts_argument(JSContext* context, const JS::CallArgs& args, unsigned index, vrml::FieldValue& texts) {
+  texts = vrml::MFString{};
+  return index >= args.length() || args[index].isNullOrUndefined() ||
+         to_field(context, args[index], vrml::FieldType::MFString, 0, texts);
 }
 
 bool get_name(JSContext* context, unsigned argc, JS::Value* vp) {
@@ -53,30 +32,29 @@ bool get_version(JSContext* context, unsigned argc, JS::Value* vp) {
   return make_string(context, GHOSTSPACE_VERSION, JS::CallArgsFromVp(argc, vp).rval());
 }
 bool get_speed(JSContext* context, unsigned argc, JS::Value* vp) {
-  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(world_of(context).browser().speed));
+  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(world_of(context).view().browser().speed));
   return true;
 }
 bool get_frame_rate(JSContext* context, unsigned argc, JS::Value* vp) {
-  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(world_of(context).browser().frame_rate));
+  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(world_of(context).view().browser().frame_rate));
   return true;
 }
 bool get_world_url(JSContext* context, unsigned argc, JS::Value* vp) {
-  return make_string(context, world_of(context).browser().world_url, JS::CallArgsFromVp(argc, vp).rval());
+  return make_string(context, world_of(context).view().browser().world_url, JS::CallArgsFromVp(argc, vp).rval());
 }
 bool get_time(JSContext* context, unsigned argc, JS::Value* vp) {
-  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(world_of(context).execution().now()));
+  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(world_of(context).calls().clock().now()));
   return true;
 }
 
 bool replace_world(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   World& world = world_of(context);
-  vrml::FieldValue nodes;
+  Question question{Ask::replace_world};
   args.rval().setUndefined();
-  if (!world.calls().may_act()) return true;
-  if (!to_field(context, args.get(0), vrml::FieldType::MFNode, world.calls().running().scene, nodes)) return false;
-  if (!world.execution().lifetime().replace_world(std::get<vrml::MFNode>(nodes)))
-    return fail(context, "replaceWorld expects nodes of the world's own file");
+  if (!to_field(context, args.get(0), vrml::FieldType::MFNode, world.calls().running().scene(), question.value))
+    return false;
+  if (!world.view().ask(question).good) return fail(context, "replaceWorld expects nodes of the world's own file");
   return true;
 }
 
@@ -85,10 +63,8 @@ bool create_from_string(JSContext* context, unsigned argc, JS::Value* vp) {
   std::string text;
   ListBox box;
   vrml::MFNode nodes;
-  vrml::SceneGraph* scene = nullptr;
   if (!text_of_value(context, args.get(0), text)) return false;
-  if (!nodes_from_text(context, text, nodes, scene)) return false;
-  box.scene = scene;
+  if (!nodes_from_text(context, std::move(text), nodes, box.scene)) return false;
   box.value = std::move(nodes);
   JSObject* const list = make_list(context, std::move(box), {});
   args.rval().setObjectOrNull(list);
@@ -97,41 +73,34 @@ bool create_from_string(JSContext* context, unsigned argc, JS::Value* vp) {
 
 bool create_from_url(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
-  World& world = world_of(context);
-  ScriptRequest request = request_of(world, ScriptRequest::Kind::create_from_url);
-  std::string event;
+  Question question{Ask::create_from_url};
   args.rval().setUndefined();
-  if (!texts_argument(context, args, 0, request.urls) || !text_of_value(context, args.get(2), event)) return false;
-  const NodeBox* const box = args.get(1).isObject() ? node_of(&args[1].toObject()) : nullptr;
-  vrml::SceneGraph* const scene = box ? box->live_scene() : nullptr;
-  if (!scene) return fail(context, "createVrmlFromURL expects a node that receives the nodes");
-  request.event_in = event_for_nodes(*scene, box->id, event);
-  if (!request.event_in) return fail(context, "the node has no MFNode eventIn '" + event.substr(0, 80) + "'");
-  request.scene = scene;
-  request.node = box->id;
-  add_request(world, std::move(request));
+  if (!texts_argument(context, args, 0, question.value) || !text_of_value(context, args.get(2), question.text))
+    return false;
+  question.node = node_of_value(args.get(1));
+  if (!question.node) return fail(context, "createVrmlFromURL expects a node that receives the nodes");
+  if (!world_of(context).view().ask(question).good)
+    return fail(context, "the node has no MFNode eventIn '" + question.text.substr(0, 80) + "'");
   return true;
 }
 
 bool load_url(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
-  World& world = world_of(context);
-  ScriptRequest request = request_of(world, ScriptRequest::Kind::load_url);
+  Question question{Ask::load_url};
   args.rval().setUndefined();
-  if (!texts_argument(context, args, 0, request.urls) || !texts_argument(context, args, 1, request.parameters))
+  if (!texts_argument(context, args, 0, question.value) || !texts_argument(context, args, 1, question.second))
     return false;
-  add_request(world, std::move(request));
+  (void)world_of(context).view().ask(question);
   return true;
 }
 
-template <ScriptRequest::Kind kKind>
+template <Ask kAsk>
 bool tell_text(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
-  World& world = world_of(context);
-  ScriptRequest request = request_of(world, kKind);
+  Question question{kAsk};
   args.rval().setUndefined();
-  if (!cut_text_of_value(context, args.get(0), kMaxTold, request.text)) return false;
-  add_request(world, std::move(request));
+  if (!cut_text_of_value(context, args.get(0), kMaxTold, question.text)) return false;
+  (void)world_of(context).view().ask(question);
   return true;
 }
 
@@ -142,7 +111,7 @@ bool print(JSContext* context, unsigned argc, JS::Value* vp) {
     if (!cut_text_of_value(context, args[i], kMaxTold, text)) return false;
     line += (i ? " " : "") + text;
   }
-  world_of(context).messages().print(std::move(line));
+  world_of(context).view().print(std::move(line));
   args.rval().setUndefined();
   return true;
 }
@@ -249,7 +218,7 @@ const JSFunctionSpec kBrowser[] = {
     JS_FN("createVrmlFromString", contained<create_from_string>, 1, 0),
     JS_FN("createVrmlFromURL", contained<create_from_url>, 3, 0), JS_FN("addRoute", contained<add_route>, 4, 0),
     JS_FN("deleteRoute", contained<delete_route>, 4, 0), JS_FN("loadURL", contained<load_url>, 2, 0),
-    JS_FN("setDescription", contained<tell_text<ScriptRequest::Kind::description>>, 1, 0),
+    JS_FN("setDescription", contained<tell_text<Ask::describe_world>>, 1, 0),
     // Other spellings of these functions, which worlds and even the examples of Annex C use
     JS_FN("createVRMLFromString", contained<create_from_string>, 1, 0),
     JS_FN("createVRMLFromURL", contained<create_from_url>, 3, 0),
@@ -266,7 +235,7 @@ const JSFunctionSpec kBrowser[] = {
     JS_FN("getScript", contained<get_script>, 0, 0), JS_FN("getImportedNode", contained<get_imported_node>, 1, 0),
     JS_FN("isKeyPressed", contained<is_key_pressed>, 1, 0),
     // Viewer and window
-    JS_FN("setViewpoint", contained<tell_text<ScriptRequest::Kind::viewpoint>>, 1, 0),
+    JS_FN("setViewpoint", contained<tell_text<Ask::set_viewpoint>>, 1, 0),
     JS_FN("setViewpointByValue", contained<set_viewpoint_by_value>, 3, 0),
     JS_FN("getViewpointByValue", contained<get_viewpoint_by_value>, 3, 0),
     JS_FN("computeRayHit", contained<compute_ray_hit>, 3, 0),
@@ -288,15 +257,14 @@ const JSFunctionSpec kBrowser[] = {
     JS_FN("setWalkSpeed", contained<set_measure<Measure::speed>>, 1, 0), JS_FN("getZNear", contained<get_z_near>, 0, 0),
     JS_FN("getZFar", contained<get_z_far>, 0, 0), JS_FN("getHeadlight", contained<get_headlight>, 0, 0),
     JS_FN("getHeadLight", contained<get_headlight>, 0, 0), JS_FN("setHeadlight", contained<set_headlight>, 1, 0),
-    JS_FN("setHeadLight", contained<set_headlight>, 1, 0),
-    JS_FN("getGravity", contained<get_setting<&vrml::BrowserSettings::gravity>>, 0, 0),
-    JS_FN("setGravity", contained<set_setting<&vrml::BrowserSettings::gravity>>, 1, 0),
-    JS_FN("getCollisionDetection", contained<get_setting<&vrml::BrowserSettings::collision>>, 0, 0),
-    JS_FN("setCollisionDetection", contained<set_setting<&vrml::BrowserSettings::collision>>, 1, 0),
-    JS_FN("getSoundEnabled", contained<get_setting<&vrml::BrowserSettings::sound>>, 0, 0),
-    JS_FN("setSoundEnabled", contained<set_setting<&vrml::BrowserSettings::sound>>, 1, 0),
-    JS_FN("getViewpointAnimation", contained<get_setting<&vrml::BrowserSettings::viewpoint_animation>>, 0, 0),
-    JS_FN("setViewpointAnimation", contained<set_setting<&vrml::BrowserSettings::viewpoint_animation>>, 1, 0),
+    JS_FN("setHeadLight", contained<set_headlight>, 1, 0), JS_FN("getGravity", contained<get_setting<kGravity>>, 0, 0),
+    JS_FN("setGravity", contained<set_setting<kGravity>>, 1, 0),
+    JS_FN("getCollisionDetection", contained<get_setting<kCollision>>, 0, 0),
+    JS_FN("setCollisionDetection", contained<set_setting<kCollision>>, 1, 0),
+    JS_FN("getSoundEnabled", contained<get_setting<kSound>>, 0, 0),
+    JS_FN("setSoundEnabled", contained<set_setting<kSound>>, 1, 0),
+    JS_FN("getViewpointAnimation", contained<get_setting<kViewpointAnimation>>, 0, 0),
+    JS_FN("setViewpointAnimation", contained<set_setting<kViewpointAnimation>>, 1, 0),
     // Functions without effect: consoles, avatars, loading and rendering of other browsers
     JS_FN("showConsole", contained<do_nothing>, 0, 0), JS_FN("hideConsole", contained<do_nothing>, 0, 0),
     JS_FN("beginUpdate", contained<do_nothing>, 0, 0), JS_FN("endUpdate", contained<do_nothing>, 0, 0),

@@ -56,16 +56,18 @@ bool get_headlight(JSContext* context, unsigned argc, JS::Value* vp);
 bool set_headlight(JSContext* context, unsigned argc, JS::Value* vp);
 bool get_navigation_mode(JSContext* context, unsigned argc, JS::Value* vp);
 bool set_navigation_mode(JSContext* context, unsigned argc, JS::Value* vp);
-template <bool vrml::BrowserSettings::*kSetting>
+/// Index in BrowserFacts::settings.
+enum Setting : std::uint32_t { kCollision, kGravity, kSound, kViewpointAnimation };
+template <Setting kSetting>
 bool get_setting(JSContext* context, unsigned argc, JS::Value* vp) {
-  JS::CallArgsFromVp(argc, vp).rval().setBoolean(world_of(context).execution().browser().settings().*kSetting);
+  JS::CallArgsFromVp(argc, vp).rval().setBoolean(world_of(context).view().browser().settings[kSetting]);
   return true;
 }
-template <bool vrml::BrowserSettings::*kSetting>
+template <Setting kSetting>
 bool set_setting(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   args.rval().setUndefined();
-  world_of(context).execution().browser().settings().*kSetting = JS::ToBoolean(args.get(0));
+  (void)world_of(context).view().ask({Ask::set_setting, {}, {}, kSetting, JS::ToBoolean(args.get(0))});
   return true;
 }
 

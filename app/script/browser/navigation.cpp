@@ -1,5 +1,4 @@
 #include "app/script/browser/browser_natives.h"
-#include "app/script/run_time_nodes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,68 +17,42 @@ struct MeasureRow {
 constexpr MeasureRow kMeasures[] = {
     {"avatarSize", 0}, {"avatarSize", 1}, {"avatarSize", 2}, {"visibilityLimit", -1}, {"speed", -1}};
 
-const vrml::NodeType& navigation_type() { return vrml::built_in_node_type(vrml::NodeKind::navigation_info); }
-
-/// NavigationInfo on which the methods act; its scene is null if there is none.
-vrml::NodePlace navigation_node(World& world) {
-  vrml::Execution& execution = world.execution();
-  const vrml::NodeChange bound = execution.stacks().bound(navigation_type());
-  if (bound.scene) return {bound.scene, bound.node};
-  const vrml::NodePlace made = execution.browser().made_navigation();
-  const bool lives = made.scene && execution.scenes().has(made.scene) && made.scene->contains(made.node);
-  return lives ? made : vrml::NodePlace{};
+// Returns the default of a field.
+const vrml::FieldValue& usual_value(const char* field) {
+  return vrml::built_in_node_type(vrml::NodeKind::navigation_info).find_field(field)->initial;
 }
 
 // Returns the value of a field after the events of the running function. Returns the default if no NavigationInfo is
 // bound, or if the program may not read it.
 vrml::FieldValue navigation_value(JSContext* context, const char* field) {
   World& world = world_of(context);
-  const vrml::InterfaceDeclaration& declaration = *navigation_type().find_field(field);
-  const vrml::NodePlace at = navigation_node(world);
-  if (!at.scene || !may_read(context, at.scene->node(at.node))) return declaration.initial;
-  if (const vrml::FieldValue* const posted = world.calls().posted().find(*at.scene, at.node, declaration))
-    return *posted;
-  return at.scene->node(at.node).values[declaration.slot];
+  Question question{Ask::navigation};
+  question.text = field;
+  const Answer answer = world.view().ask(question);
+  if (answer.good && answer.node)
+    if (const vrml::FieldValue* const posted = world.calls().posted().find(answer.node, answer.place)) return *posted;
+  const vrml::FieldValue& usual = usual_value(field);
+  return answer.good && answer.value.index() == usual.index() ? answer.value : usual;
 }
 
-// Sends an event to a NavigationInfo at the end of the running function. The Script needs no directOutput, because the
-// browser sends the event for it.
-bool send_navigation(JSContext* context, const vrml::NodePlace& at, const char* event, vrml::FieldValue value) {
-  World& world = world_of(context);
-  return world.calls().posted().add(context, *world.execution().scenes().own(*at.scene), at.node,
-                                    *navigation_type().find_event_in(event), std::move(value));
-}
-
-// Makes a NavigationInfo like the present navigation.
-bool make_navigation(JSContext* context, vrml::NodePlace& at) {
-  World& world = world_of(context);
-  vrml::Execution& execution = world.execution();
-  vrml::SceneGraph& scene = *world.calls().running().scene;
-  const vrml::BrowserView& view = execution.browser().view();
-  const auto plain = [](char c) { return c >= 'A' && c <= 'Z'; };
-  const bool known = !view.mode.empty() && std::all_of(view.mode.begin(), view.mode.end(), plain);
-  const std::string text = "NavigationInfo { type [ \"" + (known ? view.mode : std::string("WALK")) +
-                           "\" \"ANY\" ] speed " + std::to_string(view.speed) + " }";
-  Diagnostics diagnostics;
-  const vrml::RunTimeNodes made =
-      make_nodes(execution, scene, "Browser", text, diagnostics, &text_of_program(world.calls().running()));
-  if (made.roots.empty()) return fail(context, "not enough memory for a NavigationInfo");
-  at = {&scene, made.roots.front()};
-  execution.lifetime().hold(scene, at.node);
-  execution.browser().set_made_navigation(at);
+// Sends an event to the NavigationInfo `node` at the end of the running function. The Script needs no directOutput,
+// because the browser sends the event for it.
+bool send_navigation(JSContext* context, const NodeRef& node, const vrml::NodeType& type, const char* event,
+                     vrml::FieldValue value) {
+  const vrml::InterfaceDeclaration* const declaration = type.find_event_in(event);
+  for (std::uint32_t place = 0; declaration && place < type.interfaces.size(); ++place)
+    if (&type.interfaces[place] == declaration)
+      return world_of(context).calls().posted().add(context, node, place, *declaration, std::move(value));
   return true;
 }
 
 bool set_navigation(JSContext* context, const char* field, vrml::FieldValue value) {
-  World& world = world_of(context);
-  if (!world.calls().may_act()) return true;
-  vrml::NodePlace at = navigation_node(world);
-  if (!at.scene && !make_navigation(context, at)) return false;
+  const Answer answer = world_of(context).view().ask({Ask::make_navigation});
+  if (!answer.good) return answer.text.empty() || fail(context, answer.text);
+  if (!answer.type) return true;
   // A NavigationInfo that was made earlier may have lost its place, for example by replaceWorld().
-  if (!world.execution().stacks().bound(navigation_type()).scene &&
-      !send_navigation(context, at, "set_bind", vrml::SFBool{true}))
-    return false;
-  return send_navigation(context, at, field, std::move(value));
+  if (answer.flag && !send_navigation(context, answer.node, *answer.type, "set_bind", vrml::SFBool{true})) return false;
+  return send_navigation(context, answer.node, *answer.type, field, std::move(value));
 }
 
 double measure(JSContext* context, Measure wanted) {
@@ -87,7 +60,7 @@ double measure(JSContext* context, Measure wanted) {
   const vrml::FieldValue value = navigation_value(context, row.field);
   if (row.element < 0) return std::get<vrml::SFFloat>(value);
   const auto& sizes = std::get<vrml::MFFloat>(value);
-  const auto& usual = std::get<vrml::MFFloat>(navigation_type().find_field(row.field)->initial);
+  const auto& usual = std::get<vrml::MFFloat>(usual_value(row.field));
   const auto place = static_cast<std::size_t>(row.element);
   return place < sizes.size() ? sizes[place] : usual[place];
 }
@@ -141,18 +114,19 @@ bool set_headlight(JSContext* context, unsigned argc, JS::Value* vp) {
 }
 
 bool get_navigation_mode(JSContext* context, unsigned argc, JS::Value* vp) {
-  return make_string(context, world_of(context).execution().browser().mode(), JS::CallArgsFromVp(argc, vp).rval());
+  return make_string(context, world_of(context).view().browser().mode, JS::CallArgsFromVp(argc, vp).rval());
 }
 
 bool set_navigation_mode(JSContext* context, unsigned argc, JS::Value* vp) {
   constexpr std::size_t kMaxMode = 32;
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
-  std::string mode;
+  Question question{Ask::choose_mode};
+  std::string& mode = question.text;
   args.rval().setUndefined();
   if (!cut_text_of_value(context, args.get(0), kMaxMode, mode)) return false;
   std::transform(mode.begin(), mode.end(), mode.begin(),
                  [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; });
-  world_of(context).execution().browser().choose_mode(mode);
+  (void)world_of(context).view().ask(question);
   return true;
 }
 

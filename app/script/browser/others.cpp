@@ -1,4 +1,3 @@
-#include "app/base/text_source.h"
 #include "app/script/browser/browser_natives.h"
 
 #include <utility>
@@ -19,19 +18,18 @@ std::string folder_of(const std::string& url) {
 }  // namespace
 
 bool get_start_time(JSContext* context, unsigned argc, JS::Value* vp) {
-  JS::CallArgsFromVp(argc, vp).rval().set(JS::DoubleValue(world_of(context).execution().browser().start_time()));
+  JS::CallArgsFromVp(argc, vp).rval().set(JS::DoubleValue(world_of(context).view().browser().start_time));
   return true;
 }
 
 bool get_world_base_url(JSContext* context, unsigned argc, JS::Value* vp) {
-  return make_string(context, folder_of(world_of(context).browser().world_url), JS::CallArgsFromVp(argc, vp).rval());
+  return make_string(context, folder_of(world_of(context).view().browser().world_url),
+                     JS::CallArgsFromVp(argc, vp).rval());
 }
 
 bool get_base_url(JSContext* context, unsigned argc, JS::Value* vp) {
-  World& world = world_of(context);
-  const Program& program = world.calls().running();
-  const std::string url = program.source ? origin_of(program.source).url : world.browser().world_url;
-  return make_string(context, folder_of(url), JS::CallArgsFromVp(argc, vp).rval());
+  return make_string(context, folder_of(world_of(context).view().browser().base_url),
+                     JS::CallArgsFromVp(argc, vp).rval());
 }
 
 bool get_option(JSContext* context, unsigned argc, JS::Value* vp) {
@@ -57,23 +55,15 @@ bool set_option(JSContext* context, unsigned argc, JS::Value* vp) {
 }
 
 bool get_script(JSContext* context, unsigned argc, JS::Value* vp) {
-  const Program& program = world_of(context).calls().running();
-  JSObject* const node = object_of_node(context, *program.scene, program.id);
-  JS::CallArgsFromVp(argc, vp).rval().setObjectOrNull(node);
-  return node != nullptr;
+  return node_to_value(context, world_of(context).calls().running().facts->node, JS::CallArgsFromVp(argc, vp).rval());
 }
 
 bool get_imported_node(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
-  World& world = world_of(context);
-  std::string name;
+  Question question{Ask::imported_node};
   args.rval().setNull();
-  if (!text_of_value(context, args.get(0), name)) return false;
-  const vrml::ImportedNode found = world.execution().routes().imports().find(*world.calls().running().scene, name);
-  if (!found.scene) return true;
-  JSObject* const node = object_of_node(context, *found.scene, found.node);
-  args.rval().setObjectOrNull(node);
-  return node != nullptr;
+  if (!text_of_value(context, args.get(0), question.text)) return false;
+  return node_to_value(context, world_of(context).view().ask(question).node, args.rval());
 }
 
 bool do_nothing(JSContext*, unsigned argc, JS::Value* vp) {

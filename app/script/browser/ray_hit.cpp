@@ -3,57 +3,44 @@
 #include <js/Array.h>
 #include <js/Object.h>
 
-#include <optional>
-
 // Browser.computeRayHit() (Blaxxun Contact).
 namespace gs::app::script {
 namespace {
 
 bool define_tuple(JSContext* context, JS::HandleObject hit, const char* name, vrml::FieldType type,
-                  std::initializer_list<double> components) {
-  JS::RootedObject made(context, make_tuple(context, type, components.begin()));
+                  const double* components) {
+  JS::RootedObject made(context, make_tuple(context, type, components));
   return made && JS_DefineProperty(context, hit, name, made, JSPROP_ENUMERATE);
-}
-
-bool point_of(JSContext* context, JS::HandleValue value, glm::dvec3& point) {
-  vrml::FieldValue field;
-  if (!to_field(context, value, vrml::FieldType::SFVec3f, nullptr, field)) return false;
-  point = glm::dvec3(std::get<vrml::SFVec3f>(field));
-  return true;
 }
 
 }  // namespace
 
 bool compute_ray_hit(JSContext* context, unsigned argc, JS::Value* vp) {
+  constexpr std::size_t kNumbers = 8;  // point, normal, texture coordinate
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
-  World& world = world_of(context);
-  vrml::Execution& execution = world.execution();
-  glm::dvec3 from(0), to(0);
+  Question question{Ask::cast_ray};
   args.rval().setNull();
-  if (!point_of(context, args.get(0), from) || !point_of(context, args.get(1), to)) return false;
-  vrml::NodePlace below;
-  if (const NodeBox* const box = args.get(2).isObject() ? node_of(&args[2].toObject()) : nullptr) {
-    below = {box->live_scene(), box->id};
-    if (!below.scene) return true;
-  }
-  const std::optional<vrml::RayHit> found = execution.browser().cast_ray(from, to, below);
-  if (!found) return true;
+  if (!to_field(context, args.get(0), vrml::FieldType::SFVec3f, 0, question.value) ||
+      !to_field(context, args.get(1), vrml::FieldType::SFVec3f, 0, question.second))
+    return false;
+  question.node = node_of_value(args.get(2));
+  if (args.get(2).isObject() && node_of(&args[2].toObject()) && !question.node) return true;
+  const Answer answer = world_of(context).view().ask(question);
+  if (!answer.good) return true;
+  double numbers[kNumbers] = {};
   JS::RootedValueVector path(context);
-  for (const auto& [scene, node] : found->path) {
-    vrml::SceneGraph* const own = execution.scenes().own(*scene);
-    if (!own || !own->contains(node)) return true;
-    if (!may_read(context, own->node(node))) return true;
-    JSObject* const object = object_of_node(context, *own, node);
-    if (!object || !path.append(JS::ObjectValue(*object))) return false;
+  for (std::size_t i = 0; i < answer.items.size(); ++i) {
+    if (const auto* const number = std::get_if<double>(&answer.items[i]); number && i < kNumbers) numbers[i] = *number;
+    const auto* const node = std::get_if<NodeRef>(&answer.items[i]);
+    JSObject* const object = node ? object_of_node(context, *node) : nullptr;
+    if (node && (!object || !path.append(JS::ObjectValue(*object)))) return false;
   }
   JS::RootedObject hit(context, JS_NewPlainObject(context));
   JS::RootedObject list(context, JS::NewArrayObject(context, JS::HandleValueArray(path)));
   if (!hit || !list || !JS_DefineProperty(context, hit, "hitPath", list, JSPROP_ENUMERATE)) return false;
-  const glm::dvec3 &p = found->point, &n = found->normal;
-  const glm::vec2& t = found->texture_coordinate;
-  if (!define_tuple(context, hit, "hitPoint", vrml::FieldType::SFVec3f, {p.x, p.y, p.z}) ||
-      !define_tuple(context, hit, "hitNormal", vrml::FieldType::SFVec3f, {n.x, n.y, n.z}) ||
-      !define_tuple(context, hit, "hitTexCoord", vrml::FieldType::SFVec2f, {t.x, t.y}))
+  if (!define_tuple(context, hit, "hitPoint", vrml::FieldType::SFVec3f, numbers) ||
+      !define_tuple(context, hit, "hitNormal", vrml::FieldType::SFVec3f, numbers + 3) ||
+      !define_tuple(context, hit, "hitTexCoord", vrml::FieldType::SFVec2f, numbers + 6))
     return false;
   args.rval().setObject(*hit);
   return true;

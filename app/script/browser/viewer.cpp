@@ -1,12 +1,4 @@
 #include "app/script/browser/browser_natives.h"
-#include "vrml/scene/values/transformation.h"
-
-#include <glm/glm.hpp>
-#include <glm/gtc/quaternion.hpp>
-
-#include <cmath>
-#include <iterator>
-#include <optional>
 
 // Viewer, window and keys of the Browser object (Blaxxun Contact).
 namespace gs::app::script {
@@ -14,49 +6,25 @@ namespace {
 
 constexpr int kLengthOfPosition = 3, kLengthOfOrientation = 4;
 
-void position_of(const glm::dmat4& viewer, double* c) {
-  for (int i = 0; i < kLengthOfPosition; ++i) c[i] = viewer[3][i];
-}
-
-void orientation_of(const glm::dmat4& viewer, double* c) {
-  const glm::dquat q = glm::normalize(glm::quat_cast(glm::dmat3(viewer)));
-  const glm::dvec3 v(q.x, q.y, q.z);
-  const double size = glm::length(v);
-  c[0] = size > 0 ? v.x / size : 0;
-  c[1] = size > 0 ? v.y / size : 0;
-  c[2] = size > 0 ? v.z / size : 1;
-  c[3] = 2 * std::atan2(size, q.w);
-}
-
 bool give_tuple(JSContext* context, vrml::FieldType type, const double* c, JS::MutableHandleValue value) {
   JSObject* const made = make_tuple(context, type, c);
   value.setObjectOrNull(made);
   return made != nullptr;
 }
 
-// Reads a position; leaves `position` empty if the value is undefined or null.
-bool read_position(JSContext* context, JS::HandleValue value, std::optional<glm::dvec3>& position) {
-  vrml::FieldValue field;
-  if (value.isNullOrUndefined()) return true;
-  if (!to_field(context, value, vrml::FieldType::SFVec3f, nullptr, field)) return false;
-  position = glm::dvec3(std::get<vrml::SFVec3f>(field));
-  return true;
-}
-
-bool read_orientation(JSContext* context, JS::HandleValue value, std::optional<glm::dquat>& orientation) {
-  vrml::FieldValue field;
-  if (value.isNullOrUndefined()) return true;
-  if (!to_field(context, value, vrml::FieldType::SFRotation, nullptr, field)) return false;
-  orientation = glm::quat_cast(vrml::rotation_matrix(std::get<vrml::SFRotation>(field)));
-  return true;
+// Converts a position or an orientation. Null and undefined mean that the viewer keeps it.
+bool read_part(JSContext* context, JS::HandleValue value, vrml::FieldType type, vrml::FieldValue& field) {
+  field = vrml::SFBool{false};
+  return value.isNullOrUndefined() || to_field(context, value, type, 0, field);
 }
 
 bool move_viewer(JSContext* context, const JS::CallArgs& args, JS::HandleValue position, JS::HandleValue orientation) {
-  std::optional<glm::dvec3> to;
-  std::optional<glm::dquat> turned;
+  Question question{Ask::move_viewer};
   args.rval().setUndefined();
-  if (!read_position(context, position, to) || !read_orientation(context, orientation, turned)) return false;
-  world_of(context).execution().browser().move_viewer(to, turned);
+  if (!read_part(context, position, vrml::FieldType::SFVec3f, question.value) ||
+      !read_part(context, orientation, vrml::FieldType::SFRotation, question.second))
+    return false;
+  (void)world_of(context).view().ask(question);
   return true;
 }
 
@@ -73,14 +41,13 @@ bool fill(JSContext* context, JS::HandleValue value, const double* c, int count)
   return true;
 }
 
-const vrml::BrowserView& view_of(JSContext* context) { return world_of(context).execution().browser().view(); }
+const BrowserFacts& facts_of(JSContext* context) { return world_of(context).view().browser(); }
 
 }  // namespace
 
 bool get_viewpoint_position(JSContext* context, unsigned argc, JS::Value* vp) {
-  double c[kLengthOfPosition];
-  position_of(world_of(context).execution().browser().pose(), c);
-  return give_tuple(context, vrml::FieldType::SFVec3f, c, JS::CallArgsFromVp(argc, vp).rval());
+  return give_tuple(context, vrml::FieldType::SFVec3f, facts_of(context).position.data(),
+                    JS::CallArgsFromVp(argc, vp).rval());
 }
 
 bool set_viewpoint_position(JSContext* context, unsigned argc, JS::Value* vp) {
@@ -89,9 +56,8 @@ bool set_viewpoint_position(JSContext* context, unsigned argc, JS::Value* vp) {
 }
 
 bool get_viewpoint_orientation(JSContext* context, unsigned argc, JS::Value* vp) {
-  double c[kLengthOfOrientation];
-  orientation_of(world_of(context).execution().browser().pose(), c);
-  return give_tuple(context, vrml::FieldType::SFRotation, c, JS::CallArgsFromVp(argc, vp).rval());
+  return give_tuple(context, vrml::FieldType::SFRotation, facts_of(context).orientation.data(),
+                    JS::CallArgsFromVp(argc, vp).rval());
 }
 
 bool set_viewpoint_orientation(JSContext* context, unsigned argc, JS::Value* vp) {
@@ -106,47 +72,41 @@ bool set_viewpoint_by_value(JSContext* context, unsigned argc, JS::Value* vp) {
 
 bool get_viewpoint_by_value(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
-  const glm::dmat4 viewer = world_of(context).execution().browser().pose();
-  double position[kLengthOfPosition], orientation[kLengthOfOrientation];
-  position_of(viewer, position);
-  orientation_of(viewer, orientation);
+  const BrowserFacts facts = facts_of(context);
   args.rval().setUndefined();
-  return fill(context, args.get(0), position, kLengthOfPosition) &&
-         fill(context, args.get(1), orientation, kLengthOfOrientation);
+  return fill(context, args.get(0), facts.position.data(), kLengthOfPosition) &&
+         fill(context, args.get(1), facts.orientation.data(), kLengthOfOrientation);
 }
 
 bool get_bound_viewpoint(JSContext* context, unsigned argc, JS::Value* vp) {
-  const vrml::NodeChange bound =
-      world_of(context).execution().stacks().bound(vrml::built_in_node_type(vrml::NodeKind::viewpoint));
-  JSObject* const node = bound.scene ? object_of_node(context, *bound.scene, bound.node) : nullptr;
-  JS::CallArgsFromVp(argc, vp).rval().setObjectOrNull(node);
-  return node != nullptr || !bound.scene;
+  return node_to_value(context, world_of(context).view().ask({Ask::bound_viewpoint}).node,
+                       JS::CallArgsFromVp(argc, vp).rval());
 }
 
 bool get_window_width(JSContext* context, unsigned argc, JS::Value* vp) {
-  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(view_of(context).size.x));
+  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(facts_of(context).width));
   return true;
 }
 
 bool get_window_height(JSContext* context, unsigned argc, JS::Value* vp) {
-  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(view_of(context).size.y));
+  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(facts_of(context).height));
   return true;
 }
 
 bool get_window_aspect(JSContext* context, unsigned argc, JS::Value* vp) {
   constexpr double kUsual = 4.0 / 3;  // before there is a viewport
-  const glm::dvec2 size = view_of(context).size;
-  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(size.y > 0 ? size.x / size.y : kUsual));
+  const double width = facts_of(context).width, height = facts_of(context).height;
+  JS::CallArgsFromVp(argc, vp).rval().set(JS::NumberValue(height > 0 ? width / height : kUsual));
   return true;
 }
 
 bool get_window_size(JSContext* context, unsigned argc, JS::Value* vp) {
-  const double c[] = {view_of(context).size.x, view_of(context).size.y};
+  const double c[] = {facts_of(context).width, facts_of(context).height};
   return give_tuple(context, vrml::FieldType::SFVec2f, c, JS::CallArgsFromVp(argc, vp).rval());
 }
 
 bool get_event_mask(JSContext* context, unsigned argc, JS::Value* vp) {
-  JS::CallArgsFromVp(argc, vp).rval().setInt32(world_of(context).execution().browser().event_mask());
+  JS::CallArgsFromVp(argc, vp).rval().setInt32(facts_of(context).event_mask);
   return true;
 }
 
@@ -155,7 +115,7 @@ bool set_event_mask(JSContext* context, unsigned argc, JS::Value* vp) {
   std::int32_t mask = 0;
   args.rval().setUndefined();
   if (!JS::ToInt32(context, args.get(0), &mask)) return false;
-  world_of(context).execution().browser().set_event_mask(mask);
+  (void)world_of(context).view().ask({Ask::set_event_mask, {}, {}, static_cast<std::uint32_t>(mask)});
   return true;
 }
 
@@ -163,7 +123,7 @@ bool is_key_pressed(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
   std::int32_t key = 0;
   if (!JS::ToInt32(context, args.get(0), &key)) return false;
-  args.rval().setBoolean(world_of(context).execution().browser().is_pressed(key));
+  args.rval().setBoolean(world_of(context).view().ask({Ask::is_pressed, {}, {}, static_cast<std::uint32_t>(key)}).good);
   return true;
 }
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include "vrml/events/execution.h"
-
 #include <cstdint>
 #include <limits>
 
@@ -10,18 +8,22 @@ namespace gs::app::script {
 /// Time and random numbers that programs read, which can be repeatable. One thread.
 class ScriptClock {
  public:
-  ScriptClock(const vrml::Execution& execution, bool repeatable) : execution_(execution), repeatable_(repeatable) {}
+  explicit ScriptClock(bool repeatable) : repeatable_(repeatable) {}
 
   [[nodiscard]] bool is_repeatable() const { return repeatable_; }
-  /// Begins a function of a program.
-  void begin_function() { looks_ = 0; }
+  /// Begins a function of a program at the time `now` of the world.
+  void begin_function(double now) {
+    now_ = now;
+    looks_ = 0;
+  }
+  [[nodiscard]] double now() const { return now_; }
   /// Returns the time for Date in seconds since 1970: simulated time, which is constant during a function. After kLooks
   /// reads in one function, each read adds kLook, so that a loop that waits for time to pass ends.
   [[nodiscard]] double date() {
     constexpr std::uint32_t kLooks = 1000;
     constexpr double kLook = 1e-3;  // seconds
     if (looks_ < std::numeric_limits<std::uint32_t>::max()) ++looks_;
-    return execution_.now() + (looks_ > kLooks ? kLook * (looks_ - kLooks) : 0);
+    return now_ + (looks_ > kLooks ? kLook * (looks_ - kLooks) : 0);
   }
   /// Returns a number from 0 to 1 of a fixed sequence.
   [[nodiscard]] double random() {
@@ -32,8 +34,8 @@ class ScriptClock {
   }
 
  private:
-  const vrml::Execution& execution_;
   const bool repeatable_;
+  double now_ = 0;
   std::uint32_t looks_ = 0;  // number of reads of the clock in the running function
   std::uint64_t random_ = 0x9e3779b97f4a7c15U;
 };

@@ -111,7 +111,7 @@ bool resolve(JSContext* context, JS::HandleObject global, JS::HandleId id, bool*
           JS::RootedString other(context, JS_AtomizeString(context, from));
           if (!other || !JS_StringToId(context, other, &source)) return false;
         }
-        if (is_library_name(from ? std::string_view(from) : wanted, program->language)) {
+        if (is_library_name(from ? std::string_view(from) : wanted, program->language())) {
           if (!JS_HasOwnPropertyById(context, library, source, &has)) return false;
           if (has) {
             if (!JS_GetPropertyById(context, library, source, &value)) return false;
@@ -157,15 +157,14 @@ bool get_own(JSContext* context, unsigned argc, JS::Value* vp) {
     return true;
   }
   World& world = *program->world;
-  const vrml::InterfaceDeclaration& declaration =
-      *world.execution().nodes().schema_of(program->node).interfaces[place].declaration;
+  const vrml::InterfaceDeclaration& declaration = program->interface(place);
   if (vrml::is_multiple(declaration.type)) {
     auto& known = program->lists[place];
     if (!known) {
       ListBox box;
       box.program = program;
       box.place = place;
-      box.scene = program->scene;
+      box.scene = program->scene();
       JSObject* const list = make_list(context, std::move(box), {});
       if (!list) return false;
       known = std::make_unique<JS::PersistentRootedObject>(context, list);
@@ -174,8 +173,8 @@ bool get_own(JSContext* context, unsigned argc, JS::Value* vp) {
     return true;
   }
   if (declaration.type == vrml::FieldType::SFImage && !world.calls().changed().flush(context)) return false;
-  const vrml::FieldValue value = world.execution().nodes().own_value(program->node, place);
-  return to_value(context, program->scene, value, {program->global, place}, args.rval());
+  const vrml::FieldValue value = program->values[place];
+  return to_value(context, program->scene(), value, {program->global, place}, args.rval());
 }
 
 bool set_own_native(JSContext* context, unsigned argc, JS::Value* vp) {
@@ -186,18 +185,6 @@ bool set_own_native(JSContext* context, unsigned argc, JS::Value* vp) {
   return !program || set_own(context, *program, place, args.get(0));
 }
 
-// Reports whether a declaration is one that every Script has, and that is no name of its program.
-bool is_own_field_of_script(const Program& program, const vrml::InterfaceDeclaration& declaration) {
-  static const std::unordered_set<std::string_view> own = {"url", "directOutput", "mustEvaluate"};
-  // Programs of X3D 3 may declare fields `description` and `metadata` of their own.
-  static const std::unordered_set<std::string_view> own_in_x3d = {"url",  "directOutput", "mustEvaluate",
-                                                                  "load", "autoRefresh",  "autoRefreshTimeLimit"};
-  constexpr int kSlots = 8;  // of an X3D Script without fields of its own
-  if (program.language == vrml::Language::vrml97)
-    return declaration.slot >= 0 && declaration.slot < 3 && own.contains(declaration.name);
-  return declaration.slot >= 0 && declaration.slot < kSlots && own_in_x3d.contains(declaration.name);
-}
-
 }  // namespace
 
 ScriptLibrary& library_of(JSContext* context) {
@@ -206,14 +193,8 @@ ScriptLibrary& library_of(JSContext* context) {
 
 World& world_of(JSContext* context) { return *library_of(context).world; }
 
-bool may_read(JSContext* context, const vrml::Node& node) {
-  World& world = world_of(context);
-  return world.reads().may_read(world.calls().running(), node);
-}
-
 void warn(JSContext* context, std::string text, std::optional<Diagnostic> at) {
-  World& world = world_of(context);
-  world.messages().report(Severity::warning, world.calls().running(), std::move(text), std::move(at));
+  world_of(context).view().report(Severity::warning, std::move(text), std::move(at));
 }
 
 Program* program_of_global(JSObject* global) {
@@ -283,26 +264,26 @@ bool is_library_name(std::string_view name, vrml::Language language) {
   return names.contains(name);
 }
 
-bool make_global(JSContext* context, vrml::Execution& execution, Program& program, bool repeatable) {
+bool make_global(JSContext* context, Program& program, bool repeatable) {
   JS::RootedObject global(context, new_global(context, &program, program.library->global));
   if (!global) return false;
   program.global.init(context, global);
   const JSAutoRealm realm(context, global);
   if (!bound_natives(context, global)) return false;
-  const auto& interfaces = execution.nodes().schema_of(program.node).interfaces;
-  const vrml::NodeType& script_type = *program.scene->node(program.id).type;
+  const vrml::NodeType& script_type = *program.facts->type;
+  const auto& interfaces = script_type.interfaces;
   program.names.resize(interfaces.size());
   program.lists.resize(interfaces.size());
   program.unsent.resize(interfaces.size());
   program.counted.resize(interfaces.size());
   for (std::uint32_t place = 0; place < interfaces.size(); ++place) {
-    const vrml::InterfaceDeclaration& declaration = *interfaces[place].declaration;
+    const vrml::InterfaceDeclaration& declaration = interfaces[place];
     JS::RootedString name(context, JS_AtomizeAndPinString(context, declaration.name.c_str()));
     JS::RootedId id(context);
     if (!name || !JS_StringToId(context, name, &id)) return false;
     program.names[place] = id;
     if (declaration.access == vrml::AccessType::eventIn) continue;
-    if (is_own_field_of_script(program, declaration)) continue;
+    if (is_own_field_of_script(program.language(), declaration)) continue;
     JSFunction* const get = js::NewFunctionWithReserved(context, contained<get_own>, 0, 0, nullptr);
     JS::RootedObject getter(context, get ? JS_GetFunctionObject(get) : nullptr);
     JSFunction* const set = js::NewFunctionWithReserved(context, contained<set_own_native>, 1, 0, nullptr);
@@ -314,7 +295,7 @@ bool make_global(JSContext* context, vrml::Execution& execution, Program& progra
     if (!JS_DefinePropertyById(context, global, id, getter, setter, attributes)) return false;
     // X3D programs also know the field x of type inputOutput as x_changed.
     const std::string changed = declaration.name + "_changed";
-    if (program.language == vrml::Language::x3d && declaration.access == vrml::AccessType::exposedField &&
+    if (program.language() == vrml::Language::x3d && declaration.access == vrml::AccessType::exposedField &&
         !script_type.find(changed) &&
         !JS_DefineProperty(context, global, changed.c_str(), getter, setter, JSPROP_PERMANENT))
       return false;

@@ -45,7 +45,7 @@ bool get_part(JSContext* context, unsigned argc, JS::Value* vp) {
 
 bool set_array(JSContext* context, JS::HandleObject image, JS::HandleValue value) {
   vrml::FieldValue numbers;
-  if (!to_field(context, value, vrml::FieldType::MFInt32, nullptr, numbers)) return false;
+  if (!to_field(context, value, vrml::FieldType::MFInt32, 0, numbers)) return false;
   ListBox box;
   box.value = std::move(numbers);
   // A later assignment to an element of this list changes the image.
@@ -146,8 +146,8 @@ bool image_of(JSContext* context, JS::HandleObject object, vrml::PixelImage& ima
   const std::int64_t width = number(kWidth), height = number(kHeight), components = number(kComponents);
   image.words.clear();
   if (width <= 0 || height <= 0 || components <= 0) return true;
-  const Limits& limits = world_of(context).calls().running().scene->limits();
-  if (components > 4 || static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) > limits.image_pixels ||
+  const std::size_t most = world_of(context).calls().image_pixels();
+  if (components > 4 || static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) > most ||
       !world_of(context).engine().may_have(static_cast<std::size_t>(width * height) * 4))
     return fail(context, "an SFImage of this size cannot be created");
   const JS::Value array = JS::GetReservedSlot(object, kArray);

@@ -55,8 +55,7 @@ std::size_t count_of(const FieldValue& value) {
 }
 
 void release(ListBox& box) {
-  if (const vrml::SceneGraph* const scene = box.scene.in(box.link.get()))
-    for (const vrml::NodeId id : box.held) box.link->execution->lifetime().release(*scene, id);
+  for (const vrml::NodeId id : box.held) box.link->release({box.scene, id});
   box.held.clear();
 }
 
@@ -72,11 +71,10 @@ void count(ListBox& box, std::ptrdiff_t change) {
 // Holds the nodes of a list, so that they are not removed.
 void keep(ListBox& box) {
   if (box.program) return;
-  const vrml::SceneGraph* const scene = box.scene.in(box.link.get());
-  if (const auto* nodes = std::get_if<vrml::MFNode>(&box.value); nodes && scene) {
+  if (const auto* nodes = std::get_if<vrml::MFNode>(&box.value); nodes && box.link->lives(box.scene)) {
     const std::vector<vrml::NodeId> before = std::exchange(box.held, {nodes->begin(), nodes->end()});
-    for (const vrml::NodeId id : box.held) box.link->execution->lifetime().hold(*scene, id);
-    for (const vrml::NodeId id : before) box.link->execution->lifetime().release(*scene, id);
+    for (const vrml::NodeId id : box.held) box.link->hold({box.scene, id});
+    for (const vrml::NodeId id : before) box.link->release({box.scene, id});
   }
 }
 
@@ -211,7 +209,7 @@ class ListHandler : public LiveProxyHandler {
       // Return a new element beyond the end. Assigning a component of it extends the list (C.6.10.1).
       const FieldType of = value ? element_type(vrml::type_of(*value)) : FieldType::SFNode;
       if (vrml::number_count(of) > 1)
-        return to_value(context, box.scene.in(box.link.get()), vrml::initial_value(of), {proxy, index}, result);
+        return to_value(context, box.scene, vrml::initial_value(of), {proxy, index}, result);
       result.setUndefined();
       return true;
     }
@@ -226,8 +224,7 @@ class ListHandler : public LiveProxyHandler {
               result.setInt32(array[index]);
               return true;
             } else {
-              return to_value(context, box.scene.in(box.link.get()), vrml::single_value_of(array[index]),
-                              {proxy, index}, result);
+              return to_value(context, box.scene, vrml::single_value_of(array[index]), {proxy, index}, result);
             }
           } else {
             return false;
@@ -240,7 +237,7 @@ class ListHandler : public LiveProxyHandler {
 constexpr char ListHandler::kFamily;
 const ContainedHandler<ListHandler> kListHandler;
 
-vrml::SceneGraph* scene_of_caller(JSContext* context) { return world_of(context).calls().running().scene; }
+std::uint64_t scene_of_caller(JSContext* context) { return world_of(context).calls().running().scene(); }
 
 constexpr FieldType type_at(int index) { return static_cast<FieldType>(vrml::kSingleTypeCount + index); }
 
@@ -287,20 +284,17 @@ bool list_to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   if (!box) return fail(context, "called on a value that is not a list");
   std::string text;
   static const vrml::SceneGraph nothing;
-  const FieldValue* value = list_value(*box);
+  const FieldValue* const value = list_value(*box);
   if (value && count_of(*value) > kMaxPrinted)
     return fail_range(context, "a list of " + std::to_string(count_of(*value)) + " elements is too long for a string");
-  const vrml::SceneGraph* const scene = box->scene.in(box->link.get());
-  // The text contains names of nodes; omit nodes that the program may not read.
-  FieldValue readable;
-  if (const auto* const nodes = scene && value ? std::get_if<vrml::MFNode>(value) : nullptr) {
-    vrml::MFNode some;
-    for (const vrml::NodeId id : *nodes)
-      if (!scene->contains(id) || may_read(context, scene->node(id))) some.push_back(id);
-    readable = std::move(some);
-    value = &readable;
+  // The text contains names of nodes, which the world knows. It omits nodes that the program may not read.
+  if (value && std::holds_alternative<vrml::MFNode>(*value) && box->link->lives(box->scene)) {
+    Question question{Ask::print_nodes, {box->scene, {}}};
+    question.value = *value;
+    text = world_of(context).view().ask(question).text;
+  } else if (value) {
+    vrml::print_value(text, *value, nothing);
   }
-  if (value) vrml::print_value(text, *value, scene ? *scene : nothing);
   return make_string(context, text, args.rval());
 }
 
@@ -339,16 +333,14 @@ ListBox* list_of(JSObject* object) {
 
 FieldValue* list_value(ListBox& box) {
   if (!box.program) return &box.value;
-  return &box.program->world->execution().nodes().own_value(box.program->node, box.place);
+  return &box.program->values[box.place];
 }
 
 JSObject* make_list(JSContext* context, ListBox box, Source source) {
   ScriptLibrary& library = library_of(context);
   World& world = *library.world;
   JS::RootedObject parent(context, source.parent);
-  const FieldType type =
-      box.program ? world.execution().nodes().schema_of(box.program->node).interfaces[box.place].declaration->type
-                  : vrml::type_of(box.value);
+  const FieldType type = box.program ? box.program->interface(box.place).type : vrml::type_of(box.value);
   auto own = std::make_unique<ListBox>(std::move(box));
   own->link = library.link;
   own->engine = &world.engine();
@@ -369,8 +361,7 @@ bool set_element(JSContext* context, JS::HandleObject list, std::uint32_t index,
   FieldValue* field = list_value(box);
   if (!field) return true;
   FieldValue element;
-  if (!to_field(context, value, element_type(vrml::type_of(*field)), box.scene.in(box.link.get()), element))
-    return false;
+  if (!to_field(context, value, element_type(vrml::type_of(*field)), box.scene, element)) return false;
   field = list_value(box);  // the conversion may have run code that changed the list
   const bool is_new = index >= count_of(*field);
   const std::size_t outer =

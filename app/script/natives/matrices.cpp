@@ -99,7 +99,7 @@ bool numbers_of(JSContext* context, JS::HandleValue value, vrml::FieldType type,
   vrml::FieldType found{};
   if (value.isObject() && is_tuple(&value.toObject(), found, c) && found == type) return true;
   vrml::FieldValue field;
-  if (!to_field(context, value, type, nullptr, field)) return false;
+  if (!to_field(context, value, type, 0, field)) return false;
   vrml::read_numbers(field, c);
   return true;
 }

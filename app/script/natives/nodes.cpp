@@ -2,9 +2,7 @@
 #include "app/script/bounds/contained.h"
 #include "app/script/natives.h"
 #include "app/script/natives/live_proxy.h"
-#include "app/script/run_time_nodes.h"
 #include "app/script/script_world.h"
-#include "vrml/scene/scene_graph.h"
 
 #include <js/Conversions.h>
 #include <js/Object.h>
@@ -12,7 +10,7 @@
 #include <js/Proxy.h>
 #include <jsfriendapi.h>
 
-#include <algorithm>
+#include <optional>
 #include <utility>
 
 // SFNode (VRML97 C.6.6). The eventIns, eventOuts and exposedFields of a node are properties (C.5.2). Each library has
@@ -24,8 +22,6 @@ namespace {
 using vrml::AccessType;
 using vrml::InterfaceDeclaration;
 
-NodeKey key_of(const NodeBox& box) { return {box.scene.serial(), box.id}; }
-
 // Returns the name of a property in `name`; empty for a symbol or index.
 bool name_of_id(JSContext* context, JS::HandleId id, std::string& name) {
   name.clear();
@@ -34,17 +30,23 @@ bool name_of_id(JSContext* context, JS::HandleId id, std::string& name) {
   return text_of_value(context, value, name);
 }
 
-// Returns the node of an SFNode object; null if the node is no longer part of the world.
-const vrml::Node* node_in_world(const NodeBox& box) {
-  const vrml::SceneGraph* const scene = box.live_scene();
-  return scene ? &scene->node(box.id) : nullptr;
+// Returns the type of a node. Returns null if the node is no longer part of the world.
+const vrml::NodeType* type_in_world(JSContext* context, NodeBox& box) {
+  if (!box.lives()) return nullptr;
+  if (box.type) return box.type.get();
+  World& world = world_of(context);
+  const Answer answer = world.view().ask({Ask::describe, box.node});
+  if (!answer.good) return nullptr;
+  box.type = answer.type;
+  if (answer.flag) box.readable_by = world.calls().running().serial;
+  return box.type.get();
 }
 
-// Returns the node of an SFNode object. Returns null if it is no longer part of the world, or if the running program
-// may not read it.
-const vrml::Node* readable_node(JSContext* context, const NodeBox& box) {
-  const vrml::Node* const node = node_in_world(box);
-  return node && may_read(context, *node) ? node : nullptr;
+// Returns the type of a node. Returns null if the node is no longer part of the world, or if the running program may
+// not read it.
+const vrml::NodeType* readable_type(JSContext* context, NodeBox& box) {
+  const vrml::NodeType* const type = type_in_world(context, box);
+  return type && may_read(context, box) ? type : nullptr;
 }
 
 std::uint32_t place_of(const vrml::NodeType& type, const InterfaceDeclaration& declaration) {
@@ -54,6 +56,14 @@ std::uint32_t place_of(const vrml::NodeType& type, const InterfaceDeclaration& d
     ++place;
   }
   return place;
+}
+
+// Returns the value of an interface. The running program has newer values of its own Script than the world.
+std::optional<vrml::FieldValue> value_of(World& world, const NodeBox& box, std::uint32_t place) {
+  const Program& program = world.calls().running();
+  if (box.node != program.facts->node) return world.view().read(box.node, place);
+  if (program.interface(place).access == AccessType::eventIn) return std::nullopt;
+  return program.values[place];
 }
 
 // Returns the eventIn of a name. Like browsers of the VRML97 era, also finds an eventIn without its prefix: `bind`
@@ -83,16 +93,15 @@ class NodeHandler : public LiveProxyHandler {
 
   void finalize(JS::GCContext*, JSObject* proxy) const override {
     auto* const box = static_cast<NodeBox*>(js::GetProxyPrivate(proxy).toPrivate());
-    if (const auto own = box->link->objects.find(key_of(*box)); own != box->link->objects.end() && own->second == proxy)
+    if (const auto own = box->link->objects.find(box->node); own != box->link->objects.end() && own->second == proxy)
       box->link->objects.erase(own);
-    if (vrml::SceneGraph* const scene = box->scene.in(box->link.get()))
-      box->link->execution->lifetime().release(*scene, box->id);
+    box->link->release(box->node);
     delete box;
   }
   bool ownPropertyKeys(JSContext* context, JS::HandleObject proxy, JS::MutableHandleIdVector keys) const override {
-    const vrml::Node* const node = readable_node(context, *node_of(proxy));
-    if (!node) return true;
-    for (const InterfaceDeclaration& one : node->type->interfaces) {
+    const vrml::NodeType* const type = readable_type(context, *node_of(proxy));
+    if (!type) return true;
+    for (const InterfaceDeclaration& one : type->interfaces) {
       JS::RootedString name(context, JS_AtomizeString(context, one.name.c_str()));
       JS::RootedId id(context);
       if (!name || !JS_StringToId(context, name, &id) || !keys.append(id)) return false;
@@ -117,9 +126,9 @@ class NodeHandler : public LiveProxyHandler {
   bool has(JSContext* context, JS::HandleObject proxy, JS::HandleId id, bool* found) const override {
     std::string name;
     if (!name_of_id(context, id, name)) return false;
-    const vrml::Node* const node = node_in_world(*node_of(proxy));
-    *found = node && !name.empty() &&
-             (event_in(*node->type, name) || (readable(*node->type, name) && may_read(context, *node)));
+    NodeBox& box = *node_of(proxy);
+    const vrml::NodeType* const type = type_in_world(context, box);
+    *found = type && !name.empty() && (event_in(*type, name) || (readable(*type, name) && may_read(context, box)));
     if (*found) return true;
     return has_inherited(context, proxy, id, found);
   }
@@ -127,44 +136,44 @@ class NodeHandler : public LiveProxyHandler {
            JS::MutableHandleValue result) const override {
     std::string name;
     if (!name_of_id(context, id, name)) return false;
-    const NodeBox& box = *node_of(proxy);
-    const vrml::Node* const node = node_in_world(box);
-    const InterfaceDeclaration* const declaration = node && !name.empty() ? readable(*node->type, name) : nullptr;
-    if (declaration && !may_read(context, *node)) {
+    NodeBox& box = *node_of(proxy);
+    const vrml::NodeType* const type = type_in_world(context, box);
+    const InterfaceDeclaration* const declaration = type && !name.empty() ? readable(*type, name) : nullptr;
+    if (declaration && !may_read(context, box)) {
       result.setUndefined();
       return true;
     }
     if (!declaration) return get_inherited(context, proxy, id, receiver, result);
     World& world = world_of(context);
     if (!world.calls().changed().flush(context)) return false;
-    vrml::SceneGraph* const scene = box.live_scene();  // again, because flushing may have run code of the program
-    if (!scene) return true;
-    const vrml::FieldValue* value = world.calls().posted().find(*scene, box.id, *declaration);
-    if (!value) value = world.execution().cascade().last_value(*scene, box.id, *declaration);
+    const std::uint32_t place = place_of(*type, *declaration);
+    std::optional<vrml::FieldValue> value;
+    if (const vrml::FieldValue* const posted = world.calls().posted().find(box.node, place))
+      value = *posted;
+    else
+      value = value_of(world, box, place);
     if (!value) {
       result.setUndefined();
       return true;
     }
     const bool writable = declaration->access == AccessType::exposedField;
-    const Source source = writable ? Source{proxy, place_of(*node->type, *declaration)} : Source{};
-    vrml::FieldValue copy = *value;
+    const Source source = writable ? Source{proxy, place} : Source{};
     if (declaration->type == vrml::FieldType::MFNode && declaration->slot >= 0)
-      world.calls().posted().apply_to_children(*scene, box.id, *declaration, copy);
-    return to_value(context, scene, copy, source, result);
+      world.calls().posted().apply_to_children(box.node, *type, place, *value);
+    return to_value(context, box.node.scene, *value, source, result);
   }
   bool set(JSContext* context, JS::HandleObject proxy, JS::HandleId id, JS::HandleValue value, JS::HandleValue,
            JS::ObjectOpResult& result) const override {
     std::string name;
     if (!name_of_id(context, id, name)) return false;
-    const NodeBox& box = *node_of(proxy);
-    const vrml::Node* const node = node_in_world(box);
-    if (!node) return result.succeed();
-    const InterfaceDeclaration* const declaration = event_in(*node->type, name);
+    const vrml::NodeType* const type = type_in_world(context, *node_of(proxy));
+    if (!type) return result.succeed();
+    const InterfaceDeclaration* const declaration = event_in(*type, name);
     if (!declaration) {
-      warn(context, node->type->name + " has no eventIn '" + name.substr(0, 80) + "'; not set");
+      warn(context, type->name + " has no eventIn '" + name.substr(0, 80) + "'; not set");
       return result.succeed();
     }
-    return set_node_field(context, proxy, place_of(*node->type, *declaration), value) && result.succeed();
+    return set_node_field(context, proxy, place_of(*type, *declaration), value) && result.succeed();
   }
 };
 
@@ -192,37 +201,36 @@ bool construct(JSContext* context, unsigned argc, JS::Value* vp) {
   }
   std::string text;
   vrml::MFNode nodes;
-  vrml::SceneGraph* scene = nullptr;
+  std::uint64_t scene = 0;
   if (!text_of_value(context, args[0], text)) return false;
   if (library_of(context).language == vrml::Language::x3d) text = document_of(std::move(text));
-  if (!nodes_from_text(context, text, nodes, scene)) return false;
+  if (!nodes_from_text(context, std::move(text), nodes, scene)) return false;
   if (nodes.empty()) return fail(context, "expected the text of a node");
-  JSObject* const made = object_of_node(context, *scene, nodes[0]);
-  args.rval().setObjectOrNull(made);
-  return made != nullptr;
+  return node_to_value(context, {scene, nodes[0]}, args.rval());
 }
 
 // Returns text as in C.6.6.4: "If the browser is unable to reproduce this node, the name of the node followed by the
 // open brace and close brace".
 bool to_text(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
-  const NodeBox* const box = args.thisv().isObject() ? node_of(&args.thisv().toObject()) : nullptr;
-  const vrml::Node* const node = box ? readable_node(context, *box) : nullptr;
-  return make_string(context, node ? node->type->name + " { }" : std::string("NULL"), args.rval());
+  NodeBox* const box = args.thisv().isObject() ? node_of(&args.thisv().toObject()) : nullptr;
+  const vrml::NodeType* const type = box ? readable_type(context, *box) : nullptr;
+  return make_string(context, type ? type->name + " { }" : std::string("NULL"), args.rval());
 }
 
 // Returns the name of the node type. Later worlds call this function by its names in the SAI.
 bool type_name(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
-  const NodeBox* const box = args.thisv().isObject() ? node_of(&args.thisv().toObject()) : nullptr;
-  const vrml::Node* const node = box ? readable_node(context, *box) : nullptr;
-  return make_string(context, node ? node->type->name : std::string(), args.rval());
+  NodeBox* const box = args.thisv().isObject() ? node_of(&args.thisv().toObject()) : nullptr;
+  const vrml::NodeType* const type = box ? readable_type(context, *box) : nullptr;
+  return make_string(context, type ? type->name : std::string(), args.rval());
 }
 bool node_name(JSContext* context, unsigned argc, JS::Value* vp) {
   const JS::CallArgs args = JS::CallArgsFromVp(argc, vp);
-  const NodeBox* const box = args.thisv().isObject() ? node_of(&args.thisv().toObject()) : nullptr;
-  const vrml::Node* const node = box ? readable_node(context, *box) : nullptr;
-  return make_string(context, node ? std::string(node->name) : std::string(), args.rval());
+  NodeBox* const box = args.thisv().isObject() ? node_of(&args.thisv().toObject()) : nullptr;
+  const vrml::NodeType* const type = box ? readable_type(context, *box) : nullptr;
+  return make_string(context, type ? world_of(context).view().ask({Ask::name, box->node}).text : std::string(),
+                     args.rval());
 }
 
 const JSFunctionSpec kMethods[] = {JS_FN("toString", contained<to_text>, 0, 0),
@@ -250,62 +258,72 @@ NodeBox* node_of(JSObject* object) {
   return static_cast<NodeBox*>(js::GetProxyPrivate(object).toPrivate());
 }
 
-bool sets_program(const vrml::NodeType& type, const InterfaceDeclaration& event_in) {
-  return vrml::has(type.role, vrml::Role::script) && event_in.name == "url";
+bool may_read(JSContext* context, NodeBox& box) {
+  World& world = world_of(context);
+  const std::uint64_t running = world.calls().running().serial;
+  if (box.readable_by == running) return true;
+  if (!world.view().ask({Ask::may_read, box.node}).good) return false;
+  box.readable_by = running;
+  return true;
 }
 
-JSObject* object_of_node(JSContext* context, vrml::SceneGraph& scene, vrml::NodeId id) {
-  World& world = world_of(context);
+JSObject* object_of_node(JSContext* context, const NodeRef& node) {
   ScriptLibrary& library = library_of(context);
   auto& objects = library.link->objects;
-  auto box = std::make_unique<NodeBox>(NodeBox{library.link, &scene, id});
-  const NodeKey key = key_of(*box);
-  if (const auto known = objects.find(key); known != objects.end()) return known->second;
+  if (const auto known = objects.find(node); known != objects.end()) return known->second;
+  auto box = std::make_unique<NodeBox>(NodeBox{library.link, node});
   JS::RootedValue place(context, JS::PrivateValue(box.get()));
   JSObject* const made = js::NewProxyObject(context, &kNodeHandler, place, library.prototype(vrml::FieldType::SFNode));
   if (!made) return nullptr;
   (void)box.release();
-  world.execution().lifetime().hold(scene, id);
-  objects[key] = made;
+  library.link->hold(node);
+  objects[node] = made;
   return made;
 }
 
-bool set_node_field(JSContext* context, JS::HandleObject object, std::uint32_t place, JS::HandleValue value) {
-  const NodeBox& box = *node_of(object);
-  const vrml::Node* const node = node_in_world(box);
-  if (!node || place >= node->type->interfaces.size()) return true;
-  const InterfaceDeclaration& declaration = node->type->interfaces[place];
-  if (sets_program(*node->type, declaration) && !may_read(context, *node)) return true;
-  vrml::SceneGraph* scene = box.live_scene();
-  vrml::FieldValue field;
-  if (!to_field(context, value, declaration.type, scene, field)) return false;
-  scene = box.live_scene();  // get it again, because the conversion may have run code of the program
-  if (!scene) return true;
-  World& world = world_of(context);
-  world.messages().report_direct_output(world.calls().running());
-  return world.calls().posted().add(context, *scene, box.id, declaration, std::move(field));
+bool node_to_value(JSContext* context, const NodeRef& node, JS::MutableHandleValue value) {
+  value.setNull();
+  if (!node || !library_of(context).link->lives(node.scene)) return true;
+  JSObject* const object = object_of_node(context, node);
+  value.setObjectOrNull(object);
+  return object != nullptr;
 }
 
-bool nodes_from_text(JSContext* context, std::string_view text, vrml::MFNode& nodes, vrml::SceneGraph*& scene) {
-  constexpr std::size_t kMaxCreated = std::size_t{4} << 20;  // max bytes of a text of nodes
-  constexpr std::size_t kWorthCollecting = 64;               // min nodes to count for one text of nodes
-  constexpr std::size_t kTextOfNode = 16;                    // min bytes of text for a node
+NodeRef node_of_value(JS::HandleValue value) {
+  const NodeBox* const box = value.isObject() ? node_of(&value.toObject()) : nullptr;
+  return box && box->lives() ? box->node : NodeRef{};
+}
+
+bool set_node_field(JSContext* context, JS::HandleObject object, std::uint32_t place, JS::HandleValue value) {
+  NodeBox& box = *node_of(object);
+  const vrml::NodeType* const type = type_in_world(context, box);
+  if (!type || place >= type->interfaces.size()) return true;
+  const InterfaceDeclaration& declaration = type->interfaces[place];
+  // An event to the url of a Script replaces its program.
+  const bool sets_program = vrml::has(type->role, vrml::Role::script) && declaration.name == "url";
+  if (sets_program && !may_read(context, box)) return true;
+  vrml::FieldValue field;
+  if (!to_field(context, value, declaration.type, box.node.scene, field)) return false;
   World& world = world_of(context);
-  Program& program = world.calls().running();
-  scene = program.scene;
+  if (!std::exchange(world.calls().running().told_direct, true)) world.view().tell({Notice::Kind::direct_output});
+  return world.calls().posted().add(context, box.node, place, declaration, std::move(field));
+}
+
+bool nodes_from_text(JSContext* context, std::string text, vrml::MFNode& nodes, std::uint64_t& scene) {
+  constexpr std::size_t kMaxCreated = std::size_t{4} << 20;  // max bytes of a text of nodes
+  World& world = world_of(context);
   if (text.size() > kMaxCreated)
     return fail_range(context, "a text of " + std::to_string(text.size()) + " bytes is too long to create nodes from");
-  if (!world.calls().may_act()) return fail(context, "shutdown() cannot create nodes");
-  Diagnostics diagnostics;
-  vrml::RunTimeNodes made =
-      make_nodes(world.execution(), *scene, label_of(program), text, diagnostics, &text_of_program(program));
-  for (const Diagnostic& one : diagnostics.entries()) world.messages().report(one);
-  if (made.outcome == vrml::ParseOutcome::refused) return fail(context, "not VRML97 text");
-  world.engine().note_nodes(std::max({kWorthCollecting, made.roots.size(), text.size() / kTextOfNode}));
-  nodes = std::move(made.roots);
+  Question question{Ask::create_nodes};
+  question.text = std::move(text);
+  Answer answer = world.view().ask(question);
+  if (!answer.good) return fail(context, answer.text);
+  if (auto* const made = std::get_if<vrml::MFNode>(&answer.value)) nodes = std::move(*made);
+  scene = answer.node.scene;
+  world.engine().note_nodes(answer.place);
   // Make an object for each node now. The object holds the node, so that garbage collection cannot remove it.
   for (const vrml::NodeId id : nodes)
-    if (!object_of_node(context, *scene, id)) return false;
+    if (id && !object_of_node(context, {scene, id})) return false;
   return true;
 }
 

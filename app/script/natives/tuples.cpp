@@ -74,7 +74,7 @@ bool vector_argument(JSContext* context, const JS::CallArgs& args, unsigned inde
   FieldType found{};
   if (args.get(index).isObject() && is_tuple(&args.get(index).toObject(), found, c)) return true;
   vrml::FieldValue field;
-  if (!to_field(context, args.get(index), type, nullptr, field)) return false;
+  if (!to_field(context, args.get(index), type, 0, field)) return false;
   vrml::read_numbers(field, c);
   return true;
 }

@@ -95,16 +95,15 @@ bool tuple_components(JSContext* context, JS::HandleValue value, FieldType type,
 
 // Converts a value to a node. `nested` means that the value is the first element of a list or array; further nesting is
 // rejected.
-bool to_node(JSContext* context, JS::HandleValue value, vrml::SceneGraph* scene, vrml::NodeId& node,
-             bool nested = false) {
+bool to_node(JSContext* context, JS::HandleValue value, std::uint64_t scene, vrml::NodeId& node, bool nested = false) {
   node = {};
   if (value.isNullOrUndefined()) return true;
   if (value.isObject()) {
     JS::RootedObject object(context, &value.toObject());
     if (const NodeBox* box = node_of(object)) {
-      vrml::SceneGraph* const own = box->live_scene();
-      if (own && own != scene) return fail(context, "the node belongs to another file");
-      if (own) node = box->id;
+      if (!box->lives()) return true;
+      if (box->node.scene != scene) return fail(context, "the node belongs to another file");
+      node = box->node.id;
       return true;
     }
     bool is_array = false;
@@ -119,7 +118,7 @@ bool to_node(JSContext* context, JS::HandleValue value, vrml::SceneGraph* scene,
 }
 
 template <class T>
-bool to_element(JSContext* context, JS::HandleValue value, FieldType type, vrml::SceneGraph* scene, T& element) {
+bool to_element(JSContext* context, JS::HandleValue value, FieldType type, std::uint64_t scene, T& element) {
   FieldValue field;
   if (!to_field(context, value, type, scene, field)) return false;
   element = vrml::element_in(*std::get_if<vrml::SingleValue<T>>(&field));
@@ -127,7 +126,7 @@ bool to_element(JSContext* context, JS::HandleValue value, FieldType type, vrml:
 }
 
 template <class T>
-bool to_elements(JSContext* context, JS::HandleValue value, FieldType type, vrml::SceneGraph* scene, Array<T>& array) {
+bool to_elements(JSContext* context, JS::HandleValue value, FieldType type, std::uint64_t scene, Array<T>& array) {
   array.clear();
   if (value.isNullOrUndefined()) return true;
   if (value.isObject()) {
@@ -136,7 +135,7 @@ bool to_elements(JSContext* context, JS::HandleValue value, FieldType type, vrml
       FieldValue* const own = list_value(*box);
       if (const auto* same = own ? std::get_if<Array<T>>(own) : nullptr) {
         if constexpr (std::is_same_v<T, vrml::NodeId>)
-          if (!same->empty() && box->scene.in(box->link.get()) != scene)
+          if (!same->empty() && (!box->link->lives(box->scene) || box->scene != scene))
             return fail(context, "the nodes belong to another file");
         array = *same;
         return true;
@@ -231,7 +230,7 @@ bool cut_text_of_value(JSContext* context, JS::HandleValue value, std::size_t mo
   return text_of_value(context, cut, text);
 }
 
-bool to_value(JSContext* context, vrml::SceneGraph* scene, const FieldValue& field, Source source,
+bool to_value(JSContext* context, std::uint64_t scene, const FieldValue& field, Source source,
               JS::MutableHandleValue value) {
   switch (vrml::type_of(field)) {
     case FieldType::SFBool:
@@ -251,16 +250,8 @@ bool to_value(JSContext* context, vrml::SceneGraph* scene, const FieldValue& fie
     case FieldType::SFDouble:
       value.set(JS::NumberValue(std::get<vrml::SFDouble>(field).value));
       return true;
-    case FieldType::SFNode: {
-      const auto node = std::get<vrml::SFNode>(field);
-      if (!scene || !scene->contains(node)) {
-        value.setNull();
-        return true;
-      }
-      JSObject* const object = object_of_node(context, *scene, node);
-      value.setObjectOrNull(object);
-      return object != nullptr;
-    }
+    case FieldType::SFNode:
+      return node_to_value(context, {scene, std::get<vrml::SFNode>(field)}, value);
     case FieldType::SFImage: {
       JSObject* const image = make_image(context, std::get<vrml::SFImage>(field), source);
       value.setObjectOrNull(image);
@@ -285,7 +276,7 @@ bool to_value(JSContext* context, vrml::SceneGraph* scene, const FieldValue& fie
   return made != nullptr;
 }
 
-bool to_field(JSContext* context, JS::HandleValue value, FieldType type, vrml::SceneGraph* scene, FieldValue& field) {
+bool to_field(JSContext* context, JS::HandleValue value, FieldType type, std::uint64_t scene, FieldValue& field) {
   switch (type) {
     case FieldType::SFBool:
       field = is_true(context, value);
@@ -365,10 +356,9 @@ bool to_field(JSContext* context, JS::HandleValue value, FieldType type, vrml::S
 }
 
 bool set_own(JSContext* context, Program& program, std::uint32_t place, JS::HandleValue value) {
-  vrml::Execution& execution = program.world->execution();
-  const FieldType type = execution.nodes().schema_of(program.node).interfaces[place].declaration->type;
+  const FieldType type = program.interface(place).type;
   FieldValue field;
-  if (!to_field(context, value, type, program.scene, field)) return false;
+  if (!to_field(context, value, type, program.scene(), field)) return false;
   Engine& engine = program.world->engine();
   const std::size_t bytes = bytes_of(field), before = std::exchange(program.counted[place], bytes);
   engine.add_bytes(-static_cast<std::ptrdiff_t>(before));
@@ -379,7 +369,7 @@ bool set_own(JSContext* context, Program& program, std::uint32_t place, JS::Hand
     return false;
   }
   engine.add_bytes(static_cast<std::ptrdiff_t>(bytes));
-  execution.nodes().own_value(program.node, place) = std::move(field);
+  program.values[place] = std::move(field);
   program.world->calls().own_changed(program, place);
   return true;
 }

@@ -60,6 +60,7 @@ void WorldScenes::remove(const SceneGraph& scene) {
   states_[place->second] = SceneState();
   free_places_.push_back(place->second);
   places_.erase(place);
+  ++removals_;
 }
 
 void WorldScenes::attach() {

@@ -1,4 +1,4 @@
-#include "app/script/request_queue.h"
+#include "app/script/world/request_queue.h"
 
 namespace gs::app::script {
 namespace {
