@@ -1,6 +1,7 @@
-// script_bench [SCRIPTS] [STEPS]: measures Scripts that answer an event per step: milliseconds to begin, milliseconds
-// per step, and KiB per Script.
+// script_bench [SCRIPTS] [STEPS] [PROGRAM]: measures Scripts that answer an event per step: milliseconds to begin,
+// milliseconds per step, and KiB per Script in this process. With PROGRAM, a path of ghostspace, they run in its child.
 
+#include "app/script/process/program_process.h"
 #include "app/script/script_runner.h"
 #include "vrml/syntax/parser.h"
 
@@ -28,6 +29,7 @@ long peak_kib() {
 int main(int argc, char** argv) {
   using namespace gs;
   const int scripts = argc > 1 ? std::atoi(argv[1]) : 1000, steps = argc > 2 ? std::atoi(argv[2]) : 300;
+  if (argc > 3) app::script::set_program_of_scripts(argv[3]);
   std::string text = "#VRML V2.0 utf8\nDEF Clock TimeSensor { loop TRUE cycleInterval 2 }\n";
   for (int i = 0; i < scripts; ++i) {
     const std::string n = std::to_string(i);

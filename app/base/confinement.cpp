@@ -126,14 +126,17 @@ std::optional<std::string> confine(const Confinement& confinement) {
   return std::nullopt;
 }
 
-std::optional<std::string> confine_decoder() {
+static std::optional<std::string> confine_child(bool (*allow_calls)()) {
   const ConfinementSupport support = confinement_support();
   clear_environment();
   if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return reason("no new privileges");
   if (support.landlock > 0)
     if (auto problem = confine_files({}, support.landlock)) return "cannot be confined: " + *problem;
-  if (support.seccomp && !allow_decoding_calls()) return reason("cannot be confined: seccomp");
+  if (support.seccomp && !allow_calls()) return reason("cannot be confined: seccomp");
   return std::nullopt;
 }
+
+std::optional<std::string> confine_decoder() { return confine_child(allow_decoding_calls); }
+std::optional<std::string> confine_programs() { return confine_child(allow_program_calls); }
 
 }  // namespace gs::app

@@ -34,5 +34,9 @@ struct ConfinementSupport {
 /// seccomp allows only the calls of system_calls.h; Landlock allows no file. Skips features that the kernel lacks.
 /// Returns an error as confine() does. Call it after libraries are loaded, while only one thread runs.
 [[nodiscard]] std::optional<std::string> confine_decoder();
+/// Confines this process permanently to running programs of worlds: as confine_decoder(), but memory may become
+/// executable, because the engine compiles programs. Threads that exist already keep their access to files as far as
+/// seccomp allows it, which is none.
+[[nodiscard]] std::optional<std::string> confine_programs();
 
 }  // namespace gs::app

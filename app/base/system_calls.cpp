@@ -292,18 +292,23 @@ bool can_refuse_calls() {
   return kArchitecture != 0 && ::syscall(SYS_seccomp, SECCOMP_GET_ACTION_AVAIL, 0, &action) == 0;
 }
 
-bool allow_decoding_calls() {
+static bool allow_child_calls(bool makes_code) {
   Filter filter;
   filter.refuse(SYS_clone3, Filter::kUnknown);
   filter.require_bits(SYS_clone, 0, CLONE_THREAD);
   filter.require(SYS_tgkill, 0, static_cast<std::uint32_t>(::getpid()));
   filter.require(SYS_prlimit64, 2, 0);
-  filter.refuse_bits(SYS_mmap, 2, PROT_EXEC, PROT_EXEC);
-  filter.refuse_bits(SYS_mprotect, 2, PROT_EXEC, PROT_EXEC);
+  if (!makes_code) {
+    filter.refuse_bits(SYS_mmap, 2, PROT_EXEC, PROT_EXEC);
+    filter.refuse_bits(SYS_mprotect, 2, PROT_EXEC, PROT_EXEC);
+  }
   filter.refuse_bits(SYS_mmap, 3, MAP_SHARED | MAP_ANONYMOUS, MAP_SHARED | MAP_ANONYMOUS);
   for (const long call : kDecoding) filter.allow(call);
   return filter.apply(Filter::kRefuse);
 }
+
+bool allow_decoding_calls() { return allow_child_calls(false); }
+bool allow_program_calls() { return allow_child_calls(true); }
 
 bool refuse_calls() {
   Filter filter;

@@ -11,5 +11,7 @@ namespace gs::app {
 /// Allows only the system calls for decoding listed in system_calls.cpp: memory, threads, time, and reading and writing
 /// open descriptors. Others fail with EPERM. As permanent as refuse_calls(), with the same conditions.
 [[nodiscard]] bool allow_decoding_calls();
+/// Allows the calls of allow_decoding_calls(), and memory that can be executed, for the compiler of programs.
+[[nodiscard]] bool allow_program_calls();
 
 }  // namespace gs::app

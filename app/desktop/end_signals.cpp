@@ -2,7 +2,7 @@
 
 #include "app/base/console.h"
 #include "app/base/exit_status.h"
-#include "app/script/script_runner.h"
+#include "app/script/process/program_process.h"
 
 #include <algorithm>
 #include <atomic>
@@ -71,14 +71,8 @@ EndWatch::~EndWatch() {
   thread_.join();
 }
 
-EndOverdueScripts::EndOverdueScripts(std::function<bool()> is_asked_to_close) {
-  ScriptRunner::on_overdue([is_asked = std::move(is_asked_to_close)](const std::string& message) {
-    if (!is_asked()) return;
-    complain("%s; it cannot be interrupted, so GhostSpace exits", message.c_str());
-    std::_Exit(kFailed);
-  });
-}
+ScriptStop::ScriptStop(std::function<bool()> is_asked_to_stop) { script::set_wait_pump(std::move(is_asked_to_stop)); }
 
-EndOverdueScripts::~EndOverdueScripts() { ScriptRunner::on_overdue(nullptr); }
+ScriptStop::~ScriptStop() { script::set_wait_pump(nullptr); }
 
 }  // namespace gs::app

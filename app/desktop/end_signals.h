@@ -51,14 +51,13 @@ class EndWatch : NonCopyable {
   std::thread thread_;
 };
 
-/// Watchdog for Scripts that block the program. It acts if a call of a Script exceeds its time limit by 2 s and
-/// `is_asked_to_close` returns true. Then it ends the process with a line on standard error. It calls
-/// `is_asked_to_close` on another thread. The session file remains, so that the next start can restore the session.
-/// Only one object may exist at a time.
-class EndOverdueScripts : NonCopyable {
+/// Look at the user's wishes while the session's thread waits for Scripts, as long as the object exists. If
+/// `is_asked_to_stop` returns true, the programs of that world end at once, and the session goes on without them. Calls
+/// it on the thread that waits, about 50 times a second. Only one object may exist at a time.
+class ScriptStop : NonCopyable {
  public:
-  explicit EndOverdueScripts(std::function<bool()> is_asked_to_close);
-  ~EndOverdueScripts();
+  explicit ScriptStop(std::function<bool()> is_asked_to_stop);
+  ~ScriptStop();
 };
 
 }  // namespace gs::app

@@ -102,6 +102,8 @@ UiActions UiOverlay::build(const UiModel& model) {
       widgets.loading_line(viewport, i, actions);
     else if (!viewport.failed.empty())
       widgets.failure_card(viewport, model, state.is_on(Action::log, model), actions);
+    else if (!viewport.stopped.empty())
+      widgets.stopped_card(viewport, state.is_on(Action::log, model), actions);
     else if (viewport.label.empty() && !state.dialog.open)
       widgets.welcome(viewport, i, model, actions);
     // The line of the ruler uses the position of the first steps.

@@ -235,4 +235,32 @@ void ViewportWidgets::failure_card(const UiViewport& viewport, const UiModel& mo
   ImGui::End();
 }
 
+void ViewportWidgets::stopped_card(const UiViewport& viewport, bool log_open, UiActions& actions) {
+  const ViewportArea area = area_of(viewport.place);
+  const float gap = std::round(10 * scale_), width = std::min(area.width() - 2 * gap, 460 * scale_);
+  if (width < 60 * scale_) return;
+  // The world stays visible and can be walked through.
+  ImGui::SetNextWindowPos({std::floor((area.lower.x + area.upper.x) / 2), area.upper.y - gap}, ImGuiCond_Always,
+                          {0.5f, 1.0f});
+  ImGui::SetNextWindowSizeConstraints({std::min(width, 240 * scale_), 0}, {width, area.height() - gap});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {12 * scale_, 8 * scale_});
+  ImGui::PushStyleColor(ImGuiCol_Border, UiColors::kError);
+  ImGui::Begin(("##stopped" + std::to_string(viewport.pane)).c_str(), nullptr, kLineFlags);
+  ImGui::PopStyleColor();
+  ImGui::PopStyleVar();
+  ImGui::PushTextWrapPos(width - 24 * scale_);
+  colored_text(UiColors::kError, "This world stopped responding");
+  text("Its Scripts have ended: " + shortened(viewport.stopped, 200) + ".");
+  ImGui::PopTextWrapPos();
+  if (ImGui::Button("Reload")) actions.pane = wish(PaneRequest::Kind::open_again, viewport);
+  tooltips_.show("Open the world again, with its Scripts");
+  ImGui::SameLine();
+  if (ImGui::Button("Show log") && !log_open) actions.run = Action::log;
+  tooltips_.show(tooltip_of(Action::log));
+  ImGui::SameLine();
+  if (ImGui::Button("Close")) actions.pane = wish(PaneRequest::Kind::close, viewport);
+  tooltips_.show("Close this world");
+  ImGui::End();
+}
+
 }  // namespace gs::app

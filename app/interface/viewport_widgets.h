@@ -26,6 +26,8 @@ class ViewportWidgets {
   void pane_bar(const UiViewport& viewport, const UiModel& model, UiActions& actions);
   /// Draws a card with the error of a viewport. If `log_open`, omits the button that opens the log.
   void failure_card(const UiViewport& viewport, const UiModel& model, bool log_open, UiActions& actions);
+  /// Draws a card over a world with programs that have ended because one of them hung or crashed.
+  void stopped_card(const UiViewport& viewport, bool log_open, UiActions& actions);
   void travel_mark(const UiModel& model);
   void tool_marks(const UiModel& model) const;
   void axes_widget(const UiViewport& viewport, const UiModel& model, UiActions& actions);

@@ -62,10 +62,10 @@ struct Link {
 
   [[nodiscard]] bool lives(std::uint64_t scene) const { return view && view->lives(scene); }
   void hold(const NodeRef& node) const {
-    if (view && node) view->tell({Notice::Kind::hold, node});
+    if (view && node) view->hold(node);
   }
   void release(const NodeRef& node) const {
-    if (node && lives(node.scene)) view->tell({Notice::Kind::release, node});
+    if (node && lives(node.scene)) view->release(node);
   }
 };
 

@@ -49,9 +49,10 @@ struct BrowserState {
   double frame_rate = 100;  // pictures/s; 100 until it is measured (VRML97 4.12.10.3)
 };
 
-/// Runner of ECMAScript programs (VRML97 Annex C) for an Execution, with SpiderMonkey. vrml::Limits bounds the time and
-/// memory of programs. Programs reach only the nodes of their world; everything else is a request that take_requests()
-/// returns. Use on the thread of the Execution, which must outlive the runner.
+/// Runner of ECMAScript programs (VRML97 Annex C) for an Execution, with SpiderMonkey. Programs run in a confined child
+/// process (script/process/program_process.h). vrml::Limits bounds their time and memory. They reach only the nodes of
+/// their world; everything else is a request that take_requests() returns. Use on the thread of the Execution, which
+/// must outlive the runner.
 class ScriptRunner : public vrml::ScriptHost {
  public:
   struct Settings {
@@ -98,6 +99,9 @@ class ScriptRunner : public vrml::ScriptHost {
   /// Returns the URL of the first confidential file that a Script of this world has read (script/read_rule.h); empty if
   /// there is none.
   [[nodiscard]] virtual const std::string& private_file() const = 0;
+  /// Returns why all programs of this world have ended, for example because one of them could not be interrupted; empty
+  /// while programs can run.
+  [[nodiscard]] virtual const std::string& stopped() const = 0;
   /// Reports whether the time of the last step did not suffice for all programs.
   [[nodiscard]] virtual bool is_late() const = 0;
 };

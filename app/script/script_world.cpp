@@ -6,8 +6,10 @@
 
 #include <js/CallAndConstruct.h>
 #include <js/CompilationAndEvaluation.h>
+#include <js/CompileOptions.h>
 #include <js/Date.h>
 #include <js/Realm.h>
+#include <js/SourceText.h>
 #include <jsfriendapi.h>
 
 #include <utility>
@@ -160,7 +162,6 @@ bool World::start_text(Program& program, const Order& order) {
     program.has_prepare = function.isObject() && JS::IsCallable(&function.toObject());
     return true;
   });
-  calls_.call(program, "initialize");
   return true;
 }
 
@@ -192,9 +193,25 @@ Report World::check(const Order& order) {
   return report;
 }
 
+// Lets the engine and the C library read the time zone, because a confined process cannot read its file.
+static void read_time_zone(JSContext* context) {
+  JS::RootedObject global(context, new_global(context, nullptr, nullptr));
+  if (!global) return JS_ClearPendingException(context);
+  const JSAutoRealm realm(context, global);
+  JS::CompileOptions options(context);
+  JS::SourceText<mozilla::Utf8Unit> source;
+  JS::RootedValue ignored(context);
+  constexpr std::string_view kText = "new Date(0).toString() + new Date().getHours()";
+  if (!source.init(context, kText.data(), kText.size(), JS::SourceOwnership::Borrowed) ||
+      !JS::Evaluate(context, options, source, &ignored))
+    JS_ClearPendingException(context);
+}
+
 std::unique_ptr<ProgramHost> make_programs(WorldAccess& world, bool repeatable) {
   Engine* const engine = Engine::of_this_thread();
   if (!engine) return nullptr;
+  static thread_local const bool knows_time_zone = (read_time_zone(engine->context()), true);
+  (void)knows_time_zone;
   return std::make_unique<World>(world, *engine, repeatable);
 }
 

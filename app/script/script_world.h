@@ -29,7 +29,7 @@ class World final : public ProgramHost {
   [[nodiscard]] Report start(const Order& order);
   [[nodiscard]] Report check(const Order& order);
   Program& program_for(const Order& order);
-  /// Compiles and runs the text of an order, and calls initialize(). Returns false if the text cannot be compiled.
+  /// Compiles and runs the text of an order. Returns false if the text cannot be compiled.
   bool start_text(Program& program, const Order& order);
   bool load(Program& program, const Order& order);
   void forget(vrml::EventNode node);

@@ -1,8 +1,8 @@
 #include "app/viewer/headless.h"
 
 #include "app/base/console.h"
-#include "app/session/documents/world_runtime.h"
 #include "app/desktop/end_signals.h"
+#include "app/session/documents/world_runtime.h"
 #include "app/viewer/offscreen.h"
 
 #include <algorithm>
@@ -13,9 +13,9 @@
 namespace gs::app {
 namespace {
 
-constexpr double kNobodyWait = 30;  // seconds; max wait without events; a request ends it
+constexpr double kNobodyWait = 30;        // seconds; max wait without events; a request ends it
 constexpr double kMovingWait = 1.0 / 60;  // seconds; max wait while a viewer moves
-constexpr double kReadingWait = 0.25;  // seconds; max wait while a world is read
+constexpr double kReadingWait = 0.25;     // seconds; max wait while a world is read
 
 // Prints the new notices and the new diagnostics of the worlds.
 void tell(Session& session, const Frame& frame) {
@@ -36,7 +36,7 @@ int run_headless(const ViewerOptions& options, const LoadOptions& load, const st
                  std::string& error) {
   Doorbell bell;
   const EndOnSignals signals(bell);
-  const EndOverdueScripts overdue([] { return EndOnSignals::told(); });
+  const ScriptStop stop([] { return EndOnSignals::told(); });
   const auto wake = [&bell] { bell.ring(); };
   std::optional<OpenedRenderer> opened;
   Session session(options.session, load, wake);

@@ -247,7 +247,7 @@ int run_viewer(const ViewerOptions& options, const LoadOptions& load, std::strin
   // Close the window in the regular way after a signal, for example at logout, so that there is nothing to restore.
   const EndWatch signals([] { Window::wake(); });
   const CloseWatch closing;
-  const EndOverdueScripts overdue([&] { return EndOnSignals::told() || closing.is_asked_to_close(); });
+  const ScriptStop stop([&] { return EndOnSignals::told() || closing.is_asked_to_stop(); });
   viewer.run();
   return 0;
 }

@@ -61,6 +61,8 @@ void ViewerController::describe_viewports(UiModel& model, const Frame& frame, st
       viewport.label = file_label(pane.shown);
       viewport.axes = seen->style.axes && !seen->document->world.authored;
       viewport.pose = seen->navigation.pose;
+      if (const auto& runtime = seen->document->runtime)
+        if (const ScriptRunner* const runner = runtime->programs().runner()) viewport.stopped = runner->stopped();
     }
     if (panes.loading(picture.pane)) {
       viewport.loading = progress_of(pane.wanted);

@@ -101,8 +101,7 @@ void WorldSaver::start_export(const std::string& path) {
   if (changed || !is_file(source.path)) {
     const bool is_x3d =
         document_->world.scene && vrml::own_grammar(*document_->world.scene) == vrml::Grammar::x3d_classic;
-    source.text =
-        std::make_unique<TemporaryFile>(is_x3d ? "world.x3dv" : "world.wrl", std::span<const std::byte>());
+    source.text = std::make_unique<TemporaryFile>(is_x3d ? "world.x3dv" : "world.wrl", std::span<const std::byte>());
     source.path = source.text->path();
     source.folder = fs::path(document_->world.path).parent_path().string();
     if (source.folder.empty() || !is_file(document_->world.path)) source.folder = ".";
@@ -176,8 +175,11 @@ bool WorldSaver::permits(Action action) {
 
 bool WorldSaver::permits(const PaneRequest& request) {
   const Panes& panes = session_.panes();
-  if (request.kind != PaneRequest::Kind::close || !has_pane(panes.split(), request.pane)) return true;
+  if (!has_pane(panes.split(), request.pane)) return true;
   const std::string& path = panes.at(request.pane).shown;
+  if (request.kind == PaneRequest::Kind::open_again && !panes.at(request.pane).failure)
+    return permits(Action::reload, request.pane, path);
+  if (request.kind != PaneRequest::Kind::close) return true;
   if (is_shown_elsewhere(request.pane, path)) return true;
   return permits(Action::close_viewport, request.pane, path);
 }

@@ -28,12 +28,12 @@ Function* loaded_from(void* library, const char* name) {
 /// Input and result of the search in the event queue.
 struct Search {
   Atom protocols, delete_window;
-  unsigned quit_key;
+  unsigned quit_key, escape_key;
   bool found = false;
 };
 
-// Records whether an event is a request to close. Always returns False, so that XCheckIfEvent leaves all events to the
-// main thread.
+// Records whether an event is a request to close or to stop. Always returns False, so that XCheckIfEvent leaves all
+// events to the main thread.
 Bool note_request(Display*, XEvent* event, XPointer argument) {
   auto& search = *reinterpret_cast<Search*>(argument);
   if (event->type == ClientMessage && event->xclient.message_type == search.protocols &&
@@ -41,6 +41,7 @@ Bool note_request(Display*, XEvent* event, XPointer argument) {
     search.found = true;
   if (event->type == KeyPress && event->xkey.keycode == search.quit_key && (event->xkey.state & ControlMask) != 0)
     search.found = true;
+  if (event->type == KeyPress && event->xkey.keycode == search.escape_key) search.found = true;
   return False;
 }
 
@@ -58,13 +59,14 @@ CloseWatch::CloseWatch() {
   protocols_ = atom(connection, "WM_PROTOCOLS", False);
   delete_window_ = atom(connection, "WM_DELETE_WINDOW", False);
   quit_key_ = key(connection, XK_q);
+  escape_key_ = key(connection, XK_Escape);
   check_ = reinterpret_cast<void*>(check);
   display_ = connection;
 }
 
-bool CloseWatch::is_asked_to_close() const {
+bool CloseWatch::is_asked_to_stop() const {
   if (!display_) return false;
-  Search search{protocols_, delete_window_, quit_key_};
+  Search search{protocols_, delete_window_, quit_key_, escape_key_};
   XEvent event;
   (void)reinterpret_cast<decltype(XCheckIfEvent)*>(check_)(static_cast<Display*>(display_), &event, note_request,
                                                            reinterpret_cast<XPointer>(&search));
@@ -74,7 +76,7 @@ bool CloseWatch::is_asked_to_close() const {
 #else
 
 CloseWatch::CloseWatch() = default;
-bool CloseWatch::is_asked_to_close() const { return display_ && check_; }
+bool CloseWatch::is_asked_to_stop() const { return display_ && check_; }
 
 #endif
 

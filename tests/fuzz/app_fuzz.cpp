@@ -249,8 +249,10 @@ bool run_program(std::span<const std::byte> bytes) {
 
 std::vector<FuzzTarget> fuzz_targets() {
   constexpr std::size_t kMaxBytes = 8192;
-  std::vector<FuzzTarget> targets = {
-      {"gzip", run_gzip}, {"programs", run_program}, {"control_messages", run_control_messages}};
+  std::vector<FuzzTarget> targets = {{"gzip", run_gzip},
+                                     {"programs", run_program},
+                                     {"control_messages", run_control_messages},
+                                     {"program_messages", run_program_messages}};
   constexpr std::size_t kMaxWorld = 65536;
   targets.push_back({"script_worlds", run_script_world, kMaxWorld});
   using Bytes = std::span<const std::byte>;

@@ -9,6 +9,8 @@
 #include "app/confined/decoder_child.h"
 #include "app/confined/image_decoding.h"
 #include "app/formats/content_types.h"
+#include "app/script/process/program_child.h"
+#include "app/script/process/program_process.h"
 #include "app/script/script_runner.h"
 #include "app/settings/user_settings.h"
 #include "app/view/actions.h"
@@ -150,6 +152,7 @@ int run_command(const CommandRow& command, CommandOptions& options) {
   if (const auto problem = take_standard_input(command, options)) return fail(*problem);
   if (const auto* loading = dynamic_cast<const LoadingOptions*>(&options); loading && !loading->confine.empty()) {
     set_decoder_program({});  // this process is confined itself, and can start no other
+    script::set_program_of_scripts({});
     if (const auto problem = confine({loading->confine, folder_of(output_of(command, options))})) return fail(*problem);
   }
   return command.calls.run(options);
@@ -264,12 +267,14 @@ int run_man(const CommandOptions&) {
 
 int run_command_line(int count, char** arguments) {
   if (count == 3 && arguments[1] == kDecoderArgument) run_decoder_child(arguments[2]);
+  if (count == 3 && arguments[1] == script::kProgramsArgument) script::run_program_child(arguments[2]);
   set_decoder_program("/proc/self/exe");
+  script::set_program_of_scripts("/proc/self/exe");
   prepare_console();
   // Without the signal, writing beyond the file size limit fails like writing to a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
   std::set_terminate(end_at_exception);
-  // If a Script hangs, a command ends. A window asks the user instead (EndOverdueScripts).
+  // A process that is confined itself runs Scripts without a child that it could kill. If one hangs, the process ends.
   ScriptRunner::on_overdue([](const std::string& message) {
     complain("%s; it cannot be interrupted, so the command exits", message.c_str());
     std::_Exit(kFailed);

@@ -32,8 +32,8 @@ class Inspection;
 struct UiViewport {
   std::size_t pane = 0;  // index of the viewport, from 0
   Viewport place;
-  std::string label;    // name of the displayed file; empty if the viewport is empty
-  std::string loading;  // name and progress of the file that is loading; empty if no file is
+  std::string label;             // name of the displayed file; empty if the viewport is empty
+  std::string loading;           // name and progress of the file that is loading; empty if no file is
   std::optional<double> loaded;  // received fraction of the file that is loading, 0 to 1; nullopt if unknown
   bool active = false;
   double weight = 1;           // weight of the viewport when budget and bandwidth are divided
@@ -43,6 +43,7 @@ struct UiViewport {
   std::uint64_t rate = 0;      // bandwidth limit in bits/s; 0 means unlimited
   double arriving = 0;         // measured receive rate in bits/s
   std::string failed, reason;  // name of the file that failed to open, and the error; empty if none failed
+  std::string stopped;         // why the programs of the displayed world have ended; empty while they can run
   bool axes = false;           // the axes widget is visible
   Pose pose;                   // pose of the viewer
 };

@@ -31,7 +31,7 @@ struct ProgramFacts {
 
 struct Order {
   enum class Kind : std::uint8_t {
-    start,     // facts, text, file, at: compile a program, run it and call initialize()
+    start,     // facts, text, file, at: compile a program and run it
     event,     // place, value, time: call the function of an eventIn
     call,      // text: call a function without arguments, if it exists
     end,       // call shutdown()

@@ -25,6 +25,7 @@ bool changes_world(Ask ask) {
 
 void WorldView::begin_function(const std::vector<std::uint64_t>& gone) {
   gone_.insert(gone.begin(), gone.end());
+  if (!gone.empty()) std::erase_if(held_, [&](const auto& one) { return gone_.contains(one.first.scene); });
   values_.clear();
   browser_ = nullptr;
 }
@@ -59,6 +60,17 @@ const BrowserFacts& WorldView::browser() {
     browser_ = ask(question).browser;
   }
   return browser_ ? *browser_ : nothing;
+}
+
+void WorldView::hold(const NodeRef& node) {
+  if (++held_[node] == 1) tell({Notice::Kind::hold, node});
+}
+
+void WorldView::release(const NodeRef& node) {
+  const auto held = held_.find(node);
+  if (held == held_.end() || --held->second != 0) return;
+  held_.erase(held);
+  tell({Notice::Kind::release, node});
 }
 
 void WorldView::print(std::string text) {

@@ -30,6 +30,10 @@ class WorldView {
   [[nodiscard]] std::optional<vrml::FieldValue> read(const NodeRef& node, std::uint32_t place);
   [[nodiscard]] const BrowserFacts& browser();
 
+  /// Holds a node for an object of a program. Calls are counted here, so that the world learns only of the first one
+  /// and of the release of the last one.
+  void hold(const NodeRef& node);
+  void release(const NodeRef& node);
   void print(std::string text);
   void report(Severity severity, std::string text, std::optional<Diagnostic> at = {});
 
@@ -47,6 +51,7 @@ class WorldView {
   std::unordered_set<std::uint64_t> gone_;
   std::unordered_map<Key, std::optional<vrml::FieldValue>, HashKey> values_;
   std::shared_ptr<const BrowserFacts> browser_;
+  std::unordered_map<NodeRef, std::size_t, HashNodeRef> held_;
 };
 
 }  // namespace gs::app::script

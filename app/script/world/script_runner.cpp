@@ -1,6 +1,7 @@
 #include "app/script/script_runner.h"
 
 #include "app/script/engine/engine.h"
+#include "app/script/process/program_process.h"
 #include "app/script/world/scripted_world.h"
 
 #include <utility>
@@ -19,7 +20,7 @@ class EmptyWorld final : public script::WorldAccess {
 
 std::unique_ptr<ScriptRunner> ScriptRunner::make(vrml::Execution& execution, Settings settings) {
   auto made = std::make_unique<script::ScriptedWorld>(execution, settings);
-  auto host = script::make_programs(made->answers(), settings.repeatable);
+  auto host = script::make_confined_programs(made->answers(), settings.repeatable);
   if (!host) return nullptr;
   made->set_host(std::move(host));
   return made;
@@ -47,7 +48,7 @@ void check_programs(const vrml::SceneGraph& scene, Diagnostics& diagnostics) {
         diagnostics.add({Severity::warning, node.text->file_name(), node.location,
                          label + ": Java programs are not supported; skipped"});
       if (held.kind != ProgramPlace::Kind::held) continue;
-      if (!host) host = script::make_programs(world, false);
+      if (!host) host = script::make_confined_programs(world, false);
       if (!host) return;
       script::Order order{script::Order::Kind::check};
       order.text = held.text;

@@ -73,7 +73,7 @@ Report ScriptedWorld::run(ScriptRecord& script, Order order) {
   const auto began = std::chrono::steady_clock::now();
   answers_.set_running(&script);
   const bool counts = order.kind != Order::Kind::evaluate;
-  Report report = host_->run(order);
+  const Report report = host_->run(order);
   answers_.set_running(nullptr);
   if (counts) time_.add(script.node, std::chrono::steady_clock::now() - began);
   script.runs = report.runs;
@@ -81,7 +81,17 @@ Report ScriptedWorld::run(ScriptRecord& script, Order order) {
   script.has_processed = report.has_processed;
   script.has_prepare = report.has_prepare;
   script.faults = report.faults;
+  note_stop(script);
   return report;
+}
+
+void ScriptedWorld::note_stop(const ScriptRecord& script) {
+  if (!stopped_.empty() || (stopped_ = host_->stopped()).empty()) return;
+  messages_.report(
+      Severity::error, script,
+      stopped_ + (stopped_ == kLateProgram ? " and cannot be interrupted" : "") + "; all programs of this world end");
+  for (const auto& [node, one] : scripts_) one->runs = one->waits = one->has_prepare = one->has_processed = false;
+  answers_.release_all();
 }
 
 void ScriptedWorld::call(ScriptRecord& script, const char* function) {
@@ -105,8 +115,10 @@ bool ScriptedWorld::start_text(ScriptRecord& script, std::string_view text, cons
   order.text = text;
   order.file = file;
   order.at = place;
+  if (!stopped_.empty()) return false;
   const Report report = run(script, std::move(order));
   if (report.no_memory) messages_.report(Severity::error, script, "not enough memory for programs");
+  if (report.good) call(script, "initialize");
   return report.good;
 }
 
@@ -129,7 +141,8 @@ bool ScriptedWorld::begin(vrml::EventNode node) {
   made->source = text_of_program(*made).source();
   made->faults = faults;
   made->off = faults >= kMaxFaults;
-  return loader_.start(*(scripts_[node] = std::move(made)));
+  ScriptRecord& script = *(scripts_[node] = std::move(made));
+  return stopped_.empty() && loader_.start(script);
 }
 
 bool ScriptedWorld::deliver(vrml::EventNode node, std::uint32_t interface, const vrml::FieldValue& value, double time) {
@@ -169,7 +182,7 @@ void ScriptedWorld::end(vrml::EventNode node) {
   ScriptRecord* const script = record_of(node);
   if (!script || !std::exchange(script->runs, false)) return;
   script->ended = true;
-  (void)run(*script, {Order::Kind::end});
+  if (stopped_.empty()) (void)run(*script, {Order::Kind::end});
 }
 
 void ScriptedWorld::forget(vrml::EventNode node) {
@@ -179,7 +192,7 @@ void ScriptedWorld::forget(vrml::EventNode node) {
   Order order{Order::Kind::forget};
   order.program = node;
   order.gone = answers_.take_gone();
-  if (!found->second->known.empty()) (void)host_->run(order);
+  if (stopped_.empty() && !found->second->known.empty()) (void)host_->run(order);
   scripts_.erase(found);
 }
 
@@ -217,6 +230,7 @@ ScriptRunner::Evaluation ScriptedWorld::evaluate(const vrml::SceneGraph& scene, 
   const vrml::EventNode node = execution_.scenes().event_node(scene, script);
   ScriptRecord* const record = node == 0 ? nullptr : record_of(node);
   if (!record) return no("not a Script, or its program has not started");
+  if (!stopped_.empty()) return no("the programs of this world have ended: " + stopped_);
   if (record->waits) return no("the program of this Script is still loading");
   if (record->off) return no("the program of this Script is switched off after three faults");
   if (!record->runs) return no("this Script has no running program");

@@ -49,6 +49,7 @@ class ScriptedWorld final : public ScriptRunner, private ProgramStarter {
   void forget_scene(const vrml::SceneGraph& scene) override { requests_.forget_scene(scene); }
   [[nodiscard]] const std::string& private_file() const override { return reads_.private_file(); }
   [[nodiscard]] bool is_late() const override { return time_.is_late(); }
+  [[nodiscard]] const std::string& stopped() const override { return stopped_; }
 
  private:
   bool start_text(ScriptRecord& script, std::string_view text, const std::string& file, SourceLocation place) override;
@@ -57,6 +58,8 @@ class ScriptedWorld final : public ScriptRunner, private ProgramStarter {
   Report run(ScriptRecord& script, Order order);
   void add_values(ScriptRecord& script, Order& order);
   void call(ScriptRecord& script, const char* function);
+  /// Reports that no program of this world runs any more, if the host says so. `script` was the last one to run.
+  void note_stop(const ScriptRecord& script);
 
   vrml::Execution& execution_;
   ScriptMessages messages_;
@@ -67,6 +70,7 @@ class ScriptedWorld final : public ScriptRunner, private ProgramStarter {
   ProgramLoader loader_;
   std::unique_ptr<ProgramHost> host_;
   std::unordered_map<vrml::EventNode, std::unique_ptr<ScriptRecord>> scripts_;
+  std::string stopped_;
 };
 
 }  // namespace gs::app::script

@@ -31,8 +31,9 @@ void Opening::open_in(std::size_t pane, const std::string& path) {
 
 void Opening::open_again(std::size_t pane) {
   Panes& panes = viewports_.panes();
-  if (pane >= kMaxViewports || !has_pane(panes.split(), pane) || !panes.at(pane).failure) return;
+  if (pane >= kMaxViewports || !has_pane(panes.split(), pane)) return;
   step_.frame.changed = step_.frame.news = true;
+  if (!panes.at(pane).failure) return panes.reload(pane);
   open_in(pane, std::string(panes.at(pane).failure->path));
 }
 

@@ -49,9 +49,9 @@ void Panes::select(std::size_t file) {
   if (file < documents_.entries().size()) want(active_, documents_.entries()[file].path);
 }
 
-void Panes::reload() {
-  panes_[active_].failure.reset();
-  documents_.reload(panes_[active_].wanted);
+void Panes::reload(std::size_t pane) {
+  panes_[pane].failure.reset();
+  documents_.reload(panes_[pane].wanted);
 }
 
 void Panes::set_split(SplitTree split) {

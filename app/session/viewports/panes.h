@@ -32,13 +32,13 @@ struct PaneFailure {
 struct Pane {
   static constexpr double kMinWeight = 0.25, kMaxWeight = 4;
 
-  std::string wanted;  // path of the file that the viewport should show; empty means none
-  std::string shown;  // path of the visible file: `wanted`, or the previous one until `wanted` is read
+  std::string wanted;                 // path of the file that the viewport should show; empty means none
+  std::string shown;                  // path of the visible file: `wanted`, or the previous one until `wanted` is read
   std::map<std::string, View> views;  // by path; a file that is shown again gets its former view
   InputTracker input;
   render::FrameStatistics statistics;
-  double weight = 1;  // weight when the vector budget and the bandwidth are divided
-  std::optional<std::uint64_t> rate;  // bandwidth limit in bits/s; 0 means unlimited, nullopt the limit of the session
+  double weight = 1;                   // weight when the vector budget and the bandwidth are divided
+  std::optional<std::uint64_t> rate;   // bandwidth limit in bits/s; 0 means unlimited, nullopt the limit of the session
   std::optional<PaneFailure> failure;  // kept until the viewport shows another file, or the user dismisses it
 
   /// Returns the view of the shown file; null if there is none.
@@ -58,7 +58,8 @@ class Panes {
   /// Shows the file at an index of the list in the active viewport.
   void select(std::size_t file);
   /// Reads the file of the active viewport again.
-  void reload();
+  void reload() { reload(active_); }
+  void reload(std::size_t pane);
   /// Marks a file to be read again when a viewport shows it.
   void reload(std::string_view path) { documents_.reload(path); }
 

@@ -11,12 +11,12 @@ struct PaneRequest {
     split_right,
     split_below,
     maximise,  // maximises the viewport, or restores all
-    swap,  // swaps the viewport with viewport `other`
+    swap,      // swaps the viewport with viewport `other`
     even_out,  // makes all viewports equally large
     close,
-    weigh,  // sets the viewport's weight to `weight`
-    limit,  // sets the bandwidth limit to `rate`
-    open_again,  // tries again to open the file that failed
+    weigh,       // sets the viewport's weight to `weight`
+    limit,       // sets the bandwidth limit to `rate`
+    open_again,  // opens the file that failed again, or reloads the displayed one
     dismiss,     // dismisses the error message
   };
   Kind kind = Kind::maximise;

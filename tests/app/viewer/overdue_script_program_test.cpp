@@ -18,35 +18,36 @@ std::string world() {
 
 }  // namespace
 
-TEST_CASE("ends on SIGTERM and SIGINT while a Script is overdue") {
+TEST_CASE("ends on SIGTERM and SIGINT within a second while a Script hangs") {
   for (const std::string signal : {"TERM", "INT"}) {
     const ScratchFolder folder;
     (void)folder.write("world.wrl", world());
     // A shell ignores SIGINT in background jobs; env restores the default.
-    const Run run =
-        run_shell("cd " + quoted(folder.path("")) + "; env --default-signal=INT " + program() +
-                  " --backend osmesa --control socket --control-token token world.wrl > log 2>&1 & pid=$!; cd " +
-                  quoted(folder.path("")) + "; sleep 8; kill -" + signal +
-                  " $pid; (sleep 60; kill -KILL $pid) > /dev/null 2>&1 & "
-                  "killer=$!; wait $pid; echo \"status $?\"; kill $killer");
+    const Run run = run_shell(
+        "cd " + quoted(folder.path("")) + "; env --default-signal=INT " + program() +
+        " --backend osmesa --control socket --control-token token world.wrl > log 2>&1 & pid=$!; cd " +
+        quoted(folder.path("")) + "; sleep 3; kill -" + signal +
+        " $pid; (sleep 60; kill -KILL $pid) > /dev/null 2>&1 & killer=$!; from=$(date +%s%N); wait $pid; echo \"status "
+        "$?\"; echo \"$((($(date +%s%N) - from) / 1000000)) ms\"; kill $killer");
     INFO(signal << run.output << folder.read("log"));
-    CHECK(run.output.find("status 1\n") != std::string::npos);
-    CHECK(folder.read("log").find(
-              "Script S: the program exceeded the time limit; it cannot be interrupted, so GhostSpace exits\n") !=
-          std::string::npos);
+    CHECK(run.output.find("status 0\n") != std::string::npos);
+    const std::size_t end = run.output.find(" ms\n");
+    REQUIRE(end != std::string::npos);
+    CHECK(std::stoi(run.output.substr(run.output.rfind('\n', end) + 1)) < 2000);  // usually 100; machines may be busy
   }
 }
 
-TEST_CASE("ends a command without a window when a Script is overdue") {
+TEST_CASE("goes on without programs when a Script cannot be interrupted") {
   const ScratchFolder folder;
   (void)folder.write("world.wrl", world());
   for (const std::string command : {"--backend osmesa --snapshot out.png world.wrl", "trace world.wrl --until 1"}) {
     const Run run = run_shell("cd " + quoted(folder.path("")) + "; timeout -s KILL 60 " + program() + " " + command);
     INFO(command << ": " << run.output);
-    CHECK(run.status == 1);
-    CHECK(run.output.find(
-              "Script S: the program exceeded the time limit; it cannot be interrupted, so the command exits\n") !=
-          std::string::npos);
+    CHECK(run.status == 0);
+    // A snapshot reports no errors of Scripts.
+    if (command.starts_with("trace"))
+      CHECK(run.output.find("Script S: the program exceeded the time limit and cannot be interrupted; all programs of "
+                            "this world end\n") != std::string::npos);
   }
 }
 

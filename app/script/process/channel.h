@@ -1,0 +1,61 @@
+#pragma once
+
+#include "base/noncopyable.h"
+#include "net/base/descriptor.h"
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace gs::app::script {
+
+/// Box for one part of a message in one direction, in memory that two processes share. The sender fills it, the
+/// receiver empties it.
+struct Lane {
+  static constexpr std::size_t kBytes = std::size_t{1} << 18;
+
+  std::atomic<std::uint32_t> full;   // 1 while the box holds a part
+  std::atomic<std::uint32_t> waits;  // 1 if a process sleeps until `full` changes
+  std::uint32_t length, last;        // bytes of the part; 1 for the last part of a message
+  std::byte data[kBytes];
+};
+
+struct ChannelMemory {
+  Lane to_programs, to_world;
+};
+
+/// End of a channel between a world and the process of its programs. A process that waits first looks for a few
+/// microseconds, then sleeps. Trusts nothing that the other process writes. One thread.
+class Channel : NonCopyable {
+ public:
+  enum class Side : std::uint8_t { world, programs };
+
+  Channel() = default;
+  ~Channel();
+  /// Creates the shared memory, with a size that cannot change. Returns its descriptor; none on failure.
+  [[nodiscard]] net::Descriptor create();
+  /// Maps the shared memory of another process.
+  [[nodiscard]] bool open(const net::Descriptor& file);
+
+  /// Sets the function that is called about every 10 ms while this end waits. If it returns false, the wait fails.
+  void set_patience(std::function<bool()> patience) { patience_ = std::move(patience); }
+  /// Sends a message. Returns false if the wait for the other process failed.
+  [[nodiscard]] bool send(std::span<const std::byte> message);
+  /// Receives a message of at most `most` bytes. Returns false if the wait failed, or if the message is longer.
+  [[nodiscard]] bool receive(std::vector<std::byte>& message, std::size_t most);
+
+ private:
+  bool map(int file, Side side);
+  bool wait(Lane& lane, std::uint32_t full) const;
+  static void turn(Lane& lane, std::uint32_t full);
+
+  ChannelMemory* memory_ = nullptr;
+  Lane *out_ = nullptr, *in_ = nullptr;
+  std::function<bool()> patience_;
+};
+
+}  // namespace gs::app::script

@@ -1,0 +1,104 @@
+#include "app/script/process/program_child.h"
+
+#include "app/base/confinement.h"
+#include "app/base/exit_status.h"
+#include "app/script/boundary/message.h"
+#include "app/script/process/channel.h"
+
+#include <csignal>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace gs::app::script {
+namespace {
+
+constexpr int kChannelFile = 3;
+constexpr rlim_t kMostChildMemory = rlim_t{3} << 30;
+constexpr std::size_t kMostOrder = std::size_t{1} << 31;    // bytes; the world decides the size of orders
+constexpr std::size_t kKeptNotices = std::size_t{1} << 18;  // bytes of notices that wait for a question
+
+bool limit_child() {
+  const auto set = [](__rlimit_resource which, rlim_t most) {
+    const rlimit both{most, most};
+    return ::setrlimit(which, &both) == 0;
+  };
+  bool good = set(RLIMIT_FSIZE, 0) && set(RLIMIT_CORE, 0);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // sanitizers need terabytes of address space
+  good = good && set(RLIMIT_DATA, kMostChildMemory);
+#endif
+  return good;
+}
+
+// Ends the child. Destructors and leak checks need calls that are refused now.
+[[noreturn]] void end_here() { ::_exit(kDone); }
+
+/// World at the other end of the channel.
+class RemoteWorld final : public WorldAccess {
+ public:
+  explicit RemoteWorld(Channel& channel) : channel_(channel) {}
+
+  [[nodiscard]] Answer ask(const Question& question) override {
+    write(writer_, question);
+    send();
+    receive();
+    MessageReader reader(message_);
+    if (reader.number<std::uint8_t>() != static_cast<std::uint8_t>(ItemKind::answer)) end_here();
+    Answer answer = read_answer(reader);
+    if (!reader.good()) end_here();
+    return answer;
+  }
+  void tell(const Notice& notice) override {
+    write(writer_, notice);
+    if (writer_.bytes().size() > kKeptNotices) send();
+  }
+
+  [[nodiscard]] Order next_order() {
+    receive();
+    MessageReader reader(message_);
+    if (reader.number<std::uint8_t>() != static_cast<std::uint8_t>(ItemKind::order)) end_here();
+    Order order = read_order(reader);
+    if (!reader.good()) end_here();
+    return order;
+  }
+  void report(const Report& report) {
+    write(writer_, report);
+    send();
+  }
+
+ private:
+  void send() {
+    if (!channel_.send(writer_.bytes())) end_here();
+    writer_.clear();
+  }
+  void receive() {
+    if (!channel_.receive(message_, kMostOrder)) end_here();
+  }
+
+  Channel& channel_;
+  MessageWriter writer_;
+  std::vector<std::byte> message_;
+};
+
+}  // namespace
+
+void run_program_child(std::string_view mode) {
+  (void)std::signal(SIGPIPE, SIG_IGN);
+  (void)std::signal(SIGINT, SIG_IGN);  // Ctrl-C on the terminal is for the parent
+  (void)::prctl(PR_SET_DUMPABLE, 0);
+  // The child ends with its world, even if the world's process is killed.
+  if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || ::getppid() == 1) ::_exit(kFailed);
+  static Channel channel;
+  if (!channel.open(net::Descriptor(kChannelFile))) ::_exit(kFailed);
+  static RemoteWorld world(channel);
+  // The engine reads files of the system while it starts, so the confinement follows.
+  const std::unique_ptr<ProgramHost> programs = make_programs(world, mode == kRepeatable);
+  if (!programs || !limit_child() || confine_programs()) ::_exit(kFailed);
+  for (;;) world.report(programs->run(world.next_order()));
+}
+
+}  // namespace gs::app::script

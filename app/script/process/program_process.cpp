@@ -1,0 +1,100 @@
+#include "app/script/process/program_process.h"
+
+#include "app/base/child_process.h"
+#include "app/script/boundary/hear.h"
+#include "app/script/process/program_child.h"
+
+#include <array>
+#include <csignal>
+#include <utility>
+
+#include <sys/wait.h>
+
+namespace gs::app::script {
+namespace {
+
+// Time that a child has beyond the limit of its calls, before it is killed.
+constexpr std::chrono::milliseconds kGrace{2000};
+constexpr std::chrono::milliseconds kPumpAfter{100}, kPumpEvery{20};
+constexpr std::size_t kMessageRoom = std::size_t{64} << 20;  // bytes of a message beyond the heap of programs
+
+std::string& program_of_scripts() {
+  static std::string program;
+  return program;
+}
+
+std::function<bool()>& wait_pump() {
+  static std::function<bool()> pump;
+  return pump;
+}
+
+}  // namespace
+
+void set_program_of_scripts(std::string program) { program_of_scripts() = std::move(program); }
+void set_wait_pump(std::function<bool()> pump) { wait_pump() = std::move(pump); }
+
+ProgramProcess::ProgramProcess(WorldAccess& world, const std::string& program, bool repeatable) : world_(world) {
+  channel_.set_patience([this] { return goes_on(); });
+  const net::Descriptor memory = channel_.create();
+  const std::array given{memory.get()};
+  if (memory) child_ = start_child(program, {std::string(kProgramsArgument), repeatable ? kRepeatable : kLive}, given);
+  if (child_ <= 0) stopped_ = "the process for programs cannot be started";
+}
+
+ProgramProcess::~ProgramProcess() { (void)end_child(child_); }
+
+bool ProgramProcess::goes_on() {
+  const Clock::time_point now = Clock::now();
+  siginfo_t ended{};
+  if (::waitid(P_PID, static_cast<id_t>(child_), &ended, WEXITED | WNOHANG | WNOWAIT) != 0 || ended.si_pid != 0) {
+    stop("");
+    return false;
+  }
+  if (now >= deadline_) {
+    stop(kLateProgram);
+    return false;
+  }
+  if (!wait_pump() || now - began_ < kPumpAfter || now - pumped_ < kPumpEvery) return true;
+  pumped_ = now;
+  if (!wait_pump()()) return true;
+  stop("the user has stopped the programs");
+  return false;
+}
+
+void ProgramProcess::stop(const std::string& why) {
+  const std::string reason = end_child(std::exchange(child_, 0));
+  stopped_ = !why.empty() ? why : "the process for programs ended" + (reason.empty() ? "" : " by " + reason);
+}
+
+Report ProgramProcess::run(const Order& order) {
+  Report report;
+  if (child_ <= 0) return report;
+  began_ = pumped_ = Clock::now();
+  deadline_ =
+      began_ + kGrace + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(order.seconds));
+  most_bytes_ = order.heap + kMessageRoom;
+  writer_.clear();
+  write(writer_, order);
+  if (obey(report)) return report;
+  if (child_ > 0) stop("the process for programs sent impossible data");
+  return {};
+}
+
+bool ProgramProcess::obey(Report& report) {
+  for (Heard heard = Heard::question; heard != Heard::report;) {
+    if (heard == Heard::question && !channel_.send(writer_.bytes())) return false;
+    // A child that talks without end never lets this process wait.
+    if (Clock::now() >= deadline_ && !goes_on()) return false;
+    if (!channel_.receive(message_, most_bytes_)) return false;
+    heard = hear(world_, message_, writer_, report);
+    if (heard == Heard::impossible) return false;
+  }
+  return true;
+}
+
+std::unique_ptr<ProgramHost> make_confined_programs(WorldAccess& world, bool repeatable) {
+  if (program_of_scripts().empty()) return make_programs(world, repeatable);
+  return std::make_unique<ProgramProcess>(world, program_of_scripts(), repeatable);
+}
+
+}  // namespace gs::app::script

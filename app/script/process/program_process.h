@@ -1,0 +1,56 @@
+#pragma once
+
+#include "app/script/boundary/message.h"
+#include "app/script/process/channel.h"
+
+#include <chrono>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+namespace gs::app::script {
+
+/// Makes make_confined_programs() use this program for its children. Call it at the start of main(). With an empty
+/// path, programs run in this process, as in tests and in processes that are confined themselves.
+void set_program_of_scripts(std::string program);
+
+/// Sets the function that is called about 50 times a second while the calling thread waits for programs, from 0.1 s on.
+/// If it returns true, the programs of the world are ended. An empty function calls nothing.
+void set_wait_pump(std::function<bool()> pump);
+
+/// Host that runs programs in a confined child process. The child is killed if it does not answer in time, if it
+/// crashes, or if it says anything impossible.
+class ProgramProcess final : public ProgramHost {
+ public:
+  ProgramProcess(WorldAccess& world, const std::string& program, bool repeatable);
+  ~ProgramProcess() override;
+
+  [[nodiscard]] Report run(const Order& order) override;
+  [[nodiscard]] std::string stopped() const override { return stopped_; }
+  [[nodiscard]] pid_t process() const { return child_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  /// Sends the order in `writer_` and answers questions until the report. Returns false if the child failed.
+  [[nodiscard]] bool obey(Report& report);
+  [[nodiscard]] bool goes_on();
+  void stop(const std::string& why);
+
+  WorldAccess& world_;
+  pid_t child_ = 0;
+  Channel channel_;
+  MessageWriter writer_;
+  std::vector<std::byte> message_;
+  std::size_t most_bytes_ = 0;  // of a message
+  Clock::time_point began_, pumped_, deadline_;
+  std::string stopped_;
+};
+
+/// Makes a host that runs programs in a confined child process, or in this process (set_program_of_scripts()). Returns
+/// null if memory is insufficient.
+[[nodiscard]] std::unique_ptr<ProgramHost> make_confined_programs(WorldAccess& world, bool repeatable);
+
+}  // namespace gs::app::script
