@@ -10,6 +10,7 @@
 
 #include <fcntl.h>
 #include <linux/futex.h>
+#include <sched.h>
 #include <sys/mman.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -18,7 +19,7 @@ namespace gs::app::script {
 namespace {
 
 using ChannelClock = std::chrono::steady_clock;
-constexpr std::chrono::microseconds kLookFor{5};
+constexpr std::chrono::microseconds kLookFor{50};
 constexpr long kSleepNanoseconds = 10'000'000;
 
 void pause_briefly() {
@@ -46,6 +47,8 @@ bool Channel::map(int file, Side side) {
   memory_ = static_cast<ChannelMemory*>(at);  // a new file has only zeros
   out_ = side == Side::world ? &memory_->to_programs : &memory_->to_world;
   in_ = side == Side::world ? &memory_->to_world : &memory_->to_programs;
+  own_processor_ = side == Side::world ? &memory_->world_processor : &memory_->programs_processor;
+  other_processor_ = side == Side::world ? &memory_->programs_processor : &memory_->world_processor;
   return true;
 }
 
@@ -62,9 +65,12 @@ bool Channel::open(const net::Descriptor& file) { return map(file.get(), Side::p
 // Waits until the box of a lane is full or empty.
 bool Channel::wait(Lane& lane, std::uint32_t full) const {
   static const bool looks = std::thread::hardware_concurrency() > 1;
+  const std::int32_t processor = ::sched_getcpu() + 1;
+  own_processor_->store(processor, std::memory_order_relaxed);
   const auto end = ChannelClock::now() + kLookFor;
   for (int i = 1; looks; ++i) {
     if (lane.full.load(std::memory_order_acquire) == full) return true;
+    if (other_processor_->load(std::memory_order_relaxed) == processor) break;
     pause_briefly();
     if (i % 32 == 0 && ChannelClock::now() >= end) break;
   }

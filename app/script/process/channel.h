@@ -26,10 +26,12 @@ struct Lane {
 
 struct ChannelMemory {
   Lane to_programs, to_world;
+  std::atomic<std::int32_t> world_processor, programs_processor;  // 1 + number of the processor on which each side ran
 };
 
-/// End of a channel between a world and the process of its programs. A process that waits first looks for a few
-/// microseconds, then sleeps. Trusts nothing that the other process writes. One thread.
+/// End of a channel between a world and the process of its programs. A process that waits first looks for some
+/// microseconds, unless the other one needs its processor, then sleeps. Trusts nothing that the other process writes.
+/// One thread.
 class Channel : NonCopyable {
  public:
   enum class Side : std::uint8_t { world, programs };
@@ -55,6 +57,7 @@ class Channel : NonCopyable {
 
   ChannelMemory* memory_ = nullptr;
   Lane *out_ = nullptr, *in_ = nullptr;
+  std::atomic<std::int32_t>*own_processor_ = nullptr, *other_processor_ = nullptr;
   std::function<bool()> patience_;
 };
 

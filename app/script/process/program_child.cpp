@@ -98,6 +98,7 @@ void run_program_child(std::string_view mode) {
   // The engine reads files of the system while it starts, so the confinement follows.
   const std::unique_ptr<ProgramHost> programs = make_programs(world, mode == kRepeatable);
   if (!programs || !limit_child() || confine_programs()) ::_exit(kFailed);
+  if (!channel.send({})) end_here();  // the world waits for this, because its limits of time begin later
   for (;;) world.report(programs->run(world.next_order()));
 }
 

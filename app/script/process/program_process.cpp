@@ -15,6 +15,7 @@ namespace {
 
 // Time that a child has beyond the limit of its calls, before it is killed.
 constexpr std::chrono::milliseconds kGrace{2000};
+constexpr std::chrono::milliseconds kStartTime{10'000};  // for the start of a child
 constexpr std::chrono::milliseconds kPumpAfter{100}, kPumpEvery{20};
 constexpr std::size_t kMessageRoom = std::size_t{64} << 20;  // bytes of a message beyond the heap of programs
 
@@ -70,8 +71,13 @@ Report ProgramProcess::run(const Order& order) {
   Report report;
   if (child_ <= 0) return report;
   began_ = pumped_ = Clock::now();
+  deadline_ = began_ + kStartTime;
+  if (!ready_ && !(ready_ = channel_.receive(message_, 0))) {
+    if (child_ > 0) stop("the process for programs sent impossible data");
+    return report;
+  }
   deadline_ =
-      began_ + kGrace + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(order.seconds));
+      Clock::now() + kGrace + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(order.seconds));
   most_bytes_ = order.heap + kMessageRoom;
   writer_.clear();
   write(writer_, order);

@@ -44,6 +44,7 @@ class ProgramProcess final : public ProgramHost {
   Channel channel_;
   MessageWriter writer_;
   std::vector<std::byte> message_;
+  bool ready_ = false;          // the child has started
   std::size_t most_bytes_ = 0;  // of a message
   Clock::time_point began_, pumped_, deadline_;
   std::string stopped_;

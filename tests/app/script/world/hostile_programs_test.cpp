@@ -131,7 +131,8 @@ TEST_CASE("ignores releases of nodes that programs do not hold") {
 }
 
 TEST_CASE("survives any questions and notices of programs") {
-  std::mt19937 random(7);
+  std::mt19937 generator(7);
+  const auto random = [&] { return static_cast<std::uint32_t>(generator()); };
   HostileWorld world([&](HostileWorld& self, const Order&) {
     const auto any_ref = [&] {
       const std::uint64_t scene = random() % 4 == 0 ? random() : self.scene().serial();
@@ -146,7 +147,7 @@ TEST_CASE("survives any questions and notices of programs") {
     };
     for (int i = 0; i < 500; ++i) {
       Question question{static_cast<Ask>(random() % kAskCount), any_ref(), any_ref(),
-                        random() % 3 == 0 ? static_cast<std::uint32_t>(random()) : random() % 20, random() % 2 == 0};
+                        random() % 3 == 0 ? random() : random() % 20, random() % 2 == 0};
       constexpr const char* kTexts[] = {"", "T", "translation", "title", "Shape { geometry Box {} }", "avatarSize"};
       question.text = kTexts[random() % std::size(kTexts)];
       question.more = kTexts[random() % std::size(kTexts)];
@@ -154,7 +155,7 @@ TEST_CASE("survives any questions and notices of programs") {
       question.second = any_value();
       (void)self.answers().ask(question);
       Notice notice{static_cast<Notice::Kind>(random() % kNoticeCount), any_ref(),
-                    random() % 3 == 0 ? static_cast<std::uint32_t>(random()) : random() % 20};
+                    random() % 3 == 0 ? random() : random() % 20};
       notice.text = kTexts[random() % std::size(kTexts)];
       notice.value = any_value();
       self.answers().tell(notice);
