@@ -58,17 +58,17 @@ net::Descriptor copy_above(int file) { return net::Descriptor(::fcntl(file, F_DU
 
 }  // namespace
 
-DecoderProcess::DecoderProcess(const std::string& program, DecoderKind kind) { start(program, kind); }
+DecoderProcess::DecoderProcess(const std::string& program, DecoderKind kind, int file) { start(program, kind, file); }
 
 DecoderProcess::~DecoderProcess() { (void)end(); }
 
-void DecoderProcess::start(const std::string& program, DecoderKind kind) {
+void DecoderProcess::start(const std::string& program, DecoderKind kind, int file) {
   auto input = SharedMemory::create(), result = SharedMemory::create();
   int ends[2] = {-1, -1};
   if (!input || !result || ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) return;
   net::Descriptor own(ends[0]);
   const net::Descriptor others(ends[1]);
-  const net::Descriptor socket_end = copy_above(others.get()), input_end = copy_above(input->file()),
+  const net::Descriptor socket_end = copy_above(others.get()), input_end = copy_above(file >= 0 ? file : input->file()),
                         result_end = copy_above(result->file());
   if (!socket_end || !input_end || !result_end) return;
   child_ = spawn(
@@ -79,23 +79,40 @@ void DecoderProcess::start(const std::string& program, DecoderKind kind) {
   result_ = std::move(*result);
 }
 
-std::variant<render::Image, render::ImageError> DecoderProcess::decode(std::span<const std::byte> bytes,
-                                                                       const render::ImageLimits& limits,
-                                                                       std::chrono::milliseconds patience) {
-  if (!good()) return render::ImageError{"the process for decoding cannot be started"};
-  if (bytes.empty() || !input_.grow(bytes.size())) return render::ImageError{"no memory to decode it"};
+bool DecoderProcess::load(std::span<const std::byte> bytes) {
+  if (bytes.empty() || !input_.grow(bytes.size())) return false;
   const std::span<std::byte> to = input_.map(input_.size());
-  if (to.size() < bytes.size()) return render::ImageError{"no memory to decode it"};
+  if (to.size() < bytes.size()) return false;
   std::memcpy(to.data(), bytes.data(), bytes.size());
-  const DecodeRequest request{bytes.size(), limits.file_pixels, limits.kept_pixels, limits.working_bytes};
-  const Clock::time_point end = Clock::now() + patience;
+  return true;
+}
+
+std::variant<DecodeAnswer, render::ImageError> DecoderProcess::ask(const DecodeRequest& request, const Stopped& stopped,
+                                                                   std::chrono::milliseconds patience,
+                                                                   std::size_t result_bytes) {
+  if (!good()) return render::ImageError{"the process for decoding cannot be started"};
+  if (!result_.grow(result_bytes)) return render::ImageError{"no memory for the result"};
   if (!send(std::as_bytes(std::span(&request, 1)))) return failure(Wait::ended);
   DecodeAnswer answer;
-  if (const Wait wait = receive(std::as_writable_bytes(std::span(&answer, 1)), limits, end); wait != Wait::answered)
-    return failure(wait);
+  const Wait wait = receive(std::as_writable_bytes(std::span(&answer, 1)), stopped, Clock::now() + patience);
+  if (wait != Wait::answered) return failure(wait);
+  return answer;
+}
+
+std::variant<render::Image, render::ImageError> DecoderProcess::ask_image(const DecodeRequest& request,
+                                                                          const Stopped& stopped,
+                                                                          std::chrono::milliseconds patience,
+                                                                          DecodeAnswer& answer) {
+  const Clock::time_point end = Clock::now() + patience;
+  auto answered = ask(request, stopped, patience);
+  if (auto* const error = std::get_if<render::ImageError>(&answered)) return std::move(*error);
+  answer = std::get<DecodeAnswer>(answered);
   auto checked = check_answer(answer, request);
   auto* const image = std::get_if<render::Image>(&checked);
-  if (!image) return checked;
+  if (!image) {
+    if (answer.width != 0) (void)this->end();  // it waits for memory
+    return checked;
+  }
   const std::size_t pixel_bytes = std::size_t{image->width} * image->height * image->components;
   if (!result_.grow(pixel_bytes)) {
     (void)this->end();  // it waits for the memory
@@ -103,12 +120,27 @@ std::variant<render::Image, render::ImageError> DecoderProcess::decode(std::span
   }
   std::byte sign{1};
   if (!send({&sign, 1})) return failure(Wait::ended);
-  if (const Wait wait = receive({&sign, 1}, limits, end); wait != Wait::answered) return failure(wait);
-  const std::span<const std::byte> pixels = result_.map(result_.size());
+  if (const Wait wait = receive({&sign, 1}, stopped, end); wait != Wait::answered) return failure(wait);
+  const std::span<const std::byte> pixels = results(pixel_bytes);
   if (pixels.size() < pixel_bytes) return render::ImageError{"no memory for its pixels"};
   const auto* const first = reinterpret_cast<const std::uint8_t*>(pixels.data());
   image->pixels.assign(first, first + pixel_bytes);
   return checked;
+}
+
+std::variant<render::Image, render::ImageError> DecoderProcess::decode(std::span<const std::byte> bytes,
+                                                                       const render::ImageLimits& limits,
+                                                                       std::chrono::milliseconds patience) {
+  if (!good()) return render::ImageError{"the process for decoding cannot be started"};
+  if (!load(bytes)) return render::ImageError{"no memory to decode it"};
+  DecodeAnswer answer;
+  return ask_image(request_of(DecodeOperation::picture, bytes.size(), limits), limits.stopped, patience, answer);
+}
+
+std::span<const std::byte> DecoderProcess::results(std::size_t bytes) {
+  if (bytes > result_.size()) return {};
+  const std::span<const std::byte> all = result_.map(result_.size());
+  return all.size() < bytes ? std::span<const std::byte>() : all.first(bytes);
 }
 
 bool DecoderProcess::send(std::span<const std::byte> bytes) const {
@@ -116,14 +148,14 @@ bool DecoderProcess::send(std::span<const std::byte> bytes) const {
   return ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size());
 }
 
-DecoderProcess::Wait DecoderProcess::receive(std::span<std::byte> bytes, const render::ImageLimits& limits,
+DecoderProcess::Wait DecoderProcess::receive(std::span<std::byte> bytes, const Stopped& stopped,
                                              Clock::time_point end) {
   while (!bytes.empty()) {
     pollfd ready{socket_.get(), POLLIN, 0};
     const int found = ::poll(&ready, 1, 20);
     if (found < 0 && errno != EINTR) return Wait::ended;
     if (found <= 0) {
-      if (limits.stopped && limits.stopped()) return Wait::stopped;
+      if (stopped && stopped()) return Wait::stopped;
       if (Clock::now() >= end) return Wait::late;
       continue;
     }

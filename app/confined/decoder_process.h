@@ -5,6 +5,8 @@
 #include "base/noncopyable.h"
 
 #include <chrono>
+#include <cstddef>
+#include <functional>
 #include <span>
 #include <string>
 #include <variant>
@@ -13,11 +15,14 @@
 
 namespace gs::app {
 
-/// Confined child process that decodes images. One thread at a time.
+/// Confined child process that decodes images, sounds and movies. One thread at a time.
 class DecoderProcess : NonCopyable {
  public:
-  /// Starts `program` as a decoder child. If that fails, decode() says so.
-  DecoderProcess(const std::string& program, DecoderKind kind);
+  using Stopped = std::function<bool()>;
+
+  /// Starts `program` as a decoder child. If that fails, requests say so. If `file` is not negative, the child reads
+  /// that open file instead of bytes from load().
+  DecoderProcess(const std::string& program, DecoderKind kind, int file = -1);
   /// Ends the child.
   ~DecoderProcess();
 
@@ -26,7 +31,20 @@ class DecoderProcess : NonCopyable {
   [[nodiscard]] std::variant<render::Image, render::ImageError> decode(std::span<const std::byte> bytes,
                                                                        const render::ImageLimits& limits,
                                                                        std::chrono::milliseconds patience);
-  /// Reports whether the child can decode more images.
+  /// Copies the bytes that the next requests decode to the child's memory. Returns false if memory is insufficient.
+  [[nodiscard]] bool load(std::span<const std::byte> bytes);
+  /// Sends a request and waits for its answer, as decode() does. Makes room for `result_bytes` bytes of results first.
+  [[nodiscard]] std::variant<DecodeAnswer, render::ImageError> ask(const DecodeRequest& request, const Stopped& stopped,
+                                                                   std::chrono::milliseconds patience,
+                                                                   std::size_t result_bytes = 0);
+  /// Like ask(), for requests that give an image. `answer` receives the answer.
+  [[nodiscard]] std::variant<render::Image, render::ImageError> ask_image(const DecodeRequest& request,
+                                                                          const Stopped& stopped,
+                                                                          std::chrono::milliseconds patience,
+                                                                          DecodeAnswer& answer);
+  /// Returns the first `bytes` bytes of the memory for results; fewer than that if they cannot be mapped.
+  [[nodiscard]] std::span<const std::byte> results(std::size_t bytes);
+  /// Reports whether the child can decode more.
   [[nodiscard]] bool good() const { return child_ > 0; }
   /// Reports whether the child runs. One that ended is of no more use (see good()).
   [[nodiscard]] bool runs();
@@ -35,9 +53,9 @@ class DecoderProcess : NonCopyable {
  private:
   using Clock = std::chrono::steady_clock;
   enum class Wait : unsigned char { answered, ended, stopped, late };
-  void start(const std::string& program, DecoderKind kind);
+  void start(const std::string& program, DecoderKind kind, int file);
   [[nodiscard]] bool send(std::span<const std::byte> bytes) const;
-  [[nodiscard]] Wait receive(std::span<std::byte> bytes, const render::ImageLimits& limits, Clock::time_point end);
+  [[nodiscard]] Wait receive(std::span<std::byte> bytes, const Stopped& stopped, Clock::time_point end);
   [[nodiscard]] render::ImageError failure(Wait wait);
   /// Ends the child. Returns the reason as text if the child had already ended, else an empty text.
   std::string end();

@@ -13,7 +13,7 @@ namespace gs::app {
 /// State of a player's decoder. Only the decoding thread uses `movie` and `opened`; MoviePlayers::mutex_ guards the
 /// other members.
 struct MoviePlayers::Player::Decoder {
-  std::unique_ptr<render::Movie> movie;
+  std::unique_ptr<MovieSource> movie;
   bool opened = false;
   double wanted = -1, done = -1;  // seconds of movie time
   bool busy = false;
@@ -26,8 +26,8 @@ struct MoviePlayers::Player::Decoder {
     if (!std::exchange(opened, true)) {
       render::ImageLimits limits = texture_limits(of.budget_);
       limits.stopped = [over = of.over_] { return over->load(); };
-      auto result = render::Movie::open(of.file_->bytes(), limits);
-      if (auto* good = std::get_if<std::unique_ptr<render::Movie>>(&result)) movie = std::move(*good);
+      auto result = open_movie_confined(of.file_->encoded(), limits);
+      if (auto* good = std::get_if<std::unique_ptr<MovieSource>>(&result)) movie = std::move(*good);
     }
     if (!movie) return std::nullopt;
     const auto found = movie->at(seconds);

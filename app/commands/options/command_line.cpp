@@ -7,7 +7,7 @@
 #include "app/commands/open.h"
 #include "app/commands/options/options.h"
 #include "app/confined/decoder_child.h"
-#include "app/confined/image_decoding.h"
+#include "app/confined/decoder_pool.h"
 #include "app/formats/content_types.h"
 #include "app/script/script_runner.h"
 #include "app/settings/user_settings.h"
