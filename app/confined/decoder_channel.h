@@ -17,13 +17,15 @@ enum DecoderDescriptor : int { kDecoderSocket = 3, kDecoderInput = 4, kDecoderRe
 
 /// Work of a child. Operations after an `open_` one continue with its movie or sound.
 enum class DecodeOperation : std::uint32_t {
-  picture,     // decodes an image, or the first picture of a movie
-  examine,     // finds out the playable contents and the duration of a sound or movie
-  open_movie,  // opens a movie
-  movie_at,    // decodes the picture of the movie at `seconds`
-  open_sound,  // opens the sound of a sound or movie; `seconds` is the rate of synthesis
-  read_sound,  // reads up to `count` pairs of samples into the memory for results
-  seek_sound,  // seeks to `seconds`
+  picture,      // decodes an image, or the first picture of a movie
+  examine,      // finds out the playable contents and the duration of a sound or movie
+  open_movie,   // opens a movie
+  movie_at,     // decodes the picture of the movie at `seconds`
+  open_sound,   // opens the sound of a sound or movie; `seconds` is the rate of synthesis
+  read_sound,   // reads up to `count` pairs of samples into the memory for results
+  seek_sound,   // seeks to `seconds`
+  import_file,  // imports a file; the first `count` bytes are the request
+  give_file,    // answers kAsksForFile: `bytes` bytes of results are the file, or its error if `count` is 0
 };
 
 /// Most pairs of samples that one request reads.
@@ -43,6 +45,7 @@ struct DecodeRequest {
 /// writes a byte. Then the child copies them there and answers with a byte.
 struct DecodeAnswer {
   static constexpr std::size_t kTextBytes = 400;
+  static constexpr std::uint32_t kAsksForFile = 2;  // value of `good`: needs the file that `text` names
   std::uint32_t width = 0, height = 0, components = 0, reduction = 0, slices = 0;  // all 0 if there is no image
   std::uint32_t cube = 0;
   std::uint32_t good = 0;                 // 1 if the operation succeeded

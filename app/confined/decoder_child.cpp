@@ -54,6 +54,7 @@ void set_error(DecodeAnswer& answer, const std::string& message) {
 /// Decoders of a child, with the movie or the sound that is open. One thread.
 class DecoderServer {
  public:
+  explicit DecoderServer(ImportFile import_file) : import_file_(import_file) {}
   /// Answers one request. Returns false if the parent ended, or sent what it never sends.
   bool answer_request();
 
@@ -64,9 +65,16 @@ class DecoderServer {
   void open_movie(std::span<const std::byte> bytes, const render::ImageLimits& limits, DecodeAnswer& answer);
   void open_sound(std::span<const std::byte> bytes, double rate, DecodeAnswer& answer);
   void read_sound(std::uint64_t pairs, DecodeAnswer& answer);
+  void import(const DecodeRequest& request, std::span<const std::byte> bytes, DecodeAnswer& answer);
+  /// Asks the parent for a file to which the imported one refers.
+  [[nodiscard]] std::optional<std::vector<std::byte>> ask_for_file(const std::string& reference, std::string& error);
+  /// Waits until the parent has made room for results, copies them there and says so. Returns false if it ended.
+  bool send_results(std::span<const std::byte> bytes);
   [[nodiscard]] Decoded movie_at(const DecodeRequest& request, DecodeAnswer& answer);
 
   SharedMemory input_{net::Descriptor(kDecoderInput), false}, result_{net::Descriptor(kDecoderResult), true};
+  ImportFile import_file_;
+  std::vector<std::byte> imported_;  // result of the last import
   std::unique_ptr<render::Movie> movie_;
   std::unique_ptr<render::SampleReader> sound_;
 };
@@ -121,6 +129,44 @@ void DecoderServer::read_sound(std::uint64_t pairs, DecodeAnswer& answer) {
   answer.good = 1;
 }
 
+std::optional<std::vector<std::byte>> DecoderServer::ask_for_file(const std::string& reference, std::string& error) {
+  DecodeAnswer answer;
+  answer.good = DecodeAnswer::kAsksForFile;
+  if (reference.size() >= DecodeAnswer::kTextBytes) {
+    error = "its name is too long";
+    return std::nullopt;
+  }
+  set_error(answer, reference);
+  DecodeRequest reply;
+  if (!send(answer) || !read_bytes(kDecoderSocket, std::as_writable_bytes(std::span(&reply, 1)))) ::_exit(kFailed);
+  const auto found = reply.bytes > 0 ? result_.map(static_cast<std::size_t>(reply.bytes)) : std::span<std::byte>();
+  if (reply.operation != DecodeOperation::give_file || found.size() != reply.bytes) ::_exit(kFailed);
+  if (reply.count != 0) return std::vector<std::byte>(found.begin(), found.end());
+  error.assign(reinterpret_cast<const char*>(found.data()), found.size());
+  return std::nullopt;
+}
+
+void DecoderServer::import(const DecodeRequest& request, std::span<const std::byte> bytes, DecodeAnswer& answer) {
+  if (!import_file_ || request.count > bytes.size()) return set_error(answer, "it cannot be imported");
+  const auto head = static_cast<std::size_t>(request.count);
+  imported_ =
+      import_file_(bytes.first(head), bytes.subspan(head),
+                   [this](const std::string& reference, std::string& error) { return ask_for_file(reference, error); });
+  answer.good = 1;
+  answer.count = imported_.size();
+}
+
+bool DecoderServer::send_results(std::span<const std::byte> bytes) {
+  std::byte sign{};
+  if (!read_bytes(kDecoderSocket, {&sign, 1})) return false;
+  if (!bytes.empty()) {
+    const std::span<std::byte> to = result_.map(bytes.size());
+    if (to.size() != bytes.size()) return false;
+    std::memcpy(to.data(), bytes.data(), bytes.size());
+  }
+  return send(sign);
+}
+
 void DecoderServer::carry_out(const DecodeRequest& request, std::span<const std::byte> bytes, DecodeAnswer& answer,
                               Decoded& image) {
   render::ImageLimits limits;
@@ -147,6 +193,10 @@ void DecoderServer::carry_out(const DecodeRequest& request, std::span<const std:
       sound_->seek(request.seconds);
       answer.good = 1;
       return;
+    case DecodeOperation::import_file:
+      return import(request, bytes, answer);
+    case DecodeOperation::give_file:
+      return set_error(answer, "no file was requested");
   }
 }
 
@@ -160,6 +210,7 @@ bool DecoderServer::answer_request() {
     // The memory is mapped anew, so nothing may use the old bytes.
     movie_.reset();
     sound_.reset();
+    imported_ = {};
   }
   const std::span<const std::byte> bytes = input_.map(static_cast<std::size_t>(request.bytes));
   if (bytes.size() != request.bytes) return false;
@@ -181,27 +232,22 @@ bool DecoderServer::answer_request() {
     set_error(answer, message);
   }
   if (!send(answer)) return false;
-  const auto* const decoded = std::get_if<render::Image>(&image);
-  if (!decoded) return true;
-  std::byte sign{};
-  if (!read_bytes(kDecoderSocket, {&sign, 1})) return false;
-  const std::span<std::byte> to = result_.map(decoded->pixels.size());
-  if (to.size() != decoded->pixels.size()) return false;
-  std::memcpy(to.data(), decoded->pixels.data(), to.size());
-  return send(sign);
+  if (const auto* const decoded = std::get_if<render::Image>(&image))
+    return send_results(std::as_bytes(std::span(decoded->pixels)));
+  return request.operation != DecodeOperation::import_file || answer.good != 1 || send_results(imported_);
 }
 
 }  // namespace
 
 std::string_view name_of(DecoderKind kind) { return kind == DecoderKind::movies ? "movies" : "pictures"; }
 
-void run_decoder_child(std::string_view kind) {
+void run_decoder_child(std::string_view kind, ImportFile import_file) {
   (void)std::signal(SIGPIPE, SIG_IGN);
   (void)std::signal(SIGINT, SIG_IGN);  // Ctrl-C on the terminal is for the parent
   (void)::prctl(PR_SET_DUMPABLE, 0);
   if (kind == name_of(DecoderKind::movies)) (void)render::libav();
   if (!limit_resources() || confine_decoder()) ::_exit(kFailed);
-  DecoderServer server;
+  DecoderServer server(import_file);
   while (server.answer_request()) {
   }
   ::_exit(kDone);  // destructors and leak checks need calls that are refused now

@@ -2,6 +2,7 @@
 
 #include "app/base/environment.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -79,12 +80,51 @@ void DecoderProcess::start(const std::string& program, DecoderKind kind, int fil
   result_ = std::move(*result);
 }
 
-bool DecoderProcess::load(std::span<const std::byte> bytes) {
-  if (bytes.empty() || !input_.grow(bytes.size())) return false;
+bool DecoderProcess::load(std::span<const std::byte> bytes, std::span<const std::byte> more) {
+  const std::size_t all = bytes.size() + more.size();
+  if (bytes.empty() || !input_.grow(all)) return false;
   const std::span<std::byte> to = input_.map(input_.size());
-  if (to.size() < bytes.size()) return false;
-  std::memcpy(to.data(), bytes.data(), bytes.size());
+  if (to.size() < all) return false;
+  std::ranges::copy(bytes, to.begin());
+  std::ranges::copy(more, to.begin() + static_cast<std::ptrdiff_t>(bytes.size()));
   return true;
+}
+
+bool DecoderProcess::put_result(std::span<const std::byte> bytes) {
+  if (bytes.empty()) return true;
+  if (!result_.grow(bytes.size())) return false;
+  const std::span<std::byte> to = result_.map(result_.size());
+  if (to.size() < bytes.size()) return false;
+  std::ranges::copy(bytes, to.begin());
+  return true;
+}
+
+std::optional<render::ImageError> DecoderProcess::await_results(std::size_t bytes, const Stopped& stopped,
+                                                                Clock::time_point end) {
+  if (!result_.grow(bytes)) {
+    (void)this->end();  // it waits for the memory
+    return render::ImageError{"no memory for the result"};
+  }
+  std::byte sign{1};
+  if (!send({&sign, 1})) return failure(Wait::ended);
+  if (const Wait wait = receive({&sign, 1}, stopped, end); wait != Wait::answered) return failure(wait);
+  return std::nullopt;
+}
+
+std::variant<std::vector<std::byte>, render::ImageError> DecoderProcess::take_bytes(const DecodeAnswer& answer,
+                                                                                    const Stopped& stopped,
+                                                                                    std::chrono::milliseconds patience,
+                                                                                    std::uint64_t most) {
+  if (answer.good != 1) return render::ImageError{error_in(answer)};
+  if (answer.count > most) {
+    (void)end();
+    return render::ImageError{"its result exceeds the memory of a world"};
+  }
+  const auto size = static_cast<std::size_t>(answer.count);
+  if (auto error = await_results(size, stopped, Clock::now() + patience)) return std::move(*error);
+  const std::span<const std::byte> bytes = results(size);
+  if (bytes.size() < size) return render::ImageError{"no memory for the result"};
+  return std::vector<std::byte>(bytes.begin(), bytes.end());
 }
 
 std::variant<DecodeAnswer, render::ImageError> DecoderProcess::ask(const DecodeRequest& request, const Stopped& stopped,
@@ -114,13 +154,7 @@ std::variant<render::Image, render::ImageError> DecoderProcess::ask_image(const 
     return checked;
   }
   const std::size_t pixel_bytes = std::size_t{image->width} * image->height * image->components;
-  if (!result_.grow(pixel_bytes)) {
-    (void)this->end();  // it waits for the memory
-    return render::ImageError{"no memory for its pixels"};
-  }
-  std::byte sign{1};
-  if (!send({&sign, 1})) return failure(Wait::ended);
-  if (const Wait wait = receive({&sign, 1}, stopped, end); wait != Wait::answered) return failure(wait);
+  if (auto error = await_results(pixel_bytes, stopped, end)) return std::move(*error);
   const std::span<const std::byte> pixels = results(pixel_bytes);
   if (pixels.size() < pixel_bytes) return render::ImageError{"no memory for its pixels"};
   const auto* const first = reinterpret_cast<const std::uint8_t*>(pixels.data());
@@ -138,7 +172,7 @@ std::variant<render::Image, render::ImageError> DecoderProcess::decode(std::span
 }
 
 std::span<const std::byte> DecoderProcess::results(std::size_t bytes) {
-  if (bytes > result_.size()) return {};
+  if (bytes == 0 || bytes > result_.size()) return {};
   const std::span<const std::byte> all = result_.map(result_.size());
   return all.size() < bytes ? std::span<const std::byte>() : all.first(bytes);
 }

@@ -7,9 +7,11 @@
 #include <chrono>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include <sys/types.h>
 
@@ -32,7 +34,14 @@ class DecoderProcess : NonCopyable {
                                                                        const render::ImageLimits& limits,
                                                                        std::chrono::milliseconds patience);
   /// Copies the bytes that the next requests decode to the child's memory. Returns false if memory is insufficient.
-  [[nodiscard]] bool load(std::span<const std::byte> bytes);
+  [[nodiscard]] bool load(std::span<const std::byte> bytes, std::span<const std::byte> more = {});
+  /// Copies bytes to the memory for results, for a child that asked for them. Returns false if memory is insufficient.
+  [[nodiscard]] bool put_result(std::span<const std::byte> bytes);
+  /// Takes the bytes that an answer announces, at most `most`, or its error.
+  [[nodiscard]] std::variant<std::vector<std::byte>, render::ImageError> take_bytes(const DecodeAnswer& answer,
+                                                                                    const Stopped& stopped,
+                                                                                    std::chrono::milliseconds patience,
+                                                                                    std::uint64_t most);
   /// Sends a request and waits for its answer, as decode() does. Makes room for `result_bytes` bytes of results first.
   [[nodiscard]] std::variant<DecodeAnswer, render::ImageError> ask(const DecodeRequest& request, const Stopped& stopped,
                                                                    std::chrono::milliseconds patience,
@@ -54,6 +63,9 @@ class DecoderProcess : NonCopyable {
   using Clock = std::chrono::steady_clock;
   enum class Wait : unsigned char { answered, ended, stopped, late };
   void start(const std::string& program, DecoderKind kind, int file);
+  /// Makes room for results that the child has announced, and waits until it has copied them.
+  [[nodiscard]] std::optional<render::ImageError> await_results(std::size_t bytes, const Stopped& stopped,
+                                                                Clock::time_point end);
   [[nodiscard]] bool send(std::span<const std::byte> bytes) const;
   [[nodiscard]] Wait receive(std::span<std::byte> bytes, const Stopped& stopped, Clock::time_point end);
   [[nodiscard]] render::ImageError failure(Wait wait);

@@ -4,6 +4,7 @@
 #include "app/base/local_file.h"
 #include "app/commands/common/shared.h"
 #include "app/encode/surface_triangles.h"
+#include "app/formats/confined/confined_import.h"
 #include "app/formats/content_types.h"
 #include "app/formats/foreign_types.h"
 #include "app/formats/gltf/gltf_losses.h"
@@ -110,7 +111,9 @@ bool open_mesh_input(const LoadingOptions& options, const ContentType& type, con
   Diagnostics diagnostics, limits;
   const ReadFile read_file = [](const std::string&) -> BytesResult { throw RefersToFiles(); };
   const WorldBudget budget = budget_of(options, LoadLimit(deadline_of(options)));
-  Asset asset = read_asset(type, {bytes, path, read_file, budget, diagnostics});
+  ImportSource source{bytes, path, read_file, budget, diagnostics};
+  source.local = true;
+  Asset asset = read_asset(type, source, read_confined);
   auto* const mesh = std::get_if<MeshAsset>(&asset);
   if (mesh && mesh->has_textures()) return false;
   print_diagnostics(diagnostics);

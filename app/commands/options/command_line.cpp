@@ -8,6 +8,7 @@
 #include "app/commands/options/options.h"
 #include "app/confined/decoder_child.h"
 #include "app/confined/decoder_pool.h"
+#include "app/formats/confined/confined_import.h"
 #include "app/formats/content_types.h"
 #include "app/script/script_runner.h"
 #include "app/settings/user_settings.h"
@@ -263,7 +264,7 @@ int run_man(const CommandOptions&) {
 }
 
 int run_command_line(int count, char** arguments) {
-  if (count == 3 && arguments[1] == kDecoderArgument) run_decoder_child(arguments[2]);
+  if (count == 3 && arguments[1] == kDecoderArgument) run_decoder_child(arguments[2], import_in_child);
   set_decoder_program("/proc/self/exe");
   prepare_console();
   // Without the signal, writing beyond the file size limit fails like writing to a full disk.

@@ -2,6 +2,7 @@
 #include "app/formats/qnv/surface_pictures.h"
 
 #include "app/formats/common/color_key.h"
+#include "app/formats/confined/confined_import.h"
 #include "app/formats/splats/splats.h"
 #include "app/formats/volume/volume.h"
 #include "base/gzip.h"
@@ -156,7 +157,9 @@ std::optional<qnv::Geometry> GeometryFileReader::splats(const ContentType& type)
     if (unpacked.problem && !file_.cut) report(Severity::error, *unpacked.problem);
     bytes = unpacked.bytes.span();
   }
-  Asset asset = type.read({bytes, file_.path, file_.origin.read_beside, budget_, diagnostics_});
+  ImportSource source{bytes, file_.path, file_.origin.read_beside, budget_, diagnostics_};
+  source.local = file_.local;
+  Asset asset = read_confined(type, source);
   qnv::Geometry geometry;
   if (auto* splats = std::get_if<qnv::Splats>(&asset))
     geometry = std::move(*splats);

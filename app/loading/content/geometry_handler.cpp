@@ -50,6 +50,7 @@ void GeometryHandler::read_whole(std::span<const std::byte> bytes, const std::st
   if (!type.remedy.empty()) return warn(": " + path + ": " + type.refusal());
   if (!type.is_geometry()) return warn(": " + path + " is " + std::string(type.name) + "; expected a QNV stream");
   GeometryFile file{path, bytes, cut};
+  file.local = found_.local;
   file.to_draw = !loading_.options.whole_surfaces;
   file.origin = {loading_.fetcher.reader_of(found_.origin), file_name_of(found_), loading_.options.component};
   if (!is_node()) {
