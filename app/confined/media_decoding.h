@@ -21,7 +21,7 @@ struct EncodedMedia {
   int file = -1;
 };
 
-/// Movie whose pictures are decoded for requested times. One thread at a time.
+/// Movie that decodes pictures for requested times. One thread at a time.
 class MovieSource : NonCopyable {
  public:
   virtual ~MovieSource() = default;

@@ -38,7 +38,7 @@ struct Load {
   bool over = false;
 };
 
-/// What a request has received, compared with the files.
+/// Bytes that a request has received, compared with the files.
 struct Received {
   const Content* content = nullptr;
   std::optional<std::uint64_t> total;
