@@ -51,6 +51,8 @@ class RangedStream {
   void cancel();
   /// Returns true if the stream is complete, failed or cancelled.
   [[nodiscard]] bool over() const { return over_; }
+  /// Returns true if no requested data is awaited.
+  [[nodiscard]] bool rests() const { return !directory_request_ && open_.empty(); }
 
  private:
   /// Request for several chunks, with the chunks that are still incomplete, by their end offsets.
