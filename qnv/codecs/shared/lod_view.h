@@ -15,7 +15,8 @@ namespace gs::qnv {
 
 /// Parts of a volume that a view needs. All planes are in the coordinates of the stream.
 struct VolumeNeeds {
-  bool values = false;                            // values are read, which should be as exact as the stream has them
+  bool values = true;                             // values are read, not only vectors
+  bool exact = false;                             // values are read, and should be as exact as the stream has them
   bool only_slices = false;                       // vectors are hidden
   glm::vec4 clip{0};                              // vectors with dot(clip, (p, 1)) < 0 are hidden; zero means none
   std::array<glm::vec4, 3> slices{};              // planes that show values; zero means none
