@@ -214,7 +214,7 @@ bool look_at(BrickVolume& bricks) {
   bool pending = false, any = false;
   for (const float away : {0.0f, 30.0f, 1000.0f}) {
     view.eye = {away, away / 2, away};
-    view.volume.values = away < 100;
+    view.volume.exact = away < 100;
     view.volume.slices[1] = glm::vec4(0, 1, 0, -away);
     const auto volume = bricks.cut(view, pending);
     check_sound(Volume(*volume));

@@ -97,7 +97,7 @@ void BrickCache::finish(Brick& brick, BrickSamples& made, std::span<const std::i
 }
 
 bool BrickCache::update(const BrickNeeds& needs, const BrickSources& sources, std::size_t most_bytes,
-                        const std::atomic<bool>& stop) {
+                        const std::atomic<bool>& stop, const std::function<void()>& before_change) {
   ++time_;
   computed_ = 0;
   make_room(needs, sources.base, most_bytes);
@@ -110,6 +110,7 @@ bool BrickCache::update(const BrickNeeds& needs, const BrickSources& sources, st
       State& state = bricks_[name];
       state.used = time_;
       if (state.brick.samples && state.key == key) continue;
+      if (computed_ == 0 && works.empty()) before_change();
       state.key = key;
       if (state.brick.samples) bytes_ -= state.brick.bytes();
       state.brick.name = name;

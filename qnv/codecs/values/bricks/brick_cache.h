@@ -13,6 +13,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <unordered_map>
@@ -66,9 +67,10 @@ class BrickCache : NonCopyable {
       : layout_(layout), levels_(levels), grid_(grid), blocks_(layout.blocks()) {}
 
   /// Computes the chosen bricks from all received data. Other blocks than the needed ones count as zero. If all bricks
-  /// need more than `most_bytes`, drops other bricks, the least recently chosen first. Returns false if `stop` was set.
+  /// need more than `most_bytes`, drops other bricks, the least recently chosen first. Calls `before_change` before the
+  /// first brick is replaced. Returns false if `stop` was set.
   bool update(const BrickNeeds& needs, const BrickSources& sources, std::size_t most_bytes,
-              const std::atomic<bool>& stop);
+              const std::atomic<bool>& stop, const std::function<void()>& before_change);
   /// Returns a brick, or null. Only chosen bricks are up to date.
   [[nodiscard]] const Brick* find(const BrickName& name) const;
   [[nodiscard]] std::size_t bytes() const { return bytes_ + blocks_.bytes(); }

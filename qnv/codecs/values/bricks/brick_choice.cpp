@@ -138,19 +138,22 @@ bool touches_slice(const Box& box, float margin, const VolumeNeeds& needs) {
   });
 }
 
-Box brick_box(const BrickLayout& layout, const BrickName& name, const VolumeLayout& level) {
-  const SampleBox core = layout.core(name);
+Box samples_box(const SampleBox& samples, const VolumeLayout& level) {
   Box box;
   for (unsigned c = 0; c < 8; ++c) {
     glm::dvec3 at;
     for (int a = 0; a < 3; ++a) {
       const auto i = static_cast<std::size_t>(a);
-      // A brick ends in the middle between its last voxel and the next one.
-      at[a] = (c >> i & 1) != 0 ? core.first[i] + core.size[i] - 0.5 : core.first[i] - 0.5;
+      // The box ends in the middle between its last voxel and the next one.
+      at[a] = (c >> i & 1) != 0 ? samples.first[i] + samples.size[i] - 0.5 : samples.first[i] - 0.5;
     }
     box.add(voxel_position(level, at.x, at.y, at.z));
   }
   return box;
+}
+
+Box brick_box(const BrickLayout& layout, const BrickName& name, const VolumeLayout& level) {
+  return samples_box(layout.core(name), level);
 }
 
 std::size_t brick_bytes(const BrickLayout& layout, const BrickName& name, double share) {

@@ -69,6 +69,8 @@ struct BrickChoice {
 /// Returns the estimated memory of a brick: its samples, coefficients and vectors, and the copies of these for drawing.
 [[nodiscard]] std::size_t brick_bytes(const BrickLayout& layout, const BrickName& name, double share);
 
+/// Returns the bounds of samples, in the coordinates of the views. `level` is the layout of their level.
+[[nodiscard]] Box samples_box(const SampleBox& samples, const VolumeLayout& level);
 /// Returns the bounds of a brick, in the coordinates of the views. `level` is the layout of its level.
 [[nodiscard]] Box brick_box(const BrickLayout& layout, const BrickName& name, const VolumeLayout& level);
 

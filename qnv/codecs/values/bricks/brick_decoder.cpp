@@ -244,16 +244,38 @@ void BrickDecoder::choose(std::span<const LodView> views) {
     if (name.level > 0) continue;
     const Box box = values::brick_box(layout_, name, levels_.front());
     const float voxel = values::largest_step(levels_.front());
-    const auto reads = [&](const LodView& view) {
+    bool all = false, slice = false;
+    for (const LodView& view : views) {
       const VolumeNeeds& needs = view.volume;
-      return ((needs.values && !needs.only_slices) || values::touches_slice(box, voxel, needs)) && !outside(box, view);
-    };
-    if (std::ranges::none_of(views, reads)) continue;
+      if (outside(box, view)) continue;
+      all = all || (needs.exact && !needs.only_slices);
+      slice = slice || values::touches_slice(box, voxel, needs);
+    }
+    if (!all && !slice) continue;
     needs_.exact.insert(name);
     layout_.visit_sources(name, need);
-    remainders_.visit(layout_.extended(name),
-                      [this](const values::RunPlace& run) { runs_.try_emplace(run.first, run); });
+    need_runs(layout_.extended(name), views, all);
   }
+}
+
+// Notes the runs of a brick: all of them, or those of the rows of cubes that slices touch.
+void BrickDecoder::need_runs(const values::SampleBox& brick, std::span<const LodView> views, bool all) {
+  if (!has_remainders()) return;
+  const auto need = [this](const values::RunPlace& run) { runs_.try_emplace(run.first, run); };
+  if (all) return remainders_.visit(brick, need);
+  const float voxel = values::largest_step(levels_.front());
+  for (std::uint32_t z = 0; z < brick.size[2]; z += values::kCubeEdge)
+    for (std::uint32_t y = 0; y < brick.size[1]; y += values::kCubeEdge) {
+      values::SampleBox row = brick;
+      row.first[1] += y;
+      row.first[2] += z;
+      row.size[1] = std::min(values::kCubeEdge, brick.size[1] - y);
+      row.size[2] = std::min(values::kCubeEdge, brick.size[2] - z);
+      const Box box = values::samples_box(row, levels_.front());
+      if (std::ranges::any_of(
+              views, [&](const LodView& view) { return values::touches_slice(box, voxel, view.volume); }))
+        remainders_.visit(row, need);
+    }
 }
 
 std::shared_ptr<const Volume> BrickDecoder::decode(std::span<const LodView> views, const std::atomic<bool>& stop) {
@@ -262,18 +284,24 @@ std::shared_ptr<const Volume> BrickDecoder::decode(std::span<const LodView> view
   // No further chunk changes a complete coarse level, so the memory of its decoder is free.
   if (whole_base_ && has_places_ && base_taken_.size() == base_known_.size()) decoder_.reset();
   choose(views);
-  if (!cache_.update(needs_, {base_, chunks_, gaps_, remainders_}, limits_.brick_bytes, stop)) return shown_;
+  // Former bricks and vectors make room for new ones, unless a renderer still has them.
+  const bool finished = cache_.update(needs_, {base_, chunks_, gaps_, remainders_}, limits_.brick_bytes, stop,
+                                      [this] { shown_ = base_volume_; });
+  if (!finished) return shown_;
   if (!source_) {
     constexpr std::uint64_t kRun = values::RemainderRuns::owner(0);
     kept_.trim([this](std::uint64_t owner) {
       return (owner & kRun) != 0 ? runs_.contains(owner ^ kRun) : needs_.blocks.contains(owner);
     });
   }
-  if (changed || cache_.computed() > 0 || needs_.chosen != merged_) merge();
+  const bool with_values = std::ranges::any_of(views, [](const LodView& view) { return view.volume.values; });
+  if (changed || cache_.computed() > 0 || needs_.chosen != merged_ || with_values != merged_values_) merge(with_values);
   return shown_;
 }
 
-void BrickDecoder::merge() {
+// Makes the volume to draw. Without `with_values`, replaced bricks need not stay as long as the volume is drawn.
+void BrickDecoder::merge(bool with_values) {
+  merged_values_ = with_values;
   merged_ = needs_.chosen;
   if (merged_.empty()) {
     shown_ = base_volume_;
@@ -281,7 +309,7 @@ void BrickDecoder::merge() {
   }
   auto merged = std::make_shared<Volume>(values::merge_bricks(*base_volume_, layout_, levels_, merged_, cache_));
   auto values = std::make_shared<VolumeValues>(*base_volume_->values);
-  for (const values::BrickName& name : merged_)
+  for (const values::BrickName& name : with_values ? merged_ : std::vector<values::BrickName>())
     if (const values::Brick* const brick = cache_.find(name); brick && brick->samples)
       values->bricks.push_back(value_brick(*brick, layout_, levels_[static_cast<std::size_t>(name.level)], header_.grid,
                                            gaps_.count() > 0));

@@ -80,9 +80,10 @@ class BrickDecoder : NonCopyable {
   void take_run(ChunkType type, std::span<const std::byte> payload, std::uint64_t offset);
   bool decode_base();
   void choose(std::span<const LodView> views);
+  void need_runs(const values::SampleBox& brick, std::span<const LodView> views, bool all);
   [[nodiscard]] bool has_final_base() const;
   [[nodiscard]] bool has_remainders() const { return header_.grid.exact || header_.grid.correction != 0; }
-  void merge();
+  void merge(bool with_values);
   [[nodiscard]] bool is_base(std::uint64_t block) const;
   [[nodiscard]] bool is_fine(std::uint64_t block) const;
 
@@ -106,6 +107,7 @@ class BrickDecoder : NonCopyable {
   values::BrickNeeds needs_;                        // of the views
   std::map<std::uint64_t, values::RunPlace> runs_;  // runs of the exact bricks, by their first cube
   std::vector<values::BrickName> merged_;           // bricks of shown_
+  bool merged_values_ = false;                      // shown_ has the values of its bricks
   bool whole_base_ = false;                         // the coarse level has the samples that bricks need
   bool has_places_ = false;                         // the places of all chunks that may come are known
 };

@@ -71,7 +71,7 @@ LodView reading_view(float pixels = 1e6f) {
   LodView view;
   view.eye = glm::vec3(-300, 20, 30);
   view.pixels = pixels;
-  view.volume.values = true;
+  view.volume.exact = true;
   return view;
 }
 
@@ -173,7 +173,7 @@ TEST_CASE("bricks: Bricks at the border of a view keep the error, too") {
   CHECK(reading.bounded == reading.all);
   CHECK(reading.wrong == 0);
   // A view that only draws needs no corrections, and promises nothing.
-  near.volume.values = false;
+  near.volume.exact = false;
   const Counts drawing = count_errors(*shown_by(*bricks, near), source);
   CHECK(drawing.all == reading.all);
   CHECK(drawing.bounded == 0);
@@ -186,7 +186,7 @@ TEST_CASE("bricks: Without corrections, bricks promise an error where all chunks
   LodView near = reading_view(1100);
   near.eye = glm::vec3(0);
   near.planes[0] = glm::vec4(-1, 0, 0, 60);
-  near.volume.values = false;
+  near.volume.exact = false;
   const Counts drawing = count_errors(*shown_by(*bricks, near), source);
   CHECK(drawing.all > 0);
   CHECK(drawing.bounded > 0);
@@ -251,7 +251,7 @@ TEST_CASE("bricks: Streams from servers get corrections only for values that are
   near.eye = glm::vec3(0);
   near.planes[0] = glm::vec4(0, 0, -1, 60);
   LodView drawing = near;
-  drawing.volume.values = false;
+  drawing.volume.exact = false;
   CHECK(receive(drawing) == 0);
   CHECK(receive(near) > 0);
   const Counts counts = count_errors(*shown_by(*bricks, near), source);
