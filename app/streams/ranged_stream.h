@@ -53,6 +53,8 @@ class RangedStream {
   [[nodiscard]] bool has_directory() const { return has_directory_; }
   /// Returns true if the stream is complete, failed or cancelled.
   [[nodiscard]] bool over() const { return over_; }
+  /// Returns true if no requested data is awaited.
+  [[nodiscard]] bool rests() const { return !directory_request_ && open_.empty(); }
 
  private:
   /// Request for several chunks, with the chunks that are still incomplete, by their end offsets.

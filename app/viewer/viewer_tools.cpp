@@ -44,9 +44,17 @@ std::string label_text(double label) {
   return buffer;
 }
 
-std::string voxel_text(const glm::dvec3& p) {
+// Text after a value that may differ from that of the source.
+std::string accuracy_text(const std::optional<float>& error) {
+  if (!error) return {};
+  return *error == 0 ? ", exact," : ", within " + readable_value(static_cast<double>(*error)) + ",";
+}
+
+// Names the voxel of the whole volume at a position in voxels of a grid.
+std::string voxel_text(const VolumeGrid& grid, const glm::dvec3& p) {
   char buffer[96];
-  std::snprintf(buffer, sizeof buffer, "voxel %.0f, %.0f, %.0f", p.x, p.y, p.z);
+  std::snprintf(buffer, sizeof buffer, "voxel %.0f, %.0f, %.0f", p.x * grid.fineness(0), p.y * grid.fineness(1),
+                p.z * grid.fineness(2));
   return buffer;
 }
 
@@ -158,7 +166,7 @@ void ViewerTools::show_as_wished(View& seen, const Tell& tell) {
   if (!values.grid && values.problem.empty()) return;
   known->all = true;
   if (!values.grid) return tell("Slices: " + values.problem, true);
-  for (const SliceWish& wish : wishes.slices) gs::app::apply(wish, values.grid->dimensions(), seen.slices);
+  for (const SliceWish& wish : wishes.slices) gs::app::apply(wish, values.grid->whole(), seen.slices);
   if (image) show_image(*values.grid, *image, seen.slices);
 }
 
@@ -199,8 +207,9 @@ void ViewerTools::probe(const View& seen, const Viewport& place) {
           values.grid->voxel_at(glm::dvec3(glm::inverse(*world_from_node) * glm::dvec4(hit->point, 1)));
       if (const auto value = values.grid->nearest(voxel))
         value_ = (values.grid->layout().labels ? label_text(values.grid->label_of(*value))
-                                               : readable_value(static_cast<double>(*value), value_unit(*volume))) +
-                 " at " + voxel_text(voxel) + "\n";
+                                               : readable_value(static_cast<double>(*value), value_unit(*volume)) +
+                                                     accuracy_text(values.grid->error_at(voxel))) +
+                 " at " + voxel_text(*values.grid, voxel) + "\n";
     }
   }
   value_ += place_text(hit->point);
@@ -216,7 +225,7 @@ void ViewerTools::probe_projection(const View& seen, const Ray& ray, const qnv::
       projected_value(*grid, seen.volume.mode, glm::inverse(*world_from_volume), ray.origin, glm::dvec3(ray.direction));
   if (!projected) return;
   value_ = std::string(mode.label) + " on the ray: " + readable_value(projected->value, value_unit(volume));
-  if (projected->voxel) value_ += " at " + voxel_text(*projected->voxel);
+  if (projected->voxel) value_ += " at " + voxel_text(*grid, *projected->voxel);
 }
 
 void ViewerTools::describe_volume(UiTools& tools, const View& seen, const qnv::Description& volume) {
@@ -234,7 +243,7 @@ void ViewerTools::describe_volume(UiTools& tools, const View& seen, const qnv::D
   const bool derives = wants_histogram_ || seen.volume.needs_values();
   if (!derives && !wants_value_ && !seen.slices.any() && !waits) return;
   const ViewerValues::Values& values = values_.of(seen);
-  if (values.grid) tools.dimensions = values.grid->dimensions();
+  if (values.grid) tools.dimensions = values.grid->whole();
   if (derives) {
     tools.histogram = values_.histogram_of(seen);
     tools.isovalue = values_.isovalue_of(seen);
@@ -289,6 +298,7 @@ PictureScene ViewerTools::scene_of(std::size_t slice_scene, const View& seen, co
   scene.draw.headlight = seen.headlight;
   scene.draw.unit = static_cast<float>(seen.scale);
   scene.draw.splat_style = seen.look;
+  scene.draw.splat_style.reading = reading_of(seen);
   apply_style(seen, scene.draw);
   scene.draw.guides = guides(seen);
   scene.draw.viewport = kMaxViewports;
@@ -385,6 +395,18 @@ void ViewerTools::start_animation(const View& seen, const Viewport& place, bool 
   made.up = glm::dvec3(seen.navigation.up);
   if (!seen.list->bounds.empty()) made.center = glm::dvec3(seen.list->bounds.center());
   export_ = std::move(made);
+}
+
+render::VolumeReading ViewerTools::reading_of(const View& view) {
+  render::VolumeReading reading;
+  reading.exact = wants_value_;
+  reading.values = wants_value_ || view.slices.any() || view.volume.needs_values();
+  if (!view.slices.any()) return reading;
+  reading.only_slices = view.slices.alone && !view.volume.surface;
+  const auto& grid = values_.of(view).grid;
+  const auto world_from_node = world_from_volume(*view.list);
+  if (grid && world_from_node) reading.slices = slice_planes(*grid, view.slices, *world_from_node);
+  return reading;
 }
 
 bool ViewerTools::go_on(const View* seen, const Tell& tell) {

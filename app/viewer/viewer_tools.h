@@ -54,6 +54,8 @@ class ViewerTools : NonCopyable {
   /// and returns true if there were any.
   [[nodiscard]] bool reads_values() const { return values_.is_busy(); }
   bool take_values();
+  /// Returns the values that a view shows besides the vectors of its volume.
+  [[nodiscard]] render::VolumeReading reading_of(const View& view);
   /// Draws and saves the next picture of an animation. Returns true if further frames are needed.
   bool go_on(const View* seen, const Tell& tell);
 

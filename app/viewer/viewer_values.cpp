@@ -42,8 +42,7 @@ ViewerValues::Values& ViewerValues::of(const View& view) {
 
 void ViewerValues::begin_reading(Values& values, const std::string& path) {
   values.coming = std::async(std::launch::async, [path, streamed = values.streamed, this] {
-    return streamed ? VolumeGrid::take(streamed->source, &stop_, own_budget(), VolumeGrid::kMaxVoxels, streamed->range,
-                                        streamed->bricks)
+    return streamed ? VolumeGrid::take(streamed->source, &stop_, own_budget(), VolumeGrid::kMaxVoxels, streamed.get())
                     : VolumeGrid::read(path, &stop_, own_budget(), VolumeGrid::kMaxVoxels, component_);
   });
 }

@@ -255,7 +255,7 @@ std::shared_ptr<qnv::LodStream> hold_levels(std::unique_ptr<qnv::LodStream> stre
 BrickShare::BrickShare(const WorldBudget& budget, bool grows)
     : bricks(budget, Resource::vectors), arrived(budget, Resource::files) {
   // Parts of the remaining budget: bricks, and the level that is decoded as a whole.
-  constexpr std::uint64_t kBrickPart = 7, kBasePart = 8, kArrivedPart = 8;
+  constexpr std::uint64_t kBrickPart = 8, kBasePart = 8, kArrivedPart = 16;
   constexpr std::uint64_t kLeast = std::uint64_t{8} << 20;
   const std::uint64_t left = budget->left(Resource::vectors);
   limits.base_vectors = std::min(limits.base_vectors, static_cast<std::size_t>(left / kBasePart / kDecodedBytes));

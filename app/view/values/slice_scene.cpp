@@ -95,10 +95,24 @@ class SliceColors {
 
 }  // namespace
 
-std::uint32_t slice_voxel(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis) {
+double slice_voxel(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis) {
   const double place = std::clamp(static_cast<double>(slices.places[axis]), 0.0, 1.0);
-  const double voxel = std::round(place * (grid.dimensions()[axis] - 1));
-  return static_cast<std::uint32_t>(voxel) / grid.step() * grid.step();
+  const double voxel = std::round(place * (grid.whole()[axis] - 1.0)) / grid.fineness(axis);
+  return grid.step() == 1 ? voxel : std::floor(voxel / grid.step()) * grid.step();
+}
+
+std::vector<glm::dvec4> slice_planes(const VolumeGrid& grid, const VolumeSlices& slices,
+                                     const glm::dmat4& world_from_node) {
+  std::vector<glm::dvec4> planes;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!slices.shown[axis]) continue;
+    std::array<glm::dvec3, 4> corners = slice_corners(grid, slices, axis);
+    for (glm::dvec3& corner : corners) corner = glm::dvec3(world_from_node * glm::dvec4(corner, 1));
+    const glm::dvec3 cross = glm::cross(corners[1] - corners[0], corners[3] - corners[0]);
+    const double length = glm::length(cross);
+    if (length > 0) planes.emplace_back(cross / length, -glm::dot(cross / length, corners[0]));
+  }
+  return planes;
 }
 
 std::array<glm::dvec3, 4> slice_corners(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis) {
@@ -126,7 +140,9 @@ render::Image slice_image(const VolumeGrid& grid, const VolumeSlices& slices, st
   render::Image image{fine.size()[across], fine.size()[up], 4, {}};
   image.pixels.resize(std::size_t{image.width} * image.height * 4);
   std::array<std::uint32_t, 3> at{}, count = fine.size();
-  at[axis] = slice_voxel(grid, slices, axis) / grid.step() * fine.factors()[axis];
+  // The plane may lie between the samples that are known.
+  const double plane = slice_voxel(grid, slices, axis) / grid.step() * fine.factors()[axis];
+  at[axis] = std::min(static_cast<std::uint32_t>(std::lround(plane)), fine.size()[axis] - 1);
   count[axis] = 1;
   std::vector<float> values;
   fine.read(at, count, values);

@@ -35,11 +35,11 @@ std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::read(co
 
 std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::take(
     const qnv::VolumeSource& source, const std::atomic<bool>* stop, const WorldBudget& budget,
-    std::uint64_t most_voxels, const std::optional<std::pair<float, float>>& range,
-    std::vector<qnv::ValueBrick> bricks) {
+    std::uint64_t most_voxels, const qnv::VolumeValues* about) {
   if (const auto problem = qnv::check(source.layout)) return problem->message;
   std::shared_ptr<VolumeGrid> grid(new VolumeGrid);
   grid->layout_ = source.layout;
+  grid->whole_ = source.layout.dimensions;
   std::uint64_t count = 0;
   const auto count_kept = [&] {
     count = 1;
@@ -74,13 +74,28 @@ std::variant<std::shared_ptr<const VolumeGrid>, std::string> VolumeGrid::take(
       }
   }
   if (!(least <= most)) return "the volume has no values";
-  grid->range_ = range.value_or(std::pair(least, most));
-  grid->bricks_ = std::move(bricks);
+  grid->range_ = {least, most};
+  if (about) grid->describe(*about);
   constexpr float kWhole = 16777216;  // larger whole numbers have no float of their own
   if (source.layout.labels && std::max(std::abs(grid->range_.first), std::abs(grid->range_.second)) > kWhole &&
       !grid->number_labels(source))
     return "the labels cannot be read";
   return std::shared_ptr<const VolumeGrid>(std::move(grid));
+}
+
+void VolumeGrid::describe(const qnv::VolumeValues& about) {
+  range_ = about.range;
+  bricks_ = about.bricks;
+  error_ = about.error;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (about.whole[axis] == 0) continue;
+    whole_[axis] = about.whole[axis];
+    std::uint32_t voxels = whole_[axis];
+    for (int level = 0; level < about.level && voxels > 1; ++level) {
+      voxels = voxels / 2 + voxels % 2;
+      fineness_[axis] *= 2;
+    }
+  }
 }
 
 bool VolumeGrid::number_labels(const qnv::VolumeSource& source) {
@@ -124,30 +139,41 @@ glm::dvec3 VolumeGrid::place_of(const glm::dvec3& voxel) const {
   return glm::dvec3(layout_.origin) + grid_axes(layout_) * voxel;
 }
 
-std::optional<float> VolumeGrid::nearest(const glm::dvec3& voxel) const {
-  std::array<std::uint32_t, 3> at{};
-  for (int i = 0; i < 3; ++i) {
-    const auto axis = static_cast<std::size_t>(i);
-    if (!(voxel[i] >= -0.5 && voxel[i] <= static_cast<double>(layout_.dimensions[axis]) - 0.5)) return std::nullopt;
-    const double place = std::round(std::max(voxel[i], 0.0) / step_);
-    at[axis] = std::min(static_cast<std::uint32_t>(place), kept_[axis] - 1);
-  }
+VolumeGrid::FineSample VolumeGrid::fine_sample(const glm::dvec3& voxel) const {
   for (const qnv::ValueBrick& brick : bricks_) {
-    std::array<std::uint32_t, 3> fine{};
+    FineSample sample{&brick};
     bool inside = true;
     for (int i = 0; inside && i < 3; ++i) {
       const auto axis = static_cast<std::size_t>(i);
       const double place = std::round(std::max(voxel[i], 0.0) / brick.steps[axis]);
       const double last = brick.core_first[axis] + (brick.core_size[axis] - 1.0);
       inside = place >= brick.core_first[axis] && place <= last;
-      if (inside) fine[axis] = static_cast<std::uint32_t>(place);
+      if (inside) sample.at[axis] = static_cast<std::uint32_t>(place);
     }
-    if (!inside) continue;
-    const float value = brick.value(fine[0], fine[1], fine[2]);
-    return value == value ? std::optional(value) : std::nullopt;
+    if (inside) return sample;
   }
-  const float value = kept_value(at[0], at[1], at[2]);
+  return {};
+}
+
+std::optional<float> VolumeGrid::nearest(const glm::dvec3& voxel) const {
+  std::array<std::uint32_t, 3> at{};
+  for (int i = 0; i < 3; ++i) {
+    const auto axis = static_cast<std::size_t>(i);
+    // Voxels of the whole volume may lie beyond the last one of a coarser level.
+    const double end = std::max(layout_.dimensions[axis] - 0.5, (whole_[axis] - 0.5) / fineness_[axis]);
+    if (!(voxel[i] >= -0.5 && voxel[i] <= end)) return std::nullopt;
+    const double place = std::round(std::max(voxel[i], 0.0) / step_);
+    at[axis] = std::min(static_cast<std::uint32_t>(place), kept_[axis] - 1);
+  }
+  const FineSample fine = fine_sample(voxel);
+  const float value = fine.brick ? fine.brick->value(fine.at[0], fine.at[1], fine.at[2])
+                                 : kept_value(at[0], at[1], at[2]);
   return value == value ? std::optional(value) : std::nullopt;
+}
+
+std::optional<float> VolumeGrid::error_at(const glm::dvec3& voxel) const {
+  const FineSample fine = fine_sample(voxel);
+  return fine.brick ? fine.brick->error_of(fine.at[0], fine.at[1], fine.at[2]) : error_;
 }
 
 qnv::VolumeSource source_of(const std::shared_ptr<const VolumeGrid>& grid, std::uint32_t stride) {

@@ -180,6 +180,7 @@ class ValuesStreamDecoder final : public values::ValuesPart {
   void decode(const Description& about, int level, bool vectors) const {
     auto values = std::make_shared<VolumeValues>();
     values->level = level;
+    values->whole = grid_.dimensions;
     values->range = about.value_range;
     values->stored = grid_.stored;
     values->slope = grid_.slope;
