@@ -159,7 +159,10 @@ std::string contents_of(const ExportFormat& format, const qnv::Geometry& geometr
                                              : "of a part of the stream";
     const std::size_t numbers = values.components.size();
     return std::to_string(x) + " x " + std::to_string(y) + " x " + std::to_string(z) + " voxels" +
-           (numbers > 1 ? " of " + std::to_string(numbers) + " numbers" : "") + ", " + error;
+           (values.source.layout.colors ? " of colours"
+            : numbers > 1               ? " of " + std::to_string(numbers) + " numbers"
+                                        : "") +
+           ", " + error;
   }
   std::string text = mesh && !mesh->triangles.empty() ? counted(mesh->size(), "vertex", "vertices") + ", " +
                                                             counted(mesh->triangles.size() / 3, "triangle", "triangles")

@@ -130,6 +130,7 @@ void put_values(JsonValue& facts, const qnv::StreamHeader& header, const qnv::Ge
   facts.put("dimensions", JsonValue::list({x, y, z}));
   facts.put("type_of_voxels", name_of(header.grid.stored));
   if (header.grid.components > 1) facts.put("components", std::size_t{header.grid.components});
+  if (header.grid.colors) facts.put("colors", header.grid.luma ? "brightness and differences" : "red, green, blue");
   if (header.grid.labels) facts.put("labels", header.grid.palette.size());
   const auto* volume = geometry.as<qnv::Volume>();
   if (!volume || !volume->values) return;

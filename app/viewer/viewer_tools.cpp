@@ -44,6 +44,12 @@ std::string label_text(double label) {
   return buffer;
 }
 
+std::string color_text(const std::array<std::uint8_t, 4>& color) {
+  char buffer[64];
+  std::snprintf(buffer, sizeof buffer, "R G B %d %d %d", color[0], color[1], color[2]);
+  return buffer + (color[3] < 255 ? ", opacity " + std::to_string(color[3]) : std::string());
+}
+
 std::string voxel_text(const glm::dvec3& p) {
   char buffer[96];
   std::snprintf(buffer, sizeof buffer, "voxel %.0f, %.0f, %.0f", p.x, p.y, p.z);
@@ -197,7 +203,9 @@ void ViewerTools::probe(const View& seen, const Viewport& place) {
     if (values.grid) {
       const glm::dvec3 voxel =
           values.grid->voxel_at(glm::dvec3(glm::inverse(*world_from_node) * glm::dvec4(hit->point, 1)));
-      if (const auto value = values.grid->nearest(voxel))
+      if (const auto color = values.grid->color_at(voxel))
+        value_ = color_text(*color) + " at " + voxel_text(voxel) + "\n";
+      else if (const auto value = values.grid->nearest(voxel))
         value_ = (values.grid->layout().labels ? label_text(values.grid->label_of(*value))
                                                : readable_value(static_cast<double>(*value), value_unit(*volume))) +
                  " at " + voxel_text(voxel) + "\n";

@@ -95,7 +95,8 @@ Written nifti_bytes(const qnv::Geometry& geometry, const ExportOptions& options,
   };
   write.integer(std::int32_t{348});
   zeros(36);
-  const int numbers = static_cast<int>(voxels.components());
+  const bool colors = voxels.colors();
+  const int numbers = colors ? 1 : static_cast<int>(voxels.components());
   for (const int n : {numbers > 1 ? 5 : 3, static_cast<int>(layout.dimensions[0]),
                       static_cast<int>(layout.dimensions[1]), static_cast<int>(layout.dimensions[2]), 1, numbers, 1, 1})
     write.integer(static_cast<std::int16_t>(n));
@@ -103,8 +104,9 @@ Written nifti_bytes(const qnv::Geometry& geometry, const ExportOptions& options,
   write.integer(std::int16_t{static_cast<std::int16_t>(numbers > 1     ? 1007
                                                        : layout.labels ? 1002
                                                                        : 0)});  // _VECTOR, _LABEL
-  write.integer(names_of(layout.type).nifti);
-  write.integer(static_cast<std::int16_t>(8 * qnv::size_of(layout.type)));
+  constexpr std::int16_t kRgb = 128, kRgba = 2304;
+  write.integer(!colors ? names_of(layout.type).nifti : voxels.components() == 3 ? kRgb : kRgba);
+  write.integer(static_cast<std::int16_t>(8 * qnv::size_of(layout.type) * (colors ? voxels.components() : 1)));
   zeros(2);
   write.f32(1);
   for (const glm::vec3& axis : layout.axes) write.f32(glm::length(axis));
@@ -184,7 +186,11 @@ Written write_nrrd(const qnv::Geometry& geometry, const ExportOptions& options, 
     }
     head += " (" + parts[0] + "," + parts[1] + "," + parts[2] + ")";
   }
-  head += "\nspace origin: " + vector(layout.base + layout.origin) + "\nkinds: " + (several ? "list " : "") +
+  head += "\nspace origin: " + vector(layout.base + layout.origin) + "\nkinds: " +
+          (!several                   ? ""
+           : !voxels.colors()         ? "list "
+           : voxels.components() == 3 ? "RGB-color "
+                                      : "RGBA-color ") +
           "domain domain domain\n";
   if (const std::string units = metadata_value(layout, "units");
       !units.empty() && fits_one_line(units) && units.find('"') == std::string::npos)
@@ -212,13 +218,14 @@ Written write_vti(const qnv::Geometry& geometry, const ExportOptions&, const Tak
   for (int row = 0; row < 3; ++row)
     for (std::size_t i = 0; i < 3; ++i) direction += (direction.empty() ? "" : " ") + shortest(directions[i][row]);
   const glm::dvec3 origin = layout.base + layout.origin;
+  const std::string name = voxels.colors() ? "colors" : "values";
   const std::string head =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
       "header_type=\"UInt64\">\n<ImageData WholeExtent=\"" +
       extent + "\" Origin=\"" + shortest(origin.x) + " " + shortest(origin.y) + " " + shortest(origin.z) +
       "\" Spacing=\"" + spacing + "\" Direction=\"" + direction + "\">\n<Piece Extent=\"" + extent +
-      "\">\n<PointData Scalars=\"values\">\n<DataArray type=\"" + names_of(layout.type).vtk +
-      "\" Name=\"values\" NumberOfComponents=\"" + std::to_string(voxels.components()) +
+      "\">\n<PointData Scalars=\"" + name + "\">\n<DataArray type=\"" + names_of(layout.type).vtk + "\" Name=\"" +
+      name + "\" NumberOfComponents=\"" + std::to_string(voxels.components()) +
       "\" format=\"appended\" offset=\"0\"/>\n</PointData>\n</Piece>\n</ImageData>\n"
       "<AppendedData encoding=\"raw\">\n_";
   std::vector<std::byte> size;

@@ -84,6 +84,8 @@ std::variant<WrittenVoxels, std::string> WrittenVoxels::of(const qnv::Geometry& 
   values = written.parts_.front();
   written.form_ = form;
   written.layout_ = from;
+  written.layout_.colors = from.colors && written.parts_.size() > 1;
+  written.form_.planes = form.planes && !written.layout_.colors;
   qnv::VolumeLayout& to = written.layout_;
   to.type = values->stored;
   to.slope = values->slope;

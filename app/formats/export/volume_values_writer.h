@@ -35,6 +35,8 @@ class WrittenVoxels {
   [[nodiscard]] const qnv::VolumeLayout& layout() const { return layout_; }
   /// Returns the numbers per voxel.
   [[nodiscard]] std::size_t components() const { return parts_.size(); }
+  /// Reports whether the components are colours. Each voxel then has its numbers together.
+  [[nodiscard]] bool colors() const { return layout_.colors; }
   /// Returns the number of bytes of all voxels.
   [[nodiscard]] std::uint64_t bytes() const;
   /// Converts the voxels slice by slice. Returns a message if a slice cannot be read, and an empty message if `take`

@@ -6,6 +6,7 @@
 #include "net/base/reference_policy.h"
 #include "net/files/file.h"
 #include "qnv/container/value_grid.h"
+#include "qnv/sampling/volume/color_voxels.h"
 #include "qnv/sampling/volume/volume_slices.h"
 
 #include <zlib.h>
@@ -261,6 +262,9 @@ VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {
            (voxels.components == 1 ? "0, because each voxel has one number"
                                    : "0 to " + std::to_string(voxels.components - 1) + ", or magnitude");
   layout.labels = chosen.labels.value_or(layout.labels) && !chosen.magnitude;
+  layout.colors = layout.colors && voxels.type == StoredType::u8 && !layout.missing && !layout.labels &&
+                  !chosen.chosen && !chosen.magnitude && (voxels.components == 3 || voxels.components == 4);
+  if (layout.colors) layout.slope = 1, layout.intercept = 0;
   mend(layout);
   set_base(layout);
   layout.type = voxel_type_of(voxels.type);
@@ -304,6 +308,7 @@ VolumeResult make_source(qnv::VolumeLayout layout, StoredVoxels voxels) {
       std::erase_if(source.components.back().layout.metadata,
                     [](const auto& pair) { return pair.first == "component"; });
     }
+  if (source.layout.colors) return qnv::color_source(std::move(source.components));
   source.read = [voxels = std::move(voxels), slice, slices](std::uint32_t z, std::span<std::byte> to) {
     return z < slices && read_stored(voxels, slice, z, to);
   };

@@ -264,6 +264,7 @@ VolumeResult open_nifti(const VolumeFile& file) {
   voxels.components = type->components;
   voxels.component = file.component;
   voxels.big_endian = header->big_endian();
+  layout.colors = type->components > 2;  // DT_RGB24, DT_RGBA32
   // "The 5th dimension is vector-valued data"; the numbers of a voxel are a whole volume apart.
   const std::int64_t numbers = header->dimension(0) >= 5 && header->dimension(4) == 1 ? header->dimension(5) : 1;
   if (numbers > 1 && numbers <= qnv::kMaxValueComponents && voxels.components == 1) {

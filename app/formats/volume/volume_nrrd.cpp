@@ -116,7 +116,8 @@ struct NrrdAxes {
   std::vector<std::size_t> spatial;
   std::vector<double> sizes;  // sizes of the spatial axes
   std::uint64_t components = 1;
-  double skipped = 1;  // size of the largest unused axis after the first spatial axis
+  bool colors = false;  // of the components
+  double skipped = 1;   // size of the largest unused axis after the first spatial axis
 };
 
 std::variant<NrrdAxes, std::string> axes_of(const NrrdHeader& header) {
@@ -149,6 +150,8 @@ std::variant<NrrdAxes, std::string> axes_of(const NrrdHeader& header) {
       if (!(sizes[i] >= 1 && sizes[i] <= kMaxComponents) || sizes[i] != std::floor(sizes[i]))
         return "'sizes' has '" + header.sizes.substr(0, 80) + "'; expected 1 to 4096 components per voxel";
       axes.components *= static_cast<std::uint64_t>(sizes[i]);
+      const std::string_view kind = kinds.size() == sizes.size() ? kinds[i] : std::string_view();
+      axes.colors = kind == "rgb-color" || kind == "rgba-color" || kind == "3-color" || kind == "4-color";
       if (axes.components > static_cast<std::uint64_t>(kMaxComponents))
         return std::string("more than 4096 components per voxel");
     } else {
@@ -240,6 +243,7 @@ VolumeResult open_nrrd(const VolumeFile& file) {
   const auto dimensions = dimensions_of(axes.sizes);
   if (!dimensions) return "the sizes are '" + header.sizes.substr(0, 80) + "'; expected whole numbers above 0";
   layout.dimensions = *dimensions;
+  layout.colors = axes.colors;
   place(header, axes, layout);
   const auto size = stored_size(layout, *type, axes.components);
   if (const auto* problem = std::get_if<std::string>(&size)) return *problem;

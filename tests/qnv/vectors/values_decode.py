@@ -1,5 +1,5 @@
 """Decodes a stream of values, from FORMAT.md alone. Prints the samples, with "-" for missing voxels, or the codes of
-labels. Of several components, prints one after the other.
+labels. Of several components, prints one after the other; of colours, red, green, blue and opacity.
 
     python3 values_decode.py STREAM
 """
@@ -426,6 +426,7 @@ def main():
     cubes = [(n + 3) // 4 for n in extent]
     counts = {14: len(blocks_of(extent, levels)), 15: cubes[0] * cubes[1] * cubes[2]}
     counts[16] = counts[15]
+    decoded = []
     for component in range(components):
         payloads = []
         for kind, payload in kept:
@@ -433,7 +434,26 @@ def main():
                 first, at = number(payload, 0)
                 if first // counts[kind] == component:
                     payloads.append((kind, written(first % counts[kind]) + payload[at:]))
-        print_component(extent, levels, grids[component], payloads)
+        decoded.append(component_numbers(extent, levels, grids[component], payloads))
+    if grids[0][73] & 8:
+        decoded = colors(decoded, grids)
+    for numbers in decoded:
+        for number_or_gap in numbers:
+            print(number_or_gap)
+
+
+def colors(decoded, grids):
+    """Returns red, green, blue and opacity, from 0 to 255."""
+    numbers = []
+    for samples, grid in zip(decoded, grids):
+        unit, zero = struct.unpack_from("<2d", grid, 96)
+        numbers.append([int(zero + unit * sample) for sample in samples])
+    if grids[0][73] & 16:
+        for i, (luma, orange, green) in enumerate(zip(*numbers[:3])):
+            half = luma - (green >> 1)
+            blue = half - (orange >> 1)
+            numbers[0][i], numbers[1][i], numbers[2][i] = blue + orange, green + half, blue
+    return [[min(max(one, 0), 255) for one in component] for component in numbers]
 
 
 def written(value):
@@ -444,7 +464,7 @@ def written(value):
     return bytes(out + [value])
 
 
-def print_component(extent, levels, grid, payloads):
+def component_numbers(extent, levels, grid, payloads):
     kind, flags = grid[72], grid[73]
     (step,) = struct.unpack_from("<I", grid, 76)
     slope, intercept, unit, zero = struct.unpack_from("<4d", grid, 80)
@@ -477,6 +497,7 @@ def print_component(extent, levels, grid, payloads):
     for block in blocks:
         block.write(volume)
     inverse(volume, extent, levels)
+    numbers = []
     for place in places:
         value = volume[place]
         if step:
@@ -488,7 +509,8 @@ def print_component(extent, levels, grid, payloads):
                 (bits,) = struct.unpack("<I", struct.pack("<f", zero + unit * value))
                 value = ~bits & MASK if bits >> 31 else bits | 1 << 31
             value = (value + found.get(place, 0)) & MASK
-        print("-" if place in missing else value)
+        numbers.append("-" if place in missing else value)
+    return numbers
 
 
 main()

@@ -3,10 +3,13 @@
 #include "qnv/codecs/values/cube_runs.h"
 #include "qnv/codecs/values/decode/values_part.h"
 #include "qnv/codecs/values/values_vectors.h"
+#include "qnv/sampling/volume/color_voxels.h"
 #include "qnv/sampling/volume/component_values.h"
 #include "qnv/sampling/volume/gradients.h"
 
 #include <algorithm>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -19,7 +22,9 @@ namespace {
 class ComponentsDecoder final : public Decoder {
  public:
   ComponentsDecoder(const StreamHeader& header, std::size_t most_vectors)
-      : most_vectors_(std::max<std::size_t>(1, most_vectors / header.grid.components)) {
+      : most_vectors_(std::max<std::size_t>(1, most_vectors / header.grid.components)),
+        colors_(header.grid.colors),
+        luma_(header.grid.luma) {
     const values::Extent extent = header.grid.dimensions, cubes = values::cube_extent(extent);
     counts_ = {values::BlockLayout(extent, values::level_count(extent)).count(),
                std::uint64_t{cubes[0]} * cubes[1] * cubes[2]};
@@ -27,6 +32,7 @@ class ComponentsDecoder final : public Decoder {
       StreamHeader one = header;
       if (c > 0) one.grid = header.more_grids[c - 1];
       one.grid.components = 1;
+      one.grid.colors = one.grid.luma = false;
       one.more_grids.clear();
       parts_.push_back(values::make_values_part(one, most_vectors_));
     }
@@ -55,11 +61,18 @@ class ComponentsDecoder final : public Decoder {
     int level = 0;
     for (const auto& part : parts_) level = std::max(level, part->level());
     std::vector<std::shared_ptr<const VolumeValues>> all;
-    for (const auto& part : parts_) all.push_back(part->values(base.description, level));
+    for (std::size_t c = 0; c < parts_.size(); ++c) all.push_back(part_values(c, base.description, level));
+    if (colors_) {
+      const auto values = color_values(all, luma_);
+      if (!shown_.chosen && !shown_.magnitude) return colored(std::move(base), values);
+      all = values->components;
+      base.description.transfer = default_transfer(kColorRange.first, kColorRange.second);
+    }
     if (shown_.magnitude) return magnitude(std::move(base), std::move(all));
     const std::size_t index = std::min<std::size_t>(shown_.index, parts_.size() - 1);
-    // A part shows vectors of its own level.
-    Geometry geometry = parts_[index]->level() == level ? parts_[index]->geometry(base) : vectors_of(base, *all[index]);
+    // A part shows vectors of its own level, and of brightness instead of red.
+    Geometry geometry =
+        parts_[index]->level() == level && !luma_ ? parts_[index]->geometry(base) : vectors_of(base, *all[index]);
     auto& volume = *geometry.as<Volume>();
     auto values = std::make_shared<VolumeValues>(*all[index]);
     values->components = std::move(all);
@@ -69,6 +82,21 @@ class ComponentsDecoder final : public Decoder {
   void show(const ShownComponent& component) override { shown_ = component; }
 
  private:
+  [[nodiscard]] std::shared_ptr<const VolumeValues> part_values(std::size_t c, Description about, int level) const {
+    // Colour differences are not in the range of the colours.
+    constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+    if (luma_ && (c == 1 || c == 2)) about.value_range = {kNone, kNone};
+    return parts_[c]->values(about, level);
+  }
+  [[nodiscard]] Geometry colored(GeometryBase base, const std::shared_ptr<const VolumeValues>& values) const {
+    // The vectors of the brightness are updated where it changes.
+    const bool own = luma_ && parts_.front()->level() == values->level;
+    Geometry geometry = own ? parts_.front()->geometry(std::move(base)) : vectors_of(std::move(base), *values);
+    auto& volume = *geometry.as<Volume>();
+    if (own) color_vectors(values->source, volume, values->level > 0);
+    volume.values = values;
+    return geometry;
+  }
   [[nodiscard]] Geometry vectors_of(GeometryBase base, const VolumeValues& values) const {
     GradientOptions options;
     options.fraction = kShownFraction;
@@ -94,6 +122,7 @@ class ComponentsDecoder final : public Decoder {
   }
 
   const std::size_t most_vectors_;  // of one component
+  const bool colors_, luma_;
   values::ComponentCounts counts_;
   std::vector<std::unique_ptr<values::ValuesPart>> parts_;
   ShownComponent shown_;

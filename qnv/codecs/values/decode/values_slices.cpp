@@ -9,6 +9,7 @@
 #include "qnv/codecs/values/labels/decode/label_volume.h"
 #include "qnv/codecs/values/slices/slice_transform.h"
 #include "qnv/codecs/values/stored_code.h"
+#include "qnv/sampling/volume/color_voxels.h"
 
 #include <algorithm>
 #include <atomic>
@@ -363,7 +364,7 @@ VolumeLayout slices_layout(const StreamHeader& header, const ValueGrid& grid, bo
 
 // Returns the values of a component, which are decoded when they are read.
 std::shared_ptr<const VolumeValues> slices_of(const StreamHeader& head, const ValueGrid& grid, const StreamBytes& bytes,
-                                              ChunkIndex index) {
+                                              ChunkIndex index, bool limited) {
   auto made = std::make_shared<VolumeValues>();
   made->range = head.description.value_range;
   made->stored = grid.stored;
@@ -375,7 +376,8 @@ std::shared_ptr<const VolumeValues> slices_of(const StreamHeader& head, const Va
   const bool exact = made->exact && grid.exact;
   made->source.layout = slices_layout(head, grid, exact);
   const auto slices = std::make_shared<SliceReader>(bytes, grid, std::move(index));
-  slices->apply(exact, whole && grid.correction != 0, values::sample_limits(made->range, grid.unit, grid.zero));
+  slices->apply(exact, whole && grid.correction != 0,
+                limited ? values::sample_limits(made->range, grid.unit, grid.zero) : values::SampleLimits());
   made->source.read = [slices](std::uint32_t z, std::span<std::byte> to) { return slices->read(z, to); };
   return made;
 }
@@ -416,9 +418,12 @@ std::variant<std::shared_ptr<const VolumeValues>, StreamProblem> open_values_sli
   for (std::size_t c = 0; c < head.grid.components; ++c) {
     ChunkIndex index = indexer.finish(c);
     index.in_order = index.in_order && undamaged;
-    all.push_back(slices_of(head, c == 0 ? head.grid : head.more_grids[c - 1], bytes, std::move(index)));
+    // Colour differences are not in the range of the colours.
+    const bool limited = !head.grid.luma || c == 0 || c == 3;
+    all.push_back(slices_of(head, c == 0 ? head.grid : head.more_grids[c - 1], bytes, std::move(index), limited));
   }
   if (header) *header = head;
+  if (head.grid.colors) return color_values(all, head.grid.luma);
   if (all.size() == 1) return std::move(all.front());
   auto made = std::make_shared<VolumeValues>(*all.front());
   made->components = std::move(all);

@@ -2,11 +2,13 @@
 
 #include "qnv/codecs/values/chunk_places.h"
 #include "qnv/codecs/values/cube_runs.h"
+#include "qnv/codecs/values/encode/color_components.h"
 #include "qnv/codecs/values/encode/encode_values.h"
 #include "qnv/codecs/values/encode/sampled_volume.h"
 #include "qnv/codecs/values/encode/values_chunks.h"
 #include "qnv/codecs/values/encode/write_values.h"
 #include "qnv/codecs/values/stored_code.h"
+#include "qnv/sampling/volume/color_voxels.h"
 #include "qnv/sampling/volume/gradients.h"
 #include "qnv/sampling/volume/volume_slices.h"
 
@@ -184,11 +186,15 @@ std::variant<EncodedComponent, EncodeError> encode_component(const VolumeSource&
 
 std::variant<EncodedStream, EncodeError> encode_values(const VolumeSource& source, const EncodeOptions& options,
                                                        Progress* progress) {
-  const std::span<const VolumeSource> sources =
-      source.components.empty() ? std::span(&source, 1) : std::span(source.components);
-  if (sources.size() > kMaxValueComponents)
-    return EncodeError{"each voxel has " + std::to_string(sources.size()) + " numbers; expected at most " +
+  if (source.components.size() > kMaxValueComponents)
+    return EncodeError{"each voxel has " + std::to_string(source.components.size()) + " numbers; expected at most " +
                        std::to_string(kMaxValueComponents) + ", or --component with one of them"};
+  // With a limited size, differences are worth it: most of them are small.
+  auto planned =
+      values::plan_components(source, options.tolerance, options.max_bytes != 0 ? std::optional(true) : std::nullopt);
+  if (auto* problem = std::get_if<EncodeError>(&planned)) return std::move(*problem);
+  const auto& plan = std::get<values::ComponentPlan>(planned);
+  const std::size_t count = plan.components.size();
   MemoryStore memory;
   SpillStore& store = options.spill ? *options.spill : memory;
   StreamHeader header;
@@ -196,11 +202,15 @@ std::variant<EncodedStream, EncodeError> encode_values(const VolumeSource& sourc
   header.payload = Payload::values;
   std::vector<values::ComponentParts> parts;
   std::pair<float, float> range{0, 0};
-  for (const VolumeSource& one : sources) {
-    auto made = encode_component(one, header, options, store, progress);
+  for (const values::PlannedComponent& one : plan.components) {
+    EncodeOptions own = options;
+    own.tolerance = one.tolerance;
+    auto made = encode_component(one.source, header, own, store, progress);
     if (auto* problem = std::get_if<EncodeError>(&made)) return std::move(*problem);
     auto& component = std::get<EncodedComponent>(made);
-    component.grid.components = static_cast<std::uint16_t>(sources.size());
+    component.grid.components = static_cast<std::uint16_t>(count);
+    if (plan.colors) component.grid.stored = VoxelType::u8;
+    if (one.weight > 0) component.parts.weight = one.weight;
     const bool first = parts.empty();
     range =
         first ? component.range
@@ -211,8 +221,11 @@ std::variant<EncodedStream, EncodeError> encode_values(const VolumeSource& sourc
       header.more_grids.push_back(std::move(component.grid));
     parts.push_back(std::move(component.parts));
   }
-  if (sources.size() == 1) parts.front().weight = 1;
-  header.description = describe(sources.front(), range, options);
+  if (count == 1) parts.front().weight = 1;
+  header.description = describe(plan.components.front().source, plan.colors ? kColorRange : range, options);
+  if (plan.colors) header.description.transfer = color_transfer();
+  header.grid.colors = plan.colors;
+  header.grid.luma = plan.luma;
   header.cube = Cube::around(header.description.box);
   const ValueGrid grid = header.grid;
   return write_values(std::move(header), values::ValuesChunks(grid, store, parts), options, "values");
