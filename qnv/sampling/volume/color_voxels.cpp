@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -244,8 +245,11 @@ void color_vectors(const VolumeSource& source, Volume& volume, bool coarse) {
       opacity[place.vector] = number(3);
     }
   }
+  // Weights stay above 0.
   for (std::size_t i = 0; i < volume.size(); ++i)
-    volume.weights[i] *= static_cast<float>(std::max<std::uint8_t>(opacity[i], 1)) / 255;
+    if (opacity[i] < 255)
+      volume.weights[i] = std::max(volume.weights[i] * static_cast<float>(std::max<std::uint8_t>(opacity[i], 1)) / 255,
+                                   std::numeric_limits<float>::min());
 }
 
 }  // namespace gs::qnv

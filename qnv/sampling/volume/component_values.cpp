@@ -15,7 +15,8 @@ namespace gs::qnv {
 std::uint32_t step_number(const ShownStep& step, std::span<const double> times) {
   if (times.empty()) return 0;
   if (!step.time) return std::min(step.number, static_cast<std::uint32_t>(times.size() - 1));
-  const auto nearest = std::ranges::min_element(times, {}, [&](double time) { return std::abs(time - *step.time); });
+  const double wished = std::clamp(*step.time, times.front(), times.back());
+  const auto nearest = std::ranges::min_element(times, {}, [&](double time) { return std::abs(time - wished); });
   return static_cast<std::uint32_t>(nearest - times.begin());
 }
 
