@@ -19,8 +19,9 @@ namespace gs::app {
 
 namespace {
 
-// Share of the memory limit that encoded clusters may take before they go to a temporary file.
-constexpr std::size_t kSpillShare = 8;
+// Share of the memory limit that encoded clusters may take before they go to a temporary file: 32 MB by default. While
+// they grow and move, they take three times as much.
+constexpr std::size_t kSpillShare = 64;
 
 void print_facts(const EncodeCommand& options, const OpenedInput& input, const qnv::EncodedStream& stream,
                  const StreamContents& contents, const std::vector<std::string>& losses,
