@@ -44,6 +44,12 @@ std::string label_text(double label) {
   return buffer;
 }
 
+std::string color_text(const std::array<std::uint8_t, 4>& color) {
+  char buffer[64];
+  std::snprintf(buffer, sizeof buffer, "R G B %d %d %d", color[0], color[1], color[2]);
+  return buffer + (color[3] < 255 ? ", opacity " + std::to_string(color[3]) : std::string());
+}
+
 // Text after a value that may differ from that of the source.
 std::string accuracy_text(const std::optional<float>& error) {
   if (!error) return {};
@@ -64,7 +70,8 @@ ViewerTools::ViewerTools(const ViewerOptions& options, render::Renderer& rendere
     : options_(options), renderer_(renderer), values_(options.volume.component), folder_(pictures_folder()) {}
 
 bool ViewerTools::take_values() {
-  const bool any = values_.take();
+  const bool due = steps_.playing && std::chrono::steady_clock::now() >= steps_.next;
+  const bool any = values_.take() || due;
   probe_due_ = probe_due_ || any;
   return any;
 }
@@ -205,7 +212,9 @@ void ViewerTools::probe(const View& seen, const Viewport& place) {
     if (values.grid) {
       const glm::dvec3 voxel =
           values.grid->voxel_at(glm::dvec3(glm::inverse(*world_from_node) * glm::dvec4(hit->point, 1)));
-      if (const auto value = values.grid->nearest(voxel))
+      if (const auto color = values.grid->color_at(voxel))
+        value_ = color_text(*color) + " at " + voxel_text(*values.grid, voxel) + "\n";
+      else if (const auto value = values.grid->nearest(voxel))
         value_ = (values.grid->layout().labels ? label_text(values.grid->label_of(*value))
                                                : readable_value(static_cast<double>(*value), value_unit(*volume)) +
                                                      accuracy_text(values.grid->error_at(voxel))) +
@@ -235,6 +244,12 @@ void ViewerTools::describe_volume(UiTools& tools, const View& seen, const qnv::D
     asked_is_volume_ = is_stream || has_volume_values(seen.document->world.path);
   }
   tools.volume = seen.volume;
+  if (const auto times = ViewerValues::times_of(seen); !times.empty()) {
+    tools.times.assign(times.begin(), times.end());
+    tools.volume.step = ViewerValues::step_of(seen);
+    tools.steps_playing = steps_.playing && steps_.of.lock() == seen.document;
+    tools.step_rate = steps_.rate;
+  }
   tools.unit = value_unit(volume);
   tools.has_file = asked_is_volume_;
   if (!tools.has_file) return;
@@ -468,6 +483,7 @@ void ViewerTools::apply(const UiToolActions& actions, View* seen, const Viewport
   show_as_wished(*seen, tell);
   if (actions.slices) seen->slices = *actions.slices;
   if (actions.volume) seen->volume = *actions.volume;
+  play_steps(actions, *seen);
   if (grip_)
     seen->slices.places[grip_->axis] = dragged_place(*grip_, seen->navigation.pose, glm::vec2(place.size()),
                                                      pointer_ - glm::vec2(place.left, place.top));
@@ -486,6 +502,23 @@ void ViewerTools::apply(const UiToolActions& actions, View* seen, const Viewport
     seen->look.transfer = std::move(std::get<Transfer>(transfer));
     replaceable_transfer_ = *actions.load_transfer;
   }
+}
+
+// Begins or ends playback, and shows the next step if it is due and the one before is shown.
+void ViewerTools::play_steps(const UiToolActions& actions, View& seen) {
+  const std::size_t count = ViewerValues::times_of(seen).size();
+  if (actions.step_rate) steps_.rate = *actions.step_rate;
+  if (actions.play_steps) steps_ = {seen.document, *actions.play_steps && count > 1, steps_.rate, {}};
+  if (!steps_.playing) return;
+  if (steps_.of.lock() != seen.document || count < 2) {
+    steps_.playing = false;
+    return;
+  }
+  const auto now = std::chrono::steady_clock::now();
+  if (now < steps_.next || !values_.shows_step(seen)) return;
+  seen.volume.step = static_cast<std::uint32_t>((ViewerValues::step_of(seen) + std::size_t{1}) % count);
+  steps_.next = now + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                          std::chrono::duration<double>(1 / std::max(steps_.rate, 0.01)));
 }
 
 void ViewerTools::save_transfer(const std::string& path, const Transfer& shown, const qnv::Description& volume,

@@ -31,13 +31,40 @@ ViewerValues::Values& ViewerValues::of(const View& view) {
     return values;
   }
   Values& values = found->second;
+  const StepContent::Shared step = step_geometry(values, view, component_);
   if (!values.coming.valid())
-    if (auto newer = streamed_values(*view.list); newer && newer != values.streamed) {
+    if (auto newer = step ? step->as<qnv::Volume>()->values : streamed_values(*view.list);
+        newer && newer != values.streamed) {
       values.streamed = std::move(newer);
       begin_reading(values, path);
     }
   (void)take(values);
   return values;
+}
+
+std::span<const double> ViewerValues::times_of(const View& view) {
+  const auto geometry = first_volume_geometry(*view.list);
+  const auto* const volume = geometry ? geometry->as<qnv::Volume>() : nullptr;
+  return volume && volume->series ? volume->series->times() : std::span<const double>();
+}
+
+std::uint32_t ViewerValues::step_of(const View& view) {
+  const auto times = times_of(view);
+  if (times.empty()) return 0;
+  if (view.volume.step) return std::min(*view.volume.step, static_cast<std::uint32_t>(times.size() - 1));
+  const auto values = streamed_values(*view.list);
+  return values ? values->step : 0;
+}
+
+bool ViewerValues::shows_step(const View& view) {
+  return !view.volume.step || times_of(view).empty() || of(view).step.is_ready();
+}
+
+StepContent::Shared ViewerValues::step_geometry(Values& values, const View& view, const VoxelComponent& component) {
+  if (!view.volume.step || times_of(view).empty()) return nullptr;
+  qnv::ShownComponent wish{component.index, component.magnitude, component.chosen};
+  wish.step.number = step_of(view);
+  return values.step.get(first_volume_geometry(*view.list), wish);
 }
 
 void ViewerValues::begin_reading(Values& values, const std::string& path) {
@@ -64,7 +91,7 @@ bool ViewerValues::is_busy() const {
   return std::any_of(values_.begin(), values_.end(), [](const auto& entry) {
     const Values& values = entry.second;
     return values.coming.valid() || values.histogram.is_busy() || values.draft.is_busy() || values.surface.is_busy() ||
-           values.projection.is_busy() || values.vectors.is_busy();
+           values.projection.is_busy() || values.vectors.is_busy() || values.step.is_busy();
   });
 }
 
@@ -77,6 +104,7 @@ bool ViewerValues::take() {
     any = values.surface.take() || any;
     any = values.projection.take() || any;
     any = values.vectors.take() || any;
+    any = values.step.take() || any;
   }
   return any;
 }
@@ -117,6 +145,9 @@ VolumeContent ViewerValues::content_of(const View& view, const VolumeContent& be
   content.surface_color = display.surface_color;
   content.hides_vectors = view.slices.alone && (view.slices.any() || display.surface);
   content.clip = view.look.clip;
+  // Vectors of a step need no grid of values.
+  if (display.mode == VolumeMode::vectors && display.share == kUsualShare)
+    content.vectors = step_geometry(values, view, component_);
   if (!values.grid) {
     if (display.surface) content.surface = before.surface;
     return content;

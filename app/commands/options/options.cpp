@@ -217,8 +217,12 @@ constexpr OptionRow kOptions[] = {
      "open animate trace ", with<set_size>},
     {"--time", "SECONDS", "0",
      "draw the picture after this simulated time, in steps of at most 1/60 s. The simulated clock starts at 946684800, "
-     "which is 2000-01-01T00:00:00Z",
-     "open ", with<[](OpenCommand& o, const std::string& v) { return set_seconds(o.time, v); }>},
+     "which is 2000-01-01T00:00:00Z. Of a time series of volumes, show the step with this number from 0, or with the "
+     "nearest time if SECONDS has a decimal point",
+     "open ", with<[](OpenCommand& o, const std::string& v) {
+       o.component.step = o.volume.component.step = read_shown_step(v);
+       return set_seconds(o.time, v);
+     }>},
     {"--until", "SECONDS", "", "end after this simulated time", "trace ", with<set_until>},
     {"--sound", "FILE.wav", "", "write the sound of the simulated time, at most one hour", "open trace ",
      text<&SimulationOptions::sound>},

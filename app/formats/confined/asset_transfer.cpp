@@ -401,7 +401,7 @@ Asset read_content(TransferReader& from, const ImportSource& source) {
 
 }  // namespace
 
-std::vector<std::byte> bytes_of(const ImportRequest& request) {
+std::vector<std::byte> transfer_bytes(const ImportRequest& request) {
   TransferWriter to;
   to.text(request.type);
   to.text(request.path);
@@ -433,7 +433,7 @@ bool can_transfer(const Asset& asset) {
          std::holds_alternative<qnv::Splats>(asset) || std::holds_alternative<qnv::Gaussians>(asset);
 }
 
-std::vector<std::byte> bytes_of(const Asset& asset, const Diagnostics& diagnostics) {
+std::vector<std::byte> transfer_bytes(const Asset& asset, const Diagnostics& diagnostics) {
   TransferWriter to;
   to.value<std::uint64_t>(diagnostics.entries().size());
   for (const Diagnostic& one : diagnostics.entries()) {

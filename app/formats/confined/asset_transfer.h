@@ -24,13 +24,13 @@ struct ImportRequest {
   VoxelComponent component{};
   std::array<std::uint64_t, kResources.size()> left{};  // rest of the budget, by resource
 };
-[[nodiscard]] std::vector<std::byte> bytes_of(const ImportRequest& request);
+[[nodiscard]] std::vector<std::byte> transfer_bytes(const ImportRequest& request);
 [[nodiscard]] std::optional<ImportRequest> import_request_of(std::span<const std::byte> bytes);
 
-/// Reports whether bytes_of() can write an asset: nothing, a mesh, splats or Gaussians.
+/// Reports whether transfer_bytes() can write an asset: nothing, a mesh, splats or Gaussians.
 [[nodiscard]] bool can_transfer(const Asset& asset);
 /// Returns the bytes of an asset that can_transfer() accepts, with its diagnostics.
-[[nodiscard]] std::vector<std::byte> bytes_of(const Asset& asset, const Diagnostics& diagnostics);
+[[nodiscard]] std::vector<std::byte> transfer_bytes(const Asset& asset, const Diagnostics& diagnostics);
 
 /// Reads an asset from a child. Trusts nothing: numbers must be finite and in their ranges, indices valid, arrays of
 /// fitting sizes. Otherwise reports an error and returns std::monostate. Adds the child's diagnostics to those of

@@ -55,7 +55,7 @@ std::variant<SharedBytes, std::string> file_for_child(const ImportSource& source
 std::variant<std::vector<std::byte>, std::string> import_by_child(const ContentType& type, const ImportSource& source) {
   DecoderPool& pool = DecoderPool::of_program();
   auto process = pool.take(DecoderKind::pictures);
-  const std::vector<std::byte> header = bytes_of(import_request(type, source));
+  const std::vector<std::byte> header = transfer_bytes(import_request(type, source));
   if (!process->load(header, source.bytes)) return std::string("no memory to read it");
   DecodeRequest request = request_of(DecodeOperation::import_file, header.size() + source.bytes.size());
   request.count = header.size();
@@ -116,7 +116,7 @@ std::vector<std::byte> import_in_child(std::span<const std::byte> request, std::
   ImportSource source{file, known->path, read_file, budget, diagnostics, known->name, known->component, known->for_x3d};
   const Asset asset = type->read(source);
   if (!can_transfer(asset)) return {};
-  return bytes_of(asset, diagnostics);
+  return transfer_bytes(asset, diagnostics);
 }
 
 }  // namespace gs::app

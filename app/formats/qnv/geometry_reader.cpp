@@ -115,7 +115,8 @@ std::optional<qnv::Geometry> GeometryFileReader::stream() {
     if (auto geometry = levels(qnv::LodStream::open(std::move(bytes)))) return geometry;
   }
   qnv::StreamDecoder decoder(most_decoded_vectors(*budget_));
-  decoder.show({file_.origin.component.index, file_.origin.component.magnitude});
+  decoder.show({file_.origin.component.index, file_.origin.component.magnitude, file_.origin.component.chosen,
+                file_.origin.component.step.value_or(qnv::ShownStep())});
   bool late = false;
   const auto push = [&](std::span<const std::byte> bytes) {
     while (!bytes.empty() && !late) {

@@ -93,6 +93,27 @@ class SliceColors {
   Color last_color_{};
 };
 
+render::Image color_slice(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis) {
+  const auto [across, up] = axes_across(axis);
+  render::Image image{grid.kept(across), grid.kept(up), 4, {}};
+  image.pixels.reserve(std::size_t{image.width} * image.height * 4);
+  std::array<std::uint32_t, 3> at{};
+  at[axis] = slice_voxel(grid, slices, axis) / grid.step();
+  for (std::uint32_t row = image.height; row-- > 0;)
+    for (std::uint32_t column = 0; column < image.width; ++column) {
+      at[across] = column;
+      at[up] = row;
+      const auto& color = grid.kept_color(at[0], at[1], at[2]);
+      image.pixels.insert(image.pixels.end(), color.begin(), color.end());
+    }
+  return image;
+}
+
+bool has_own_map(const VolumeSlices& slices) {
+  const ColorMap* const map = find_color_map(slices.map);
+  return !map || map == &color_maps().front();
+}
+
 }  // namespace
 
 double slice_voxel(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis) {
@@ -133,6 +154,7 @@ std::array<glm::dvec3, 4> slice_corners(const VolumeGrid& grid, const VolumeSlic
 }
 
 render::Image slice_image(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis) {
+  if (grid.has_colors() && has_own_map(slices)) return color_slice(grid, slices, axis);
   SliceColors colors(grid, slices);
   const auto [across, up] = axes_across(axis);
   // Finer parts of a volume that is larger than memory have more pixels.

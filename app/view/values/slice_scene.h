@@ -23,6 +23,7 @@ namespace gs::app {
                                                    const glm::dmat4& world_from_node);
 /// Makes the picture of a slice, with one pixel for each voxel in memory. Of the two other axes, the first points to
 /// the right and the second upwards. The picture is RGB; if values are missing, it is RGBA and transparent there.
+/// Colours are RGBA, unless another colour map than the first one is chosen.
 [[nodiscard]] render::Image slice_image(const VolumeGrid& grid, const VolumeSlices& slices, std::size_t axis);
 
 /// Copy of a world's render list with slices of its volume. A slice is a textured plane that is visible from both

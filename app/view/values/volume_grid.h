@@ -57,6 +57,10 @@ class VolumeGrid {
   [[nodiscard]] std::optional<float> nearest(const glm::dvec3& voxel) const;
   /// Returns the maximum error of the value of nearest(), in the unit of the values; nullopt if it is unknown.
   [[nodiscard]] std::optional<float> error_at(const glm::dvec3& voxel) const;
+  /// Returns the colour of the nearest stored voxel: red, green, blue, opacity. Returns nullopt if the position is more
+  /// than half a voxel outside of the volume, or if the volume has no colours.
+  [[nodiscard]] std::optional<std::array<std::uint8_t, 4>> color_at(const glm::dvec3& voxel) const;
+  [[nodiscard]] bool has_colors() const { return !colors_.empty(); }
   /// Returns the parts with finer values than the stored voxels, the finest first.
   [[nodiscard]] const std::vector<qnv::ValueBrick>& bricks() const { return bricks_; }
   /// Returns the label that a value stands for. If a label exceeds the whole numbers of float, values are indices of
@@ -67,6 +71,10 @@ class VolumeGrid {
   /// Returns the value of a stored voxel, by its index among the stored ones; kMissing if the value is missing.
   [[nodiscard]] float kept_value(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
     return values_[(std::size_t{z} * kept_[1] + y) * kept_[0] + x];
+  }
+  /// Returns the colour of a stored voxel. The volume must have colours.
+  [[nodiscard]] const std::array<std::uint8_t, 4>& kept_color(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
+    return colors_[(std::size_t{z} * kept_[1] + y) * kept_[0] + x];
   }
   /// Returns the stored voxels of a slice, x first.
   [[nodiscard]] std::span<const float> kept_slice(std::uint32_t z) const {
@@ -85,6 +93,10 @@ class VolumeGrid {
   void describe(const qnv::VolumeValues& about);
   /// Returns the sample of the finest part that is nearest to a position in the volume; a null brick if there is none.
   [[nodiscard]] FineSample fine_sample(const glm::dvec3& voxel) const;
+  /// Returns the indices of the nearest stored voxel; nullopt outside of the volume.
+  [[nodiscard]] std::optional<std::array<std::uint32_t, 3>> kept_at(const glm::dvec3& voxel) const;
+  /// Reads the colours. Returns false if the source fails.
+  bool read_colors(const qnv::VolumeSource& source);
   /// Replaces the values by indices of labels. Returns false if the source fails.
   bool number_labels(const qnv::VolumeSource& source);
   qnv::VolumeLayout layout_;
@@ -92,6 +104,7 @@ class VolumeGrid {
   std::uint32_t step_ = 1;
   std::pair<float, float> range_{0, 1};
   std::vector<float> values_;
+  std::vector<std::array<std::uint8_t, 4>> colors_;  // red, green, blue, opacity; empty without colours
   std::vector<qnv::ValueBrick> bricks_;
   std::optional<float> error_;
   std::vector<double> labels_;  // of the values, which are then indices; ascending

@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -16,8 +17,8 @@ namespace gs::qnv {
 
 /// Values of a part of a volume, finer than those of the whole volume.
 struct ValueBrick {
-  int level = 0;                                 // samples are 2^level voxels of the whole volume apart
-  std::array<std::uint32_t, 3> first{}, size{};  // samples of the level that the part has, with a margin
+  int level = 0;                                           // samples are 2^level voxels of the whole volume apart
+  std::array<std::uint32_t, 3> first{}, size{};            // samples of the level that the part has, with a margin
   std::array<std::uint32_t, 3> core_first{}, core_size{};  // without the margin
   std::array<double, 3> steps{1, 1, 1};  // distances of samples in voxels of the values of the whole volume
   double slope = 1, intercept = 0;       // value = sample * slope + intercept
@@ -49,10 +50,22 @@ struct ValueBrick {
   }
 };
 
-/// Choice of the number to show of voxels that have several.
+/// Choice of a step of a time series: by its number from 0, or the one with the nearest time.
+struct ShownStep {
+  std::uint32_t number = 0;  // the last one if it is too large
+  std::optional<double> time{};
+  friend bool operator==(const ShownStep&, const ShownStep&) = default;
+};
+/// Returns the number of the chosen step. `times` ascend; without times, returns 0.
+[[nodiscard]] std::uint32_t step_number(const ShownStep& step, std::span<const double> times);
+
+/// Choice of the number to show of voxels that have several, and of the step of a time series.
 struct ShownComponent {
   std::uint32_t index = 0;  // from 0; the last one if it is too large
   bool magnitude = false;   // the length of the vector of all numbers instead
+  bool chosen = false;      // a number of colours, too, which are shown as colours otherwise
+  ShownStep step{};
+  friend bool operator==(const ShownComponent&, const ShownComponent&) = default;
 };
 
 /// Decoded values of a volume, from which its vectors come. Any thread may read them at any time.
@@ -71,6 +84,9 @@ struct VolumeValues {
   std::uint64_t bytes = 0;                                        // of memory
   std::vector<ValueBrick> bricks{};                               // finer parts, the finest first
   std::vector<std::shared_ptr<const VolumeValues>> components{};  // all numbers of a voxel, if it has several
+  std::uint32_t step = 0;                                         // of a time series
+  std::vector<double> times{};                                    // of the steps of a time series
+  std::vector<std::shared_ptr<const VolumeValues>> steps{};       // all steps, for exports
 };
 
 }  // namespace gs::qnv

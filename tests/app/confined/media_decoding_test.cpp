@@ -77,10 +77,6 @@ const render::Movie::Frame& frame_at(MovieSource& movie, double seconds) {
   return *std::get<0>(found);
 }
 
-}  // namespace media_decoding_test
-
-using namespace media_decoding_test;
-
 TEST_CASE("a child decodes the pictures of a movie as this process does") {
   for (const char* const name : {"movie/counting.mp4", "movie/counting.m1v", "movie/counting.gif"}) {
     INFO(name);
@@ -172,4 +168,5 @@ TEST_CASE("errors of children are those of this process") {
   CHECK(std::get<1>(open_samples_confined({text}, 48000)).message == std::get<1>(sound_error).message);
 }
 
+}  // namespace media_decoding_test
 }  // namespace gs::app

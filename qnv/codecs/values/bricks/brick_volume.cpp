@@ -29,7 +29,7 @@ BrickVolume::~BrickVolume() {
 
 bool BrickVolume::suits(const StreamHeader& header, std::size_t most_vectors) {
   return header.payload == Payload::values && !header.grid.labels && header.grid.components == 1 &&
-         values::valid(header.grid.dimensions) &&
+         header.steps.times.empty() && values::valid(header.grid.dimensions) &&
          BrickDecoder::base_level(header.grid, most_vectors) > 0;
 }
 

@@ -30,7 +30,7 @@ struct WithImports {
 struct Imported {
   Asset asset;
   Diagnostics diagnostics;
-  [[nodiscard]] std::vector<std::byte> bytes() const { return bytes_of(asset, diagnostics); }
+  [[nodiscard]] std::vector<std::byte> bytes() const { return transfer_bytes(asset, diagnostics); }
 };
 
 Imported imported(const ContentType& type, std::span<const std::byte> bytes, const ReadFile& read_file,
@@ -66,10 +66,6 @@ Asset read_again(std::span<const std::byte> bytes) {
 const ContentType& type_named(const std::string& extension) { return *content_type_by_name("a." + extension); }
 
 const std::string kObj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\nf 1 2 9\n";
-
-}  // namespace confined_import_test
-
-using namespace confined_import_test;
 
 TEST_CASE("a child imports meshes and splats as this process does") {
   std::map<std::string_view, std::size_t> read;
@@ -134,7 +130,7 @@ TEST_CASE("results of imports are not trusted: prefixes and changed bytes") {
   std::size_t taken = 0, refused = 0;
   each_corpus_file([&](const ContentType& type, const std::vector<std::byte>& file) {
     const std::vector<std::byte> bytes = imported(type, file, {}).bytes();
-    CHECK(bytes_of(read_again(bytes), {}) == bytes_of(imported(type, file, {}).asset, {}));
+    CHECK(transfer_bytes(read_again(bytes), {}) == transfer_bytes(imported(type, file, {}).asset, {}));
     for (std::size_t size = 0; size < bytes.size(); size += 1 + bytes.size() / 40)
       CHECK(std::holds_alternative<std::monostate>(read_again(std::span(bytes).first(size))));
     for (int turn = 0; turn < 60; ++turn) {
@@ -162,7 +158,7 @@ TEST_CASE("requests of imports survive prefixes and changed bytes") {
   request.path = "a/b.obj";
   request.component.labels = true;
   request.left = {1, 2, 3};
-  const auto bytes = bytes_of(request);
+  const auto bytes = transfer_bytes(request);
   const auto again = import_request_of(bytes);
   REQUIRE(again);
   CHECK(again->path == request.path);
@@ -176,4 +172,5 @@ TEST_CASE("requests of imports survive prefixes and changed bytes") {
   }
 }
 
+}  // namespace confined_import_test
 }  // namespace gs::app

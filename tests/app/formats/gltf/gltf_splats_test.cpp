@@ -72,10 +72,6 @@ std::vector<std::byte> with(std::vector<std::byte> bytes, const std::string& bef
 
 void check_near(const glm::vec3& a, const glm::vec3& b) { CHECK(glm::length(a - b) < 1e-4f); }
 
-}  // namespace gltf_splats_test
-
-using namespace gltf_splats_test;
-
 TEST_CASE("reads the Gaussians of a glTF as they were exported") {
   for (const int degree : {0, 1, 3}) {
     const qnv::Gaussians splats = cloud(degree);
@@ -150,4 +146,5 @@ TEST_CASE("reports splats of a glTF that it cannot read") {
   }
 }
 
+}  // namespace gltf_splats_test
 }  // namespace gs::app

@@ -33,10 +33,6 @@ std::vector<glm::mat3> transformations() {
   return {glm::mat3(1), 3.0f * kTurn, kTurn * mirror, kTurn * stretch, shear};
 }
 
-}  // namespace splat_transform_test
-
-using namespace splat_transform_test;
-
 TEST_CASE("transforms the covariance of a splat: M C M^T") {
   const glm::vec4 turn = glm::vec4(0.1f, -0.7f, 0.2f, 0.6f);
   for (const glm::mat3& m : transformations())
@@ -78,4 +74,5 @@ TEST_CASE("survives transformations that flatten, and splats without a rotation"
   CHECK(none == glm::vec4(0));
 }
 
+}  // namespace splat_transform_test
 }  // namespace gs::app
