@@ -13,6 +13,7 @@
 #include "qnv/container/container.h"
 
 #include <chrono>
+#include <span>
 #include <utility>
 
 namespace gs::app {
@@ -75,6 +76,9 @@ std::optional<std::string> check_encode(const EncodeCommand& options) {
            "or gaussians";
   if (options.files.size() > 2 && (method != EncodeMethod::automatic && method != EncodeMethod::values))
     return "several inputs are the steps of a time series; expected volumes and --method auto or values";
+  for (const std::string& file : std::span(options.files).first(options.files.size() - 1))
+    if (options.files.size() > 2 && file.ends_with(".qnv"))
+      return "several inputs are the steps of a time series; expected volumes, not '" + file + "'";
   if (options.files.size() > 2 && (options.vectors > 0 || options.fraction > 0 || options.isovalue))
     return "several inputs are the steps of a time series; --vectors, --fraction and --isovalue exclude them";
   if (outlines) {

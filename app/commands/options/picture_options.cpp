@@ -176,16 +176,6 @@ Problem set_component(CommandOptions& options, const std::string& value) {
   return {};
 }
 
-// Sets the step of a time series.
-Problem set_step(CommandOptions& options, const std::string& value) {
-  const auto step = read_shown_step(value);
-  if (!step) return "expected the number of a step from 0, or a time, such as 2.5";
-  VoxelComponent& read = dynamic_cast<LoadOptions&>(options).component;
-  read.step = *step;
-  if (auto* picture = dynamic_cast<PictureOptions*>(&options)) picture->volume.component = read;
-  return {};
-}
-
 // Sets whether voxels are labels, for loading, and for the values of pictures and windows.
 Problem set_labels(CommandOptions& options, const std::string& value) {
   if (value != "yes" && value != "no" && value != "auto") return "expected yes, no or auto";
@@ -252,10 +242,6 @@ constexpr OptionRow kPictureOptions[] = {
      "read this component of voxels with several numbers, such as colours or vectors: an index from 0, or magnitude, "
      "the length of the vector",
      "open animate encode export info ", set_component},
-    {"--time", "N|TIME", "",
-     "read this step of a time series of volumes: its number from 0, or the step with the nearest time if TIME has a "
-     "decimal point",
-     "animate encode export info ", set_step},
     {"--labels", "yes|no|auto", "auto",
      "read the voxels as labels of a segmentation, which are never interpolated; auto follows the file (NIfTI, NRRD of "
      "3D Slicer)",

@@ -3,6 +3,7 @@
 #include "app/formats/qnv/geometry_reader.h"
 #include "base/budget.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -10,29 +11,37 @@ namespace gs::app {
 
 StepContent::Shared StepContent::get(const Shared& of, const qnv::ShownComponent& wish) {
   const auto* const volume = of ? of->as<qnv::Volume>() : nullptr;
-  asked_ = wish;
+  ready_ = false;
   if (!volume || !volume->series) return nullptr;
   if (series_.lock() != volume->series) {
     series_ = volume->series;
-    content_.reset();
+    made_.clear();
   }
   const std::uint64_t revision = volume->series->revision();
-  const bool newest = content_ && shown_ == wish && revision_ == revision;
-  if (!newest && !coming_.valid())
+  const auto found = std::ranges::find(made_, wish, &Made::wish);
+  ready_ = found != made_.end();
+  if (!coming_.valid() && (!ready_ || found->revision != revision))
     coming_ = std::async(std::launch::async, [series = volume->series, of, wish, revision]() -> Made {
       qnv::Geometry made = series->step(wish);
       made.base().requests = of->base().requests;
-      return {hold_geometry(std::move(made), own_budget()), wish, revision};
+      return {hold_geometry(std::move(made), own_budget()), wish, revision, series};
     });
-  return content_;
+  if (ready_ && found->geometry) return found->geometry;
+  return made_.empty() ? nullptr : made_.back().geometry;
 }
 
 bool StepContent::take() {
   if (!coming_.valid() || coming_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return false;
   Made made = coming_.get();
-  if (made.geometry) content_ = std::move(made.geometry);
-  shown_ = made.wish;
-  revision_ = made.revision;
+  if (made.series.lock() != series_.lock()) return true;  // the document was replaced
+  if (!made.geometry && !made_.empty()) {
+    // Without the other steps, there may be enough memory.
+    made_.clear();
+    return true;
+  }
+  std::erase_if(made_, [&](const Made& one) { return one.wish == made.wish; });
+  if (made_.size() >= kMostSteps) made_.erase(made_.begin());
+  made_.push_back(std::move(made));
   return true;
 }
 

@@ -3,14 +3,17 @@
 #include "base/noncopyable.h"
 #include "qnv/codecs/shared/volume_series.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <future>
 #include <memory>
+#include <vector>
 
 namespace gs::app {
 
-/// A step of a time series of volumes, which another thread decodes. The step before stays until it is ready. While the
-/// stream arrives, decodes the step again. One thread. The destructor waits for a running computation.
+/// Steps of a time series of volumes, which another thread decodes. The step before stays until the next one is ready.
+/// While the stream arrives, decodes steps again. Keeps a few steps, for several viewports. One thread. The destructor
+/// waits for a running computation.
 class StepContent : NonCopyable {
  public:
   using Shared = std::shared_ptr<const qnv::Geometry>;
@@ -22,19 +25,20 @@ class StepContent : NonCopyable {
   bool take();
   [[nodiscard]] bool is_busy() const { return coming_.valid(); }
   /// Returns true if the last get() returned the step that it asked for.
-  [[nodiscard]] bool is_ready() const { return content_ && shown_ == asked_; }
+  [[nodiscard]] bool is_ready() const { return ready_; }
 
  private:
+  static constexpr std::size_t kMostSteps = 4;
   struct Made {
-    Shared geometry;
+    Shared geometry;  // null if there is not enough memory
     qnv::ShownComponent wish;
     std::uint64_t revision = 0;
+    std::weak_ptr<qnv::VolumeSeries> series{};
   };
 
-  std::weak_ptr<qnv::VolumeSeries> series_;  // of the content
-  Shared content_;
-  qnv::ShownComponent shown_, asked_;
-  std::uint64_t revision_ = 0;
+  std::weak_ptr<qnv::VolumeSeries> series_;  // of the contents
+  std::vector<Made> made_;                   // the last one is the newest
+  bool ready_ = false;
   std::future<Made> coming_;
 };
 
