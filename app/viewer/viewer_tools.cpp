@@ -313,7 +313,7 @@ PictureScene ViewerTools::scene_of(std::size_t slice_scene, const View& seen, co
   scene.draw.headlight = seen.headlight;
   scene.draw.unit = static_cast<float>(seen.scale);
   scene.draw.splat_style = seen.look;
-  scene.draw.splat_style.reading = reading_of(seen);
+  scene.draw.splat_style.reading = values_.reading_of(seen, wants_value_);
   apply_style(seen, scene.draw);
   scene.draw.guides = guides(seen);
   scene.draw.viewport = kMaxViewports;
@@ -410,18 +410,6 @@ void ViewerTools::start_animation(const View& seen, const Viewport& place, bool 
   made.up = glm::dvec3(seen.navigation.up);
   if (!seen.list->bounds.empty()) made.center = glm::dvec3(seen.list->bounds.center());
   export_ = std::move(made);
-}
-
-render::VolumeReading ViewerTools::reading_of(const View& view) {
-  render::VolumeReading reading;
-  reading.exact = wants_value_;
-  reading.values = wants_value_ || view.slices.any() || view.volume.needs_values();
-  if (!view.slices.any()) return reading;
-  reading.only_slices = view.slices.alone && !view.volume.surface;
-  const auto& grid = values_.of(view).grid;
-  const auto world_from_node = world_from_volume(*view.list);
-  if (grid && world_from_node) reading.slices = slice_planes(*grid, view.slices, *world_from_node);
-  return reading;
 }
 
 bool ViewerTools::go_on(const View* seen, const Tell& tell) {

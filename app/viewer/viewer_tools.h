@@ -56,7 +56,7 @@ class ViewerTools : NonCopyable {
   [[nodiscard]] bool reads_values() const { return values_.is_busy() || steps_.playing; }
   bool take_values();
   /// Returns the values that a view shows besides the vectors of its volume.
-  [[nodiscard]] render::VolumeReading reading_of(const View& view);
+  [[nodiscard]] render::VolumeReading reading_of(const View& view) { return values_.reading_of(view, wants_value_); }
   /// Draws and saves the next picture of an animation. Returns true if further frames are needed.
   bool go_on(const View* seen, const Tell& tell);
 

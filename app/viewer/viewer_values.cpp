@@ -184,6 +184,18 @@ VolumeContent ViewerValues::content_of(const View& view, const VolumeContent& be
   return content;
 }
 
+render::VolumeReading ViewerValues::reading_of(const View& view, bool exact) {
+  render::VolumeReading reading;
+  reading.exact = exact;
+  reading.values = exact || view.slices.any() || view.volume.needs_values();
+  if (!view.slices.any()) return reading;
+  reading.only_slices = view.slices.alone && !view.volume.surface;
+  const auto& grid = of(view).grid;
+  const auto world_from_node = world_from_volume(*view.list);
+  if (grid && world_from_node) reading.slices = slice_planes(*grid, view.slices, *world_from_node);
+  return reading;
+}
+
 const render::RenderList& ViewerValues::shown(std::size_t pane, const View& view) {
   if (!view.slices.any() && !view.volume.needs_values()) return *view.list;
   Scene& scene = scenes_[pane];

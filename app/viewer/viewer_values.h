@@ -7,6 +7,7 @@
 #include "app/view/derived/volume_scene.h"
 #include "app/view/values/slice_scene.h"
 #include "base/noncopyable.h"
+#include "render/scene/splat_style.h"
 
 #include <atomic>
 #include <cstddef>
@@ -52,6 +53,8 @@ class ViewerValues : NonCopyable {
   /// Returns the error message of the content that the view wishes; empty if there is none.
   std::string problem_of(const View& view);
 
+  /// Returns the values that a view shows besides the vectors of its volume. `exact` means that single values are read.
+  render::VolumeReading reading_of(const View& view, bool exact);
   /// Returns the render list to draw in viewport `pane`: the list of the view, with its slices and other content.
   const render::RenderList& shown(std::size_t pane, const View& view);
 

@@ -35,7 +35,7 @@ struct SplatStyle {
   float opacity = 2;                         // factor of the optical depth
   float least_magnitude = 0;                 // vectors with a smaller gradient magnitude are hidden
   std::optional<glm::dvec4> clip;            // world space: points with dot(clip.xyz, position) + clip.w < 0 are hidden
-  VolumeReading reading{};                   // parts of the volume to read besides the vectors
+  VolumeReading reading{};                   // values to read besides the vectors
   std::vector<qnv::TransferPoint> transfer;  // transfer function, sorted by value; empty means that of each volume
   friend bool operator==(const SplatStyle&, const SplatStyle&) = default;
 };

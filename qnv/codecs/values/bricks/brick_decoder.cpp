@@ -154,7 +154,6 @@ bool BrickDecoder::push(std::span<const std::byte> bytes) {
 }
 
 void BrickDecoder::finish() {
-  has_places_ = true;
   reader_.finish([this](ChunkType type, std::span<const std::byte> payload, std::uint64_t offset) {
     take(type, payload, offset);
   });
@@ -176,6 +175,7 @@ bool BrickDecoder::scan_source(const std::function<bool()>& stop) {
     at += size;
   }
   finish();
+  has_places_ = true;
   return true;
 }
 
@@ -237,6 +237,9 @@ void BrickDecoder::choose(std::span<const LodView> views) {
   needs_ = {};
   runs_.clear();
   if (!whole_base_) return;
+  // While the coarse level arrives, bricks would be made again for each part of it, beside the memory of its decoder.
+  constexpr std::size_t kParts = 20;
+  if (!source_ && has_places_ && kParts * base_taken_.size() < (kParts - 1) * base_known_.size()) return;
   needs_.chosen = values::choose_bricks({layout_, levels_, base_.shares, views, limits_.brick_bytes});
   const auto need = [this](std::uint64_t block) { needs_.blocks.insert(block); };
   for (const values::BrickName& name : needs_.chosen) {

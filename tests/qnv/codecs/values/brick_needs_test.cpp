@@ -1,6 +1,7 @@
 #include "qnv/codecs/values/bricks/brick_volume.h"
 #include "qnv/codecs/values/decode/values_decoder.h"
 #include "qnv/codecs/values/encode/values_stream.h"
+#include "qnv/container/container.h"
 #include "qnv/sampling/volume/volume_values.h"
 #include "tests/qnv/volume_sources.h"
 
@@ -153,6 +154,29 @@ TEST_CASE("bricks: Parts behind a clipping plane are left out, and requested nev
                       all = received_for(far_view(), std::size_t{1} << 30);
   CHECK(part > 0);
   CHECK(part < all / 2);
+}
+
+TEST_CASE("bricks: Chunks from transports without offsets refine the volume, also after the end of its front") {
+  const std::span<const std::byte> bytes = two_halves().bytes;
+  constexpr std::size_t kFront = 6000;
+  auto begun = BrickVolume::begin(bytes.first(kFront), limits_of(std::size_t{1} << 30));
+  REQUIRE(std::holds_alternative<std::shared_ptr<BrickVolume>>(begun));
+  const auto bricks = std::get<0>(begun);
+  bricks->finish();
+  (void)shown_in(*bricks, far_view());
+  StreamReader reader;
+  std::vector<Bytes> chunks;
+  const auto take = [&](ChunkType type, std::span<const std::byte> payload, std::uint64_t) {
+    chunks.push_back(encode_chunk(type, payload));
+  };
+  reader.push(bytes, take);
+  reader.finish(take);
+  std::uint64_t number = std::uint64_t{1} << 62;
+  for (const Bytes& chunk : chunks) bricks->add(number++, chunk);
+  const auto shown = shown_in(*bricks, far_view()), expected = shown_in(*opened(std::size_t{1} << 30), far_view());
+  CHECK(bricks->statistics().finest == 0);
+  CHECK(shown->positions == expected->positions);
+  CHECK(shown->weights == expected->weights);
 }
 
 TEST_CASE("bricks: Parts that the transfer function of a view hides come last") {
