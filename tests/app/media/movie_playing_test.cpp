@@ -119,7 +119,7 @@ TEST_CASE("decodes movie frames to one image, without a new render item") {
   CHECK(document->first_scene->scene.gathered() == 1);
 }
 
-TEST_CASE("reports once that the process of a movie ended; the last picture stays") {
+TEST_CASE("reports once that the process of a movie ended, and keeps the last picture") {
   set_decoder_program(program());
   const ScratchFolder folder;
   (void)folder.write("a.mpg", movie("movie/counting.mp4"));
